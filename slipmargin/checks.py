@@ -1,0 +1,51 @@
+"""Refuse at the door: small checks that constructors share.
+
+Each raises :class:`~slipmargin.errors.InputError` naming the field, and returns the clean value.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipmargin.errors import InputError
+
+Array = NDArray[np.float64]
+
+#: Standard acceleration of gravity used throughout [m/s²].  The golden numbers are per unit of
+#: m g and do not depend on it; forces in newtons use this value.
+GRAVITY_M_S2 = 9.81
+
+
+def real(place: str, value: Any, *, low: float = -math.inf, high: float = math.inf,
+         above: float | None = None, cure: str) -> float:
+    """A finite float within ``[low, high]`` (and strictly greater than ``above``)."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.floating, np.integer)):
+        raise InputError(place, f"is {value!r}, not a number", cure)
+    try:
+        number = float(value)
+    except OverflowError:
+        raise InputError(place, "is too large for a floating-point number", cure) from None
+    if not math.isfinite(number):
+        raise InputError(place, f"is {number}, not a finite number", cure)
+    if number < low or number > high or (above is not None and number <= above):
+        raise InputError(place, f"is {number:g}", cure)
+    return number
+
+
+def frozen(place: str, value: Any, shape: tuple[int | None, ...]) -> Array:
+    """A read-only float copy of ``value`` with the given shape (``None``: any length), all finite."""
+    array = np.array(value, dtype=np.float64)
+    fits = array.ndim == len(shape) and all(
+        want is None or want == got for want, got in zip(shape, array.shape, strict=True)
+    )
+    if not fits:
+        wanted = "×".join("any" if n is None else str(n) for n in shape)
+        raise InputError(place, f"has shape {array.shape}", f"give an array of shape {wanted}")
+    if not np.all(np.isfinite(array)):
+        raise InputError(place, "holds a value that is not finite", "give finite numbers")
+    array.setflags(write=False)
+    return array

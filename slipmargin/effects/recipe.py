@@ -1,0 +1,37 @@
+"""A recipe: a robot, a surface and the effects on top.  Building it again is how the loop closes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import final
+
+from slipmargin.effects.effect import Effect
+from slipmargin.model import Model, nominal_model
+from slipmargin.robot import Robot
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Recipe:
+    """A robot with the effects that its file lists or that a diagnosis found."""
+
+    robot: Robot
+    effects: tuple[Effect, ...] = ()
+
+    def with_effect(self, effect: Effect) -> Recipe:
+        """The same recipe with one more effect."""
+        return replace(self, effects=(*self.effects, effect))
+
+    def build(self, surface: str) -> Model:
+        """The model of this machine on ``surface``: nominal, then each effect in turn."""
+        nominal = nominal_model(self.robot, surface)
+        return with_effects(nominal, self.effects)
+
+
+def with_effects(nominal: Model, effects: tuple[Effect, ...]) -> Model:
+    """``nominal`` with each effect's part rewritten, in the order given (effects commute)."""
+    model = nominal
+    for effect in effects:
+        field = effect.part.value
+        model = replace(model, **{field: effect.rewrite(getattr(model, field), nominal)})
+    return model

@@ -1,0 +1,47 @@
+"""The weight is shared differently than the file says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import ClassVar, final
+
+import numpy as np
+
+from slipmargin.effects.effect import Effect, Parameter, Part, Trace
+from slipmargin.model import Model
+from slipmargin.model.loads import sharing_matrix
+from slipmargin.model.parts import Loads
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WheelLoads(Effect):
+    """N_i ← N_i + m g (S [0, dx, dy])_i: the loads' resultant acts (dx, dy) away from where it did.
+
+    For three wheels every possible sharing of the weight is such a shift.
+    """
+
+    name: ClassVar[str] = "wheel_loads"
+    traced_to: ClassVar[Trace] = Trace.WHEEL_LOAD
+    part: ClassVar[Part] = Part.LOADS
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter(name="shift_x_m", unit="m", low=-0.5, high=0.5, null=0.0, scale=0.005,
+                  meaning="shift of the load centre to the right"),
+        Parameter(name="shift_y_m", unit="m", low=-0.5, high=0.5, null=0.0, scale=0.005,
+                  meaning="shift of the load centre forwards"),
+    )
+    source: ClassVar[str] = "moment balance about the floor (theory, section 3); positive right, forwards"
+    confirm: ClassVar[str] = "weigh the wheels: put each on a scale, the others level"
+
+    shift_x_m: float
+    shift_y_m: float
+    wheels: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        self._check()
+
+    def rewrite(self, part: Loads, nominal: Model) -> Loads:
+        """Loads with the shifted resultant."""
+        share = sharing_matrix(nominal.contacts.position_m)
+        moved = nominal.inertia.weight_N * share @ np.array([0.0, self.shift_x_m, self.shift_y_m])
+        return replace(part, rest_N=part.rest_N + moved, rule=part.rule + ", shifted")

@@ -1,0 +1,1 @@
+"""Package data: one TOML a machine, named by its source."""
