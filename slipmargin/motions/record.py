@@ -1,0 +1,105 @@
+"""A record: what cameras and encoders saw of one run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.errors import InputError
+
+#: The signals of the wheels that a record may hold: field name → meaning.
+WHEEL_SIGNALS = {
+    "omega": "measured wheel speed [rad/s]",
+    "theta": "measured wheel angle [rad]",
+    "omega_cmd": "commanded wheel speed [rad/s]",
+    "current": "motor current [A]",
+}
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Record:
+    """One measured run: sampled pose and what is known of the wheels, missing samples as NaN.
+
+    Parameters
+    ----------
+    name : str
+        What the run is called (its file's name without the ending).
+    t_s : array (T,)
+        Time stamps [s], strictly increasing, at least two; sampling may be irregular.
+    pose : array (T, 3)
+        x [m], y [m], φ [rad] of the body frame's origin in the floor frame; φ unwrapped.
+    omega, theta, omega_cmd, current : array (T, N) or None
+        Wheel speed [rad/s], angle [rad], commanded speed [rad/s], motor current [A].  A wheel that
+        has no such channel is a column of NaN; ``None`` where no wheel has.
+    """
+
+    name: str
+    t_s: Array
+    pose: Array
+    omega: Array | None = None
+    theta: Array | None = None
+    omega_cmd: Array | None = None
+    current: Array | None = None
+
+    def __post_init__(self) -> None:
+        time = _signal("t_s", self.t_s, (None,))
+        if len(time) < 2:
+            raise InputError("t_s", f"{len(time)} samples are no motion", "give two rows or more")
+        if not np.all(np.isfinite(time)):
+            raise InputError("t_s", "holds a time that is missing", "every row needs its time [s]")
+        step = np.diff(time)
+        if np.min(step) <= 0.0:
+            row = int(np.argmax(step <= 0.0)) + 1
+            raise InputError("t_s", f"sample {row + 1} is at {time[row]:g} s, after {time[row - 1]:g} s",
+                             "time must increase from row to row")
+        put = object.__setattr__
+        put(self, "t_s", time)
+        put(self, "pose", _signal("pose", self.pose, (len(time), 3)))
+        count: int | None = None
+        for field in WHEEL_SIGNALS:
+            value = getattr(self, field)
+            if value is None:
+                continue
+            signal = _signal(field, value, (len(time), count))
+            count = signal.shape[1]
+            put(self, field, signal)
+        if not self.seen.any():
+            raise InputError("pose", "no sample holds a whole pose", "give x, y and φ together")
+
+    @property
+    def seen(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        """(T,) true where the whole pose was measured."""
+        return np.asarray(np.isfinite(self.pose).all(axis=1))
+
+    @property
+    def wheels(self) -> int:
+        """Number of wheels N with a channel; 0 where only the pose is known."""
+        for field in WHEEL_SIGNALS:
+            value: Array | None = getattr(self, field)
+            if value is not None:
+                return int(value.shape[1])
+        return 0
+
+    @property
+    def duration_s(self) -> float:
+        """From the first to the last sample [s]."""
+        return float(self.t_s[-1] - self.t_s[0])
+
+
+def _signal(place: str, value: object, shape: tuple[int | None, ...]) -> Array:
+    """A read-only copy in which NaN stands for a missing sample; infinity is refused."""
+    array = np.array(value, dtype=np.float64)
+    fits = array.ndim == len(shape) and all(
+        want is None or want == got for want, got in zip(shape, array.shape, strict=True)
+    )
+    if not fits:
+        wanted = "×".join("any" if n is None else str(n) for n in shape)
+        raise InputError(place, f"has shape {array.shape}", f"give an array of shape {wanted}")
+    if np.isinf(array).any():
+        raise InputError(place, "holds an infinite value", "leave a missing sample empty")
+    array.setflags(write=False)
+    return array
