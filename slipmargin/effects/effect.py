@@ -61,6 +61,7 @@ class Parameter:
     null: float
     scale: float  #: a change worth noticing; the fit's unit of length
     meaning: str
+    starts: tuple[float, ...] = ()  #: where a fit starts; empty: one scale above null
 
 
 class Effect(ABC):
@@ -94,8 +95,16 @@ class Effect(ABC):
     @classmethod
     def of(cls, values: Array, wheels: tuple[str, ...] = ()) -> Self:
         """The effect with these parameter values."""
-        named = {p.name: float(v) for p, v in zip(cls.parameters, values, strict=True)}
-        return cls(wheels=wheels, **named)
+        named: dict[str, Any] = {p.name: float(v) for p, v in zip(cls.parameters, values, strict=True)}
+        return cls(**named, **({"wheels": wheels} if wheels else {}))
+
+    def to_table(self) -> dict[str, Any]:
+        """As a ``[[effect]]`` table of the robot file."""
+        table: dict[str, Any] = {"name": self.name}
+        table.update({p.name: getattr(self, p.name) for p in self.parameters})
+        if self.wheels:
+            table["wheels"] = list(self.wheels)
+        return table
 
     def _check(self) -> None:
         known = {f.name for f in fields(self)}  # type: ignore[arg-type]

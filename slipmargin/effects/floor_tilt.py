@@ -28,7 +28,9 @@ class FloorTilt(Effect):
         Parameter(name="tilt_y_rad", unit="rad", low=-0.3, high=0.3, null=0.0, scale=0.003,
                   meaning="slope down towards +y"),
     )
-    source: ClassVar[str] = "weight on an inclined plane; positive = downhill towards +x, +y of the floor frame"
+    source: ClassVar[str] = (
+        "weight on an inclined plane; positive = downhill towards +x, +y of the floor frame"
+    )
     confirm: ClassVar[str] = "a spirit level on the floor, or run the same trial turned by 180 degrees"
 
     tilt_x_rad: float

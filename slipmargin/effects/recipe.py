@@ -6,8 +6,12 @@ from dataclasses import dataclass, replace
 from typing import final
 
 from slipmargin.effects.effect import Effect
+from slipmargin.effects.general import GeneralEffect
 from slipmargin.model import Model, nominal_model
 from slipmargin.robot import Robot
+
+#: A named effect or one traced to a variable without a name.
+AnyEffect = Effect | GeneralEffect
 
 
 @final
@@ -16,9 +20,9 @@ class Recipe:
     """A robot with the effects that its file lists or that a diagnosis found."""
 
     robot: Robot
-    effects: tuple[Effect, ...] = ()
+    effects: tuple[AnyEffect, ...] = ()
 
-    def with_effect(self, effect: Effect) -> Recipe:
+    def with_effect(self, effect: AnyEffect) -> Recipe:
         """The same recipe with one more effect."""
         return replace(self, effects=(*self.effects, effect))
 
@@ -28,7 +32,7 @@ class Recipe:
         return with_effects(nominal, self.effects)
 
 
-def with_effects(nominal: Model, effects: tuple[Effect, ...]) -> Model:
+def with_effects(nominal: Model, effects: tuple[AnyEffect, ...]) -> Model:
     """``nominal`` with each effect's part rewritten, in the order given (effects commute)."""
     model = nominal
     for effect in effects:

@@ -25,9 +25,10 @@ class RigidSector(Effect):
     part: ClassVar[Part] = Part.GRIP
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter(name="rigid_fraction", unit="1", low=0.0, high=0.6, null=0.0, scale=0.02,
-                  meaning="share of the circumference that is rigid"),
+                  meaning="share of the circumference that is rigid", starts=(0.05, 0.15)),
         Parameter(name="rigid_coefficient", unit="1", low=0.0, high=3.0, null=0.0, scale=0.1,
-                  meaning="friction coefficient of the rigid material (0: as the surface says)"),
+                  meaning="friction coefficient of the rigid material (0: as the surface says)",
+                  starts=(0.5,)),
     )
     source: ClassVar[str] = "Williams et al. 2002, section IV.A and Table I; positive = more rigid"
     confirm: ClassVar[str] = "film a roller changeover, or turn each wheel by hand and mark the gaps"
@@ -42,7 +43,8 @@ class RigidSector(Effect):
     def rewrite(self, part: Grip, nominal: Model) -> Grip:
         """Grip with the rigid sectors."""
         mask = self.mask(nominal)
-        fraction = np.where(mask > 0, np.maximum(part.rigid_fraction, self.rigid_fraction), part.rigid_fraction)
+        wider = np.maximum(part.rigid_fraction, self.rigid_fraction)
+        fraction = np.where(mask > 0, wider, part.rigid_fraction)
         rigid = part.rigid
         if self.rigid_coefficient > 0.0:
             rigid = np.where(mask[:, None] > 0, self.rigid_coefficient, rigid)

@@ -16,7 +16,7 @@ def sharing_matrix(position_m: Array) -> Array:
     suspension stiffness for more (they are hyperstatic).
     """
     moments = np.vstack([np.ones(len(position_m)), position_m.T])
-    return np.linalg.pinv(moments)
+    return np.asarray(np.linalg.pinv(moments), dtype=np.float64)
 
 
 def load_centre(position_m: Array, rest_N: Array) -> Array:

@@ -10,7 +10,14 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.model.loads import nominal_loads
 from slipmargin.model.parts import (
-    Contacts, Drives, Grip, Inertia, Loads, Losses, Sensing, Transients,
+    Contacts,
+    Drives,
+    Grip,
+    Inertia,
+    Loads,
+    Losses,
+    Sensing,
+    Transients,
 )
 from slipmargin.robot import Robot
 

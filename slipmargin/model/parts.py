@@ -14,7 +14,7 @@ import numpy as np
 
 from slipmargin.checks import GRAVITY_M_S2, Array, frozen
 from slipmargin.errors import InputError
-from slipmargin.model.terms import ForceTerm, Modulation
+from slipmargin.model.terms import ForceTerm, Modulation, PoseShift
 from slipmargin.robot import GripShape
 
 
@@ -136,14 +136,15 @@ class Transients:
     """From commanded to real wheel speed: τ ω̇_i = gain_i ω_cmd,i(t − delay) − droop_i T_i − ω_i.
 
     ``lag_s`` (N,) τ [s], ``gain`` (N,) [1], ``droop_rad_s_per_N_m`` (N,) speed lost per torque T_i
-    that the wheel delivers [rad/(s N m)], ``delay_s`` [s].  They act only where wheel speeds are
-    commanded, not where they are measured.
+    that the wheel delivers [rad/(s N m)], ``delay_s`` [s].  ``modulations`` multiply ω_cmd,i over
+    COMMAND_SPEED or TIME.  They act only where wheel speeds are commanded, not where measured.
     """
 
     lag_s: Array
     gain: Array
     droop_rad_s_per_N_m: Array
     delay_s: float = 0.0
+    modulations: tuple[Modulation, ...] = ()
 
     def __post_init__(self) -> None:
         n = len(np.asarray(self.lag_s))
@@ -163,6 +164,7 @@ class Sensing:
 
     Measured position = ``scale`` ∘ R(``rotation_rad``) (p + R(φ) ``marker_m``), measured heading =
     ``heading_gain`` φ, both read ``delay_s`` late; ``wheel_gain`` (N,) is true over logged wheel speed.
+    ``warps`` add (Δx, Δy, Δφ) [m, m, rad] over a variable of the pose or time.
     """
 
     scale: Array
@@ -171,6 +173,7 @@ class Sensing:
     delay_s: float
     marker_m: Array
     wheel_gain: Array
+    warps: tuple[PoseShift, ...] = ()
 
     def __post_init__(self) -> None:
         _freeze(self, scale=(2,), marker_m=(2,), wheel_gain=(None,))

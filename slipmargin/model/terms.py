@@ -1,6 +1,6 @@
 """Friction that varies and forces that come on top, as data.
 
-Modulation (wheel i, target direction):  μ_i ← μ_i · max(0, 1 + Σ_b c_b φ_b(v_i))
+Modulation (wheel i, target direction):  μ_i ← μ_i · max(0, 1 + w_i Σ_b c_b φ_b(v_i)), w_i = wheels[i]
 Force term:                               w   ← w + Σ_b C[:, b] φ_b(v)   in the frame it names
 """
 
@@ -19,6 +19,7 @@ from slipmargin.model.variables import Basis, Frame, Target, Variable
 PER_WHEEL = frozenset({
     Variable.WHEEL_ANGLE, Variable.WHEEL_LOAD, Variable.SLIP_SPEED, Variable.SLIP_RATIO,
     Variable.SLIP_ANGLE, Variable.ROLLING_SPEED, Variable.SLIP_HEADING,
+    Variable.COMMAND_SPEED,
 })
 
 
@@ -66,8 +67,8 @@ def basis_values(basis: Basis, shape: Array, count: int, v: Array) -> Array:
 class Modulation:
     """A factor on friction: ``coefficients`` (B,) in ``basis`` over ``variable``.
 
-    ``wheels`` (N,) are weights, 1 where the modulation applies and 0 where not; ``shape`` (2,) are
-    the constants of the basis.
+    ``wheels`` (N,) are the weights w_i: 1 where the modulation applies in full, 0 where not at all;
+    ``shape`` (2,) are the constants of the basis.
     """
 
     variable: Variable
@@ -83,10 +84,10 @@ class Modulation:
         put(self, "shape", frozen("shape", self.shape, (2,)))
         put(self, "wheels", frozen("wheels", self.wheels, (None,)))
 
-    def factor(self, v: Array) -> Array:
-        """The factor at values ``v`` of the variable, same shape; never below zero."""
+    def factor(self, v: Array, weight: Array | float = 1.0) -> Array:
+        """The factor at values ``v`` for wheels of this weight, same shape as v; never below zero."""
         phi = basis_values(self.basis, self.shape, len(self.coefficients), v)
-        return np.maximum(0.0, 1.0 + phi @ self.coefficients)
+        return np.asarray(np.maximum(0.0, 1.0 + weight * (phi @ self.coefficients)), dtype=np.float64)
 
 
 @final
@@ -110,5 +111,28 @@ class ForceTerm:
 
     def wrench(self, v: Array) -> Array:
         """The wrench at values ``v``, ``v.shape + (3,)``, in the term's own frame."""
-        phi = basis_values(self.basis, self.shape, self.coefficients.shape[1], v)
-        return phi @ self.coefficients.T
+        return _triple(self, v)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PoseShift:
+    """A fault of the pose measurement: ``coefficients`` (3, B) [m, m, rad], floor frame."""
+
+    variable: Variable
+    basis: Basis
+    coefficients: Array
+    shape: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "coefficients", frozen("coefficients", self.coefficients, (3, None)))
+        object.__setattr__(self, "shape", frozen("shape", self.shape, (2,)))
+
+    def shift(self, v: Array) -> Array:
+        """(Δx, Δy, Δφ) at values ``v``, ``v.shape + (3,)``."""
+        return _triple(self, v)
+
+
+def _triple(term: ForceTerm | PoseShift, v: Array) -> Array:
+    phi = basis_values(term.basis, term.shape, term.coefficients.shape[1], v)
+    return np.asarray(phi @ term.coefficients.T, dtype=np.float64)

@@ -30,7 +30,9 @@ class Variable(IntEnum):
     POSITION_X = 15  #: x in the floor frame [m]
     POSITION_Y = 16  #: y in the floor frame [m]
     TIME = 17  #: time since the start of the run [s]
-    SLIP_HEADING = 18  #: floor-frame direction of the slip component [rad], per wheel: φ + arg ĝ_i (or f̂_i), + π if it is negative
+    SLIP_HEADING = 18  #: floor-frame direction of the slip component [rad], per wheel: φ + arg ĝ_i
+    #: (or f̂_i), plus π where the component is negative
+    COMMAND_SPEED = 19  #: |ω_cmd,i| [rad/s], per wheel; only for transients
 
 
 class Basis(IntEnum):

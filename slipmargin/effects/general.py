@@ -1,0 +1,156 @@
+"""An effect nobody has named: free coefficients in a general basis over the variable it was traced to.
+
+It stands in the robot file as ``unnamed_<variable>`` with its terms spelled out, so every command
+obeys it like a named one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, final
+
+import numpy as np
+
+from slipmargin.effects.effect import Part, Trace
+from slipmargin.errors import InputError
+from slipmargin.model import Model
+from slipmargin.model.terms import ForceTerm, Modulation, PoseShift
+from slipmargin.model.variables import Basis, Frame, Target, Variable
+
+PREFIX = "unnamed_"
+Term = Modulation | ForceTerm | PoseShift
+
+#: Which field of the part the terms are appended to, and the kind of term it takes.
+_PLACES: dict[Part, tuple[str, type]] = {
+    Part.GRIP: ("modulations", Modulation),
+    Part.LOSSES: ("terms", ForceTerm),
+    Part.TRANSIENTS: ("modulations", Modulation),
+    Part.SENSING: ("warps", PoseShift),
+}
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GeneralEffect:
+    """Terms over one traced variable, appended to one part of the model."""
+
+    traced_to: Trace
+    part: Part
+    terms: tuple[Term, ...]
+
+    def __post_init__(self) -> None:
+        if self.part not in _PLACES:
+            known = ", ".join(part.value for part in _PLACES)
+            raise InputError("part", f"is {self.part.value!r}", f"use one of: {known}")
+        kind = _PLACES[self.part][1]
+        if not all(isinstance(term, kind) for term in self.terms):
+            raise InputError("term", f"does not fit into {self.part.value}", f"give {kind.__name__} terms")
+
+    @property
+    def name(self) -> str:
+        """``unnamed_<variable>``."""
+        return PREFIX + self.traced_to.value
+
+    @property
+    def wheels(self) -> tuple[str, ...]:
+        """Every wheel; weights stand in the terms."""
+        return ()
+
+    def rewrite(self, part: Any, nominal: Model) -> Any:
+        """The part with these terms on top."""
+        del nominal
+        field = _PLACES[self.part][0]
+        return replace(part, **{field: (*getattr(part, field), *self.terms)})
+
+    def to_table(self) -> dict[str, Any]:
+        """As a ``[[effect]]`` table."""
+        return {"name": self.name, "part": self.part.value, "term": [_row(term) for term in self.terms]}
+
+
+def _row(term: Term) -> dict[str, Any]:
+    row: dict[str, Any] = {"variable": term.variable.name.lower(), "basis": term.basis.name.lower(),
+                           "shape": term.shape.tolist()}
+    if isinstance(term, Modulation):
+        return row | {"target": term.target.name.lower(), "wheel_weights": term.wheels.tolist(),
+                      "coefficients": term.coefficients.tolist()}
+    if isinstance(term, ForceTerm):
+        row["frame"] = term.frame.name.lower()
+    keys = _TRIPLE[type(term)]
+    return row | {key: term.coefficients[i].tolist() for i, key in enumerate(keys)}
+
+
+_COMMON = {"variable", "basis", "shape"}
+_TRIPLE: dict[type, tuple[str, str, str]] = {
+    ForceTerm: ("fx_N", "fy_N", "mz_N_m"),
+    PoseShift: ("dx_m", "dy_m", "dphi_rad"),
+}
+
+
+def from_table(table: Mapping[str, Any]) -> GeneralEffect:
+    """The effect that a ``[[effect]]`` table named ``unnamed_…`` describes.
+
+    Raises
+    ------
+    InputError
+        If a key is unknown or missing, or a value is not one of the known words or numbers.
+    """
+    _only("", table, {"name", "part", "term"})
+    trace = _word(Trace, "name", str(table["name"]).removeprefix(PREFIX))
+    part = _word(Part, "part", table["part"])
+    if part not in _PLACES:
+        raise InputError("part", f"is {part.value!r}", f"use one of: {', '.join(p.value for p in _PLACES)}")
+    rows = table["term"]
+    if not isinstance(rows, list) or not rows or not all(isinstance(row, Mapping) for row in rows):
+        raise InputError("term", "is not a list of tables", "write [[effect.term]] tables")
+    terms = tuple(_term(f"term[{i}]", _PLACES[part][1], row) for i, row in enumerate(rows, 1))
+    return GeneralEffect(traced_to=trace, part=part, terms=terms)
+
+
+def _term(place: str, kind: type, row: Mapping[str, Any]) -> Term:
+    if kind is Modulation:
+        keys = _COMMON | {"target", "coefficients", "wheel_weights"}
+    else:
+        keys = _COMMON | set(_TRIPLE[kind]) | ({"frame"} if kind is ForceTerm else set())
+    _only(place, row, keys)
+    try:
+        common: dict[str, Any] = {
+            "variable": _word(Variable, "variable", row["variable"]),
+            "basis": _word(Basis, "basis", row["basis"]),
+            "shape": _numbers("shape", row),
+        }
+        if kind is Modulation:
+            return Modulation(**common, target=_word(Target, "target", row["target"]),
+                              coefficients=_numbers("coefficients", row), wheels=_numbers("wheel_weights", row))
+        triple = [_numbers(key, row) for key in _TRIPLE[kind]]
+        if len({len(numbers) for numbers in triple}) != 1:
+            raise InputError(_TRIPLE[kind][0], "differs in length from the other two", "give them one length")
+        if kind is ForceTerm:
+            return ForceTerm(**common, coefficients=np.array(triple), frame=_word(Frame, "frame", row["frame"]))
+        return PoseShift(**common, coefficients=np.array(triple))
+    except InputError as error:
+        raise error.within(place) from None
+
+
+def _only(place: str, row: Mapping[str, Any], keys: set[str]) -> None:
+    prefix = f"{place}." if place else ""
+    for key in sorted(set(row) - keys):
+        raise InputError(prefix + key, "is not a known key", f"use only: {', '.join(sorted(keys))}")
+    for key in sorted(keys - set(row)):
+        raise InputError(prefix + key, "is missing", "add it")
+
+
+def _numbers(key: str, row: Mapping[str, Any]) -> list[float]:
+    value = row[key]
+    if not isinstance(value, list) or not value or not all(
+        isinstance(v, (int, float)) and not isinstance(v, bool) for v in value
+    ):
+        raise InputError(key, f"is {value!r}", "give a list of numbers")
+    return [float(v) for v in value]
+
+
+def _word(kind: Any, key: str, value: object) -> Any:
+    words = {(m.value if isinstance(m.value, str) else m.name.lower()): m for m in kind}
+    if not isinstance(value, str) or value not in words:
+        raise InputError(key, f"is {value!r}", f"use one of: {', '.join(words)}")
+    return words[value]

@@ -1,0 +1,40 @@
+"""A wheel cannot use its drive grip and its roller drag at the same time: the free roller’s law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import ClassVar, final
+
+from slipmargin.effects.effect import Effect, Parameter, Part, Trace
+from slipmargin.model import Model
+from slipmargin.model.parts import Grip
+from slipmargin.robot import GripShape
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RollerCoupling(Effect):
+    """Force set (1 − s)·box ⊕ s·{|f| ≤ μ_W N, |f_T| ≤ μ_T N}."""
+
+    name: ClassVar[str] = "roller_coupling"
+    traced_to: ClassVar[Trace] = Trace.SLIP_COUPLING
+    part: ClassVar[Part] = Part.GRIP
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter(name="strength", unit="1", low=0.0, high=1.0, null=0.0, scale=0.2,
+                  meaning="share of the coupled law", starts=(1.0,)),
+    )
+    source: ClassVar[str] = "theory, three grip sets (disc cut by the strip); 1 = a free roller on the floor"
+    confirm: ClassVar[str] = (
+        "drag the robot with one wheel locked at 45 degrees to its drive direction and compare the force"
+        " with the straight pulls"
+    )
+
+    strength: float
+    wheels: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        self._check()
+
+    def rewrite(self, part: Grip, nominal: Model) -> Grip:
+        """Grip with coupled directions."""
+        return replace(part, shape=GripShape.DISC_STRIP, coupling=self.strength)
