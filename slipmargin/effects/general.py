@@ -12,6 +12,7 @@ from typing import Any, final
 
 import numpy as np
 
+from slipmargin.checks import Array
 from slipmargin.effects.effect import Part, Trace
 from slipmargin.errors import InputError
 from slipmargin.model import Model
@@ -120,13 +121,15 @@ def _term(place: str, kind: type, row: Mapping[str, Any]) -> Term:
             "shape": _numbers("shape", row),
         }
         if kind is Modulation:
-            return Modulation(**common, target=_word(Target, "target", row["target"]),
-                              coefficients=_numbers("coefficients", row), wheels=_numbers("wheel_weights", row))
+            target = _word(Target, "target", row["target"])
+            return Modulation(**common, target=target, coefficients=_numbers("coefficients", row),
+                              wheels=_numbers("wheel_weights", row))
         triple = [_numbers(key, row) for key in _TRIPLE[kind]]
         if len({len(numbers) for numbers in triple}) != 1:
             raise InputError(_TRIPLE[kind][0], "differs in length from the other two", "give them one length")
         if kind is ForceTerm:
-            return ForceTerm(**common, coefficients=np.array(triple), frame=_word(Frame, "frame", row["frame"]))
+            frame = _word(Frame, "frame", row["frame"])
+            return ForceTerm(**common, coefficients=np.array(triple), frame=frame)
         return PoseShift(**common, coefficients=np.array(triple))
     except InputError as error:
         raise error.within(place) from None
@@ -140,13 +143,13 @@ def _only(place: str, row: Mapping[str, Any], keys: set[str]) -> None:
         raise InputError(prefix + key, "is missing", "add it")
 
 
-def _numbers(key: str, row: Mapping[str, Any]) -> list[float]:
+def _numbers(key: str, row: Mapping[str, Any]) -> Array:
     value = row[key]
     if not isinstance(value, list) or not value or not all(
         isinstance(v, (int, float)) and not isinstance(v, bool) for v in value
     ):
         raise InputError(key, f"is {value!r}", "give a list of numbers")
-    return [float(v) for v in value]
+    return np.array(value, dtype=np.float64)
 
 
 def _word(kind: Any, key: str, value: object) -> Any:

@@ -21,7 +21,7 @@ def sharing_matrix(position_m: Array) -> Array:
 
 def load_centre(position_m: Array, rest_N: Array) -> Array:
     """The point (2,) at which the loads' resultant acts [m]."""
-    return position_m.T @ rest_N / rest_N.sum()
+    return np.asarray(position_m.T @ rest_N / rest_N.sum(), dtype=np.float64)
 
 
 def nominal_loads(robot: Robot) -> Loads:
