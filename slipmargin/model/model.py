@@ -92,7 +92,7 @@ def nominal_model(robot: Robot, surface_name: str) -> Model:
         losses=Losses(),
         drives=Drives() if motor is None else Drives(max_speed_rad_s=motor.max_speed_rad_s,
                                                      stall_torque_N_m=motor.stall_torque_N_m),
-        transients=Transients.none(n), sensing=Sensing.ideal(n),
+        transients=Transients.none(n), sensing=Sensing.ideal(),
     )
 
 

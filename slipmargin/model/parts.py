@@ -163,7 +163,7 @@ class Sensing:
     """From the true pose to the measured one.
 
     Measured position = ``scale`` ∘ R(``rotation_rad``) (p + R(φ) ``marker_m``), measured heading =
-    ``heading_gain`` φ, both read ``delay_s`` late; ``wheel_gain`` (N,) is true over logged wheel speed.
+    ``heading_gain`` φ, both read ``delay_s`` late;
     ``warps`` add (Δx, Δy, Δφ) [m, m, rad] over a variable of the pose or time.
     """
 
@@ -172,14 +172,13 @@ class Sensing:
     heading_gain: float
     delay_s: float
     marker_m: Array
-    wheel_gain: Array
     warps: tuple[PoseShift, ...] = ()
 
     def __post_init__(self) -> None:
-        _freeze(self, scale=(2,), marker_m=(2,), wheel_gain=(None,))
+        _freeze(self, scale=(2,), marker_m=(2,))
 
     @staticmethod
-    def ideal(count: int) -> Sensing:
+    def ideal() -> Sensing:
         """A camera and encoders without fault."""
         return Sensing(scale=np.ones(2), rotation_rad=0.0, heading_gain=1.0, delay_s=0.0,
-                       marker_m=np.zeros(2), wheel_gain=np.ones(count))
+                       marker_m=np.zeros(2))
