@@ -1,0 +1,59 @@
+"""The band: a wheel may stand on a roller or on rigid material, so one pull test sees one of 2^N states.
+
+F_emax never falls when a coefficient rises.  A wheel whose rigid coefficients are both at least its
+roller's therefore stands on a roller in the lowest state and on rigid material in the highest, and
+only wheels where they cross need trying both ways: the band is exact without 2^N sweeps.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.limits.friction import Extreme, coefficients
+from slipmargin.limits.pull import Pull
+from slipmargin.limits.rows import facet_rows, largest, pull_geometry
+from slipmargin.model import Model
+from slipmargin.robot import GripShape
+
+
+def states(model: Model, extreme: Extreme) -> list[Array]:
+    """Contact states (N,) bool among which the extreme limit is found; True: on rigid material.
+
+    A wheel without rigid sectors stands on rollers, one that is all rigid stands on rigid material.
+    """
+    choices: list[tuple[bool, ...]] = []
+    for fraction, roller, rigid in zip(model.grip.rigid_fraction, model.grip.roller, model.grip.rigid,
+                                       strict=True):
+        if fraction <= 0.0:
+            choices.append((False,))
+        elif fraction >= 1.0:
+            choices.append((True,))
+        elif np.all(rigid >= roller):
+            choices.append((extreme is Extreme.HIGH,))
+        elif np.all(rigid <= roller):
+            choices.append((extreme is Extreme.LOW,))
+        else:
+            choices.append((False, True))
+    return [np.array(state) for state in product(*choices)]
+
+
+def band(model: Model, phi_rad: Array, pull: Pull) -> tuple[Array, Array]:
+    """Lowest and highest F_emax (M,) over contact states and unknown variables [N]."""
+    if model.grip.shape is GripShape.BOX or model.grip.coupling == 0.0:
+        geometry = pull_geometry(model, phi_rad, pull)
+
+        def one(state: Array, extreme: Extreme) -> Array:
+            mu = coefficients(model, state, phi_rad, extreme)
+            return largest(*facet_rows(geometry, mu, extreme))
+    else:
+        from slipmargin.limits.cones import cone_extreme  # clarabel is loaded only where a cone needs it
+
+        def one(state: Array, extreme: Extreme) -> Array:
+            return cone_extreme(model, phi_rad, pull, state, extreme)
+
+    low = np.min([np.nan_to_num(one(s, Extreme.LOW), nan=0.0) for s in states(model, Extreme.LOW)], axis=0)
+    high = np.max([np.nan_to_num(one(s, Extreme.HIGH), nan=0.0) for s in states(model, Extreme.HIGH)], axis=0)
+    return low, high

@@ -1,0 +1,121 @@
+"""The coefficients a wheel at rest can call on, as far as they can be known.
+
+Every modulation of the grip (model/terms.py) multiplies a coefficient by max(0, 1 + Σ c φ(v)).  At rest
+the slip, the velocities and the accelerations are zero; the heading of a sweep and the loads at rest
+are known; where the wheel stands (angle, place, time, direction of a slip that has not begun) is not:
+there the nominal value takes v = 0 and the band takes the interval.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.model import Model
+from slipmargin.model.terms import Modulation, basis_values
+from slipmargin.model.variables import Basis, Target, Variable
+
+#: Samples with which an unknown variable's range is searched for the extreme factors.
+SAMPLES = 361
+#: An unbounded basis (polynomial, odd) over an unknown variable is trusted to this many scales.
+SCALES = 1.0
+_UNKNOWN = (Variable.WHEEL_ANGLE, Variable.SLIP_ANGLE, Variable.POSITION_X, Variable.POSITION_Y,
+            Variable.TIME)
+_COLUMNS = {Target.DRIVE: (0,), Target.TRANSVERSE: (1,), Target.BOTH: (0, 1)}
+
+
+@final
+class Extreme(Enum):
+    """Which value an unknown variable takes."""
+
+    NEUTRAL = "v = 0"
+    LOW = "the least friction in the variable's range"
+    HIGH = "the most friction in the variable's range"
+
+
+def coefficients(model: Model, rigid: Array, phi_rad: Array, extreme: Extreme = Extreme.NEUTRAL) -> Array:
+    """Friction coefficients of wheels at rest.
+
+    Parameters
+    ----------
+    rigid : (N,) bool
+        Wheels that stand on rigid material; the others stand on a roller.
+    phi_rad : (M,)
+        Headings.
+
+    Returns
+    -------
+    (M or 1, N, 2, 2)
+        ``[m, i, j, s]``: component j (0 drive ĝ, 1 transverse f̂), s = 0 limits the force along −, s = 1
+        along +.  The first axis has length one where no heading matters.
+    """
+    base = np.where(np.asarray(rigid, dtype=bool)[:, None], model.grip.rigid, model.grip.roller)
+    out = np.repeat(base[None, :, :, None], 2, axis=3)
+    terms = [t for t in model.grip.modulations if t.target in _COLUMNS]
+    for term in terms:
+        if term.variable not in _UNKNOWN:
+            out = out * _known(term, model, phi_rad)
+    for variable in _UNKNOWN:
+        same = [t for t in terms if t.variable is variable]
+        if same:
+            out = out * _interval(same, variable, model.count, extreme)
+    return out
+
+
+def _known(term: Modulation, model: Model, phi_rad: Array) -> Array:
+    n = model.count
+    if term.variable is Variable.SLIP_HEADING:
+        # A force along +ĝ answers a slip along −ĝ, whose heading is φ + arg ĝ + π.
+        axes = np.stack([model.contacts.grip, model.contacts.free], axis=1)
+        arg = np.arctan2(axes[..., 1], axes[..., 0])
+        v = phi_rad[:, None, None, None] + arg[None, :, :, None] + np.array([0.0, np.pi])
+        v = np.mod(v + np.pi, 2.0 * np.pi) - np.pi
+    elif term.variable is Variable.HEADING:
+        v = np.broadcast_to(phi_rad[:, None, None, None], (len(phi_rad), n, 1, 1))
+    elif term.variable is Variable.WHEEL_LOAD:
+        v = (model.loads.rest_N * n / model.inertia.weight_N - 1.0).reshape(1, n, 1, 1)
+    else:
+        v = np.zeros((1, n, 1, 1))  # slip, velocities, accelerations: zero at rest
+    return _factors(term, v, n)
+
+
+def _factors(term: Modulation, v: Array, n: int) -> Array:
+    change = basis_values(term.basis, term.shape, len(term.coefficients), v) @ term.coefficients
+    factor = np.maximum(0.0, 1.0 + term.wheels.reshape(1, n, 1, 1) * change)
+    full = np.ones(np.broadcast_shapes(factor.shape, (1, n, 2, 2)))
+    for column in _COLUMNS[term.target]:
+        full[:, :, column] = factor[:, :, column if factor.shape[2] == 2 else 0]
+    return full
+
+
+def _interval(terms: list[Modulation], variable: Variable, n: int, extreme: Extreme) -> Array:
+    # Terms over one variable move together: their product is searched, not each alone.
+    grid = np.zeros(1) if extreme is Extreme.NEUTRAL else np.unique(
+        np.concatenate([np.zeros(1), *(span(t.basis, t.shape, variable) for t in terms)]))
+    v = np.broadcast_to(grid[:, None, None, None], (len(grid), n, 1, 1))
+    product = np.ones((len(grid), n, 2, 2))
+    for term in terms:
+        product = product * _factors(term, v, n)
+    pick = np.max if extreme is Extreme.HIGH else np.min
+    return np.asarray(pick(product, axis=0, keepdims=True))
+
+
+def span(basis: Basis, shape: Array, variable: Variable) -> Array:
+    """Values of an unknown variable among which the extremes of a basis are found."""
+    a, b = float(shape[0]), float(shape[1])
+    if variable is Variable.SLIP_ANGLE:
+        return np.linspace(0.0, np.pi / 2, SAMPLES)
+    forward = variable is Variable.TIME  # time only runs forwards
+    if basis is Basis.HATS:
+        return np.linspace(a, b, SAMPLES)
+    if basis is Basis.FOURIER:
+        return np.linspace(0.0, abs(a), SAMPLES)
+    if basis is Basis.WINDOW:
+        return np.array([max(a, 0.0) if forward else a, 0.5 * (a + b), b + abs(b - a)])
+    if basis in (Basis.DECAY, Basis.RECIPROCAL):
+        return np.concatenate([np.linspace(0.0, 5.0 * abs(a), SAMPLES), [1e6 * abs(a)]])
+    reach = SCALES * abs(a)
+    return np.linspace(0.0 if forward else -reach, reach, SAMPLES)

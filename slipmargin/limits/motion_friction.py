@@ -1,0 +1,143 @@
+"""Friction that a moving wheel has: its drive grip and its drag, each per unit of load.
+
+In motion the force across the rollers is not free: it is −μ_T N σ(k u·f̂), σ = (2/π) atan (theory,
+section 4).  Modulations are evaluated where their variable is known; where it is not they give an
+interval, of which a limit takes the worst.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.limits.motion_probes import probes
+from slipmargin.limits.motion_state import Contact, Kinematics, Motion
+from slipmargin.model import Model
+from slipmargin.model.parts import Grip
+from slipmargin.model.variables import Target
+from slipmargin.robot import GripShape
+
+#: Transverse slips below this share of the fastest wheel's speed count as none when ``saturated`` [1].
+STILL = 1e-9
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Friction:
+    """Friction per load of M samples and N wheels on the two materials (roller, rigid).
+
+    ``drive`` (2, M, N): |f·ĝ| ≤ drive · N_i.  The force along f̂ is −D N_i with D anywhere in
+    [``drag_low``, ``drag_high``].  ``possible`` (2, M, N) says on which material a wheel may stand.
+    ``slide`` (M, N) is the transverse slip [m/s], ``stiffness`` (M, N) k in the transverse direction and
+    ``drive_stiffness`` in the drive direction [s/m]; ``transverse`` (2, M, N) the coefficient itself.
+    """
+
+    drive: Array
+    drag_low: Array
+    drag_high: Array
+    transverse: Array
+    possible: np.ndarray[tuple[int, int, int], np.dtype[np.bool_]]
+    slide: Array
+    stiffness: Array
+    drive_stiffness: Array
+
+
+def sigma(z: Array) -> Array:
+    """Eq. (11): the share of the grip used at stiffness × slip = z."""
+    return np.asarray(2.0 / np.pi * np.arctan(z))
+
+
+def creep_bound(share: float, k_s_per_m: float) -> float:
+    """Fastest drive slip [m/s] of a wheel that uses ``share`` of its grip: tan(π λ/2)/k."""
+    return float(np.tan(np.pi / 2.0 * min(share, 0.98)) / k_s_per_m)
+
+
+def friction_in_motion(model: Model, motion: Motion, *, share: float = 1.0,
+                       contact: Contact = Contact.ROLLERS) -> Friction:
+    """Friction of every wheel at each sample.
+
+    Parameters
+    ----------
+    share : float
+        The largest share of the drive grip that will be used: bounds the creep where friction varies
+        with slip.
+    contact : Contact
+        What the wheels stand on.
+    """
+    grip = model.grip
+    slide = motion.velocity @ Kinematics.of(model).slide.T
+    creep = creep_bound(share, grip.k_s_per_m)
+    drive = _factor(model, motion, slide, creep, Target.DRIVE)
+    across = _factor(model, motion, slide, creep, Target.TRANSVERSE)
+    steep = _factor(model, motion, slide, creep, Target.STIFFNESS)
+    stiffness = grip.k_s_per_m * steep
+    bounds = _shares(motion, slide, stiffness)
+    coefficients = np.stack([grip.roller, grip.rigid])[:, None]  # (2, 1, N, 2)
+    ends = [coefficients[..., 1] * a * s for a in across for s in bounds]
+    drag_low, drag_high = np.min(ends, axis=0), np.max(ends, axis=0)
+    available = coefficients[..., 0] * drive[0]
+    worst = np.maximum(np.abs(drag_low), np.abs(drag_high))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        used = np.where(worst > 0.0, worst / (coefficients[..., 1] * across[0]), 0.0)
+    left = _coupling(grip, available, worst, np.clip(used, 0.0, 1.0))
+    return Friction(
+        drive=available * left, drag_low=drag_low, drag_high=drag_high,
+        transverse=coefficients[..., 1] * 0.5 * (across[0] + across[1]),
+        possible=_possible(grip, motion, contact), slide=slide,
+        stiffness=0.5 * (stiffness[0] + stiffness[1]), drive_stiffness=0.5 * (stiffness[0] + stiffness[1]))
+
+
+def _shares(motion: Motion, slide: Array, stiffness: Array) -> tuple[Array, Array]:
+    if motion.saturated:
+        still = STILL * np.max(np.abs(motion.velocity), axis=1, keepdims=True)
+        sign = np.where(np.abs(slide) <= still, 0.0, np.sign(slide))
+        return sign, sign
+    one, two = sigma(stiffness[0] * slide), sigma(stiffness[1] * slide)
+    return np.minimum(one, two), np.maximum(one, two)
+
+
+def _factor(model: Model, motion: Motion, slide: Array, creep: float, target: Target) -> Array:
+    """Lowest and highest product (2, M, N) of the modulations that act on ``target``."""
+    out = np.ones((2, motion.count, model.count))
+    for term in model.grip.modulations:
+        both = term.target is Target.BOTH and target is not Target.STIFFNESS
+        if term.target is not target and not both:
+            continue
+        v = probes(model, motion, slide, creep, term.variable, term.basis, term.shape,
+                   transverse=target is Target.TRANSVERSE)
+        factor = np.broadcast_to(term.factor(v, term.wheels), (len(v), motion.count, model.count))
+        out[0] *= factor.min(axis=0)
+        out[1] *= factor.max(axis=0)
+    return out
+
+
+def _coupling(grip: Grip, drive: Array, drag: Array, used: Array) -> Array:
+    """Share of the drive grip left beside a transverse force (theory, three grip sets).
+
+    (1 − c)·box ⊕ c·shape at a transverse share t: (1 − c) + c·h(t), with h = √(1 − t²) for the ellipse
+    and √(1 − (drag/μ_W)²) for the disc cut by the strip.
+    """
+    if grip.shape is GripShape.BOX or grip.coupling <= 0.0:
+        return np.ones_like(drive)
+    ratio = used if grip.shape is GripShape.ELLIPSE else np.minimum(drag / np.maximum(drive, 1e-300), 1.0)
+    return np.asarray(1.0 - grip.coupling * (1.0 - np.sqrt(np.maximum(0.0, 1.0 - ratio**2))))
+
+
+def _possible(grip: Grip, motion: Motion, contact: Contact) -> np.ndarray[tuple[int, int, int],
+                                                                         np.dtype[np.bool_]]:
+    shape = (motion.count, len(grip.rollers))
+    rigid = np.zeros(shape, dtype=bool)
+    roller = np.ones(shape, dtype=bool)
+    if contact is Contact.RIGID:
+        rigid, roller = roller, rigid
+    elif contact is Contact.UNKNOWN or (contact is Contact.ANGLE and motion.theta is None):
+        rigid |= grip.rigid_fraction > 0.0
+        roller &= grip.rigid_fraction < 1.0
+    elif contact is Contact.ANGLE and motion.theta is not None:
+        sector = 2.0 * np.pi / grip.rollers
+        rigid = np.mod(motion.theta, sector) >= (1.0 - grip.rigid_fraction) * sector
+        roller = ~rigid
+    return np.stack([roller, rigid])

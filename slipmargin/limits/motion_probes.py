@@ -1,0 +1,114 @@
+"""Values that a variable may have at a state: one where it is known, a range of probes where not."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from slipmargin.checks import GRAVITY_M_S2, Array
+from slipmargin.limits.motion_state import Kinematics, Motion
+from slipmargin.model import Model
+from slipmargin.model.variables import Basis, Variable
+
+#: Probes over an unknown variable.
+PROBES = 73
+#: A range for accelerations that nobody stated: this many times the best grip times g [1].
+ACCELERATION_RANGE = 1.0
+
+_BODY = {Variable.VELOCITY_X: 0, Variable.VELOCITY_Y: 1, Variable.YAW_RATE: 2}
+_ACCELERATION = {Variable.ACCELERATION_X: 0, Variable.ACCELERATION_Y: 1, Variable.YAW_ACCELERATION: 2}
+_PLACE = {Variable.POSITION_X: 0, Variable.POSITION_Y: 1}
+
+
+def probes(model: Model, motion: Motion, slide: Array, creep: float, variable: Variable, basis: Basis,
+           shape: Array, *, transverse: bool = False) -> Array:
+    """Values (P, M, N) or (P, M, 1) that ``variable`` may take.
+
+    Parameters
+    ----------
+    slide : (M, N)
+        Transverse slip [m/s].
+    creep : float
+        Largest drive slip [m/s].
+    basis, shape
+        The family of functions over the variable: an unknown variable is probed over its period or
+        knots.
+    transverse : bool
+        Whether the transverse component is asked for (slip variables).
+    """
+    if variable in _BODY:
+        return np.asarray(motion.velocity[None, :, _BODY[variable], None])
+    if variable is Variable.SPEED:
+        return np.asarray(np.hypot(motion.velocity[:, 0], motion.velocity[:, 1])[None, :, None])
+    if variable in _ACCELERATION:
+        return _acceleration(model, motion, _ACCELERATION[variable])
+    if variable in _PLACE:
+        known = None if motion.position is None else motion.position[:, _PLACE[variable]]
+        return _known_or_range(known, basis, shape)
+    if variable is Variable.HEADING:
+        return _heading(motion)
+    if variable is Variable.TIME:
+        return _known_or_range(motion.time_s, basis, shape)
+    if variable is Variable.WHEEL_ANGLE:
+        if motion.theta is not None:
+            return np.asarray(motion.theta[None])
+        turn = float(shape[0]) if basis is Basis.FOURIER else 2.0 * np.pi
+        return np.linspace(0.0, turn, PROBES)[:, None, None]
+    if variable is Variable.WHEEL_LOAD:
+        return _load(model)
+    if variable is Variable.SLIP_HEADING:
+        way = model.contacts.free if transverse else model.contacts.grip
+        angle = np.arctan2(way[:, 1], way[:, 0])
+        if transverse:
+            return np.asarray(_heading(motion) + angle + np.where(slide < 0.0, np.pi, 0.0)[None])
+        return np.asarray(np.concatenate([_heading(motion) + angle + half for half in (0.0, np.pi)]))
+    return _slip(model, motion, slide, creep, variable, transverse)
+
+
+def _slip(model: Model, motion: Motion, slide: Array, creep: float, variable: Variable,
+          transverse: bool) -> Array:
+    drive = np.linspace(0.0, creep, 9)[:, None, None]
+    if variable is Variable.SLIP_ANGLE:
+        return np.asarray(np.arctan2(np.abs(slide)[None], drive))
+    slip = np.abs(slide)[None] if transverse else drive
+    if variable is Variable.SLIP_SPEED:
+        return np.asarray(slip)
+    rows = Kinematics.of(model)
+    hub = np.linalg.norm(np.einsum("idj,mj->mid", rows.hub, motion.velocity), axis=2)
+    rolling = np.maximum(hub, np.abs(motion.velocity @ rows.spin.T))[None]
+    if variable is Variable.SLIP_RATIO:
+        return np.asarray(slip / (rolling + 1e-3))
+    if variable is Variable.ROLLING_SPEED:
+        return np.asarray(rolling)
+    return np.ones((1, 1, 1))  # UNITY, and COMMAND_SPEED, which no friction may depend on
+
+
+def _heading(motion: Motion) -> Array:
+    if motion.heading is not None:
+        return np.asarray(motion.heading[None, :, None])
+    return np.linspace(-np.pi, np.pi, PROBES)[:, None, None]
+
+
+def _known_or_range(known: Array | None, basis: Basis, shape: Array) -> Array:
+    if known is not None:
+        return np.asarray(known[None, :, None])
+    low, high = (float(shape[0]), float(shape[1])) if basis in (Basis.HATS, Basis.WINDOW) else (
+        0.0 if basis is Basis.FOURIER else -abs(float(shape[0])), abs(float(shape[0])))
+    return np.linspace(low, high, PROBES)[:, None, None]
+
+
+def _acceleration(model: Model, motion: Motion, column: int) -> Array:
+    if motion.acceleration is not None:
+        return np.asarray(motion.acceleration[None, :, column, None])
+    best = ACCELERATION_RANGE * GRAVITY_M_S2 * float(np.max(model.grip.roller[:, 0]))
+    arm = float(np.mean(np.hypot(*(model.contacts.position_m - model.inertia.com_m).T)))
+    top = best if column < 2 else best * model.inertia.mass_kg * arm / model.inertia.inertia_kg_m2
+    return np.linspace(-top, top, 9)[:, None, None]
+
+
+def _load(model: Model) -> Array:
+    equal = model.inertia.weight_N / model.count
+    swing = np.linalg.norm(model.loads.per_acceleration_kg, axis=1) * ACCELERATION_RANGE * GRAVITY_M_S2 * float(
+        np.max(model.grip.roller[:, 0]))
+    low, high = np.maximum(model.loads.rest_N - swing, 0.0), model.loads.rest_N + swing
+    steps = np.linspace(0.0, 1.0, 9 if np.any(swing > 0.0) else 1)[:, None, None]
+    return np.asarray((low + steps * (high - low)) / equal - 1.0)

@@ -1,0 +1,60 @@
+"""What pulls at the robot: direction, point of application, height, a moment with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array, frozen, real
+from slipmargin.model import Model
+from slipmargin.model.loads import sharing_matrix
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Pull:
+    """An external force on a robot at rest, as in eqs (12)–(18) and beyond them.
+
+    The default is the paper's: along +x of the floor, through the centre of mass, at the floor's
+    height.  A robot that pushes along a direction is pulled along the opposite one.
+
+    Parameters
+    ----------
+    direction_rad : float
+        Direction of the force in the floor frame [rad].
+    point_m : (2,), optional
+        Point of application in the body frame [m]; the centre of mass by default.
+    height_m : float
+        Height of the point above the floor [m]; the pull then shifts load: Σ N_i p_i moves by height × F.
+    moment_m : float
+        A moment that comes with the force, per newton [N m / N].
+    """
+
+    direction_rad: float = 0.0
+    point_m: Array | None = None
+    height_m: float = 0.0
+    moment_m: float = 0.0
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        put(self, "direction_rad", real("direction_rad", self.direction_rad, cure="give an angle [rad]"))
+        put(self, "height_m", real("height_m", self.height_m, low=0.0, cure="give a height ≥ 0 [m]"))
+        put(self, "moment_m", real("moment_m", self.moment_m, cure="give a lever arm [m]"))
+        if self.point_m is not None:
+            put(self, "point_m", frozen("point_m", self.point_m, (2,)))
+
+    def rays(self, model: Model, phi_rad: Array) -> Array:
+        """(M, 3) wrench on the body per newton of pull at headings φ (M,), about the centre of mass."""
+        angle = self.direction_rad - phi_rad  # R(φ)ᵀ turns a floor direction into the body frame
+        x, y = np.cos(angle), np.sin(angle)
+        arm = np.zeros(2) if self.point_m is None else self.point_m - model.inertia.com_m
+        return np.stack([x, y, arm[0] * y - arm[1] * x + self.moment_m], axis=-1)
+
+    def load_change(self, model: Model, rays: Array) -> Array:
+        """(M, N) change of each wheel's load per newton of pull: S (0, h d) with d the ray's force."""
+        if self.height_m == 0.0:
+            return np.zeros((len(rays), model.count))
+        share = sharing_matrix(model.contacts.position_m)[:, 1:]
+        return np.asarray(self.height_m * rays[:, :2] @ share.T)

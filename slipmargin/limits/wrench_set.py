@@ -1,0 +1,146 @@
+"""The wrenches the wheels can put on the body without slipping: facets, supports, per wheel and load.
+
+For the box grip it is a zonotope whose normals depend on the geometry only, so every offset is linear
+in the loads and in the coefficients: h = share @ N.  A coupled grip has the same closed-form support
+(a sum of the wheels' supports) but no facets: its rows here are true half-spaces, not all of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array, frozen
+from slipmargin.limits.friction import Extreme, coefficients
+from slipmargin.model import Model
+from slipmargin.robot import GripShape
+from slipmargin.sets.facets import facet_normals
+from slipmargin.sets.grips import box_support, disc_strip_support, ellipse_support
+from slipmargin.sets.zonotope import Zonotope
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class WrenchSet:
+    """Friction wrenches (Fx, Fy, Mz) about the centre of mass, body frame [N, N, N m].
+
+    Parameters
+    ----------
+    names : tuple of N str
+    maps : (3, N, 2)
+        ``maps[:, i, 0]`` wrench of a unit force of wheel i along ĝ_i, ``[:, i, 1]`` along f̂_i.
+    coefficients : (N, 2, 2)
+        ``[i, j, s]``: component j, limit along − (s = 0) and along + (s = 1).
+    load_N : (N,)
+    shape, coupling
+        The grip: (1 − coupling)·box ⊕ coupling·shape.
+    normals : (K, 3)
+        Outward normals of all facets of the box set [1, 1, 1/m].
+    """
+
+    names: tuple[str, ...]
+    maps: Array
+    coefficients: Array
+    load_N: Array
+    shape: GripShape
+    coupling: float
+    normals: Array
+
+    def __post_init__(self) -> None:
+        n, put = len(self.names), object.__setattr__
+        put(self, "maps", frozen("maps", self.maps, (3, n, 2)))
+        put(self, "coefficients", frozen("coefficients", self.coefficients, (n, 2, 2)))
+        put(self, "load_N", frozen("load_N", self.load_N, (n,)))
+        put(self, "normals", frozen("normals", self.normals, (None, 3)))
+
+    @property
+    def polyhedral(self) -> bool:
+        """Whether the facets describe the set exactly (box grip)."""
+        return self.shape is GripShape.BOX or self.coupling == 0.0
+
+    def share(self, directions: Array) -> Array:
+        """(..., N) support per unit load of each wheel: h(n) = share(n) @ N [N per N]."""
+        return wheel_share(self.maps, self.coefficients, np.asarray(directions, dtype=float), self.shape,
+                           self.coupling)
+
+    def support(self, directions: Array) -> Array:
+        """(...,) h(n) = max n·w over the set, closed form for every grip."""
+        return np.asarray(self.share(directions) @ self.load_N)
+
+    @property
+    def offsets(self) -> Array:
+        """(K,) offset of each facet: n_k·w ≤ h_k."""
+        return self.support(self.normals)
+
+    @property
+    def generators(self) -> Array:
+        """(3, 2N) generators of the box set: drive and transverse force of wheel 1, of wheel 2, …"""
+        half = 0.5 * self.coefficients.sum(axis=2) * self.load_N[:, None]
+        return np.asarray((self.maps * half).reshape(3, -1))
+
+    @property
+    def centre(self) -> Array:
+        """(3,) centre of the box set; zero unless friction depends on the sense of the slip."""
+        middle = 0.5 * (self.coefficients[..., 1] - self.coefficients[..., 0]) * self.load_N[:, None]
+        return np.asarray(np.einsum("aij,ij->a", self.maps, middle))
+
+    def zonotope(self) -> Zonotope:
+        """The box set as a zonotope: vertices, facets, volume."""
+        return Zonotope(generators=self.generators, centre=self.centre)
+
+
+_COUPLED = {GripShape.BOX: None, GripShape.DISC_STRIP: disc_strip_support, GripShape.ELLIPSE: ellipse_support}
+
+
+def wheel_share(maps: Array, mu: Array, directions: Array, shape: GripShape, coupling: float) -> Array:
+    """Support of each wheel's force set per unit load, in wrench directions n.
+
+    Parameters
+    ----------
+    maps, mu, directions : (3, N, 2), (..., N, 2, 2), (K, 3)
+
+    Returns
+    -------
+    (..., K, N)
+    """
+    seen = np.einsum("...a,aij->...ij", directions, maps)
+    if mu.ndim > 3:
+        mu = mu[..., None, :, :, :]
+    coupled = _COUPLED[shape]
+    if coupled is None or coupling == 0.0:
+        return box_support(seen, mu)
+    return np.asarray((1.0 - coupling) * box_support(seen, mu) + coupling * coupled(seen, mu))
+
+
+def wrench_maps(model: Model) -> Array:
+    """(3, N, 2): B_W and B_T of eqs (14)–(15) side by side per wheel."""
+    return np.stack(model.wrench_maps(), axis=2)
+
+
+def box_normals(maps: Array) -> Array:
+    """(K, 3) outward normals of every facet; they depend on geometry alone."""
+    half = facet_normals(maps.reshape(3, -1))
+    return np.vstack([half, -half])
+
+
+def wrench_set(model: Model, rigid: Array | None = None, phi_rad: float = 0.0,
+               extreme: Extreme = Extreme.NEUTRAL) -> WrenchSet:
+    """The wrench set of a model at rest.
+
+    Parameters
+    ----------
+    rigid : (N,) bool, optional
+        Wheels that stand on rigid material; by default all stand on rollers.
+    phi_rad : float
+        Heading [rad]; matters only where friction depends on it.
+    """
+    state = np.zeros(model.count, dtype=bool) if rigid is None else np.asarray(rigid, dtype=bool)
+    maps = wrench_maps(model)
+    return WrenchSet(
+        names=model.contacts.names, maps=maps,
+        coefficients=coefficients(model, state, np.array([phi_rad]), extreme)[0],
+        load_N=model.loads.rest_N, shape=model.grip.shape, coupling=model.grip.coupling,
+        normals=box_normals(maps),
+    )

@@ -1,0 +1,50 @@
+"""Support functions of the three sets a contact's force may lie in, per newton of load.
+
+In the contact's own axes with coefficients μ_1, μ_2 (theory section 2, three grip sets):
+
+  box         |a| ≤ μ_1, |b| ≤ μ_2                h(p, q) = μ_1 |p| + μ_2 |q|
+  ellipse     (a/μ_1)² + (b/μ_2)² ≤ 1             h(p, q) = √(μ_1² p² + μ_2² q²)
+  disc-strip  a² + b² ≤ μ_1², |b| ≤ μ_2           h(p, q) = μ_1 √(p² + q²)  where that point of the disc
+              lies in the strip, μ_1 |q| ≤ μ_2 √(p² + q²), else |p| √(μ_1² − μ_2²) + |q| μ_2
+
+Coefficients may differ by sense; supports of Minkowski sums add (Schneider, *Convex Bodies*, 1.7.5).
+Every function takes directions ``seen (..., N, 2)`` and coefficients ``mu (..., N, 2, 2)``, ``[i, j, s]``
+with s = 0 limiting the force along −, s = 1 along +, and gives ``(..., N)``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from slipmargin.checks import Array
+
+
+def box_support(seen: Array, mu: Array) -> Array:
+    """Support of the box."""
+    reach = _reach(seen, mu)
+    return np.asarray(reach[..., 0] + reach[..., 1])
+
+
+def ellipse_support(seen: Array, mu: Array) -> Array:
+    """Support of the ellipse (four quarters where coefficients differ by sense)."""
+    reach = _reach(seen, mu)
+    return np.asarray(np.hypot(reach[..., 0], reach[..., 1]))
+
+
+def disc_strip_support(seen: Array, mu: Array) -> Array:
+    """Support of the disc cut by the strip.
+
+    Where the disc's two radii differ by sense its reach along the second axis is the lesser.
+    """
+    p, q = np.abs(seen[..., 0]), np.abs(seen[..., 1])
+    radius = np.where(seen[..., 0] >= 0.0, mu[..., 0, 1], mu[..., 0, 0])
+    strip = np.where(seen[..., 1] >= 0.0, mu[..., 1, 1], mu[..., 1, 0])
+    across = np.min(mu[..., 0, :], axis=-1)
+    top = np.minimum(strip / np.where(across > 0.0, across, 1.0), 1.0)  # sine of the corner's angle
+    size = np.hypot(radius * p, across * q)
+    corner = radius * p * np.sqrt(1.0 - top**2) + across * top * q
+    return np.asarray(np.where(across * q <= top * size, size, corner))
+
+
+def _reach(seen: Array, mu: Array) -> Array:
+    return np.asarray(np.maximum(seen, 0.0) * mu[..., 1] + np.maximum(-seen, 0.0) * mu[..., 0])

@@ -1,0 +1,166 @@
+"""A zonotope: the image of a box.  Knows no robot.
+
+Z = c + {Σ_k a_k g_k : |a_k| ≤ 1}.  Its support in closed form is the whole interface; facets,
+vertices, volume, witnesses and ray exits follow from it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import combinations
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array, frozen
+from slipmargin.errors import NoSolution
+from slipmargin.sets.facets import IN_PLANE, PARALLEL, facet_normals, length_scale, ray_exit
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Zonotope:
+    """A zonotope in three dimensions.
+
+    Parameters
+    ----------
+    generators : (3, n)
+        Columns; zero columns and parallel columns are allowed.
+    centre : (3,)
+        Defaults to the origin.
+    """
+
+    generators: Array
+    centre: Array = field(default_factory=lambda: np.zeros(3))
+    normals: Array = field(init=False)  #: (K, 3) one of each pair of opposite facets
+    per_generator: Array = field(init=False)  #: (K, n) |n_k·g_j|: offsets are its row sums
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        put(self, "generators", frozen("generators", self.generators, (3, None)))
+        put(self, "centre", frozen("centre", self.centre, (3,)))
+        there = np.any(self.generators != 0.0, axis=0)
+        put(self, "normals", facet_normals(self.generators[:, there]))
+        per = np.abs(self.normals @ self.generators)
+        per.setflags(write=False)
+        put(self, "per_generator", per)
+
+    @property
+    def offsets(self) -> Array:
+        """(K,) support of each pair of facets about the centre: |n_k·(w − c)| ≤ h_k."""
+        return np.asarray(self.per_generator.sum(axis=1))
+
+    def support(self, direction: Array) -> Array:
+        """h(n) = n·c + Σ_k |n·g_k| for directions ``(..., 3)``."""
+        direction = np.asarray(direction, dtype=float)
+        return np.asarray(direction @ self.centre + np.abs(direction @ self.generators).sum(axis=-1))
+
+    def witness(self, direction: Array) -> Array:
+        """A point (..., 3) of the set at which the support is attained."""
+        sign = np.sign(np.asarray(direction, dtype=float) @ self.generators)
+        return np.asarray(self.centre + sign @ self.generators.T)
+
+    def half_spaces(self) -> tuple[Array, Array]:
+        """All facets: normals (2K, 3) and offsets (2K,) with n·w ≤ offset."""
+        shift = self.normals @ self.centre
+        both = np.vstack([self.normals, -self.normals])
+        return both, np.concatenate([self.offsets + shift, self.offsets - shift])
+
+    def slack(self, point: Array) -> Array:
+        """(..., 2K) offset − n·w of every facet: all ≥ 0 inside."""
+        normal, offset = self.half_spaces()
+        return np.asarray(offset - np.asarray(point, dtype=float) @ normal.T)
+
+    def exit(self, rays: Array, origin: Array | None = None) -> Array:
+        """How far rays go before they leave the set.
+
+        Parameters
+        ----------
+        rays : (M, 3)
+        origin : (3,), optional
+            A point inside; the centre by default.
+
+        Returns
+        -------
+        (M,) multiples of each ray.
+
+        Raises
+        ------
+        NoSolution
+            If the origin lies outside.
+        """
+        rays = np.atleast_2d(np.asarray(rays, dtype=float))
+        if origin is None:
+            return ray_exit(self.normals, self.offsets, rays)
+        return exit_from(*self.half_spaces(), np.asarray(origin, dtype=float), rays)
+
+    def volume(self) -> float:
+        """8 Σ |det(g_i, g_j, g_k)| over the triples of generators (McMullen)."""
+        triples = np.array(list(combinations(range(self.generators.shape[1]), 3)))
+        return float(8.0 * np.abs(np.linalg.det(self.generators.T[triples])).sum())
+
+    def vertices(self) -> Array:
+        """(V, 3) every vertex once, exact: each is one choice of signs of the merged generators.
+
+        A facet's face is the zonogon of the generators in its plane; its corners fix their signs
+        by the edges' normals, all others by the facet's normal.
+        """
+        merged = _merge_parallel(self.generators)
+        size = np.array([1.0, 1.0, length_scale(merged)])
+        unit = merged / size[:, None]
+        unit = unit / np.sqrt(np.sum(unit**2, axis=0))
+        normal = self.normals * size
+        normal = normal / np.sqrt(np.sum(normal**2, axis=1))[:, None]
+        across = normal @ unit
+        inside = np.abs(across) < IN_PLANE
+        facet, edge = np.nonzero(inside)
+        rows = np.arange(len(facet))
+        sideways = np.cross(normal[facet], unit.T[edge]) @ unit
+        base = np.where(across >= 0.0, 1, -1)[facet]
+        ahead = np.where(sideways >= 0.0, 1, -1)
+        signs = []
+        for turn in (1, -1):
+            for end in (1, -1):
+                corner = np.where(inside[facet], turn * ahead, base)
+                corner[rows, edge] = end
+                signs.append(corner)
+        stacked = np.concatenate(signs)
+        chosen = _unique_signs(np.concatenate([stacked, -stacked]))
+        return np.asarray(self.centre + chosen @ merged.T)
+
+
+def exit_from(normals: Array, offsets: Array, origin: Array, rays: Array) -> Array:
+    """Ray exits (M,) from an origin inside {w : n_k·w ≤ h_k}; ``origin`` (3,) or (M, 3)."""
+    room = offsets - origin @ normals.T
+    scale = np.max(np.abs(offsets))
+    if np.min(room) < -1e-12 * scale:
+        raise NoSolution("ray exit", "its origin lies outside the set", "start from a point inside")
+    along = rays @ normals.T
+    limit = np.full(np.broadcast_shapes(along.shape, room.shape), np.inf)
+    tiny = 1e-14 * np.max(np.abs(along), axis=-1, keepdims=True)
+    np.divide(np.maximum(room, 0.0), along, out=limit, where=along > tiny)
+    return np.asarray(np.min(limit, axis=-1))
+
+
+def _merge_parallel(generators: Array) -> Array:
+    # One generator a direction: parallel ones add, with the sign that makes them point the same way.
+    there = generators[:, np.any(generators != 0.0, axis=0)]
+    scaled = there / np.array([[1.0], [1.0], [length_scale(there)]])
+    unit = scaled / np.max(np.abs(scaled), axis=0)
+    unit = unit / np.sqrt(np.sum(unit**2, axis=0))
+    sine = np.linalg.norm(np.cross(unit.T[:, None], unit.T[None]), axis=-1)
+    columns, left = [], np.ones(there.shape[1], dtype=bool)
+    for k in range(there.shape[1]):
+        if left[k]:
+            alike = left & (sine[k] <= PARALLEL)
+            alike[k] = True
+            left &= ~alike
+            columns.append(there[:, alike] @ np.where(unit.T[alike] @ unit[:, k] >= 0.0, 1.0, -1.0))
+    return np.stack(columns, axis=1)
+
+
+def _unique_signs(signs: Array) -> Array:
+    # Rows of ±1 as bit strings: sorting bytes is faster than sorting rows, and has no limit on n.
+    packed = np.packbits(signs > 0, axis=1)
+    _, first = np.unique(packed.view([("", packed.dtype)] * packed.shape[1]).ravel(), return_index=True)
+    return signs[first]
