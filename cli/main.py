@@ -1,0 +1,140 @@
+"""The command line's front door: which commands exist, and how failures are told.
+
+To add a command, write ``cli/<command>.py`` with a function that takes typer annotations (see
+``options.py`` for the shared ones) and add its line to :data:`COMMANDS`.  A command with
+subcommands names a ``typer.Typer`` application instead of a function.  Rules of the house:
+
+* a command's module imports only typer, ``slipmargin_cli`` and ``slipmargin.errors`` at its top;
+  everything else inside the function, so that ``slipmargin --help`` stays quick;
+* only the module of the command that was asked for is imported at all;
+* a refusal is an :class:`~slipmargin.errors.InputError` (or ``NoSolution``, ``MotionStopped``),
+  never a print and an exit; for an option use ``refuse("--step", problem, cure)``;
+* a module that is not there yet leaves its command out of the list.
+
+Exit status: 0 done; 1 a defect of ours; 2 bad input or usage, said in one line on stderr;
+130 interrupted.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from importlib.util import find_spec
+from typing import Any
+
+import typer
+from slipmargin_cli.render import finish_output, tell
+
+from slipmargin import __version__
+from slipmargin.errors import SlipmarginError
+
+#: Command → where its function (or typer application) is, and its one line in the list.
+COMMANDS: dict[str, tuple[str, str]] = {
+    "sweep": ("slipmargin_cli.sweep:sweep", "How hard it can push in each direction before a wheel slips."),
+    "polytope": ("slipmargin_cli.polytope:polytope", "All forces and moments it can make: vertices, facets."),
+    "bounds": ("slipmargin_cli.bounds:bounds", "Accelerations and cornering speeds that do not slip."),
+    "plan": ("slipmargin_cli.plan:plan", "The fastest way along a path with a margin against slip."),
+    "check": ("slipmargin_cli.check:check", "Does a trajectory slip, where, and how much slower must it be?"),
+    "simulate": ("slipmargin_cli.simulate:simulate", "What really happens under given wheel speeds."),
+    "design": ("slipmargin_cli.design:design", "Which machine to build: every limit over varied dimensions."),
+    "diagnose": ("slipmargin_cli.diagnose:diagnose", "What physics is missing, judged by measured runs."),
+    "import": ("slipmargin_cli.import_logs:app", "Turn raw logs into a data set."),
+    "reproduce": ("slipmargin_cli.reproduce:reproduce", "Every published number beside ours."),
+    "robots": ("slipmargin_cli.robots:app", "The built-in robots: list, show."),
+    "effects": ("slipmargin_cli.effects:app", "The effects a robot file may hold: list, show."),
+}
+
+#: The parser's error types, wherever this version of typer keeps them.
+_UsageError, _ParserError = typer.BadParameter.__mro__[1:3]
+
+
+def run() -> None:
+    """Entry point of the ``slipmargin`` script."""
+    sys.exit(status(sys.argv[1:]))
+
+
+def status(arguments: list[str]) -> int:
+    """Carry out one command line; every failure is told here, and nowhere else.
+
+    Returns
+    -------
+    int
+        The exit status.
+    """
+    try:
+        command = typer.main.get_command(application(arguments))
+        code = command.main(arguments or ["--help"], prog_name="slipmargin", standalone_mode=False)
+        return finish_output(code if isinstance(code, int) else 0)
+    except SlipmarginError as fault:
+        return tell(f"error: {' '.join(str(fault).split())}", 2)
+    except _ParserError as fault:
+        return tell(f"error: {_usage(fault)}", 2)
+    except (KeyboardInterrupt, typer.Abort):
+        return finish_output(130)
+    except Exception as defect:
+        if os.environ.get("SLIPMARGIN_DEBUG"):
+            raise
+        return tell(f"internal error: {type(defect).__name__}: {' '.join(str(defect).split())[:300]} "
+                    "(a defect of slipmargin: run again with SLIPMARGIN_DEBUG=1 and report the traceback)", 1)
+
+
+def application(arguments: list[str]) -> typer.Typer:
+    """The application with the one command loaded that the arguments ask for, the others by name only."""
+    app = typer.Typer(name="slipmargin", add_completion=True, rich_markup_mode=None,
+                      pretty_exceptions_enable=False, callback=_top)
+    asked = next((word for word in arguments if not word.startswith("-")), None)
+    completing = any(name.endswith("_COMPLETE") for name in os.environ)
+    for name, (target, line) in COMMANDS.items():
+        module, _, attribute = target.partition(":")
+        if find_spec(module) is None:
+            continue
+        if name != asked and not completing:
+            app.command(name, help=line)(_not_loaded)
+            continue
+        found = getattr(importlib.import_module(module), attribute)
+        if isinstance(found, typer.Typer):
+            app.add_typer(found, name=name, help=line)
+        else:
+            app.command(name)(found)
+    return app
+
+
+def _not_loaded() -> None:
+    raise AssertionError("a command was run that had not been loaded")
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"slipmargin {__version__}")
+        raise typer.Exit()
+
+
+def _top(version: bool = typer.Option(False, "--version", callback=_version, is_eager=True,
+                                      help="Print the version.")) -> None:
+    """How hard a wheeled omnidirectional robot can push, turn and accelerate before a wheel slips.
+
+    Wherever a command takes ROBOT it takes a robot file or the name of a built-in robot (slipmargin
+    robots list).  Exit status: 0 done, 1 internal error, 2 bad input or usage, 130 interrupted.
+    """
+    del version
+
+
+def _usage(fault: Any) -> str:
+    """The parser's complaint in this program's one line: place, what is wrong, what to do."""
+    context = getattr(fault, "ctx", None)
+    path = context.command_path if context is not None else "slipmargin"
+    parameter = getattr(fault, "param", None)
+    options = [name for name in getattr(parameter, "opts", []) if name.startswith("-")]
+    name = options[-1] if options else str(getattr(parameter, "human_readable_name", "") or "").upper()
+    name = name or str(getattr(fault, "option_name", "") or "")
+    problem = " ".join(fault.format_message().split()).rstrip(".")
+    if type(fault).__name__ == "MissingParameter":
+        problem = "is missing"
+    elif type(fault).__name__ == "NoSuchOption":
+        guesses = " or ".join(getattr(fault, "possibilities", None) or ())
+        problem = "is not an option" + (f", did you mean {guesses}?" if guesses else "")
+    elif parameter is not None:
+        problem = str(fault.message).rstrip(".")
+    place = f"{name}: " if name else ""
+    return " ".join(f"command line: {place}{problem}, see {path} --help".split())
