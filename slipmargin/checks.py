@@ -20,8 +20,15 @@ Array = NDArray[np.float64]
 GRAVITY_M_S2 = 9.81
 
 
-def real(place: str, value: Any, *, low: float = -math.inf, high: float = math.inf,
-         above: float | None = None, cure: str) -> float:
+def real(
+    place: str,
+    value: Any,
+    *,
+    low: float = -math.inf,
+    high: float = math.inf,
+    above: float | None = None,
+    cure: str,
+) -> float:
     """A finite float within ``[low, high]`` (and strictly greater than ``above``)."""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.floating, np.integer)):
         raise InputError(place, f"is {value!r}, not a number", cure)

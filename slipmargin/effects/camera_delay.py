@@ -19,8 +19,15 @@ class CameraDelay(Effect):
     traced_to: ClassVar[Trace] = Trace.MEASUREMENT
     part: ClassVar[Part] = Part.SENSING
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(name="delay_s", unit="s", low=-0.5, high=0.5, null=0.0, scale=0.01,
-                  meaning="how late the pose is read"),
+        Parameter(
+            name="delay_s",
+            unit="s",
+            low=-0.5,
+            high=0.5,
+            null=0.0,
+            scale=0.01,
+            meaning="how late the pose is read",
+        ),
     )
     source: ClassVar[str] = "calibration of the pose measurement; see Sensing for signs"
     confirm: ClassVar[str] = "tap the robot and compare the time stamps of camera and encoders"

@@ -19,8 +19,15 @@ class CameraRotation(Effect):
     traced_to: ClassVar[Trace] = Trace.MEASUREMENT
     part: ClassVar[Part] = Part.SENSING
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(name="rotation_rad", unit="rad", low=-0.5, high=0.5, null=0.0, scale=0.01,
-                  meaning="angle of the measured track against the measured heading"),
+        Parameter(
+            name="rotation_rad",
+            unit="rad",
+            low=-0.5,
+            high=0.5,
+            null=0.0,
+            scale=0.01,
+            meaning="angle of the measured track against the measured heading",
+        ),
     )
     source: ClassVar[str] = "calibration of the pose measurement; see Sensing for signs"
     confirm: ClassVar[str] = "drive straight without slip and compare the track’s direction with the heading"

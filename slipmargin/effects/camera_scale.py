@@ -21,10 +21,24 @@ class CameraScale(Effect):
     traced_to: ClassVar[Trace] = Trace.MEASUREMENT
     part: ClassVar[Part] = Part.SENSING
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(name="scale_x", unit="1", low=0.5, high=2.0, null=1.0, scale=0.01,
-                  meaning="measured over true distance along x"),
-        Parameter(name="scale_y", unit="1", low=0.5, high=2.0, null=1.0, scale=0.01,
-                  meaning="measured over true distance along y"),
+        Parameter(
+            name="scale_x",
+            unit="1",
+            low=0.5,
+            high=2.0,
+            null=1.0,
+            scale=0.01,
+            meaning="measured over true distance along x",
+        ),
+        Parameter(
+            name="scale_y",
+            unit="1",
+            low=0.5,
+            high=2.0,
+            null=1.0,
+            scale=0.01,
+            meaning="measured over true distance along y",
+        ),
     )
     source: ClassVar[str] = "calibration of the pose measurement; see Sensing for signs"
     confirm: ClassVar[str] = "push the robot along a ruler and compare"

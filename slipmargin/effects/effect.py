@@ -110,8 +110,13 @@ class Effect(ABC):
         known = {f.name for f in fields(self)}  # type: ignore[arg-type]
         for p in self.parameters:
             assert p.name in known, f"{type(self).__name__} has no field {p.name}"
-            value = real(p.name, getattr(self, p.name), low=p.low, high=p.high,
-                         cure=f"{p.meaning} lies between {p.low:g} and {p.high:g} [{p.unit}]")
+            value = real(
+                p.name,
+                getattr(self, p.name),
+                low=p.low,
+                high=p.high,
+                cure=f"{p.meaning} lies between {p.low:g} and {p.high:g} [{p.unit}]",
+            )
             object.__setattr__(self, p.name, value)
 
     def mask(self, nominal: Model) -> Array:
@@ -119,6 +124,7 @@ class Effect(ABC):
         names = nominal.contacts.names
         for wheel in self.wheels:
             if wheel not in names:
-                raise InputError("wheels", f"{wheel!r} is not a wheel of this robot",
-                                 f"use one of: {', '.join(names)}")
+                raise InputError(
+                    "wheels", f"{wheel!r} is not a wheel of this robot", f"use one of: {', '.join(names)}"
+                )
         return np.array([float(not self.wheels or name in self.wheels) for name in names])

@@ -23,10 +23,24 @@ class FloorNap(Effect):
     traced_to: ClassVar[Trace] = Trace.HEADING
     part: ClassVar[Part] = Part.GRIP
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(name="nap_x", unit="1", low=-0.9, high=0.9, null=0.0, scale=0.05,
-                  meaning="relative change of friction when sliding towards +x"),
-        Parameter(name="nap_y", unit="1", low=-0.9, high=0.9, null=0.0, scale=0.05,
-                  meaning="relative change of friction when sliding towards +y"),
+        Parameter(
+            name="nap_x",
+            unit="1",
+            low=-0.9,
+            high=0.9,
+            null=0.0,
+            scale=0.05,
+            meaning="relative change of friction when sliding towards +x",
+        ),
+        Parameter(
+            name="nap_y",
+            unit="1",
+            low=-0.9,
+            high=0.9,
+            null=0.0,
+            scale=0.05,
+            meaning="relative change of friction when sliding towards +y",
+        ),
     )
     source: ClassVar[str] = (
         "directional friction of pile fabrics; positive = more friction sliding towards +x, +y"
@@ -42,7 +56,12 @@ class FloorNap(Effect):
 
     def rewrite(self, part: Grip, nominal: Model) -> Grip:
         """Grip that depends on the sliding direction over the floor."""
-        nap = Modulation(variable=Variable.SLIP_HEADING, basis=Basis.FOURIER, target=Target.BOTH,
-                         coefficients=np.array([self.nap_x, self.nap_y]), shape=np.array([2.0 * np.pi, 0.0]),
-                         wheels=self.mask(nominal))
+        nap = Modulation(
+            variable=Variable.SLIP_HEADING,
+            basis=Basis.FOURIER,
+            target=Target.BOTH,
+            coefficients=np.array([self.nap_x, self.nap_y]),
+            shape=np.array([2.0 * np.pi, 0.0]),
+            wheels=self.mask(nominal),
+        )
         return replace(part, modulations=(*part.modulations, nap))

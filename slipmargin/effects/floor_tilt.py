@@ -23,10 +23,24 @@ class FloorTilt(Effect):
     traced_to: ClassVar[Trace] = Trace.CONSTANT_FORCE
     part: ClassVar[Part] = Part.LOSSES
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(name="tilt_x_rad", unit="rad", low=-0.3, high=0.3, null=0.0, scale=0.003,
-                  meaning="slope down towards +x"),
-        Parameter(name="tilt_y_rad", unit="rad", low=-0.3, high=0.3, null=0.0, scale=0.003,
-                  meaning="slope down towards +y"),
+        Parameter(
+            name="tilt_x_rad",
+            unit="rad",
+            low=-0.3,
+            high=0.3,
+            null=0.0,
+            scale=0.003,
+            meaning="slope down towards +x",
+        ),
+        Parameter(
+            name="tilt_y_rad",
+            unit="rad",
+            low=-0.3,
+            high=0.3,
+            null=0.0,
+            scale=0.003,
+            meaning="slope down towards +y",
+        ),
     )
     source: ClassVar[str] = (
         "weight on an inclined plane; positive = downhill towards +x, +y of the floor frame"
@@ -43,6 +57,11 @@ class FloorTilt(Effect):
     def rewrite(self, part: Losses, nominal: Model) -> Losses:
         """Losses with the slope's pull."""
         pull = nominal.inertia.weight_N * np.array([[self.tilt_x_rad], [self.tilt_y_rad], [0.0]])
-        term = ForceTerm(variable=Variable.UNITY, basis=Basis.CONSTANT, coefficients=pull,
-                         shape=np.ones(2), frame=Frame.FLOOR)
+        term = ForceTerm(
+            variable=Variable.UNITY,
+            basis=Basis.CONSTANT,
+            coefficients=pull,
+            shape=np.ones(2),
+            frame=Frame.FLOOR,
+        )
         return replace(part, terms=(*part.terms, term))

@@ -21,15 +21,28 @@ class FrictionCoefficients(Effect):
     traced_to: ClassVar[Trace] = Trace.COEFFICIENT
     part: ClassVar[Part] = Part.GRIP
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(name="drive_factor", unit="1", low=0.05, high=20.0, null=1.0, scale=0.05,
-                  meaning="true over stated drive coefficient"),
-        Parameter(name="transverse_factor", unit="1", low=0.0, high=50.0, null=1.0, scale=0.05,
-                  meaning="true over stated transverse coefficient"),
+        Parameter(
+            name="drive_factor",
+            unit="1",
+            low=0.05,
+            high=20.0,
+            null=1.0,
+            scale=0.05,
+            meaning="true over stated drive coefficient",
+        ),
+        Parameter(
+            name="transverse_factor",
+            unit="1",
+            low=0.0,
+            high=50.0,
+            null=1.0,
+            scale=0.05,
+            meaning="true over stated transverse coefficient",
+        ),
     )
     source: ClassVar[str] = "Williams et al. 2002, Table I and eq. (11); above 1 = more friction than stated"
     confirm: ClassVar[str] = (
-        "tilt board in both roller directions: the coefficient is the tangent of the angle at which it "
-        "slides"
+        "tilt board in both roller directions: the coefficient is the tangent of the angle at which it slides"
     )
 
     drive_factor: float

@@ -70,11 +70,17 @@ class GeneralEffect:
 
 
 def _row(term: Term) -> dict[str, Any]:
-    row: dict[str, Any] = {"variable": term.variable.name.lower(), "basis": term.basis.name.lower(),
-                           "shape": term.shape.tolist()}
+    row: dict[str, Any] = {
+        "variable": term.variable.name.lower(),
+        "basis": term.basis.name.lower(),
+        "shape": term.shape.tolist(),
+    }
     if isinstance(term, Modulation):
-        return row | {"target": term.target.name.lower(), "wheel_weights": term.wheels.tolist(),
-                      "coefficients": term.coefficients.tolist()}
+        return row | {
+            "target": term.target.name.lower(),
+            "wheel_weights": term.wheels.tolist(),
+            "coefficients": term.coefficients.tolist(),
+        }
     if isinstance(term, ForceTerm):
         row["frame"] = term.frame.name.lower()
     keys = _TRIPLE[type(term)]
@@ -122,8 +128,12 @@ def _term(place: str, kind: type, row: Mapping[str, Any]) -> Term:
         }
         if kind is Modulation:
             target = _word(Target, "target", row["target"])
-            return Modulation(**common, target=target, coefficients=_numbers("coefficients", row),
-                              wheels=_numbers("wheel_weights", row))
+            return Modulation(
+                **common,
+                target=target,
+                coefficients=_numbers("coefficients", row),
+                wheels=_numbers("wheel_weights", row),
+            )
         triple = [_numbers(key, row) for key in _TRIPLE[kind]]
         if len({len(numbers) for numbers in triple}) != 1:
             raise InputError(_TRIPLE[kind][0], "differs in length from the other two", "give them one length")
@@ -145,8 +155,10 @@ def _only(place: str, row: Mapping[str, Any], keys: set[str]) -> None:
 
 def _numbers(key: str, row: Mapping[str, Any]) -> Array:
     value = row[key]
-    if not isinstance(value, list) or not value or not all(
-        isinstance(v, (int, float)) and not isinstance(v, bool) for v in value
+    if (
+        not isinstance(value, list)
+        or not value
+        or not all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in value)
     ):
         raise InputError(key, f"is {value!r}", "give a list of numbers")
     return np.array(value, dtype=np.float64)

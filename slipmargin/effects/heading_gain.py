@@ -19,8 +19,15 @@ class HeadingGain(Effect):
     traced_to: ClassVar[Trace] = Trace.MEASUREMENT
     part: ClassVar[Part] = Part.SENSING
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(name="gain", unit="1", low=0.5, high=2.0, null=1.0, scale=0.01,
-                  meaning="measured over true heading change"),
+        Parameter(
+            name="gain",
+            unit="1",
+            low=0.5,
+            high=2.0,
+            null=1.0,
+            scale=0.01,
+            meaning="measured over true heading change",
+        ),
     )
     source: ClassVar[str] = "calibration of the pose measurement; see Sensing for signs"
     confirm: ClassVar[str] = "turn the robot by one full turn by hand and read the heading"

@@ -20,8 +20,15 @@ class LoadTransfer(Effect):
     traced_to: ClassVar[Trace] = Trace.ACCELERATION
     part: ClassVar[Part] = Part.LOADS
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(name="com_height_m", unit="m", low=-0.5, high=1.0, null=0.0, scale=0.02,
-                  meaning="height of the centre of mass above the floor, on top of the file’s"),
+        Parameter(
+            name="com_height_m",
+            unit="m",
+            low=-0.5,
+            high=1.0,
+            null=0.0,
+            scale=0.02,
+            meaning="height of the centre of mass above the floor, on top of the file’s",
+        ),
     )
     source: ClassVar[str] = (
         "moment balance about the floor (theory, section 3); positive = the wheels behind carry more"
@@ -40,5 +47,8 @@ class LoadTransfer(Effect):
         """Loads that follow the acceleration."""
         share = sharing_matrix(nominal.contacts.position_m)
         shift = -nominal.inertia.mass_kg * self.com_height_m * share[:, 1:]
-        return replace(part, per_acceleration_kg=part.per_acceleration_kg + shift,
-                       rule=part.rule + ", plus load transfer")
+        return replace(
+            part,
+            per_acceleration_kg=part.per_acceleration_kg + shift,
+            rule=part.rule + ", plus load transfer",
+        )

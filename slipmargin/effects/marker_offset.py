@@ -21,10 +21,24 @@ class MarkerOffset(Effect):
     traced_to: ClassVar[Trace] = Trace.MEASUREMENT
     part: ClassVar[Part] = Part.SENSING
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(name="marker_x_m", unit="m", low=-1.0, high=1.0, null=0.0, scale=0.005,
-                  meaning="marker to the right of the origin"),
-        Parameter(name="marker_y_m", unit="m", low=-1.0, high=1.0, null=0.0, scale=0.005,
-                  meaning="marker ahead of the origin"),
+        Parameter(
+            name="marker_x_m",
+            unit="m",
+            low=-1.0,
+            high=1.0,
+            null=0.0,
+            scale=0.005,
+            meaning="marker to the right of the origin",
+        ),
+        Parameter(
+            name="marker_y_m",
+            unit="m",
+            low=-1.0,
+            high=1.0,
+            null=0.0,
+            scale=0.005,
+            meaning="marker ahead of the origin",
+        ),
     )
     source: ClassVar[str] = "calibration of the pose measurement; see Sensing for signs"
     confirm: ClassVar[str] = "spin the robot on the spot: an offset marker draws a circle"

@@ -19,10 +19,25 @@ class MotorLag(Effect):
     traced_to: ClassVar[Trace] = Trace.ACTUATION
     part: ClassVar[Part] = Part.TRANSIENTS
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(name="lag_s", unit="s", low=0.0, high=2.0, null=0.0, scale=0.02,
-                  meaning="time constant of the wheel speed"),
-        Parameter(name="delay_s", unit="s", low=0.0, high=1.0, null=0.0, scale=0.01,
-                  meaning="dead time before a command acts", starts=(0.0,)),
+        Parameter(
+            name="lag_s",
+            unit="s",
+            low=0.0,
+            high=2.0,
+            null=0.0,
+            scale=0.02,
+            meaning="time constant of the wheel speed",
+        ),
+        Parameter(
+            name="delay_s",
+            unit="s",
+            low=0.0,
+            high=1.0,
+            null=0.0,
+            scale=0.01,
+            meaning="dead time before a command acts",
+            starts=(0.0,),
+        ),
     )
     source: ClassVar[str] = "first-order speed loop; positive = later"
     confirm: ClassVar[str] = "log the measured wheel speeds beside the commands"

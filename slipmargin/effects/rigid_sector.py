@@ -24,11 +24,26 @@ class RigidSector(Effect):
     traced_to: ClassVar[Trace] = Trace.WHEEL_ANGLE
     part: ClassVar[Part] = Part.GRIP
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(name="rigid_fraction", unit="1", low=0.0, high=0.6, null=0.0, scale=0.02,
-                  meaning="share of the circumference that is rigid", starts=(0.05, 0.15)),
-        Parameter(name="rigid_coefficient", unit="1", low=0.0, high=3.0, null=0.0, scale=0.1,
-                  meaning="friction coefficient of the rigid material (0: as the surface says)",
-                  starts=(0.5,)),
+        Parameter(
+            name="rigid_fraction",
+            unit="1",
+            low=0.0,
+            high=0.6,
+            null=0.0,
+            scale=0.02,
+            meaning="share of the circumference that is rigid",
+            starts=(0.05, 0.15),
+        ),
+        Parameter(
+            name="rigid_coefficient",
+            unit="1",
+            low=0.0,
+            high=3.0,
+            null=0.0,
+            scale=0.1,
+            meaning="friction coefficient of the rigid material (0: as the surface says)",
+            starts=(0.5,),
+        ),
     )
     source: ClassVar[str] = "Williams et al. 2002, section IV.A and Table I; positive = more rigid"
     confirm: ClassVar[str] = "film a roller changeover, or turn each wheel by hand and mark the gaps"

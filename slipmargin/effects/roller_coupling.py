@@ -20,8 +20,16 @@ class RollerCoupling(Effect):
     traced_to: ClassVar[Trace] = Trace.SLIP_COUPLING
     part: ClassVar[Part] = Part.GRIP
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(name="strength", unit="1", low=0.0, high=1.0, null=0.0, scale=0.2,
-                  meaning="share of the coupled law", starts=(1.0,)),
+        Parameter(
+            name="strength",
+            unit="1",
+            low=0.0,
+            high=1.0,
+            null=0.0,
+            scale=0.2,
+            meaning="share of the coupled law",
+            starts=(1.0,),
+        ),
     )
     source: ClassVar[str] = "theory, three grip sets (disc cut by the strip); 1 = a free roller on the floor"
     confirm: ClassVar[str] = (

@@ -23,10 +23,24 @@ class RollingResistance(Effect):
     traced_to: ClassVar[Trace] = Trace.VELOCITY
     part: ClassVar[Part] = Part.LOSSES
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(name="coefficient", unit="1", low=-0.05, high=1.0, null=0.0, scale=0.01,
-                  meaning="resistance over weight, independent of speed"),
-        Parameter(name="viscous_N_s_per_m", unit="N s/m", low=-5.0, high=200.0, null=0.0, scale=1.0,
-                  meaning="resistance per speed"),
+        Parameter(
+            name="coefficient",
+            unit="1",
+            low=-0.05,
+            high=1.0,
+            null=0.0,
+            scale=0.01,
+            meaning="resistance over weight, independent of speed",
+        ),
+        Parameter(
+            name="viscous_N_s_per_m",
+            unit="N s/m",
+            low=-5.0,
+            high=200.0,
+            null=0.0,
+            scale=1.0,
+            meaning="resistance per speed",
+        ),
     )
     source: ClassVar[str] = "rolling resistance coefficient, ISO 28580 sense; positive = against the motion"
     confirm: ClassVar[str] = (
@@ -46,10 +60,18 @@ class RollingResistance(Effect):
         arm = float(np.mean(np.hypot(*(nominal.contacts.position_m - inertia.com_m).T)))
         coulomb, viscous = self.coefficient * inertia.weight_N, self.viscous_N_s_per_m
         none = [0.0, 0.0]
-        push = ForceTerm(variable=Variable.SPEED, basis=Basis.ODD, frame=Frame.AGAINST_MOTION,
-                         shape=np.array([1e-3, 0.0]),
-                         coefficients=np.array([[coulomb, viscous], none, none]))
-        turn = ForceTerm(variable=Variable.YAW_RATE, basis=Basis.ODD, frame=Frame.BODY,
-                         shape=np.array([1e-3 / arm, 0.0]),
-                         coefficients=np.array([none, none, [-coulomb * arm, -viscous * arm**2]]))
+        push = ForceTerm(
+            variable=Variable.SPEED,
+            basis=Basis.ODD,
+            frame=Frame.AGAINST_MOTION,
+            shape=np.array([1e-3, 0.0]),
+            coefficients=np.array([[coulomb, viscous], none, none]),
+        )
+        turn = ForceTerm(
+            variable=Variable.YAW_RATE,
+            basis=Basis.ODD,
+            frame=Frame.BODY,
+            shape=np.array([1e-3 / arm, 0.0]),
+            coefficients=np.array([none, none, [-coulomb * arm, -viscous * arm**2]]),
+        )
         return replace(part, terms=(*part.terms, push, turn))

@@ -23,14 +23,29 @@ class SlipRatioFriction(Effect):
     traced_to: ClassVar[Trace] = Trace.SLIP_RATIO
     part: ClassVar[Part] = Part.GRIP
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(name="share", unit="1", low=0.0, high=1.0, null=0.0, scale=0.2,
-                  meaning="share of the law that depends on the ratio", starts=(1.0,)),
-        Parameter(name="steepness", unit="1", low=0.5, high=500.0, null=20.0, scale=5.0,
-                  meaning="steepness κ of the friction law in the slip ratio", starts=(10.0, 50.0)),
+        Parameter(
+            name="share",
+            unit="1",
+            low=0.0,
+            high=1.0,
+            null=0.0,
+            scale=0.2,
+            meaning="share of the law that depends on the ratio",
+            starts=(1.0,),
+        ),
+        Parameter(
+            name="steepness",
+            unit="1",
+            low=0.5,
+            high=500.0,
+            null=20.0,
+            scale=5.0,
+            meaning="steepness κ of the friction law in the slip ratio",
+            starts=(10.0, 50.0),
+        ),
     )
     source: ClassVar[str] = (
-        "Kalker, Rolling Contact Phenomena (creepage = slip over rolling speed); positive share = "
-        "creepage"
+        "Kalker, Rolling Contact Phenomena (creepage = slip over rolling speed); positive share = creepage"
     )
     confirm: ClassVar[str] = "drive the same path at two speeds: the lost share of the distance is the same"
 
@@ -43,7 +58,12 @@ class SlipRatioFriction(Effect):
 
     def rewrite(self, part: Grip, nominal: Model) -> Grip:
         """Grip whose steepness goes with the inverse rolling speed."""
-        creep = Modulation(variable=Variable.ROLLING_SPEED, basis=Basis.RECIPROCAL, target=Target.STIFFNESS,
-                           shape=np.array([self.steepness / nominal.grip.k_s_per_m, 0.005]),
-                           coefficients=np.array([1.0]), wheels=self.mask(nominal) * self.share)
+        creep = Modulation(
+            variable=Variable.ROLLING_SPEED,
+            basis=Basis.RECIPROCAL,
+            target=Target.STIFFNESS,
+            shape=np.array([self.steepness / nominal.grip.k_s_per_m, 0.005]),
+            coefficients=np.array([1.0]),
+            wheels=self.mask(nominal) * self.share,
+        )
         return replace(part, modulations=(*part.modulations, creep))

@@ -19,10 +19,24 @@ class SpeedDroop(Effect):
     traced_to: ClassVar[Trace] = Trace.ACTUATION
     part: ClassVar[Part] = Part.TRANSIENTS
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(name="droop_rad_s_per_N_m", unit="rad/(s N m)", low=0.0, high=500.0, null=0.0, scale=2.0,
-                  meaning="speed lost per torque delivered"),
-        Parameter(name="speed_factor", unit="1", low=0.2, high=2.0, null=1.0, scale=0.02,
-                  meaning="true over commanded speed without load"),
+        Parameter(
+            name="droop_rad_s_per_N_m",
+            unit="rad/(s N m)",
+            low=0.0,
+            high=500.0,
+            null=0.0,
+            scale=2.0,
+            meaning="speed lost per torque delivered",
+        ),
+        Parameter(
+            name="speed_factor",
+            unit="1",
+            low=0.2,
+            high=2.0,
+            null=1.0,
+            scale=0.02,
+            meaning="true over commanded speed without load",
+        ),
     )
     source: ClassVar[str] = "the motor’s straight torque–speed line; positive = slower under load"
     confirm: ClassVar[str] = "log the measured wheel speeds beside the commands, once with a heavier robot"
@@ -37,5 +51,8 @@ class SpeedDroop(Effect):
     def rewrite(self, part: Transients, nominal: Model) -> Transients:
         """Transients with droop."""
         mask = self.mask(nominal)
-        return replace(part, droop_rad_s_per_N_m=part.droop_rad_s_per_N_m + mask * self.droop_rad_s_per_N_m,
-                       gain=part.gain * (1.0 + mask * (self.speed_factor - 1.0)))
+        return replace(
+            part,
+            droop_rad_s_per_N_m=part.droop_rad_s_per_N_m + mask * self.droop_rad_s_per_N_m,
+            gain=part.gain * (1.0 + mask * (self.speed_factor - 1.0)),
+        )

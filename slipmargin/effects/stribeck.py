@@ -23,14 +23,29 @@ class Stribeck(Effect):
     traced_to: ClassVar[Trace] = Trace.SLIP_SPEED
     part: ClassVar[Part] = Part.GRIP
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(name="dynamic_ratio", unit="1", low=0.05, high=3.0, null=1.0, scale=0.1,
-                  meaning="dynamic over static coefficient", starts=(0.8,)),
-        Parameter(name="stribeck_speed_m_s", unit="m/s", low=0.002, high=1.0, null=0.05, scale=0.01,
-                  meaning="slip speed at which most of the drop has happened", starts=(0.03, 0.1)),
+        Parameter(
+            name="dynamic_ratio",
+            unit="1",
+            low=0.05,
+            high=3.0,
+            null=1.0,
+            scale=0.1,
+            meaning="dynamic over static coefficient",
+            starts=(0.8,),
+        ),
+        Parameter(
+            name="stribeck_speed_m_s",
+            unit="m/s",
+            low=0.002,
+            high=1.0,
+            null=0.05,
+            scale=0.01,
+            meaning="slip speed at which most of the drop has happened",
+            starts=(0.03, 0.1),
+        ),
     )
     source: ClassVar[str] = (
-        "Armstrong-Hélouvry, Control of Machines with Friction, 1991, eq. (2.7); below 1 = friction "
-        "drops"
+        "Armstrong-Hélouvry, Control of Machines with Friction, 1991, eq. (2.7); below 1 = friction drops"
     )
     confirm: ClassVar[str] = "drag the robot with locked wheels at several steady speeds and read the force"
 
@@ -43,7 +58,12 @@ class Stribeck(Effect):
 
     def rewrite(self, part: Grip, nominal: Model) -> Grip:
         """Grip whose coefficients fall with slip speed."""
-        drop = Modulation(variable=Variable.SLIP_SPEED, basis=Basis.DECAY, target=Target.BOTH,
-                          coefficients=np.array([1.0]), shape=np.array([self.stribeck_speed_m_s, 2.0]),
-                          wheels=self.mask(nominal) * (1.0 - self.dynamic_ratio))
+        drop = Modulation(
+            variable=Variable.SLIP_SPEED,
+            basis=Basis.DECAY,
+            target=Target.BOTH,
+            coefficients=np.array([1.0]),
+            shape=np.array([self.stribeck_speed_m_s, 2.0]),
+            wheels=self.mask(nominal) * (1.0 - self.dynamic_ratio),
+        )
         return replace(part, modulations=(*part.modulations, drop))

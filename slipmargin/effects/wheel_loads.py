@@ -25,10 +25,24 @@ class WheelLoads(Effect):
     traced_to: ClassVar[Trace] = Trace.WHEEL_LOAD
     part: ClassVar[Part] = Part.LOADS
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(name="shift_x_m", unit="m", low=-0.5, high=0.5, null=0.0, scale=0.005,
-                  meaning="shift of the load centre to the right"),
-        Parameter(name="shift_y_m", unit="m", low=-0.5, high=0.5, null=0.0, scale=0.005,
-                  meaning="shift of the load centre forwards"),
+        Parameter(
+            name="shift_x_m",
+            unit="m",
+            low=-0.5,
+            high=0.5,
+            null=0.0,
+            scale=0.005,
+            meaning="shift of the load centre to the right",
+        ),
+        Parameter(
+            name="shift_y_m",
+            unit="m",
+            low=-0.5,
+            high=0.5,
+            null=0.0,
+            scale=0.005,
+            meaning="shift of the load centre forwards",
+        ),
     )
     source: ClassVar[str] = "moment balance about the floor (theory, section 3); positive right, forwards"
     confirm: ClassVar[str] = "weigh the wheels: put each on a scale, the others level"

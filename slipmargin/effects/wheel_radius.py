@@ -19,8 +19,15 @@ class WheelRadius(Effect):
     traced_to: ClassVar[Trace] = Trace.WHEEL
     part: ClassVar[Part] = Part.CONTACTS
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(name="radius_factor", unit="1", low=0.5, high=2.0, null=1.0, scale=0.01,
-                  meaning="true over stated radius"),
+        Parameter(
+            name="radius_factor",
+            unit="1",
+            low=0.5,
+            high=2.0,
+            null=1.0,
+            scale=0.01,
+            meaning="true over stated radius",
+        ),
     )
     source: ClassVar[str] = "eq. (2), the wheel’s peripheral speed; above 1 = larger wheel"
     confirm: ClassVar[str] = (

@@ -21,8 +21,15 @@ class WheelToe(Effect):
     traced_to: ClassVar[Trace] = Trace.WHEEL
     part: ClassVar[Part] = Part.CONTACTS
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(name="toe_rad", unit="rad", low=-0.5, high=0.5, null=0.0, scale=0.01,
-                  meaning="angle of the wheel from where it should point"),
+        Parameter(
+            name="toe_rad",
+            unit="rad",
+            low=-0.5,
+            high=0.5,
+            null=0.0,
+            scale=0.01,
+            meaning="angle of the wheel from where it should point",
+        ),
     )
     source: ClassVar[str] = "Fig. 3, direction of the wheels; positive counter-clockwise from above"
     confirm: ClassVar[str] = (

@@ -34,8 +34,9 @@ def nominal_loads(robot: Robot) -> Loads:
         return Loads(rest_N=np.full(n, weight / n), per_acceleration_kg=still, rule="equal shares m g / N")
     if robot.load_rule is LoadRule.FIXED:
         assert robot.load_fractions is not None
-        return Loads(rest_N=weight * robot.load_fractions, per_acceleration_kg=still,
-                     rule="stated fractions of m g")
+        return Loads(
+            rest_N=weight * robot.load_fractions, per_acceleration_kg=still, rule="stated fractions of m g"
+        )
     rest = share @ (weight * np.array([1.0, *robot.body.com_m]))
     if robot.load_rule is LoadRule.STATIC:
         return Loads(rest_N=rest, per_acceleration_kg=still, rule=_statics(n))
@@ -59,7 +60,7 @@ def contradiction(robot: Robot) -> str | None:
     """
     place = np.array([w.position_m for w in robot.wheels])
     n = len(place)
-    fractions = (np.full(n, 1.0 / n) if robot.load_rule is LoadRule.EQUAL else robot.load_fractions)
+    fractions = np.full(n, 1.0 / n) if robot.load_rule is LoadRule.EQUAL else robot.load_fractions
     if fractions is None:
         return None
     static = sharing_matrix(place) @ np.array([1.0, *robot.body.com_m])
@@ -68,7 +69,9 @@ def contradiction(robot: Robot) -> str | None:
         return None
     worst = int(np.argmax(np.abs(gap)))
     need = load_centre(place, fractions)
-    return (f"loads: the {robot.load_rule.value} load model gives wheel {robot.wheels[worst].name} "
-            f"{fractions[worst]:.4f} m g, but statics with the centre of mass at "
-            f"({robot.body.com_m[0]:.4g}, {robot.body.com_m[1]:.4g}) m gives it {static[worst]:.4f} m g; "
-            f"these loads need the centre of mass at ({need[0]:.4g}, {need[1]:.4g}) m")
+    return (
+        f"loads: the {robot.load_rule.value} load model gives wheel {robot.wheels[worst].name} "
+        f"{fractions[worst]:.4f} m g, but statics with the centre of mass at "
+        f"({robot.body.com_m[0]:.4g}, {robot.body.com_m[1]:.4g}) m gives it {static[worst]:.4f} m g; "
+        f"these loads need the centre of mass at ({need[0]:.4g}, {need[1]:.4g}) m"
+    )

@@ -75,24 +75,37 @@ def nominal_model(robot: Robot, surface_name: str) -> Model:
     contacts = Contacts(
         names=tuple(w.name for w in robot.wheels),
         position_m=np.array([w.position_m for w in robot.wheels]),
-        drive=_unit(drive), grip=_unit(grip), free=_unit(grip - np.pi / 2),  # ŝ = ẑ × r̂
+        drive=_unit(drive),
+        grip=_unit(grip),
+        free=_unit(grip - np.pi / 2),  # ŝ = ẑ × r̂
         radius_m=np.array([w.radius_m for w in robot.wheels]),
     )
     motor = robot.motor
     return Model(
-        robot=robot.name, surface=surface_name,
-        inertia=Inertia(mass_kg=robot.body.mass_kg, inertia_kg_m2=robot.body.inertia_kg_m2,
-                        com_m=robot.body.com_m, com_height_m=robot.body.com_height_m),
-        contacts=contacts, loads=nominal_loads(robot),
-        grip=Grip(roller=np.tile([surface.roller.drive, surface.roller.transverse], (n, 1)),
-                  rigid=np.tile([surface.rigid.drive, surface.rigid.transverse], (n, 1)),
-                  rollers=np.array([w.rollers for w in robot.wheels], dtype=float),
-                  rigid_fraction=np.array([w.rigid_fraction for w in robot.wheels]),
-                  k_s_per_m=robot.friction.k_s_per_m, shape=robot.friction.grip),
+        robot=robot.name,
+        surface=surface_name,
+        inertia=Inertia(
+            mass_kg=robot.body.mass_kg,
+            inertia_kg_m2=robot.body.inertia_kg_m2,
+            com_m=robot.body.com_m,
+            com_height_m=robot.body.com_height_m,
+        ),
+        contacts=contacts,
+        loads=nominal_loads(robot),
+        grip=Grip(
+            roller=np.tile([surface.roller.drive, surface.roller.transverse], (n, 1)),
+            rigid=np.tile([surface.rigid.drive, surface.rigid.transverse], (n, 1)),
+            rollers=np.array([w.rollers for w in robot.wheels], dtype=float),
+            rigid_fraction=np.array([w.rigid_fraction for w in robot.wheels]),
+            k_s_per_m=robot.friction.k_s_per_m,
+            shape=robot.friction.grip,
+        ),
         losses=Losses(),
-        drives=Drives() if motor is None else Drives(max_speed_rad_s=motor.max_speed_rad_s,
-                                                     stall_torque_N_m=motor.stall_torque_N_m),
-        transients=Transients.none(n), sensing=Sensing.ideal(),
+        drives=Drives()
+        if motor is None
+        else Drives(max_speed_rad_s=motor.max_speed_rad_s, stall_torque_N_m=motor.stall_torque_N_m),
+        transients=Transients.none(n),
+        sensing=Sensing.ideal(),
     )
 
 

@@ -82,8 +82,11 @@ class Loads:
         _freeze(self, rest_N=(n,), per_acceleration_kg=(n, 2))
         if float(np.min(self.rest_N)) < -1e-12:
             worst = int(np.argmin(self.rest_N))
-            raise InputError("loads", f"wheel {worst + 1} would carry {self.rest_N[worst]:.3g} N at rest",
-                             "move the centre of mass inside the wheels' contact polygon")
+            raise InputError(
+                "loads",
+                f"wheel {worst + 1} would carry {self.rest_N[worst]:.3g} N at rest",
+                "move the centre of mass inside the wheels' contact polygon",
+            )
 
 
 @final
@@ -109,8 +112,7 @@ class Grip:
 
     def __post_init__(self) -> None:
         n = len(np.asarray(self.roller))
-        _freeze(self, roller=(n, 2), rigid=(n, 2), rollers=(n,), rigid_fraction=(n,),
-                viscous_N_s_per_m=(2,))
+        _freeze(self, roller=(n, 2), rigid=(n, 2), rollers=(n,), rigid_fraction=(n,), viscous_N_s_per_m=(2,))
 
 
 @final
@@ -153,8 +155,7 @@ class Transients:
     @staticmethod
     def none(count: int) -> Transients:
         """Wheels that do at once what they are told."""
-        return Transients(lag_s=np.zeros(count), gain=np.ones(count),
-                          droop_rad_s_per_N_m=np.zeros(count))
+        return Transients(lag_s=np.zeros(count), gain=np.ones(count), droop_rad_s_per_N_m=np.zeros(count))
 
 
 @final
@@ -180,5 +181,6 @@ class Sensing:
     @staticmethod
     def ideal() -> Sensing:
         """A camera and encoders without fault."""
-        return Sensing(scale=np.ones(2), rotation_rad=0.0, heading_gain=1.0, delay_s=0.0,
-                       marker_m=np.zeros(2))
+        return Sensing(
+            scale=np.ones(2), rotation_rad=0.0, heading_gain=1.0, delay_s=0.0, marker_m=np.zeros(2)
+        )

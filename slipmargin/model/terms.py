@@ -16,11 +16,18 @@ from slipmargin.errors import InputError
 from slipmargin.model.variables import Basis, Frame, Target, Variable
 
 #: Variables that differ from wheel to wheel; forces, which act on the body, cannot use them.
-PER_WHEEL = frozenset({
-    Variable.WHEEL_ANGLE, Variable.WHEEL_LOAD, Variable.SLIP_SPEED, Variable.SLIP_RATIO,
-    Variable.SLIP_ANGLE, Variable.ROLLING_SPEED, Variable.SLIP_HEADING,
-    Variable.COMMAND_SPEED,
-})
+PER_WHEEL = frozenset(
+    {
+        Variable.WHEEL_ANGLE,
+        Variable.WHEEL_LOAD,
+        Variable.SLIP_SPEED,
+        Variable.SLIP_RATIO,
+        Variable.SLIP_ANGLE,
+        Variable.ROLLING_SPEED,
+        Variable.SLIP_HEADING,
+        Variable.COMMAND_SPEED,
+    }
+)
 
 
 def basis_values(basis: Basis, shape: Array, count: int, v: Array) -> Array:
@@ -106,8 +113,11 @@ class ForceTerm:
         put(self, "coefficients", frozen("coefficients", self.coefficients, (3, None)))
         put(self, "shape", frozen("shape", self.shape, (2,)))
         if self.variable in PER_WHEEL:
-            raise InputError("variable", f"{self.variable.name} belongs to a wheel",
-                             "a force on the body needs a variable of the body")
+            raise InputError(
+                "variable",
+                f"{self.variable.name} belongs to a wheel",
+                "a force on the body needs a variable of the body",
+            )
 
     def wrench(self, v: Array) -> Array:
         """The wrench at values ``v``, ``v.shape + (3,)``, in the term's own frame."""

@@ -49,11 +49,17 @@ class Body:
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "mass_kg", real("mass_kg", self.mass_kg, above=0.0, cure=_POSITIVE + " [kg]"))
-        put(self, "inertia_kg_m2", real("inertia_kg_m2", self.inertia_kg_m2, above=0.0,
-                                        cure=_POSITIVE + " [kg m²]"))
+        put(
+            self,
+            "inertia_kg_m2",
+            real("inertia_kg_m2", self.inertia_kg_m2, above=0.0, cure=_POSITIVE + " [kg m²]"),
+        )
         put(self, "com_m", frozen("com_m", self.com_m, (2,)))
-        put(self, "com_height_m", real("com_height_m", self.com_height_m, low=0.0,
-                                       cure="give a height above the floor ≥ 0 [m]"))
+        put(
+            self,
+            "com_height_m",
+            real("com_height_m", self.com_height_m, low=0.0, cure="give a height above the floor ≥ 0 [m]"),
+        )
 
 
 @final
@@ -78,16 +84,36 @@ class Wheel:
         if not isinstance(self.name, str) or not self.name.strip():
             raise InputError("name", f"is {self.name!r}", "give the wheel a name")
         put(self, "position_m", frozen("position_m", self.position_m, (2,)))
-        put(self, "drive_direction_deg", real("drive_direction_deg", self.drive_direction_deg,
-                                              cure="give an angle in degrees"))
-        put(self, "radius_m", real("radius_m", self.radius_m, above=0.0,
-                                   cure="a radius is positive [m]"))
-        put(self, "roller_angle_deg", real("roller_angle_deg", self.roller_angle_deg, low=-80.0,
-                                           high=80.0, cure="give 0 (omni) or ±45 (mecanum), within ±80"))
+        put(
+            self,
+            "drive_direction_deg",
+            real("drive_direction_deg", self.drive_direction_deg, cure="give an angle in degrees"),
+        )
+        put(self, "radius_m", real("radius_m", self.radius_m, above=0.0, cure="a radius is positive [m]"))
+        put(
+            self,
+            "roller_angle_deg",
+            real(
+                "roller_angle_deg",
+                self.roller_angle_deg,
+                low=-80.0,
+                high=80.0,
+                cure="give 0 (omni) or ±45 (mecanum), within ±80",
+            ),
+        )
         if isinstance(self.rollers, bool) or not isinstance(self.rollers, int) or self.rollers < 1:
             raise InputError("rollers", f"is {self.rollers!r}", "give a whole number of rollers ≥ 1")
-        put(self, "rigid_fraction", real("rigid_fraction", self.rigid_fraction, low=0.0, high=1.0,
-                                         cure="give the rigid share of the circumference, 0 to 1"))
+        put(
+            self,
+            "rigid_fraction",
+            real(
+                "rigid_fraction",
+                self.rigid_fraction,
+                low=0.0,
+                high=1.0,
+                cure="give the rigid share of the circumference, 0 to 1",
+            ),
+        )
 
 
 @final
@@ -100,11 +126,17 @@ class Motor:
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        put(self, "max_speed_rad_s", real("max_speed_rad_s", self.max_speed_rad_s, above=0.0,
-                                          cure=_POSITIVE + " [rad/s]"))
+        put(
+            self,
+            "max_speed_rad_s",
+            real("max_speed_rad_s", self.max_speed_rad_s, above=0.0, cure=_POSITIVE + " [rad/s]"),
+        )
         if self.stall_torque_N_m is not None:
-            put(self, "stall_torque_N_m", real("stall_torque_N_m", self.stall_torque_N_m, above=0.0,
-                                               cure=_POSITIVE + " [N m]"))
+            put(
+                self,
+                "stall_torque_N_m",
+                real("stall_torque_N_m", self.stall_torque_N_m, above=0.0, cure=_POSITIVE + " [N m]"),
+            )
 
 
 @final
@@ -117,10 +149,24 @@ class Coefficients:
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        put(self, "drive", real("drive", self.drive, above=0.0, high=10.0,
-                                cure="give a friction coefficient between 0 and 10"))
-        put(self, "transverse", real("transverse", self.transverse, low=0.0, high=10.0,
-                                     cure="give a friction coefficient between 0 and 10"))
+        put(
+            self,
+            "drive",
+            real(
+                "drive", self.drive, above=0.0, high=10.0, cure="give a friction coefficient between 0 and 10"
+            ),
+        )
+        put(
+            self,
+            "transverse",
+            real(
+                "transverse",
+                self.transverse,
+                low=0.0,
+                high=10.0,
+                cure="give a friction coefficient between 0 and 10",
+            ),
+        )
 
 
 @final
@@ -142,8 +188,17 @@ class FrictionLaw:
     grip: GripShape = GripShape.BOX
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "k_s_per_m", real("k_s_per_m", self.k_s_per_m, above=0.0, high=1e6,
-                                                   cure="give a steepness between 0 and 1e6 [s/m]"))
+        object.__setattr__(
+            self,
+            "k_s_per_m",
+            real(
+                "k_s_per_m",
+                self.k_s_per_m,
+                above=0.0,
+                high=1e6,
+                cure="give a steepness between 0 and 1e6 [s/m]",
+            ),
+        )
 
 
 @final
@@ -162,8 +217,9 @@ class Robot:
 
     def __post_init__(self) -> None:
         if len(self.wheels) < 3:
-            raise InputError("wheel", f"there are {len(self.wheels)} wheels",
-                             "describe at least three [[wheel]] tables")
+            raise InputError(
+                "wheel", f"there are {len(self.wheels)} wheels", "describe at least three [[wheel]] tables"
+            )
         _unique("wheel", [w.name for w in self.wheels])
         if not self.surfaces:
             raise InputError("surface", "no surface is described", "add a [surface.NAME] table")
@@ -176,31 +232,39 @@ class Robot:
         place = np.array([w.position_m for w in self.wheels])
         reach = float(np.max(np.hypot(*(place - place.mean(axis=0)).T)))
         if reach <= 0.0:
-            raise InputError("wheel", "all wheels stand on one point",
-                             "give each wheel its own position_m")
+            raise InputError("wheel", "all wheels stand on one point", "give each wheel its own position_m")
         lever = (place[:, 0] * np.sin(grip) - place[:, 1] * np.cos(grip)) / reach
         rows = np.stack([np.cos(grip), np.sin(grip), lever])
         singular = np.linalg.svd(rows, compute_uv=False)
         if singular[-1] < 1e-6 * singular[0]:
-            raise InputError("wheel", "the grip directions cannot make all of Fx, Fy and Mz",
-                             "turn or move a wheel so that the three are independent")
+            raise InputError(
+                "wheel",
+                "the grip directions cannot make all of Fx, Fy and Mz",
+                "turn or move a wheel so that the three are independent",
+            )
         corner = np.stack([np.ones(len(place)), place[:, 0] / reach, place[:, 1] / reach])
         if np.linalg.svd(corner, compute_uv=False)[-1] < 1e-6:
-            raise InputError("wheel", "all wheels stand on one line",
-                             "move a wheel: a robot on a line falls over")
+            raise InputError(
+                "wheel", "all wheels stand on one line", "move a wheel: a robot on a line falls over"
+            )
 
     def _check_fractions(self) -> None:
         fixed = self.load_rule is LoadRule.FIXED
         if fixed != (self.load_fractions is not None):
-            raise InputError("loads.fractions",
-                             "is missing" if fixed else "is given but the load model is not fixed",
-                             "give fractions exactly with model = \"fixed\"")
+            raise InputError(
+                "loads.fractions",
+                "is missing" if fixed else "is given but the load model is not fixed",
+                'give fractions exactly with model = "fixed"',
+            )
         if self.load_fractions is None:
             return
         fractions = frozen("loads.fractions", self.load_fractions, (len(self.wheels),))
         if fractions.min() < 0.0 or not math.isclose(fractions.sum(), 1.0, abs_tol=1e-6):
-            raise InputError("loads.fractions", f"is {fractions.tolist()}",
-                             "give one share ≥ 0 for each wheel, adding up to 1")
+            raise InputError(
+                "loads.fractions",
+                f"is {fractions.tolist()}",
+                "give one share ≥ 0 for each wheel, adding up to 1",
+            )
         object.__setattr__(self, "load_fractions", fractions)
 
     def surface(self, name: str) -> Surface:
@@ -209,8 +273,9 @@ class Robot:
             if surface.name == name:
                 return surface
         known = ", ".join(s.name for s in self.surfaces)
-        raise InputError("surface", f"{name!r} is not described for robot {self.name!r}",
-                         f"use one of: {known}")
+        raise InputError(
+            "surface", f"{name!r} is not described for robot {self.name!r}", f"use one of: {known}"
+        )
 
 
 def _unique(place: str, names: list[str]) -> None:

@@ -1,0 +1,130 @@
+"""A candidate: something that may be missing, as a vector of parameters the fit can turn.
+
+A named candidate is an effect of the catalogue; a general one has free coefficients over the
+variable it traces.  Both build effects, and the null vector builds one that does nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array, frozen
+from slipmargin.effects import AnyEffect, Effect, Trace
+from slipmargin.effects.catalogue import CATALOGUE
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Candidate:
+    """One suspect.
+
+    Parameters
+    ----------
+    name : str
+        Effect name, ``unnamed_<variable>`` for a general form.
+    label : str
+        Name plus what distinguishes it from others of the name (a wheel, a form).
+    trace : Trace
+        The variable it stands for.
+    named : bool
+        Whether it is an effect of the catalogue.
+    keys, units : tuple of str
+        Parameter names and units (P).
+    null, scale, low, high : array (P,)
+        Value that does nothing, unit of length of the fit, bounds.
+    starts : array (S, P)
+        Where fits start.
+    build : callable
+        Parameter vector → effect.
+    """
+
+    name: str
+    label: str
+    trace: Trace
+    named: bool
+    keys: tuple[str, ...]
+    units: tuple[str, ...]
+    null: Array
+    scale: Array
+    low: Array
+    high: Array
+    starts: Array
+    build: Callable[[Array], AnyEffect]
+
+    def __post_init__(self) -> None:
+        count = len(self.keys)
+        for field in ("null", "scale", "low", "high"):
+            object.__setattr__(self, field, frozen(field, getattr(self, field), (count,)))
+        object.__setattr__(self, "starts", frozen("starts", self.starts, (None, count)))
+
+    @property
+    def size(self) -> int:
+        """Number of parameters P."""
+        return len(self.keys)
+
+
+def named_candidate(
+    effect: type[Effect], free: tuple[str, ...] | None = None, wheels: tuple[str, ...] = ()
+) -> Candidate:
+    """The candidate that turns an effect's parameters (all, or those in ``free``)."""
+    rows = [p for p in effect.parameters if free is None or p.name in free]
+    fixed = {p.name: p.null for p in effect.parameters}
+
+    def build(values: Array) -> AnyEffect:
+        chosen = fixed | {p.name: float(v) for p, v in zip(rows, values, strict=True)}
+        return effect.of(np.array([chosen[p.name] for p in effect.parameters]), wheels)
+
+    sets = [p.starts or (p.null + p.scale,) for p in rows]
+    count = max(len(s) for s in sets)
+    starts = np.array([[s[min(i, len(s) - 1)] for s in sets] for i in range(count)])
+    return Candidate(
+        name=effect.name,
+        label=effect.name + (f"[{','.join(wheels)}]" if wheels else ""),
+        trace=effect.traced_to,
+        named=True,
+        keys=tuple(p.name for p in rows),
+        units=tuple(p.unit for p in rows),
+        null=np.array([p.null for p in rows]),
+        scale=np.array([p.scale for p in rows]),
+        low=np.array([p.low for p in rows]),
+        high=np.array([p.high for p in rows]),
+        starts=starts,
+        build=build,
+    )
+
+
+#: Effects that belong to one wheel: a candidate for each.
+_ONE_WHEEL = ("wheel_radius", "wheel_toe")
+
+#: Effects that act only where wheel speeds are commanded.
+_COMMANDED = ("motor_lag", "speed_droop")
+
+
+def named_candidates(wheels: tuple[str, ...], commanded: bool, known: tuple[str, ...]) -> list[Candidate]:
+    """Every catalogue effect that these data could show.
+
+    Parameters
+    ----------
+    wheels : tuple of str
+        Names of the wheels.
+    commanded : bool
+        Whether only commanded wheel speeds are known.
+    known : tuple of str
+        Effects already in the robot file; they are not proposed again.
+    """
+    found: list[Candidate] = []
+    for effect in CATALOGUE:
+        if effect.name in known or (effect.name in _COMMANDED and not commanded):
+            continue
+        if effect.name in _ONE_WHEEL:
+            found += [named_candidate(effect, wheels=(wheel,)) for wheel in wheels]
+        elif effect.name == "rigid_sector":
+            found.append(named_candidate(effect, free=("rigid_fraction",)))
+            found.append(named_candidate(effect))
+        else:
+            found.append(named_candidate(effect))
+    return found

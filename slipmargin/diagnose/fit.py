@@ -1,0 +1,224 @@
+"""Fit the parameters of suspected effects by simulation: bounded, damped Gauss–Newton.
+
+The residual of a trial is whitened and freed of its unknown start pose before it gets here; the
+Jacobian is a forward difference over whole simulations, all of them in one parallel batch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol, final
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.diagnose.candidate import Candidate
+from slipmargin.effects import AnyEffect
+
+#: Forward-difference step in units of a parameter's scale: large against the integrator's error.
+_STEP = 0.02
+_ITERATIONS = 12
+_ENOUGH = 1e-4  #: relative decrease of the cost at which a fit has converged
+
+
+class Residuals(Protocol):
+    """What the fit needs of a problem."""
+
+    def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Array]) -> list[Array]:
+        """For each set of effects, its residual on its trials: (R_k, K), zero where nothing was seen."""
+        ...
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Fit:
+    """A structure with its best parameters.
+
+    ``x`` (P,), ``residual`` (R, K), ``jacobian`` (R, K, P) on ``trials`` (R,); ``cost`` is the sum
+    of squares.
+    """
+
+    structure: tuple[Candidate, ...]
+    x: Array
+    trials: Array
+    residual: Array
+    jacobian: Array
+    evaluations: int
+
+    @property
+    def cost(self) -> float:
+        """Sum of squares over all trials."""
+        return float(np.sum(self.residual**2))
+
+    @property
+    def effects(self) -> tuple[AnyEffect, ...]:
+        """The fitted effects."""
+        return build(self.structure, self.x)
+
+    def at_bound(self) -> list[str]:
+        """Parameters that ended on the edge of their range."""
+        low, high, scale = _limits(self.structure)
+        keys = [f"{c.name}.{key}" for c in self.structure for key in c.keys]
+        null = np.concatenate([c.null for c in self.structure]) if self.structure else np.zeros(0)
+        stuck = ((self.x <= low + 1e-6 * scale) | (self.x >= high - 1e-6 * scale)) & (self.x != null)
+        return [key for key, at in zip(keys, stuck, strict=True) if at]
+
+
+def build(structure: Sequence[Candidate], x: Array) -> tuple[AnyEffect, ...]:
+    """The effects of a structure at parameters ``x``."""
+    made: list[AnyEffect] = []
+    at = 0
+    for candidate in structure:
+        made.append(candidate.build(x[at : at + candidate.size]))
+        at += candidate.size
+    return tuple(made)
+
+
+def _limits(structure: Sequence[Candidate]) -> tuple[Array, Array, Array]:
+    if not structure:
+        return np.zeros(0), np.zeros(0), np.ones(0)
+    return (
+        np.concatenate([c.low for c in structure]),
+        np.concatenate([c.high for c in structure]),
+        np.concatenate([c.scale for c in structure]),
+    )
+
+
+def evaluate(problem: Residuals, structure: tuple[Candidate, ...], x: Array, trials: Array) -> Fit:
+    """Residual and Jacobian at ``x``, without moving it."""
+    residual, jacobian = _linearise(problem, structure, x, trials)
+    return Fit(
+        structure=structure, x=x, trials=trials, residual=residual, jacobian=jacobian, evaluations=1 + len(x)
+    )
+
+
+def fit(
+    problem: Residuals,
+    structure: tuple[Candidate, ...],
+    start: Array,
+    trials: Array,
+    iterations: int = _ITERATIONS,
+    give_up_above: float = np.inf,
+) -> Fit:
+    """Least squares from one start.
+
+    Parameters
+    ----------
+    problem : Residuals
+        Gives residuals of effects.
+    structure : tuple of Candidate
+        What may be missing.
+    start : array (P,)
+        Where to begin.
+    trials : array (R,) of int
+        The trials to fit.
+    iterations : int
+        At most so many Gauss–Newton steps.
+    give_up_above : float
+        Stop after three steps if the cost is still above this.
+
+    Returns
+    -------
+    Fit
+    """
+    low, high, scale = _limits(structure)
+    x = np.clip(start, low, high)
+    residual, jacobian = _linearise(problem, structure, x, trials)
+    spent = 1 + len(x)
+    cost = float(np.sum(residual**2))
+    damping = 1e-3
+    for step in range(iterations if len(x) else 0):
+        if step >= 3 and cost > give_up_above:
+            break
+        trial_x, spent_here, better = _improve(
+            problem, structure, x, cost, residual, jacobian, damping, trials
+        )
+        spent += spent_here
+        if better is None:
+            break
+        moved = cost - better
+        x, cost, damping = trial_x, better, max(damping / 10.0, 1e-6)
+        residual, jacobian = _linearise(problem, structure, x, trials)
+        spent += 1 + len(x)
+        if moved < _ENOUGH * cost:
+            break
+    return Fit(
+        structure=structure, x=x, trials=trials, residual=residual, jacobian=jacobian, evaluations=spent
+    )
+
+
+#: Dampings tried side by side, as multiples of the current one.
+_LADDER = (0.1, 10.0, 1e3, 1e5)
+
+
+def _improve(
+    problem: Residuals,
+    structure: tuple[Candidate, ...],
+    x: Array,
+    cost: float,
+    residual: Array,
+    jacobian: Array,
+    damping: float,
+    trials: Array,
+) -> tuple[Array, int, float | None]:
+    """The best of several damped steps, all simulated at once; None where none is downhill."""
+    low, high, scale = _limits(structure)
+    flat = jacobian.reshape(-1, len(x)) * scale
+    normal, gradient = flat.T @ flat, flat.T @ residual.ravel()
+    free = ~(((x <= low) & (gradient > 0)) | ((x >= high) & (gradient < 0)))
+    if not free.any():
+        return x, 0, None
+    points = []
+    for factor in _LADDER:
+        lift = np.diag(damping * factor * (np.diag(normal)[free] + 1e-9 * np.trace(normal) + 1e-12))
+        step = np.zeros(len(x))
+        step[free] = np.linalg.lstsq(normal[np.ix_(free, free)] + lift, -gradient[free], rcond=None)[0]
+        points.append(np.clip(x + step * scale, low, high))
+    found = problem.residuals([build(structure, p) for p in points], [trials] * len(points))
+    costs = [float(np.sum(r**2)) for r in found]
+    best = int(np.argmin(costs))
+    if not costs[best] < cost:
+        return x, len(points), None
+    return points[best], len(points), costs[best]
+
+
+def _linearise(
+    problem: Residuals, structure: tuple[Candidate, ...], x: Array, trials: Array
+) -> tuple[Array, Array]:
+    """Residual (R, K) and forward-difference Jacobian (R, K, P)."""
+    _, high, scale = _limits(structure)
+    steps = np.where(x + _STEP * scale <= high, _STEP, -_STEP) * scale
+    points = [x] + [x + step * unit for step, unit in zip(steps, np.eye(len(x)), strict=True)]
+    found = problem.residuals([build(structure, p) for p in points], [trials] * len(points))
+    base = found[0]
+    if not len(x):
+        return base, np.zeros((*base.shape, 0))
+    jacobian = np.stack([(r - base) / step for r, step in zip(found[1:], steps, strict=True)], axis=-1)
+    return base, jacobian
+
+
+def cross_validate(problem: Residuals, found: Fit) -> Array:
+    """Sum of squares of each trial, predicted with parameters that have not seen it, (R,).
+
+    Leaving trial i out moves the optimum by one Gauss–Newton step, −H₋ᵢ⁻¹ g₋ᵢ, from the common one;
+    the trial is then simulated for real with those parameters.
+    """
+    low, high, scale = _limits(found.structure)
+    count = len(found.trials)
+    if not len(found.x) or count < 2:
+        return np.asarray(np.sum(found.residual**2, axis=1))
+    scaled = found.jacobian * scale
+    normals = np.einsum("rkp,rkq->rpq", scaled, scaled)
+    gradients = np.einsum("rkp,rk->rp", scaled, found.residual)
+    points = []
+    for i in range(count):
+        normal = normals.sum(axis=0) - normals[i]
+        gradient = gradients.sum(axis=0) - gradients[i]
+        ridge = 1e-8 * (np.trace(normal) + 1e-12) * np.eye(len(found.x))
+        step = np.linalg.lstsq(normal + ridge, -gradient, rcond=None)[0]
+        step = np.clip(step, -3.0 / _STEP, 3.0 / _STEP)
+        points.append(np.clip(found.x + step * scale, low, high))
+    effects = [build(found.structure, p) for p in points]
+    out = problem.residuals(effects, [found.trials[i : i + 1] for i in range(count)])
+    return np.array([float(np.sum(r**2)) for r in out])
