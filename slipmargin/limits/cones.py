@@ -1,0 +1,219 @@
+"""F_emax as a cone program: any grip, any pull, any state; its duals name what binds.
+
+Everything is per m g, moments per m g and a length.  With wheel forces f_i = μ_i ∘ y_i:
+
+    maximise F   s.t.   Σ_i b_i f_i + d F = −w_b,      y_i in the grip's set scaled by N_i(F) = N⁰_i + t_i F.
+
+Box: |y_ij| ≤ N_i (eq. 17).  Ellipse: ‖y_i‖ ≤ N_i.  Disc-strip: f_i = μ_W y_i, ‖y_i‖ ≤ N_i, |μ_W y_T| ≤ μ_T N_i.
+A blend (1 − κ)·box ⊕ κ·shape has both kinds of variable.  Where friction depends on the sense of the
+slip each force is split into its two senses.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.limits.bias import bias_samples, bias_wrench
+from slipmargin.limits.friction import Extreme, coefficients
+from slipmargin.limits.pull import Pull
+from slipmargin.limits.rows import refuse_slipping
+from slipmargin.limits.wrench_set import wrench_maps
+from slipmargin.model import Model
+from slipmargin.robot import GripShape
+from slipmargin.sets.facets import length_scale
+from slipmargin.solve.assemble import Assembly
+from slipmargin.solve.program import ConeFamily, ConeKind, ConeProgram, Solution
+
+_BALANCE = ("balance Fx", "balance Fy", "balance Mz")
+_PARTS = ("drive", "transverse")
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ConeLimits:
+    """Answers of a family: F_emax (M,) [N], and for each the program's own solution."""
+
+    family: ConeFamily
+    force_N: Array
+    normals: Array  #: (M, 3) outward normal of the wrench set where the pull leaves it, unscaled
+    x: Array
+    s: Array
+    z: Array
+
+    def solution(self, m: int) -> Solution:
+        """The m-th answer with its certificate."""
+        return Solution(program=self.family.program(m), x=self.x[m], s=self.s[m], z=self.z[m],
+                        solver="Clarabel")
+
+
+def limit_program(model: Model, phi_rad: float, pull: Pull | None = None,
+                  rigid: Array | None = None) -> ConeProgram:
+    """The program of eqs (13)–(18) at one heading, per m g; all wheels on rollers by default."""
+    return limit_family(model, np.array([phi_rad]), pull, rigid).program(0)
+
+
+def limit_family(model: Model, phi_rad: Array, pull: Pull | None = None, rigid: Array | None = None,
+                 extreme: Extreme = Extreme.NEUTRAL, bias: Array | None = None) -> ConeFamily:
+    """The programs of all headings.
+
+    Parameters
+    ----------
+    phi_rad : (M,)
+    rigid : (N,) bool, optional
+    bias : (M, 3), optional
+        Wrench of the losses; by default that of the model at rest.
+    """
+    pull = Pull() if pull is None else pull
+    rigid = np.zeros(model.count, dtype=bool) if rigid is None else rigid
+    weight, maps = model.inertia.weight_N, wrench_maps(model)
+    per = _units(maps)
+    rays = pull.rays(model, phi_rad)
+    mu = coefficients(model, rigid, phi_rad, extreme)
+    mu = np.broadcast_to(mu, (len(phi_rad), *mu.shape[1:]))
+    bias = bias_wrench(model, phi_rad) if bias is None else bias
+    put = Assembly(count=len(phi_rad))
+    put.variable("F", cost=-1.0)
+    put.equations(_BALANCE, -bias / (weight * per))
+    put.column("F", _BALANCE, rays / per)
+    build = _Wheels(put=put, names=model.contacts.names, maps=maps / per[:, None, None], mu=mu,
+                    load=model.loads.rest_N / weight, change=pull.load_change(model, rays))
+    kappa = 0.0 if model.grip.shape is GripShape.BOX else model.grip.coupling
+    if kappa < 1.0:
+        build.box(1.0 - kappa, "" if kappa == 0.0 else " (box part)")
+    if kappa > 0.0:
+        build.cone(kappa, model.grip.shape is GripShape.DISC_STRIP)
+    if pull.height_m != 0.0:
+        build.floor()
+    return put.family(tuple(f"pull at phi = {phi:.6g} rad" for phi in phi_rad))
+
+
+def cone_limits(model: Model, phi_rad: Array, pull: Pull | None = None, rigid: Array | None = None,
+                extreme: Extreme = Extreme.NEUTRAL, bias: Array | None = None) -> ConeLimits:
+    """Solve the family with Clarabel, one set-up updated.
+
+    Raises
+    ------
+    NoSolution
+        With the first program that has no answer.
+    """
+    from slipmargin.solve.clarabel_ import solve_family
+
+    family = limit_family(model, phi_rad, pull, rigid, extreme, bias)
+    x, s, z = solve_family(family)
+    # Stationarity in F: d·λ + … = 1 with λ the balance's multipliers, so −λ is the outward normal.
+    return ConeLimits(family=family, force_N=x[:, 0] * model.inertia.weight_N,
+                      normals=-z[:, :3] / _units(wrench_maps(model)), x=x, s=s, z=z)
+
+
+def cone_limit(model: Model, phi_rad: Array, pull: Pull, rigid: Array) -> Array:
+    """(M,) F_emax [N] of one contact state.
+
+    Raises
+    ------
+    NoSolution
+        If the robot slips without any pull.
+    """
+    return refuse_slipping(_limit(model, phi_rad, pull, rigid, Extreme.NEUTRAL, None), phi_rad)
+
+
+def cone_extreme(model: Model, phi_rad: Array, pull: Pull, rigid: Array, extreme: Extreme) -> Array:
+    """(M,) least or greatest F_emax over what is unknown; NaN where the robot slips without any pull."""
+    every = np.stack([_limit(model, phi_rad, pull, rigid, extreme, bias)
+                      for bias in bias_samples(model, phi_rad)])
+    slips = np.isnan(every)
+    if extreme is Extreme.HIGH:
+        best = np.where(slips, -np.inf, every).max(axis=0)
+        return np.where(np.all(slips, axis=0), np.nan, best)
+    return np.where(np.any(slips, axis=0), np.nan, every.min(axis=0))
+
+
+def _limit(model: Model, phi_rad: Array, pull: Pull, rigid: Array, extreme: Extreme,
+           bias: Array | None) -> Array:
+    from slipmargin.solve.clarabel_ import solve_family
+
+    if not model.losses.terms:
+        return cone_limits(model, phi_rad, pull, rigid, extreme, bias).force_N
+    # The ray need not start inside: F = 0 must balance too, so ask how far the set lets it be scaled.
+    bias = bias_wrench(model, phi_rad) if bias is None else bias
+    at_rest = limit_family(model, phi_rad, replace(pull, height_m=0.0), rigid, extreme, 0.0 * bias)
+    towards = np.array(at_rest.a)
+    loaded = np.any(bias != 0.0, axis=1)
+    towards[:, :3, 0] = np.where(loaded[:, None], bias, pull.rays(model, phi_rad))
+    towards[:, :3, 0] /= model.inertia.weight_N * _units(wrench_maps(model))
+    holds = solve_family(replace(at_rest, a=towards))[0][:, 0] >= 1.0
+    inside = holds | ~loaded
+    out = np.full(len(phi_rad), np.nan)
+    if np.any(inside):
+        out[inside] = cone_limits(model, phi_rad[inside], pull, rigid, extreme, bias[inside]).force_N
+    return out
+
+
+def _units(maps: Array) -> Array:
+    return np.array([1.0, 1.0, length_scale(maps.reshape(3, -1))])
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Wheels:
+    """Writes the wheels' variables and rows."""
+
+    put: Assembly
+    names: tuple[str, ...]
+    maps: Array  #: (3, N, 2)
+    mu: Array  #: (M, N, 2, 2)
+    load: Array  #: (N,)
+    change: Array  #: (M, N)
+
+    @property
+    def _two_sided(self) -> bool:
+        return bool(np.any(self.mu[..., 0] != self.mu[..., 1]))
+
+    def box(self, part: float, suffix: str) -> None:
+        """Variables y with |y_ij| ≤ part · N_i."""
+        for i, name in enumerate(self.names):
+            for j, axis in enumerate(_PARTS):
+                for key, sign in self._forces(f"{name} {axis}{suffix}", i, j, self.mu[:, i, j]):
+                    self._bounded(i, {key: sign}, part, f"{key} {'≤ +' if sign > 0 else '≥ −'}μ N")
+
+    def cone(self, part: float, strip: bool) -> None:
+        """Variables y with ‖y_i‖ ≤ part · N_i, and the strip where asked."""
+        for i, name in enumerate(self.names):
+            across = self.mu[:, i, 0].min(axis=1) if strip else None
+            sides = []
+            for j, axis in enumerate(_PARTS):
+                scale = self.mu[:, i, j] if j == 0 or across is None else np.stack([across, across], axis=1)
+                made = self._forces(f"{name} {axis}", i, j, scale)
+                sides.append({key: 1.0 for key, _ in made})
+                if j == 1 and across is not None:
+                    for key, sign in made:
+                        side = 1 if sign > 0 and not key.endswith("−") else 0
+                        width = part * self.mu[:, i, 1, side] / across
+                        self._bounded(i, {key: sign}, width, f"{name} strip {'≤' if side else '≥'}")
+            self.put.second_order(f"{name} grip", [
+                ({"F": -part * self.change[:, i]}, part * self.load[i]),
+                *(({k: -v for k, v in side.items()}, 0.0) for side in sides)])
+
+    def floor(self) -> None:
+        """Every wheel stays on the floor: N_i(F) ≥ 0."""
+        for i, name in enumerate(self.names):
+            self.put.inequality(f"floor under {name}", {"F": -self.change[:, i]}, self.load[i])
+
+    def _forces(self, key: str, i: int, j: int, scale: Array) -> list[tuple[str, float]]:
+        # Names of the variables of one force, each with the sign by which it is bounded from above.
+        if not self._two_sided:
+            self.put.variable(key)
+            self.put.column(key, _BALANCE, scale[:, 1:] * self.maps[:, i, j])
+            return [(key, 1.0), (key, -1.0)]
+        for sense, side in (("+", 1), ("−", 0)):
+            self.put.variable(key + sense)
+            self.put.column(key + sense, _BALANCE,
+                            (1.0 if side else -1.0) * scale[:, side : side + 1] * self.maps[:, i, j])
+            self.put.inequality(f"{key}{sense} ≥ 0", {key + sense: -1.0}, 0.0)
+        return [(key + "+", 1.0), (key + "−", 1.0)]
+
+    def _bounded(self, i: int, row: dict[str, float], part: float | Array, name: str) -> None:
+        self.put.inequality(name, {**row, "F": -part * self.change[:, i]}, part * self.load[i])

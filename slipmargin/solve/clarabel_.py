@@ -1,0 +1,100 @@
+"""Clarabel, directly: one program, or one set-up updated for a whole family.
+
+Presolve is off: it forbids updates, and these programs are too small to gain from it.
+Goulart and Chen, "Clarabel: an interior-point solver for conic programs", arXiv:2405.12762.
+"""
+
+from __future__ import annotations
+
+import clarabel
+import numpy as np
+from scipy.sparse import csc_matrix
+
+from slipmargin.checks import Array
+from slipmargin.errors import NoSolution
+from slipmargin.solve.program import ConeFamily, ConeKind, ConeProgram, Solution
+
+#: Relative gap and feasibility asked of the solver [1].
+TOLERANCE = 1e-10
+
+
+def solve(program: ConeProgram) -> Solution:
+    """Solve one program.
+
+    Raises
+    ------
+    NoSolution
+        With the program as evidence.
+    """
+    solver = _solver(program, program.a, program.b, program.a != 0.0)
+    answer = solver.solve()
+    _accept(answer.status, program)
+    return Solution(program=program, x=np.array(answer.x), s=np.array(answer.s), z=np.array(answer.z),
+                    solver="Clarabel")
+
+
+def solve_family(family: ConeFamily) -> tuple[Array, Array, Array]:
+    """Solve every program of a family with one set-up.
+
+    Returns
+    -------
+    x (M, V), s (M, R), z (M, R)
+
+    Raises
+    ------
+    NoSolution
+        With the first program that has no answer as evidence.
+    """
+    count, (rows, columns) = len(family), family.a.shape[1:]
+    x, s, z = np.empty((count, columns)), np.empty((count, rows)), np.empty((count, rows))
+    if count == 0:
+        return x, s, z
+    shape = np.any(family.a != 0.0, axis=0)
+    at_row, at_column = _pattern(shape)
+    data = family.a[:, at_row, at_column]
+    moving = np.flatnonzero(np.any(data != data[0], axis=0))
+    moving_b = np.flatnonzero(np.any(family.b != family.b[0], axis=0))
+    solver = _solver(family, family.a[0], family.b[0], shape)
+    changes, changes_b = np.ascontiguousarray(data[:, moving]), np.ascontiguousarray(family.b[:, moving_b])
+    for m in range(count):
+        if m and len(moving):
+            solver.update(A=(moving, changes[m]))
+        if m and len(moving_b):
+            solver.update(b=(moving_b, changes_b[m]))
+        answer = solver.solve()
+        if answer.status != clarabel.SolverStatus.Solved:
+            _accept(answer.status, family.program(m))
+        x[m], s[m], z[m] = answer.x, answer.s, answer.z
+    return x, s, z
+
+
+def _pattern(shape: Array) -> tuple[Array, Array]:
+    # Rows and columns of the entries in the order of a compressed-column matrix.
+    columns, rows = np.nonzero(shape.T)
+    return rows, columns
+
+
+def _solver(form: ConeProgram | ConeFamily, a: Array, b: Array, shape: Array) -> clarabel.DefaultSolver:
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.presolve_enable = False
+    settings.max_threads = 1
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
+    rows, columns = _pattern(shape)
+    starts = np.concatenate([[0], np.cumsum(np.count_nonzero(shape, axis=0))])
+    matrix = csc_matrix((a[rows, columns], rows, starts), shape=a.shape)
+    cone = {ConeKind.ZERO: clarabel.ZeroConeT, ConeKind.NONNEGATIVE: clarabel.NonnegativeConeT,
+            ConeKind.SECOND_ORDER: clarabel.SecondOrderConeT}
+    none = csc_matrix((a.shape[1], a.shape[1]))
+    return clarabel.DefaultSolver(none, form.c, matrix, b, [cone[k.kind](len(k.rows)) for k in form.blocks],
+                                  settings)
+
+
+def _accept(status: clarabel.SolverStatus, program: ConeProgram) -> None:
+    if status in (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved):
+        return
+    why, cure = {
+        clarabel.SolverStatus.PrimalInfeasible: ("no point satisfies every row", "relax a bound"),
+        clarabel.SolverStatus.DualInfeasible: ("its value has no bound", "bound the force"),
+    }.get(status, (f"Clarabel stopped with {status}", "scale the program"))
+    raise NoSolution(program.what, why, cure, program)
