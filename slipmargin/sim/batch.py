@@ -1,0 +1,219 @@
+"""Many runs in one call: signals prepared once, models as packed rows, threads over runs."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipmargin.checks import Array, frozen
+from slipmargin.errors import InputError
+from slipmargin.sim import layout as at
+from slipmargin.sim.motion import run_range
+from slipmargin.sim.signal import WheelSignal
+
+RTOL = 1e-6
+MAX_STEPS = 2_000_000
+_THREADS = os.cpu_count() or 1
+_POOL = ThreadPoolExecutor(max_workers=_THREADS, thread_name_prefix="runs")
+
+
+class Ending(IntEnum):
+    """How a run ended; the text says what to change."""
+
+    DONE = 0  #: it reached its last output time
+    TIPS = 1  #: a wheel's load fell below zero
+    NOT_FINITE = 2  #: forces or velocities overflowed
+    STUCK = 3  #: the step size fell to nothing
+    TOO_LONG = 4  #: more steps than allowed
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Push:
+    """A force on the centre of mass, piecewise linear in time: floor frame [N, N, N m].
+
+    ``t_s`` (Q,) ascending [s], Q ≥ 2, ``wrench`` (Q, 3); before the first and after the last row the end value.
+    """
+
+    t_s: Array
+    wrench: Array
+
+    def __post_init__(self) -> None:
+        t = frozen("push.t_s", self.t_s, (None,))
+        if len(t) < 2 or np.min(np.diff(t)) <= 0.0:
+            raise InputError("push.t_s", f"is {t[:5].tolist()}", "give two ascending times or more")
+        object.__setattr__(self, "t_s", t)
+        object.__setattr__(self, "wrench", frozen("push.wrench", self.wrench, (len(t), 3)))
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Outcome:
+    """What R runs did; T is the longest run's number of output times (shorter runs repeat their last).
+
+    ``pose`` (R, T, 3): x, y [m], φ [rad] of the body frame's origin in the floor frame; ``state``
+    (R, T, 6): centre of mass in the floor frame, body-frame velocity of the centre of mass;
+    ``ending`` (R,) :class:`Ending`; ``stopped_s`` (R,) time reached; ``steps`` (R, 2) taken, rejected.
+    Where asked for: ``theta``, ``load`` (R, T, N), ``slip``, ``force`` (R, T, N, 2) [drive, transverse].
+    """
+
+    pose: Array
+    state: Array
+    ending: NDArray[np.int64]
+    stopped_s: Array
+    steps: NDArray[np.int64]
+    theta: Array | None = None
+    slip: Array | None = None
+    force: Array | None = None
+    load: Array | None = None
+
+
+@final
+class Batch:
+    """Wheel signals and output times, flattened once; :meth:`run` is what a fit calls over and over.
+
+    Parameters
+    ----------
+    signals : sequence of WheelSignal
+        One a run (S of them), all with the same number of wheels.
+    times_s : sequence of arrays
+        Output times of each signal, ascending, within its knots [s].
+    commanded : bool
+        True: the signals are commands, the model's transients act; False: they are what the wheels did.
+    pushes : sequence of Push or None, optional
+        External force of each signal.
+    """
+
+    def __init__(self, signals: Sequence[WheelSignal], times_s: Sequence[Array], *, commanded: bool = False,
+                 pushes: Sequence[Push | None] | None = None) -> None:
+        if not signals:
+            raise InputError("signals", "there are none", "give at least one run")
+        if len(times_s) != len(signals):
+            raise InputError("times_s", f"has {len(times_s)} runs, there are {len(signals)} signals",
+                             "give the output times of each run")
+        pushes = [None] * len(signals) if pushes is None else list(pushes)
+        if len(pushes) != len(signals):
+            raise InputError("pushes", f"has {len(pushes)} runs, there are {len(signals)} signals",
+                             "give one push (or None) a run")
+        self.wheels = signals[0].wheels
+        self.count = len(signals)
+        self.commanded = commanded
+        for s in signals:
+            if s.wheels != self.wheels:
+                raise InputError("signals", f"have {self.wheels} and {s.wheels} wheels", "give one robot's runs")
+        first = [float(s.knots_s[0]) for s in signals]
+        times = [_times(t, s) - t0 for t, s, t0 in zip(times_s, signals, first, strict=True)]
+        self._knots = np.concatenate([s.knots_s - t0 for s, t0 in zip(signals, first, strict=True)])
+        self._knot_at = _offsets([len(s.knots_s) for s in signals])
+        self._piece_at = _offsets([len(s.pieces) for s in signals])
+        coef = np.concatenate([s.pieces for s in signals])
+        self._coef = np.concatenate([coef, np.zeros((*coef.shape[:2], 1))], axis=2)
+        self._spin = np.stack([s.spin_rad_s for s in signals])
+        self._times = np.concatenate(times)
+        self._time_at = _offsets([len(t) for t in times])
+        self._push_at = _offsets([0 if p is None else len(p.t_s) for p in pushes])
+        known = [(p, t0) for p, t0 in zip(pushes, first, strict=True) if p is not None]
+        self._push_t = np.concatenate([p.t_s - t0 for p, t0 in known] or [np.empty(0)])
+        self._push_w = np.concatenate([p.wrench for p, _ in known] or [np.empty((0, 3))])
+        self.longest = max(len(t) for t in times)
+        self.lengths = np.diff(self._time_at)
+        self._all = np.arange(self.count)
+
+    def run(self, models: Array, start_pose: Array, *, start_twist: Array | None = None,
+            which: NDArray[np.int64] | None = None, signal: NDArray[np.int64] | None = None, tell: bool = False,
+            rtol: float = RTOL, atol: float | None = None, max_steps: int = MAX_STEPS) -> Outcome:
+        """Simulate.
+
+        Parameters
+        ----------
+        models : array (L,) or (M, L)
+            One packed model (:func:`slipmargin.sim.pack.pack`) or several (:func:`~slipmargin.sim.pack.stack`).
+        start_pose : array (3,) or (R, 3)
+            Pose of the body frame's origin at each run's first knot [m, m, rad].
+        start_twist : array (3,) or (R, 3), optional
+            Floor-frame velocity of the origin and yaw rate [m/s, m/s, rad/s]; rest by default.
+        which, signal : integer arrays (R,), optional
+            Run r moves model ``which[r]`` by signal ``signal[r]``; by default every signal with model 0.
+        tell : bool
+            Also return wheel angles, slip, forces and loads.
+        rtol, atol : float
+            Error per step: rtol |state| + atol [m, rad, m/s, rad/s]; atol is rtol/100 by default.
+
+        Returns
+        -------
+        Outcome
+        """
+        models = np.atleast_2d(models)
+        if int(models[0, at.COUNT]) != self.wheels:
+            raise InputError("wheels", f"the signals have {self.wheels}, the robot has {int(models[0, at.COUNT])}",
+                             "give a column for every wheel")
+        signal = self._all if signal is None else signal
+        runs = len(signal)
+        which = np.zeros(runs, dtype=np.int64) if which is None else which
+        start = np.empty((runs, 6))
+        start[:, :3] = start_pose
+        start[:, 3:] = 0.0 if start_twist is None else start_twist
+        com = models[which, at.COM_X:at.COM_Y + 1]
+        _to_centre(start, com)
+        n, longest = self.wheels, self.longest
+        Y, info = np.empty((runs, longest, 6)), np.empty((runs, 5))
+        told = runs if tell else 1
+        room = longest
+        TH, LOAD = np.zeros((told, room, n)), np.zeros((told, room, n))
+        SLIP, FORCE = np.zeros((told, room, n, 2)), np.zeros((told, room, n, 2))
+        args = (models, which, signal, self._knot_at, self._knots, self._piece_at, self._coef, self._spin,
+                self.commanded, self._push_at, self._push_t, self._push_w, self._time_at, self._times, start, rtol,
+                0.01 * rtol if atol is None else atol, max_steps, Y, tell, TH, SLIP, FORCE, LOAD, info)
+        _spread(runs, args)
+        pose = Y[..., :3].copy()
+        c, s = np.cos(Y[..., 2]), np.sin(Y[..., 2])
+        if com.any():
+            pose[..., 0] -= c * com[:, None, 0] - s * com[:, None, 1]
+            pose[..., 1] -= s * com[:, None, 0] + c * com[:, None, 1]
+        more = {"theta": TH, "slip": SLIP, "force": FORCE, "load": LOAD} if tell else {}
+        return Outcome(pose=pose, state=Y, ending=info[:, 0].astype(np.int64), stopped_s=info[:, 1],
+                       steps=info[:, 2:4].astype(np.int64), **more)
+
+
+def _spread(runs: int, args: tuple[object, ...]) -> None:
+    """All runs over the threads; the compiled code holds no lock."""
+    if runs == 1 or _THREADS == 1:
+        run_range(0, runs, *args)
+        return
+    parts = min(runs, 4 * _THREADS)
+    cuts = [runs * k // parts for k in range(parts + 1)]
+    jobs = [_POOL.submit(run_range, low, high, *args) for low, high in zip(cuts[:-1], cuts[1:], strict=True)]
+    for job in jobs:
+        job.result()
+
+
+def _to_centre(start: Array, com: Array) -> None:
+    """In place: origin pose and floor-frame twist → centre of mass, body-frame velocity."""
+    c, s = np.cos(start[:, 2]), np.sin(start[:, 2])
+    vx, vy, w = start[:, 3].copy(), start[:, 4].copy(), start[:, 5]
+    start[:, 0] += c * com[:, 0] - s * com[:, 1]
+    start[:, 1] += s * com[:, 0] + c * com[:, 1]
+    start[:, 3] = c * vx + s * vy - w * com[:, 1]
+    start[:, 4] = -s * vx + c * vy + w * com[:, 0]
+
+
+def _offsets(lengths: Sequence[int]) -> NDArray[np.int64]:
+    return np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
+
+
+def _times(t: Array, signal: WheelSignal) -> Array:
+    times = frozen("times_s", t, (None,))
+    if len(times) == 0 or (len(times) > 1 and np.min(np.diff(times)) < 0.0):
+        raise InputError("times_s", "are empty or not ascending", "give ascending output times")
+    first, last = float(signal.knots_s[0]), float(signal.knots_s[-1])
+    if times[0] < first - 1e-12 or times[-1] > last + 1e-9:
+        raise InputError("times_s", f"run from {times[0]:g} to {times[-1]:g} s, the wheels are known from {first:g} "
+                         f"to {last:g} s", "ask within the wheels' data")
+    return np.clip(times, first, last)

@@ -1,0 +1,70 @@
+"""Where each number of a packed model stands: one flat float array a model.
+
+A flat array can be stacked (many models, one call) and read by compiled code without objects.
+Head (:data:`HEAD` numbers), then one block of :data:`WHEEL` numbers a wheel, then the friction
+modulations, then the force terms.  Offsets are integers stored as floats (exact below 2⁵³).
+"""
+
+from __future__ import annotations
+
+# --- head -------------------------------------------------------------------------------------
+COUNT = 0  #: number of wheels N
+MASS = 1  #: [kg]
+INERTIA = 2  #: about the centre of mass [kg m²]
+COM_X = 3  #: centre of mass in the body frame [m]
+COM_Y = 4
+STEEPNESS = 5  #: k of eq. (11) [s/m]
+SHAPE = 6  #: 0 box, 1 disc-strip, 2 ellipse
+COUPLING = 7  #: share of the coupled law, 0 … 1
+VISCOUS_W = 8  #: [N s/m] along ĝ
+VISCOUS_T = 9  #: [N s/m] along f̂
+MODULATIONS = 10  #: how many friction modulations
+MODULATIONS_AT = 11  #: where the first begins
+FORCES = 12  #: how many force terms
+FORCES_AT = 13
+LOAD_FOLLOWS = 14  #: 1 where loads depend on the acceleration
+LOAD_ITERATES = 15  #: 1 where friction depends on a load that depends on the acceleration
+BY_POSE = 16  #: 1 where forces depend on the pose
+BY_TIME = 17  #: 1 where friction or forces depend on time other than through wheel speeds
+BY_VELOCITY = 18  #: 1 where the velocity derivative needs finite differences
+SHARE = 19  #: m g / N [N]
+DELAY = 20  #: dead time of the drives [s]
+MOTOR = 21  #: 1 where wheel speeds are states (droop, torque–speed line)
+COMMANDS = 22  #: how many modulations of the commanded speed
+COMMANDS_AT = 23
+MAX_SPEED = 24  #: no-load speed of the motor [rad/s], 0 where unknown
+STALL_TORQUE = 25  #: [N m], 0 where unknown
+LAGGED = 26  #: 1 where a command is not followed at once (lag, gain, delay, modulations)
+HEAD = 28
+
+# --- a wheel ----------------------------------------------------------------------------------
+ARM_X = 0  #: contact place from the centre of mass [m]
+ARM_Y = 1
+DRIVE_X = 2
+DRIVE_Y = 3
+GRIP_X = 4
+GRIP_Y = 5
+FREE_X = 6
+FREE_Y = 7
+RADIUS = 8  #: [m]
+REST = 9  #: load at rest [N]
+LOAD_X = 10  #: load per acceleration [kg]
+LOAD_Y = 11
+ROLLER_W = 12
+ROLLER_T = 13
+RIGID_W = 14
+RIGID_T = 15
+PITCH = 16  #: 2π / rollers [rad]
+SWITCH = 17  #: angle within a pitch from which it stands on rigid material [rad]
+LAG = 18  #: [s]
+GAIN = 19
+DROOP = 20  #: [rad/(s N m)]
+NO_SLIP_X = 21  #: body acceleration per wheel acceleration without slip [m]
+NO_SLIP_Y = 22
+NO_SLIP_W = 23
+WHEEL = 24
+
+# --- a term -----------------------------------------------------------------------------------
+#: A modulation: variable, basis, target, count, shape a, shape b, N weights, count coefficients.
+#: A force: variable, basis, frame, count, shape a, shape b, 3 × count coefficients.
+TERM = 6

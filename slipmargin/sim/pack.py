@@ -1,0 +1,150 @@
+"""A model as one flat array that compiled code reads (layout: :mod:`slipmargin.sim.layout`)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.errors import InputError
+from slipmargin.model import Model
+from slipmargin.model.terms import ForceTerm, Modulation
+from slipmargin.model.variables import Basis, Frame, Target, Variable
+from slipmargin.robot import GripShape
+from slipmargin.sim import layout as at
+
+_SHAPES = {GripShape.BOX: 0.0, GripShape.DISC_STRIP: 1.0, GripShape.ELLIPSE: 2.0}
+
+#: Variables of the pose: forces that depend on them give the motion a pose Jacobian.
+_POSE = frozenset({Variable.HEADING, Variable.POSITION_X, Variable.POSITION_Y, Variable.SLIP_HEADING})
+#: Variables known in time alone where wheel speeds are prescribed.
+_TIME = frozenset({Variable.TIME, Variable.WHEEL_ANGLE, Variable.ACCELERATION_X, Variable.ACCELERATION_Y,
+                   Variable.YAW_ACCELERATION})
+#: Variables that leave the velocity derivative of the friction law analytic.
+_CALM = _TIME | {Variable.UNITY, Variable.HEADING, Variable.POSITION_X, Variable.POSITION_Y}
+#: The bases whose coefficients all stand for one and the same function.
+_SINGLE = frozenset({Basis.CONSTANT, Basis.DECAY, Basis.RECIPROCAL, Basis.WINDOW})
+
+
+def pack(model: Model) -> Array:
+    """The flat array (L,) of a model, read-only.
+
+    Raises
+    ------
+    InputError
+        If a term cannot be simulated (a friction term over the commanded speed, a drive term over
+        anything but command and time).
+    """
+    n = model.count
+    head = np.zeros(at.HEAD)
+    wheels = _wheels(model)
+    mods = [_modulation(m, n) for m in model.grip.modulations]
+    forces = [_force(f) for f in model.losses.terms]
+    commands = [_modulation(m, n) for m in model.transients.modulations]
+    _fill(head, model)
+    place = at.HEAD + wheels.size
+    for count, start, blocks in ((at.MODULATIONS, at.MODULATIONS_AT, mods), (at.FORCES, at.FORCES_AT, forces),
+                                 (at.COMMANDS, at.COMMANDS_AT, commands)):
+        head[count], head[start] = len(blocks), place
+        place += sum(len(b) for b in blocks)
+    flat = np.concatenate([head, wheels.ravel(), *mods, *forces, *commands])
+    if not np.all(np.isfinite(flat)):
+        raise InputError("model", "holds a number that is not finite", "give finite parameters")
+    flat.setflags(write=False)
+    return flat
+
+
+def stack(packed: list[Array]) -> Array:
+    """Several packed models as rows (M, L), padded with zeros."""
+    rows = np.zeros((len(packed), max(len(p) for p in packed)))
+    for row, one in zip(rows, packed, strict=True):
+        row[: len(one)] = one
+    return rows
+
+
+def _fill(head: Array, model: Model) -> None:
+    grip, loads, drives, transients = model.grip, model.loads, model.drives, model.transients
+    variables = {m.variable for m in grip.modulations}
+    terms = {f.variable for f in model.losses.terms}
+    for m in grip.modulations:
+        if m.variable is Variable.COMMAND_SPEED:
+            raise InputError("grip", "friction cannot depend on the commanded speed",
+                             "use ROLLING_SPEED, or put the term into the transients")
+    for m in transients.modulations:
+        if m.variable not in (Variable.COMMAND_SPEED, Variable.TIME, Variable.UNITY):
+            raise InputError("transients", f"a drive cannot depend on {m.variable.name}",
+                             "use COMMAND_SPEED or TIME")
+    floor = any(f.frame is Frame.FLOOR for f in model.losses.terms)
+    follows = bool(np.any(loads.per_acceleration_kg))
+    head[at.COUNT], head[at.MASS], head[at.INERTIA] = model.count, model.inertia.mass_kg, model.inertia.inertia_kg_m2
+    head[at.COM_X], head[at.COM_Y] = model.inertia.com_m
+    head[at.STEEPNESS], head[at.SHAPE], head[at.COUPLING] = grip.k_s_per_m, _SHAPES[grip.shape], grip.coupling
+    head[at.VISCOUS_W], head[at.VISCOUS_T] = grip.viscous_N_s_per_m
+    head[at.LOAD_FOLLOWS] = follows
+    head[at.LOAD_ITERATES] = follows and Variable.WHEEL_LOAD in variables
+    head[at.BY_POSE] = bool((variables | terms) & _POSE) or floor
+    head[at.BY_TIME] = bool((variables | terms) & _TIME)
+    against = any(f.frame is Frame.AGAINST_MOTION for f in model.losses.terms)
+    head[at.BY_VELOCITY] = bool((variables | terms) - _CALM) or against
+    head[at.SHARE] = model.inertia.weight_N / model.count
+    head[at.DELAY] = transients.delay_s
+    head[at.MAX_SPEED], head[at.STALL_TORQUE] = drives.max_speed_rad_s or 0.0, drives.stall_torque_N_m or 0.0
+    head[at.MOTOR] = bool(np.any(transients.droop_rad_s_per_N_m))
+    head[at.LAGGED] = bool(np.any(transients.lag_s) or np.any(transients.gain != 1.0) or transients.delay_s
+                           or transients.modulations)
+
+
+def _wheels(model: Model) -> Array:
+    c, grip, n = model.contacts, model.grip, model.count
+    rows = np.zeros((n, at.WHEEL))
+    rows[:, [at.ARM_X, at.ARM_Y]] = c.position_m - model.inertia.com_m
+    rows[:, [at.DRIVE_X, at.DRIVE_Y]] = c.drive
+    rows[:, [at.GRIP_X, at.GRIP_Y]] = c.grip
+    rows[:, [at.FREE_X, at.FREE_Y]] = c.free
+    rows[:, at.RADIUS] = c.radius_m
+    rows[:, at.REST] = model.loads.rest_N
+    rows[:, [at.LOAD_X, at.LOAD_Y]] = model.loads.per_acceleration_kg
+    rows[:, [at.ROLLER_W, at.ROLLER_T]] = grip.roller
+    rows[:, [at.RIGID_W, at.RIGID_T]] = grip.rigid
+    pitch = 2.0 * np.pi / grip.rollers
+    rows[:, at.PITCH] = pitch
+    rows[:, at.SWITCH] = (1.0 - grip.rigid_fraction) * pitch
+    rows[:, at.LAG] = model.transients.lag_s
+    rows[:, at.GAIN] = model.transients.gain
+    rows[:, at.DROOP] = model.transients.droop_rad_s_per_N_m
+    rows[:, [at.NO_SLIP_X, at.NO_SLIP_Y, at.NO_SLIP_W]] = no_slip_map(model).T
+    return rows
+
+
+def no_slip_map(model: Model) -> Array:
+    """(3, N): least-squares body twist of the origin that wheel speeds θ̇ imply without slip, ĝ_i·u_i = 0."""
+    c = model.contacts
+    p, g = c.position_m, c.grip
+    rows = np.column_stack([g, p[:, 0] * g[:, 1] - p[:, 1] * g[:, 0]])
+    slope = c.radius_m * np.sum(c.drive * g, axis=1)
+    return np.asarray(-np.linalg.pinv(rows) * slope, dtype=np.float64)
+
+
+def _modulation(m: Modulation, n: int) -> Array:
+    if len(m.wheels) != n:
+        raise InputError("wheels", f"has {len(m.wheels)} weights, the robot has {n} wheels",
+                         "give one weight a wheel")
+    coefficients = _merged(m.basis, m.coefficients)
+    return np.concatenate([[float(m.variable), float(m.basis), float(m.target), float(len(coefficients))],
+                           m.shape, m.wheels, coefficients])
+
+
+def _force(f: ForceTerm) -> Array:
+    coefficients = np.stack([_merged(f.basis, row) for row in f.coefficients])
+    return np.concatenate([[float(f.variable), float(f.basis), float(f.frame), float(coefficients.shape[1])],
+                           f.shape, coefficients.ravel()])
+
+
+def _merged(basis: Basis, coefficients: Array) -> Array:
+    if basis in _SINGLE:
+        return np.array([math.fsum(coefficients)])
+    return coefficients
+
+
+assert len(Target) == 4 and len(Frame) == 3  # the kernel knows these and no others

@@ -1,0 +1,246 @@
+"""Wheel motion known in time: pieces, how a lagging drive follows them, exact switching times.
+
+On a piece starting at t_k, with τ = t − t_k, a wheel turns as
+
+    θ = c0 + c1 τ + c2 τ² + c3 τ³ + c4 T (1 − e^(−τ/T)),   ω = c1 + 2 c2 τ + 3 c3 τ² + c4 e^(−τ/T)
+
+where T is the wheel's lag; the last term is the exact answer of a first-order drive.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from slipmargin.sim import layout as at
+from slipmargin.sim.terms import HATS, WINDOW, series
+
+_H, _W, _TERM, _COUNT = at.HEAD, at.WHEEL, at.TERM, at.COUNT
+_LAG, _GAIN, _PITCH, _SWITCH, _DELAY = at.LAG, at.GAIN, at.PITCH, at.SWITCH, at.DELAY
+_LAGGED, _CMDS, _CMDS_AT = at.LAGGED, at.COMMANDS, at.COMMANDS_AT
+_MODS, _MODS_AT, _FORCES, _FORCES_AT = at.MODULATIONS, at.MODULATIONS_AT, at.FORCES, at.FORCES_AT
+_TIME = 17
+
+
+@njit(cache=True)
+def turn(c: Any, lag: float, x: float) -> tuple[float, float, float]:
+    """(θ, ω, ω̇) of one wheel at time x into a piece with coefficients c (5)."""
+    th = c[0] + x * (c[1] + x * (c[2] + x * c[3]))
+    om = c[1] + x * (2.0 * c[2] + 3.0 * c[3] * x)
+    al = 2.0 * c[2] + 6.0 * c[3] * x
+    if c[4] != 0.0:
+        e = math.exp(-x / lag)
+        th += c[4] * lag * (1.0 - e)
+        om += c[4] * e
+        al -= c[4] * e / lag
+    return th, om, al
+
+
+@njit(cache=True)
+def _command_factor(P: Any, i: int, t: float, speed: float) -> float:
+    factor, q, n = 1.0, int(P[_CMDS_AT]), int(P[_COUNT])
+    for _ in range(int(P[_CMDS])):
+        count, place = int(P[q + 3]), q + _TERM + n
+        v = 1.0 if P[q] == 0.0 else (t if P[q] == _TIME else abs(speed))
+        sum_ = series(P, place, count, int(P[q + 1]), P[q + 4], P[q + 5], v)
+        factor *= max(0.0, 1.0 + P[q + _TERM + i] * sum_)
+        q = place + count
+    return factor
+
+
+@njit(cache=True)
+def follow(P: Any, knots: Any, coef: Any, start: Any) -> tuple[Any, Any]:
+    """Pieces of the wheels' real motion for commanded pieces: modulations, gain, delay, lag in turn.
+
+    ``start`` (N,): wheel speed before the first command acts [rad/s].  Modulations of the command are
+    taken at both ends of a piece and linear between.
+    """
+    n, k = int(P[_COUNT]), len(knots) - 1
+    late = 1 if P[_DELAY] > 0.0 else 0
+    t = np.empty(k + 1 + late)
+    out = np.zeros((k + late, n, 5))
+    t[0] = knots[0]
+    for j in range(k + 1):
+        t[j + late] = knots[j] + P[_DELAY]
+    if late:  # the motion still ends where the commands do
+        t[k + late] = max(knots[k], t[k])
+        while late and t[k + late] <= t[k + late - 1]:
+            t[k + late] = t[k + late - 1] + 1e-9
+    for i in range(n):
+        lag, gain = P[_H + i * _W + _LAG], P[_H + i * _W + _GAIN]
+        angle, speed = coef[0, i, 0], start[i]
+        for j in range(k + late):
+            h = t[j + 1] - t[j]
+            if late and j == 0:
+                a, b, c = start[i], 0.0, 0.0
+            else:
+                m = j - late
+                a, b, c = coef[m, i, 1], 2.0 * coef[m, i, 2], 3.0 * coef[m, i, 3]
+                if P[_CMDS] > 0:
+                    d = knots[m + 1] - knots[m]
+                    held = b == 0.0 and c == 0.0
+                    last = a + d * (b + d * c)
+                    a = a * _command_factor(P, i, t[j], a)
+                    if held:
+                        b = 0.0
+                    else:
+                        last = last * _command_factor(P, i, t[j] + d, last)
+                        b, c = (last - a) / d, 0.0
+                a, b, c = gain * a, gain * b, gain * c
+            e = 0.0
+            if lag > 0.0:
+                b, a = b - 2.0 * c * lag, a - (b - 2.0 * c * lag) * lag
+                e = speed - a
+            p = out[j, i]
+            p[0], p[1], p[2], p[3], p[4] = angle, a, 0.5 * b, c / 3.0, e
+            angle, speed, _ = turn(p, lag, h)
+    return t, out
+
+
+@njit(cache=True)
+def _root(c: Any, lag: float, order: int, target: float, a: float, b: float) -> float:
+    """Where θ (order 0), ω (1) or ω̇ (2) meets ``target`` between a and b; it is monotone there."""
+    fa = turn(c, lag, a)[order] - target
+    for _ in range(200):
+        x = 0.5 * (a + b)
+        v = turn(c, lag, x)
+        f = v[order] - target
+        if f == 0.0 or b - a <= 1e-15 * (1.0 + abs(b)):
+            return x
+        if (f > 0.0) == (fa > 0.0):
+            a, fa = x, f
+        else:
+            b = x
+        if order < 2:  # a Newton step where it stays inside
+            d = v[order + 1]
+            if d != 0.0:
+                new = x - f / d
+                if a < new < b:
+                    g = turn(c, lag, new)[order] - target
+                    if abs(new - x) <= 1e-14 * (1.0 + abs(x)) or g == 0.0:
+                        return new
+                    if (g > 0.0) == (fa > 0.0):
+                        a, fa = new, g
+                    else:
+                        b = new
+    return 0.5 * (a + b)
+
+
+@njit(cache=True)
+def turning_points(c: Any, lag: float, h: float, at_: Any) -> int:
+    """Times in (0, h) where the wheel reverses, ascending into ``at_`` (5); how many."""
+    grid = np.empty(8)
+    grid[0], m = 0.0, 1
+    if c[4] != 0.0 and c[3] != 0.0:  # ω̇ turns once at most
+        ratio = -6.0 * c[3] * lag * lag / c[4]
+        if ratio > 0.0 and 0.0 < -lag * math.log(ratio) < h:
+            grid[m] = -lag * math.log(ratio)
+            m += 1
+    grid[m] = h
+    m += 1
+    for order in (2, 1):
+        new = np.empty(8)
+        new[0], k = 0.0, 1
+        for j in range(m - 1):
+            fa, fb = turn(c, lag, grid[j])[order], turn(c, lag, grid[j + 1])[order]
+            if fa * fb < 0.0:
+                new[k] = _root(c, lag, order, 0.0, grid[j], grid[j + 1])
+                k += 1
+        if order == 2:
+            for j in range(1, m - 1):  # keep what already splits
+                new[k] = grid[j]
+                k += 1
+        new[k] = h
+        k += 1
+        new[:k].sort()
+        m = k
+        grid[:m] = new[:m]
+    for j in range(1, m - 1):
+        at_[j - 1] = grid[j]
+    return m - 2
+
+
+@njit(cache=True)
+def _crossings(c: Any, lag: float, h: float, t0: float, pitch: float, edge: float, out: Any, count: int) -> int:
+    """Append the times at which θ passes an edge m·pitch + edge; ``out`` of length 0 only counts."""
+    cuts = np.empty(8)
+    m = turning_points(c, lag, h, cuts)
+    a = 0.0
+    for j in range(m + 1):
+        b = cuts[j] if j < m else h
+        fa, fb = turn(c, lag, a)[0], turn(c, lag, b)[0]
+        low, high = min(fa, fb), max(fa, fb)
+        first = math.ceil((low - edge) / pitch)
+        last = math.floor((high - edge) / pitch)
+        for k in range(first, last + 1):
+            if len(out) > 0:
+                out[count] = t0 + _root(c, lag, 0, k * pitch + edge, a, b)
+            count += 1
+        a = b
+    return count
+
+
+@njit(cache=True)
+def _switches(P: Any, knots: Any, coef: Any, out: Any, count: int) -> int:
+    for i in range(int(P[_COUNT])):
+        q = _H + i * _W
+        pitch, switch = P[q + _PITCH], P[q + _SWITCH]
+        if switch <= 0.0 or switch >= pitch:
+            continue
+        same = P[q + at.ROLLER_W] == P[q + at.RIGID_W] and P[q + at.ROLLER_T] == P[q + at.RIGID_T]
+        if same:
+            continue
+        for j in range(len(knots) - 1):
+            h = knots[j + 1] - knots[j]
+            count = _crossings(coef[j, i], P[q + _LAG], h, knots[j], pitch, 0.0, out, count)
+            count = _crossings(coef[j, i], P[q + _LAG], h, knots[j], pitch, switch, out, count)
+    return count
+
+
+@njit(cache=True)
+def _term_edges(P: Any, q: int, many: int, weights: int, rows: int, out: Any, count: int) -> int:
+    for _ in range(many):
+        basis, size = int(P[q + 1]), int(P[q + 3])
+        if P[q] == _TIME and (basis == WINDOW or basis == HATS):
+            pieces = 1 if basis == WINDOW else max(size - 1, 1)
+            for j in range(pieces + 1):
+                if len(out) > 0:
+                    out[count] = P[q + 4] + (P[q + 5] - P[q + 4]) * j / pieces
+                count += 1
+        q += _TERM + weights + rows * size
+    return count
+
+
+@njit(cache=True)
+def breakpoints(P: Any, knots: Any, coef: Any, extra: Any) -> Any:
+    """Every instant at which the right-hand side may jump or kink, ascending, from first to last knot."""
+    n = int(P[_COUNT])
+    none = np.empty(0)
+    size = _switches(P, knots, coef, none, 0)
+    size = _term_edges(P, int(P[_MODS_AT]), int(P[_MODS]), n, 1, none, size)
+    size = _term_edges(P, int(P[_FORCES_AT]), int(P[_FORCES]), 0, 3, none, size)
+    base = len(knots) + len(extra)
+    out = np.empty(size + base + 1)
+    out[: len(knots)] = knots
+    out[len(knots):base] = extra
+    if size > 0:
+        rest = np.empty(size + 1)
+        k = _switches(P, knots, coef, rest, 0)
+        k = _term_edges(P, int(P[_MODS_AT]), int(P[_MODS]), n, 1, rest, k)
+        k = _term_edges(P, int(P[_FORCES_AT]), int(P[_FORCES]), 0, 3, rest, k)
+        out[base:base + k] = rest[:k]
+        base += k
+    out = out[:base]
+    if size > 0 or len(extra) > 0:
+        out.sort()
+    first, last = knots[0], knots[-1]
+    m = 0
+    for x in out:
+        if first <= x <= last and (m == 0 or x - out[m - 1] > 1e-12):
+            out[m] = x
+            m += 1
+    out[m - 1] = last
+    return out[:m]
