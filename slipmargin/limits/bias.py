@@ -42,8 +42,7 @@ def bias_extremes(model: Model, phi_rad: Array, normals: Array) -> tuple[Array, 
     low = np.zeros((len(phi_rad), len(normals)))
     high = np.zeros_like(low)
     for variable in _UNKNOWN:
-        terms = [t for t in model.losses.terms
-                 if t.variable is variable and t.frame is not Frame.AGAINST_MOTION]
+        terms = _unknown_terms(model, variable)
         if terms:
             across = np.stack([_along(terms, v, phi_rad, normals) for v in _grid(terms, variable)])
             rest = _along(terms, 0.0, phi_rad, normals)
@@ -56,13 +55,19 @@ def bias_samples(model: Model, phi_rad: Array, points: int = 5) -> list[Array]:
     """Bias wrenches (M, 3) at values spread over what cannot be known; the one at v = 0 comes first."""
     out = [bias_wrench(model, phi_rad)]
     for variable in _UNKNOWN:
-        terms = [t for t in model.losses.terms if t.variable is variable and t.frame is not Frame.AGAINST_MOTION]
+        terms = _unknown_terms(model, variable)
         if terms:
             grid = _grid(terms, variable)
             values = grid[np.linspace(0, len(grid) - 1, points).astype(int)]
             rest = _along(terms, 0.0, phi_rad, np.eye(3))
-            out = [w + _along(terms, float(v), phi_rad, np.eye(3)) - rest for w in out for v in (0.0, *values)]
+            change = [_along(terms, float(v), phi_rad, np.eye(3)) - rest for v in (0.0, *values)]
+            out = [w + step for w in out for step in change]
     return out
+
+
+def _unknown_terms(model: Model, variable: Variable) -> list[ForceTerm]:
+    return [t for t in model.losses.terms
+            if t.variable is variable and t.frame is not Frame.AGAINST_MOTION]
 
 
 def _along(terms: list[ForceTerm], v: float, phi_rad: Array, normals: Array) -> Array:

@@ -4,7 +4,7 @@ Everything is per m g, moments per m g and a length.  With wheel forces f_i = μ
 
     maximise F   s.t.   Σ_i b_i f_i + d F = −w_b,      y_i in the grip's set scaled by N_i(F) = N⁰_i + t_i F.
 
-Box: |y_ij| ≤ N_i (eq. 17).  Ellipse: ‖y_i‖ ≤ N_i.  Disc-strip: f_i = μ_W y_i, ‖y_i‖ ≤ N_i, |μ_W y_T| ≤ μ_T N_i.
+Box: |y_ij| ≤ N_i (eq. 17).  Ellipse: ‖y_i‖ ≤ N_i.  Disc-strip: f_i = μ_W y_i, also |μ_W y_T| ≤ μ_T N_i.
 A blend (1 − κ)·box ⊕ κ·shape has both kinds of variable.  Where friction depends on the sense of the
 slip each force is split into its two senses.
 """
@@ -26,7 +26,7 @@ from slipmargin.model import Model
 from slipmargin.robot import GripShape
 from slipmargin.sets.facets import length_scale
 from slipmargin.solve.assemble import Assembly
-from slipmargin.solve.program import ConeFamily, ConeKind, ConeProgram, Solution
+from slipmargin.solve.program import ConeFamily, ConeProgram, Solution
 
 _BALANCE = ("balance Fx", "balance Fy", "balance Mz")
 _PARTS = ("drive", "transverse")

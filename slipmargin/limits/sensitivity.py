@@ -1,8 +1,8 @@
-"""What limits a pull, and what would raise the limit: the active facets' own numbers.
+"""What limits a pull, and what would raise the limit.
 
-At facet k: F = (s·N⁰ + n·w_b)/(−n·d − s·t), so ∂F/∂μ_ijs = N_i(F) |n·b_ij| / (−n·d − s·t) for the sense s the
-facet uses.  Where several facets meet (by symmetry, say) the mean of their derivatives is returned: F is
-concave in the coefficients and any such mean is a supergradient.
+At a normal n, scaled so that −n·d − s·t = 1: F = s(n)·N⁰ + n·w_b, so ∂F/∂μ_ij = N_i(F) ∂s_i/∂μ_ij, which is
+N_i(F) |n·b_ij| for the box (the sense in use).  Where several facets meet (by symmetry, say) the mean of
+their derivatives is returned: F is concave in the coefficients and any such mean is a supergradient.
 """
 
 from __future__ import annotations
@@ -11,15 +11,27 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.limits.friction import Extreme, coefficients
 from slipmargin.limits.pull import Pull
-from slipmargin.limits.rows import active, facet_rows, largest, pull_geometry, refuse_slipping
+from slipmargin.limits.rows import (
+    PullGeometry,
+    active,
+    facet_rows,
+    largest,
+    pull_geometry,
+    refuse_slipping,
+)
+from slipmargin.limits.wrench_set import wheel_slope
 from slipmargin.model import Model
+from slipmargin.robot import GripShape
 
 #: A wheel's component saturates where the facet sees more than this share of the largest [1].
 SEEN = 1e-9
+#: The same for the multipliers of an interior-point solver [1].
+CONE_SEEN = 1e-5
 _PARTS = ("drive", "transverse")
 
 
@@ -43,9 +55,9 @@ class Sensitivity:
     names: tuple[str, ...]
     force_N: Array
     per_coefficient_N: Array
-    saturated: Array
-    lifts: Array
-    meeting: Array
+    saturated: NDArray[np.bool_]
+    lifts: NDArray[np.bool_]
+    meeting: NDArray[np.int_]
 
     def wheels(self) -> tuple[tuple[str, ...], ...]:
         """For each heading the names of the wheels with a saturated force, then ``tip-over at NAME``."""
@@ -66,25 +78,54 @@ class Sensitivity:
         )
 
 
-def sensitivity(model: Model, phi_rad: Array, pull: Pull, rigid: Array | None = None) -> Sensitivity:
-    """Limits and derivatives by the facets of the box grip.
+def sensitivity(model: Model, phi_rad: Array, pull: Pull | None = None,
+                rigid: Array | None = None) -> Sensitivity:
+    """What binds and what would help, by facets for the box grip, by the balance's multipliers otherwise.
 
-    For a coupled grip the multipliers of the cone program say the same (:mod:`slipmargin.limits.cones`).
+    Parameters
+    ----------
+    phi_rad : (M,)
+    rigid : (N,) bool, optional
+        Wheels on rigid material; by default all stand on rollers.
     """
     state = np.zeros(model.count, dtype=bool) if rigid is None else np.asarray(rigid, dtype=bool)
+    pull = Pull() if pull is None else pull
     g = pull_geometry(model, np.atleast_1d(np.asarray(phi_rad, dtype=float)), pull)
     mu = coefficients(model, state, g.phi_rad, Extreme.NEUTRAL)
+    shape, coupling = model.grip.shape, model.grip.coupling
+    if shape is GripShape.BOX or coupling == 0.0:
+        force, normals, seen, lifts, meeting = _by_facets(g, mu)
+    else:
+        force, normals, seen, lifts, meeting = _by_cones(g, state)
+    load = model.loads.rest_N + force[:, None] * g.load_change
+    slope = wheel_slope(g.maps, np.broadcast_to(mu, (len(force), *mu.shape[1:])), normals, shape, coupling)
+    if shape is GripShape.BOX or coupling == 0.0:
+        slope = seen
+    return Sensitivity(names=model.contacts.names, force_N=force, per_coefficient_N=slope * load[:, :, None],
+                       saturated=seen > SEEN * np.max(seen, axis=(1, 2), keepdims=True), lifts=lifts,
+                       meeting=meeting)
+
+
+def _by_facets(g: PullGeometry, mu: Array) -> tuple[Array, Array, Array, NDArray[np.bool_], NDArray[np.int_]]:
     a, b = facet_rows(g, mu)
     force = refuse_slipping(largest(a, b), g.phi_rad)
     on = active(a, b, force)
     facets = len(g.normals)
-    load = model.loads.rest_N + force[:, None] * g.load_change
-    seen = np.abs(np.einsum("ka,aij->kij", g.normals, g.maps))
+    # The mean over the rows that meet, each scaled so that F = its bound; |n·b| is averaged, not n.
     weight = on[:, :facets] / np.where(on[:, :facets], a[:, :facets], 1.0)
     weight = weight / np.maximum(on.sum(axis=1), 1)[:, None]
-    slope = np.einsum("mk,kij->mij", weight, seen) * load[:, :, None]
-    bound = seen > SEEN * seen.max(axis=(1, 2), keepdims=True)
-    saturated = np.any(on[:, :facets, None, None] & bound, axis=1)
-    lifts = on[:, facets:] if g.tips else np.zeros((len(force), model.count), dtype=bool)
-    return Sensitivity(names=model.contacts.names, force_N=force, per_coefficient_N=slope,
-                       saturated=saturated, lifts=lifts, meeting=on.sum(axis=1))
+    each = np.abs(np.einsum("ka,aij->kij", g.normals, g.maps))
+    each = np.where(each > SEEN * each.max(axis=(1, 2), keepdims=True), each, 0.0)
+    lifts = on[:, facets:] if g.tips else np.zeros((len(force), g.model.count), dtype=bool)
+    return force, weight @ g.normals, np.einsum("mk,kij->mij", weight, each), lifts, np.asarray(on.sum(axis=1))
+
+
+def _by_cones(g: PullGeometry, rigid: Array) -> tuple[Array, Array, Array, NDArray[np.bool_], NDArray[np.int_]]:
+    from slipmargin.limits.cones import cone_limits  # clarabel is loaded only where a cone needs it
+
+    answer = cone_limits(g.model, g.phi_rad, g.pull, rigid)
+    seen = np.abs(np.einsum("ma,aij->mij", answer.normals, g.maps))
+    seen = np.where(seen > CONE_SEEN * seen.max(axis=(1, 2), keepdims=True), seen, 0.0)
+    load = g.model.loads.rest_N + answer.force_N[:, None] * g.load_change
+    lifts = (load < CONE_SEEN * g.model.inertia.weight_N) & (g.load_change < 0.0)
+    return (answer.force_N, answer.normals, seen, lifts, np.ones(len(answer.force_N), dtype=int))

@@ -17,7 +17,14 @@ from slipmargin.limits.friction import Extreme, coefficients
 from slipmargin.model import Model
 from slipmargin.robot import GripShape
 from slipmargin.sets.facets import facet_normals
-from slipmargin.sets.grips import box_support, disc_strip_support, ellipse_support
+from slipmargin.sets.grips import (
+    box_slope,
+    box_support,
+    disc_strip_slope,
+    disc_strip_support,
+    ellipse_slope,
+    ellipse_support,
+)
 from slipmargin.sets.zonotope import Zonotope
 
 
@@ -91,7 +98,9 @@ class WrenchSet:
         return Zonotope(generators=self.generators, centre=self.centre)
 
 
-_COUPLED = {GripShape.BOX: None, GripShape.DISC_STRIP: disc_strip_support, GripShape.ELLIPSE: ellipse_support}
+_COUPLED = {GripShape.BOX: None, GripShape.DISC_STRIP: disc_strip_support,
+            GripShape.ELLIPSE: ellipse_support}
+_SLOPES = {GripShape.BOX: None, GripShape.DISC_STRIP: disc_strip_slope, GripShape.ELLIPSE: ellipse_slope}
 
 
 def wheel_share(maps: Array, mu: Array, directions: Array, shape: GripShape, coupling: float) -> Array:
@@ -112,6 +121,15 @@ def wheel_share(maps: Array, mu: Array, directions: Array, shape: GripShape, cou
     if coupled is None or coupling == 0.0:
         return box_support(seen, mu)
     return np.asarray((1.0 - coupling) * box_support(seen, mu) + coupling * coupled(seen, mu))
+
+
+def wheel_slope(maps: Array, mu: Array, directions: Array, shape: GripShape, coupling: float) -> Array:
+    """(M, N, 2) derivative of :func:`wheel_share` by the coefficients, direction m with ``mu[m]``."""
+    seen = np.einsum("ma,aij->mij", directions, maps)
+    coupled = _SLOPES[shape]
+    if coupled is None or coupling == 0.0:
+        return box_slope(seen, mu)
+    return np.asarray((1.0 - coupling) * box_slope(seen, mu) + coupling * coupled(seen, mu))
 
 
 def wrench_maps(model: Model) -> Array:

@@ -46,5 +46,29 @@ def disc_strip_support(seen: Array, mu: Array) -> Array:
     return np.asarray(np.where(across * q <= top * size, size, corner))
 
 
+def box_slope(seen: Array, mu: Array) -> Array:
+    """(..., N, 2) derivative of :func:`box_support` by each coefficient of the sense in use."""
+    return np.abs(seen)
+
+
+def ellipse_slope(seen: Array, mu: Array) -> Array:
+    """(..., N, 2) derivative of :func:`ellipse_support` by each coefficient of the sense in use."""
+    reach = _reach(seen, mu)
+    size = np.hypot(reach[..., 0], reach[..., 1])[..., None]
+    return np.asarray(np.abs(seen) * reach / np.where(size > 0.0, size, 1.0))
+
+
+def disc_strip_slope(seen: Array, mu: Array) -> Array:
+    """(..., N, 2) derivative of :func:`disc_strip_support`; coefficients alike in both senses."""
+    p, q = np.abs(seen[..., 0]), np.abs(seen[..., 1])
+    radius, strip = mu[..., 0, 1], mu[..., 1, 1]
+    size = np.hypot(p, q)
+    edge = np.sqrt(np.maximum(radius**2 - strip**2, 0.0))
+    safe = np.where(edge > 0.0, edge, 1.0)
+    free = radius * q <= strip * size
+    first = np.where(free, size, p * radius / safe)
+    return np.stack([first, np.where(free, 0.0, q - p * strip / safe)], axis=-1)
+
+
 def _reach(seen: Array, mu: Array) -> Array:
     return np.asarray(np.maximum(seen, 0.0) * mu[..., 1] + np.maximum(-seen, 0.0) * mu[..., 0])

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import clarabel
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from slipmargin.checks import Array
@@ -68,13 +69,14 @@ def solve_family(family: ConeFamily) -> tuple[Array, Array, Array]:
     return x, s, z
 
 
-def _pattern(shape: Array) -> tuple[Array, Array]:
+def _pattern(shape: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     # Rows and columns of the entries in the order of a compressed-column matrix.
     columns, rows = np.nonzero(shape.T)
     return rows, columns
 
 
-def _solver(form: ConeProgram | ConeFamily, a: Array, b: Array, shape: Array) -> clarabel.DefaultSolver:
+def _solver(form: ConeProgram | ConeFamily, a: Array, b: Array,
+            shape: NDArray[np.bool_]) -> clarabel.DefaultSolver:
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.presolve_enable = False

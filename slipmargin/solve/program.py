@@ -160,8 +160,9 @@ class Solution:
         """This solution, or NoSolution where its certificate is worse than ``tolerance``."""
         proof = self.certificate()
         if not proof.worst <= tolerance:
-            raise NoSolution(self.program.what, f"{self.solver} left primal residual {proof.primal:.1e}, dual "
-                             f"residual {proof.dual:.1e}, gap {proof.gap:.1e}",
+            raise NoSolution(self.program.what,
+                             f"{self.solver} left primal residual {proof.primal:.1e}, "
+                             f"dual residual {proof.dual:.1e}, gap {proof.gap:.1e}",
                              "scale the program or ask for less accuracy", self)
         return self
 

@@ -1,0 +1,120 @@
+"""How far a wrench is from slipping: the distance to the boundary, and how often it fits.
+
+Newtons and newton metres do not mix, so the distance needs a length ℓ: |(Fx, Fy, Mz/ℓ)| [N].  The nearest
+boundary point of a convex set from inside lies where some normal n, |(nx, ny, ℓ nz)| = 1, has the least
+h(n) − n·w.  (Compare the residual wrench of grasp planning: Ferrari and Canny, ICRA 1992.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array, frozen, real
+from slipmargin.limits.wrench_set import WrenchSet
+
+#: Search over normals of a coupled grip: starting spread, how many are moved, tries a round, rounds.
+_SPREAD, _FEW, _RING, _ROUNDS = 400, 4, 60, 60
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Margin:
+    """Distance of a wrench from the boundary of the set the wheels can resist.
+
+    Parameters
+    ----------
+    distance_N : float
+        Signed distance [N], moments divided by ``length_m``; negative outside (by the row broken most).
+    factor : float
+        How often the wrench can be multiplied before a wheel slips; below 1 it slips already.
+    length_m : float
+    nearest : (3,)
+        The boundary's point (or, outside, the foot on the plane broken most).
+    normal : (3,)
+        The normal there [1, 1, 1/m].
+    limiting : tuple of str
+        The wheels that saturate where scaling ends.
+    """
+
+    distance_N: float
+    factor: float
+    length_m: float
+    nearest: Array
+    normal: Array
+    limiting: tuple[str, ...]
+
+
+def margin(wrenches: WrenchSet, wrench: Array, length_m: float | None = None) -> Margin:
+    """The margin of an external wrench (3,) on the body at rest [N, N, N m].
+
+    Parameters
+    ----------
+    length_m : float, optional
+        By default the largest lever arm of the wheels' forces about the centre of mass.
+
+    Notes
+    -----
+    Friction answers with −w.  Exact by facets for the box grip.  A coupled grip has no facets: there the
+    normals are searched from an even spread over the sphere, so the distance is found from above, to
+    about a part in 10⁶.
+    """
+    demand = -frozen("wrench", wrench, (3,))
+    scale = arm(wrenches) if length_m is None else real("length_m", length_m, above=0.0,
+                                                        cure="give a positive length [m]")
+    per = np.array([1.0, 1.0, scale])  # normals below are unit vectors of the scaled space
+
+    def room(normal: Array) -> Array:
+        return np.asarray(wrenches.support(normal / per) - (normal / per) @ demand)
+
+    def ratio(normal: Array) -> Array:
+        along = (normal / per) @ demand
+        out = np.full(len(normal), np.inf)
+        np.divide(wrenches.support(normal / per), along, out=out, where=along > 1e-12 * np.max(np.abs(along)))
+        return out
+
+    start = _unit(wrenches.normals * per)
+    if not wrenches.polyhedral:
+        start = np.vstack([start, sphere(_SPREAD)])
+    nearest, exit_ = _best(room, start, wrenches.polyhedral), _best(ratio, start, wrenches.polyhedral)
+    distance = float(room(nearest[None])[0])
+    factor = float(ratio(exit_[None])[0]) if np.any(demand) else np.inf
+    seen = np.abs(np.einsum("a,aij->ij", exit_ / per, wrenches.maps))
+    held = np.any(seen > 1e-6 * np.max(seen), axis=1)
+    return Margin(distance_N=distance, factor=factor, length_m=scale,
+                  nearest=-(demand + distance * nearest * per), normal=-nearest / per,
+                  limiting=tuple(n for n, on in zip(wrenches.names, held, strict=True) if on))
+
+
+def arm(wrenches: WrenchSet) -> float:
+    """The largest lever arm of any wheel's force about the centre of mass [m]."""
+    return float(np.max(np.abs(wrenches.maps[2])))
+
+
+def sphere(count: int) -> Array:
+    """(count, 3) unit vectors spread evenly (Fibonacci lattice)."""
+    k = np.arange(count) + 0.5
+    z, turn = 1.0 - 2.0 * k / count, np.pi * (1.0 + 5.0**0.5) * k
+    flat = np.sqrt(1.0 - z**2)
+    return np.stack([flat * np.cos(turn), flat * np.sin(turn), z], axis=1)
+
+
+def _best(value: Callable[[Array], Array], start: Array, exact: bool) -> Array:
+    # The best of the starting normals; where they are not all facets, the few best are moved downhill.
+    order = np.argsort(value(start), kind="stable")
+    if exact:
+        return np.asarray(start[order[0]])
+    here, size, steps = start[order[:_FEW]], 0.3, sphere(_RING)
+    for _ in range(_ROUNDS):
+        tries = _unit(here[:, None] + size * np.concatenate([np.zeros((1, 3)), steps]))
+        found = value(tries.reshape(-1, 3)).reshape(tries.shape[:2])
+        here = tries[np.arange(len(here)), np.argmin(found, axis=1)]
+        size *= 0.75
+    return np.asarray(here[int(np.argmin(value(here)))])
+
+
+def _unit(vectors: Array) -> Array:
+    return np.asarray(vectors / np.sqrt(np.sum(vectors**2, axis=-1, keepdims=True)))
