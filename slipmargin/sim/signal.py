@@ -63,7 +63,7 @@ def linear(t_s: Array, omega: Array, *, theta0: Array | None = None) -> WheelSig
     """Wheel speeds (T, N) [rad/s] with straight lines between rows."""
     t, om = _rows(t_s, omega, "omega")
     _enough(t)
-    return _from_speed(t, om[:-1], np.diff(om, axis=0) / np.diff(t)[:, None], theta0, spin=om[0])
+    return _from_speed(t, om[:-1], np.diff(om, axis=0) / np.diff(t)[:, None], theta0)
 
 
 def hermite(t_s: Array, theta: Array, omega: Array) -> WheelSignal:
@@ -89,7 +89,7 @@ def angles(t_s: Array, theta: Array) -> WheelSignal:
     return hermite(t, th, np.asarray(np.gradient(th, t, axis=0, edge_order=2)))
 
 
-def _from_speed(t: Array, om: Array, slope: Array, theta0: Array | None, spin: Array | None = None) -> WheelSignal:
+def _from_speed(t: Array, om: Array, slope: Array, theta0: Array | None) -> WheelSignal:
     h = np.diff(t)[:, None]
     n = om.shape[1]
     first = np.zeros(n) if theta0 is None else frozen("theta0", theta0, (n,))
@@ -97,7 +97,7 @@ def _from_speed(t: Array, om: Array, slope: Array, theta0: Array | None, spin: A
         gain = h * (om + 0.5 * slope * h)
         angle = first + np.vstack([np.zeros(n), np.cumsum(gain, axis=0)[:-1]])
     pieces = np.stack([angle, om, 0.5 * slope, np.zeros_like(om)], axis=2)
-    return WheelSignal(knots_s=t, pieces=pieces, spin_rad_s=np.zeros(n) if spin is None else spin)
+    return WheelSignal(knots_s=t, pieces=pieces, spin_rad_s=np.zeros(n))
 
 
 def _rows(t_s: Array, values: Array, place: str) -> tuple[Array, Array]:
