@@ -93,20 +93,31 @@ def sensitivity(model: Model, phi_rad: Array, pull: Pull | None = None,
     g = pull_geometry(model, np.atleast_1d(np.asarray(phi_rad, dtype=float)), pull)
     mu = coefficients(model, state, g.phi_rad, Extreme.NEUTRAL)
     shape, coupling = model.grip.shape, model.grip.coupling
-    if shape is GripShape.BOX or coupling == 0.0:
-        force, normals, seen, lifts, meeting = _by_facets(g, mu)
-    else:
-        force, normals, seen, lifts, meeting = _by_cones(g, state)
-    load = model.loads.rest_N + force[:, None] * g.load_change
-    slope = wheel_slope(g.maps, np.broadcast_to(mu, (len(force), *mu.shape[1:])), normals, shape, coupling)
-    if shape is GripShape.BOX or coupling == 0.0:
-        slope = seen
-    return Sensitivity(names=model.contacts.names, force_N=force, per_coefficient_N=slope * load[:, :, None],
-                       saturated=seen > SEEN * np.max(seen, axis=(1, 2), keepdims=True), lifts=lifts,
-                       meeting=meeting)
+    box = shape is GripShape.BOX or coupling == 0.0
+    at = _by_facets(g, mu) if box else _by_cones(g, state)
+    load = model.loads.rest_N + at.force[:, None] * g.load_change
+    slope = at.seen  # the box's own slope; averaged over facets that meet
+    if not box:
+        each = np.broadcast_to(mu, (len(at.force), *mu.shape[1:]))
+        slope = wheel_slope(g.maps, each, at.normals, shape, coupling)
+    return Sensitivity(
+        names=model.contacts.names, force_N=at.force, per_coefficient_N=slope * load[:, :, None],
+        saturated=at.seen > SEEN * np.max(at.seen, axis=(1, 2), keepdims=True), lifts=at.lifts,
+        meeting=at.meeting,
+    )
 
 
-def _by_facets(g: PullGeometry, mu: Array) -> tuple[Array, Array, Array, NDArray[np.bool_], NDArray[np.int_]]:
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Boundary:
+    force: Array  #: (M,)
+    normals: Array  #: (M, 3)
+    seen: Array  #: (M, N, 2) |n·b|
+    lifts: NDArray[np.bool_]  #: (M, N)
+    meeting: NDArray[np.int_]  #: (M,)
+
+
+def _by_facets(g: PullGeometry, mu: Array) -> _Boundary:
     a, b = facet_rows(g, mu)
     force = refuse_slipping(largest(a, b), g.phi_rad)
     on = active(a, b, force)
@@ -116,11 +127,14 @@ def _by_facets(g: PullGeometry, mu: Array) -> tuple[Array, Array, Array, NDArray
     weight = weight / np.maximum(on.sum(axis=1), 1)[:, None]
     each = np.abs(np.einsum("ka,aij->kij", g.normals, g.maps))
     each = np.where(each > SEEN * each.max(axis=(1, 2), keepdims=True), each, 0.0)
-    lifts = on[:, facets:] if g.tips else np.zeros((len(force), g.model.count), dtype=bool)
-    return force, weight @ g.normals, np.einsum("mk,kij->mij", weight, each), lifts, np.asarray(on.sum(axis=1))
+    lifts = np.zeros((len(force), g.model.count), dtype=bool)
+    if g.tips:
+        lifts = on[:, facets:]
+    return _Boundary(force=force, normals=weight @ g.normals, seen=np.einsum("mk,kij->mij", weight, each),
+                     lifts=lifts, meeting=np.asarray(on.sum(axis=1)))
 
 
-def _by_cones(g: PullGeometry, rigid: Array) -> tuple[Array, Array, Array, NDArray[np.bool_], NDArray[np.int_]]:
+def _by_cones(g: PullGeometry, rigid: Array) -> _Boundary:
     from slipmargin.limits.cones import cone_limits  # clarabel is loaded only where a cone needs it
 
     answer = cone_limits(g.model, g.phi_rad, g.pull, rigid)
@@ -128,4 +142,5 @@ def _by_cones(g: PullGeometry, rigid: Array) -> tuple[Array, Array, Array, NDArr
     seen = np.where(seen > CONE_SEEN * seen.max(axis=(1, 2), keepdims=True), seen, 0.0)
     load = g.model.loads.rest_N + answer.force_N[:, None] * g.load_change
     lifts = (load < CONE_SEEN * g.model.inertia.weight_N) & (g.load_change < 0.0)
-    return (answer.force_N, answer.normals, seen, lifts, np.ones(len(answer.force_N), dtype=int))
+    return _Boundary(force=answer.force_N, normals=answer.normals, seen=seen, lifts=lifts,
+                     meeting=np.ones(len(answer.force_N), dtype=int))

@@ -11,6 +11,7 @@ Source: McMullen, "On zonotopes", Trans. AMS 159 (1971) 91–109.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
@@ -21,6 +22,7 @@ PARALLEL = 1e-10
 SAME_NORMAL = 1e-9
 #: Sine of the angle to a facet's plane below which a generator lies in it [1].
 IN_PLANE = 1e-9
+_SUSPECT = 1.0 - 1e-10  # cosine above which two normals are compared with care
 
 
 def length_scale(vectors: Array) -> float:
@@ -53,7 +55,7 @@ def facet_normals(directions: Array) -> Array:
     if np.linalg.svd(unit, compute_uv=False)[-1] < IN_PLANE:
         raise InputError("generators", "do not span forces in two directions and a moment",
                          "add a wheel or load, so that the set of wrenches has a volume")
-    cross = _cross(unit.T[first], unit.T[second])
+    cross = cross_products(unit.T[first], unit.T[second])
     sine = np.sqrt(np.einsum("pi,pi->p", cross, cross))
     order = np.argsort(-sine, kind="stable")
     order = order[sine[order] > PARALLEL]
@@ -101,7 +103,7 @@ def batch_ray_exit(generators: Array, rays: Array) -> Array:
     first, second = np.triu_indices(generators.shape[2], 1)
     turned = np.swapaxes(generators, 1, 2)
     left, right = turned[:, first], turned[:, second]
-    normal = _cross(left, right)
+    normal = cross_products(left, right)
     size = np.einsum("dpi,dpi->dp", left, left) * np.einsum("dpi,dpi->dp", right, right)
     square = np.einsum("dpi,dpi->dp", normal, normal)
     offset = np.abs(normal @ generators).sum(axis=-1)
@@ -121,7 +123,8 @@ def _flat_exit(normals: Array, offsets: Array, rays: Array) -> Array:
     return np.asarray(np.min(room, axis=-2))
 
 
-def _cross(a: Array, b: Array) -> Array:
+def cross_products(a: Array, b: Array) -> Array:
+    """(..., 3) a × b, row by row."""
     out = np.empty(np.broadcast_shapes(a.shape, b.shape))
     out[..., 0] = a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1]
     out[..., 1] = a[..., 2] * b[..., 0] - a[..., 0] * b[..., 2]
@@ -137,16 +140,13 @@ def _unit_columns(vectors: Array) -> Array:
     return np.asarray(scaled / np.sqrt(np.sum(scaled**2, axis=0)))
 
 
-def _distinct(normal: Array, blur: Array) -> Array:
+def _distinct(normal: Array, blur: Array) -> NDArray[np.bool_]:
     # Rows are sorted from well- to ill-conditioned; each is dropped if it repeats a kept one, up to sign.
-    count = len(normal)
-    minus = np.sum((normal[:, None] - normal[None]) ** 2, axis=-1)
-    plus = np.sum((normal[:, None] + normal[None]) ** 2, axis=-1)
-    near = np.minimum(minus, plus) < (SAME_NORMAL + 4.0 * blur[:, None]) ** 2
-    keep = np.zeros(count, dtype=bool)
-    taken = np.zeros(count, dtype=bool)
-    for i in range(count):
-        if not taken[i]:
-            keep[i] = True
-            taken |= near[:, i]
+    keep = np.ones(len(normal), dtype=bool)
+    alike = np.abs(normal @ normal.T) > _SUSPECT
+    np.fill_diagonal(alike, False)
+    for i in np.flatnonzero(alike.any(axis=1)):
+        earlier = normal[:i][alike[i, :i] & keep[:i]]
+        minus, plus = np.sum((earlier - normal[i]) ** 2, axis=1), np.sum((earlier + normal[i]) ** 2, axis=1)
+        keep[i] = not np.any(np.minimum(minus, plus) < (SAME_NORMAL + 4.0 * blur[i]) ** 2)
     return keep

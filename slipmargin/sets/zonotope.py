@@ -11,10 +11,18 @@ from itertools import combinations
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array, frozen
 from slipmargin.errors import NoSolution
-from slipmargin.sets.facets import IN_PLANE, PARALLEL, facet_normals, length_scale, ray_exit
+from slipmargin.sets.facets import (
+    IN_PLANE,
+    PARALLEL,
+    cross_products,
+    facet_normals,
+    length_scale,
+    ray_exit,
+)
 
 
 @final
@@ -115,7 +123,7 @@ class Zonotope:
         inside = np.abs(across) < IN_PLANE
         facet, edge = np.nonzero(inside)
         rows = np.arange(len(facet))
-        sideways = np.cross(normal[facet], unit.T[edge]) @ unit
+        sideways = cross_products(normal[facet], unit.T[edge]) @ unit
         base = np.where(across >= 0.0, 1, -1)[facet]
         ahead = np.where(sideways >= 0.0, 1, -1)
         signs = []
@@ -148,8 +156,10 @@ def _merge_parallel(generators: Array) -> Array:
     scaled = there / np.array([[1.0], [1.0], [length_scale(there)]])
     unit = scaled / np.max(np.abs(scaled), axis=0)
     unit = unit / np.sqrt(np.sum(unit**2, axis=0))
-    sine = np.linalg.norm(np.cross(unit.T[:, None], unit.T[None]), axis=-1)
+    sine = np.linalg.norm(cross_products(unit.T[:, None], unit.T[None]), axis=-1)
     columns, left = [], np.ones(there.shape[1], dtype=bool)
+    if np.count_nonzero(sine <= PARALLEL) == len(sine):  # only the diagonal
+        return np.asarray(there)
     for k in range(there.shape[1]):
         if left[k]:
             alike = left & (sine[k] <= PARALLEL)
@@ -159,8 +169,14 @@ def _merge_parallel(generators: Array) -> Array:
     return np.stack(columns, axis=1)
 
 
-def _unique_signs(signs: Array) -> Array:
-    # Rows of ±1 as bit strings: sorting bytes is faster than sorting rows, and has no limit on n.
+def _unique_signs(signs: NDArray[np.int_]) -> NDArray[np.int_]:
+    # Rows of ±1 as 64-bit words: sorting whole numbers is far faster than sorting rows.
     packed = np.packbits(signs > 0, axis=1)
-    _, first = np.unique(packed.view([("", packed.dtype)] * packed.shape[1]).ravel(), return_index=True)
-    return signs[first]
+    wide = np.zeros((len(packed), -(-packed.shape[1] // 8) * 8), dtype=np.uint8)
+    wide[:, : packed.shape[1]] = packed
+    words = wide.view(np.uint64)
+    if words.shape[1] == 1:
+        first = np.unique(words[:, 0], return_index=True)[1]
+    else:
+        first = np.unique(words, axis=0, return_index=True)[1]
+    return np.asarray(signs[first])
