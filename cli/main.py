@@ -4,8 +4,8 @@ To add a command, write ``cli/<command>.py`` with a function that takes typer an
 ``options.py`` for the shared ones) and add its line to :data:`COMMANDS`.  A command with
 subcommands names a ``typer.Typer`` application instead of a function.  Rules of the house:
 
-* a command's module imports only typer, ``slipmargin_cli`` and ``slipmargin.errors`` at its top;
-  everything else inside the function, so that ``slipmargin --help`` stays quick;
+* a command's module imports only typer, its neighbours (``from .render import say``) and
+  ``slipmargin.errors`` at its top; everything else inside the function, so that help stays quick;
 * only the module of the command that was asked for is imported at all;
 * a refusal is an :class:`~slipmargin.errors.InputError` (or ``NoSolution``, ``MotionStopped``),
   never a print and an exit; for an option use ``refuse("--step", problem, cure)``;
@@ -24,10 +24,11 @@ from importlib.util import find_spec
 from typing import Any
 
 import typer
-from slipmargin_cli.render import finish_output, tell
 
 from slipmargin import __version__
 from slipmargin.errors import SlipmarginError
+
+from .render import finish_output, tell
 
 #: Command → where its function (or typer application) is, and its one line in the list.
 COMMANDS: dict[str, tuple[str, str]] = {
@@ -45,8 +46,8 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "effects": ("slipmargin_cli.effects:app", "The effects a robot file may hold: list, show."),
 }
 
-#: The parser's error types, wherever this version of typer keeps them.
-_UsageError, _ParserError = typer.BadParameter.__mro__[1:3]
+#: The parser's base error, wherever this version of typer keeps it (BadParameter → UsageError → it).
+_ParserError: type[Exception] = typer.BadParameter.__mro__[2]
 
 
 def run() -> None:

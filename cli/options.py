@@ -31,10 +31,10 @@ def put_json(target: str | None, value: Any) -> bool:
     bool
         Whether stdout is taken (``--json -``), so that nothing else may be printed there.
     """
-    from slipmargin_cli.render import say
-
     from slipmargin.io.json_text import json_text
     from slipmargin.io.writes import write_text
+
+    from .render import say
 
     if target == "-":
         say(json_text(value).rstrip("\n"))

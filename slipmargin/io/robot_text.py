@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from slipmargin.effects import Recipe
+from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.robot import Coefficients, Wheel
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
@@ -41,6 +41,11 @@ def write_recipe(recipe: Recipe, comment: str = "") -> str:
     for effect in recipe.effects:
         lines += _tables("effect", effect.to_table())
     return "\n".join(lines) + "\n"
+
+
+def effect_text(effect: AnyEffect) -> str:
+    """One effect as its ``[[effect]]`` table."""
+    return "\n".join(_tables("effect", effect.to_table())).strip()
 
 
 def _pair(c: Coefficients) -> dict[str, float]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from slipmargin.checks import Array, frozen
 from slipmargin.errors import InputError
+from slipmargin.io.table import read_columns
 from slipmargin.motions.record import Record
 
 _POSE = ("x_m", "y_m", "phi_rad")
@@ -67,7 +68,7 @@ def read_trial(path: Path, wheels: int) -> Record:
         return Record(name=path.stem, t_s=columns["t_s"], pose=np.stack([columns[n] for n in _POSE], axis=1),
                       **signals)
     except InputError as fault:
-        raise fault.in_file(str(path)) from None
+        raise fault.in_file(fault.source or str(path)) from None
 
 
 def read_pulls(path: Path, wheels: int) -> Pulls:
@@ -87,7 +88,7 @@ def read_pulls(path: Path, wheels: int) -> Pulls:
         return Pulls(phi_rad=columns["phi_rad"], force_N=columns["force_N"],
                      theta_rad=np.stack([columns[n] for n in theta], axis=1) if given else None)
     except InputError as fault:
-        raise fault.in_file(str(path)) from None
+        raise fault.in_file(fault.source or str(path)) from None
 
 
 def _refuse(names: list[str], known: set[str], wheels: int) -> None:
@@ -104,33 +105,5 @@ def _refuse(names: list[str], known: set[str], wheels: int) -> None:
 
 def _read_csv(path: Path) -> tuple[list[str], Array]:
     """Header and numbers (rows, columns); an empty cell is NaN."""
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except UnicodeDecodeError as fault:
-        raise InputError("", f"is not UTF-8 text ({fault.reason})", "save it as UTF-8", str(path)) from None
-    names = [cell.strip() for cell in lines[0].split(",")] if lines else []
-    rows: list[list[float]] = []
-    for number, line in enumerate(lines[1:], start=2):
-        if not line.strip():
-            continue
-        cells = line.split(",")
-        if len(cells) != len(names):
-            raise InputError(f"{number}:1", f"has {len(cells)} cells, the header has {len(names)}",
-                             "give every row one cell a column", str(path))
-        try:
-            rows.append([float(cell) if cell.strip() else np.nan for cell in cells])
-        except ValueError:
-            column = next(j for j, cell in enumerate(cells) if cell.strip() and not _number(cell))
-            raise InputError(f"{number}:{column + 1}", f"{cells[column].strip()!r} is not a number",
-                             f"give {names[column]} as a number or leave the cell empty", str(path)) from None
-    if not rows:
-        raise InputError("1:1", "there are no rows", "give a header and one row a sample", str(path))
-    return names, np.array(rows)
-
-
-def _number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
+    table = read_columns(path, empty=None)
+    return list(table.names), table.values

@@ -1,0 +1,84 @@
+"""A robot seen from above, in characters: wheel numbers, drive directions, signs."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from slipmargin.robot import Robot, Wheel
+
+WIDTH, HEIGHT = 61, 23  #: characters; a character is twice as high as wide
+_LINES = "─╱│╲"  # at 0, 45, 90, 135 degrees
+_HEADS = "→↗↑↖←↙↓↘"
+
+
+def drawing(robot: Robot) -> list[str]:
+    """Lines of the drawing, front (+Y) up; arrows are the drive directions ŝ."""
+    places = [tuple(map(float, w.position_m)) for w in robot.wheels]
+    com = tuple(map(float, robot.body.com_m))
+    low = [min(p[k] for p in [*places, com]) for k in (0, 1)]
+    high = [max(p[k] for p in [*places, com]) for k in (0, 1)]
+    middle = [(a + b) / 2 for a, b in zip(low, high, strict=True)]
+    reach = max((high[0] - low[0]) / (WIDTH - 24), (high[1] - low[1]) / (2 * (HEIGHT - 10)), 1e-9)
+
+    def cell(x: float, y: float) -> tuple[int, int]:
+        return (round(WIDTH / 2 + (x - middle[0]) / reach - 0.5),
+                round(HEIGHT / 2 - (y - middle[1]) / (2 * reach)))
+
+    canvas = [[" "] * WIDTH for _ in range(HEIGHT)]
+    order = sorted(places, key=lambda p: math.atan2(p[1] - middle[1], p[0] - middle[0]))
+    for start, end in zip(order, [*order[1:], order[0]], strict=True):
+        _line(canvas, cell(*start), cell(*end), "·")
+    for number, wheel in enumerate(robot.wheels, 1):
+        _wheel(canvas, cell(*places[number - 1]), wheel, str(number), cell(*middle))
+    _put(canvas, *cell(0.0, 0.0), "+")
+    _put(canvas, *cell(*com), "⊕")
+    lines = ["".join(row).rstrip() for row in canvas]
+    while lines and not lines[0]:
+        lines.pop(0)
+    while lines and not lines[-1]:
+        lines.pop()
+    return [f"{'front (+Y)':^{WIDTH}}".rstrip(), f"{'▲':^{WIDTH}}".rstrip(), *lines]
+
+
+def speeds(wheel: Wheel, com: tuple[float, float] = (0.0, 0.0)) -> tuple[float, float, float]:
+    """Wheel speed [rad/s] for 1 m/s to the right, 1 m/s forwards, 1 rad/s to the left, without slip.
+
+    u·ĝ = 0 with u = v + ω×p + ρ θ̇ ŝ (eq. 3): a positive wheel speed drives against the arrow.
+    """
+    drive = math.radians(wheel.drive_direction_deg)
+    roller = math.radians(wheel.roller_angle_deg)
+    gx, gy = math.cos(drive + roller), math.sin(drive + roller)
+    per = -1.0 / (wheel.radius_m * math.cos(roller))
+    x, y = wheel.position_m[0] - com[0], wheel.position_m[1] - com[1]
+    return per * gx, per * gy, float(per * (x * gy - y * gx))
+
+
+def _wheel(canvas: list[list[str]], at: tuple[int, int], wheel: Wheel, label: str,
+           middle: tuple[int, int]) -> None:
+    way = math.radians(wheel.drive_direction_deg)
+    dx, dy = math.cos(way), math.sin(way)
+    steps = 4 if abs(dx) > 0.3 else 2
+    step = steps / max(abs(dx), 2 * abs(dy) / 2)
+    tip = (at[0] + round(step * dx), at[1] - round(step * dy / 2))
+    tail = (at[0] - round(step * dx), at[1] + round(step * dy / 2))
+    _line(canvas, tail, tip, _LINES[round(math.degrees(way) / 45) % 4])
+    _put(canvas, *tip, _HEADS[round(math.degrees(way) / 45) % 8])
+    out = math.atan2(at[1] - middle[1], at[0] - middle[0]) if at != middle else 0.0
+    sideways = (-dy, dx) if -dy * math.cos(out) - dx * math.sin(out) >= 0 else (dy, -dx)
+    where = (at[0] + round(3 * sideways[0]), at[1] - round(1.6 * sideways[1]))
+    for k, character in enumerate(label):
+        _put(canvas, where[0] + k, where[1], character)
+
+
+def _line(canvas: list[list[str]], start: tuple[int, int], end: tuple[int, int], character: str) -> None:
+    count = max(abs(end[0] - start[0]), abs(end[1] - start[1]), 1)
+    for k in range(count + 1):
+        _put(canvas, round(start[0] + (end[0] - start[0]) * k / count),
+             round(start[1] + (end[1] - start[1]) * k / count), character)
+
+
+def _put(canvas: list[list[str]], column: int, row: int, character: str) -> None:
+    if 0 <= row < len(canvas) and 0 <= column < len(canvas[0]):
+        canvas[row][column] = character

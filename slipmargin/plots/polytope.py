@@ -1,0 +1,109 @@
+"""The wrench polytope in three dimensions, and its section at zero moment."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import Axes3D
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+from slipmargin.checks import Array
+from slipmargin.limits import WrenchSet
+from slipmargin.plots.style import BLUE, GREY, INK, ORANGE, SKY, styled
+from slipmargin.sets.zonotope import Zonotope
+
+
+@styled
+def polytope_figure(wrenches: WrenchSet, title: str) -> Figure:
+    """All wrenches (Fx, Fy, Mz) on the left, the pure forces (Mz = 0) on the right.
+
+    A coupled grip has no facets; the box set that contains it is drawn in space, the set itself in
+    the section.
+    """
+    figure = Figure(figsize=(11.0, 5.2), layout="constrained")
+    grid = figure.add_gridspec(1, 2, width_ratios=(1.1, 1.0))
+    space = figure.add_subplot(grid[0], projection="3d")
+    assert isinstance(space, Axes3D)
+    zonotope = wrenches.zonotope()
+    draw_polytope(space, zonotope)
+    space.set_title(title)
+    draw_section(figure.add_subplot(grid[1]), zonotope)
+    return figure
+
+
+def draw_polytope(axes: Axes3D, zonotope: Zonotope) -> Axes3D:
+    """Faces shaded by height, the section at Mz = 0 as a line."""
+    corners = zonotope.vertices()
+    normals, offsets = zonotope.half_spaces()
+    size = np.abs(corners).max(axis=0)
+    polygons, shades = [], []
+    light = np.array([0.4, -0.5, 0.77])
+    for normal, offset in zip(normals, offsets, strict=True):
+        on = np.abs(corners @ normal - offset) < 1e-9 * np.max(np.abs(offsets))
+        face = corners[on]
+        polygons.append(face[_around(face / size, normal * size)])
+        unit = normal * size / np.linalg.norm(normal * size)
+        shades.append(0.5 + 0.5 * float(unit @ light))
+    base, white = np.array([0.0, 0.447, 0.698]), np.ones(3)
+    colours = [np.append(white + (base - white) * (0.85 - 0.6 * s), 0.72) for s in shades]
+    axes.add_collection3d(Poly3DCollection(polygons, facecolors=colours, edgecolors=INK, linewidths=0.7))
+    ring = section(zonotope)
+    axes.plot(*np.vstack([ring, ring[:1]]).T, np.zeros(len(ring) + 1), color=ORANGE, lw=2.2)
+    axes.set(xlim=(-size[0], size[0]), ylim=(-size[1], size[1]), zlim=(-size[2], size[2]),
+             xlabel="Fx [N]", ylabel="Fy [N]", zlabel="Mz [N m]")
+    axes.view_init(elev=22, azim=-55)
+    axes.set_box_aspect((1, 1, 0.9), zoom=0.95)
+    return axes
+
+
+def draw_section(axes: Axes, zonotope: Zonotope) -> Axes:
+    """The forces that come without a moment: the section of the polytope at Mz = 0."""
+    ring = section(zonotope)
+    axes.fill(*ring.T, fc=SKY, alpha=0.3, ec="none")
+    axes.plot(*np.vstack([ring, ring[:1]]).T, color=ORANGE, label="section at Mz = 0")
+    reach = np.hypot(ring[:, 0], ring[:, 1])
+    edges = np.roll(ring, -1, axis=0) - ring
+    span = np.clip(-np.sum(ring * edges, axis=1) / np.sum(edges**2, axis=1), 0.0, 1.0)
+    near = ring + span[:, None] * edges
+    least = near[np.argmin(np.hypot(near[:, 0], near[:, 1]))]
+    radius = float(np.hypot(*least))
+    turn = np.linspace(0.0, 2 * np.pi, 361)
+    axes.plot(radius * np.cos(turn), radius * np.sin(turn), color=BLUE, lw=1.0, ls=(0, (5, 3)),
+              label=f"in every direction: {radius:.3g} N")
+    axes.plot(*least, marker="o", ms=5, mfc="white", mec=INK, ls="none")
+    axes.axhline(0.0, color=GREY, lw=0.6)
+    axes.axvline(0.0, color=GREY, lw=0.6)
+    far = 1.28 * float(reach.max())
+    axes.set(xlim=(-far, far), ylim=(-far, far), aspect="equal", xlabel="Fx, to the right [N]",
+             ylabel="Fy, forwards [N]", title="Pure forces on the body (Mz = 0)")
+    axes.legend(loc="upper right")
+    return axes
+
+
+def section(zonotope: Zonotope) -> Array:
+    """Corners (K, 2) of the polytope's section at Mz = 0, counter-clockwise.
+
+    Dense rays find which facets bound the section; neighbouring facets meet in its corners.
+    """
+    normals, offsets = zonotope.half_spaces()
+    turn = np.linspace(0.0, 2 * np.pi, 7200, endpoint=False)
+    rays = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    along = rays @ normals[:, :2].T
+    reach = np.where(along > 1e-12, offsets / np.where(along > 1e-12, along, 1.0), np.inf)
+    facet = np.argmin(reach, axis=1)
+    at = np.flatnonzero(facet != np.roll(facet, -1))
+    corners = []
+    for k in at:
+        pair = [facet[k], facet[(k + 1) % len(facet)]]
+        matrix = normals[pair, :2]
+        if abs(np.linalg.det(matrix)) > 1e-12:
+            corners.append(np.linalg.solve(matrix, offsets[pair]))
+    return np.array(corners)
+
+
+def _around(points: Array, normal: Array) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+    centred = points - points.mean(axis=0)
+    first = centred[0] / np.linalg.norm(centred[0])
+    second = np.cross(normal / np.linalg.norm(normal), first)
+    return np.argsort(np.arctan2(centred @ second, centred @ first))

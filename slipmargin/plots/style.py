@@ -1,0 +1,73 @@
+"""The one style of every figure: colours that the colour-blind can tell apart, quiet axes, no globals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from io import BytesIO
+from pathlib import Path
+from typing import ParamSpec, TypeVar
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+from slipmargin.errors import InputError
+from slipmargin.io.writes import write_bytes
+
+#: Okabe and Ito's palette (J*FLY, 2008).
+BLUE, ORANGE, GREEN, RED, PURPLE = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7"
+SKY, INK, GREY, PALE = "#56B4E9", "#222222", "#767676", "#D9D9D9"
+
+#: Matplotlib settings, applied only inside :func:`styled` functions.
+STYLE = {
+    "font.family": "DejaVu Sans", "font.size": 9.5, "axes.titlesize": 10.5, "axes.titlelocation": "left",
+    "axes.spines.top": False, "axes.spines.right": False, "axes.edgecolor": GREY, "axes.labelcolor": INK,
+    "axes.grid": True, "grid.color": PALE, "grid.linewidth": 0.6, "axes.axisbelow": True,
+    "xtick.color": GREY, "ytick.color": GREY, "xtick.labelcolor": INK, "ytick.labelcolor": INK,
+    "legend.frameon": False, "legend.fontsize": 8.5, "lines.linewidth": 1.8,
+    "figure.dpi": 150, "savefig.dpi": 150, "svg.hashsalt": "slipmargin", "svg.fonttype": "none",
+}
+FORMATS = ("png", "svg", "pdf")
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def styled(draw: Callable[P, R]) -> Callable[P, R]:
+    """A drawing function that runs in the house style and leaves matplotlib's settings alone."""
+
+    @wraps(draw)
+    def in_style(*args: P.args, **kwargs: P.kwargs) -> R:
+        with mpl.rc_context(STYLE):  # type: ignore[arg-type]
+            return draw(*args, **kwargs)
+
+    return in_style
+
+
+def check_format(path: Path | str) -> str:
+    """The format that a figure's file name ends in.
+
+    Raises
+    ------
+    InputError
+        Where it is not one that can be drawn.
+    """
+    ending = Path(path).suffix.lower().lstrip(".")
+    if ending not in FORMATS:
+        raise InputError("", f"ends in {Path(path).suffix!r}, which is no picture",
+                         f"use one of: {', '.join('.' + f for f in FORMATS)}", str(path))
+    return ending
+
+
+@styled
+def save(figure: Figure, path: Path | str) -> None:
+    """Write a figure whole or not at all; the format is the name's ending.
+
+    Raises
+    ------
+    InputError
+        Where the ending is unknown or the file cannot be written.
+    """
+    ending, out = check_format(path), BytesIO()
+    date = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}[ending]
+    figure.savefig(out, format=ending, metadata=date)
+    write_bytes(path, out.getvalue())
