@@ -107,7 +107,9 @@ def run_sweep(model: Model, degrees: tuple[float, float, float], method: str, ma
     by_facets = sweep(model, phi)
     if not wrench_set(model).polyhedral:
         method = "cones" if method == "facets" else method
-    found = by_facets if method in ("facets", "cones") else replace(by_facets, f_max_N=_solved(model, phi, method))
+    found = by_facets
+    if method not in ("facets", "cones"):
+        found = replace(by_facets, f_max_N=_solved(model, phi, method))
     extremes = np.array([found.weakest, found.strongest])
     check = (self_check(model, extremes[:, 0], extremes[:, 1]) if method in ("facets", "cones") else
              float(np.max(np.abs(found.f_max_N / by_facets.f_max_N - 1.0))))
@@ -134,7 +136,7 @@ def orientations(start: float, stop: float, step: float) -> Array:
     count = math.floor((stop - start) / step + 1e-9) + 1
     if count > _MOST:
         refuse("--step", f"is {step:g}: {count} orientations", f"give a step that makes at most {_MOST}")
-    return np.deg2rad(start + step * np.arange(count))
+    return np.asarray(np.deg2rad(start + step * np.arange(count)))
 
 
 def _pulls_between(phi: Array, file: Path, wheels: int) -> tuple[PullGroups, int]:

@@ -1,0 +1,44 @@
+# make fig8   the paper's Fig. 8 from nothing but Python: environment, installation, tables and pictures
+# make test   everything that must hold
+# make bench  the figures that the README quotes
+# Versions are pinned in requirements.lock.  PYTHON=python3.12 make … uses another interpreter.
+
+PYTHON ?= python3
+OUT ?= out
+BIN := .venv/bin
+PIP := PIP_CONSTRAINT="$(CURDIR)/requirements.lock" PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet
+
+.PHONY: fig8 test lint types bench clean
+
+fig8: .venv/installed
+	mkdir -p $(OUT)
+	$(BIN)/slipmargin sweep ohio-kiwi --surface paper --out $(OUT)/fig8-paper.csv --plot $(OUT)/fig8-paper.png
+	$(BIN)/slipmargin sweep ohio-kiwi --surface carpet --out $(OUT)/fig8-carpet.csv --plot $(OUT)/fig8-carpet.png
+
+test: .venv/installed-test lint types
+	$(BIN)/python -m pytest -n 2
+
+lint: .venv/installed-test
+	$(BIN)/ruff check .
+
+types: .venv/installed-test
+	$(BIN)/mypy
+
+bench: .venv/installed-bench
+	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done
+
+.venv/installed: pyproject.toml requirements.lock
+	test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	$(PIP) --editable .
+	touch $@
+
+.venv/installed-test: .venv/installed
+	$(PIP) --editable '.[test,ros]'
+	touch $@
+
+.venv/installed-bench: .venv/installed-test
+	$(PIP) highspy pycapacity toppra mujoco
+	touch $@
+
+clean:
+	rm -rf .venv build dist $(OUT) *.egg-info
