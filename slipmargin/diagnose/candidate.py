@@ -6,7 +6,7 @@ variable it traces.  Both build effects, and the null vector builds one that doe
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import final
 
@@ -68,14 +68,18 @@ class Candidate:
 
 
 def named_candidate(
-    effect: type[Effect], free: tuple[str, ...] | None = None, wheels: tuple[str, ...] = ()
+    effect: type[Effect],
+    free: tuple[str, ...] | None = None,
+    wheels: tuple[str, ...] = (),
+    fixed: Mapping[str, float] | None = None,
+    label: str = "",
 ) -> Candidate:
-    """The candidate that turns an effect's parameters (all, or those in ``free``)."""
+    """The candidate that turns an effect's parameters (all, or those in ``free``), others ``fixed``."""
     rows = [p for p in effect.parameters if free is None or p.name in free]
-    fixed = {p.name: p.null for p in effect.parameters}
+    still = {p.name: p.null for p in effect.parameters} | dict(fixed or {})
 
     def build(values: Array) -> AnyEffect:
-        chosen = fixed | {p.name: float(v) for p, v in zip(rows, values, strict=True)}
+        chosen = still | {p.name: float(v) for p, v in zip(rows, values, strict=True)}
         return effect.of(np.array([chosen[p.name] for p in effect.parameters]), wheels)
 
     sets = [p.starts or (p.null + p.scale,) for p in rows]
@@ -83,7 +87,7 @@ def named_candidate(
     starts = np.array([[s[min(i, len(s) - 1)] for s in sets] for i in range(count)])
     return Candidate(
         name=effect.name,
-        label=effect.name + (f"[{','.join(wheels)}]" if wheels else ""),
+        label=effect.name + (f"[{','.join(wheels)}]" if wheels else "") + label,
         trace=effect.traced_to,
         named=True,
         keys=tuple(p.name for p in rows),
@@ -102,6 +106,26 @@ _ONE_WHEEL = ("wheel_radius", "wheel_toe")
 
 #: Effects that act only where wheel speeds are commanded.
 _COMMANDED = ("motor_lag", "speed_droop")
+
+#: Effects with a simple and a fuller form: label, free parameters, fixed ones.
+_VARIANTS: dict[str, tuple[tuple[str, tuple[str, ...], dict[str, float]], ...]] = {
+    "rigid_sector": (
+        ("", ("rigid_fraction",), {}),
+        (" with its coefficient", ("rigid_fraction", "rigid_coefficient"), {}),
+    ),
+    "wheel_loads": (
+        ("", ("shift_x_m", "shift_y_m"), {"com_share": 1.0}),
+        (" with the centre of mass where stated", ("shift_x_m", "shift_y_m"), {}),
+    ),
+    "load_transfer": (
+        ("", ("com_height_m",), {"com_share": 1.0}),
+        (" with the centre of mass where stated", ("com_height_m",), {}),
+    ),
+    "stribeck": (
+        ("", ("dynamic_ratio", "stribeck_speed_m_s"), {}),
+        (" in both directions", ("dynamic_ratio", "stribeck_speed_m_s", "transverse_ratio"), {}),
+    ),
+}
 
 
 def named_candidates(wheels: tuple[str, ...], commanded: bool, known: tuple[str, ...]) -> list[Candidate]:
@@ -122,9 +146,11 @@ def named_candidates(wheels: tuple[str, ...], commanded: bool, known: tuple[str,
             continue
         if effect.name in _ONE_WHEEL:
             found += [named_candidate(effect, wheels=(wheel,)) for wheel in wheels]
-        elif effect.name == "rigid_sector":
-            found.append(named_candidate(effect, free=("rigid_fraction",)))
-            found.append(named_candidate(effect))
+        elif effect.name in _VARIANTS:
+            found += [
+                named_candidate(effect, free, fixed=fixed, label=label)
+                for label, free, fixed in _VARIANTS[effect.name]
+            ]
         else:
             found.append(named_candidate(effect))
     return found

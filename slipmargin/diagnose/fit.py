@@ -122,7 +122,7 @@ def fit(
     -------
     Fit
     """
-    low, high, scale = _limits(structure)
+    low, high, _ = _limits(structure)
     x = np.clip(start, low, high)
     residual, jacobian = _linearise(problem, structure, x, trials)
     spent = 1 + len(x)
@@ -198,27 +198,54 @@ def _linearise(
     return base, jacobian
 
 
-def cross_validate(problem: Residuals, found: Fit) -> Array:
-    """Sum of squares of each trial, predicted with parameters that have not seen it, (R,).
-
-    Leaving trial i out moves the optimum by one Gauss–Newton step, −H₋ᵢ⁻¹ g₋ᵢ, from the common one;
-    the trial is then simulated for real with those parameters.
-    """
+def leave_one_out(found: Fit) -> Array:
+    """Parameters (R, P) fitted without each trial: one Gauss–Newton step −H₋ᵢ⁻¹ g₋ᵢ."""
     low, high, scale = _limits(found.structure)
-    count = len(found.trials)
-    if not len(found.x) or count < 2:
-        return np.asarray(np.sum(found.residual**2, axis=1))
     scaled = found.jacobian * scale
     normals = np.einsum("rkp,rkq->rpq", scaled, scaled)
     gradients = np.einsum("rkp,rk->rp", scaled, found.residual)
-    points = []
-    for i in range(count):
-        normal = normals.sum(axis=0) - normals[i]
-        gradient = gradients.sum(axis=0) - gradients[i]
+    rows = []
+    for own_normal, own_gradient in zip(normals, gradients, strict=True):
+        normal = normals.sum(axis=0) - own_normal
+        gradient = gradients.sum(axis=0) - own_gradient
         ridge = 1e-8 * (np.trace(normal) + 1e-12) * np.eye(len(found.x))
         step = np.linalg.lstsq(normal + ridge, -gradient, rcond=None)[0]
-        step = np.clip(step, -3.0 / _STEP, 3.0 / _STEP)
-        points.append(np.clip(found.x + step * scale, low, high))
-    effects = [build(found.structure, p) for p in points]
+        rows.append(np.clip(found.x + step * scale, low, high))
+    return np.array(rows)
+
+
+def cross_validate(problem: Residuals, found: Fit) -> Array:
+    """Sum of squares (R,) of each trial, simulated with parameters that have not seen it."""
+    count = len(found.trials)
+    if not len(found.x) or count < 2:
+        return np.asarray(np.sum(found.residual**2, axis=1))
+    effects = [build(found.structure, x) for x in leave_one_out(found)]
     out = problem.residuals(effects, [found.trials[i : i + 1] for i in range(count)])
     return np.array([float(np.sum(r**2)) for r in out])
+
+
+def tangents(problem: Residuals, base: Fit, suspects: Sequence[Candidate]) -> list[Array]:
+    """Derivative (R, K, P) of the residual by each suspect's parameters at its null, beside ``base``.
+
+    The part that ``base``'s own parameters could take up is removed.
+    """
+    points: list[tuple[AnyEffect, ...]] = []
+    steps: list[float] = []
+    for suspect in suspects:
+        for at, unit in enumerate(np.eye(suspect.size)):
+            step = _STEP * suspect.scale[at]
+            step = step if suspect.null[at] + step <= suspect.high[at] else -step
+            points.append((*base.effects, suspect.build(suspect.null + step * unit)))
+            steps.append(step)
+    found = problem.residuals(points, [base.trials] * len(points))
+    columns = [(r - base.residual) / step for r, step in zip(found, steps, strict=True)]
+    own = base.jacobian.reshape(-1, len(base.x))
+    keep = np.linalg.qr(own)[0] if len(base.x) else np.zeros((base.residual.size, 0))
+    out = []
+    at = 0
+    for suspect in suspects:
+        flat = np.stack([c.ravel() for c in columns[at : at + suspect.size]], axis=1)
+        flat = flat - keep @ (keep.T @ flat)
+        out.append(flat.reshape(*base.residual.shape, suspect.size))
+        at += suspect.size
+    return out

@@ -54,15 +54,17 @@ class State:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Round:
-    """One step of the search: where it started, what was tried (best first), what was chosen."""
+    """One step of the search: where it started, what was tried (best first), what was taken, if any."""
 
     before: State
     tried: tuple[State, ...]
-    chosen: State
+    best: State
+    p_value: float
+    taken: bool
 
     def rivals(self) -> list[State]:
-        """States that these trials cannot tell from the chosen one."""
-        return [s for s in self.tried if s is not self.chosen and indistinguishable(s, self.chosen)]
+        """States that these trials cannot tell from the best one."""
+        return [s for s in self.tried if s is not self.best and indistinguishable(s, self.best)]
 
 
 def state_of(problem: Residuals, found: Fit, samples: float) -> State:

@@ -7,8 +7,8 @@ from typing import ClassVar, final
 
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
-from slipmargin.model.loads import sharing_matrix
-from slipmargin.model.parts import Loads
+from slipmargin.model.loads import level, sharing_matrix
+from slipmargin.model.parts import Weight
 
 
 @final
@@ -18,7 +18,7 @@ class LoadTransfer(Effect):
 
     name: ClassVar[str] = "load_transfer"
     traced_to: ClassVar[Trace] = Trace.ACCELERATION
-    part: ClassVar[Part] = Part.LOADS
+    part: ClassVar[Part] = Part.WEIGHT
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter(
             name="com_height_m",
@@ -29,6 +29,15 @@ class LoadTransfer(Effect):
             scale=0.02,
             meaning="height of the centre of mass above the floor, on top of the file’s",
         ),
+        Parameter(
+            name="com_share",
+            unit="1",
+            low=0.0,
+            high=1.0,
+            null=0.0,
+            scale=0.2,
+            meaning="how far the centre of mass follows the loads’ centre (1: all the way)",
+        ),
     )
     source: ClassVar[str] = (
         "moment balance about the floor (theory, section 3); positive = the wheels behind carry more"
@@ -38,17 +47,19 @@ class LoadTransfer(Effect):
     )
 
     com_height_m: float
+    com_share: float = 0.0
     wheels: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         self._check()
 
-    def rewrite(self, part: Loads, nominal: Model) -> Loads:
+    def rewrite(self, part: Weight, nominal: Model) -> Weight:
         """Loads that follow the acceleration."""
         share = sharing_matrix(nominal.contacts.position_m)
         shift = -nominal.inertia.mass_kg * self.com_height_m * share[:, 1:]
-        return replace(
-            part,
-            per_acceleration_kg=part.per_acceleration_kg + shift,
-            rule=part.rule + ", plus load transfer",
+        loads = replace(
+            part.loads,
+            per_acceleration_kg=part.loads.per_acceleration_kg + shift,
+            rule=part.loads.rule + ", plus load transfer",
         )
+        return level(replace(part, loads=loads), nominal.contacts.position_m, self.com_share)

@@ -8,6 +8,7 @@ from typing import final
 from slipmargin.effects.effect import Effect
 from slipmargin.effects.general import GeneralEffect
 from slipmargin.model import Model, nominal_model
+from slipmargin.model.parts import Weight
 from slipmargin.robot import Robot
 
 #: A named effect or one traced to a variable without a name.
@@ -37,5 +38,9 @@ def with_effects(nominal: Model, effects: tuple[AnyEffect, ...]) -> Model:
     model = nominal
     for effect in effects:
         field = effect.part.value
-        model = replace(model, **{field: effect.rewrite(getattr(model, field), nominal)})
+        part = effect.rewrite(getattr(model, field), nominal)
+        if isinstance(part, Weight):
+            model = replace(model, inertia=part.inertia, loads=part.loads)
+        else:
+            model = replace(model, **{field: part})
     return model

@@ -17,7 +17,10 @@ from slipmargin.model.variables import Basis, Target, Variable
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stribeck(Effect):
-    """μ(v) ← μ(v) [r + (1 − r) exp(−(|v|/v_s)²)], v the slip speed in each direction."""
+    """μ(v) ← μ(v) [r + (1 − r) exp(−(|v|/v_s)²)], v the slip speed, along the drive direction.
+
+    Across it a roller turns in its bearing; its drag has a ratio of its own, 1 unless stated.
+    """
 
     name: ClassVar[str] = "stribeck"
     traced_to: ClassVar[Trace] = Trace.SLIP_SPEED
@@ -43,6 +46,15 @@ class Stribeck(Effect):
             meaning="slip speed at which most of the drop has happened",
             starts=(0.03, 0.1),
         ),
+        Parameter(
+            name="transverse_ratio",
+            unit="1",
+            low=0.05,
+            high=3.0,
+            null=1.0,
+            scale=0.1,
+            meaning="dynamic over static transverse coefficient (1: bearing drag, which does not drop)",
+        ),
     )
     source: ClassVar[str] = (
         "Armstrong-Hélouvry, Control of Machines with Friction, 1991, eq. (2.7); below 1 = friction drops"
@@ -51,6 +63,7 @@ class Stribeck(Effect):
 
     dynamic_ratio: float
     stribeck_speed_m_s: float
+    transverse_ratio: float = 1.0
     wheels: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -58,12 +71,19 @@ class Stribeck(Effect):
 
     def rewrite(self, part: Grip, nominal: Model) -> Grip:
         """Grip whose coefficients fall with slip speed."""
-        drop = Modulation(
-            variable=Variable.SLIP_SPEED,
-            basis=Basis.DECAY,
-            target=Target.BOTH,
-            coefficients=np.array([1.0]),
-            shape=np.array([self.stribeck_speed_m_s, 2.0]),
-            wheels=self.mask(nominal) * (1.0 - self.dynamic_ratio),
+        drops = tuple(
+            Modulation(
+                variable=Variable.SLIP_SPEED,
+                basis=Basis.DECAY,
+                target=target,
+                coefficients=np.array([1.0 - ratio]),
+                shape=np.array([self.stribeck_speed_m_s, 2.0]),
+                wheels=self.mask(nominal),
+            )
+            for target, ratio in (
+                (Target.DRIVE, self.dynamic_ratio),
+                (Target.TRANSVERSE, self.transverse_ratio),
+            )
+            if ratio != 1.0
         )
-        return replace(part, modulations=(*part.modulations, drop))
+        return replace(part, modulations=(*part.modulations, *drops))

@@ -9,8 +9,8 @@ import numpy as np
 
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
-from slipmargin.model.loads import sharing_matrix
-from slipmargin.model.parts import Loads
+from slipmargin.model.loads import level, sharing_matrix
+from slipmargin.model.parts import Weight
 
 
 @final
@@ -18,12 +18,13 @@ from slipmargin.model.parts import Loads
 class WheelLoads(Effect):
     """N_i ← N_i + m g (S [0, dx, dy])_i: the loads' resultant acts (dx, dy) away from where it did.
 
-    For three wheels every possible sharing of the weight is such a shift.
+    For three wheels every possible sharing of the weight is such a shift.  The centre of mass goes
+    ``com_share`` of the way to where the loads then say it is.
     """
 
     name: ClassVar[str] = "wheel_loads"
     traced_to: ClassVar[Trace] = Trace.WHEEL_LOAD
-    part: ClassVar[Part] = Part.LOADS
+    part: ClassVar[Part] = Part.WEIGHT
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter(
             name="shift_x_m",
@@ -43,19 +44,30 @@ class WheelLoads(Effect):
             scale=0.005,
             meaning="shift of the load centre forwards",
         ),
+        Parameter(
+            name="com_share",
+            unit="1",
+            low=0.0,
+            high=1.0,
+            null=0.0,
+            scale=0.2,
+            meaning="how far the centre of mass follows the loads’ centre (1: all the way)",
+        ),
     )
     source: ClassVar[str] = "moment balance about the floor (theory, section 3); positive right, forwards"
     confirm: ClassVar[str] = "weigh the wheels: put each on a scale, the others level"
 
     shift_x_m: float
     shift_y_m: float
+    com_share: float = 0.0
     wheels: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         self._check()
 
-    def rewrite(self, part: Loads, nominal: Model) -> Loads:
-        """Loads with the shifted resultant."""
+    def rewrite(self, part: Weight, nominal: Model) -> Weight:
+        """Weight with the shifted resultant."""
         share = sharing_matrix(nominal.contacts.position_m)
         moved = nominal.inertia.weight_N * share @ np.array([0.0, self.shift_x_m, self.shift_y_m])
-        return replace(part, rest_N=part.rest_N + moved, rule=part.rule + ", shifted")
+        loads = replace(part.loads, rest_N=part.loads.rest_N + moved, rule=part.loads.rule + ", shifted")
+        return level(replace(part, loads=loads), nominal.contacts.position_m, self.com_share)

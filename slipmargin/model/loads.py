@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from slipmargin.checks import GRAVITY_M_S2, Array
-from slipmargin.model.parts import Loads
+from slipmargin.model.parts import Loads, Weight
 from slipmargin.robot import LoadRule, Robot
 
 
@@ -22,6 +24,15 @@ def sharing_matrix(position_m: Array) -> Array:
 def load_centre(position_m: Array, rest_N: Array) -> Array:
     """The point (2,) at which the loads' resultant acts [m]."""
     return np.asarray(position_m.T @ rest_N / rest_N.sum(), dtype=np.float64)
+
+
+def level(weight: Weight, position_m: Array, share: float) -> Weight:
+    """The centre of mass moved by ``share`` of the way to where the loads' resultant acts.
+
+    On a level floor the two are one point; the published equal loads may contradict it.
+    """
+    com, centre = weight.inertia.com_m, load_centre(position_m, weight.loads.rest_N)
+    return replace(weight, inertia=replace(weight.inertia, com_m=com + share * (centre - com)))
 
 
 def nominal_loads(robot: Robot) -> Loads:

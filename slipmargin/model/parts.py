@@ -91,6 +91,15 @@ class Loads:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Weight:
+    """Mass and who carries it, taken together: on a level floor the loads' centre is the mass's."""
+
+    inertia: Inertia
+    loads: Loads
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Grip:
     """Friction of each wheel: coefficients (N, 2) [drive, transverse] on rollers and on rigid.
 

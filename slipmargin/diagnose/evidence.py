@@ -1,0 +1,125 @@
+"""How sure: significance against noise, parameter intervals, how well the data excite the model.
+
+Many effects have their null on the edge of their range, where χ² tables do not hold (Protassov et
+al., ApJ 571, 545, 2002), and the best of many suspects is good by luck.  So the gain of the chosen
+effect is compared with the largest gain that *any* suspect takes from surrogate noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.diagnose.fit import Fit
+
+SURROGATES = 999
+#: Length of the runs of samples that surrogate noise keeps together [s]: longer than the
+#: correlation of what a wrong wheel log leaves behind.
+_BLOCK_S = 0.25
+#: Two-sided 95 % quantile of Student's t by degrees of freedom 1 … 30; the normal one beyond.
+_T95 = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160,
+        2.145, 2.131, 2.120, 2.110, 2.101, 2.093, 2.086, 2.080, 2.074, 2.069, 2.064, 2.060, 2.056,
+        2.052, 2.048, 2.045, 2.042)  # fmt: skip
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Intervals:
+    """95 % intervals of the parameters: ``low`` and ``high`` (P,), ``deviation`` (P,) 1 s.d.
+
+    ``excitation`` (P,) are the singular values of the whitened Jacobian per unit of scale: a small
+    one is a direction in which these trials say nothing.
+    """
+
+    low: Array
+    high: Array
+    deviation: Array
+    excitation: Array
+
+
+def intervals(found: Fit, leave_one_out: Array, scale: Array) -> Intervals:
+    """Intervals from whole trials, which may be correlated inside.
+
+    The larger of the jackknife over trials, √((R−1)/R Σ (x₋ᵢ − x̄)²), and the inverse normal matrix
+    times the reduced χ²; Student's t with R − 1 degrees of freedom.
+
+    Parameters
+    ----------
+    found : Fit
+        The fit on R trials.
+    leave_one_out : array (R, P)
+        Parameters fitted without each trial.
+    scale : array (P,)
+        Units of the parameters.
+    """
+    count, size = leave_one_out.shape
+    flat = found.jacobian.reshape(-1, size) * scale
+    seen = int(np.count_nonzero(found.residual))
+    reduced = max(1.0, found.cost / max(1, seen - size))
+    covariance = np.linalg.pinv(flat.T @ flat) * reduced
+    formal = np.sqrt(np.maximum(np.diag(covariance), 0.0)) * scale
+    spread = leave_one_out - leave_one_out.mean(axis=0)
+    jackknife = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0)) if count > 1 else formal
+    deviation = np.maximum(formal, jackknife)
+    quantile = 1.96 if count > 31 else _T95[max(0, count - 2)]
+    return Intervals(
+        low=found.x - quantile * deviation,
+        high=found.x + quantile * deviation,
+        deviation=deviation,
+        excitation=np.linalg.svd(flat, compute_uv=False),
+    )
+
+
+def luck(gain: float, tangents: Sequence[Array], noise: Array, step_s: float, seed: int) -> float:
+    """Probability that the best of all suspects gains as much from noise alone.
+
+    Parameters
+    ----------
+    gain : float
+        Decrease of the sum of squares by the chosen effect.
+    tangents : sequence of arrays (R, K, P_c)
+        Derivative of the residual by each suspect's parameters at null.
+    noise : array (R, K)
+        Residual of the final model, three channels of K / 3 samples each.
+    step_s : float
+        Typical time between samples [s].
+    seed : int
+        Seed of the surrogates.
+
+    Returns
+    -------
+    float
+        (1 + number of surrogates whose best suspect gains at least ``gain``) / (1 + surrogates).
+        Surrogates flip the sign of whole blocks of the noise, so its size and correlation stay.
+    """
+    bases = [b for b in (_orthonormal(t) for t in tangents) if b.shape[1]]
+    if not bases:
+        return 1.0
+    trials, samples = noise.shape
+    per_channel = samples // 3
+    block = max(1, round(_BLOCK_S / max(step_s, 1e-6)))
+    blocks = -(-per_channel // block)
+    random = np.random.default_rng(seed)
+    beaten = 0
+    for start in range(0, SURROGATES, 111):
+        many = min(111, SURROGATES - start)
+        flips = random.choice([-1.0, 1.0], size=(many, trials, 3, blocks))
+        signs = np.repeat(flips, block, axis=-1)[..., :per_channel].reshape(many, -1)
+        drawn = signs * noise.reshape(1, -1)
+        best = np.max([np.sum((drawn @ basis) ** 2, axis=1) for basis in bases], axis=0)
+        beaten += int(np.sum(best >= gain))
+    return (1 + beaten) / (1 + SURROGATES)
+
+
+def _orthonormal(tangent: Array) -> Array:
+    flat = tangent.reshape(-1, tangent.shape[-1])
+    size = np.linalg.norm(flat, axis=0)
+    flat = flat[:, size > 1e-9 * max(1.0, float(size.max(initial=0.0)))]
+    if not flat.shape[1]:
+        return flat
+    left, singular, _ = np.linalg.svd(flat / np.linalg.norm(flat, axis=0), full_matrices=False)
+    return np.asarray(left[:, singular > 1e-6 * singular[0]])

@@ -1,0 +1,55 @@
+"""The wheels' motion of a trial, rebuilt from what was logged."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.diagnose.prepare import Trial
+from slipmargin.errors import InputError
+from slipmargin.model import Model
+from slipmargin.sim.signal import WheelSignal, angles, hermite, linear
+
+
+def wheel_signal(trial: Trial, commanded: bool) -> WheelSignal:
+    """Wheel angles over time: cubic between samples where angle and speed are known.
+
+    Missing samples are bridged by their neighbours.  Without logged angles the rotor angles start at
+    zero, which matters only to effects of the wheel angle.
+    """
+    record = trial.record
+    t = record.t_s
+    if commanded:
+        if record.omega_cmd is None:
+            raise InputError(trial.name, "has no commanded wheel speeds", "add omega{i}_cmd_rad_s")
+        return linear(t, _bridged(t, record.omega_cmd))
+    if record.theta is not None and np.isfinite(record.theta).any(axis=0).all():
+        theta = _bridged(t, record.theta)
+        if record.omega is not None and np.isfinite(record.omega).any(axis=0).all():
+            return hermite(t, theta, _bridged(t, record.omega))
+        return angles(t, theta)
+    if record.omega is None:
+        raise InputError(trial.name, "has no measured wheel speeds", "add omega{i}_rad_s or theta{i}_rad")
+    return linear(t, _bridged(t, record.omega))
+
+
+def _bridged(t: Array, values: Array) -> Array:
+    """``values`` (T, N) with missing samples on the line between their neighbours."""
+    if np.isfinite(values).all():
+        return values
+    columns = []
+    for column in values.T:
+        known = np.isfinite(column)
+        columns.append(np.interp(t, t[known], column[known]))
+    return np.stack(columns, axis=1)
+
+
+def rolling_twist(model: Model, trial: Trial, signal: WheelSignal) -> Array:
+    """Floor-frame velocity (3,) that the wheels' first speeds make without slip [m/s, m/s, rad/s]."""
+    contacts = model.contacts
+    arm, grip = contacts.position_m, contacts.grip
+    rows = np.column_stack([grip, arm[:, 0] * grip[:, 1] - arm[:, 1] * grip[:, 0]])
+    along = contacts.radius_m * np.sum(contacts.drive * grip, axis=1)
+    body = -np.linalg.pinv(rows) @ (along * signal.pieces[0, :, 1])
+    c, s = np.cos(trial.start[2]), np.sin(trial.start[2])
+    return np.array([c * body[0] - s * body[1], s * body[0] + c * body[1], body[2]])

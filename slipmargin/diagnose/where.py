@@ -1,0 +1,110 @@
+"""Where the residual sits: against which measured variable does it grow?
+
+Before any fit.  The residual is differentiated in time (what the robot did in this moment that the
+model did not), turned into the body frame and sorted into bins of each variable; the correlation
+ratio η² is the share of its variance that the bins explain.  Chance is judged by shifting the
+variable in time within each trial, which keeps both correlations in time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array
+
+_BINS = 12
+_SHIFTS = 99
+#: Over how long the residual is differentiated [s].
+_SPAN_S = 0.06
+
+CHANNELS = ("right", "forward", "turn")
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dependence:
+    """How much of one channel's residual rate a variable explains.
+
+    ``share`` is η² less what chance explains; ``surprise`` is its distance from chance in standard
+    deviations; ``p_value`` the share of shifted variables that explain as much.
+    """
+
+    variable: str
+    channel: str
+    share: float
+    surprise: float
+    p_value: float
+
+
+def residual_rate(t_s: Array, measured: Array, predicted: Array) -> Array:
+    """Rate (T, 3) of measured − predicted in the body frame [m/s, m/s, rad/s]; NaN near gaps and ends."""
+    gap = measured - predicted
+    phi = predicted[:, 2]
+    cos, sin = np.cos(phi), np.sin(phi)
+    half = max(1, round(_SPAN_S / 2.0 / max(1e-9, float(np.median(np.diff(t_s))))))
+    rate = np.full(gap.shape, np.nan)
+    if len(t_s) <= 2 * half:
+        return rate
+    rate[half:-half] = (gap[2 * half :] - gap[: -2 * half]) / (t_s[2 * half :] - t_s[: -2 * half])[:, None]
+    return np.stack(
+        [cos * rate[:, 0] + sin * rate[:, 1], -sin * rate[:, 0] + cos * rate[:, 1], rate[:, 2]], axis=1
+    )
+
+
+def dependences(
+    rates: list[Array], variables: list[Mapping[str, Array]], seed: int
+) -> tuple[Dependence, ...]:
+    """The correlation ratio of every variable with every channel, strongest first.
+
+    Parameters
+    ----------
+    rates : list of arrays (T, 3)
+        Residual rate of each trial.
+    variables : list of mappings name → array (T,)
+        The variables of each trial.
+    seed : int
+        Seed of the shifts.
+    """
+    random = np.random.default_rng(seed)
+    found = []
+    for name in variables[0]:
+        values = [v[name] for v in variables]
+        edges = np.quantile(np.concatenate(values), np.linspace(0.0, 1.0, _BINS + 1)[1:-1])
+        bins = [np.searchsorted(edges, v) for v in values]
+        shifted = [
+            [
+                np.roll(b, int(random.integers(len(b) // 10, max(len(b) // 10 + 1, len(b) - len(b) // 10))))
+                for b in bins
+            ]
+            for _ in range(_SHIFTS)
+        ]
+        for axis, channel in enumerate(CHANNELS):
+            rate = np.concatenate([r[:, axis] for r in rates])
+            seen = np.isfinite(rate)
+            share = _ratio(np.concatenate(bins)[seen], rate[seen])
+            chance = np.array([_ratio(np.concatenate(s)[seen], rate[seen]) for s in shifted])
+            deviation = float(chance.std()) or 1e-12
+            found.append(
+                Dependence(
+                    variable=name,
+                    channel=channel,
+                    share=max(0.0, share - float(chance.mean())),
+                    surprise=(share - float(chance.mean())) / deviation,
+                    p_value=float((1 + np.sum(chance >= share)) / (1 + _SHIFTS)),
+                )
+            )
+    return tuple(sorted(found, key=lambda d: -d.share))
+
+
+def _ratio(bins: Array, values: Array) -> float:
+    """Correlation ratio η²: variance between bins over total variance."""
+    count = np.bincount(bins, minlength=_BINS)
+    total = np.bincount(bins, weights=values, minlength=_BINS)
+    mean = values.mean()
+    between = float(np.sum(total[count > 0] ** 2 / count[count > 0]) - len(values) * mean**2)
+    spread = float(np.sum((values - mean) ** 2))
+    return between / spread if spread > 0.0 else 0.0
