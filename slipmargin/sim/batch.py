@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from slipmargin.checks import Array, frozen
 from slipmargin.errors import InputError
 from slipmargin.sim import layout as at
-from slipmargin.sim.motion import run_range
+from slipmargin.sim.motion import TOLD, run_range
 from slipmargin.sim.signal import WheelSignal
 
 RTOL = 1e-6
@@ -164,22 +164,19 @@ class Batch:
         _to_centre(start, com)
         n, longest = self.wheels, self.longest
         Y, info = np.empty((runs, longest, 6)), np.empty((runs, 5))
-        told = runs if tell else 1
-        room = longest
-        TH, LOAD = np.zeros((told, room, n)), np.zeros((told, room, n))
-        SLIP, FORCE = np.zeros((told, room, n, 2)), np.zeros((told, room, n, 2))
+        told = np.zeros((runs, longest, n, TOLD)) if tell else np.zeros((1, longest, n, TOLD))
         args = (models, which, signal, self._knot_at, self._knots, self._piece_at, self._coef, self._spin,
                 self.commanded, self._push_at, self._push_t, self._push_w, self._time_at, self._times, start, rtol,
-                0.01 * rtol if atol is None else atol, max_steps, Y, tell, TH, SLIP, FORCE, LOAD, info)
+                0.01 * rtol if atol is None else atol, max_steps, Y, tell, told, info)
         _spread(runs, args)
         pose = Y[..., :3].copy()
         c, s = np.cos(Y[..., 2]), np.sin(Y[..., 2])
         if com.any():
             pose[..., 0] -= c * com[:, None, 0] - s * com[:, None, 1]
             pose[..., 1] -= s * com[:, None, 0] + c * com[:, None, 1]
-        more = {"theta": TH, "slip": SLIP, "force": FORCE, "load": LOAD} if tell else {}
+        more = {"theta": told[..., 0], "slip": told[..., 1:3], "force": told[..., 3:5], "load": told[..., 5]}
         return Outcome(pose=pose, state=Y, ending=info[:, 0].astype(np.int64), stopped_s=info[:, 1],
-                       steps=info[:, 2:4].astype(np.int64), **more)
+                       steps=info[:, 2:4].astype(np.int64), **(more if tell else {}))
 
 
 def _spread(runs: int, args: tuple[object, ...]) -> None:

@@ -14,9 +14,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from numba import njit
 
 from slipmargin.sim import layout as at
+from slipmargin.sim.compiled import fast
 from slipmargin.sim.friction import contact
 from slipmargin.sim.terms import series
 
@@ -37,17 +37,30 @@ SLOW_RAD_S = 1e-2
 CRAWL_M_S = 1e-3
 
 
-@njit(cache=True)
-def _asked(P: Any, al: Any, row: int) -> float:
+#: Columns of the contact table C (N, CONTACT): what is known of each wheel at one instant.
+OMEGA, THETA, ALPHA, RIGID = 0, 1, 2, 3  #: ω [rad/s], θ [rad], ω̇ [rad/s²], 1 on rigid material
+SLIP_W, SLIP_T = 4, 5  #: sliding velocity along ĝ, f̂ [m/s]
+FORCE_W, FORCE_T = 6, 7  #: f_W, f_T per unit of load [1]
+LOAD = 8  #: [N]
+WW, WT, TW, TT = 9, 10, 11, 12  #: slopes of the law [s/m]
+CONTACT = 13
+#: Entries of the body table B: external push in the floor frame, inverse of the mass matrix of a
+#: (2 × 2 row by row), yaw moment per acceleration that loads bring about.
+PUSH, INVERSE, LEVER = 0, 3, 7
+BODY = 9
+
+
+@fast
+def _asked(P: Any, C: Any, row: int) -> float:
     """No-slip body acceleration that the wheels ask for, component ``row`` (0 x, 1 y, 2 yaw)."""
     total = 0.0
     for i in range(int(P[_COUNT])):
-        total += P[_H + i * _W + _NSX + row] * al[i]
+        total += P[_H + i * _W + _NSX + row] * C[i, ALPHA]
     return total
 
 
-@njit(cache=True)
-def _body_variable(P: Any, code: int, t: float, y: Any, al: Any) -> float:
+@fast
+def _body_variable(P: Any, code: int, t: float, y: Any, C: Any) -> float:
     w, phi = y[5], y[2]
     if code == 0:
         return 1.0
@@ -60,7 +73,7 @@ def _body_variable(P: Any, code: int, t: float, y: Any, al: Any) -> float:
     if code == 10:
         return math.hypot(y[3] + w * P[_COM_Y], y[4] - w * P[_COM_X])
     if code <= 13:
-        return _asked(P, al, code - 11)
+        return _asked(P, C, code - 11)
     if code == 14:
         return float(phi)
     if code == 15:
@@ -70,31 +83,30 @@ def _body_variable(P: Any, code: int, t: float, y: Any, al: Any) -> float:
     return t
 
 
-@njit(cache=True)
-def _wheel_variable(P: Any, code: int, i: int, direction: int, y: Any, om: Any, th: Any, U: Any, L: Any) -> float:
+@fast
+def _wheel_variable(P: Any, code: int, i: int, direction: int, y: Any, C: Any) -> float:
     q = _H + i * _W
-    u = U[i, direction]
+    u = C[i, SLIP_W + direction]
     if code == 1:
-        return float(th[i])
+        return float(C[i, THETA])
     if code == 2:
-        return float(L[i] / P[_SHARE] - 1.0)
+        return float(C[i, LOAD] / P[_SHARE] - 1.0)
     if code == 3:
         return abs(float(u))
     if code == 5:
-        return math.atan2(abs(U[i, 1]), abs(U[i, 0]))
+        return math.atan2(abs(C[i, SLIP_T]), abs(C[i, SLIP_W]))
     if code == 18:
         d = q + _GX + 2 * direction
         return float(y[2] + math.atan2(P[d + 1], P[d]) + (math.pi if u < 0.0 else 0.0))
     hub = math.hypot(y[3] - y[5] * P[q + _AY], y[4] + y[5] * P[q + _AX])
-    roll = max(hub, abs(P[q + _RHO] * om[i]))
+    roll = max(hub, abs(P[q + _RHO] * C[i, OMEGA]))
     if code == 6:
         return roll
     return abs(float(u)) / (roll + CRAWL_M_S)
 
 
-@njit(cache=True)
-def _factors(P: Any, i: int, t: float, y: Any, om: Any, th: Any, al: Any, U: Any, L: Any
-             ) -> tuple[float, float, float, float]:
+@fast
+def _factors(P: Any, i: int, t: float, y: Any, C: Any) -> tuple[float, float, float, float]:
     """What all modulations make of (μ_W, μ_T, k_W, k_T) of wheel i."""
     mw, mt, kw, kt = 1.0, 1.0, 1.0, 1.0
     n = int(P[_COUNT])
@@ -107,13 +119,13 @@ def _factors(P: Any, i: int, t: float, y: Any, om: Any, th: Any, al: Any, U: Any
             continue
         sided = code == 3 or code == 4 or code == 18
         if 1 <= code <= 6 or code == 18:
-            v = _wheel_variable(P, code, i, 0, y, om, th, U, L)
+            v = _wheel_variable(P, code, i, 0, y, C)
         else:
-            v = _body_variable(P, code, t, y, al)
+            v = _body_variable(P, code, t, y, C)
         first = max(0.0, 1.0 + weight * series(P, place, count, basis, a, b, v))
         second = first
         if sided:
-            v = _wheel_variable(P, code, i, 1, y, om, th, U, L)
+            v = _wheel_variable(P, code, i, 1, y, C)
             second = max(0.0, 1.0 + weight * series(P, place, count, basis, a, b, v))
         if target == 0 or target == 2:
             mw *= first
@@ -125,15 +137,15 @@ def _factors(P: Any, i: int, t: float, y: Any, om: Any, th: Any, al: Any, U: Any
     return mw, mt, kw, kt
 
 
-@njit(cache=True)
-def losses(P: Any, t: float, y: Any, al: Any) -> tuple[float, float, float]:
+@fast
+def losses(P: Any, t: float, y: Any, C: Any) -> tuple[float, float, float]:
     """All force terms as one wrench in the body frame about the centre of mass."""
     fx, fy, mz = 0.0, 0.0, 0.0
     q = int(P[_FORCES_AT])
     for _ in range(int(P[_FORCES])):
         code, basis, frame, count = int(P[q]), int(P[q + 1]), int(P[q + 2]), int(P[q + 3])
         a, b, place = P[q + 4], P[q + 5], q + _TERM
-        v = _body_variable(P, code, t, y, al)
+        v = _body_variable(P, code, t, y, C)
         x = series(P, place, count, basis, a, b, v)
         z = series(P, place + count, count, basis, a, b, v)
         m = series(P, place + 2 * count, count, basis, a, b, v)
@@ -153,46 +165,45 @@ def losses(P: Any, t: float, y: Any, al: Any) -> tuple[float, float, float]:
     return fx, fy, mz
 
 
-@njit(cache=True)
-def evaluate(P: Any, t: float, y: Any, om: Any, th: Any, al: Any, rigid: Any, push: Any,
-             U: Any, F: Any, L: Any, D: Any, acc: Any, frame: Any) -> None:
-    """Fill slip U (N, 2), force per load F (N, 2), loads L (N), slopes D (N, 4), acc (3) = (a, ω̇).
+@fast
+def evaluate(P: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None:
+    """Acceleration acc (3) = (a, ω̇) in body axes; fills the rest of C and B.
 
-    ``frame`` (5) receives the inverse of the mass matrix of a (4 numbers) and the lever row's use.
+    Reads ω, θ, ω̇ and the sector of each wheel from C and the push from B.
     """
     n = int(P[_COUNT])
     w = y[5]
     for i in range(n):
         q = _H + i * _W
-        r = P[q + _RHO] * om[i]
+        r = P[q + _RHO] * C[i, OMEGA]
         ux = y[3] - w * P[q + _AY] + r * P[q + _DX]
         uy = y[4] + w * P[q + _AX] + r * P[q + _DY]
-        U[i, 0] = ux * P[q + _GX] + uy * P[q + _GY]
-        U[i, 1] = ux * P[q + _FX] + uy * P[q + _FY]
-    px, py, pm = losses(P, t, y, al)
-    c, s = math.cos(y[2]), math.sin(y[2])
-    px += c * push[0] + s * push[1]
-    py += c * push[1] - s * push[0]
-    pm += push[2]
-    mass, modulated = P[_MASS], P[_MODS] > 0
+        C[i, SLIP_W] = ux * P[q + _GX] + uy * P[q + _GY]
+        C[i, SLIP_T] = ux * P[q + _FX] + uy * P[q + _FY]
+        C[i, LOAD] = P[q + _REST]
+    px, py, pm = 0.0, 0.0, B[PUSH + 2]
+    if B[PUSH] != 0.0 or B[PUSH + 1] != 0.0:
+        c, s = math.cos(y[2]), math.sin(y[2])
+        px, py = c * B[PUSH] + s * B[PUSH + 1], c * B[PUSH + 1] - s * B[PUSH]
+    if P[_FORCES] > 0:
+        x, v, m = losses(P, t, y, C)
+        px, py, pm = px + x, py + v, pm + m
+    mass, modulated, follows, shape = P[_MASS], P[_MODS] > 0, P[_FOLLOWS] > 0, int(P[_SHAPE])
     rounds = 60 if P[_ITERATES] > 0 else 1
     for turn in range(rounds):
-        if turn == 0:
-            for i in range(n):
-                L[i] = P[_H + i * _W + _REST]
         fx, fy, mz = px, py, pm
         mxx, mxy, myx, myy, lx, ly = mass, 0.0, 0.0, mass, 0.0, 0.0
         for i in range(n):
             q = _H + i * _W
-            z = q + (_GW if rigid[i] else _RW)
+            z = q + (_GW if C[i, RIGID] > 0.0 else _RW)
             mw, mt, kw, kt = P[z], P[z + 1], P[_K], P[_K]
             if modulated:
-                g = _factors(P, i, t, y, om, th, al, U, L)
+                g = _factors(P, i, t, y, C)
                 mw, mt, kw, kt = mw * g[0], mt * g[1], kw * g[2], kt * g[3]
-            law = contact(int(P[_SHAPE]), P[_COUPLING], U[i, 0], U[i, 1], mw, mt, kw, kt)
-            F[i, 0], F[i, 1] = law[0], law[1]
-            D[i, 0], D[i, 1], D[i, 2], D[i, 3] = law[2], law[3], law[4], law[5]
-            vw, vt = P[_CW] * U[i, 0], P[_CT] * U[i, 1]
+            law = contact(shape, P[_COUPLING], C[i, SLIP_W], C[i, SLIP_T], mw, mt, kw, kt)
+            C[i, FORCE_W], C[i, FORCE_T] = law[0], law[1]
+            C[i, WW], C[i, WT], C[i, TW], C[i, TT] = law[2], law[3], law[4], law[5]
+            vw, vt = P[_CW] * C[i, SLIP_W], P[_CT] * C[i, SLIP_T]
             rest = P[q + _REST]
             a, b = rest * law[0] + vw, rest * law[1] + vt
             x = -(a * P[q + _GX] + b * P[q + _FX])
@@ -200,7 +211,7 @@ def evaluate(P: Any, t: float, y: Any, om: Any, th: Any, al: Any, rigid: Any, pu
             fx += x
             fy += v
             mz += P[q + _AX] * v - P[q + _AY] * x
-            if P[_FOLLOWS] > 0:
+            if follows:
                 x = -(law[0] * P[q + _GX] + law[1] * P[q + _FX])
                 v = -(law[0] * P[q + _GY] + law[1] * P[q + _FY])
                 m = P[q + _AX] * v - P[q + _AY] * x
@@ -210,22 +221,23 @@ def evaluate(P: Any, t: float, y: Any, om: Any, th: Any, al: Any, rigid: Any, pu
                 myy -= v * P[q + _LY]
                 lx += m * P[q + _LX]
                 ly += m * P[q + _LY]
-        det = mxx * myy - mxy * myx
-        frame[0], frame[1], frame[2], frame[3] = myy / det, -mxy / det, -myx / det, mxx / det
-        frame[4], frame[5] = lx, ly
-        ax = frame[0] * fx + frame[1] * fy
-        ay = frame[2] * fx + frame[3] * fy
+        det = 1.0 / (mxx * myy - mxy * myx)
+        B[INVERSE], B[INVERSE + 1], B[INVERSE + 2], B[INVERSE + 3] = myy * det, -mxy * det, -myx * det, mxx * det
+        B[LEVER], B[LEVER + 1] = lx, ly
+        ax = B[INVERSE] * fx + B[INVERSE + 1] * fy
+        ay = B[INVERSE + 2] * fx + B[INVERSE + 3] * fy
         change = abs(ax - acc[0]) + abs(ay - acc[1])
         acc[0], acc[1], acc[2] = ax, ay, (mz + lx * ax + ly * ay) / P[_INERTIA]
-        for i in range(n):
-            q = _H + i * _W
-            L[i] = P[q + _REST] + P[q + _LX] * ax + P[q + _LY] * ay
+        if follows:
+            for i in range(n):
+                q = _H + i * _W
+                C[i, LOAD] = P[q + _REST] + P[q + _LX] * ax + P[q + _LY] * ay
         if turn > 0 and change <= 1e-14 * (1.0 + abs(ax) + abs(ay)):
             break
 
 
-@njit(cache=True)
-def slopes(P: Any, al: Any, L: Any, D: Any, frame: Any, J: Any, jt: Any) -> None:
+@fast
+def slopes(P: Any, C: Any, B: Any, J: Any, jt: Any) -> None:
     """Analytic ∂(a, ω̇)/∂(v_x, v_y, ω) into J (3, 3) and ∂(a, ω̇)/∂t through the wheel speeds into jt (3)."""
     for r in range(3):
         jt[r] = 0.0
@@ -234,9 +246,9 @@ def slopes(P: Any, al: Any, L: Any, D: Any, frame: Any, J: Any, jt: Any) -> None
     for i in range(int(P[_COUNT])):
         q = _H + i * _W
         gx, gy, fx, fy = P[q + _GX], P[q + _GY], P[q + _FX], P[q + _FY]
-        ax, ay, n = P[q + _AX], P[q + _AY], L[i]
-        ww, wt = n * D[i, 0] + P[_CW], n * D[i, 1]
-        tw, tt = n * D[i, 2], n * D[i, 3] + P[_CT]
+        ax, ay, n = P[q + _AX], P[q + _AY], C[i, LOAD]
+        ww, wt = n * C[i, WW] + P[_CW], n * C[i, WT]
+        tw, tt = n * C[i, TW], n * C[i, TT] + P[_CT]
         # 2×2 in body axes: K = [g f] [[ww, wt], [tw, tt]] [g f]ᵀ
         ax_, bx_ = ww * gx + wt * fx, tw * gx + tt * fx
         ay_, by_ = ww * gy + wt * fy, tw * gy + tt * fy
@@ -252,7 +264,7 @@ def slopes(P: Any, al: Any, L: Any, D: Any, frame: Any, J: Any, jt: Any) -> None
         J[2, 0] -= ax * kyx - ay * kxx
         J[2, 1] -= ax * kyy - ay * kxy
         J[2, 2] -= ax * kyw - ay * kxw
-        r = P[q + _RHO] * al[i]
+        r = P[q + _RHO] * C[i, ALPHA]
         x = kxx * r * P[q + _DX] + kxy * r * P[q + _DY]
         y = kyx * r * P[q + _DX] + kyy * r * P[q + _DY]
         jt[0] -= x
@@ -260,9 +272,9 @@ def slopes(P: Any, al: Any, L: Any, D: Any, frame: Any, J: Any, jt: Any) -> None
         jt[2] -= ax * y - ay * x
     for k in range(4):
         fx, fy, mz = (J[0, k], J[1, k], J[2, k]) if k < 3 else (jt[0], jt[1], jt[2])
-        x = frame[0] * fx + frame[1] * fy
-        y = frame[2] * fx + frame[3] * fy
-        z = (mz + frame[4] * x + frame[5] * y) / P[_INERTIA]
+        x = B[INVERSE] * fx + B[INVERSE + 1] * fy
+        y = B[INVERSE + 2] * fx + B[INVERSE + 3] * fy
+        z = (mz + B[LEVER] * x + B[LEVER + 1] * y) / P[_INERTIA]
         if k < 3:
             J[0, k], J[1, k], J[2, k] = x, y, z
         else:

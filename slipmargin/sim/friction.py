@@ -16,13 +16,13 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from slipmargin.sim.compiled import fast
 
 _TWO_PI = 2.0 / math.pi
 Slope = tuple[float, float, float, float, float, float]
 
 
-@njit(cache=True)
+@fast
 def box(uw: float, ut: float, mw: float, mt: float, kw: float, kt: float) -> Slope:
     """(f_W, f_T, ∂f_W/∂u_W, ∂f_W/∂u_T, ∂f_T/∂u_W, ∂f_T/∂u_T) of eq. (11) in each direction."""
     a, b = kw * uw, kt * ut
@@ -30,7 +30,7 @@ def box(uw: float, ut: float, mw: float, mt: float, kw: float, kt: float) -> Slo
             mw * _TWO_PI * kw / (1.0 + a * a), 0.0, 0.0, mt * _TWO_PI * kt / (1.0 + b * b))
 
 
-@njit(cache=True)
+@fast
 def _secant(s: float, k: float) -> tuple[float, float]:
     """σ(k s)/s and its derivative over s, divided by s (finite at s = 0)."""
     x = k * s
@@ -40,7 +40,7 @@ def _secant(s: float, k: float) -> tuple[float, float]:
     return q, (_TWO_PI * k / (1.0 + x * x) - q) / (s * s)
 
 
-@njit(cache=True)
+@fast
 def ellipse(uw: float, ut: float, mw: float, mt: float, k: float) -> Slope:
     """Elliptic law; with μ_T = μ_W the isotropic disc."""
     e = (mt / mw) ** 2
@@ -49,7 +49,7 @@ def ellipse(uw: float, ut: float, mw: float, mt: float, k: float) -> Slope:
             mw * dq * e * uw * ut, mw * e * (q + dq * e * ut * ut))
 
 
-@njit(cache=True)
+@fast
 def _spun(uw: float, far: float, mw: float, mt: float, k: float) -> float:
     """z in (0, far) with μ_W σ(k√(u_W² + z²)) z/√(u_W² + z²) = μ_T, by guarded Newton steps."""
     low, high = 0.0, far
@@ -72,7 +72,7 @@ def _spun(uw: float, far: float, mw: float, mt: float, k: float) -> float:
     return z
 
 
-@njit(cache=True)
+@fast
 def disc_strip(uw: float, ut: float, mw: float, mt: float, k: float) -> Slope:
     """Disc law of radius μ_W whose transverse part the roller's bearing limits to μ_T."""
     if mt <= 0.0:
@@ -89,7 +89,7 @@ def disc_strip(uw: float, ut: float, mw: float, mt: float, k: float) -> Slope:
     return mw * q * uw, math.copysign(mt, ut), slope, 0.0, 0.0, 0.0
 
 
-@njit(cache=True)
+@fast
 def contact(shape: int, coupling: float, uw: float, ut: float, mw: float, mt: float,
             kw: float, kt: float) -> Slope:
     """The law of a shape: 0 box, 1 disc-strip, 2 ellipse, in its share ``coupling``."""

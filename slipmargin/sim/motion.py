@@ -6,263 +6,229 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from slipmargin.sim import layout as at
-from slipmargin.sim.body import evaluate
-from slipmargin.sim.rodas import (
-    _A21, _A31, _A32, _A41, _A42, _A43, _A51, _A52, _A53, _A54,
-    _C21, _C31, _C32, _C41, _C42, _C43, _C51, _C52, _C53, _C54, _C61, _C62, _C63, _C64, _C65,
-    _D1, _D2, _D3, _D4, _D21, _D22, _D23, _D24, _D25, _D31, _D32, _D33, _D34, _D35, _T2, _T3, _T4,
-    GAMMA, derivative, factor, jacobian, solve,
-)  # fmt: skip
+from slipmargin.sim.body import (
+    ALPHA,
+    BODY,
+    CONTACT,
+    FORCE_T,
+    FORCE_W,
+    LOAD,
+    OMEGA,
+    PUSH,
+    RIGID,
+    SLIP_T,
+    SLIP_W,
+    THETA,
+    evaluate,
+)
+from slipmargin.sim.compiled import fast, fast_unlocked
+from slipmargin.sim.rodas import DENSE, GAMMA, MIX, STAGE, TIME, WHEN, derivative, factor, jacobian, solve
 from slipmargin.sim.wheels import breakpoints, follow, turn
 
-_H, _W, _COUNT = at.HEAD, at.WHEEL, at.COUNT
+_H, _W, _COUNT, _LAG, _PITCH, _SWITCH = at.HEAD, at.WHEEL, at.COUNT, at.LAG, at.PITCH, at.SWITCH
 _BY_POSE, _BY_TIME, _LAGGED, _FOLLOWS = at.BY_POSE, at.BY_TIME, at.LAGGED, at.LOAD_FOLLOWS
-_LAG, _PITCH, _SWITCH = at.LAG, at.PITCH, at.SWITCH
+_CW, _CT = at.VISCOUS_W, at.VISCOUS_T
 
 #: How a run ended.
 DONE, TIPS, NOT_FINITE, STUCK, TOO_LONG = range(5)
+#: Columns of what is told of each wheel: angle, slip (2), force (2), load.
+TOLD = 6
+#: Velocities may err by this many times the tolerance of poses: friction damps them within milliseconds.
+LOOSER = 10.0
 
 
-@njit(cache=True)
-def _wheels(P: Any, coef: Any, x: float, om: Any, th: Any, al: Any) -> None:
+@fast
+def _known(P: Any, coef: Any, x: float, pt: Any, pw: Any, t: float, k: int, C: Any, B: Any) -> None:
+    """What is known in time alone: wheel motion into C, push into B."""
     for i in range(int(P[_COUNT])):
-        th[i], om[i], al[i] = turn(coef[i], P[_H + i * _W + _LAG], x)
+        C[i, THETA], C[i, OMEGA], C[i, ALPHA] = turn(coef[i], P[_H + i * _W + _LAG], x)
+    if len(pt) > 0:
+        part = min(max((t - pt[k]) / (pt[k + 1] - pt[k]), 0.0), 1.0)
+        for r in range(3):
+            B[PUSH + r] = pw[k, r] + part * (pw[k + 1, r] - pw[k, r])
 
 
-@njit(cache=True)
-def _push(pt: Any, pw: Any, t: float, k: int, push: Any) -> None:
-    part = min(max((t - pt[k]) / (pt[k + 1] - pt[k]), 0.0), 1.0)
-    for r in range(3):
-        push[r] = pw[k, r] + part * (pw[k + 1, r] - pw[k, r])
-
-
-@njit(cache=True)
-def _sectors(P: Any, th: Any, rigid: Any) -> None:
+@fast
+def _sectors(P: Any, C: Any) -> None:
     for i in range(int(P[_COUNT])):
         q = _H + i * _W
-        pitch = P[q + _PITCH]
-        rigid[i] = 1 if th[i] - math.floor(th[i] / pitch) * pitch >= P[q + _SWITCH] else 0
+        angle, pitch = C[i, THETA], P[q + _PITCH]
+        C[i, RIGID] = 1.0 if angle - math.floor(angle / pitch) * pitch >= P[q + _SWITCH] else 0.0
 
 
-@njit(cache=True)
+@fast
+def _tell(P: Any, y: Any, C: Any, Y: Any, W: Any, out: int, tell: bool) -> None:
+    for r in range(6):
+        Y[out, r] = y[r]
+    if tell:
+        for i in range(int(P[_COUNT])):
+            n = C[i, LOAD]
+            W[out, i, 0], W[out, i, 1], W[out, i, 2] = C[i, THETA], C[i, SLIP_W], C[i, SLIP_T]
+            W[out, i, 3] = -n * C[i, FORCE_W] - P[_CW] * C[i, SLIP_W]
+            W[out, i, 4] = -n * C[i, FORCE_T] - P[_CT] * C[i, SLIP_T]
+            W[out, i, 5] = n
+
+
+@fast
+def _lightest(C: Any) -> float:
+    low = C[0, LOAD]
+    for i in range(1, len(C)):
+        low = min(low, C[i, LOAD])
+    return float(low)
+
+
+@fast
 def run(P: Any, knots: Any, coef: Any, spin: Any, commanded: bool, pt: Any, pw: Any, times: Any, y0: Any,
-        rtol: float, atol: float, max_steps: int, Y: Any, tell: bool, TH: Any, SLIP: Any, FORCE: Any, LOAD: Any,
-        info: Any) -> None:
+        rtol: float, atol: float, max_steps: int, Y: Any, tell: bool, told: Any, info: Any) -> None:
     """Integrate one run and write the state at ``times``.
 
     P packed model; knots (K+1), coef (K, N, 5) wheel pieces, ``spin`` (N) their speed before;
     pt (Q), pw (Q, 3) force on the centre of mass in the floor frame (Q = 0: none); y0 (6) state;
-    Y (T, 6) receives states, and where ``tell`` TH (T, N), SLIP, FORCE (T, N, 2), LOAD (T, N) too;
+    Y (T, 6) receives states and, where ``tell``, told (T, N, 6) the wheels;
     info (5): status, stop time, steps, rejected, breakpoints.
     """
     n = int(P[_COUNT])
     if commanded and P[_LAGGED] > 0:
         knots, coef = follow(P, knots, coef, spin)
-    stops = breakpoints(P, knots, coef, pt)
-    om, th, al = np.empty(n), np.empty(n), np.empty(n)
-    rigid = np.zeros(n, dtype=np.int8)
-    U, F, L, D = np.empty((n, 2)), np.empty((n, 2)), np.empty(n), np.empty((n, 4))
-    acc, frame, push = np.zeros(3), np.empty(6), np.zeros(3)
-    J, jt, Jp, M, E = np.empty((3, 3)), np.empty(3), np.zeros((3, 3)), np.empty((3, 3)), np.empty(2)
+    stops, hard = breakpoints(P, knots, coef, pt)
+    C, B, acc = np.zeros((n, CONTACT)), np.zeros(BODY), np.zeros(3)
+    J, jt, Jp, M, E = np.empty((3, 3)), np.empty(3), np.zeros((3, 3)), np.empty((3, 3)), np.empty(4)
     y, z, dy, rhs, trial, away = np.empty(6), np.empty(6), np.empty(6), np.empty(6), np.empty(6), np.empty(3)
-    K, ft, c3, c4 = np.empty((6, 6)), np.zeros(6), np.empty(6), np.empty(6)
+    K, c3, c4 = np.empty((6, 6)), np.empty(6), np.empty(6)
     y[:] = y0
     pushed = len(pt) > 0
     pose, by_time = P[_BY_POSE] > 0 or pushed, P[_BY_TIME] > 0 or pushed
-    status, steps, rejected, out, piece, pk = DONE, 0, 0, 0, 0, 0
+    status, steps, rejected, out, piece, pk, total = DONE, 0, 0, 0, 0, 0, len(times)
     last = len(knots) - 2
-    h, end = 1e-4, times[len(times) - 1]
-    t = stops[0]
+    h, restart, t = 1e-4, 1e-4, stops[0]
     for seg in range(len(stops) - 1):
         stop = stops[seg + 1]
         mid = 0.5 * (t + stop)
         while piece < last and knots[piece + 1] <= mid:
             piece += 1
-        if pushed:
-            while pk < len(pt) - 2 and pt[pk + 1] <= mid:
-                pk += 1
+        while pk < len(pt) - 2 and pt[pk + 1] <= mid:
+            pk += 1
         c, k0 = coef[piece], knots[piece]
-        _wheels(P, c, mid - k0, om, th, al)
-        _sectors(P, th, rigid)
-        fresh = True
-        while t < stop and out < len(times):
-            if steps + rejected >= max_steps:
-                status = TOO_LONG
-                break
+        _known(P, c, mid - k0, pt, pw, mid, pk, C, B)
+        _sectors(P, C)
+        if hard[seg]:
+            h = min(h, restart)
+        first, fresh = hard[seg], True
+        while t < stop and out < total:
             if fresh:
-                _wheels(P, c, t - k0, om, th, al)
-                if pushed:
-                    _push(pt, pw, t, pk, push)
-                evaluate(P, t, y, om, th, al, rigid, push, U, F, L, D, acc, frame)
-                if P[_FOLLOWS] > 0 and L.min() < 0.0:
+                _known(P, c, t - k0, pt, pw, t, pk, C, B)
+                evaluate(P, t, y, C, B, acc)
+                if P[_FOLLOWS] > 0 and _lightest(C) < 0.0:
                     status = TIPS
                     break
-                if tell:
-                    while out < len(times) and times[out] <= t:
-                        Y[out] = y
-                        TH[out], SLIP[out], LOAD[out] = th, U, L
-                        for i in range(n):
-                            FORCE[out, i, 0] = -L[i] * F[i, 0] - P[at.VISCOUS_W] * U[i, 0]
-                            FORCE[out, i, 1] = -L[i] * F[i, 1] - P[at.VISCOUS_T] * U[i, 1]
-                        out += 1
-                else:
-                    while out < len(times) and times[out] <= t:
-                        Y[out] = y
-                        out += 1
+                while out < total and times[out] <= t:
+                    _tell(P, y, C, Y, told, out, tell)
+                    out += 1
                 derivative(y, acc, dy)
-                jacobian(P, t, y, om, th, al, rigid, push, U, F, L, D, acc, frame, J, jt, Jp, trial, away)
+                jacobian(P, t, y, C, B, acc, pose, J, jt, Jp, trial, away)
                 if by_time:
-                    d = 1e-7
-                    _wheels(P, c, t + d - k0, om, th, al)
-                    if pushed:
-                        _push(pt, pw, t + d, pk, push)
-                    evaluate(P, t + d, y, om, th, al, rigid, push, U, F, L, D, away, frame)
+                    _known(P, c, t + 1e-7 - k0, pt, pw, t + 1e-7, pk, C, B)
+                    evaluate(P, t + 1e-7, y, C, B, away)
                     for r in range(3):
-                        jt[r] = (away[r] - acc[r]) / d
-                ft[3], ft[4], ft[5] = jt[0], jt[1], jt[2]
+                        jt[r] = (away[r] - acc[r]) / 1e-7
                 fresh = False
-            step = min(h, stop - t)
-            if stop - t < 1.01 * step:
-                step = stop - t
-            if t + step <= t:
-                status = STUCK
+            step = stop - t if stop - t < 1.01 * h else h
+            if steps + rejected >= max_steps or t + step <= t:
+                status = TOO_LONG if steps + rejected >= max_steps else STUCK
                 break
-            gh = GAMMA * step
+            gh, per = GAMMA * step, 1.0 / step
             factor(J, Jp, y, gh, pose, M, E)
-            cp, sp = math.cos(y[2]), math.sin(y[2])
-            for r in range(6):
-                rhs[r] = dy[r] + step * _D1 * ft[r]
-            solve(M, E, Jp, cp, sp, gh, pose, rhs, K[0])
-            for stage in range(1, 6):
-                if stage == 1:
-                    x, d = t + _T2 * step, step * _D2
+            for stage in range(6):
+                if stage == 0:
                     for r in range(6):
-                        z[r] = y[r] + _A21 * K[0, r]
-                        rhs[r] = _C21 * K[0, r] / step
-                elif stage == 2:
-                    x, d = t + _T3 * step, step * _D3
-                    for r in range(6):
-                        z[r] = y[r] + _A31 * K[0, r] + _A32 * K[1, r]
-                        rhs[r] = (_C31 * K[0, r] + _C32 * K[1, r]) / step
-                elif stage == 3:
-                    x, d = t + _T4 * step, step * _D4
-                    for r in range(6):
-                        z[r] = y[r] + _A41 * K[0, r] + _A42 * K[1, r] + _A43 * K[2, r]
-                        rhs[r] = (_C41 * K[0, r] + _C42 * K[1, r] + _C43 * K[2, r]) / step
-                elif stage == 4:
-                    x, d = t + step, 0.0
-                    for r in range(6):
-                        z[r] = y[r] + _A51 * K[0, r] + _A52 * K[1, r] + _A53 * K[2, r] + _A54 * K[3, r]
-                        rhs[r] = (_C51 * K[0, r] + _C52 * K[1, r] + _C53 * K[2, r] + _C54 * K[3, r]) / step
+                        rhs[r] = dy[r]
                 else:
                     for r in range(6):
-                        z[r] += K[4, r]
-                        rhs[r] = (_C61 * K[0, r] + _C62 * K[1, r] + _C63 * K[2, r] + _C64 * K[3, r]
-                                  + _C65 * K[4, r]) / step
-                if stage < 5:
-                    _wheels(P, c, x - k0, om, th, al)
-                    if pushed:
-                        _push(pt, pw, x, pk, push)
-                evaluate(P, x, z, om, th, al, rigid, push, U, F, L, D, away, frame)
-                derivative(z, away, trial)
-                for r in range(6):
-                    rhs[r] += trial[r] + d * ft[r]
-                solve(M, E, Jp, cp, sp, gh, pose, rhs, K[stage])
+                        z[r] = y[r]
+                        rhs[r] = 0.0
+                    for j in range(stage):
+                        a, m = STAGE[stage, j], MIX[stage, j] * per
+                        for r in range(6):
+                            z[r] += a * K[j, r]
+                            rhs[r] += m * K[j, r]
+                    x = t + WHEN[stage] * step
+                    if stage < 5:
+                        _known(P, c, x - k0, pt, pw, x, pk, C, B)
+                    evaluate(P, x, z, C, B, away)
+                    derivative(z, away, trial)
+                    for r in range(6):
+                        rhs[r] += trial[r]
+                for r in range(3):
+                    rhs[3 + r] += TIME[stage] * step * jt[r]
+                solve(M, E, Jp, gh, pose, rhs, K, stage)
             error = 0.0
             for r in range(6):
                 z[r] += K[5, r]
                 scale = atol + rtol * max(abs(y[r]), abs(z[r]))
-                error += (K[5, r] / scale) ** 2
+                miss = K[5, r] / (scale if r < 3 else LOOSER * scale)
+                error += miss * miss
             error = math.sqrt(error / 6.0)
-            if not error < 1e30:
+            if not error <= 1.0:
                 rejected += 1
-                h = 0.1 * step
+                h = step * (max(1.0 / 6.0, 0.9 * error**-0.25) if error < 1e30 else 0.1)
                 if h < 1e-14:
-                    status = NOT_FINITE
-                    break
-                continue
-            ratio = max(1.0 / 6.0, min(5.0, error**0.25 / 0.9))
-            if error > 1.0:
-                rejected += 1
-                h = step / ratio
-                if h < 1e-14:
-                    status = STUCK
+                    status = STUCK if error < 1e30 else NOT_FINITE
                     break
                 continue
             steps += 1
-            if out < len(times) and times[out] <= t + step and not tell:
+            grow = min(5.0, 0.9 * error**-0.25) if error > 1e-4 else 5.0
+            if out < total and times[out] < t + step:
                 for r in range(6):
-                    c3[r] = (_D21 * K[0, r] + _D22 * K[1, r] + _D23 * K[2, r] + _D24 * K[3, r] + _D25 * K[4, r])
-                    c4[r] = (_D31 * K[0, r] + _D32 * K[1, r] + _D33 * K[2, r] + _D34 * K[3, r] + _D35 * K[4, r])
-                while out < len(times) and times[out] <= t + step:
+                    c3[r] = 0.0
+                    c4[r] = 0.0
+                    for j in range(5):
+                        c3[r] += DENSE[0, j] * K[j, r]
+                        c4[r] += DENSE[1, j] * K[j, r]
+                while out < total and times[out] < t + step:
                     x = (times[out] - t) / step
                     for r in range(6):
-                        Y[out, r] = y[r] * (1.0 - x) + x * (z[r] + (1.0 - x) * (c3[r] + x * c4[r]))
-                    out += 1
-            elif tell:
-                while out < len(times) and times[out] < t + step:
-                    x = (times[out] - t) / step
-                    for r in range(6):
-                        c3[r] = (_D21 * K[0, r] + _D22 * K[1, r] + _D23 * K[2, r] + _D24 * K[3, r]
-                                 + _D25 * K[4, r])
-                        c4[r] = (_D31 * K[0, r] + _D32 * K[1, r] + _D33 * K[2, r] + _D34 * K[3, r]
-                                 + _D35 * K[4, r])
                         trial[r] = y[r] * (1.0 - x) + x * (z[r] + (1.0 - x) * (c3[r] + x * c4[r]))
-                    _wheels(P, c, times[out] - k0, om, th, al)
-                    if pushed:
-                        _push(pt, pw, times[out], pk, push)
-                    evaluate(P, times[out], trial, om, th, al, rigid, push, U, F, L, D, away, frame)
-                    Y[out] = trial
-                    TH[out], SLIP[out], LOAD[out] = th, U, L
-                    for i in range(n):
-                        FORCE[out, i, 0] = -L[i] * F[i, 0] - P[at.VISCOUS_W] * U[i, 0]
-                        FORCE[out, i, 1] = -L[i] * F[i, 1] - P[at.VISCOUS_T] * U[i, 1]
+                    if tell:
+                        _known(P, c, times[out] - k0, pt, pw, times[out], pk, C, B)
+                        evaluate(P, times[out], trial, C, B, away)
+                    _tell(P, trial, C, Y, told, out, tell)
                     out += 1
             t = stop if step == stop - t else t + step
             y[:] = z
+            if first and step == h:
+                restart, first = grow * step, False
             # A step cut short at a breakpoint says nothing against the longer one.
-            h = max(h, step / ratio) if step < 0.99 * h and ratio < 1.0 else step / ratio
+            h = max(h, grow * step) if step < h else grow * step
             fresh = True
         if status != DONE:
             break
-    if tell and status == DONE and out < len(times):
-        _wheels(P, coef[last], t - knots[last], om, th, al)
-        if pushed:
-            _push(pt, pw, t, pk, push)
-        evaluate(P, t, y, om, th, al, rigid, push, U, F, L, D, acc, frame)
-        while out < len(times):
-            Y[out] = y
-            TH[out], SLIP[out], LOAD[out] = th, U, L
-            for i in range(n):
-                FORCE[out, i, 0] = -L[i] * F[i, 0] - P[at.VISCOUS_W] * U[i, 0]
-                FORCE[out, i, 1] = -L[i] * F[i, 1] - P[at.VISCOUS_T] * U[i, 1]
-            out += 1
+    if status == DONE and out < total:
+        _known(P, coef[last], t - knots[last], pt, pw, t, pk, C, B)
+        evaluate(P, t, y, C, B, acc)
+    for k in range(out, total):  # the end; after a stop everything stays as it was, at rest
+        _tell(P, y, C, Y, told, k, tell)
+        if status != DONE:
+            Y[k, 3:] = 0.0
+            told[k, :, 1:] = 0.0
     info[0], info[1], info[2], info[3], info[4] = status, t, steps, rejected, len(stops)
-    while out < len(times):  # after a stop everything stays as it was
-        Y[out] = y
-        Y[out, 3:] = 0.0
-        if tell:
-            TH[out], SLIP[out], LOAD[out], FORCE[out] = th, 0.0, 0.0, 0.0
-        out += 1
 
 
-@njit(cache=True, nogil=True)
+@fast_unlocked
 def run_range(low: int, high: int, models: Any, which: Any, signal: Any, knot_at: Any, knots: Any, piece_at: Any,
               coef: Any, spin: Any, commanded: bool, push_at: Any, pt: Any, pw: Any, time_at: Any, times: Any,
-              start: Any, rtol: float, atol: float, max_steps: int, Y: Any, tell: bool, TH: Any, SLIP: Any,
-              FORCE: Any, LOAD: Any, info: Any) -> None:
+              start: Any, rtol: float, atol: float, max_steps: int, Y: Any, tell: bool, told: Any,
+              info: Any) -> None:
     """Runs ``low … high − 1``: run r moves model ``which[r]`` by signal ``signal[r]``."""
     for r in range(low, high):
         s = signal[r]
-        P = models[which[r]]
         count = time_at[s + 1] - time_at[s]
-        told = r if tell else 0
-        run(P, knots[knot_at[s]:knot_at[s + 1]], coef[piece_at[s]:piece_at[s + 1]], spin[s], commanded,
+        row = r if tell else 0
+        run(models[which[r]], knots[knot_at[s]:knot_at[s + 1]], coef[piece_at[s]:piece_at[s + 1]], spin[s], commanded,
             pt[push_at[s]:push_at[s + 1]], pw[push_at[s]:push_at[s + 1]], times[time_at[s]:time_at[s + 1]],
-            start[r], rtol, atol, max_steps, Y[r, :count], tell, TH[told, :count], SLIP[told, :count],
-            FORCE[told, :count], LOAD[told, :count], info[r])
+            start[r], rtol, atol, max_steps, Y[r, :count], tell, told[row, :count], info[r])
         for k in range(count, Y.shape[1]):
             Y[r, k] = Y[r, count - 1]
+            if tell:
+                told[r, k] = told[r, count - 1]

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from numba import njit
+from slipmargin.sim.compiled import fast
 
 CONSTANT, POLYNOMIAL, FOURIER, HATS, DECAY, RECIPROCAL, WINDOW, ODD = range(8)
 
 
-@njit(cache=True)
+@fast
 def series(P: Any, place: int, count: int, basis: int, a: float, b: float, v: float) -> float:
     """Σ_j c_j φ_j(v) with the coefficients standing at ``P[place:]``."""
     if basis == CONSTANT:

@@ -13,9 +13,9 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from slipmargin.sim import layout as at
+from slipmargin.sim.compiled import fast
 from slipmargin.sim.terms import HATS, WINDOW, series
 
 _H, _W, _TERM, _COUNT = at.HEAD, at.WHEEL, at.TERM, at.COUNT
@@ -25,7 +25,7 @@ _MODS, _MODS_AT, _FORCES, _FORCES_AT = at.MODULATIONS, at.MODULATIONS_AT, at.FOR
 _TIME = 17
 
 
-@njit(cache=True)
+@fast
 def turn(c: Any, lag: float, x: float) -> tuple[float, float, float]:
     """(θ, ω, ω̇) of one wheel at time x into a piece with coefficients c (5)."""
     th = c[0] + x * (c[1] + x * (c[2] + x * c[3]))
@@ -39,7 +39,7 @@ def turn(c: Any, lag: float, x: float) -> tuple[float, float, float]:
     return th, om, al
 
 
-@njit(cache=True)
+@fast
 def _command_factor(P: Any, i: int, t: float, speed: float) -> float:
     factor, q, n = 1.0, int(P[_CMDS_AT]), int(P[_COUNT])
     for _ in range(int(P[_CMDS])):
@@ -51,7 +51,7 @@ def _command_factor(P: Any, i: int, t: float, speed: float) -> float:
     return factor
 
 
-@njit(cache=True)
+@fast
 def follow(P: Any, knots: Any, coef: Any, start: Any) -> tuple[Any, Any]:
     """Pieces of the wheels' real motion for commanded pieces: modulations, gain, delay, lag in turn.
 
@@ -100,7 +100,7 @@ def follow(P: Any, knots: Any, coef: Any, start: Any) -> tuple[Any, Any]:
     return t, out
 
 
-@njit(cache=True)
+@fast
 def _root(c: Any, lag: float, order: int, target: float, a: float, b: float) -> float:
     """Where θ (order 0), ω (1) or ω̇ (2) meets ``target`` between a and b; it is monotone there."""
     fa = turn(c, lag, a)[order] - target
@@ -129,7 +129,7 @@ def _root(c: Any, lag: float, order: int, target: float, a: float, b: float) -> 
     return 0.5 * (a + b)
 
 
-@njit(cache=True)
+@fast
 def turning_points(c: Any, lag: float, h: float, at_: Any) -> int:
     """Times in (0, h) where the wheel reverses, ascending into ``at_`` (5); how many."""
     grid = np.empty(8)
@@ -163,18 +163,32 @@ def turning_points(c: Any, lag: float, h: float, at_: Any) -> int:
     return m - 2
 
 
-@njit(cache=True)
-def _crossings(c: Any, lag: float, h: float, t0: float, pitch: float, edge: float, out: Any, count: int) -> int:
+@fast
+def _near(c: Any, lag: float, h: float, pitch: float, edge: float) -> bool:
+    """False where the piece surely passes no edge: its control polygon stays between two."""
+    p1 = c[0] + h * c[1] / 3.0
+    p2 = p1 + h * (c[1] + h * c[2]) / 3.0
+    p3 = c[0] + h * (c[1] + h * (c[2] + h * c[3]))
+    low, high = min(min(c[0], p1), min(p2, p3)), max(max(c[0], p1), max(p2, p3))
+    if c[4] != 0.0:
+        tail = c[4] * lag * (1.0 - math.exp(-h / lag))
+        low, high = low + min(tail, 0.0), high + max(tail, 0.0)
+    return math.ceil((low - edge) / pitch) <= math.floor((high - edge) / pitch)
+
+
+@fast
+def _crossings(c: Any, lag: float, h: float, t0: float, pitch: float, edge: float, cuts: Any, out: Any,
+               count: int) -> int:
     """Append the times at which θ passes an edge m·pitch + edge; ``out`` of length 0 only counts."""
-    cuts = np.empty(8)
+    if not _near(c, lag, h, pitch, edge):
+        return count
     m = turning_points(c, lag, h, cuts)
     a = 0.0
     for j in range(m + 1):
         b = cuts[j] if j < m else h
         fa, fb = turn(c, lag, a)[0], turn(c, lag, b)[0]
-        low, high = min(fa, fb), max(fa, fb)
-        first = math.ceil((low - edge) / pitch)
-        last = math.floor((high - edge) / pitch)
+        first = math.ceil((min(fa, fb) - edge) / pitch)
+        last = math.floor((max(fa, fb) - edge) / pitch)
         for k in range(first, last + 1):
             if len(out) > 0:
                 out[count] = t0 + _root(c, lag, 0, k * pitch + edge, a, b)
@@ -183,28 +197,28 @@ def _crossings(c: Any, lag: float, h: float, t0: float, pitch: float, edge: floa
     return count
 
 
-@njit(cache=True)
+@fast
 def _switches(P: Any, knots: Any, coef: Any, out: Any, count: int) -> int:
+    cuts = np.empty(8)
     for i in range(int(P[_COUNT])):
         q = _H + i * _W
-        pitch, switch = P[q + _PITCH], P[q + _SWITCH]
+        pitch, switch, lag = P[q + _PITCH], P[q + _SWITCH], P[q + _LAG]
         if switch <= 0.0 or switch >= pitch:
             continue
-        same = P[q + at.ROLLER_W] == P[q + at.RIGID_W] and P[q + at.ROLLER_T] == P[q + at.RIGID_T]
-        if same:
+        if P[q + at.ROLLER_W] == P[q + at.RIGID_W] and P[q + at.ROLLER_T] == P[q + at.RIGID_T]:
             continue
         for j in range(len(knots) - 1):
             h = knots[j + 1] - knots[j]
-            count = _crossings(coef[j, i], P[q + _LAG], h, knots[j], pitch, 0.0, out, count)
-            count = _crossings(coef[j, i], P[q + _LAG], h, knots[j], pitch, switch, out, count)
+            count = _crossings(coef[j, i], lag, h, knots[j], pitch, 0.0, cuts, out, count)
+            count = _crossings(coef[j, i], lag, h, knots[j], pitch, switch, cuts, out, count)
     return count
 
 
-@njit(cache=True)
+@fast
 def _term_edges(P: Any, q: int, many: int, weights: int, rows: int, out: Any, count: int) -> int:
     for _ in range(many):
         basis, size = int(P[q + 1]), int(P[q + 3])
-        if P[q] == _TIME and (basis == WINDOW or basis == HATS):
+        if P[q] == _TIME and basis in (WINDOW, HATS):
             pieces = 1 if basis == WINDOW else max(size - 1, 1)
             for j in range(pieces + 1):
                 if len(out) > 0:
@@ -214,33 +228,49 @@ def _term_edges(P: Any, q: int, many: int, weights: int, rows: int, out: Any, co
     return count
 
 
-@njit(cache=True)
-def breakpoints(P: Any, knots: Any, coef: Any, extra: Any) -> Any:
-    """Every instant at which the right-hand side may jump or kink, ascending, from first to last knot."""
+@fast
+def breakpoints(P: Any, knots: Any, coef: Any, extra: Any) -> tuple[Any, Any]:
+    """Every instant at which the right-hand side may jump or kink, ascending, from first to last knot.
+
+    The second array says of each whether it is hard: a sector switch, a step of a wheel's speed, an
+    edge of a force.  Knots at which wheel speeds are continuous are soft.
+    """
     n = int(P[_COUNT])
     none = np.empty(0)
     size = _switches(P, knots, coef, none, 0)
     size = _term_edges(P, int(P[_MODS_AT]), int(P[_MODS]), n, 1, none, size)
     size = _term_edges(P, int(P[_FORCES_AT]), int(P[_FORCES]), 0, 3, none, size)
-    base = len(knots) + len(extra)
-    out = np.empty(size + base + 1)
-    out[: len(knots)] = knots
-    out[len(knots):base] = extra
-    if size > 0:
-        rest = np.empty(size + 1)
-        k = _switches(P, knots, coef, rest, 0)
-        k = _term_edges(P, int(P[_MODS_AT]), int(P[_MODS]), n, 1, rest, k)
-        k = _term_edges(P, int(P[_FORCES_AT]), int(P[_FORCES]), 0, 3, rest, k)
-        out[base:base + k] = rest[:k]
-        base += k
-    out = out[:base]
-    if size > 0 or len(extra) > 0:
-        out.sort()
-    first, last = knots[0], knots[-1]
-    m = 0
-    for x in out:
-        if first <= x <= last and (m == 0 or x - out[m - 1] > 1e-12):
-            out[m] = x
+    soft = np.ones(len(knots), dtype=np.bool_)
+    soft[0] = False
+    for k in range(1, len(knots) - 1):
+        for i in range(n):
+            h = knots[k] - knots[k - 1]
+            before, after = turn(coef[k - 1, i], P[_H + i * _W + _LAG], h)[1], coef[k, i, 1] + coef[k, i, 4]
+            if abs(after - before) > 1e-9 * (1.0 + abs(after)):
+                soft[k] = False
+    if size == 0 and len(extra) == 0:
+        return knots, ~soft
+    others = np.empty(size + len(extra) + 1)
+    k = _switches(P, knots, coef, others, 0)
+    k = _term_edges(P, int(P[_MODS_AT]), int(P[_MODS]), n, 1, others, k)
+    k = _term_edges(P, int(P[_FORCES_AT]), int(P[_FORCES]), 0, 3, others, k)
+    others[k:k + len(extra)] = extra
+    others = others[:size + len(extra)]
+    others.sort()
+    out, hard = np.empty(len(knots) + len(others)), np.ones(len(knots) + len(others), dtype=np.bool_)
+    m, j = 0, 0
+    for k in range(len(knots)):
+        while j < len(others) and others[j] <= knots[k] - 1e-12:
+            if m > 0 and others[j] - out[m - 1] > 1e-12:
+                out[m] = others[j]
+                m += 1
+            elif m > 0:
+                hard[m - 1] = True
+            j += 1
+        if m == 0 or knots[k] - out[m - 1] > 1e-12:
+            out[m], hard[m] = knots[k], not soft[k]
             m += 1
-    out[m - 1] = last
-    return out[:m]
+        if j < len(others) and others[j] < knots[k] + 1e-12:
+            hard[m - 1] = True
+    out[m - 1] = knots[len(knots) - 1]
+    return out[:m], hard[:m]
