@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.limits.motion_probes import probes
@@ -19,6 +20,8 @@ from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.model.variables import Target
 from slipmargin.robot import GripShape
+
+Mask = NDArray[np.bool_]
 
 #: Transverse slips below this share of the fastest wheel's speed count as none when ``saturated`` [1].
 STILL = 1e-9
@@ -39,7 +42,7 @@ class Friction:
     drag_low: Array
     drag_high: Array
     transverse: Array
-    possible: np.ndarray[tuple[int, int, int], np.dtype[np.bool_]]
+    possible: Mask
     slide: Array
     stiffness: Array
     drive_stiffness: Array
@@ -126,8 +129,7 @@ def _coupling(grip: Grip, drive: Array, drag: Array, used: Array) -> Array:
     return np.asarray(1.0 - grip.coupling * (1.0 - np.sqrt(np.maximum(0.0, 1.0 - ratio**2))))
 
 
-def _possible(grip: Grip, motion: Motion, contact: Contact) -> np.ndarray[tuple[int, int, int],
-                                                                         np.dtype[np.bool_]]:
+def _possible(grip: Grip, motion: Motion, contact: Contact) -> Mask:
     shape = (motion.count, len(grip.rollers))
     rigid = np.zeros(shape, dtype=bool)
     roller = np.ones(shape, dtype=bool)
@@ -141,3 +143,16 @@ def _possible(grip: Grip, motion: Motion, contact: Contact) -> np.ndarray[tuple[
         rigid = np.mod(motion.theta, sector) >= (1.0 - grip.rigid_fraction) * sector
         roller = ~rigid
     return np.stack([roller, rigid])
+
+
+def material_states(possible: Mask) -> list[Mask]:
+    """The combinations (M, N) of materials to try; one where every wheel's is known."""
+    roller, rigid = possible
+    free = [i for i in range(roller.shape[1]) if np.any(roller[:, i] & rigid[:, i])]
+    states = []
+    for code in range(2 ** len(free)):
+        on_rigid = rigid & ~roller
+        for bit, i in enumerate(free):
+            on_rigid[:, i] |= rigid[:, i] & bool(code >> bit & 1)
+        states.append(on_rigid)
+    return states

@@ -107,8 +107,8 @@ def _acceleration(model: Model, motion: Motion, column: int) -> Array:
 
 def _load(model: Model) -> Array:
     equal = model.inertia.weight_N / model.count
-    swing = np.linalg.norm(model.loads.per_acceleration_kg, axis=1) * ACCELERATION_RANGE * GRAVITY_M_S2 * float(
-        np.max(model.grip.roller[:, 0]))
+    top = ACCELERATION_RANGE * GRAVITY_M_S2 * float(np.max(model.grip.roller[:, 0]))
+    swing = np.linalg.norm(model.loads.per_acceleration_kg, axis=1) * top
     low, high = np.maximum(model.loads.rest_N - swing, 0.0), model.loads.rest_N + swing
     steps = np.linspace(0.0, 1.0, 9 if np.any(swing > 0.0) else 1)[:, None, None]
     return np.asarray((low + steps * (high - low)) / equal - 1.0)

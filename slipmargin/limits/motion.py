@@ -1,0 +1,170 @@
+"""How hard the robot can accelerate while it moves, and how much of its grip that uses.
+
+The static pull limit divided by the mass is not an acceleration limit: in motion the rollers turn and
+their friction is drag (theory, section 4).  Directions and velocities are in the body frame.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.errors import NoSolution
+from slipmargin.limits.motion_friction import material_states
+from slipmargin.limits.motion_rows import (
+    CAUSES,
+    AccelerationRows,
+    Facets,
+    acceleration_rows,
+    even_distribution,
+    prepare,
+    worst_loss,
+)
+from slipmargin.limits.motion_state import Contact, Motion, com_acceleration, mass_diagonal
+from slipmargin.model import Model
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class AccelerationLimit:
+    """Limits of M states: ``value`` (M,) multiples of each direction, and the binding row of each.
+
+    Negative: even without acceleration the robot slips.  ``cause`` and ``wheels`` say why.
+    """
+
+    value: Array
+    cause: tuple[str, ...]
+    wheels: tuple[tuple[str, ...], ...]
+
+
+def acceleration_limit(model: Model, motion: Motion, direction: Array, *, share: float = 1.0,
+                       contact: Contact = Contact.ROLLERS, motor: bool = True) -> AccelerationLimit:
+    """Largest t for which the acceleration t · direction is admissible.
+
+    Parameters
+    ----------
+    motion : Motion
+        M states (their accelerations are not used).
+    direction : array (M, 3)
+        Body-frame acceleration of the origin and yaw acceleration per unit of t.
+    share : float
+        λ, the share of the drive grip that may be used.
+    motor : bool
+        Whether the torque–speed line of the motor counts.
+
+    Returns
+    -------
+    AccelerationLimit
+        In [m/s²] for unit directions in the plane, [rad/s²] for (0, 0, 1).
+    """
+    rows = acceleration_rows(model, motion, share=share, contact=contact, motor=motor)
+    direction = np.broadcast_to(np.asarray(direction, dtype=float), (motion.count, 3))
+    start = com_acceleration(model, motion.velocity, np.zeros((motion.count, 3)))
+    return along(model, rows, start, com_acceleration(model, np.zeros((motion.count, 3)), direction))
+
+
+def along(model: Model, rows: AccelerationRows, start: Array, direction: Array) -> AccelerationLimit:
+    """Largest t with A (start + t direction) ≤ b, all (M, …), about the centre of mass.
+
+    Where ``start`` itself is not admissible, t is minus the worst violation per slope (negative).
+    """
+    room = rows.b - np.einsum("mrc,mc->mr", rows.A, start)
+    slope = np.einsum("mrc,mc->mr", rows.A, direction)
+    tiny = 1e-12 * np.max(np.abs(slope), axis=1, keepdims=True)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = np.where(slope > tiny, room / slope, np.inf)
+    stuck = np.any((slope <= tiny) & (room < -1e-9 * np.max(np.abs(rows.b), axis=1, keepdims=True)), axis=1)
+    best = np.argmin(t, axis=1)
+    value = t[np.arange(len(t)), best]
+    value = np.where(stuck & (value > 0.0), -np.inf, value)
+    return AccelerationLimit(value=value, cause=tuple(CAUSES[rows.cause[k]] for k in best),
+                             wheels=tuple(_wheels(model, rows, int(k)) for k in best))
+
+
+def _wheels(model: Model, rows: AccelerationRows, row: int) -> tuple[str, ...]:
+    if rows.wheel[row] >= 0:
+        return (model.contacts.names[int(rows.wheel[row])],)
+    pushing = Facets.of(model).pushing[int(rows.facet[row])]
+    return tuple(name for name, sign in zip(model.contacts.names, pushing, strict=True) if sign != 0.0)
+
+
+def needed_share(model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS) -> Array:
+    """Smallest share λ (M,) of the drive grip with which some distribution does what ``motion`` asks.
+
+    Above 1 the wheels must slip.  For three wheels it is the largest wheel's share; for more, the
+    wheels choose the distribution and the largest share may be higher
+    (:func:`slipmargin.limits.motion_realised.realised`).
+    """
+    facets, friction, losses = prepare(model, motion, 1.0, contact)
+    a = _acceleration(model, motion)
+    load = model.loads.rest_N + a[:, :2] @ model.loads.per_acceleration_kg.T
+    asked = (a * mass_diagonal(model)) @ facets.normals.T - worst_loss(facets.normals, losses)
+    need = np.full(motion.count, -np.inf)
+    for pick in material_states(friction.possible):
+        held = facets.drive * np.where(pick, friction.drive[1], friction.drive[0])[:, None]
+        low = np.where(pick, friction.drag_low[1], friction.drag_low[0])[:, None]
+        high = np.where(pick, friction.drag_high[1], friction.drag_high[0])[:, None]
+        lost = np.maximum(facets.across * low, facets.across * high)
+        top = asked + np.einsum("mkn,mn->mk", lost, load)
+        bottom = np.maximum(np.einsum("mkn,mn->mk", held, load), 1e-300)
+        need = np.maximum(need, np.max(top / bottom, axis=1))
+    return need
+
+
+def drive_shares(model: Model, motion: Motion) -> Array:
+    """Signed share (M, N) of each wheel's drive grip: exact for three wheels, the even distribution for more.
+
+    Positive along ĝ.  All wheels on rollers, or as ``motion.theta`` says.
+    """
+    contact = Contact.ROLLERS if motion.theta is None else Contact.ANGLE
+    _, friction, losses = prepare(model, motion, 1.0, contact)
+    a = _acceleration(model, motion)
+    load = model.loads.rest_N + a[:, :2] @ model.loads.per_acceleration_kg.T
+    on_rigid = friction.possible[1] & ~friction.possible[0]
+    drag = 0.5 * np.where(on_rigid, (friction.drag_low + friction.drag_high)[1],
+                          (friction.drag_low + friction.drag_high)[0])
+    wrench = (a * mass_diagonal(model) - 0.5 * (losses[0] + losses[1])
+              + (drag * load) @ model.wrench_maps()[1].T)
+    grip = np.where(on_rigid, friction.drive[1], friction.drive[0]) * load
+    return np.asarray(wrench @ even_distribution(model).T / np.maximum(grip, 1e-300))
+
+
+def acceleration_polytope(model: Model, motion: Motion, *, share: float = 1.0,
+                          contact: Contact = Contact.ROLLERS) -> Array:
+    """Vertices (V, 3) of the admissible accelerations (a_x, a_y, α) of the centre of mass at one state.
+
+    Raises
+    ------
+    NoSolution
+        If no acceleration at all is admissible.
+    """
+    from scipy.optimize import linprog
+    from scipy.spatial import HalfspaceIntersection
+
+    rows = acceleration_rows(model, motion.take(slice(0, 1)), share=share, contact=contact)
+    A, b = rows.A[0], rows.b[0]
+    scale = np.array([1.0, 1.0, _lever(model)])  # accelerations of comparable size
+    A = A / scale
+    size = np.linalg.norm(A, axis=1)
+    A, b = A / size[:, None], b / size
+    centre = linprog(np.array([0.0, 0.0, 0.0, -1.0]), A_ub=np.column_stack([A, np.ones(len(A))]), b_ub=b,
+                     bounds=[(None, None)] * 4)
+    if not centre.success or centre.x[3] <= 1e-9:
+        raise NoSolution("acceleration polytope", "no acceleration is admissible at this state",
+                         "use a smaller margin or a motion with less drag", rows)
+    corners = HalfspaceIntersection(np.column_stack([A, -b]), centre.x[:3]).intersections
+    corners = corners[np.all(np.isfinite(corners), axis=1)]
+    return np.asarray(np.unique(np.round(corners / scale, 12), axis=0))
+
+
+def _lever(model: Model) -> float:
+    """Radius of gyration [m]: α times it compares with a."""
+    return float(np.sqrt(model.inertia.inertia_kg_m2 / model.inertia.mass_kg))
+
+
+def _acceleration(model: Model, motion: Motion) -> Array:
+    asked = np.zeros((motion.count, 3)) if motion.acceleration is None else motion.acceleration
+    return com_acceleration(model, motion.velocity, asked)

@@ -1,0 +1,196 @@
+"""The wrench set in motion as linear rows over the acceleration (theory, section 4).
+
+Drive forces are free within λ μ_W N, the transverse forces are drag.  For a facet normal n of the
+zonotope of B_W's columns b_i (with t_i the columns of B_T):
+
+    n·M a − n·w_loss ≤ Σ_i κ_i N_i(a),   κ_i = λ μ_W |n·b_i| − max_D (n·t_i) D_i,
+    N_i(a) = rest_i + P_i·a ≥ 0                                   (tip-over)
+    ±T_i(a) ≤ what the motor gives at its speed                   (torque–speed line)
+
+a = (a_x, a_y, α): body-frame acceleration of the centre of mass and yaw acceleration.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.limits.motion_friction import Friction, friction_in_motion
+from slipmargin.limits.motion_losses import losses_in_motion
+from slipmargin.limits.motion_state import Contact, Motion, mass_diagonal, wheel_speeds
+from slipmargin.model import Model
+from slipmargin.sets.facets import facet_normals
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Facets:
+    """Half-spaces of the drive zonotope: ``normals`` (K, 3), ``drive`` |n·b_i| and ``across`` n·t_i (K, N).
+
+    ``pushing`` (K, N) is sign(n·b_i): which wheels a facet saturates.
+    """
+
+    normals: Array
+    drive: Array
+    across: Array
+    pushing: Array
+
+    @staticmethod
+    def of(model: Model) -> Facets:
+        """The facets of a model: they depend on the wheels' places and directions only."""
+        along, across = model.wrench_maps()
+        half = facet_normals(along)
+        normals = np.vstack([half, -half])
+        lever = normals @ along
+        lever = np.where(np.abs(lever) < 1e-12 * np.max(np.abs(lever), axis=1, keepdims=True), 0.0, lever)
+        return Facets(normals=normals, drive=np.abs(lever), across=normals @ across, pushing=np.sign(lever))
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class AccelerationRows:
+    """Rows ``A`` (M, R, 3) a ≤ ``b`` (M, R) and what each row means.
+
+    ``wheel`` (R,) is the wheel a row is about, or −1 for a facet, which saturates several;
+    ``cause`` (R,) indexes :data:`CAUSES`; ``facet`` (R,) is the facet's index or −1.
+    """
+
+    A: Array
+    b: Array
+    wheel: np.ndarray[tuple[int], np.dtype[np.int64]]
+    cause: np.ndarray[tuple[int], np.dtype[np.int64]]
+    facet: np.ndarray[tuple[int], np.dtype[np.int64]]
+
+
+#: What a row stands for.
+CAUSES = ("grip", "tip-over", "motor torque")
+
+
+def acceleration_rows(model: Model, motion: Motion, *, share: Array | float = 1.0,
+                      contact: Contact = Contact.ROLLERS, motor: bool = True) -> AccelerationRows:
+    """Rows on the acceleration of the centre of mass at each sample.
+
+    Parameters
+    ----------
+    share : float or (M,)
+        λ: the share of each wheel's drive grip that may be used.
+    motor : bool
+        Whether the motor's torque–speed line counts.
+    """
+    facets, friction, losses = prepare(model, motion, share, contact)
+    kappa = facet_coefficients(facets, friction, share)
+    A, b = facet_rows(model, facets, kappa, losses)
+    causes, wheels, names = [np.zeros(len(facets.normals))], [np.full(len(facets.normals), -1.0)], [
+        np.arange(len(facets.normals), dtype=float)]
+    rows, bounds = [A], [b]
+    per = model.loads.per_acceleration_kg
+    if np.any(per):
+        tip = np.zeros((motion.count, model.count, 3))
+        tip[..., :2] = -per
+        rows.append(tip)
+        bounds.append(np.broadcast_to(model.loads.rest_N, (motion.count, model.count)))
+        causes.append(np.ones(model.count))
+        wheels.append(np.arange(model.count, dtype=float))
+        names.append(np.full(model.count, -1.0))
+    if motor and model.drives.stall_torque_N_m is not None:
+        torque = torque_rows(model, friction, losses)
+        limit = torque_limit(model, wheel_speeds(model, motion.velocity)) + torque.b
+        rows.append(np.concatenate(list(torque.A), axis=1))
+        bounds.append(np.concatenate(list(limit), axis=1))
+        causes.append(np.full(2 * model.count, 2.0))
+        wheels.append(np.tile(np.arange(model.count, dtype=float), 2))
+        names.append(np.full(2 * model.count, -1.0))
+    return AccelerationRows(
+        A=np.concatenate(rows, axis=1), b=np.concatenate(bounds, axis=1),
+        wheel=np.concatenate(wheels).astype(np.int64), cause=np.concatenate(causes).astype(np.int64),
+        facet=np.concatenate(names).astype(np.int64))
+
+
+def prepare(model: Model, motion: Motion, share: Array | float,
+            contact: Contact) -> tuple[Facets, Friction, tuple[Array, Array]]:
+    """Facets, friction and losses: everything the rows are made of."""
+    friction = friction_in_motion(model, motion, share=float(np.max(share)), contact=contact)
+    return Facets.of(model), friction, losses_in_motion(model, motion)
+
+
+def facet_coefficients(facets: Facets, friction: Friction, share: Array | float) -> Array:
+    """κ (M, K, N): how much each newton of load is worth to each facet, worst over what is unknown."""
+    part = np.broadcast_to(np.asarray(share, dtype=float), (friction.drive.shape[1],))
+    held = part[None, :, None, None] * facets.drive * friction.drive[:, :, None]
+    lost = np.maximum(facets.across * friction.drag_low[:, :, None],
+                      facets.across * friction.drag_high[:, :, None])
+    each = np.where(friction.possible[:, :, None], held - lost, np.inf)
+    return np.asarray(each.min(axis=0))
+
+
+def facet_rows(model: Model, facets: Facets, kappa: Array,
+               losses: tuple[Array, Array]) -> tuple[Array, Array]:
+    """A (M, K, 3) and b (M, K) of the facets."""
+    A = np.broadcast_to(facets.normals * mass_diagonal(model), (*kappa.shape[:2], 3)).copy()
+    A[..., :2] -= kappa @ model.loads.per_acceleration_kg
+    return A, np.asarray(kappa @ model.loads.rest_N + worst_loss(facets.normals, losses))
+
+
+def worst_loss(normals: Array, losses: tuple[Array, Array]) -> Array:
+    """Least n·w_loss (M, K) over the box of losses."""
+    positive, negative = np.maximum(normals, 0.0), np.minimum(normals, 0.0)
+    return np.asarray(losses[0] @ positive.T + losses[1] @ negative.T)
+
+
+def even_distribution(model: Model) -> Array:
+    """(N, 3): drive forces of a wrench while all wheels creep little.
+
+    f_i = c_i b_i·ε with Σ b_i f_i = w, c_i ∝ μ_W N_i at rest: the realised distribution of theory
+    section 4 to first order; exact and independent of c for three wheels.
+    """
+    along = model.wrench_maps()[0]
+    weight = model.grip.roller[:, 0] * np.maximum(model.loads.rest_N, 1e-9 * model.inertia.weight_N)
+    heavy = along * weight
+    return np.asarray(heavy.T @ np.linalg.inv(heavy @ along.T))
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TorqueRows:
+    """Motor torques, both signs: T (2, M, N) ≤ limit, where T = ``A`` (2, M, N, 3) a − ``b`` (2, M, N)."""
+
+    A: Array
+    b: Array
+
+
+def torque_rows(model: Model, friction: Friction, losses: tuple[Array, Array]) -> TorqueRows:
+    """±T as affine functions of the acceleration, worst over what is unknown.
+
+    T = −ρ F·ŝ is the motor's torque against the floor's force F on the wheel.  For more than three
+    wheels the drive forces are the even distribution (a first estimate of the realised one).
+    """
+    c, across = model.contacts, model.wrench_maps()[1]
+    along_grip, along_free = np.sum(c.drive * c.grip, axis=1), np.sum(c.drive * c.free, axis=1)
+    # f = L (M a − w_loss + B_T N D), T = −ρ (ŝ·ĝ) f + ρ (ŝ·f̂) N D
+    on_wrench = (-c.radius_m * along_grip)[:, None] * even_distribution(model)
+    on_drag = on_wrench @ across + np.diag(c.radius_m * along_free)
+    low = np.where(friction.possible, friction.drag_low, np.inf).min(axis=0)
+    high = np.where(friction.possible, friction.drag_high, -np.inf).max(axis=0)
+    rows, bounds = [], []
+    for sign in (1.0, -1.0):
+        drag = np.maximum(sign * on_drag * low[:, None], sign * on_drag * high[:, None])  # (M, N, N)
+        A = np.broadcast_to(sign * on_wrench * mass_diagonal(model), (*drag.shape[:2], 3)).copy()
+        A[..., :2] += drag @ model.loads.per_acceleration_kg
+        rows.append(A)
+        bounds.append(worst_loss(sign * on_wrench, losses) - drag @ model.loads.rest_N)
+    return TorqueRows(A=np.stack(rows), b=np.stack(bounds))
+
+
+def torque_limit(model: Model, speed: Array) -> Array:
+    """Torque (2, M, N) that the motors give at wheel speeds (M, N), for T > 0 and T < 0 [N m].
+
+    T_stall (1 − |θ̇|/θ̇_max) along θ̇ (driving), T_stall against it (braking).
+    """
+    stall, top = model.drives.stall_torque_N_m, model.drives.max_speed_rad_s
+    if stall is None:
+        return np.full((2, *speed.shape), np.inf)
+    left = np.ones_like(speed) if top is None else np.clip(1.0 - np.abs(speed) / top, 0.0, 1.0)
+    return stall * np.stack([np.where(speed > 0.0, left, 1.0), np.where(speed < 0.0, left, 1.0)])

@@ -1,0 +1,60 @@
+"""The dense check: what a profile really uses, sampled many times finer than its grid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.limits.motion_realised import realised
+from slipmargin.limits.motion_rows import torque_limit
+from slipmargin.limits.motion_state import Contact, wheel_speeds
+from slipmargin.model import Model
+from slipmargin.paths.along import Caps, speed_ratio
+from slipmargin.paths.geometry import Geometry
+
+#: Samples in each interval.
+FINER = 20
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Audit:
+    """What a profile uses at samples (n, F) inside its n intervals.
+
+    ``use`` (n, F, N) share of each wheel's grip in the realised distribution; ``torque`` (n, F, N) share
+    of the motor's torque; ``speed`` (n, F) share of the tightest speed cap; ``load_N`` (n, F, N).
+    """
+
+    use: Array
+    torque: Array
+    speed: Array
+    load_N: Array
+    time_s: Array
+
+    @property
+    def worst(self) -> tuple[int, int, int]:
+        """Interval, sample and wheel of the largest use."""
+        i, j, k = np.unravel_index(int(np.argmax(self.use)), self.use.shape)
+        return int(i), int(j), int(k)
+
+
+def audit(model: Model, geometry: Geometry, x: Array, u: Array, *, contact: Contact, share: float, caps: Caps,
+          theta: Array | None = None) -> Audit:
+    """Check a profile at the samples of ``geometry``."""
+    time = geometry.times(x, u)
+    motion = geometry.motion(x, u, time)
+    if theta is not None:
+        motion = replace(motion, theta=theta.reshape(-1, model.count))
+    forces = realised(model, motion, contact=contact, share=share)
+    shape = (*geometry.s.shape, model.count)
+    limit = torque_limit(model, wheel_speeds(model, motion.velocity))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        given = forces.torque_N_m
+        torque = np.where(given >= 0.0, given / limit[0], -given / limit[1])
+    torque = np.nan_to_num(torque, nan=0.0, posinf=np.inf)
+    speed = np.sqrt(geometry.squared_speed(x)) * speed_ratio(model, geometry, caps)
+    return Audit(use=forces.use.reshape(shape), torque=torque.reshape(shape), speed=speed,
+                 load_N=forces.load_N.reshape(shape), time_s=time)

@@ -1,0 +1,86 @@
+"""What the path asks of the body per unit of speed, at places inside every interval of the grid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.limits.motion_state import Motion
+from slipmargin.model import Model
+from slipmargin.paths.grid import Grid
+from slipmargin.paths.path import Path
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Geometry:
+    """Samples (n, F) along a path: n intervals, F fractions of each.
+
+    ``pose``, ``first`` q' and ``second`` q'' (n, F, 3) in the floor frame; ``twist`` (n, F, 3) is the
+    body-frame velocity per ṡ; ``push`` and ``bend`` (n, F, 3) give the body-frame acceleration of the
+    centre of mass as push · s̈ + bend · ṡ².
+    """
+
+    s: Array
+    fractions: Array
+    pose: Array
+    first: Array
+    second: Array
+    twist: Array
+    push: Array
+    bend: Array
+
+    @staticmethod
+    def of(model: Model, path: Path, grid: Grid, fractions: Array) -> Geometry:
+        """The samples of a grid."""
+        s, piece = grid.inside(fractions)
+        pose, first, second = (a.reshape(*s.shape, 3) for a in path.at(s.ravel(), piece.ravel()))
+        c = model.inertia.com_m
+        push, bend = to_body(pose[..., 2], first), to_body(pose[..., 2], second)
+        twist = push.copy()
+        for a in (push, bend):  # a_com = a + α ẑ×c − ω² c
+            a[..., 0] -= a[..., 2] * c[1]
+            a[..., 1] += a[..., 2] * c[0]
+        bend[..., :2] -= first[..., 2:] ** 2 * c
+        return Geometry(s=s, fractions=fractions, pose=pose, first=first, second=second, twist=twist,
+                        push=push, bend=bend)
+
+    def squared_speed(self, x: Array) -> Array:
+        """ṡ² (n, F) inside every interval: linear between the grid points."""
+        return np.maximum(x[:-1, None] + self.fractions * (x[1:] - x[:-1])[:, None], 0.0)
+
+    def motion(self, x: Array, u: Array | None, time: Array | None = None, scale: float = 1.0) -> Motion:
+        """The samples (n F) as states, at ``scale`` times the speeds of a profile."""
+        sq = self.squared_speed(x)
+        speed = np.sqrt(sq)[..., None]
+        acceleration = None
+        if u is not None:
+            floor = self.first * u[:, None, None] + self.second * sq[..., None]
+            acceleration = to_body(self.pose[..., 2], floor).reshape(-1, 3)
+        return Motion(velocity=(self.twist * speed * scale).reshape(-1, 3),
+                      heading=self.pose[..., 2].ravel(), position=self.pose[..., :2].reshape(-1, 2),
+                      time_s=None if time is None else time.ravel(), acceleration=acceleration)
+
+    def saturated(self) -> Motion:
+        """The samples as states at a speed at which the drag is full."""
+        return Motion(velocity=self.twist.reshape(-1, 3), heading=self.pose[..., 2].ravel(),
+                      position=self.pose[..., :2].reshape(-1, 2), saturated=True)
+
+    def times(self, x: Array, u: Array) -> Array:
+        """Time (n, F) [s] at which the profile passes each sample."""
+        root = np.sqrt(np.maximum(x, 0.0))
+        step = (self.s[:, -1] - self.s[:, 0]) / (self.fractions[-1] - self.fractions[0])
+        start = np.concatenate([[0.0], np.cumsum(2.0 * step / np.maximum(root[1:] + root[:-1], 1e-12))])[:-1]
+        here = np.sqrt(self.squared_speed(x))
+        return np.asarray(start[:, None] + 2.0 * (self.fractions * step[:, None])
+                          / np.maximum(here + root[:-1, None], 1e-12))
+
+
+def to_body(heading: Array, vectors: Array) -> Array:
+    """R(φ)ᵀ on the first two components of (..., 3); the third stays."""
+    c, s = np.cos(heading), np.sin(heading)
+    return np.stack([c * vectors[..., 0] + s * vectors[..., 1], -s * vectors[..., 0] + c * vectors[..., 1],
+                     vectors[..., 2]], axis=-1)

@@ -1,0 +1,212 @@
+"""The fastest motion along a path that stays inside a share of every limit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array, real
+from slipmargin.errors import InputError, NoSolution
+from slipmargin.limits.motion_state import Contact, Kinematics, Motion
+from slipmargin.model import Model
+from slipmargin.paths import core
+from slipmargin.paths.along import FASTER, SLOWER, Caps, Rows, assume, rows_along
+from slipmargin.paths.audit import FINER, Audit, audit
+from slipmargin.paths.blame import stuck, too_fast
+from slipmargin.paths.geometry import Geometry
+from slipmargin.paths.grid import Grid, grid_of
+from slipmargin.paths.path import Path
+
+#: Passes with fixed shares before the dense check begins: the drag has then settled.
+SETTLING = 3
+#: Rounds of tightening before giving up.
+ROUNDS = 60
+#: The dense check aims this much below the limit, so that rounding cannot exceed it [1].
+AIM = 2e-7
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Request:
+    """What a plan has to obey.
+
+    ``share`` λ = 1 − margin of every wheel's grip; ``start_m_s`` and ``end_m_s`` are ṡ at the ends;
+    ``contact`` what the wheels stand on (UNKNOWN: robust), ``theta_rad`` (N,) the wheel angles at the start
+    where the contact follows from them (ANGLE).
+    """
+
+    share: float = 0.9
+    points: int = 400
+    start_m_s: float = 0.0
+    end_m_s: float = 0.0
+    caps: Caps = field(default_factory=Caps)
+    contact: Contact = Contact.ROLLERS
+    theta_rad: Array | None = None
+
+    def __post_init__(self) -> None:
+        real("margin", 1.0 - self.share, low=0.0, high=0.99, cure="give a slip margin from 0 to 0.99")
+        for place, speed in (("start speed", self.start_m_s), ("end speed", self.end_m_s)):
+            real(place, speed, low=0.0, cure="give a speed along the path ≥ 0 [m/s]")
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Plan:
+    """A time-optimal profile: x = ṡ² (n + 1,), s̈ (n,) and what limits it.
+
+    ``highest`` (n + 1,) is the largest ṡ² from which the rest of the path can be driven; ``limited_by``
+    (n,) indexes ``rows.names`` (−1: a speed cap or the rest of the path); ``audit`` holds the dense check.
+    """
+
+    model: Model
+    path: Path
+    request: Request
+    grid: Grid
+    x: Array
+    u: Array
+    highest: Array
+    limited_by: np.ndarray[tuple[int], np.dtype[np.int64]]
+    rows: Rows
+    audit: Audit
+    passes: int
+
+    @property
+    def duration_s(self) -> float:
+        """Time for the whole path [s]."""
+        return duration(self.grid.step, self.x)
+
+    @property
+    def max_use(self) -> float:
+        """Largest share of a wheel's grip, sampled 20 times finer than the grid."""
+        return float(np.max(self.audit.use))
+
+
+def duration(step: Array, x: Array) -> float:
+    """Σ 2 Δ / (√x_j + √x_{j+1}) [s]: exact, since s̈ is constant between grid points."""
+    root = np.sqrt(np.maximum(x, 0.0))
+    return float(np.sum(2.0 * step / (root[1:] + root[:-1])))
+
+
+def plan(model: Model, path: Path, request: Request | None = None, *, grid: Grid | None = None) -> Plan:
+    """The fastest motion along ``path`` under ``request.share`` of every limit.
+
+    Each interval starts with the full share.  The profile is checked FINER times finer than the grid
+    with the forces that the wheels really have, and intervals that use too much are tightened, until
+    no sample exceeds the share.
+
+    Raises
+    ------
+    InputError
+        If the start or end speed is impossible.
+    NoSolution
+        If there is no admissible motion: says where, which wheel, why, and what would help.
+    """
+    request = request or Request()
+    grid = grid or grid_of(path, request.points)
+    coarse = Geometry.of(model, path, grid, np.array([0.0, 0.5, 1.0]))
+    fine = Geometry.of(model, path, grid, np.linspace(0.0, 1.0, FINER + 1))
+    work = _Work(model, request, grid, coarse, fine)
+    for _ in range(SETTLING):
+        work.drive()
+    for _ in range(ROUNDS):
+        seen = work.check()
+        if not work.tighten(seen):
+            return Plan(model=model, path=path, request=request, grid=grid, x=work.x, u=work.u,
+                        highest=work.highest, limited_by=work.named(), rows=work.rows, audit=seen,
+                        passes=work.passes)
+        work.drive()
+    i, _, k = seen.worst
+    raise NoSolution(work.place(i), f"wheel {model.contacts.names[k]} still uses {seen.use.max():.4f} of its "
+                     f"grip after {ROUNDS} rounds of tightening", "use more grid points or a larger margin",
+                     seen)
+
+
+class _Work:
+    """The state of the iteration; private to :func:`plan`."""
+
+    def __init__(self, model: Model, request: Request, grid: Grid, coarse: Geometry, fine: Geometry) -> None:
+        self.model, self.request, self.grid, self.coarse, self.fine = model, request, grid, coarse, fine
+        n = len(grid.step)
+        self.grip, self.torque, self.speed = np.ones(n), np.ones(n), np.ones(n)
+        self.x, self.u, self.highest = np.zeros(n + 1), np.zeros(n), np.zeros(n + 1)
+        self.binding = np.zeros(n, dtype=np.int64)
+        self.passes = 0
+        self.rows: Rows
+        self.turned: list[Array] | None = None
+        if request.contact is Contact.ANGLE:
+            start = np.zeros(model.count) if request.theta_rad is None else request.theta_rad
+            self.turned = [wheel_angles(model, g, start) for g in (coarse, fine)]
+
+    def states(self) -> list[Motion]:
+        """States to be safe for: full drag at first, then the speeds of the last profile."""
+        if self.passes == 0:
+            return [self._angled(self.coarse.saturated())]
+        time = self.coarse.times(self.x, self.u)
+        return [self._angled(self.coarse.motion(self.x, None, time, scale)) for scale in (SLOWER, FASTER)]
+
+    def _angled(self, motion: Motion) -> Motion:
+        if self.turned is None:
+            return motion
+        return replace(motion, theta=self.turned[0].reshape(-1, self.model.count))
+
+    def drive(self) -> None:
+        """One backward and forward pass."""
+        r = self.request
+        assumed = assume(self.model, self.coarse, self.states(), share=r.share, contact=r.contact)
+        self.rows = rows_along(self.model, self.coarse, assumed, share=r.share * self.grip,
+                               torque_share=self.torque, caps=r.caps, cap_share=self.speed,
+                               guess=self.x if self.passes else None)
+        w = self.rows
+        x, u, highest = np.zeros_like(self.x), np.zeros_like(self.u), np.zeros_like(self.x)
+        status, j, one, two = core.profile(
+            self.grid.step, w.a[0], w.b[0], w.c[0], w.a[1], w.b[1], w.c[1], w.cap, r.start_m_s**2,
+            r.end_m_s**2, x, u, highest, self.binding)
+        if status in (core.STUCK, core.REST):
+            raise stuck(self.model, self.coarse, w, j, one, two, r.share, r.contact)
+        if status != core.OK:
+            raise too_fast(r.start_m_s if status == core.START else r.end_m_s, status == core.START,
+                           float(highest[0] if status == core.START else w.cap[-1]), self.coarse)
+        self.x, self.u, self.highest = x, u, highest
+        self.passes += 1
+
+    def check(self) -> Audit:
+        """The dense check of the current profile."""
+        return audit(self.model, self.fine, self.x, self.u, contact=self.request.contact,
+                     share=self.request.share, caps=self.request.caps,
+                     theta=None if self.turned is None else self.turned[1])
+
+    def tighten(self, seen: Audit) -> bool:
+        """Lower the shares of intervals that use too much; False where none does."""
+        found = False
+        for kept, used, limit in ((self.grip, seen.use.max(axis=(1, 2)), self.request.share),
+                                  (self.torque, seen.torque.max(axis=(1, 2)), 1.0),
+                                  (self.speed, seen.speed.max(axis=1), 1.0)):
+            over = used > limit * (1.0 + 2.0 * AIM)
+            kept[over] *= np.maximum((1.0 - AIM) * limit / used[over], 0.5)
+            found |= bool(np.any(over))
+        return found
+
+    def named(self) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+        """Which kind of row limits each interval (−1: the rest of the path or a cap)."""
+        count = self.rows.a.shape[2]
+        return np.where((self.binding >= 0) & (self.binding < 2 * count), self.binding % count, -1)
+
+    def place(self, interval: int) -> str:
+        """Where an interval is, in words."""
+        x, y = self.coarse.pose[interval, 0, :2]
+        return f"at s = {self.grid.s[interval]:.4g} m (x {x:.4g} m, y {y:.4g} m)"
+
+
+def wheel_angles(model: Model, geometry: Geometry, start: Array) -> Array:
+    """θ (n, F, N) [rad] along the path, by rolling without drive slip from ``start`` (N,): no time enters."""
+    if len(start) != model.count:
+        raise InputError("theta_rad", f"has {len(start)} angles",
+                         f"give one for each of {model.count} wheels")
+    rate = geometry.twist @ Kinematics.of(model).spin.T / model.contacts.radius_m
+    gap = np.diff(geometry.s, axis=1)[..., None]
+    grown = np.cumsum(0.5 * gap * (rate[:, 1:] + rate[:, :-1]), axis=1)
+    inner = np.concatenate([np.zeros_like(rate[:, :1]), grown], axis=1)
+    before = np.concatenate([np.zeros((1, model.count)), np.cumsum(inner[:, -1], axis=0)])[:-1]
+    return np.asarray(start + before[:, None] + inner)
