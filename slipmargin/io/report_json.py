@@ -1,0 +1,144 @@
+"""A diagnosis as the ``report.json`` that the contract promises, and more under its own keys."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from slipmargin.diagnose.diagnosis import Diagnosis, Estimate, Finding, Score, Step, Trace3
+from slipmargin.diagnose.limits_change import Limits, LimitsChange
+from slipmargin.diagnose.separate import separating_trial
+from slipmargin.diagnose.where import Dependence
+from slipmargin.io.json_text import json_text
+
+SCHEMA = 1
+
+
+def report_text(diagnosis: Diagnosis, change: LimitsChange) -> str:
+    """The file's text; a number that is not finite is null."""
+    return json_text(report(diagnosis, change))
+
+
+def report(diagnosis: Diagnosis, change: LimitsChange) -> dict[str, Any]:
+    """Everything the report holds, as plain values.
+
+    Parameters
+    ----------
+    change : LimitsChange
+        Limits of ``diagnosis.recipe`` and of ``diagnosis.corrected``.
+    """
+    d = diagnosis
+    wheels = tuple(wheel.name for wheel in d.recipe.robot.wheels)
+    return {
+        "schema": SCHEMA,
+        "verdict": d.verdict.value,
+        "data_set": d.data_set,
+        "robot": d.recipe.robot.name,
+        "surface": d.surface,
+        "noise": dict(zip(("x_m", "y_m", "phi_rad"), d.noise, strict=True)),
+        "noise_estimated": d.noise_estimated,
+        "held_out": d.held_out,
+        "cross_validated": d.cross_validated,
+        "before": _score(d.before),
+        "after": _score(d.after),
+        "effects": [_effect(f, wheels) for f in d.findings],
+        "limits": {"before": _limits(change.before), "after": _limits(change.after)},
+        "limit_curves": _curves(change),
+        "steps": [_step(s) for s in d.steps],
+        "where": [_where(w) for w in d.where],
+        "where_after": [_where(w) for w in d.where_after],
+        "excitation": d.excitation,
+        "events": [{"trial": e.trial, "t_s": e.t_s, "channel": e.channel, "size_sigma": e.size_sigma}
+                   for e in d.events],
+        "outliers": d.outliers,
+        "trials": [_trial(t, d) for t in d.trials],
+        "remarks": d.remarks,
+    }
+
+
+def _score(score: Score) -> dict[str, float]:
+    return {"rmse_position_m": score.rmse_position_m, "rmse_heading_rad": score.rmse_heading_rad,
+            "chi": score.chi}
+
+
+def _effect(finding: Finding, wheels: tuple[str, ...]) -> dict[str, Any]:
+    rivals = finding.confused_with
+    return {
+        "name": finding.name,
+        "label": finding.label,
+        "traced_to": finding.traced_to.value,
+        "wheels": finding.wheels or wheels,
+        "parameters": _estimates(finding.parameters),
+        "derived": _estimates(finding.derived),
+        "evidence": {
+            "chi_without": finding.chi_without,
+            "chi_with": finding.chi_with,
+            "p_value": finding.p_value,
+            "candidates_tried": finding.candidates_tried,
+            "confused_with": rivals,
+            "separated_by": {r: separating_trial(finding.name, finding.traced_to, r) for r in rivals},
+        },
+        "at_bound": [e.name for e in finding.parameters if e.at_bound],
+        "equation": finding.equation,
+        "confirm": finding.confirm,
+    }
+
+
+def _estimates(estimates: tuple[Estimate, ...]) -> dict[str, Any]:
+    return {e.name: {"value": e.value, "low": e.low, "high": e.high, "unit": e.unit, "at_bound": e.at_bound}
+            for e in estimates}
+
+
+def _limits(limits: Limits) -> dict[str, float]:
+    return {
+        "f_max_min_N": limits.f_max_min_N,
+        "f_max_mean_N": limits.f_max_mean_N,
+        "f_low_min_N": float(limits.f_low_N.min()),
+        "f_high_max_N": float(limits.f_high_N.max()),
+        "start_min_m_s2": float(limits.start_m_s2.min()),
+        "start_mean_m_s2": float(limits.start_m_s2.mean()),
+        "brake_min_m_s2": float(limits.brake_m_s2.min()),
+        "brake_mean_m_s2": float(limits.brake_m_s2.mean()),
+    }
+
+
+def _curves(change: LimitsChange) -> dict[str, Any]:
+    curves: dict[str, Any] = {"phi_rad": change.phi_rad, "direction_rad": change.direction_rad}
+    for name, limits in (("before", change.before), ("after", change.after)):
+        curves[name] = {key: getattr(limits, key) for key in Limits.__slots__}
+    return curves
+
+
+def _step(step: Step) -> dict[str, Any]:
+    return {
+        "chi_before": step.chi_before,
+        "taken": step.taken,
+        "tried": [{"label": t.label, "traced_to": t.traced_to.value, "named": t.named,
+                   "parameters": t.parameters, "chi": t.chi} for t in step.tried],
+    }
+
+
+def _where(dependence: Dependence) -> dict[str, Any]:
+    return {"variable": dependence.variable, "channel": dependence.channel, "share": dependence.share,
+            "surprise": dependence.surprise, "p_value": dependence.p_value}
+
+
+def _trial(trial: Trace3, diagnosis: Diagnosis) -> Mapping[str, Any]:
+    return {
+        "name": trial.name,
+        "held_out": trial.held_out,
+        "duration_s": float(trial.t_s[-1] - trial.t_s[0]),
+        "samples": len(trial.t_s),
+        "chi_before": trial_chi(trial, trial.before, diagnosis),
+        "chi_after": trial_chi(trial, trial.after, diagnosis),
+    }
+
+
+def trial_chi(trial: Trace3, predicted: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
+              diagnosis: Diagnosis) -> float:
+    """Root mean square of (measured − predicted) / noise over one run; NaN where nothing was seen."""
+    gap = ((trial.measured - predicted) / diagnosis.noise)
+    seen = gap[np.isfinite(gap)]
+    return float(np.sqrt(np.mean(seen**2))) if len(seen) else float("nan")

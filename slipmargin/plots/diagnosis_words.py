@@ -1,0 +1,105 @@
+"""A diagnosis in plain sentences, for the page and the command line.  No matplotlib here."""
+
+from __future__ import annotations
+
+import math
+import sys
+
+from slipmargin.diagnose.diagnosis import Diagnosis, Estimate, Finding, Score, Verdict
+from slipmargin.effects import Effect, Trace
+
+#: The variable of a trace as a reader would say it.
+VARIABLES: dict[Trace, str] = {
+    Trace.WHEEL_ANGLE: "the angle of the wheels",
+    Trace.WHEEL_LOAD: "the load on each wheel",
+    Trace.SLIP_SPEED: "how fast the contacts slip",
+    Trace.SLIP_COUPLING: "slipping in both directions of a wheel at once",
+    Trace.SLIP_RATIO: "slip relative to rolling speed",
+    Trace.VELOCITY: "the robot's velocity",
+    Trace.ACCELERATION: "the robot's acceleration",
+    Trace.HEADING: "the heading",
+    Trace.POSITION: "the place on the floor",
+    Trace.TIME: "time",
+    Trace.CONSTANT_FORCE: "a constant force",
+    Trace.COEFFICIENT: "the friction coefficients",
+    Trace.WHEEL: "a constant of one wheel",
+    Trace.ACTUATION: "how the wheels follow their commands",
+    Trace.MEASUREMENT: "how the pose is measured",
+}
+
+
+def verdict_sentence(diagnosis: Diagnosis) -> str:
+    """The answer in one sentence."""
+    d = diagnosis
+    if d.verdict is Verdict.NO_MISSING_EFFECT:
+        return ("No missing effect: the model predicts runs it has not seen as well as the noise and the log "
+                f"allow (chi {d.after.chi:.3g}; 1 is pure noise).")
+    if d.verdict is Verdict.UNEXPLAINED:
+        return (f"Unexplained: the model misses something (chi {d.before.chi:.3g} on held-out runs; 1 is pure "
+                "noise), but no suspect explains it beyond chance.")
+    names = _and([f"{f.name} (depends on {VARIABLES[f.traced_to]})" for f in d.findings])
+    return (f"The model lacks {names}; with {'it' if len(d.findings) == 1 else 'them'} the error on held-out "
+            f"runs falls from {error(d.before)} to {error(d.after)}.")
+
+
+def meaning(finding: Finding) -> str:
+    """What an effect is, in one plain sentence."""
+    if isinstance(finding.effect, Effect):
+        text = sys.modules[type(finding.effect).__module__].__doc__ or ""
+        return " ".join(text.split())
+    return (f"An effect that no entry of the catalogue explains: it depends on {VARIABLES[finding.traced_to]}, "
+            "and is added in a general form.")
+
+
+def error(score: Score) -> str:
+    """Held-out error: position in mm, heading in mrad, chi."""
+    return (f"{1e3 * score.rmse_position_m:.3g} mm and {1e3 * score.rmse_heading_rad:.3g} mrad "
+            f"(chi {score.chi:.3g})")
+
+
+def interval(estimate: Estimate) -> str:
+    """``name = value (low … high) unit``, with as many digits as its interval supports."""
+    return f"{estimate.name} = {number(estimate)}{_unit(estimate.unit)}{edge(estimate)}"
+
+
+def number(estimate: Estimate) -> str:
+    """``value (low … high)``."""
+    digits = decimals(estimate.high - estimate.low, estimate.value)
+    return f"{estimate.value:.{digits}f} ({estimate.low:.{digits}f} … {estimate.high:.{digits}f})"
+
+
+def decimals(width: float, value: float) -> int:
+    """Decimal places that show two digits of an interval's width (or four of the value)."""
+    size = width if math.isfinite(width) and width > 0.0 else 1e-2 * abs(value) or 1.0
+    return max(0, min(9, 1 - math.floor(math.log10(size))))
+
+
+def edge(estimate: Estimate) -> str:
+    """A note where a parameter ended on the edge of its range."""
+    return ", at the edge of its range" if estimate.at_bound else ""
+
+
+def chance(p_value: float) -> str:
+    """A probability as words a reader can weigh."""
+    return f"p ≤ {p_value:.1g}" if p_value <= 0.01 else f"p = {p_value:.2g}"
+
+
+def plain(label: str) -> str:
+    """A suspect's label for people: underscores are for files."""
+    return label.replace("_", " ")
+
+
+def _unit(unit: str) -> str:
+    return "" if unit in ("", "1") else f" {unit}"
+
+
+def _and(parts: list[str]) -> str:
+    return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
+
+
+def force_change(before: float, after: float) -> str:
+    """``4.92 N → 4.51 N (−8 %)``."""
+    if before <= 0.0:
+        return f"{before:.3g} N → {after:.3g} N"
+    share = 100.0 * (after / before - 1.0)
+    return f"{before:.3g} N → {after:.3g} N" + (" (unchanged)" if abs(share) < 0.05 else f" ({share:+.1f} %)")
