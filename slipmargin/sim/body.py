@@ -18,7 +18,7 @@ from typing import Any
 from slipmargin.sim import layout as at
 from slipmargin.sim.compiled import fast
 from slipmargin.sim.friction import contact
-from slipmargin.sim.terms import series
+from slipmargin.sim.terms import series, series_slope
 
 _H, _W, _TERM = at.HEAD, at.WHEEL, at.TERM
 _COUNT, _MASS, _INERTIA, _COM_X, _COM_Y = at.COUNT, at.MASS, at.INERTIA, at.COM_X, at.COM_Y
@@ -45,9 +45,9 @@ LOAD = 8  #: [N]
 WW, WT, TW, TT = 9, 10, 11, 12  #: slopes of the law [s/m]
 CONTACT = 13
 #: Entries of the body table B: external push in the floor frame, inverse of the mass matrix of a
-#: (2 × 2 row by row), yaw moment per acceleration that loads bring about.
-PUSH, INVERSE, LEVER = 0, 3, 7
-BODY = 9
+#: (2 × 2 row by row), yaw moment per acceleration that loads bring about, factors of a wheel.
+PUSH, INVERSE, LEVER, FACTORS = 0, 3, 7, 9
+BODY = 15
 
 
 @fast
@@ -106,9 +106,14 @@ def _wheel_variable(P: Any, code: int, i: int, direction: int, y: Any, C: Any) -
 
 
 @fast
-def _factors(P: Any, i: int, t: float, y: Any, C: Any) -> tuple[float, float, float, float]:
-    """What all modulations make of (μ_W, μ_T, k_W, k_T) of wheel i."""
-    mw, mt, kw, kt = 1.0, 1.0, 1.0, 1.0
+def _factors(P: Any, i: int, t: float, y: Any, C: Any, G: Any) -> None:
+    """What all modulations make of (μ_W, μ_T, k_W, k_T) of wheel i, into the factors G[:4].
+
+    G[4], G[5]: relative slopes of μ_W over u_W and μ_T over u_T that come from the slip speed.
+    """
+    for r in range(4):
+        G[r] = 1.0
+    G[4], G[5] = 0.0, 0.0
     n = int(P[_COUNT])
     q = int(P[_MODS_AT])
     for _ in range(int(P[_MODS])):
@@ -117,24 +122,21 @@ def _factors(P: Any, i: int, t: float, y: Any, C: Any) -> tuple[float, float, fl
         q = place + count
         if weight == 0.0:
             continue
+        own = 1 <= code <= 6 or code == 18
         sided = code == 3 or code == 4 or code == 18
-        if 1 <= code <= 6 or code == 18:
-            v = _wheel_variable(P, code, i, 0, y, C)
-        else:
-            v = _body_variable(P, code, t, y, C)
-        first = max(0.0, 1.0 + weight * series(P, place, count, basis, a, b, v))
-        second = first
-        if sided:
-            v = _wheel_variable(P, code, i, 1, y, C)
-            second = max(0.0, 1.0 + weight * series(P, place, count, basis, a, b, v))
-        if target == 0 or target == 2:
-            mw *= first
-        if target == 1 or target == 2:
-            mt *= second
-        if target == 3:
-            kw *= first
-            kt *= second
-    return mw, mt, kw, kt
+        kind = 2 if target == 3 else 0
+        first = 1.0
+        for side in range(2):
+            if target == 1 - side:
+                continue
+            if side == 0 or sided or target == 1:
+                v = _wheel_variable(P, code, i, side, y, C) if own else _body_variable(P, code, t, y, C)
+                first = max(0.0, 1.0 + weight * series(P, place, count, basis, a, b, v))
+                if code == 3 and first > 0.0:
+                    u = C[i, SLIP_W + side]
+                    slope = weight * series_slope(P, place, count, basis, a, b, v) / first
+                    G[4 + side] += slope if u > 0.0 else (-slope if u < 0.0 else 0.0)
+            G[kind + side] *= first
 
 
 @fast
@@ -189,6 +191,7 @@ def evaluate(P: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None:
         x, v, m = losses(P, t, y, C)
         px, py, pm = px + x, py + v, pm + m
     mass, modulated, follows, shape = P[_MASS], P[_MODS] > 0, P[_FOLLOWS] > 0, int(P[_SHAPE])
+    G = B[FACTORS:]
     rounds = 60 if P[_ITERATES] > 0 else 1
     for turn in range(rounds):
         fx, fy, mz = px, py, pm
@@ -198,11 +201,14 @@ def evaluate(P: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None:
             z = q + (_GW if C[i, RIGID] > 0.0 else _RW)
             mw, mt, kw, kt = P[z], P[z + 1], P[_K], P[_K]
             if modulated:
-                g = _factors(P, i, t, y, C)
-                mw, mt, kw, kt = mw * g[0], mt * g[1], kw * g[2], kt * g[3]
+                _factors(P, i, t, y, C, G)
+                mw, mt, kw, kt = mw * G[0], mt * G[1], kw * G[2], kt * G[3]
             law = contact(shape, P[_COUPLING], C[i, SLIP_W], C[i, SLIP_T], mw, mt, kw, kt)
             C[i, FORCE_W], C[i, FORCE_T] = law[0], law[1]
             C[i, WW], C[i, WT], C[i, TW], C[i, TT] = law[2], law[3], law[4], law[5]
+            if modulated:
+                C[i, WW] += law[0] * G[4]
+                C[i, TT] += law[1] * G[5]
             vw, vt = P[_CW] * C[i, SLIP_W], P[_CT] * C[i, SLIP_T]
             rest = P[q + _REST]
             a, b = rest * law[0] + vw, rest * law[1] + vt

@@ -54,7 +54,8 @@ def _spun(uw: float, far: float, mw: float, mt: float, k: float) -> float:
     """z in (0, far) with μ_W σ(k√(u_W² + z²)) z/√(u_W² + z²) = μ_T, by guarded Newton steps."""
     low, high = 0.0, far
     r = mt / mw
-    z = min(r / math.sqrt(1.0 - r * r) * max(abs(uw), 0.5 / k), 0.5 * far)
+    still = math.tan(0.5 * math.pi * r) / k  # exact without drive slip, the other part where slip is fast
+    z = min(math.sqrt(still * still + r * r / (1.0 - r * r) * uw * uw), 0.9 * far)
     for _ in range(80):
         q, dq = _secant(math.sqrt(uw * uw + z * z), k)
         miss = mw * q * z - mt
@@ -66,7 +67,9 @@ def _spun(uw: float, far: float, mw: float, mt: float, k: float) -> float:
         new = z - step
         if not low <= new <= high:
             new = 0.5 * (low + high)
-        if abs(new - z) <= 4e-16 * z:
+        if abs(step) <= 1e-9 * z and new == z - step:  # Newton doubles the digits: the next has all
+            return new
+        if high - low <= 4e-16 * high:
             return new
         z = new
     return z

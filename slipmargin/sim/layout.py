@@ -24,7 +24,7 @@ FORCES = 12  #: how many force terms
 FORCES_AT = 13
 LOAD_FOLLOWS = 14  #: 1 where loads depend on the acceleration
 LOAD_ITERATES = 15  #: 1 where friction depends on a load that depends on the acceleration
-BY_POSE = 16  #: 1 where forces depend on the pose
+BY_HEADING = 16  #: 1 where forces depend on the heading
 BY_TIME = 17  #: 1 where friction or forces depend on time other than through wheel speeds
 BY_VELOCITY = 18  #: 1 where the velocity derivative needs finite differences
 SHARE = 19  #: m g / N [N]
@@ -35,6 +35,7 @@ COMMANDS_AT = 23
 MAX_SPEED = 24  #: no-load speed of the motor [rad/s], 0 where unknown
 STALL_TORQUE = 25  #: [N m], 0 where unknown
 LAGGED = 26  #: 1 where a command is not followed at once (lag, gain, delay, modulations)
+BY_POSITION = 27  #: 1 where forces depend on the place
 HEAD = 28
 
 # --- a wheel ----------------------------------------------------------------------------------

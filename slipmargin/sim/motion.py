@@ -28,7 +28,7 @@ from slipmargin.sim.rodas import DENSE, GAMMA, MIX, STAGE, TIME, WHEN, derivativ
 from slipmargin.sim.wheels import breakpoints, follow, turn
 
 _H, _W, _COUNT, _LAG, _PITCH, _SWITCH = at.HEAD, at.WHEEL, at.COUNT, at.LAG, at.PITCH, at.SWITCH
-_BY_POSE, _BY_TIME, _LAGGED, _FOLLOWS = at.BY_POSE, at.BY_TIME, at.LAGGED, at.LOAD_FOLLOWS
+_BY_TIME, _LAGGED, _FOLLOWS = at.BY_TIME, at.LAGGED, at.LOAD_FOLLOWS
 _CW, _CT = at.VISCOUS_W, at.VISCOUS_T
 
 #: How a run ended.
@@ -97,9 +97,11 @@ def run(P: Any, knots: Any, coef: Any, spin: Any, commanded: bool, pt: Any, pw: 
     J, jt, Jp, M, E = np.empty((3, 3)), np.empty(3), np.zeros((3, 3)), np.empty((3, 3)), np.empty(4)
     y, z, dy, rhs, trial, away = np.empty(6), np.empty(6), np.empty(6), np.empty(6), np.empty(6), np.empty(3)
     K, c3, c4 = np.empty((6, 6)), np.empty(6), np.empty(6)
-    y[:] = y0
+    for r in range(6):
+        y[r] = y0[r]
     pushed = len(pt) > 0
-    pose, by_time = P[_BY_POSE] > 0 or pushed, P[_BY_TIME] > 0 or pushed
+    pose = P[at.BY_HEADING] > 0 or P[at.BY_POSITION] > 0 or pushed
+    by_time = P[_BY_TIME] > 0 or pushed
     status, steps, rejected, out, piece, pk, total = DONE, 0, 0, 0, 0, 0, len(times)
     last = len(knots) - 2
     h, restart, t = 1e-4, 1e-4, stops[0]
@@ -196,7 +198,8 @@ def run(P: Any, knots: Any, coef: Any, spin: Any, commanded: bool, pt: Any, pw: 
                     _tell(P, trial, C, Y, told, out, tell)
                     out += 1
             t = stop if step == stop - t else t + step
-            y[:] = z
+            for r in range(6):
+                y[r] = z[r]
             if first and step == h:
                 restart, first = grow * step, False
             # A step cut short at a breakpoint says nothing against the longer one.
@@ -210,8 +213,11 @@ def run(P: Any, knots: Any, coef: Any, spin: Any, commanded: bool, pt: Any, pw: 
     for k in range(out, total):  # the end; after a stop everything stays as it was, at rest
         _tell(P, y, C, Y, told, k, tell)
         if status != DONE:
-            Y[k, 3:] = 0.0
-            told[k, :, 1:] = 0.0
+            Y[k, 3], Y[k, 4], Y[k, 5] = 0.0, 0.0, 0.0
+            if tell:
+                for i in range(n):
+                    for r in range(1, TOLD):
+                        told[k, i, r] = 0.0
     info[0], info[1], info[2], info[3], info[4] = status, t, steps, rejected, len(stops)
 
 
@@ -229,6 +235,9 @@ def run_range(low: int, high: int, models: Any, which: Any, signal: Any, knot_at
             pt[push_at[s]:push_at[s + 1]], pw[push_at[s]:push_at[s + 1]], times[time_at[s]:time_at[s + 1]],
             start[r], rtol, atol, max_steps, Y[r, :count], tell, told[row, :count], info[r])
         for k in range(count, Y.shape[1]):
-            Y[r, k] = Y[r, count - 1]
+            for j in range(6):
+                Y[r, k, j] = Y[r, count - 1, j]
             if tell:
-                told[r, k] = told[r, count - 1]
+                for i in range(told.shape[2]):
+                    for j in range(TOLD):
+                        told[r, k, i, j] = told[r, count - 1, i, j]

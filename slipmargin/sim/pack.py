@@ -17,12 +17,13 @@ from slipmargin.sim import layout as at
 _SHAPES = {GripShape.BOX: 0.0, GripShape.DISC_STRIP: 1.0, GripShape.ELLIPSE: 2.0}
 
 #: Variables of the pose: forces that depend on them give the motion a pose Jacobian.
-_POSE = frozenset({Variable.HEADING, Variable.POSITION_X, Variable.POSITION_Y, Variable.SLIP_HEADING})
+_HEADING = frozenset({Variable.HEADING, Variable.SLIP_HEADING})
+_PLACE = frozenset({Variable.POSITION_X, Variable.POSITION_Y})
 #: Variables known in time alone where wheel speeds are prescribed.
 _TIME = frozenset({Variable.TIME, Variable.WHEEL_ANGLE, Variable.ACCELERATION_X, Variable.ACCELERATION_Y,
                    Variable.YAW_ACCELERATION})
-#: Variables that leave the velocity derivative of the friction law analytic.
-_CALM = _TIME | {Variable.UNITY, Variable.HEADING, Variable.POSITION_X, Variable.POSITION_Y}
+#: Variables that leave the velocity derivative analytic.
+_CALM = _TIME | _HEADING | _PLACE | {Variable.UNITY}
 #: The bases whose coefficients all stand for one and the same function.
 _SINGLE = frozenset({Basis.CONSTANT, Basis.DECAY, Basis.RECIPROCAL, Basis.WINDOW})
 
@@ -83,10 +84,14 @@ def _fill(head: Array, model: Model) -> None:
     head[at.VISCOUS_W], head[at.VISCOUS_T] = grip.viscous_N_s_per_m
     head[at.LOAD_FOLLOWS] = follows
     head[at.LOAD_ITERATES] = follows and Variable.WHEEL_LOAD in variables
-    head[at.BY_POSE] = bool((variables | terms) & _POSE) or floor
+    head[at.BY_HEADING] = bool((variables | terms) & _HEADING) or floor
+    head[at.BY_POSITION] = bool((variables | terms) & _PLACE)
     head[at.BY_TIME] = bool((variables | terms) & _TIME)
     against = any(f.frame is Frame.AGAINST_MOTION for f in model.losses.terms)
-    head[at.BY_VELOCITY] = bool((variables | terms) - _CALM) or against
+    boxed = grip.shape is GripShape.BOX or grip.coupling == 0.0
+    calm = _CALM | {Variable.WHEEL_LOAD} | ({Variable.SLIP_SPEED} if boxed else set())
+    stiff = any(m.target is Target.STIFFNESS and m.variable not in _CALM for m in grip.modulations)
+    head[at.BY_VELOCITY] = bool(variables - calm) or bool(terms - _CALM) or against or stiff
     head[at.SHARE] = model.inertia.weight_N / model.count
     head[at.DELAY] = transients.delay_s
     head[at.MAX_SPEED], head[at.STALL_TORQUE] = drives.max_speed_rad_s or 0.0, drives.stall_torque_N_m or 0.0

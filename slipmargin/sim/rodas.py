@@ -43,7 +43,7 @@ DENSE = np.array([
     [-0.6762803392806898, 6.087714651680015, 16.43084320892478, 24.76722511418386, -6.594389125716872],
 ])
 
-_BY_POSE, _BY_VELOCITY, _ITERATES = at.BY_POSE, at.BY_VELOCITY, at.LOAD_ITERATES
+_BY_POSITION, _BY_VELOCITY, _ITERATES = at.BY_POSITION, at.BY_VELOCITY, at.LOAD_ITERATES
 
 
 @fast
@@ -68,7 +68,7 @@ def jacobian(P: Any, t: float, y: Any, C: Any, B: Any, acc: Any, pose: bool, J: 
     slopes(P, C, B, J, jt)
     by_velocity = P[_BY_VELOCITY] > 0 or P[_ITERATES] > 0
     for k in range(6):
-        if (k < 3 and not pose) or (k >= 3 and not by_velocity):
+        if (k < 2 and P[_BY_POSITION] == 0.0) or (k == 2 and not pose) or (k >= 3 and not by_velocity):
             continue
         for r in range(6):
             trial[r] = y[r]

@@ -35,7 +35,8 @@ def series(P: Any, place: int, count: int, basis: int, a: float, b: float, v: fl
         part = knot - low
         return float(P[place + low] * (1.0 - part) + P[place + low + 1] * part)
     if basis == DECAY:
-        return float(P[place] * (math.exp(-((abs(v) / a) ** b)) - 1.0))
+        x = abs(v) / a
+        return float(P[place] * (math.exp(-(x * x if b == 2.0 else x**b)) - 1.0))
     if basis == RECIPROCAL:
         return float(P[place] * (a / (v + b) - 1.0))
     if basis == WINDOW:
@@ -46,3 +47,41 @@ def series(P: Any, place: int, count: int, basis: int, a: float, b: float, v: fl
         total += P[place + j] * power
         power *= abs(v)
     return float(total)
+
+
+@fast
+def series_slope(P: Any, place: int, count: int, basis: int, a: float, b: float, v: float) -> float:
+    """d/dv of :func:`series` for v ≥ 0 (where a function kinks: its slope to the right)."""
+    if basis == POLYNOMIAL:
+        x, power, total = v / a, 1.0 / a, 0.0
+        for j in range(count):
+            total += P[place + j] * (j + 1) * power
+            power *= x
+        return total
+    if basis == FOURIER:
+        total = 0.0
+        for j in range(count):
+            rate = 2.0 * math.pi * (j // 2 + 1) / a
+            total += P[place + j] * rate * (math.cos(rate * v) if j % 2 else -math.sin(rate * v))
+        return total
+    if basis == HATS:
+        if count == 1 or v < a or v >= b:
+            return 0.0
+        low = min(int((v - a) / (b - a) * (count - 1)), count - 2)
+        return float((P[place + low + 1] - P[place + low]) * (count - 1) / (b - a))
+    if basis == DECAY:
+        x = v / a
+        if x == 0.0:
+            return 0.0 if b > 1.0 else (-P[place] / a if b == 1.0 else 0.0)
+        power = x**b
+        return float(-P[place] * math.exp(-power) * b * power / v)
+    if basis == RECIPROCAL:
+        return float(-P[place] * a / ((v + b) * (v + b)))
+    if basis == ODD:
+        total = P[place] * 2.0 / math.pi * a / (a * a + v * v)
+        power = 1.0
+        for j in range(1, count):
+            total += P[place + j] * j * power
+            power *= v
+        return float(total)
+    return 0.0

@@ -130,37 +130,50 @@ def _root(c: Any, lag: float, order: int, target: float, a: float, b: float) -> 
 
 
 @fast
-def turning_points(c: Any, lag: float, h: float, at_: Any) -> int:
-    """Times in (0, h) where the wheel reverses, ascending into ``at_`` (5); how many."""
-    grid = np.empty(8)
-    grid[0], m = 0.0, 1
-    if c[4] != 0.0 and c[3] != 0.0:  # ω̇ turns once at most
+def _sort(x: Any, n: int) -> None:
+    """The first n entries ascending, in place (Shell's gaps: short, and quick on nearly sorted times)."""
+    gap = 1
+    while gap < n // 3:
+        gap = 3 * gap + 1
+    while gap > 0:
+        for i in range(gap, n):
+            value, j = x[i], i
+            while j >= gap and x[j - gap] > value:
+                x[j] = x[j - gap]
+                j -= gap
+            x[j] = value
+        gap //= 3
+
+
+@fast
+def turning_points(c: Any, lag: float, h: float, cuts: Any) -> int:
+    """Times in (0, h) where the wheel reverses, ascending into ``cuts`` (8); how many.
+
+    Between neighbouring zeros of a derivative a function is monotone: zeros of ω̇ split ω, and the
+    one time at which ω̇ itself turns (it can where an exponential meets a parabola) splits ω̇.
+    """
+    m = 0
+    if c[4] != 0.0 and c[3] != 0.0:
         ratio = -6.0 * c[3] * lag * lag / c[4]
         if ratio > 0.0 and 0.0 < -lag * math.log(ratio) < h:
-            grid[m] = -lag * math.log(ratio)
-            m += 1
-    grid[m] = h
-    m += 1
+            cuts[0] = -lag * math.log(ratio)
+            m = 1
     for order in (2, 1):
-        new = np.empty(8)
-        new[0], k = 0.0, 1
-        for j in range(m - 1):
-            fa, fb = turn(c, lag, grid[j])[order], turn(c, lag, grid[j + 1])[order]
-            if fa * fb < 0.0:
-                new[k] = _root(c, lag, order, 0.0, grid[j], grid[j + 1])
+        a, k = 0.0, m
+        for j in range(m + 1):
+            b = cuts[j] if j < m else h
+            if turn(c, lag, a)[order] * turn(c, lag, b)[order] < 0.0:
+                cuts[k] = _root(c, lag, order, 0.0, a, b)
                 k += 1
-        if order == 2:
-            for j in range(1, m - 1):  # keep what already splits
-                new[k] = grid[j]
-                k += 1
-        new[k] = h
-        k += 1
-        new[:k].sort()
-        m = k
-        grid[:m] = new[:m]
-    for j in range(1, m - 1):
-        at_[j - 1] = grid[j]
-    return m - 2
+            a = b
+        if order == 1:  # only where ω itself is zero the wheel reverses, the other splits go
+            for j in range(m, k):
+                cuts[j - m] = cuts[j]
+            m = k - m
+        else:
+            m = k
+            _sort(cuts, m)
+    return m
 
 
 @fast
@@ -249,18 +262,22 @@ def breakpoints(P: Any, knots: Any, coef: Any, extra: Any) -> tuple[Any, Any]:
             if abs(after - before) > 1e-9 * (1.0 + abs(after)):
                 soft[k] = False
     if size == 0 and len(extra) == 0:
-        return knots, ~soft
+        for k in range(len(knots)):
+            soft[k] = not soft[k]
+        return knots, soft
     others = np.empty(size + len(extra) + 1)
     k = _switches(P, knots, coef, others, 0)
     k = _term_edges(P, int(P[_MODS_AT]), int(P[_MODS]), n, 1, others, k)
     k = _term_edges(P, int(P[_FORCES_AT]), int(P[_FORCES]), 0, 3, others, k)
-    others[k:k + len(extra)] = extra
-    others = others[:size + len(extra)]
-    others.sort()
-    out, hard = np.empty(len(knots) + len(others)), np.ones(len(knots) + len(others), dtype=np.bool_)
+    for x in extra:
+        others[k] = x
+        k += 1
+    size = k
+    _sort(others, size)
+    out, hard = np.empty(len(knots) + size), np.ones(len(knots) + size, dtype=np.bool_)
     m, j = 0, 0
     for k in range(len(knots)):
-        while j < len(others) and others[j] <= knots[k] - 1e-12:
+        while j < size and others[j] <= knots[k] - 1e-12:
             if m > 0 and others[j] - out[m - 1] > 1e-12:
                 out[m] = others[j]
                 m += 1
@@ -270,7 +287,7 @@ def breakpoints(P: Any, knots: Any, coef: Any, extra: Any) -> tuple[Any, Any]:
         if m == 0 or knots[k] - out[m - 1] > 1e-12:
             out[m], hard[m] = knots[k], not soft[k]
             m += 1
-        if j < len(others) and others[j] < knots[k] + 1e-12:
+        if j < size and others[j] < knots[k] + 1e-12:
             hard[m - 1] = True
     out[m - 1] = knots[len(knots) - 1]
     return out[:m], hard[:m]
