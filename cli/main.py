@@ -127,8 +127,9 @@ def _usage(fault: Any) -> str:
     path = context.command_path if context is not None else "slipmargin"
     parameter = getattr(fault, "param", None)
     options = [name for name in getattr(parameter, "opts", []) if name.startswith("-")]
-    name = options[-1] if options else str(getattr(parameter, "human_readable_name", "") or "").upper()
-    name = name or str(getattr(fault, "option_name", "") or "")
+    names = [getattr(parameter, "metavar", None), getattr(parameter, "name", None),
+             getattr(fault, "option_name", None)]
+    name = options[-1] if options else next((str(n) for n in names if n), "")
     problem = " ".join(fault.format_message().split()).rstrip(".")
     if type(fault).__name__ == "MissingParameter":
         problem = "is missing"

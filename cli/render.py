@@ -16,13 +16,18 @@ def say(*lines: str) -> None:
     _write(sys.stdout, lines)
 
 
+#: Warnings wait for the end: a command that is refused says one line, its error.
+_warnings: list[str] = []
+
+
 def warn(*lines: str) -> None:
-    """Print ``warning: …`` lines on stderr."""
-    _write(sys.stderr, [f"warning: {line}" for line in lines])
+    """Say ``warning: …`` lines on stderr once the command has done its work."""
+    _warnings.extend(f"warning: {line}" for line in lines)
 
 
 def tell(line: str, code: int) -> int:
-    """One line on stderr, and the exit status to leave with."""
+    """One line on stderr instead of any warning, and the exit status to leave with."""
+    _warnings.clear()
     _write(sys.stderr, [line])
     return finish_output(code)
 
@@ -30,6 +35,8 @@ def tell(line: str, code: int) -> int:
 def finish_output(code: int) -> int:
     """Flush stdout before leaving, so that a closed pipe is not reported by the interpreter."""
     _write(sys.stdout, [])
+    _write(sys.stderr, _warnings)
+    _warnings.clear()
     return code
 
 

@@ -103,12 +103,12 @@ def recipe_from_text(text: str) -> Recipe:
     friction, motor = _friction(top), _motor(top)
     wheels = _named("wheel", [_wheel(table) for table in top.tables("wheel")])
     surfaces = _surfaces(top)
-    effects = tuple(_effect(table, wheels) for table in top.tables("effect"))
+    effect_tables = top.tables("effect")
     top.done()
     robot = Robot(name=name, body=body, wheels=wheels, surfaces=surfaces, load_rule=rule,
                   load_fractions=fractions, friction=friction, motor=motor)
     _check_stands(robot)
-    recipe = Recipe(robot=robot, effects=effects)
+    recipe = Recipe(robot=robot, effects=tuple(_effect(table, wheels) for table in effect_tables))
     for surface in surfaces:
         _check_builds(recipe, surface.name)
     return recipe

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import final
@@ -11,7 +10,7 @@ import numpy as np
 
 from slipmargin.checks import Array, frozen
 from slipmargin.errors import InputError
-from slipmargin.io.table import read_columns
+from slipmargin.io.table import columns_text, read_columns
 from slipmargin.motions.record import Record
 
 _POSE = ("x_m", "y_m", "phi_rad")
@@ -49,61 +48,59 @@ def read_trial(path: Path, wheels: int) -> Record:
     InputError
         If a column is unknown or missing, a cell is no number, or time does not increase.
     """
-    names, values = _read_csv(path)
+    named = {field: [pattern.format(i=i + 1) for i in range(wheels)]
+             for field, pattern in WHEEL_COLUMNS.items()}
+    known = [name for names in named.values() for name in names]
+    empty = [*_POSE, *known]
+    table = read_columns(path, required=("t_s", *_POSE), known=known, empty=empty, least=2)
+    signals: dict[str, Array | None] = {}
+    for field, names in named.items():
+        if any(name in table.names for name in names):
+            gap = np.full(len(table.values), np.nan)
+            signals[field] = np.stack([table[n] if n in table.names else gap for n in names], axis=1)
+    late = np.flatnonzero(np.diff(table["t_s"]) <= 0.0)
     try:
-        for name in ("t_s", *_POSE):
-            if name not in names:
-                raise InputError(name, "this column is missing", f"a trial needs t_s, {', '.join(_POSE)}")
-        columns = dict(zip(names, values.T, strict=True))
-        known = {"t_s", *_POSE}
-        signals: dict[str, Array | None] = {}
-        for field, pattern in WHEEL_COLUMNS.items():
-            wanted = [pattern.format(i=i + 1) for i in range(wheels)]
-            known.update(wanted)
-            here = [columns.get(name) for name in wanted]
-            if any(column is not None for column in here):
-                empty = np.full(len(values), np.nan)
-                signals[field] = np.stack([empty if c is None else c for c in here], axis=1)
-        _refuse(names, known, wheels)
-        return Record(name=path.stem, t_s=columns["t_s"], pose=np.stack([columns[n] for n in _POSE], axis=1),
-                      **signals)
+        if len(late):
+            row = int(late[0]) + 1
+            column = table.names.index("t_s") + 1
+            raise InputError(f"{table.lines[row]}:{column}",
+                             f"the time {table['t_s'][row]:g} s does not come after the row before",
+                             "time must increase from row to row")
+        return Record(name=path.stem, t_s=table["t_s"], pose=table.stack(_POSE), **signals)
     except InputError as fault:
-        raise fault.in_file(fault.source or str(path)) from None
+        raise fault.in_file(str(path)) from None
 
 
 def read_pulls(path: Path, wheels: int) -> Pulls:
     """The pulls of a data set: ``phi_rad,force_N`` and ``theta{i}_rad`` where rotor angles are known."""
-    names, values = _read_csv(path)
     theta = [f"theta{i + 1}_rad" for i in range(wheels)]
-    try:
-        for name in ("phi_rad", "force_N"):
-            if name not in names:
-                raise InputError(name, "this column is missing", "pulls need phi_rad and force_N")
-        _refuse(names, {"phi_rad", "force_N", *theta}, wheels)
-        given = [name for name in theta if name in names]
-        if given and len(given) < wheels:
-            lacks = next(name for name in theta if name not in names)
-            raise InputError(lacks, "this column is missing", "give the angle of every wheel or of none")
-        columns = dict(zip(names, values.T, strict=True))
-        return Pulls(phi_rad=columns["phi_rad"], force_N=columns["force_N"],
-                     theta_rad=np.stack([columns[n] for n in theta], axis=1) if given else None)
-    except InputError as fault:
-        raise fault.in_file(fault.source or str(path)) from None
+    table = read_columns(path, required=("phi_rad", "force_N"), known=theta, empty=())
+    given = [name for name in theta if name in table.names]
+    if given and len(given) < wheels:
+        lacks = next(name for name in theta if name not in table.names)
+        raise InputError("1:1", f"the column {lacks!r} is missing",
+                         "give the angle of every wheel or of none", str(path))
+    return Pulls(phi_rad=table["phi_rad"], force_N=table["force_N"],
+                 theta_rad=table.stack(theta) if given else None)
 
 
-def _refuse(names: list[str], known: set[str], wheels: int) -> None:
-    for name in names:
-        if name in known:
+def trial_text(record: Record) -> str:
+    """A run as the CSV text that :func:`read_trial` reads back; channels nobody has are left out."""
+    columns: dict[str, Array] = {"t_s": record.t_s}
+    columns |= {name: record.pose[:, j] for j, name in enumerate(_POSE)}
+    for field, pattern in WHEEL_COLUMNS.items():
+        signal: Array | None = getattr(record, field)
+        if signal is None:
             continue
-        match = re.fullmatch(r"(?:omega|theta|current)(\d+)_(?:rad_s|rad|A|cmd_rad_s)", name)
-        if match and int(match[1]) > wheels:
-            raise InputError(name, f"the robot has {wheels} wheels",
-                             "remove the column or describe the wheel")
-        raise InputError(name, "is not a known column",
-                         f"rename or remove it (known: {', '.join(sorted(known))})")
+        for i, channel in enumerate(signal.T):
+            if np.isfinite(channel).any():
+                columns[pattern.format(i=i + 1)] = channel
+    return columns_text(columns)
 
 
-def _read_csv(path: Path) -> tuple[list[str], Array]:
-    """Header and numbers (rows, columns); an empty cell is NaN."""
-    table = read_columns(path, empty=None)
-    return list(table.names), table.values
+def pulls_text(pulls: Pulls) -> str:
+    """Pulls as the CSV text that :func:`read_pulls` reads back."""
+    columns = {"phi_rad": pulls.phi_rad, "force_N": pulls.force_N}
+    if pulls.theta_rad is not None:
+        columns |= {f"theta{i + 1}_rad": angle for i, angle in enumerate(pulls.theta_rad.T)}
+    return columns_text(columns)

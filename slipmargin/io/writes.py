@@ -44,8 +44,8 @@ def write_together(files: Mapping[Path | str, str | bytes]) -> None:
         for name, content in files.items():
             path = Path(name)
             with _refused(path):
-                path = path.resolve()  # write through a symbolic link, not over it
                 _check_place(path)
+                path = path.resolve()  # write through a symbolic link, not over it
                 staged.append((_stage(path, content), path))
         for temporary, path in staged:
             with _refused(path):
@@ -73,6 +73,8 @@ def check_writable(*paths: Path | str | None) -> None:
 
 
 def _check_place(path: Path) -> None:
+    if "\0" in str(path):
+        raise InputError("", "is not a possible path", "give a file name", repr(str(path)))
     if path.is_dir():
         raise InputError("", "is a folder", "give a file name", str(path))
     if path.exists() and not path.is_file():  # renaming over a device would remove the device
@@ -121,5 +123,3 @@ def _refused(path: Path) -> Iterator[None]:
     except OSError as fault:
         raise InputError("", f"cannot be written ({fault.strerror})", "choose another place",
                          str(path)) from None
-    except ValueError:  # a path with a null character
-        raise InputError("", "is not a possible path", "give a file name", repr(str(path))) from None

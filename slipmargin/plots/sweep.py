@@ -75,11 +75,9 @@ def draw_polar(axes: PolarAxes, circle: Sweep, pulls: PullGroups | None = None) 
         axes.fill_between(angle, circle.f_low_N, circle.f_high_N, color=SKY, alpha=0.3, lw=0)
     axes.plot(angle, circle.f_max_N, color=BLUE)
     phi, force = circle.weakest
-    at = float(_seen(np.array(phi)))
-    axes.plot([at], [force], marker="o", ms=5, mfc="white", mec=INK, ls="none", zorder=6)
-    axes.annotate(f"weakest: {force:.3g} N", (at, force), xytext=(7, -10), textcoords="offset points",
-                  color=INK, fontsize=8.5, zorder=6,
-                  bbox={"fc": "white", "ec": "none", "alpha": 0.75, "pad": 1.0})
+    weakest = axes.plot([float(_seen(np.array(phi)))], [force], marker="o", ms=5, mfc="white", mec=INK,
+                        ls="none", zorder=6)
+    axes.legend(weakest, [f"weakest: {force:.3g} N"], loc="lower left", bbox_to_anchor=(-0.12, -0.08))
     if pulls is not None:
         _scatter(axes, _seen(pulls.phi_rad), pulls)
     axes.set_theta_zero_location("N")

@@ -1,0 +1,164 @@
+"""Robot files: what is read is what was written, and only InputError ever escapes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings, strategies as st
+from robot_files import GOOD
+from strategies import robots
+
+from slipmargin.effects import Effect, GeneralEffect, Part, Recipe, Trace
+from slipmargin.effects.catalogue import CATALOGUE
+from slipmargin.errors import InputError
+from slipmargin.io.robot_file import built_in_names, read_recipe, recipe_from_text
+from slipmargin.io.robot_text import write_recipe
+from slipmargin.model.terms import ForceTerm, Modulation
+from slipmargin.model.variables import Basis, Frame, Target, Variable
+from slipmargin.robot import GripShape, LoadRule, Robot
+
+SHAPES = tuple(GripShape)
+
+
+def same(a: object, b: object) -> bool:
+    """Equal values, field by field; arrays element by element."""
+    if isinstance(a, np.ndarray):
+        return isinstance(b, np.ndarray) and np.array_equal(a, b)
+    if isinstance(a, tuple):
+        return isinstance(b, tuple) and len(a) == len(b) and all(map(same, a, b))
+    if hasattr(a, "__dataclass_fields__"):
+        return type(a) is type(b) and all(same(getattr(a, f.name), getattr(b, f.name)) for f in fields(a))  
+    return a == b
+
+
+@st.composite
+def effects(draw: st.DrawFn, names: tuple[str, ...]) -> Effect:
+    kind = draw(st.sampled_from(CATALOGUE))
+    values = [draw(st.floats(p.low, p.high)) for p in kind.parameters]
+    wheels = draw(st.lists(st.sampled_from(names), unique=True, max_size=len(names)))
+    return kind.of(np.array(values), tuple(wheels))
+
+
+@given(st.data(), robots(shapes=SHAPES, motors=True))
+@settings(max_examples=80, deadline=None)
+def test_written_recipe_reads_back_the_same(data: st.DataObject, robot: Robot) -> None:
+    effect = data.draw(effects(tuple(w.name for w in robot.wheels)))
+    recipe = Recipe(robot=robot, effects=(effect,))
+    try:
+        recipe.build("floor")
+    except InputError:
+        recipe = Recipe(robot=robot)  # an effect this robot cannot have, a wheel lifted off for example
+    back = recipe_from_text(write_recipe(recipe, "what it is\nand why"))
+    assert same(recipe, back)
+
+
+def test_unnamed_effects_read_back_the_same() -> None:
+    kiwi = read_recipe("ohio-kiwi").robot
+    grip = GeneralEffect(traced_to=Trace.WHEEL_ANGLE, part=Part.GRIP, terms=(
+        Modulation(variable=Variable.WHEEL_ANGLE, basis=Basis.FOURIER, target=Target.BOTH,
+                   shape=np.array([math.pi / 4, 0.0]), coefficients=np.array([0.1, -0.2]),
+                   wheels=np.array([1.0, 0.0, 1.0])),))
+    force = GeneralEffect(traced_to=Trace.POSITION, part=Part.LOSSES, terms=(
+        ForceTerm(variable=Variable.POSITION_X, basis=Basis.POLYNOMIAL, shape=np.array([1.0, 0.0]),
+                  coefficients=np.array([[0.1], [0.2], [0.3]]), frame=Frame.FLOOR),))
+    recipe = Recipe(robot=kiwi, effects=(grip, force))
+    assert same(recipe, recipe_from_text(write_recipe(recipe)))
+
+
+def test_names_that_need_quoting_read_back_the_same() -> None:
+    text = GOOD.replace('"rear"', '"Räder \\"hinten\\" \\\\ \\u007f\\t"')
+    text = text.replace("surface.paper", 'surface."lino 3.5"')
+    recipe = recipe_from_text(text)
+    assert same(recipe, recipe_from_text(write_recipe(recipe)))
+    assert recipe.robot.surfaces[0].name == "lino 3.5"
+
+
+def test_a_byte_order_mark_and_windows_lines_are_no_fault(tmp_path: object) -> None:
+    path = tmp_path / "robot.toml"  # type: ignore[operator]
+    path.write_bytes(b"\xef\xbb\xbf" + GOOD.replace("\n", "\r\n").encode())
+    assert same(read_recipe(path), recipe_from_text(GOOD))
+
+
+def test_defaults_are_the_published_model() -> None:
+    text = GOOD.replace('[loads]\nmodel = "equal"\n', "").replace(
+        '[friction]\nlaw = "atan"\nk_s_per_m = 1000.0\ngrip = "box"\n', "")
+    robot = recipe_from_text(text).robot
+    assert robot.load_rule is LoadRule.EQUAL and robot.friction.grip is GripShape.BOX
+    assert robot.friction.k_s_per_m == 1000.0
+
+
+@pytest.mark.parametrize("name", built_in_names())
+def test_built_in_robots_build_on_every_surface(name: str) -> None:
+    recipe = read_recipe(name)
+    assert recipe.robot.name == name
+    for surface in recipe.robot.surfaces:
+        assert recipe.build(surface.name).count == len(recipe.robot.wheels)
+
+
+def test_built_in_robots_of_the_contract() -> None:
+    assert {"ohio-kiwi", "ohio-kiwi-symmetric", "robotino"} <= set(built_in_names())
+    kiwi = read_recipe("ohio-kiwi").robot
+    # theory.md sections 1 and 6: rho = 25.4 mm, Table I, 90 % rollers / 10 % rigid, n = 8, k = 1000.
+    assert {w.radius_m for w in kiwi.wheels} == {0.0254} and {w.rigid_fraction for w in kiwi.wheels} == {0.10}
+    assert {w.rollers for w in kiwi.wheels} == {8} and kiwi.friction.k_s_per_m == 1000.0
+    table = {s.name: (s.roller.drive, s.roller.transverse, s.rigid.drive, s.rigid.transverse)
+             for s in kiwi.surfaces}
+    assert table == {"paper": (0.26, 0.09, 0.47, 0.47), "carpet": (0.25, 0.15, 0.56, 0.56)}
+    # theory.md section 1: the printed no-slip wheel speeds for 0.4 m in 3.5 s along +X.
+    from slipmargin_cli.drawing import speeds
+
+    printed = [speeds(w)[0] * 0.4 / 3.5 for w in kiwi.wheels]
+    assert printed == pytest.approx([1.1645, 1.1645, -4.4994], abs=0.5e-4)
+
+
+@given(st.text(max_size=300))
+@example("[" * 5000)
+@example("schema = " + "9" * 5000)
+@example("schema = 1\nwheel = 1\nsurface = []\nbody = 3\neffect = 'x'\nname = 'a'")
+@settings(max_examples=300, deadline=None)
+def test_any_text_is_read_or_refused(text: str) -> None:
+    try:
+        recipe_from_text(text)
+    except InputError as fault:
+        assert "\n" not in str(fault)
+
+
+@given(st.data())
+@settings(max_examples=500, deadline=None)
+def test_a_good_file_with_a_wound_is_read_or_refused(data: st.DataObject) -> None:
+    lines = GOOD.split("\n")
+    for _ in range(data.draw(st.integers(1, 3))):
+        at = data.draw(st.integers(0, len(lines) - 1))
+        wound = data.draw(st.sampled_from(("drop", "twice", "value", "letter", "swap")))
+        if wound == "drop":
+            lines[at] = ""
+        elif wound == "twice":
+            lines[at] += "\n" + lines[at]
+        elif wound == "value" and "=" in lines[at]:
+            value = data.draw(st.sampled_from(
+                ("nan", "-inf", "true", '""', '"x"', "[]", "{}", "[[1]]", "-1", "0", "1e400", "2026-01-01",
+                 "{ drive = 1 }", "[nan, 1]", "[true, 1]", "0x10", "9" * 5000)))
+            lines[at] = lines[at].split("=")[0] + "= " + value
+        elif wound == "letter":
+            cut = data.draw(st.integers(0, len(lines[at])))
+            lines[at] = lines[at][:cut] + data.draw(st.characters()) + lines[at][cut:]
+        else:
+            other = data.draw(st.integers(0, len(lines) - 1))
+            lines[at], lines[other] = lines[other], lines[at]
+    try:
+        recipe_from_text("\n".join(lines))
+    except InputError as fault:
+        assert "\n" not in str(fault)
+
+
+@given(st.binary(max_size=200))
+@settings(max_examples=100, deadline=None)
+def test_any_bytes_are_read_or_refused(tmp_path_factory: pytest.TempPathFactory, content: bytes) -> None:
+    path = tmp_path_factory.getbasetemp() / "bytes.toml"
+    path.write_bytes(content)
+    with pytest.raises(InputError) as caught:
+        read_recipe(path)
+    assert caught.value.source == str(path)

@@ -1,0 +1,82 @@
+"""Outputs are written whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from enum import Enum
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from slipmargin.errors import InputError
+from slipmargin.io import writes
+from slipmargin.io.json_text import json_text
+from slipmargin.io.writes import check_writable, write_bytes, write_text, write_together
+
+
+def test_text_and_bytes_arrive(tmp_path: Path) -> None:
+    write_text(tmp_path / "a.txt", "µ\n")
+    write_bytes(tmp_path / "b.bin", b"\0\1")
+    assert (tmp_path / "a.txt").read_bytes() == "µ\n".encode()
+    assert (tmp_path / "b.bin").read_bytes() == b"\0\1"
+    assert sorted(os.listdir(tmp_path)) == ["a.txt", "b.bin"]
+
+
+def test_an_interrupted_run_leaves_every_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "a").write_text("before")
+    (tmp_path / "b").write_text("before")
+    calls = []
+
+    def stop(handle: int) -> None:
+        calls.append(handle)
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(writes.os, "fsync", stop)
+    with pytest.raises(KeyboardInterrupt):
+        write_together({tmp_path / "a": "after", tmp_path / "b": "after"})
+    assert {p.name: p.read_text() for p in tmp_path.iterdir()} == {"a": "before", "b": "before"}
+
+
+def test_nothing_is_written_where_one_place_is_impossible(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="there is no folder"):
+        write_together({tmp_path / "a": "x", tmp_path / "no" / "b": "x"})
+    with pytest.raises(InputError, match="is a folder"):
+        write_together({tmp_path / "a": "x", tmp_path: "x"})
+    with pytest.raises(InputError, match="not an ordinary file"):
+        write_text("/dev/null", "x")
+    with pytest.raises(InputError, match="not a possible path"):
+        write_text(tmp_path / "a\0b", "x")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_link_is_written_through_and_rights_are_kept(tmp_path: Path) -> None:
+    (tmp_path / "real").write_text("before")
+    (tmp_path / "real").chmod(0o640)
+    (tmp_path / "link").symlink_to("real")
+    write_text(tmp_path / "link", "after")
+    assert (tmp_path / "link").is_symlink() and (tmp_path / "real").read_text() == "after"
+    assert (tmp_path / "real").stat().st_mode & 0o777 == 0o640
+
+
+def test_places_are_checked_before_any_work(tmp_path: Path) -> None:
+    check_writable(None, "-", tmp_path / "new.csv")
+    for bad in (tmp_path, tmp_path / "no" / "f.csv", Path("/dev/null"), "a\0b"):
+        with pytest.raises(InputError):
+            check_writable(bad)
+
+
+class Word(Enum):
+    ONE = "one"
+
+
+def test_json_holds_plain_values_only() -> None:
+    value = {"a": np.array([1.0, math.nan]), "b": np.int64(2), "c": (True, np.bool_(False)), "d": Word.ONE,
+             "e": None, 1: math.inf}
+    assert json.loads(json_text(value)) == {
+        "a": [1.0, None], "b": 2, "c": [True, False], "d": "one", "e": None, "1": None}
+    with pytest.raises(TypeError, match="no form in JSON"):
+        json_text({"a": object()})
