@@ -5,17 +5,19 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
-from typing import Any, final
+from typing import final
 
 import numpy as np
 
 from slipmargin.checks import Array, frozen, real
 from slipmargin.effects.recipe import Recipe
 from slipmargin.errors import InputError
+from slipmargin.io.robot_file import read_recipe
+from slipmargin.io.source import read_text
+from slipmargin.io.toml_table import Table, parse_toml
 from slipmargin.io.trial_file import Pulls, read_pulls, read_trial
 from slipmargin.motions.record import Record
 
@@ -90,81 +92,44 @@ class DataSet:
 
 
 def read_data_set(folder: Path | str) -> DataSet:
-    """Read a data set strictly: unknown keys, columns and files without meaning are errors.
+    """Read a data set strictly: unknown keys and columns are errors.
 
     Raises
     ------
     InputError
         With file, key or line:column, what is wrong and what to do.
     """
-    from slipmargin.io.robot_file import read_recipe
-
     folder = Path(folder)
     path = folder / "dataset.toml"
-    table = _toml(folder, path)
+    if not path.is_file():
+        raise InputError("dataset.toml", "is not there" if folder.is_dir() else "there is no such folder",
+                         "give a data set: a folder with robot.toml, dataset.toml and trials/", str(folder))
     try:
-        robot, surface, signal, sigma = _head(table)
+        robot, surface, signal, sigma = _head(Table("", parse_toml(read_text(path))))
     except InputError as fault:
-        raise fault.in_file(str(path)) from None
+        raise fault if fault.source else fault.in_file(str(path)) from None
     recipe = read_recipe(folder / robot)
     count = len(recipe.robot.wheels)
-    files = sorted((folder / "trials").glob("*.csv"))
-    trials = tuple(read_trial(file, count) for file in files)
+    trials = tuple(read_trial(file, count) for file in sorted((folder / "trials").glob("*.csv")))
     pulls = folder / "pulls.csv"
     try:
         return DataSet(name=folder.resolve().name, recipe=recipe, surface=surface, wheel_signal=signal,
                        trials=trials, sigma=sigma, pulls=read_pulls(pulls, count) if pulls.exists() else None)
     except InputError as fault:
-        raise fault.in_file(str(path)) from None
+        raise fault if fault.source else fault.in_file(str(path)) from None
 
 
-def _toml(folder: Path, path: Path) -> dict[str, Any]:
-    if not path.is_file():
-        raise InputError("dataset.toml", "is not there" if folder.is_dir() else "there is no such folder",
-                         "give a data set: a folder with robot.toml, dataset.toml and trials/", str(folder))
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as fault:
-        raise InputError("", f"is not TOML: {fault}", "correct it", str(path)) from None
-    except UnicodeDecodeError as fault:
-        raise InputError("", f"is not UTF-8 text ({fault.reason})", "save it as UTF-8", str(path)) from None
-
-
-def _head(table: dict[str, Any]) -> tuple[str, str, WheelSignal, Array | None]:
-    _known("", table, ("schema", "robot", "surface", "wheel_signal", "sigma"))
-    if table.get("schema") != 1 or isinstance(table.get("schema"), bool):
-        raise InputError("schema", f"is {table.get('schema')!r}", "this program reads schema = 1")
-    robot = _text(table, "robot", "robot.toml")
-    surface = _text(table, "surface", None)
-    word = _text(table, "wheel_signal", None)
-    signals = {s.value: s for s in WheelSignal}
-    if word not in signals:
-        raise InputError("wheel_signal", f"is {word!r}", f"give one of: {', '.join(signals)}")
-    return robot, surface, signals[word], _sigma(table.get("sigma"))
-
-
-def _known(place: str, table: dict[str, Any], keys: tuple[str, ...]) -> None:
-    for key in table:
-        if key not in keys:
-            raise InputError(f"{place}{key}", "is not a known key", f"use one of: {', '.join(keys)}")
-
-
-def _text(table: dict[str, Any], key: str, default: str | None) -> str:
-    value = table.get(key, default)
-    if not isinstance(value, str) or not value.strip():
-        raise InputError(key, "is missing" if value is None else f"is {value!r}, not a name",
-                         f'write {key} = "…"')
-    return value
-
-
-def _sigma(table: Any) -> Array | None:
-    if table is None:
-        return None
-    keys = ("x_m", "y_m", "phi_rad")
-    if not isinstance(table, dict):
-        raise InputError("sigma", f"is {table!r}", f"give a table with {', '.join(keys)}")
-    _known("sigma.", table, keys)
-    for key in keys:
-        if key not in table:
-            raise InputError(f"sigma.{key}", "is missing", "give all three, or leave [sigma] out")
-    return np.array([real(f"sigma.{key}", table[key], above=0.0, cure="noise is positive") for key in keys])
+def _head(table: Table) -> tuple[str, str, WheelSignal, Array | None]:
+    if table.whole("schema") != 1:
+        raise InputError("schema", "is another version", "this program reads schema = 1")
+    robot, surface = table.text("robot"), table.text("surface")
+    signal = WheelSignal(table.word("wheel_signal", [s.value for s in WheelSignal]))
+    sigma = None
+    if table.has("sigma"):
+        inner = table.table("sigma", "give x_m, y_m and phi_rad")
+        units = {"x_m": "m", "y_m": "m", "phi_rad": "rad"}
+        sigma = np.array([real(inner.at(key), inner.number(key, unit), above=0.0, cure="noise is positive")
+                          for key, unit in units.items()])
+        inner.done()
+    table.done()
+    return robot, surface, signal, sigma

@@ -1,0 +1,56 @@
+"""A calibration as a TOML file, to be held fixed on other floors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from slipmargin.diagnose.calibration import Calibration
+from slipmargin.errors import InputError
+from slipmargin.io.source import read_text
+from slipmargin.io.toml_table import Table, parse_toml
+
+_HEAD = """\
+# Camera against wheels, estimated on the floor with the least slip; hold it fixed on the others.
+# measured = scale · R(rotation) · wheels, read delay late; sd: one standard deviation.
+"""
+
+
+def calibration_text(calibration: Calibration) -> str:
+    """The file's text."""
+    c = calibration
+    lines = ["schema = 1"]
+    for key in ("scale", "scale_sd", "rotation_rad", "rotation_sd_rad", "delay_s", "delay_sd_s", "spread"):
+        lines.append(f"{key} = {float(getattr(c, key))!r}")
+    for key in ("tilt_per_m", "tilt_sd_per_m", "middle_m"):
+        lines.append(f"{key} = {getattr(c, key).tolist()!r}")
+    return _HEAD + "\n".join([*lines, f"runs = {c.runs}"]) + "\n"
+
+
+def read_calibration(path: Path) -> Calibration:
+    """Read a calibration strictly.
+
+    Raises
+    ------
+    InputError
+        With file and key.
+    """
+    try:
+        table = Table("", parse_toml(read_text(path)))
+        if table.whole("schema") != 1:
+            raise InputError("schema", "is another version", "this program reads schema = 1")
+        found = Calibration(
+            scale=table.number("scale", "1"), scale_sd=table.number("scale_sd", "1", 0.0),
+            rotation_rad=table.number("rotation_rad", "rad"),
+            rotation_sd_rad=table.number("rotation_sd_rad", "rad", 0.0),
+            delay_s=table.number("delay_s", "s"), delay_sd_s=table.number("delay_sd_s", "s", 0.0),
+            tilt_per_m=np.array(table.numbers("tilt_per_m", 2, "1/m", (0.0, 0.0))),
+            tilt_sd_per_m=np.array(table.numbers("tilt_sd_per_m", 2, "1/m", (0.0, 0.0))),
+            middle_m=np.array(table.numbers("middle_m", 2, "m", (0.0, 0.0))),
+            spread=table.number("spread", "1", 0.0), runs=table.whole("runs", 0),
+        )
+        table.done()
+        return found
+    except InputError as fault:
+        raise fault if fault.source else fault.in_file(str(path)) from None

@@ -1,0 +1,87 @@
+"""A data set onto the disk: the whole folder or nothing."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from slipmargin.errors import InputError
+from slipmargin.io.data_set import DataSet
+from slipmargin.io.robot_text import write_recipe
+from slipmargin.io.trial_file import pulls_text, trial_text
+
+
+def data_set_files(data_set: DataSet, comment: str = "") -> dict[str, str]:
+    """The files of a data set: path inside the folder → text."""
+    head = [f"# {line}".rstrip() for line in comment.splitlines()]
+    head += ["schema = 1", 'robot = "robot.toml"', f'surface = "{data_set.surface}"',
+             f'wheel_signal = "{data_set.wheel_signal.value}"']
+    if data_set.sigma is not None:
+        names = ("x_m", "y_m", "phi_rad")
+        head += ["", "[sigma]"]
+        head += [f"{n} = {v!r}" for n, v in zip(names, data_set.sigma.tolist(), strict=True)]
+    files = {"robot.toml": write_recipe(data_set.recipe), "dataset.toml": "\n".join(head) + "\n"}
+    files |= {f"trials/{trial.name}.csv": trial_text(trial) for trial in data_set.trials}
+    if data_set.pulls is not None:
+        files["pulls.csv"] = pulls_text(data_set.pulls)
+    return files
+
+
+def check_data_set_place(folder: Path) -> None:
+    """Refuse a place that holds something else than a data set, before any work is done.
+
+    Raises
+    ------
+    InputError
+        Where the folder exists and is neither empty nor a data set, or its parent does not exist.
+    """
+    if folder.is_dir():
+        if any(folder.iterdir()) and not (folder / "dataset.toml").is_file():
+            raise InputError("--out", "is a folder that holds something else", "give a new one",
+                             str(folder))
+    elif folder.exists():
+        raise InputError("--out", "is a file", "give a new folder", str(folder))
+    elif not folder.resolve().parent.is_dir():
+        raise InputError("--out", "its parent folder does not exist", "create it first", str(folder))
+
+
+def write_data_set(folder: Path, data_set: DataSet, extra: Mapping[str, str] | None = None,
+                   comment: str = "") -> None:
+    """Write a data set; a data set that stands there already is replaced when all is written.
+
+    Parameters
+    ----------
+    extra : mapping
+        Further files, path inside the folder → text (a calibration, a summary).
+
+    Raises
+    ------
+    InputError
+        Where the folder cannot be written or holds something else.
+    """
+    check_data_set_place(folder)
+    folder = folder.resolve()
+    try:
+        stage = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))
+    except OSError as fault:
+        raise InputError("--out", f"cannot be written ({fault.strerror})", "choose another place",
+                         str(folder)) from None
+    try:
+        new = stage / "new"
+        for name, text in {**data_set_files(data_set, comment), **(extra or {})}.items():
+            path = new / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+        if folder.exists():
+            os.replace(folder, stage / "old")
+        os.replace(new, folder)
+    except OSError as fault:
+        if not folder.exists() and (stage / "old").exists():
+            os.replace(stage / "old", folder)
+        raise InputError("--out", f"cannot be written ({fault.strerror})", "choose another place",
+                         str(folder)) from None
+    finally:
+        shutil.rmtree(stage, ignore_errors=True)

@@ -1,0 +1,1 @@
+"""Foreign logs into records: one file a format, one small interface (:mod:`.plug`)."""

@@ -1,0 +1,247 @@
+"""A foreign table of numbers, read forgivingly: keep every good row, name every other one."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.errors import InputError
+from slipmargin.io.importers.plug import Dropped
+from slipmargin.io.source import read_bytes
+
+_SEPARATORS = (";", ",", "\t", "|")
+_HEADER_WITHIN = 12  #: lines in which the names of the columns must stand
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LooseTable:
+    """Good rows of a table: ``values`` (rows, columns), NaN where a cell is empty, and their ``lines``.
+
+    ``units`` are the words of the line above or below the names, empty where there is none.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    values: Array
+    lines: tuple[int, ...]
+    rows: int
+    dropped: tuple[Dropped, ...]
+    notes: tuple[str, ...]
+
+    def __getitem__(self, name: str) -> Array:
+        """One column (rows,)."""
+        return np.asarray(self.values[:, self.names.index(name)])
+
+    def unit(self, name: str) -> str:
+        """The unit word of a column, empty where the file names none."""
+        return self.units[self.names.index(name)] if self.units else ""
+
+
+def read_loose(path: Path, needed: Sequence[str], separator: str, unit_line: bool = False) -> LooseTable:
+    """Read a delimited file.
+
+    Parameters
+    ----------
+    path : path
+    needed : column names that must be there; the first is the time, which must increase.
+    separator : what should stand between cells; another one is recognised and noted.
+    unit_line : whether the line above the names holds units.
+
+    Raises
+    ------
+    InputError
+        Where no line names the needed columns, or no row can be used.
+    """
+    text = read_bytes(path).decode("utf-8", errors="replace").lstrip("\ufeff")
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    at, mark = _header(lines, needed, separator)
+    notes = [] if mark == separator else [f"cells are separated by {mark!r} instead of {separator!r}"]
+    names = tuple(_cells(lines[at], mark))
+    units = tuple(_cells(lines[at - 1], mark)) if unit_line and at > 0 else ()
+    units = units if len(units) == len(names) else ()
+    rows = _Rows(names=names, mark=mark, needed=needed)
+    rows.read(lines, at + 1)
+    notes += rows.notes()
+    if not rows.values:
+        raise InputError(f"{at + 2}:1", "there is no row that can be read" + rows.first_reason(),
+                         "give the log as it was written")
+    values = np.array(rows.values)
+    keep, order_note = increasing(values[:, names.index(needed[0])])
+    notes += order_note
+    dropped = list(rows.dropped)
+    gone = np.setdiff1d(np.arange(len(values)), keep)
+    why = "its time does not come after the row before"
+    dropped += [Dropped(line=rows.lines[i[0]], count=len(i), why=why) for i in runs_of(gone)]
+    return LooseTable(names=names, units=units, values=values[keep],
+                      lines=tuple(rows.lines[i] for i in keep), rows=rows.seen,
+                      dropped=tuple(sorted(dropped, key=lambda d: d.line)), notes=tuple(notes))
+
+
+def increasing(t: Array) -> tuple[Array, list[str]]:
+    """Indices of the longest strictly increasing selection of times, so one bad stamp costs one row.
+
+    Rows that stand in reverse order as a whole are turned round (and that is noted).
+    """
+    step = np.diff(t)
+    if len(step) > 2 and np.count_nonzero(step < 0) > 0.9 * len(step):
+        keep, _ = increasing(t[::-1])
+        return len(t) - 1 - keep, ["the rows stand in reverse order of time; turned round"]
+    tails: list[float] = []
+    ends: list[int] = []
+    before = np.full(len(t), -1)
+    for i, value in enumerate(t):
+        if not np.isfinite(value):
+            continue
+        k = bisect_left(tails, value)
+        before[i] = ends[k - 1] if k else -1
+        if k == len(tails):
+            tails.append(value)
+            ends.append(i)
+        else:
+            tails[k], ends[k] = value, i
+    chain: list[int] = []
+    at = ends[-1] if ends else -1
+    while at >= 0:
+        chain.append(at)
+        at = int(before[at])
+    return np.array(chain[::-1], dtype=int), []
+
+
+def runs_of(index: Array) -> list[Array]:
+    """Consecutive indices gathered."""
+    return [part for part in np.split(index, np.flatnonzero(np.diff(index) > 1) + 1) if len(part)]
+
+
+def _header(lines: Sequence[str], needed: Sequence[str], separator: str) -> tuple[int, str]:
+    """The line that names the columns, and the separator that makes it do so."""
+    best: tuple[int, str, list[str]] = (0, separator, list(needed))
+    for mark in (separator, *(s for s in _SEPARATORS if s != separator)):
+        for at, line in enumerate(lines[:_HEADER_WITHIN]):
+            cells = _cells(line, mark)
+            missing = [name for name in needed if name not in cells]
+            if not missing:
+                return at, mark
+            if len(missing) < len(best[2]):
+                best = (at, mark, missing)
+    at, _, missing = best
+    if len(missing) == len(needed):
+        raise InputError("1:1", f"no line names the columns {', '.join(needed[:4])} …",
+                         "give the log with its header lines")
+    raise InputError(f"{at + 1}:1", f"the column {missing[0]!r} is missing",
+                     "give the log with all its columns")
+
+
+def _cells(line: str, mark: str) -> list[str]:
+    cells = [cell.strip().strip('"') for cell in line.split(mark)]
+    while cells and not cells[-1]:
+        cells.pop()
+    return cells
+
+
+class _Rows:
+    """The rows of one file as they are sorted into good and dropped."""
+
+    def __init__(self, *, names: tuple[str, ...], mark: str, needed: Sequence[str]) -> None:
+        self.names, self.mark, self.time = names, mark, names.index(needed[0])
+        self.values: list[list[float]] = []
+        self.lines: list[int] = []
+        self.dropped: list[Dropped] = []
+        self.seen = 0
+        self._other_mark: list[int] = []
+        self._comma: list[int] = []
+
+    def read(self, lines: Sequence[str], start: int) -> None:
+        body = [(n, line) for n, line in enumerate(lines[start:], start + 1) if line.strip()]
+        ended = sum(line.rstrip().endswith(self.mark) for _, line in body) > 0.5 * len(body)
+        for number, line in body:
+            self.seen += 1
+            row, why = self._row(number, line, ended)
+            if row is None:
+                self._drop(number, why)
+            else:
+                self.values.append(row)
+                self.lines.append(number)
+
+    def _row(self, number: int, line: str, ended: bool) -> tuple[list[float] | None, str]:
+        cells, mark = self._split(number, line)
+        full = len(self.names)
+        if len(cells) > full and not any(c.strip() for c in cells[full:]):
+            cells = cells[:full]
+        if len(cells) < full:
+            return None, f"it is cut ({len(cells)} of {full} cells)"
+        if len(cells) > full:
+            return None, f"it has {len(cells)} cells instead of {full}"
+        if ended and not line.rstrip().endswith(mark):
+            return None, "it is cut (the closing separator is missing)"
+        try:
+            quick = [float(cell) for cell in cells]  # the common case, at full speed
+        except ValueError:
+            quick = []
+        if quick and np.isfinite(sum(quick)):
+            return quick, ""
+        row: list[float] = []
+        for name, cell in zip(self.names, cells, strict=True):
+            value = self._number(number, cell)
+            if value is None:
+                return None, f"{name} is {cell.strip()[:20]!r}, not a number"
+            row.append(value)
+        if not np.isfinite(row[self.time]):
+            return None, f"it has no time ({self.names[self.time]})"
+        return row, ""
+
+    def _split(self, number: int, line: str) -> tuple[list[str], str]:
+        cells = line.split(self.mark)
+        if len(cells) >= len(self.names):
+            return cells, self.mark
+        for mark in _SEPARATORS:
+            other = line.split(mark)
+            if mark != self.mark and len(self.names) <= len(other) <= len(self.names) + 1:
+                self._other_mark.append(number)
+                return other, mark
+        while len(cells) > 1 and not cells[-1].strip():
+            cells.pop()
+        return cells, self.mark
+
+    def _number(self, number: int, cell: str) -> float | None:
+        text = cell.strip()
+        if not text or text.lower() in ("nan", "na", "null", "none", "-"):
+            return float("nan")
+        if "," in text and "." not in text and text.count(",") == 1:
+            self._comma.append(number)
+            text = text.replace(",", ".")
+        try:
+            value = float(text)
+        except ValueError:
+            return None
+        return value if np.isfinite(value) else float("nan")
+
+    def _drop(self, line: int, why: str) -> None:
+        last = self.dropped[-1] if self.dropped else None
+        if last is not None and last.why == why and last.line + last.count == line:
+            self.dropped[-1] = Dropped(line=last.line, count=last.count + 1, why=why)
+        else:
+            self.dropped.append(Dropped(line=line, count=1, why=why))
+
+    def notes(self) -> list[str]:
+        out = []
+        if self._other_mark:
+            out.append(f"{_counted(self._other_mark)} separated otherwise than by {self.mark!r}; "
+                       "read all the same")
+        if self._comma:
+            out.append(f"{_counted(self._comma)} with a decimal comma; read all the same")
+        return out
+
+    def first_reason(self) -> str:
+        return f" ({self.dropped[0]})" if self.dropped else ""
+
+
+def _counted(lines: Iterable[int]) -> str:
+    unique = sorted(set(lines))
+    return f"line {unique[0]}: {len(unique)} row{'s' if len(unique) > 1 else ''}"

@@ -1,0 +1,62 @@
+"""What the wheels alone would say of a run, and what the camera says, in one frame: the body's.
+
+Displacements in the body frame (increments turned by the heading that was measured) do not charge a
+heading error twice, once as itself and once as a displacement.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.model.parts import Contacts
+
+
+def no_slip_matrix(contacts: Contacts) -> Array:
+    """(3, N) from wheel rates θ̇ [rad/s] to the body twist that no wheel slips under (least squares).
+
+    Row by row v·ĝ + ω (p × ĝ) = −ρ θ̇ ŝ·ĝ (eq. 3 with zero slip along the grip).
+    """
+    place, grip = contacts.position_m, contacts.grip
+    rows = np.column_stack([grip, place[:, 0] * grip[:, 1] - place[:, 1] * grip[:, 0]])
+    along = contacts.radius_m * np.sum(contacts.drive * grip, axis=1)
+    return np.asarray(-np.linalg.pinv(rows) * along)
+
+
+def wheel_path(contacts: Contacts, theta: Array) -> Array:
+    """(T, 3) path in the body frame by the wheels alone: x [m], y [m], φ [rad], zero at the start.
+
+    ``theta`` (T, N) wheel angles [rad].
+    """
+    return np.asarray((theta - theta[0]) @ no_slip_matrix(contacts).T)
+
+
+def body_path(pose: Array) -> Array:
+    """(T, 3) path in the body frame by the measured pose, zero at the start; missing rows are bridged."""
+    whole = bridged(np.arange(len(pose), dtype=float), pose)
+    step = np.diff(whole, axis=0)
+    middle = whole[:-1, 2] + 0.5 * step[:, 2]
+    c, s = np.cos(middle), np.sin(middle)
+    body = np.column_stack([c * step[:, 0] + s * step[:, 1], -s * step[:, 0] + c * step[:, 1], step[:, 2]])
+    return np.vstack([np.zeros(3), np.cumsum(body, axis=0)])
+
+
+def bridged(t: Array, values: Array) -> Array:
+    """``values`` (T, C) with missing samples on the line between their neighbours; all-NaN stays NaN."""
+    out = np.array(values, dtype=float)
+    for column in out.T:
+        known = np.isfinite(column)
+        if known.any() and not known.all():
+            column[~known] = np.interp(t[~known], t[known], column[known])
+    return out
+
+
+def wheel_angles(t: Array, theta: Array | None, omega: Array | None) -> Array | None:
+    """(T, N) wheel angles: as measured, or by the trapezoidal rule from measured speeds, or None."""
+    if theta is not None and np.isfinite(theta).any(axis=0).all():
+        return bridged(t, theta)
+    if omega is None or not np.isfinite(omega).any(axis=0).all():
+        return None
+    rate = bridged(t, omega)
+    step = 0.5 * (rate[1:] + rate[:-1]) * np.diff(t)[:, None]
+    return np.vstack([np.zeros(rate.shape[1]), np.cumsum(step, axis=0)])
