@@ -17,7 +17,7 @@ from slipmargin.diagnose.candidate import Candidate
 from slipmargin.effects import AnyEffect
 
 #: Forward-difference step in units of a parameter's scale: large against the integrator's error.
-_STEP = 0.02
+_STEP = 0.05
 _ITERATIONS = 12
 _ENOUGH = 1e-4  #: relative decrease of the cost at which a fit has converged
 
@@ -126,75 +126,82 @@ def fit(
     x = np.clip(start, low, high)
     residual, jacobian = _linearise(problem, structure, x, trials)
     spent = 1 + len(x)
-    cost = float(np.sum(residual**2))
     damping = 1e-3
     for step in range(iterations if len(x) else 0):
+        cost = float(np.sum(residual**2))
         if step >= 3 and cost > give_up_above:
             break
-        trial_x, spent_here, better = _improve(
-            problem, structure, x, cost, residual, jacobian, damping, trials
-        )
-        spent += spent_here
+        better = _improve(problem, structure, x, residual, jacobian, damping, trials)
         if better is None:
             break
-        moved = cost - better
-        x, cost, damping = trial_x, better, max(damping / 10.0, 1e-6)
-        residual, jacobian = _linearise(problem, structure, x, trials)
-        spent += 1 + len(x)
-        if moved < _ENOUGH * cost:
+        x, new, damping, tried = better
+        spent += tried + len(x)
+        moved = cost - float(np.sum(new**2))
+        if moved < _ENOUGH * cost and step + 1 < iterations:
+            iterations = step + 1  # converged: one last Jacobian where it stands
+        residual, jacobian = _linearise(problem, structure, x, trials, new)
+        if step + 1 >= iterations:
             break
     return Fit(
         structure=structure, x=x, trials=trials, residual=residual, jacobian=jacobian, evaluations=spent
     )
 
 
-#: Dampings tried side by side, as multiples of the current one.
-_LADDER = (0.1, 10.0, 1e3, 1e5)
+#: Dampings tried when the first step goes uphill, as multiples of the current one.
+_LADDER = (1e2, 1e4, 1e6)
 
 
 def _improve(
     problem: Residuals,
     structure: tuple[Candidate, ...],
     x: Array,
-    cost: float,
     residual: Array,
     jacobian: Array,
     damping: float,
     trials: Array,
-) -> tuple[Array, int, float | None]:
-    """The best of several damped steps, all simulated at once; None where none is downhill."""
+) -> tuple[Array, Array, float, int] | None:
+    """A damped step downhill: new point, its residual, next damping, simulations; None where none is."""
     low, high, scale = _limits(structure)
     flat = jacobian.reshape(-1, len(x)) * scale
     normal, gradient = flat.T @ flat, flat.T @ residual.ravel()
     free = ~(((x <= low) & (gradient > 0)) | ((x >= high) & (gradient < 0)))
     if not free.any():
-        return x, 0, None
-    points = []
-    for factor in _LADDER:
+        return None
+    cost = float(np.sum(residual**2))
+
+    def point(factor: float) -> Array:
         lift = np.diag(damping * factor * (np.diag(normal)[free] + 1e-9 * np.trace(normal) + 1e-12))
         step = np.zeros(len(x))
         step[free] = np.linalg.lstsq(normal[np.ix_(free, free)] + lift, -gradient[free], rcond=None)[0]
-        points.append(np.clip(x + step * scale, low, high))
-    found = problem.residuals([build(structure, p) for p in points], [trials] * len(points))
-    costs = [float(np.sum(r**2)) for r in found]
+        return np.asarray(np.clip(x + step * scale, low, high))
+
+    first = point(1.0)
+    found = problem.residuals([build(structure, first)], [trials])[0]
+    if float(np.sum(found**2)) < cost:
+        return first, found, max(damping / 10.0, 1e-6), 1
+    points = [point(factor) for factor in _LADDER]
+    ladder = problem.residuals([build(structure, p) for p in points], [trials] * len(points))
+    costs = [float(np.sum(r**2)) for r in ladder]
     best = int(np.argmin(costs))
     if not costs[best] < cost:
-        return x, len(points), None
-    return points[best], len(points), costs[best]
+        return None
+    return points[best], ladder[best], damping * _LADDER[best], 1 + len(points)
 
 
 def _linearise(
-    problem: Residuals, structure: tuple[Candidate, ...], x: Array, trials: Array
+    problem: Residuals, structure: tuple[Candidate, ...], x: Array, trials: Array, known: Array | None = None
 ) -> tuple[Array, Array]:
-    """Residual (R, K) and forward-difference Jacobian (R, K, P)."""
+    """Residual (R, K), simulated unless ``known``, and forward-difference Jacobian (R, K, P)."""
     _, high, scale = _limits(structure)
     steps = np.where(x + _STEP * scale <= high, _STEP, -_STEP) * scale
-    points = [x] + [x + step * unit for step, unit in zip(steps, np.eye(len(x)), strict=True)]
-    found = problem.residuals([build(structure, p) for p in points], [trials] * len(points))
-    base = found[0]
+    points = [x + step * unit for step, unit in zip(steps, np.eye(len(x)), strict=True)]
+    if known is None:
+        points = [x, *points]
+    found = problem.residuals([build(structure, p) for p in points], [trials] * len(points)) if points else []
+    base = found.pop(0) if known is None else known
     if not len(x):
         return base, np.zeros((*base.shape, 0))
-    jacobian = np.stack([(r - base) / step for r, step in zip(found[1:], steps, strict=True)], axis=-1)
+    jacobian = np.stack([(r - base) / step for r, step in zip(found, steps, strict=True)], axis=-1)
     return base, jacobian
 
 
@@ -239,8 +246,9 @@ def tangents(problem: Residuals, base: Fit, suspects: Sequence[Candidate]) -> li
             steps.append(step)
     found = problem.residuals(points, [base.trials] * len(points))
     columns = [(r - base.residual) / step for r, step in zip(found, steps, strict=True)]
-    own = base.jacobian.reshape(-1, len(base.x))
-    keep = np.linalg.qr(own)[0] if len(base.x) else np.zeros((base.residual.size, 0))
+    keep = np.zeros((base.residual.size, 0))
+    if len(base.x):
+        keep = np.linalg.qr(base.jacobian.reshape(-1, len(base.x)))[0]
     out = []
     at = 0
     for suspect in suspects:

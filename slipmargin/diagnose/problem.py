@@ -25,7 +25,7 @@ from slipmargin.sim.pack import pack, stack
 #: Residuals are clipped here [σ]: a run that went wild must not blind the fit to the others.
 _WILD = 1e4
 #: Integration tolerance: its error stays below a hundredth of any camera's noise.
-_RTOL = 1e-5
+_RTOL = 1e-4
 
 
 @final

@@ -21,7 +21,11 @@ from slipmargin.effects import Trace
 #: A suspect is as good as the best one if its cross-validated chi is within this factor and offset.
 AS_GOOD_FACTOR, AS_GOOD_OFFSET = 1.06, 0.02
 #: How many suspects go from the first, short fit to the full one.
-_FINALISTS = 10
+_FINALISTS = 6
+#: A cross-validated chi this close to 1 leaves nothing for another form to explain.
+AT_NOISE = 1.06
+#: How many named effects and general forms get the short one, by the gain their tangent promises.
+_NAMED, _GENERAL = 16, 10
 
 Progress = Callable[[str, float], None]
 
@@ -54,17 +58,26 @@ class State:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Round:
-    """One step of the search: where it started, what was tried (best first), what was taken, if any."""
+    """One step of the search: where it started, what was tried (best first), what was taken, if any.
+
+    ``hopes`` are the gains that the suspects' tangents promise; where none of them could lower chi
+    noticeably, nothing was fitted and ``best`` is None.
+    """
 
     before: State
+    suspects: tuple[Candidate, ...]
+    hopes: tuple[float, ...]
     tried: tuple[State, ...]
-    best: State
+    best: State | None
     p_value: float
     taken: bool
 
     def rivals(self) -> list[State]:
         """States that these trials cannot tell from the best one."""
-        return [s for s in self.tried if s is not self.best and indistinguishable(s, self.best)]
+        best = self.best
+        if best is None:
+            return []
+        return [s for s in self.tried if s is not best and indistinguishable(s, best)]
 
 
 def state_of(problem: Residuals, found: Fit, samples: float) -> State:
@@ -77,11 +90,27 @@ def base_state(problem: Residuals, trials: Array, samples: float) -> State:
     return state_of(problem, evaluate(problem, (), np.zeros(0), trials), samples)
 
 
-def explore(problem: Residuals, before: State, suspects: list[Candidate], progress: Progress) -> list[State]:
-    """Every suspect added to ``before`` and fitted; best cross-validated first.
+def explore(
+    problem: Residuals, before: State, suspects: list[Candidate], slopes: list[Array], progress: Progress
+) -> list[State]:
+    """The promising suspects added to ``before`` and fitted; best cross-validated first.
 
-    All get a short fit from each start; the most promising then a full one.
+    ``slopes`` are the suspects' tangents at null: the gain they promise decides who gets a short fit
+    from each start, and the best of those get a full one.  General forms have their turn where no
+    named effect brings the residual down to the noise.
     """
+    order = np.argsort([promise(before.fit.residual, slope) for slope in slopes])[::-1]
+    named = [suspects[i] for i in order if suspects[i].named][:_NAMED]
+    general = [suspects[i] for i in order if not suspects[i].named][:_GENERAL]
+    states = _fit_best(problem, before, named, progress)
+    if not states or states[0].chi > AT_NOISE:
+        states += _fit_best(problem, before, general, progress)
+    return sorted(states, key=lambda s: float(s.scores.sum()))
+
+
+def _fit_best(
+    problem: Residuals, before: State, suspects: list[Candidate], progress: Progress
+) -> list[State]:
     trials = before.fit.trials
     short: list[Fit] = []
     for i, suspect in enumerate(suspects):
@@ -93,13 +122,24 @@ def explore(problem: Residuals, before: State, suspects: list[Candidate], progre
         ]
         short.append(min(fits, key=lambda f: f.cost))
     short.sort(key=lambda f: f.cost)
-    kept = short[:_FINALISTS]
-    kept += [f for f in short[_FINALISTS:] if f.structure[-1].named and f.cost < 0.9 * before.fit.cost][:6]
-    states = []
-    for i, found in enumerate(kept):
-        progress(f"fitting {found.structure[-1].label}", i / len(kept))
-        states.append(state_of(problem, fit(problem, found.structure, found.x, trials), before.samples))
+    states: list[State] = []
+    for i, found in enumerate(short[:_FINALISTS]):
+        progress(f"fitting {found.structure[-1].label}", i / _FINALISTS)
+        best = min((s.fit.cost for s in states), default=np.inf)
+        full = fit(problem, found.structure, found.x, trials, give_up_above=4.0 * best)
+        states.append(state_of(problem, full, before.samples))
     return sorted(states, key=lambda s: float(s.scores.sum()))
+
+
+def promise(residual: Array, slope: Array) -> float:
+    """Decrease of the sum of squares that a linear step along ``slope`` (R, K, P) promises."""
+    flat = slope.reshape(-1, slope.shape[-1])
+    size = np.linalg.norm(flat, axis=0)
+    flat = flat[:, size > 0.0] / size[size > 0.0]
+    if not flat.shape[1]:
+        return 0.0
+    step = np.linalg.lstsq(flat, residual.ravel(), rcond=1e-8)[0]
+    return float(np.sum((flat @ step) ** 2))
 
 
 def choose(tried: list[State]) -> State:

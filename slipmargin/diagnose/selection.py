@@ -10,12 +10,14 @@ from slipmargin.diagnose.evidence import luck
 from slipmargin.diagnose.fit import fit, tangents
 from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.search import (
+    AT_NOISE,
     Progress,
     Round,
     State,
     base_state,
     choose,
     explore,
+    promise,
     state_of,
 )
 
@@ -43,7 +45,7 @@ def search(
     for number in range(MOST_EFFECTS):
         step = take_step(problem, state, suspects, seed, _staged(progress, f"round {number + 1}"))
         rounds.append(step)
-        if not step.taken:
+        if not step.taken or step.best is None:
             break
         state = step.best
     return _second_look(problem, state, suspects, progress), rounds
@@ -55,13 +57,30 @@ def take_step(
     """Try every suspect that is not yet in ``before`` and judge the best one."""
     inside = {c.label for c in before.structure}
     fresh = [s for s in suspects if s.label not in inside]
-    tried = explore(problem, before, fresh, progress)
+    progress("comparing with every suspect", 0.0)
+    slopes = tangents(problem, before.fit, fresh)
+    hopes = [promise(before.fit.residual, slope) for slope in slopes]
+    step_s = float(np.median(np.concatenate([np.diff(t.t_s) for t in problem.trials])))
+    reachable = np.sqrt(max(0.0, before.chi**2 - max(hopes) / before.samples))
+    if before.chi < AT_NOISE and not worthwhile(before.chi, reachable):
+        p_value = luck(max(hopes), slopes, before.fit.residual, step_s, seed)
+        return Round(
+            before=before,
+            suspects=tuple(fresh),
+            hopes=tuple(hopes),
+            tried=(),
+            best=None,
+            p_value=p_value,
+            taken=False,
+        )
+    tried = explore(problem, before, fresh, slopes, progress)
     best = choose(tried)
     gain = before.fit.cost - best.fit.cost
-    step_s = float(np.median(np.concatenate([np.diff(t.t_s) for t in problem.trials])))
-    p_value = luck(gain, tangents(problem, before.fit, fresh), best.fit.residual, step_s, seed)
+    p_value = luck(gain, slopes, best.fit.residual, step_s, seed)
     return Round(
         before=before,
+        suspects=tuple(fresh),
+        hopes=tuple(hopes),
         tried=tuple(tried),
         best=best,
         p_value=p_value,
@@ -97,12 +116,9 @@ def _second_look(problem: Problem, state: State, suspects: list[Candidate], prog
             continue
         if index < len(state.structure) - 1:
             inside = {c.label for i, c in enumerate(state.structure) if i != index}
-            tried = explore(
-                problem,
-                less,
-                [s for s in suspects if s.label not in inside],
-                _staged(progress, "second look"),
-            )
+            fresh = [s for s in suspects if s.label not in inside]
+            slopes = tangents(problem, less.fit, fresh)
+            tried = explore(problem, less, fresh, slopes, _staged(progress, "second look"))
             best = choose(tried)
             if best.last.label != state.structure[index].label and (
                 best.chi < state.chi or (best.last.named and not state.structure[index].named)

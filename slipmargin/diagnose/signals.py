@@ -26,11 +26,47 @@ def wheel_signal(trial: Trial, commanded: bool) -> WheelSignal:
     if record.theta is not None and np.isfinite(record.theta).any(axis=0).all():
         theta = _bridged(t, record.theta)
         if record.omega is not None and np.isfinite(record.omega).any(axis=0).all():
-            return hermite(t, theta, _bridged(t, record.omega))
+            return _thinned(t, theta, _bridged(t, record.omega))
         return angles(t, theta)
     if record.omega is None:
         raise InputError(trial.name, "has no measured wheel speeds", "add omega{i}_rad_s or theta{i}_rad")
     return linear(t, _bridged(t, record.omega))
+
+
+#: A sample is left out where the cubic through its neighbours meets it this closely [rad], [rad/s].
+_SAME_ANGLE, _SAME_SPEED = 2e-5, 4e-3
+_LONGEST = 32
+
+
+def _thinned(t: Array, theta: Array, omega: Array) -> WheelSignal:
+    """The cubic through as few samples as reproduce all the others: the integrator stops at each."""
+    keep = [0]
+    last = len(t) - 1
+    while keep[-1] < last:
+        start, span = keep[-1], 1
+        while (
+            span < _LONGEST and start + 2 * span <= last and _same(t, theta, omega, start, start + 2 * span)
+        ):
+            span *= 2
+        keep.append(min(start + span, last))
+    return hermite(t[keep], theta[keep], omega[keep])
+
+
+def _same(t: Array, theta: Array, omega: Array, a: int, b: int) -> bool:
+    h = t[b] - t[a]
+    u = ((t[a + 1 : b] - t[a]) / h)[:, None]
+    th0, th1, w0, w1 = theta[a], theta[b], omega[a] * h, omega[b] * h
+    angle = (
+        (1 + 2 * u) * (1 - u) ** 2 * th0
+        + u * (1 - u) ** 2 * w0
+        + u**2 * (3 - 2 * u) * th1
+        + u**2 * (u - 1) * w1
+    )
+    speed = (6 * u * (u - 1) * (th0 - th1) + (3 * u - 1) * (u - 1) * w0 + u * (3 * u - 2) * w1) / h
+    return bool(
+        np.max(np.abs(angle - theta[a + 1 : b])) < _SAME_ANGLE
+        and np.max(np.abs(speed - omega[a + 1 : b])) < _SAME_SPEED
+    )
 
 
 def _bridged(t: Array, values: Array) -> Array:
