@@ -40,7 +40,7 @@ def polar_figure(circle: Sweep, pulls: PullGroups | None = None) -> Figure:
     figure = Figure(figsize=(5.6, 5.6), layout="constrained")
     polar = figure.add_subplot(projection="polar")
     assert isinstance(polar, PolarAxes)
-    draw_polar(polar, circle, pulls)
+    draw_polar(polar, circle, pulls, alone=True)
     return figure
 
 
@@ -68,18 +68,26 @@ def draw_sweep(axes: Axes, sweep: Sweep, pulls: PullGroups | None = None,
     return axes
 
 
-def draw_polar(axes: PolarAxes, circle: Sweep, pulls: PullGroups | None = None) -> PolarAxes:
-    """The same over the direction of the pull as the robot sees it: up is forwards, radius in newtons."""
+def draw_polar(axes: PolarAxes, circle: Sweep, pulls: PullGroups | None = None, *,
+               alone: bool = False) -> PolarAxes:
+    """The same over the direction of the pull as the robot sees it: up is forwards, radius in newtons.
+
+    ``alone``: with a legend for everything, not only for what the plot beside it does not explain.
+    """
     angle = _seen(circle.phi_rad)
     if np.any(circle.f_high_N > circle.f_low_N * (1 + 1e-9)):
-        axes.fill_between(angle, circle.f_low_N, circle.f_high_N, color=SKY, alpha=0.3, lw=0)
-    axes.plot(angle, circle.f_max_N, color=BLUE)
+        axes.fill_between(angle, circle.f_low_N, circle.f_high_N, color=SKY, alpha=0.3, lw=0,
+                          label="roller or rigid under each wheel")
+    axes.plot(angle, circle.f_max_N, color=BLUE, label="all wheels on rollers")
     phi, force = circle.weakest
     weakest = axes.plot([float(_seen(np.array(phi)))], [force], marker="o", ms=5, mfc="white", mec=INK,
-                        ls="none", zorder=6)
-    axes.legend(weakest, [f"weakest: {force:.3g} N"], loc="lower left", bbox_to_anchor=(-0.12, -0.08))
+                        ls="none", zorder=6, label=f"weakest: {force:.3g} N")
     if pulls is not None:
         _scatter(axes, _seen(pulls.phi_rad), pulls)
+    if alone:
+        axes.legend(loc="upper left", bbox_to_anchor=(-0.12, -0.07), ncols=3)
+    else:
+        axes.legend(handles=weakest, loc="lower left", bbox_to_anchor=(-0.12, -0.08))
     axes.set_theta_zero_location("N")
     axes.set_theta_direction(1)
     axes.set_ylim(0, 1.06 * float(np.max(circle.f_high_N)))
@@ -87,7 +95,8 @@ def draw_polar(axes: PolarAxes, circle: Sweep, pulls: PullGroups | None = None) 
     axes.set_rlabel_position(22.5)
     axes.grid(color="#CFCFCF", lw=0.6)
     axes.spines["polar"].set_visible(False)
-    axes.set_title("By direction of the pull, seen from the robot [N]")
+    axes.set_title(f"Pull before a wheel slips, seen from {circle.model.robot} [N]" if alone else
+                   "By direction of the pull, seen from the robot [N]")
     inset = axes.inset_axes((0.385, 0.385, 0.23, 0.23))
     draw_machine(inset, circle.model)
     inset.set_aspect("equal")
