@@ -8,11 +8,12 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array, frozen
+from slipmargin.diagnose.plan_change import PlanChange, plan_change
 from slipmargin.effects import Recipe
 from slipmargin.errors import NoSolution
 from slipmargin.limits.band import band
-from slipmargin.limits.motion_rows import acceleration_rows
-from slipmargin.limits.motion_state import Contact, Motion
+from slipmargin.limits.bounds import directions
+from slipmargin.limits.motion_state import Contact
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.sweep import limit
 from slipmargin.model import Model
@@ -71,6 +72,7 @@ class LimitsChange:
     direction_rad: Array
     before: Limits
     after: Limits
+    plan: PlanChange
 
     @property
     def moved(self) -> bool:
@@ -89,21 +91,29 @@ def limits_change(before: Recipe, after: Recipe, surface: str) -> LimitsChange:
     """
     phi = np.deg2rad(np.arange(_ORIENTATIONS, dtype=float))
     direction = np.linspace(0.0, 2.0 * np.pi, _DIRECTIONS, endpoint=False)
-    one, two = (_limits(recipe.build(surface), phi, direction) for recipe in (before, after))
-    return LimitsChange(phi_rad=phi, direction_rad=direction, before=one, after=two)
+    believed, corrected = before.build(surface), after.build(surface)
+    return LimitsChange(
+        phi_rad=phi,
+        direction_rad=direction,
+        before=_limits(believed, phi, direction),
+        after=_limits(corrected, phi, direction),
+        plan=plan_change(believed, corrected),
+    )
 
 
 def _limits(model: Model, phi: Array, direction: Array) -> Limits:
     pull = Pull()
     low, high = band(model, phi, pull)
+    start, brake = _along(model, direction, Contact.ROLLERS)
+    start_worst, brake_worst = _along(model, direction, Contact.UNKNOWN)
     return Limits(
         f_max_N=_rollers(model, phi, pull),
         f_low_N=low,
         f_high_N=high,
-        start_m_s2=_along(model, direction, 1.0, Contact.ROLLERS),
-        brake_m_s2=_along(model, direction, -1.0, Contact.ROLLERS),
-        start_worst_m_s2=_along(model, direction, 1.0, Contact.UNKNOWN),
-        brake_worst_m_s2=_along(model, direction, -1.0, Contact.UNKNOWN),
+        start_m_s2=start,
+        brake_m_s2=brake,
+        start_worst_m_s2=start_worst,
+        brake_worst_m_s2=brake_worst,
     )
 
 
@@ -117,18 +127,7 @@ def _rollers(model: Model, phi: Array, pull: Pull) -> Array:
         return np.nan_to_num(fault.evidence, nan=0.0)
 
 
-def _along(model: Model, direction: Array, sign: float, contact: Contact) -> Array:
-    """Greatest a along ``sign`` times the direction of motion: the first row that A·d s ≤ b reaches.
-
-    Drag counts at its full value (the published limit, whatever the speed); what a limit cannot know
-    (heading, place) takes its worst value.
-    """
-    way = np.stack([np.cos(direction), np.sin(direction), np.zeros(len(direction))], axis=1)
-    rows = acceleration_rows(model, Motion(velocity=way, saturated=True), contact=contact)
-    along = sign * np.einsum("mra,ma->mr", rows.A, way)
-    size = np.abs(rows.A).max(axis=-1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        reach = np.where(along > 1e-9 * size, rows.b / along, np.inf)
-    found = reach.min(axis=1)
-    blocked = np.any((np.abs(along) <= 1e-9 * size) & (rows.b < -1e-12), axis=1)
-    return np.where(blocked | ~np.isfinite(found), 0.0, np.maximum(found, 0.0))
+def _along(model: Model, direction: Array, contact: Contact) -> tuple[Array, Array]:
+    """Starting and braking limits by direction of motion; a motion that must slip has none."""
+    found = directions(model, direction, contact=contact)
+    return np.maximum(found.starting_m_s2, 0.0), np.maximum(found.braking_m_s2, 0.0)

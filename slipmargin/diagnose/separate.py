@@ -8,19 +8,23 @@ from slipmargin.effects.general import PREFIX
 
 #: What varies one variable while the others stay as they were.
 TRIALS: dict[Trace, str] = {
-    Trace.WHEEL_ANGLE: "drive slowly (a few wheel turns) with the wheel angles logged, several times from different "
-                       "wheel angles",
+    Trace.WHEEL_ANGLE: "drive slowly (a few wheel turns) with the wheel angles logged, several times "
+    "from different "
+    "wheel angles",
     Trace.WHEEL_LOAD: "repeat a manoeuvre with a known weight put over one wheel, then over another",
-    Trace.SLIP_SPEED: "spin the wheels against a wall (or on the spot) at several speeds, so that the slip speed "
-                      "varies and the load does not",
+    Trace.SLIP_SPEED: "spin the wheels against a wall (or on the spot) at several speeds, so that the "
+    "slip speed "
+    "varies and the load does not",
     Trace.SLIP_COUPLING: "pull the robot at 45 degrees to a wheel's drive direction, and straight along it",
     Trace.SLIP_RATIO: "slip by the same amount while rolling slowly and while rolling fast",
     Trace.VELOCITY: "cruise straight at three constant speeds, long enough that starting does not matter",
     Trace.ACCELERATION: "start and stop at different rates along the same line, up to the same speed",
-    Trace.HEADING: "repeat one manoeuvre from the same place with the robot turned by 0, 90, 180 and 270 degrees",
+    Trace.HEADING: "repeat one manoeuvre from the same place with the robot turned by 0, 90, 180 and 270 "
+    "degrees",
     Trace.POSITION: "repeat one manoeuvre with the same heading in different places of the floor",
     Trace.TIME: "repeat one identical run first, in the middle and last, and after a long pause",
-    Trace.CONSTANT_FORCE: "repeat one manoeuvre mirrored: to the left and to the right, forwards and backwards",
+    Trace.CONSTANT_FORCE: "repeat one manoeuvre mirrored: to the left and to the right, forwards and "
+    "backwards",
     Trace.COEFFICIENT: "pull tests with locked wheels, along the drive and along the roller direction",
     Trace.WHEEL: "swap two wheels and repeat the same manoeuvre",
     Trace.ACTUATION: "log the measured wheel speeds beside the commands",

@@ -46,12 +46,21 @@ def report(diagnosis: Diagnosis, change: LimitsChange) -> dict[str, Any]:
         "effects": [_effect(f, wheels) for f in d.findings],
         "limits": {"before": _limits(change.before), "after": _limits(change.after)},
         "limit_curves": _curves(change),
+        "plan": {
+            "move": "1 m diagonally with a quarter turn, slip margin 0.1",
+            "duration_before_s": change.plan.before_s,
+            "duration_after_s": change.plan.after_s,
+            "use_before_believed": change.plan.use_believed,
+            "use_before_corrected": change.plan.use_real,
+        },
         "steps": [_step(s) for s in d.steps],
         "where": [_where(w) for w in d.where],
         "where_after": [_where(w) for w in d.where_after],
         "excitation": d.excitation,
-        "events": [{"trial": e.trial, "t_s": e.t_s, "channel": e.channel, "size_sigma": e.size_sigma}
-                   for e in d.events],
+        "events": [
+            {"trial": e.trial, "t_s": e.t_s, "channel": e.channel, "size_sigma": e.size_sigma}
+            for e in d.events
+        ],
         "outliers": d.outliers,
         "trials": [_trial(t, d) for t in d.trials],
         "remarks": d.remarks,
@@ -59,8 +68,11 @@ def report(diagnosis: Diagnosis, change: LimitsChange) -> dict[str, Any]:
 
 
 def _score(score: Score) -> dict[str, float]:
-    return {"rmse_position_m": score.rmse_position_m, "rmse_heading_rad": score.rmse_heading_rad,
-            "chi": score.chi}
+    return {
+        "rmse_position_m": score.rmse_position_m,
+        "rmse_heading_rad": score.rmse_heading_rad,
+        "chi": score.chi,
+    }
 
 
 def _effect(finding: Finding, wheels: tuple[str, ...]) -> dict[str, Any]:
@@ -87,8 +99,10 @@ def _effect(finding: Finding, wheels: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _estimates(estimates: tuple[Estimate, ...]) -> dict[str, Any]:
-    return {e.name: {"value": e.value, "low": e.low, "high": e.high, "unit": e.unit, "at_bound": e.at_bound}
-            for e in estimates}
+    return {
+        e.name: {"value": e.value, "low": e.low, "high": e.high, "unit": e.unit, "at_bound": e.at_bound}
+        for e in estimates
+    }
 
 
 def _limits(limits: Limits) -> dict[str, float]:
@@ -115,14 +129,27 @@ def _step(step: Step) -> dict[str, Any]:
     return {
         "chi_before": step.chi_before,
         "taken": step.taken,
-        "tried": [{"label": t.label, "traced_to": t.traced_to.value, "named": t.named,
-                   "parameters": t.parameters, "chi": t.chi} for t in step.tried],
+        "tried": [
+            {
+                "label": t.label,
+                "traced_to": t.traced_to.value,
+                "named": t.named,
+                "parameters": t.parameters,
+                "chi": t.chi,
+            }
+            for t in step.tried
+        ],
     }
 
 
 def _where(dependence: Dependence) -> dict[str, Any]:
-    return {"variable": dependence.variable, "channel": dependence.channel, "share": dependence.share,
-            "surprise": dependence.surprise, "p_value": dependence.p_value}
+    return {
+        "variable": dependence.variable,
+        "channel": dependence.channel,
+        "share": dependence.share,
+        "surprise": dependence.surprise,
+        "p_value": dependence.p_value,
+    }
 
 
 def _trial(trial: Trace3, diagnosis: Diagnosis) -> Mapping[str, Any]:
@@ -136,9 +163,10 @@ def _trial(trial: Trace3, diagnosis: Diagnosis) -> Mapping[str, Any]:
     }
 
 
-def trial_chi(trial: Trace3, predicted: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
-              diagnosis: Diagnosis) -> float:
+def trial_chi(
+    trial: Trace3, predicted: np.ndarray[tuple[int, ...], np.dtype[np.float64]], diagnosis: Diagnosis
+) -> float:
     """Root mean square of (measured − predicted) / noise over one run; NaN where nothing was seen."""
-    gap = ((trial.measured - predicted) / diagnosis.noise)
+    gap = (trial.measured - predicted) / diagnosis.noise
     seen = gap[np.isfinite(gap)]
     return float(np.sqrt(np.mean(seen**2))) if len(seen) else float("nan")

@@ -6,6 +6,7 @@ import math
 import sys
 
 from slipmargin.diagnose.diagnosis import Diagnosis, Estimate, Finding, Score, Verdict
+from slipmargin.diagnose.plan_change import PlanChange
 from slipmargin.effects import Effect, Trace
 
 #: The variable of a trace as a reader would say it.
@@ -27,19 +28,28 @@ VARIABLES: dict[Trace, str] = {
     Trace.MEASUREMENT: "how the pose is measured",
 }
 
+#: Channels of the residual rate, seen from the robot.
+CHANNEL_WORDS = {"right": "sideways", "forward": "forwards", "turn": "turning"}
+
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """The answer in one sentence."""
     d = diagnosis
     if d.verdict is Verdict.NO_MISSING_EFFECT:
-        return ("No missing effect: the model predicts runs it has not seen as well as the noise and the log "
-                f"allow (chi {d.after.chi:.3g}; 1 is pure noise).")
+        return (
+            "No missing effect: the model predicts runs it has not seen as well as the noise and the log "
+            f"allow (chi {d.after.chi:.3g}; 1 is pure noise)."
+        )
     if d.verdict is Verdict.UNEXPLAINED:
-        return (f"Unexplained: the model misses something (chi {d.before.chi:.3g} on held-out runs; 1 is pure "
-                "noise), but no suspect explains it beyond chance.")
+        return (
+            f"Unexplained: the model misses something (chi {d.before.chi:.3g} on held-out runs; 1 is pure "
+            "noise), but no suspect explains it beyond chance."
+        )
     names = _and([f"{f.name} (depends on {VARIABLES[f.traced_to]})" for f in d.findings])
-    return (f"The model lacks {names}; with {'it' if len(d.findings) == 1 else 'them'} the error on held-out "
-            f"runs falls from {error(d.before)} to {error(d.after)}.")
+    return (
+        f"The model lacks {names}; with {'it' if len(d.findings) == 1 else 'them'} the error on held-out "
+        f"runs falls from {error(d.before)} to {error(d.after)}."
+    )
 
 
 def meaning(finding: Finding) -> str:
@@ -47,14 +57,15 @@ def meaning(finding: Finding) -> str:
     if isinstance(finding.effect, Effect):
         text = sys.modules[type(finding.effect).__module__].__doc__ or ""
         return " ".join(text.split())
-    return (f"An effect that no entry of the catalogue explains: it depends on {VARIABLES[finding.traced_to]}, "
-            "and is added in a general form.")
+    return "An effect that no entry of the catalogue explains, added in a general form."
 
 
 def error(score: Score) -> str:
     """Held-out error: position in mm, heading in mrad, chi."""
-    return (f"{1e3 * score.rmse_position_m:.3g} mm and {1e3 * score.rmse_heading_rad:.3g} mrad "
-            f"(chi {score.chi:.3g})")
+    return (
+        f"{1e3 * score.rmse_position_m:.3g} mm and {1e3 * score.rmse_heading_rad:.3g} mrad "
+        f"(chi {score.chi:.3g})"
+    )
 
 
 def interval(estimate: Estimate) -> str:
@@ -97,9 +108,31 @@ def _and(parts: list[str]) -> str:
     return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
 
 
-def force_change(before: float, after: float) -> str:
-    """``4.92 N → 4.51 N (−8 %)``."""
-    if before <= 0.0:
-        return f"{before:.3g} N → {after:.3g} N"
+def percent(before: float, after: float) -> str:
+    """``−38 %``."""
+    if not before > 0.0:
+        return "unchanged" if after == before else ""
     share = 100.0 * (after / before - 1.0)
-    return f"{before:.3g} N → {after:.3g} N" + (" (unchanged)" if abs(share) < 0.05 else f" ({share:+.1f} %)")
+    if abs(share) < 0.05:
+        return "unchanged"
+    return f"{share:+.{0 if abs(share) >= 10.0 else 1}f} %".replace("-", "−")
+
+
+def plan_sentence(change: PlanChange) -> str:
+    """What became of the standard move."""
+    move = "A standard move (1 m diagonally with a quarter turn, a tenth of the grip in reserve)"
+    if change.before_s is None or change.use_believed is None:
+        return f"{move} has no plan without slip in the model as believed."
+    old = f"{move} was planned to take {change.before_s:.3g} s with the model as believed"
+    if change.use_real is None or change.use_real > 1.0:
+        share = (
+            ""
+            if change.use_real is None
+            else f" (it asks a wheel for {100 * change.use_real:.0f} % of its grip)"
+        )
+        verdict = f"the corrected model says that this plan slips{share}"
+    else:
+        verdict = f"by the corrected model it takes up to {100 * change.use_real:.0f} % of a wheel's grip"
+    if change.after_s is None:
+        return f"{old}; {verdict}, and finds no way to make the move without slip."
+    return f"{old}; {verdict}. Planned anew it takes {change.after_s:.3g} s."

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
-
 from diagnoses import diagnosis, unnamed, wheel_loads
+from hypothesis import given, settings, strategies as st
+
 from slipmargin.diagnose.diagnosis import Diagnosis, Estimate, Verdict
 from slipmargin.diagnose.limits_change import limits_change
 from slipmargin.effects import Trace
@@ -48,12 +48,22 @@ def test_effect_entry() -> None:
     (effect,) = read(diagnosis())["effects"]
     assert effect["name"] == "wheel_loads" and effect["traced_to"] == "wheel_load"
     assert effect["wheels"] == ["right", "left", "rear"]  # all, spelled out
-    assert effect["parameters"]["shift_x_m"] == {"value": 0.012, "low": 0.0115, "high": 0.0125, "unit": "m",
-                                                 "at_bound": False}
+    assert effect["parameters"]["shift_x_m"] == {
+        "value": 0.012,
+        "low": 0.0115,
+        "high": 0.0125,
+        "unit": "m",
+        "at_bound": False,
+    }
     assert effect["derived"]["load_fraction1"]["value"] == 0.41
     assert effect["evidence"] | {"separated_by": {}} == {
-        "chi_without": 24.0, "chi_with": 1.06, "p_value": 0.001, "candidates_tried": 41, "confused_with": [],
-        "separated_by": {}}
+        "chi_without": 24.0,
+        "chi_with": 1.06,
+        "p_value": 0.001,
+        "candidates_tried": 41,
+        "confused_with": [],
+        "separated_by": {},
+    }
 
 
 def test_wheels_of_a_finding_on_one_wheel() -> None:
@@ -93,6 +103,7 @@ def test_trial_chi_is_the_root_mean_square_of_what_was_seen() -> None:
     assert math.isnan(trial_chi(replace(trial, measured=np.full_like(holes, np.nan)), trial.before, d))
 
 
+@settings(max_examples=15, deadline=None)
 @given(st.lists(st.sampled_from(list(Trace)), max_size=3), st.floats(0.0, 1.0))
 def test_any_finding_is_json(traces: list[Trace], p_value: float) -> None:
     found = read(diagnosis(findings=tuple(wheel_loads(traced_to=t, p_value=p_value) for t in traces)))

@@ -1,0 +1,291 @@
+"""``report.html``: a diagnosis for somebody who has five minutes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from slipmargin.diagnose.diagnosis import Diagnosis, Verdict
+from slipmargin.diagnose.limits_change import LimitsChange
+from slipmargin.io.report_json import trial_chi
+from slipmargin.plots import diagnosis_words as words
+from slipmargin.plots.diagnosis import held_out_figure, residual_figure, suspects_figure, where_figure
+from slipmargin.plots.diagnosis_evidence import evidence, next_steps, parameters
+from slipmargin.plots.limits_change import limits_figure
+from slipmargin.plots.page import (
+    Block,
+    Bullets,
+    Fact,
+    Facts,
+    Fold,
+    Page,
+    Picture,
+    Section,
+    Table,
+    Text,
+    html,
+)
+
+_KIND = {Verdict.EFFECT_FOUND: "good", Verdict.NO_MISSING_EFFECT: "good", Verdict.UNEXPLAINED: "attention"}
+
+
+def page_text(diagnosis: Diagnosis, change: LimitsChange) -> str:
+    """The whole page as HTML text."""
+    return html(page(diagnosis, change))
+
+
+def page(diagnosis: Diagnosis, change: LimitsChange) -> Page:
+    """The page as data: verdict, measurement, misfit, reason, evidence, parameters, limits, next steps."""
+    d = diagnosis
+    found = bool(d.findings)
+    sections = [
+        Section(heading="The answer in numbers", blocks=(_facts(d, change),)),
+        Section(heading="What was measured", blocks=_measured(d)),
+        Section(
+            heading="What did not fit" if d.verdict is not Verdict.NO_MISSING_EFFECT else "How it fits",
+            blocks=_misfit(d),
+        ),
+        Section(heading="Why: the suspects", blocks=_suspects(d)),
+        Section(heading="The evidence: runs that no fit has seen", blocks=(*evidence(d), _held_out(d))),
+    ]
+    if found:
+        sections.append(Section(heading="What was found", blocks=parameters(d)))
+        sections.append(Section(heading="What it changes", blocks=_limits(change)))
+    sections.append(Section(heading="What to do next", blocks=next_steps(d)))
+    sections.append(Section(heading="Details", blocks=_details(d)))
+    return Page(
+        title=f"Diagnosis of {d.recipe.robot.name} on {d.surface}: data set {d.data_set}",
+        lead=words.verdict_sentence(d),
+        lead_kind=_KIND[d.verdict],
+        sections=tuple(sections),
+        foot="Written by slipmargin diagnose. chi is the root mean square of (measured − predicted) / "
+        "noise over "
+        "x, y and heading: 1 is pure noise.",
+    )
+
+
+def _facts(d: Diagnosis, change: LimitsChange) -> Facts:
+    def pair(before: float, after: float, unit: str) -> str:
+        if not d.findings:
+            return f"{after:.3g} {unit}".strip()
+        return f"{before:.3g} → {after:.3g} {unit}".strip()
+
+    held = "runs that no fit has seen"
+    facts = [
+        Fact(
+            label="Position error",
+            note=held,
+            value=pair(1e3 * d.before.rmse_position_m, 1e3 * d.after.rmse_position_m, "mm"),
+        ),
+        Fact(
+            label="Heading error",
+            note=held,
+            value=pair(1e3 * d.before.rmse_heading_rad, 1e3 * d.after.rmse_heading_rad, "mrad"),
+        ),
+        Fact(
+            label="Error over noise (chi)", value=pair(d.before.chi, d.after.chi, ""), note="1 is pure noise"
+        ),
+        Fact(
+            label="Weakest pull before slip",
+            note="over all orientations, on rollers",
+            value=pair(change.before.f_max_min_N, change.after.f_max_min_N, "N"),
+        ),
+    ]
+    return Facts(facts=tuple(facts))
+
+
+def _measured(d: Diagnosis) -> tuple[Block, ...]:
+    spans = np.array([t.t_s[-1] - t.t_s[0] for t in d.trials])
+    step = float(np.median(np.concatenate([np.diff(t.t_s) for t in d.trials])))
+    sigma = "estimated from the data" if d.noise_estimated else "as stated with the data"
+    x, y, phi = (float(v) for v in 1e3 * d.noise)
+    held = (
+        f"Each run was predicted with parameters fitted to the others (cross-validation over {len(d.trials)} "
+        "runs)."
+        if d.cross_validated
+        else f"{len(d.held_out)} of them ({', '.join(d.held_out)}) were set aside before any fit."
+    )
+    items = [
+        f"{len(d.trials)} runs of {_range(spans)} s, a sample every {1e3 * step:.3g} ms. {held}",
+        f"Measurement noise, {sigma}: {x:.2g} mm in x, {y:.2g} mm in y, {phi:.2g} mrad in heading.",
+    ]
+    if d.outliers:
+        items.append(f"{d.outliers} outlying sample{'s' if d.outliers != 1 else ''} left out.")
+    for e in d.events:
+        items.append(
+            f"An event, not physics: in {e.trial} at {e.t_s:.3g} s `{e.channel}` jumps by "
+            f"{e.size_sigma:.3g} times the noise (a bump, a lost camera frame, a hand)."
+        )
+    known = [e.name for e in d.recipe.effects]
+    if known:
+        items.append(f"The robot file already holds: {', '.join(f'`{name}`' for name in known)}.")
+    return (Bullets(items=tuple(items)),)
+
+
+def _range(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> str:
+    low, high = float(values.min()), float(values.max())
+    return f"{low:.3g}" if high - low < 0.05 * high else f"{low:.3g} to {high:.3g}"
+
+
+def _misfit(d: Diagnosis) -> tuple[Block, ...]:
+    worst = max(d.trials, key=lambda t: np.nan_to_num(trial_chi(t, t.before, d)))
+    chi = trial_chi(worst, worst.before, d)
+    if d.verdict is Verdict.NO_MISSING_EFFECT:
+        first = (
+            f"Nothing sticks out. The run that fits worst ({worst.name}) has chi {chi:.3g}: the colours "
+            f"below are "
+            "the noise of the measurement."
+        )
+    else:
+        first = (
+            f"The model as it stands, before any fit. The run that fits worst ({worst.name}) is off by "
+            f"{chi:.3g} times the noise."
+        )
+    blocks: list[Block] = [
+        Text(text=first),
+        Picture(
+            figure=residual_figure(d),
+            alt="Heat map: a row for each run, time along it, colour the residual in units of the noise",
+            caption="Measured minus predicted, one row a run. White is a perfect prediction, pale "
+            "colours are "
+            "noise; grey was not measured. The colour scale is linear up to 3 σ, logarithmic beyond.",
+        ),
+    ]
+    if d.where:
+        blocks += [
+            Text(text=_follows(d)),
+            Picture(
+                figure=where_figure(d),
+                alt="Bars: share of the residual explained by each variable and channel",
+                caption="How much of the unexplained motion each measured variable accounts for, seen from "
+                "the robot (sideways, forwards, turning). Variables go together (a robot that "
+                "accelerates also slips), so this is a hint; the fits below decide.",
+            ),
+        ]
+    return tuple(blocks)
+
+
+def _follows(d: Diagnosis) -> str:
+    sure = [w for w in d.where if w.p_value <= 0.05]
+    if not sure:
+        return "The residual follows no measured variable more than chance would."
+    best = max(sure, key=lambda w: w.share)
+    return (
+        f"The residual follows most closely: {words.plain(best.variable)} ({100 * best.share:.0f} % of its "
+        f"{words.CHANNEL_WORDS[best.channel]} part)."
+    )
+
+
+def _suspects(d: Diagnosis) -> tuple[Block, ...]:
+    if not d.steps:
+        return (Text(text="No suspect was tried."),)
+    tried = max([*(len(s.tried) for s in d.steps), *(f.candidates_tried for f in d.findings)])
+    text = (
+        f"{tried} suspects were fitted in turn by simulation: effects with a name, and for every "
+        f"measured variable "
+        "a general form with free coefficients. Each is judged on runs that it was not fitted to, so more "
+        "parameters are no advantage. The best is taken if its gain is beyond luck for that many suspects; "
+        "then the search starts again with it in the model."
+    )
+    return (
+        Text(text=text),
+        Picture(
+            figure=suspects_figure(d),
+            alt="Dots: error of every suspect on runs it was not fitted to",
+            caption="Error that remains with each suspect added (further left is better). Filled: an effect "
+            "with a name; open: a general form over one variable; orange: taken.",
+        ),
+    )
+
+
+def _held_out(d: Diagnosis) -> Picture:
+    if d.findings:
+        caption = "Runs that no fit has seen. Where blue runs through the dots, the correction predicts them."
+    else:
+        caption = "Measured runs and the model's prediction of them."
+    return Picture(
+        figure=held_out_figure(d),
+        alt="Measured and predicted paths and headings of held-out runs",
+        caption=caption,
+    )
+
+
+def _limits(change: LimitsChange) -> tuple[Block, ...]:
+    if not change.moved:
+        return (
+            Text(
+                text="No limit changes: what was found is in how the motion is commanded or measured, "
+                "not in what "
+                "the wheels can do."
+            ),
+        )
+    b, a = change.before, change.after
+    rows = (
+        ("Pull, weakest orientation", b.f_max_min_N, a.f_max_min_N, "N"),
+        ("Pull, mean over orientations", b.f_max_mean_N, a.f_max_mean_N, "N"),
+        ("Pull, lowest over what wheels may stand on", float(b.f_low_N.min()), float(a.f_low_N.min()), "N"),
+        ("Speeding up, worst direction", float(b.start_m_s2.min()), float(a.start_m_s2.min()), "m/s²"),
+        ("Speeding up, mean", float(b.start_m_s2.mean()), float(a.start_m_s2.mean()), "m/s²"),
+        ("Braking, worst direction", float(b.brake_m_s2.min()), float(a.brake_m_s2.min()), "m/s²"),
+        ("Braking, mean", float(b.brake_m_s2.mean()), float(a.brake_m_s2.mean()), "m/s²"),
+    )
+    table = Table(
+        caption="Limits of the machine as believed and as corrected",
+        head=("limit", "believed", "corrected", "change"),
+        rows=tuple(
+            (name, f"{one:.3g} {unit}", f"{two:.3g} {unit}", words.percent(one, two))
+            for name, one, two, unit in rows
+        ),
+    )
+    return (
+        table,
+        Text(text=words.plan_sentence(change.plan)),
+        Picture(
+            figure=limits_figure(change),
+            alt="Polar plots of limits before and after",
+            caption="Seen from above, forwards is up: the pull at the centre that first makes a wheel "
+            "slip, and the accelerations along a straight line without turning.",
+        ),
+    )
+
+
+def _details(d: Diagnosis) -> tuple[Block, ...]:
+    runs = Table(
+        caption="Error over noise (chi) of every run",
+        head=("run", "seen by the fit", "before", "after"),
+        rows=tuple(
+            (
+                t.name,
+                "no" if t.held_out else "yes",
+                f"{trial_chi(t, t.before, d):.3g}",
+                f"{trial_chi(t, t.after, d):.3g}",
+            )
+            for t in d.trials
+        ),
+    )
+    blocks: list[Block] = [Fold(summary="Every run", blocks=(runs,))]
+    for number, step in enumerate(d.steps, 1):
+        rows = tuple(
+            (f"`{t.label}`", t.traced_to.value, str(t.parameters), f"{t.chi:.4g}") for t in step.tried
+        )
+        blocks.append(
+            Fold(
+                summary=f"Every suspect of round {number}",
+                blocks=(
+                    Table(
+                        caption=f"Without any of them chi is {step.chi_before:.4g}",
+                        head=("suspect", "variable", "parameters", "chi"),
+                        rows=rows,
+                    ),
+                ),
+            )
+        )
+    if d.excitation:
+        text = (
+            "Singular values of the fit's whitened Jacobian per unit of parameter: "
+            + ", ".join(f"{v:.3g}" for v in d.excitation)
+            + ". A value near or below 1 is a combination of parameters about which these runs say nothing."
+        )
+        blocks.append(Fold(summary="How well the runs excite the parameters", blocks=(Text(text=text),)))
+    if d.remarks:
+        blocks.append(Bullets(items=d.remarks))
+    return tuple(blocks)

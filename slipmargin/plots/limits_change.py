@@ -1,0 +1,79 @@
+"""Limits before and after a correction, by direction."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.projections.polar import PolarAxes
+from matplotlib.ticker import MaxNLocator
+
+from slipmargin.checks import Array
+from slipmargin.diagnose.limits_change import LimitsChange
+from slipmargin.plots.style import BLUE, RED, SKY, styled
+
+BEFORE, AFTER = RED, BLUE
+
+
+@styled
+def limits_figure(change: LimitsChange) -> Figure:
+    """F_emax over the direction of the pull, and the acceleration bounds, before and after."""
+    figure = Figure(figsize=(11.0, 4.6), layout="constrained")
+    before, after = change.before, change.after
+    pull = (
+        -change.phi_rad - np.pi / 2,
+        "Pull before a wheel slips [N]",
+        (before.f_max_N, before.f_low_N, before.f_high_N),
+        (after.f_max_N, after.f_low_N, after.f_high_N),
+    )
+    # Direction d points from body +x counter-clockwise; forwards is up.
+    way = change.direction_rad - np.pi / 2
+    start = (
+        way,
+        "Speeding up without slip [m/s²]",
+        (before.start_m_s2, before.start_worst_m_s2, before.start_m_s2),
+        (after.start_m_s2, after.start_worst_m_s2, after.start_m_s2),
+    )
+    brake = (
+        way,
+        "Braking without slip [m/s²]",
+        (before.brake_m_s2, before.brake_worst_m_s2, before.brake_m_s2),
+        (after.brake_m_s2, after.brake_worst_m_s2, after.brake_m_s2),
+    )
+    for k, (angle, title, one, two) in enumerate((pull, start, brake), 1):
+        axes = figure.add_subplot(1, 3, k, projection="polar")
+        assert isinstance(axes, PolarAxes)
+        _polar(axes, angle, one, two)
+        axes.set_title(title, pad=14)
+    marks = [
+        Line2D([], [], color=BEFORE, ls=(0, (4, 2)), label="as believed"),
+        Line2D([], [], color=AFTER, label="corrected"),
+    ]
+    if any(np.any(o[2] > o[1] * (1 + 1e-6) + 1e-9) for o in (pull[3], start[3], brake[3])):
+        marks.append(Line2D([], [], color=SKY, lw=7, alpha=0.35, label="depends on what the wheels stand on"))
+    figure.legend(handles=marks, loc="outside lower center", ncols=3)
+    return figure
+
+
+def _polar(
+    axes: PolarAxes, angle: Array, before: tuple[Array, Array, Array], after: tuple[Array, Array, Array]
+) -> None:
+    ring = np.append(angle, angle[0] + math.copysign(2.0 * np.pi, angle[1] - angle[0]))
+
+    def closed(values: Array) -> Array:
+        return np.append(values, values[0])
+
+    if np.any(after[2] > after[1] * (1 + 1e-6) + 1e-9):
+        axes.fill_between(ring, closed(after[1]), closed(after[2]), color=SKY, alpha=0.3, lw=0)
+    axes.plot(ring, closed(before[0]), color=BEFORE, ls=(0, (4, 2)), lw=1.5)
+    axes.plot(ring, closed(after[0]), color=AFTER)
+    top = 1.08 * max(float(after[2].max()), float(before[0].max()), 1e-6)
+    axes.set_theta_zero_location("N")
+    axes.set_ylim(0.0, top)
+    axes.set_thetagrids(range(0, 360, 45), ["forwards", "", "left", "", "backwards", "", "right", ""])
+    axes.set_yticks([v for v in MaxNLocator(4).tick_values(0.0, top) if 0.0 < v < 0.97 * top])
+    axes.set_rlabel_position(22.5)
+    axes.grid(color="#CFCFCF", lw=0.6)
+    axes.spines["polar"].set_visible(False)

@@ -1,0 +1,212 @@
+"""One self-contained HTML page: style and pictures inside, no script, nothing fetched.
+
+A page is data (frozen blocks); :func:`html` writes it.  It reads well on a telephone, in the dark, on
+paper and by a screen reader: real headings, table heads, captions, and a text for each picture.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from io import StringIO
+from typing import final
+
+from matplotlib.figure import Figure
+
+from slipmargin.plots.page_style import CSS
+from slipmargin.plots.style import styled
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Text:
+    """A paragraph; `words in backticks` are set as code."""
+
+    text: str
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bullets:
+    """A list, numbered where the order matters."""
+
+    items: tuple[str, ...]
+    numbered: bool = False
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Table:
+    """Rows of cells under a head; every column but the first is right-aligned where ``numbers``."""
+
+    caption: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    numbers: bool = True
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fact:
+    """One large number: what it is, its value, a note beneath."""
+
+    label: str
+    value: str
+    note: str = ""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Facts:
+    """Facts side by side."""
+
+    facts: tuple[Fact, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Picture:
+    """A figure, what it shows for who cannot see it, and its caption."""
+
+    figure: Figure
+    alt: str
+    caption: str
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Code:
+    """Text to copy, as it is."""
+
+    text: str
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fold:
+    """Details that a reader opens when wanted; open on paper."""
+
+    summary: str
+    blocks: tuple[Block, ...]
+
+
+Block = Text | Bullets | Table | Facts | Picture | Code | Fold
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Section:
+    """A heading and what stands under it."""
+
+    heading: str
+    blocks: tuple[Block, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Page:
+    """A title, the answer in one sentence, sections, and a last line."""
+
+    title: str
+    lead: str
+    sections: tuple[Section, ...]
+    foot: str = ""
+    lead_kind: str = "plain"  #: "good", "attention" or "plain": the colour of the bar beside the lead
+
+
+@styled
+def html(page: Page) -> str:
+    """The page's text (UTF-8), the same for the same content."""
+    pictures = [0]
+    body = [
+        f"<header><h1>{_rich(page.title)}</h1>",
+        f'<p class="lead {escape(page.lead_kind)}">{_rich(page.lead)}</p>',
+        "</header>",
+        "<main>",
+    ]
+    for number, section in enumerate(page.sections, 1):
+        body.append(
+            f'<section aria-labelledby="s{number}">\n<h2 id="s{number}">{_rich(section.heading)}</h2>'
+        )
+        body += [_block(block, pictures) for block in section.blocks]
+        body.append("</section>")
+    body.append("</main>")
+    if page.foot:
+        body.append(f"<footer>{_rich(page.foot)}</footer>")
+    return (
+        "<!DOCTYPE html>\n"
+        '<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        '<meta name="color-scheme" content="light dark">\n'
+        f"<title>{escape(page.title.replace('`', ''))}</title>\n<style>{CSS}</style>\n</head>\n<body>\n"
+        + "\n".join(body)
+        + "\n</body>\n</html>\n"
+    )
+
+
+def _block(block: Block, pictures: list[int]) -> str:
+    if isinstance(block, Text):
+        return f"<p>{_rich(block.text)}</p>"
+    if isinstance(block, Bullets):
+        tag = "ol" if block.numbered else "ul"
+        return f"<{tag}>" + "".join(f"<li>{_rich(item)}</li>" for item in block.items) + f"</{tag}>"
+    if isinstance(block, Table):
+        return _table(block)
+    if isinstance(block, Facts):
+        return '<dl class="facts">' + "".join(map(_fact, block.facts)) + "</dl>"
+    if isinstance(block, Code):
+        return f'<pre tabindex="0">{escape(block.text)}</pre>'
+    if isinstance(block, Fold):
+        inside = "\n".join(_block(b, pictures) for b in block.blocks)
+        return f"<details><summary>{_rich(block.summary)}</summary>\n{inside}\n</details>"
+    pictures[0] += 1
+    return (
+        f'<figure>\n<div class="plot" tabindex="0">{svg(block.figure, f"p{pictures[0]}", block.alt)}</div>\n'
+        f"<figcaption>{_rich(block.caption)}</figcaption>\n</figure>"
+    )
+
+
+def _fact(fact: Fact) -> str:
+    note = f'<dd class="note">{_rich(fact.note)}</dd>' if fact.note else ""
+    return f"<div><dt>{_rich(fact.label)}</dt><dd>{_rich(fact.value)}</dd>{note}</div>"
+
+
+def _table(table: Table) -> str:
+    kind = ' class="numbers"' if table.numbers else ""
+    head = "".join(f'<th scope="col">{_rich(cell)}</th>' for cell in table.head)
+    rows = "".join(
+        "<tr>"
+        + f'<th scope="row">{_rich(row[0])}</th>'
+        + "".join(f"<td>{_rich(cell)}</td>" for cell in row[1:])
+        + "</tr>\n"
+        for row in table.rows
+    )
+    return (
+        f'<div class="wide" tabindex="0"><table{kind}><caption>{_rich(table.caption)}</caption>\n'
+        f"<thead><tr>{head}</tr></thead>\n<tbody>{rows}</tbody></table></div>"
+    )
+
+
+def _rich(text: str) -> str:
+    return re.sub(r"`([^`]*)`", r"<code>\1</code>", escape(text, quote=False))
+
+
+def svg(figure: Figure, prefix: str, alt: str) -> str:
+    """A figure as inline SVG with identifiers of its own, named for a screen reader."""
+    out = StringIO()
+    figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
+    text = out.getvalue()
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, count=1, flags=re.DOTALL)
+    text = re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>{prefix}-", text)
+    least = round(0.55 * 96.0 * figure.get_figwidth())
+    head = f'<svg role="img" aria-label="{escape(alt)}" style="min-width:{least}px"'
+    text = re.sub(r"<svg\b", head, text, count=1)
+    return text.strip()
+
+
+def paragraphs(texts: Sequence[str]) -> tuple[Text, ...]:
+    """Several paragraphs."""
+    return tuple(Text(text=text) for text in texts)
