@@ -17,6 +17,8 @@ from slipmargin.solve.program import ConeFamily, ConeKind, ConeProgram, Solution
 
 #: Relative gap and feasibility asked of the solver [1].
 TOLERANCE = 1e-10
+#: A solution that the solver calls almost solved must be proven to this [1].
+ALMOST = 1e-8
 
 
 def solve(program: ConeProgram) -> Solution:
@@ -29,9 +31,7 @@ def solve(program: ConeProgram) -> Solution:
     """
     solver = _solver(program, program.a, program.b, program.a != 0.0)
     answer = solver.solve()
-    _accept(answer.status, program)
-    return Solution(program=program, x=np.array(answer.x), s=np.array(answer.s), z=np.array(answer.z),
-                    solver="Clarabel")
+    return _accept(answer, program)
 
 
 def solve_family(family: ConeFamily) -> tuple[Array, Array, Array]:
@@ -64,7 +64,7 @@ def solve_family(family: ConeFamily) -> tuple[Array, Array, Array]:
             solver.update(b=(moving_b, changes_b[m]))
         answer = solver.solve()
         if answer.status != clarabel.SolverStatus.Solved:
-            _accept(answer.status, family.program(m))
+            _accept(answer, family.program(m))
         x[m], s[m], z[m] = answer.x, answer.s, answer.z
     return x, s, z
 
@@ -92,9 +92,12 @@ def _solver(form: ConeProgram | ConeFamily, a: Array, b: Array,
                                   settings)
 
 
-def _accept(status: clarabel.SolverStatus, program: ConeProgram) -> None:
+def _accept(answer: clarabel.DefaultSolution, program: ConeProgram) -> Solution:
+    status = answer.status
     if status in (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved):
-        return
+        found = Solution(program=program, x=np.array(answer.x), s=np.array(answer.s), z=np.array(answer.z),
+                         solver="Clarabel")
+        return found if status == clarabel.SolverStatus.Solved else found.proven(ALMOST)
     why, cure = {
         clarabel.SolverStatus.PrimalInfeasible: ("no point satisfies every row", "relax a bound"),
         clarabel.SolverStatus.DualInfeasible: ("its value has no bound", "bound the force"),

@@ -16,9 +16,8 @@ from slipmargin.solve.program import ConeKind, ConeProgram, Solution
 
 cp: Any = cvxpy  # its functions are not declared to type checkers
 
-#: Relative gap and feasibility asked of the solver [1].
-TOLERANCE = 1e-10
-_SETTINGS = {"tol_gap_abs": TOLERANCE, "tol_gap_rel": TOLERANCE, "tol_feas": TOLERANCE}
+#: Relative gap and feasibility asked of the solver [1]; second-order cones stall below 1e-9.
+TOLERANCE, CONE_TOLERANCE = 1e-10, 1e-9
 
 
 def solve(program: ConeProgram) -> Solution:
@@ -41,7 +40,8 @@ def solve(program: ConeProgram) -> Solution:
         else:
             constraints.append(cp.SOC(part[0], part[1:]))
     problem = cp.Problem(cp.Minimize(program.c @ x), constraints)
-    _run(problem, program.what)
+    round_ = any(block.kind is ConeKind.SECOND_ORDER for block in program.blocks)
+    _run(problem, program.what, CONE_TOLERANCE if round_ else TOLERANCE)
     s = program.b - program.a @ x.value
     z = np.zeros(len(program.b))
     for (block, at), constraint in zip(program.slices(), constraints, strict=True):
@@ -104,18 +104,17 @@ def block_cone(maps: Array, radii: Array, strips: Array, rays: Array) -> Array:
     balance = cp.multiply(rays.T / size, np.ones((3, 1)) @ reach)
     constraints = []
     for i in range(maps.shape[1]):
-        force = cp.Variable((2, count))
-        balance = balance + (maps[:, i] / size) @ force
-        scaled = cp.multiply(np.repeat((unit / radii[i])[:, None], count, axis=1), force)
-        constraints.append(cp.norm(scaled, 2, axis=0) <= 1.0)
-        if np.isfinite(strips[i]):
-            constraints.append(cp.abs(force[1]) <= strips[i] / unit)
+        share = cp.Variable((2, count))  # of each semi-axis
+        balance = balance + (maps[:, i] * (radii[i] / unit) / size) @ share
+        constraints.append(cp.norm(share, 2, axis=0) <= 1.0)
+        if strips[i] < radii[i, 1]:
+            constraints.append(cp.abs(share[1]) <= strips[i] / radii[i, 1])
     constraints.append(balance == 0)
-    _run(cp.Problem(cp.Maximize(cp.sum(reach)), constraints), f"{count} pulls as one problem")
+    _run(cp.Problem(cp.Maximize(cp.sum(reach)), constraints), f"{count} pulls as one problem", CONE_TOLERANCE)
     return np.asarray(reach.value[0] * unit)
 
 
-def _run(problem: Any, what: str) -> None:
-    problem.solve(solver=cp.CLARABEL, **_SETTINGS)
-    if problem.status not in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE):
+def _run(problem: Any, what: str, tolerance: float = TOLERANCE) -> None:
+    problem.solve(solver=cp.CLARABEL, tol_gap_abs=tolerance, tol_gap_rel=tolerance, tol_feas=tolerance)
+    if problem.status != cp.OPTIMAL:
         raise NoSolution(what, f"cvxpy found it {problem.status}", "relax a bound", problem)
