@@ -101,7 +101,7 @@ def run(P: Any, knots: Any, coef: Any, spin: Any, commanded: bool, pt: Any, pw: 
         y[r] = y0[r]
     pushed = len(pt) > 0
     pose = P[at.BY_HEADING] > 0 or P[at.BY_POSITION] > 0 or pushed
-    by_time = P[_BY_TIME] > 0 or pushed
+    by_time = P[_BY_TIME] > 0 or P[at.BY_VELOCITY] > 0 or P[at.LOAD_ITERATES] > 0 or pushed
     status, steps, rejected, out, piece, pk, total = DONE, 0, 0, 0, 0, 0, len(times)
     last = len(knots) - 2
     h, restart, t = 1e-4, 1e-4, stops[0]

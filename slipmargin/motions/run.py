@@ -1,0 +1,80 @@
+"""A run: a motion that was simulated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array, frozen
+from slipmargin.errors import InputError
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Run:
+    """T samples of a simulated motion.
+
+    Parameters
+    ----------
+    t_s : array (T,)
+        Time [s], ascending.
+    pose : array (T, 3)
+        x [m], y [m], φ [rad] of the body frame's origin in the floor frame.
+    velocity : array (T, 3)
+        Its derivative, in the floor frame [m/s, m/s, rad/s].
+    theta : array (T, N)
+        Wheel angles [rad].
+    slip : array (T, N, 2)
+        Sliding velocity along ĝ (drive) and f̂ (transverse) [m/s].
+    force : array (T, N, 2)
+        Force of the floor on the wheel along ĝ and f̂ [N].
+    load : array (T, N)
+        Load on each wheel [N].
+    wheels : tuple of str
+        Names of the wheels.
+    """
+
+    t_s: Array
+    pose: Array
+    velocity: Array
+    theta: Array
+    slip: Array
+    force: Array
+    load: Array
+    wheels: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        put(self, "t_s", frozen("t_s", self.t_s, (None,)))
+        t, n = len(self.t_s), len(self.wheels)
+        shapes: dict[str, tuple[int | None, ...]] = {
+            "pose": (t, 3), "velocity": (t, 3), "theta": (t, n), "slip": (t, n, 2), "force": (t, n, 2),
+            "load": (t, n)}
+        for name, shape in shapes.items():
+            put(self, name, frozen(name, getattr(self, name), shape))
+        if t == 0 or (t > 1 and float(np.min(np.diff(self.t_s))) < 0.0):
+            raise InputError("t_s", "is empty or goes back in time", "give ascending times")
+
+    @property
+    def duration_s(self) -> float:
+        """From the first to the last sample [s]."""
+        return float(self.t_s[-1] - self.t_s[0])
+
+    @property
+    def friction_power_W(self) -> Array:
+        """(T,) power that sliding takes from the motion, Σ F_i·u_i [W]; never positive."""
+        return np.asarray(np.einsum("tnk,tnk->t", self.force, self.slip))
+
+    def columns(self) -> dict[str, Array]:
+        """Columns of the run file, in its order (contract: ``simulate``)."""
+        out = {"t_s": self.t_s}
+        for block, names in ((self.pose, ("x_m", "y_m", "phi_rad")), (self.velocity, ("vx_m_s", "vy_m_s", "wz_rad_s"))):
+            out.update({name: block[:, k] for k, name in enumerate(names)})
+        wheel = (("theta{}_rad", self.theta), ("slip_drive{}_m_s", self.slip[..., 0]),
+                 ("slip_transverse{}_m_s", self.slip[..., 1]), ("force_drive{}_N", self.force[..., 0]),
+                 ("force_transverse{}_N", self.force[..., 1]))
+        for name, block in wheel:
+            out.update({name.format(i + 1): block[:, i] for i in range(block.shape[1])})
+        return out

@@ -1,0 +1,245 @@
+"""The slow road: the same equations in plain NumPy, straight from a model's parts, by SciPy.
+
+Written to be read and to check the compiled road; nothing of it is shared but the model.  Wheel
+angles may switch sectors: events find the instants.  Equations as in :mod:`slipmargin.sim.body`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from slipmargin.checks import Array
+from slipmargin.model import Model
+from slipmargin.model.terms import Modulation
+from slipmargin.model.variables import Frame, Target, Variable
+from slipmargin.robot import GripShape
+
+#: θ(t), ω(t), ω̇(t) of all wheels, each (N,).
+WheelMotion = Callable[[float], tuple[Array, Array, Array]]
+#: Floor-frame force and moment on the centre of mass at a time, (3,).
+PushOf = Callable[[float], Array]
+
+
+class _Instant:
+    """Everything a variable may be read from, at one instant."""
+
+    def __init__(self, model: Model, t: float, state: Array, wheels: tuple[Array, Array, Array]) -> None:
+        self.model, self.t = model, t
+        self.theta, self.omega, self.alpha = wheels
+        self.com, self.phi, self.twist = state[:2], state[2], state[3:]
+        v, w = self.twist[:2], self.twist[2]
+        c, com = model.contacts, model.inertia.com_m
+        arm = c.position_m - com
+        self.hub = v + w * np.column_stack([-arm[:, 1], arm[:, 0]])
+        u = self.hub + (c.radius_m * self.omega)[:, None] * c.drive
+        self.slip = np.stack([np.sum(u * c.grip, axis=1), np.sum(u * c.free, axis=1)])  # (2, N)
+        self.turn = np.array([[np.cos(self.phi), -np.sin(self.phi)], [np.sin(self.phi), np.cos(self.phi)]])
+        self.origin = self.com - self.turn @ com
+        self.velocity = v - w * np.array([-com[1], com[0]])
+
+    def of_body(self, variable: Variable) -> float:
+        c = self.model.contacts
+        rows = np.column_stack([c.grip, c.position_m[:, 0] * c.grip[:, 1] - c.position_m[:, 1] * c.grip[:, 0]])
+        asked = -np.linalg.pinv(rows) @ (c.radius_m * np.sum(c.drive * c.grip, axis=1) * self.alpha)
+        values = {Variable.UNITY: 1.0, Variable.VELOCITY_X: self.velocity[0], Variable.VELOCITY_Y: self.velocity[1],
+                  Variable.YAW_RATE: self.twist[2], Variable.SPEED: float(np.hypot(*self.velocity)),
+                  Variable.ACCELERATION_X: asked[0], Variable.ACCELERATION_Y: asked[1],
+                  Variable.YAW_ACCELERATION: asked[2], Variable.HEADING: self.phi,
+                  Variable.POSITION_X: self.origin[0], Variable.POSITION_Y: self.origin[1], Variable.TIME: self.t}
+        return float(values[variable])
+
+    def of_wheels(self, variable: Variable, side: int, load: Array) -> Array:
+        """The variable of every wheel (N,), seen along ĝ (side 0) or f̂ (side 1)."""
+        c, u = self.model.contacts, self.slip[side]
+        rolling = np.maximum(np.hypot(*self.hub.T), np.abs(c.radius_m * self.omega))
+        if variable is Variable.WHEEL_ANGLE:
+            return self.theta
+        if variable is Variable.WHEEL_LOAD:
+            return load / (self.model.inertia.weight_N / c.count) - 1.0
+        if variable is Variable.SLIP_SPEED:
+            return np.abs(u)
+        if variable is Variable.SLIP_RATIO:
+            return np.abs(u) / (rolling + 1e-3)
+        if variable is Variable.SLIP_ANGLE:
+            return np.asarray(np.arctan2(np.abs(self.slip[1]), np.abs(self.slip[0])))
+        if variable is Variable.ROLLING_SPEED:
+            return np.asarray(rolling)
+        if variable is Variable.SLIP_HEADING:
+            axis = (c.grip, c.free)[side]
+            return np.asarray(self.phi + np.arctan2(axis[:, 1], axis[:, 0]) + np.where(u < 0.0, np.pi, 0.0))
+        return np.full(c.count, self.of_body(variable))
+
+
+def _saturation(x: Array | float) -> Array:
+    return np.asarray(2.0 / np.pi * np.arctan(x))
+
+
+def _coefficients(at: _Instant, rigid: Array, load: Array) -> tuple[Array, Array]:
+    """μ (2, N) and k (2, N) after every modulation."""
+    grip = at.model.grip
+    mu = np.where(rigid[:, None], grip.rigid, grip.roller).T.copy()
+    k = np.full_like(mu, grip.k_s_per_m)
+    for m in grip.modulations:
+        for side in (0, 1):
+            factor = _factor(m, at, side, load)
+            if m.target is Target.STIFFNESS:
+                k[side] *= factor
+            elif m.target is Target.BOTH or int(m.target) == side:
+                mu[side] *= factor
+    return mu, k
+
+
+def _factor(m: Modulation, at: _Instant, side: int, load: Array) -> Array:
+    values = at.of_wheels(m.variable, side, load)
+    return np.array([m.factor(np.asarray(v), w) for v, w in zip(values, m.wheels, strict=True)])
+
+
+def _law(shape: GripShape, coupling: float, u: Array, mu: Array, k: Array) -> Array:
+    """(f_W, f_T) per unit of load of one wheel."""
+    boxed = mu * _saturation(k * u)
+    if shape is GripShape.BOX or coupling == 0.0 or mu[0] <= 0.0:
+        return np.asarray(boxed)
+    if shape is GripShape.ELLIPSE:
+        e = (mu[1] / mu[0]) ** 2
+        s = np.sqrt(u[0] ** 2 + e * u[1] ** 2)
+        coupled = mu[0] * _saturation(k[0] * s) * np.array([u[0], e * u[1]]) / s if s > 0.0 else np.zeros(2)
+    else:
+        coupled = _disc_strip(u, mu, k[0])
+    return np.asarray((1.0 - coupling) * boxed + coupling * coupled)
+
+
+def _disc_strip(u: Array, mu: Array, k: float) -> Array:
+    def disc(z: float) -> Array:
+        s = float(np.hypot(u[0], z))
+        return np.asarray(mu[0] * _saturation(k * s) * np.array([u[0], z]) / s) if s > 0.0 else np.zeros(2)
+
+    full = disc(u[1])
+    if abs(full[1]) <= mu[1]:
+        return full
+    if mu[1] == 0.0:
+        return disc(0.0)
+    z = brentq(lambda x: disc(x)[1] - mu[1], 0.0, abs(u[1]), xtol=1e-18, rtol=8.9e-16)
+    return np.array([disc(z)[0], np.copysign(mu[1], u[1])])
+
+
+def _push_of_terms(at: _Instant) -> Array:
+    """Wrench (3,) of all force terms in the body frame."""
+    total = np.zeros(3)
+    for term in at.model.losses.terms:
+        w = term.wrench(np.asarray(at.of_body(term.variable)))
+        if term.frame is Frame.FLOOR:
+            w = np.append(at.turn.T @ w[:2], w[2])
+        elif term.frame is Frame.AGAINST_MOTION:
+            d = at.velocity / np.sqrt(at.velocity @ at.velocity + 1e-6)
+            left = np.array([-d[1], d[0]])
+            rate = at.twist[2] / np.sqrt(at.twist[2] ** 2 + 1e-4)
+            w = np.append(-w[0] * d + w[1] * left, -w[2] * rate)
+        total += w
+    return total
+
+
+def acceleration(model: Model, t: float, state: Array, wheels: tuple[Array, Array, Array], rigid: Array,
+                 push: Array) -> tuple[Array, Array, Array, Array]:
+    """(a_x, a_y, ω̇) in body axes, slip (2, N), force on the wheels (2, N), loads (N,).
+
+    The loads follow the acceleration: the fixed point N = N0 + P a is found by Newton's method on a.
+    """
+    at = _Instant(model, t, state, wheels)
+    arm = model.contacts.position_m - model.inertia.com_m
+    outside = _push_of_terms(at) + np.append(at.turn.T @ push[:2], push[2])
+    viscous = model.grip.viscous_N_s_per_m[:, None] * at.slip
+
+    def result(a: Array) -> tuple[Array, Array, Array]:
+        load = model.loads.rest_N + model.loads.per_acceleration_kg @ a
+        mu, k = _coefficients(at, rigid, load)
+        f = np.array([_law(model.grip.shape, model.grip.coupling, at.slip[:, i], mu[:, i], k[:, i])
+                      for i in range(model.count)]).T
+        force = -(load * f) - viscous
+        xy = force[0][:, None] * model.contacts.grip + force[1][:, None] * model.contacts.free
+        total = outside + np.append(xy.sum(axis=0), np.sum(arm[:, 0] * xy[:, 1] - arm[:, 1] * xy[:, 0]))
+        return total / np.array([model.inertia.mass_kg] * 2 + [model.inertia.inertia_kg_m2]), force, load
+
+    a = np.zeros(2)
+    for _ in range(50):
+        out, force, load = result(a)
+        if not model.loads.per_acceleration_kg.any():
+            break
+        miss = out[:2] - a
+        if np.max(np.abs(miss)) <= 1e-13 * (1.0 + np.max(np.abs(a))):
+            break
+        d = 1e-4
+        slope = np.column_stack([(result(a + d * e)[0][:2] - out[:2]) / d for e in np.eye(2)])
+        a = a + np.linalg.solve(np.eye(2) - slope, miss)
+    return out, at.slip, force, load
+
+
+def reference_motion(model: Model, wheels: WheelMotion, knots_s: Array, times_s: Array, *,
+                     start: Array | None = None, push: PushOf | None = None, rtol: float = 1e-11,
+                     atol: float = 1e-13, edges_s: Array | None = None, method: str = "LSODA") -> Array:
+    """Pose (T, 3) of the body frame's origin at ``times_s``.
+
+    Parameters
+    ----------
+    wheels : function of time
+        Wheel motion, smooth between ``knots_s``.
+    start : array (6,), optional
+        Origin pose and body-frame velocity of the centre of mass at the first knot.
+    edges_s : array, optional
+        Further instants at which a force jumps or kinks.
+    """
+    push_of = push or (lambda t: np.zeros(3))
+    y = np.zeros(6) if start is None else np.array(start, dtype=float)
+    turn = np.array([[np.cos(y[2]), -np.sin(y[2])], [np.sin(y[2]), np.cos(y[2])]])
+    y[:2] += turn @ model.inertia.com_m
+    stops = _all_stops(model, wheels, knots_s, edges_s)
+    poses = np.empty((len(times_s), 3))
+    for low, high in zip(stops[:-1], stops[1:], strict=True):
+        inside = slice(low, high)
+        rigid = _rigid(model, wheels(0.5 * (low + high))[0])
+
+        def rhs(t: float, y: Array, rigid: Array = rigid, inside: slice = inside) -> Array:
+            t = min(max(t, np.nextafter(inside.start, np.inf)), np.nextafter(inside.stop, -np.inf))
+            acc = acceleration(model, t - knots_s[0], y, wheels(t), rigid, push_of(t))[0]
+            c, s, w = np.cos(y[2]), np.sin(y[2]), y[5]
+            return np.array([c * y[3] - s * y[4], s * y[3] + c * y[4], w, acc[0] + w * y[4], acc[1] - w * y[3],
+                             acc[2]])
+
+        asked = np.flatnonzero((times_s >= low) & (times_s <= high))
+        when = np.append(times_s[asked], high)
+        done = solve_ivp(rhs, (low, high), y, method=method, t_eval=np.unique(when), rtol=rtol, atol=atol)
+        assert done.success, done.message
+        for j in asked:
+            state = done.y[:, np.argmin(np.abs(done.t - times_s[j]))]
+            c, s = np.cos(state[2]), np.sin(state[2])
+            poses[j] = np.append(state[:2] - np.array([[c, -s], [s, c]]) @ model.inertia.com_m, state[2])
+        y = done.y[:, -1]
+    return poses
+
+
+def _rigid(model: Model, theta: Array) -> Array:
+    pitch = 2.0 * np.pi / model.grip.rollers
+    return np.asarray(np.mod(theta, pitch) >= (1.0 - model.grip.rigid_fraction) * pitch)
+
+
+def _all_stops(model: Model, wheels: WheelMotion, knots_s: Array, edges_s: Array | None) -> Array:
+    """Knots, edges and sector switches; switches are bracketed on a fine grid, then found by bisection."""
+    found = [*knots_s, *([] if edges_s is None else edges_s)]
+    pitch = 2.0 * np.pi / model.grip.rollers
+    for low, high in zip(knots_s[:-1], knots_s[1:], strict=True):
+        grid = np.linspace(low, high, 400)
+        theta = np.array([wheels(min(max(t, np.nextafter(low, np.inf)), np.nextafter(high, -np.inf)))[0]
+                          for t in grid])
+        for i in range(model.count):
+            for share in (0.0, 1.0 - model.grip.rigid_fraction[i]):
+                wave = np.sin(np.pi * (theta[:, i] / pitch[i] - share))  # zero at each edge
+                for k in np.flatnonzero(wave[:-1] * wave[1:] < 0.0):
+                    def edge(t: float, i: int = i, share: float = share) -> float:
+                        return float(np.sin(np.pi * (wheels(t)[0][i] / pitch[i] - share)))
+
+                    found.append(brentq(edge, grid[k], grid[k + 1], xtol=1e-15, rtol=8.9e-16))
+    stops = np.unique(np.array(found))
+    return np.asarray(stops[np.append(True, np.diff(stops) > 1e-11)])

@@ -1,0 +1,83 @@
+"""One run of one model, told in full: the readable front of :class:`slipmargin.sim.batch.Batch`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from slipmargin.checks import Array, frozen
+from slipmargin.errors import InputError, MotionStopped
+from slipmargin.model import Model
+from slipmargin.motions.run import Run
+from slipmargin.sim.batch import Batch, Ending, Outcome, Push
+from slipmargin.sim.pack import pack
+from slipmargin.sim.signal import WheelSignal
+
+#: Error allowed a step; the pose then errs by a few 1e-8 of its size (tests/rooms/sim).
+RTOL = 1e-7
+
+#: Why a run ended early, and what to change.
+REASONS = {
+    Ending.TIPS: ("a wheel lifts off: its load falls below zero", "accelerate less, or lower the centre of mass"),
+    Ending.NOT_FINITE: ("velocities or forces overflow", "give smaller wheel speeds, forces or coefficients"),
+    Ending.STUCK: ("the step size fell to nothing", "smooth the commands or lower k_s_per_m"),
+    Ending.TOO_LONG: ("it takes too many steps", "loosen rtol or shorten the run"),
+}
+
+
+def simulate(model: Model, signal: WheelSignal, times_s: Array, *, commanded: bool = False,
+             start_pose: Array | None = None, start_twist: Array | None = None, push: Push | None = None,
+             rtol: float = RTOL) -> Run:
+    """What the robot really does under a wheel signal.
+
+    Parameters
+    ----------
+    model : Model
+        The machine on its surface.
+    signal : WheelSignal
+        Wheel motion (:mod:`slipmargin.sim.signal`).
+    times_s : array (T,)
+        When to tell the state, ascending, within the signal [s].
+    commanded : bool
+        True: the signal is a command that the model's drives follow; False: what the wheels do.
+    start_pose, start_twist : array (3,), optional
+        Pose and floor-frame velocity of the body frame's origin at the start; zero by default.
+    push : Push, optional
+        External force on the centre of mass.
+    rtol : float
+        Relative error allowed a step.
+
+    Raises
+    ------
+    InputError
+        If the signal does not fit the robot or the times.
+    MotionStopped
+        If the robot tips or the motion overflows, with the time.
+    """
+    pose = np.zeros(3) if start_pose is None else frozen("start_pose", start_pose, (3,))
+    twist = np.zeros(3) if start_twist is None else frozen("start_twist", start_twist, (3,))
+    if not 1e-13 <= rtol <= 0.1:
+        raise InputError("rtol", f"is {rtol:g}", "give a relative error between 1e-13 and 0.1")
+    batch = Batch([signal], [times_s], commanded=commanded, pushes=[push])
+    outcome = batch.run(pack(model), pose, start_twist=twist, tell=True, rtol=rtol)
+    ending = Ending(int(outcome.ending[0]))
+    if ending is not Ending.DONE:
+        raise MotionStopped(float(signal.knots_s[0] + outcome.stopped_s[0]), *REASONS[ending])
+    return as_run(model, np.asarray(times_s, dtype=float), outcome, 0)
+
+
+def as_run(model: Model, times_s: Array, outcome: Outcome, r: int) -> Run:
+    """Run ``r`` of an outcome (made with ``tell=True``) as a noun."""
+    assert outcome.theta is not None and outcome.slip is not None
+    assert outcome.force is not None and outcome.load is not None
+    count = len(times_s)
+    return Run(t_s=times_s, pose=outcome.pose[r, :count], velocity=floor_velocity(model, outcome.state[r, :count]),
+               theta=outcome.theta[r, :count], slip=outcome.slip[r, :count], force=outcome.force[r, :count],
+               load=outcome.load[r, :count], wheels=model.contacts.names)
+
+
+def floor_velocity(model: Model, state: Array) -> Array:
+    """(T, 3) floor-frame velocity of the origin and yaw rate from states (T, 6)."""
+    c, s, w = np.cos(state[:, 2]), np.sin(state[:, 2]), state[:, 5]
+    vx = state[:, 3] + w * model.inertia.com_m[1]
+    vy = state[:, 4] - w * model.inertia.com_m[0]
+    return np.stack([c * vx - s * vy, s * vx + c * vy, w], axis=1)

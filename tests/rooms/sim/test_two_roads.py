@@ -1,0 +1,136 @@
+"""The compiled road against the readable one: accelerations, slopes, whole motions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, assume, given, settings, strategies as st
+from manoeuvres import driven, force, modulation, wheel_motion, with_terms
+from strategies import four_wheels, kiwi, models
+
+from slipmargin.errors import MotionStopped
+from slipmargin.model import nominal_model
+from slipmargin.model.variables import Basis, Frame, Target, Variable
+from slipmargin.robot import GripShape, LoadRule
+from slipmargin.sim.body import ALPHA, BODY, CONTACT, LOAD, OMEGA, RIGID, SLIP_W, THETA, evaluate
+from slipmargin.sim.pack import pack
+from slipmargin.sim.reference import acceleration, reference_motion
+from slipmargin.sim.rodas import jacobian
+from slipmargin.sim.simulate import simulate
+
+SHAPES = tuple(GripShape)
+
+
+def compiled(model, t, y, wheels, rigid, push):
+    """(a, ω̇), slip, loads and the tables by the compiled road."""
+    C, B, acc = np.zeros((model.count, CONTACT)), np.zeros(BODY), np.zeros(3)
+    C[:, THETA], C[:, OMEGA], C[:, ALPHA], C[:, RIGID] = *wheels, rigid
+    B[:3] = push
+    evaluate(pack(model), t, y, C, B, acc)
+    return acc, C[:, SLIP_W:SLIP_W + 2].T, C[:, LOAD], C, B
+
+
+def somewhere(count, seed, speed=0.05):
+    """A state, a wheel motion and sectors in which wheels slide at about ``speed``."""
+    rng = np.random.default_rng(seed)
+    y = np.concatenate([rng.uniform(-0.3, 0.3, 2), rng.uniform(-2.0, 2.0, 1), speed * rng.uniform(-1.0, 1.0, 2),
+                        speed * 5.0 * rng.uniform(-1.0, 1.0, 1)])
+    wheels = (rng.uniform(-7.0, 7.0, count), rng.uniform(-3.0, 3.0, count), rng.uniform(-9.0, 9.0, count))
+    return y, wheels, rng.integers(0, 2, count).astype(bool), rng.uniform(-2.0, 2.0, 3)
+
+
+@given(models(shapes=SHAPES), st.integers(0, 2**31))
+@settings(max_examples=60, deadline=None)
+def test_accelerations_agree(model, seed):
+    y, wheels, rigid, push = somewhere(model.count, seed)
+    acc, slip, load, _, _ = compiled(model, 0.1, y, wheels, rigid, push)
+    want, want_slip, _, want_load = acceleration(model, 0.1, y, wheels, rigid, push)
+    np.testing.assert_allclose(acc, want, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(slip, want_slip, rtol=1e-12, atol=1e-14)
+    np.testing.assert_allclose(load, want_load, rtol=1e-8, atol=1e-9)
+
+
+@pytest.mark.parametrize("variable", [v for v in Variable if v is not Variable.COMMAND_SPEED])
+@pytest.mark.parametrize("basis", list(Basis))
+def test_every_friction_term_agrees(variable, basis):
+    robot = kiwi(load_rule=LoadRule.QUASI_STATIC, com_height_m=0.02, grip=SHAPES[basis % 3], com_m=(0.004, -0.01))
+    for target in Target:
+        model = with_terms(nominal_model(robot, "paper"), (modulation(variable, basis, target, 3, variable),))
+        y, wheels, rigid, push = somewhere(3, 10 * variable + basis)
+        acc = compiled(model, 0.21, y, wheels, rigid, push)[0]
+        np.testing.assert_allclose(acc, acceleration(model, 0.21, y, wheels, rigid, push)[0], rtol=1e-8, atol=1e-9)
+
+
+@pytest.mark.parametrize("variable", [v for v in Variable if Variable.VELOCITY_X <= v <= Variable.TIME])
+@pytest.mark.parametrize("basis", list(Basis))
+def test_every_force_term_agrees(variable, basis):
+    bare = nominal_model(kiwi(com_m=(0.01, -0.02)), "carpet")
+    y, wheels, rigid, push = somewhere(3, 10 * variable + basis)
+    for frame in Frame:
+        model = with_terms(bare, forces=(force(variable, basis, frame, variable, 5.0),))
+        acc = compiled(model, 0.1, y, wheels, rigid, push)[0]
+        np.testing.assert_allclose(acc, acceleration(model, 0.1, y, wheels, rigid, push)[0], rtol=1e-9, atol=1e-10)
+
+
+@given(models(shapes=SHAPES), st.integers(0, 2**31), st.sampled_from(
+    (None, Variable.SLIP_SPEED, Variable.ROLLING_SPEED, Variable.SLIP_RATIO, Variable.SLIP_HEADING, Variable.HEADING,
+     Variable.WHEEL_LOAD)), st.sampled_from(tuple(Target)))
+@settings(max_examples=80, deadline=None)
+def test_slopes_are_those_of_the_acceleration(model, seed, variable, target):
+    if variable is not None:
+        model = with_terms(model, (modulation(variable, Basis.DECAY, target, model.count, seed % 1000),))
+    y, wheels, rigid, push = somewhere(model.count, seed, speed=0.003)
+    acc, _, _, C, B = compiled(model, 0.1, y, wheels, rigid, push)
+    J, jt, Jp = np.empty((3, 3)), np.empty(3), np.zeros((3, 3))
+    jacobian(pack(model), 0.1, y, C, B, acc.copy(), True, J, jt, Jp, np.empty(6), np.empty(3))
+    for k in range(2, 6):
+        d = 1e-7
+        up, down = y.copy(), y.copy()
+        up[k] += d
+        down[k] -= d
+        slope = (acceleration(model, 0.1, up, wheels, rigid, push)[0]
+                 - acceleration(model, 0.1, down, wheels, rigid, push)[0]) / (2.0 * d)
+        got = Jp[:, 2] if k == 2 else J[:, k - 3]
+        np.testing.assert_allclose(got, slope, rtol=2e-3, atol=2e-3 * np.abs(J).max())
+    later = (wheels[0], wheels[1] + 1e-7 * wheels[2], wheels[2])
+    slope = (acceleration(model, 0.1, y, later, rigid, push)[0] - acc) / 1e-7
+    if variable in (None, Variable.HEADING, Variable.SLIP_HEADING):
+        np.testing.assert_allclose(jt, slope, rtol=2e-3, atol=2e-3 * max(1.0, np.abs(jt).max()))
+
+
+@given(driven(shapes=SHAPES))
+@settings(max_examples=20, deadline=None, derandomize=True,
+          suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large])
+def test_motions_agree_to_a_millionth(case):
+    """20 drawn robots and manoeuvres, sectors included, against a reference at rtol 1e-11."""
+    model, signal = case
+    times = np.linspace(0.0, 0.25, 6)
+    try:
+        pose = simulate(model, signal, times).pose
+    except MotionStopped:
+        assume(False)
+    want = reference_motion(model, wheel_motion(signal), signal.knots_s, times)
+    error = np.abs(pose - want).max(axis=0)
+    reach = float(np.mean(np.hypot(*model.contacts.position_m.T)))
+    size = max(np.abs(want[:, :2]).max(), reach * np.abs(want[:, 2]).max())
+    assert error[:2].max() <= 1e-6 * size + 1e-12
+    assert reach * error[2] <= 1e-6 * size + 1e-12
+
+
+@pytest.mark.parametrize("variable", [Variable.SLIP_SPEED, Variable.WHEEL_LOAD, Variable.TIME,
+                                      Variable.ROLLING_SPEED, Variable.ACCELERATION_X])
+def test_motions_with_terms_agree(variable):
+    from slipmargin.sim.signal import linear
+
+    robot = four_wheels(load_rule=LoadRule.QUASI_STATIC, com_height_m=0.05)
+    basis = Basis.WINDOW if variable is Variable.TIME else Basis.POLYNOMIAL
+    model = with_terms(nominal_model(robot, "paper"), (modulation(variable, basis, Target.BOTH, 4, 5),))
+    if variable in (Variable.TIME, Variable.ACCELERATION_X):
+        model = with_terms(model, forces=(force(variable, basis, Frame.FLOOR, 3, 8.0),))
+    rates = np.array([[0.0, 0.0, 0.0, 0.0], [6.0, 4.0, 7.0, 3.0], [2.0, 2.0, 2.0, 3.0], [0.0, 0.0, 0.0, 0.0]])
+    signal = linear(np.array([0.0, 0.07, 0.11, 0.25]), rates)
+    times = np.linspace(0.0, 0.25, 6)
+    edges = np.array([0.2 * 0.3, 0.7 * 0.3]) if variable is Variable.TIME else None
+    want = reference_motion(model, wheel_motion(signal), signal.knots_s, times, edges_s=edges)
+    pose = simulate(model, signal, times).pose
+    assert np.abs(pose - want).max() <= 1e-6 * np.abs(want).max()
