@@ -76,7 +76,7 @@ def facet_rows(geometry: PullGeometry, mu: Array, extreme: Extreme = Extreme.NEU
     g = geometry
     share = wheel_share(g.maps, mu, g.normals, GripShape.BOX, 0.0)  # (M or 1, K, N)
     rest = g.model.loads.rest_N
-    a = -(g.rays @ g.normals.T)
+    a = -(g.normals @ g.rays.T).T  # stored row by row: the maximum over rows then runs along headings
     b = share @ rest + g.bias
     if extreme is not Extreme.NEUTRAL and g.model.losses.terms:
         low, high = bias_extremes(g.model, g.phi_rad, g.normals)

@@ -24,9 +24,8 @@ from slipmargin.limits.rows import (
     pull_geometry,
     refuse_slipping,
 )
-from slipmargin.limits.wrench_set import wheel_slope
+from slipmargin.limits.wrench_set import polyhedral, wheel_slope
 from slipmargin.model import Model
-from slipmargin.robot import GripShape
 
 #: A wheel's component saturates where the facet sees more than this share of the largest [1].
 SEEN = 1e-9
@@ -93,7 +92,7 @@ def sensitivity(model: Model, phi_rad: Array, pull: Pull | None = None,
     g = pull_geometry(model, np.atleast_1d(np.asarray(phi_rad, dtype=float)), pull)
     mu = coefficients(model, state, g.phi_rad, Extreme.NEUTRAL)
     shape, coupling = model.grip.shape, model.grip.coupling
-    box = shape is GripShape.BOX or coupling == 0.0
+    box = polyhedral(model.grip)
     at = _by_facets(g, mu) if box else _by_cones(g, state)
     load = model.loads.rest_N + at.force[:, None] * g.load_change
     slope = at.seen  # the box's own slope; averaged over facets that meet

@@ -15,6 +15,7 @@ import numpy as np
 from slipmargin.checks import Array, frozen
 from slipmargin.limits.friction import Extreme, coefficients
 from slipmargin.model import Model
+from slipmargin.model.parts import Grip
 from slipmargin.robot import GripShape
 from slipmargin.sets.facets import facet_normals
 from slipmargin.sets.grips import (
@@ -132,9 +133,16 @@ def wheel_slope(maps: Array, mu: Array, directions: Array, shape: GripShape, cou
     return np.asarray((1.0 - coupling) * box_slope(seen, mu) + coupling * coupled(seen, mu))
 
 
+def polyhedral(grip: Grip) -> bool:
+    """Whether facets describe a grip exactly: the box, or a blend without the coupled shape."""
+    return grip.shape is GripShape.BOX or grip.coupling == 0.0
+
+
 def wrench_maps(model: Model) -> Array:
     """(3, N, 2): B_W and B_T of eqs (14)–(15) side by side per wheel."""
-    return np.stack(model.wrench_maps(), axis=2)
+    out = np.empty((3, model.count, 2))
+    out[:, :, 0], out[:, :, 1] = model.wrench_maps()
+    return out
 
 
 def box_normals(maps: Array) -> Array:

@@ -22,12 +22,15 @@ PARALLEL = 1e-10
 SAME_NORMAL = 1e-9
 #: Sine of the angle to a facet's plane below which a generator lies in it [1].
 IN_PLANE = 1e-9
+#: Least eigenvalue of Σ u uᵀ, u the unit directions, below which they lie in a plane [1].
+FLAT = 1e-14
 _SUSPECT = 1.0 - 1e-10  # cosine above which two normals are compared with care
 
 
 def length_scale(vectors: Array) -> float:
     """A length L [m] that makes forces and moments comparable: max |Mz| / max |F| (1 where undefined)."""
-    force, moment = float(np.max(np.abs(vectors[:2]))), float(np.max(np.abs(vectors[2])))
+    size = np.abs(vectors)
+    force, moment = float(size[:2].max()), float(size[2].max())
     return moment / force if force > 0.0 and moment > 0.0 else 1.0
 
 
@@ -52,7 +55,7 @@ def facet_normals(directions: Array) -> Array:
     scale = length_scale(directions)
     unit = _unit_columns(directions / np.array([[1.0], [1.0], [scale]]))
     first, second = np.triu_indices(unit.shape[1], 1)
-    if np.linalg.svd(unit, compute_uv=False)[-1] < IN_PLANE:
+    if np.linalg.eigvalsh(unit @ unit.T)[0] < FLAT:
         raise InputError("generators", "do not span forces in two directions and a moment",
                          "add a wheel or load, so that the set of wrenches has a volume")
     cross = cross_products(unit.T[first], unit.T[second])
@@ -133,20 +136,24 @@ def cross_products(a: Array, b: Array) -> Array:
 
 
 def _unit_columns(vectors: Array) -> Array:
-    size = np.max(np.abs(vectors), axis=0)  # first by the largest entry: no underflow for tiny columns
-    if not np.all(size > 0.0):
+    size = np.abs(vectors).max(axis=0)  # first by the largest entry: no underflow for tiny columns
+    if not size.min() > 0.0:
         raise InputError("generators", "holds a direction of length zero", "leave zero generators out")
     scaled = vectors / size
-    return np.asarray(scaled / np.sqrt(np.sum(scaled**2, axis=0)))
+    return np.asarray(scaled / np.sqrt(np.einsum("in,in->n", scaled, scaled)))
 
 
 def _distinct(normal: Array, blur: Array) -> NDArray[np.bool_]:
     # Rows are sorted from well- to ill-conditioned; each is dropped if it repeats a kept one, up to sign.
     keep = np.ones(len(normal), dtype=bool)
-    alike = np.abs(normal @ normal.T) > _SUSPECT
-    np.fill_diagonal(alike, False)
-    for i in np.flatnonzero(alike.any(axis=1)):
-        earlier = normal[:i][alike[i, :i] & keep[:i]]
-        minus, plus = np.sum((earlier - normal[i]) ** 2, axis=1), np.sum((earlier + normal[i]) ** 2, axis=1)
-        keep[i] = not np.any(np.minimum(minus, plus) < (SAME_NORMAL + 4.0 * blur[i]) ** 2)
+    gram = normal @ normal.T
+    later, earlier = np.nonzero(np.abs(gram) > _SUSPECT)
+    if len(later) == len(normal):  # each resembles itself only
+        return keep
+    later, earlier = later[later > earlier], earlier[later > earlier]
+    apart = normal[later] - np.sign(gram[later, earlier])[:, None] * normal[earlier]
+    same = np.einsum("pi,pi->p", apart, apart) < (SAME_NORMAL + 4.0 * blur[later]) ** 2
+    for i, j in zip(later[same].tolist(), earlier[same].tolist(), strict=True):
+        if keep[j]:
+            keep[i] = False
     return keep
