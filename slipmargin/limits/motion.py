@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.errors import NoSolution
@@ -17,7 +18,6 @@ from slipmargin.limits.motion_friction import material_states
 from slipmargin.limits.motion_rows import (
     CAUSES,
     AccelerationRows,
-    Facets,
     acceleration_rows,
     even_distribution,
     prepare,
@@ -32,12 +32,25 @@ from slipmargin.model import Model
 class AccelerationLimit:
     """Limits of M states: ``value`` (M,) multiples of each direction, and the binding row of each.
 
-    Negative: even without acceleration the robot slips.  ``cause`` and ``wheels`` say why.
+    Negative: even without acceleration the robot slips.  ``row`` (M,) of ``rows`` is what binds.
     """
 
     value: Array
-    cause: tuple[str, ...]
-    wheels: tuple[tuple[str, ...], ...]
+    row: NDArray[np.int64]
+    rows: AccelerationRows
+    names: tuple[str, ...]
+
+    @property
+    def cause(self) -> tuple[str, ...]:
+        """What limits each state: grip, tip-over or motor torque."""
+        return tuple(CAUSES[self.rows.cause[k]] for k in self.row)
+
+    @property
+    def wheels(self) -> tuple[tuple[str, ...], ...]:
+        """The wheels that limit each state."""
+        table = [tuple(name for name, on in zip(self.names, row, strict=True) if on)
+                 for row in self.rows.wheels]
+        return tuple(table[k] for k in self.row)
 
 
 def acceleration_limit(model: Model, motion: Motion, direction: Array, *, share: float = 1.0,
@@ -80,15 +93,7 @@ def along(model: Model, rows: AccelerationRows, start: Array, direction: Array) 
     best = np.argmin(t, axis=1)
     value = t[np.arange(len(t)), best]
     value = np.where(stuck & (value > 0.0), -np.inf, value)
-    return AccelerationLimit(value=value, cause=tuple(CAUSES[rows.cause[k]] for k in best),
-                             wheels=tuple(_wheels(model, rows, int(k)) for k in best))
-
-
-def _wheels(model: Model, rows: AccelerationRows, row: int) -> tuple[str, ...]:
-    if rows.wheel[row] >= 0:
-        return (model.contacts.names[int(rows.wheel[row])],)
-    pushing = Facets.of(model).pushing[int(rows.facet[row])]
-    return tuple(name for name, sign in zip(model.contacts.names, pushing, strict=True) if sign != 0.0)
+    return AccelerationLimit(value=value, row=best, rows=rows, names=model.contacts.names)
 
 
 def needed_share(model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS) -> Array:

@@ -11,6 +11,9 @@ from slipmargin.model import Model
 from slipmargin.model.terms import ForceTerm
 from slipmargin.model.variables import Frame
 
+#: Below this speed a force against the motion fades out: v/√(v² + v₀²) [m/s], [rad/s].
+SLOW_M_S, SLOW_RAD_S = 1e-3, 1e-2
+
 
 def losses_in_motion(model: Model, motion: Motion) -> tuple[Array, Array]:
     """Lowest and highest wrench (M, 3) on the body about its centre of mass, body frame [N, N, N m].
@@ -38,13 +41,12 @@ def _term(model: Model, motion: Motion, term: ForceTerm) -> Array:
         return np.asarray(wrench)
     if term.frame is Frame.FLOOR:
         return _from_floor(motion, wrench)
-    speed = np.hypot(motion.velocity[:, 0], motion.velocity[:, 1])
-    still = np.maximum(speed, 1e-300)
-    ahead = np.where(speed[:, None] > 0.0, motion.velocity[:, :2] / still[:, None], 0.0)
+    v, spin = motion.velocity[:, :2], motion.velocity[:, 2]
+    ahead = v / np.sqrt(np.sum(v**2, axis=1, keepdims=True) + SLOW_M_S**2)
     left = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)
     out = np.empty(wrench.shape)
     out[..., :2] = -wrench[..., :1] * ahead + wrench[..., 1:2] * left
-    out[..., 2] = -wrench[..., 2] * np.sign(motion.velocity[:, 2])
+    out[..., 2] = -wrench[..., 2] * spin / np.sqrt(spin**2 + SLOW_RAD_S**2)
     return out
 
 

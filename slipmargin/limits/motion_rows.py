@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.limits.motion_friction import Friction, friction_in_motion
@@ -54,15 +55,14 @@ class Facets:
 class AccelerationRows:
     """Rows ``A`` (M, R, 3) a ≤ ``b`` (M, R) and what each row means.
 
-    ``wheel`` (R,) is the wheel a row is about, or −1 for a facet, which saturates several;
-    ``cause`` (R,) indexes :data:`CAUSES`; ``facet`` (R,) is the facet's index or −1.
+    ``wheels`` (R, N) are the wheels a row is about (a facet saturates several); ``cause`` (R,) indexes
+    :data:`CAUSES`.
     """
 
     A: Array
     b: Array
-    wheel: np.ndarray[tuple[int], np.dtype[np.int64]]
-    cause: np.ndarray[tuple[int], np.dtype[np.int64]]
-    facet: np.ndarray[tuple[int], np.dtype[np.int64]]
+    wheels: NDArray[np.bool_]
+    cause: NDArray[np.int64]
 
 
 #: What a row stands for.
@@ -83,30 +83,25 @@ def acceleration_rows(model: Model, motion: Motion, *, share: Array | float = 1.
     facets, friction, losses = prepare(model, motion, share, contact)
     kappa = facet_coefficients(facets, friction, share)
     A, b = facet_rows(model, facets, kappa, losses)
-    causes, wheels, names = [np.zeros(len(facets.normals))], [np.full(len(facets.normals), -1.0)], [
-        np.arange(len(facets.normals), dtype=float)]
-    rows, bounds = [A], [b]
+    n, rows, bounds = model.count, [A], [b]
+    causes, wheels = [0] * len(facets.normals), [facets.pushing != 0.0]
     per = model.loads.per_acceleration_kg
     if np.any(per):
-        tip = np.zeros((motion.count, model.count, 3))
+        tip = np.zeros((motion.count, n, 3))
         tip[..., :2] = -per
         rows.append(tip)
-        bounds.append(np.broadcast_to(model.loads.rest_N, (motion.count, model.count)))
-        causes.append(np.ones(model.count))
-        wheels.append(np.arange(model.count, dtype=float))
-        names.append(np.full(model.count, -1.0))
+        bounds.append(np.broadcast_to(model.loads.rest_N, (motion.count, n)))
+        causes += [1] * n
+        wheels.append(np.eye(n, dtype=bool))
     if motor and model.drives.stall_torque_N_m is not None:
         torque = torque_rows(model, friction, losses)
         limit = torque_limit(model, wheel_speeds(model, motion.velocity)) + torque.b
-        rows.append(np.concatenate(list(torque.A), axis=1))
-        bounds.append(np.concatenate(list(limit), axis=1))
-        causes.append(np.full(2 * model.count, 2.0))
-        wheels.append(np.tile(np.arange(model.count, dtype=float), 2))
-        names.append(np.full(2 * model.count, -1.0))
-    return AccelerationRows(
-        A=np.concatenate(rows, axis=1), b=np.concatenate(bounds, axis=1),
-        wheel=np.concatenate(wheels).astype(np.int64), cause=np.concatenate(causes).astype(np.int64),
-        facet=np.concatenate(names).astype(np.int64))
+        rows += list(torque.A)
+        bounds += list(limit)
+        causes += [2] * (2 * n)
+        wheels += [np.eye(n, dtype=bool)] * 2
+    return AccelerationRows(A=np.concatenate(rows, axis=1), b=np.concatenate(bounds, axis=1),
+                            wheels=np.concatenate(wheels), cause=np.array(causes))
 
 
 def prepare(model: Model, motion: Motion, share: Array | float,

@@ -1,0 +1,181 @@
+"""Motion limits under other tools' own parameter names and units, as text.
+
+Frames: this package has +Y forward and +X to the right; ROS (REP 103), Road Runner, PathPlanner and
+Choreo have +x forward and +y to the left.  Sources of the names: nav2_velocity_smoother and
+nav2_mppi_controller (Nav2), MecanumDrive.Params (Road Runner 1.0 quickstart; inches and radians),
+settings.json (PathPlanner 2025; metres and degrees), the ``config`` of a .chor file (Choreo 2025).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from slipmargin.errors import InputError, NoSolution
+from slipmargin.io.json_text import json_text
+from slipmargin.limits.bounds_inside import Inside
+from slipmargin.limits.bounds_summary import Bounds
+
+_INCH = 0.0254
+
+
+def export_text(tool: str, found: Bounds) -> str:
+    """The limits as ``tool`` writes them.
+
+    Raises
+    ------
+    InputError
+        If the tool is not known.
+    NoSolution
+        If no acceleration is safe in every direction of motion, so that no number can be given.
+    """
+    if tool not in TOOLS:
+        raise InputError("--export", f"is {tool!r}", f"use one of: {', '.join(TOOLS)}", "command line")
+    return TOOLS[tool](found)
+
+
+def _sets(found: Bounds) -> Inside:
+    if found.inside is None:
+        raise NoSolution("export", found.why_not or "the safe box was not computed", "use a smaller margin")
+    return found.inside
+
+
+def _speeds(found: Bounds) -> tuple[float | None, float | None, float | None]:
+    """Top speed forward, to the side [m/s] and turning [rad/s]; None where no motor limits it."""
+    ahead, side = (float(np.interp(a, found.full.heading_rad, found.top_m_s, period=2.0 * np.pi))
+                   for a in (0.5 * np.pi, 0.0))
+    return tuple(v if math.isfinite(v) else None for v in (ahead, side, found.spin.top_rad_s))  # type: ignore
+
+
+def _head(found: Bounds, tool: str, comment: str) -> list[str]:
+    model = found.model
+    return [
+        f"{comment} {tool} limits of {model.robot} on {model.surface}, slip margin {found.margin:g} "
+        "(slipmargin)",
+        f"{comment} safe in every direction of motion; x forward, y left",
+    ]
+
+
+def nav2(found: Bounds) -> str:
+    """YAML for the velocity smoother and the MPPI controller [m/s, m/s², rad/s, rad/s²]."""
+    sets = _sets(found)
+    fast, slow, even = (_forward(v) for v in (sets.fast, sets.slow, sets.even))
+    speeds = _speeds(found)
+    lines = [*_head(found, "Nav2", "#"), "velocity_smoother:", "  ros__parameters:"]
+    if all(v is not None for v in speeds):
+        lines += [f"    max_velocity: {_list(speeds)}  # [m/s, m/s, rad/s] wheel speed, one axis at a time",
+                  f"    min_velocity: {_list([-v for v in speeds if v is not None])}"]
+    lines += [f"    max_accel: {_list(fast)}  # x, y [m/s^2], theta [rad/s^2]",
+              f"    max_decel: {_list([-v for v in slow])}",
+              "controller_server:", "  ros__parameters:",
+              "    FollowPath:  # nav2_mppi_controller::MPPIController",
+              f"      ax_max: {even[0]:.4f}  # [m/s^2]", f"      ax_min: {-even[0]:.4f}",
+              f"      ay_max: {even[1]:.4f}", f"      ay_min: {-even[1]:.4f}",
+              f"      az_max: {even[2]:.4f}  # [rad/s^2]"]
+    for name, value in zip(("vx_max", "vy_max", "wz_max"), speeds, strict=True):
+        if value is not None:
+            lines.append(f"      {name}: {value:.4f}")
+    return "\n".join(lines) + "\n"
+
+
+def roadrunner(found: Bounds) -> str:
+    """Java fields of MecanumDrive.Params: inches and radians."""
+    sets = _sets(found)
+    fast, slow = _forward(sets.fast), _forward(sets.slow)
+    up, down = min(fast[:2]), min(slow[:2])
+    lines = [*_head(found, "Road Runner", "//"), "// path profile parameters (in inches)"]
+    top = found.model.drives.max_speed_rad_s
+    if top is not None:
+        wheel = top * float(np.min(found.model.contacts.radius_m))
+        lines.append(f"public double maxWheelVel = {wheel / _INCH:.3f};")
+    lines += [f"public double minProfileAccel = {-down / _INCH:.3f};",
+              f"public double maxProfileAccel = {up / _INCH:.3f};",
+              "// turn profile parameters (in radians)"]
+    if math.isfinite(found.spin.top_rad_s):
+        lines.append(f"public double maxAngVel = {found.spin.top_rad_s:.4f};")
+    lines.append(f"public double maxAngAccel = {min(fast[2], slow[2]):.4f};")
+    return "\n".join(lines) + "\n"
+
+
+def pathplanner(found: Bounds) -> str:
+    """Keys of PathPlanner's settings.json: metres, kilograms and degrees."""
+    sets, model = _sets(found), found.model
+    ahead, side, turn = _speeds(found)
+    table: dict[str, Any] = {
+        "holonomicMode": True, "robotMass": model.inertia.mass_kg, "robotMOI": model.inertia.inertia_kg_m2,
+        "driveWheelRadius": float(np.mean(model.contacts.radius_m)), "wheelCOF": _effective(found),
+        "defaultMaxAccel": min(sets.circle_m_s2, float(np.min(sets.even[:2]))),
+        "defaultMaxAngAccel": math.degrees(float(sets.even[2]))}
+    if ahead is not None and side is not None and turn is not None:
+        table |= {"defaultMaxVel": min(ahead, side), "maxDriveSpeed": min(ahead, side),
+                  "defaultMaxAngVel": math.degrees(turn)}
+    return json_text(table)
+
+
+def choreo(found: Bounds) -> str:
+    """The ``config`` of a .chor file; ``cof`` is the coefficient whose μ g is safe in every direction."""
+    model = found.model
+    drives = model.drives
+    values: dict[str, tuple[float | None, str]] = {
+        "mass": (model.inertia.mass_kg, "kg"), "inertia": (model.inertia.inertia_kg_m2, "kg m ^ 2"),
+        "gearing": (1.0, ""), "radius": (float(np.mean(model.contacts.radius_m)), "m"),
+        "vmax": (drives.max_speed_rad_s, "rad / s"), "tmax": (drives.stall_torque_N_m, "N * m"),
+        "cof": (_effective(found), "")}
+    config = {name: {"exp": f"{value:.6g} {unit}".strip(), "val": value}
+              for name, (value, unit) in values.items() if value is not None}
+    return json_text({"config": config})
+
+
+def plain_json(found: Bounds) -> str:
+    """The same as ``--json``."""
+    return json_text(bounds_table(found))
+
+
+def bounds_table(found: Bounds) -> dict[str, Any]:
+    """Everything as numbers; axes are the robot's (x right, y forward)."""
+    full, safe, corner, sets = found.full, found.safe, found.cornering, found.inside
+    return {
+        "schema": 1, "robot": found.model.robot, "surface": found.model.surface, "margin": found.margin,
+        "traction_limit_m_s2": found.traction_m_s2, "motor_limit_m_s2": _finite(found.motor_limit_m_s2),
+        "smaller": found.smaller, "recommended_m_s2": found.recommended_m_s2,
+        "isotropic_m_s2": found.isotropic_m_s2,
+        "heading_rad": full.heading_rad, "starting_m_s2": full.starting_m_s2,
+        "turning_m_s2": full.turning_m_s2,
+        "braking_m_s2": full.braking_m_s2, "steady_use": full.steady_use, "steady_use_rigid": found.rigid_use,
+        "limiting": full.starting.wheels, "cause": full.starting.cause,
+        "safe_starting_m_s2": safe.starting_m_s2, "safe_turning_m_s2": safe.turning_m_s2,
+        "safe_braking_m_s2": safe.braking_m_s2, "top_speed_m_s": [_finite(v) for v in found.top_m_s],
+        "spin": {"starting_rad_s2": found.spin.starting_rad_s2, "braking_rad_s2": found.spin.braking_rad_s2,
+                 "steady_use": found.spin.steady_use, "top_rad_s": _finite(found.spin.top_rad_s)},
+        "cornering": {"curvature_per_m": corner.curvature_per_m, "held_m_s": corner.held_m_s,
+                      "tangent_m_s": corner.tangent_m_s},
+        "inside": None if sets is None else {
+            "axes": ["ax_m_s2", "ay_m_s2", "alpha_rad_s2"], "speeding_up": sets.fast,
+            "slowing_down": sets.slow,
+            "box": sets.even, "ellipsoid": sets.ellipsoid, "circle_m_s2": sets.circle_m_s2},
+        "inside_why_not": found.why_not}
+
+
+def _effective(found: Bounds) -> float:
+    """The friction coefficient whose μ g is the acceleration that is safe in every direction of motion."""
+    return _sets(found).circle_m_s2 / 9.81
+
+
+def _forward(box: Any) -> list[float]:
+    """(right, forward, yaw) → (forward, left, yaw): half sizes, so the sign does not matter."""
+    return [float(box[1]), float(box[0]), float(box[2])]
+
+
+def _list(values: Any) -> str:
+    return "[" + ", ".join(f"{v:.4f}" for v in values) + "]"
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+TOOLS: dict[str, Callable[[Bounds], str]] = {
+    "nav2": nav2, "roadrunner": roadrunner, "pathplanner": pathplanner, "choreo": choreo, "json": plain_json}

@@ -1,0 +1,194 @@
+"""Limits of motion by direction: starting, braking, turning, cornering, spinning.
+
+"Starting" is the speeding up along the motion against full drag, "braking" the slowing down with its
+help, "turning" the acceleration across the motion at constant speed (the weaker side).  Directions
+are in the body frame, counter-clockwise from its +X.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array, real
+from slipmargin.limits.motion import AccelerationLimit, acceleration_limit, along, needed_share
+from slipmargin.limits.motion_rows import acceleration_rows
+from slipmargin.limits.motion_state import Contact, Kinematics, Motion, com_acceleration
+from slipmargin.model import Model
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Directions:
+    """Acceleration limits (H,) [m/s²] by direction of motion ``heading_rad`` (H,).
+
+    ``steady_use`` is the share of the grip that constant speed needs; where it exceeds the share that
+    may be used, ``starting`` is negative: the robot slips without accelerating.
+    """
+
+    heading_rad: Array
+    starting_m_s2: Array
+    turning_m_s2: Array
+    braking_m_s2: Array
+    steady_use: Array
+    starting: AccelerationLimit
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Spin:
+    """Limits of turning on the spot [rad/s²], both senses alike or the weaker one; steady use [1]."""
+
+    starting_rad_s2: float
+    braking_rad_s2: float
+    steady_use: float
+    top_rad_s: float
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Cornering:
+    """Fastest steady cornering [m/s] by curvature and direction of motion, (K, H).
+
+    ``held`` with the heading φ held, ``tangent`` with the body turning with the path; left and right turns:
+    the slower.  0 where constant speed must slip; infinite only on a straight line without a motor limit.
+    """
+
+    curvature_per_m: Array
+    heading_rad: Array
+    held_m_s: Array
+    tangent_m_s: Array
+
+
+def directions(model: Model, heading_rad: Array, *, share: float = 1.0, contact: Contact = Contact.ROLLERS,
+               motor: bool = True, speed_m_s: float | None = None) -> Directions:
+    """Limits by direction of motion.
+
+    Parameters
+    ----------
+    heading_rad : (H,)
+        Direction of motion in the body frame.
+    speed_m_s : float, optional
+        Speed at which drag, losses and motors are taken.  Without it the drag is full and nothing else
+        depends on the speed (the published limit; motors at their stall torque).
+    """
+    ahead = _unit(heading_rad)
+    motion = _moving(ahead, speed_m_s)
+    rows = acceleration_rows(model, motion, share=share, contact=contact, motor=motor)
+    none = com_acceleration(model, motion.velocity, np.zeros_like(ahead))
+    left = np.stack([-ahead[:, 1], ahead[:, 0], ahead[:, 2]], axis=1)
+    up, down, one, two = (along(model, rows, none, d) for d in (ahead, -ahead, left, -left))
+    return Directions(heading_rad=np.asarray(heading_rad), starting_m_s2=up.value, braking_m_s2=down.value,
+                      turning_m_s2=np.minimum(one.value, two.value),
+                      steady_use=needed_share(model, motion, contact=contact),
+                      starting=up)
+
+
+def spin(model: Model, *, share: float = 1.0, contact: Contact = Contact.ROLLERS, motor: bool = True) -> Spin:
+    """Limits of turning on the spot, about the body's origin."""
+    turn = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
+    # At a crawl, so that no centripetal force counts; saturated, so that the drag is full.
+    motion = Motion(velocity=1e-3 * turn, saturated=True)
+    limits = [acceleration_limit(model, motion, sign * turn, share=share, contact=contact, motor=motor)
+              for sign in (1.0, -1.0)]
+    top = model.drives.max_speed_rad_s
+    rate = np.abs(Kinematics.of(model).spin[:, 2]) / model.contacts.radius_m
+    return Spin(starting_rad_s2=float(np.min(limits[0].value)), braking_rad_s2=float(np.min(limits[1].value)),
+                steady_use=float(np.max(needed_share(model, motion, contact=contact))),
+                top_rad_s=np.inf if top is None else float(top / np.max(rate)))
+
+
+def cornering(model: Model, curvature_per_m: Array, heading_rad: Array, *, share: float = 1.0,
+              contact: Contact = Contact.ROLLERS) -> Cornering:
+    """Fastest steady cornering by curvature (K,) [1/m] and direction of motion (H,).
+
+    At speed v the origin needs the acceleration κ v² across the motion, linear in v²; the drag is full.
+    The motor's top speed caps it; its torque at that speed is not asked for.
+    """
+    curvature, heading = np.asarray(curvature_per_m, dtype=float), np.asarray(heading_rad, dtype=float)
+    k, h = (a.ravel() for a in np.meshgrid(curvature, heading, indexing="ij"))
+    out = []
+    for turning in (0.0, 1.0):
+        sides = [_corner(model, side * k, h, turning, share, contact) for side in (1.0, -1.0)]
+        out.append(np.minimum(*sides).reshape(len(curvature), len(heading)))
+    return Cornering(curvature_per_m=curvature, heading_rad=heading, held_m_s=out[0], tangent_m_s=out[1])
+
+
+def _corner(model: Model, curvature: Array, heading: Array, turning: float, share: float,
+            contact: Contact) -> Array:
+    ahead = _unit(heading)
+    twist = ahead.copy()
+    twist[:, 2] = turning * curvature
+    motion = Motion(velocity=twist, saturated=True)
+    rows = acceleration_rows(model, motion, share=share, contact=contact, motor=False)
+    across = np.stack([-ahead[:, 1] * curvature, ahead[:, 0] * curvature, np.zeros_like(curvature)], axis=1)
+    per_square = com_acceleration(model, twist, across)  # acceleration per v², centripetal part included
+    limit = along(model, rows, np.zeros_like(per_square), per_square)
+    speed = np.sqrt(np.maximum(limit.value, 0.0))
+    speed[needed_share(model, motion, contact=contact) > share] = 0.0
+    top = model.drives.max_speed_rad_s
+    if top is not None:
+        rate = np.max(np.abs(twist @ Kinematics.of(model).spin.T / model.contacts.radius_m), axis=1)
+        speed = np.minimum(speed, top / rate)
+    return np.asarray(speed)
+
+
+def top_speed(model: Model, heading_rad: Array) -> Array:
+    """Fastest straight motion (H,) [m/s] that the motors' top speed allows; infinite without one."""
+    top = model.drives.max_speed_rad_s
+    if top is None:
+        return np.full(len(heading_rad), np.inf)
+    rate = np.max(np.abs(_unit(heading_rad) @ Kinematics.of(model).spin.T / model.contacts.radius_m), axis=1)
+    return np.asarray(top / rate)
+
+
+def starting_by_motor(model: Model, heading_rad: Array) -> Array:
+    """Acceleration (H,) [m/s²] at which the first motor reaches its stall torque; infinite without one."""
+    motion = _moving(_unit(heading_rad), None)
+    rows = acceleration_rows(model, motion, motor=True)
+    keep = rows.cause == 2
+    if not np.any(keep):
+        return np.full(len(heading_rad), np.inf)
+    slope = np.einsum("mrc,mc->mr", rows.A[:, keep], _unit(heading_rad))
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.min(np.where(slope > 1e-12, rows.b[:, keep] / slope, np.inf), axis=1))
+
+
+def headings(step_deg: float = 1.0) -> Array:
+    """Directions of motion all round [rad].
+
+    Raises
+    ------
+    InputError
+        If the step is not between 0 and 90 degrees.
+    """
+    step_deg = real("step", step_deg, above=0.0, high=90.0, cure="give a step up to 90 [deg]")
+    return np.asarray(np.deg2rad(np.arange(0.0, 360.0 - 1e-9, step_deg)))
+
+
+def _unit(heading: Array) -> Array:
+    heading = np.asarray(heading, dtype=float)
+    # Rounded so that a wheel that does not slide sideways does so exactly.
+    return np.round(np.stack([np.cos(heading), np.sin(heading), np.zeros_like(heading)], axis=1), 15)
+
+
+def _moving(ahead: Array, speed_m_s: float | None) -> Motion:
+    if speed_m_s is None:
+        return Motion(velocity=1e-3 * ahead, saturated=True)
+    return Motion(velocity=ahead * real("speed", speed_m_s, above=0.0, cure="give a positive speed [m/s]"))
+
+
+__all__ = [
+    "AccelerationLimit",
+    "Cornering",
+    "Directions",
+    "Spin",
+    "cornering",
+    "directions",
+    "headings",
+    "spin",
+    "starting_by_motor",
+    "top_speed",
+]

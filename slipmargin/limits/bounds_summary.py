@@ -1,0 +1,117 @@
+"""Everything about a robot's motion limits on one surface, and the few numbers to remember."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import GRAVITY_M_S2, Array
+from slipmargin.errors import NoSolution
+from slipmargin.limits.bounds import (
+    Cornering,
+    Directions,
+    Spin,
+    cornering,
+    directions,
+    headings,
+    spin,
+    starting_by_motor,
+    top_speed,
+)
+from slipmargin.limits.bounds_inside import Inside, inside
+from slipmargin.limits.motion import needed_share
+from slipmargin.limits.motion_state import Contact, Motion
+from slipmargin.model import Model
+
+#: Curvatures of the cornering table [1/m].
+CURVATURES = np.array([0.2, 0.5, 1.0, 2.0, 5.0])
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Bounds:
+    """The motion limits of a model.
+
+    ``full`` uses all of the grip, ``safe`` (with ``spin``, ``cornering`` and ``inside``) 1 − margin of it.
+    ``rigid`` is the share of the grip that constant speed needs in the worst roller/rigid state; above 1 even
+    constant speed must slip.  ``motor_m_s2`` and ``top_m_s`` (H,) are the motors' limits (infinite: none).
+    ``inside`` is None where ``why_not`` says so.
+    """
+
+    model: Model
+    margin: float
+    full: Directions
+    safe: Directions
+    spin: Spin
+    cornering: Cornering
+    rigid_use: Array
+    motor_m_s2: Array
+    top_m_s: Array
+    inside: Inside | None
+    why_not: str
+
+    @property
+    def traction_m_s2(self) -> float:
+        """Traction limit: the weakest direction of speeding up with all of the grip [m/s²]."""
+        return float(np.min(self.full.starting_m_s2))
+
+    @property
+    def motor_limit_m_s2(self) -> float:
+        """Motor limit: the weakest direction at stall torque [m/s²], infinite where no torque is stated."""
+        return float(np.min(self.motor_m_s2))
+
+    @property
+    def smaller(self) -> str:
+        """Which of the two limits."""
+        return "traction" if self.traction_m_s2 <= self.motor_limit_m_s2 else "motor"
+
+    @property
+    def recommended_m_s2(self) -> float:
+        """Speeding up that is safe in every direction of motion with the margin [m/s²]."""
+        by_motor = (1.0 - self.margin) * self.motor_limit_m_s2
+        return float(max(0.0, min(np.min(self.safe.starting_m_s2), by_motor)))
+
+    @property
+    def isotropic_m_s2(self) -> float:
+        """μ g of the drive direction: what a tool with one friction coefficient believes [m/s²]."""
+        return float(np.mean(self.model.grip.roller[:, 0])) * GRAVITY_M_S2
+
+    @property
+    def slipping_rad(self) -> Array:
+        """Directions in which even constant speed must slip on rigid sectors."""
+        return np.asarray(self.full.heading_rad[self.rigid_use > 1.0])
+
+
+def bounds(model: Model, *, margin: float = 0.1, step_deg: float = 1.0, contact: Contact = Contact.ROLLERS,
+           sets: bool = True) -> Bounds:
+    """All motion limits of a model.
+
+    Parameters
+    ----------
+    margin : float
+        Slip margin: 1 − the share of the grip that may be used.
+    step_deg : float
+        Step of the directions [deg].
+    contact : Contact
+        What the wheels stand on (UNKNOWN: the worst of rollers and rigid sectors).
+    sets : bool
+        Also find the largest box and ellipsoid (about a second, mostly to load the solver).
+    """
+    heading, share = headings(step_deg), 1.0 - margin
+    full = directions(model, heading, contact=contact)
+    ahead = np.round(np.stack([np.cos(heading), np.sin(heading), np.zeros_like(heading)], axis=1), 15)
+    found, why = None, ""
+    if sets:
+        try:
+            found = inside(model, share=share, contact=contact)
+        except NoSolution as fault:
+            why = str(fault)
+    return Bounds(
+        model=model, margin=margin, full=full, safe=directions(model, heading, share=share, contact=contact),
+        spin=spin(model, share=share, contact=contact),
+        cornering=cornering(model, CURVATURES, heading, share=share, contact=contact),
+        rigid_use=needed_share(model, Motion(velocity=1e-3 * ahead, saturated=True), contact=Contact.UNKNOWN),
+        motor_m_s2=starting_by_motor(model, heading), top_m_s=top_speed(model, heading), inside=found,
+        why_not=why)

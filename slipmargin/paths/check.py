@@ -1,0 +1,201 @@
+"""Audit of anybody's trajectory: which wheel uses how much of its grip, and how much slower is safe.
+
+Only t, x, y, φ are needed; sampling may be irregular.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numba import njit
+
+from slipmargin.checks import Array, frozen, real
+from slipmargin.errors import InputError
+from slipmargin.limits.motion_realised import realised
+from slipmargin.limits.motion_rows import torque_limit
+from slipmargin.limits.motion_state import Contact, Motion, wheel_speeds
+from slipmargin.model import Model
+from slipmargin.paths.geometry import to_body
+
+#: Half the shortest window of a derivative [s]: below it rounded files make noise of accelerations.
+SHORTEST = 0.005
+#: Slowest time scaling tried [1].
+SLOWEST = 1e4
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Check:
+    """What a trajectory asks of the wheels at its T samples.
+
+    ``use`` (T, N) and ``torque`` (T, N) shares of each wheel's grip and motor torque, ``speed`` (T, N) share
+    of its top speed.  ``worst`` is (time, x, y, wheel index).
+    ``time_scale_needed``: stretch time by this factor and every share is within ``share``; 1 where it already
+    is, infinite where no slowing down helps.
+    """
+
+    t_s: Array
+    velocity: Array
+    acceleration: Array
+    omega: Array
+    use: Array
+    torque: Array
+    speed: Array
+    load_N: Array
+    max_use: float
+    worst: tuple[float, float, float, int]
+    share: float
+    time_scale_needed: float
+
+    @property
+    def admissible(self) -> bool:
+        """Whether no wheel uses more than the share, no motor too much, and no wheel lifts."""
+        return self.time_scale_needed <= 1.0
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class _Course:
+    """Samples of pose, velocity and acceleration in the floor frame, each (M, 3)."""
+
+    t_s: Array
+    pose: Array
+    velocity: Array
+    acceleration: Array
+
+
+def check(model: Model, t_s: Array, pose: Array, *, share: float = 1.0, contact: Contact = Contact.ROLLERS,
+          smooth_s: float = 0.0) -> Check:
+    """Audit a trajectory.
+
+    Parameters
+    ----------
+    t_s : (T,)
+        Time [s], strictly increasing, at least 6 samples; sampling may be irregular.
+    pose : (T, 3)
+        x [m], y [m], φ [rad]; φ may jump by whole turns.
+    share : float
+        λ: the share of the grip that may be used.
+    smooth_s : float
+        Window [s] over which derivatives are fitted: 0 for a planned trajectory, more for a measured one.
+
+    Raises
+    ------
+    InputError
+        Too few samples, times that do not increase, a value that is not finite.
+    """
+    t_s, pose = _checked(t_s, pose)
+    share = real("margin", share, above=0.0, high=1.0, cure="give a slip margin from 0 to below 1")
+    smooth_s = real("smooth", smooth_s, low=0.0, cure="give a window [s], 0 for none")
+    course = _Course(t_s, pose, *derivatives(t_s, pose, smooth_s))
+    use, torque, speed, load = _shares(model, course, contact, 1.0)
+    i, k = np.unravel_index(int(np.argmax(use)), use.shape)
+    return Check(t_s=t_s, velocity=course.velocity, acceleration=course.acceleration,
+                 omega=wheel_speeds(model, to_body(pose[:, 2], course.velocity)), use=use, torque=torque,
+                 speed=speed, load_N=load, max_use=float(np.max(use)),
+                 worst=(float(t_s[i]), float(pose[i, 0]), float(pose[i, 1]), int(k)), share=share,
+                 time_scale_needed=_time_scale(model, course, share, contact))
+
+
+def derivatives(t_s: Array, pose: Array, smooth_s: float = 0.0) -> tuple[Array, Array]:
+    """Velocity and acceleration (T, 3) by a parabola fitted round every sample.
+
+    The window holds the two neighbours and everything within ``smooth_s``/2 (at least 5 ms).  The
+    acceleration is then an average of the true one with weights that are never negative, so a jump in
+    acceleration is blurred but not overshot, as an interpolating spline would.
+    """
+    velocity, acceleration = np.empty_like(pose), np.empty_like(pose)
+    _parabolas(t_s, pose, max(0.5 * smooth_s, SHORTEST), velocity, acceleration)
+    return velocity, acceleration
+
+
+@njit(cache=True)
+def _parabolas(t: Array, pose: Array, half: float, velocity: Array, acceleration: Array) -> None:
+    """Least-squares parabolas in τ = (t − t_i)/width; the three unknowns by Cramer's rule."""
+    count, low, high = len(t), 0, 0
+    for i in range(count):
+        while t[i] - t[low] > half:
+            low += 1
+        while high < count - 1 and t[high + 1] - t[i] <= half:
+            high += 1
+        a = max(min(low, i - 1, count - 3), 0)
+        b = min(max(high, i + 1, 2), count - 1)
+        width = max(t[b] - t[i], t[i] - t[a])
+        m0, m1, m2, m3, m4 = 0.0, 0.0, 0.0, 0.0, 0.0
+        for k in range(a, b + 1):
+            x = (t[k] - t[i]) / width
+            m0, m1, m2, m3, m4 = m0 + 1.0, m1 + x, m2 + x * x, m3 + x**3, m4 + x**4
+        c00, c01, c02 = m2 * m4 - m3 * m3, m2 * m3 - m1 * m4, m1 * m3 - m2 * m2
+        c11, c12, c22 = m0 * m4 - m2 * m2, m1 * m2 - m0 * m3, m0 * m2 - m1 * m1
+        det = m0 * c00 + m1 * c01 + m2 * c02
+        for j in range(3):
+            s0, s1, s2 = 0.0, 0.0, 0.0
+            for k in range(a, b + 1):
+                x, y = (t[k] - t[i]) / width, pose[k, j] - pose[i, j]
+                s0, s1, s2 = s0 + y, s1 + x * y, s2 + x * x * y
+            velocity[i, j] = (c01 * s0 + c11 * s1 + c12 * s2) / det / width
+            acceleration[i, j] = 2.0 * (c02 * s0 + c12 * s1 + c22 * s2) / det / width**2
+
+
+def _checked(t_s: Array, pose: Array) -> tuple[Array, Array]:
+    t_s = frozen("t_s", t_s, (None,))
+    pose = frozen("pose", pose, (len(t_s), 3)).copy()
+    if len(t_s) < 6:
+        raise InputError("t_s", f"{len(t_s)} samples are too few for accelerations", "give at least 6 rows")
+    step = np.diff(t_s)
+    if np.min(step) <= 0.0:
+        row = int(np.argmax(step <= 0.0)) + 2
+        raise InputError(f"row {row}", f"is at {t_s[row - 1]:g} s, not after {t_s[row - 2]:g} s",
+                         "time must increase from row to row")
+    pose[:, 2] = np.unwrap(pose[:, 2])
+    return t_s, pose
+
+
+def _shares(model: Model, course: _Course, contact: Contact,
+            stretch: float) -> tuple[Array, Array, Array, Array]:
+    """Use, torque and speed shares and loads (M, N) with time stretched."""
+    phi = course.pose[:, 2]
+    motion = Motion(velocity=to_body(phi, course.velocity) / stretch, heading=phi,
+                    position=course.pose[:, :2], acceleration=to_body(phi, course.acceleration) / stretch**2,
+                    time_s=(course.t_s - course.t_s[0]) * stretch)
+    forces = realised(model, motion, contact=contact)
+    omega = wheel_speeds(model, motion.velocity)
+    limit = torque_limit(model, omega)
+    given = forces.torque_N_m
+    with np.errstate(divide="ignore", invalid="ignore"):
+        torque = np.where(given >= 0.0, given / limit[0], -given / limit[1])
+    torque = np.nan_to_num(torque, nan=0.0, posinf=np.inf)
+    top = model.drives.max_speed_rad_s or np.inf
+    return forces.use, torque, np.abs(omega) / top, forces.load_N
+
+
+def _time_scale(model: Model, course: _Course, share: float, contact: Contact) -> float:
+    """Smallest stretch ≥ 1 that makes everything admissible: bracket, then bisection to 1e-6.
+
+    Slower is not always safer sample by sample (less braking means less help from drag is needed, never
+    more), but where constant speed itself needs too much grip no stretch helps: infinite.
+    """
+    def fits(stretch: float) -> bool:
+        use, torque, speed, load = _shares(model, course, contact, stretch)
+        return bool(np.max(use) <= share * (1.0 + 1e-6) and np.max(torque) <= 1.0 + 1e-6
+                    and np.max(speed) <= 1.0 + 1e-6 and np.min(load) >= 0.0)
+
+    low = high = 1.0
+    while not fits(high):
+        low, high = high, 1.25 * high
+        if high > SLOWEST:
+            return np.inf
+        if high > 20.0 and _creeping(course, high):
+            return np.inf
+    while high - low > 1e-6 * high:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if fits(middle) else (middle, high)
+    return high
+
+
+def _creeping(course: _Course, stretch: float) -> bool:
+    """Whether the motion has become slower than any drag notices (1 mm/s): slowing down is no cure."""
+    return bool(np.max(np.abs(course.velocity[:, :2]), initial=0.0) / stretch < 1e-3
+                and np.max(np.abs(course.velocity[:, 2]), initial=0.0) / stretch < 1e-2)

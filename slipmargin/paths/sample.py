@@ -1,0 +1,73 @@
+"""A plan as a trajectory: samples in time, exact between grid points since s̈ is constant there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from slipmargin.checks import Array, real
+from slipmargin.limits.motion_realised import realised
+from slipmargin.limits.motion_state import Contact, Motion, wheel_speeds
+from slipmargin.model import Model
+from slipmargin.motions.trajectory import Trajectory
+from slipmargin.paths.geometry import to_body
+from slipmargin.paths.plan import Plan
+
+
+def node_times(plan: Plan) -> Array:
+    """Times (n + 1,) [s] at the grid points."""
+    root = np.sqrt(np.maximum(plan.x, 0.0))
+    return np.concatenate([[0.0], np.cumsum(2.0 * plan.grid.step / (root[1:] + root[:-1]))])
+
+
+def trajectory(plan: Plan, *, step_s: float = 0.005) -> Trajectory:
+    """Samples every ``step_s`` [s] and at the end.
+
+    Raises
+    ------
+    InputError
+        If the step is not positive.
+    """
+    step_s = real("step_s", step_s, above=0.0, cure="give a positive time step [s]")
+    end = plan.duration_s
+    count = max(2, int(np.ceil(end / step_s - 1e-9)) + 1)
+    return at_times(plan, np.minimum(np.arange(count) * step_s, end))
+
+
+def at_times(plan: Plan, t_s: Array) -> Trajectory:
+    """Samples at ascending times (T,) within the plan [s]."""
+    nodes = node_times(plan)
+    j = np.clip(np.searchsorted(nodes, t_s, side="right") - 1, 0, len(plan.u) - 1)
+    after = t_s - nodes[j]
+    start = np.sqrt(np.maximum(plan.x[j], 0.0))
+    s = plan.grid.s[j] + start * after + 0.5 * plan.u[j] * after**2
+    rate = np.maximum(start + plan.u[j] * after, 0.0)
+    q, first, second = plan.path.at(np.minimum(s, plan.grid.s[j + 1]), plan.grid.piece[j])
+    velocity = first * rate[:, None]
+    acceleration = first * plan.u[j, None] + second * rate[:, None] ** 2
+    contact, theta = plan.request.contact, None
+    omega = wheel_speeds(plan.model, to_body(q[:, 2], velocity))
+    if contact is Contact.ANGLE:
+        theta = _turned(plan, t_s, omega)
+    use = use_along(plan.model, t_s, q, velocity, acceleration, contact=contact, theta=theta)
+    return Trajectory(t_s=t_s, pose=q, velocity=velocity, acceleration=acceleration, omega=omega, use=use,
+                      wheels=plan.model.contacts.names)
+
+
+def use_along(model: Model, t_s: Array, pose: Array, velocity: Array, acceleration: Array, *,
+              contact: Contact = Contact.ROLLERS, theta: Array | None = None) -> Array:
+    """Share (T, N) of each wheel's grip along floor-frame samples (T, 3)."""
+    heading = pose[:, 2]
+    motion = Motion(velocity=to_body(heading, velocity), acceleration=to_body(heading, acceleration),
+                    heading=heading, position=pose[:, :2], time_s=t_s)
+    if theta is not None:
+        motion = replace(motion, theta=theta)
+    return realised(model, motion, contact=contact).use
+
+
+def _turned(plan: Plan, t_s: Array, omega: Array) -> Array:
+    start = plan.request.theta_rad
+    first = np.zeros(plan.model.count) if start is None else start
+    gain = 0.5 * (omega[1:] + omega[:-1]) * np.diff(t_s)[:, None]
+    return np.asarray(first + np.vstack([np.zeros(len(first)), np.cumsum(gain, axis=0)]))

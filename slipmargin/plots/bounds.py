@@ -1,0 +1,101 @@
+"""Limits of motion by direction: polar plots as the robot sees them, forwards up."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.projections.polar import PolarAxes
+
+from slipmargin.checks import Array
+from slipmargin.limits.bounds_summary import Bounds
+from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PALE, RED, SKY, styled
+
+
+@styled
+def bounds_figure(found: Bounds) -> Figure:
+    """Acceleration limits, the grip that constant speed needs, and cornering speed."""
+    figure = Figure(figsize=(14.0, 5.0), layout="constrained")
+    grid = figure.add_gridspec(1, 3, width_ratios=(1.1, 1.1, 1.0))
+    for k, draw in enumerate((draw_limits, draw_steady)):
+        axes = figure.add_subplot(grid[k], projection="polar")
+        assert isinstance(axes, PolarAxes)
+        draw(axes, found)
+    draw_cornering(figure.add_subplot(grid[2]), found)
+    return figure
+
+
+def draw_limits(axes: PolarAxes, found: Bounds) -> PolarAxes:
+    """Speeding up, turning and braking [m/s²] over the direction of motion."""
+    full = found.full
+    angle = _round(full.heading_rad)
+    for values, colour, label in ((full.braking_m_s2, GREEN, "braking"),
+                                  (full.turning_m_s2, ORANGE, "turning at speed"),
+                                  (full.starting_m_s2, BLUE, "speeding up")):
+        axes.plot(angle, _shut(np.maximum(values, 0.0)), color=colour, label=label)
+    axes.fill(angle, _shut(np.maximum(found.safe.starting_m_s2, 0.0)), color=SKY, alpha=0.3, lw=0,
+              label=f"speeding up with margin {found.margin:g}")
+    axes.set_title(
+        f"{found.model.robot} on “{found.model.surface}”:\nacceleration limit [m/s²] by direction of motion",
+        pad=18,
+    )
+    _compass(axes)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2)
+    return axes
+
+
+def draw_steady(axes: PolarAxes, found: Bounds) -> PolarAxes:
+    """Share of the grip that constant speed needs: on rollers and in the worst state of rigid sectors."""
+    angle, rigid = _round(found.full.heading_rad), found.rigid_use
+    top = 1.15 * max(1.0, float(np.max(rigid)), float(np.max(found.full.steady_use)))
+    axes.fill_between(angle, np.ones_like(angle), top, color=RED, alpha=0.10, lw=0, label="must slip")
+    axes.plot(angle, np.ones_like(angle), color=RED, lw=1.0)
+    if float(np.max(rigid)) > float(np.max(found.full.steady_use)) * (1.0 + 1e-9):
+        axes.plot(angle, _shut(rigid), color=INK, label="worst roller/rigid state")
+    axes.plot(angle, _shut(found.full.steady_use), color=BLUE, label="all wheels on rollers")
+    axes.set_title("Share of the grip that constant speed needs\nby direction of motion", pad=18)
+    axes.set_ylim(0.0, top)
+    _compass(axes)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2)
+    return axes
+
+
+def draw_cornering(axes: Axes, found: Bounds) -> Axes:
+    """Fastest steady cornering [m/s] over curvature [1/m], from the slowest to the fastest heading."""
+    corner = found.cornering
+    k = corner.curvature_per_m
+    lines = [(corner.held_m_s, BLUE, "heading held"), (corner.tangent_m_s, ORANGE, "turning with the path")]
+    if np.allclose(corner.held_m_s, corner.tangent_m_s, rtol=1e-3):
+        lines = [(corner.held_m_s, BLUE, "heading held or turning")]
+    for values, colour, label in lines:
+        shown = np.where(np.isfinite(values), values, np.nan)
+        if np.all(np.isnan(shown)):
+            continue
+        axes.fill_between(
+            k, np.nanmin(shown, axis=1), np.nanmax(shown, axis=1), color=colour, alpha=0.18, lw=0
+        )
+        axes.plot(k, np.nanmin(shown, axis=1), color=colour, label=f"{label}: worst heading")
+        axes.plot(k, np.nanmax(shown, axis=1), color=colour, lw=1.0, ls=(0, (4, 2)), label=f"{label}: best")
+    axes.set(xlabel="curvature [1/m]", ylabel="cornering speed [m/s]", xscale="log", ylim=(0.0, None),
+             title=f"Cornering, slip margin {found.margin:g}")
+    axes.set_xticks(k, [f"{v:g}" for v in k])
+    axes.minorticks_off()
+    axes.legend(loc="upper right")
+    return axes
+
+
+def _round(angle: Array) -> Array:
+    return np.append(angle, angle[0] + 2.0 * np.pi)
+
+
+def _shut(values: Array) -> Array:
+    return np.append(values, values[0])
+
+
+def _compass(axes: PolarAxes) -> None:
+    names = {0: "right", 90: "forward", 180: "left", 270: "back"}
+    ticks = range(0, 360, 45)
+    axes.set_xticks(np.deg2rad(list(ticks)), [names.get(t, "") for t in ticks])
+    axes.set_rlabel_position(22.5)
+    axes.tick_params(axis="y", labelsize=8, labelcolor=GREY)
+    axes.grid(color=PALE)

@@ -1,0 +1,131 @@
+"""A plan and an audit as figures: the path by limiting wheel, speed under its limit, use per wheel."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from slipmargin.checks import Array
+from slipmargin.model import Model
+from slipmargin.motions.trajectory import Trajectory
+from slipmargin.paths.check import Check
+from slipmargin.paths.plan import Plan
+from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PALE, PURPLE, RED, SKY, styled
+
+#: One colour a wheel; more than six wheels repeat them with another dash.
+WHEELS = (BLUE, ORANGE, GREEN, PURPLE, SKY, RED)
+_DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)))
+#: A wheel limits the pace where it uses more than this share of what it may [1].
+NEAR = 0.98
+
+
+@styled
+def plan_figure(plan: Plan, rows: Trajectory) -> Figure:
+    """Path coloured by limiting wheel, speed profile under its limit curve, use of every wheel over time."""
+    figure = Figure(figsize=(11.0, 6.4), layout="constrained")
+    grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.15))
+    share = plan.request.share
+    _path(figure.add_subplot(grid[:, 0]), rows, share, f"{plan.model.robot} on “{plan.model.surface}”: "
+          f"{plan.duration_s:.3f} s")
+    _profile(figure.add_subplot(grid[0, 1]), plan)
+    _use(figure.add_subplot(grid[1, 1]), rows, share, "Grip that each wheel uses")
+    return figure
+
+
+@styled
+def check_figure(model: Model, found: Check, rows: Trajectory) -> Figure:
+    """Path coloured by the wheel that uses most, use of every wheel over time, and the worst point."""
+    figure = Figure(figsize=(11.0, 4.6), layout="constrained")
+    grid = figure.add_gridspec(1, 2, width_ratios=(1.0, 1.3))
+    verdict = "admissible" if found.admissible else "not admissible"
+    axes = figure.add_subplot(grid[0])
+    _path(axes, rows, found.share, f"{model.robot} on “{model.surface}”: {verdict}")
+    t, x, y, k = found.worst
+    axes.plot([x], [y], marker="o", ms=9, mfc="none", mec=RED, mew=1.6, ls="none", zorder=5)
+    axes.annotate(f"worst: {model.contacts.names[k]}, {found.max_use:.3g}", (x, y), xytext=(8, 8),
+                  textcoords="offset points", color=RED, fontsize=8.5)
+    use = figure.add_subplot(grid[1])
+    cure = found.time_scale_needed
+    words = ("" if found.admissible else ": slowing down is no cure" if not np.isfinite(cure)
+             else f": stretch time by {cure:.4g}")
+    _use(use, rows, found.share, f"Grip that each wheel needs{words}")
+    use.plot([t], [found.max_use], marker="o", ms=9, mfc="none", mec=RED, mew=1.6, ls="none", zorder=5)
+    return figure
+
+
+def _path(axes: Axes, rows: Trajectory, share: float, title: str) -> None:
+    who = limiting(rows, share)
+    points = rows.pose[:, :2]
+    segments = np.stack([points[:-1], points[1:]], axis=1)
+    colours = [GREY if k < 0 else WHEELS[int(k) % len(WHEELS)] for k in who[:-1]]
+    axes.add_collection(LineCollection(list(segments), colors=colours, linewidths=3.2, capstyle="round"))
+    span = max(float(np.ptp(points[:, 0])), float(np.ptp(points[:, 1])), 1e-3)
+    at = np.linspace(0, len(points) - 1, 13).astype(int)
+    front = np.stack([-np.sin(rows.pose[at, 2]), np.cos(rows.pose[at, 2])], axis=1)
+    axes.quiver(
+        points[at, 0],
+        points[at, 1],
+        front[:, 0],
+        front[:, 1],
+        color=INK,
+        angles="xy",
+        scale_units="xy",
+        scale=14.0 / span,
+        width=0.004,
+        headwidth=4.0,
+        zorder=4,
+    )
+    axes.plot(*points[0], marker="o", ms=6, color=INK, zorder=5)
+    marks = [Line2D([], [], color=WHEELS[k % len(WHEELS)], lw=3.2, label=f"wheel {name}")
+             for k, name in enumerate(rows.wheels) if np.any(who == k)]
+    marks.append(Line2D([], [], color=GREY, lw=3.2, label="no wheel near its limit"))
+    marks.append(Line2D([], [], color=INK, lw=0, marker=r"$\rightarrow$", ms=11, label="front of the robot"))
+    marks.append(Line2D([], [], color=INK, lw=0, marker="o", ms=6, label="start"))
+    figure = axes.get_figure(root=True)
+    assert isinstance(figure, Figure)
+    figure.legend(handles=marks, loc="outside lower center", ncols=len(marks), title="path limited by")
+    axes.set(xlabel="x [m]", ylabel="y [m]", title=title)
+    for k, put in ((0, axes.set_xlim), (1, axes.set_ylim)):
+        low, high = float(points[:, k].min()), float(points[:, k].max())
+        half = max(0.5 * (high - low) + 0.12 * span, 0.45 * span)
+        put(0.5 * (low + high) - half, 0.5 * (low + high) + half)
+    axes.set_aspect("equal", adjustable="box")
+
+
+def _profile(axes: Axes, plan: Plan) -> None:
+    s, speed = plan.grid.s, np.sqrt(np.maximum(plan.x, 0.0))
+    highest = np.sqrt(np.minimum(np.maximum(plan.highest, 0.0), 1e4))
+    top = 1.25 * float(np.max(speed))
+    axes.fill_between(s, np.minimum(highest, top), top, color=PALE, lw=0)
+    axes.plot(s, np.where(highest <= top, highest, np.nan), color=GREY, lw=1.2,
+              label="highest speed from which the rest can be driven")
+    axes.plot(s, speed, color=BLUE, label="planned")
+    axes.set(
+        xlabel="path length s [m]",
+        ylabel="speed along the path [m/s]",
+        ylim=(0.0, top),
+        xlim=(s[0], s[-1]),
+        title="Speed under its limit",
+    )
+    axes.legend(loc="lower center")
+
+
+def _use(axes: Axes, rows: Trajectory, share: float, title: str) -> None:
+    for k, name in enumerate(rows.wheels):
+        axes.plot(rows.t_s, rows.use[:, k], color=WHEELS[k % len(WHEELS)], lw=1.4,
+                  ls=_DASHES[k // len(WHEELS) % len(_DASHES)], label=name)
+    axes.axhline(share, color=INK, lw=1.0, ls=(0, (6, 3)))
+    axes.annotate(f"allowed: {share:g}", (rows.t_s[-1], share), xytext=(-2, 3), textcoords="offset points",
+                  ha="right", va="bottom", fontsize=8.5, color=INK, zorder=6,
+                  bbox={"fc": "white", "ec": "none", "pad": 0.8, "alpha": 0.85})
+    axes.set(xlabel="time [s]", ylabel="share of the wheel's grip [1]", xlim=(rows.t_s[0], rows.t_s[-1]),
+             ylim=(0.0, max(1.12 * share, 1.08 * float(np.max(rows.use)))), title=title)
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title="wheel")
+
+
+def limiting(rows: Trajectory, share: float) -> Array:
+    """(T,) index of the wheel near its limit at every sample, −1 where none is."""
+    return np.where(rows.use.max(axis=1) > NEAR * share, rows.use.argmax(axis=1), -1)

@@ -1,0 +1,90 @@
+"""The proof of a plan by simulation: its wheel speeds, open loop, through the slip simulator.
+
+Limits say what share of the grip a motion uses; the simulator knows nothing of limits and answers in
+slips.  They meet in force, not in speed: the share a simulated wheel used is (2/π) atan(k · peak drive
+slip) (theory, section 4), since near the limit a force error of 2 % changes the creep by half.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.model import Model
+from slipmargin.motions.trajectory import Trajectory
+from slipmargin.sim.batch import Batch, Ending
+from slipmargin.sim.pack import pack
+from slipmargin.sim.signal import linear
+
+#: Spacing of the samples of the simulated run [s].
+FINE_S = 5e-4
+#: A share above it is gross slip: creep at 0.985 is already 42 mm/s at k = 1000 s/m [1].
+GROSS = 0.985
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Verified:
+    """What the simulated wheels did: T times, N wheels.
+
+    ``share`` (T, N) of the drive grip used, ``slip_m_s`` (T, N) drive slip, ``pose`` (T, 3) simulated,
+    ``drift_m``, ``drift_rad`` at the end against the plan; ``ending`` how the run ended.
+    """
+
+    t_s: Array
+    share: Array
+    slip_m_s: Array
+    pose: Array
+    drift_m: float
+    drift_rad: float
+    ending: Ending
+    wheels: tuple[str, ...]
+
+    @property
+    def peak(self) -> float:
+        """Largest share of any wheel."""
+        return float(np.max(self.share))
+
+    @property
+    def wheel(self) -> str:
+        """The wheel with the largest share."""
+        return self.wheels[int(np.argmax(np.max(self.share, axis=0)))]
+
+    @property
+    def slips(self) -> bool:
+        """Whether a wheel slipped grossly."""
+        return self.peak > GROSS
+
+
+def on_rollers(model: Model) -> Model:
+    """The same machine without rigid sectors: what a plan for rollers assumes."""
+    return replace(model, grip=replace(model.grip, rigid_fraction=np.zeros(model.count)))
+
+
+def verify(model: Model, planned: Trajectory, *, theta_rad: Array | None = None,
+           stretch: float = 1.0) -> Verified:
+    """Simulate the planned wheel speeds, open loop, from the planned start.
+
+    Parameters
+    ----------
+    model : Model
+        The machine (:func:`on_rollers` of it where the plan was made for rollers).
+    theta_rad : (N,), optional
+        Wheel angles at the start [rad].
+    stretch : float
+        Drive the same motion slower (above 1) or faster (below 1).
+    """
+    t = planned.t_s * stretch
+    signal = linear(t, planned.omega / stretch, theta0=theta_rad)
+    fine = np.linspace(t[0], t[-1], max(2, int(np.ceil((t[-1] - t[0]) / FINE_S)) + 1))
+    run = Batch([signal], [fine], commanded=False).run(
+        pack(model), planned.pose[0], start_twist=planned.velocity[0] / stretch, tell=True)
+    assert run.slip is not None
+    slip = np.abs(run.slip[0, :, :, 0])
+    off = run.pose[0, -1] - planned.pose[-1]
+    return Verified(t_s=fine, share=2.0 / np.pi * np.arctan(model.grip.k_s_per_m * slip), slip_m_s=slip,
+                    pose=run.pose[0], drift_m=float(np.hypot(off[0], off[1])), drift_rad=float(abs(off[2])),
+                    ending=Ending(int(run.ending[0])), wheels=model.contacts.names)
