@@ -51,7 +51,8 @@ def run_import(importer: Importer, files: list[Path], out: Path, robot: str, sur
         lines = [f"calibration: {line}" for line in (() if held is None else held.lines())]
         facts = [f"{name.replace('_', ' ')}: {value:.5g}" for name, value in summary.facts().items()]
         if told["delay_s"] is not None:
-            facts.append(f"camera later than encoders by {1e3 * told['delay_s']:.0f} ms on this floor")
+            apart = " (spinning up with slip looks like delay; the calibration's is held)" if given else ""
+            facts.append(f"camera later than encoders by {1e3 * told['delay_s']:.0f} ms on this floor{apart}")
         say(*summary.lines(), *lines, *facts, f"written: {out}")
 
 

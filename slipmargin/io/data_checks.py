@@ -127,7 +127,7 @@ def _scale(by_wheels: Array, seen: Array) -> list[Finding]:
         power = round(np.log10(ratio))
         cause = ("x_m and y_m in " + unit[power]) if power in unit else (
             "wrong unit of the pose, the wheel angles or radius_m")
-        if abs(ratio * np.pi / 180.0 - 1.0) < 0.3 or abs(ratio * 180.0 / np.pi - 1.0) < 0.3:
+        if 0.5 < ratio * 180.0 / np.pi < 1.1:  # slip takes up to half of the motion, and adds none
             cause = "wheel angles or speeds in degrees instead of radians"
         found.append(Finding(place="x_m, y_m", cause=cause,
                              problem=f"the robot moved {ratio:.3g} times what its wheels rolled"))

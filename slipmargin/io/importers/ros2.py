@@ -1,0 +1,143 @@
+"""ROS bags (ROS 1 and 2) through the ``rosbags`` package, which needs no ROS: the extra ``[ros]``.
+
+Pose from ``geometry_msgs/PoseStamped``, ``PoseWithCovarianceStamped``, ``TransformStamped`` or
+``nav_msgs/Odometry``; wheels from ``sensor_msgs/JointState``.  Stamps are the headers' where given,
+else the bag's.  A record has one clock: rows stand at the pose's stamps, wheels interpolated there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from sqlite3 import Error as SqlError
+from typing import Any, final
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.errors import InputError
+from slipmargin.io.importers.loose_table import increasing, runs_of
+from slipmargin.io.importers.plug import Dropped, Reading
+from slipmargin.motions.record import Record
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RosImporter:
+    """Bags of one robot: where its pose and its wheels are published.
+
+    ``joints`` (N,) names in the order of the robot file's wheels; a leading ``-`` turns the sign.
+    """
+
+    pose_topic: str
+    joint_topic: str
+    joints: tuple[str, ...]
+    name: str = "ros"
+
+    def read(self, path: Path) -> Reading:
+        """One run.
+
+        Raises
+        ------
+        InputError
+            Where ``rosbags`` is not installed, it is no bag, or a topic or joint is missing.
+        """
+        if find_spec("rosbags") is None:
+            raise InputError("import ros", "the package rosbags is not installed",
+                             "install it: pip install 'slipmargin[ros]'", "command line")
+        poses, joints = self._messages(path)
+        pose = np.array([_pose(m) for _, m in poses])
+        stamp = np.array([_stamp(bag, m) for bag, m in poses])
+        keep, notes = increasing(stamp)
+        t, pose = stamp[keep], pose[keep]
+        bad = np.setdiff1d(np.arange(len(stamp)), keep)
+        why = "its stamp does not come after the one before"
+        dropped = [Dropped(line=int(i[0]) + 1, count=len(i), why=why) for i in runs_of(bad)]
+        seen = np.isfinite(pose).all(axis=1)
+        if len(t) < 2 or not seen.any():
+            raise InputError(self.pose_topic, f"holds {int(seen.sum())} poses", "record a whole run")
+        pose[seen, 2] = np.unwrap(pose[seen, 2])
+        wheels = self._wheels(joints, t)
+        record = Record(name=path.stem, t_s=t - t[0], pose=pose, theta=wheels.get("position"),
+                        omega=wheels.get("velocity"))
+        return Reading(source=str(path), record=record, rows=len(stamp), dropped=tuple(dropped),
+                       lost_frames=int(np.count_nonzero(~seen)), notes=tuple(notes))
+
+    def _messages(self, path: Path) -> tuple[list[tuple[int, Any]], list[tuple[int, Any]]]:
+        from rosbags.highlevel import AnyReader, AnyReaderError
+        from rosbags.rosbag1 import ReaderError as Ros1Error
+        from rosbags.rosbag2 import ReaderError as Ros2Error
+        from rosbags.serde import SerdeError
+        from rosbags.typesys import Stores, get_typestore
+
+        if not path.exists():
+            raise InputError("", "there is no such bag", "give a bag's folder or file", str(path))
+        found: dict[str, list[tuple[int, Any]]] = {self.pose_topic: [], self.joint_topic: []}
+        try:
+            with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as bag:
+                there = sorted(bag.topics)
+                for topic in found:
+                    if topic not in there:
+                        raise InputError(topic, "is not a topic of the bag",
+                                         f"use one of: {', '.join(there)}", str(path))
+                wanted = [c for c in bag.connections if c.topic in found]
+                for connection, time, raw in bag.messages(wanted):
+                    found[connection.topic].append((time, bag.deserialize(raw, connection.msgtype)))
+        except (AnyReaderError, Ros1Error, Ros2Error, SerdeError, SqlError, OSError) as fault:
+            raise InputError("", f"is no bag that can be read ({type(fault).__name__})",
+                             "give a bag's folder or file", str(path)) from None
+        return found[self.pose_topic], found[self.joint_topic]
+
+    def _wheels(self, joints: list[tuple[int, Any]], t: Array) -> dict[str, Array]:
+        stamp = np.array([_stamp(bag, m) for bag, m in joints])
+        if not len(stamp):
+            raise InputError(self.joint_topic, "holds no message", "record the wheels too")
+        out: dict[str, Array] = {}
+        order = np.argsort(stamp, kind="stable")
+        for field in ("position", "velocity"):
+            columns = [self._joint(joints, name, field)[order] for name in self.joints]
+            if all(np.isfinite(c).any() for c in columns):
+                out[field] = np.stack([_at(t, stamp[order], c) for c in columns], axis=1)
+        if not out:
+            raise InputError(self.joint_topic, "holds neither position nor velocity of these joints",
+                             "publish wheel positions")
+        return out
+
+    def _joint(self, joints: list[tuple[int, Any]], signed: str, field: str) -> Array:
+        sign, name = (-1.0, signed[1:]) if signed.startswith("-") else (1.0, signed)
+        values = np.full(len(joints), np.nan)
+        for row, (_, message) in enumerate(joints):
+            names, numbers = list(message.name), getattr(message, field)
+            if name in names and len(numbers) == len(names):
+                values[row] = sign * float(numbers[names.index(name)])
+        if field == "position" and not any(name in list(m.name) for _, m in joints):
+            known = sorted({n for _, m in joints for n in m.name})
+            raise InputError("--joint", f"{name!r} is not a joint", f"use some of: {', '.join(known)}")
+        return values
+
+
+def _at(t: Array, stamp: Array, values: Array) -> Array:
+    """``values`` at ``t``; outside the stamps nothing is known."""
+    known = np.isfinite(values)
+    return np.interp(t, stamp[known], values[known], left=np.nan, right=np.nan)
+
+
+def _stamp(bag_ns: int, message: Any) -> float:
+    header = getattr(message, "header", None)
+    if header is None or (header.stamp.sec == 0 and header.stamp.nanosec == 0):
+        return bag_ns * 1e-9
+    return float(header.stamp.sec) + 1e-9 * float(header.stamp.nanosec)
+
+
+def _pose(message: Any) -> tuple[float, float, float]:
+    """x, y, yaw of any of the pose messages; the quaternion's turn about +z."""
+    inner = getattr(message, "pose", None) or getattr(message, "transform", None)
+    if inner is None:
+        raise InputError("--pose-topic", f"holds {type(message).__name__}",
+                         "give PoseStamped, Odometry or TransformStamped")
+    inner = getattr(inner, "pose", inner)
+    place = getattr(inner, "position", None) or inner.translation
+    q = getattr(inner, "orientation", None) or inner.rotation
+    yaw = np.arctan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y**2 + q.z**2))
+    return float(place.x), float(place.y), float(yaw)

@@ -1,0 +1,96 @@
+"""``slipmargin import``: real logs to a data set that other commands read."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from real_logs import EXCERPT, logs
+from slipmargin_cli.main import status
+
+from slipmargin.io.data_set import read_data_set
+
+TABLE = [str(p) for p in logs(EXCERPT / "table_0.1")]
+GRAY = [str(p) for p in logs(EXCERPT / "gray_0.1")]
+
+
+def test_calibrate_on_one_floor_and_hold_on_the_other(tmp_path: Path,
+                                                      capsys: pytest.CaptureFixture[str]) -> None:
+    table, gray = tmp_path / "table", tmp_path / "gray"
+    assert status(["import", "robotino", *TABLE, "--surface", "table", "--calibrate",
+                   "--out", str(table)]) == 0
+    told = capsys.readouterr()
+    assert "read 6 runs" in told.out and "camera delay" in told.out and told.err == ""
+    assert status(["import", "robotino", *GRAY, "--surface", "gray", "--out", str(gray),
+                   "--calibration", str(table / "calibration.toml"), "--json", "-"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["schema"] == 1 and len(report["runs"]) == 8 and report["checks"] == []
+    held = read_data_set(gray)
+    assert held.surface == "gray" and len(held.trials) == 8
+    assert [e.name for e in held.recipe.effects] == ["camera_scale", "camera_rotation", "camera_delay"]
+    assert held.recipe.effects == read_data_set(table).recipe.effects
+    assert report["calibration"]["scale"] == held.recipe.effects[0].scale_x  # type: ignore[union-attr]
+    assert (gray / "calibration.toml").read_text() == (table / "calibration.toml").read_text()
+
+
+def test_damage_is_told_and_the_rest_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    cut = tmp_path / "cut.csv"
+    cut.write_text(Path(GRAY[0]).read_text().rstrip("\n")[:-50])
+    (tmp_path / "letter.csv").write_text("dear reader\n")
+    out = tmp_path / "set"
+    assert status(["import", "robotino", str(cut), str(tmp_path / "letter.csv"), "--out", str(out)]) == 0
+    told = capsys.readouterr().out
+    assert "cut.csv: line" in told and "letter.csv: not used" in told and "Traceback" not in told
+    assert len(read_data_set(out).trials) == 1
+
+
+def test_swapped_wheels_are_warned_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for path in GRAY[:4]:
+        lines = Path(path).read_text()
+        (tmp_path / Path(path).name).write_text(
+            lines.replace("m1pos", "m9pos").replace("m2pos", "m1pos").replace("m9pos", "m2pos"))
+    files = [str(p) for p in sorted(tmp_path.glob("*.csv"))]
+    assert status(["import", "robotino", *files, "--out", str(tmp_path / "set")]) == 0
+    assert "warning: trials: " in (err := capsys.readouterr().err) and "wheels 1 and 2 swapped" in err
+
+
+@pytest.mark.parametrize(("arguments", "told"), [
+    ([GRAY[0], "--surface", "moon"], "'moon' is not described"),
+    ([GRAY[0], "--robot", "nobody"], "nobody"),
+    ([GRAY[0], "--calibrate", "--calibration", "x.toml"], "--calibrate: is given together"),
+    ([GRAY[0], "--calibration", "gone.toml"], "gone.toml: there is no such file"),
+    (["gone.csv"], "gone.csv: there is no such file"),
+    ([GRAY[0], "--ticks-per-turn", "0"], "ticks_per_turn"),
+])
+def test_bad_usage_is_one_line_and_leaves_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str],
+                                                  arguments: list[str], told: str) -> None:
+    assert status(["import", "robotino", *arguments, "--out", str(tmp_path / "set")]) == 2
+    err = capsys.readouterr().err
+    assert err.startswith("error: ") and err.count("\n") == 1 and told in err
+    assert not (tmp_path / "set").exists()
+
+
+def test_a_mapped_csv(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "map.toml").write_text("""
+schema = 1
+separator = ";"
+time = { column = "t", unit = "ms" }
+[pose]
+x = { column = "xpos", unit = "mm", scale = 1.84 }
+y = { column = "ypos", unit = "mm", scale = -1.84 }
+heading = { column = "ang", unit = "deg", offset_rad = 1.5707963 }
+""" + "".join(f'[[wheel]]\nangle = {{ column = "m{i}pos", unit = "ticks", ticks_per_turn = 32000, '
+              'scale = -1 }\n' for i in (1, 2, 3)))
+    assert status(["import", "csv", *GRAY, "--map", str(tmp_path / "map.toml"), "--robot", "robotino",
+                   "--surface", "gray", "--out", str(tmp_path / "set")]) == 0
+    assert "read 8 runs (csv)" in capsys.readouterr().out
+    assert read_data_set(tmp_path / "set").trials[0].theta is not None
+
+
+def test_a_bag_that_is_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("rosbags", reason="rosbags is not installed (extra [ros])")
+    topics = ["--pose-topic", "/p", "--joint-topic", "/j", "--joint", "a", "--joint", "b", "--joint", "c"]
+    assert status(["import", "ros", str(tmp_path), "--robot", "robotino", *topics,
+                   "--out", str(tmp_path / "set")]) == 2
+    assert "is no bag" in capsys.readouterr().err

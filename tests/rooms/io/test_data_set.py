@@ -1,0 +1,210 @@
+"""A data set is read strictly, written whole, and comes back as it was."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from slipmargin.errors import InputError
+from slipmargin.io.data_set import DataSet, WheelSignal, read_data_set
+from slipmargin.io.data_set_write import check_data_set_place, data_set_files, write_data_set
+from slipmargin.io.robot_file import read_recipe
+from slipmargin.io.trial_file import Pulls, read_pulls, read_trial, trial_text
+from slipmargin.motions.record import Record
+
+TRIAL = ("t_s,x_m,y_m,phi_rad,omega1_rad_s,omega2_rad_s,omega3_rad_s,theta1_rad,theta2_rad,theta3_rad\n"
+         "0,0,0,0,0,0,0,0,0,0\n0.01,0.001,,0.1,1,2,3,0.01,0.02,0.03\n0.03,0.002,0.1,0.2,1,2,3,0.1,0.2,0.3\n")
+HEAD = 'schema = 1\nrobot = "robot.toml"\nsurface = "gray"\nwheel_signal = "measured"\n'
+SIGMA = "[sigma]\nx_m = 0.0005\ny_m = 0.0005\nphi_rad = 0.002\n"
+
+
+def record(**more: object) -> Record:
+    t = np.array([0.0, 0.01, 0.03, 0.031])
+    pose = np.array([[0.0, 0, 0], [0.1, np.nan, 0.2], [0.2, 0.1, 0.3], [0.25, 0.1, 0.3]])
+    return Record(**{"name": "a", "t_s": t, "pose": pose, "omega": np.ones((4, 3)),  # type: ignore[arg-type]
+                     "theta": np.cumsum(np.ones((4, 3)), axis=0)} | more)
+
+
+def data_set(**more: object) -> DataSet:
+    return DataSet(**{"name": "d", "recipe": read_recipe("robotino"), "surface": "gray",  # type: ignore[arg-type]
+                      "wheel_signal": WheelSignal.MEASURED, "trials": (record(),),
+                      "sigma": np.array([1e-3, 1e-3, 2e-3])} | more)
+
+
+def folder(tmp_path: Path, head: str = HEAD, trial: str | None = TRIAL, pulls: str | None = None) -> Path:
+    there = tmp_path / "set"
+    write_data_set(there, data_set())
+    (there / "dataset.toml").write_text(head)
+    (there / "trials" / "a.csv").unlink()
+    if trial is not None:
+        (there / "trials" / "t0.csv").write_text(trial)
+    if pulls is not None:
+        (there / "pulls.csv").write_text(pulls)
+    return there
+
+
+def test_reads_what_the_contract_says(tmp_path: Path) -> None:
+    found = read_data_set(folder(tmp_path, HEAD + SIGMA, pulls="phi_rad,force_N\n0.5,4.5\n1,5\n"))
+    assert (found.name, found.surface, found.wheel_signal) == ("set", "gray", WheelSignal.MEASURED)
+    assert found.sigma is not None and found.sigma.tolist() == [0.0005, 0.0005, 0.002]
+    assert found.pulls is not None and found.pulls.force_N.tolist() == [4.5, 5.0]
+    trial = found.trials[0]
+    assert trial.name == "t0" and trial.seen.tolist() == [True, False, True]
+    assert trial.theta is not None and trial.theta[2].tolist() == [0.1, 0.2, 0.3]
+    assert trial.omega_cmd is None and trial.wheels == 3 and trial.duration_s == pytest.approx(0.03)
+
+
+@pytest.mark.parametrize(("change", "told"), [
+    ({"head": HEAD.replace("= 1", "= 2")}, "schema"),
+    ({"head": HEAD + "colour = 3\n"}, "colour: is not a known key"),
+    ({"head": HEAD.replace('"gray"', '"moon"')}, "'moon' is not described"),
+    ({"head": HEAD.replace('"measured"', '"heard"')}, "wheel_signal: is 'heard'"),
+    ({"head": HEAD + SIGMA.replace("0.002", "0")}, "sigma.phi_rad"),
+    ({"head": HEAD + "[sigma]\nx_m = 0.1\n"}, "sigma.y_m: is missing"),
+    ({"head": HEAD + SIGMA + "z_m = 1\n"}, "z_m: is not a known key"),
+    ({"head": HEAD + "[["}, "is not TOML"),
+    ({"trial": None}, "there is no trial"),
+    ({"trial": TRIAL.replace("phi_rad", "phi_deg", 1)}, "'phi_rad' is missing"),
+    ({"trial": TRIAL.replace("theta3_rad", "theta4_rad", 1)}, "'theta4_rad' is not a known column"),
+    ({"trial": TRIAL.replace("0.03,0.002", "0.005,0.002")}, "4:1: the time 0.005 s does not come after"),
+    ({"trial": TRIAL.replace("0.01,0.001", "0.01,zero")}, "3:2: x_m is 'zero'"),
+    ({"trial": TRIAL.replace(",3,0.1,0.2,0.3", ",3,0.1")}, "4:9: the row has 8 cells"),
+    ({"trial": "t_s,x_m,y_m,phi_rad\n0,0,0,0\n1,1,1,1\n"}, "wheel 1 has no omega1_rad_s or theta1_rad"),
+    ({"head": HEAD.replace("measured", "commanded")}, "wheel 1 has no omega1_cmd_rad_s"),
+    ({"trial": "t_s,x_m,y_m,phi_rad\n0,0,,0\n1,,1,1\n"}, "no sample holds a whole pose"),
+    ({"pulls": "phi_rad,force_N\n0.5,\n"}, "2:2: force_N is empty"),
+    ({"pulls": "phi_rad,force_N,theta1_rad\n0.5,1,2\n"}, "'theta2_rad' is missing"),
+])
+def test_refuses_in_one_line_that_names_the_place(tmp_path: Path, change: dict[str, str], told: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        read_data_set(folder(tmp_path, **change))  # type: ignore[arg-type]
+    text = str(refusal.value)
+    assert told in text and "\n" not in text and str(tmp_path) in text
+
+
+def test_refuses_a_folder_that_is_none(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="there is no such folder"):
+        read_data_set(tmp_path / "nowhere")
+    with pytest.raises(InputError, match=r"dataset\.toml: is not there"):
+        read_data_set(tmp_path)
+
+
+@pytest.mark.parametrize(("more", "told"), [
+    ({"trials": ()}, "there is no trial"),
+    ({"sigma": np.array([1.0, 0.0, 1.0])}, "noise is positive"),
+    ({"trials": (record(omega=np.ones((4, 2)), theta=None),)}, "has 2 wheels"),
+])
+def test_a_data_set_that_contradicts_itself(more: dict[str, object], told: str) -> None:
+    with pytest.raises(InputError, match=told):
+        data_set(**more)
+
+
+@pytest.mark.parametrize(("more", "told"), [
+    ({"t_s": np.array([0.0])}, "no motion"),
+    ({"t_s": np.array([0.0, np.nan, 2, 3])}, "a time that is missing"),
+    ({"t_s": np.array([0.0, 2, 1, 3])}, "sample 3 is at 1 s"),
+    ({"pose": np.zeros((4, 2))}, "shape"),
+    ({"pose": np.full((4, 3), np.inf)}, "infinite"),
+    ({"pose": np.full((4, 3), np.nan)}, "no sample holds a whole pose"),
+    ({"omega": np.ones((4, 4))}, "theta"),
+])
+def test_a_record_that_contradicts_itself(more: dict[str, object], told: str) -> None:
+    with pytest.raises(InputError, match=told):
+        record(**more)
+
+
+def test_records_cannot_be_written_to() -> None:
+    with pytest.raises(ValueError, match="read-only"):
+        record().pose[0, 0] = 1.0
+
+
+def test_comes_back_as_it_was_written(tmp_path: Path) -> None:
+    given = data_set(pulls=Pulls(phi_rad=np.array([0.1, 2.0]), force_N=np.array([3.0, 4.0]),
+                                 theta_rad=np.arange(6.0).reshape(2, 3)))
+    write_data_set(tmp_path / "s", given, {"notes.txt": "hello"}, comment="made in a test")
+    back = read_data_set(tmp_path / "s")
+    np.testing.assert_array_equal(back.trials[0].pose, given.trials[0].pose)
+    assert given.trials[0].theta is not None and back.trials[0].theta is not None
+    np.testing.assert_array_equal(back.trials[0].theta, given.trials[0].theta)
+    assert back.sigma is not None and back.sigma.tolist() == [1e-3, 1e-3, 2e-3]
+    assert back.pulls is not None and back.pulls.theta_rad is not None
+    assert back.pulls.theta_rad.tolist() == [[0, 1, 2], [3, 4, 5]]
+    assert (tmp_path / "s" / "notes.txt").read_text() == "hello"
+    assert data_set_files(back) == data_set_files(given)
+
+
+def test_replaces_a_data_set_whole_and_nothing_else(tmp_path: Path) -> None:
+    place = tmp_path / "s"
+    write_data_set(place, data_set(trials=(record(), record(name="b"))))
+    write_data_set(place, data_set())
+    assert [p.name for p in (place / "trials").iterdir()] == ["a.csv"]  # no trial of the old one is left
+    assert [p.name for p in tmp_path.iterdir()] == ["s"]  # and no stage
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.txt").write_text("keep")
+    with pytest.raises(InputError, match="holds something else"):
+        write_data_set(tmp_path / "mine", data_set())
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="is a file"):
+        check_data_set_place(tmp_path / "file")
+    with pytest.raises(InputError, match="parent folder"):
+        check_data_set_place(tmp_path / "no" / "s")
+
+
+def test_a_failed_write_leaves_the_old_data_set(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    place = tmp_path / "s"
+    write_data_set(place, data_set())
+    before = (place / "dataset.toml").read_text()
+
+    def full(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", full)
+    with pytest.raises(InputError, match="No space left"):
+        write_data_set(place, data_set(sigma=None))
+    assert (place / "dataset.toml").read_text() == before
+    assert [p.name for p in tmp_path.iterdir()] == ["s"]
+
+
+number = st.floats(-1e3, 1e3, allow_subnormal=False).map(lambda v: float(f"{v:.6g}"))
+
+
+@settings(max_examples=40, deadline=None)
+@given(rows=st.lists(st.tuples(st.floats(1e-3, 1.0), number, number, st.one_of(number, st.none()), number),
+                     min_size=2, max_size=12))
+def test_any_trial_survives_the_round_trip(rows: list[tuple[float, ...]],
+                                           tmp_path_factory: pytest.TempPathFactory) -> None:
+    t = np.round(np.cumsum([r[0] for r in rows]), 6)
+    pose = np.array([[r[1], r[2], np.nan if r[3] is None else r[3]] for r in rows])
+    if np.min(np.diff(t)) <= 0.0 or not np.isfinite(pose).all(axis=1).any():
+        return
+    speed = np.stack([np.array([r[4] for r in rows]), np.full(len(t), np.nan), np.ones(len(t))], axis=1)
+    given_ = Record(name="t", t_s=t, pose=pose, omega=speed)
+    path = tmp_path_factory.mktemp("r") / "t.csv"
+    path.write_text(trial_text(given_))
+    back = read_trial(path, 3)
+    np.testing.assert_allclose(back.t_s, t, rtol=1e-8)
+    np.testing.assert_array_equal(back.pose, pose)
+    assert back.omega is not None and back.theta is None
+    np.testing.assert_array_equal(back.omega, speed)
+
+
+def test_pulls_by_themselves(tmp_path: Path) -> None:
+    path = tmp_path / "p.csv"
+    path.write_text("phi_rad,force_N\n0,1\n")
+    assert read_pulls(path, 3).theta_rad is None
+    with pytest.raises(InputError, match="shape"):
+        Pulls(phi_rad=np.zeros(2), force_N=np.zeros(3))
+
+
+def test_a_recipe_with_effects_is_kept(tmp_path: Path) -> None:
+    from slipmargin.effects.camera_scale import CameraScale
+
+    given = data_set()
+    given = replace(given, recipe=given.recipe.with_effect(CameraScale(scale_x=0.9, scale_y=0.91)))
+    write_data_set(tmp_path / "s", given)
+    (effect,) = read_data_set(tmp_path / "s").recipe.effects
+    assert (effect.name, effect.scale_y) == ("camera_scale", 0.91)  # type: ignore[union-attr]

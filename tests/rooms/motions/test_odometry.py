@@ -1,0 +1,50 @@
+"""Paths by wheels and by camera: exact on motions that can be written down."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given, settings, strategies as st
+from strategies import models
+
+from slipmargin.model import Model
+from slipmargin.motions.odometry import body_path, bridged, no_slip_matrix, wheel_angles, wheel_path
+
+
+@settings(max_examples=40, deadline=None)
+@given(model=models(), twist=st.tuples(*[st.floats(-2, 2)] * 3))
+def test_no_slip_is_the_twist_under_which_no_contact_slips(model: Model, twist: tuple[float, ...]) -> None:
+    # Second road: u_i·ĝ_i of the theory, section 1, set to zero wheel by wheel.
+    vx, vy, wz = twist
+    c = model.contacts
+    hub = np.array([vx, vy]) + wz * np.stack([-c.position_m[:, 1], c.position_m[:, 0]], axis=1)
+    rate = -np.sum(hub * c.grip, axis=1) / (c.radius_m * np.sum(c.drive * c.grip, axis=1))
+    np.testing.assert_allclose(no_slip_matrix(c) @ rate, twist, atol=1e-9)
+    path = wheel_path(c, np.outer(np.linspace(1.0, 2.0, 5), rate))
+    np.testing.assert_allclose(path[-1], twist, atol=1e-9)
+
+
+def test_body_path_of_a_circle() -> None:
+    phi = np.linspace(0.0, 2.0, 2001)
+    pose = np.stack([3.0 + 0.5 * np.sin(phi), 1.0 - 0.5 * np.cos(phi), phi], axis=1)
+    path = body_path(pose)
+    np.testing.assert_allclose(path[-1], [1.0, 0.0, 2.0], atol=1e-6)  # arc length along the body's x
+    pose[1000] = np.nan
+    np.testing.assert_allclose(body_path(pose)[-1], path[-1], atol=1e-6)
+
+
+def test_missing_samples_lie_on_the_line_between() -> None:
+    t = np.array([0.0, 1.0, 3.0, 4.0])
+    values = np.array([[0.0, np.nan], [np.nan, np.nan], [3.0, np.nan], [np.nan, np.nan]])
+    out = bridged(t, values)
+    np.testing.assert_allclose(out[:, 0], [0, 1, 3, 3])
+    assert np.isnan(out[:, 1]).all() and np.isnan(values[1, 0])
+
+
+def test_angles_from_speeds() -> None:
+    t = np.array([0.0, 0.1, 0.4])
+    omega = np.array([[1.0], [2.0], [np.nan]])
+    theta = wheel_angles(t, None, omega)
+    assert theta is not None
+    np.testing.assert_allclose(theta[:, 0], [0.0, 0.15, 0.75])
+    assert wheel_angles(t, np.full((3, 1), np.nan), None) is None
+    np.testing.assert_allclose(wheel_angles(t, omega, None), [[1.0], [2.0], [2.0]])  # type: ignore[arg-type]
