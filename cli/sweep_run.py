@@ -14,6 +14,7 @@ from slipmargin.io.table import columns_text
 from slipmargin.io.trial_file import read_pulls
 from slipmargin.io.writes import check_writable, write_text
 from slipmargin.limits import Isotropic, Pull, Sweep, isotropic, sweep, wrench_set
+from slipmargin.limits.bias import bias_wrench
 from slipmargin.limits.self_check import self_check
 from slipmargin.model import Model
 from slipmargin.motions.pulls import SAME_RAD, PullGroups, gather_pulls
@@ -150,10 +151,19 @@ def _pulls_between(phi: Array, file: Path, wheels: int) -> tuple[PullGroups, int
 
 
 def _solved(model: Model, phi: Array, method: str) -> Array:
-    state = np.zeros(model.count, dtype=bool)
-    if method == "clarabel":
-        from slipmargin.limits.cones import cone_limit
+    """F_emax by a solver: Clarabel directly, or cvxpy (all orientations as one block where it can)."""
+    from slipmargin.limits.cones import cone_limit, limit_family
 
-        answer: Array = cone_limit(model, phi, Pull(), state)
+    if method == "clarabel":
+        answer: Array = cone_limit(model, phi, Pull(), np.zeros(model.count, dtype=bool))
         return answer
-    refuse("--method", "is cvxpy, which is not built in yet", "use facets or clarabel")
+    from slipmargin.solve import cvxpy_
+
+    wrenches = wrench_set(model)
+    if wrenches.polyhedral and not model.grip.modulations:
+        limits = (wrenches.coefficients[..., 1] * wrenches.load_N[:, None]).ravel()
+        maps, rays = wrenches.maps.reshape(3, -1), Pull().rays(model, phi)
+        return cvxpy_.block_box(maps, limits, rays, bias_wrench(model, phi))
+    family = limit_family(model, phi)
+    shares = [cvxpy_.solve(family.program(m)).x[0] for m in range(len(phi))]
+    return np.array(shares) * model.inertia.weight_N

@@ -154,12 +154,13 @@ def test_sweep_says_the_answer_in_four_lines(tmp_path: Path, monkeypatch: pytest
     assert float(last[0]) == pytest.approx(math.pi / 2) and float(last[1]) == pytest.approx(6.2674, abs=2e-4)
 
 
-@pytest.mark.parametrize("method", ["clarabel", "facets"])
-def test_methods_agree(method: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("grip", ["box", "ellipse"])
+@pytest.mark.parametrize("method", ["clarabel", "facets", "cvxpy"])
+def test_methods_agree(method: str, grip: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    arguments = ["sweep", "omni4", "--surface", "floor", "--to", "360", "--step", "30", "--method", method]
-    assert status([*arguments, "--json", "f.json"]) == 0
-    assert json.loads((tmp_path / "f.json").read_text())["self_check"] < 1e-7
+    arguments = ["sweep", "omni4", "--surface", "floor", "--to", "360", "--step", "45", "--method", method]
+    assert status([*arguments, "--grip", grip, "--json", "f.json"]) == 0
+    assert json.loads((tmp_path / "f.json").read_text())["self_check"] < (1e-9 if grip == "box" else 1e-6)
 
 
 def test_measured_pulls_stand_in_the_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,

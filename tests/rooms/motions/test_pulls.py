@@ -1,0 +1,39 @@
+"""Pulls gathered by orientation."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from slipmargin.errors import InputError
+from slipmargin.motions.pulls import SAME_RAD, PullGroups, gather_pulls
+
+
+def test_repeated_pulls_become_mean_and_scatter() -> None:
+    groups = gather_pulls(np.array([0.2, 0.0, 0.0001, 0.2, 0.2]), np.array([6.0, 5.0, 5.4, 6.3, 5.7]))
+    np.testing.assert_allclose(groups.phi_rad, [0.00005, 0.2])
+    np.testing.assert_allclose(groups.mean_N, [5.2, 6.0])
+    np.testing.assert_allclose(groups.sd_N, [0.2 * np.sqrt(2), 0.3])
+    assert groups.low_N.tolist() == [5.0, 5.7] and groups.high_N.tolist() == [5.4, 6.3]
+    assert groups.count.tolist() == [2.0, 3.0]
+    assert groups.nearest(0.2 + SAME_RAD / 2) == 1 and groups.nearest(0.1) is None
+
+
+def test_one_pull_has_no_scatter() -> None:
+    assert np.isnan(gather_pulls(np.array([0.1]), np.array([5.0])).sd_N[0])
+
+
+def test_groups_are_checked() -> None:
+    one = np.array([1.0])
+    with pytest.raises(InputError, match="mean_N"):
+        PullGroups(phi_rad=one, mean_N=np.array([np.nan]), low_N=one, high_N=one, sd_N=one, count=one)
+
+
+@given(st.lists(st.tuples(st.floats(-7.0, 7.0), st.floats(0.1, 100.0)), min_size=1, max_size=30))
+def test_no_pull_is_lost(rows: list[tuple[float, float]]) -> None:
+    phi, force = np.array(rows).T
+    groups = gather_pulls(phi, force)
+    assert groups.count.sum() == len(rows)
+    assert np.sum(groups.mean_N * groups.count) == pytest.approx(force.sum())
+    assert np.all(np.diff(groups.phi_rad) > 0)
