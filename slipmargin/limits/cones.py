@@ -21,7 +21,7 @@ from slipmargin.limits.bias import bias_samples, bias_wrench
 from slipmargin.limits.friction import Extreme, coefficients
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.rows import refuse_slipping
-from slipmargin.limits.wrench_set import wrench_maps
+from slipmargin.limits.wrench_set import WrenchSet, wrench_maps
 from slipmargin.model import Model
 from slipmargin.robot import GripShape
 from slipmargin.sets.facets import length_scale
@@ -81,14 +81,33 @@ def limit_family(model: Model, phi_rad: Array, pull: Pull | None = None, rigid: 
     put.column("F", _BALANCE, rays / per)
     build = _Wheels(put=put, names=model.contacts.names, maps=maps / per[:, None, None], mu=mu,
                     load=model.loads.rest_N / weight, change=pull.load_change(model, rays))
-    kappa = 0.0 if model.grip.shape is GripShape.BOX else model.grip.coupling
-    if kappa < 1.0:
-        build.box(1.0 - kappa, "" if kappa == 0.0 else " (box part)")
-    if kappa > 0.0:
-        build.cone(kappa, model.grip.shape is GripShape.DISC_STRIP)
+    build.grip(model.grip.shape, model.grip.coupling)
     if pull.height_m != 0.0:
         build.floor()
     return put.family(tuple(f"pull at phi = {phi:.6g} rad" for phi in phi_rad))
+
+
+def cone_exit(wrenches: WrenchSet, rays: Array) -> tuple[Array, Array]:
+    """How far rays (M, 3) from the origin go inside a wrench set of any grip, and its normals there.
+
+    Returns
+    -------
+    (M,) multiples of each ray, (M, 3) outward normals
+    """
+    from slipmargin.solve.clarabel_ import solve_family
+
+    weight, per = float(np.sum(wrenches.load_N)), _units(wrenches.maps)
+    size = np.sqrt(np.sum((rays / per) ** 2, axis=1))
+    put = Assembly(count=len(rays))
+    put.variable("F", cost=-1.0)
+    put.equations(_BALANCE, np.zeros((len(rays), 3)))
+    put.column("F", _BALANCE, -rays / per / size[:, None])
+    mu = np.broadcast_to(wrenches.coefficients, (len(rays), *wrenches.coefficients.shape))
+    build = _Wheels(put=put, names=wrenches.names, maps=wrenches.maps / per[:, None, None], mu=mu,
+                    load=wrenches.load_N / weight, change=np.zeros((len(rays), len(wrenches.names))))
+    build.grip(wrenches.shape, wrenches.coupling)
+    x, _, z = solve_family(put.family(tuple(f"ray {m + 1}" for m in range(len(rays)))))
+    return x[:, 0] * weight / size, -z[:, :3] / per
 
 
 def cone_limits(model: Model, phi_rad: Array, pull: Pull | None = None, rigid: Array | None = None,
@@ -171,6 +190,14 @@ class _Wheels:
     @property
     def _two_sided(self) -> bool:
         return bool(np.any(self.mu[..., 0] != self.mu[..., 1]))
+
+    def grip(self, shape: GripShape, coupling: float) -> None:
+        """(1 − coupling)·box ⊕ coupling·shape."""
+        kappa = 0.0 if shape is GripShape.BOX else coupling
+        if kappa < 1.0:
+            self.box(1.0 - kappa, "" if kappa == 0.0 else " (box part)")
+        if kappa > 0.0:
+            self.cone(kappa, shape is GripShape.DISC_STRIP)
 
     def box(self, part: float, suffix: str) -> None:
         """Variables y with |y_ij| ≤ part · N_i."""

@@ -58,9 +58,9 @@ def margin(wrenches: WrenchSet, wrench: Array, length_m: float | None = None) ->
 
     Notes
     -----
-    Friction answers with −w.  Exact by facets for the box grip.  A coupled grip has no facets: there the
-    normals are searched from an even spread over the sphere, so the distance is found from above, to
-    about a part in 10⁶.
+    Friction answers with −w.  Exact by facets for the box grip.  A coupled grip has no facets: the factor
+    is a cone program's, and the distance is searched over normals from an even spread over the sphere, so
+    it is found from above, to about a part in 10⁵.
     """
     demand = -frozen("wrench", wrench, (3,))
     scale = arm(wrenches) if length_m is None else real("length_m", length_m, above=0.0,
@@ -79,10 +79,19 @@ def margin(wrenches: WrenchSet, wrench: Array, length_m: float | None = None) ->
     start = _unit(wrenches.normals * per)
     if not wrenches.polyhedral:
         start = np.vstack([start, sphere(_SPREAD)])
-    nearest, exit_ = _best(room, start, wrenches.polyhedral), _best(ratio, start, wrenches.polyhedral)
+    nearest = _best(room, start, wrenches.polyhedral)
     distance = float(room(nearest[None])[0])
-    factor = float(ratio(exit_[None])[0]) if np.any(demand) else np.inf
-    seen = np.abs(np.einsum("a,aij->ij", exit_ / per, wrenches.maps))
+    if not np.any(demand):
+        factor, leaving = np.inf, nearest / per
+    elif wrenches.polyhedral:
+        leaving = start[int(np.argmin(ratio(start)))] / per
+        factor = float(np.min(ratio(start)))
+    else:
+        from slipmargin.limits.cones import cone_exit  # clarabel is loaded only where a cone needs it
+
+        many, normals = cone_exit(wrenches, demand[None])
+        factor, leaving = float(many[0]), normals[0]
+    seen = np.abs(np.einsum("a,aij->ij", leaving, wrenches.maps))
     held = np.any(seen > 1e-6 * np.max(seen), axis=1)
     return Margin(distance_N=distance, factor=factor, length_m=scale,
                   nearest=-(demand + distance * nearest * per), normal=-nearest / per,
