@@ -11,11 +11,18 @@ from .render import columns, refuse, say
 app = typer.Typer(help="The effects that a robot file may hold.", rich_markup_mode=None)
 
 
+_Markdown = typer.Option("--markdown", help="The whole catalogue, as docs/effects.md holds it.")
+
+
 @app.command("list")
-def listing() -> None:
+def listing(markdown: Annotated[bool, _Markdown] = False) -> None:
     """Name every effect, the variable it is traced to and what it says."""
     from slipmargin.effects.catalogue import CATALOGUE
 
+    from .effects_page import lines
+
+    if markdown:
+        return say(*lines())
     for effect in CATALOGUE:
         law = (effect.__doc__ or "").strip().splitlines()[0].rstrip(".")
         say(f"{effect.name:<23}{effect.traced_to.value:<17}{law}")

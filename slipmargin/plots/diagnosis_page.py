@@ -143,6 +143,7 @@ def _misfit(d: Diagnosis) -> tuple[Block, ...]:
     blocks: list[Block] = [
         Text(text=first),
         Picture(
+            name="residual",
             figure=residual_figure(d),
             alt="Heat map: a row for each run, time along it, colour the residual in units of the noise",
             caption="Measured minus predicted, one row a run. White is a perfect prediction, pale "
@@ -154,6 +155,7 @@ def _misfit(d: Diagnosis) -> tuple[Block, ...]:
         blocks += [
             Text(text=_follows(d)),
             Picture(
+                name="where",
                 figure=where_figure(d),
                 alt="Bars: share of the residual explained by each variable and channel",
                 caption="How much of the unexplained motion each measured variable accounts for, seen from "
@@ -189,6 +191,7 @@ def _suspects(d: Diagnosis) -> tuple[Block, ...]:
     return (
         Text(text=text),
         Picture(
+            name="suspects",
             figure=suspects_figure(d),
             alt="Dots: error of every suspect on runs it was not fitted to",
             caption="Error that remains with each suspect added (further left is better). Filled: an effect "
@@ -203,6 +206,7 @@ def _held_out(d: Diagnosis) -> Picture:
     else:
         caption = "Measured runs and the model's prediction of them."
     return Picture(
+        name="held-out",
         figure=held_out_figure(d),
         alt="Measured and predicted paths and headings of held-out runs",
         caption=caption,
@@ -240,6 +244,7 @@ def _limits(change: LimitsChange) -> tuple[Block, ...]:
         table,
         Text(text=words.plan_sentence(change.plan)),
         Picture(
+            name="limits",
             figure=limits_figure(change),
             alt="Polar plots of limits before and after",
             caption="Seen from above, forwards is up: the pull at the centre that first makes a wheel "

@@ -136,3 +136,8 @@ def plan_sentence(change: PlanChange) -> str:
     if change.after_s is None:
         return f"{old}; {verdict}, and finds no way to make the move without slip."
     return f"{old}; {verdict}. Planned anew it takes {change.after_s:.3g} s."
+
+
+def arrow(before: float, after: float, unit: str) -> str:
+    """``4.92 → 4.6 N (−6.5 %)``."""
+    return f"{before:.3g} → {after:.3g} {unit} ({percent(before, after) or 'new'})"

@@ -7,10 +7,9 @@ paper and by a screen reader: real headings, table heads, captions, and a text f
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
-from io import StringIO
+from io import BytesIO, StringIO
 from typing import final
 
 from matplotlib.figure import Figure
@@ -68,8 +67,9 @@ class Facts:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Picture:
-    """A figure, what it shows for who cannot see it, and its caption."""
+    """A figure, the name of its own file, what it shows for who cannot see it, and its caption."""
 
+    name: str
     figure: Figure
     alt: str
     caption: str
@@ -207,6 +207,20 @@ def svg(figure: Figure, prefix: str, alt: str) -> str:
     return text.strip()
 
 
-def paragraphs(texts: Sequence[str]) -> tuple[Text, ...]:
-    """Several paragraphs."""
-    return tuple(Text(text=text) for text in texts)
+@styled
+def pictures(page: Page) -> dict[str, bytes]:
+    """Every picture of a page as a PNG file: name → bytes."""
+    found: dict[str, bytes] = {}
+
+    def gather(blocks: tuple[Block, ...]) -> None:
+        for block in blocks:
+            if isinstance(block, Fold):
+                gather(block.blocks)
+            elif isinstance(block, Picture):
+                out = BytesIO()
+                block.figure.savefig(out, format="png", metadata={"Software": None})
+                found[f"{block.name}.png"] = out.getvalue()
+
+    for section in page.sections:
+        gather(section.blocks)
+    return found

@@ -1,0 +1,55 @@
+"""The catalogue of effects as Markdown: ``slipmargin effects list --markdown`` > ``docs/effects.md``."""
+
+from __future__ import annotations
+
+import sys
+
+from slipmargin.effects.catalogue import CATALOGUE
+from slipmargin.effects.effect import Effect
+
+HEAD = """# Effects
+
+Physics that a robot file may add to the paper's model (`[[effect]]` tables), and that
+`slipmargin diagnose` looks for. Every effect does nothing at its null values. Parameters are in SI
+units; bounds are what a file may hold. An effect that none of these explains is added as
+`unnamed_<variable>`, in a general form over the variable it depends on.
+
+(This page is made by `slipmargin effects list --markdown`; a test compares the two.)
+
+| effect | depends on | what it says |
+|---|---|---|"""
+
+
+def lines() -> list[str]:
+    """Lines of the page."""
+    page = HEAD.splitlines()
+    page += [f"| [`{e.name}`](#{e.name}) | `{e.traced_to.value}` | {_cell(_sentence(e))} |"
+             for e in CATALOGUE]
+    for effect in CATALOGUE:
+        page += _section(effect)
+    return page
+
+
+def _section(effect: type[Effect]) -> list[str]:
+    rows = [f"| `{p.name}` | {_unit(p.unit)} | {p.low:g} … {p.high:g} | {p.null:g} | {_cell(p.meaning)} |"
+            for p in effect.parameters]
+    law = (effect.__doc__ or "").replace("``", "").strip().splitlines()
+    return ["", f"## {effect.name}", "", _sentence(effect), "", "```text", *(line.strip() for line in law), "```", "",
+            "| parameter | unit | bounds | null | meaning |", "|---|---|---|---|---|", *rows, "",
+            f"Traced to `{effect.traced_to.value}`; rewrites `{effect.part.value}`.", "",
+            f"Source: {effect.source}.", "",
+            f"To confirm it: {effect.confirm}."]
+
+
+def _sentence(effect: type[Effect]) -> str:
+    """The first paragraph of the effect's own file, in plain words."""
+    text = (sys.modules[effect.__module__].__doc__ or "").strip().split("\n\n")[0]
+    return " ".join(text.split())
+
+
+def _unit(unit: str) -> str:
+    return "–" if unit in ("", "1") else unit
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|")

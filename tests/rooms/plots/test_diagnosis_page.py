@@ -1,0 +1,276 @@
+"""report.html: one self-contained page that says what was found, and parses as a tree."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from diagnoses import diagnosis, trials, unnamed, wheel_loads
+from matplotlib.figure import Figure
+
+from slipmargin.diagnose.diagnosis import Diagnosis, Estimate, Score, Verdict
+from slipmargin.diagnose.limits_change import limits_change
+from slipmargin.diagnose.plan_change import PlanChange
+from slipmargin.diagnose.separate import TRIALS, separating_trial, trace_of
+from slipmargin.effects import Trace
+from slipmargin.effects.camera_delay import CameraDelay
+from slipmargin.effects.catalogue import CATALOGUE
+from slipmargin.plots import diagnosis_words as words
+from slipmargin.plots.diagnosis_evidence import evidence
+from slipmargin.plots.diagnosis_page import page, page_text
+from slipmargin.plots.page import (
+    Bullets,
+    Code,
+    Fact,
+    Facts,
+    Fold,
+    Page,
+    Picture,
+    Section,
+    Table,
+    Text,
+    html,
+    pictures,
+)
+
+VOID = {"meta", "br", "img", "input", "hr", "link"}
+#: Two named effects, one of them without a name, each with rivals and a parameter at its bound.
+RICH = (wheel_loads(confused_with=("load_transfer",)), unnamed())
+
+
+class Tree(HTMLParser):
+    """Checks nesting and gathers identifiers, references and text."""
+
+    def __init__(self) -> None:
+        super().__init__(convert_charrefs=True)
+        self.open: list[str] = []
+        self.ids: list[str] = []
+        self.text: list[str] = []
+        self.references: list[str] = []
+        self.headings: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag not in VOID:
+            self.open.append(tag)
+        for name, value in attrs:
+            if name == "id" and value:
+                self.ids.append(value)
+            if name in ("href", "src", "xlink:href", "data", "action") and value:
+                self.references.append(value)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open and self.open[-1] == tag, f"</{tag}> closes <{self.open[-1:]}>"
+        self.open.pop()
+
+    def handle_data(self, data: str) -> None:
+        if self.open and self.open[-1] not in ("style",):
+            self.text.append(data)
+            if self.open[-1] == "h2":
+                self.headings.append(data)
+
+
+def read(text: str) -> Tree:
+    tree = Tree()
+    tree.feed(text)
+    tree.close()
+    assert tree.open == []
+    return tree
+
+
+def text_of(d: Diagnosis) -> str:
+    return page_text(d, limits_change(d.recipe, d.corrected, d.surface))
+
+
+@pytest.fixture(scope="module")
+def rich() -> str:
+    return text_of(diagnosis(findings=RICH))
+
+
+def test_page_is_self_contained(rich: str) -> None:
+    tree = read(rich)
+    assert all(r.startswith(("#", "data:image/png;base64,")) for r in tree.references), "fetches something"
+    assert "<script" not in rich and "@import" not in rich and "http-equiv" not in rich
+    outside = set(re.findall(r"https?://[^\s\"'<]+", rich))
+    assert outside <= {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"}  # names, not addresses
+    used = re.findall(r"url\(([^)]*)\)", rich)
+    assert used and all(u.startswith("#") for u in used)
+
+
+def test_identifiers_are_unique_and_every_reference_is_met(rich: str) -> None:
+    tree = read(rich)
+    assert len(tree.ids) == len(set(tree.ids))
+    wanted = set(re.findall(r"url\(#([^)]*)\)", rich)) | {r[1:] for r in tree.references if r.startswith("#")}
+    assert wanted and wanted <= set(tree.ids)
+
+
+def test_page_can_be_heard(rich: str) -> None:
+    assert '<html lang="en">' in rich and "<title>" in rich
+    assert rich.count("<h1>") == 1
+    assert rich.count('<svg role="img" aria-label="') == rich.count("<figure>") == 5
+    assert rich.count("<figcaption>") == 5
+    assert rich.count("<caption>") == rich.count("<table") > 5
+    assert 'name="viewport"' in rich and "prefers-color-scheme: dark" in rich and "@media print" in rich
+
+
+def test_page_tells_the_whole_story(rich: str) -> None:
+    tree = read(rich)
+    said = " ".join(" ".join(tree.text).split())
+    assert tree.headings == [
+        "The answer in numbers", "What was measured", "What did not fit", "Why: the suspects",
+        "The evidence: runs that no fit has seen", "What was found", "What it changes", "What to do next",
+        "Details"]
+    for part in ("19.2 → 0.6 mm", "The model lacks wheel_loads", "6 runs of 3 s", "0.5 mm in x", "estimated",
+                 "4 outlying samples", "in trial-02 at 1.25 s", "wheel load (61 % of its turning part)",
+                 "p ≤ 0.001", "41", "load_transfer", "0.0120 (0.0115 … 0.0125)", "load_fraction1",
+                 "at the edge of its range", "Doubt", "weigh the wheels", "corrected.toml",
+                 "unnamed_position.c3", "Planned anew it takes", "a remark about the log", "812"):
+        assert part in said, part
+
+
+def test_no_missing_effect_is_said_plainly() -> None:
+    tree = read(text_of(diagnosis(Verdict.NO_MISSING_EFFECT)))
+    said = " ".join(" ".join(tree.text).split())
+    assert "No missing effect" in said and "Nothing. These runs give no reason" in said
+    assert "What was found" not in tree.headings and "How it fits" in tree.headings
+    assert "→" not in said.split("What was measured")[0]  # one number, no before and after
+
+
+def test_unexplained_says_what_was_ruled_out() -> None:
+    said = " ".join(" ".join(read(text_of(diagnosis(Verdict.UNEXPLAINED))).text).split())
+    assert "Unexplained" in said and "Ruled out as the whole explanation" in said
+    assert words.VARIABLES[Trace.CONSTANT_FORCE] in said and "Do not trust the limits" in said
+    nothing = diagnosis(Verdict.UNEXPLAINED, steps=(), where=(), events=(), excitation=())
+    bare = " ".join(read(text_of(nothing)).text)
+    assert "Nothing could be ruled out" in bare and "No suspect was tried" in bare
+
+
+def test_what_remains_is_named_by_its_variable() -> None:
+    def said(d: Diagnosis) -> str:
+        return " ".join(block.text for block in evidence(d) if isinstance(block, Text))
+
+    left = diagnosis(after=Score(rmse_position_m=2e-3, rmse_heading_rad=5e-3, chi=1.6))
+    strong = replace(left, where_after=left.where)
+    assert "What remains (chi 1.6) follows most closely wheel load" in said(strong)
+    chance = tuple(replace(w, p_value=0.4) for w in left.where)
+    assert "follows no measured variable more than chance would" in said(replace(left, where_after=chance))
+    assert "What remains" not in said(diagnosis())
+
+
+def test_limits_that_do_not_move_are_said_to_stay() -> None:
+    finding = wheel_loads(effect=CameraDelay(delay_s=0.02), name="camera_delay", traced_to=Trace.MEASUREMENT,
+                          derived=(), parameters=(Estimate(name="delay_s", value=0.02, low=0.018, high=0.022,
+                                                           unit="s"),))
+    assert "No limit changes" in text_of(diagnosis(findings=(finding,)))
+
+
+def test_odd_data_is_drawn() -> None:
+    one = trials(1, samples=3)
+    lost = replace(one[0], measured=np.full((3, 3), np.nan))
+    for runs in ((lost,), trials(25)):
+        held = tuple(replace(t, held_out=False) for t in runs)
+        read(text_of(diagnosis(trials=held, cross_validated=True, held_out=())))
+
+
+def test_names_are_escaped() -> None:
+    d = diagnosis(data_set="<b>&\"'", remarks=("a < b & `c<d`",))
+    text = text_of(d)
+    assert "<b>" not in text and "&lt;b&gt;&amp;" in text and "a &lt; b &amp; <code>c&lt;d</code>" in text
+
+
+def test_same_diagnosis_same_page_and_no_settings_left_behind(rich: str) -> None:
+    before = dict(mpl.rcParams)
+    assert text_of(diagnosis(findings=RICH)) == rich
+    assert dict(mpl.rcParams) == before
+
+
+def test_pictures_are_the_page_s_own() -> None:
+    d = diagnosis()
+    files = pictures(page(d, limits_change(d.recipe, d.corrected, d.surface)))
+    assert set(files) == {"residual.png", "where.png", "suspects.png", "held-out.png", "limits.png"}
+    assert all(data.startswith(b"\x89PNG") for data in files.values())
+
+
+def test_every_kind_of_block() -> None:
+    figure = Figure(figsize=(3, 2))
+    figure.add_subplot().plot([0, 1], [0, 1])
+    blocks = (Text(text="a `b`"), Bullets(items=("one",)), Bullets(items=("two",), numbered=True),
+              Code(text="x < 1"),
+              Table(caption="c", head=("h", "i"), rows=(("1", "2"),), numbers=False),
+              Facts(facts=(Fact(label="l", value="v"), Fact(label="m", value="w", note="n"))),
+              Fold(summary="more", blocks=(Picture(name="p", figure=figure, alt='a "quoted" line',
+                                                   caption="line"),)))
+    built = Page(title="T", lead="L", sections=(Section(heading="H", blocks=blocks),))
+    tree = read(html(built))
+    assert set(pictures(built)) == {"p.png"}
+    assert {"T", "L", "H", "one", "two", "x < 1", "more", "line"} <= set(tree.text)
+
+
+@pytest.mark.parametrize(("estimate", "text"), [
+    (Estimate(name="a", value=0.0981, low=0.0943, high=0.1029, unit="1"), "a = 0.0981 (0.0943 … 0.1029)"),
+    (Estimate(name="b", value=31.2, low=12.0, high=50.4, unit="N/m"), "b = 31 (12 … 50) N/m"),
+    (Estimate(name="c", value=0.6, low=0.6, high=0.6, unit="1", at_bound=True),
+     "c = 0.6000 (0.6000 … 0.6000), at the edge of its range"),
+    (Estimate(name="d", value=0.0, low=0.0, high=0.0, unit="s"), "d = 0.0 (0.0 … 0.0) s"),
+    (Estimate(name="e", value=2.0, low=-np.inf, high=np.inf, unit="s"), "e = 2.000 (-inf … inf) s"),
+])
+def test_numbers_have_the_digits_their_interval_supports(estimate: Estimate, text: str) -> None:
+    assert words.interval(estimate) == text
+
+
+@pytest.mark.parametrize(("before", "after", "text"), [
+    (10.0, 9.35, "−6.5 %"), (10.0, 4.0, "−60 %"), (10.0, 10.001, "unchanged"), (0.0, 0.0, "unchanged"),
+    (0.0, 1.0, ""), (1.0, 1.25, "+25 %")])
+def test_changes_in_percent(before: float, after: float, text: str) -> None:
+    assert words.percent(before, after) == text
+
+
+@pytest.mark.parametrize(("change", "part"), [
+    (PlanChange(before_s=2.0, after_s=2.5, use_believed=0.9, use_real=1.2),
+     "this plan slips (it asks a wheel for 120 %"),
+    (PlanChange(before_s=2.0, after_s=None, use_believed=0.9, use_real=None),
+     "finds no way to make the move"),
+    (PlanChange(before_s=None, after_s=2.5, use_believed=None, use_real=None), "has no plan without slip"),
+    (PlanChange(before_s=2.0, after_s=1.9, use_believed=0.9, use_real=0.8), "up to 80 % of a wheel's grip"),
+])
+def test_what_became_of_the_plan(change: PlanChange, part: str) -> None:
+    assert part in words.plan_sentence(change)
+
+
+def test_every_variable_has_words_and_a_trial() -> None:
+    assert set(words.VARIABLES) == set(TRIALS) == set(Trace)
+
+
+def test_every_pair_of_effects_can_be_separated() -> None:
+    names = [e.name for e in CATALOGUE] + [f"unnamed_{t.value}: some form" for t in Trace]
+    for effect in CATALOGUE:
+        assert trace_of(f"{effect.name}[left]") is effect.traced_to
+        for other in names:
+            assert separating_trial(effect.name, effect.traced_to, other)
+    assert trace_of("nobody") is None and separating_trial("stribeck", Trace.SLIP_SPEED, "nobody")
+
+
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="chromium is not installed")
+@pytest.mark.parametrize("width", [390, 1200])
+def test_browser_lays_it_out(rich: str, width: int, tmp_path: Path) -> None:
+    """No element is wider than the window: only the pictures scroll, each in its own frame."""
+    probe = ("<script>addEventListener('load', () => { document.title = 'wide ' + "
+             "(document.documentElement.scrollWidth - document.documentElement.clientWidth); });</script>")
+    (tmp_path / "page.html").write_text(rich.replace("</body>", probe + "</body>"), encoding="utf-8")
+    done = subprocess.run(
+        ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+         "--disable-background-networking", "--disable-component-update", "--disable-sync",
+         f"--user-data-dir={tmp_path / 'profile'}", f"--window-size={max(width, 500)},900", "--dump-dom",
+         f"file://{tmp_path / 'page.html'}"], capture_output=True, text=True, timeout=60, check=True)
+    assert "<title>wide 0</title>" in done.stdout
