@@ -30,13 +30,16 @@ def robotino(files: Files, out: Out, robot: Believed = "robotino", surface: Floo
              calibrate: Calibrate = False, calibration: Calibration = None,
              ticks_per_turn: Annotated[float, typer.Option(
                  metavar="N", help="Encoder ticks per motor turn.")] = 2000.0,
+             smooth: Annotated[float, typer.Option(
+                 "--smooth", metavar="S", help="Half width [s] over which wheel angles are smoothed (their "
+                 "time stamps tremble by a bus cycle); 0 for none.")] = 0.2,
              json: JsonOpt = None) -> None:
     """Logs of the Festo Robotino 2 slip measurements (BrOleg5/research-wheel-slippage)."""
     from slipmargin.io.importers.robotino import RobotinoImporter
 
     from .import_run import run_import
 
-    run_import(RobotinoImporter(ticks_per_turn=ticks_per_turn), files, out, robot, surface,
+    run_import(RobotinoImporter(ticks_per_turn=ticks_per_turn, smooth_s=smooth), files, out, robot, surface,
                calibrate, calibration, json)
 
 

@@ -14,6 +14,7 @@ from slipmargin.errors import InputError
 from slipmargin.io.importers.loose_table import increasing, read_loose
 from slipmargin.io.importers.plug import import_files
 from slipmargin.io.importers.robotino import RobotinoImporter
+from slipmargin.io.importers.smooth import smooth_angles
 from slipmargin.io.importers.units import factor
 
 LOG = EXCERPT / "gray_0.1" / "heading_155.csv"
@@ -196,9 +197,33 @@ def test_logs_of_one_name_do_not_hide_each_other() -> None:
     assert same[0].name != same[1].name
 
 
+def test_smoothing_takes_the_tremble_and_leaves_the_motion() -> None:
+    # A wheel that speeds up evenly, read with stamps that are up to 16 ms too late.
+    random = np.random.default_rng(3)
+    t = np.cumsum(random.uniform(0.029, 0.033, 400))
+
+    def true(at: np.ndarray) -> np.ndarray:
+        return np.stack([2.0 * at + 0.3 * at**2, -1.0 * at], axis=1)
+
+    raw = true(t - random.choice([0.0, 0.016], len(t)))
+    late = true(t - 0.008)
+    angle, speed = smooth_angles(t, raw, 0.2)
+    # The mean of n samples trembles by 1/√n as much; about nine are within reach.
+    assert np.std(angle - late, axis=0) == pytest.approx(np.std(raw - late, axis=0) / 3.0, rel=0.35)
+    jerks = np.diff(raw[:, 1]) / np.diff(t)
+    assert np.std(jerks) > 6.0 * np.std(speed[:, 1])
+    exact, slope = smooth_angles(t, true(t), 0.2)  # a parabola is left as it is
+    np.testing.assert_allclose(exact, true(t), atol=1e-9)
+    np.testing.assert_allclose(slope[:, 0], 2.0 + 0.6 * t, atol=1e-8)
+    alone, steep = smooth_angles(np.array([0.0, 9.0, 20.0]), np.array([[0.0], [9.0], [20.0]]), 0.2)
+    np.testing.assert_allclose((alone[:, 0], steep[:, 0]), ([0.0, 9.0, 20.0], [1.0, 1.0, 1.0]))
+
+
 def test_constants_are_checked() -> None:
     with pytest.raises(InputError, match="ticks_per_turn"):
         RobotinoImporter(ticks_per_turn=0.0)
+    with pytest.raises(InputError, match="smooth_s"):
+        RobotinoImporter(smooth_s=-1.0)
     with pytest.raises(InputError, match="'parsec'"):
         factor("x", "length", "parsec")
 
