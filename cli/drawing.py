@@ -14,7 +14,11 @@ _HEADS = "→↗↑↖←↙↓↘"
 
 
 def drawing(robot: Robot) -> list[str]:
-    """Lines of the drawing, front (+Y) up; arrows are the drive directions ŝ."""
+    """Lines of the drawing, front (+Y) up; arrows are the drive directions ŝ.
+
+    The stroke in the middle of a mecanum wheel is the axle of the roller on the floor; ⊕ is the centre
+    of mass, + the origin of the body frame.
+    """
     places = [tuple(map(float, w.position_m)) for w in robot.wheels]
     com = tuple(map(float, robot.body.com_m))
     low = [min(p[k] for p in [*places, com]) for k in (0, 1)]
@@ -65,6 +69,8 @@ def _wheel(canvas: list[list[str]], at: tuple[int, int], wheel: Wheel, label: st
     tail = (at[0] - round(step * dx), at[1] + round(step * dy / 2))
     _line(canvas, tail, tip, _LINES[round(math.degrees(way) / 45) % 4])
     _put(canvas, *tip, _HEADS[round(math.degrees(way) / 45) % 8])
+    if wheel.roller_angle_deg:
+        _put(canvas, *at, _LINES[round((math.degrees(way) + wheel.roller_angle_deg) / 45) % 4])
     out = math.atan2(at[1] - middle[1], at[0] - middle[0]) if at != middle else 0.0
     sideways = (-dy, dx) if -dy * math.cos(out) - dx * math.sin(out) >= 0 else (dy, -dx)
     where = (at[0] + round(3 * sideways[0]), at[1] - round(1.6 * sideways[1]))

@@ -20,6 +20,7 @@ from __future__ import annotations
 import importlib
 import os
 import sys
+import warnings
 from importlib.util import find_spec
 from typing import Any
 
@@ -51,7 +52,9 @@ _ParserError: type[Exception] = typer.BadParameter.__mro__[2]
 
 
 def run() -> None:
-    """Entry point of the ``slipmargin`` script."""
+    """Entry point of the ``slipmargin`` script; libraries' warnings only for those who ask for them."""
+    if not sys.warnoptions and not os.environ.get("SLIPMARGIN_DEBUG"):
+        warnings.simplefilter("ignore")
     sys.exit(status(sys.argv[1:]))
 
 

@@ -79,7 +79,7 @@ def contradiction(robot: Robot) -> str | None:
     if np.max(np.abs(gap)) < 0.01 / n:
         return None
     worst = int(np.argmax(np.abs(gap)))
-    need = load_centre(place, fractions)
+    need = np.round(load_centre(place, fractions), 9) + 0.0  # no minus zero, no 1e-19
     return (
         f"loads: the {robot.load_rule.value} load model gives wheel {robot.wheels[worst].name} "
         f"{fractions[worst]:.4f} m g, but statics with the centre of mass at "

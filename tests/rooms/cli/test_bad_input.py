@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings, strategies as st
 from robot_files import GOOD, broken
 from slipmargin_cli.main import status
 
@@ -168,6 +169,24 @@ def test_broken_pulls(what: str, folder: Path, capfd: pytest.CaptureFixture[str]
     (folder / "pulls.csv").write_text(text)
     refused(folder, [*SWEEP, "--measured", "pulls.csv", "--out", "out.csv"],
             place, capfd)
+
+
+WILD = ("1e300", "1e-300", "-1e300", "1e-12", "0", "-0.0", "1e6", "[1e300, 0]", "[1e-200, 0.0]", "[0.0, 0.0]",
+        "9223372036854775808", "90", "45", '"ellipse"', '"disc-strip"', '"static"', '"quasi-static"',
+        "{ drive = 1e-300, transverse = 10 }", "{ drive = 10, transverse = 0 }")
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.data())
+def test_no_value_makes_it_crash(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
+    lines = GOOD.split("\n")
+    keys = [i for i, line in enumerate(lines) if "=" in line]
+    for at in data.draw(st.lists(st.sampled_from(keys), min_size=1, max_size=3)):
+        lines[at] = lines[at].split("=")[0] + "= " + data.draw(st.sampled_from(WILD))
+    path = tmp_path_factory.getbasetemp() / "wild.toml"
+    path.write_text("\n".join(lines))
+    assert status(["sweep", str(path), "--surface", "paper", "--step", "30"]) in (0, 2)
+    assert status(["polytope", str(path), "--surface", "paper"]) in (0, 2)
 
 
 def test_the_good_file_is_good(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
