@@ -14,7 +14,6 @@ from strategies import four_wheels, kiwi
 
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.limits import sweep
-from slipmargin.limits.sensitivity import sensitivity
 from slipmargin.model import nominal_model
 from slipmargin.sim.pull import pull_test, standing
 
@@ -32,10 +31,14 @@ def test_breakaway_is_the_static_limit(surface, rigid):
 
 
 @pytest.mark.parametrize("surface", ["paper", "carpet"])
-def test_only_the_limiting_contacts_slide(surface):
-    """Off the headings at which two facets meet, the contacts that run away are those the limit names."""
-    model, phi = nominal_model(kiwi(), surface), PHI + np.deg2rad(3.0)
-    np.testing.assert_array_equal(pull_test(model, phi).sliding, sensitivity(model, phi).saturated)
+@pytest.mark.parametrize("rigid", [False, True])
+def test_only_the_limiting_wheels_slide(surface, rigid):
+    """Off the headings at which two facets meet, the wheels that run away are those the limit names."""
+    model, phi = standing(nominal_model(kiwi(), surface), (rigid,) * 3), PHI + np.deg2rad(3.0)
+    sliding, limiting = pull_test(model, phi).sliding, sweep(model, phi).limiting()
+    names = np.array(model.contacts.names)
+    assert [tuple(names[row.any(axis=1)]) for row in sliding] == [tuple(row) for row in limiting]
+    assert not all(len(row) == 3 for row in limiting) or rigid
 
 
 def test_four_mecanum_wheels_break_away_at_their_limit():
