@@ -8,6 +8,11 @@ rate): the slips are u_W = b_i·ε and u_T = u_T0 + t_i·ε, and ε solves
 the gradient of a convex potential, with c_i = μ_W N_i and d_i = μ_T N_i.  A wheel's *use* is
 |σ(k b_i·ε)|.
 
+**Open loop.** Where nothing corrects the pose, the creep itself turns the robot: it moves with v + ε_v
+and ω + ε_ω, and must be accelerated by m [(ω + ε_ω) ẑ×(v + ε_v) − ω ẑ×v] more (the wheels prescribe the
+velocity in the body frame).  At 1 m/s a creep of 10 mm/s on a small robot makes this a tenth of its grip,
+so a plan counts both cases; an audit of somebody's trajectory takes the poses as driven.
+
 **Beyond the limit.** σ stops at 1, so no ε exists outside the wrench set.  Above the share 0.98 σ is
 continued by a straight line of slope 0.02 per unit of k u: `use` then exceeds 1 and says by how much,
 and below 0.98 nothing is changed.
@@ -33,6 +38,8 @@ from slipmargin.model import Model
 FAITHFUL = 0.98
 #: Slope of the continuation above it, per unit of k·u [1].
 BEYOND = 0.02
+#: Use of a wheel where, open loop, no steady creep exists [1].
+RUNAWAY = 1.5
 _KNEE = math.tan(0.5 * math.pi * FAITHFUL)
 
 
@@ -46,12 +53,15 @@ def _share(z: float) -> tuple[float, float]:
 
 @njit(cache=True)
 def _residual(eps: Array, W: Array, T: Array, c: Array, kw: Array, d: Array, kt: Array, slide: Array,
-              need: Array, scale: Array, out: Array, H: Array) -> float:
+              need: Array, carried: Array, scale: Array, out: Array, H: Array) -> float:
+    """Residual and its Jacobian; ``carried`` is (m, v_x, v_y, ω), m = 0 where the pose is held."""
     n = W.shape[1]
-    for r in range(3):
-        out[r] = need[r]
-        for q in range(3):
-            H[r, q] = 0.0
+    m, vx, vy, w = carried[0], carried[1] + eps[0], carried[2] + eps[1], carried[3] + eps[2]
+    out[0] = need[0] - m * (w * vy - carried[3] * carried[2])
+    out[1] = need[1] + m * (w * vx - carried[3] * carried[1])
+    out[2] = need[2]
+    H[:, :] = 0.0
+    H[0, 1], H[0, 2], H[1, 0], H[1, 2] = -m * w, -m * vy, m * w, m * vx
     for i in range(n):
         g = W[0, i] * eps[0] + W[1, i] * eps[1] + W[2, i] * eps[2]
         f = slide[i] + T[0, i] * eps[0] + T[1, i] * eps[1] + T[2, i] * eps[2]
@@ -67,53 +77,60 @@ def _residual(eps: Array, W: Array, T: Array, c: Array, kw: Array, d: Array, kt:
 
 @njit(cache=True)
 def _solve3(H: Array, b: Array, x: Array) -> None:
-    """x = H⁻¹ b, symmetric positive definite, by Cholesky factors."""
-    l00 = math.sqrt(H[0, 0])
-    l10, l20 = H[1, 0] / l00, H[2, 0] / l00
-    l11 = math.sqrt(max(H[1, 1] - l10 * l10, 1e-300))
-    l21 = (H[2, 1] - l20 * l10) / l11
-    l22 = math.sqrt(max(H[2, 2] - l20 * l20 - l21 * l21, 1e-300))
-    y0 = b[0] / l00
-    y1 = (b[1] - l10 * y0) / l11
-    y2 = (b[2] - l20 * y0 - l21 * y1) / l22
-    x[2] = y2 / l22
-    x[1] = (y1 - l21 * x[2]) / l11
-    x[0] = (y0 - l10 * x[1] - l20 * x[2]) / l00
+    """x = H⁻¹ b by elimination; H is positive definite but for the turning of the frame."""
+    p, q = H[1, 0] / H[0, 0], H[2, 0] / H[0, 0]
+    h11, h12, b1 = H[1, 1] - p * H[0, 1], H[1, 2] - p * H[0, 2], b[1] - p * b[0]
+    h21, h22, b2 = H[2, 1] - q * H[0, 1], H[2, 2] - q * H[0, 2], b[2] - q * b[0]
+    r = h21 / h11
+    x[2] = (b2 - r * b1) / (h22 - r * h12)
+    x[1] = (b1 - h12 * x[2]) / h11
+    x[0] = (b[0] - H[0, 1] * x[1] - H[0, 2] * x[2]) / H[0, 0]
 
 
 @njit(cache=True)
 def _creep(W: Array, T: Array, c: Array, kw: Array, d: Array, kt: Array, slide: Array, need: Array,
-           scale: Array, twist: Array, use: Array) -> int:
-    """Damped Newton over all samples; returns how many did not converge."""
+           carried: Array, scale: Array, twist: Array, use: Array) -> int:
+    """Damped Newton over all samples, each from its neighbour and else from rest; counts those not found.
+
+    Samples not found get the use ``RUNAWAY`` on the wheel that was worst.
+    """
     samples, n = c.shape
     eps, step, trial = np.zeros(3), np.zeros(3), np.zeros(3)
     out, new, H, other = np.zeros(3), np.zeros(3), np.zeros((3, 3)), np.zeros((3, 3))
     failed = 0
     for m in range(samples):
-        if m == 0 or not math.isfinite(eps[0] + eps[1] + eps[2]):
-            eps[:] = 0.0
-        miss = _residual(eps, W, T, c[m], kw[m], d[m], kt[m], slide[m], need[m], scale, out, H)
-        rounds = 0
-        while miss > 1e-11 and rounds < 200:
-            rounds += 1
-            _solve3(H, out, step)
-            size = 1.0
-            while True:
-                for r in range(3):
-                    trial[r] = eps[r] - size * step[r]
-                less = _residual(trial, W, T, c[m], kw[m], d[m], kt[m], slide[m], need[m], scale, new, other)
-                if less < (1.0 - 1e-4 * size) * miss or size < 1e-12:
+        for attempt in range(2):
+            if attempt == 1 or not math.isfinite(eps[0] + eps[1] + eps[2]):
+                eps[:] = 0.0
+            miss = _residual(eps, W, T, c[m], kw[m], d[m], kt[m], slide[m], need[m], carried[m], scale, out, H)
+            for _ in range(100):
+                if miss <= 1e-11:
                     break
-                size *= 0.5
-            if size < 1e-12:
+                _solve3(H, out, step)
+                size = 1.0
+                while size > 1e-9:
+                    for r in range(3):
+                        trial[r] = eps[r] - size * step[r]
+                    less = _residual(trial, W, T, c[m], kw[m], d[m], kt[m], slide[m], need[m], carried[m],
+                                     scale, new, other)
+                    if less < (1.0 - 1e-4 * size) * miss:
+                        break
+                    size *= 0.5
+                if size <= 1e-9:
+                    break
+                eps[:], out[:], H[:, :], miss = trial, new, other, less
+            if miss <= 1e-8:
                 break
-            eps[:], out[:], H[:, :], miss = trial, new, other, less
-        if miss > 1e-8:
-            failed += 1
-            eps[:] = 0.0
         twist[m] = eps
+        worst = 0
         for i in range(n):
             use[m, i] = abs(_share(kw[m, i] * (W[0, i] * eps[0] + W[1, i] * eps[1] + W[2, i] * eps[2]))[0])
+            if use[m, i] > use[m, worst]:
+                worst = i
+        if not miss <= 1e-8:
+            failed += 1
+            use[m, worst] = max(use[m, worst], RUNAWAY)
+            eps[:] = 0.0
     return failed
 
 
@@ -133,8 +150,8 @@ class Realised:
     load_N: Array
 
 
-def realised(model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS,
-             share: float = 1.0) -> Realised:
+def realised(model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS, share: float = 1.0,
+             open_loop: bool = False) -> Realised:
     """The creeping equilibrium of states whose acceleration is known.
 
     Parameters
@@ -144,6 +161,8 @@ def realised(model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS
         rigid sectors is tried (2^N of them).
     share : float
         Largest share expected: bounds the creep where friction varies with slip.
+    open_loop : bool
+        Nothing corrects the pose: the creep turns the robot (see the module).
 
     Raises
     ------
@@ -160,10 +179,15 @@ def realised(model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS
     shape = (motion.count, model.count)
     out = Realised(use=np.full(shape, -1.0), twist=np.zeros((motion.count, 3)), torque_N_m=np.zeros(shape),
                    load_N=load)
+    carried = np.zeros((motion.count, 4))
+    if open_loop:
+        com, w = model.inertia.com_m, motion.velocity[:, 2]
+        carried[:, 0], carried[:, 3] = model.inertia.mass_kg, w
+        carried[:, 1], carried[:, 2] = motion.velocity[:, 0] - w * com[1], motion.velocity[:, 1] + w * com[0]
     for on_rigid in material_states(friction.possible):
         grip = np.where(on_rigid, friction.drive[1], friction.drive[0]) * pressed
         drag = np.where(on_rigid, friction.transverse[1], friction.transverse[0]) * pressed
-        twist, use = _equilibrium(model, grip, drag, friction, need)
+        twist, use = _equilibrium(model, grip, drag, friction, need, carried)
         worse = use.max(axis=1) > out.use.max(axis=1)
         out.twist[worse] = twist[worse]
         torque = _torque(model, grip, drag, friction, twist)
@@ -172,8 +196,8 @@ def realised(model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS
     return out
 
 
-def _equilibrium(model: Model, grip: Array, drag: Array, friction: Friction,
-                 need: Array) -> tuple[Array, Array]:
+def _equilibrium(model: Model, grip: Array, drag: Array, friction: Friction, need: Array,
+                 carried: Array) -> tuple[Array, Array]:
     along, across = (np.ascontiguousarray(b) for b in model.wrench_maps())
     lever = float(np.max(np.abs(along[2]))) or 1.0
     scale = model.inertia.weight_N * float(np.max(model.grip.roller[:, 0])) * np.array([1.0, 1.0, lever])
@@ -181,8 +205,8 @@ def _equilibrium(model: Model, grip: Array, drag: Array, friction: Friction,
     args = [np.ascontiguousarray(x) for x in (grip, friction.drive_stiffness, drag, friction.stiffness,
                                               friction.slide, need)]
     grips, kw, drags, kt, slides, needs = args
-    failed = _creep(along, across, grips, kw, drags, kt, slides, needs, scale, twist, use)
-    if failed:
+    failed = _creep(along, across, grips, kw, drags, kt, slides, needs, carried, scale, twist, use)
+    if failed and not np.any(carried):  # open loop there may be none: the creep then runs away
         raise NoSolution("creep of the wheels", f"no equilibrium was found at {failed} of {len(grip)} states",
                          "check that every wheel carries load and grips")
     return twist, use

@@ -24,7 +24,8 @@ FINER = 20
 class Audit:
     """What a profile uses at samples (n, F) inside its n intervals.
 
-    ``use`` (n, F, N) share of each wheel's grip in the realised distribution; ``torque`` (n, F, N) share
+    ``use`` (n, F, N) share of each wheel's grip in the realised distribution, with the pose held or open loop,
+    whichever is more; ``torque`` (n, F, N) share
     of the motor's torque; ``speed`` (n, F) share of the tightest speed cap; ``load_N`` (n, F, N).
     """
 
@@ -49,6 +50,7 @@ def audit(model: Model, geometry: Geometry, x: Array, u: Array, *, contact: Cont
     if theta is not None:
         motion = replace(motion, theta=theta.reshape(-1, model.count))
     forces = realised(model, motion, contact=contact, share=share)
+    drifting = realised(model, motion, contact=contact, share=share, open_loop=True)
     shape = (*geometry.s.shape, model.count)
     limit = torque_limit(model, wheel_speeds(model, motion.velocity))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -56,5 +58,6 @@ def audit(model: Model, geometry: Geometry, x: Array, u: Array, *, contact: Cont
         torque = np.where(given >= 0.0, given / limit[0], -given / limit[1])
     torque = np.nan_to_num(torque, nan=0.0, posinf=np.inf)
     speed = np.sqrt(geometry.squared_speed(x)) * speed_ratio(model, geometry, caps)
-    return Audit(use=forces.use.reshape(shape), torque=torque.reshape(shape), speed=speed,
+    use = np.maximum(forces.use, drifting.use)
+    return Audit(use=use.reshape(shape), torque=torque.reshape(shape), speed=speed,
                  load_N=forces.load_N.reshape(shape), time_s=time)

@@ -57,13 +57,14 @@ def at_times(plan: Plan, t_s: Array) -> Trajectory:
 
 def use_along(model: Model, t_s: Array, pose: Array, velocity: Array, acceleration: Array, *,
               contact: Contact = Contact.ROLLERS, theta: Array | None = None) -> Array:
-    """Share (T, N) of each wheel's grip along floor-frame samples (T, 3)."""
+    """Share (T, N) of each wheel's grip along floor-frame samples (T, 3), pose held or open loop."""
     heading = pose[:, 2]
     motion = Motion(velocity=to_body(heading, velocity), acceleration=to_body(heading, acceleration),
                     heading=heading, position=pose[:, :2], time_s=t_s)
     if theta is not None:
         motion = replace(motion, theta=theta)
-    return realised(model, motion, contact=contact).use
+    held, drifting = (realised(model, motion, contact=contact, open_loop=o).use for o in (False, True))
+    return np.maximum(held, drifting)
 
 
 def _turned(plan: Plan, t_s: Array, omega: Array) -> Array:
