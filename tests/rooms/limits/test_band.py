@@ -169,3 +169,12 @@ def test_isotropic_claim_states_its_rule() -> None:
 def test_recommended_force_is_below_the_band() -> None:
     found = sweep(nominal_model(kiwi(), "paper"), PHI)
     assert found.recommended_N(0.1) == pytest.approx(0.9 * found.f_low_N.min())
+
+
+def test_rigid_material_that_grips_less_turns_the_band_over() -> None:
+    # Slippery plastic between the rollers: now all-rigid is the lowest state and all-rollers the highest.
+    model = nominal_model(kiwi(), "paper")
+    slick = replace(model, grip=replace(model.grip, rigid=0.5 * model.grip.roller))
+    found = sweep(slick, PHI)
+    np.testing.assert_allclose(found.f_high_N, found.f_max_N, rtol=1e-12)
+    np.testing.assert_allclose(found.f_low_N, 0.5 * found.f_max_N, rtol=1e-12)
