@@ -59,11 +59,11 @@ def held(t_s: Array, omega: Array, *, end_s: float | None = None, theta0: Array 
     return _from_speed(t, om[:-1], np.zeros_like(om[:-1]), theta0)
 
 
-def linear(t_s: Array, omega: Array, *, theta0: Array | None = None) -> WheelSignal:
-    """Wheel speeds (T, N) [rad/s] with straight lines between rows."""
+def linear(t_s: Array, omega: Array, *, theta0: Array | None = None, spin: Array | None = None) -> WheelSignal:
+    """Wheel speeds (T, N) [rad/s] with straight lines between rows; ``spin`` (N,) as in :class:`WheelSignal`."""
     t, om = _rows(t_s, omega, "omega")
     _enough(t)
-    return _from_speed(t, om[:-1], np.diff(om, axis=0) / np.diff(t)[:, None], theta0)
+    return _from_speed(t, om[:-1], np.diff(om, axis=0) / np.diff(t)[:, None], theta0, spin)
 
 
 def hermite(t_s: Array, theta: Array, omega: Array) -> WheelSignal:
@@ -89,7 +89,8 @@ def angles(t_s: Array, theta: Array) -> WheelSignal:
     return hermite(t, th, np.asarray(np.gradient(th, t, axis=0, edge_order=2)))
 
 
-def _from_speed(t: Array, om: Array, slope: Array, theta0: Array | None) -> WheelSignal:
+def _from_speed(t: Array, om: Array, slope: Array, theta0: Array | None,
+                spin: Array | None = None) -> WheelSignal:
     h = np.diff(t)[:, None]
     n = om.shape[1]
     first = np.zeros(n) if theta0 is None else frozen("theta0", theta0, (n,))
@@ -97,7 +98,7 @@ def _from_speed(t: Array, om: Array, slope: Array, theta0: Array | None) -> Whee
         gain = h * (om + 0.5 * slope * h)
         angle = first + np.vstack([np.zeros(n), np.cumsum(gain, axis=0)[:-1]])
     pieces = np.stack([angle, om, 0.5 * slope, np.zeros_like(om)], axis=2)
-    return WheelSignal(knots_s=t, pieces=pieces, spin_rad_s=np.zeros(n))
+    return WheelSignal(knots_s=t, pieces=pieces, spin_rad_s=np.zeros(n) if spin is None else spin)
 
 
 def _rows(t_s: Array, values: Array, place: str) -> tuple[Array, Array]:
