@@ -86,10 +86,11 @@ def test_a_defect_is_one_line_that_says_how_to_report(monkeypatch: pytest.Monkey
         status(["try-me"])
 
 
-def test_an_interruption_is_quiet(monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize("signal_", [KeyboardInterrupt, typer.Abort])
+def test_an_interruption_is_quiet(signal_: type[BaseException], monkeypatch: pytest.MonkeyPatch,
                                   capsys: pytest.CaptureFixture[str]) -> None:
     def stop() -> None:
-        raise KeyboardInterrupt
+        raise signal_
 
     with_command(monkeypatch, stop)
     assert status(["try-me"]) == 130

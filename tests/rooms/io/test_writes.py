@@ -25,6 +25,14 @@ def test_text_and_bytes_arrive(tmp_path: Path) -> None:
     assert sorted(os.listdir(tmp_path)) == ["a.txt", "b.bin"]
 
 
+def test_several_files_arrive_together_and_old_readers_keep_what_they_read(tmp_path: Path) -> None:
+    (tmp_path / "a").write_text("before")
+    with (tmp_path / "a").open() as reader:
+        write_together({tmp_path / "a": "after", tmp_path / "b": b"new"})
+        assert reader.read() == "before"  # renamed over, not written into
+    assert {p.name: p.read_text() for p in tmp_path.iterdir()} == {"a": "after", "b": "new"}
+
+
 def test_an_interrupted_run_leaves_every_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "a").write_text("before")
     (tmp_path / "b").write_text("before")

@@ -47,6 +47,8 @@ def test_polar_plot_is_seen_from_the_robot(model: Model) -> None:
     axes = figure.axes[0]
     line = next(x for x in axes.lines if x.get_label() == "all wheels on rollers")
     assert line.get_xdata()[0] == pytest.approx(-np.pi / 2)
+    # φ = 90°: the robot faces floor −x, the pull along +x is backwards (down).
+    assert np.cos(line.get_xdata()[18]) == pytest.approx(-1.0)
     assert axes.get_theta_offset() == pytest.approx(np.pi / 2) and axes.get_theta_direction() == 1
     assert axes.get_ylim()[0] == 0.0
     words = [t.get_text() for t in axes.get_xticklabels()]
