@@ -26,6 +26,8 @@ from slipmargin.sim.pack import pack, stack
 _WILD = 1e4
 #: Integration tolerance: its error stays below a hundredth of any camera's noise.
 _RTOL = 1e-4
+#: Steps after which a run has gone wild (an ordinary one takes a few hundred a second of motion).
+_MOST_STEPS = 12_000
 
 
 @final
@@ -96,6 +98,7 @@ class Problem:
             which=which,
             signal=runs,
             rtol=_RTOL,
+            max_steps=_MOST_STEPS,
         ).pose
         for k, model in enumerate(models):
             if is_ideal(model.sensing):

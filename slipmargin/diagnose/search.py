@@ -21,11 +21,9 @@ from slipmargin.effects import Trace
 #: A suspect is as good as the best one if its cross-validated chi is within this factor and offset.
 AS_GOOD_FACTOR, AS_GOOD_OFFSET = 1.06, 0.02
 #: How many suspects go from the first, short fit to the full one.
-_FINALISTS = 6
+FINALISTS = 6
 #: A cross-validated chi this close to 1 leaves nothing for another form to explain.
 AT_NOISE = 1.06
-#: How many named effects and general forms get the short one, by the gain their tangent promises.
-_NAMED, _GENERAL = 16, 10
 
 Progress = Callable[[str, float], None]
 
@@ -90,28 +88,53 @@ def base_state(problem: Residuals, trials: Array, samples: float) -> State:
     return state_of(problem, evaluate(problem, (), np.zeros(0), trials), samples)
 
 
-def explore(
-    problem: Residuals, before: State, suspects: list[Candidate], slopes: list[Array], progress: Progress
+def extend(
+    problem: Residuals,
+    before: State,
+    suspects: list[Candidate],
+    progress: Progress,
+    finalists: int = FINALISTS,
+    enough: float = 0.0,
 ) -> list[State]:
-    """The promising suspects added to ``before`` and fitted; best cross-validated first.
+    """Each suspect added to ``before``: a short fit from each start, a full one for the best.
 
-    ``slopes`` are the suspects' tangents at null: the gain they promise decides who gets a short fit
-    from each start, and the best of those get a full one.  General forms have their turn where no
-    named effect brings the residual down to the noise.
+    Parameters
+    ----------
+    problem : Residuals
+        Gives residuals of effects.
+    before : State
+        What is known already.
+    suspects : list of Candidate
+        What to add, one at a time.
+    progress : callable
+        Told of each fit.
+    finalists : int
+        How many get the full fit.
+    enough : float
+        A cross-validated chi at which no further suspect needs a full fit.
+
+    Returns
+    -------
+    list of State
+        Best cross-validated first.
     """
-    order = np.argsort([promise(before.fit.residual, slope) for slope in slopes])[::-1]
-    named = [suspects[i] for i in order if suspects[i].named][:_NAMED]
-    general = [suspects[i] for i in order if not suspects[i].named][:_GENERAL]
-    states = _fit_best(problem, before, named, progress)
-    if not states or states[0].chi > AT_NOISE:
-        states += _fit_best(problem, before, general, progress)
+    trials = before.fit.trials
+    short = short_fits(problem, before, suspects, trials, progress)
+    states: list[State] = []
+    for i, found in enumerate(short[:finalists]):
+        progress(f"fitting {found.structure[-1].label}", i / finalists)
+        best = min((s.fit.cost for s in states), default=np.inf)
+        full = fit(problem, found.structure, found.x, trials, give_up_above=4.0 * best)
+        states.append(state_of(problem, full, before.samples))
+        if states[-1].chi <= enough and i >= 1:
+            break
     return sorted(states, key=lambda s: float(s.scores.sum()))
 
 
-def _fit_best(
-    problem: Residuals, before: State, suspects: list[Candidate], progress: Progress
-) -> list[State]:
-    trials = before.fit.trials
+def short_fits(
+    problem: Residuals, before: State, suspects: list[Candidate], trials: Array, progress: Progress
+) -> list[Fit]:
+    """Two Gauss–Newton steps from each start of each suspect beside ``before``; lowest cost first."""
     short: list[Fit] = []
     for i, suspect in enumerate(suspects):
         progress(f"trying {suspect.label}", i / len(suspects))
@@ -121,14 +144,7 @@ def _fit_best(
             for start in suspect.starts
         ]
         short.append(min(fits, key=lambda f: f.cost))
-    short.sort(key=lambda f: f.cost)
-    states: list[State] = []
-    for i, found in enumerate(short[:_FINALISTS]):
-        progress(f"fitting {found.structure[-1].label}", i / _FINALISTS)
-        best = min((s.fit.cost for s in states), default=np.inf)
-        full = fit(problem, found.structure, found.x, trials, give_up_above=4.0 * best)
-        states.append(state_of(problem, full, before.samples))
-    return sorted(states, key=lambda s: float(s.scores.sum()))
+    return sorted(short, key=lambda f: f.cost)
 
 
 def promise(residual: Array, slope: Array) -> float:
@@ -146,7 +162,12 @@ def choose(tried: list[State]) -> State:
     """The best suspect: as good as the best score allows, named before general, simple before rich."""
     bar = AS_GOOD_FACTOR * tried[0].chi + AS_GOOD_OFFSET
     good = [s for s in tried if s.chi <= bar]
-    return min(good, key=lambda s: (not s.last.named, s.chi + 0.004 * s.last.size))
+    return min(good, key=lambda s: (*_plainness(s), s.chi + 0.004 * s.last.size))
+
+
+def _plainness(state: State) -> tuple[int, int]:
+    """Unnamed effects first to avoid, then effects: what a simpler explanation has less of."""
+    return sum(not c.named for c in state.structure), len(state.structure)
 
 
 def indistinguishable(one: State, other: State) -> bool:

@@ -1,4 +1,8 @@
-"""Forward selection: add the best suspect, round by round, then look at each a second time."""
+"""Forward selection: one named effect, one general form, two named effects, then one more at a time.
+
+The order is that of parsimony.  Each stage ends the search if it brings the residual down to the
+noise; a later stage must do clearly better than an earlier one.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +20,9 @@ from slipmargin.diagnose.search import (
     State,
     base_state,
     choose,
-    explore,
+    extend,
     promise,
+    short_fits,
     state_of,
 )
 
@@ -26,43 +31,47 @@ SIGNIFICANCE = 0.01
 #: … and the cross-validated chi falls by at least this share and this much: less than that is within
 #: what the reconstruction of the wheels' motion from the log leaves behind.
 LEAST_SHARE, LEAST_CHI = 0.02, 0.02
+#: On top of an effect without a name chi must fall to this share: its form is only approximate, and
+#: what it leaves must not be given names.
+ON_TOP_OF_UNNAMED = 0.7
 #: At most so many effects.
 MOST_EFFECTS = 4
+#: How many general forms are fitted, by the gain their tangent promises.
+_GENERAL = 12
+#: How many single effects are tried as the first of two, and how many pairs get a full fit.
+_FIRSTS, _PAIRS = 6, 4
 
 
 def search(
     problem: Problem, trials: Array, suspects: list[Candidate], seed: int, progress: Progress
 ) -> tuple[State, list[Round]]:
-    """Forward selection on ``trials``, then a second look at every effect but the last.
-
-    Returns
-    -------
-    State, list of Round
-        What the model lacks, and how it was found.
-    """
+    """What the model lacks, judged on ``trials``, and the rounds in which it was found."""
     state = base_state(problem, trials, problem.samples(trials))
     rounds: list[Round] = []
     for number in range(MOST_EFFECTS):
-        step = take_step(problem, state, suspects, seed, _staged(progress, f"round {number + 1}"))
+        stage = _staged(progress, f"round {number + 1}")
+        step = take_step(problem, state, suspects, seed, stage, pairs=number == 0)
         rounds.append(step)
         if not step.taken or step.best is None:
             break
         state = step.best
-    return _second_look(problem, state, suspects, progress), rounds
+        if len(state.structure) >= MOST_EFFECTS:
+            break
+    return _needed(problem, state), rounds
 
 
 def take_step(
-    problem: Problem, before: State, suspects: list[Candidate], seed: int, progress: Progress
+    problem: Problem, before: State, suspects: list[Candidate], seed: int, progress: Progress, pairs: bool
 ) -> Round:
-    """Try every suspect that is not yet in ``before`` and judge the best one."""
+    """The best addition to ``before``, and whether it is beyond luck and worth its parameters."""
     inside = {c.label for c in before.structure}
     fresh = [s for s in suspects if s.label not in inside]
     progress("comparing with every suspect", 0.0)
     slopes = tangents(problem, before.fit, fresh)
     hopes = [promise(before.fit.residual, slope) for slope in slopes]
     step_s = float(np.median(np.concatenate([np.diff(t.t_s) for t in problem.trials])))
-    reachable = np.sqrt(max(0.0, before.chi**2 - max(hopes) / before.samples))
-    if before.chi < AT_NOISE and not worthwhile(before.chi, reachable):
+    reachable = float(np.sqrt(max(0.0, before.chi**2 - max(hopes) / before.samples)))
+    if before.chi < AT_NOISE and not worthwhile(before, reachable):
         p_value = luck(max(hopes), slopes, before.fit.residual, step_s, seed)
         return Round(
             before=before,
@@ -73,10 +82,17 @@ def take_step(
             p_value=p_value,
             taken=False,
         )
-    tried = explore(problem, before, fresh, slopes, progress)
+    order = np.argsort(hopes)[::-1]
+    named = [s for s in fresh if s.named]
+    general = [fresh[i] for i in order if not fresh[i].named][:_GENERAL]
+    tried = extend(problem, before, named, progress, enough=AT_NOISE)
+    if not tried or tried[0].chi > AT_NOISE:
+        singles = list(tried)
+        tried = sorted([*tried, *extend(problem, before, general, progress, enough=AT_NOISE)], key=_total)
+        if tried[0].chi > AT_NOISE and pairs:
+            tried = sorted([*tried, *_pairs(problem, singles, named, progress)], key=_total)
     best = choose(tried)
-    gain = before.fit.cost - best.fit.cost
-    p_value = luck(gain, slopes, best.fit.residual, step_s, seed)
+    p_value = luck(before.fit.cost - best.fit.cost, slopes, best.fit.residual, step_s, seed)
     return Round(
         before=before,
         suspects=tuple(fresh),
@@ -84,49 +100,64 @@ def take_step(
         tried=tuple(tried),
         best=best,
         p_value=p_value,
-        taken=p_value <= SIGNIFICANCE and worthwhile(before.chi, best.chi),
+        taken=p_value <= SIGNIFICANCE and worthwhile(before, best.chi),
     )
 
 
-def worthwhile(before: float, after: float) -> bool:
-    """Whether chi falls by more than what the log's reconstruction may leave behind."""
-    return before - after >= max(LEAST_CHI, LEAST_SHARE * before)
+def _pairs(problem: Problem, singles: list[State], named: list[Candidate], progress: Progress) -> list[State]:
+    """Two named effects at once: where two are missing, neither alone need look good.
+
+    Each of the best singles is tried with every named effect on half the trials; the best pairs are
+    then fitted on all of them.
+    """
+    if not singles:
+        return []
+    plain = [c for c in named if " " not in c.label]
+    trials = singles[0].fit.trials
+    half = trials[::2]
+    short = []
+    for first in singles[:_FIRSTS]:
+        others = [c for c in plain if c.name != first.last.name]
+        short += short_fits(problem, first, others, half, _staged(progress, f"{first.last.label} and"))[:3]
+    short.sort(key=lambda f: f.cost)
+    states = []
+    for found in short[:_PAIRS]:
+        progress("fitting " + " and ".join(c.label for c in found.structure), 0.9)
+        states.append(state_of(problem, fit(problem, found.structure, found.x, trials), singles[0].samples))
+        if states[-1].chi <= AT_NOISE:
+            break
+    return states
+
+
+def _total(state: State) -> float:
+    return float(state.scores.sum())
+
+
+def worthwhile(before: State, chi: float) -> bool:
+    """Whether chi falls by more than what the log's reconstruction, or an unnamed form, may leave."""
+    if any(not c.named for c in before.structure):
+        return chi <= ON_TOP_OF_UNNAMED * before.chi
+    return before.chi - chi >= max(LEAST_CHI, LEAST_SHARE * before.chi)
 
 
 def without(problem: Problem, state: State, index: int) -> State:
     """The state less one of its effects, the others fitted again."""
-    kept = [c for i, c in enumerate(state.structure) if i != index]
+    kept = [i for i in range(len(state.structure)) if i != index]
     at = np.cumsum([0, *(c.size for c in state.structure)])
-    x = np.concatenate(
-        [state.fit.x[at[i] : at[i + 1]] for i in range(len(state.structure)) if i != index] or [np.zeros(0)]
-    )
-    return state_of(problem, fit(problem, tuple(kept), x, state.fit.trials), state.samples)
+    x = np.concatenate([np.zeros(0), *(state.fit.x[at[i] : at[i + 1]] for i in kept)])
+    structure = tuple(state.structure[i] for i in kept)
+    return state_of(problem, fit(problem, structure, x, state.fit.trials), state.samples)
 
 
-def _second_look(problem: Problem, state: State, suspects: list[Candidate], progress: Progress) -> State:
-    """Now that the others are known: is each effect still needed, and still the best of its kind?
-
-    The first effects were chosen while the later ones were still in the residual.
-    """
+def _needed(problem: Problem, state: State) -> State:
+    """Now that all are known: drop every effect that the others make superfluous."""
     index = 0
     while index < len(state.structure) and len(state.structure) > 1:
         less = without(problem, state, index)
-        if not worthwhile(less.chi, state.chi):
+        if worthwhile(less, state.chi):
+            index += 1
+        else:
             state, index = less, 0
-            continue
-        if index < len(state.structure) - 1:
-            inside = {c.label for i, c in enumerate(state.structure) if i != index}
-            fresh = [s for s in suspects if s.label not in inside]
-            slopes = tangents(problem, less.fit, fresh)
-            tried = explore(problem, less, fresh, slopes, _staged(progress, "second look"))
-            best = choose(tried)
-            if best.last.label != state.structure[index].label and (
-                best.chi < state.chi or (best.last.named and not state.structure[index].named)
-            ):
-                state = best
-                index = 0 if len(state.structure) < 3 else index + 1
-                continue
-        index += 1
     return state
 
 
