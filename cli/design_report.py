@@ -1,0 +1,141 @@
+"""The words of ``slipmargin design``: the best design and why, against the file's own, then tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from slipmargin.study.objectives import BY_NAME, Objective
+
+from .design_run import DesignRun
+from .render import columns
+
+#: Rows of the table of designs that are printed; more go to --out.
+PRINTED = 100
+#: Columns of that table.
+SHOWN = ("f_worst", "f_mean", "f_best", "f_worst_static", "yaw_moment_N_m", "start_worst_m_s2",
+         "brake_worst_m_s2", "corner_m_s", "laps_s")
+
+
+def report(run: DesignRun, *, table: bool) -> list[str]:
+    """Lines for stdout; the first are the answer."""
+    lines = [f"{label:<11} {text}" for label, text in summary(run)]
+    lines += ["", *columns(*best_by_objective(run))]
+    if table and len(run.study.values) <= PRINTED:
+        lines += ["", *_designs(run)]
+    elif table:
+        lines += ["", f"{len(run.study.values)} designs: write the table with --out FILE"]
+    return lines
+
+
+def summary(run: DesignRun) -> list[tuple[str, str]]:
+    """The answer as labelled sentences."""
+    study, goal = run.study, run.study.question.objective
+    best = study.best()
+    value = float(study.columns[goal.name][best])
+    out = [("best", f"{named(study.keys, study.values[best])}: {goal.name} {_with_unit(value, goal)}"
+            f" ({goal.meaning})"),
+           ("own", _own(run, goal, value)), ("why", str(run.why)), ("loads", _loads(run))]
+    if run.optimum is not None:
+        o = run.optimum
+        proof = "" if math.isnan(o.check) else f"; self-check {o.check:.0e}"
+        gain = (f"{o.gain:.2g} better than any of the grid" if o.gain > 0.0 else
+                "no better point between the grid's")
+        out.append(("between", f"{named(study.keys, o.values)}: {_with_unit(o.value, goal)}, {gain} "
+                    f"({o.evaluations} evaluations{proof})"))
+    if run.robust is not None:
+        r = run.robust
+        corner = ", ".join(f"{k} = {v:g}" for k, v in r.corner)
+        how = "exact" if r.exact else "corners only"
+        out.append(("robust", f"{named(study.keys, study.values[r.best])}: {r.goal.name} at least "
+                    f"{_with_unit(float(r.value[r.best]), r.goal)}, worst at {corner} ({how})"))
+    if run.influences:
+        out.append(("influence", ", ".join(_influence(i) for i in run.influences[:4])))
+    possible = len(study.values) - len(study.problems)
+    kept = f", {study.resumed} of {study.pieces} pieces from an earlier run" if study.resumed else ""
+    on = int(study.front(run.front).sum())
+    out.append(("designs", f"{possible} possible of {len(study.values)}; {on} on the front of "
+                f"{' and '.join(run.front)}{kept}"))
+    return out
+
+
+def best_by_objective(run: DesignRun) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Head and rows: each objective's best design, beside the file's own."""
+    study = run.study
+    rows: list[tuple[str, ...]] = []
+    for name, column in study.columns.items():
+        if name not in BY_NAME or all(map(math.isnan, column)):
+            continue
+        row, own, goal = study.best(name), study.own[name], BY_NAME[name]
+        value = float(column[row])
+        equal = len(study.ties(name))
+        at = "every design" if 1 < equal == len(column) else named(study.keys, study.values[row])
+        more = f" and {equal - 1} more" if 1 < equal < len(column) else ""
+        rows.append((name, goal.unit, at + more, _digits(value), _digits(own), _change(value, own)))
+    return ("objective", "unit", "best at", "value", "file's own", "change"), rows
+
+
+def named(keys: Sequence[str], values: Sequence[Any]) -> str:
+    """``delta_deg = 30, wheels = 3``."""
+    return ", ".join(f"{k} = {_plain(v)}" for k, v in zip(keys, values, strict=True))
+
+
+def _own(run: DesignRun, goal: Objective, best: float) -> str:
+    study = run.study
+    if study.own_problem is not None:
+        return f"the file's design is impossible: {study.own_problem}"
+    own = study.own[goal.name]
+    if math.isnan(own):
+        return f"the file's design has no {goal.name}"
+    here = named(study.keys, study.own_values)
+    return f"the file's design ({here}): {_with_unit(own, goal)}; {_change(best, own)} with the best"
+
+
+def _loads(run: DesignRun) -> str:
+    study = run.study
+    parts = []
+    for name, word in (("f_worst_equal", "equal"), ("f_worst_static", "static")):
+        row = study.best(name)
+        parts.append(f"{word} loads: best at {named(study.keys, study.values[row])}, f_worst "
+                     f"{_digits(float(study.columns[name][row]))} m g")
+    return "; ".join(parts)
+
+
+def _influence(i: Any) -> str:
+    if i.peak:
+        return f"{i.key} is at a {'peak' if i.below < i.here else 'low'}"
+    if i.value:
+        return f"1 % more {i.key}: {100.0 * i.slope * 0.01 * abs(i.value) / abs(i.here):+.2g} %"
+    return f"{i.step:g} {i.unit} more {i.key}: {100.0 * i.slope * i.step / abs(i.here):+.2g} %"
+
+
+def _designs(run: DesignRun) -> list[str]:
+    study = run.study
+    shown = [name for name in SHOWN if name in study.columns]
+    front = study.front(run.front)
+    head = [*study.keys, *shown, "front"]
+    rows = [[*(_plain(v) for v in values), *(_digits(float(study.columns[n][i])) for n in shown),
+             study.problems.get(i, "*" if front[i] else "")] for i, values in enumerate(study.values)]
+    return columns(head, rows)
+
+
+def _plain(value: Any) -> str:
+    return "none" if value is None else value if isinstance(value, str) else f"{value + 0.0:.6g}"
+
+
+def _digits(value: float) -> str:
+    return "" if math.isnan(value) else f"{value:.5g}" if abs(value) < 1e5 else f"{value:.3e}"
+
+
+def _with_unit(value: float, goal: Objective) -> str:
+    return _digits(value) + ("" if goal.unit == "1" else f" {goal.unit}")
+
+
+def _change(value: float, own: float) -> str:
+    if math.isnan(own) or math.isnan(value):
+        return ""
+    if own <= 0.0:
+        return f"{value - own:+.3g}"
+    percent = round(100.0 * (value / own - 1.0), 1)
+    return f"{percent:+.1f} %" if percent else "0.0 %"

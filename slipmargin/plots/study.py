@@ -1,0 +1,266 @@
+"""A design study drawn: curves over one quantity, families, a heat map over two, polar pulls, the front."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.projections.polar import PolarAxes
+from matplotlib.ticker import MaxNLocator
+
+from slipmargin.checks import GRAVITY_M_S2, Array
+from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, styled
+from slipmargin.study.fleet import fleets
+from slipmargin.study.machine import Machine
+from slipmargin.study.objectives import BY_NAME, Objective
+from slipmargin.study.robust import Robust
+from slipmargin.study.statics import headings, on_rollers
+from slipmargin.study.study import Study
+
+COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, SKY)
+#: Designs whose pulls are drawn all round, besides the best.
+FAMILY = 5
+
+
+@styled
+def study_figure(study: Study, front: Sequence[str], robust: Robust | None = None) -> Figure:
+    """Four panels: the objective over what was varied, limits in motion, polar pulls, the front."""
+    figure = Figure(figsize=(11.5, 8.6), layout="constrained")
+    grid = figure.add_gridspec(2, 2)
+    two = [k for k, axis in enumerate(study.question.grids) if axis.numeric and len(axis.values) > 1]
+    if len(two) > 1:
+        draw_heat(figure.add_subplot(grid[0, 0]), study, study.question.objective.name)
+        second = "start_worst_m_s2" if "start_worst_m_s2" in study.columns else "f_mean"
+        draw_heat(figure.add_subplot(grid[0, 1]), study, second)
+    else:
+        draw_curves(figure.add_subplot(grid[0, 0]), study, robust)
+        draw_second(figure.add_subplot(grid[0, 1]), study)
+    polar = figure.add_subplot(grid[1, 0], projection="polar")
+    assert isinstance(polar, PolarAxes)
+    draw_polar_family(polar, study)
+    draw_front(figure.add_subplot(grid[1, 1]), study, front)
+    machine = study.question.machine
+    figure.suptitle(f"Design study of {machine.robot.name}, surface “{machine.surface}”", x=0.01, ha="left")
+    return figure
+
+
+def draw_curves(axes: Axes, study: Study, robust: Robust | None = None) -> Axes:
+    """The objective over the first quantity, one curve for each combination of the others.
+
+    With one quantity and a pull as objective: worst, mean and best pull, and the worst under static loads.
+    """
+    goal = study.question.objective
+    if len(study.keys) == 1 and goal.name.startswith("f_"):
+        for name, label, colour, style in (
+                ("f_best", "best heading", SKY, "-"), ("f_mean", "mean", GREEN, "-"),
+                ("f_worst", "worst heading", BLUE, "-"),
+                ("f_worst_static", "worst, static loads", ORANGE, "--"),
+                ("f_worst_equal", "worst, equal loads", PURPLE, ":")):
+            _line(axes, study, study.columns[name], label, colour, style)
+        axes.set(ylabel="F_emax / (m g)", title="Pull before a wheel slips, on rollers")
+    else:
+        _families(axes, study, goal)
+        axes.set(ylabel=_label(goal), title=goal.meaning)
+    if robust is not None and len(study.keys) == 1:
+        _line(axes, study, robust.value, "worst case of what is uncertain", RED, "-.")
+    _mark_best(axes, study, goal)
+    _finish(axes, study)
+    return axes
+
+
+def draw_second(axes: Axes, study: Study) -> Axes:
+    """Worst starting and braking over the quantity; without limits in motion, isotropy."""
+    if "start_worst_m_s2" not in study.columns:
+        _families(axes, study, BY_NAME["isotropy"])
+        axes.set(ylabel="least / greatest F_emax", title="Isotropy of the pull")
+    elif len(study.keys) == 1:
+        for name, label, colour in (("brake_worst_m_s2", "braking", GREEN),
+                                    ("start_worst_m_s2", "starting", BLUE)):
+            _line(axes, study, study.columns[name], f"{label}, worst direction", colour, "-")
+        static = study.columns["f_worst"] * GRAVITY_M_S2
+        _line(axes, study, static, "static pull / m: not a limit of motion", GREY, ":")
+        axes.axhline(0.0, color=INK, lw=0.8)
+        axes.set(ylabel="acceleration [m/s²]", title="Limits in motion, on rollers (below 0: it must slip)")
+        _not_too_low(axes)
+    else:
+        _families(axes, study, BY_NAME["start_worst_m_s2"])
+        axes.axhline(0.0, color=INK, lw=0.8)
+        axes.set(ylabel="worst starting [m/s²]", title="Speeding up, on rollers (below 0: it must slip)")
+        _not_too_low(axes)
+    _finish(axes, study)
+    return axes
+
+
+def draw_heat(axes: Axes, study: Study, name: str) -> Axes:
+    """A column over the first two numeric quantities, the others as in the best design."""
+    first, second = [k for k, g in enumerate(study.question.grids) if g.numeric and len(g.values) > 1][:2]
+    best, goal = study.best(name), BY_NAME[name]
+    table = study.shaped(name)
+    index = np.unravel_index(best, table.shape)
+    pick = tuple(slice(None) if k in (first, second) else index[k] for k in range(table.ndim))
+    x, y = (np.array(study.question.grids[k].values, dtype=float) for k in (first, second))
+    x_edges, y_edges = _edges(x), _edges(y)
+    image = axes.pcolormesh(x_edges, y_edges, table[pick].T, cmap="viridis" if goal.sign > 0 else "viridis_r",
+                            rasterized=True)
+    figure = axes.figure
+    assert isinstance(figure, Figure)
+    figure.colorbar(image, ax=axes, label=_label(goal))
+    at = study.values[best]
+    axes.plot([float(at[first])], [float(at[second])], marker="*", ms=15, mfc="white", mec=INK, ls="none",
+              label="best of the grid", clip_on=False, zorder=5)
+    own = study.own_values
+    if isinstance(own[first], float | int) and isinstance(own[second], float | int):
+        inside = (x_edges[0] <= float(own[first]) <= x_edges[-1]  # type: ignore[arg-type]
+                  and y_edges[0] <= float(own[second]) <= y_edges[-1])  # type: ignore[arg-type]
+        if inside:
+            axes.plot([float(own[first])], [float(own[second])], marker="o", ms=8,  # type: ignore[arg-type]
+                      mfc="none", mec=RED, mew=2, ls="none", label="the file’s own", clip_on=False, zorder=5)
+    axes.grid(False)
+    axes.set(xlabel=_axis(study, first), ylabel=_axis(study, second), title=goal.meaning)
+    axes.legend(loc="upper left", frameon=True, framealpha=0.85)
+    return axes
+
+
+def draw_polar_family(axes: PolarAxes, study: Study) -> PolarAxes:
+    """F_emax / (m g) all round for designs spread over the study, the best one thick."""
+    rows = _spread(study)
+    chosen = [study.machine(r) for r in rows]
+    best, phi, others = study.best(), headings(721), itertools.cycle(COLOURS[1:])
+    for row, force in zip(rows, _round(chosen, phi), strict=True):
+        colour = BLUE if row == best else next(others)
+        name = ", ".join(_short(v) for v in study.values[row])
+        axes.plot(-phi - math.pi / 2.0, force, color=colour, lw=2.8 if row == best else 1.2,
+                  zorder=4 if row == best else 3, label=name + (" (best)" if row == best else ""))
+    axes.set_theta_zero_location("N")
+    axes.set_thetagrids(range(0, 360, 45), ["forwards", "", "left", "", "backwards", "", "right", ""])
+    axes.set_ylim(0.0, None)
+    axes.yaxis.set_major_locator(MaxNLocator(4))
+    axes.set_rlabel_position(22.5)
+    axes.spines["polar"].set_visible(False)
+    axes.set_title("F_emax / (m g) by direction of the pull")
+    legend = axes.legend(loc="lower left", bbox_to_anchor=(-0.36, -0.08), title="\n".join(study.keys))
+    legend.set_in_layout(False)
+    return axes
+
+
+def draw_front(axes: Axes, study: Study, names: Sequence[str]) -> Axes:
+    """All designs by the first two objectives, those that no other beats joined by a line."""
+    one, two = (BY_NAME[name] for name in names[:2])
+    x, y = study.columns[one.name], study.columns[two.name]
+    on = study.front(names[:2])
+    axes.plot(x, y, ls="none", marker="o", ms=4, color=GREY, alpha=0.6, label="designs")
+    order = np.flatnonzero(on)[np.argsort(x[on])]
+    axes.plot(x[order], y[order], color=BLUE, marker="o", ms=5, lw=1.2, label="no other design beats these")
+    own = (study.own[one.name], study.own[two.name])
+    if all(map(math.isfinite, own)):
+        axes.plot(*[[v] for v in own], marker="o", ms=8, mfc="none", mec=RED, mew=2, ls="none",
+                  label="the file’s own")
+    axes.margins(0.1)
+    _not_too_low(axes)
+    _name_ends(axes, study, [int(row) for row in order], x, y)
+    axes.set(xlabel=_label(one), ylabel=_label(two), title="Pareto front: " + ", ".join(study.keys))
+    axes.legend(loc="best")
+    return axes
+
+
+def _name_ends(axes: Axes, study: Study, order: list[int], x: Array, y: Array) -> None:
+    """Name both ends of the front, the second only where the two names cannot meet."""
+    width, height = np.diff(axes.get_xlim())[0], np.diff(axes.get_ylim())[0]
+    for k, row in enumerate(dict.fromkeys([*order[:1], *order[-1:]])):
+        near = abs(x[row] - x[order[0]]) < 0.2 * width and abs(y[row] - y[order[0]]) < 0.06 * height
+        if k == 0 or not near:
+            axes.annotate(", ".join(_short(v) for v in study.values[row]), (x[row], y[row]),
+                          xytext=(-7, 7 if k == 0 else -7), textcoords="offset points", fontsize=8, color=INK,
+                          ha="right", va="bottom" if k == 0 else "top", zorder=7)
+
+
+def _not_too_low(axes: Axes) -> None:
+    """Keep designs that slip by far from flattening those that do not."""
+    low, high = axes.get_ylim()
+    if high > 0.0 and low < -1.5 * high:
+        axes.set_ylim(-high, high)
+
+
+def _families(axes: Axes, study: Study, goal: Objective) -> None:
+    main = _main(study)
+    table = np.moveaxis(study.shaped(goal.name), main, 0)
+    rest = [g for k, g in enumerate(study.question.grids) if k != main]
+    flat = table.reshape(table.shape[0], -1)
+    shown = np.unique(np.linspace(0, flat.shape[1] - 1, min(len(COLOURS), flat.shape[1])).round().astype(int))
+    for colour, column in zip(COLOURS, shown.tolist(), strict=False):
+        index = np.unravel_index(column, table.shape[1:]) if rest else ()
+        label = ", ".join(f"{g.key} = {_short(g.values[int(i)])}" for g, i in zip(rest, index, strict=True))
+        axes.plot(_positions(study), flat[:, column], color=colour, ms=4, label=label or goal.name,
+                  marker="o" if len(flat) < 12 else None)
+
+
+def _line(axes: Axes, study: Study, values: Array, label: str, colour: str, style: str) -> None:
+    x = _positions(study)
+    axes.plot(x, values, color=colour, ls=style, marker="o" if len(x) < 12 else None, ms=4, label=label)
+
+
+def _mark_best(axes: Axes, study: Study, goal: Objective) -> None:
+    best = study.best()
+    index = np.unravel_index(best, [len(g.values) for g in study.question.grids])
+    at, value = _positions(study)[int(index[_main(study)])], float(study.columns[goal.name][best])
+    axes.plot([at], [value], marker="*", ms=14, mfc="white", mec=INK, ls="none", zorder=6, label="best")
+
+
+def _finish(axes: Axes, study: Study) -> None:
+    main = _main(study)
+    grid, own = study.question.grids[main], study.own_values[main]
+    if grid.numeric:
+        if isinstance(own, float | int) and min(grid.values) <= own <= max(grid.values):  # type: ignore[operator]
+            axes.axvline(own, color=RED, lw=1.0, ls=(0, (5, 3)), label="the file’s own")
+    else:
+        axes.set_xticks(range(len(grid.values)), [_short(v) for v in grid.values])
+    axes.set_xlabel(_axis(study, main))
+    axes.legend(loc="best")
+
+
+def _main(study: Study) -> int:
+    """The axis drawn to the right: the numeric one with most values, else the longest."""
+    return max(range(len(study.keys)), key=lambda k: (study.question.grids[k].numeric,
+                                                      len(study.question.grids[k].values), -k))
+
+
+def _positions(study: Study) -> Array:
+    grid = study.question.grids[_main(study)]
+    return np.array(grid.values if grid.numeric else range(len(grid.values)), dtype=float)
+
+
+def _spread(study: Study) -> list[int]:
+    possible = [i for i in range(len(study.values)) if i not in study.problems]
+    steps = np.unique(np.linspace(0, len(possible) - 1, min(FAMILY, len(possible))).round().astype(int))
+    return sorted({possible[int(k)] for k in steps} | {study.best()})
+
+
+def _round(machines: Sequence[Machine], phi: Array) -> list[Array]:
+    out: dict[int, Array] = {}
+    for fleet in fleets(machines)[0]:
+        for row, force in zip(fleet.index.tolist(), on_rollers(fleet, phi, machines).force, strict=True):
+            out[row] = force
+    return [out[i] for i in range(len(machines))]
+
+
+def _edges(values: Array) -> Array:
+    ordered = np.asarray(values)
+    middle = 0.5 * (ordered[1:] + ordered[:-1])
+    return np.concatenate([[2 * ordered[0] - middle[0]], middle, [2 * ordered[-1] - middle[-1]]])
+
+
+def _label(goal: Objective) -> str:
+    return f"{goal.name}" + (f" [{goal.unit}]" if goal.unit and not goal.name.endswith("_s2") else "")
+
+
+def _axis(study: Study, k: int) -> str:
+    quantity = study.question.grids[k].quantity
+    return f"{quantity.meaning} [{quantity.unit}]" if quantity.unit not in ("", "1") else quantity.meaning
+
+
+def _short(value: object) -> str:
+    return f"{value:.5g}" if isinstance(value, float | int) else str(value)

@@ -1,0 +1,108 @@
+"""The columns of a study: static ones for all designs at once, moving ones design by design."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.errors import InputError, NoSolution
+from slipmargin.limits.bounds import cornering, directions, headings, spin
+from slipmargin.limits.motion_state import Contact
+from slipmargin.robot import LoadRule
+from slipmargin.study import statics
+from slipmargin.study.fleet import Fleet, fleets
+from slipmargin.study.machine import Machine
+from slipmargin.study.objectives import Kind, names_of
+
+#: Directions of motion that limits in motion are taken over [deg], and for cornering.
+STEP_DEG, CORNER_STEP_DEG = 1.0, 5.0
+#: Steady motion must slip where it needs more than this share of the drive grip [1].
+SLIPS = 1.0 + 1e-9
+#: Radius of the bend whose speed is reported [m].
+BEND_M = 0.5
+#: Columns of STATIC kind that are no objective: where the worst heading is.
+WORST_AT = "worst_phi_rad"
+
+
+def static_columns(machines: Sequence[Machine | None], phi_rad: Array | None = None) -> tuple[
+        dict[str, Array], dict[int, str]]:
+    """Static columns (D,) of all designs and the reason of each that is impossible (its columns are NaN)."""
+    phi = statics.headings() if phi_rad is None else phi_rad
+    names = [*names_of(Kind.STATIC), WORST_AT]
+    table = {name: np.full(len(machines), np.nan) for name in names}
+    found, refused = fleets(machines)
+    for fleet in found:
+        rollers = statics.on_rollers(fleet, phi, machines)
+        force = rollers.force
+        rows = fleet.index
+        worst, best = force.min(axis=1), force.max(axis=1)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            isotropy = np.where(best > 0.0, worst / best, 0.0)
+        for name, values in (
+                ("f_worst", worst), ("f_mean", force[:, :-1].mean(axis=1)), ("f_best", best),
+                ("isotropy", isotropy), ("f_low_worst", statics.lowest(fleet, phi, machines).min(axis=1)),
+                ("f_rigid_worst", statics.on_rigid(fleet, phi, machines).force.min(axis=1)),
+                ("f_worst_equal", _under(fleet, phi, machines, LoadRule.EQUAL, worst)),
+                ("f_worst_static", _under(fleet, phi, machines, LoadRule.STATIC, worst)),
+                ("yaw_moment_N_m", rollers.moment_m * fleet.weight_N), ("load_least", fleet.rest.min(axis=1)),
+                (WORST_AT, phi[np.argmin(force, axis=1)])):
+            table[name][rows] = values
+    for column in table.values():
+        column[list(refused)] = np.nan
+    return table, refused
+
+
+def _under(fleet: Fleet, phi: Array, machines: Sequence[Machine | None], rule: LoadRule,
+           own: Array) -> Array:
+    loads = statics.loads_by(fleet, rule)
+    if np.all(fleet.plain) and np.array_equal(loads, fleet.rest):
+        return own
+    return np.asarray(statics.on_rollers(fleet, phi, machines, rule).force.min(axis=1))
+
+
+def moving_columns(machine: Machine) -> dict[str, float]:
+    """The objectives of :attr:`Kind.MOTION` of one design."""
+    model = machine.build()
+    way = headings(STEP_DEG)
+    ahead = directions(model, way)
+    unknown = ahead
+    if float(np.max(model.grip.rigid_fraction)) > 0.0:
+        unknown = directions(model, way, contact=Contact.UNKNOWN)
+    rigid = directions(model, way, contact=Contact.RIGID)
+    bends = cornering(model, np.array([1.0 / BEND_M]), headings(CORNER_STEP_DEG))
+    values = (float(np.min(ahead.starting_m_s2)), float(np.mean(ahead.starting_m_s2)),
+              float(np.min(ahead.braking_m_s2)), float(np.mean(ahead.braking_m_s2)),
+              float(np.min(unknown.starting_m_s2)), float(np.min(bends.held_m_s)),
+              spin(model).starting_rad_s2,
+              float(np.mean(ahead.steady_use > SLIPS)), float(np.mean(rigid.steady_use > SLIPS)),
+              float(np.mean(unknown.steady_use > SLIPS)),
+              float(np.max(unknown.steady_use)))
+    return dict(zip(names_of(Kind.MOTION), values, strict=True))
+
+
+def lap_columns(machine: Machine) -> dict[str, float]:
+    """The objectives of :attr:`Kind.LAPS` of one design; infinite where a path has no admissible motion."""
+    from slipmargin.study.laps import lap_time
+
+    return {"laps_s": lap_time(machine.build())}
+
+
+def slow_columns(machine: Machine, kinds: tuple[Kind, ...]) -> dict[str, float]:
+    """Everything of one design that cannot be computed for all at once; NaN where it has none.
+
+    That is so where the design cannot be built, or where a motion has no limit because it slips anyway.
+    """
+    names = [name for kind in kinds for name in names_of(kind)]
+    try:
+        out: dict[str, float] = {}
+        if Kind.MOTION in kinds:
+            out |= moving_columns(machine)
+        if Kind.LAPS in kinds:
+            out |= lap_columns(machine)
+        return {name: value if math.isfinite(value) else math.nan for name, value in out.items()}
+    except (InputError, NoSolution):
+        return dict.fromkeys(names, math.nan)
+

@@ -1,0 +1,157 @@
+"""Many designs as arrays, so that everything static is computed for all of them at once.
+
+Machines without effects are read straight off their data sheets (the same equations as
+:mod:`slipmargin.model`, one array for all designs); machines with effects are built, one model each.
+Loads are shares of m g and forces come out per m g.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipmargin.checks import GRAVITY_M_S2, Array
+from slipmargin.errors import InputError
+from slipmargin.model import Model
+from slipmargin.model.loads import sharing_matrix
+from slipmargin.model.variables import Target
+from slipmargin.robot import GripShape, LoadRule, Robot
+from slipmargin.study.machine import Machine
+
+#: A load below minus this share of m g is a wheel off the floor [1].
+_OFF = 1e-9
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Fleet:
+    """D designs with N wheels each.
+
+    ``index`` (D,) places of these designs in the study; ``maps`` (D, 3, N, 2) wrench per unit force along ĝ
+    and f̂ about the centre of mass; ``roller``, ``rigid`` (D, N, 2) coefficients; ``rigid_fraction`` (D, N);
+    ``rest`` the design's own loads, ``static`` those of statics, (D, N) [shares of m g]; ``weight_N`` (D,);
+    ``plain`` (D,): a zonotope describes the design (box grip, no bias, friction known at rest);
+    ``level`` (D,): the centre of mass is above the wheels' polygon.
+    """
+
+    index: NDArray[np.int_]
+    maps: Array
+    roller: Array
+    rigid: Array
+    rigid_fraction: Array
+    rest: Array
+    static: Array
+    weight_N: Array
+    plain: NDArray[np.bool_]
+    level: NDArray[np.bool_]
+
+    @property
+    def wheels(self) -> int:
+        """N."""
+        return int(self.maps.shape[2])
+
+
+def fleets(machines: Sequence[Machine | None]) -> tuple[list[Fleet], dict[int, str]]:
+    """Designs grouped by wheel count, and for each design that cannot be built the reason.
+
+    ``None`` stands for a design that was refused earlier; it is left out.
+    """
+    groups: dict[int, list[tuple[int, Machine]]] = {}
+    refused: dict[int, str] = {}
+    built: dict[int, Model] = {}
+    for i, machine in enumerate(machines):
+        if machine is None:
+            continue
+        if machine.recipe.effects:
+            try:
+                built[i] = machine.build()
+            except InputError as fault:
+                refused[i] = str(fault)
+                continue
+        groups.setdefault(len(machine.robot.wheels), []).append((i, machine))
+    out = [_fleet(rows, built) for _, rows in sorted(groups.items())]
+    for fleet in out:
+        for d in np.flatnonzero(~fleet.level | np.any(fleet.rest < -_OFF, axis=1)).tolist():
+            worst = int(np.argmin(fleet.rest[d]))
+            refused[int(fleet.index[d])] = (
+                "the centre of mass is outside the wheels' polygon: the robot falls over"
+                if not fleet.level[d] else f"wheel {worst + 1} would carry {fleet.rest[d, worst]:.3g} m g")
+    return out, refused
+
+
+def _fleet(rows: list[tuple[int, Machine]], built: dict[int, Model]) -> Fleet:
+    data = _from_robots([m for _, m in rows])
+    for d, (i, _) in enumerate(rows):
+        if i in built:
+            _overwrite(data, d, built[i])
+    arm = data.pop("place") - data["com"][:, None]
+    data["maps"] = np.stack([_columns(arm, data.pop("grip")), _columns(arm, data.pop("free"))], axis=3)
+    angle = np.sort(np.arctan2(arm[..., 1], arm[..., 0]), axis=1)
+    gap = np.diff(np.concatenate([angle, angle[:, :1] + 2.0 * np.pi], axis=1), axis=1)
+    data.pop("com")
+    return Fleet(index=np.array([i for i, _ in rows]), level=np.max(gap, axis=1) <= np.pi + 1e-9, **data)
+
+
+def _from_robots(machines: list[Machine]) -> dict[str, Any]:
+    robots = [m.robot for m in machines]
+    n = len(robots[0].wheels)
+    place = np.array([[w.position_m for w in r.wheels] for r in robots])
+    turn = np.deg2rad([[w.drive_direction_deg + w.roller_angle_deg for w in r.wheels] for r in robots])
+    com = np.array([r.body.com_m for r in robots])
+    floor = [r.surface(m.surface) for r, m in zip(robots, machines, strict=True)]
+    static = _static(place, com)
+    return {
+        "place": place, "com": com, "grip": _unit(turn), "free": _unit(turn - np.pi / 2.0),
+        "roller": np.array([[(s.roller.drive, s.roller.transverse)] * n for s in floor]),
+        "rigid": np.array([[(s.rigid.drive, s.rigid.transverse)] * n for s in floor]),
+        "rigid_fraction": np.array([[w.rigid_fraction for w in r.wheels] for r in robots]),
+        "rest": np.array([_shares(r, row) for r, row in zip(robots, static, strict=True)]), "static": static,
+        "weight_N": np.array([r.body.mass_kg for r in robots]) * GRAVITY_M_S2,
+        "plain": np.array([r.friction.grip is GripShape.BOX for r in robots]),
+    }
+
+
+def _overwrite(data: dict[str, Any], d: int, model: Model) -> None:
+    """A built model's arrays in place of the data sheet's (``data`` is this module's own)."""
+    grip, weight = model.grip, model.inertia.weight_N
+    for name, value in (("place", model.contacts.position_m), ("com", model.inertia.com_m),
+                        ("grip", model.contacts.grip), ("free", model.contacts.free), ("roller", grip.roller),
+                        ("rigid", grip.rigid), ("rigid_fraction", grip.rigid_fraction),
+                        ("rest", model.loads.rest_N / weight), ("weight_N", weight)):
+        data[name][d] = value
+    data["static"][d] = sharing_matrix(model.contacts.position_m) @ np.array([1.0, *model.inertia.com_m])
+    varies = any(t.target is not Target.STIFFNESS for t in grip.modulations)
+    data["plain"][d] = ((grip.shape is GripShape.BOX or grip.coupling == 0.0) and not varies
+                        and not model.losses.terms)
+
+
+def _static(place: Array, com: Array) -> Array:
+    """(D, N) loads from the centres of mass [m g]: Σ N = 1, Σ N p = com, of least norm."""
+    ones = np.ones((*place.shape[:2], 1))
+    moments = np.swapaxes(np.concatenate([ones, place], axis=2), 1, 2)
+    asked = np.concatenate([np.ones((len(com), 1)), com], axis=1)[:, :, None]
+    # Least norm: N = Mᵀ (M Mᵀ)⁻¹ b.
+    return np.asarray((np.swapaxes(moments, 1, 2) @ np.linalg.solve(moments @ np.swapaxes(moments, 1, 2),
+                                                                    asked))[..., 0])
+
+
+def _shares(robot: Robot, static: Array) -> Array:
+    if robot.load_rule is LoadRule.EQUAL:
+        return np.full(len(static), 1.0 / len(static))
+    if robot.load_rule is LoadRule.FIXED:
+        assert robot.load_fractions is not None
+        return robot.load_fractions
+    return static
+
+
+def _unit(angle: Array) -> Array:
+    return np.round(np.stack([np.cos(angle), np.sin(angle)], axis=-1), 15)
+
+
+def _columns(arm: Array, way: Array) -> Array:
+    return np.stack([way[..., 0], way[..., 1], arm[..., 0] * way[..., 1] - arm[..., 1] * way[..., 0]], axis=1)
+

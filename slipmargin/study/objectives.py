@@ -1,0 +1,93 @@
+"""What a design is judged by, as data: name, unit, which way is better, what it means.
+
+Forces are per m g and on rollers unless the name says otherwise; directions of motion are in the body
+frame.  "Must slip": constant speed in that direction needs more drive force than the floor gives.
+"""
+
+from __future__ import annotations
+
+import difflib
+from dataclasses import dataclass
+from enum import Enum
+from typing import final
+
+from slipmargin.errors import InputError
+
+
+@final
+class Kind(Enum):
+    """What it takes to compute an objective."""
+
+    STATIC = "all designs at once"
+    MOTION = "a model each, milliseconds"
+    LAPS = "planned paths, tenths of a second each"
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Objective:
+    """One column of a study that can be best somewhere; ``sign`` +1: more is better, −1: less is."""
+
+    name: str
+    unit: str
+    sign: float
+    kind: Kind
+    meaning: str
+
+
+def _more(name: str, unit: str, kind: Kind, meaning: str) -> Objective:
+    return Objective(name=name, unit=unit, sign=1.0, kind=kind, meaning=meaning)
+
+
+def _less(name: str, unit: str, kind: Kind, meaning: str) -> Objective:
+    return Objective(name=name, unit=unit, sign=-1.0, kind=kind, meaning=meaning)
+
+
+OBJECTIVES: tuple[Objective, ...] = (
+    _more("f_worst", "m g", Kind.STATIC, "least F_emax over all headings"),
+    _more("f_mean", "m g", Kind.STATIC, "mean F_emax over all headings"),
+    _more("f_best", "m g", Kind.STATIC, "greatest F_emax over all headings"),
+    _more("isotropy", "1", Kind.STATIC, "least over greatest F_emax"),
+    _more("f_low_worst", "m g", Kind.STATIC, "least F_emax over headings and roller/rigid states"),
+    _more("f_rigid_worst", "m g", Kind.STATIC, "least F_emax with every wheel on rigid material"),
+    _more("f_worst_equal", "m g", Kind.STATIC, "f_worst under equal loads m g / N"),
+    _more("f_worst_static", "m g", Kind.STATIC, "f_worst under the loads of statics"),
+    _more("yaw_moment_N_m", "N m", Kind.STATIC, "largest pure yaw moment"),
+    _more("load_least", "m g", Kind.STATIC, "load of the lightest wheel"),
+    _more("start_worst_m_s2", "m/s²", Kind.MOTION, "least speeding up along the motion, any direction"),
+    _more("start_mean_m_s2", "m/s²", Kind.MOTION, "mean speeding up over directions"),
+    _more("brake_worst_m_s2", "m/s²", Kind.MOTION, "least braking, any direction"),
+    _more("brake_mean_m_s2", "m/s²", Kind.MOTION, "mean braking over directions"),
+    _more("start_unknown_m_s2", "m/s²", Kind.MOTION,
+          "least speeding up where each wheel may stand on roller or rigid material"),
+    _more("corner_m_s", "m/s", Kind.MOTION, "slowest of the fastest bends of 0.5 m radius, heading held"),
+    _more("spin_rad_s2", "rad/s²", Kind.MOTION, "speeding up of a turn on the spot"),
+    _less("slip_share", "1", Kind.MOTION, "share of directions in which steady motion must slip, on rollers"),
+    _less("slip_share_rigid", "1", Kind.MOTION, "the same with every wheel on rigid material"),
+    _less("slip_share_unknown", "1", Kind.MOTION,
+          "the same where each wheel may stand on roller or rigid material"),
+    _less("steady_use_unknown", "1", Kind.MOTION,
+          "most grip that steady motion needs where each wheel may stand on either"),
+    _less("laps_s", "s", Kind.LAPS, "time over the benchmark paths with 10 % margin"),
+)
+BY_NAME = {o.name: o for o in OBJECTIVES}
+
+
+def objective(name: str) -> Objective:
+    """The objective called ``name``.
+
+    Raises
+    ------
+    InputError
+        Listing every known one.
+    """
+    if name in BY_NAME:
+        return BY_NAME[name]
+    near = difflib.get_close_matches(name, BY_NAME, n=1)
+    hint = f"did you mean {near[0]!r}? Known: " if near else "known: "
+    raise InputError("objective", f"{name!r} is not known", hint + ", ".join(BY_NAME))
+
+
+def names_of(kind: Kind) -> tuple[str, ...]:
+    """The objectives of one kind, in order."""
+    return tuple(o.name for o in OBJECTIVES if o.kind is kind)

@@ -1,0 +1,173 @@
+"""The best design between the grid's points, with its proof that no point of the grid is better.
+
+The objectives are the least of smooth pieces: kinks, no gradients to trust.  From each of the grid's best
+local maxima the search goes on inside the neighbouring cells: by golden section and parabolas in one
+variable (Brent), by the Nelder–Mead simplex in more.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.errors import InputError
+from slipmargin.limits.motion import needed_share
+from slipmargin.limits.motion_state import Motion
+from slipmargin.limits.self_check import self_check
+from slipmargin.study.columns import STEP_DEG
+from slipmargin.study.judge import judge
+from slipmargin.study.machine import Machine
+from slipmargin.study.objectives import Kind, Objective
+from slipmargin.study.study import Study
+from slipmargin.study.vary import applied
+
+#: Local maxima of the grid from which the search starts, and evaluations of each search by kind.
+STARTS = {Kind.STATIC: 5, Kind.MOTION: 3, Kind.LAPS: 1}
+EFFORT = {Kind.STATIC: 200, Kind.MOTION: 80, Kind.LAPS: 30}
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Optimum:
+    """The best design found between and on the grid's points.
+
+    ``values`` of the varied quantities; ``value`` of the objective there, ``grid_value`` at the grid's
+    best row ``grid_row``; ``gain`` ≥ 0 the improvement in the sense of the objective; ``check`` relative
+    difference of ``value`` to a second road (NaN where there is none); ``evaluations``.
+    """
+
+    goal: Objective
+    values: tuple[Any, ...]
+    machine: Machine
+    value: float
+    grid_value: float
+    grid_row: int
+    check: float
+    evaluations: int
+
+    @property
+    def gain(self) -> float:
+        """How much better than every point of the grid, ≥ 0."""
+        return self.goal.sign * (self.value - self.grid_value)
+
+
+def optimum(study: Study, goal: Objective | None = None) -> Optimum:
+    """Search on from the grid's best points in every quantity that is a number.
+
+    Raises
+    ------
+    InputError
+        If no varied quantity is a number that may vary continuously, or no design is possible.
+    """
+    goal = goal or study.question.objective
+    free = [k for k, grid in enumerate(study.question.grids) if grid.numeric and len(grid.values) > 1]
+    if not free:
+        raise InputError("optimum", "has nothing to vary continuously", "vary a number over a range")
+    row = study.best(goal.name)
+    best, at, spent = goal.sign * float(study.columns[goal.name][row]), study.values[row], 0
+    for start in _starts(study, goal, free):
+        search = _Search(study, goal, start, free)
+        values, score = search.run()
+        spent += search.count
+        if score > best:
+            best, at = score, values
+    machine = applied(study.question.machine, [g.quantity for g in study.question.grids], at)
+    return Optimum(goal=goal, values=tuple(at), machine=machine, value=goal.sign * best,
+                   grid_value=float(study.columns[goal.name][row]), grid_row=row, evaluations=spent,
+                   check=second_road(machine, goal, goal.sign * best))
+
+
+def _starts(study: Study, goal: Objective, free: Sequence[int]) -> list[int]:
+    """Rows that no neighbour along a free axis beats, the best first."""
+    score = np.nan_to_num(goal.sign * study.shaped(goal.name), nan=-np.inf)
+    top = np.isfinite(score)
+    for axis in free:
+        padded = np.pad(score, [(1, 1) if k == axis else (0, 0) for k in range(score.ndim)],
+                        constant_values=-np.inf)
+        count = score.shape[axis]
+        top &= score >= np.take(padded, range(count), axis=axis)
+        top &= score >= np.take(padded, range(2, count + 2), axis=axis)
+    rows = np.flatnonzero(top.ravel())
+    order = rows[np.argsort(-score.ravel()[rows], kind="stable")]
+    return [int(r) for r in order[:STARTS[goal.kind]]]
+
+
+class _Search:
+    """One local search; remembers how often it asked."""
+
+    def __init__(self, study: Study, goal: Objective, row: int, free: Sequence[int]) -> None:
+        self.study, self.goal, self.free, self.count = study, goal, list(free), 0
+        self.start = list(study.values[row])
+        self.bounds = [_cell(study.question.grids[k].values, study.values[row][k]) for k in free]
+
+    def score(self, x: Array) -> float:
+        """Minus the objective in its sense, large where the design is impossible."""
+        self.count += 1
+        try:
+            quantities = [g.quantity for g in self.study.question.grids]
+            machine = applied(self.study.question.machine, quantities, self.at(x))
+        except InputError:
+            return 1e300
+        value = float(judge([machine], self.goal)[0])
+        return 1e300 if math.isnan(value) else -self.goal.sign * value
+
+    def at(self, x: Array) -> tuple[Any, ...]:
+        """All values with the free ones at ``x``."""
+        values = list(self.start)
+        for k, v in zip(self.free, x, strict=True):
+            values[k] = float(v)
+        return tuple(values)
+
+    def run(self) -> tuple[tuple[Any, ...], float]:
+        """The best values and the objective there, in its sense."""
+        from scipy.optimize import minimize, minimize_scalar
+
+        effort = EFFORT[self.goal.kind]
+        if len(self.free) == 1:
+            low, high = self.bounds[0]
+            found = minimize_scalar(lambda v: self.score(np.array([v])), bounds=(low, high), method="bounded",
+                                    options={"xatol": 1e-7 * (high - low), "maxiter": effort})
+            x = np.array([found.x])
+        else:
+            first = np.array([float(self.start[k]) for k in self.free])
+            span = np.array([[high - first[i] if high - first[i] >= first[i] - low else low - first[i]
+                              for i, (low, high) in enumerate(self.bounds)]])
+            simplex = np.vstack([first, first + 0.5 * np.diag(span[0])])
+            found = minimize(self.score, first, method="Nelder-Mead", bounds=self.bounds,
+                             options={"maxfev": effort * len(self.free), "xatol": 1e-7, "fatol": 1e-12,
+                                      "initial_simplex": simplex})
+            x = found.x
+        return self.at(x), -float(found.fun)
+
+
+def _cell(values: Sequence[Any], at: Any) -> tuple[float, float]:
+    ordered = sorted(float(v) for v in values)
+    k = ordered.index(float(at))
+    return ordered[max(k - 1, 0)], ordered[min(k + 1, len(ordered) - 1)]
+
+
+def second_road(machine: Machine, goal: Objective, value: float) -> float:
+    """Relative difference of an objective to a computation that shares no code with it; NaN where none is.
+
+    Pulls: the support function's own minimum at the worst heading.  Starting: the share of the grip that
+    the acceleration needs must be exactly 1.
+    """
+    from slipmargin.limits.bounds import directions, headings
+    from slipmargin.study.columns import static_columns
+
+    model = machine.build()
+    if goal.name == "f_worst":
+        phi = static_columns([machine])[0]["worst_phi_rad"]
+        return self_check(model, phi, np.array([value * model.inertia.weight_N]))
+    if goal.name == "start_worst_m_s2":
+        way = headings(STEP_DEG)
+        at = int(np.argmin(directions(model, way).starting_m_s2))
+        ahead = np.round(np.array([[math.cos(way[at]), math.sin(way[at]), 0.0]]), 15)
+        motion = Motion(velocity=1e-3 * ahead, acceleration=value * ahead, saturated=True)
+        return abs(float(needed_share(model, motion)[0]) - 1.0)
+    return math.nan

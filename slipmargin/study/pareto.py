@@ -1,0 +1,37 @@
+"""Designs that no other design beats in everything at once (Pareto, Manuale di economia politica, 1906)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipmargin.checks import Array
+
+
+def front(values: Array) -> NDArray[np.bool_]:
+    """Which rows are not dominated.
+
+    Parameters
+    ----------
+    values : (D, K)
+        More is better in every column; rows with a NaN are on no front.
+
+    Returns
+    -------
+    (D,) bool
+        A row is dominated where another is at least as good in all columns and better in one.
+    """
+    values = np.asarray(values, dtype=float)
+    whole = np.flatnonzero(~np.any(np.isnan(values), axis=1))
+    out = np.zeros(len(values), dtype=bool)
+    # From best to worst by the first column, then the next: a row can only be dominated by an earlier one.
+    order = whole[np.lexsort(-values[whole][:, ::-1].T)]
+    kept: list[Array] = []
+    for row in order:
+        v = values[row]
+        table = np.array(kept) if kept else np.empty((0, values.shape[1]))
+        beaten = np.all(table >= v, axis=1) & np.any(table > v, axis=1)
+        if not np.any(beaten):
+            out[row] = True
+            kept.append(v)
+    return out

@@ -1,0 +1,210 @@
+"""Long work in pieces: parallel, resumable, the same result whoever did it and however often it was killed.
+
+Each finished piece is one file in a work folder, written whole or not at all and named by a hash of its own
+question (what is computed, on which machine, by which version).  A later run takes the pieces that are
+there and computes the rest; numbers are kept to the last bit.  joblib spreads the pieces over the cores,
+or, through its Dask backend, over a cluster.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import re
+from collections.abc import Callable, Generator, Iterator, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from enum import Enum
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, final
+
+import numpy as np
+
+from slipmargin import __version__
+from slipmargin.errors import InputError
+from slipmargin.io.source import read_text
+from slipmargin.io.writes import write_text
+
+#: One piece's answer: a row of named numbers for each of its items.
+Rows = list[dict[str, float]]
+SCHEMA = 1
+_NAME = re.compile(r"piece-[0-9a-f]{32}\.json")
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Workshop:
+    """How the work is done.
+
+    ``folder`` keeps finished pieces (None: nothing is kept); ``jobs`` processes, −1 for every core;
+    ``scheduler`` a Dask scheduler's address, which replaces ``jobs``.
+    """
+
+    folder: Path | None = None
+    jobs: int = 1
+    scheduler: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.jobs == 0 or self.jobs < -1:
+            raise InputError("jobs", f"is {self.jobs}", "give a number of processes, or -1 for every core")
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Done:
+    """The rows of all items, in their order, and how many pieces an earlier run had left."""
+
+    rows: tuple[dict[str, float], ...]
+    pieces: int
+    resumed: int
+
+
+def in_pieces(work: Callable[[Any], dict[str, float]], items: Sequence[Any], *, question: Any, size: int,
+              workshop: Workshop, advance: Callable[[int], None] = lambda steps: None) -> Done:
+    """Apply ``work`` to every item.
+
+    Parameters
+    ----------
+    work : callable
+        A module's function (processes must find it), item → row.
+    question : data
+        Everything besides the items that the rows depend on; part of each piece's name.
+    size : int
+        Items a piece.
+    advance : callable
+        Told the number of items whenever a piece is there.
+
+    Raises
+    ------
+    InputError
+        Where the work folder cannot be written, or the scheduler cannot be reached.
+    """
+    pieces = [list(items[i:i + size]) for i in range(0, len(items), size)]
+    names = [piece_name(question, piece) for piece in pieces]
+    rows: list[Rows | None] = [_kept(workshop.folder, name, len(piece))
+                               for name, piece in zip(names, pieces, strict=True)]
+    resumed = sum(row is not None for row in rows)
+    for row in rows:
+        advance(len(row) if row else 0)
+    missing = [k for k, row in enumerate(rows) if row is None]
+    if missing and workshop.folder is not None:
+        _make(workshop.folder)
+    with contextlib.closing(_computed(work, [(k, pieces[k]) for k in missing], workshop)) as answers:
+        for k, found in answers:
+            if workshop.folder is not None:
+                write_text(workshop.folder / names[k], _text(found))
+            rows[k] = found
+            advance(len(found))
+    return Done(rows=tuple(row for piece in rows if piece is not None for row in piece), pieces=len(pieces),
+                resumed=resumed)
+
+
+def work_folder(out: Path | None) -> Path | None:
+    """Where the pieces of a study that ends in ``out`` are kept: ``<out>.work`` beside it."""
+    return None if out is None else out.with_name(out.name + ".work")
+
+
+def clear(folder: Path | None) -> None:
+    """Remove the pieces of a finished study, and the folder if nothing else is in it."""
+    if folder is None or not folder.is_dir():
+        return
+    for path in folder.iterdir():
+        if _NAME.fullmatch(path.name):
+            path.unlink(missing_ok=True)
+    with contextlib.suppress(OSError):  # something of the user's is in it: it stays
+        folder.rmdir()
+
+
+def piece_name(question: Any, items: Sequence[Any]) -> str:
+    """The file name of a piece: a hash of the question, the items and the program's version."""
+    text = json.dumps([SCHEMA, __version__, canonical(question), canonical(list(items))], ensure_ascii=True)
+    return f"piece-{hashlib.sha256(text.encode()).hexdigest()[:32]}.json"
+
+
+def canonical(value: Any) -> Any:
+    """Frozen data as plain lists and strings, equal exactly where the data are; numbers to the last bit."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return [type(value).__name__, *([f.name, canonical(getattr(value, f.name))] for f in fields(value))]
+    if isinstance(value, np.ndarray):
+        return [list(value.shape), [canonical(v) for v in value.ravel().tolist()]]
+    if isinstance(value, Enum):
+        return [type(value).__name__, value.name]
+    if isinstance(value, dict):
+        return [[canonical(k), canonical(v)] for k, v in value.items()]
+    if isinstance(value, list | tuple):
+        return [canonical(v) for v in value]
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, float):
+        return value.hex()
+    raise TypeError(f"{type(value).__name__} has no canonical form")
+
+
+def one_piece(work: Callable[[Any], dict[str, float]], number: int, items: Sequence[Any]) -> tuple[int, Rows]:
+    """What a process does: every item of one piece."""
+    return number, [work(item) for item in items]
+
+
+def _computed(work: Callable[[Any], dict[str, float]], missing: list[tuple[int, list[Any]]],
+              workshop: Workshop) -> Generator[tuple[int, Rows], None, None]:
+    if not missing:
+        return
+    if workshop.scheduler is None and (workshop.jobs == 1 or len(missing) == 1):
+        for k, items in missing:
+            yield one_piece(work, k, items)
+        return
+    from joblib import Parallel, delayed
+
+    with _backend(workshop.scheduler):
+        run = Parallel(n_jobs=workshop.jobs if workshop.scheduler is None else -1, batch_size=1,
+                       pre_dispatch="all", return_as="generator_unordered")
+        yield from run(delayed(one_piece)(work, k, items) for k, items in missing)
+
+
+@contextlib.contextmanager
+def _backend(scheduler: str | None) -> Iterator[None]:
+    """joblib's own processes, or the cluster behind a Dask scheduler."""
+    if scheduler is None:
+        yield
+        return
+    if find_spec("distributed") is None:
+        raise InputError("scheduler", "needs the packages dask and distributed",
+                         "install slipmargin[cluster], or leave the scheduler out")
+    from distributed import Client
+    from joblib import parallel_config
+
+    try:
+        client = Client(scheduler, timeout="10s", set_as_default=False)  # type: ignore[no-untyped-call]
+    except (OSError, ValueError) as fault:
+        raise InputError("scheduler", f"{scheduler!r} cannot be reached ({str(fault)[:80] or 'no answer'})",
+                         "start a Dask scheduler and give its tcp://HOST:PORT") from None
+    with client, parallel_config(backend="dask", client=client):
+        if not client.scheduler_info()["workers"]:
+            raise InputError("scheduler", f"{scheduler!r} has no workers", "start a Dask worker for it")
+        yield
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as fault:
+        raise InputError("", f"cannot be made ({fault.strerror})", "give --out another name or folder",
+                         str(folder)) from None
+
+
+def _text(rows: Rows) -> str:
+    kept = [{name: float(value).hex() for name, value in row.items()} for row in rows]
+    return json.dumps({"schema": SCHEMA, "rows": kept})
+
+
+def _kept(folder: Path | None, name: str, count: int) -> Rows | None:
+    """A piece that an earlier run finished; None where there is none that can be used."""
+    if folder is None or not (folder / name).is_file():
+        return None
+    try:
+        rows = [{str(k): float.fromhex(v) for k, v in row.items()}
+                for row in json.loads(read_text(folder / name))["rows"]]
+    except (ValueError, KeyError, TypeError, AttributeError, InputError):
+        return None  # damaged by someone else: it is computed again
+    return rows if len(rows) == count else None

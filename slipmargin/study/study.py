@@ -1,0 +1,170 @@
+"""A study: many designs, every column, the best one, the front between two objectives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipmargin.checks import Array
+from slipmargin.errors import InputError
+from slipmargin.study.columns import static_columns
+from slipmargin.study.machine import Machine
+from slipmargin.study.objectives import BY_NAME, Kind, Objective, names_of, objective
+from slipmargin.study.pareto import front
+from slipmargin.study.pieces import Workshop, in_pieces
+from slipmargin.study.quantities import Value, own_value
+from slipmargin.study.slow import Slow
+from slipmargin.study.vary import Vary, applied, product
+
+#: Designs that count as equally good within this share; the mean pull then decides.
+TIE = 1e-9
+#: Designs in one piece of the long work.
+PIECE = {Kind.MOTION: 8, Kind.LAPS: 1}
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Question:
+    """What is studied.
+
+    ``kinds`` says which columns to compute; STATIC ones always are.
+    """
+
+    machine: Machine
+    grids: tuple[Vary, ...]
+    objective: Objective = BY_NAME["f_worst"]
+    kinds: tuple[Kind, ...] = (Kind.STATIC, Kind.MOTION)
+
+    def needed(self) -> tuple[Kind, ...]:
+        """The kinds to compute: those asked for and the objective's."""
+        wanted = {Kind.STATIC, *self.kinds, self.objective.kind}
+        return tuple(kind for kind in Kind if kind in wanted)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Study:
+    """One row a design, in the order of the grids, the last changing fastest.
+
+    ``values`` (D tuples) of the varied quantities; ``columns`` name → (D,), NaN where a design is impossible;
+    ``machines`` and ``problems`` are the designs and why some are none; ``own`` is the file's own design.
+    """
+
+    question: Question
+    values: tuple[tuple[Value, ...], ...]
+    machines: tuple[Machine | None, ...]
+    columns: Mapping[str, Array]
+    problems: Mapping[int, str]
+    own: Mapping[str, float]
+    own_problem: str | None = None
+    pieces: int = 0
+    resumed: int = 0
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The varied quantities."""
+        return tuple(grid.key for grid in self.question.grids)
+
+    @property
+    def own_values(self) -> tuple[Value | None, ...]:
+        """The file's own values of the varied quantities; None where it has none."""
+        return tuple(own_value(grid.quantity, self.question.machine) for grid in self.question.grids)
+
+    def best(self, name: str | None = None) -> int:
+        """The row that is best in an objective (the question's by default); ties go to the greater mean pull.
+
+        Raises
+        ------
+        InputError
+            If no design is possible, with the first one's problem.
+        """
+        goal = self.question.objective if name is None else objective(name)
+        score = goal.sign * self.columns[goal.name]
+        if not np.any(~np.isnan(score)):
+            why = self.problems.get(0, f"{goal.name} cannot be computed")
+            raise InputError("vary", f"holds no possible design; the first: {why}",
+                             "vary within other bounds")
+        tied = self.ties(goal.name)
+        return int(tied[np.argmax(np.nan_to_num(self.columns["f_mean"][tied], nan=-np.inf))])
+
+    def ties(self, name: str) -> NDArray[np.int_]:
+        """Rows that are as good as the best in an objective, within :data:`TIE`."""
+        score = objective(name).sign * self.columns[name]
+        top = float(np.nanmax(score))
+        return np.flatnonzero(score >= top - TIE * max(1.0, abs(top)))
+
+    def machine(self, row: int) -> Machine:
+        """The design of a row that is possible."""
+        found = self.machines[row]
+        assert found is not None
+        return found
+
+    def front(self, names: Sequence[str]) -> NDArray[np.bool_]:
+        """(D,) designs that no other beats in all of these objectives at once."""
+        goals = [objective(name) for name in names]
+        return front(np.stack([g.sign * self.columns[g.name] for g in goals], axis=1))
+
+    def axis(self, key: str) -> tuple[Value, ...]:
+        """The values of one varied quantity."""
+        return self.question.grids[self.keys.index(key)].values
+
+    def shaped(self, name: str) -> Array:
+        """A column with one axis for each grid."""
+        return self.columns[name].reshape([len(grid.values) for grid in self.question.grids])
+
+
+def study(question: Question, *, workshop: Workshop | None = None,
+          advance: Callable[[int], None] = lambda steps: None) -> Study:
+    """Compute every column of every design; the static ones at once, the others in pieces.
+
+    Parameters
+    ----------
+    workshop : Workshop, optional
+        Where pieces are kept and who computes them; by default here and now.
+    advance : callable
+        Told the number of designs finished in the long work.
+
+    Raises
+    ------
+    InputError
+        For grids that make no sense.  A single impossible design is no error: its row says why.
+    """
+    quantities = [grid.quantity for grid in question.grids]
+    values = product(question.machine, question.grids)
+    machines: list[Machine | None] = []
+    problems: dict[int, str] = {}
+    for i, row in enumerate(values):
+        try:
+            machines.append(applied(question.machine, quantities, row))
+        except InputError as fault:
+            machines.append(None)
+            problems[i] = str(fault)
+    everyone = [*machines, question.machine]
+    columns, refused = static_columns(everyone)
+    problems |= refused
+    everyone = [None if i in problems else m for i, m in enumerate(everyone)]
+    kinds = tuple(kind for kind in question.needed() if kind is not Kind.STATIC)
+    done = None
+    if kinds:
+        rows = [i for i, m in enumerate(everyone) if m is not None]
+        work = Slow(kinds=kinds)
+        done = in_pieces(work, [everyone[i] for i in rows], question=work, workshop=workshop or Workshop(),
+                         size=min(PIECE[kind] for kind in kinds), advance=advance)
+        for name in (n for kind in kinds for n in names_of(kind)):
+            columns[name] = np.full(len(everyone), np.nan)
+            columns[name][rows] = [row[name] for row in done.rows]
+    own = {name: float(column[-1]) for name, column in columns.items()}
+    own_problem = problems.pop(len(values), None)
+    return Study(question=question, values=tuple(values), machines=tuple(everyone[:-1]),
+                 columns={name: _frozen(column[:-1]) for name, column in columns.items()}, problems=problems,
+                 own=own, own_problem=own_problem, pieces=done.pieces if done else 0,
+                 resumed=done.resumed if done else 0)
+
+
+def _frozen(column: Array) -> Array:
+    column.setflags(write=False)
+    return column
