@@ -18,6 +18,7 @@ Exit status: 0 done; 1 a defect of ours; 2 bad input or usage, said in one line 
 from __future__ import annotations
 
 import importlib
+import io
 import os
 import sys
 import warnings
@@ -55,6 +56,9 @@ def run() -> None:
     """Entry point of the ``slipmargin`` script; libraries' warnings only for those who ask for them."""
     if not sys.warnoptions and not os.environ.get("SLIPMARGIN_DEBUG"):
         warnings.simplefilter("ignore")
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # a terminal without φ is no reason to fail
     sys.exit(status(sys.argv[1:]))
 
 

@@ -28,7 +28,7 @@ def warn(*lines: str) -> None:
 def tell(line: str, code: int) -> int:
     """One line on stderr instead of any warning, and the exit status to leave with."""
     _warnings.clear()
-    _write(sys.stderr, [line])
+    _write(sys.stderr, ["".join(c if c.isprintable() else ascii(c)[1:-1] for c in line)])
     return finish_output(code)
 
 

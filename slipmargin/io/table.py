@@ -145,7 +145,8 @@ def _number(line: int, place: int, cell: str, name: str, empty: Sequence[str] | 
 def columns_text(columns: Mapping[str, Array | Sequence[float] | Sequence[str]], digits: int = 9) -> str:
     """CSV text of named columns of one length.
 
-    Numbers keep ``digits`` significant digits, NaN becomes an empty cell, strings stand as they are.
+    Numbers keep ``digits`` significant digits, NaN becomes an empty cell; strings are
+    quoted where they hold a comma, a quote or a line break.
     """
     cells = [[_cell(value, digits) for value in column] for column in columns.values()]
     rows = zip(*cells, strict=True)
@@ -154,7 +155,7 @@ def columns_text(columns: Mapping[str, Array | Sequence[float] | Sequence[str]],
 
 def _cell(value: object, digits: int) -> str:
     if isinstance(value, str):
-        return value
+        return '"' + value.replace('"', '""') + '"' if any(c in value for c in ',"\r\n') else value
     number = float(value)  # type: ignore[arg-type]
     if math.isnan(number):
         return ""

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
+from robot_files import GOOD
 from slipmargin_cli import main
 from slipmargin_cli.main import COMMANDS, status
 
@@ -236,3 +237,15 @@ def test_environment_is_left_alone(tmp_path: Path) -> None:
     done = run("sweep", "ohio-kiwi", "--surface", "paper", "--plot", "f.png", cwd=tmp_path,
                env={**os.environ, "MPLBACKEND": "TkAgg"})
     assert done.returncode == 0 and sorted(os.listdir(tmp_path)) == ["f.png"]
+
+
+def test_a_terminal_of_few_letters_is_enough(tmp_path: Path) -> None:
+    done = run("sweep", "ohio-kiwi", "--surface", "paper", "--step", "45", cwd=tmp_path,
+               env={**os.environ, "PYTHONIOENCODING": "ascii"})
+    assert done.returncode == 0 and "\\u03c6 [deg]" in done.stdout
+
+
+def test_control_characters_do_not_reach_the_terminal(tmp_path: Path) -> None:
+    (tmp_path / "robot.toml").write_text(GOOD.replace("[body]", '"\\u001b[31mred" = 2\n[body]'))
+    done = run("robots", "show", "robot.toml", cwd=tmp_path)
+    assert done.returncode == 2 and "\\x1b[31mred" in done.stderr and done.stderr.count("\n") == 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 
 import numpy as np
@@ -80,6 +81,11 @@ def test_what_is_written_reads_back(rows: list[tuple[float, float]]) -> None:
     values = np.array(rows)
     text = columns_text({"t_s": values[:, 0], "x_m": values[:, 1]}, digits=17)
     assert np.array_equal(columns_from_text(text, required=WANT).stack(WANT), values)
+
+
+def test_names_that_hold_commas_are_quoted() -> None:
+    text = columns_text({"a": [1.0], "limiting": ['front, "left"']})
+    assert list(csv.reader(text.splitlines())) == [["a", "limiting"], ["1", 'front, "left"']]
 
 
 def test_nan_is_written_as_an_empty_cell_and_minus_zero_as_zero() -> None:
