@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from slipmargin.errors import InputError
 
 Array = NDArray[np.float64]
+#: Indices of trials, wheels, runs.
+Index = NDArray[np.int64]
 
 #: Standard acceleration of gravity used throughout [m/s²].  The golden numbers are per unit of
 #: m g and do not depend on it; forces in newtons use this value.

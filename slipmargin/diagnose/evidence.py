@@ -70,7 +70,7 @@ def intervals(found: Fit, leave_one_out: Array, scale: Array) -> Intervals:
         low=found.x - quantile * deviation,
         high=found.x + quantile * deviation,
         deviation=deviation,
-        excitation=np.linalg.svd(flat, compute_uv=False),
+        excitation=np.asarray(np.linalg.svd(flat, compute_uv=False)),
     )
 
 

@@ -12,7 +12,7 @@ from typing import Protocol, final
 
 import numpy as np
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, Index
 from slipmargin.diagnose.candidate import Candidate
 from slipmargin.effects import AnyEffect
 
@@ -25,7 +25,7 @@ _ENOUGH = 1e-4  #: relative decrease of the cost at which a fit has converged
 class Residuals(Protocol):
     """What the fit needs of a problem."""
 
-    def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Array]) -> list[Array]:
+    def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
         """For each set of effects, its residual on its trials: (R_k, K), zero where nothing was seen."""
         ...
 
@@ -41,7 +41,7 @@ class Fit:
 
     structure: tuple[Candidate, ...]
     x: Array
-    trials: Array
+    trials: Index
     residual: Array
     jacobian: Array
     evaluations: int
@@ -85,7 +85,7 @@ def _limits(structure: Sequence[Candidate]) -> tuple[Array, Array, Array]:
     )
 
 
-def evaluate(problem: Residuals, structure: tuple[Candidate, ...], x: Array, trials: Array) -> Fit:
+def evaluate(problem: Residuals, structure: tuple[Candidate, ...], x: Array, trials: Index) -> Fit:
     """Residual and Jacobian at ``x``, without moving it."""
     residual, jacobian = _linearise(problem, structure, x, trials)
     return Fit(
@@ -97,7 +97,7 @@ def fit(
     problem: Residuals,
     structure: tuple[Candidate, ...],
     start: Array,
-    trials: Array,
+    trials: Index,
     iterations: int = _ITERATIONS,
     give_up_above: float = np.inf,
 ) -> Fit:
@@ -158,7 +158,7 @@ def _improve(
     residual: Array,
     jacobian: Array,
     damping: float,
-    trials: Array,
+    trials: Index,
 ) -> tuple[Array, Array, float, int] | None:
     """A damped step downhill: new point, its residual, next damping, simulations; None where none is."""
     low, high, scale = _limits(structure)
@@ -189,7 +189,7 @@ def _improve(
 
 
 def _linearise(
-    problem: Residuals, structure: tuple[Candidate, ...], x: Array, trials: Array, known: Array | None = None
+    problem: Residuals, structure: tuple[Candidate, ...], x: Array, trials: Index, known: Array | None = None
 ) -> tuple[Array, Array]:
     """Residual (R, K), simulated unless ``known``, and forward-difference Jacobian (R, K, P)."""
     _, high, scale = _limits(structure)

@@ -12,7 +12,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, Index
 from slipmargin.diagnose.prepare import Trial
 from slipmargin.diagnose.sense import is_ideal, measure
 from slipmargin.diagnose.signals import rolling_twist, wheel_signal
@@ -77,16 +77,16 @@ class Problem:
         """The recipe's model with these effects on top."""
         return with_effects(self.nominal, (*self.recipe.effects, *effects))
 
-    def predict(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Array]) -> list[Array]:
+    def predict(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
         """Measured pose as each set of effects predicts it on its trials: (R_k, T, 3), start fitted."""
         return [pose for pose, _ in self._compare(effects, trials)]
 
-    def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Array]) -> list[Array]:
+    def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
         """Whitened residual (R_k, 3 T) of each set of effects on its trials; 0 where nothing was seen."""
         return [gap.transpose(0, 2, 1).reshape(len(gap), -1) for _, gap in self._compare(effects, trials)]
 
     def _compare(
-        self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Array]
+        self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]
     ) -> list[tuple[Array, Array]]:
         models = [self.model(e) for e in effects]
         which = np.repeat(np.arange(len(models)), [len(t) for t in trials])
@@ -115,7 +115,7 @@ class Problem:
         parts = np.split(np.arange(len(runs)), np.cumsum([len(t) for t in trials])[:-1])
         return [(pose[part], gap[part]) for part in parts]
 
-    def samples(self, trials: Array) -> float:
+    def samples(self, trials: Index) -> float:
         """Number of measured values in these trials."""
         return float(np.count_nonzero(self.seen[trials]))
 

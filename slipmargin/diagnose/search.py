@@ -13,7 +13,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, Index
 from slipmargin.diagnose.candidate import Candidate
 from slipmargin.diagnose.fit import Fit, Residuals, cross_validate, evaluate, fit
 from slipmargin.effects import Trace
@@ -83,7 +83,7 @@ def state_of(problem: Residuals, found: Fit, samples: float) -> State:
     return State(fit=found, scores=cross_validate(problem, found), samples=samples)
 
 
-def base_state(problem: Residuals, trials: Array, samples: float) -> State:
+def base_state(problem: Residuals, trials: Index, samples: float) -> State:
     """The model as it stands, with no effect added."""
     return state_of(problem, evaluate(problem, (), np.zeros(0), trials), samples)
 
@@ -132,7 +132,7 @@ def extend(
 
 
 def short_fits(
-    problem: Residuals, before: State, suspects: list[Candidate], trials: Array, progress: Progress
+    problem: Residuals, before: State, suspects: list[Candidate], trials: Index, progress: Progress
 ) -> list[Fit]:
     """Two Gauss–Newton steps from each start of each suspect beside ``before``; lowest cost first."""
     short: list[Fit] = []

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from slipmargin.checks import Array
+from slipmargin.checks import Index
 from slipmargin.diagnose.candidate import Candidate
 from slipmargin.diagnose.evidence import luck
 from slipmargin.diagnose.fit import fit, tangents
@@ -43,7 +43,7 @@ _FIRSTS, _PAIRS = 6, 4
 
 
 def search(
-    problem: Problem, trials: Array, suspects: list[Candidate], seed: int, progress: Progress
+    problem: Problem, trials: Index, suspects: list[Candidate], seed: int, progress: Progress
 ) -> tuple[State, list[Round]]:
     """What the model lacks, judged on ``trials``, and the rounds in which it was found."""
     state = base_state(problem, trials, problem.samples(trials))

@@ -77,4 +77,4 @@ def _variable(variable: Variable, t_s: Array, pose: Array) -> Array:
             f"a pose measurement cannot depend on {variable.name.lower()}",
             "use position_x, position_y, heading, speed, yaw_rate or time",
         )
-    return pose[:, column[variable]]
+    return np.asarray(pose[:, column[variable]], dtype=np.float64)

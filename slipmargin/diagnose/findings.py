@@ -1,0 +1,146 @@
+"""From a fitted structure to findings: parameters with intervals, evidence, rivals."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.diagnose.candidate import Candidate
+from slipmargin.diagnose.diagnosis import Estimate, Finding
+from slipmargin.diagnose.evidence import intervals
+from slipmargin.diagnose.fit import Fit, build, leave_one_out
+from slipmargin.diagnose.problem import Problem
+from slipmargin.diagnose.search import Round, State
+from slipmargin.diagnose.selection import without
+from slipmargin.effects import Effect
+
+_GENERAL_CONFIRM = (
+    "vary this one variable, keep everything else as it was, and see whether the residual follows"
+)
+
+
+def findings(
+    problem: Problem, state: State, rounds: list[Round], final: Fit, tried: int
+) -> tuple[Finding, ...]:
+    """One finding an effect of ``state``.
+
+    Parameters
+    ----------
+    problem : Problem
+        The trials.
+    state : State
+        The structure chosen on the trials that were not held out.
+    rounds : list of Round
+        How it was found.
+    final : Fit
+        The same structure fitted to all trials: the parameters to report.
+    tried : int
+        Number of suspects.
+    """
+    if not len(final.x):
+        return ()
+    scale = np.concatenate([c.scale for c in final.structure])
+    others = leave_one_out(final)
+    spread = intervals(final, others, scale)
+    stuck = final.at_bound()
+    found = []
+    at = 0
+    for index, (candidate, effect) in enumerate(zip(final.structure, final.effects, strict=True)):
+        span = slice(at, at + candidate.size)
+        at += candidate.size
+        taken = next(
+            (
+                r
+                for r in rounds
+                if r.taken
+                and r.best is not None
+                and any(c.label == candidate.label for c in r.best.structure)
+            ),
+            rounds[0],
+        )
+        found.append(
+            Finding(
+                effect=effect,
+                name=candidate.name,
+                label=candidate.label,
+                traced_to=candidate.trace,
+                wheels=effect.wheels or problem.nominal.contacts.names,
+                parameters=tuple(
+                    Estimate(
+                        name=key,
+                        value=float(value),
+                        low=float(low),
+                        high=float(high),
+                        unit=unit,
+                        at_bound=f"{candidate.name}.{key}" in stuck,
+                    )
+                    for key, unit, value, low, high in zip(
+                        candidate.keys,
+                        candidate.units,
+                        final.x[span],
+                        spread.low[span],
+                        spread.high[span],
+                        strict=True,
+                    )
+                ),
+                derived=_load_fractions(problem, final, others, candidate),
+                chi_without=without(problem, state, index).chi,
+                chi_with=state.chi,
+                p_value=taken.p_value,
+                candidates_tried=tried,
+                confused_with=_rivals(taken, candidate),
+                confirm=effect.confirm if isinstance(effect, Effect) else _GENERAL_CONFIRM,
+                equation=_equation(candidate, effect),
+            )
+        )
+    return tuple(found)
+
+
+def _equation(candidate: Candidate, effect: object) -> str:
+    if isinstance(effect, Effect):
+        return " ".join((type(effect).__doc__ or "").split())
+    return f"free coefficients over {candidate.trace.value} ({candidate.label.split(': ')[-1]})"
+
+
+def _rivals(taken: Round, candidate: Candidate) -> tuple[str, ...]:
+    """Names in states that are as good as the best one and do not hold this effect."""
+    best = taken.best
+    names = (
+        []
+        if best is None
+        else [
+            c.label
+            for s in taken.rivals()
+            for c in s.structure
+            if candidate.name not in {k.name for k in s.structure}
+            and c.name not in {k.name for k in best.structure}
+        ]
+    )
+    return tuple(dict.fromkeys(names))
+
+
+def _load_fractions(
+    problem: Problem, final: Fit, others: Array, candidate: Candidate
+) -> tuple[Estimate, ...]:
+    """Each wheel's share of the weight, where the effect says something about it."""
+    if candidate.name != "wheel_loads":
+        return ()
+
+    def fractions(x: Array) -> Array:
+        loads = problem.model(build(final.structure, x)).loads.rest_N
+        return np.asarray(loads / loads.sum())
+
+    value = fractions(final.x)
+    rows = np.array([fractions(x) for x in others])
+    count = len(rows)
+    deviation = np.sqrt((count - 1) / count * np.sum((rows - rows.mean(axis=0)) ** 2, axis=0))
+    return tuple(
+        Estimate(
+            name=f"load_fraction_{name}",
+            value=float(v),
+            low=float(v - 2.3 * d),
+            high=float(v + 2.3 * d),
+            unit="1",
+        )
+        for name, v, d in zip(problem.nominal.contacts.names, value, deviation, strict=True)
+    )

@@ -1,0 +1,216 @@
+"""The loop: compare, find where the residual sits, try every suspect, add what is missing, compare again.
+
+The paper's story as a function: initial model, residual, its cause, improved model, better agreement.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from slipmargin.checks import Array, Index
+from slipmargin.diagnose.candidate import named_candidates
+from slipmargin.diagnose.diagnosis import Diagnosis, Event, Finding, Score, Step, Trace3, Tried, Verdict
+from slipmargin.diagnose.events import find_events
+from slipmargin.diagnose.findings import findings
+from slipmargin.diagnose.fit import Fit, build, fit, leave_one_out
+from slipmargin.diagnose.forms import general_candidates
+from slipmargin.diagnose.prepare import clean, noise
+from slipmargin.diagnose.problem import Problem
+from slipmargin.diagnose.ranges import ranges, variables_of
+from slipmargin.diagnose.search import Progress, Round, State
+from slipmargin.diagnose.selection import search
+from slipmargin.diagnose.where import Dependence, dependences, residual_rate
+from slipmargin.effects import AnyEffect, Recipe
+from slipmargin.io.data_set import DataSet, WheelSignal
+
+#: With at least so many trials some are held out altogether; with fewer all are cross-validated.
+ENOUGH_TO_HOLD_OUT = 6
+_HELD_OUT_SHARE = 0.2
+#: A residual this far above the noise that nothing explains is not "no missing effect".
+_UNEXPLAINED_CHI = 1.3
+
+
+def quiet(stage: str, share: float) -> None:
+    """Progress that nobody watches."""
+
+
+def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) -> Diagnosis:
+    """Find what the model of a data set lacks, and prove it on trials that no fit has seen.
+
+    Parameters
+    ----------
+    data_set : DataSet
+        What is believed of the robot, and what was measured.
+    seed : int
+        Draws the held-out trials and the surrogate noise; the same seed gives the same answer.
+    progress : callable (stage, share)
+        Told what is being done and how far (0 … 1).
+
+    Returns
+    -------
+    Diagnosis
+    """
+    progress("reading the noise", 0.0)
+    sigma = noise(data_set.trials) if data_set.sigma is None else data_set.sigma
+    trials = tuple(clean(record, sigma) for record in data_set.trials)
+    commanded = data_set.wheel_signal is WheelSignal.COMMANDED
+    problem = Problem.of(data_set.recipe, data_set.surface, trials, sigma, commanded)
+    everyone = np.arange(len(trials), dtype=np.int64)
+    held = _held_out(len(trials), seed)
+    seen = np.setdiff1d(everyone, held).astype(np.int64)
+    known = tuple(effect.name for effect in data_set.recipe.effects)
+    model = problem.model(())
+    suspects = [
+        *named_candidates(model.contacts.names, commanded, known),
+        *general_candidates(model, ranges(trials), commanded),
+    ]
+    progress("looking where the residual sits", 0.0)
+    state, rounds = search(problem, seen, suspects, seed, progress)
+    progress("fitting all trials", 0.0)
+    final = fit(problem, state.structure, state.fit.x, everyone)
+    found = findings(problem, state, rounds, final, len(suspects))
+    judged = held if len(held) else everyone
+    base_pose, after_pose = _predictions(problem, state, judged, cross_validated=not len(held))
+    before, after = (_score(problem, judged, pose) for pose in (base_pose, after_pose))
+    drawn_before, drawn_after = (problem.predict([e], [everyone])[0] for e in ((), state.fit.effects))
+    events = find_events(problem, drawn_after)
+    return Diagnosis(
+        data_set=data_set.name,
+        surface=data_set.surface,
+        verdict=_verdict(state, rounds),
+        noise=sigma,
+        noise_estimated=data_set.sigma is None,
+        held_out=tuple(trials[i].name for i in held),
+        cross_validated=not len(held),
+        before=before,
+        after=after if found else before,
+        findings=found,
+        steps=tuple(_step(r) for r in rounds),
+        where=_where(problem, drawn_before, seed),
+        where_after=_where(problem, drawn_after, seed),
+        excitation=_excitation(final),
+        events=events,
+        outliers=sum(t.dropped for t in trials),
+        trials=tuple(
+            Trace3(
+                name=t.name,
+                held_out=i in held,
+                t_s=t.t_s,
+                measured=t.pose,
+                before=drawn_before[i, : len(t.t_s)],
+                after=drawn_after[i, : len(t.t_s)],
+            )
+            for i, t in enumerate(trials)
+        ),
+        recipe=data_set.recipe,
+        corrected=_corrected(data_set, final.effects),
+        remarks=_remarks(state, found, final, events),
+    )
+
+
+def _held_out(count: int, seed: int) -> Index:
+    """Indices of whole trials that nothing but the final comparison may see."""
+    if count < ENOUGH_TO_HOLD_OUT:
+        return np.zeros(0, dtype=np.int64)
+    many = max(2, round(_HELD_OUT_SHARE * count))
+    return np.sort(np.random.default_rng(seed).choice(count, size=many, replace=False)).astype(np.int64)
+
+
+def _corrected(data_set: DataSet, effects: tuple[AnyEffect, ...]) -> Recipe:
+    recipe = data_set.recipe
+    for effect in effects:
+        recipe = recipe.with_effect(effect)
+    return recipe
+
+
+def _predictions(problem: Problem, state: State, judged: Index, cross_validated: bool) -> tuple[Array, Array]:
+    """Poses (R, T, 3) of the judged trials without and with the effects, fitted to other trials."""
+    before = problem.predict([()], [judged])[0]
+    if not len(state.fit.x):
+        return before, before
+    if not cross_validated:
+        return before, problem.predict([state.fit.effects], [judged])[0]
+    sets = [build(state.structure, x) for x in leave_one_out(state.fit)]
+    return before, np.concatenate(problem.predict(sets, [judged[i : i + 1] for i in range(len(judged))]))
+
+
+def _score(problem: Problem, judged: Index, pose: Array) -> Score:
+    seen = problem.seen[judged]
+    gap = np.where(seen, problem.measured[judged] - pose, 0.0)
+    both = seen[..., 0] & seen[..., 1]
+    return Score(
+        rmse_position_m=float(np.sqrt(np.sum(gap[..., :2] ** 2) / max(1, both.sum()))),
+        rmse_heading_rad=float(np.sqrt(np.sum(gap[..., 2] ** 2) / max(1, seen[..., 2].sum()))),
+        chi=float(np.sqrt(np.sum((gap / problem.sigma) ** 2) / max(1, seen.sum()))),
+    )
+
+
+def _verdict(state: State, rounds: list[Round]) -> Verdict:
+    if state.structure:
+        return Verdict.EFFECT_FOUND
+    return Verdict.UNEXPLAINED if rounds[0].before.chi > _UNEXPLAINED_CHI else Verdict.NO_MISSING_EFFECT
+
+
+def _step(done: Round) -> Step:
+    if done.tried:
+        rows = [
+            Tried(
+                label=" + ".join(c.label for c in s.structure),
+                traced_to=s.last.trace,
+                named=s.last.named,
+                parameters=len(s.fit.x),
+                chi=s.chi,
+            )
+            for s in done.tried
+        ]
+    else:
+        rows = sorted(
+            (
+                Tried(
+                    label=c.label,
+                    traced_to=c.trace,
+                    named=c.named,
+                    parameters=c.size,
+                    chi=float(np.sqrt(max(0.0, done.before.chi**2 - hope / done.before.samples))),
+                )
+                for c, hope in zip(done.suspects, done.hopes, strict=True)
+            ),
+            key=lambda t: t.chi,
+        )[:20]
+    best = done.best
+    taken = " + ".join(c.label for c in best.structure) if done.taken and best is not None else None
+    return Step(chi_before=done.before.chi, tried=tuple(rows), taken=taken)
+
+
+def _where(problem: Problem, predicted: Array, seed: int) -> tuple[Dependence, ...]:
+    rates = [
+        residual_rate(t.t_s, t.pose, p[: len(t.t_s)]) for t, p in zip(problem.trials, predicted, strict=True)
+    ]
+    model = problem.model(())
+    return dependences(rates, [variables_of(t, model) for t in problem.trials], seed)
+
+
+def _excitation(final: Fit) -> tuple[float, ...]:
+    if not len(final.x):
+        return ()
+    scale = np.concatenate([c.scale for c in final.structure])
+    flat = final.jacobian.reshape(-1, len(final.x)) * scale
+    return tuple(float(v) for v in np.linalg.svd(flat, compute_uv=False))
+
+
+def _remarks(
+    state: State, found: tuple[Finding, ...], final: Fit, events: tuple[Event, ...]
+) -> tuple[str, ...]:
+    said = []
+    if found and state.chi > _UNEXPLAINED_CHI:
+        said.append(
+            f"The effects found leave a residual of {state.chi:.2f} times the noise: something is still "
+            "missing, or a form is only approximate."
+        )
+    if final.at_bound():
+        said.append("Stuck at the edge of its range: " + ", ".join(final.at_bound()) + ".")
+    if events:
+        said.append(
+            "Something happened once in a trial; it is listed under events, not explained by physics."
+        )
+    return tuple(said)
