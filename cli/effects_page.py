@@ -34,7 +34,8 @@ def _section(effect: type[Effect]) -> list[str]:
     rows = [f"| `{p.name}` | {_unit(p.unit)} | {p.low:g} … {p.high:g} | {p.null:g} | {_cell(p.meaning)} |"
             for p in effect.parameters]
     law = (effect.__doc__ or "").replace("``", "").strip().splitlines()
-    return ["", f"## {effect.name}", "", _sentence(effect), "", "```text", *(line.strip() for line in law), "```", "",
+    return ["", f"## {effect.name}", "", _sentence(effect), "", "```text",
+            *(line.strip() for line in law), "```", "",
             "| parameter | unit | bounds | null | meaning |", "|---|---|---|---|---|", *rows, "",
             f"Traced to `{effect.traced_to.value}`; rewrites `{effect.part.value}`.", "",
             f"Source: {effect.source}.", "",

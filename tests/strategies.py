@@ -2,7 +2,8 @@
 
 ``robots()`` and ``models()`` draw machines that a maker could build: three to six wheels round a
 body, omni or mecanum (or mixed), each with its own radius and direction, any load rule, loads that
-press every wheel down, grip directions that make all three wrenches comfortably.  ``kiwi()`` and
+press every wheel down, grip directions that make all three wrenches comfortably.  ``effects()`` draws
+effects of the catalogue.  ``kiwi()`` and
 ``four_wheels()`` are fixed machines for tests that need a known one.
 
 Nothing here is random outside Hypothesis.
@@ -11,10 +12,13 @@ Nothing here is random outside Hypothesis.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from hypothesis import assume, strategies as st
 
+from slipmargin.effects import Effect
+from slipmargin.effects.catalogue import CATALOGUE
 from slipmargin.model import Model, nominal_model
 from slipmargin.model.loads import sharing_matrix
 from slipmargin.robot import (
@@ -159,3 +163,22 @@ def _centre(draw: st.DrawFn, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     com = place.mean(axis=0) + draw(reals(0.0, 0.8)) / drop * step
     fractions = sharing_matrix(place) @ np.array([1.0, *com])
     return com, fractions / fractions.sum()
+
+
+@st.composite
+def effects(draw: st.DrawFn, kinds: Sequence[type[Effect]] = CATALOGUE, *, reach: float = 2.0,
+            least: float = 0.0, wheels: tuple[str, ...] = ()) -> Effect:
+    """An effect of the catalogue, every parameter within ``reach`` of its scales from null, in its bounds.
+
+    With ``least`` > 0 every parameter is at least that many scales away from null (or at a bound).
+    ``wheels`` are names of which it may act on some; by default it acts on all.
+    """
+    kind = draw(st.sampled_from(kinds))
+    values = []
+    for p in kind.parameters:
+        sides = [(max(p.low, p.null - reach * p.scale), max(p.low, p.null - least * p.scale)),
+                 (min(p.high, p.null + least * p.scale), min(p.high, p.null + reach * p.scale))]
+        low, high = draw(st.sampled_from([s for s in sides if s[0] < s[1]]))
+        values.append(draw(reals(low, high)))
+    some = draw(st.lists(st.sampled_from(wheels), unique=True, max_size=len(wheels) - 1)) if wheels else []
+    return kind.of(np.array(values), tuple(some))

@@ -44,5 +44,7 @@ class EllipticGrip(Effect):
         self._check()
 
     def rewrite(self, part: Grip, nominal: Model) -> Grip:
-        """Grip with coupled directions."""
+        """Grip with coupled directions; as it was at strength 0."""
+        if self.strength == 0.0:
+            return part
         return replace(part, shape=GripShape.ELLIPSE, coupling=self.strength)

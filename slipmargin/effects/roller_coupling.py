@@ -44,5 +44,7 @@ class RollerCoupling(Effect):
         self._check()
 
     def rewrite(self, part: Grip, nominal: Model) -> Grip:
-        """Grip with coupled directions."""
+        """Grip with coupled directions; as it was at strength 0."""
+        if self.strength == 0.0:
+            return part
         return replace(part, shape=GripShape.DISC_STRIP, coupling=self.strength)

@@ -1,0 +1,299 @@
+"""The laws that every effect of the catalogue obeys (a new effect is tested by being listed).
+
+1. Null is identity, in a recipe that already holds other effects.
+2. Two effects on one part commute, or refuse each other by name.
+3. Sensing and transient effects move no static limit.
+4. Every other effect moves something: a static limit, a motion bound, or the simulated motion.
+6. Furnished: source, unit, bounds that contain null, a strategy (here: ``strategies.effects``).
+
+(Law 5, recoverable, is in the rooms of the diagnosis.)
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import itertools
+import sys
+from dataclasses import FrozenInstanceError, fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings, strategies as st
+from strategies import effects, four_wheels, kiwi, robots
+
+from slipmargin.diagnose.sense import measure
+from slipmargin.effects import Effect, Part, Recipe
+from slipmargin.effects.catalogue import CATALOGUE, effect_class
+from slipmargin.effects.effect import Trace
+from slipmargin.effects.recipe import with_effects
+from slipmargin.errors import InputError, NoSolution
+from slipmargin.io.robot_file import recipe_from_text
+from slipmargin.io.robot_text import write_recipe
+from slipmargin.limits.band import band
+from slipmargin.limits.bounds import directions
+from slipmargin.limits.motion_state import Contact
+from slipmargin.limits.pull import Pull
+from slipmargin.limits.sweep import limit
+from slipmargin.model import Model, nominal_model
+from slipmargin.robot import GripShape, LoadRule, Robot
+from slipmargin.sim.batch import Batch
+from slipmargin.sim.pack import pack
+from slipmargin.sim.signal import linear
+
+#: What 1 s of simulated motion at a relative tolerance of 1e-8 a step may be off [m, rad].
+RUN = 1e-6
+EVERY = pytest.mark.parametrize("kind", CATALOGUE, ids=lambda k: k.name)
+PHI = np.deg2rad(np.arange(3.0, 360.0, 60.0))
+#: How a unit is spelled in a key's ending where it is not plain (contract: `m_s2`, `s_per_m`).
+UNIT_WORDS = {"m/s": "m_s", "rad/s": "rad_s", "rad/(s N m)": "rad_s_per_N_m", "N s/m": "N_s_per_m"}
+UNSEEN = (Part.SENSING, Part.TRANSIENTS)
+SLOW = settings(deadline=None, max_examples=4, suppress_health_check=[HealthCheck.too_slow])
+
+
+def machine() -> Robot:
+    """A kiwi with everything an effect may act on: height, rigid sectors, an off-centre centre of mass."""
+    return replace(kiwi(com_m=(0.004, -0.006), com_height_m=0.03, load_rule=LoadRule.STATIC), name="machine")
+
+
+def statics(model: Model) -> np.ndarray:
+    """F_emax on rollers and its band, rows; NaN where the robot slips without a pull."""
+    low, high = band(model, PHI, Pull())
+    try:
+        nominal = limit(model, PHI, Pull())
+    except NoSolution as fault:
+        assert isinstance(fault.evidence, np.ndarray)
+        nominal = fault.evidence
+    return np.array([nominal, low, high])
+
+
+def bounds(model: Model) -> np.ndarray:
+    found = [directions(model, PHI, contact=c, speed_m_s=v)
+             for c, v in ((Contact.ROLLERS, None), (Contact.UNKNOWN, 0.2))]
+    return np.array([(d.starting_m_s2, d.turning_m_s2, d.braking_m_s2) for d in found])
+
+
+def ran(model: Model, *, commanded: bool) -> np.ndarray:
+    """Pose (T, 3) of a run that speeds up, turns and stops hard enough to slip, as a camera sees it."""
+    n = model.count
+    t = np.array([0.0, 0.3, 0.6, 0.9, 1.0])
+    top = 14.0 * np.cos(1.0 + 2.1 * np.arange(n))
+    along, extra = np.array([[0.0, 1.0, 1.0, -0.4, 0.0], [0.0, 2.0, -3.0, 1.0, 0.0]])
+    omega = along[:, None] * top + extra[:, None]
+    clock = np.linspace(0.0, 1.0, 41)
+    start = np.array([0.1, -0.2, 0.4])
+    pose = Batch([linear(t, omega)], [clock], commanded=commanded).run(pack(model), start, rtol=1e-8).pose[0]
+    return measure(model.sensing, clock, pose)
+
+
+def everything(model: Model) -> list[np.ndarray]:
+    return [statics(model), bounds(model), ran(model, commanded=False), ran(model, commanded=True)]
+
+
+def build(robot: Robot, *chosen: Effect) -> Model:
+    return with_effects(nominal_model(robot, robot.surfaces[0].name), chosen)
+
+
+def possible(robot: Robot, *chosen: Effect) -> Model | None:
+    """The model, or None where such a machine cannot stand (a wheel would lift)."""
+    try:
+        return build(robot, *chosen)
+    except InputError as fault:
+        assert "loads" in str(fault) or "wheel" in str(fault)
+        return None
+
+
+def same(one: Any, two: Any) -> bool:
+    """Whether two parts are equal, numbers to rounding, terms in any order, words left out."""
+    if type(one) is not type(two):
+        return False
+    if isinstance(one, str):
+        return True
+    if isinstance(one, tuple):
+        rest = list(two)
+        for item in one:
+            match = next((r for r in rest if same(item, r)), None)
+            if match is None:
+                return False
+            rest.remove(match)
+        return not rest
+    if isinstance(one, np.ndarray):
+        return one.shape == two.shape and bool(np.allclose(one, two, rtol=1e-12, atol=1e-14))
+    if hasattr(type(one), "__dataclass_fields__"):
+        return all(same(getattr(one, f.name), getattr(two, f.name)) for f in fields(one))
+    if isinstance(one, float):
+        return bool(np.isclose(one, two, rtol=1e-12, atol=1e-14))
+    return bool(one == two)
+
+
+# Law 1 ------------------------------------------------------------------------------------------------
+
+
+@EVERY
+@SLOW
+@given(data=st.data())
+def test_null_does_nothing_beside_other_effects(kind: type[Effect], data: st.DataObject) -> None:
+    others = tuple(data.draw(effects(tuple(k for k in CATALOGUE if k is not kind))) for _ in range(2))
+    model = possible(machine(), *others)
+    if model is None:
+        return
+    for with_null in (build(machine(), *others, kind.null()), build(machine(), kind.null(), *others)):
+        before, after = everything(model), everything(with_null)
+        for without, there in zip(before[:2], after[:2], strict=True):
+            np.testing.assert_allclose(there, without, rtol=1e-9, atol=1e-12)
+        for without, there in zip(before[2:], after[2:], strict=True):  # steps may differ, within their error
+            np.testing.assert_allclose(there, without, rtol=0.0, atol=RUN)
+
+
+@EVERY
+@settings(deadline=None, max_examples=15, suppress_health_check=[HealthCheck.too_slow])
+@given(robot=robots(max_wheels=4, rules=tuple(LoadRule), shapes=tuple(GripShape)))
+def test_null_does_nothing_on_any_robot(kind: type[Effect], robot: Robot) -> None:
+    model = nominal_model(robot, "floor")
+    null = with_effects(model, (kind.null(),))
+    if not same(null, model):  # a term with coefficient zero is allowed
+        for phi in (0.3, 2.0):
+            at = np.array([phi])
+            np.testing.assert_allclose(limit(null, at, Pull()), limit(model, at, Pull()), rtol=1e-7)
+
+
+# Law 2 ------------------------------------------------------------------------------------------------
+
+
+#: Pairs that do not obey the law yet, and what happens instead.
+KNOWN = {
+    ("roller_coupling", "elliptic_grip"): "a grip holds one coupled law: the second effect replaces the first "
+    "instead of refusing it by name",
+    ("wheel_loads", "load_transfer"): "each moves the centre of mass by its share of what the other left, so "
+    "where it ends depends on their order",
+}
+
+
+def pairs() -> list[Any]:
+    found = [p for p in itertools.combinations(CATALOGUE, 2) if p[0].part is p[1].part]
+    assert set(KNOWN) <= {(a.name, b.name) for a, b in found}
+    return [pytest.param(a, b, id=f"{a.name}-{b.name}",
+                         marks=[pytest.mark.xfail(strict=True, reason=KNOWN[a.name, b.name])]
+                         if (a.name, b.name) in KNOWN else []) for a, b in found]
+
+
+@pytest.mark.parametrize(("one", "two"), pairs())
+@settings(deadline=None, max_examples=20)
+@given(data=st.data())
+def test_two_effects_on_one_part_commute_or_refuse(one: type[Effect], two: type[Effect],
+                                                   data: st.DataObject) -> None:
+    robot = machine()
+    names = tuple(w.name for w in robot.wheels)
+    a = data.draw(effects((one,), least=0.2, wheels=names))
+    b = data.draw(effects((two,), least=0.2, wheels=names))
+    nominal = nominal_model(robot, "paper")
+    try:
+        first = with_effects(nominal, (a, b))
+    except InputError as fault:
+        if "would carry" in str(fault):  # a wheel lifts: no machine to compare
+            return
+        assert one.name in str(fault) and two.name in str(fault)
+        with pytest.raises(InputError):
+            with_effects(nominal, (b, a))
+        return
+    assert same(first, with_effects(nominal, (b, a)))
+
+
+# Law 3 ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", [k for k in CATALOGUE if k.part in UNSEEN], ids=lambda k: k.name)
+@SLOW
+@given(data=st.data())
+def test_sensing_and_transients_move_no_static_limit(kind: type[Effect], data: st.DataObject) -> None:
+    effect = data.draw(effects((kind,), reach=10.0, least=0.5))
+    model, changed = build(machine()), build(machine(), effect)
+    np.testing.assert_array_equal(statics(changed), statics(model))
+    np.testing.assert_array_equal(bounds(changed), bounds(model))
+
+
+# Law 4 ------------------------------------------------------------------------------------------------
+
+
+@EVERY
+@settings(deadline=None, max_examples=6, suppress_health_check=[HealthCheck.too_slow])
+@given(data=st.data())
+def test_every_effect_moves_something(kind: type[Effect], data: st.DataObject) -> None:
+    robot = data.draw(st.sampled_from((machine(), four_wheels())))
+    effect = data.draw(effects((kind,), least=0.5))
+    changed = possible(robot, effect)
+    if changed is None:
+        return
+    moved = [not np.allclose(x, y, rtol=1e-5, atol=1e-7, equal_nan=True)
+             for x, y in zip(everything(build(robot)), everything(changed), strict=True)]
+    assert any(moved[:3]) or (kind.part is Part.TRANSIENTS and moved[3])
+
+
+# Law 6 ------------------------------------------------------------------------------------------------
+
+
+@EVERY
+def test_furnished(kind: type[Effect]) -> None:
+    assert kind.name == kind.name.lower() and effect_class(kind.name) is kind
+    assert len(kind.source) > 10 and len(kind.confirm) > 10
+    assert isinstance(kind.traced_to, Trace) and isinstance(kind.part, Part)
+    law = inspect.getdoc(kind) or ""
+    assert len(law) > 10 and (sys.modules[kind.__module__].__doc__ or "").endswith(".")
+    assert kind.parameters
+    for p in kind.parameters:
+        assert p.unit and p.meaning and p.low <= p.null <= p.high and p.low < p.high and p.scale > 0.0
+        assert all(p.low <= start <= p.high for start in p.starts)
+        assert abs(p.null) + p.scale <= max(abs(p.low), abs(p.high)), "a scale beyond the bounds"
+        if p.unit != "1":
+            word = UNIT_WORDS.get(p.unit, p.unit.replace("/", "_per_"))
+            assert p.name.endswith(f"_{word}"), f"{p.name} does not end in its unit {p.unit}"
+
+
+def test_names_are_unique_and_one_file_holds_one_effect() -> None:
+    assert len({k.name for k in CATALOGUE}) == len(CATALOGUE)
+    assert len({k.__module__ for k in CATALOGUE}) == len(CATALOGUE)
+    folder = Path(inspect.getfile(Effect)).parent
+    listed = {Path(inspect.getfile(k)).name for k in CATALOGUE}
+    others = {"__init__.py", "effect.py", "recipe.py", "catalogue.py", "general.py"}
+    helpers = {p.name for p in folder.glob("*.py")} - listed - others
+    for name in helpers:  # a helper holds no effect of its own that nobody listed
+        tree = ast.parse((folder / name).read_text(encoding="utf-8"))
+        classes = [c for c in tree.body if isinstance(c, ast.ClassDef)]
+        bases = [b.id for c in classes for b in c.bases if isinstance(b, ast.Name)]
+        assert "Effect" not in bases, f"{name} holds an effect that the catalogue does not list"
+
+
+@EVERY
+@settings(deadline=None, max_examples=10)
+@given(data=st.data())
+def test_a_robot_file_keeps_an_effect(kind: type[Effect], data: st.DataObject) -> None:
+    robot = machine()
+    effect = data.draw(effects((kind,), wheels=tuple(w.name for w in robot.wheels)))
+    if possible(robot, effect) is None:
+        return
+    (read,) = recipe_from_text(write_recipe(Recipe(robot=robot, effects=(effect,)))).effects
+    assert type(read) is kind and read.wheels == effect.wheels
+    np.testing.assert_array_equal(read.values(), effect.values())  # type: ignore[union-attr]
+
+
+@EVERY
+def test_values_outside_the_bounds_are_refused_by_name(kind: type[Effect]) -> None:
+    null = np.array([p.null for p in kind.parameters])
+    for i, p in enumerate(kind.parameters):
+        for bad in (p.low - p.scale, p.high + p.scale, float("nan"), float("inf")):
+            with pytest.raises(InputError, match=p.name):
+                kind.of(np.where(np.arange(len(null)) == i, bad, null))
+    with pytest.raises((FrozenInstanceError, AttributeError, TypeError)):
+        kind.null().wheels = ("x",)  # type: ignore[misc]
+
+
+@EVERY
+def test_an_unknown_wheel_is_refused(kind: type[Effect]) -> None:
+    source = inspect.getsource(kind.rewrite)
+    if "self.mask" not in source:
+        pytest.skip("acts on the whole robot")
+    values = np.array([p.null + 0.5 * p.scale for p in kind.parameters])
+    with pytest.raises(InputError, match="'nobody' is not a wheel"):
+        build(machine(), kind.of(values, ("nobody",)))
