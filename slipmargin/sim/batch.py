@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from enum import IntEnum
@@ -168,7 +168,11 @@ class Batch:
         args = (models, which, signal, self._knot_at, self._knots, self._piece_at, self._coef, self._spin,
                 self.commanded, self._push_at, self._push_t, self._push_w, self._time_at, self._times, start, rtol,
                 0.01 * rtol if atol is None else atol, max_steps, Y, tell, told, info)
-        _spread(runs, args)
+        _spread(run_range, runs, args)
+        if self.commanded and models[:, at.MOTOR].any():
+            from slipmargin.sim.motor import run_motor_range  # compiled only where it is needed
+
+            _spread(run_motor_range, runs, args)
         pose = Y[..., :3].copy()
         c, s = np.cos(Y[..., 2]), np.sin(Y[..., 2])
         if com.any():
@@ -179,14 +183,14 @@ class Batch:
                        steps=info[:, 2:4].astype(np.int64), **(more if tell else {}))
 
 
-def _spread(runs: int, args: tuple[object, ...]) -> None:
+def _spread(work: Callable[..., None], runs: int, args: tuple[object, ...]) -> None:
     """All runs over the threads; the compiled code holds no lock."""
     if runs == 1 or _THREADS == 1:
-        run_range(0, runs, *args)
+        work(0, runs, *args)
         return
     parts = min(runs, 4 * _THREADS)
     cuts = [runs * k // parts for k in range(parts + 1)]
-    jobs = [_POOL.submit(run_range, low, high, *args) for low, high in zip(cuts[:-1], cuts[1:], strict=True)]
+    jobs = [_POOL.submit(work, low, high, *args) for low, high in zip(cuts[:-1], cuts[1:], strict=True)]
     for job in jobs:
         job.result()
 

@@ -29,14 +29,15 @@ BY_TIME = 17  #: 1 where friction or forces depend on time other than through wh
 BY_VELOCITY = 18  #: 1 where the velocity derivative needs finite differences
 SHARE = 19  #: m g / N [N]
 DELAY = 20  #: dead time of the drives [s]
-MOTOR = 21  #: 1 where wheel speeds are states (droop, torque–speed line)
+MOTOR = 21  #: 1 where commanded wheel speeds are states (droop, torque–speed line)
 COMMANDS = 22  #: how many modulations of the commanded speed
 COMMANDS_AT = 23
 MAX_SPEED = 24  #: no-load speed of the motor [rad/s], 0 where unknown
 STALL_TORQUE = 25  #: [N m], 0 where unknown
 LAGGED = 26  #: 1 where a command is not followed at once (lag, gain, delay, modulations)
 BY_POSITION = 27  #: 1 where forces depend on the place
-HEAD = 28
+WHEEL_INERTIA = 28  #: of a wheel with its motor, on the wheel side [kg m²], 0 where its torque is not limited
+HEAD = 29
 
 # --- a wheel ----------------------------------------------------------------------------------
 ARM_X = 0  #: contact place from the centre of mass [m]

@@ -229,6 +229,8 @@ def run_range(low: int, high: int, models: Any, which: Any, signal: Any, knot_at
     """Runs ``low … high − 1``: run r moves model ``which[r]`` by signal ``signal[r]``."""
     for r in range(low, high):
         s = signal[r]
+        if commanded and models[which[r], at.MOTOR] > 0:
+            continue  # slipmargin.sim.motor runs these
         count = time_at[s + 1] - time_at[s]
         row = r if tell else 0
         run(models[which[r]], knots[knot_at[s]:knot_at[s + 1]], coef[piece_at[s]:piece_at[s + 1]], spin[s], commanded,

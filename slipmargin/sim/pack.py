@@ -28,13 +28,16 @@ _CALM = _TIME | _HEADING | _PLACE | {Variable.UNITY}
 _SINGLE = frozenset({Basis.CONSTANT, Basis.DECAY, Basis.RECIPROCAL, Basis.WINDOW})
 
 
-def pack(model: Model) -> Array:
+def pack(model: Model, *, wheel_inertia_kg_m2: float | None = None) -> Array:
     """The flat array (L,) of a model, read-only.
+
+    With ``wheel_inertia_kg_m2`` (a wheel and its motor, on the wheel side) commanded wheels are driven
+    by the motor's torque–speed line (:mod:`slipmargin.sim.motor`).
 
     Raises
     ------
     InputError
-        If a term cannot be simulated (a friction term over the commanded speed, a drive term over
+        If the motor's line is missing or a term cannot be simulated (a friction term over the commanded speed, a drive term over
         anything but command and time).
     """
     n = model.count
@@ -44,6 +47,12 @@ def pack(model: Model) -> Array:
     forces = [_force(f) for f in model.losses.terms]
     commands = [_modulation(m, n) for m in model.transients.modulations]
     _fill(head, model)
+    if wheel_inertia_kg_m2 is not None:
+        if not 0.0 < wheel_inertia_kg_m2 < math.inf:
+            raise InputError("wheel_inertia_kg_m2", f"is {wheel_inertia_kg_m2:g}", "give a positive inertia [kg m²]")
+        if model.drives.stall_torque_N_m is None or model.drives.max_speed_rad_s is None:
+            raise InputError("motor", "has no torque-speed line", "give max_speed_rad_s and stall_torque_N_m")
+        head[at.WHEEL_INERTIA], head[at.MOTOR] = wheel_inertia_kg_m2, 1.0
     place = at.HEAD + wheels.size
     for count, start, blocks in ((at.MODULATIONS, at.MODULATIONS_AT, mods), (at.FORCES, at.FORCES_AT, forces),
                                  (at.COMMANDS, at.COMMANDS_AT, commands)):
