@@ -45,6 +45,8 @@ from slipmargin.sim.signal import linear
 
 #: What 1 s of simulated motion at a relative tolerance of 1e-8 a step may be off [m, rad].
 RUN = 1e-6
+#: What an interior-point solver leaves of a limit where the grip is coupled [1].
+CONE = 1e-6
 EVERY = pytest.mark.parametrize("kind", CATALOGUE, ids=lambda k: k.name)
 PHI = np.deg2rad(np.arange(3.0, 360.0, 60.0))
 #: How a unit is spelled in a key's ending where it is not plain (contract: `m_s2`, `s_per_m`).
@@ -139,10 +141,11 @@ def test_null_does_nothing_beside_other_effects(kind: type[Effect], data: st.Dat
     model = possible(machine(), *others)
     if model is None:
         return
+    coupled = model.grip.shape is not GripShape.BOX
     for with_null in (build(machine(), *others, kind.null()), build(machine(), kind.null(), *others)):
         before, after = everything(model), everything(with_null)
         for without, there in zip(before[:2], after[:2], strict=True):
-            np.testing.assert_allclose(there, without, rtol=1e-9, atol=1e-12)
+            np.testing.assert_allclose(there, without, rtol=CONE if coupled else 1e-9, atol=1e-12)
         for without, there in zip(before[2:], after[2:], strict=True):  # steps may differ, within their error
             np.testing.assert_allclose(there, without, rtol=0.0, atol=RUN)
 
@@ -164,8 +167,8 @@ def test_null_does_nothing_on_any_robot(kind: type[Effect], robot: Robot) -> Non
 
 #: Pairs that do not obey the law yet, and what happens instead.
 KNOWN = {
-    ("roller_coupling", "elliptic_grip"): "a grip holds one coupled law: the second effect replaces the first "
-    "instead of refusing it by name",
+    ("roller_coupling", "elliptic_grip"): "a grip holds one coupled law: the second effect replaces the "
+    "first instead of refusing it by name",
     ("wheel_loads", "load_transfer"): "each moves the centre of mass by its share of what the other left, so "
     "where it ends depends on their order",
 }
