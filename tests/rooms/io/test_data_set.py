@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -167,6 +168,33 @@ def test_a_failed_write_leaves_the_old_data_set(tmp_path: Path, monkeypatch: pyt
         write_data_set(place, data_set(sigma=None))
     assert (place / "dataset.toml").read_text() == before
     assert [p.name for p in tmp_path.iterdir()] == ["s"]
+
+
+def test_a_failed_exchange_puts_the_old_one_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    place = (tmp_path / "s").resolve()
+    write_data_set(place, data_set())
+    real = os.replace
+
+    def refuses(source: Path, target: Path) -> None:
+        if Path(source).name == "new":
+            raise OSError(5, "Input/output error")
+        real(source, target)
+
+    monkeypatch.setattr(os, "replace", refuses)
+    with pytest.raises(InputError, match="Input/output error"):
+        write_data_set(place, data_set(sigma=None))
+    monkeypatch.undo()
+    assert read_data_set(place).sigma is not None
+    assert [p.name for p in tmp_path.iterdir()] == ["s"]
+
+
+def test_a_place_that_cannot_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def denied(**_: object) -> str:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("tempfile.mkdtemp", denied)
+    with pytest.raises(InputError, match="Permission denied"):
+        write_data_set(tmp_path / "s", data_set())
 
 
 number = st.floats(-1e3, 1e3, allow_subnormal=False).map(lambda v: float(f"{v:.6g}"))
