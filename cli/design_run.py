@@ -99,15 +99,17 @@ def run_design(asked: Asked) -> DesignRun:
         -1 if count * sum(COST_S[kind] for kind in slow) > MANY_S else 1)
     with _placed("--jobs"):
         workshop = Workshop(folder=folder, jobs=jobs, scheduler=asked.scheduler)
-    with progress("designs", count if slow else 0) as advance, _placed(""):
+    with progress("designs", count if slow else 0) as advance, _placed("--scheduler"):
         found = study(question, workshop=workshop, advance=advance)
-    goal, best = question.objective, found.best()
+    with _placed("--vary"):
+        goal, best = question.objective, found.best()
     machine = found.machine(best)
-    unsure = bool(intervals) or bool(asked.uncertain)
     numeric = any(grid.numeric and len(grid.values) > 1 for grid in question.grids)
+    with _placed("--uncertain"):
+        sure = robust(found.machines, goal, intervals) if intervals else None
     run = DesignRun(
         study=found, why=reason(machine, goal), front=front, optimum=optimum(found) if numeric else None,
-        robust=robust(found.machines, goal, intervals) if unsure else None, intervals=intervals,
+        robust=sure, intervals=intervals,
         influences=influences(machine, goal) if goal.kind is not Kind.LAPS else ())
     _write(run, asked)
     clear(folder)
@@ -167,5 +169,5 @@ class _placed:
 
     def __exit__(self, kind: object, fault: BaseException | None, trace: object) -> None:
         if isinstance(fault, InputError) and not fault.source:
-            place = " ".join(part for part in (self.option, fault.place) if part)
-            refuse(place, fault.problem, fault.cure)
+            inner = "" if fault.place == self.option.lstrip("-") else fault.place
+            refuse(" ".join(part for part in (self.option, inner) if part), fault.problem, fault.cure)

@@ -142,7 +142,7 @@ def draw_polar_family(axes: PolarAxes, study: Study) -> PolarAxes:
     axes.set_rlabel_position(22.5)
     axes.spines["polar"].set_visible(False)
     axes.set_title("F_emax / (m g) by direction of the pull")
-    legend = axes.legend(loc="lower left", bbox_to_anchor=(-0.36, -0.08), title="\n".join(study.keys))
+    legend = axes.legend(loc="lower left", bbox_to_anchor=(-0.27, -0.08), title="\n".join(study.keys))
     legend.set_in_layout(False)
     return axes
 

@@ -175,7 +175,7 @@ def _backend(scheduler: str | None) -> Iterator[None]:
     from joblib import parallel_config
 
     try:
-        client = Client(scheduler, timeout="10s", set_as_default=False)  # type: ignore[no-untyped-call]
+        client = Client(scheduler, timeout="5s", set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as fault:
         raise InputError("scheduler", f"{scheduler!r} cannot be reached ({str(fault)[:80] or 'no answer'})",
                          "start a Dask scheduler and give its tcp://HOST:PORT") from None

@@ -1,0 +1,123 @@
+"""``slipmargin design``: the answer first, files whole, and a study that survives kill −9."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from slipmargin_cli.main import status
+
+SCRIPT = Path(sys.executable).with_name("slipmargin")
+QUICK = ["design", "ohio-kiwi", "--surface", "paper", "--vary", "delta_deg=15,30,35,40", "--static"]
+
+
+def test_the_first_lines_are_the_answer(capsys: pytest.CaptureFixture[str]) -> None:
+    assert status(QUICK) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("best        delta_deg = 35: f_worst 0.18308 m g")
+    assert lines[1].startswith("own         the file's design (delta_deg = 15): 0.16705 m g; +9.6 % with")
+    assert lines[2].startswith("why         weakest at φ = ") and "left drive" in lines[2]
+    assert lines[3].startswith("loads       equal loads: best at delta_deg = 35") and (
+        "static loads: best at delta_deg = 30" in lines[3])
+    assert any(line.startswith("between     delta_deg = 35.72") for line in lines)
+    rows = [line.split() for line in lines[-4:]]
+    assert [row[0] for row in rows] == ["15", "30", "35", "40"]  # one row a design
+
+
+def test_the_table_has_one_row_a_design(tmp_path: Path) -> None:
+    out = tmp_path / "f.csv"
+    assert status([*QUICK[:-1], "--out", str(out)]) == 0
+    head, *rows = out.read_text(encoding="utf-8").splitlines()
+    assert head.split(",")[:4] == ["delta_deg", "f_worst", "f_mean", "f_best"]
+    assert {"yaw_moment_N_m", "start_worst_m_s2", "brake_worst_m_s2"} <= set(head.split(","))
+    assert len(rows) == 4
+    assert [p.name for p in tmp_path.iterdir()] == ["f.csv"]  # no work folder is left behind
+
+
+def test_json_holds_everything(capsys: pytest.CaptureFixture[str]) -> None:
+    assert status([*QUICK, "--json", "-", "--uncertain", "mu_drive=0.2:0.3"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["schema"] == 1 and data["best"]["design"] == {"delta_deg": 35.0}
+    assert data["optimum"]["gain_over_grid"] >= 0.0 and data["optimum"]["self_check"] < 1e-9
+    assert data["robust"]["worst_corner"] == {"mu_drive": 0.2} and data["robust"]["exact"]
+    assert data["why"]["gives_way"] and data["front"]["rows"] and data["influence"]
+
+
+def test_the_page_is_self_contained(tmp_path: Path) -> None:
+    pages = []
+    for name in ("a.html", "b.html"):
+        assert status([*QUICK, "--html", str(tmp_path / name), "--plot", str(tmp_path / "f.png")]) == 0
+        pages.append((tmp_path / name).read_text(encoding="utf-8"))
+    assert pages[0] == pages[1]
+    assert "<svg" in pages[0] and "src=" not in pages[0] and "<script" not in pages[0]
+    assert "delta_deg = 35" in pages[0] and "The answer" in pages[0]
+    assert (tmp_path / "f.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(("arguments", "says"), [
+    (["--vary", "delta=1"], "--vary delta: is not a quantity that can be varied, did you mean 'delta_deg'?"),
+    (["--vary", "delta_deg=5:1:1"], "--vary delta_deg: goes from 5 down to 1, swap the ends"),
+    (["--vary", "delta_deg=88,89"], "command line: --vary: holds no possible design"),
+    (["--vary", "delta_deg=1,2", "--surface", "ice"], "--surface: is 'ice'"),
+    (["--vary", "delta_deg=1,2", "--objective", "speed"], "--objective: 'speed' is not known"),
+    (["--vary", "delta_deg=1,2", "--front", "f_worst,speed"], "--front objective: 'speed' is not known"),
+    (["--vary", "delta_deg=1,2", "--uncertain", "mu_drive=2"], "--uncertain 'mu_drive=2': is no interval"),
+    (["--vary", "delta_deg=1,2", "--jobs", "0"], "--jobs: is 0"),
+    (["--vary", "delta_deg=1,2", "--out", "no/such/f.csv"], "there is no folder"),
+    (["--vary", "delta_deg=1,2", "--plot", "f.doc"], "which is no picture"),
+    ([], "--vary: is missing"),
+])
+def test_what_makes_no_sense_is_refused_in_one_line(arguments: list[str], says: str,
+                                                    capsys: pytest.CaptureFixture[str]) -> None:
+    surface = [] if "--surface" in arguments else ["--surface", "paper"]
+    assert status(["design", "ohio-kiwi", *surface, *arguments]) == 2
+    told = capsys.readouterr()
+    assert told.out == "" and told.err.count("\n") == 1
+    assert told.err.startswith("error: ") and says in told.err
+
+
+def design(folder: Path, *more: str) -> subprocess.Popen[bytes]:
+    folder.mkdir(exist_ok=True)
+    words = ["design", "ohio-kiwi", "--surface", "paper", "--vary", "delta_deg=0:57:0.5", "--jobs", "1",
+             "--out", "f.csv"]
+    return subprocess.Popen([str(SCRIPT), *words, *more], cwd=folder, stdout=subprocess.PIPE,
+                            stderr=subprocess.DEVNULL, start_new_session=True)
+
+
+@pytest.mark.parametrize(("arguments", "says"), [
+    (["--uncertain", "com_y_m=0:0.5"], "--uncertain: leaves no design"),
+    (["--scheduler", "nonsense://x", "--objective", "start_worst_m_s2"], "--scheduler: "),
+])
+def test_what_shows_only_later_is_placed_too(arguments: list[str], says: str,
+                                             capsys: pytest.CaptureFixture[str]) -> None:
+    assert status([*QUICK, *arguments]) == 2
+    assert f"error: command line: {says}" in capsys.readouterr().err
+
+
+def test_a_study_killed_halfway_goes_on_to_the_same_file(tmp_path: Path) -> None:
+    """kill −9 in the middle: finished pieces are not computed again, the file is the same byte for byte."""
+    whole = design(tmp_path / "whole")
+    work = tmp_path / "killed" / "f.csv.work"
+    process = design(tmp_path / "killed")
+    deadline = time.monotonic() + 60.0
+    while time.monotonic() < deadline and (not work.is_dir() or len(list(work.glob("piece-*.json"))) < 3):
+        time.sleep(0.005)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+    assert process.returncode == -signal.SIGKILL
+    pieces = {p.name: p.stat().st_mtime_ns for p in work.glob("piece-*.json")}
+    assert 3 <= len(pieces) < 15, "the study was not killed in its middle"
+    assert not (tmp_path / "killed" / "f.csv").exists()
+    again = design(tmp_path / "killed")
+    said = again.communicate(timeout=120)[0].decode()
+    assert again.returncode == 0
+    assert f"{len(pieces)} of 15 pieces from an earlier run" in said
+    assert not work.exists()
+    whole.communicate(timeout=120)
+    assert (tmp_path / "killed" / "f.csv").read_bytes() == (tmp_path / "whole" / "f.csv").read_bytes()
