@@ -34,7 +34,7 @@ CURVATURES = np.array([0.2, 0.5, 1.0, 2.0, 5.0])
 class Bounds:
     """The motion limits of a model.
 
-    ``full`` uses all of the grip, ``safe`` (with ``spin``, ``cornering`` and ``inside``) 1 − margin of it.
+    ``full`` uses all of the grip and asks no motor, ``safe`` (with ``spin``, ``cornering`` and ``inside``) 1 − margin of it.
     ``rigid`` is the share of the grip that constant speed needs in the worst roller/rigid state; above 1 even
     constant speed must slip.  ``motor_m_s2`` and ``top_m_s`` (H,) are the motors' limits (infinite: none).
     ``inside`` is None where ``why_not`` says so.
@@ -100,7 +100,7 @@ def bounds(model: Model, *, margin: float = 0.1, step_deg: float = 1.0, contact:
         Also find the largest box and ellipsoid (about a second, mostly to load the solver).
     """
     heading, share = headings(step_deg), 1.0 - margin
-    full = directions(model, heading, contact=contact)
+    full = directions(model, heading, contact=contact, motor=False)
     ahead = np.round(np.stack([np.cos(heading), np.sin(heading), np.zeros_like(heading)], axis=1), 15)
     found, why = None, ""
     if sets:

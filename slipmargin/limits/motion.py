@@ -82,17 +82,20 @@ def acceleration_limit(model: Model, motion: Motion, direction: Array, *, share:
 def along(model: Model, rows: AccelerationRows, start: Array, direction: Array) -> AccelerationLimit:
     """Largest t with A (start + t direction) ≤ b, all (M, …), about the centre of mass.
 
-    Where ``start`` itself is not admissible, t is minus the worst violation per slope (negative).
+    Negative where ``start`` itself is not admissible for want of grip along the direction; −∞ where no t is.
     """
     room = rows.b - np.einsum("mrc,mc->mr", rows.A, start)
     slope = np.einsum("mrc,mc->mr", rows.A, direction)
     tiny = 1e-12 * np.max(np.abs(slope), axis=1, keepdims=True)
     with np.errstate(divide="ignore", invalid="ignore"):
         t = np.where(slope > tiny, room / slope, np.inf)
-    stuck = np.any((slope <= tiny) & (room < -1e-9 * np.max(np.abs(rows.b), axis=1, keepdims=True)), axis=1)
+        least = np.max(np.where(slope < -tiny, room / slope, -np.inf), axis=1)
+    scale = np.max(np.abs(rows.b), axis=1, keepdims=True)
+    never = np.any((np.abs(slope) <= tiny) & (room < -1e-9 * scale), axis=1)
     best = np.argmin(t, axis=1)
     value = t[np.arange(len(t)), best]
-    value = np.where(stuck & (value > 0.0), -np.inf, value)
+    never |= least > value + 1e-9 * np.abs(value)
+    value = np.where(never & (value > 0.0), -np.inf, value)
     return AccelerationLimit(value=value, row=best, rows=rows, names=model.contacts.names)
 
 

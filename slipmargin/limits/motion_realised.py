@@ -28,7 +28,6 @@ import numpy as np
 from numba import njit
 
 from slipmargin.checks import Array
-from slipmargin.errors import NoSolution
 from slipmargin.limits.motion_friction import Friction, friction_in_motion, material_states, sigma
 from slipmargin.limits.motion_losses import losses_in_motion
 from slipmargin.limits.motion_state import Contact, Motion, com_acceleration, mass_diagonal
@@ -38,7 +37,9 @@ from slipmargin.model import Model
 FAITHFUL = 0.98
 #: Slope of the continuation above it, per unit of k·u [1].
 BEYOND = 0.02
-#: Use of a wheel where, open loop, no steady creep exists [1].
+#: A wheel that lifts off is taken to carry this share of m g / N, so that its use tells [1].
+LIGHTEST = 0.01
+#: Use of a wheel where no steady creep is found: far outside the wrench set, or the creep runs away [1].
 RUNAWAY = 1.5
 _KNEE = math.tan(0.5 * math.pi * FAITHFUL)
 
@@ -89,15 +90,14 @@ def _solve3(H: Array, b: Array, x: Array) -> None:
 
 @njit(cache=True)
 def _creep(W: Array, T: Array, c: Array, kw: Array, d: Array, kt: Array, slide: Array, need: Array,
-           carried: Array, scale: Array, twist: Array, use: Array) -> int:
-    """Damped Newton over all samples, each from its neighbour and else from rest; counts those not found.
+           carried: Array, scale: Array, twist: Array, use: Array) -> None:
+    """Damped Newton over all samples, each from its neighbour and else from rest.
 
     Samples not found get the use ``RUNAWAY`` on the wheel that was worst.
     """
     samples, n = c.shape
     eps, step, trial = np.zeros(3), np.zeros(3), np.zeros(3)
     out, new, H, other = np.zeros(3), np.zeros(3), np.zeros((3, 3)), np.zeros((3, 3))
-    failed = 0
     for m in range(samples):
         for attempt in range(2):
             if attempt == 1 or not math.isfinite(eps[0] + eps[1] + eps[2]):
@@ -128,10 +128,8 @@ def _creep(W: Array, T: Array, c: Array, kw: Array, d: Array, kt: Array, slide: 
             if use[m, i] > use[m, worst]:
                 worst = i
         if not miss <= 1e-8:
-            failed += 1
             use[m, worst] = max(use[m, worst], RUNAWAY)
             eps[:] = 0.0
-    return failed
 
 
 @final
@@ -163,11 +161,6 @@ def realised(model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS
         Largest share expected: bounds the creep where friction varies with slip.
     open_loop : bool
         Nothing corrects the pose: the creep turns the robot (see the module).
-
-    Raises
-    ------
-    NoSolution
-        If the equilibrium is not found (a wheel without load or grip).
     """
     friction = friction_in_motion(model, motion, contact=contact, share=share)
     low, high = losses_in_motion(model, motion)
@@ -175,7 +168,7 @@ def realised(model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS
     at_com = com_acceleration(model, motion.velocity, motion.acceleration)
     need = at_com * mass_diagonal(model) - 0.5 * (low + high)
     load = model.loads.rest_N + at_com[:, :2] @ model.loads.per_acceleration_kg.T
-    pressed = np.maximum(load, 1e-9 * model.inertia.weight_N)
+    pressed = np.maximum(load, LIGHTEST * model.inertia.weight_N / model.count)
     shape = (motion.count, model.count)
     out = Realised(use=np.full(shape, -1.0), twist=np.zeros((motion.count, 3)), torque_N_m=np.zeros(shape),
                    load_N=load)
@@ -205,10 +198,7 @@ def _equilibrium(model: Model, grip: Array, drag: Array, friction: Friction, nee
     args = [np.ascontiguousarray(x) for x in (grip, friction.drive_stiffness, drag, friction.stiffness,
                                               friction.slide, need)]
     grips, kw, drags, kt, slides, needs = args
-    failed = _creep(along, across, grips, kw, drags, kt, slides, needs, carried, scale, twist, use)
-    if failed and not np.any(carried):  # open loop there may be none: the creep then runs away
-        raise NoSolution("creep of the wheels", f"no equilibrium was found at {failed} of {len(grip)} states",
-                         "check that every wheel carries load and grips")
+    _creep(along, across, grips, kw, drags, kt, slides, needs, carried, scale, twist, use)
     return twist, use
 
 

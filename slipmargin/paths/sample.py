@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from slipmargin.checks import Array, real
+from slipmargin.errors import NoSolution
 from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_state import Contact, Motion, wheel_speeds
 from slipmargin.model import Model
@@ -72,3 +73,48 @@ def _turned(plan: Plan, t_s: Array, omega: Array) -> Array:
     first = np.zeros(plan.model.count) if start is None else start
     gain = 0.5 * (omega[1:] + omega[:-1]) * np.diff(t_s)[:, None]
     return np.asarray(first + np.vstack([np.zeros(len(first)), np.cumsum(gain, axis=0)]))
+
+
+def stretched(model: Model, rows: Trajectory, factor: float, *, contact: Contact = Contact.ROLLERS) -> Trajectory:
+    """The same motion driven slower (``factor`` above 1) or faster (below 1), with the use this takes."""
+    factor = real("factor", factor, above=0.0, cure="give a positive factor")
+    velocity, acceleration = rows.velocity / factor, rows.acceleration / factor**2
+    t = rows.t_s * factor
+    return Trajectory(t_s=t, pose=rows.pose, velocity=velocity, acceleration=acceleration,
+                      omega=rows.omega / factor, wheels=rows.wheels,
+                      use=use_along(model, t, rows.pose, velocity, acceleration, contact=contact))
+
+
+def sustained(rows: Trajectory, hold_s: float) -> Array:
+    """(T, N) the use that each wheel keeps up for ``hold_s`` from each sample on: a rolling least.
+
+    A wheel asked for 105 % slips by the missing 5 % of its force, which takes time to become speed.
+    """
+    from scipy.ndimage import minimum_filter1d
+
+    steps = max(1, round(hold_s / float(np.median(np.diff(rows.t_s)))))
+    return np.asarray(minimum_filter1d(rows.use, 2 * (steps // 2) + 1, axis=0, mode="constant", cval=0.0))
+
+
+def at_use(model: Model, rows: Trajectory, use: float, *, hold_s: float = 0.0) -> Trajectory:
+    """The motion sped up until a wheel's use is ``use`` (to 1e-4) for at least ``hold_s``, on rollers.
+
+    Raises
+    ------
+    NoSolution
+        If it uses more already, or no speed-up by less than 20 does it.
+    """
+    def asked(factor: float) -> float:
+        return float(np.max(sustained(stretched(model, rows, factor), hold_s)))
+
+    high, low = 1.0, 0.97
+    if asked(1.0) >= use:
+        raise NoSolution("speeding up", f"the motion already uses {asked(1.0):.4g}", "ask for a larger use")
+    while asked(low) < use:
+        high, low = low, 0.97 * low
+        if low < 0.05:
+            raise NoSolution("speeding up", f"no speed makes the largest use {use:g}", "ask for a smaller use")
+    while high - low > 1e-5 * low:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if asked(middle) > use else (low, middle)
+    return stretched(model, rows, low)

@@ -1,0 +1,271 @@
+"""What the paths room promises, measured: speed, optimality, gain, dense check, and proof by simulation.
+
+    python benchmarks/paths.py [--robots 200] [--seed 1]     table on stdout, then JSON
+
+All ratios are of one run on one machine.  The functions can be imported.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from slipmargin.errors import InputError, NoSolution
+from slipmargin.io.robot_file import read_recipe
+from slipmargin.limits.bounds import directions, headings
+from slipmargin.limits.bounds_inside import inside
+from slipmargin.model import Model, nominal_model
+from slipmargin.paths import core
+from slipmargin.paths.along import Rows
+from slipmargin.paths.convex import Ellipsoids, convex_profile
+from slipmargin.paths.geometry import Geometry
+from slipmargin.paths.grid import Grid, grid_of
+from slipmargin.paths.path import Path, corners, through
+from slipmargin.paths.plan import Plan, Request, duration, plan
+from slipmargin.paths.sample import at_use, trajectory
+from slipmargin.robot import Body, Coefficients, LoadRule, Robot, Surface, Wheel
+from slipmargin.study.verify import GROSS, on_rollers, verify
+
+
+#: How long a sped-up motion has to ask for 105 % of a wheel's grip [s].
+HOLD_S = 0.5
+
+
+def benchmark_paths() -> dict[str, Path]:
+    """Straight, diagonal, slalom, figure of eight, turn while translating."""
+    t = np.linspace(0.0, 2.0 * np.pi, 33)
+    s = np.linspace(0.0, 3.0, 9)
+    return {
+        "straight": corners(np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]])),
+        "diagonal": corners(np.array([[0.0, 0.0, 0.0], [1.5, 1.5, 0.0]])),
+        "slalom": through(np.column_stack([s, 0.25 * np.sin(2.0 * np.pi * s / 1.5), 0.0 * s])),
+        "figure of eight": through(np.column_stack([np.sin(t), 0.5 * np.sin(2.0 * t), 0.0 * t])),
+        "turn while translating": corners(np.array([[0.0, 0.0, 0.0], [2.0, 0.5, np.pi]])),
+    }
+
+
+def kiwi() -> Model:
+    """The paper's robot on paper, all wheels on rollers."""
+    return on_rollers(read_recipe("ohio-kiwi").build("paper"))
+
+
+def drawn_robot(rng: np.random.Generator, wheels: int) -> Model:
+    """A buildable machine: wheels round a body, omni or mecanum, statics for the loads, one floor."""
+    while True:
+        size = rng.uniform(0.1, 0.4)
+        at = 2.0 * np.pi * (np.arange(wheels) + rng.uniform(-0.2, 0.2, wheels)) / wheels
+        mecanum = wheels % 2 == 0 and rng.random() < 0.5
+        turn = np.where(np.arange(wheels) % 2 == 0, 45.0, -45.0) if mecanum else np.zeros(wheels)
+        aim = np.full(wheels, 90.0) if mecanum else np.rad2deg(at) + 90.0 + rng.uniform(-25.0, 25.0, wheels)
+        parts = tuple(Wheel(name=f"w{i + 1}", position_m=size * np.array([np.cos(a), np.sin(a)]),
+                            drive_direction_deg=float(d), radius_m=0.04, roller_angle_deg=float(r))
+                      for i, (a, d, r) in enumerate(zip(at, aim, turn, strict=True)))
+        mass, drive = rng.uniform(2.0, 40.0), rng.uniform(0.2, 0.8)
+        floor = Surface(name="floor", roller=Coefficients(drive=drive, transverse=drive * rng.uniform(0.03, 0.35)),
+                        rigid=Coefficients(drive=drive, transverse=drive))
+        try:
+            robot = Robot(name=f"drawn-{wheels}", wheels=parts, surfaces=(floor,), load_rule=LoadRule.QUASI_STATIC,
+                          body=Body(mass_kg=mass, inertia_kg_m2=mass * (rng.uniform(0.5, 0.9) * size) ** 2,
+                                    com_m=size * rng.uniform(-0.15, 0.15, 2),
+                                    com_height_m=size * rng.uniform(0.0, 0.4)))
+            model = nominal_model(robot, "floor")
+        except InputError:
+            continue
+        along = model.wrench_maps()[0] / np.array([[1.0], [1.0], [size]])
+        if np.linalg.svd(along, compute_uv=False)[-1] > 0.4:
+            return model
+
+
+def drawn_path(rng: np.random.Generator, arm: float) -> Path:
+    """A spline through two to five drawn poses."""
+    while True:
+        poses = np.cumsum(rng.normal(size=(int(rng.integers(2, 6)), 3)) * np.array([0.6, 0.6, 0.8]), axis=0)
+        try:
+            return through(poses, arm=arm)
+        except InputError:
+            continue
+
+
+def proof(count: int, seed: int, tell: Callable[[dict[str, Any]], None] | None = None) -> dict[str, Any]:
+    """Drawn robots × paths through planner and simulator: use, simulated share, and the sped-up motion."""
+    rng, rows, refused = np.random.default_rng(seed), [], 0
+    while len(rows) < count:
+        wheels = (3, 4, 6)[len(rows) % 3]
+        model = drawn_robot(rng, wheels)
+        way, share = drawn_path(rng, 0.2), float(rng.uniform(0.5, 0.95))
+        try:
+            found = plan(model, way, Request(share=share, points=200))
+        except NoSolution:
+            refused += 1  # even constant speed needs more than the share
+            continue
+        slow = trajectory(found, step_s=0.002)
+        calm = verify(model, slow)
+        fast = at_use(model, slow, 1.05, hold_s=HOLD_S)
+        wild = verify(model, fast)
+        first = int(np.argmax(np.max(wild.share, axis=1) > GROSS))
+        slipping = int(np.argmax(wild.share[first]))
+        near = (fast.t_s <= wild.t_s[first]) & (fast.t_s > wild.t_s[first] - 3.0 * HOLD_S)
+        row = {"wheels": wheels, "share": share, "over": found.max_use / share - 1.0, "excess": calm.peak - share,
+               "slips": wild.slips, "at_named_wheel": bool(np.max(fast.use[near, slipping]) > 1.0),
+               "passes": found.passes}
+        rows.append(row)
+        if tell is not None:
+            tell(row)
+    gross = [r for r in rows if r["slips"]]
+    return {"count": count, "refused": refused, "worst_over": max(r["over"] for r in rows),
+            "worst_excess": max(r["excess"] for r in rows),
+            "excess_above_0.02": sum(r["excess"] > 0.02 for r in rows), "sped_up_slips": len(gross),
+            "at_named_wheel": sum(r["at_named_wheel"] for r in gross), "passes_median": float(np.median(
+                [r["passes"] for r in rows])), "rows": rows}
+
+
+def facet_rows(way: Path, grid: Grid, count: int = 22, seed: int = 0) -> Rows:
+    """``count`` drawn facets on the pose's acceleration: a planner's load without a robot."""
+    normals = np.random.default_rng(seed).normal(size=(count // 2, 3))
+    normals = np.vstack([normals, -normals]) / np.tile(np.linalg.norm(normals, axis=1), 2)[:, None]
+    jets = [way.at(s, grid.piece) for s in (grid.s[:-1], grid.s[1:])]
+    return Rows(a=np.stack([j[1] @ normals.T for j in jets]), b=np.stack([j[2] @ normals.T for j in jets]),
+                c=np.ones((2, len(grid.step), count)), cap=np.full(len(grid.s), np.inf),
+                names=("facet",) * count, wheels=np.ones((count, 1), dtype=bool))
+
+
+def solve(rows: Rows, step: Any) -> tuple[Any, Any]:
+    """One backward and forward pass from rest to rest."""
+    n = len(step)
+    x, u, highest, binding = np.zeros(n + 1), np.zeros(n), np.zeros(n + 1), np.zeros(n, dtype=np.int64)
+    status = core.profile(step, rows.a[0], rows.b[0], rows.c[0], rows.a[1], rows.b[1], rows.c[1], rows.cap,
+                          0.0, 0.0, x, u, highest, binding)
+    assert status[0] == core.OK, status
+    return x, u
+
+
+def clock(action: Callable[[], object], times: int) -> float:
+    """Median time of a call [ms], after one call to warm up."""
+    action()
+    spent = []
+    for _ in range(times):
+        start = time.perf_counter()
+        action()
+        spent.append(1e3 * (time.perf_counter() - start))
+    return float(np.median(spent))
+
+
+def speed() -> dict[str, Any]:
+    """1 000 grid points × 22 facets, and bounds for 360 headings."""
+    way = benchmark_paths()["figure of eight"]
+    s = np.linspace(0.0, way.length, 1001)
+    grid = Grid(s=s, piece=np.zeros(1000, dtype=np.int64))
+    rows, model, around = facet_rows(way, grid), kiwi(), headings(1.0)
+    out: dict[str, Any] = {"profile_1000x22_ms": clock(lambda: solve(rows, grid.step), 30),
+                           "bounds_360_ms": clock(lambda: directions(model, around), 30),
+                           "whole_plan_ms": clock(lambda: plan(model, way, Request(points=400)), 3)}
+    mine = duration(grid.step, solve(rows, grid.step)[0])
+    out["cvxpy_ms"] = clock(lambda: convex_profile(grid.step, rows), 1)
+    out["cvxpy_duration_ratio"] = convex_profile(grid.step, rows).duration_s / mine
+    with_toppra = toppra_run(way, s, 22)
+    if with_toppra is not None:
+        out |= {"toppra_ms": with_toppra["ms"], "toppra_duration_ratio": with_toppra["duration_s"] / mine,
+                "toppra_default_worst_use": with_toppra["worst_use"],
+                "own_worst_use_before_tightening": worst_between(way, grid, solve(rows, grid.step))}
+    return out
+
+
+def worst_between(way: Path, grid: Grid, profile: tuple[Any, Any], count: int = 22) -> float:
+    """Largest facet value of our profile, 20 times finer than the grid (limit 1)."""
+    normals = np.random.default_rng(0).normal(size=(count // 2, 3))
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    x, u = profile
+    part = np.linspace(0.0, 1.0, 21)
+    s, piece = grid.inside(part)
+    _, first, second = (a.reshape(*s.shape, 3) for a in way.at(s.ravel(), piece.ravel()))
+    sq = x[:-1, None] + part * np.diff(x)[:, None]
+    return float(np.max(np.abs((first * u[:, None, None] + second * sq[..., None]) @ normals.T)))
+
+
+def toppra_run(way: Path, s: Any, count: int) -> dict[str, float] | None:
+    """toppra on the same facets: interpolation scheme, and its default output sampled finely."""
+    try:
+        import toppra as ta
+        import toppra.constraint as tc
+    except ImportError:
+        return None
+    ta.setup_logging("ERROR")
+    normals = np.random.default_rng(0).normal(size=(count // 2, 3))
+    normals = np.vstack([normals, -normals]) / np.tile(np.linalg.norm(normals, axis=1), 2)[:, None]
+    spline = ta.SplineInterpolator(s, way.pose(s))
+    limit = tc.SecondOrderConstraint(lambda q, v, a: a, lambda q: normals, lambda q: np.ones(count), 3)
+    limit.set_discretization_type(1)
+    made: list[Any] = []
+
+    def go() -> None:
+        run = ta.algorithm.TOPPRA([limit], spline, gridpoints=s, solver_wrapper="seidel",
+                                  parametrizer="ParametrizeSpline")
+        made.append(run.compute_trajectory(0.0, 0.0))
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        spent = clock(go, 3)
+    times = np.linspace(0.0, made[-1].duration, 20 * len(s))
+    return {"ms": spent, "duration_s": float(made[-1].duration),
+            "worst_use": float(np.max(made[-1](times, 2) @ normals.T))}
+
+
+def box_rows(model: Model, way: Path, grid: Grid, half: Any) -> Rows:
+    """Rows |a_j| ≤ half_j on the body's acceleration."""
+    shape = Geometry.of(model, way, grid, np.array([0.0, 1.0]))
+    sides = np.vstack([np.eye(3), -np.eye(3)]) / np.tile(half, 2)[:, None]
+    push, bend = shape.push, shape.bend  # the paper's robot has its centre of mass at the origin
+    return Rows(a=np.stack([push[:, e] @ sides.T for e in (0, 1)]), b=np.stack([bend[:, e] @ sides.T for e in (0, 1)]),
+                c=np.ones((2, len(grid.step), 6)), cap=np.full(len(grid.s), np.inf), names=("box",) * 6,
+                wheels=np.ones((6, model.count), dtype=bool))
+
+
+def gains(share: float = 0.9) -> dict[str, Any]:
+    """How much faster than the best safe box and the best safe ellipsoid on the benchmark paths."""
+    model = kiwi()
+    sets = inside(model, share=share)
+    out = {}
+    for name, way in benchmark_paths().items():
+        grid = grid_of(way, 300)
+        own: Plan = plan(model, way, Request(share=share), grid=grid)
+        box = duration(grid.step, solve(box_rows(model, way, grid, sets.even), grid.step)[0])
+        shape = Geometry.of(model, way, grid, np.array([0.0, 1.0]))
+        free = replace(box_rows(model, way, grid, sets.even), c=np.full((2, len(grid.step), 6), 1e9))
+        round_ = convex_profile(grid.step, free, ellipsoids=Ellipsoids(
+            Q=np.linalg.inv(sets.ellipsoid), push=np.swapaxes(shape.push, 0, 1), bend=np.swapaxes(shape.bend, 0, 1)))
+        circle = convex_profile(grid.step, free, ellipsoids=Ellipsoids(
+            Q=np.diag([1.0, 1.0, 0.0]) / sets.circle_m_s2, push=np.swapaxes(shape.push, 0, 1),
+            bend=np.swapaxes(shape.bend, 0, 1))) if name != "turn while translating" else round_
+        same = convex_profile(grid.step, own.rows)
+        best = min(box, round_.duration_s, circle.duration_s)
+        out[name] = {"own_s": own.duration_s, "box_s": box, "ellipsoid_s": round_.duration_s,
+                     "circle_s": circle.duration_s, "gain_over_best": best / own.duration_s - 1.0,
+                     "convex_ratio": same.duration_s / own.duration_s, "max_use": own.max_use}
+    return out
+
+
+def main(arguments: list[str]) -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--robots", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    asked = parser.parse_args(arguments)
+    found = {"speed": speed(), "gains": gains(), "proof": proof(asked.robots, asked.seed)}
+    for name, value in found["speed"].items():
+        print(f"{name:34s} {value:10.4g}")
+    for name, row in found["gains"].items():
+        print(f"{name:24s} " + "  ".join(f"{k} {v:.5g}" for k, v in row.items()))
+    print("  ".join(f"{k} {v}" for k, v in found["proof"].items() if k != "rows"))
+    print(json.dumps(found))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

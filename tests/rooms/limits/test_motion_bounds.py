@@ -1,0 +1,115 @@
+"""Bounds by direction, and the largest sets inside them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from strategies import kiwi, models
+
+from slipmargin.errors import InputError, NoSolution
+from slipmargin.limits.bounds import cornering, directions, headings, spin, starting_by_motor, top_speed
+from slipmargin.limits.bounds_inside import inside, safe_rows
+from slipmargin.limits.bounds_summary import bounds
+from slipmargin.limits.motion import acceleration_limit
+from slipmargin.limits.motion_realised import realised
+from slipmargin.limits.motion_state import Contact, Motion
+from slipmargin.model import Model, nominal_model
+from slipmargin.robot import GripShape, Motor
+
+
+@pytest.fixture
+def model() -> Model:
+    return nominal_model(kiwi(), "paper")
+
+
+def test_directions_repeat_the_single_limits(model: Model) -> None:
+    around = headings(15.0)
+    found = directions(model, around, share=0.8)
+    for k in (0, 5, 13):
+        d = np.round(np.array([[np.cos(around[k]), np.sin(around[k]), 0.0]]), 15)
+        motion = Motion(velocity=d, saturated=True)
+        assert acceleration_limit(model, motion, d, share=0.8).value[0] == pytest.approx(found.starting_m_s2[k])
+        assert acceleration_limit(model, motion, -d, share=0.8).value[0] == pytest.approx(found.braking_m_s2[k])
+    assert np.all(found.braking_m_s2 >= found.starting_m_s2)
+    with pytest.raises(InputError, match="step"):
+        headings(0.0)
+
+
+def test_a_symmetric_robot_has_symmetric_limits() -> None:
+    found = directions(nominal_model(kiwi(30.0), "paper"), headings(1.0))
+    third = np.roll(found.starting_m_s2, 120)
+    assert found.starting_m_s2 == pytest.approx(third, rel=1e-9)
+
+
+@settings(max_examples=15, deadline=None)
+@given(models(max_wheels=4))
+def test_cornering_speed_is_where_the_grip_ends(model: Model) -> None:
+    """At the cornering speed the realised use of a robot that only turns its velocity is at its limit."""
+    around = np.array([0.3, 2.0])
+    found = cornering(model, np.array([0.7]), around, share=0.7)
+    for k, v in enumerate(found.held_m_s[0]):
+        if v == 0.0:
+            continue
+        ahead = np.array([np.cos(around[k]), np.sin(around[k]), 0.0])
+        sides = [np.array([-ahead[1], ahead[0], 0.0]) * s * 0.7 * v**2 for s in (1.0, -1.0)]
+        motion = Motion(velocity=1e3 * np.stack([ahead, ahead]), acceleration=np.array(sides))
+        use = np.max(realised(model, motion).use)
+        assert use >= 0.7 - 2e-3  # equal for three wheels; more wheels may use more than they need
+        if model.count == 3:
+            assert use == pytest.approx(0.7, abs=2e-3)
+
+
+def test_spinning_and_motors() -> None:
+    robot = replace(kiwi(), motor=Motor(max_speed_rad_s=60.0, stall_torque_N_m=0.04))
+    model = nominal_model(robot, "paper")
+    turn = spin(model)
+    assert turn.top_rad_s == pytest.approx(60.0 * 0.0254 / 0.095)
+    assert spin(model, motor=False).starting_rad_s2 > turn.starting_rad_s2 > 0.0
+    # along Y the front wheels turn with v cos δ / ρ
+    assert top_speed(model, np.array([np.pi / 2]))[0] == pytest.approx(60.0 * 0.0254 / np.cos(np.pi / 12))
+    assert np.isinf(top_speed(nominal_model(kiwi(), "paper"), np.zeros(1))[0])
+    assert np.isinf(starting_by_motor(nominal_model(kiwi(), "paper"), np.zeros(1))[0])
+    found = bounds(model, sets=False, step_deg=10.0)
+    assert found.smaller == "motor" and found.motor_limit_m_s2 < found.traction_m_s2
+    assert found.recommended_m_s2 == pytest.approx(0.9 * found.motor_limit_m_s2)
+    assert found.motor_limit_m_s2 == pytest.approx(np.min(starting_by_motor(model, headings(10.0))))
+
+
+def test_the_box_and_the_ellipsoid_are_inside_and_touch(model: Model) -> None:
+    sets = inside(model, share=0.9)
+    A, b, _ = safe_rows(model, share=0.9)
+    room = b - np.abs(A) @ sets.even
+    assert -1e-7 <= np.min(room) < 1e-6
+    room = b - np.linalg.norm(A @ sets.ellipsoid, axis=1)
+    assert -1e-7 <= np.min(room) < 1e-6
+    rng = np.random.default_rng(0)
+    for _ in range(300):  # no box of larger volume fits
+        trial = sets.even * np.exp(rng.normal(size=3) * 0.2)
+        if np.prod(trial) > np.prod(sets.even) * (1.0 + 1e-6):
+            assert np.min(b - np.abs(A) @ trial) < 0.0
+
+
+def test_the_sided_box_is_safe_in_every_motion(model: Model) -> None:
+    """Each axis speeds up or slows down on its own: all eight corners, for every direction of motion."""
+    sets = inside(model, share=0.9)
+    rng = np.random.default_rng(1)
+    for _ in range(60):
+        way, yaw = rng.uniform(-np.pi, np.pi), rng.choice([-1.0, 0.0, 1.0])
+        v = np.array([np.cos(way), np.sin(way), yaw / 0.095])
+        corner = np.where(rng.random(3) < 0.5, np.sign(v) * sets.fast, -np.sign(v) * sets.slow)
+        corner[v == 0.0] = 0.0
+        use = realised(model, Motion(velocity=v[None], acceleration=corner[None])).use
+        assert np.max(use) <= 0.9 + 0.02
+
+
+def test_no_safe_set_where_the_robot_must_slip(model: Model) -> None:
+    with pytest.raises(NoSolution, match="use a margin below 0.46"):
+        inside(model, share=0.5)
+    with pytest.raises(NoSolution, match="plan for rollers only"):
+        inside(model, share=0.9, contact=Contact.UNKNOWN)
+    found = bounds(nominal_model(kiwi(grip=GripShape.ELLIPSE), "paper"), step_deg=30.0)
+    assert found.inside is None and "already needs" in found.why_not
+    assert found.recommended_m_s2 == 0.0 and len(found.slipping_rad) == 12
