@@ -66,7 +66,9 @@ class Reading:
 class Importer(Protocol):
     """A format: its name and how one log of it is read."""
 
-    name: str
+    @property
+    def name(self) -> str:
+        """What the format is called in reports."""
 
     def read(self, path: Path) -> Reading:
         """The log as a record, and what was left out of it."""
