@@ -10,14 +10,16 @@ import typer
 from .options import JsonOpt, SeedOpt, put_json
 from .render import progress, say
 
-Folder = Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for reproduce.json and the figures.")]
+Folder = Annotated[
+    Path, typer.Option("--out", metavar="DIR", help="Folder for reproduce.json and the figures.")
+]
 Search = Annotated[bool, typer.Option("--calibrate", help="Search again for what the paper does not print.")]
 
 
 def reproduce(out: Folder, calibrate: Search = False, seed: SeedOpt = 0, json: JsonOpt = None) -> None:
     """Every number and figure (6 to 10) of the paper's simulations, published beside recomputed.
 
-    Constants that the paper does not print come from a documented search and are labelled wherever they appear.
+    Constants that the paper does not print come from a documented search and are labelled so.
     """
     from slipmargin.io.writes import check_writable
 

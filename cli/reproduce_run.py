@@ -59,19 +59,30 @@ def run_reproduction(out: Path, seed: int, search: bool, advance: Any) -> tuple[
 def _figures(unprinted: Unprinted, spreads: list[Spread]) -> dict[str, Figure]:
     runs: dict[tuple[str, bool], Run] = {
         (s, improved): straight_line(s, improved=improved, unprinted=unprinted)
-        for s in ("paper", "carpet") for improved in (False, True)}
+        for s in ("paper", "carpet")
+        for improved in (False, True)
+    }
     still = paper_model("paper", improved=True, unprinted=unprinted)
     phi = np.deg2rad(np.arange(0.0, 90.5, 1.0))
-    notes = ("measured: headings “very small”; tracks not printed as numbers",
-             f"measured headings {', '.join(f'{v:g}' for v in MEASURED_CARPET_PHI_RAD)} rad; ends not printed")
+    notes = (
+        "measured: headings “very small”; tracks not printed as numbers",
+        f"measured headings {', '.join(f'{v:g}' for v in MEASURED_CARPET_PHI_RAD)} rad; ends not printed",
+    )
     made = {"fig8.png": sweep_figure(sweep(still, phi), sweep(still, np.linspace(0.0, 2.0 * np.pi, 361)))}
     for improved, times, paths in ((False, "fig6", "fig7"), (True, "fig9", "fig10")):
         kind = _LABEL[improved]
         made[f"{times}.png"] = run_figure(runs["paper", improved], f"Fig. {times[3:]}: {kind}, paper")
-        made[f"{paths}.png"] = path_figure({s: runs[s, improved] for s in ("paper", "carpet")},
-                                           f"Fig. {paths[3:]}: {kind}", (DISTANCE_M, 0.0), notes)
-    made["spread.png"] = spread_figure({s.surface: s.end for s in spreads},
-                                       {"paper": (-0.111,), "carpet": (0.558, *MEASURED_CARPET_PHI_RAD)}, DISTANCE_M)
+        made[f"{paths}.png"] = path_figure(
+            {s: runs[s, improved] for s in ("paper", "carpet")},
+            f"Fig. {paths[3:]}: {kind}",
+            (DISTANCE_M, 0.0),
+            notes,
+        )
+    made["spread.png"] = spread_figure(
+        {s.surface: s.end for s in spreads},
+        {"paper": (-0.111,), "carpet": (0.558, *MEASURED_CARPET_PHI_RAD)},
+        DISTANCE_M,
+    )
     return made
 
 
@@ -81,42 +92,93 @@ def _png(figure: Figure) -> bytes:
     return out.getvalue()
 
 
-def _report(rows: tuple[Row, ...], spreads: list[Spread], unprinted: Unprinted, found: Calibration | None,
-            seed: int, figures: list[str]) -> dict[str, Any]:
+def _report(
+    rows: tuple[Row, ...],
+    spreads: list[Spread],
+    unprinted: Unprinted,
+    found: Calibration | None,
+    seed: int,
+    figures: list[str],
+) -> dict[str, Any]:
     return {
         "schema": 1,
         "source": "Williams, Carter, Gallina, Rosati, IEEE T-RA 18(3), 2002, sections III.B and IV",
-        "unprinted": {"radius_m": unprinted.radius_m, "beta": unprinted.beta, "rotor_angles_rad": unprinted.angles_rad,
-                      "origin": _NOT_PRINTED,
-                      "calibration": None if found is None else {"misfit_printed_digits": found.misfit,
-                                                                 "tried": found.tried, "seed": found.seed}},
-        "numbers": [{"key": r.key, "what": r.what, "unit": r.unit, "published": r.published,
-                     "recomputed": r.recomputed, "difference": r.difference, "note": r.note} for r in rows],
-        "measured": [{"what": "carpet: φ at the end, three trials", "unit": "rad",
-                      "values": list(MEASURED_CARPET_PHI_RAD), "origin": _MEASURED},
-                     {"what": "paper: φ at the end, four trials", "unit": "rad", "values": None,
-                      "origin": "the text says: very small, close to the angular measurement precision"}],
-        "random_rotor_angles": [{"surface": s.surface, "runs": len(s.end), "seed": seed,
-                                 "mean": dict(zip(("x_short_m", "y_m", "phi_rad"), s.mean, strict=True)),
-                                 "sd": dict(zip(("x_short_m", "y_m", "phi_rad"), s.deviation, strict=True))}
-                                for s in spreads],
+        "unprinted": {
+            "radius_m": unprinted.radius_m,
+            "beta": unprinted.beta,
+            "rotor_angles_rad": unprinted.angles_rad,
+            "origin": _NOT_PRINTED,
+            "calibration": None
+            if found is None
+            else {"misfit_printed_digits": found.misfit, "tried": found.tried, "seed": found.seed},
+        },
+        "numbers": [
+            {
+                "key": r.key,
+                "what": r.what,
+                "unit": r.unit,
+                "published": r.published,
+                "recomputed": r.recomputed,
+                "difference": r.difference,
+                "note": r.note,
+            }
+            for r in rows
+        ],
+        "measured": [
+            {
+                "what": "carpet: φ at the end, three trials",
+                "unit": "rad",
+                "values": list(MEASURED_CARPET_PHI_RAD),
+                "origin": _MEASURED,
+            },
+            {
+                "what": "paper: φ at the end, four trials",
+                "unit": "rad",
+                "values": None,
+                "origin": "the text says: very small, close to the angular measurement precision",
+            },
+        ],
+        "random_rotor_angles": [
+            {
+                "surface": s.surface,
+                "runs": len(s.end),
+                "seed": seed,
+                "mean": dict(zip(("x_short_m", "y_m", "phi_rad"), s.mean, strict=True)),
+                "sd": dict(zip(("x_short_m", "y_m", "phi_rad"), s.deviation, strict=True)),
+            }
+            for s in spreads
+        ],
         "figures": figures,
     }
 
 
-def _lines(rows: tuple[Row, ...], spreads: list[Spread], unprinted: Unprinted, found: Calibration | None,
-           out: Path) -> list[str]:
-    table = columns(("published", "recomputed", "difference", "unit", "quantity"), [
-        (f"{r.published:.4g}", f"{r.recomputed:.4g}", f"{r.difference:+.2g}", r.unit, r.key) for r in rows])
+def _lines(
+    rows: tuple[Row, ...], spreads: list[Spread], unprinted: Unprinted, found: Calibration | None, out: Path
+) -> list[str]:
+    table = columns(
+        ("published", "recomputed", "difference", "unit", "quantity"),
+        [(f"{r.published:.4g}", f"{r.recomputed:.4g}", f"{r.difference:+.2g}", r.unit, r.key) for r in rows],
+    )
     notes = [f"  {r.key}: {r.what}" + (f" ({r.note})" if r.note else "") for r in rows]
     angles = ", ".join(f"{a:.3f}" for a in unprinted.angles_rad)
-    lines = [*table, *notes,
-             f"{_NOT_PRINTED}: r = {unprinted.radius_m:.4g} m, m r²/I = {unprinted.beta:.4g}, rotor angles {angles} rad"]
+    lines = [
+        *table,
+        *notes,
+        f"{_NOT_PRINTED}: r = {unprinted.radius_m:.4g} m, m r²/I = {unprinted.beta:.4g}, "
+        f"rotor angles {angles} rad",
+    ]
     if found is not None:
-        lines.append(f"searched {found.tried} settings, root mean square misfit {found.misfit:.2g} printed digits")
+        lines.append(
+            f"searched {found.tried} settings, root mean square misfit {found.misfit:.2g} printed digits"
+        )
     for s in spreads:
         (x, y, phi), (dx, dy, dphi) = s.mean, s.deviation
-        lines.append(f"random rotor angles, {s.surface}, {len(s.end)} runs: x short {1e3 * x:.1f} ± {1e3 * dx:.1f} mm, "
-                     f"y {1e3 * y:.1f} ± {1e3 * dy:.1f} mm, φ {phi:.3f} ± {dphi:.3f} rad (mean ± one s.d.)")
-    lines.append(f"measured φ on carpet {', '.join(f'{v:g}' for v in MEASURED_CARPET_PHI_RAD)} rad ({_MEASURED})")
+        lines.append(
+            f"random rotor angles, {s.surface}, {len(s.end)} runs: "
+            f"x short {1e3 * x:.1f} ± {1e3 * dx:.1f} mm, "
+            f"y {1e3 * y:.1f} ± {1e3 * dy:.1f} mm, φ {phi:.3f} ± {dphi:.3f} rad (mean ± one s.d.)"
+        )
+    lines.append(
+        f"measured φ on carpet {', '.join(f'{v:g}' for v in MEASURED_CARPET_PHI_RAD)} rad ({_MEASURED})"
+    )
     return [*lines, f"written: {out / 'reproduce.json'} and figures"]

@@ -10,22 +10,42 @@ import typer
 from .options import JsonOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, put_json
 from .render import progress, say, warn
 
-Commands = Annotated[Path, typer.Argument(metavar="COMMANDS.csv", help="Wheel speeds, or a planned trajectory.")]
-Angles = Annotated[str | None, typer.Option("--theta0", metavar="A,B,…", help="Wheel angles at the start [rad].")]
+Commands = Annotated[
+    Path, typer.Argument(metavar="COMMANDS.csv", help="Wheel speeds, or a planned trajectory.")
+]
+Angles = Annotated[
+    str | None, typer.Option("--theta0", metavar="A,B,…", help="Wheel angles at the start [rad].")
+]
 Step = Annotated[float, typer.Option("--step", metavar="S", help="Time between rows of the output [s].")]
-Until = Annotated[float | None, typer.Option("--until", metavar="S", help="Hold the last row until this time [s].")]
-Force = Annotated[str | None, typer.Option("--push", metavar="FX,FY,MZ",
-                                           help="Constant push on the centre of mass, floor axes [N, N, N m].")]
+Until = Annotated[
+    float | None, typer.Option("--until", metavar="S", help="Hold the last row until this time [s].")
+]
+Force = Annotated[
+    str | None,
+    typer.Option(
+        "--push", metavar="FX,FY,MZ", help="Constant push on the centre of mass, floor axes [N, N, N m]."
+    ),
+]
 Rtol = Annotated[float, typer.Option("--rtol", metavar="R", help="Relative error allowed a step.")]
 
 
-def simulate(robot: RobotArg, commands: Commands, surface: SurfaceOpt, out: OutOpt = None, theta0: Angles = None,
-             step: Step = 0.01, until: Until = None, push: Force = None, rtol: Rtol = 1e-7, plot: PlotOpt = None,
-             json: JsonOpt = None) -> None:
-    """Simulate the slipping motion under wheel speeds (t_s, omega{i}_rad_s, held between rows) or along a plan.
+def simulate(
+    robot: RobotArg,
+    commands: Commands,
+    surface: SurfaceOpt,
+    out: OutOpt = None,
+    theta0: Angles = None,
+    step: Step = 0.01,
+    until: Until = None,
+    push: Force = None,
+    rtol: Rtol = 1e-7,
+    plot: PlotOpt = None,
+    json: JsonOpt = None,
+) -> None:
+    """Simulate the slipping motion under wheel speeds (t_s, omega{i}_rad_s, held between rows) or a plan.
 
-    A planned trajectory is followed open loop, its wheel speeds straight lines between rows, from its first pose.
-    The drives' lag, delay and droop that the robot file lists act on the commands.  Velocities are in floor axes.
+    A plan is followed open loop from its first pose, its wheel speeds straight lines between rows.
+    Lag, delay and droop that the robot file lists act on the commands.  Velocities are in floor axes.
     """
     from .machine import machine
     from .simulate_run import run_simulation

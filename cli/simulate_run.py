@@ -46,10 +46,17 @@ class Simulation:
 
     def as_json(self) -> dict[str, Any]:
         """The contract's columns and what stands on stdout."""
-        return {"schema": 1, "robot": self.model.robot, "surface": self.model.surface,
-                "end_pose": self.run.pose[-1], "planned_end_pose": self.planned_end,
-                "friction_work_J": self._work(), "peak_drive_slip_m_s": np.abs(self.run.slip[..., 0]).max(axis=0),
-                "least_load_N": self.run.load.min(axis=0), **self.run.columns()}
+        return {
+            "schema": 1,
+            "robot": self.model.robot,
+            "surface": self.model.surface,
+            "end_pose": self.run.pose[-1],
+            "planned_end_pose": self.planned_end,
+            "friction_work_J": self._work(),
+            "peak_drive_slip_m_s": np.abs(self.run.slip[..., 0]).max(axis=0),
+            "least_load_N": self.run.load.min(axis=0),
+            **self.run.columns(),
+        }
 
     def _work(self) -> float:
         power, t = self.run.friction_power_W, self.run.t_s
@@ -61,18 +68,31 @@ class Simulation:
         x, y, phi = run.pose[-1]
         slip = np.abs(run.slip[..., 0])
         when, wheel = np.unravel_index(int(np.argmax(slip)), slip.shape)
-        lines = [f"ends at x {x:.4f} m, y {y:.4f} m, φ {phi:.4f} rad after {run.duration_s:.3g} s "
-                 f"({self.model.robot} on {self.model.surface})",
-                 f"largest drive slip {slip[when, wheel]:.4g} m/s, wheel {run.wheels[wheel]} at {run.t_s[when]:.3g} s; "
-                 f"sliding takes {-self._work():.3g} J"]
+        lines = [
+            f"ends at x {x:.4f} m, y {y:.4f} m, φ {phi:.4f} rad after {run.duration_s:.3g} s "
+            f"({self.model.robot} on {self.model.surface})",
+            f"largest drive slip {slip[when, wheel]:.4g} m/s, "
+            f"wheel {run.wheels[wheel]} at {run.t_s[when]:.3g} s; "
+            f"sliding takes {-self._work():.3g} J",
+        ]
         if self.planned_end is not None:
             miss = run.pose[-1] - self.planned_end
-            lines.append(f"misses the planned end by {1e3 * math.hypot(*miss[:2]):.2f} mm and {miss[2]:.4f} rad")
+            lines.append(
+                f"misses the planned end by {1e3 * math.hypot(*miss[:2]):.2f} mm and {miss[2]:.4f} rad"
+            )
         return lines
 
 
-def run_simulation(model: Model, file: Path, theta0: str | None, step: float, until: float | None, push: str | None,
-                   rtol: float, outputs: tuple[Path | str | None, ...]) -> Simulation:
+def run_simulation(
+    model: Model,
+    file: Path,
+    theta0: str | None,
+    step: float,
+    until: float | None,
+    push: str | None,
+    rtol: float,
+    outputs: tuple[Path | str | None, ...],
+) -> Simulation:
     """Read, check, simulate; outputs are checked before any work is done.
 
     Raises
@@ -98,16 +118,22 @@ def run_simulation(model: Model, file: Path, theta0: str | None, step: float, un
     first, last = float(signal.knots_s[0]), float(signal.knots_s[-1])
     if not 0.0 < step < math.inf or (last - first) / step > _MOST:
         refuse("--step", f"is {step:g} s over {last - first:g} s", f"give 1 to {_MOST} rows")
-    rows = max(int(round((last - first) / step)), 1)
-    times = np.linspace(first, last, rows + 1) if abs(rows * step - (last - first)) < 1e-9 else np.append(
-        np.arange(first, last, step), last)
+    rows = max(round((last - first) / step), 1)
+    times = (
+        np.linspace(first, last, rows + 1)
+        if abs(rows * step - (last - first)) < 1e-9
+        else np.append(np.arange(first, last, step), last)
+    )
     outside = None if wrench is None else Push(t_s=np.array([first, last]), wrench=np.stack([wrench, wrench]))
-    run = simulate(model, signal, times, commanded=True, start_pose=start, start_twist=twist, push=outside, rtol=rtol)
+    run = simulate(
+        model, signal, times, commanded=True, start_pose=start, start_twist=twist, push=outside, rtol=rtol
+    )
     return Simulation(model=model, run=run, planned_end=goal)
 
 
-def _read(model: Model, file: Path, angles: Array, until: float | None) -> tuple[
-        WheelSignal, Array | None, Array | None, Array | None]:
+def _read(
+    model: Model, file: Path, angles: Array, until: float | None
+) -> tuple[WheelSignal, Array | None, Array | None, Array | None]:
     speeds = [f"omega{i + 1}_rad_s" for i in range(model.count)]
     plan = (*_POSE, *_VELOCITY, *_ACCELERATION, *(f"use{i + 1}" for i in range(model.count)))
     table = read_columns(file, required=("t_s", *speeds), known=plan, empty=None, least=1)
@@ -119,7 +145,9 @@ def _read(model: Model, file: Path, angles: Array, until: float | None) -> tuple
     if any(name in table.names for name in _POSE):
         for name in _POSE:
             if name not in table.names:
-                raise InputError(name, "this column is missing", "a planned trajectory needs x_m, y_m and phi_rad")
+                raise InputError(
+                    name, "this column is missing", "a planned trajectory needs x_m, y_m and phi_rad"
+                )
         _filled(table, _POSE)
         pose = table.stack(_POSE)
         twist = None
@@ -139,8 +167,9 @@ def _filled(table: Columns, names: tuple[str, ...]) -> None:
         gaps = np.flatnonzero(~np.isfinite(table[name]))
         if len(gaps):
             line = table.lines[gaps[0]]
-            raise InputError(f"{line}:{table.names.index(name) + 1}", f"{name} is empty or not finite",
-                             "give a number")
+            raise InputError(
+                f"{line}:{table.names.index(name) + 1}", f"{name} is empty or not finite", "give a number"
+            )
 
 
 def _allowed(model: Model, table: Columns, omega: Array, speeds: list[str]) -> None:
@@ -150,9 +179,11 @@ def _allowed(model: Model, table: Columns, omega: Array, speeds: list[str]) -> N
     over = np.argwhere(np.abs(omega) > most * (1.0 + 1e-9))
     if len(over):
         row, i = over[0]
-        raise InputError(f"{table.lines[row]}:{table.names.index(speeds[i]) + 1}",
-                         f"{speeds[i]} is {omega[row, i]:g}, the motor reaches {most:g} rad/s",
-                         "command less, or correct motor.max_speed_rad_s")
+        raise InputError(
+            f"{table.lines[row]}:{table.names.index(speeds[i]) + 1}",
+            f"{speeds[i]} is {omega[row, i]:g}, the motor reaches {most:g} rad/s",
+            "command less, or correct motor.max_speed_rad_s",
+        )
 
 
 def _numbers(option: str, text: str, count: int) -> Array:

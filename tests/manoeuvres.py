@@ -14,12 +14,27 @@ from slipmargin.model.variables import Basis, Frame, Target, Variable
 from slipmargin.sim.signal import WheelSignal, held, hermite, linear
 
 #: A sensible size of each variable that friction may depend on, for the shape of its basis.
-SIZE = {Variable.UNITY: 1.0, Variable.WHEEL_ANGLE: 2.0 * np.pi, Variable.WHEEL_LOAD: 1.0, Variable.SLIP_SPEED: 0.03,
-        Variable.SLIP_RATIO: 0.5, Variable.SLIP_ANGLE: 1.0, Variable.ROLLING_SPEED: 0.2, Variable.VELOCITY_X: 0.2,
-        Variable.VELOCITY_Y: 0.2, Variable.YAW_RATE: 1.0, Variable.SPEED: 0.2, Variable.ACCELERATION_X: 1.0,
-        Variable.ACCELERATION_Y: 1.0, Variable.YAW_ACCELERATION: 5.0, Variable.HEADING: 1.0,
-        Variable.POSITION_X: 0.1, Variable.POSITION_Y: 0.1, Variable.TIME: 0.3,
-        Variable.SLIP_HEADING: 2.0 * np.pi}
+SIZE = {
+    Variable.UNITY: 1.0,
+    Variable.WHEEL_ANGLE: 2.0 * np.pi,
+    Variable.WHEEL_LOAD: 1.0,
+    Variable.SLIP_SPEED: 0.03,
+    Variable.SLIP_RATIO: 0.5,
+    Variable.SLIP_ANGLE: 1.0,
+    Variable.ROLLING_SPEED: 0.2,
+    Variable.VELOCITY_X: 0.2,
+    Variable.VELOCITY_Y: 0.2,
+    Variable.YAW_RATE: 1.0,
+    Variable.SPEED: 0.2,
+    Variable.ACCELERATION_X: 1.0,
+    Variable.ACCELERATION_Y: 1.0,
+    Variable.YAW_ACCELERATION: 5.0,
+    Variable.HEADING: 1.0,
+    Variable.POSITION_X: 0.1,
+    Variable.POSITION_Y: 0.1,
+    Variable.TIME: 0.3,
+    Variable.SLIP_HEADING: 2.0 * np.pi,
+}
 
 
 def wheel_motion(signal: WheelSignal):
@@ -30,8 +45,11 @@ def wheel_motion(signal: WheelSignal):
         k = int(np.clip(np.searchsorted(knots, t, side="right") - 1, 0, len(pieces) - 1))
         x = t - knots[k]
         c = pieces[k].T
-        return (c[0] + x * (c[1] + x * (c[2] + x * c[3])), c[1] + x * (2 * c[2] + 3 * x * c[3]),
-                2 * c[2] + 6 * x * c[3])
+        return (
+            c[0] + x * (c[1] + x * (c[2] + x * c[3])),
+            c[1] + x * (2 * c[2] + 3 * x * c[3]),
+            2 * c[2] + 6 * x * c[3],
+        )
 
     return at
 
@@ -59,16 +77,24 @@ def driven(draw: st.DrawFn, **kwargs) -> tuple[Model, WheelSignal]:
         return model, held(knots, omega, theta0=theta0)
     if kind == "linear":
         return model, linear(knots, omega, theta0=theta0)
-    theta = theta0 + np.vstack([np.zeros(model.count), np.cumsum(
-        0.5 * (omega[1:] + omega[:-1]) * np.diff(knots)[:, None], axis=0)])
+    theta = theta0 + np.vstack(
+        [np.zeros(model.count), np.cumsum(0.5 * (omega[1:] + omega[:-1]) * np.diff(knots)[:, None], axis=0)]
+    )
     return model, hermite(knots, theta, omega)
 
 
 def basis_shape(basis: Basis, size: float) -> tuple[np.ndarray, int]:
     """Constants and a number of functions of a basis over a variable of this size."""
-    shapes = {Basis.CONSTANT: ((1.0, 1.0), 1), Basis.POLYNOMIAL: ((size, 0.0), 3), Basis.FOURIER: ((size, 0.0), 4),
-              Basis.HATS: ((-size, size), 5), Basis.DECAY: ((size, 2.0), 1), Basis.RECIPROCAL: ((size, 3.0 * size), 1),
-              Basis.WINDOW: ((0.2 * size, 0.7 * size), 1), Basis.ODD: ((size, 0.0), 2)}
+    shapes = {
+        Basis.CONSTANT: ((1.0, 1.0), 1),
+        Basis.POLYNOMIAL: ((size, 0.0), 3),
+        Basis.FOURIER: ((size, 0.0), 4),
+        Basis.HATS: ((-size, size), 5),
+        Basis.DECAY: ((size, 2.0), 1),
+        Basis.RECIPROCAL: ((size, 3.0 * size), 1),
+        Basis.WINDOW: ((0.2 * size, 0.7 * size), 1),
+        Basis.ODD: ((size, 0.0), 2),
+    }
     constants, count = shapes[basis]
     return np.array(constants), count
 
@@ -77,8 +103,14 @@ def modulation(variable: Variable, basis: Basis, target: Target, count: int, see
     """A modulation of a moderate size with drawn coefficients."""
     rng = np.random.default_rng(seed)
     shape, size = basis_shape(basis, SIZE[variable])
-    return Modulation(variable=variable, basis=basis, target=target, shape=shape, wheels=rng.uniform(0.5, 1.0, count),
-                      coefficients=0.15 * rng.uniform(-1.0, 1.0, size))
+    return Modulation(
+        variable=variable,
+        basis=basis,
+        target=target,
+        shape=shape,
+        wheels=rng.uniform(0.5, 1.0, count),
+        coefficients=0.15 * rng.uniform(-1.0, 1.0, size),
+    )
 
 
 def force(variable: Variable, basis: Basis, frame: Frame, seed: int, newton: float = 0.5) -> ForceTerm:
@@ -89,7 +121,9 @@ def force(variable: Variable, basis: Basis, frame: Frame, seed: int, newton: flo
     return ForceTerm(variable=variable, basis=basis, frame=frame, shape=shape, coefficients=rows)
 
 
-def with_terms(model: Model, modulations: tuple[Modulation, ...] = (), forces: tuple[ForceTerm, ...] = ()) -> Model:
+def with_terms(
+    model: Model, modulations: tuple[Modulation, ...] = (), forces: tuple[ForceTerm, ...] = ()
+) -> Model:
     """The model with these on top."""
     grip = replace(model.grip, modulations=(*model.grip.modulations, *modulations))
     return replace(model, grip=grip, losses=replace(model.losses, terms=(*model.losses.terms, *forces)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -39,7 +40,7 @@ class Ending(IntEnum):
 class Push:
     """A force on the centre of mass, piecewise linear in time: floor frame [N, N, N m].
 
-    ``t_s`` (Q,) ascending [s], Q ≥ 2, ``wrench`` (Q, 3); before the first and after the last row the end value.
+    ``t_s`` (Q,) ascending [s], Q ≥ 2, ``wrench`` (Q, 3); outside its rows the nearest end's value.
     """
 
     t_s: Array
@@ -91,23 +92,37 @@ class Batch:
         External force of each signal.
     """
 
-    def __init__(self, signals: Sequence[WheelSignal], times_s: Sequence[Array], *, commanded: bool = False,
-                 pushes: Sequence[Push | None] | None = None) -> None:
+    def __init__(
+        self,
+        signals: Sequence[WheelSignal],
+        times_s: Sequence[Array],
+        *,
+        commanded: bool = False,
+        pushes: Sequence[Push | None] | None = None,
+    ) -> None:
         if not signals:
             raise InputError("signals", "there are none", "give at least one run")
         if len(times_s) != len(signals):
-            raise InputError("times_s", f"has {len(times_s)} runs, there are {len(signals)} signals",
-                             "give the output times of each run")
+            raise InputError(
+                "times_s",
+                f"has {len(times_s)} runs, there are {len(signals)} signals",
+                "give the output times of each run",
+            )
         pushes = [None] * len(signals) if pushes is None else list(pushes)
         if len(pushes) != len(signals):
-            raise InputError("pushes", f"has {len(pushes)} runs, there are {len(signals)} signals",
-                             "give one push (or None) a run")
+            raise InputError(
+                "pushes",
+                f"has {len(pushes)} runs, there are {len(signals)} signals",
+                "give one push (or None) a run",
+            )
         self.wheels = signals[0].wheels
         self.count = len(signals)
         self.commanded = commanded
         for s in signals:
             if s.wheels != self.wheels:
-                raise InputError("signals", f"have {self.wheels} and {s.wheels} wheels", "give one robot's runs")
+                raise InputError(
+                    "signals", f"have {self.wheels} and {s.wheels} wheels", "give one robot's runs"
+                )
         first = [float(s.knots_s[0]) for s in signals]
         times = [_times(t, s) - t0 for t, s, t0 in zip(times_s, signals, first, strict=True)]
         self._knots = np.concatenate([s.knots_s - t0 for s, t0 in zip(signals, first, strict=True)])
@@ -126,15 +141,25 @@ class Batch:
         self.lengths = np.diff(self._time_at)
         self._all = np.arange(self.count)
 
-    def run(self, models: Array, start_pose: Array, *, start_twist: Array | None = None,
-            which: NDArray[np.int64] | None = None, signal: NDArray[np.int64] | None = None, tell: bool = False,
-            rtol: float = RTOL, atol: float | None = None, max_steps: int = MAX_STEPS) -> Outcome:
+    def run(
+        self,
+        models: Array,
+        start_pose: Array,
+        *,
+        start_twist: Array | None = None,
+        which: NDArray[np.int64] | None = None,
+        signal: NDArray[np.int64] | None = None,
+        tell: bool = False,
+        rtol: float = RTOL,
+        atol: float | None = None,
+        max_steps: int = MAX_STEPS,
+    ) -> Outcome:
         """Simulate.
 
         Parameters
         ----------
         models : array (L,) or (M, L)
-            One packed model (:func:`slipmargin.sim.pack.pack`) or several (:func:`~slipmargin.sim.pack.stack`).
+            One packed model or several: :mod:`slipmargin.sim.pack`, ``pack`` and ``stack``.
         start_pose : array (3,) or (R, 3)
             Pose of the body frame's origin at each run's first knot [m, m, rad].
         start_twist : array (3,) or (R, 3), optional
@@ -152,22 +177,46 @@ class Batch:
         """
         models = np.atleast_2d(models)
         if int(models[0, at.COUNT]) != self.wheels:
-            raise InputError("wheels", f"the signals have {self.wheels}, the robot has {int(models[0, at.COUNT])}",
-                             "give a column for every wheel")
+            raise InputError(
+                "wheels",
+                f"the signals have {self.wheels}, the robot has {int(models[0, at.COUNT])}",
+                "give a column for every wheel",
+            )
         signal = self._all if signal is None else signal
         runs = len(signal)
         which = np.zeros(runs, dtype=np.int64) if which is None else which
         start = np.empty((runs, 6))
         start[:, :3] = start_pose
         start[:, 3:] = 0.0 if start_twist is None else start_twist
-        com = models[which, at.COM_X:at.COM_Y + 1]
+        com = models[which, at.COM_X : at.COM_Y + 1]
         _to_centre(start, com)
         n, longest = self.wheels, self.longest
         Y, info = np.empty((runs, longest, 6)), np.empty((runs, 5))
         told = np.zeros((runs, longest, n, TOLD)) if tell else np.zeros((1, longest, n, TOLD))
-        args = (models, which, signal, self._knot_at, self._knots, self._piece_at, self._coef, self._spin,
-                self.commanded, self._push_at, self._push_t, self._push_w, self._time_at, self._times, start, rtol,
-                0.01 * rtol if atol is None else atol, max_steps, Y, tell, told, info)
+        args = (
+            models,
+            which,
+            signal,
+            self._knot_at,
+            self._knots,
+            self._piece_at,
+            self._coef,
+            self._spin,
+            self.commanded,
+            self._push_at,
+            self._push_t,
+            self._push_w,
+            self._time_at,
+            self._times,
+            start,
+            rtol,
+            0.01 * rtol if atol is None else atol,
+            max_steps,
+            Y,
+            tell,
+            told,
+            info,
+        )
         _spread(run_range, runs, args)
         if self.commanded and models[:, at.MOTOR].any():
             from slipmargin.sim.motor import run_motor_range  # compiled only where it is needed
@@ -179,8 +228,14 @@ class Batch:
             pose[..., 0] -= c * com[:, None, 0] - s * com[:, None, 1]
             pose[..., 1] -= s * com[:, None, 0] + c * com[:, None, 1]
         more = {"theta": told[..., 0], "slip": told[..., 1:3], "force": told[..., 3:5], "load": told[..., 5]}
-        return Outcome(pose=pose, state=Y, ending=info[:, 0].astype(np.int64), stopped_s=info[:, 1],
-                       steps=info[:, 2:4].astype(np.int64), **(more if tell else {}))
+        return Outcome(
+            pose=pose,
+            state=Y,
+            ending=info[:, 0].astype(np.int64),
+            stopped_s=info[:, 1],
+            steps=info[:, 2:4].astype(np.int64),
+            **(more if tell else {}),
+        )
 
 
 def _spread(work: Callable[..., None], runs: int, args: tuple[object, ...]) -> None:
@@ -190,7 +245,7 @@ def _spread(work: Callable[..., None], runs: int, args: tuple[object, ...]) -> N
         return
     parts = min(runs, 4 * _THREADS)
     cuts = [runs * k // parts for k in range(parts + 1)]
-    jobs = [_POOL.submit(work, low, high, *args) for low, high in zip(cuts[:-1], cuts[1:], strict=True)]
+    jobs = [_POOL.submit(work, low, high, *args) for low, high in itertools.pairwise(cuts)]
     for job in jobs:
         job.result()
 
@@ -215,6 +270,9 @@ def _times(t: Array, signal: WheelSignal) -> Array:
         raise InputError("times_s", "are empty or not ascending", "give ascending output times")
     first, last = float(signal.knots_s[0]), float(signal.knots_s[-1])
     if times[0] < first - 1e-12 or times[-1] > last + 1e-9:
-        raise InputError("times_s", f"run from {times[0]:g} to {times[-1]:g} s, the wheels are known from {first:g} "
-                         f"to {last:g} s", "ask within the wheels' data")
+        raise InputError(
+            "times_s",
+            f"run from {times[0]:g} to {times[-1]:g} s, the wheels are known from {first:g} to {last:g} s",
+            "ask within the wheels' data",
+        )
     return np.clip(times, first, last)

@@ -14,7 +14,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-
 from slipmargin.sim import layout as at
 from slipmargin.sim.compiled import fast
 from slipmargin.sim.friction import contact
@@ -25,8 +24,16 @@ _COUNT, _MASS, _INERTIA, _COM_X, _COM_Y = at.COUNT, at.MASS, at.INERTIA, at.COM_
 _K, _SHAPE, _COUPLING, _CW, _CT = at.STEEPNESS, at.SHAPE, at.COUPLING, at.VISCOUS_W, at.VISCOUS_T
 _MODS, _MODS_AT, _FORCES, _FORCES_AT = at.MODULATIONS, at.MODULATIONS_AT, at.FORCES, at.FORCES_AT
 _FOLLOWS, _ITERATES, _SHARE = at.LOAD_FOLLOWS, at.LOAD_ITERATES, at.SHARE
-_AX, _AY, _DX, _DY, _GX, _GY, _FX, _FY = (at.ARM_X, at.ARM_Y, at.DRIVE_X, at.DRIVE_Y, at.GRIP_X, at.GRIP_Y,
-                                          at.FREE_X, at.FREE_Y)
+_AX, _AY, _DX, _DY, _GX, _GY, _FX, _FY = (
+    at.ARM_X,
+    at.ARM_Y,
+    at.DRIVE_X,
+    at.DRIVE_Y,
+    at.GRIP_X,
+    at.GRIP_Y,
+    at.FREE_X,
+    at.FREE_Y,
+)
 _RHO, _REST, _LX, _LY, _RW, _GW = at.RADIUS, at.REST, at.LOAD_X, at.LOAD_Y, at.ROLLER_W, at.RIGID_W
 _NSX = at.NO_SLIP_X
 
@@ -101,8 +108,8 @@ def _wheel_variable(P: Any, code: int, i: int, direction: int, y: Any, C: Any) -
     hub = math.hypot(y[3] - y[5] * P[q + _AY], y[4] + y[5] * P[q + _AX])
     roll = max(hub, abs(P[q + _RHO] * C[i, OMEGA]))
     if code == 6:
-        return roll
-    return abs(float(u)) / (roll + CRAWL_M_S)
+        return float(roll)
+    return float(abs(u) / (roll + CRAWL_M_S))
 
 
 @fast
@@ -228,7 +235,12 @@ def evaluate(P: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None:
                 lx += m * P[q + _LX]
                 ly += m * P[q + _LY]
         det = 1.0 / (mxx * myy - mxy * myx)
-        B[INVERSE], B[INVERSE + 1], B[INVERSE + 2], B[INVERSE + 3] = myy * det, -mxy * det, -myx * det, mxx * det
+        B[INVERSE], B[INVERSE + 1], B[INVERSE + 2], B[INVERSE + 3] = (
+            myy * det,
+            -mxy * det,
+            -myx * det,
+            mxx * det,
+        )
         B[LEVER], B[LEVER + 1] = lx, ly
         ax = B[INVERSE] * fx + B[INVERSE + 1] * fy
         ay = B[INVERSE + 2] * fx + B[INVERSE + 3] * fy

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.sim.batch import Batch
@@ -61,8 +62,12 @@ def calibrate(*, seed: int = 0, draws: int = 2000, best: int = 3, refine: int = 
     found, tried = [], draws
     for k in np.argsort(score)[:best]:
         step = np.vstack([tries[k], tries[k] + np.diag([0.004, 0.08, 0.05, 0.05, 0.05])])
-        done = minimize(lambda x: float(_misfits(x[None, :])[0]), tries[k], method="Nelder-Mead",
-                        options={"maxfev": refine, "initial_simplex": step, "xatol": 1e-5, "fatol": 1e-6})
+        done = minimize(
+            lambda x: float(_misfits(x[None, :])[0]),
+            tries[k],
+            method="Nelder-Mead",
+            options={"maxfev": refine, "initial_simplex": step, "xatol": 1e-5, "fatol": 1e-6},
+        )
         found.append((float(done.fun), done.x))
         tried += int(done.nfev)
     misfit, x = min(found, key=lambda pair: pair[0])
@@ -70,7 +75,7 @@ def calibrate(*, seed: int = 0, draws: int = 2000, best: int = 3, refine: int = 
     return Calibration(unprinted=unprinted, misfit=misfit, tried=tried, seed=seed)
 
 
-def _end(models: list[Array], angles: Array, which: Array) -> Array:
+def _end(models: list[Array], angles: Array, which: NDArray[np.int64]) -> Array:
     batch = Batch([command(a) for a in angles], [np.array([0.0, STILL_S])] * len(angles))
     end = batch.run(stack(models), np.zeros(3), which=which, rtol=_RTOL).pose[:, -1]
     return np.asarray(np.array([DISTANCE_M, 0.0, 0.0]) + np.array([-1.0, 1.0, 1.0]) * end)
@@ -78,7 +83,11 @@ def _end(models: list[Array], angles: Array, which: Array) -> Array:
 
 def _initial_misfit(radius_m: float, beta: float) -> float:
     still = Unprinted(radius_m=radius_m, beta=beta, angles_rad=np.zeros(3))
-    end = _end([pack(paper_model("paper", improved=False, unprinted=still))], np.zeros((1, 3)), np.zeros(1, dtype=int))
+    end = _end(
+        [pack(paper_model("paper", improved=False, unprinted=still))],
+        np.zeros((1, 3)),
+        np.zeros(1, dtype=int),
+    )
     return float(np.mean(((end[0] - _INITIAL) / _INITIAL_UNIT) ** 2))
 
 
@@ -91,10 +100,12 @@ def _misfits(x: Array) -> Array:
     rows = x[inside]
     makers, which = np.unique(rows[:, :2], axis=0, return_inverse=True)
     unprinted = [Unprinted(radius_m=r, beta=b, angles_rad=np.zeros(3)) for r, b in makers]
-    which = np.asarray(which).reshape(-1)
+    which = np.asarray(which, dtype=np.int64).reshape(-1)
     plain = np.array([_initial_misfit(r, b) for r, b in makers])[which]
-    ends = {s: _end([pack(paper_model(s, improved=True, unprinted=u)) for u in unprinted], rows[:, 2:], which)
-            for s in ("paper", "carpet")}
+    ends = {
+        s: _end([pack(paper_model(s, improved=True, unprinted=u)) for u in unprinted], rows[:, 2:], which)
+        for s in ("paper", "carpet")
+    }
     paper = np.sum(((ends["paper"] - _IMPROVED) / _IMPROVED_UNIT) ** 2, axis=1)
     carpet = ((np.abs(ends["carpet"][:, 2]) - _CARPET_PHI) / _CARPET_UNIT) ** 2
     out[inside] = np.sqrt((3.0 * plain + paper + carpet) / 7.0)

@@ -26,8 +26,14 @@ Slope = tuple[float, float, float, float, float, float]
 def box(uw: float, ut: float, mw: float, mt: float, kw: float, kt: float) -> Slope:
     """(f_W, f_T, ∂f_W/∂u_W, ∂f_W/∂u_T, ∂f_T/∂u_W, ∂f_T/∂u_T) of eq. (11) in each direction."""
     a, b = kw * uw, kt * ut
-    return (mw * _TWO_PI * math.atan(a), mt * _TWO_PI * math.atan(b),
-            mw * _TWO_PI * kw / (1.0 + a * a), 0.0, 0.0, mt * _TWO_PI * kt / (1.0 + b * b))
+    return (
+        mw * _TWO_PI * math.atan(a),
+        mt * _TWO_PI * math.atan(b),
+        mw * _TWO_PI * kw / (1.0 + a * a),
+        0.0,
+        0.0,
+        mt * _TWO_PI * kt / (1.0 + b * b),
+    )
 
 
 @fast
@@ -45,8 +51,14 @@ def ellipse(uw: float, ut: float, mw: float, mt: float, k: float) -> Slope:
     """Elliptic law; with μ_T = μ_W the isotropic disc."""
     e = (mt / mw) ** 2
     q, dq = _secant(math.sqrt(uw * uw + e * ut * ut), k)
-    return (mw * q * uw, mw * e * q * ut, mw * (q + dq * uw * uw), mw * dq * e * uw * ut,
-            mw * dq * e * uw * ut, mw * e * (q + dq * e * ut * ut))
+    return (
+        mw * q * uw,
+        mw * e * q * ut,
+        mw * (q + dq * uw * uw),
+        mw * dq * e * uw * ut,
+        mw * dq * e * uw * ut,
+        mw * e * (q + dq * e * ut * ut),
+    )
 
 
 @fast
@@ -93,8 +105,9 @@ def disc_strip(uw: float, ut: float, mw: float, mt: float, k: float) -> Slope:
 
 
 @fast
-def contact(shape: int, coupling: float, uw: float, ut: float, mw: float, mt: float,
-            kw: float, kt: float) -> Slope:
+def contact(
+    shape: int, coupling: float, uw: float, ut: float, mw: float, mt: float, kw: float, kt: float
+) -> Slope:
     """The law of a shape: 0 box, 1 disc-strip, 2 ellipse, in its share ``coupling``."""
     if shape == 0 or coupling == 0.0 or mw <= 0.0:
         return box(uw, ut, mw, mt, kw, kt)
@@ -103,5 +116,11 @@ def contact(shape: int, coupling: float, uw: float, ut: float, mw: float, mt: fl
         return c
     b = box(uw, ut, mw, mt, kw, kt)
     s, r = coupling, 1.0 - coupling
-    return (r * b[0] + s * c[0], r * b[1] + s * c[1], r * b[2] + s * c[2], s * c[3], s * c[4],
-            r * b[5] + s * c[5])
+    return (
+        r * b[0] + s * c[0],
+        r * b[1] + s * c[1],
+        r * b[2] + s * c[2],
+        s * c[3],
+        s * c[4],
+        r * b[5] + s * c[5],
+    )

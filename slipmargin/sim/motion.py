@@ -80,8 +80,24 @@ def _lightest(C: Any) -> float:
 
 
 @fast
-def run(P: Any, knots: Any, coef: Any, spin: Any, commanded: bool, pt: Any, pw: Any, times: Any, y0: Any,
-        rtol: float, atol: float, max_steps: int, Y: Any, tell: bool, told: Any, info: Any) -> None:
+def run(
+    P: Any,
+    knots: Any,
+    coef: Any,
+    spin: Any,
+    commanded: bool,
+    pt: Any,
+    pw: Any,
+    times: Any,
+    y0: Any,
+    rtol: float,
+    atol: float,
+    max_steps: int,
+    Y: Any,
+    tell: bool,
+    told: Any,
+    info: Any,
+) -> None:
     """Integrate one run and write the state at ``times``.
 
     P packed model; knots (K+1), coef (K, N, 5) wheel pieces, ``spin`` (N) their speed before;
@@ -222,10 +238,32 @@ def run(P: Any, knots: Any, coef: Any, spin: Any, commanded: bool, pt: Any, pw: 
 
 
 @fast_unlocked
-def run_range(low: int, high: int, models: Any, which: Any, signal: Any, knot_at: Any, knots: Any, piece_at: Any,
-              coef: Any, spin: Any, commanded: bool, push_at: Any, pt: Any, pw: Any, time_at: Any, times: Any,
-              start: Any, rtol: float, atol: float, max_steps: int, Y: Any, tell: bool, told: Any,
-              info: Any) -> None:
+def run_range(
+    low: int,
+    high: int,
+    models: Any,
+    which: Any,
+    signal: Any,
+    knot_at: Any,
+    knots: Any,
+    piece_at: Any,
+    coef: Any,
+    spin: Any,
+    commanded: bool,
+    push_at: Any,
+    pt: Any,
+    pw: Any,
+    time_at: Any,
+    times: Any,
+    start: Any,
+    rtol: float,
+    atol: float,
+    max_steps: int,
+    Y: Any,
+    tell: bool,
+    told: Any,
+    info: Any,
+) -> None:
     """Runs ``low … high − 1``: run r moves model ``which[r]`` by signal ``signal[r]``."""
     for r in range(low, high):
         s = signal[r]
@@ -233,9 +271,24 @@ def run_range(low: int, high: int, models: Any, which: Any, signal: Any, knot_at
             continue  # slipmargin.sim.motor runs these
         count = time_at[s + 1] - time_at[s]
         row = r if tell else 0
-        run(models[which[r]], knots[knot_at[s]:knot_at[s + 1]], coef[piece_at[s]:piece_at[s + 1]], spin[s], commanded,
-            pt[push_at[s]:push_at[s + 1]], pw[push_at[s]:push_at[s + 1]], times[time_at[s]:time_at[s + 1]],
-            start[r], rtol, atol, max_steps, Y[r, :count], tell, told[row, :count], info[r])
+        run(
+            models[which[r]],
+            knots[knot_at[s] : knot_at[s + 1]],
+            coef[piece_at[s] : piece_at[s + 1]],
+            spin[s],
+            commanded,
+            pt[push_at[s] : push_at[s + 1]],
+            pw[push_at[s] : push_at[s + 1]],
+            times[time_at[s] : time_at[s + 1]],
+            start[r],
+            rtol,
+            atol,
+            max_steps,
+            Y[r, :count],
+            tell,
+            told[row, :count],
+            info[r],
+        )
         for k in range(count, Y.shape[1]):
             for j in range(6):
                 Y[r, k, j] = Y[r, count - 1, j]

@@ -19,9 +19,23 @@ from typing import Any
 import numpy as np
 
 from slipmargin.sim import layout as at
-from slipmargin.sim.body import ALPHA, BODY, CONTACT, FORCE_T, FORCE_W, LOAD, OMEGA, PUSH, RIGID, SLIP_T, SLIP_W, THETA
-from slipmargin.sim.body import evaluate
+from slipmargin.sim.body import (
+    ALPHA,
+    BODY,
+    CONTACT,
+    FORCE_T,
+    FORCE_W,
+    LOAD,
+    OMEGA,
+    PUSH,
+    RIGID,
+    SLIP_T,
+    SLIP_W,
+    THETA,
+    evaluate,
+)
 from slipmargin.sim.compiled import fast, fast_unlocked
+from slipmargin.sim.linear import back, decompose
 from slipmargin.sim.motion import DONE, LOOSER, NOT_FINITE, STUCK, TIPS, TOO_LONG, _lightest, _tell
 from slipmargin.sim.rodas import DENSE, GAMMA, MIX, STAGE, TIME, WHEN
 from slipmargin.sim.wheels import breakpoints, follow, turn
@@ -41,9 +55,11 @@ def _wheel_rate(P: Any, i: int, asked: float, C: Any) -> float:
     q = _H + i * _W
     n = C[i, LOAD]
     along = (n * C[i, FORCE_W] + P[at.VISCOUS_W] * C[i, SLIP_W]) * (
-        P[q + at.GRIP_X] * P[q + at.DRIVE_X] + P[q + at.GRIP_Y] * P[q + at.DRIVE_Y])
+        P[q + at.GRIP_X] * P[q + at.DRIVE_X] + P[q + at.GRIP_Y] * P[q + at.DRIVE_Y]
+    )
     along += (n * C[i, FORCE_T] + P[at.VISCOUS_T] * C[i, SLIP_T]) * (
-        P[q + at.FREE_X] * P[q + at.DRIVE_X] + P[q + at.FREE_Y] * P[q + at.DRIVE_Y])
+        P[q + at.FREE_X] * P[q + at.DRIVE_X] + P[q + at.FREE_Y] * P[q + at.DRIVE_Y]
+    )
     torque = P[q + at.RADIUS] * along
     rate = (asked - P[q + at.DROOP] * torque - C[i, OMEGA]) / max(P[q + at.LAG], LEAST_LAG_S)
     inertia = P[at.WHEEL_INERTIA]
@@ -55,8 +71,20 @@ def _wheel_rate(P: Any, i: int, asked: float, C: Any) -> float:
 
 
 @fast
-def _rates(P: Any, t: float, y: Any, coef: Any, k0: float, pt: Any, pw: Any, pk: int, C: Any, B: Any, acc: Any,
-           out: Any) -> None:
+def _rates(
+    P: Any,
+    t: float,
+    y: Any,
+    coef: Any,
+    k0: float,
+    pt: Any,
+    pw: Any,
+    pk: int,
+    C: Any,
+    B: Any,
+    acc: Any,
+    out: Any,
+) -> None:
     """ẏ of all 6 + 2N states."""
     n = int(P[_COUNT])
     if len(pt) > 0:
@@ -76,45 +104,12 @@ def _rates(P: Any, t: float, y: Any, coef: Any, k0: float, pt: Any, pw: Any, pk:
 
 
 @fast
-def _decompose(A: Any, pivots: Any, n: int) -> None:
-    for k in range(n):
-        p = k
-        for r in range(k + 1, n):
-            if abs(A[r, k]) > abs(A[p, k]):
-                p = r
-        pivots[k] = p
-        if p != k:
-            for c in range(n):
-                A[k, c], A[p, c] = A[p, c], A[k, c]
-        for r in range(k + 1, n):
-            A[r, k] /= A[k, k]
-            for c in range(k + 1, n):
-                A[r, c] -= A[r, k] * A[k, c]
-
-
-@fast
-def _back(A: Any, pivots: Any, n: int, b: Any, x: Any) -> None:
-    for k in range(n):
-        x[k] = b[k]
-    for k in range(n):
-        p = pivots[k]
-        x[k], x[p] = x[p], x[k]
-    for k in range(n):
-        for c in range(k):
-            x[k] -= A[k, c] * x[c]
-    for k in range(n - 1, -1, -1):
-        for c in range(k + 1, n):
-            x[k] -= A[k, c] * x[c]
-        x[k] /= A[k, k]
-
-
-@fast
 def _sector(P: Any, i: int, theta: float, omega: float, nudge: float) -> float:
     """Number of the sector a wheel stands in, odd on rigid material; on an edge the way it turns decides."""
     q = _H + i * _W
     angle, pitch = theta + (nudge if omega >= 0.0 else -nudge), P[q + at.PITCH]
     whole = math.floor(angle / pitch)
-    return 2.0 * whole + (1.0 if angle - whole * pitch >= P[q + at.SWITCH] else 0.0)
+    return float(2.0 * whole + (1.0 if angle - whole * pitch >= P[q + at.SWITCH] else 0.0))
 
 
 @fast
@@ -152,8 +147,30 @@ def _first_switch(P: Any, y: Any, z: Any, K: Any) -> float:
 
 
 @fast
-def _step(P: Any, t: float, h: float, y: Any, f: Any, ft: Any, coef: Any, k0: float, pt: Any, pw: Any, pk: int, C: Any,
-          B: Any, acc: Any, A: Any, pivots: Any, rhs: Any, rate: Any, z: Any, K: Any, rtol: float, atol: float) -> float:
+def _step(
+    P: Any,
+    t: float,
+    h: float,
+    y: Any,
+    f: Any,
+    ft: Any,
+    coef: Any,
+    k0: float,
+    pt: Any,
+    pw: Any,
+    pk: int,
+    C: Any,
+    B: Any,
+    acc: Any,
+    A: Any,
+    pivots: Any,
+    rhs: Any,
+    rate: Any,
+    z: Any,
+    K: Any,
+    rtol: float,
+    atol: float,
+) -> float:
     """One RODAS step from y into z with stages K; the error in units of the tolerance."""
     m = len(y)
     for stage in range(6):
@@ -168,7 +185,7 @@ def _step(P: Any, t: float, h: float, y: Any, f: Any, ft: Any, coef: Any, k0: fl
                 rhs[r] += rate[r]
         for r in range(m):
             rhs[r] += TIME[stage] * h * ft[r]
-        _back(A, pivots, m, rhs, K[stage])
+        back(A, pivots, m, rhs, K[stage])
     error = 0.0
     for r in range(m):
         z[r] += K[5, r]
@@ -179,8 +196,23 @@ def _step(P: Any, t: float, h: float, y: Any, f: Any, ft: Any, coef: Any, k0: fl
 
 
 @fast
-def run_motor(P: Any, knots: Any, coef: Any, spin: Any, pt: Any, pw: Any, times: Any, y0: Any, rtol: float, atol: float,
-              max_steps: int, Y: Any, tell: bool, told: Any, info: Any) -> None:
+def run_motor(
+    P: Any,
+    knots: Any,
+    coef: Any,
+    spin: Any,
+    pt: Any,
+    pw: Any,
+    times: Any,
+    y0: Any,
+    rtol: float,
+    atol: float,
+    max_steps: int,
+    Y: Any,
+    tell: bool,
+    told: Any,
+    info: Any,
+) -> None:
     """As :func:`slipmargin.sim.motion.run`, with the wheels as states."""
     n = int(P[_COUNT])
     m = 6 + 2 * n
@@ -243,8 +275,10 @@ def run_motor(P: Any, knots: Any, coef: Any, spin: Any, pt: Any, pw: Any, times:
                     for k in range(m):
                         A[r, k] = -J[r, k]
                     A[r, r] += 1.0 / (GAMMA * step)
-                _decompose(A, pivots, m)
-                error = _step(P, t, step, y, f, ft, c, k0, pt, pw, pk, C, B, acc, A, pivots, rhs, rate, z, K, rtol, atol)
+                decompose(A, pivots, m)
+                error = _step(
+                    P, t, step, y, f, ft, c, k0, pt, pw, pk, C, B, acc, A, pivots, rhs, rate, z, K, rtol, atol
+                )
                 if again == 1 or not error <= 1.0:
                     break
                 share = _first_switch(P, y, z, K)
@@ -289,10 +323,32 @@ def run_motor(P: Any, knots: Any, coef: Any, spin: Any, pt: Any, pw: Any, times:
 
 
 @fast_unlocked
-def run_motor_range(low: int, high: int, models: Any, which: Any, signal: Any, knot_at: Any, knots: Any, piece_at: Any,
-                    coef: Any, spin: Any, commanded: bool, push_at: Any, pt: Any, pw: Any, time_at: Any, times: Any,
-                    start: Any, rtol: float, atol: float, max_steps: int, Y: Any, tell: bool, told: Any,
-                    info: Any) -> None:
+def run_motor_range(
+    low: int,
+    high: int,
+    models: Any,
+    which: Any,
+    signal: Any,
+    knot_at: Any,
+    knots: Any,
+    piece_at: Any,
+    coef: Any,
+    spin: Any,
+    commanded: bool,
+    push_at: Any,
+    pt: Any,
+    pw: Any,
+    time_at: Any,
+    times: Any,
+    start: Any,
+    rtol: float,
+    atol: float,
+    max_steps: int,
+    Y: Any,
+    tell: bool,
+    told: Any,
+    info: Any,
+) -> None:
     """Those of runs ``low … high − 1`` whose model has a motor."""
     for r in range(low, high):
         if models[which[r], at.MOTOR] == 0.0:
@@ -300,9 +356,23 @@ def run_motor_range(low: int, high: int, models: Any, which: Any, signal: Any, k
         s = signal[r]
         count = time_at[s + 1] - time_at[s]
         row = r if tell else 0
-        run_motor(models[which[r]], knots[knot_at[s]:knot_at[s + 1]], coef[piece_at[s]:piece_at[s + 1]], spin[s],
-                  pt[push_at[s]:push_at[s + 1]], pw[push_at[s]:push_at[s + 1]], times[time_at[s]:time_at[s + 1]],
-                  start[r], rtol, atol, max_steps, Y[r, :count], tell, told[row, :count], info[r])
+        run_motor(
+            models[which[r]],
+            knots[knot_at[s] : knot_at[s + 1]],
+            coef[piece_at[s] : piece_at[s + 1]],
+            spin[s],
+            pt[push_at[s] : push_at[s + 1]],
+            pw[push_at[s] : push_at[s + 1]],
+            times[time_at[s] : time_at[s + 1]],
+            start[r],
+            rtol,
+            atol,
+            max_steps,
+            Y[r, :count],
+            tell,
+            told[row, :count],
+            info[r],
+        )
         for k in range(count, Y.shape[1]):
             for j in range(6):
                 Y[r, k, j] = Y[r, count - 1, j]

@@ -20,8 +20,15 @@ _SHAPES = {GripShape.BOX: 0.0, GripShape.DISC_STRIP: 1.0, GripShape.ELLIPSE: 2.0
 _HEADING = frozenset({Variable.HEADING, Variable.SLIP_HEADING})
 _PLACE = frozenset({Variable.POSITION_X, Variable.POSITION_Y})
 #: Variables known in time alone where wheel speeds are prescribed.
-_TIME = frozenset({Variable.TIME, Variable.WHEEL_ANGLE, Variable.ACCELERATION_X, Variable.ACCELERATION_Y,
-                   Variable.YAW_ACCELERATION})
+_TIME = frozenset(
+    {
+        Variable.TIME,
+        Variable.WHEEL_ANGLE,
+        Variable.ACCELERATION_X,
+        Variable.ACCELERATION_Y,
+        Variable.YAW_ACCELERATION,
+    }
+)
 #: Variables that leave the velocity derivative analytic.
 _CALM = _TIME | _HEADING | _PLACE | {Variable.UNITY}
 #: The bases whose coefficients all stand for one and the same function.
@@ -37,8 +44,8 @@ def pack(model: Model, *, wheel_inertia_kg_m2: float | None = None) -> Array:
     Raises
     ------
     InputError
-        If the motor's line is missing or a term cannot be simulated (a friction term over the commanded speed, a drive term over
-        anything but command and time).
+        If the motor's line is missing, or a term cannot be simulated (a friction term over the
+        commanded speed, a drive term over anything but command and time).
     """
     n = model.count
     head = np.zeros(at.HEAD)
@@ -49,13 +56,18 @@ def pack(model: Model, *, wheel_inertia_kg_m2: float | None = None) -> Array:
     _fill(head, model)
     if wheel_inertia_kg_m2 is not None:
         if not 0.0 < wheel_inertia_kg_m2 < math.inf:
-            raise InputError("wheel_inertia_kg_m2", f"is {wheel_inertia_kg_m2:g}", "give a positive inertia [kg m²]")
+            raise InputError(
+                "wheel_inertia_kg_m2", f"is {wheel_inertia_kg_m2:g}", "give a positive inertia [kg m²]"
+            )
         if model.drives.stall_torque_N_m is None or model.drives.max_speed_rad_s is None:
             raise InputError("motor", "has no torque-speed line", "give max_speed_rad_s and stall_torque_N_m")
         head[at.WHEEL_INERTIA], head[at.MOTOR] = wheel_inertia_kg_m2, 1.0
     place = at.HEAD + wheels.size
-    for count, start, blocks in ((at.MODULATIONS, at.MODULATIONS_AT, mods), (at.FORCES, at.FORCES_AT, forces),
-                                 (at.COMMANDS, at.COMMANDS_AT, commands)):
+    for count, start, blocks in (
+        (at.MODULATIONS, at.MODULATIONS_AT, mods),
+        (at.FORCES, at.FORCES_AT, forces),
+        (at.COMMANDS, at.COMMANDS_AT, commands),
+    ):
         head[count], head[start] = len(blocks), place
         place += sum(len(b) for b in blocks)
     flat = np.concatenate([head, wheels.ravel(), *mods, *forces, *commands])
@@ -79,15 +91,23 @@ def _fill(head: Array, model: Model) -> None:
     terms = {f.variable for f in model.losses.terms}
     for m in grip.modulations:
         if m.variable is Variable.COMMAND_SPEED:
-            raise InputError("grip", "friction cannot depend on the commanded speed",
-                             "use ROLLING_SPEED, or put the term into the transients")
+            raise InputError(
+                "grip",
+                "friction cannot depend on the commanded speed",
+                "use ROLLING_SPEED, or put the term into the transients",
+            )
     for m in transients.modulations:
         if m.variable not in (Variable.COMMAND_SPEED, Variable.TIME, Variable.UNITY):
-            raise InputError("transients", f"a drive cannot depend on {m.variable.name}",
-                             "use COMMAND_SPEED or TIME")
+            raise InputError(
+                "transients", f"a drive cannot depend on {m.variable.name}", "use COMMAND_SPEED or TIME"
+            )
     floor = any(f.frame is Frame.FLOOR for f in model.losses.terms)
     follows = bool(np.any(loads.per_acceleration_kg))
-    head[at.COUNT], head[at.MASS], head[at.INERTIA] = model.count, model.inertia.mass_kg, model.inertia.inertia_kg_m2
+    head[at.COUNT], head[at.MASS], head[at.INERTIA] = (
+        model.count,
+        model.inertia.mass_kg,
+        model.inertia.inertia_kg_m2,
+    )
     head[at.COM_X], head[at.COM_Y] = model.inertia.com_m
     head[at.STEEPNESS], head[at.SHAPE], head[at.COUPLING] = grip.k_s_per_m, _SHAPES[grip.shape], grip.coupling
     head[at.VISCOUS_W], head[at.VISCOUS_T] = grip.viscous_N_s_per_m
@@ -105,8 +125,12 @@ def _fill(head: Array, model: Model) -> None:
     head[at.DELAY] = transients.delay_s
     head[at.MAX_SPEED], head[at.STALL_TORQUE] = drives.max_speed_rad_s or 0.0, drives.stall_torque_N_m or 0.0
     head[at.MOTOR] = bool(np.any(transients.droop_rad_s_per_N_m))
-    head[at.LAGGED] = bool(np.any(transients.lag_s) or np.any(transients.gain != 1.0) or transients.delay_s
-                           or transients.modulations)
+    head[at.LAGGED] = bool(
+        np.any(transients.lag_s)
+        or np.any(transients.gain != 1.0)
+        or transients.delay_s
+        or transients.modulations
+    )
 
 
 def _wheels(model: Model) -> Array:
@@ -142,17 +166,29 @@ def no_slip_map(model: Model) -> Array:
 
 def _modulation(m: Modulation, n: int) -> Array:
     if len(m.wheels) != n:
-        raise InputError("wheels", f"has {len(m.wheels)} weights, the robot has {n} wheels",
-                         "give one weight a wheel")
+        raise InputError(
+            "wheels", f"has {len(m.wheels)} weights, the robot has {n} wheels", "give one weight a wheel"
+        )
     coefficients = _merged(m.basis, m.coefficients)
-    return np.concatenate([[float(m.variable), float(m.basis), float(m.target), float(len(coefficients))],
-                           m.shape, m.wheels, coefficients])
+    return np.concatenate(
+        [
+            [float(m.variable), float(m.basis), float(m.target), float(len(coefficients))],
+            m.shape,
+            m.wheels,
+            coefficients,
+        ]
+    )
 
 
 def _force(f: ForceTerm) -> Array:
     coefficients = np.stack([_merged(f.basis, row) for row in f.coefficients])
-    return np.concatenate([[float(f.variable), float(f.basis), float(f.frame), float(coefficients.shape[1])],
-                           f.shape, coefficients.ravel()])
+    return np.concatenate(
+        [
+            [float(f.variable), float(f.basis), float(f.frame), float(coefficients.shape[1])],
+            f.shape,
+            coefficients.ravel(),
+        ]
+    )
 
 
 def _merged(basis: Basis, coefficients: Array) -> Array:

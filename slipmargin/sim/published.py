@@ -31,10 +31,16 @@ DELTA_RAD, WHEEL_M, ROLLERS, RIGID = math.radians(15.0), 0.0254, 8, 0.10
 PITCH_RAD = 2.0 * math.pi / ROLLERS
 #: Table I.
 SURFACES = (
-    Surface(name="paper", roller=Coefficients(drive=0.26, transverse=0.09),
-            rigid=Coefficients(drive=0.47, transverse=0.47)),
-    Surface(name="carpet", roller=Coefficients(drive=0.25, transverse=0.15),
-            rigid=Coefficients(drive=0.56, transverse=0.56)),
+    Surface(
+        name="paper",
+        roller=Coefficients(drive=0.26, transverse=0.09),
+        rigid=Coefficients(drive=0.47, transverse=0.47),
+    ),
+    Surface(
+        name="carpet",
+        roller=Coefficients(drive=0.25, transverse=0.15),
+        rigid=Coefficients(drive=0.56, transverse=0.56),
+    ),
 )
 #: Final headings the paper measured on carpet, three trials (section IV.C); on paper the text only says
 #: "very small, close to the angular measurement precision" (four trials).  Data, not computed here.
@@ -87,12 +93,22 @@ def paper_model(surface: str, *, improved: bool, unprinted: Unprinted = FOUND) -
     axles = (DELTA_RAD, math.pi - DELTA_RAD, -math.pi / 2.0)
     r, mass = unprinted.radius_m, 3.0
     wheels = tuple(
-        Wheel(name=str(i + 1), position_m=r * np.array([math.cos(a), math.sin(a)]),
-              drive_direction_deg=math.degrees(a) + 90.0, radius_m=WHEEL_M, rollers=ROLLERS,
-              rigid_fraction=RIGID if improved else 0.0)
-        for i, a in enumerate(axles))
-    robot = Robot(name="ohio-kiwi", wheels=wheels, surfaces=SURFACES,
-                  body=Body(mass_kg=mass, inertia_kg_m2=mass * r**2 / unprinted.beta))
+        Wheel(
+            name=str(i + 1),
+            position_m=r * np.array([math.cos(a), math.sin(a)]),
+            drive_direction_deg=math.degrees(a) + 90.0,
+            radius_m=WHEEL_M,
+            rollers=ROLLERS,
+            rigid_fraction=RIGID if improved else 0.0,
+        )
+        for i, a in enumerate(axles)
+    )
+    robot = Robot(
+        name="ohio-kiwi",
+        wheels=wheels,
+        surfaces=SURFACES,
+        body=Body(mass_kg=mass, inertia_kg_m2=mass * r**2 / unprinted.beta),
+    )
     return nominal_model(robot, surface)
 
 
@@ -126,7 +142,8 @@ class Spread:
     @property
     def mean(self) -> Array:
         """(3,): x short of the goal [m], y [m], φ [rad]."""
-        return np.array([DISTANCE_M, 0.0, 0.0]) + np.array([-1.0, 1.0, 1.0]) * self.end.mean(axis=0)
+        goal, sign = np.array([DISTANCE_M, 0.0, 0.0]), np.array([-1.0, 1.0, 1.0])
+        return np.asarray(goal + sign * self.end.mean(axis=0))
 
     @property
     def deviation(self) -> Array:
@@ -134,8 +151,9 @@ class Spread:
         return np.asarray(self.end.std(axis=0, ddof=1))
 
 
-def spread(surface: str, *, runs: int = 1000, seed: int = 0, unprinted: Unprinted = FOUND,
-           rtol: float = 1e-4) -> Spread:
+def spread(
+    surface: str, *, runs: int = 1000, seed: int = 0, unprinted: Unprinted = FOUND, rtol: float = 1e-4
+) -> Spread:
     """The improved model from ``runs`` rotor angles drawn evenly: why repeatability is so low."""
     angles = np.random.default_rng(seed).uniform(0.0, PITCH_RAD, (runs, 3))
     model = pack(paper_model(surface, improved=True, unprinted=unprinted))
@@ -155,24 +173,78 @@ def section_six(unprinted: Unprinted = FOUND) -> tuple[Row, ...]:
     rates = wheel_rates()
     stand = "after stopping"
     return (
-        Row(key="omega_1", what="wheel speed of wheels 1 and 2", unit="rad/s", published=1.16, recomputed=rates[0]),
+        Row(
+            key="omega_1",
+            what="wheel speed of wheels 1 and 2",
+            unit="rad/s",
+            published=1.16,
+            recomputed=rates[0],
+        ),
         Row(key="omega_3", what="wheel speed of wheel 3", unit="rad/s", published=-4.50, recomputed=rates[2]),
-        Row(key="initial_paper_x_short", what="initial model, paper: x short of 0.4 m", unit="m", published=0.014,
-            recomputed=DISTANCE_M - initial[0], note=stand),
-        Row(key="initial_paper_x_short_at_stop", what="initial model, paper: x short of 0.4 m", unit="m",
-            published=0.014, recomputed=DISTANCE_M - at_stop[0], note="at t = 3.5 s, before it stands still"),
-        Row(key="initial_paper_y", what="initial model, paper: y", unit="m", published=-0.009,
-            recomputed=initial[1], note=stand),
-        Row(key="initial_paper_phi", what="initial model, paper: φ", unit="rad", published=-0.016,
-            recomputed=initial[2], note=stand),
-        Row(key="improved_paper_x_short", what="improved model, paper: x short of 0.4 m", unit="m", published=0.053,
-            recomputed=DISTANCE_M - better[0], note=stand),
-        Row(key="improved_paper_y", what="improved model, paper: y", unit="m", published=-0.022,
-            recomputed=better[1], note=stand),
-        Row(key="improved_paper_phi", what="improved model, paper: φ", unit="rad", published=-0.111,
-            recomputed=better[2], note=stand),
-        Row(key="improved_carpet_phi", what="improved model, carpet: φ", unit="rad", published=0.558,
-            recomputed=carpet[2], note="DISCREPANCY: same size, opposite sign; eq. (10) gives a negative heading"),
+        Row(
+            key="initial_paper_x_short",
+            what="initial model, paper: x short of 0.4 m",
+            unit="m",
+            published=0.014,
+            recomputed=DISTANCE_M - initial[0],
+            note=stand,
+        ),
+        Row(
+            key="initial_paper_x_short_at_stop",
+            what="initial model, paper: x short of 0.4 m",
+            unit="m",
+            published=0.014,
+            recomputed=DISTANCE_M - at_stop[0],
+            note="at t = 3.5 s, before it stands still",
+        ),
+        Row(
+            key="initial_paper_y",
+            what="initial model, paper: y",
+            unit="m",
+            published=-0.009,
+            recomputed=initial[1],
+            note=stand,
+        ),
+        Row(
+            key="initial_paper_phi",
+            what="initial model, paper: φ",
+            unit="rad",
+            published=-0.016,
+            recomputed=initial[2],
+            note=stand,
+        ),
+        Row(
+            key="improved_paper_x_short",
+            what="improved model, paper: x short of 0.4 m",
+            unit="m",
+            published=0.053,
+            recomputed=DISTANCE_M - better[0],
+            note=stand,
+        ),
+        Row(
+            key="improved_paper_y",
+            what="improved model, paper: y",
+            unit="m",
+            published=-0.022,
+            recomputed=better[1],
+            note=stand,
+        ),
+        Row(
+            key="improved_paper_phi",
+            what="improved model, paper: φ",
+            unit="rad",
+            published=-0.111,
+            recomputed=better[2],
+            note=stand,
+        ),
+        Row(
+            key="improved_carpet_phi",
+            what="improved model, carpet: φ",
+            unit="rad",
+            published=0.558,
+            recomputed=carpet[2],
+            note="DISCREPANCY: same size, opposite sign; eq. (10) gives a negative heading",
+        ),
     )
 
 

@@ -48,11 +48,15 @@ class PullTest:
 def standing(model: Model, rigid: tuple[bool, ...]) -> Model:
     """The model with every wheel held on a roller (False) or on rigid material (True)."""
     if len(rigid) != model.count:
-        raise InputError("rigid", f"names {len(rigid)} wheels, the robot has {model.count}",
-                         "give one value a wheel")
+        raise InputError(
+            "rigid", f"names {len(rigid)} wheels, the robot has {model.count}", "give one value a wheel"
+        )
     mask = np.array(rigid, dtype=bool)[:, None]
-    grip = replace(model.grip, roller=np.where(mask, model.grip.rigid, model.grip.roller),
-                   rigid_fraction=np.zeros(model.count))
+    grip = replace(
+        model.grip,
+        roller=np.where(mask, model.grip.rigid, model.grip.roller),
+        rigid_fraction=np.zeros(model.count),
+    )
     return replace(model, grip=grip)
 
 
@@ -78,7 +82,13 @@ def pull_test(model: Model, phi_rad: Array, *, rigid: tuple[bool, ...] | None = 
     grip, n = still.grip, still.count
     most = float(np.sum(still.loads.rest_N * np.hypot(*grip.roller.T)))
     creep = CREEP / grip.k_s_per_m
-    first = _ramp(still, phi, np.zeros(len(phi)), np.full(len(phi), 1.5 * most), 40.0 * _escape(still, np.full(len(phi), 0.3 * most)))
+    first = _ramp(
+        still,
+        phi,
+        np.zeros(len(phi)),
+        np.full(len(phi), 1.5 * most),
+        40.0 * _escape(still, np.full(len(phi), 0.3 * most)),
+    )
     force, _ = _breakaway(first, np.zeros(len(phi)), np.full(len(phi), 1.5 * most), creep, n)
     low, high = 0.8 * force, 1.03 * force
     second = _ramp(still, phi, low, high, PATIENCE * _escape(still, force))
@@ -95,8 +105,13 @@ def _ramp(model: Model, phi: Array, low: Array, high: Array, seconds: Array) -> 
     models, signals, times = [], [], []
     for angle, a, b, span in zip(phi, low, high, seconds, strict=True):
         along = np.array([np.cos(angle), -np.sin(angle), 0.0])  # R(φ)ᵀ x̂
-        pull = ForceTerm(variable=Variable.TIME, basis=Basis.HATS, shape=np.array([0.0, span]), frame=Frame.BODY,
-                         coefficients=np.outer(along, [a, b]))
+        pull = ForceTerm(
+            variable=Variable.TIME,
+            basis=Basis.HATS,
+            shape=np.array([0.0, span]),
+            frame=Frame.BODY,
+            coefficients=np.outer(along, [a, b]),
+        )
         models.append(replace(model, losses=replace(model.losses, terms=(*model.losses.terms, pull))))
         signals.append(held(np.array([0.0, span]), np.zeros((2, model.count))))
         times.append(np.linspace(0.0, span, _SAMPLES))
@@ -104,7 +119,9 @@ def _ramp(model: Model, phi: Array, low: Array, high: Array, seconds: Array) -> 
     return batch.run(stack([pack(m) for m in models]), np.zeros(3), which=np.arange(len(phi)), tell=True)
 
 
-def _breakaway(outcome: Outcome, low: Array, high: Array, creep: float, n: int) -> tuple[Array, NDArray[np.bool_]]:
+def _breakaway(
+    outcome: Outcome, low: Array, high: Array, creep: float, n: int
+) -> tuple[Array, NDArray[np.bool_]]:
     assert outcome.slip is not None
     runs = len(low)
     force, sliding = np.empty(runs), np.zeros((runs, n, 2), dtype=bool)
@@ -113,8 +130,9 @@ def _breakaway(outcome: Outcome, low: Array, high: Array, creep: float, n: int) 
         speed = np.max(slip, axis=(1, 2))
         past = np.flatnonzero(speed > creep)
         if not len(past):
-            raise NoSolution("pull test", "the robot does not run away", "check its friction and loads",
-                             outcome.ending[r])
+            raise NoSolution(
+                "pull test", "the robot does not run away", "check its friction and loads", outcome.ending[r]
+            )
         at = [_crossing(speed, level) for level in (creep, 0.5 * creep)]
         pull = [low[r] + (high[r] - low[r]) * x / (_SAMPLES - 1) for x in at]
         force[r] = 2.0 * pull[0] - pull[1]
@@ -127,7 +145,7 @@ def _crossing(speed: Array, level: float) -> float:
     """Sample number (with fraction) at which the creep first passes a level; 1/speed is nearly straight."""
     k = max(int(np.argmax(speed > level)), 1)
     a, b = 1.0 / max(speed[k - 1], 1e-12), 1.0 / speed[k]
-    return k - 1 + (a - 1.0 / level) / (a - b)
+    return float(k - 1 + (a - 1.0 / level) / (a - b))
 
 
 def _between(slip: Array, x: float) -> Array:

@@ -6,6 +6,7 @@ angles may switch sectors: events find the instants.  Equations as in :mod:`slip
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 
 import numpy as np
@@ -43,13 +44,24 @@ class _Instant:
 
     def of_body(self, variable: Variable) -> float:
         c = self.model.contacts
-        rows = np.column_stack([c.grip, c.position_m[:, 0] * c.grip[:, 1] - c.position_m[:, 1] * c.grip[:, 0]])
+        rows = np.column_stack(
+            [c.grip, c.position_m[:, 0] * c.grip[:, 1] - c.position_m[:, 1] * c.grip[:, 0]]
+        )
         asked = -np.linalg.pinv(rows) @ (c.radius_m * np.sum(c.drive * c.grip, axis=1) * self.alpha)
-        values = {Variable.UNITY: 1.0, Variable.VELOCITY_X: self.velocity[0], Variable.VELOCITY_Y: self.velocity[1],
-                  Variable.YAW_RATE: self.twist[2], Variable.SPEED: float(np.hypot(*self.velocity)),
-                  Variable.ACCELERATION_X: asked[0], Variable.ACCELERATION_Y: asked[1],
-                  Variable.YAW_ACCELERATION: asked[2], Variable.HEADING: self.phi,
-                  Variable.POSITION_X: self.origin[0], Variable.POSITION_Y: self.origin[1], Variable.TIME: self.t}
+        values = {
+            Variable.UNITY: 1.0,
+            Variable.VELOCITY_X: self.velocity[0],
+            Variable.VELOCITY_Y: self.velocity[1],
+            Variable.YAW_RATE: self.twist[2],
+            Variable.SPEED: float(np.hypot(*self.velocity)),
+            Variable.ACCELERATION_X: asked[0],
+            Variable.ACCELERATION_Y: asked[1],
+            Variable.YAW_ACCELERATION: asked[2],
+            Variable.HEADING: self.phi,
+            Variable.POSITION_X: self.origin[0],
+            Variable.POSITION_Y: self.origin[1],
+            Variable.TIME: self.t,
+        }
         return float(values[variable])
 
     def of_wheels(self, variable: Variable, side: int, load: Array) -> Array:
@@ -57,13 +69,13 @@ class _Instant:
         c, u = self.model.contacts, self.slip[side]
         rolling = np.maximum(np.hypot(*self.hub.T), np.abs(c.radius_m * self.omega))
         if variable is Variable.WHEEL_ANGLE:
-            return self.theta
+            return np.asarray(self.theta)
         if variable is Variable.WHEEL_LOAD:
-            return load / (self.model.inertia.weight_N / c.count) - 1.0
+            return np.asarray(load / (self.model.inertia.weight_N / c.count) - 1.0)
         if variable is Variable.SLIP_SPEED:
-            return np.abs(u)
+            return np.asarray(np.abs(u))
         if variable is Variable.SLIP_RATIO:
-            return np.abs(u) / (rolling + 1e-3)
+            return np.asarray(np.abs(u) / (rolling + 1e-3))
         if variable is Variable.SLIP_ANGLE:
             return np.asarray(np.arctan2(np.abs(self.slip[1]), np.abs(self.slip[0])))
         if variable is Variable.ROLLING_SPEED:
@@ -142,8 +154,9 @@ def _push_of_terms(at: _Instant) -> Array:
     return total
 
 
-def acceleration(model: Model, t: float, state: Array, wheels: tuple[Array, Array, Array], rigid: Array,
-                 push: Array) -> tuple[Array, Array, Array, Array]:
+def acceleration(
+    model: Model, t: float, state: Array, wheels: tuple[Array, Array, Array], rigid: Array, push: Array
+) -> tuple[Array, Array, Array, Array]:
     """(a_x, a_y, ω̇) in body axes, slip (2, N), force on the wheels (2, N), loads (N,).
 
     The loads follow the acceleration: the fixed point N = N0 + P a is found by Newton's method on a.
@@ -156,8 +169,12 @@ def acceleration(model: Model, t: float, state: Array, wheels: tuple[Array, Arra
     def result(a: Array) -> tuple[Array, Array, Array]:
         load = model.loads.rest_N + model.loads.per_acceleration_kg @ a
         mu, k = _coefficients(at, rigid, load)
-        f = np.array([_law(model.grip.shape, model.grip.coupling, at.slip[:, i], mu[:, i], k[:, i])
-                      for i in range(model.count)]).T
+        f = np.array(
+            [
+                _law(model.grip.shape, model.grip.coupling, at.slip[:, i], mu[:, i], k[:, i])
+                for i in range(model.count)
+            ]
+        ).T
         force = -(load * f) - viscous
         xy = force[0][:, None] * model.contacts.grip + force[1][:, None] * model.contacts.free
         total = outside + np.append(xy.sum(axis=0), np.sum(arm[:, 0] * xy[:, 1] - arm[:, 1] * xy[:, 0]))
@@ -177,9 +194,19 @@ def acceleration(model: Model, t: float, state: Array, wheels: tuple[Array, Arra
     return out, at.slip, force, load
 
 
-def reference_motion(model: Model, wheels: WheelMotion, knots_s: Array, times_s: Array, *,
-                     start: Array | None = None, push: PushOf | None = None, rtol: float = 1e-11,
-                     atol: float = 1e-13, edges_s: Array | None = None, method: str = "LSODA") -> Array:
+def reference_motion(
+    model: Model,
+    wheels: WheelMotion,
+    knots_s: Array,
+    times_s: Array,
+    *,
+    start: Array | None = None,
+    push: PushOf | None = None,
+    rtol: float = 1e-11,
+    atol: float = 1e-13,
+    edges_s: Array | None = None,
+    method: str = "LSODA",
+) -> Array:
     """Pose (T, 3) of the body frame's origin at ``times_s``.
 
     Parameters
@@ -197,7 +224,7 @@ def reference_motion(model: Model, wheels: WheelMotion, knots_s: Array, times_s:
     y[:2] += turn @ model.inertia.com_m
     stops = _all_stops(model, wheels, knots_s, edges_s)
     poses = np.empty((len(times_s), 3))
-    for low, high in zip(stops[:-1], stops[1:], strict=True):
+    for low, high in itertools.pairwise(stops):
         inside = slice(low, high)
         rigid = _rigid(model, wheels(0.5 * (low + high))[0])
 
@@ -205,8 +232,9 @@ def reference_motion(model: Model, wheels: WheelMotion, knots_s: Array, times_s:
             t = min(max(t, np.nextafter(inside.start, np.inf)), np.nextafter(inside.stop, -np.inf))
             acc = acceleration(model, t - knots_s[0], y, wheels(t), rigid, push_of(t))[0]
             c, s, w = np.cos(y[2]), np.sin(y[2]), y[5]
-            return np.array([c * y[3] - s * y[4], s * y[3] + c * y[4], w, acc[0] + w * y[4], acc[1] - w * y[3],
-                             acc[2]])
+            return np.array(
+                [c * y[3] - s * y[4], s * y[3] + c * y[4], w, acc[0] + w * y[4], acc[1] - w * y[3], acc[2]]
+            )
 
         asked = np.flatnonzero((times_s >= low) & (times_s <= high))
         when = np.append(times_s[asked], high)
@@ -229,14 +257,16 @@ def _all_stops(model: Model, wheels: WheelMotion, knots_s: Array, edges_s: Array
     """Knots, edges and sector switches; switches are bracketed on a fine grid, then found by bisection."""
     found = [*knots_s, *([] if edges_s is None else edges_s)]
     pitch = 2.0 * np.pi / model.grip.rollers
-    for low, high in zip(knots_s[:-1], knots_s[1:], strict=True):
+    for low, high in itertools.pairwise(knots_s):
         grid = np.linspace(low, high, 400)
-        theta = np.array([wheels(min(max(t, np.nextafter(low, np.inf)), np.nextafter(high, -np.inf)))[0]
-                          for t in grid])
+        theta = np.array(
+            [wheels(min(max(t, np.nextafter(low, np.inf)), np.nextafter(high, -np.inf)))[0] for t in grid]
+        )
         for i in range(model.count):
             for share in (0.0, 1.0 - model.grip.rigid_fraction[i]):
                 wave = np.sin(np.pi * (theta[:, i] / pitch[i] - share))  # zero at each edge
                 for k in np.flatnonzero(wave[:-1] * wave[1:] < 0.0):
+
                     def edge(t: float, i: int = i, share: float = share) -> float:
                         return float(np.sin(np.pi * (wheels(t)[0][i] / pitch[i] - share)))
 

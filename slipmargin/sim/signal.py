@@ -59,8 +59,10 @@ def held(t_s: Array, omega: Array, *, end_s: float | None = None, theta0: Array 
     return _from_speed(t, om[:-1], np.zeros_like(om[:-1]), theta0)
 
 
-def linear(t_s: Array, omega: Array, *, theta0: Array | None = None, spin: Array | None = None) -> WheelSignal:
-    """Wheel speeds (T, N) [rad/s] with straight lines between rows; ``spin`` (N,) as in :class:`WheelSignal`."""
+def linear(
+    t_s: Array, omega: Array, *, theta0: Array | None = None, spin: Array | None = None
+) -> WheelSignal:
+    """Wheel speeds (T, N) [rad/s] with straight lines between rows; ``spin`` (N,): speed before."""
     t, om = _rows(t_s, omega, "omega")
     _enough(t)
     return _from_speed(t, om[:-1], np.diff(om, axis=0) / np.diff(t)[:, None], theta0, spin)
@@ -89,8 +91,9 @@ def angles(t_s: Array, theta: Array) -> WheelSignal:
     return hermite(t, th, np.asarray(np.gradient(th, t, axis=0, edge_order=2)))
 
 
-def _from_speed(t: Array, om: Array, slope: Array, theta0: Array | None,
-                spin: Array | None = None) -> WheelSignal:
+def _from_speed(
+    t: Array, om: Array, slope: Array, theta0: Array | None, spin: Array | None = None
+) -> WheelSignal:
     h = np.diff(t)[:, None]
     n = om.shape[1]
     first = np.zeros(n) if theta0 is None else frozen("theta0", theta0, (n,))
@@ -107,8 +110,11 @@ def _rows(t_s: Array, values: Array, place: str) -> tuple[Array, Array]:
     step = np.diff(t)
     if len(step) and step.min() <= 0.0:
         row = int(np.argmax(step <= 0.0)) + 1
-        raise InputError("t_s", f"row {row + 1} is at {t[row]:g} s, not after {t[row - 1]:g} s",
-                         "time must increase from row to row")
+        raise InputError(
+            "t_s",
+            f"row {row + 1} is at {t[row]:g} s, not after {t[row - 1]:g} s",
+            "time must increase from row to row",
+        )
     size = float(np.max(np.abs(array), initial=0.0))
     if size > 1e6:
         raise InputError(place, f"reaches {size:.3g}", "give wheel angles and speeds below 1e6 [rad, rad/s]")

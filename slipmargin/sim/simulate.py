@@ -17,16 +17,27 @@ RTOL = 1e-7
 
 #: Why a run ended early, and what to change.
 REASONS = {
-    Ending.TIPS: ("a wheel lifts off: its load falls below zero", "accelerate less, or lower the centre of mass"),
+    Ending.TIPS: (
+        "a wheel lifts off: its load falls below zero",
+        "accelerate less, or lower the centre of mass",
+    ),
     Ending.NOT_FINITE: ("velocities or forces overflow", "give smaller wheel speeds, forces or coefficients"),
     Ending.STUCK: ("the step size fell to nothing", "smooth the commands or lower k_s_per_m"),
     Ending.TOO_LONG: ("it takes too many steps", "loosen rtol or shorten the run"),
 }
 
 
-def simulate(model: Model, signal: WheelSignal, times_s: Array, *, commanded: bool = False,
-             start_pose: Array | None = None, start_twist: Array | None = None, push: Push | None = None,
-             rtol: float = RTOL) -> Run:
+def simulate(
+    model: Model,
+    signal: WheelSignal,
+    times_s: Array,
+    *,
+    commanded: bool = False,
+    start_pose: Array | None = None,
+    start_twist: Array | None = None,
+    push: Push | None = None,
+    rtol: float = RTOL,
+) -> Run:
     """What the robot really does under a wheel signal.
 
     Parameters
@@ -70,9 +81,16 @@ def as_run(model: Model, times_s: Array, outcome: Outcome, r: int) -> Run:
     assert outcome.theta is not None and outcome.slip is not None
     assert outcome.force is not None and outcome.load is not None
     count = len(times_s)
-    return Run(t_s=times_s, pose=outcome.pose[r, :count], velocity=floor_velocity(model, outcome.state[r, :count]),
-               theta=outcome.theta[r, :count], slip=outcome.slip[r, :count], force=outcome.force[r, :count],
-               load=outcome.load[r, :count], wheels=model.contacts.names)
+    return Run(
+        t_s=times_s,
+        pose=outcome.pose[r, :count],
+        velocity=floor_velocity(model, outcome.state[r, :count]),
+        theta=outcome.theta[r, :count],
+        slip=outcome.slip[r, :count],
+        force=outcome.force[r, :count],
+        load=outcome.load[r, :count],
+        wheels=model.contacts.names,
+    )
 
 
 def floor_velocity(model: Model, state: Array) -> Array:

@@ -186,12 +186,13 @@ def _near(c: Any, lag: float, h: float, pitch: float, edge: float) -> bool:
     if c[4] != 0.0:
         tail = c[4] * lag * (1.0 - math.exp(-h / lag))
         low, high = low + min(tail, 0.0), high + max(tail, 0.0)
-    return math.ceil((low - edge) / pitch) <= math.floor((high - edge) / pitch)
+    return bool(math.ceil((low - edge) / pitch) <= math.floor((high - edge) / pitch))
 
 
 @fast
-def _crossings(c: Any, lag: float, h: float, t0: float, pitch: float, edge: float, cuts: Any, out: Any,
-               count: int) -> int:
+def _crossings(
+    c: Any, lag: float, h: float, t0: float, pitch: float, edge: float, cuts: Any, out: Any, count: int
+) -> int:
     """Append the times at which θ passes an edge m·pitch + edge; ``out`` of length 0 only counts."""
     if not _near(c, lag, h, pitch, edge):
         return count

@@ -16,16 +16,29 @@ from slipmargin.sim.published import FOUND, MEASURED_CARPET_PHI_RAD, section_six
 
 #: key → (checked value, half of its last digit)
 CHECKED = {
-    "omega_1": (1.1645, 5e-5), "omega_3": (-4.4994, 5e-5),
-    "initial_paper_x_short": (0.0124, 5e-5), "initial_paper_x_short_at_stop": (0.0162, 5e-5),
-    "initial_paper_y": (-0.0094, 5e-5), "initial_paper_phi": (-0.0158, 5e-5),
-    "improved_paper_x_short": (0.0529, 5e-5), "improved_paper_y": (-0.0227, 5e-5),
-    "improved_paper_phi": (-0.114, 5e-4), "improved_carpet_phi": (-0.5545, 5e-4),  # theory.md prints −0.554: −0.55451 lies on the edge of rounding
+    "omega_1": (1.1645, 5e-5),
+    "omega_3": (-4.4994, 5e-5),
+    "initial_paper_x_short": (0.0124, 5e-5),
+    "initial_paper_x_short_at_stop": (0.0162, 5e-5),
+    "initial_paper_y": (-0.0094, 5e-5),
+    "initial_paper_phi": (-0.0158, 5e-5),
+    "improved_paper_x_short": (0.0529, 5e-5),
+    "improved_paper_y": (-0.0227, 5e-5),
+    "improved_paper_phi": (-0.114, 5e-4),
+    "improved_carpet_phi": (-0.5545, 5e-4),  # theory.md prints −0.554: −0.55451 lies on the edge of rounding
 }
 #: key → how far the printed value is allowed to be: theory.md prints both, this is their difference.
-PRINTED = {"omega_1": 0.005, "omega_3": 0.005, "initial_paper_x_short": 0.0017,
-           "initial_paper_x_short_at_stop": 0.0023, "initial_paper_y": 0.0005, "initial_paper_phi": 0.0005,
-           "improved_paper_x_short": 0.0005, "improved_paper_y": 0.0008, "improved_paper_phi": 0.0036}
+PRINTED = {
+    "omega_1": 0.005,
+    "omega_3": 0.005,
+    "initial_paper_x_short": 0.0017,
+    "initial_paper_x_short_at_stop": 0.0023,
+    "initial_paper_y": 0.0005,
+    "initial_paper_phi": 0.0005,
+    "improved_paper_x_short": 0.0005,
+    "improved_paper_y": 0.0008,
+    "improved_paper_phi": 0.0036,
+}
 
 
 @pytest.fixture(scope="module")
@@ -74,10 +87,13 @@ def test_third_wheel_slips_in_mid_motion_on_rigid_material():
     assert slip[2] > 0.05 and slip[:2].max() < 0.005
 
 
-@pytest.mark.parametrize(("surface", "mean", "deviation", "runs"), [
-    ("paper", (0.052, -0.026, -0.112), (0.011, 0.005, 0.03), 20),
-    ("carpet", (None, None, -0.64), (None, None, 0.09), 20),
-])
+@pytest.mark.parametrize(
+    ("surface", "mean", "deviation", "runs"),
+    [
+        ("paper", (0.052, -0.026, -0.112), (0.011, 0.005, 0.03), 20),
+        ("carpet", (None, None, -0.64), (None, None, 0.09), 20),
+    ],
+)
 def test_random_rotor_angles(surface, mean, deviation, runs):
     """theory.md: mean 52, −26 mm, −0.112 rad (s.d. 11, 5, 0.03); carpet −0.64 (0.09).
 

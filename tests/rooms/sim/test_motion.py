@@ -18,7 +18,7 @@ from slipmargin.robot import Body, GripShape, LoadRule, Robot, Wheel
 from slipmargin.sim.batch import Batch
 from slipmargin.sim.pack import pack
 from slipmargin.sim.published import command, paper_model
-from slipmargin.sim.signal import hermite, held, linear
+from slipmargin.sim.signal import held, hermite, linear
 from slipmargin.sim.simulate import simulate
 from slipmargin.sim.wheels import breakpoints, turning_points
 
@@ -111,15 +111,27 @@ def test_rotated_world_same_motion(case):
 def mirrored(robot: Robot) -> Robot:
     """The robot seen in a mirror along its Y axis: x → −x; a wheel's drive direction turns with it."""
     flip = np.array([-1.0, 1.0])
-    wheels = tuple(replace(w, position_m=flip * w.position_m, drive_direction_deg=180.0 - w.drive_direction_deg,
-                           roller_angle_deg=-w.roller_angle_deg) for w in robot.wheels)
+    wheels = tuple(
+        replace(
+            w,
+            position_m=flip * w.position_m,
+            drive_direction_deg=180.0 - w.drive_direction_deg,
+            roller_angle_deg=-w.roller_angle_deg,
+        )
+        for w in robot.wheels
+    )
     return replace(robot, wheels=wheels, body=replace(robot.body, com_m=flip * robot.body.com_m))
 
 
 @pytest.mark.parametrize("shape", list(GripShape))
-@pytest.mark.parametrize("robot", [
-    kiwi(com_m=(0.005, -0.01), load_rule=LoadRule.QUASI_STATIC, com_height_m=0.015),
-    four_wheels(load_rule=LoadRule.QUASI_STATIC, com_height_m=0.05)], ids=["kiwi", "mecanum"])
+@pytest.mark.parametrize(
+    "robot",
+    [
+        kiwi(com_m=(0.005, -0.01), load_rule=LoadRule.QUASI_STATIC, com_height_m=0.015),
+        four_wheels(load_rule=LoadRule.QUASI_STATIC, com_height_m=0.05),
+    ],
+    ids=["kiwi", "mecanum"],
+)
 def test_mirrored_robot_mirrored_motion(robot, shape):
     robot = replace(robot, friction=replace(robot.friction, grip=shape))
     model, other = nominal_model(robot, "paper"), nominal_model(mirrored(robot), "paper")
@@ -130,8 +142,9 @@ def test_mirrored_robot_mirrored_motion(robot, shape):
     np.testing.assert_allclose(mirror, rates, atol=1e-12)
     signal = held(t, np.stack([rates, 0.2 * rates, rates]), theta0=np.full(model.count, 0.3))
     times = np.linspace(0.0, 0.5, 9)
-    np.testing.assert_allclose(simulate(other, signal, times).pose, flip * simulate(model, signal, times).pose,
-                               atol=1e-8)
+    np.testing.assert_allclose(
+        simulate(other, signal, times).pose, flip * simulate(model, signal, times).pose, atol=1e-8
+    )
 
 
 @pytest.mark.parametrize("count", [3, 4, 6])
@@ -139,10 +152,16 @@ def test_mirrored_robot_mirrored_motion(robot, shape):
 def test_any_number_of_wheels_reaches_the_no_slip_twist(count, roller_deg):
     """Well inside its grip a robot moves at the twist its wheels ask for, less the creep of eq. (11)."""
     at = 2.0 * np.pi * np.arange(count) / count + 0.2
-    wheels = tuple(Wheel(name=str(i), position_m=0.2 * np.array([np.cos(a), np.sin(a)]),
-                         drive_direction_deg=np.degrees(a) + 90.0, radius_m=0.05,
-                         roller_angle_deg=roller_deg)
-                   for i, a in enumerate(at))
+    wheels = tuple(
+        Wheel(
+            name=str(i),
+            position_m=0.2 * np.array([np.cos(a), np.sin(a)]),
+            drive_direction_deg=np.degrees(a) + 90.0,
+            radius_m=0.05,
+            roller_angle_deg=roller_deg,
+        )
+        for i, a in enumerate(at)
+    )
     robot = Robot(name="ring", wheels=wheels, surfaces=(PAPER,), body=Body(mass_kg=8.0, inertia_kg_m2=0.2))
     model = nominal_model(robot, "paper")
     twist = np.array([0.1, -0.05, 0.4])
@@ -172,8 +191,14 @@ def test_ideal_rollers_and_very_steep_friction():
 def test_slip_ratio_law_loses_the_same_share_at_any_speed():
     """Creepage: with k ∝ 1/rolling speed the slip ratio of a loaded wheel does not depend on speed."""
     model = paper_model("paper", improved=False)
-    creep = Modulation(variable=Variable.ROLLING_SPEED, basis=Basis.RECIPROCAL, target=Target.STIFFNESS,
-                       shape=np.array([20.0 / 1000.0, 0.0]), coefficients=np.ones(1), wheels=np.ones(3))
+    creep = Modulation(
+        variable=Variable.ROLLING_SPEED,
+        basis=Basis.RECIPROCAL,
+        target=Target.STIFFNESS,
+        shape=np.array([20.0 / 1000.0, 0.0]),
+        coefficients=np.ones(1),
+        wheels=np.ones(3),
+    )
     model = replace(model, grip=replace(model.grip, modulations=(creep,)))
     lost = []
     for factor in (1.0, 2.0):
@@ -193,7 +218,8 @@ def test_loads_follow_the_acceleration_at_once():
     signal = linear(np.array([0.0, 0.5]), np.stack([np.zeros(4), rates]))
     run = simulate(model, signal, np.linspace(0.0, 0.5, 26))
     force = np.einsum("tn,nk->tk", run.force[..., 0], model.contacts.grip) + np.einsum(
-        "tn,nk->tk", run.force[..., 1], model.contacts.free)
+        "tn,nk->tk", run.force[..., 1], model.contacts.free
+    )
     moment = run.load @ (model.contacts.position_m - model.inertia.com_m)
     np.testing.assert_allclose(moment, -0.08 * force, atol=1e-9)
     assert run.load[10, :2].sum() < run.load[10, 2:].sum()  # speeding up forwards unloads the front

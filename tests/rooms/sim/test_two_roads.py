@@ -27,14 +27,20 @@ def compiled(model, t, y, wheels, rigid, push):
     C[:, THETA], C[:, OMEGA], C[:, ALPHA], C[:, RIGID] = *wheels, rigid
     B[:3] = push
     evaluate(pack(model), t, y, C, B, acc)
-    return acc, C[:, SLIP_W:SLIP_W + 2].T, C[:, LOAD], C, B
+    return acc, C[:, SLIP_W : SLIP_W + 2].T, C[:, LOAD], C, B
 
 
 def somewhere(count, seed, speed=0.05):
     """A state, a wheel motion and sectors in which wheels slide at about ``speed``."""
     rng = np.random.default_rng(seed)
-    y = np.concatenate([rng.uniform(-0.3, 0.3, 2), rng.uniform(-2.0, 2.0, 1), speed * rng.uniform(-1.0, 1.0, 2),
-                        speed * 5.0 * rng.uniform(-1.0, 1.0, 1)])
+    y = np.concatenate(
+        [
+            rng.uniform(-0.3, 0.3, 2),
+            rng.uniform(-2.0, 2.0, 1),
+            speed * rng.uniform(-1.0, 1.0, 2),
+            speed * 5.0 * rng.uniform(-1.0, 1.0, 1),
+        ]
+    )
     wheels = (rng.uniform(-7.0, 7.0, count), rng.uniform(-3.0, 3.0, count), rng.uniform(-9.0, 9.0, count))
     return y, wheels, rng.integers(0, 2, count).astype(bool), rng.uniform(-2.0, 2.0, 3)
 
@@ -53,12 +59,16 @@ def test_accelerations_agree(model, seed):
 @pytest.mark.parametrize("variable", [v for v in Variable if v is not Variable.COMMAND_SPEED])
 @pytest.mark.parametrize("basis", list(Basis))
 def test_every_friction_term_agrees(variable, basis):
-    robot = kiwi(load_rule=LoadRule.QUASI_STATIC, com_height_m=0.02, grip=SHAPES[basis % 3], com_m=(0.004, -0.01))
+    robot = kiwi(
+        load_rule=LoadRule.QUASI_STATIC, com_height_m=0.02, grip=SHAPES[basis % 3], com_m=(0.004, -0.01)
+    )
     for target in Target:
         model = with_terms(nominal_model(robot, "paper"), (modulation(variable, basis, target, 3, variable),))
         y, wheels, rigid, push = somewhere(3, 10 * variable + basis)
         acc = compiled(model, 0.21, y, wheels, rigid, push)[0]
-        np.testing.assert_allclose(acc, acceleration(model, 0.21, y, wheels, rigid, push)[0], rtol=1e-8, atol=1e-9)
+        np.testing.assert_allclose(
+            acc, acceleration(model, 0.21, y, wheels, rigid, push)[0], rtol=1e-8, atol=1e-9
+        )
 
 
 @pytest.mark.parametrize("variable", [v for v in Variable if Variable.VELOCITY_X <= v <= Variable.TIME])
@@ -69,12 +79,27 @@ def test_every_force_term_agrees(variable, basis):
     for frame in Frame:
         model = with_terms(bare, forces=(force(variable, basis, frame, variable, 5.0),))
         acc = compiled(model, 0.1, y, wheels, rigid, push)[0]
-        np.testing.assert_allclose(acc, acceleration(model, 0.1, y, wheels, rigid, push)[0], rtol=1e-9, atol=1e-10)
+        np.testing.assert_allclose(
+            acc, acceleration(model, 0.1, y, wheels, rigid, push)[0], rtol=1e-9, atol=1e-10
+        )
 
 
-@given(models(shapes=SHAPES), st.integers(0, 2**31), st.sampled_from(
-    (None, Variable.SLIP_SPEED, Variable.ROLLING_SPEED, Variable.SLIP_RATIO, Variable.SLIP_HEADING, Variable.HEADING,
-     Variable.WHEEL_LOAD)), st.sampled_from(tuple(Target)))
+@given(
+    models(shapes=SHAPES),
+    st.integers(0, 2**31),
+    st.sampled_from(
+        (
+            None,
+            Variable.SLIP_SPEED,
+            Variable.ROLLING_SPEED,
+            Variable.SLIP_RATIO,
+            Variable.SLIP_HEADING,
+            Variable.HEADING,
+            Variable.WHEEL_LOAD,
+        )
+    ),
+    st.sampled_from(tuple(Target)),
+)
 @settings(max_examples=80, deadline=None)
 def test_slopes_are_those_of_the_acceleration(model, seed, variable, target):
     if variable is not None:
@@ -88,8 +113,10 @@ def test_slopes_are_those_of_the_acceleration(model, seed, variable, target):
         up, down = y.copy(), y.copy()
         up[k] += d
         down[k] -= d
-        slope = (acceleration(model, 0.1, up, wheels, rigid, push)[0]
-                 - acceleration(model, 0.1, down, wheels, rigid, push)[0]) / (2.0 * d)
+        slope = (
+            acceleration(model, 0.1, up, wheels, rigid, push)[0]
+            - acceleration(model, 0.1, down, wheels, rigid, push)[0]
+        ) / (2.0 * d)
         got = Jp[:, 2] if k == 2 else J[:, k - 3]
         np.testing.assert_allclose(got, slope, rtol=2e-3, atol=2e-3 * np.abs(J).max())
     later = (wheels[0], wheels[1] + 1e-7 * wheels[2], wheels[2])
@@ -99,8 +126,12 @@ def test_slopes_are_those_of_the_acceleration(model, seed, variable, target):
 
 
 @given(driven(shapes=SHAPES))
-@settings(max_examples=20, deadline=None, derandomize=True,
-          suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large])
+@settings(
+    max_examples=20,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large],
+)
 def test_motions_agree_to_a_millionth(case):
     """20 drawn robots and manoeuvres, sectors included, against a reference at rtol 1e-11."""
     model, signal = case
@@ -117,8 +148,16 @@ def test_motions_agree_to_a_millionth(case):
     assert reach * error[2] <= 1e-6 * size + 1e-12
 
 
-@pytest.mark.parametrize("variable", [Variable.SLIP_SPEED, Variable.WHEEL_LOAD, Variable.TIME,
-                                      Variable.ROLLING_SPEED, Variable.ACCELERATION_X])
+@pytest.mark.parametrize(
+    "variable",
+    [
+        Variable.SLIP_SPEED,
+        Variable.WHEEL_LOAD,
+        Variable.TIME,
+        Variable.ROLLING_SPEED,
+        Variable.ACCELERATION_X,
+    ],
+)
 def test_motions_with_terms_agree(variable):
     from slipmargin.sim.signal import linear
 

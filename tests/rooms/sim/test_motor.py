@@ -1,0 +1,133 @@
+"""Wheels that answer to load: exact lags, droop and the torque–speed line against a plain integration."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from slipmargin.errors import InputError
+from slipmargin.model.parts import Drives
+from slipmargin.model.terms import Modulation
+from slipmargin.model.variables import Basis, Variable
+from slipmargin.sim.batch import Batch
+from slipmargin.sim.pack import pack
+from slipmargin.sim.published import FOUND, command, paper_model
+from slipmargin.sim.reference import acceleration
+from slipmargin.sim.signal import held, linear
+
+RATES = np.array([[0.0, 0.0, 0.0], [4.0, 2.0, -6.0], [4.0, 2.0, -6.0]])
+KNOTS = np.array([0.0, 0.1, 0.4])
+
+
+def model_with(improved: bool = False, **changes):
+    model = paper_model("paper", improved=improved)
+    return replace(model, transients=replace(model.transients, **changes))
+
+
+def by_hand(model, asked, seconds, line=None, inertia=None):
+    """Pose, speed and angle of the wheels by SciPy, the equations written out again."""
+
+    def rhs(t, s):
+        y, omega = s[:6], s[6:9]
+        acc, _, force, _ = acceleration(
+            model, t, y, (s[9:], omega, np.zeros(3)), np.zeros(3, bool), np.zeros(3)
+        )
+        xy = force[0][:, None] * model.contacts.grip + force[1][:, None] * model.contacts.free
+        torque = -model.contacts.radius_m * np.sum(xy * model.contacts.drive, axis=1)
+        tr = model.transients
+        rate = (asked(t) - tr.droop_rad_s_per_N_m * torque - omega) / np.maximum(tr.lag_s, 2e-3)
+        if line is not None:
+            motor = np.clip(
+                torque + inertia * rate, -line[0] * (1 + omega / line[1]), line[0] * (1 - omega / line[1])
+            )
+            rate = (motor - torque) / inertia
+        c, sn, w = np.cos(y[2]), np.sin(y[2]), y[5]
+        body = [c * y[3] - sn * y[4], sn * y[3] + c * y[4], w, acc[0] + w * y[4], acc[1] - w * y[3], acc[2]]
+        return np.concatenate([body, rate, omega])
+
+    out, start = np.zeros(12), 0.0
+    for stop in (0.1, seconds):
+        out = solve_ivp(rhs, (start, stop), out, method="LSODA", rtol=1e-9, atol=1e-11).y[:, -1]
+        start = stop
+    return out
+
+
+def ramp(t):
+    return np.array([4.0, 2.0, -6.0]) * min(t / 0.1, 1.0)
+
+
+@pytest.mark.parametrize("case", ["droop", "line"])
+def test_loaded_wheels_agree_with_a_plain_integration(case):
+    model = model_with(lag_s=np.array([0.03, 0.02, 0.0]), droop_rad_s_per_N_m=np.full(3, 8.0))
+    line = inertia = None
+    if case == "line":
+        line, inertia = (0.035, 20.0), 2e-4
+        model = replace(model, drives=Drives(max_speed_rad_s=line[1], stall_torque_N_m=line[0]))
+    batch = Batch([linear(KNOTS, RATES)], [np.array([0.0, 0.4])], commanded=True)
+    packed = pack(model, wheel_inertia_kg_m2=inertia)
+    outcome = batch.run(packed, np.zeros(3), tell=True, rtol=1e-8)
+    want = by_hand(model, ramp, 0.4, line, inertia)
+    np.testing.assert_allclose(outcome.pose[0, -1], want[:3], rtol=1e-5, atol=1e-8)
+    assert outcome.theta is not None
+    np.testing.assert_allclose(outcome.theta[0, -1], want[9:], rtol=1e-6)
+
+
+def test_droop_makes_a_loaded_wheel_slower():
+    batch = Batch([linear(KNOTS, RATES)], [np.array([0.0, 0.4])], commanded=True)
+    free = batch.run(pack(model_with()), np.zeros(3)).pose[0, -1]
+    slow = batch.run(pack(model_with(droop_rad_s_per_N_m=np.full(3, 20.0))), np.zeros(3)).pose[0, -1]
+    assert np.hypot(*slow[:2]) < 0.95 * np.hypot(*free[:2])
+
+
+def test_sectors_of_driven_wheels_are_found():
+    """A droop of next to nothing must give the motion of the exact lag, switches included."""
+    batch = Batch([command(FOUND.angles_rad)], [np.array([0.0, 4.5])], commanded=True)
+    lag = np.full(3, 0.03)
+    exact = batch.run(pack(model_with(True, lag_s=lag)), np.zeros(3), rtol=1e-8).pose[0, -1]
+    states = pack(model_with(True, lag_s=lag, droop_rad_s_per_N_m=np.full(3, 1e-12)))
+    np.testing.assert_allclose(batch.run(states, np.zeros(3), rtol=1e-8).pose[0, -1], exact, atol=3e-7)
+
+
+def test_an_exact_lag_is_the_exponential():
+    """A step of ω through a first-order lag: θ = ω (t − T (1 − e^(−t/T))), after the dead time and gain."""
+    model = model_with(lag_s=np.full(3, 0.08), delay_s=0.05, gain=np.array([1.0, 0.9, 1.1]))
+    omega = np.array([3.0, -2.0, 1.0])
+    batch = Batch([held(np.array([0.0, 0.5]), np.stack([omega, omega]))], [np.array([0.0, 0.04, 0.3, 0.5])],
+                  commanded=True)  # fmt: skip
+    theta = batch.run(pack(model), np.zeros(3), tell=True).theta
+    assert theta is not None
+    for k, t in enumerate((0.0, 0.0, 0.25, 0.45)):
+        want = model.transients.gain * omega * (t - 0.08 * (1.0 - np.exp(-t / 0.08)))
+        np.testing.assert_allclose(theta[0, k], want, atol=1e-12)
+
+
+def test_measured_wheels_ignore_the_drives():
+    signal, times = [linear(KNOTS, RATES)], [np.array([0.0, 0.4])]
+    lazy = pack(model_with(lag_s=np.full(3, 0.2), droop_rad_s_per_N_m=np.full(3, 9.0)))
+    plain = pack(model_with())
+    batch = Batch(signal, times, commanded=False)
+    np.testing.assert_array_equal(batch.run(lazy, np.zeros(3)).pose, batch.run(plain, np.zeros(3)).pose)
+
+
+def test_a_modulated_command_is_a_scaled_command():
+    slack = Modulation(variable=Variable.COMMAND_SPEED, basis=Basis.CONSTANT, coefficients=np.array([-0.25]),
+                       shape=np.ones(2), wheels=np.array([1.0, 0.0, 1.0]))  # fmt: skip
+    other = pack(model_with(gain=np.array([0.75, 1.0, 0.75])))
+    batch = Batch([linear(KNOTS, RATES)], [np.array([0.0, 0.4])], commanded=True)
+    np.testing.assert_allclose(batch.run(pack(model_with(modulations=(slack,))), np.zeros(3)).pose,
+                               batch.run(other, np.zeros(3)).pose, atol=1e-12)  # fmt: skip
+
+
+def test_bad_motors_are_refused():
+    model = model_with()
+    with pytest.raises(InputError, match="no torque-speed line"):
+        pack(model, wheel_inertia_kg_m2=1e-4)
+    with pytest.raises(InputError, match="positive inertia"):
+        pack(model, wheel_inertia_kg_m2=-1.0)
+    tilt = Modulation(variable=Variable.HEADING, basis=Basis.CONSTANT, coefficients=np.ones(1), shape=np.ones(2),
+                      wheels=np.ones(3))  # fmt: skip
+    with pytest.raises(InputError, match="a drive cannot depend on HEADING"):
+        pack(model_with(modulations=(tilt,)))
