@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array, Index
 from slipmargin.diagnose.prepare import Trial
@@ -45,7 +46,7 @@ class Problem:
     sigma: Array
     batch: Batch
     measured: Array
-    seen: Array
+    seen: NDArray[np.bool_]
     starts: Array
     twists: Array
 

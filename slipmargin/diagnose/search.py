@@ -126,7 +126,7 @@ def extend(
         best = min((s.fit.cost for s in states), default=np.inf)
         full = fit(problem, found.structure, found.x, trials, give_up_above=4.0 * best)
         states.append(state_of(problem, full, before.samples))
-        if states[-1].chi <= enough and i >= 1:
+        if states[-1].chi <= enough and i >= 2:
             break
     return sorted(states, key=lambda s: float(s.scores.sum()))
 

@@ -58,7 +58,7 @@ def measure(sensing: Sensing, t_s: Array, pose: Array) -> Array:
     for warp in sensing.warps:
         shift = warp.shift(_variable(warp.variable, t_s, true))
         out += shift - shift[0]
-    return out
+    return np.asarray(out, dtype=np.float64)
 
 
 def _variable(variable: Variable, t_s: Array, pose: Array) -> Array:
