@@ -64,16 +64,21 @@ def convex_profile(step: Array, rows: Rows, *, start_m_s: float = 0.0, end_m_s: 
     cp: Any = cvxpy
 
     n, size = len(step), max(float(np.sum(step)), 1e-9)
-    x, z = cp.Variable(n + 1, nonneg=True), cp.Variable(n + 1, nonneg=True)
+    # ṡ² grows in proportion to the distance from rest: scaled by it, all unknowns are of one size.
+    s = np.concatenate([[0.0], np.cumsum(step)])
+    typical = np.maximum(np.minimum(np.minimum(s, s[-1] - s), 0.25 * size), float(np.min(step)))
+    y, w = cp.Variable(n + 1, nonneg=True), cp.Variable(n + 1, nonneg=True)
+    x, z = cp.multiply(typical, y), cp.multiply(np.sqrt(typical), w)
     u = cp.multiply(0.5 / step, x[1:] - x[:-1])
-    limits = [z <= cp.sqrt(x), x[0] == start_m_s**2, x[n] == end_m_s**2]
+    limits = [w <= cp.sqrt(y), y[0] == start_m_s**2 / typical[0], y[n] == end_m_s**2 / typical[n]]
     bounded = np.isfinite(rows.cap)
     if np.any(bounded):
         limits.append(x[bounded] <= rows.cap[bounded])
     for e, here in ((0, x[:-1]), (1, x[1:])):
         for r in range(rows.a.shape[2]):
             a, b, c = rows.a[e, :, r], rows.b[e, :, r], rows.c[e, :, r]
-            weight = 1.0 / np.maximum(np.abs(a) + np.abs(b), 1e-12)
+            width = np.abs(a) + np.abs(b)
+            weight = 1.0 / np.maximum(width, 1e-6 * float(np.max(width)) or 1.0)
             left = cp.multiply(weight * a, u) + cp.multiply(weight * b, here)
             limits.append(left <= weight * c)
         if ellipsoids is not None:

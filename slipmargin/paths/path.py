@@ -14,8 +14,6 @@ from slipmargin.paths.pieces import Jet, Piece, Quadratic, Spline, distance
 
 #: Largest angle between the tangents of two pieces that still counts as smooth [rad].
 SMOOTH_RAD = 1e-6
-#: A spline whose tangent shrinks below this share of its usual length has a cusp [1].
-CUSP = 0.05
 #: Corners sharper than this cannot be rounded by a spline [rad].
 SHARP_RAD = np.deg2rad(150.0)
 
@@ -114,9 +112,7 @@ def through(waypoints: Array, *, arm: float = 0.1, closed: bool = False, source:
     else:
         c = np.array(CubicSpline(knot, points, bc_type="natural" if len(points) > 2 else "not-a-knot").c)
         c = np.concatenate([np.zeros((4 - len(c), *c.shape[1:])), c])
-    path = Path(pieces=(Spline(breaks=knot, coefficients=c),), closed=closed)
-    _no_cusp(path, knot, arm, source)
-    return path
+    return Path(pieces=(Spline(breaks=knot, coefficients=c),), closed=closed)
 
 
 def corners(waypoints: Array, *, blend_m: float = 0.0, arm: float = 0.1, source: str = "waypoint") -> Path:
@@ -187,16 +183,6 @@ def _no_sharp_corner(points: Array, arm: float, closed: bool, source: str) -> No
 def _turned_back(place: str) -> InputError:
     return InputError(place, "is a kink: the path turns back on itself there",
                       "split the path at this waypoint, or blend it by a waypoint to the side")
-
-
-def _no_cusp(path: Path, knot: Array, arm: float, source: str) -> None:
-    s = np.linspace(0.0, path.length, 40 * len(knot))
-    speed = np.linalg.norm(path.at(s)[1] * np.array([1.0, 1.0, arm]), axis=1)
-    if float(np.min(speed)) < CUSP:
-        k = int(np.argmin(np.abs(knot - s[int(np.argmin(speed))]))) + 1
-        raise InputError(f"{source} {k}",
-                         "is a kink: a smooth curve through its neighbours almost stops there",
-                         "add a waypoint beside it, or use straight lines with a blend")
 
 
 def _joined(place: str, one: Piece, two: Piece, *, turns: bool = False) -> None:

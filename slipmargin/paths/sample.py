@@ -57,15 +57,18 @@ def at_times(plan: Plan, t_s: Array) -> Trajectory:
 
 
 def use_along(model: Model, t_s: Array, pose: Array, velocity: Array, acceleration: Array, *,
-              contact: Contact = Contact.ROLLERS, theta: Array | None = None) -> Array:
-    """Share (T, N) of each wheel's grip along floor-frame samples (T, 3), pose held or open loop."""
+              contact: Contact = Contact.ROLLERS, theta: Array | None = None, held: bool = False) -> Array:
+    """Share (T, N) of each wheel's grip along floor-frame samples (T, 3).
+
+    With the pose ``held``, or with it or open loop, whichever is more.
+    """
     heading = pose[:, 2]
     motion = Motion(velocity=to_body(heading, velocity), acceleration=to_body(heading, acceleration),
                     heading=heading, position=pose[:, :2], time_s=t_s)
     if theta is not None:
         motion = replace(motion, theta=theta)
-    held, drifting = (realised(model, motion, contact=contact, open_loop=o).use for o in (False, True))
-    return np.maximum(held, drifting)
+    use = realised(model, motion, contact=contact).use
+    return use if held else np.maximum(use, realised(model, motion, contact=contact, open_loop=True).use)
 
 
 def _turned(plan: Plan, t_s: Array, omega: Array) -> Array:
@@ -76,13 +79,13 @@ def _turned(plan: Plan, t_s: Array, omega: Array) -> Array:
 
 
 def stretched(model: Model, rows: Trajectory, factor: float, *, contact: Contact = Contact.ROLLERS) -> Trajectory:
-    """The same motion driven slower (``factor`` above 1) or faster (below 1), with the use this takes."""
+    """The same motion driven slower (``factor`` above 1) or faster (below 1), with the use this needs."""
     factor = real("factor", factor, above=0.0, cure="give a positive factor")
     velocity, acceleration = rows.velocity / factor, rows.acceleration / factor**2
     t = rows.t_s * factor
     return Trajectory(t_s=t, pose=rows.pose, velocity=velocity, acceleration=acceleration,
                       omega=rows.omega / factor, wheels=rows.wheels,
-                      use=use_along(model, t, rows.pose, velocity, acceleration, contact=contact))
+                      use=use_along(model, t, rows.pose, velocity, acceleration, contact=contact, held=True))
 
 
 def sustained(rows: Trajectory, hold_s: float) -> Array:

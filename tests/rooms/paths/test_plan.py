@@ -1,0 +1,185 @@
+"""Plans: the fastest profile by three roads, within every limit, and a reason where there is none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from strategies import four_wheels, kiwi
+
+from slipmargin.errors import InputError, NoSolution
+from slipmargin.limits.motion_state import Contact, wheel_speeds
+from slipmargin.model import Model, nominal_model
+from slipmargin.paths import core
+from slipmargin.paths.along import Caps
+from slipmargin.paths.convex import Ellipsoids, convex_profile
+from slipmargin.paths.geometry import Geometry, to_body
+from slipmargin.paths.grid import grid_of
+from slipmargin.paths.path import Path, corners, through
+from slipmargin.paths.plan import Plan, Request, duration, plan
+from slipmargin.paths.sample import at_use, node_times, stretched, trajectory
+from slipmargin.robot import GripShape, LoadRule, Motor
+
+T = np.linspace(0.0, 2.0 * np.pi, 17)
+PATHS = {
+    "straight": corners(np.array([[0, 0, 0], [1.0, 0, 0]])),
+    "turning": corners(np.array([[0, 0, 0], [1.0, 0.4, 2.0]])),
+    "eight": through(np.column_stack([np.sin(T), 0.5 * np.sin(2 * T), 0.5 * np.sin(T)]), closed=True),
+    "corner": corners(np.array([[0, 0, 0], [1.0, 0, 0], [1.0, 1.0, 0]]), blend_m=0.2),
+}
+MODELS = {
+    "kiwi": nominal_model(kiwi(), "paper"),
+    "mecanum": nominal_model(four_wheels(load_rule=LoadRule.QUASI_STATIC, com_height_m=0.1), "paper"),
+    "motor": nominal_model(replace(kiwi(), motor=Motor(max_speed_rad_s=35.0, stall_torque_N_m=0.09)), "paper"),
+}
+
+
+@pytest.fixture(scope="module")
+def eight() -> Plan:
+    return plan(MODELS["kiwi"], PATHS["eight"], Request(share=0.9, points=200))
+
+
+@pytest.mark.parametrize("name", PATHS)
+@pytest.mark.parametrize("machine", MODELS)
+def test_no_sample_uses_more_than_the_share(machine: str, name: str) -> None:
+    found = plan(MODELS[machine], PATHS[name], Request(share=0.85, points=120))
+    assert found.max_use <= 0.85 * (1.0 + 1e-6)
+    assert np.max(found.audit.torque) <= 1.0 + 1e-6
+    assert np.max(found.audit.speed) <= 1.0 + 1e-6
+    assert np.min(found.audit.load_N) >= 0.0
+    assert found.max_use > 0.8 or machine == "motor"  # and it is no coward
+    assert found.audit.use.shape[1] == 21  # 20 times finer than the grid
+
+
+@pytest.mark.parametrize("name", PATHS)
+@pytest.mark.parametrize("machine", MODELS)
+def test_the_convex_program_finds_the_same_time(machine: str, name: str) -> None:
+    found = plan(MODELS[machine], PATHS[name], Request(share=0.9, points=80))
+    same = convex_profile(found.grid.step, found.rows)
+    assert found.duration_s == pytest.approx(same.duration_s, rel=1e-3)
+    assert found.duration_s >= same.duration_s * (1.0 - 1e-4)
+
+
+def test_toppra_finds_the_same_time() -> None:
+    ta = pytest.importorskip("toppra")
+    constraint = pytest.importorskip("toppra.constraint")
+    ta.setup_logging("ERROR")
+    path = PATHS["eight"]
+    s = np.linspace(0.0, path.length, 401)
+    grid = replace(grid_of(path, 50), s=s, piece=np.zeros(400, dtype=np.int64))
+    normals = np.random.default_rng(3).normal(size=(11, 3))
+    normals = np.vstack([normals, -normals])
+    jets = [path.at(x, grid.piece) for x in (s[:-1], s[1:])]
+    a, b = (np.stack([j[order] @ normals.T for j in jets]) for order in (1, 2))
+    x, u, high, row = np.zeros(401), np.zeros(400), np.zeros(401), np.zeros(400, dtype=np.int64)
+    one = np.ones((400, 22))
+    assert core.profile(grid.step, a[0], b[0], one, a[1], b[1], one, np.full(401, np.inf), 0.0, 0.0, x, u, high,
+                        row)[0] == core.OK
+    limit = constraint.SecondOrderConstraint(lambda q, v, w: w, lambda q: normals, lambda q: np.ones(22), 3)
+    limit.set_discretization_type(1)
+    run = ta.algorithm.TOPPRA([limit], ta.SplineInterpolator(s, path.pose(s)), gridpoints=s, solver_wrapper="seidel",
+                              parametrizer="ParametrizeConstAccel")
+    assert duration(grid.step, x) == pytest.approx(run.compute_trajectory(0.0, 0.0).duration, rel=1e-3)
+
+
+def test_the_samples_are_one_motion(eight: Plan) -> None:
+    rows = trajectory(eight, step_s=0.002)
+    assert rows.duration_s == pytest.approx(eight.duration_s, rel=1e-12)
+    assert rows.velocity == pytest.approx(np.gradient(rows.pose, rows.t_s, axis=0, edge_order=2), abs=5e-3)
+    inner = slice(5, -5)
+    gained = np.cumsum(rows.acceleration[:-1] * np.diff(rows.t_s)[:, None], axis=0)
+    assert (rows.velocity[1:] - rows.velocity[0])[inner] == pytest.approx(gained[inner], abs=2e-2)
+    assert rows.velocity[[0, -1]] == pytest.approx(np.zeros((2, 3)), abs=1e-6)
+    body = to_body(rows.pose[:, 2], rows.velocity)
+    assert rows.omega == pytest.approx(wheel_speeds(eight.model, body), abs=1e-12)
+    # sign: ρ θ̇ ŝ·ĝ = −(v + ω×p)·ĝ, the rear wheel of the kiwi drives along +X
+    straight = trajectory(plan(MODELS["kiwi"], PATHS["straight"], Request(points=50)))
+    assert np.all(straight.omega[1:-1, 2] < 0.0)
+    assert straight.omega[:, 2] == pytest.approx(-straight.velocity[:, 0] / 0.0254, abs=1e-9)
+    assert np.max(rows.use) <= 0.9 * (1.0 + 1e-6)
+    assert node_times(eight)[-1] == pytest.approx(eight.duration_s)
+    assert list(rows.columns())[:4] == ["t_s", "x_m", "y_m", "phi_rad"]
+
+
+def test_less_grip_is_never_faster_and_a_better_start_never_slower(eight: Plan) -> None:
+    calm = plan(eight.model, eight.path, Request(share=0.75, points=200))
+    assert calm.duration_s > eight.duration_s
+    moving = plan(eight.model, eight.path, Request(share=0.9, points=200, start_m_s=0.3, end_m_s=0.2))
+    assert moving.duration_s < eight.duration_s
+    assert np.sqrt(moving.x[[0, -1]]) == pytest.approx([0.3, 0.2])
+
+
+def test_caps_hold_between_grid_points_too() -> None:
+    caps = Caps(speed_m_s=0.4, yaw_rate_rad_s=0.3, wheel_rad_s=14.0)
+    found = plan(MODELS["mecanum"], PATHS["eight"], Request(share=0.9, points=100, caps=caps))
+    rows = trajectory(found, step_s=0.001)
+    top = [np.max(np.hypot(rows.velocity[:, 0], rows.velocity[:, 1])) / 0.4, np.max(np.abs(rows.velocity[:, 2])) / 0.3,
+           np.max(np.abs(rows.omega)) / 14.0]
+    assert max(top) <= 1.0 + 1e-6
+    assert max(top) > 0.99
+
+
+def test_robust_is_slower_and_safe_in_every_state() -> None:
+    slippery = replace(MODELS["kiwi"], grip=replace(MODELS["kiwi"].grip, rigid=np.tile([0.30, 0.13], (3, 1))))
+    request = Request(share=0.9, points=100)
+    rollers = plan(slippery, PATHS["turning"], request)
+    robust = plan(slippery, PATHS["turning"], replace(request, contact=Contact.UNKNOWN))
+    angles = plan(slippery, PATHS["turning"], replace(request, contact=Contact.ANGLE, theta_rad=np.zeros(3)))
+    assert rollers.duration_s < robust.duration_s
+    assert rollers.duration_s < angles.duration_s <= robust.duration_s * (1.0 + 1e-6)
+    for bits in range(8):  # as if each wheel stood on what the bit says, all the way
+        mask = np.array([bool(bits >> i & 1) for i in range(3)])
+        grip = replace(slippery.grip, roller=np.where(mask[:, None], slippery.grip.rigid, slippery.grip.roller))
+        rows = trajectory(robust, step_s=0.01)
+        assert np.max(stretched(replace(slippery, grip=grip), rows, 1.0).use) <= 0.9 * (1.0 + 1e-6)
+    with pytest.raises(InputError, match="theta_rad"):
+        plan(slippery, PATHS["turning"], replace(request, contact=Contact.ANGLE, theta_rad=np.zeros(2)))
+
+
+@pytest.mark.parametrize(("model", "request_", "words"), [
+    (MODELS["kiwi"], Request(share=0.5, points=60),
+     r"at s = 0 m .* constant speed wheel rear needs 0\.531 of its grip, more than the 0\.5 allowed, use a margin below"),
+    (MODELS["kiwi"], Request(share=0.9, points=60, contact=Contact.UNKNOWN), "wheels on rollers only"),
+    (nominal_model(kiwi(grip=GripShape.ELLIPSE), "paper"), Request(points=60), "turn the heading"),
+    (nominal_model(replace(kiwi(), motor=Motor(max_speed_rad_s=30.0, stall_torque_N_m=0.02)), "paper"),
+     Request(points=60), "motor torque of wheel .*stronger motor"),
+])
+def test_no_motion_says_where_who_why_and_what_would_help(model: Model, request_: Request, words: str) -> None:
+    with pytest.raises(NoSolution, match=words):
+        plan(model, PATHS["straight"], request_)
+
+
+def test_impossible_speeds_and_requests_are_refused() -> None:
+    with pytest.raises(InputError, match=r"start speed: is 9 m/s at x 0 m, y 0 m, but the path allows at most"):
+        plan(MODELS["kiwi"], PATHS["straight"], Request(points=60, start_m_s=9.0))
+    with pytest.raises(InputError, match="end speed"):
+        plan(MODELS["kiwi"], PATHS["straight"], Request(points=60, end_m_s=9.0, caps=Caps(speed_m_s=1.0)))
+    for bad in ({"share": 1.2}, {"start_m_s": -1.0}, {"end_m_s": np.nan}):
+        with pytest.raises(InputError):
+            Request(**bad)
+    with pytest.raises(InputError, match="step_s"):
+        trajectory(plan(MODELS["kiwi"], PATHS["straight"], Request(points=60)), step_s=0.0)
+
+
+def test_speeding_up_to_a_use(eight: Plan) -> None:
+    rows = trajectory(eight, step_s=0.01)
+    assert np.max(at_use(eight.model, rows, 1.05).use) == pytest.approx(1.05, abs=2e-3)
+    for impossible in (0.5, 1e9):
+        with pytest.raises(NoSolution, match="speeding up"):
+            at_use(eight.model, rows, impossible)
+    with pytest.raises(InputError, match="factor"):
+        stretched(eight.model, rows, 0.0)
+
+
+def test_an_ellipsoid_limits_like_its_box_along_an_axis() -> None:
+    path: Path = PATHS["straight"]
+    grid = grid_of(path, 60)
+    shape = Geometry.of(MODELS["kiwi"], path, grid, np.array([0.0, 1.0]))
+    found = plan(MODELS["kiwi"], path, Request(points=60), grid=grid)
+    free = replace(found.rows, c=np.full_like(found.rows.c, 1e6))
+    round_ = convex_profile(grid.step, free, ellipsoids=Ellipsoids(
+        Q=np.diag([1.0 / 0.4, 1.0, 1.0]), push=np.swapaxes(shape.push, 0, 1), bend=np.swapaxes(shape.bend, 0, 1)))
+    assert round_.duration_s == pytest.approx(2.0 * np.sqrt(1.0 / 0.4), rel=2e-3)  # bang-bang over 1 m at 0.4 m/s²
+    with pytest.raises(NoSolution, match="convex profile"):
+        convex_profile(grid.step, replace(found.rows, c=-np.abs(found.rows.c)))
