@@ -19,6 +19,8 @@ from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PALE, RED, st
 
 #: Samples of a run in the heat map; suspects, variables and runs that a figure has room for.
 _COLUMNS, _SUSPECTS, _VARIABLES, _RUNS = 240, 12, 10, 4
+#: Suspects that make the error this much larger are counted, not drawn [1].
+_HARMFUL = 1.15
 _SIGNS = ("x", "y", "heading")
 BEFORE, AFTER = RED, BLUE
 
@@ -28,7 +30,7 @@ def residual_figure(diagnosis: Diagnosis) -> Figure:
     """Measured minus predicted in noise units, a row each run: before, and after where effects were found."""
     both = bool(diagnosis.findings)
     count = len(diagnosis.trials)
-    height = max(1.0, 0.16 * count)
+    height = max(1.5, 0.17 * count)
     figure = Figure(figsize=(10.0, (2 if both else 1) * (height + 0.75) + 0.75), layout="constrained")
     grid = figure.subplots(2 if both else 1, 3, sharex=True, sharey=True, squeeze=False)
     worst = max(
@@ -134,8 +136,8 @@ def where_figure(diagnosis: Diagnosis) -> Figure:
 def suspects_figure(diagnosis: Diagnosis) -> Figure:
     """Every suspect of every round by its error on runs it was not fitted to; the chosen one in orange."""
     steps = diagnosis.steps
-    rows = [min(_SUSPECTS, len(s.tried)) for s in steps] or [1]
-    figure = Figure(figsize=(8.2, 1.0 + sum(0.24 * r + 0.75 for r in rows)), layout="constrained")
+    rows = [max(3, min(_SUSPECTS, len(s.tried))) for s in steps] or [3]
+    figure = Figure(figsize=(9.0, 1.0 + sum(0.25 * r + 0.85 for r in rows)), layout="constrained")
     grid = figure.subplots(
         max(1, len(steps)), 1, squeeze=False, gridspec_kw={"height_ratios": [r + 2 for r in rows]}
     )
@@ -145,9 +147,7 @@ def suspects_figure(diagnosis: Diagnosis) -> Figure:
         grid[0, 0].text(0.5, 0.5, "nothing was tried", ha="center", va="center", color=GREY)
         grid[0, 0].set_axis_off()
         return figure
-    grid[-1, 0].set_xlabel(
-        "chi on runs not fitted to: error in units of the noise (1 = nothing left to explain)"
-    )
+    grid[-1, 0].set_xlabel("chi on runs not fitted to (1 = noise alone)")
     marks = [
         Line2D([], [], marker="o", ls="none", color=INK, label="named effect"),
         Line2D([], [], marker="o", ls="none", mfc="white", mec=INK, label="general form over one variable"),
@@ -159,45 +159,48 @@ def suspects_figure(diagnosis: Diagnosis) -> Figure:
 
 
 def _suspects(axes: Axes, step: Step, number: int) -> None:
-    shown = [t for t in sorted(step.tried, key=lambda t: t.chi) if math.isfinite(t.chi)]
-    more = len(step.tried) - len(shown[:_SUSPECTS])
-    shown = shown[:_SUSPECTS]
+    found = sorted((t for t in step.tried if math.isfinite(t.chi)), key=lambda t: t.chi)
+    shown = [t for t in found if t.chi <= _HARMFUL * step.chi_before][:_SUSPECTS] or found[:1]
     for row, tried in enumerate(shown):
         taken = tried.label == step.taken
         colour = ORANGE if taken else INK
         axes.plot([tried.chi, step.chi_before], [row, row], color=ORANGE if taken else PALE, lw=1.4, zorder=1)
-        axes.plot(
-            tried.chi,
-            row,
-            "o",
-            ms=7 if taken else 5,
-            color=colour,
-            mfc=colour if tried.named else "white",
-            mew=1.4,
-            zorder=3,
-        )
+        face = colour if tried.named else "white"
+        axes.plot(tried.chi, row, "o", ms=7 if taken else 5, color=colour, mfc=face, mew=1.4, zorder=3)
     axes.axvline(step.chi_before, color=RED, lw=1.4, ls=(0, (4, 2)))
-    labels = [f"{plain(t.label)}  ({t.parameters})" for t in shown]
-    axes.set_yticks(range(len(shown)), labels, fontsize=8.5)
+    axes.set_yticks(range(len(shown)), [f"{plain(t.label)}  ({t.parameters})" for t in shown], fontsize=8.5)
     for text, tried in zip(axes.get_yticklabels(), shown, strict=True):
         if tried.label == step.taken:
-            text.set(color=INK, fontweight="bold")
+            text.set_fontweight("bold")
     axes.set_ylim(len(shown) - 0.4, -0.6)
     axes.grid(False, axis="y")
-    values = [t.chi for t in shown] + [step.chi_before]
-    if max(values) <= 1.1 * min(values):  # a stop: hundredths of chi shall look like hundredths
-        axes.set_xlim(0.9 * step.chi_before, 1.1 * step.chi_before)
-    elif max(values) > 4.0 * min(values):
+    _scale([t.chi for t in shown] + [step.chi_before], axes, step.chi_before)
+    chosen = f"{plain(step.taken)} is taken" if step.taken else "none is better beyond chance: stop"
+    axes.set_title(f"Round {number}: {chosen}")
+    if len(step.tried) > len(shown):
+        axes.annotate(
+            f"{len(step.tried) - len(shown)} more, worse",
+            (1.0, 1.0),
+            xycoords="axes fraction",
+            ha="right",
+            va="bottom",
+            color=GREY,
+            fontsize=8,
+        )
+
+
+def _scale(values: list[float], axes: Axes, before: float) -> None:
+    """Logarithmic where suspects differ by factors; never so fine that hundredths of chi look large."""
+    low, high = min(values), max(values)
+    if high <= 1.1 * low:
+        axes.set_xlim(0.9 * before, 1.1 * before)
+    elif high > 4.0 * low:
         axes.set_xscale("log")
-        ticks = [
-            v
-            for v in (1, 1.5, 2, 3, 5, 10, 20, 30, 50, 100, 200, 500, 1000)
-            if 0.9 * min(values) <= v <= 1.1 * max(values)
-        ]
+        steps = (1, 3) if high > 20.0 * low else (1, 2, 5)
+        ticks = [float(f"{k}e{d}") for d in range(-1, 5) for k in steps]
+        ticks = [v for v in ticks if 0.9 * low <= v <= 1.1 * high]
         axes.set_xticks(ticks, [f"{v:g}" for v in ticks])
         axes.minorticks_off()
-    chosen = f"taken: {plain(step.taken)}" if step.taken else "none is better beyond chance: stop"
-    axes.set_title(f"Round {number}: {chosen}" + (f"   (+ {more} worse, not shown)" if more > 0 else ""))
 
 
 @styled

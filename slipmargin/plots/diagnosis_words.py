@@ -96,8 +96,8 @@ def chance(p_value: float) -> str:
 
 
 def plain(label: str) -> str:
-    """A suspect's label for people: underscores are for files."""
-    return label.replace("_", " ")
+    """A suspect's label or a variable's name for people: underscores are for files."""
+    return label.removeprefix("unnamed_").replace("_", " ")
 
 
 def _unit(unit: str) -> str:

@@ -201,8 +201,9 @@ def svg(figure: Figure, prefix: str, alt: str) -> str:
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, count=1, flags=re.DOTALL)
     text = re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>{prefix}-", text)
-    least = round(0.55 * 96.0 * figure.get_figwidth())
-    head = f'<svg role="img" aria-label="{escape(alt)}" style="min-width:{least}px"'
+    width = 96.0 * figure.get_figwidth()  # CSS pixels an inch
+    size = f"min-width:{round(0.55 * width)}px;max-width:{round(1.15 * width)}px"
+    head = f'<svg role="img" aria-label="{escape(alt)}" style="{size}"'
     text = re.sub(r"<svg\b", head, text, count=1)
     return text.strip()
 

@@ -1,0 +1,95 @@
+"""The limits before and after, and the details, of a diagnosis page."""
+
+from __future__ import annotations
+
+from slipmargin.diagnose.diagnosis import Diagnosis
+from slipmargin.diagnose.limits_change import LimitsChange
+from slipmargin.io.report_json import trial_chi
+from slipmargin.plots import diagnosis_words as words
+from slipmargin.plots.limits_change import limits_figure
+from slipmargin.plots.page import Block, Bullets, Fold, Picture, Table, Text
+
+
+def limits(change: LimitsChange) -> tuple[Block, ...]:
+    """What the found effects change."""
+    if not change.moved:
+        return (
+            Text(
+                text="No limit changes: what was found is in how the motion is commanded or measured, "
+                "not in what "
+                "the wheels can do."
+            ),
+        )
+    b, a = change.before, change.after
+    rows = (
+        ("Pull, weakest orientation", b.f_max_min_N, a.f_max_min_N, "N"),
+        ("Pull, mean over orientations", b.f_max_mean_N, a.f_max_mean_N, "N"),
+        ("Pull, lowest over what wheels may stand on", float(b.f_low_N.min()), float(a.f_low_N.min()), "N"),
+        ("Speeding up, worst direction", float(b.start_m_s2.min()), float(a.start_m_s2.min()), "m/s²"),
+        ("Speeding up, mean", float(b.start_m_s2.mean()), float(a.start_m_s2.mean()), "m/s²"),
+        ("Braking, worst direction", float(b.brake_m_s2.min()), float(a.brake_m_s2.min()), "m/s²"),
+        ("Braking, mean", float(b.brake_m_s2.mean()), float(a.brake_m_s2.mean()), "m/s²"),
+    )
+    table = Table(
+        caption="Limits of the machine as believed and as corrected",
+        head=("limit", "believed", "corrected", "change"),
+        rows=tuple(
+            (name, f"{one:.3g} {unit}", f"{two:.3g} {unit}", words.percent(one, two))
+            for name, one, two, unit in rows
+        ),
+    )
+    return (
+        table,
+        Text(text=words.plan_sentence(change.plan)),
+        Picture(
+            name="limits",
+            figure=limits_figure(change),
+            alt="Polar plots of limits before and after",
+            caption="Seen from above, forwards is up: the pull at the centre that first makes a wheel "
+            "slip, and the accelerations along a straight line without turning.",
+        ),
+    )
+
+
+def details(d: Diagnosis) -> tuple[Block, ...]:
+    """Every run, every suspect, how well the runs excite the parameters, remarks."""
+    runs = Table(
+        caption="Error over noise (chi) of every run",
+        head=("run", "seen by the fit", "before", "after"),
+        rows=tuple(
+            (
+                t.name,
+                "no" if t.held_out else "yes",
+                f"{trial_chi(t, t.before, d):.3g}",
+                f"{trial_chi(t, t.after, d):.3g}",
+            )
+            for t in d.trials
+        ),
+    )
+    blocks: list[Block] = [Fold(summary="Every run", blocks=(runs,))]
+    for number, step in enumerate(d.steps, 1):
+        rows = tuple(
+            (f"`{t.label}`", t.traced_to.value, str(t.parameters), f"{t.chi:.4g}") for t in step.tried
+        )
+        blocks.append(
+            Fold(
+                summary=f"Every suspect of round {number}",
+                blocks=(
+                    Table(
+                        caption=f"Without any of them chi is {step.chi_before:.4g}",
+                        head=("suspect", "variable", "parameters", "chi"),
+                        rows=rows,
+                    ),
+                ),
+            )
+        )
+    if d.excitation:
+        text = (
+            "Singular values of the fit's whitened Jacobian per unit of parameter: "
+            + ", ".join(f"{v:.3g}" for v in d.excitation)
+            + ". A value near or below 1 is a combination of parameters about which these runs say nothing."
+        )
+        blocks.append(Fold(summary="How well the runs excite the parameters", blocks=(Text(text=text),)))
+    if d.remarks:
+        blocks.append(Bullets(items=d.remarks))
+    return tuple(blocks)
