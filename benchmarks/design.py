@@ -101,7 +101,8 @@ def main() -> None:
     print(f"  every static column      {found['every_static_column_median_s']:9.4f} s median")
     print(f"  cvxpy, point by point    {found['naive_extrapolated_s'] / 60.0:9.1f} min, extrapolated from "
           f"{1e3 * found['naive_point_median_s']:.2f} ms each")
-    print(f"  ratio {found['ratio']:.0f}; largest disagreement on the sample {found['worst_disagreement']:.1e}")
+    print(f"  ratio {found['ratio']:.0f}; largest disagreement on the sample "
+          f"{found['worst_disagreement']:.1e}")
     if len(sys.argv) > 1:
         Path(sys.argv[1]).write_text(json_text(found), encoding="utf-8")
 

@@ -24,6 +24,7 @@ import numpy as np
 from slipmargin import __version__
 from slipmargin.errors import InputError
 from slipmargin.io.source import read_text
+from slipmargin.io.work_folder import make_folder, remove_files
 from slipmargin.io.writes import write_text
 
 #: One piece's answer: a row of named numbers for each of its items.
@@ -89,7 +90,7 @@ def in_pieces(work: Callable[[Any], dict[str, float]], items: Sequence[Any], *, 
         advance(len(row) if row else 0)
     missing = [k for k, row in enumerate(rows) if row is None]
     if missing and workshop.folder is not None:
-        _make(workshop.folder)
+        make_folder(workshop.folder)
     with contextlib.closing(_computed(work, [(k, pieces[k]) for k in missing], workshop)) as answers:
         for k, found in answers:
             if workshop.folder is not None:
@@ -107,13 +108,8 @@ def work_folder(out: Path | None) -> Path | None:
 
 def clear(folder: Path | None) -> None:
     """Remove the pieces of a finished study, and the folder if nothing else is in it."""
-    if folder is None or not folder.is_dir():
-        return
-    for path in folder.iterdir():
-        if _NAME.fullmatch(path.name):
-            path.unlink(missing_ok=True)
-    with contextlib.suppress(OSError):  # something of the user's is in it: it stays
-        folder.rmdir()
+    if folder is not None:
+        remove_files(folder, _NAME)
 
 
 def piece_name(question: Any, items: Sequence[Any]) -> str:
@@ -183,14 +179,6 @@ def _backend(scheduler: str | None) -> Iterator[None]:
         if not client.scheduler_info()["workers"]:
             raise InputError("scheduler", f"{scheduler!r} has no workers", "start a Dask worker for it")
         yield
-
-
-def _make(folder: Path) -> None:
-    try:
-        folder.mkdir(exist_ok=True)
-    except OSError as fault:
-        raise InputError("", f"cannot be made ({fault.strerror})", "give --out another name or folder",
-                         str(folder)) from None
 
 
 def _text(rows: Rows) -> str:

@@ -83,8 +83,7 @@ class Study:
             If no design is possible, with the first one's problem.
         """
         goal = self.question.objective if name is None else objective(name)
-        score = goal.sign * self.columns[goal.name]
-        if not np.any(~np.isnan(score)):
+        if np.all(np.isnan(self.columns[goal.name])):
             why = self.problems.get(0, f"{goal.name} cannot be computed")
             raise InputError("vary", f"holds no possible design; the first: {why}",
                              "vary within other bounds")

@@ -73,6 +73,8 @@ def test_reasons_name_the_wheels_that_a_model_names(angles: Study) -> None:
     own = angles.question.machine
     assert reason(own, BY_NAME["f_worst"]).what == ("right transverse", "left transverse", "rear drive")
     assert reason(own, BY_NAME["start_worst_m_s2"]).what == ("rear",)
+    assert reason(own, BY_NAME["f_worst"]).where.startswith("weakest at φ = 0°")
+    assert reason(own, BY_NAME["f_best"]).where.startswith("strongest at φ = 90°")  # section 2: 0.21296
     static = reason(machine(load_rule=LoadRule.STATIC), BY_NAME["load_least"])
     assert static.what == ("rear",)
     assert "every wheel on rigid" in reason(own, BY_NAME["f_rigid_worst"]).where

@@ -77,6 +77,12 @@ def test_each_number_reads_back_as_it_was_put() -> None:
         assert own_value(quantity, quantity.put(start, value)) == pytest.approx(value), quantity.key
 
 
+def test_a_roller_angle_keeps_each_wheel_s_sign() -> None:
+    car = Machine(recipe=Recipe(robot=four_wheels()), surface="paper")
+    turned = quantity_of("roller_angle_deg").put(car, 30.0).robot
+    assert [w.roller_angle_deg for w in turned.wheels] == [30.0, -30.0, 30.0, -30.0]
+
+
 def test_a_motor_needs_a_speed_before_a_torque() -> None:
     torque = quantity_of("stall_torque_N_m")
     with pytest.raises(InputError, match="vary max_speed_rad_s"):
