@@ -34,7 +34,6 @@ from slipmargin.paths.sample import at_use, trajectory
 from slipmargin.robot import Body, Coefficients, LoadRule, Robot, Surface, Wheel
 from slipmargin.study.verify import GROSS, on_rollers, verify
 
-
 #: How long a sped-up motion has to ask for 105 % of a wheel's grip [s].
 HOLD_S = 0.5
 
@@ -69,13 +68,24 @@ def drawn_robot(rng: np.random.Generator, wheels: int) -> Model:
                             drive_direction_deg=float(d), radius_m=0.04, roller_angle_deg=float(r))
                       for i, (a, d, r) in enumerate(zip(at, aim, turn, strict=True)))
         mass, drive = rng.uniform(2.0, 40.0), rng.uniform(0.2, 0.8)
-        floor = Surface(name="floor", roller=Coefficients(drive=drive, transverse=drive * rng.uniform(0.03, 0.35)),
-                        rigid=Coefficients(drive=drive, transverse=drive))
+        floor = Surface(
+            name="floor",
+            roller=Coefficients(drive=drive, transverse=drive * rng.uniform(0.03, 0.35)),
+            rigid=Coefficients(drive=drive, transverse=drive),
+        )
         try:
-            robot = Robot(name=f"drawn-{wheels}", wheels=parts, surfaces=(floor,), load_rule=LoadRule.QUASI_STATIC,
-                          body=Body(mass_kg=mass, inertia_kg_m2=mass * (rng.uniform(0.5, 0.9) * size) ** 2,
-                                    com_m=size * rng.uniform(-0.15, 0.15, 2),
-                                    com_height_m=size * rng.uniform(0.0, 0.4)))
+            robot = Robot(
+                name=f"drawn-{wheels}",
+                wheels=parts,
+                surfaces=(floor,),
+                load_rule=LoadRule.QUASI_STATIC,
+                body=Body(
+                    mass_kg=mass,
+                    inertia_kg_m2=mass * (rng.uniform(0.5, 0.9) * size) ** 2,
+                    com_m=size * rng.uniform(-0.15, 0.15, 2),
+                    com_height_m=size * rng.uniform(0.0, 0.4),
+                ),
+            )
             model = nominal_model(robot, "floor")
         except InputError:
             continue
@@ -113,9 +123,15 @@ def proof(count: int, seed: int, tell: Callable[[dict[str, Any]], None] | None =
         first = int(np.argmax(np.max(wild.share, axis=1) > GROSS))
         slipping = int(np.argmax(wild.share[first]))
         near = (fast.t_s <= wild.t_s[first]) & (fast.t_s > wild.t_s[first] - 3.0 * HOLD_S)
-        row = {"wheels": wheels, "share": share, "over": found.max_use / share - 1.0, "excess": calm.peak - share,
-               "slips": wild.slips, "at_named_wheel": bool(np.max(fast.use[near, slipping]) > 1.0),
-               "passes": found.passes}
+        row = {
+            "wheels": wheels,
+            "share": share,
+            "over": found.max_use / share - 1.0,
+            "excess": calm.peak - share,
+            "slips": wild.slips,
+            "at_named_wheel": bool(np.max(fast.use[near, slipping]) > 1.0),
+            "passes": found.passes,
+        }
         rows.append(row)
         if tell is not None:
             tell(row)
@@ -223,9 +239,14 @@ def box_rows(model: Model, way: Path, grid: Grid, half: Any) -> Rows:
     shape = Geometry.of(model, way, grid, np.array([0.0, 1.0]))
     sides = np.vstack([np.eye(3), -np.eye(3)]) / np.tile(half, 2)[:, None]
     push, bend = shape.push, shape.bend  # the paper's robot has its centre of mass at the origin
-    return Rows(a=np.stack([push[:, e] @ sides.T for e in (0, 1)]), b=np.stack([bend[:, e] @ sides.T for e in (0, 1)]),
-                c=np.ones((2, len(grid.step), 6)), cap=np.full(len(grid.s), np.inf), names=("box",) * 6,
-                wheels=np.ones((6, model.count), dtype=bool))
+    return Rows(
+        a=np.stack([push[:, e] @ sides.T for e in (0, 1)]),
+        b=np.stack([bend[:, e] @ sides.T for e in (0, 1)]),
+        c=np.ones((2, len(grid.step), 6)),
+        cap=np.full(len(grid.s), np.inf),
+        names=("box",) * 6,
+        wheels=np.ones((6, model.count), dtype=bool),
+    )
 
 
 def gains(share: float = 0.9) -> dict[str, Any]:
@@ -239,8 +260,15 @@ def gains(share: float = 0.9) -> dict[str, Any]:
         box = duration(grid.step, solve(box_rows(model, way, grid, sets.even), grid.step)[0])
         shape = Geometry.of(model, way, grid, np.array([0.0, 1.0]))
         free = replace(box_rows(model, way, grid, sets.even), c=np.full((2, len(grid.step), 6), 1e9))
-        round_ = convex_profile(grid.step, free, ellipsoids=Ellipsoids(
-            Q=np.linalg.inv(sets.ellipsoid), push=np.swapaxes(shape.push, 0, 1), bend=np.swapaxes(shape.bend, 0, 1)))
+        round_ = convex_profile(
+            grid.step,
+            free,
+            ellipsoids=Ellipsoids(
+                Q=np.linalg.inv(sets.ellipsoid),
+                push=np.swapaxes(shape.push, 0, 1),
+                bend=np.swapaxes(shape.bend, 0, 1),
+            ),
+        )
         circle = convex_profile(grid.step, free, ellipsoids=Ellipsoids(
             Q=np.diag([1.0, 1.0, 0.0]) / sets.circle_m_s2, push=np.swapaxes(shape.push, 0, 1),
             bend=np.swapaxes(shape.bend, 0, 1))) if name != "turn while translating" else round_

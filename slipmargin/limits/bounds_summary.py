@@ -34,7 +34,8 @@ CURVATURES = np.array([0.2, 0.5, 1.0, 2.0, 5.0])
 class Bounds:
     """The motion limits of a model.
 
-    ``full`` uses all of the grip and asks no motor, ``safe`` (with ``spin``, ``cornering`` and ``inside``) 1 − margin of it.
+    ``full`` uses all of the grip and asks no motor; ``safe``, ``spin``, ``cornering`` and ``inside`` use
+    1 − margin of it.
     ``rigid`` is the share of the grip that constant speed needs in the worst roller/rigid state; above 1 even
     constant speed must slip.  ``motor_m_s2`` and ``top_m_s`` (H,) are the motors' limits (infinite: none).
     ``inside`` is None where ``why_not`` says so.

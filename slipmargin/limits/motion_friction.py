@@ -75,8 +75,8 @@ def friction_in_motion(model: Model, motion: Motion, *, share: float = 1.0,
     creep = creep_bound(share, grip.k_s_per_m)
     drive = _factor(model, motion, slide, creep, Target.DRIVE)
     across = _factor(model, motion, slide, creep, Target.TRANSVERSE)
-    steep = _factor(model, motion, slide, creep, Target.STIFFNESS)
-    stiffness = grip.k_s_per_m * steep
+    steep = _factor(model, motion, slide, creep, Target.STIFFNESS_DRIVE)
+    stiffness = grip.k_s_per_m * _factor(model, motion, slide, creep, Target.STIFFNESS_TRANSVERSE)
     bounds = _shares(motion, slide, stiffness)
     coefficients = np.stack([grip.roller, grip.rigid])[:, None]  # (2, 1, N, 2)
     ends = [coefficients[..., 1] * a * s for a in across for s in bounds]
@@ -87,10 +87,15 @@ def friction_in_motion(model: Model, motion: Motion, *, share: float = 1.0,
         used = np.where(worst > 0.0, worst / (coefficients[..., 1] * across[0]), 0.0)
     left = _coupling(grip, available, worst, np.clip(used, 0.0, 1.0))
     return Friction(
-        drive=available * left, drag_low=drag_low, drag_high=drag_high,
+        drive=available * left,
+        drag_low=drag_low,
+        drag_high=drag_high,
         transverse=coefficients[..., 1] * 0.5 * (across[0] + across[1]),
-        possible=_possible(grip, motion, contact), slide=slide,
-        stiffness=0.5 * (stiffness[0] + stiffness[1]), drive_stiffness=0.5 * (stiffness[0] + stiffness[1]))
+        possible=_possible(grip, motion, contact),
+        slide=slide,
+        stiffness=0.5 * (stiffness[0] + stiffness[1]),
+        drive_stiffness=0.5 * grip.k_s_per_m * (steep[0] + steep[1]),
+    )
 
 
 def _shares(motion: Motion, slide: Array, stiffness: Array) -> tuple[Array, Array]:
@@ -102,15 +107,19 @@ def _shares(motion: Motion, slide: Array, stiffness: Array) -> tuple[Array, Arra
     return np.minimum(one, two), np.maximum(one, two)
 
 
+#: The target that acts on both sides of what a target names.
+_BOTH = {Target.DRIVE: Target.BOTH, Target.TRANSVERSE: Target.BOTH,
+         Target.STIFFNESS_DRIVE: Target.STIFFNESS, Target.STIFFNESS_TRANSVERSE: Target.STIFFNESS}
+
+
 def _factor(model: Model, motion: Motion, slide: Array, creep: float, target: Target) -> Array:
     """Lowest and highest product (2, M, N) of the modulations that act on ``target``."""
     out = np.ones((2, motion.count, model.count))
     for term in model.grip.modulations:
-        both = term.target is Target.BOTH and target is not Target.STIFFNESS
-        if term.target is not target and not both:
+        if term.target is not target and term.target is not _BOTH[target]:
             continue
         v = probes(model, motion, slide, creep, term.variable, term.basis, term.shape,
-                   transverse=target is Target.TRANSVERSE)
+                   transverse=target in (Target.TRANSVERSE, Target.STIFFNESS_TRANSVERSE))
         factor = np.broadcast_to(term.factor(v, term.wheels), (len(v), motion.count, model.count))
         out[0] *= factor.min(axis=0)
         out[1] *= factor.max(axis=0)

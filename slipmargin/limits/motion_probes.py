@@ -74,6 +74,14 @@ def _slip(model: Model, motion: Motion, slide: Array, creep: float, variable: Va
         return np.asarray(slip)
     rows = Kinematics.of(model)
     hub = np.linalg.norm(np.einsum("idj,mj->mid", rows.hub, motion.velocity), axis=2)
+    if variable is Variable.HUB_SPEED:
+        return np.asarray(hub[None])
+    if variable is Variable.LEAD:
+        arm = model.contacts.position_m - model.inertia.com_m
+        reach = np.linalg.norm(arm, axis=1)
+        out = arm / np.where(reach > 0.0, reach, 1.0)[:, None]
+        along = np.einsum("idj,mj,id->mi", rows.hub, motion.velocity, out)
+        return np.asarray((along / (hub + 1e-3))[None])
     rolling = np.maximum(hub, np.abs(motion.velocity @ rows.spin.T))[None]
     if variable is Variable.SLIP_RATIO:
         return np.asarray(slip / (rolling + 1e-3))

@@ -102,7 +102,9 @@ def _creep(W: Array, T: Array, c: Array, kw: Array, d: Array, kt: Array, slide: 
         for attempt in range(2):
             if attempt == 1 or not math.isfinite(eps[0] + eps[1] + eps[2]):
                 eps[:] = 0.0
-            miss = _residual(eps, W, T, c[m], kw[m], d[m], kt[m], slide[m], need[m], carried[m], scale, out, H)
+            miss = _residual(
+                eps, W, T, c[m], kw[m], d[m], kt[m], slide[m], need[m], carried[m], scale, out, H
+            )
             for _ in range(100):
                 if miss <= 1e-11:
                     break

@@ -24,7 +24,7 @@ FINER = 20
 class Audit:
     """What a profile uses at samples (n, F) inside its n intervals.
 
-    ``use`` (n, F, N) share of each wheel's grip in the realised distribution, with the pose held or open loop,
+    ``use`` (n, F, N) share of each wheel's grip in the realised distribution, pose held or open loop,
     whichever is more; ``torque`` (n, F, N) share
     of the motor's torque; ``speed`` (n, F) share of the tightest speed cap; ``load_N`` (n, F, N).
     """

@@ -15,12 +15,14 @@ from slipmargin.checks import Array, frozen, real
 from slipmargin.errors import InputError
 from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_rows import torque_limit
-from slipmargin.limits.motion_state import Contact, Motion, wheel_speeds
+from slipmargin.limits.motion_state import Contact, Kinematics, Motion, wheel_speeds
 from slipmargin.model import Model
 from slipmargin.paths.geometry import to_body
 
 #: Half the shortest window of a derivative [s]: below it rounded files make noise of accelerations.
 SHORTEST = 0.005
+#: k × sideways slip below which drag fades: (2/π) atan 50 is 0.987 [1].
+CRAWL = 50.0
 #: Slowest time scaling tried [1].
 SLOWEST = 1e4
 
@@ -185,9 +187,7 @@ def _time_scale(model: Model, course: _Course, share: float, contact: Contact) -
     low = high = 1.0
     while not fits(high):
         low, high = high, 1.25 * high
-        if high > SLOWEST:
-            return np.inf
-        if high > 20.0 and _creeping(course, high):
+        if high > SLOWEST or (high > 4.0 and _fading(model, course, high)):
             return np.inf
     while high - low > 1e-6 * high:
         middle = 0.5 * (low + high)
@@ -195,7 +195,7 @@ def _time_scale(model: Model, course: _Course, share: float, contact: Contact) -
     return high
 
 
-def _creeping(course: _Course, stretch: float) -> bool:
-    """Whether the motion has become slower than any drag notices (1 mm/s): slowing down is no cure."""
-    return bool(np.max(np.abs(course.velocity[:, :2]), initial=0.0) / stretch < 1e-3
-                and np.max(np.abs(course.velocity[:, 2]), initial=0.0) / stretch < 1e-2)
+def _fading(model: Model, course: _Course, stretch: float) -> bool:
+    """Whether the motion has become so slow that drag itself fades: slowing down is no cure then."""
+    slide = to_body(course.pose[:, 2], course.velocity) @ Kinematics.of(model).slide.T
+    return bool(model.grip.k_s_per_m * np.max(np.abs(slide)) / stretch < CRAWL)

@@ -78,7 +78,9 @@ def _turned(plan: Plan, t_s: Array, omega: Array) -> Array:
     return np.asarray(first + np.vstack([np.zeros(len(first)), np.cumsum(gain, axis=0)]))
 
 
-def stretched(model: Model, rows: Trajectory, factor: float, *, contact: Contact = Contact.ROLLERS) -> Trajectory:
+def stretched(
+    model: Model, rows: Trajectory, factor: float, *, contact: Contact = Contact.ROLLERS
+) -> Trajectory:
     """The same motion driven slower (``factor`` above 1) or faster (below 1), with the use this needs."""
     factor = real("factor", factor, above=0.0, cure="give a positive factor")
     velocity, acceleration = rows.velocity / factor, rows.acceleration / factor**2
@@ -102,13 +104,16 @@ def sustained(rows: Trajectory, hold_s: float) -> Array:
 def at_use(model: Model, rows: Trajectory, use: float, *, hold_s: float = 0.0) -> Trajectory:
     """The motion sped up until a wheel's use is ``use`` (to 1e-4) for at least ``hold_s``, on rollers.
 
+    (Or for 15 % of the motion where that is shorter.)
+
     Raises
     ------
     NoSolution
         If it uses more already, or no speed-up by less than 20 does it.
     """
     def asked(factor: float) -> float:
-        return float(np.max(sustained(stretched(model, rows, factor), hold_s)))
+        now = stretched(model, rows, factor)
+        return float(np.max(sustained(now, min(hold_s, 0.15 * now.duration_s))))
 
     high, low = 1.0, 0.97
     if asked(1.0) >= use:
@@ -116,7 +121,9 @@ def at_use(model: Model, rows: Trajectory, use: float, *, hold_s: float = 0.0) -
     while asked(low) < use:
         high, low = low, 0.97 * low
         if low < 0.05:
-            raise NoSolution("speeding up", f"no speed makes the largest use {use:g}", "ask for a smaller use")
+            raise NoSolution(
+                "speeding up", f"no speed makes the largest use {use:g}", "ask for a smaller use"
+            )
     while high - low > 1e-5 * low:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if asked(middle) > use else (low, middle)

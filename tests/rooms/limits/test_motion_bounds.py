@@ -31,8 +31,12 @@ def test_directions_repeat_the_single_limits(model: Model) -> None:
     for k in (0, 5, 13):
         d = np.round(np.array([[np.cos(around[k]), np.sin(around[k]), 0.0]]), 15)
         motion = Motion(velocity=d, saturated=True)
-        assert acceleration_limit(model, motion, d, share=0.8).value[0] == pytest.approx(found.starting_m_s2[k])
-        assert acceleration_limit(model, motion, -d, share=0.8).value[0] == pytest.approx(found.braking_m_s2[k])
+        assert acceleration_limit(model, motion, d, share=0.8).value[0] == pytest.approx(
+            found.starting_m_s2[k]
+        )
+        assert acceleration_limit(model, motion, -d, share=0.8).value[0] == pytest.approx(
+            found.braking_m_s2[k]
+        )
     assert np.all(found.braking_m_s2 >= found.starting_m_s2)
     with pytest.raises(InputError, match="step"):
         headings(0.0)
@@ -106,7 +110,7 @@ def test_the_sided_box_is_safe_in_every_motion(model: Model) -> None:
 
 
 def test_no_safe_set_where_the_robot_must_slip(model: Model) -> None:
-    with pytest.raises(NoSolution, match="use a margin below 0.46"):
+    with pytest.raises(NoSolution, match=r"use a margin below 0\.46"):
         inside(model, share=0.5)
     with pytest.raises(NoSolution, match="plan for rollers only"):
         inside(model, share=0.9, contact=Contact.UNKNOWN)

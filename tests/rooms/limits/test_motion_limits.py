@@ -31,7 +31,11 @@ X = np.array([[1.0, 0.0, 0.0]])
 
 
 def twists() -> st.SearchStrategy[np.ndarray]:
-    return st.tuples(reals(-1, 1), reals(-1, 1), reals(-3, 3)).map(np.array).filter(lambda v: np.hypot(*v[:2]) > 0.05)
+    return (
+        st.tuples(reals(-1, 1), reals(-1, 1), reals(-3, 3))
+        .map(np.array)
+        .filter(lambda v: np.hypot(*v[:2]) > 0.05)
+    )
 
 
 def by_lp(model: Model, velocity: np.ndarray, direction: np.ndarray, rigid: np.ndarray) -> float:
@@ -54,15 +58,21 @@ def by_lp(model: Model, velocity: np.ndarray, direction: np.ndarray, rigid: np.n
     limits = [np.column_stack([s * np.eye(n), -mu[:, 0] * load1]) for s in (1.0, -1.0)]
     A = np.vstack([*limits, np.column_stack([np.zeros((n, n)), -load1])])
     b = np.concatenate([mu[:, 0] * load0, mu[:, 0] * load0, load0])
-    found = linprog(np.append(np.zeros(n), -1.0), A_ub=A, b_ub=b, A_eq=equal, b_eq=right, bounds=[(None, None)] * (n + 1))
+    found = linprog(
+        np.append(np.zeros(n), -1.0), A_ub=A, b_ub=b, A_eq=equal, b_eq=right, bounds=[(None, None)] * (n + 1)
+    )
     return float(found.x[-1]) if found.success else -np.inf
 
 
 @settings(max_examples=40, deadline=None)
 @given(models(), twists(), reals(-np.pi, np.pi), reals(-5, 5))
-def test_facets_agree_with_the_program_over_forces(model: Model, velocity: np.ndarray, way: float, turn: float) -> None:
+def test_facets_agree_with_the_program_over_forces(
+    model: Model, velocity: np.ndarray, way: float, turn: float
+) -> None:
     direction = np.array([np.cos(way), np.sin(way), turn])
-    answer = acceleration_limit(model, Motion(velocity=velocity[None], saturated=True), direction[None]).value[0]
+    answer = acceleration_limit(
+        model, Motion(velocity=velocity[None], saturated=True), direction[None]
+    ).value[0]
     expected = by_lp(model, velocity, direction, np.zeros(model.count, dtype=bool))
     if expected > 0.0:  # a state that must slip has no limit to compare
         assert answer == pytest.approx(expected, rel=1e-7, abs=1e-9)
@@ -100,7 +110,9 @@ def test_the_wheel_angles_choose_the_material() -> None:
 @given(models(min_wheels=3, max_wheels=3), twists())
 def test_three_wheels_share_exactly(model: Model, velocity: np.ndarray) -> None:
     motion = Motion(velocity=velocity[None], saturated=True)
-    assert needed_share(model, motion)[0] == pytest.approx(np.max(np.abs(drive_shares(model, motion))), rel=1e-7)
+    assert needed_share(model, motion)[0] == pytest.approx(
+        np.max(np.abs(drive_shares(model, motion))), rel=1e-7
+    )
 
 
 @settings(max_examples=25, deadline=None)
@@ -119,7 +131,11 @@ def test_realised_forces_balance(model: Model, velocity: np.ndarray, open_loop: 
     total = np.zeros(3)
     for i in range(n):
         arm = c.position_m[i] - com
-        slip = at_com + (velocity[2] + creep[2]) * np.array([-arm[1], arm[0]]) + c.radius_m[i] * spin[i] * c.drive[i]
+        slip = (
+            at_com
+            + (velocity[2] + creep[2]) * np.array([-arm[1], arm[0]])
+            + c.radius_m[i] * spin[i] * c.drive[i]
+        )
         f = sum(-forces.load_N[0, i] * model.grip.roller[i, j] * 2.0 / np.pi * np.arctan(k * (slip @ e)) * e
                 for j, e in enumerate((c.grip[i], c.free[i])))
         total += [*f, arm[0] * f[1] - arm[1] * f[0]]
@@ -148,7 +164,9 @@ def test_use_beyond_the_limit_says_by_how_much() -> None:
     shares = [np.max(realised(model, Motion(velocity=fast, acceleration=part * limit * X)).use)
               for part in (0.5, 1.0, 1.2, 2.0)]
     steady = 0.53122
-    assert shares == pytest.approx([steady + part * (1.0 - steady) for part in (0.5, 1.0, 1.2, 2.0)], abs=2e-3)
+    assert shares == pytest.approx(
+        [steady + part * (1.0 - steady) for part in (0.5, 1.0, 1.2, 2.0)], abs=2e-3
+    )
 
 
 def test_losses_come_off_the_limit() -> None:

@@ -42,7 +42,7 @@ def test_a_spline_passes_its_waypoints_and_a_closed_one_closes_smoothly() -> Non
     path = through(WAY, arm=ARM)
     knots = np.concatenate([[0.0], path.pieces[0].knots, [path.length]])
     assert path.pose(knots) == pytest.approx(WAY, abs=1e-12)
-    ring = through(np.vstack([RING, RING[:1] + [0.0, 0.0, 2.0 * np.pi]]), arm=ARM, closed=True)
+    ring = through(np.vstack([RING, RING[0] + np.array([0.0, 0.0, 2.0 * np.pi])]), arm=ARM, closed=True)
     ends = ring.at(np.array([0.0, ring.length]), np.array([0, 0]))
     assert ends[0][1] - ends[0][0] == pytest.approx([0.0, 0.0, 2.0 * np.pi], abs=1e-9)
     for derivative in ends[1:]:
@@ -85,9 +85,9 @@ def test_bad_waypoints_are_named(points: list[list[float]], place: str, problem:
 
 
 def test_kinks_say_which_and_offer_blending() -> None:
-    with pytest.raises(InputError, match="waypoint 2: is a kink of .* blend it"):
+    with pytest.raises(InputError, match=r"waypoint 2: is a kink of .* blend it"):
         corners(WAY)
-    with pytest.raises(InputError, match="no room for a blend of 0.5 m, use at most 0.29"):
+    with pytest.raises(InputError, match=r"no room for a blend of 0\.5 m, use at most 0\.29"):
         corners(WAY, blend_m=0.5)
     with pytest.raises(InputError, match=r"piece 2: starts in another direction .*blend the corner"):
         Path(pieces=(line([0, 0, 0], [1, 0, 0], ARM), line([1, 0, 0], [1, 1, 0], ARM)))

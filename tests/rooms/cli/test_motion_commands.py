@@ -1,0 +1,169 @@
+"""``bounds``, ``plan`` and ``check`` from the command line: columns, verdicts, refusals without a file."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from slipmargin_cli.main import status
+
+WAY = "x_m,y_m,phi_rad\n0,0,0\n0.5,0.3,0.5\n1.0,0,0\n"
+COLUMNS = ("t_s,x_m,y_m,phi_rad,vx_m_s,vy_m_s,wz_rad_s,ax_m_s2,ay_m_s2,alpha_rad_s2,"
+           "omega1_rad_s,omega2_rad_s,omega3_rad_s,use1,use2,use3")
+
+
+@pytest.fixture
+def way(tmp_path: Path) -> Path:
+    (tmp_path / "way.csv").write_text(WAY)
+    return tmp_path / "way.csv"
+
+
+def rows(file: Path) -> dict[str, np.ndarray]:
+    with file.open() as text:
+        table = list(csv.DictReader(text))
+    return {name: np.array([float(row[name]) for row in table]) for name in table[0]}
+
+
+def test_plan_then_check(way: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out, told = tmp_path / "t.csv", tmp_path / "c.json"
+    assert (
+        status(
+            [
+                "plan",
+                "ohio-kiwi",
+                str(way),
+                "--surface",
+                "paper",
+                "--points",
+                "100",
+                "--out",
+                str(out),
+                "--plot",
+                str(tmp_path / "p.png"),
+                "--verify",
+            ]
+        )
+        == 0
+    )
+    said = capsys.readouterr().out
+    assert said.startswith("duration") and "simulated   on rollers: does not slip" in said
+    assert "with its rigid sectors" in said and (tmp_path / "p.png").stat().st_size > 10_000
+    assert out.read_text().splitlines()[0] == COLUMNS
+    table = rows(out)
+    assert max(table[f"use{i}"].max() for i in (1, 2, 3)) <= 0.9 * (1.0 + 1e-6)
+    assert table["t_s"][0] == 0.0 and np.all(np.diff(table["t_s"]) > 0.0)
+    assert (
+        status(["check", "ohio-kiwi", str(out), "--surface", "paper", "--margin", "0.1", "--json", str(told)])
+        == 0
+    )
+    verdict = json.loads(told.read_text())
+    assert verdict["admissible"] and verdict["max_use"] <= 0.9 and verdict["time_scale_needed"] == 1.0
+    assert np.array(verdict["use"]).shape == (len(table["t_s"]), 3)
+    assert "admissible" in capsys.readouterr().out
+
+
+def test_check_names_the_cure(way: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    t = np.linspace(0.0, 1.0, 101)
+    poses = np.column_stack([t, 0.5 * t**2, 0 * t, 0 * t])  # 1 m/s² along X: twice the limit
+    file = tmp_path / "fast.csv"
+    np.savetxt(file, poses, delimiter=",", header="t_s,x_m,y_m,phi_rad", comments="")
+    assert (
+        status(
+            [
+                "check",
+                "ohio-kiwi",
+                str(file),
+                "--surface",
+                "paper",
+                "--plot",
+                str(tmp_path / "c.svg"),
+                "--out",
+                str(tmp_path / "full.csv"),
+            ]
+        )
+        == 0
+    )
+    said = capsys.readouterr().out
+    assert "not admissible" in said and "wheel rear" in said and "stretch time by 1.4" in said
+    assert (tmp_path / "full.csv").read_text().splitlines()[0] == COLUMNS
+    assert status(["check", "ohio-kiwi", str(file), "--surface", "paper", "--robust"]) == 0
+    assert "none by slowing down" in capsys.readouterr().out
+
+
+def test_bounds_says_the_four_lines_and_exports(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out, yaml = tmp_path / "b.csv", tmp_path / "f.yaml"
+    assert (
+        status(
+            [
+                "bounds",
+                "ohio-kiwi",
+                "--surface",
+                "paper",
+                "--step",
+                "15",
+                "--out",
+                str(out),
+                "--export",
+                "nav2",
+                str(yaml),
+                "--plot",
+                str(tmp_path / "b.pdf"),
+            ]
+        )
+        == 0
+    )
+    said = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in said[:4]] == ["traction", "motor", "isotropic", "recommended"]
+    assert "0.5017" in said[0] and "max_accel" in yaml.read_text()
+    assert out.read_text().startswith("heading_rad,starting_m_s2,turning_m_s2,braking_m_s2,")
+    assert status(["bounds", "ohio-kiwi", "--surface", "paper", "--step", "45", "--json", "-"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["starting_m_s2"][0] == pytest.approx(0.5017, abs=5e-5)
+
+
+@pytest.mark.parametrize(("text", "words"), [
+    ("x_m,y_m,phi_rad\n0,0,0\n", "waypoint: 1 waypoint is no path"),
+    ("x_m,y_m,phi_rad\n0,0,0\n1,0,0\n1,0,0\n", "waypoint 3: repeats waypoint 2"),
+    ("x_m,y_m,phi_rad\n0,0,0\n1,nan,0\n", "3:2: y_m is 'nan'"),
+    ("x_m,y_m,phi_rad\n0,0,0\n1,0,0\n0,0,0.01\n", "waypoint 2: is a kink"),
+    ("x_m,y_m\n0,0\n1,0\n", "'phi_rad' is missing"),
+])
+def test_bad_waypoints_leave_no_file(text: str, words: str, tmp_path: Path,
+                                     capsys: pytest.CaptureFixture[str]) -> None:
+    file, out = tmp_path / "way.csv", tmp_path / "t.csv"
+    file.write_text(text)
+    assert status(["plan", "ohio-kiwi", str(file), "--surface", "paper", "--out", str(out)]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"error: {file}: ") and words in said and said.count("\n") == 1
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(("options", "words"), [
+    (["--blend", "0"], "waypoint 2: is a kink"),
+    (["--blend", "0.1", "--closed"], "--blend: is given with --closed"),
+    (["--start-speed", "50"], "start speed: is 50 m/s at x 0 m"),
+    (["--max-speed", "-1"], "--max-speed"),
+    (["--max-yaw-rate", "0"], "--max-yaw-rate"),
+    (["--margin", "0.6"], "use a margin below 0.46"),
+    (["--robust"], "more than the 0.9 allowed"),
+    (["--points", "3"], "points: is 3"),
+    (["--step", "0"], "step_s"),
+])
+def test_impossible_plans_are_refused(options: list[str], words: str, way: Path, tmp_path: Path,
+                                      capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "t.csv"
+    assert status(["plan", "ohio-kiwi", str(way), "--surface", "paper", "--out", str(out), *options]) == 2
+    said = capsys.readouterr().err
+    assert words in said and said.count("\n") == 1
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("options", [["--step", "0"], ["--export", "moveit", "x.yaml"], ["--plot", "b.bmp"]])
+def test_bounds_refuses_before_it_writes(options: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+                                         capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert status(["bounds", "ohio-kiwi", "--surface", "paper", *options]) == 2
+    assert "error: " in capsys.readouterr().err and not list(tmp_path.iterdir())

@@ -1,0 +1,75 @@
+"""Limits under other tools' names: keys, units, frames, signs."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from strategies import kiwi
+
+from slipmargin.errors import InputError, NoSolution
+from slipmargin.io.exports import TOOLS, export_text
+from slipmargin.limits.bounds_summary import Bounds, bounds
+from slipmargin.model import nominal_model
+from slipmargin.robot import GripShape, Motor
+
+
+@pytest.fixture(scope="module")
+def found() -> Bounds:
+    robot = replace(kiwi(), motor=Motor(max_speed_rad_s=60.0, stall_torque_N_m=0.9))
+    return bounds(nominal_model(robot, "paper"), step_deg=15.0)
+
+
+def numbers(line: str) -> list[float]:
+    return [float(v) for v in re.findall(r"-?\d+\.\d+", line.split("#")[0])]
+
+
+def test_nav2_has_its_own_names_order_and_signs(found: Bounds) -> None:
+    text = export_text("nav2", found)
+    lines = {line.split(":")[0].strip(): line for line in text.splitlines() if ":" in line}
+    right, forward, yaw = found.inside.fast
+    assert numbers(lines["max_accel"]) == pytest.approx([forward, right, yaw], abs=1e-4)  # x forward, y left
+    assert all(v < 0.0 for v in numbers(lines["max_decel"]))
+    assert numbers(lines["ax_max"]) == pytest.approx([found.inside.even[1]], abs=1e-4)
+    assert numbers(lines["ax_min"]) == pytest.approx([-found.inside.even[1]], abs=1e-4)
+    assert numbers(lines["ay_max"]) == pytest.approx([found.inside.even[0]], abs=1e-4)
+    assert numbers(lines["max_velocity"])[0] == pytest.approx(60 * 0.0254 / np.cos(np.pi / 12), abs=1e-3)
+    assert "velocity_smoother" in lines and "az_max" in lines and "vx_max" in lines
+
+
+def test_road_runner_speaks_inches(found: Bounds) -> None:
+    text = export_text("roadrunner", found)
+    values = dict(re.findall(r"public double (\w+) = (-?[\d.]+);", text))
+    assert float(values["maxProfileAccel"]) == pytest.approx(min(found.inside.fast[:2]) / 0.0254, abs=1e-2)
+    assert float(values["minProfileAccel"]) < 0.0
+    assert float(values["maxWheelVel"]) == pytest.approx(60.0, abs=1e-2)  # 60 rad/s × 1 inch
+    assert {"maxAngVel", "maxAngAccel"} <= values.keys()
+
+
+def test_pathplanner_and_choreo_take_a_coefficient(found: Bounds) -> None:
+    table = json.loads(export_text("pathplanner", found))
+    assert table["wheelCOF"] * 9.81 == pytest.approx(found.inside.circle_m_s2)
+    assert table["defaultMaxAngAccel"] == pytest.approx(np.rad2deg(found.inside.even[2]))
+    assert table["robotMass"] == 3.0 and "robotMOI" in table and "maxDriveSpeed" in table
+    config = json.loads(export_text("choreo", found))["config"]
+    assert config["cof"]["val"] == pytest.approx(table["wheelCOF"])
+    assert config["vmax"] == {"exp": "60 rad / s", "val": 60.0} and config["tmax"]["val"] == 0.9
+
+
+def test_json_holds_everything(found: Bounds) -> None:
+    table = json.loads(export_text("json", found))
+    assert table["schema"] == 1 and len(table["starting_m_s2"]) == 24
+    assert table["inside"]["box"] == pytest.approx(found.inside.even)
+
+
+def test_refusals(found: Bounds) -> None:
+    with pytest.raises(InputError, match="use one of: nav2"):
+        export_text("moveit", found)
+    hopeless = bounds(nominal_model(kiwi(grip=GripShape.ELLIPSE), "paper"), step_deg=45.0)
+    for tool in set(TOOLS) - {"json"}:
+        with pytest.raises(NoSolution, match="export"):
+            export_text(tool, hopeless)
+    assert json.loads(export_text("json", hopeless))["inside"] is None

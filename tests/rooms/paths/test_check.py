@@ -1,0 +1,114 @@
+"""Audits: derivatives from samples, the worst point, and the time scaling that cures."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from strategies import four_wheels, kiwi
+
+from slipmargin.errors import InputError
+from slipmargin.limits.motion import acceleration_limit
+from slipmargin.limits.motion_state import Contact, Motion
+from slipmargin.model import nominal_model
+from slipmargin.paths.check import check, derivatives
+from slipmargin.paths.path import through
+from slipmargin.paths.plan import Request, plan
+from slipmargin.paths.sample import trajectory
+from slipmargin.robot import LoadRule, Motor
+
+KIWI = nominal_model(kiwi(), "paper")
+
+
+def bang(a: float, t: np.ndarray) -> np.ndarray:
+    """Along +X from rest with acceleration a, (T, 3)."""
+    return np.column_stack([0.5 * a * t**2, 0.0 * t, 0.0 * t])
+
+
+def test_parabolas_are_differentiated_exactly_at_uneven_times() -> None:
+    rng = np.random.default_rng(2)
+    t = np.cumsum(rng.uniform(0.003, 0.03, 200))
+    pose = np.column_stack([1 + 2 * t - 0.7 * t**2, 0.3 * t**2, -t])
+    velocity, acceleration = derivatives(t, pose)
+    assert velocity == pytest.approx(np.column_stack([2 - 1.4 * t, 0.6 * t, -1 + 0 * t]), abs=1e-8)
+    assert acceleration == pytest.approx(np.tile([-1.4, 0.6, 0.0], (200, 1)), abs=1e-6)
+
+
+@pytest.mark.parametrize("step", [0.002, 0.01, 0.03])
+def test_a_jump_in_acceleration_is_never_overshot(step: float) -> None:
+    t = np.arange(0.0, 2.0, step)
+    x = np.where(t < 1.003, 0.5 * t**2, 0.5 * 1.003**2 + 1.003 * (t - 1.003) - 0.5 * 2.0 * (t - 1.003) ** 2)
+    _, a = derivatives(t, np.column_stack([x, x, x]))
+    assert np.max(a) <= 1.0 + 1e-6 and np.min(a) >= -2.0 - 1e-6
+
+
+def test_smoothing_tames_measured_noise() -> None:
+    t = np.arange(0.0, 3.0, 0.01)
+    noisy = bang(0.3, t) + np.random.default_rng(0).normal(scale=5e-4, size=(len(t), 3))
+    rough, smooth = (check(KIWI, t, noisy, smooth_s=s).max_use for s in (0.0, 0.6))
+    assert smooth < 1.0 < rough
+
+
+def test_the_verdict_turns_at_the_limit() -> None:
+    limit = acceleration_limit(KIWI, Motion(velocity=np.array([[1.0, 0, 0]]), saturated=True),
+                               np.array([[1.0, 0, 0]])).value[0]
+    t = np.linspace(0.0, 3.0, 301)
+    below, above = (check(KIWI, t, bang(part * limit, t)) for part in (0.97, 1.03))
+    assert below.admissible and below.time_scale_needed == 1.0
+    assert not above.admissible and above.worst[3] == 2  # the rear wheel
+    assert above.max_use == pytest.approx(0.531 + 1.03 * 0.469, abs=4e-3)
+    # stretched by s the acceleration falls with s²: the cure is √1.03
+    assert above.time_scale_needed == pytest.approx(np.sqrt(1.03), rel=2e-3)
+    cured = check(KIWI, t * above.time_scale_needed, bang(1.03 * limit, t))
+    assert cured.max_use <= 1.0 + 2e-4
+
+
+def test_a_plan_driven_faster_is_cured_by_the_same_factor() -> None:
+    way = through(np.array([[0, 0, 0], [0.6, 0.4, 0.4], [1.2, 0.0, 0.0]]))
+    rows = trajectory(plan(KIWI, way, Request(share=0.9, points=100)), step_s=0.01)
+    assert check(KIWI, rows.t_s, rows.pose, share=0.9).admissible
+    c, s = np.cos(3.0), np.sin(3.0)  # the whole world turned by 3 rad, headings jumping at ±π
+    x, y, phi = rows.pose.T
+    wrapped = np.column_stack([c * x - s * y, s * x + c * y, np.angle(np.exp(1j * (phi + 3.0)))])
+    fast = check(KIWI, 0.8 * rows.t_s, wrapped, share=0.9)
+    assert fast.time_scale_needed == pytest.approx(1.25, rel=5e-3)
+
+
+def test_no_slowing_down_helps_where_constant_speed_slips() -> None:
+    t = np.linspace(0.0, 3.0, 100)
+    found = check(KIWI, t, np.column_stack([t, 0 * t, 0 * t]), contact=Contact.UNKNOWN)
+    assert np.isinf(found.time_scale_needed) and not found.admissible
+
+
+def test_motors_and_tipping_count() -> None:
+    weak = nominal_model(replace(kiwi(), motor=Motor(max_speed_rad_s=20.0, stall_torque_N_m=0.2)), "paper")
+    t = np.linspace(0.0, 3.0, 200)
+    quick = check(weak, t, np.column_stack([0.6 * t, 0 * t, 0 * t]))  # 0.6/0.0254 = 23.6 rad/s
+    assert not quick.admissible and np.max(quick.speed) == pytest.approx(0.6 / 0.0254 / 20.0)
+    assert quick.time_scale_needed >= 0.6 / 0.0254 / 20.0 * (1.0 - 1e-5)
+    tall = nominal_model(four_wheels(load_rule=LoadRule.QUASI_STATIC, com_height_m=0.9), "paper")
+    jerk = check(tall, t, np.column_stack([0 * t, 1.5 * t**2, 0 * t]))
+    assert np.min(jerk.load_N) < 0.0 and not jerk.admissible
+
+
+def test_bad_trajectories_are_named() -> None:
+    t = np.linspace(0.0, 1.0, 20)
+    with pytest.raises(InputError, match="at least 6"):
+        check(KIWI, t[:5], np.zeros((5, 3)))
+    twice = t.copy()
+    twice[7] = twice[6]
+    with pytest.raises(InputError, match=r"row 8: is at .* not after"):
+        check(KIWI, twice, np.zeros((20, 3)))
+    with pytest.raises(InputError, match="finite"):
+        check(KIWI, t, np.full((20, 3), np.nan))
+    with pytest.raises(InputError, match="margin"):
+        check(KIWI, t, np.zeros((20, 3)), share=0.0)
+    with pytest.raises(InputError, match="smooth"):
+        check(KIWI, t, np.zeros((20, 3)), smooth_s=-1.0)
+
+
+def test_standing_still_needs_no_cure() -> None:
+    t = np.linspace(0.0, 1.0, 20)
+    found = check(KIWI, t, np.zeros((20, 3)))
+    assert found.admissible and found.max_use == 0.0

@@ -1,0 +1,50 @@
+"""Figures of bounds, plans and audits: what they must show."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from strategies import four_wheels, kiwi
+
+from slipmargin.limits.bounds_summary import bounds
+from slipmargin.model import nominal_model
+from slipmargin.paths.check import check
+from slipmargin.paths.path import through
+from slipmargin.paths.plan import Request, plan
+from slipmargin.paths.sample import trajectory
+from slipmargin.plots.bounds import bounds_figure
+from slipmargin.plots.paths import check_figure, limiting, plan_figure
+
+pytest.importorskip("matplotlib")
+WAY = through(np.array([[0.0, 0.0, 0.0], [0.6, 0.4, 0.4], [1.2, 0.0, 0.0]]))
+
+
+@pytest.mark.parametrize("robot", [kiwi(), four_wheels()], ids=["kiwi", "mecanum"])
+def test_plan_and_check_figures(robot: object) -> None:
+    model = nominal_model(robot, "paper")
+    found = plan(model, WAY, Request(share=0.9, points=60))
+    rows = trajectory(found, step_s=0.02)
+    figure = plan_figure(found, rows)
+    path, speed, use = figure.axes
+    assert f"{found.duration_s:.3f} s" in path.get_title(loc="left")
+    assert np.max(speed.lines[-1].get_ydata()) == pytest.approx(np.sqrt(np.max(found.x)))
+    assert [line.get_label() for line in use.lines[: model.count]] == list(rows.wheels)
+    who = limiting(rows, 0.9)
+    assert np.all(rows.use[who >= 0].max(axis=1) > 0.98 * 0.9)
+    figure.draw_without_rendering()
+    audit = check(model, rows.t_s * 0.8, rows.pose, share=0.9)
+    figure = check_figure(model, audit, rows)
+    assert "not admissible" in figure.axes[0].get_title(loc="left")
+    assert "stretch time by" in figure.axes[1].get_title(loc="left")
+    figure.draw_without_rendering()
+
+
+def test_bounds_figure() -> None:
+    found = bounds(nominal_model(kiwi(), "paper"), step_deg=15.0, sets=False)
+    figure = bounds_figure(found)
+    limits, steady, corner = figure.axes
+    labels = [line.get_label() for line in limits.lines]
+    assert labels == ["braking", "turning at speed", "speeding up"]
+    assert "worst roller/rigid state" in [line.get_label() for line in steady.lines]
+    assert "curvature" in corner.get_xlabel()
+    figure.draw_without_rendering()
