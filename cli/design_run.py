@@ -128,6 +128,9 @@ def _question(asked: Asked) -> tuple[Question, tuple[str, ...], tuple[Interval, 
         goal = objective(asked.objective)
     with _placed("--uncertain"):
         intervals = tuple(parse_interval(text) for text in asked.uncertain)
+        both = next((i.quantity.key for i in intervals if i.quantity.key in [g.key for g in grids]), None)
+        if both is not None:
+            raise InputError(both, "is varied as well", "either choose it or leave it uncertain")
     kinds = (Kind.STATIC,) if asked.static else (Kind.STATIC, Kind.MOTION)
     question = Question(machine=machine, grids=grids, objective=goal,
                         kinds=(*kinds, Kind.LAPS) if asked.laps else kinds)

@@ -29,6 +29,8 @@ from slipmargin.study.vary import applied
 #: Local maxima of the grid from which the search starts, and evaluations of each search by kind.
 STARTS = {Kind.STATIC: 5, Kind.MOTION: 3, Kind.LAPS: 1}
 EFFORT = {Kind.STATIC: 200, Kind.MOTION: 80, Kind.LAPS: 30}
+#: An improvement below this share is rounding [1].
+NOISE = 1e-12
 
 
 @final
@@ -74,7 +76,7 @@ def optimum(study: Study, goal: Objective | None = None) -> Optimum:
         search = _Search(study, goal, start, free)
         values, score = search.run()
         spent += search.count
-        if score > best:
+        if score > best + NOISE * abs(best):
             best, at = score, values
     machine = applied(study.question.machine, [g.quantity for g in study.question.grids], at)
     return Optimum(goal=goal, values=tuple(at), machine=machine, value=goal.sign * best,

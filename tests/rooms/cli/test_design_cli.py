@@ -68,6 +68,7 @@ def test_the_page_is_self_contained(tmp_path: Path) -> None:
     (["--vary", "delta_deg=1,2", "--objective", "speed"], "--objective: 'speed' is not known"),
     (["--vary", "delta_deg=1,2", "--front", "f_worst,speed"], "--front objective: 'speed' is not known"),
     (["--vary", "delta_deg=1,2", "--uncertain", "mu_drive=2"], "--uncertain 'mu_drive=2': is no interval"),
+    (["--vary", "delta_deg=1,2", "--uncertain", "delta_deg=1:2"], "--uncertain delta_deg: is varied as well"),
     (["--vary", "delta_deg=1,2", "--jobs", "0"], "--jobs: is 0"),
     (["--vary", "delta_deg=1,2", "--out", "no/such/f.csv"], "there is no folder"),
     (["--vary", "delta_deg=1,2", "--plot", "f.doc"], "which is no picture"),

@@ -198,6 +198,12 @@ def test_the_optimum_in_two_variables_beats_a_finer_grid() -> None:
     assert math.isnan(best.check)
 
 
+def test_rounding_is_no_improvement() -> None:
+    """At δ = 30° the centre of mass belongs at the centre, exactly: the grid's point is the answer."""
+    best = optimum(ask(["com_y_m=-0.05:0.05:0.025", "com_height_m=0,0.1"], start=machine(delta_deg=30.0)))
+    assert best.values[0] == 0.0 and best.gain == 0.0
+
+
 def test_an_optimum_needs_something_continuous() -> None:
     with pytest.raises(InputError, match="vary a number over a range"):
         optimum(ask(["wheels=3,4", "load_model=equal,static"]))
