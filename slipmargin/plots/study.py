@@ -2,28 +2,19 @@
 
 from __future__ import annotations
 
-import itertools
-import math
 from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
-from matplotlib.ticker import MaxNLocator
 
 from slipmargin.checks import GRAVITY_M_S2, Array
+from slipmargin.plots.study_panels import COLOURS, draw_front, draw_polar_family, label_of, not_too_low, short
 from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, styled
-from slipmargin.study.fleet import fleets
-from slipmargin.study.machine import Machine
 from slipmargin.study.objectives import BY_NAME, Objective
 from slipmargin.study.robust import Robust
-from slipmargin.study.statics import headings, on_rollers
 from slipmargin.study.study import Study
-
-COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, SKY)
-#: Designs whose pulls are drawn all round, besides the best.
-FAMILY = 5
 
 
 @styled
@@ -64,7 +55,7 @@ def draw_curves(axes: Axes, study: Study, robust: Robust | None = None) -> Axes:
         axes.set(ylabel="F_emax / (m g)", title="Pull before a wheel slips, on rollers")
     else:
         _families(axes, study, goal)
-        axes.set(ylabel=_label(goal), title=goal.meaning)
+        axes.set(ylabel=label_of(goal), title=goal.meaning)
     if robust is not None and len(study.keys) == 1:
         _line(axes, study, robust.value, "worst case of what is uncertain", RED, "-.")
     _mark_best(axes, study, goal)
@@ -85,12 +76,12 @@ def draw_second(axes: Axes, study: Study) -> Axes:
         _line(axes, study, static, "static pull / m: not a limit of motion", GREY, ":")
         axes.axhline(0.0, color=INK, lw=0.8)
         axes.set(ylabel="acceleration [m/s²]", title="Limits in motion, on rollers (below 0: it must slip)")
-        _not_too_low(axes)
+        not_too_low(axes)
     else:
         _families(axes, study, BY_NAME["start_worst_m_s2"])
         axes.axhline(0.0, color=INK, lw=0.8)
         axes.set(ylabel="worst starting [m/s²]", title="Speeding up, on rollers (below 0: it must slip)")
-        _not_too_low(axes)
+        not_too_low(axes)
     _finish(axes, study)
     return axes
 
@@ -108,7 +99,7 @@ def draw_heat(axes: Axes, study: Study, name: str) -> Axes:
                             rasterized=True)
     figure = axes.figure
     assert isinstance(figure, Figure)
-    figure.colorbar(image, ax=axes, label=_label(goal))
+    figure.colorbar(image, ax=axes, label=label_of(goal))
     at = study.values[best]
     axes.plot([float(at[first])], [float(at[second])], marker="*", ms=15, mfc="white", mec=INK, ls="none",
               label="best of the grid", clip_on=False, zorder=5)
@@ -125,66 +116,6 @@ def draw_heat(axes: Axes, study: Study, name: str) -> Axes:
     return axes
 
 
-def draw_polar_family(axes: PolarAxes, study: Study) -> PolarAxes:
-    """F_emax / (m g) all round for designs spread over the study, the best one thick."""
-    rows = _spread(study)
-    chosen = [study.machine(r) for r in rows]
-    best, phi, others = study.best(), headings(721), itertools.cycle(COLOURS[1:])
-    for row, force in zip(rows, _round(chosen, phi), strict=True):
-        colour = BLUE if row == best else next(others)
-        name = ", ".join(_short(v) for v in study.values[row])
-        axes.plot(-phi - math.pi / 2.0, force, color=colour, lw=2.8 if row == best else 1.2,
-                  zorder=4 if row == best else 3, label=name + (" (best)" if row == best else ""))
-    axes.set_theta_zero_location("N")
-    axes.set_thetagrids(range(0, 360, 45), ["forwards", "", "left", "", "backwards", "", "right", ""])
-    axes.set_ylim(0.0, None)
-    axes.yaxis.set_major_locator(MaxNLocator(4))
-    axes.set_rlabel_position(22.5)
-    axes.spines["polar"].set_visible(False)
-    axes.set_title("F_emax / (m g) by direction of the pull")
-    legend = axes.legend(loc="lower left", bbox_to_anchor=(-0.27, -0.08), title="\n".join(study.keys))
-    legend.set_in_layout(False)
-    return axes
-
-
-def draw_front(axes: Axes, study: Study, names: Sequence[str]) -> Axes:
-    """All designs by the first two objectives, those that no other beats joined by a line."""
-    one, two = (BY_NAME[name] for name in names[:2])
-    x, y = study.columns[one.name], study.columns[two.name]
-    on = study.front(names[:2])
-    axes.plot(x, y, ls="none", marker="o", ms=4, color=GREY, alpha=0.6, label="designs")
-    order = np.flatnonzero(on)[np.argsort(x[on])]
-    axes.plot(x[order], y[order], color=BLUE, marker="o", ms=5, lw=1.2, label="no other design beats these")
-    own = (study.own[one.name], study.own[two.name])
-    if all(map(math.isfinite, own)):
-        axes.plot(*[[v] for v in own], marker="o", ms=8, mfc="none", mec=RED, mew=2, ls="none",
-                  label="the file’s own")
-    axes.margins(0.1)
-    _not_too_low(axes)
-    _name_ends(axes, study, [int(row) for row in order], x, y)
-    axes.set(xlabel=_label(one), ylabel=_label(two), title="Pareto front: " + ", ".join(study.keys))
-    axes.legend(loc="best")
-    return axes
-
-
-def _name_ends(axes: Axes, study: Study, order: list[int], x: Array, y: Array) -> None:
-    """Name both ends of the front, the second only where the two names cannot meet."""
-    width, height = np.diff(axes.get_xlim())[0], np.diff(axes.get_ylim())[0]
-    for k, row in enumerate(dict.fromkeys([*order[:1], *order[-1:]])):
-        near = abs(x[row] - x[order[0]]) < 0.2 * width and abs(y[row] - y[order[0]]) < 0.06 * height
-        if k == 0 or not near:
-            axes.annotate(", ".join(_short(v) for v in study.values[row]), (x[row], y[row]),
-                          xytext=(-7, 7 if k == 0 else -7), textcoords="offset points", fontsize=8, color=INK,
-                          ha="right", va="bottom" if k == 0 else "top", zorder=7)
-
-
-def _not_too_low(axes: Axes) -> None:
-    """Keep designs that slip by far from flattening those that do not."""
-    low, high = axes.get_ylim()
-    if high > 0.0 and low < -1.5 * high:
-        axes.set_ylim(-high, high)
-
-
 def _families(axes: Axes, study: Study, goal: Objective) -> None:
     main = _main(study)
     table = np.moveaxis(study.shaped(goal.name), main, 0)
@@ -193,7 +124,7 @@ def _families(axes: Axes, study: Study, goal: Objective) -> None:
     shown = np.unique(np.linspace(0, flat.shape[1] - 1, min(len(COLOURS), flat.shape[1])).round().astype(int))
     for colour, column in zip(COLOURS, shown.tolist(), strict=False):
         index = np.unravel_index(column, table.shape[1:]) if rest else ()
-        label = ", ".join(f"{g.key} = {_short(g.values[int(i)])}" for g, i in zip(rest, index, strict=True))
+        label = ", ".join(f"{g.key} = {short(g.values[int(i)])}" for g, i in zip(rest, index, strict=True))
         axes.plot(_positions(study), flat[:, column], color=colour, ms=4, label=label or goal.name,
                   marker="o" if len(flat) < 12 else None)
 
@@ -217,7 +148,7 @@ def _finish(axes: Axes, study: Study) -> None:
         if isinstance(own, float | int) and min(grid.values) <= own <= max(grid.values):  # type: ignore[operator]
             axes.axvline(own, color=RED, lw=1.0, ls=(0, (5, 3)), label="the file’s own")
     else:
-        axes.set_xticks(range(len(grid.values)), [_short(v) for v in grid.values])
+        axes.set_xticks(range(len(grid.values)), [short(v) for v in grid.values])
     axes.set_xlabel(_axis(study, main))
     axes.legend(loc="best")
 
@@ -233,34 +164,12 @@ def _positions(study: Study) -> Array:
     return np.array(grid.values if grid.numeric else range(len(grid.values)), dtype=float)
 
 
-def _spread(study: Study) -> list[int]:
-    possible = [i for i in range(len(study.values)) if i not in study.problems]
-    steps = np.unique(np.linspace(0, len(possible) - 1, min(FAMILY, len(possible))).round().astype(int))
-    return sorted({possible[int(k)] for k in steps} | {study.best()})
-
-
-def _round(machines: Sequence[Machine], phi: Array) -> list[Array]:
-    out: dict[int, Array] = {}
-    for fleet in fleets(machines)[0]:
-        for row, force in zip(fleet.index.tolist(), on_rollers(fleet, phi, machines).force, strict=True):
-            out[row] = force
-    return [out[i] for i in range(len(machines))]
-
-
 def _edges(values: Array) -> Array:
     ordered = np.asarray(values)
     middle = 0.5 * (ordered[1:] + ordered[:-1])
     return np.concatenate([[2 * ordered[0] - middle[0]], middle, [2 * ordered[-1] - middle[-1]]])
 
 
-def _label(goal: Objective) -> str:
-    return f"{goal.name}" + (f" [{goal.unit}]" if goal.unit and not goal.name.endswith("_s2") else "")
-
-
 def _axis(study: Study, k: int) -> str:
     quantity = study.question.grids[k].quantity
     return f"{quantity.meaning} [{quantity.unit}]" if quantity.unit not in ("", "1") else quantity.meaning
-
-
-def _short(value: object) -> str:
-    return f"{value:.5g}" if isinstance(value, float | int) else str(value)
