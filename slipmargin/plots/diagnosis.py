@@ -21,6 +21,7 @@ from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PALE, RED, st
 _COLUMNS, _SUSPECTS, _VARIABLES, _RUNS = 240, 12, 10, 4
 #: Suspects that make the error this much larger are counted, not drawn [1].
 _HARMFUL = 1.15
+_LONGEST = 46  # characters of a label
 _SIGNS = ("x", "y", "heading")
 BEFORE, AFTER = RED, BLUE
 
@@ -142,7 +143,7 @@ def suspects_figure(diagnosis: Diagnosis) -> Figure:
         max(1, len(steps)), 1, squeeze=False, gridspec_kw={"height_ratios": [r + 2 for r in rows]}
     )
     for number, (axes, step) in enumerate(zip(grid[:, 0], steps, strict=False), 1):
-        _suspects(axes, step, number)
+        _suspects(axes, step, number, steps[number - 2].taken if number > 1 else None)
     if not steps:
         grid[0, 0].text(0.5, 0.5, "nothing was tried", ha="center", va="center", color=GREY)
         grid[0, 0].set_axis_off()
@@ -158,7 +159,7 @@ def suspects_figure(diagnosis: Diagnosis) -> Figure:
     return figure
 
 
-def _suspects(axes: Axes, step: Step, number: int) -> None:
+def _suspects(axes: Axes, step: Step, number: int, already: str | None) -> None:
     found = sorted((t for t in step.tried if math.isfinite(t.chi)), key=lambda t: t.chi)
     shown = [t for t in found if t.chi <= _HARMFUL * step.chi_before][:_SUSPECTS] or found[:1]
     for row, tried in enumerate(shown):
@@ -168,25 +169,28 @@ def _suspects(axes: Axes, step: Step, number: int) -> None:
         face = colour if tried.named else "white"
         axes.plot(tried.chi, row, "o", ms=7 if taken else 5, color=colour, mfc=face, mew=1.4, zorder=3)
     axes.axvline(step.chi_before, color=RED, lw=1.4, ls=(0, (4, 2)))
-    axes.set_yticks(range(len(shown)), [f"{plain(t.label)}  ({t.parameters})" for t in shown], fontsize=8.5)
+    axes.set_yticks(
+        range(len(shown)), [f"{_short(t.label, already)}  ({t.parameters})" for t in shown], fontsize=8.5
+    )
     for text, tried in zip(axes.get_yticklabels(), shown, strict=True):
         if tried.label == step.taken:
             text.set_fontweight("bold")
     axes.set_ylim(len(shown) - 0.4, -0.6)
     axes.grid(False, axis="y")
     _scale([t.chi for t in shown] + [step.chi_before], axes, step.chi_before)
-    chosen = f"{plain(step.taken)} is taken" if step.taken else "none is better beyond chance: stop"
-    axes.set_title(f"Round {number}: {chosen}")
-    if len(step.tried) > len(shown):
-        axes.annotate(
-            f"{len(step.tried) - len(shown)} more, worse",
-            (1.0, 1.0),
-            xycoords="axes fraction",
-            ha="right",
-            va="bottom",
-            color=GREY,
-            fontsize=8,
-        )
+    chosen = "the one in orange is taken" if step.taken else "none is better beyond chance: stop"
+    more = len(step.tried) - len(shown)
+    axes.set_title(f"Round {number}: {chosen}" + (f" ({more} worse)" if more else ""))
+
+
+def _short(label: str, already: str | None) -> str:
+    """A suspect's label without what is in the model already, and no longer than fits beside the axes."""
+    if already and label.startswith(f"{already} + "):
+        label = label.removeprefix(f"{already} + ")
+    text = " + ".join(plain(part) for part in label.split(" + "))
+    if len(text) <= _LONGEST:
+        return text
+    return text[:16].rstrip() + " … " + text[-(_LONGEST - 19) :].lstrip()
 
 
 def _scale(values: list[float], axes: Axes, before: float) -> None:

@@ -1,4 +1,4 @@
-"""The whole command on a small data set that the simulator made: the load centre is not where the file says."""
+"""The whole command on a small data set from the simulator: the load centre is not where the file says."""
 
 from __future__ import annotations
 

@@ -23,6 +23,7 @@ from slipmargin.effects import Trace
 from slipmargin.effects.camera_delay import CameraDelay
 from slipmargin.effects.catalogue import CATALOGUE
 from slipmargin.plots import diagnosis_words as words
+from slipmargin.plots.diagnosis import suspects_figure
 from slipmargin.plots.diagnosis_evidence import evidence
 from slipmargin.plots.diagnosis_page import page, page_text
 from slipmargin.plots.page import (
@@ -181,6 +182,18 @@ def test_odd_data_is_drawn() -> None:
     for runs in ((lost,), trials(25)):
         held = tuple(replace(t, held_out=False) for t in runs)
         read(text_of(diagnosis(trials=held, cross_validated=True, held_out=())))
+
+
+def test_long_labels_leave_room_for_the_dots() -> None:
+    """Joint suspects of a later round are shown without what the model holds already."""
+    first, last = diagnosis().steps
+    long = "wheel_loads with the centre of mass where stated + wheel_radius[left]"
+    tried = tuple(replace(t, label=f"{long} + {t.label}") for t in last.tried)
+    figure = suspects_figure(diagnosis(steps=(replace(first, taken=long), replace(last, tried=tried))))
+    figure.canvas.draw()  # a collapsed layout would warn, and warnings are errors
+    labels = [text.get_text() for text in figure.axes[1].get_yticklabels()]
+    assert labels[0] == "floor tilt  (2)" and all(len(text) < 55 for text in labels)
+    assert all(axes.get_position().width > 0.4 for axes in figure.axes)
 
 
 def test_names_are_escaped() -> None:
