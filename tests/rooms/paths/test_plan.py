@@ -159,8 +159,8 @@ def test_robust_is_slower_and_safe_in_every_state() -> None:
         (
             MODELS["kiwi"],
             Request(share=0.5, points=60),
-            r"at s = 0 m .* constant speed wheel rear needs 0\.531 of its grip, more than the 0\.5 allowed, use a "
-            r"margin below",
+            r"at s = 0 m .* constant speed wheel rear needs 0\.531 of its grip, more than the 0\.5 allowed, "
+            r"use a margin below",
         ),
         (MODELS["kiwi"], Request(share=0.9, points=60, contact=Contact.UNKNOWN), "wheels on rollers only"),
         (nominal_model(kiwi(grip=GripShape.ELLIPSE), "paper"), Request(points=60), "turn the heading"),
