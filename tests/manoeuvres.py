@@ -34,7 +34,11 @@ SIZE = {
     Variable.POSITION_Y: 0.1,
     Variable.TIME: 0.3,
     Variable.SLIP_HEADING: 2.0 * np.pi,
+    Variable.HUB_SPEED: 0.2,
+    Variable.LEAD: 1.0,
 }
+for _variable in Variable:  # shares and ratios
+    SIZE.setdefault(_variable, 0.5)
 
 
 def wheel_motion(signal: WheelSignal):

@@ -16,13 +16,13 @@ from __future__ import annotations
 
 import math
 
-from slipmargin.sim.compiled import fast
+from slipmargin.sim.compiled import inner
 
 _TWO_PI = 2.0 / math.pi
 Slope = tuple[float, float, float, float, float, float]
 
 
-@fast
+@inner
 def box(uw: float, ut: float, mw: float, mt: float, kw: float, kt: float) -> Slope:
     """(f_W, f_T, ∂f_W/∂u_W, ∂f_W/∂u_T, ∂f_T/∂u_W, ∂f_T/∂u_T) of eq. (11) in each direction."""
     a, b = kw * uw, kt * ut
@@ -36,7 +36,7 @@ def box(uw: float, ut: float, mw: float, mt: float, kw: float, kt: float) -> Slo
     )
 
 
-@fast
+@inner
 def _secant(s: float, k: float) -> tuple[float, float]:
     """σ(k s)/s and its derivative over s, divided by s (finite at s = 0)."""
     x = k * s
@@ -46,7 +46,7 @@ def _secant(s: float, k: float) -> tuple[float, float]:
     return q, (_TWO_PI * k / (1.0 + x * x) - q) / (s * s)
 
 
-@fast
+@inner
 def ellipse(uw: float, ut: float, mw: float, mt: float, k: float) -> Slope:
     """Elliptic law; with μ_T = μ_W the isotropic disc."""
     e = (mt / mw) ** 2
@@ -61,7 +61,7 @@ def ellipse(uw: float, ut: float, mw: float, mt: float, k: float) -> Slope:
     )
 
 
-@fast
+@inner
 def _spun(uw: float, far: float, mw: float, mt: float, k: float) -> float:
     """z in (0, far) with μ_W σ(k√(u_W² + z²)) z/√(u_W² + z²) = μ_T, by guarded Newton steps."""
     low, high = 0.0, far
@@ -87,7 +87,7 @@ def _spun(uw: float, far: float, mw: float, mt: float, k: float) -> float:
     return z
 
 
-@fast
+@inner
 def disc_strip(uw: float, ut: float, mw: float, mt: float, k: float) -> Slope:
     """Disc law of radius μ_W whose transverse part the roller's bearing limits to μ_T."""
     if mt <= 0.0:
@@ -104,7 +104,7 @@ def disc_strip(uw: float, ut: float, mw: float, mt: float, k: float) -> Slope:
     return mw * q * uw, math.copysign(mt, ut), slope, 0.0, 0.0, 0.0
 
 
-@fast
+@inner
 def contact(
     shape: int, coupling: float, uw: float, ut: float, mw: float, mt: float, kw: float, kt: float
 ) -> Slope:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from slipmargin.sim.compiled import fast
+from slipmargin.sim.compiled import inner
 
 
-@fast
+@inner
 def decompose(A: Any, pivots: Any, n: int) -> None:
     """Factors of A (n, n), with row exchanges, written over it."""
     for k in range(n):
@@ -25,7 +25,7 @@ def decompose(A: Any, pivots: Any, n: int) -> None:
                 A[r, c] -= A[r, k] * A[k, c]
 
 
-@fast
+@inner
 def back(A: Any, pivots: Any, n: int, b: Any, x: Any) -> None:
     """x with A x = b, from the factors."""
     for k in range(n):

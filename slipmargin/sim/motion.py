@@ -23,7 +23,7 @@ from slipmargin.sim.body import (
     THETA,
     evaluate,
 )
-from slipmargin.sim.compiled import fast, fast_unlocked
+from slipmargin.sim.compiled import fast_unlocked, inner
 from slipmargin.sim.rodas import DENSE, GAMMA, MIX, STAGE, TIME, WHEN, derivative, factor, jacobian, solve
 from slipmargin.sim.wheels import breakpoints, follow, turn
 
@@ -39,7 +39,7 @@ TOLD = 6
 LOOSER = 10.0
 
 
-@fast
+@inner
 def _known(P: Any, coef: Any, x: float, pt: Any, pw: Any, t: float, k: int, C: Any, B: Any) -> None:
     """What is known in time alone: wheel motion into C, push into B."""
     for i in range(int(P[_COUNT])):
@@ -50,7 +50,7 @@ def _known(P: Any, coef: Any, x: float, pt: Any, pw: Any, t: float, k: int, C: A
             B[PUSH + r] = pw[k, r] + part * (pw[k + 1, r] - pw[k, r])
 
 
-@fast
+@inner
 def _sectors(P: Any, C: Any) -> None:
     for i in range(int(P[_COUNT])):
         q = _H + i * _W
@@ -58,7 +58,7 @@ def _sectors(P: Any, C: Any) -> None:
         C[i, RIGID] = 1.0 if angle - math.floor(angle / pitch) * pitch >= P[q + _SWITCH] else 0.0
 
 
-@fast
+@inner
 def _tell(P: Any, y: Any, C: Any, Y: Any, W: Any, out: int, tell: bool) -> None:
     for r in range(6):
         Y[out, r] = y[r]
@@ -71,7 +71,7 @@ def _tell(P: Any, y: Any, C: Any, Y: Any, W: Any, out: int, tell: bool) -> None:
             W[out, i, 5] = n
 
 
-@fast
+@inner
 def _lightest(C: Any) -> float:
     low = C[0, LOAD]
     for i in range(1, len(C)):
@@ -79,7 +79,7 @@ def _lightest(C: Any) -> float:
     return float(low)
 
 
-@fast
+@inner
 def run(
     P: Any,
     knots: Any,

@@ -34,7 +34,7 @@ from slipmargin.sim.body import (
     THETA,
     evaluate,
 )
-from slipmargin.sim.compiled import fast, fast_unlocked
+from slipmargin.sim.compiled import fast_unlocked, inner
 from slipmargin.sim.linear import back, decompose
 from slipmargin.sim.motion import DONE, LOOSER, NOT_FINITE, STUCK, TIPS, TOO_LONG, _lightest, _tell
 from slipmargin.sim.rodas import DENSE, GAMMA, MIX, STAGE, TIME, WHEN
@@ -49,7 +49,7 @@ _H, _W, _COUNT = at.HEAD, at.WHEEL, at.COUNT
 _PROBES = 8
 
 
-@fast
+@inner
 def _wheel_rate(P: Any, i: int, asked: float, C: Any) -> float:
     """ω̇_i for the speed asked, from what ``evaluate`` left in C."""
     q = _H + i * _W
@@ -70,7 +70,7 @@ def _wheel_rate(P: Any, i: int, asked: float, C: Any) -> float:
     return float(rate)
 
 
-@fast
+@inner
 def _rates(
     P: Any,
     t: float,
@@ -103,7 +103,7 @@ def _rates(
         out[6 + n + i] = y[6 + i]
 
 
-@fast
+@inner
 def _sector(P: Any, i: int, theta: float, omega: float, nudge: float) -> float:
     """Number of the sector a wheel stands in, odd on rigid material; on an edge the way it turns decides."""
     q = _H + i * _W
@@ -112,7 +112,7 @@ def _sector(P: Any, i: int, theta: float, omega: float, nudge: float) -> float:
     return float(2.0 * whole + (1.0 if angle - whole * pitch >= P[q + at.SWITCH] else 0.0))
 
 
-@fast
+@inner
 def _at(y: Any, z: Any, K: Any, r: int, x: float) -> float:
     """Dense output of state r at the share x of a step from y to z."""
     c3, c4 = 0.0, 0.0
@@ -122,7 +122,7 @@ def _at(y: Any, z: Any, K: Any, r: int, x: float) -> float:
     return float(y[r] * (1.0 - x) + x * (z[r] + (1.0 - x) * (c3 + x * c4)))
 
 
-@fast
+@inner
 def _first_switch(P: Any, y: Any, z: Any, K: Any) -> float:
     """Share of the step at which the first wheel changes sector; 2 where none does."""
     n, found = int(P[_COUNT]), 2.0
@@ -146,7 +146,7 @@ def _first_switch(P: Any, y: Any, z: Any, K: Any) -> float:
     return found
 
 
-@fast
+@inner
 def _step(
     P: Any,
     t: float,
@@ -195,7 +195,7 @@ def _step(
     return math.sqrt(error / m)
 
 
-@fast
+@inner
 def run_motor(
     P: Any,
     knots: Any,

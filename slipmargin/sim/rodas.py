@@ -14,7 +14,7 @@ import numpy as np
 
 from slipmargin.sim import layout as at
 from slipmargin.sim.body import evaluate, slopes
-from slipmargin.sim.compiled import fast
+from slipmargin.sim.compiled import fast, inner
 
 GAMMA = 0.25
 #: Stage i starts at y + Σ_j STAGE[i, j] k_j; its right-hand side gets Σ_j MIX[i, j] k_j / h.
@@ -52,7 +52,7 @@ DENSE = np.array(
 _BY_POSITION, _BY_VELOCITY, _ITERATES = at.BY_POSITION, at.BY_VELOCITY, at.LOAD_ITERATES
 
 
-@fast
+@inner
 def derivative(y: Any, acc: Any, dy: Any) -> None:
     """ẏ from the state and the acceleration acc = (a, ω̇) in body axes."""
     c, s = math.cos(y[2]), math.sin(y[2])
@@ -100,7 +100,7 @@ def jacobian(
                 J[r, k - 3] = (away[r] - acc[r]) / d
 
 
-@fast
+@inner
 def factor(J: Any, Jp: Any, y: Any, gh: float, pose: bool, M: Any, E: Any) -> None:
     """Invert the reduced velocity matrix into M (3, 3); E (4) holds ∂ẋ/∂φ, ∂ẏ/∂φ, cos φ, sin φ."""
     c, s = math.cos(y[2]), math.sin(y[2])
@@ -127,7 +127,7 @@ def factor(J: Any, Jp: Any, y: Any, gh: float, pose: bool, M: Any, E: Any) -> No
     M[2, 0], M[2, 1], M[2, 2] = (e * q - f * p) * det, (b * p - a * q) * det, (a * f - b * e) * det
 
 
-@fast
+@inner
 def solve(M: Any, E: Any, Jp: Any, gh: float, pose: bool, r: Any, K: Any, i: int) -> None:
     """Stage k = K[i] with (1/(γh) − ∂ẏ/∂y) k = r."""
     r3, r4, r5, c, s = r[3], r[4], r[5], E[2], E[3]

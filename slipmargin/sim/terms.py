@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from slipmargin.sim.compiled import fast
+from slipmargin.sim.compiled import inner
 
 CONSTANT, POLYNOMIAL, FOURIER, HATS, DECAY, RECIPROCAL, WINDOW, ODD = range(8)
 
 
-@fast
+@inner
 def series(P: Any, place: int, count: int, basis: int, a: float, b: float, v: float) -> float:
     """Σ_j c_j φ_j(v) with the coefficients standing at ``P[place:]``."""
     if basis == CONSTANT:
@@ -49,7 +49,7 @@ def series(P: Any, place: int, count: int, basis: int, a: float, b: float, v: fl
     return float(total)
 
 
-@fast
+@inner
 def series_slope(P: Any, place: int, count: int, basis: int, a: float, b: float, v: float) -> float:
     """d/dv of :func:`series` for v ≥ 0 (where a function kinks: its slope to the right)."""
     if basis == POLYNOMIAL:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from slipmargin.sim import layout as at
-from slipmargin.sim.compiled import fast
+from slipmargin.sim.compiled import fast, inner
 from slipmargin.sim.terms import HATS, WINDOW, series
 
 _H, _W, _TERM, _COUNT = at.HEAD, at.WHEEL, at.TERM, at.COUNT
@@ -25,7 +25,7 @@ _MODS, _MODS_AT, _FORCES, _FORCES_AT = at.MODULATIONS, at.MODULATIONS_AT, at.FOR
 _TIME = 17
 
 
-@fast
+@inner
 def turn(c: Any, lag: float, x: float) -> tuple[float, float, float]:
     """(θ, ω, ω̇) of one wheel at time x into a piece with coefficients c (5)."""
     th = c[0] + x * (c[1] + x * (c[2] + x * c[3]))
@@ -39,7 +39,7 @@ def turn(c: Any, lag: float, x: float) -> tuple[float, float, float]:
     return th, om, al
 
 
-@fast
+@inner
 def _command_factor(P: Any, i: int, t: float, speed: float) -> float:
     factor, q, n = 1.0, int(P[_CMDS_AT]), int(P[_COUNT])
     for _ in range(int(P[_CMDS])):
@@ -51,7 +51,7 @@ def _command_factor(P: Any, i: int, t: float, speed: float) -> float:
     return factor
 
 
-@fast
+@inner
 def follow(P: Any, knots: Any, coef: Any, start: Any) -> tuple[Any, Any]:
     """Pieces of the wheels' real motion for commanded pieces: modulations, gain, delay, lag in turn.
 
@@ -100,7 +100,7 @@ def follow(P: Any, knots: Any, coef: Any, start: Any) -> tuple[Any, Any]:
     return t, out
 
 
-@fast
+@inner
 def _root(c: Any, lag: float, order: int, target: float, a: float, b: float) -> float:
     """Where θ (order 0), ω (1) or ω̇ (2) meets ``target`` between a and b; it is monotone there."""
     fa = turn(c, lag, a)[order] - target
@@ -129,7 +129,7 @@ def _root(c: Any, lag: float, order: int, target: float, a: float, b: float) -> 
     return 0.5 * (a + b)
 
 
-@fast
+@inner
 def _sort(x: Any, n: int) -> None:
     """The first n entries ascending, in place (Shell's gaps: short, and quick on nearly sorted times)."""
     gap = 1
@@ -176,7 +176,7 @@ def turning_points(c: Any, lag: float, h: float, cuts: Any) -> int:
     return m
 
 
-@fast
+@inner
 def _near(c: Any, lag: float, h: float, pitch: float, edge: float) -> bool:
     """False where the piece surely passes no edge: its control polygon stays between two."""
     p1 = c[0] + h * c[1] / 3.0
@@ -189,7 +189,7 @@ def _near(c: Any, lag: float, h: float, pitch: float, edge: float) -> bool:
     return bool(math.ceil((low - edge) / pitch) <= math.floor((high - edge) / pitch))
 
 
-@fast
+@inner
 def _crossings(
     c: Any, lag: float, h: float, t0: float, pitch: float, edge: float, cuts: Any, out: Any, count: int
 ) -> int:
@@ -211,7 +211,7 @@ def _crossings(
     return count
 
 
-@fast
+@inner
 def _switches(P: Any, knots: Any, coef: Any, out: Any, count: int) -> int:
     cuts = np.empty(8)
     for i in range(int(P[_COUNT])):
@@ -228,7 +228,7 @@ def _switches(P: Any, knots: Any, coef: Any, out: Any, count: int) -> int:
     return count
 
 
-@fast
+@inner
 def _term_edges(P: Any, q: int, many: int, weights: int, rows: int, out: Any, count: int) -> int:
     for _ in range(many):
         basis, size = int(P[q + 1]), int(P[q + 3])

@@ -96,6 +96,8 @@ def test_every_force_term_agrees(variable, basis):
             Variable.SLIP_HEADING,
             Variable.HEADING,
             Variable.WHEEL_LOAD,
+            Variable.HUB_SPEED,
+            Variable.LEAD,
         )
     ),
     st.sampled_from(tuple(Target)),
@@ -156,6 +158,8 @@ def test_motions_agree_to_a_millionth(case):
         Variable.TIME,
         Variable.ROLLING_SPEED,
         Variable.ACCELERATION_X,
+        Variable.HUB_SPEED,
+        Variable.LEAD,
     ],
 )
 def test_motions_with_terms_agree(variable):
