@@ -121,6 +121,10 @@ _VARIANTS: dict[str, tuple[tuple[str, tuple[str, ...], dict[str, float]], ...]] 
         ("", ("com_height_m",), {"com_share": 1.0}),
         (" with the centre of mass where stated", ("com_height_m",), {}),
     ),
+    "slip_ratio_friction": (
+        ("", ("share", "steepness"), {}),
+        (" with its own steepness across", ("share", "steepness", "transverse_factor"), {}),
+    ),
     "stribeck": (
         ("", ("dynamic_ratio", "stribeck_speed_m_s"), {}),
         (" in both directions", ("dynamic_ratio", "stribeck_speed_m_s", "transverse_ratio"), {}),

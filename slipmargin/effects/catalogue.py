@@ -21,6 +21,7 @@ from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
 from slipmargin.effects.speed_droop import SpeedDroop
 from slipmargin.effects.stribeck import Stribeck
 from slipmargin.effects.tether import Tether
+from slipmargin.effects.trailing_load import TrailingLoad
 from slipmargin.effects.wheel_loads import WheelLoads
 from slipmargin.effects.wheel_radius import WheelRadius
 from slipmargin.effects.wheel_toe import WheelToe
@@ -30,6 +31,7 @@ CATALOGUE: tuple[type[Effect], ...] = (
     RigidSector,
     WheelLoads,
     LoadTransfer,
+    TrailingLoad,
     Stribeck,
     SlipRatioFriction,
     RollerCoupling,

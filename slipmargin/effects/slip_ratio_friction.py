@@ -14,10 +14,18 @@ from slipmargin.model.terms import Modulation
 from slipmargin.model.variables import Basis, Target, Variable
 
 
+#: Added to the speed of the floor under a wheel, so that a standing wheel keeps a finite steepness [m/s].
+CRAWL_M_S = 1e-3
+
+
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SlipRatioFriction(Effect):
-    """k ← (1 − s) k + s κ / (v_roll + v_0): eq. (11) in the slip ratio u / v_roll, v_0 = 5 mm/s."""
+    """k ← (1 − s) k + s κ / (v_hub + v_0): eq. (11) in the slip ratio u / v_hub, v_0 = 1 mm/s.
+
+    v_hub is the speed at which the floor passes under the wheel.  Along f̂ (over free rollers) κ is
+    ``transverse_factor`` times what it is along ĝ.
+    """
 
     name: ClassVar[str] = "slip_ratio_friction"
     traced_to: ClassVar[Trace] = Trace.SLIP_RATIO
@@ -39,9 +47,18 @@ class SlipRatioFriction(Effect):
             low=0.5,
             high=500.0,
             null=20.0,
-            scale=5.0,
-            meaning="steepness κ of the friction law in the slip ratio",
-            starts=(10.0, 50.0),
+            scale=2.0,
+            meaning="steepness κ of the friction law in the slip ratio, along the drive direction",
+            starts=(4.0, 10.0, 50.0),
+        ),
+        Parameter(
+            name="transverse_factor",
+            unit="1",
+            low=0.05,
+            high=20.0,
+            null=1.0,
+            scale=0.5,
+            meaning="steepness across over steepness along the drive direction",
         ),
     )
     source: ClassVar[str] = (
@@ -51,19 +68,29 @@ class SlipRatioFriction(Effect):
 
     share: float
     steepness: float
+    transverse_factor: float = 1.0
     wheels: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         self._check()
 
     def rewrite(self, part: Grip, nominal: Model) -> Grip:
-        """Grip whose steepness goes with the inverse rolling speed."""
-        creep = Modulation(
-            variable=Variable.ROLLING_SPEED,
-            basis=Basis.RECIPROCAL,
-            target=Target.STIFFNESS,
-            shape=np.array([self.steepness / nominal.grip.k_s_per_m, 0.005]),
-            coefficients=np.array([1.0]),
-            wheels=self.mask(nominal) * self.share,
-        )
-        return replace(part, modulations=(*part.modulations, creep))
+        """Grip whose steepness goes with the inverse of the hub's speed."""
+        weights = self.mask(nominal) * self.share
+        along, across = self.steepness, self.steepness * self.transverse_factor
+
+        def creep(kappa: float, target: Target) -> Modulation:
+            return Modulation(
+                variable=Variable.HUB_SPEED,
+                basis=Basis.RECIPROCAL,
+                target=target,
+                shape=np.array([kappa / nominal.grip.k_s_per_m, CRAWL_M_S]),
+                coefficients=np.array([1.0]),
+                wheels=weights,
+            )
+
+        if across == along:
+            terms: tuple[Modulation, ...] = (creep(along, Target.STIFFNESS),)
+        else:
+            terms = (creep(along, Target.STIFFNESS_DRIVE), creep(across, Target.STIFFNESS_TRANSVERSE))
+        return replace(part, modulations=(*part.modulations, *terms))

@@ -26,6 +26,8 @@ PER_WHEEL = frozenset(
         Variable.ROLLING_SPEED,
         Variable.SLIP_HEADING,
         Variable.COMMAND_SPEED,
+        Variable.HUB_SPEED,
+        Variable.LEAD,
     }
 )
 

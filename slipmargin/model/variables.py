@@ -33,6 +33,8 @@ class Variable(IntEnum):
     SLIP_HEADING = 18  #: floor-frame direction of the slip component [rad], per wheel: φ + arg ĝ_i
     #: (or f̂_i), plus π where the component is negative
     COMMAND_SPEED = 19  #: |ω_cmd,i| [rad/s], per wheel; only for transients
+    HUB_SPEED = 20  #: |hub velocity| [m/s], per wheel: how fast the floor passes under it
+    LEAD = 21  #: hub velocity · outward direction / (HUB_SPEED + 1 mm/s) [1], per wheel: 1 leads, −1 trails
 
 
 class Basis(IntEnum):
@@ -55,6 +57,8 @@ class Target(IntEnum):
     TRANSVERSE = 1  #: the coefficient along f̂
     BOTH = 2  #: both coefficients (the same as the wheel's load)
     STIFFNESS = 3  #: the steepness k of eq. (11)
+    STIFFNESS_DRIVE = 4  #: the steepness along ĝ only
+    STIFFNESS_TRANSVERSE = 5  #: the steepness along f̂ only
 
 
 class Frame(IntEnum):

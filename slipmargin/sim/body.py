@@ -106,6 +106,12 @@ def _wheel_variable(P: Any, code: int, i: int, direction: int, y: Any, C: Any) -
         d = q + _GX + 2 * direction
         return float(y[2] + math.atan2(P[d + 1], P[d]) + (math.pi if u < 0.0 else 0.0))
     hub = math.hypot(y[3] - y[5] * P[q + _AY], y[4] + y[5] * P[q + _AX])
+    if code == 20:
+        return hub
+    if code == 21:
+        reach = math.hypot(P[q + _AX], P[q + _AY])
+        out = y[3] * P[q + _AX] + y[4] * P[q + _AY]
+        return float(out / (reach * (hub + CRAWL_M_S))) if reach > 0.0 else 0.0
     roll = max(hub, abs(P[q + _RHO] * C[i, OMEGA]))
     if code == 6:
         return float(roll)
@@ -129,14 +135,14 @@ def _factors(P: Any, i: int, t: float, y: Any, C: Any, G: Any) -> None:
         q = place + count
         if weight == 0.0:
             continue
-        own = 1 <= code <= 6 or code == 18
+        own = 1 <= code <= 6 or code == 18 or code >= 20
         sided = code == 3 or code == 4 or code == 18
-        kind = 2 if target == 3 else 0
+        kind = 2 if target >= 3 else 0
         first = 1.0
         for side in range(2):
-            if target == 1 - side:
+            if target in (1 - side, 5 - side):
                 continue
-            if side == 0 or sided or target == 1:
+            if side == 0 or sided or target in (1, 5):
                 v = _wheel_variable(P, code, i, side, y, C) if own else _body_variable(P, code, t, y, C)
                 first = max(0.0, 1.0 + weight * series(P, place, count, basis, a, b, v))
                 if code == 3 and first > 0.0:

@@ -119,7 +119,7 @@ def _fill(head: Array, model: Model) -> None:
     against = any(f.frame is Frame.AGAINST_MOTION for f in model.losses.terms)
     boxed = grip.shape is GripShape.BOX or grip.coupling == 0.0
     calm = _CALM | {Variable.WHEEL_LOAD} | ({Variable.SLIP_SPEED} if boxed else set())
-    stiff = any(m.target is Target.STIFFNESS and m.variable not in _CALM for m in grip.modulations)
+    stiff = any(m.target >= Target.STIFFNESS and m.variable not in _CALM for m in grip.modulations)
     head[at.BY_VELOCITY] = bool(variables - calm) or bool(terms - _CALM) or against or stiff
     head[at.SHARE] = model.inertia.weight_N / model.count
     head[at.DELAY] = transients.delay_s
@@ -197,4 +197,4 @@ def _merged(basis: Basis, coefficients: Array) -> Array:
     return coefficients
 
 
-assert len(Target) == 4 and len(Frame) == 3  # the kernel knows these and no others
+assert len(Target) == 6 and len(Frame) == 3  # the kernel knows these and no others

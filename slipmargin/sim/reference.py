@@ -80,6 +80,13 @@ class _Instant:
             return np.asarray(np.arctan2(np.abs(self.slip[1]), np.abs(self.slip[0])))
         if variable is Variable.ROLLING_SPEED:
             return np.asarray(rolling)
+        if variable is Variable.HUB_SPEED:
+            return np.asarray(np.hypot(*self.hub.T))
+        if variable is Variable.LEAD:
+            arm = c.position_m - self.model.inertia.com_m
+            reach = np.hypot(*arm.T)
+            out = arm / np.where(reach > 0.0, reach, 1.0)[:, None]
+            return np.asarray(np.sum(self.hub * out, axis=1) / (np.hypot(*self.hub.T) + 1e-3))
         if variable is Variable.SLIP_HEADING:
             axis = (c.grip, c.free)[side]
             return np.asarray(self.phi + np.arctan2(axis[:, 1], axis[:, 0]) + np.where(u < 0.0, np.pi, 0.0))
@@ -98,7 +105,7 @@ def _coefficients(at: _Instant, rigid: Array, load: Array) -> tuple[Array, Array
     for m in grip.modulations:
         for side in (0, 1):
             factor = _factor(m, at, side, load)
-            if m.target is Target.STIFFNESS:
+            if m.target is Target.STIFFNESS or int(m.target) == 4 + side:
                 k[side] *= factor
             elif m.target is Target.BOTH or int(m.target) == side:
                 mu[side] *= factor
