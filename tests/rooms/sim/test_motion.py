@@ -223,3 +223,28 @@ def test_loads_follow_the_acceleration_at_once():
     moment = run.load @ (model.contacts.position_m - model.inertia.com_m)
     np.testing.assert_allclose(moment, -0.08 * force, atol=1e-9)
     assert run.load[10, :2].sum() < run.load[10, 2:].sum()  # speeding up forwards unloads the front
+
+
+@pytest.mark.parametrize("across", [1.0, 2.0])
+def test_slip_ratio_friction_loses_the_same_share_from_a_crawl_to_a_run(across):
+    """The effect itself: 0.1 to 0.8 m/s lose the same share, within what v_0 = 1 mm/s leaves of it."""
+    from slipmargin.effects.recipe import with_effects
+    from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
+
+    nominal = paper_model("paper", improved=False)
+    effect = SlipRatioFriction(share=1.0, steepness=4.0, transverse_factor=across)
+    model = with_effects(nominal, (effect,))
+    shares = {}
+    for name, tried in (("creep", model), ("eq. (11)", nominal)):
+        lost = []
+        for speed in (0.1, 0.2, 0.4, 0.8):
+            rates = no_slip_rates(tried, np.array([speed, 0.0, 0.0]))
+            signal = linear(np.array([0.0, 4.0]), np.stack([rates, rates]))
+            run = simulate(tried, signal, np.array([3.8, 3.9]), start_twist=np.array([speed, 0.0, 0.0]))
+            moved = np.hypot(*(run.pose[1, :2] - run.pose[0, :2]))
+            lost.append(1.0 - moved / (0.1 * speed))
+        shares[name] = np.array(lost)
+    creep, absolute = shares["creep"], shares["eq. (11)"]
+    assert creep.min() > 0.02
+    np.testing.assert_allclose(creep, creep[-1], rtol=0.02)  # v_0/v is 1 % at 0.1 m/s
+    assert absolute[0] > 5.0 * absolute[-1]  # eq. (11) loses a speed, not a share
