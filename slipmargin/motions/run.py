@@ -50,8 +50,13 @@ class Run:
         put(self, "t_s", frozen("t_s", self.t_s, (None,)))
         t, n = len(self.t_s), len(self.wheels)
         shapes: dict[str, tuple[int | None, ...]] = {
-            "pose": (t, 3), "velocity": (t, 3), "theta": (t, n), "slip": (t, n, 2), "force": (t, n, 2),
-            "load": (t, n)}
+            "pose": (t, 3),
+            "velocity": (t, 3),
+            "theta": (t, n),
+            "slip": (t, n, 2),
+            "force": (t, n, 2),
+            "load": (t, n),
+        }
         for name, shape in shapes.items():
             put(self, name, frozen(name, getattr(self, name), shape))
         if t == 0 or (t > 1 and float(np.min(np.diff(self.t_s))) < 0.0):
@@ -70,11 +75,18 @@ class Run:
     def columns(self) -> dict[str, Array]:
         """Columns of the run file, in its order (contract: ``simulate``)."""
         out = {"t_s": self.t_s}
-        for block, names in ((self.pose, ("x_m", "y_m", "phi_rad")), (self.velocity, ("vx_m_s", "vy_m_s", "wz_rad_s"))):
+        for block, names in (
+            (self.pose, ("x_m", "y_m", "phi_rad")),
+            (self.velocity, ("vx_m_s", "vy_m_s", "wz_rad_s")),
+        ):
             out.update({name: block[:, k] for k, name in enumerate(names)})
-        wheel = (("theta{}_rad", self.theta), ("slip_drive{}_m_s", self.slip[..., 0]),
-                 ("slip_transverse{}_m_s", self.slip[..., 1]), ("force_drive{}_N", self.force[..., 0]),
-                 ("force_transverse{}_N", self.force[..., 1]))
+        wheel = (
+            ("theta{}_rad", self.theta),
+            ("slip_drive{}_m_s", self.slip[..., 0]),
+            ("slip_transverse{}_m_s", self.slip[..., 1]),
+            ("force_drive{}_N", self.force[..., 0]),
+            ("force_transverse{}_N", self.force[..., 1]),
+        )
         for name, block in wheel:
             out.update({name.format(i + 1): block[:, i] for i in range(block.shape[1])})
         return out

@@ -21,21 +21,31 @@ def run_figure(run: Run, title: str) -> Figure:
     figure = Figure(figsize=(10.0, 4.2), layout="constrained")
     figure.suptitle(title, fontsize=11, x=0.01, ha="left")
     left, right = figure.subplots(1, 2)
-    for k, (name, colour) in enumerate(zip(("x [m]", "y [m]", "φ [rad]"), (BLUE, ORANGE, GREEN), strict=True)):
+    for k, (name, colour) in enumerate(
+        zip(("x [m]", "y [m]", "φ [rad]"), (BLUE, ORANGE, GREEN), strict=True)
+    ):
         left.plot(run.t_s, run.pose[:, k], color=colour, label=name)
     left.axhline(0.0, color=GREY, lw=0.8)
     left.set(xlabel="time [s]", ylabel="displacement [m], heading [rad]", title="Displacements")
     left.legend(loc="upper left")
     for i, name in enumerate(run.wheels):  # wheels that slide alike must all be seen
-        right.plot(run.t_s, run.slip[:, i, 0], color=_WHEELS[i % len(_WHEELS)], label=f"wheel {name}",
-                   lw=1.2 + 1.4 * (i == 0), alpha=0.5 if i == 0 else 1.0)
+        right.plot(
+            run.t_s,
+            run.slip[:, i, 0],
+            color=_WHEELS[i % len(_WHEELS)],
+            label=f"wheel {name}",
+            lw=1.2 + 1.4 * (i == 0),
+            alpha=0.5 if i == 0 else 1.0,
+        )
     right.set(xlabel="time [s]", ylabel="sliding speed along the drive direction [m/s]", title="Drive slip")
     right.legend(loc="best")
     return figure
 
 
 @styled
-def path_figure(paths: Mapping[str, Run], title: str, goal: tuple[float, float], notes: Sequence[str] = ()) -> Figure:
+def path_figure(
+    paths: Mapping[str, Run], title: str, goal: tuple[float, float], notes: Sequence[str] = ()
+) -> Figure:
     """y over x on each surface (Figs 7 and 10); the goal is marked, measured points are not invented.
 
     Parameters
@@ -64,12 +74,22 @@ def _headings(axes: Axes, run: Run) -> None:
     marks = np.searchsorted(run.t_s, np.arange(run.t_s[0], run.t_s[-1] + 1e-9, 0.5))
     marks = marks[marks < len(run.t_s)]
     pose = run.pose[marks]
-    axes.quiver(pose[:, 0], pose[:, 1], np.cos(pose[:, 2]), np.sin(pose[:, 2]), color=ORANGE, width=0.004,
-                scale=22.0, zorder=3)
+    axes.quiver(
+        pose[:, 0],
+        pose[:, 1],
+        np.cos(pose[:, 2]),
+        np.sin(pose[:, 2]),
+        color=ORANGE,
+        width=0.004,
+        scale=22.0,
+        zorder=3,
+    )
 
 
 @styled
-def spread_figure(ends: Mapping[str, Array], published: Mapping[str, Sequence[float]], goal_m: float) -> Figure:
+def spread_figure(
+    ends: Mapping[str, Array], published: Mapping[str, Sequence[float]], goal_m: float
+) -> Figure:
     """Where runs end from random rotor angles: y and φ over x, one colour a surface, mean marked.
 
     Parameters
@@ -78,15 +98,24 @@ def spread_figure(ends: Mapping[str, Array], published: Mapping[str, Sequence[fl
     published : surface → headings that the paper measured or printed [rad], drawn as lines.
     """
     figure = Figure(figsize=(10.0, 4.2), layout="constrained")
-    figure.suptitle("Random rotor angles: why the same command does not repeat", fontsize=11, x=0.01, ha="left")
+    figure.suptitle(
+        "Random rotor angles: why the same command does not repeat", fontsize=11, x=0.01, ha="left"
+    )
     left, right = figure.subplots(1, 2)
     for colour, (surface, end) in zip((BLUE, ORANGE, GREEN), ends.items(), strict=False):
         for axes, k in ((left, 1), (right, 2)):
-            axes.scatter(end[:, 0], end[:, k], s=4, color=colour, alpha=0.35, lw=0, label=f"{surface}, {len(end)} runs")
-            axes.plot(end[:, 0].mean(), end[:, k].mean(), marker="o", mfc="white", mec=colour, ms=7, ls="none")
+            axes.scatter(
+                end[:, 0], end[:, k], s=4, color=colour, alpha=0.35, lw=0, label=f"{surface}, {len(end)} runs"
+            )
+            axes.plot(
+                end[:, 0].mean(), end[:, k].mean(), marker="o", mfc="white", mec=colour, ms=7, ls="none"
+            )
         for value in published.get(surface, ()):
             right.axhline(value, color=colour, lw=0.9, ls=":")
-    for axes, label in ((left, "y at the end [m]"), (right, "φ at the end [rad]; dotted: printed in the paper")):
+    for axes, label in (
+        (left, "y at the end [m]"),
+        (right, "φ at the end [rad]; dotted: printed in the paper"),
+    ):
         axes.axvline(goal_m, color=GREY, lw=0.8)
         axes.set(xlabel="x at the end [m]", ylabel=label)
         axes.legend(loc="best", markerscale=3)

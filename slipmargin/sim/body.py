@@ -15,7 +15,7 @@ import math
 from typing import Any
 
 from slipmargin.sim import layout as at
-from slipmargin.sim.compiled import fast
+from slipmargin.sim.compiled import fast, inner
 from slipmargin.sim.friction import contact
 from slipmargin.sim.terms import series, series_slope
 
@@ -57,7 +57,7 @@ PUSH, INVERSE, LEVER, FACTORS = 0, 3, 7, 9
 BODY = 15
 
 
-@fast
+@inner
 def _asked(P: Any, C: Any, row: int) -> float:
     """No-slip body acceleration that the wheels ask for, component ``row`` (0 x, 1 y, 2 yaw)."""
     total = 0.0
@@ -66,7 +66,7 @@ def _asked(P: Any, C: Any, row: int) -> float:
     return total
 
 
-@fast
+@inner
 def _body_variable(P: Any, code: int, t: float, y: Any, C: Any) -> float:
     w, phi = y[5], y[2]
     if code == 0:
@@ -90,7 +90,7 @@ def _body_variable(P: Any, code: int, t: float, y: Any, C: Any) -> float:
     return t
 
 
-@fast
+@inner
 def _wheel_variable(P: Any, code: int, i: int, direction: int, y: Any, C: Any) -> float:
     q = _H + i * _W
     u = C[i, SLIP_W + direction]
@@ -118,7 +118,7 @@ def _wheel_variable(P: Any, code: int, i: int, direction: int, y: Any, C: Any) -
     return float(abs(u) / (roll + CRAWL_M_S))
 
 
-@fast
+@inner
 def _factors(P: Any, i: int, t: float, y: Any, C: Any, G: Any) -> None:
     """What all modulations make of (μ_W, μ_T, k_W, k_T) of wheel i, into the factors G[:4].
 
@@ -152,7 +152,7 @@ def _factors(P: Any, i: int, t: float, y: Any, C: Any, G: Any) -> None:
             G[kind + side] *= first
 
 
-@fast
+@inner
 def losses(P: Any, t: float, y: Any, C: Any) -> tuple[float, float, float]:
     """All force terms as one wrench in the body frame about the centre of mass."""
     fx, fy, mz = 0.0, 0.0, 0.0
@@ -260,7 +260,7 @@ def evaluate(P: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None:
             break
 
 
-@fast
+@inner
 def slopes(P: Any, C: Any, B: Any, J: Any, jt: Any) -> None:
     """Analytic ∂(a, ω̇)/∂(v_x, v_y, ω) into J (3, 3) and ∂(a, ω̇)/∂t through the wheel speeds into jt (3)."""
     for r in range(3):
