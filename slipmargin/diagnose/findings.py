@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from slipmargin.checks import Array
@@ -13,6 +15,8 @@ from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.search import Round, State
 from slipmargin.diagnose.selection import without
 from slipmargin.effects import Effect
+from slipmargin.effects.rigid_sector import RigidSector
+from slipmargin.effects.wheel_loads import WheelLoads
 
 _GENERAL_CONFIRM = (
     "vary this one variable, keep everything else as it was, and see whether the residual follows"
@@ -83,7 +87,7 @@ def findings(
                         strict=True,
                     )
                 ),
-                derived=_load_fractions(problem, final, others, candidate),
+                derived=_derived(problem, final, others, index),
                 chi_without=without(problem, state, index).chi,
                 chi_with=state.chi,
                 p_value=taken.p_value,
@@ -119,12 +123,31 @@ def _rivals(taken: Round, candidate: Candidate) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
-def _load_fractions(
-    problem: Problem, final: Fit, others: Array, candidate: Candidate
-) -> tuple[Estimate, ...]:
-    """Each wheel's share of the weight, where the effect says something about it."""
-    if candidate.name != "wheel_loads":
-        return ()
+def _derived(problem: Problem, final: Fit, others: Array, index: int) -> tuple[Estimate, ...]:
+    """What follows from an effect's parameters and can be checked by hand."""
+    effect = final.effects[index]
+    if isinstance(effect, WheelLoads):
+        return _load_fractions(problem, final, others)
+    if isinstance(effect, RigidSector):
+        return (_sectors_per_turn(problem, final, index, effect),)
+    return ()
+
+
+def _sectors_per_turn(problem: Problem, final: Fit, index: int, effect: RigidSector) -> Estimate:
+    """How often a turn rigid material comes round: the count that predicts best, all else as fitted."""
+    counts = np.arange(2, 17)
+    sets = []
+    for count in counts:
+        effects = list(final.effects)
+        effects[index] = replace(effect, sectors_per_turn=float(count))
+        sets.append(tuple(effects))
+    costs = [float(np.sum(r**2)) for r in problem.residuals(sets, [final.trials] * len(sets))]
+    best = float(counts[int(np.argmin(costs))])
+    return Estimate(name="sectors_per_turn", value=best, low=best, high=best, unit="1")
+
+
+def _load_fractions(problem: Problem, final: Fit, others: Array) -> tuple[Estimate, ...]:
+    """Each wheel's share of the weight."""
 
     def fractions(x: Array) -> Array:
         loads = problem.model(build(final.structure, x)).loads.rest_N

@@ -1,4 +1,4 @@
-"""General forms: free coefficients over every variable a residual may depend on.
+"""How a general form is made: free coefficients of friction, force or measurement terms.
 
 They find an effect that nobody has named, and they judge a named one: where the general form over
 the same variable explains much more, the name does not fit.
@@ -17,7 +17,7 @@ from slipmargin.diagnose.candidate import Candidate
 from slipmargin.effects import GeneralEffect, Part, Trace
 from slipmargin.effects.general import PREFIX, Term
 from slipmargin.model import Model
-from slipmargin.model.terms import ForceTerm, Modulation, PoseShift
+from slipmargin.model.terms import ForceTerm, Modulation
 from slipmargin.model.variables import Basis, Frame, Target, Variable
 
 
@@ -35,7 +35,7 @@ class Ranges:
     command_rad_s: float
 
 
-def _spread(
+def spread(
     trace: Trace, label: str, part: Part, scale: Array, bound: Array, terms: Callable[[Array], Sequence[Term]]
 ) -> Candidate:
     size = len(scale)
@@ -55,7 +55,7 @@ def _spread(
     )
 
 
-def _friction(
+def friction(
     trace: Trace,
     label: str,
     model: Model,
@@ -83,10 +83,10 @@ def _friction(
             at += count
         return made
 
-    return _spread(trace, label, Part.GRIP, np.full(size, 0.1), np.full(size, bound), terms)
+    return spread(trace, label, Part.GRIP, np.full(size, 0.1), np.full(size, bound), terms)
 
 
-def _forces(
+def forces(
     trace: Trace,
     label: str,
     model: Model,
@@ -120,300 +120,4 @@ def _forces(
             )
         return made
 
-    return _spread(trace, label, Part.LOSSES, np.array(scale), 50.0 * np.array(scale), terms)
-
-
-def general_candidates(model: Model, ranges: Ranges, commanded: bool) -> list[Candidate]:
-    """One or more general forms for every variable of :class:`~slipmargin.effects.Trace`."""
-    found = [
-        *_over_contact(model, ranges),
-        *_over_motion(model, ranges),
-        *_over_place(model, ranges),
-        *_measurement(ranges),
-    ]
-    return found + (_actuation(model, ranges) if commanded else [])
-
-
-def _over_contact(model: Model, r: Ranges) -> list[Candidate]:
-    pitch = 2.0 * np.pi / float(model.grip.rollers[0])
-    drive, transverse, both, stiff = Target.DRIVE, Target.TRANSVERSE, Target.BOTH, Target.STIFFNESS
-    angle, slip = Variable.WHEEL_ANGLE, Variable.SLIP_SPEED
-    one = np.eye(model.count)
-    turn = (2.0 * np.pi, 0.0)
-    quarter = (0.0, np.pi / 2.0)
-    scales = [f * r.slip_m_s for f in (0.03, 0.1, 0.3, 1.0)]
-    unity, constant, none = Variable.UNITY, Basis.CONSTANT, (1.0, 0.0)
-    return [
-        _friction(
-            Trace.WHEEL_ANGLE,
-            "roller pitch",
-            model,
-            [(angle, Basis.FOURIER, (pitch, 0.0), 6, t, None) for t in (drive, transverse)],
-        ),
-        _friction(
-            Trace.WHEEL_ANGLE,
-            "once and twice a turn",
-            model,
-            [(angle, Basis.FOURIER, turn, 4, both, row) for row in one],
-        ),
-        _friction(
-            Trace.SLIP_SPEED,
-            "both directions",
-            model,
-            [(slip, Basis.DECAY, (s, 1.0), 1, both, None) for s in scales],
-        ),
-        _friction(
-            Trace.SLIP_SPEED,
-            "each direction",
-            model,
-            [(slip, Basis.DECAY, (s, 1.0), 1, t, None) for s in scales for t in (drive, transverse)],
-        ),
-        _friction(
-            Trace.SLIP_COUPLING,
-            "slip angle",
-            model,
-            [(Variable.SLIP_ANGLE, Basis.HATS, quarter, 5, t, None) for t in (drive, transverse)],
-        ),
-        _friction(
-            Trace.SLIP_RATIO,
-            "creep stiffness",
-            model,
-            [
-                (Variable.ROLLING_SPEED, Basis.DECAY, (s * r.speed_m_s, 1.0), 1, stiff, None)
-                for s in (0.05, 0.2, 0.8)
-            ]
-            + [(unity, constant, none, 1, stiff, None)],
-            bound=100.0,
-        ),
-        _friction(
-            Trace.SLIP_RATIO,
-            "friction over ratio",
-            model,
-            [(Variable.SLIP_RATIO, Basis.DECAY, (s, 1.0), 1, both, None) for s in (0.03, 0.1, 0.3, 1.0)],
-        ),
-        _friction(
-            Trace.COEFFICIENT,
-            "coefficients and steepness",
-            model,
-            [(unity, constant, none, 1, t, None) for t in (drive, transverse)]
-            + [(unity, constant, none, 1, stiff, None)],
-            bound=20.0,
-        ),
-        *[
-            _friction(
-                Trace.WHEEL,
-                f"friction of wheel {name}",
-                model,
-                [(unity, constant, none, 1, t, row) for t in (drive, transverse)],
-            )
-            for name, row in zip(model.contacts.names, one, strict=True)
-        ],
-        _friction(
-            Trace.WHEEL_LOAD,
-            "friction over load",
-            model,
-            [(Variable.WHEEL_LOAD, Basis.POLYNOMIAL, (1.0, 0.0), 2, both, None)],
-        ),
-    ]
-
-
-def _over_motion(model: Model, r: Ranges) -> list[Candidate]:
-    v, w, a = r.speed_m_s, r.yaw_rate_rad_s, r.acceleration_m_s2
-    along = [(Variable.VELOCITY_X, v, 0), (Variable.VELOCITY_Y, v, 1), (Variable.YAW_RATE, w, 2)]
-    slow = 0.02
-    asked = [
-        (Variable.ACCELERATION_X, a),
-        (Variable.ACCELERATION_Y, a),
-        (Variable.YAW_ACCELERATION, a / max(v, 1e-9) * max(w, 1e-9)),
-    ]
-    return [
-        _forces(
-            Trace.VELOCITY,
-            "force along each velocity",
-            model,
-            Frame.BODY,
-            [
-                (variable, Basis.ODD, (slow * size, 0.0), 3, (axis,), max(1.0, size))
-                for variable, size, axis in along
-            ],
-        ),
-        _forces(
-            Trace.VELOCITY,
-            "force across the velocity",
-            model,
-            Frame.BODY,
-            [(variable, Basis.POLYNOMIAL, (size, 0.0), 2, (0, 1, 2), 1.0) for variable, size, _ in along],
-        ),
-        _friction(
-            Trace.VELOCITY,
-            "friction over speed",
-            model,
-            [(Variable.SPEED, Basis.HATS, (0.0, v), 5, Target.BOTH, None)],
-        ),
-        _forces(
-            Trace.ACCELERATION,
-            "force with acceleration",
-            model,
-            Frame.BODY,
-            [(variable, Basis.POLYNOMIAL, (size, 0.0), 1, (0, 1, 2), 1.0) for variable, size in asked],
-        ),
-        _friction(
-            Trace.ACCELERATION,
-            "friction of each wheel with acceleration",
-            model,
-            [
-                (variable, Basis.POLYNOMIAL, (size, 0.0), 1, Target.BOTH, row)
-                for variable, size in asked[:2]
-                for row in np.eye(model.count)
-            ],
-        ),
-    ]
-
-
-def _over_place(model: Model, r: Ranges) -> list[Candidate]:
-    turn = (2.0 * np.pi, 0.0)
-    reach = (r.position_m, 0.0)
-    clock = (0.0, r.duration_s)
-    place = (Variable.POSITION_X, Variable.POSITION_Y)
-    floor, both = Frame.FLOOR, Target.BOTH
-    return [
-        _friction(
-            Trace.HEADING,
-            "friction over heading",
-            model,
-            [(Variable.HEADING, Basis.FOURIER, turn, 4, both, None)],
-        ),
-        _friction(
-            Trace.HEADING,
-            "friction over sliding direction",
-            model,
-            [(Variable.SLIP_HEADING, Basis.FOURIER, turn, 4, both, None)],
-        ),
-        _forces(
-            Trace.HEADING,
-            "force over heading",
-            model,
-            floor,
-            [(Variable.HEADING, Basis.FOURIER, turn, 4, (0, 1, 2), 1.0)],
-        ),
-        _forces(
-            Trace.POSITION,
-            "force over position",
-            model,
-            floor,
-            [(v, Basis.POLYNOMIAL, reach, 2, (0, 1, 2), 1.0) for v in place]
-            + [(Variable.UNITY, Basis.CONSTANT, (1.0, 0.0), 1, (0, 1), 1.0)],
-        ),
-        _friction(
-            Trace.POSITION,
-            "friction over position",
-            model,
-            [(v, Basis.HATS, (-r.position_m, r.position_m), 7, both, None) for v in place],
-        ),
-        _friction(
-            Trace.TIME, "friction over time", model, [(Variable.TIME, Basis.HATS, clock, 7, both, None)]
-        ),
-        _forces(
-            Trace.TIME,
-            "force over time",
-            model,
-            floor,
-            [(Variable.TIME, Basis.HATS, clock, 7, (0, 1, 2), 1.0)],
-        ),
-        _forces(
-            Trace.CONSTANT_FORCE,
-            "constant in the floor frame",
-            model,
-            floor,
-            [(Variable.UNITY, Basis.CONSTANT, (1.0, 0.0), 1, (0, 1, 2), 1.0)],
-        ),
-        _forces(
-            Trace.CONSTANT_FORCE,
-            "constant in the body frame",
-            model,
-            Frame.BODY,
-            [(Variable.UNITY, Basis.CONSTANT, (1.0, 0.0), 1, (0, 1, 2), 1.0)],
-        ),
-    ]
-
-
-def _actuation(model: Model, r: Ranges) -> list[Candidate]:
-    size = 5
-    shape = np.array([0.0, r.command_rad_s])
-    everyone = np.ones(model.count)
-
-    def terms(values: Array) -> list[Term]:
-        return [
-            Modulation(
-                variable=Variable.COMMAND_SPEED,
-                basis=Basis.HATS,
-                shape=shape,
-                wheels=everyone,
-                coefficients=values,
-            )
-        ]
-
-    def by_wheel(values: Array) -> list[Term]:
-        return [
-            Modulation(
-                variable=Variable.UNITY,
-                basis=Basis.CONSTANT,
-                shape=np.array([1.0, 0.0]),
-                wheels=row,
-                coefficients=values[i : i + 1],
-            )
-            for i, row in enumerate(np.eye(model.count))
-        ]
-
-    wheels = model.count
-    return [
-        _spread(
-            Trace.ACTUATION,
-            "speed over command",
-            Part.TRANSIENTS,
-            np.full(size, 0.05),
-            np.full(size, 0.95),
-            terms,
-        ),
-        _spread(
-            Trace.ACTUATION,
-            "speed of each wheel",
-            Part.TRANSIENTS,
-            np.full(wheels, 0.05),
-            np.full(wheels, 0.95),
-            by_wheel,
-        ),
-    ]
-
-
-def _measurement(r: Ranges) -> list[Candidate]:
-    reach = np.array([r.position_m, 0.0])
-    steps = np.array([0.01, 0.01, 0.01])
-
-    def warp(
-        variables: tuple[Variable, ...], shape: Array, basis: Basis, count: int
-    ) -> Callable[[Array], list[Term]]:
-        def terms(values: Array) -> list[Term]:
-            blocks = values.reshape(len(variables), 3, count)
-            return [
-                PoseShift(variable=v, basis=basis, shape=shape, coefficients=block)
-                for v, block in zip(variables, blocks, strict=True)
-            ]
-
-        return terms
-
-    place = (Variable.POSITION_X, Variable.POSITION_Y)
-
-    def candidate(
-        label: str, variables: tuple[Variable, ...], shape: Array, basis: Basis, count: int
-    ) -> Candidate:
-        scale = np.tile(np.repeat(steps, count), len(variables))
-        return _spread(
-            Trace.MEASUREMENT, label, Part.SENSING, scale, 100.0 * scale, warp(variables, shape, basis, count)
-        )
-
-    return [
-        candidate("pose over position", place, reach, Basis.POLYNOMIAL, 2),
-        candidate("pose over heading", (Variable.HEADING,), np.array([2.0 * np.pi, 0.0]), Basis.FOURIER, 4),
-        candidate("pose over time", (Variable.TIME,), np.array([r.duration_s, 0.0]), Basis.POLYNOMIAL, 2),
-    ]
+    return spread(trace, label, Part.LOSSES, np.array(scale), 50.0 * np.array(scale), terms)

@@ -13,7 +13,7 @@ from slipmargin.diagnose.diagnosis import Diagnosis, Event, Finding, Score, Step
 from slipmargin.diagnose.events import find_events
 from slipmargin.diagnose.findings import findings
 from slipmargin.diagnose.fit import Fit, build, fit, leave_one_out
-from slipmargin.diagnose.forms import general_candidates
+from slipmargin.diagnose.general_forms import general_candidates
 from slipmargin.diagnose.prepare import clean, noise
 from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.ranges import ranges, variables_of

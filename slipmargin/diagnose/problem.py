@@ -19,6 +19,7 @@ from slipmargin.diagnose.sense import is_ideal, measure
 from slipmargin.diagnose.signals import rolling_twist, wheel_signal
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.effects.recipe import with_effects
+from slipmargin.errors import InputError
 from slipmargin.model import Model, nominal_model
 from slipmargin.sim.batch import Batch
 from slipmargin.sim.pack import pack, stack
@@ -89,7 +90,8 @@ class Problem:
     def _compare(
         self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]
     ) -> list[tuple[Array, Array]]:
-        models = [self.model(e) for e in effects]
+        built = [self._possible(e) for e in effects]
+        models = [self.nominal if m is None else m for m in built]
         which = np.repeat(np.arange(len(models)), [len(t) for t in trials])
         runs = np.concatenate([np.asarray(t, dtype=np.int64) for t in trials])
         pose = self.batch.run(
@@ -113,8 +115,17 @@ class Problem:
         shift = _start_shift(pose, gap, seen, self.sigma)
         pose = pose + shift
         gap = np.where(seen, (gap - shift) / self.sigma, 0.0).clip(-_WILD, _WILD)
+        impossible = np.array([m is None for m in built])[which]
+        gap = np.where(seen & impossible[:, None, None], _WILD, gap)
         parts = np.split(np.arange(len(runs)), np.cumsum([len(t) for t in trials])[:-1])
         return [(pose[part], gap[part]) for part in parts]
+
+    def _possible(self, effects: Sequence[AnyEffect]) -> Model | None:
+        """The model, or None where no machine is like that (a wheel would lift)."""
+        try:
+            return self.model(effects)
+        except InputError:
+            return None
 
     def samples(self, trials: Index) -> float:
         """Number of measured values in these trials."""

@@ -25,6 +25,7 @@ from slipmargin.diagnose.search import (
     short_fits,
     state_of,
 )
+from slipmargin.errors import InputError
 
 #: An effect is taken only if it is beyond luck at this level …
 SIGNIFICANCE = 0.01
@@ -34,6 +35,10 @@ LEAST_SHARE, LEAST_CHI = 0.02, 0.02
 #: On top of an effect without a name chi must fall to this share: its form is only approximate, and
 #: what it leaves must not be given names.
 ON_TOP_OF_UNNAMED = 0.7
+#: A general form that leaves less than this is good enough not to look for pairs of names.
+NEAR_NOISE = 1.3
+#: No model predicts better than this.
+_FLOOR = 0.97
 #: At most so many effects.
 MOST_EFFECTS = 4
 #: How many general forms are fitted, by the gain their tangent promises.
@@ -65,13 +70,14 @@ def take_step(
 ) -> Round:
     """The best addition to ``before``, and whether it is beyond luck and worth its parameters."""
     inside = {c.label for c in before.structure}
-    fresh = [s for s in suspects if s.label not in inside]
+    fresh = [s for s in suspects if s.label not in inside and _possible(problem, before, s)]
     progress("comparing with every suspect", 0.0)
     slopes = tangents(problem, before.fit, fresh)
     hopes = [promise(before.fit.residual, slope) for slope in slopes]
     step_s = float(np.median(np.concatenate([np.diff(t.t_s) for t in problem.trials])))
     reachable = float(np.sqrt(max(0.0, before.chi**2 - max(hopes) / before.samples)))
-    if before.chi < AT_NOISE and not worthwhile(before, reachable):
+    hopeless = before.chi < AT_NOISE and not worthwhile(before, reachable)
+    if hopeless or not worthwhile(before, _FLOOR):
         p_value = luck(max(hopes), slopes, before.fit.residual, step_s, seed)
         return Round(
             before=before,
@@ -89,7 +95,7 @@ def take_step(
     if not tried or tried[0].chi > AT_NOISE:
         singles = list(tried)
         tried = sorted([*tried, *extend(problem, before, general, progress, enough=AT_NOISE)], key=_total)
-        if tried[0].chi > AT_NOISE and pairs:
+        if tried[0].chi > NEAR_NOISE and pairs:
             tried = sorted([*tried, *_pairs(problem, singles, named, progress)], key=_total)
     best = choose(tried)
     p_value = luck(before.fit.cost - best.fit.cost, slopes, best.fit.residual, step_s, seed)
@@ -102,6 +108,15 @@ def take_step(
         p_value=p_value,
         taken=p_value <= SIGNIFICANCE and worthwhile(before, best.chi),
     )
+
+
+def _possible(problem: Problem, before: State, suspect: Candidate) -> bool:
+    """Whether the suspect can stand beside what is known: two laws for one thing refuse each other."""
+    try:
+        problem.model((*before.fit.effects, suspect.build(suspect.starts[0])))
+    except InputError:
+        return False
+    return True
 
 
 def _pairs(problem: Problem, singles: list[State], named: list[Candidate], progress: Progress) -> list[State]:

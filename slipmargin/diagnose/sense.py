@@ -64,7 +64,7 @@ def measure(sensing: Sensing, t_s: Array, pose: Array) -> Array:
 def _variable(variable: Variable, t_s: Array, pose: Array) -> Array:
     column = {Variable.POSITION_X: 0, Variable.POSITION_Y: 1, Variable.HEADING: 2}
     if variable is Variable.TIME:
-        return t_s - t_s[0]
+        return np.asarray(t_s - t_s[0], dtype=np.float64)
     if variable is Variable.UNITY:
         return np.ones(len(t_s))
     if variable is Variable.SPEED:

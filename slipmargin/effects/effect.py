@@ -42,7 +42,7 @@ class Part(Enum):
     """The part of the model an effect rewrites: the name of a field of :class:`Model`."""
 
     CONTACTS = "contacts"
-    WEIGHT = "weight"
+    LOADS = "loads"
     GRIP = "grip"
     LOSSES = "losses"
     TRANSIENTS = "transients"

@@ -7,8 +7,8 @@ from typing import ClassVar, final
 
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
-from slipmargin.model.loads import level, sharing_matrix
-from slipmargin.model.parts import Weight
+from slipmargin.model.loads import sharing_matrix, tagged
+from slipmargin.model.parts import Loads
 
 
 @final
@@ -18,7 +18,7 @@ class LoadTransfer(Effect):
 
     name: ClassVar[str] = "load_transfer"
     traced_to: ClassVar[Trace] = Trace.ACCELERATION
-    part: ClassVar[Part] = Part.WEIGHT
+    part: ClassVar[Part] = Part.LOADS
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter(
             name="com_height_m",
@@ -53,13 +53,13 @@ class LoadTransfer(Effect):
     def __post_init__(self) -> None:
         self._check()
 
-    def rewrite(self, part: Weight, nominal: Model) -> Weight:
+    def rewrite(self, part: Loads, nominal: Model) -> Loads:
         """Loads that follow the acceleration."""
         share = sharing_matrix(nominal.contacts.position_m)
         shift = -nominal.inertia.mass_kg * self.com_height_m * share[:, 1:]
-        loads = replace(
-            part.loads,
-            per_acceleration_kg=part.loads.per_acceleration_kg + shift,
-            rule=part.loads.rule + ", plus load transfer",
+        return replace(
+            part,
+            per_acceleration_kg=part.per_acceleration_kg + shift,
+            rule=tagged(part.rule, "plus load transfer"),
+            centred=max(part.centred, self.com_share),
         )
-        return level(replace(part, loads=loads), nominal.contacts.position_m, self.com_share)

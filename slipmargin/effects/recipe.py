@@ -8,7 +8,7 @@ from typing import final
 from slipmargin.effects.effect import Effect
 from slipmargin.effects.general import GeneralEffect
 from slipmargin.model import Model, nominal_model
-from slipmargin.model.parts import Weight
+from slipmargin.model.loads import centred
 from slipmargin.robot import Robot
 
 #: A named effect or one traced to a variable without a name.
@@ -38,9 +38,5 @@ def with_effects(nominal: Model, effects: tuple[AnyEffect, ...]) -> Model:
     model = nominal
     for effect in effects:
         field = effect.part.value
-        part = effect.rewrite(getattr(model, field), nominal)
-        if isinstance(part, Weight):
-            model = replace(model, inertia=part.inertia, loads=part.loads)
-        else:
-            model = replace(model, **{field: part})
-    return model
+        model = replace(model, **{field: effect.rewrite(getattr(model, field), nominal)})
+    return replace(model, inertia=centred(model.inertia, model.loads, model.contacts.position_m))

@@ -44,12 +44,22 @@ class RigidSector(Effect):
             meaning="friction coefficient of the rigid material (0: as the surface says)",
             starts=(0.5,),
         ),
+        Parameter(
+            name="sectors_per_turn",
+            unit="1",
+            low=0.0,
+            high=64.0,
+            null=0.0,
+            scale=1.0,
+            meaning="how often rigid material comes round in a turn (0: once a roller)",
+        ),
     )
     source: ClassVar[str] = "Williams et al. 2002, section IV.A and Table I; positive = more rigid"
     confirm: ClassVar[str] = "film a roller changeover, or turn each wheel by hand and mark the gaps"
 
     rigid_fraction: float
     rigid_coefficient: float = 0.0
+    sectors_per_turn: float = 0.0
     wheels: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -63,4 +73,7 @@ class RigidSector(Effect):
         rigid = part.rigid
         if self.rigid_coefficient > 0.0:
             rigid = np.where(mask[:, None] > 0, self.rigid_coefficient, rigid)
-        return replace(part, rigid_fraction=fraction, rigid=rigid)
+        rollers = part.rollers
+        if self.sectors_per_turn > 0.0:
+            rollers = np.where(mask > 0, self.sectors_per_turn, rollers)
+        return replace(part, rigid_fraction=fraction, rigid=rigid, rollers=rollers)

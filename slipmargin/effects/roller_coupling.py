@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import ClassVar, final
 
+from slipmargin.effects.coupling import check_uncoupled
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
@@ -47,4 +48,5 @@ class RollerCoupling(Effect):
         """Grip with coupled directions; as it was at strength 0."""
         if self.strength == 0.0:
             return part
+        check_uncoupled(part, nominal, GripShape.DISC_STRIP, "roller_coupling", "elliptic_grip")
         return replace(part, shape=GripShape.DISC_STRIP, coupling=self.strength)

@@ -13,7 +13,6 @@ from slipmargin.model.parts import Grip
 from slipmargin.model.terms import Modulation
 from slipmargin.model.variables import Basis, Target, Variable
 
-
 #: Added to the speed of the floor under a wheel, so that a standing wheel keeps a finite steepness [m/s].
 CRAWL_M_S = 1e-3
 

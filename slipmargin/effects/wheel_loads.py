@@ -9,8 +9,8 @@ import numpy as np
 
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
-from slipmargin.model.loads import level, sharing_matrix
-from slipmargin.model.parts import Weight
+from slipmargin.model.loads import sharing_matrix, tagged
+from slipmargin.model.parts import Loads
 
 
 @final
@@ -24,7 +24,7 @@ class WheelLoads(Effect):
 
     name: ClassVar[str] = "wheel_loads"
     traced_to: ClassVar[Trace] = Trace.WHEEL_LOAD
-    part: ClassVar[Part] = Part.WEIGHT
+    part: ClassVar[Part] = Part.LOADS
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter(
             name="shift_x_m",
@@ -65,9 +65,13 @@ class WheelLoads(Effect):
     def __post_init__(self) -> None:
         self._check()
 
-    def rewrite(self, part: Weight, nominal: Model) -> Weight:
-        """Weight with the shifted resultant."""
+    def rewrite(self, part: Loads, nominal: Model) -> Loads:
+        """Loads with the shifted resultant."""
         share = sharing_matrix(nominal.contacts.position_m)
         moved = nominal.inertia.weight_N * share @ np.array([0.0, self.shift_x_m, self.shift_y_m])
-        loads = replace(part.loads, rest_N=part.loads.rest_N + moved, rule=part.loads.rule + ", shifted")
-        return level(replace(part, loads=loads), nominal.contacts.position_m, self.com_share)
+        return replace(
+            part,
+            rest_N=part.rest_N + moved,
+            rule=tagged(part.rule, "shifted"),
+            centred=max(part.centred, self.com_share),
+        )

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from slipmargin.checks import GRAVITY_M_S2, Array
-from slipmargin.model.parts import Loads, Weight
+from slipmargin.model.parts import Inertia, Loads
 from slipmargin.robot import LoadRule, Robot
 
 
@@ -26,13 +26,18 @@ def load_centre(position_m: Array, rest_N: Array) -> Array:
     return np.asarray(position_m.T @ rest_N / rest_N.sum(), dtype=np.float64)
 
 
-def level(weight: Weight, position_m: Array, share: float) -> Weight:
-    """The centre of mass moved by ``share`` of the way to where the loads' resultant acts.
+def centred(inertia: Inertia, loads: Loads, position_m: Array) -> Inertia:
+    """The inertia with its centre of mass moved as far towards the loads' resultant as they say."""
+    if loads.centred == 0.0:
+        return inertia
+    gap = load_centre(position_m, loads.rest_N) - inertia.com_m
+    return replace(inertia, com_m=inertia.com_m + loads.centred * gap)
 
-    On a level floor the two are one point; the published equal loads may contradict it.
-    """
-    com, centre = weight.inertia.com_m, load_centre(position_m, weight.loads.rest_N)
-    return replace(weight, inertia=replace(weight.inertia, com_m=com + share * (centre - com)))
+
+def tagged(rule: str, tag: str) -> str:
+    """The loads' rule with one more remark; the order in which remarks are made does not show."""
+    first, *others = rule.split(", ")
+    return ", ".join([first, *sorted({*others, tag})])
 
 
 def nominal_loads(robot: Robot) -> Loads:

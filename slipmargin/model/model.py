@@ -18,7 +18,6 @@ from slipmargin.model.parts import (
     Losses,
     Sensing,
     Transients,
-    Weight,
 )
 from slipmargin.robot import Robot
 
@@ -46,11 +45,6 @@ class Model:
     def count(self) -> int:
         """Number of wheels N."""
         return self.contacts.count
-
-    @property
-    def weight(self) -> Weight:
-        """Inertia and loads as one part."""
-        return Weight(inertia=self.inertia, loads=self.loads)
 
     def wrench_maps(self) -> tuple[Array, Array]:
         """B_W and B_T of eqs (14)–(15), each (3, N), about the centre of mass, body frame.

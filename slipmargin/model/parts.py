@@ -70,12 +70,15 @@ class Loads:
     """Wheel loads N_i = rest_i + per_acceleration_i · a, with a the body-frame acceleration.
 
     ``rest_N`` (N,), ``per_acceleration_kg`` (N, 2).  ``rule`` says in words where they come from
-    (for N > 3 wheels: equal suspension stiffness).
+    (for N > 3 wheels: equal suspension stiffness).  ``centred`` is the share of the way that the
+    centre of mass goes from where the file puts it to where these loads' resultant acts: on a level
+    floor the two are one point.
     """
 
     rest_N: Array
     per_acceleration_kg: Array
     rule: str
+    centred: float = 0.0
 
     def __post_init__(self) -> None:
         n = len(np.asarray(self.rest_N))
@@ -87,15 +90,6 @@ class Loads:
                 f"wheel {worst + 1} would carry {self.rest_N[worst]:.3g} N at rest",
                 "move the centre of mass inside the wheels' contact polygon",
             )
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Weight:
-    """Mass and who carries it, taken together: on a level floor the loads' centre is the mass's."""
-
-    inertia: Inertia
-    loads: Loads
 
 
 @final

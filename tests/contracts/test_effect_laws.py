@@ -165,21 +165,9 @@ def test_null_does_nothing_on_any_robot(kind: type[Effect], robot: Robot) -> Non
 # Law 2 ------------------------------------------------------------------------------------------------
 
 
-#: Pairs that do not obey the law yet, and what happens instead.
-KNOWN = {
-    ("roller_coupling", "elliptic_grip"): "a grip holds one coupled law: the second effect replaces the "
-    "first instead of refusing it by name",
-    ("wheel_loads", "load_transfer"): "each moves the centre of mass by its share of what the other left, so "
-    "where it ends depends on their order",
-}
-
-
 def pairs() -> list[Any]:
     found = [p for p in itertools.combinations(CATALOGUE, 2) if p[0].part is p[1].part]
-    assert set(KNOWN) <= {(a.name, b.name) for a, b in found}
-    return [pytest.param(a, b, id=f"{a.name}-{b.name}",
-                         marks=[pytest.mark.xfail(strict=True, reason=KNOWN[a.name, b.name])]
-                         if (a.name, b.name) in KNOWN else []) for a, b in found]
+    return [pytest.param(a, b, id=f"{a.name}-{b.name}") for a, b in found]
 
 
 @pytest.mark.parametrize(("one", "two"), pairs())
