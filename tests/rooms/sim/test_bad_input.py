@@ -49,10 +49,11 @@ def test_refused_at_the_door(make, says):
 def test_wrong_wheel_count_is_refused():
     with pytest.raises(InputError, match="the robot has 4"):
         simulate(nominal_model(four_wheels(), "paper"), held(T, W), T)
-    with pytest.raises(InputError, match="between 1e-13 and 0.1"):
+    with pytest.raises(InputError, match=r"between 1e-13 and 0\.1"):
         simulate(nominal_model(kiwi(), "paper"), held(T, W), T, rtol=1.0)
     model = nominal_model(kiwi(), "paper")
-    short = Modulation(variable=Variable.UNITY, basis=Basis.CONSTANT, coefficients=np.ones(1), shape=np.ones(2),
+    short = Modulation(variable=Variable.UNITY, basis=Basis.CONSTANT, coefficients=np.ones(1),
+                       shape=np.ones(2),
                        wheels=np.ones(2), target=Target.BOTH)  # fmt: skip
     with pytest.raises(InputError, match="one weight a wheel"):
         pack(replace(model, grip=replace(model.grip, modulations=(short,))))

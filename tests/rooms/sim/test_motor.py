@@ -127,7 +127,8 @@ def test_bad_motors_are_refused():
         pack(model, wheel_inertia_kg_m2=1e-4)
     with pytest.raises(InputError, match="positive inertia"):
         pack(model, wheel_inertia_kg_m2=-1.0)
-    tilt = Modulation(variable=Variable.HEADING, basis=Basis.CONSTANT, coefficients=np.ones(1), shape=np.ones(2),
+    tilt = Modulation(variable=Variable.HEADING, basis=Basis.CONSTANT, coefficients=np.ones(1),
+                      shape=np.ones(2),
                       wheels=np.ones(3))  # fmt: skip
     with pytest.raises(InputError, match="a drive cannot depend on HEADING"):
         pack(model_with(modulations=(tilt,)))

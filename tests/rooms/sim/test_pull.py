@@ -14,6 +14,7 @@ from strategies import four_wheels, kiwi
 
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.limits import sweep
+from slipmargin.limits.sensitivity import sensitivity
 from slipmargin.model import nominal_model
 from slipmargin.sim.pull import pull_test, standing
 
@@ -32,13 +33,19 @@ def test_breakaway_is_the_static_limit(surface, rigid):
 
 @pytest.mark.parametrize("surface", ["paper", "carpet"])
 @pytest.mark.parametrize("rigid", [False, True])
-def test_only_the_limiting_wheels_slide(surface, rigid):
-    """Off the headings at which two facets meet, the wheels that run away are those the limit names."""
-    model, phi = standing(nominal_model(kiwi(), surface), (rigid,) * 3), PHI + np.deg2rad(3.0)
-    sliding, limiting = pull_test(model, phi).sliding, sweep(model, phi).limiting()
+def test_only_the_limiting_contacts_slide(surface, rigid):
+    """The contacts (drive or transverse) that run away are those the limit names, 88 of 144.
+
+    Two may differ: where a heading lies near the corner of two facets, a contact of the second one
+    already creeps along.  No wheel slides that is not named.
+    """
+    model, phi = standing(nominal_model(kiwi(), surface), (rigid,) * 3), PHI + np.deg2rad(7.0)
+    sliding, limits = pull_test(model, phi).sliding, sensitivity(model, phi)
+    assert np.sum(sliding != limits.saturated) <= 2
+    assert limits.saturated.sum() == 88
     names = np.array(model.contacts.names)
-    assert [tuple(names[row.any(axis=1)]) for row in sliding] == [tuple(row) for row in limiting]
-    assert not all(len(row) == 3 for row in limiting) or rigid
+    for row, named in zip(sliding, limits.wheels(), strict=True):
+        assert set(names[row.any(axis=1)]) <= set(named)
 
 
 def test_four_mecanum_wheels_break_away_at_their_limit():
