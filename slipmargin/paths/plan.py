@@ -25,6 +25,8 @@ SETTLING = 3
 ROUNDS = 60
 #: The dense check aims this much below the limit, so that rounding cannot exceed it [1].
 AIM = 2e-7
+#: Each further round aims lower by this factor, down to a coarsest aim, so that rounds come to an end [1].
+HASTE, COARSEST = 1.25, 3e-3
 
 
 @final
@@ -110,16 +112,16 @@ def plan(model: Model, path: Path, request: Request | None = None, *, grid: Grid
     work = _Work(model, request, grid, coarse, fine)
     for _ in range(SETTLING):
         work.drive()
-    for _ in range(ROUNDS):
+    for k in range(ROUNDS):
         seen = work.check()
-        if not work.tighten(seen):
+        if not work.tighten(seen, min(AIM * HASTE**k, COARSEST)):
             return Plan(model=model, path=path, request=request, grid=grid, x=work.x, u=work.u,
                         highest=work.highest, limited_by=work.named(), rows=work.rows, audit=seen,
                         passes=work.passes)
         work.drive()
-    i, _, k = seen.worst
-    raise NoSolution(work.place(i), f"wheel {model.contacts.names[k]} still uses {seen.use.max():.4f} of its "
-                     f"grip after {ROUNDS} rounds of tightening", "use more grid points or a larger margin",
+    i, _, wheel = seen.worst
+    raise NoSolution(work.place(i), f"wheel {model.contacts.names[wheel]} still uses {seen.use.max():.4f} of "
+                     f"its grip after {ROUNDS} rounds of tightening", "use more grid points or a larger margin",
                      seen)
 
 
@@ -177,14 +179,14 @@ class _Work:
                      share=self.request.share, caps=self.request.caps,
                      theta=None if self.turned is None else self.turned[1])
 
-    def tighten(self, seen: Audit) -> bool:
-        """Lower the shares of intervals that use too much; False where none does."""
+    def tighten(self, seen: Audit, aim: float) -> bool:
+        """Lower the shares of intervals that use too much to ``aim`` below; False where none does."""
         found = False
         for kept, used, limit in ((self.grip, seen.use.max(axis=(1, 2)), self.request.share),
                                   (self.torque, seen.torque.max(axis=(1, 2)), 1.0),
                                   (self.speed, seen.speed.max(axis=1), 1.0)):
             over = used > limit * (1.0 + 2.0 * AIM)
-            kept[over] *= np.maximum((1.0 - AIM) * limit / used[over], 0.5)
+            kept[over] *= np.maximum((1.0 - aim) * limit / used[over], 0.5)
             found |= bool(np.any(over))
         return found
 
