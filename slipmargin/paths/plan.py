@@ -121,8 +121,8 @@ def plan(model: Model, path: Path, request: Request | None = None, *, grid: Grid
         work.drive()
     i, _, wheel = seen.worst
     raise NoSolution(work.place(i), f"wheel {model.contacts.names[wheel]} still uses {seen.use.max():.4f} of "
-                     f"its grip after {ROUNDS} rounds of tightening", "use more grid points or a larger margin",
-                     seen)
+                     f"its grip after {ROUNDS} rounds of tightening",
+                     "use more grid points or a larger margin", seen)
 
 
 class _Work:
