@@ -2,31 +2,23 @@
 
 from __future__ import annotations
 
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from matplotlib.figure import Figure
-
 from slipmargin.io.json_text import json_text
+from slipmargin.io.work_folder import make_folder
 from slipmargin.io.writes import write_together
-from slipmargin.limits import sweep
-from slipmargin.motions.run import Run
-from slipmargin.plots.motion import path_figure, run_figure, spread_figure
-from slipmargin.plots.sweep import sweep_figure
+from slipmargin.plots.reproduction import paper_figures
+from slipmargin.plots.style import picture
 from slipmargin.sim.calibration import Calibration, calibrate
 from slipmargin.sim.published import (
-    DISTANCE_M,
     FOUND,
     MEASURED_CARPET_PHI_RAD,
     Row,
     Spread,
     Unprinted,
-    paper_model,
     section_six,
     spread,
-    straight_line,
 )
 
 from .render import columns
@@ -34,7 +26,6 @@ from .render import columns
 RUNS = 1000
 _NOT_PRINTED = "not printed in the paper, found by a search over its results"
 _MEASURED = "measured by the paper's authors, quoted from section IV.C, not computed here"
-_LABEL = "initial model", "improved model"
 
 
 def run_reproduction(out: Path, seed: int, search: bool, advance: Any) -> tuple[dict[str, Any], list[str]]:
@@ -45,51 +36,15 @@ def run_reproduction(out: Path, seed: int, search: bool, advance: Any) -> tuple[
     rows = section_six(unprinted)
     spreads = [spread(s, runs=RUNS, seed=seed, unprinted=unprinted) for s in ("paper", "carpet")]
     advance()
-    figures = _figures(unprinted, spreads)
+    figures = paper_figures(unprinted, spreads)
     advance()
     report = _report(rows, spreads, unprinted, found, seed, sorted(figures))
-    files: dict[Path | str, str | bytes] = {out / name: _png(figure) for name, figure in figures.items()}
+    files: dict[Path | str, str | bytes] = {out / name: picture(f, "png") for name, f in figures.items()}
     files[out / "reproduce.json"] = json_text(report)
-    out.mkdir(parents=True, exist_ok=True)
+    make_folder(out)
     write_together(files)
     advance()
     return report, _lines(rows, spreads, unprinted, found, out)
-
-
-def _figures(unprinted: Unprinted, spreads: list[Spread]) -> dict[str, Figure]:
-    runs: dict[tuple[str, bool], Run] = {
-        (s, improved): straight_line(s, improved=improved, unprinted=unprinted)
-        for s in ("paper", "carpet")
-        for improved in (False, True)
-    }
-    still = paper_model("paper", improved=True, unprinted=unprinted)
-    phi = np.deg2rad(np.arange(0.0, 90.5, 1.0))
-    notes = (
-        "measured: headings “very small”; tracks not printed as numbers",
-        f"measured headings {', '.join(f'{v:g}' for v in MEASURED_CARPET_PHI_RAD)} rad; ends not printed",
-    )
-    made = {"fig8.png": sweep_figure(sweep(still, phi), sweep(still, np.linspace(0.0, 2.0 * np.pi, 361)))}
-    for improved, times, paths in ((False, "fig6", "fig7"), (True, "fig9", "fig10")):
-        kind = _LABEL[improved]
-        made[f"{times}.png"] = run_figure(runs["paper", improved], f"Fig. {times[3:]}: {kind}, paper")
-        made[f"{paths}.png"] = path_figure(
-            {s: runs[s, improved] for s in ("paper", "carpet")},
-            f"Fig. {paths[3:]}: {kind}",
-            (DISTANCE_M, 0.0),
-            notes,
-        )
-    made["spread.png"] = spread_figure(
-        {s.surface: s.end for s in spreads},
-        {"paper": (-0.111,), "carpet": (0.558, *MEASURED_CARPET_PHI_RAD)},
-        DISTANCE_M,
-    )
-    return made
-
-
-def _png(figure: Figure) -> bytes:
-    out = BytesIO()
-    figure.savefig(out, format="png", dpi=150, metadata={})
-    return out.getvalue()
 
 
 def _report(

@@ -2,43 +2,21 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated
-
-import typer
-
 from .options import JsonOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, put_json
 from .render import progress, say, warn
-
-Commands = Annotated[
-    Path, typer.Argument(metavar="COMMANDS.csv", help="Wheel speeds, or a planned trajectory.")
-]
-Angles = Annotated[
-    str | None, typer.Option("--theta0", metavar="A,B,…", help="Wheel angles at the start [rad].")
-]
-Step = Annotated[float, typer.Option("--step", metavar="S", help="Time between rows of the output [s].")]
-Until = Annotated[
-    float | None, typer.Option("--until", metavar="S", help="Hold the last row until this time [s].")
-]
-Force = Annotated[
-    str | None,
-    typer.Option(
-        "--push", metavar="FX,FY,MZ", help="Constant push on the centre of mass, floor axes [N, N, N m]."
-    ),
-]
-Rtol = Annotated[float, typer.Option("--rtol", metavar="R", help="Relative error allowed a step.")]
+from .simulate_options import AnglesOpt, CommandsArg, PushOpt, RtolOpt, StepOpt, UntilOpt
 
 
 def simulate(
     robot: RobotArg,
-    commands: Commands,
+    commands: CommandsArg,
     surface: SurfaceOpt,
     out: OutOpt = None,
-    theta0: Angles = None,
-    step: Step = 0.01,
-    until: Until = None,
-    push: Force = None,
-    rtol: Rtol = 1e-7,
+    theta0: AnglesOpt = None,
+    step: StepOpt = 0.01,
+    until: UntilOpt = None,
+    push: PushOpt = None,
+    rtol: RtolOpt = 1e-7,
     plot: PlotOpt = None,
     json: JsonOpt = None,
 ) -> None:

@@ -38,6 +38,7 @@ class Ranges:
 def spread(
     trace: Trace, label: str, part: Part, scale: Array, bound: Array, terms: Callable[[Array], Sequence[Term]]
 ) -> Candidate:
+    """A general form: a free coefficient for each number of ``scale``, doing nothing at zero."""
     size = len(scale)
     return Candidate(
         name=PREFIX + trace.value,

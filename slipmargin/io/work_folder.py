@@ -10,7 +10,7 @@ from slipmargin.errors import InputError
 
 
 def make_folder(folder: Path) -> None:
-    """Make the folder if it is not there.
+    """Make the folder, and those it stands in, if they are not there.
 
     Raises
     ------
@@ -18,7 +18,7 @@ def make_folder(folder: Path) -> None:
         Where it cannot be made.
     """
     try:
-        folder.mkdir(exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
     except OSError as fault:
         raise InputError("", f"cannot be made ({fault.strerror})", "give --out another name or folder",
                          str(folder)) from None

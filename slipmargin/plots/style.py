@@ -28,6 +28,7 @@ STYLE = {
     "figure.dpi": 150, "savefig.dpi": 150, "svg.hashsalt": "slipmargin", "svg.fonttype": "none",
 }
 FORMATS = ("png", "svg", "pdf")
+_NO_DATE: dict[str, dict[str, None]] = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -59,6 +60,13 @@ def check_format(path: Path | str) -> str:
 
 
 @styled
+def picture(figure: Figure, ending: str) -> bytes:
+    """The figure as a file would hold it, in one of :data:`FORMATS`; the same figure gives the same bytes."""
+    out = BytesIO()
+    figure.savefig(out, format=ending, metadata=_NO_DATE[ending])
+    return out.getvalue()
+
+
 def save(figure: Figure, path: Path | str) -> None:
     """Write a figure whole or not at all; the format is the name's ending.
 
@@ -67,7 +75,4 @@ def save(figure: Figure, path: Path | str) -> None:
     InputError
         Where the ending is unknown or the file cannot be written.
     """
-    ending, out = check_format(path), BytesIO()
-    date = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}[ending]
-    figure.savefig(out, format=ending, metadata=date)
-    write_bytes(path, out.getvalue())
+    write_bytes(path, picture(figure, check_format(path)))

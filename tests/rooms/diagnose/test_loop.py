@@ -57,7 +57,9 @@ def test_nothing_is_missing_where_nothing_is() -> None:
 
 
 def test_an_effect_nobody_named_is_traced_and_added() -> None:
-    sloshing = force(Trace.ACCELERATION, Variable.ACCELERATION_Y, 1, lambda a: -0.9 * a, -6.0, 6.0, Frame.BODY)
+    sloshing = force(
+        Trace.ACCELERATION, Variable.ACCELERATION_Y, 1, lambda a: -0.9 * a, -6.0, 6.0, Frame.BODY
+    )
     plant = Plant(name="sloshing load", traces=(Trace.ACCELERATION,), effects=(sloshing,))
     found = diagnose(planted(initial_model(), plant, seed=7, **SMALL), seed=1)
     assert found.findings[0].traced_to is Trace.ACCELERATION

@@ -48,7 +48,8 @@ KINDS = {"box": (box_support, box_slope), "ellipse": (ellipse_support, ellipse_s
 def test_support_is_the_outlines(kind: str, drive: float, across: float, at: float) -> None:
     n = np.array([np.cos(at), np.sin(at)])
     want = np.max(outline(kind, drive, across) @ n)
-    assert KINDS[kind][0](n[None], both(drive, across))[0] == pytest.approx(want, rel=2e-5)  # step²/8 · (30 to 1)²
+    # the outline's step²/8 · (30 to 1)²
+    assert KINDS[kind][0](n[None], both(drive, across))[0] == pytest.approx(want, rel=2e-5)
 
 
 @pytest.mark.parametrize("kind", KINDS)
