@@ -38,12 +38,12 @@ class TrailingLoad(Effect):
         ),
     )
     source: ClassVar[str] = (
-        "moment balance about the floor (theory, section 3) with the rolling-resistance lever of a soft floor "
+        "moment balance about the floor (theory, section 3) with the lever of rolling resistance "
         "(Johnson, Contact Mechanics, ch. 9); positive = leading wheels lighter"
     )
     confirm: ClassVar[str] = (
         "drive a path forwards and backwards: the lost share of the distance differs and swaps with the "
-        "direction; the drag that tows the robot over the floor, times the wheel radius, is the weight times e"
+        "direction; the force that tows the robot, times the wheel radius, is the weight times e"
     )
 
     lever_m: float
