@@ -33,29 +33,52 @@ def wheel_signal(trial: Trial, commanded: bool) -> WheelSignal:
     return linear(t, _bridged(t, record.omega))
 
 
-#: A sample is left out where the cubic through its neighbours meets it this closely [rad], [rad/s].
-_SAME_ANGLE, _SAME_SPEED = 2e-5, 4e-3
+#: A sample is left out where the cubic through its neighbours meets it this closely [rad], [rad/s] …
+_SAME = (2e-5, 4e-3)
+#: … or as closely as angles and speeds agree with themselves, but never less closely than this.
+_LOOSEST = (2e-3, 0.1)
 _LONGEST = 32
 
 
 def _thinned(t: Array, theta: Array, omega: Array) -> WheelSignal:
     """The cubic through as few samples as reproduce all the others: the integrator stops at each."""
+    same = _trust(t, theta, omega)
     keep = [0]
     last = len(t) - 1
     while keep[-1] < last:
         start, span = keep[-1], 1
-        while (
-            span < _LONGEST and start + 2 * span <= last and _same(t, theta, omega, start, start + 2 * span)
-        ):
+        while start + 2 * span <= last and span < _LONGEST:
+            inside = slice(start, start + 2 * span + 1)
+            angle, speed = _misses(t[inside], theta[inside], omega[inside])
+            if np.max(np.abs(angle)) >= same[0] or np.max(np.abs(speed)) >= same[1]:
+                break
             span *= 2
         keep.append(min(start + span, last))
     return hermite(t[keep], theta[keep], omega[keep])
 
 
-def _same(t: Array, theta: Array, omega: Array, a: int, b: int) -> bool:
-    h = t[b] - t[a]
-    u = ((t[a + 1 : b] - t[a]) / h)[:, None]
-    th0, th1, w0, w1 = theta[a], theta[b], omega[a] * h, omega[b] * h
+def _trust(t: Array, theta: Array, omega: Array) -> tuple[float, float]:
+    """How closely angles [rad] and speeds [rad/s] are to be met: to three times their own noise.
+
+    The noise is what a sample misses the cubic through its neighbours by, where that changes from one
+    sample to the next: in a smooth motion, however fast, it does not.
+    """
+    if len(t) < 5:
+        return _SAME
+    misses = [_misses(t[k : k + 3], theta[k : k + 3], omega[k : k + 3]) for k in range(len(t) - 2)]
+    found = []
+    for axis in range(2):
+        change = np.diff(np.concatenate([m[axis] for m in misses]), n=2, axis=0)
+        noise = 1.5 * float(np.median(np.max(np.abs(change), axis=1)))
+        found.append(min(max(_SAME[axis], 3.0 * noise), _LOOSEST[axis]))
+    return found[0], found[1]
+
+
+def _misses(t: Array, theta: Array, omega: Array) -> tuple[Array, Array]:
+    """What the cubic from the first to the last sample misses those between by: (T − 2, N) each."""
+    h = t[-1] - t[0]
+    u = ((t[1:-1] - t[0]) / h)[:, None]
+    th0, th1, w0, w1 = theta[0], theta[-1], omega[0] * h, omega[-1] * h
     angle = (
         (1 + 2 * u) * (1 - u) ** 2 * th0
         + u * (1 - u) ** 2 * w0
@@ -63,10 +86,7 @@ def _same(t: Array, theta: Array, omega: Array, a: int, b: int) -> bool:
         + u**2 * (u - 1) * w1
     )
     speed = (6 * u * (u - 1) * (th0 - th1) + (3 * u - 1) * (u - 1) * w0 + u * (3 * u - 2) * w1) / h
-    return bool(
-        np.max(np.abs(angle - theta[a + 1 : b])) < _SAME_ANGLE
-        and np.max(np.abs(speed - omega[a + 1 : b])) < _SAME_SPEED
-    )
+    return angle - theta[1:-1], speed - omega[1:-1]
 
 
 def _bridged(t: Array, values: Array) -> Array:
