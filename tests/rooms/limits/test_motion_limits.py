@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import assume, given, settings, strategies as st
 from scipy.optimize import linprog
 from strategies import four_wheels, kiwi, models, reals
 
@@ -88,9 +88,13 @@ def test_unknown_contact_is_the_worst_of_all_states(model: Model, velocity: np.n
     direction = np.array([np.cos(way), np.sin(way), 0.0])
     motion = Motion(velocity=velocity[None], saturated=True)
     answer = acceleration_limit(model, motion, direction[None], contact=Contact.UNKNOWN).value[0]
-    states = itertools.product((False, True), repeat=model.count)
-    expected = min(by_lp(model, velocity, direction, np.array(s)) for s in states)
-    if expected > 0.0:
+    states = [np.array(s) for s in itertools.product((False, True), repeat=model.count)]
+    expected = min(by_lp(model, velocity, direction, s) for s in states)
+    least = max(-by_lp(model, velocity, -direction, s) for s in states)
+    assume(abs(least - expected) > 1e-6)  # closer the programs' own tolerance decides
+    if least > expected:  # one state needs more acceleration than another allows: none is safe in all
+        assert answer <= 0.0
+    elif expected > 0.0:
         assert answer == pytest.approx(expected, rel=1e-7, abs=1e-9)
     else:
         assert answer <= 1e-9
