@@ -22,6 +22,8 @@ from slipmargin.effects import Trace
 AS_GOOD_FACTOR, AS_GOOD_OFFSET = 1.06, 0.02
 #: How many suspects go from the first, short fit to the full one.
 FINALISTS = 6
+#: From so many trials on, first short fits use every other one.
+MANY_TRIALS = 6
 #: A cross-validated chi this close to 1 leaves nothing for another form to explain.
 AT_NOISE = 1.06
 
@@ -119,7 +121,7 @@ def extend(
         Best cross-validated first.
     """
     trials = before.fit.trials
-    short = short_fits(problem, before, suspects, trials, progress)
+    short = short_fits(problem, before, suspects, some_of(trials), progress)
     states: list[State] = []
     for i, found in enumerate(short[:finalists]):
         progress(f"fitting {found.structure[-1].label}", i / finalists)
@@ -129,6 +131,11 @@ def extend(
         if states[-1].chi <= enough and i >= 2:
             break
     return sorted(states, key=lambda s: float(s.scores.sum()))
+
+
+def some_of(trials: Index) -> Index:
+    """Every other trial where there are many: enough to see who is promising."""
+    return trials[::2] if len(trials) >= MANY_TRIALS else trials
 
 
 def short_fits(

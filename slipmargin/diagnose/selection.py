@@ -11,7 +11,7 @@ import numpy as np
 from slipmargin.checks import Index
 from slipmargin.diagnose.candidate import Candidate
 from slipmargin.diagnose.evidence import luck
-from slipmargin.diagnose.fit import fit, tangents
+from slipmargin.diagnose.fit import evaluate, fit, tangents
 from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.search import (
     AT_NOISE,
@@ -23,6 +23,7 @@ from slipmargin.diagnose.search import (
     extend,
     promise,
     short_fits,
+    some_of,
     state_of,
 )
 from slipmargin.errors import InputError
@@ -41,10 +42,10 @@ NEAR_NOISE = 1.3
 _FLOOR = 0.97
 #: At most so many effects.
 MOST_EFFECTS = 4
-#: How many general forms are fitted, by the gain their tangent promises.
-_GENERAL = 12
+#: How many named effects and general forms are fitted, by the gain their tangent promises.
+_NAMED, _GENERAL = 14, 10
 #: How many single effects are tried as the first of two, and how many pairs get a full fit.
-_FIRSTS, _PAIRS = 6, 4
+_FIRSTS, _SECONDS, _PAIRS = 6, 4, 4
 
 
 def search(
@@ -89,14 +90,15 @@ def take_step(
             taken=False,
         )
     order = np.argsort(hopes)[::-1]
-    named = [s for s in fresh if s.named]
+    named = [fresh[i] for i in order if fresh[i].named][:_NAMED]
     general = [fresh[i] for i in order if not fresh[i].named][:_GENERAL]
     tried = extend(problem, before, named, progress, enough=AT_NOISE)
     if not tried or tried[0].chi > AT_NOISE:
         singles = list(tried)
         tried = sorted([*tried, *extend(problem, before, general, progress, enough=AT_NOISE)], key=_total)
         if tried[0].chi > NEAR_NOISE and pairs:
-            tried = sorted([*tried, *_pairs(problem, singles, named, progress)], key=_total)
+            plain = [s for s in fresh if s.named and " " not in s.label]
+            tried = sorted([*tried, *_pairs(problem, singles, plain, progress)], key=_total)
     best = choose(tried)
     p_value = luck(before.fit.cost - best.fit.cost, slopes, best.fit.residual, step_s, seed)
     return Round(
@@ -119,21 +121,24 @@ def _possible(problem: Problem, before: State, suspect: Candidate) -> bool:
     return True
 
 
-def _pairs(problem: Problem, singles: list[State], named: list[Candidate], progress: Progress) -> list[State]:
+def _pairs(problem: Problem, singles: list[State], plain: list[Candidate], progress: Progress) -> list[State]:
     """Two named effects at once: where two are missing, neither alone need look good.
 
-    Each of the best singles is tried with every named effect on half the trials; the best pairs are
-    then fitted on all of them.
+    Each of the best singles is joined, on some of the trials, by the named effects whose tangents
+    promise most beside it; the best pairs are then fitted on all trials.
     """
     if not singles:
         return []
-    plain = [c for c in named if " " not in c.label]
     trials = singles[0].fit.trials
-    half = trials[::2]
+    some = some_of(trials)
     short = []
     for first in singles[:_FIRSTS]:
-        others = [c for c in plain if c.name != first.last.name]
-        short += short_fits(problem, first, others, half, _staged(progress, f"{first.last.label} and"))[:3]
+        stage = _staged(progress, f"{first.last.label} and")
+        alone = evaluate(problem, first.structure, first.fit.x, some)
+        others = [c for c in plain if c.name != first.last.name and _possible(problem, first, c)]
+        slopes = tangents(problem, alone, others)
+        order = np.argsort([promise(alone.residual, slope) for slope in slopes])[::-1]
+        short += short_fits(problem, first, [others[i] for i in order[:_SECONDS]], some, stage)
     short.sort(key=lambda f: f.cost)
     states = []
     for found in short[:_PAIRS]:
