@@ -92,12 +92,14 @@ def clean(record: Record, sigma: Array) -> Trial:
 
 
 def _start(record: Record, pose: Array, sigma: Array) -> Array:
-    """Mean pose while the robot has not yet moved by one standard deviation, at least one sample."""
+    """Mean pose over the first half of the time in which it stands: no sample 4 σ from the mean so far."""
     first = np.array([col[np.isfinite(col)][0] if np.isfinite(col).any() else 0.0 for col in pose.T])
-    smooth = np.cumsum(np.nan_to_num(pose - first), axis=0) / np.arange(1, len(pose) + 1)[:, None]
-    moved = np.any(np.abs(smooth) > sigma, axis=1)
+    seen = np.isfinite(pose)
+    mean = first + np.cumsum(np.where(seen, pose - first, 0.0), axis=0) / np.maximum(
+        1, np.cumsum(seen, axis=0)
+    )
+    moved = np.any(np.abs(pose - mean) > 4.0 * sigma, axis=1)
     still = int(np.argmax(moved)) if moved.any() else len(pose)
     head = pose[: max(1, still // 2)]
-    return np.array(
-        [np.nanmean(c) if np.isfinite(c).any() else f for c, f in zip(head.T, first, strict=True)]
-    )
+    middle = [np.nanmean(c) if np.isfinite(c).any() else f for c, f in zip(head.T, first, strict=True)]
+    return np.array(middle)

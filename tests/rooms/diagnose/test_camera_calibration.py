@@ -21,8 +21,9 @@ CONTACTS = read_recipe("robotino").build("table").contacts
 SCALE, ROTATION, DELAY, TILT, MIDDLE = 0.9, 0.03, 0.04, np.array([-0.03, 0.02]), np.array([1.5, -1.0])
 
 
-def made_up(runs: int = 24, tilt: np.ndarray = TILT, noise: float = 3e-4,
-            seed: int = 1) -> tuple[Record, ...]:
+def made_up(
+    runs: int = 24, tilt: np.ndarray = TILT, noise: float = 3e-4, seed: int = 1
+) -> tuple[Record, ...]:
     """Runs without slip, seen by a camera with known faults."""
     random = np.random.default_rng(seed)
     out = []
@@ -93,9 +94,13 @@ def test_the_file_comes_back(tmp_path: Path) -> None:
     path.write_text(calibration_text(found))
     back = read_calibration(path)
     assert calibration_text(back) == calibration_text(found)
-    for wrong, told in ((("schema = 1", "schema = 2"), "schema"), (("scale = 0", "scale = 9"), "scale"),
-                        (("runs", "rums"), "rums"), (("rotation_rad = ", "rotation_rad = 3"), "rotation_rad"),
-                        (("delay_s = ", "delay_s = 1"), "delay_s")):
+    for wrong, told in (
+        (("schema = 1", "schema = 2"), "schema"),
+        (("scale = 0", "scale = 9"), "scale"),
+        (("runs", "rums"), "rums"),
+        (("rotation_rad = ", "rotation_rad = 3"), "rotation_rad"),
+        (("delay_s = ", "delay_s = 1"), "delay_s"),
+    ):
         path.write_text(calibration_text(found).replace(*wrong, 1))
         with pytest.raises(InputError, match=told) as refusal:
             read_calibration(path)
@@ -103,8 +108,10 @@ def test_the_file_comes_back(tmp_path: Path) -> None:
 
 
 def test_refuses_what_tells_nothing() -> None:
-    still = tuple(Record(name="s", t_s=r.t_s, pose=r.pose, theta=0.0 * r.theta)  # type: ignore[operator]
-                  for r in made_up(2))
+    still = tuple(
+        Record(name="s", t_s=r.t_s, pose=r.pose, theta=0.0 * r.theta)  # type: ignore[operator]
+        for r in made_up(2)
+    )
     with pytest.raises(InputError, match="no run starts from rest"):
         estimate_delay(still, CONTACTS)
     blind = (Record(name="s", t_s=still[0].t_s, pose=still[0].pose),)
@@ -112,8 +119,10 @@ def test_refuses_what_tells_nothing() -> None:
         calibrate(blind, CONTACTS)
     with pytest.raises(InputError, match="has no measured wheel angles"):
         calibrate((*made_up(2), *blind), CONTACTS)
-    short = tuple(Record(name="s", t_s=r.t_s[:60], pose=r.pose[:60], theta=r.theta[:60])  # type: ignore[index]
-                  for r in made_up(3))
+    short = tuple(
+        Record(name="s", t_s=r.t_s[:60], pose=r.pose[:60], theta=r.theta[:60])  # type: ignore[index]
+        for r in made_up(3)
+    )
     with pytest.raises(InputError, match="give two or more runs"):
         calibrate(short, CONTACTS)
 

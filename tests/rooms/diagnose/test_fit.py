@@ -1,0 +1,130 @@
+"""Fitting and cross-validation on a problem whose answer is known in closed form."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from slipmargin.checks import Array, Index
+from slipmargin.diagnose.candidate import Candidate
+from slipmargin.diagnose.evidence import intervals, luck
+from slipmargin.diagnose.fit import cross_validate, evaluate, fit, leave_one_out, tangents
+from slipmargin.diagnose.search import promise
+from slipmargin.effects import AnyEffect, Trace
+from slipmargin.effects.camera_rotation import CameraRotation
+from slipmargin.effects.camera_scale import CameraScale
+
+TRIALS, SAMPLES = 6, 30
+
+
+class Line:
+    """Residual y − (a u + b v²) per trial: the scale effect carries a, b; a rotation carries c sin u."""
+
+    def __init__(self, truth: tuple[float, float], noise: float, seed: int) -> None:
+        random = np.random.default_rng(seed)
+        self.u = random.uniform(-1.0, 1.0, (TRIALS, SAMPLES))
+        self.v = random.uniform(-1.0, 1.0, (TRIALS, SAMPLES))
+        self.y = truth[0] * self.u + truth[1] * self.v + noise * random.standard_normal(self.u.shape)
+
+    def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
+        out = []
+        for made, rows in zip(effects, trials, strict=True):
+            model = np.zeros((len(rows), SAMPLES))
+            for effect in made:
+                if isinstance(effect, CameraScale):
+                    model += (effect.scale_x - 1.0) * self.u[rows] + (effect.scale_y - 1.0) * self.v[rows]
+                elif isinstance(effect, CameraRotation):
+                    model += effect.rotation_rad * np.sin(3.0 * self.u[rows])
+            out.append(self.y[rows] - model)
+        return out
+
+
+def candidate(kind: type[CameraScale] | type[CameraRotation]) -> Candidate:
+    from slipmargin.diagnose.candidate import named_candidate
+
+    return named_candidate(kind)
+
+
+EVERY = np.arange(TRIALS)
+
+
+@settings(deadline=None, max_examples=25)
+@given(a=st.floats(-0.3, 0.3), b=st.floats(-0.3, 0.3))
+def test_a_linear_fit_is_least_squares(a: float, b: float) -> None:
+    problem = Line((a, b), 0.01, 3)
+    found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+    design = np.stack([problem.u.ravel(), problem.v.ravel()], axis=1)
+    wanted = np.linalg.lstsq(design, problem.y.ravel(), rcond=None)[0]
+    np.testing.assert_allclose(found.x - 1.0, wanted, atol=1e-6)
+
+
+def test_bounds_hold_and_are_said() -> None:
+    problem = Line((3.0, 0.1), 0.0, 1)  # scale_x ends at 2
+    found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+    assert found.x[0] == 2.0
+    assert found.at_bound() == ["camera_scale.scale_x"]
+
+
+def test_cross_validation_leaves_the_trial_out() -> None:
+    problem = Line((0.2, -0.1), 0.05, 5)
+    found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+    for i, x in enumerate(leave_one_out(found)):
+        rest = np.delete(EVERY, i)
+        alone = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), rest)
+        np.testing.assert_allclose(x, alone.x, atol=1e-5)
+    scores = cross_validate(problem, found)
+    assert scores.shape == (TRIALS,)
+    assert scores.sum() > found.cost  # unseen trials are predicted worse than seen ones
+
+
+def test_a_tangent_promises_what_a_linear_fit_gains() -> None:
+    problem = Line((0.2, -0.1), 0.05, 7)
+    base = evaluate(problem, (), np.zeros(0), EVERY)
+    (slope,) = tangents(problem, base, [candidate(CameraScale)])
+    found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+    assert promise(base.residual, slope) == pytest.approx(base.cost - found.cost, rel=1e-6)
+
+
+def test_a_tangent_beside_a_fit_is_what_the_fit_cannot_take_up() -> None:
+    problem = Line((0.2, -0.1), 0.05, 7)
+    found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+    (slope,) = tangents(problem, found, [candidate(CameraRotation)])
+    own = found.jacobian.reshape(-1, 2)
+    assert np.abs(own.T @ slope.reshape(-1)).max() < 1e-9
+
+
+def test_luck_is_rare_for_a_real_gain_and_common_for_none() -> None:
+    random = np.random.default_rng(0)
+    noise = random.standard_normal((TRIALS, 3 * 200))
+    slopes = [random.standard_normal((TRIALS, 3 * 200, 2)) for _ in range(10)]
+    assert luck(2000.0, slopes, noise, 0.01, 1) == pytest.approx(0.001)
+    best = max(promise(noise, s) for s in slopes)
+    assert luck(best, slopes, noise, 0.01, 1) > 0.05
+    assert luck(0.0, slopes, noise, 0.01, 1) == 1.0
+    assert luck(5.0, slopes, noise, 0.01, 1) == luck(5.0, slopes, noise, 0.01, 1)
+
+
+def test_luck_knows_how_many_were_tried() -> None:
+    random = np.random.default_rng(0)
+    noise = random.standard_normal((TRIALS, 3 * 200))
+    slopes = [random.standard_normal((TRIALS, 3 * 200, 1)) for _ in range(30)]
+    few, many = luck(6.0, slopes[:1], noise, 0.01, 1), luck(6.0, slopes, noise, 0.01, 1)
+    assert few < 0.05 < 0.2 < many
+
+
+def test_intervals_cover_the_truth_about_as_often_as_they_say() -> None:
+    inside = 0
+    for seed in range(60):
+        problem = Line((0.2, -0.1), 0.05, 100 + seed)
+        found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+        spread = intervals(found, leave_one_out(found), found.structure[0].scale)
+        inside += int(np.all((spread.low <= [1.2, 0.9]) & (spread.high >= [1.2, 0.9])))
+    assert inside >= 50  # two parameters at 95 % each, conservative with six trials
+
+
+def test_a_suspect_stands_for_a_variable() -> None:
+    assert candidate(CameraScale).trace is Trace.MEASUREMENT
+    assert candidate(CameraScale).size == 2
