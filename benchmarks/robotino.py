@@ -40,6 +40,9 @@ from slipmargin.effects.wheel_loads import WheelLoads
 from slipmargin.io.importers.plug import import_files
 from slipmargin.io.importers.robotino import RobotinoImporter
 from slipmargin.io.robot_file import read_recipe
+from slipmargin.limits.bounds import directions
+from slipmargin.limits.pull import Pull
+from slipmargin.limits.sweep import limit
 from slipmargin.motions.odometry import body_path
 from slipmargin.motions.record import Record
 from slipmargin.sim.batch import Batch, Outcome
@@ -290,6 +293,26 @@ def currents(groups: list[Runs], recipe: Recipe) -> dict[str, float]:
     return told
 
 
+def limits(recipe: Recipe, steepness: float | None = None) -> dict[str, float]:
+    """Slip limits of the robot in units of μ m g and μ g, μ its drive coefficient, over all directions."""
+    model = recipe.build("gray")
+    heading = np.deg2rad(np.arange(0.0, 360.0, 5.0))
+    grip = float(model.grip.roller[0, 0])
+    pull = limit(model, heading, Pull()) / model.inertia.weight_N / grip
+    start = directions(model, heading).starting_m_s2 / 9.81 / grip
+    told = {
+        "weakest pull [μ m g]": float(pull.min()),
+        "strongest pull [μ m g]": float(pull.max()),
+        "least acceleration from rest [μ g]": float(start.min()),
+        "greatest acceleration from rest [μ g]": float(start.max()),
+    }
+    if steepness is not None:  # eq. (11) in the slip ratio, solved for the ratio
+        for use in (0.1, 0.3, 0.5):
+            name = f"way a drive wheel loses at {100 * use:.0f} % of its grip [1]"
+            told[name] = float(np.tan(np.pi * use / 2.0) / steepness)
+    return told
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Campaign:
     """Calibration from ``table``, the recipe it gives, runs on ``gray``, indices of the fitted half."""
@@ -403,6 +426,10 @@ def study(folder: Path, quick: bool = False) -> dict[str, object]:
             }
             for k, v in numbers.items()
         },
+        "limits": {
+            "before": limits(campaign.recipe),
+            "after": limits(recipe, float(x[best.keys.index("kappa")])),
+        },
         "currents": currents([campaign.slow, campaign.fast], recipe),
         "seconds": time.perf_counter() - began,
     }
@@ -437,6 +464,10 @@ def told(result: dict[str, object]) -> list[str]:
     lines += [
         f"{k:62s}{v['value']:8.3f}  ({v['low']:.3f} … {v['high']:.3f})" for k, v in physical_rows.items()
     ]
+    limit_rows = result["limits"]
+    assert isinstance(limit_rows, dict)
+    for when, table in limit_rows.items():
+        lines += [f"{'limits ' + when + ': ' + k:62s}{v:8.3f}" for k, v in table.items()]
     current_rows = result["currents"]
     assert isinstance(current_rows, dict)
     lines += [f"{'current, not fitted: ' + k:62s}{v:8.3f}" for k, v in current_rows.items()]

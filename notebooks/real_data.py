@@ -31,14 +31,12 @@ from robotino import (  # noqa: E402
     fitted,
     forms,
     intervals,
+    limits,
     paper_rows,
     physical,
     with_effects,
 )
 
-from slipmargin.limits.bounds import directions  # noqa: E402
-from slipmargin.limits.pull import Pull  # noqa: E402
-from slipmargin.limits.sweep import limit  # noqa: E402
 from slipmargin.motions.odometry import wheel_path  # noqa: E402
 
 # %% [markdown]
@@ -128,21 +126,10 @@ for name, value in witness.items():
 # the steepness found, using the share λ of the grip costs tan(π λ / 2) / κ of the way.
 
 # %%
-heading = np.deg2rad(np.arange(0.0, 360.0, 5.0))
-found = {}
-for label, own in (("before", campaign.recipe), ("after", recipe)):
-    model = own.build("gray")
-    grip = float(model.grip.roller[0, 0])
-    pull = limit(model, heading, Pull()) / model.inertia.weight_N / grip
-    start = directions(model, heading).starting_m_s2 / 9.81 / grip
-    found[label] = pull
-    print(f"{label:7s} greatest pull {pull.min():.3f} … {pull.max():.3f} μ m g, weakest towards "
-          f"{np.rad2deg(heading[pull.argmin()]):.0f} deg; acceleration from rest {start.min():.3f} … "
-          f"{start.max():.3f} μ g")
-kappa = x[form.keys.index("kappa")]
-for use in (0.1, 0.2, 0.3, 0.5):
-    lost = np.tan(np.pi * use / 2) / kappa
-    print(f"at {100 * use:.0f} % of the grip, a drive wheel loses {100 * lost:.0f} % of its way")
+kappa = float(x[form.keys.index("kappa")])
+for label, told in (("before", limits(campaign.recipe)), ("after", limits(recipe, kappa))):
+    for name, value in told.items():
+        print(f"{label:8s}{name:50s}{value:8.3f}")
 
 # %% [markdown]
 # ## What remains
