@@ -38,6 +38,15 @@ def engine(data_set: DataSet, seed: int, progress: Callable[[str, float], None])
     return diagnose(data_set, seed=seed, progress=progress)
 
 
+def check_sense(data_set: DataSet, source: str) -> None:
+    """Refuse data whose fault is not the robot's: wrong units, swapped wheels, a mirrored frame."""
+    from slipmargin.errors import InputError
+    from slipmargin.io.data_checks import check_data_set
+
+    for fault in check_data_set(data_set):
+        raise InputError(fault.place, fault.problem, f"likely cause: {fault.cause}", source)
+
+
 def run_diagnose(dataset: Path, out: Path, seed: int, json: str | None) -> Found:
     """Read, diagnose, draw: everything that can fail, before any file is written."""
     from slipmargin.diagnose.limits_change import limits_change
@@ -52,6 +61,7 @@ def run_diagnose(dataset: Path, out: Path, seed: int, json: str | None) -> Found
     check_writable(json)
     with stages() as progress:
         data_set = read_data_set(dataset)
+        check_sense(data_set, str(dataset))
         diagnosis = engine(data_set, seed, progress)
         progress("limits before and after", 0.2)
         change = limits_change(diagnosis.recipe, diagnosis.corrected, diagnosis.surface)

@@ -9,6 +9,7 @@ import sys
 import time
 import tomllib
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from slipmargin_cli import diagnose_run, stages
 from slipmargin_cli.main import status
 from strategies import kiwi
 
+from slipmargin.checks import Array
 from slipmargin.diagnose.diagnosis import Diagnosis, Verdict
 from slipmargin.effects import Recipe
 from slipmargin.errors import InputError
@@ -201,3 +203,46 @@ def test_interrupted_process_leaves_nothing(data: Path, tmp_path: Path) -> None:
         assert process.wait(10) == 130
         assert process.stderr is not None and "Traceback" not in process.stderr.read()
     assert {p.name for p in tmp_path.iterdir()} == {"set"}
+
+
+def _faulty(tmp_path: Path, change: Callable[[Array], Array]) -> Path:
+    """A small planted data set whose trials' columns (t, x, y, φ, ω1…3, θ1…3) went through ``change``."""
+    from planting import planted
+
+    from slipmargin.io.data_set_write import write_data_set
+    from slipmargin.io.robot_file import read_recipe
+    from slipmargin.motions.record import Record
+
+    data = planted(read_recipe("ohio-kiwi"), None, seed=9, count=3, duration_s=2.0, rate_hz=50.0)
+    trials = []
+    for trial in data.trials:
+        assert trial.omega is not None and trial.theta is not None
+        table = change(np.column_stack([trial.t_s, trial.pose, trial.omega, trial.theta]))
+        trials.append(Record(name=trial.name, t_s=table[:, 0], pose=table[:, 1:4], omega=table[:, 4:7],
+                             theta=table[:, 7:10]))
+    write_data_set(tmp_path / "faulty", replace(data, trials=tuple(trials)), {}, "")
+    return tmp_path / "faulty"
+
+
+FAULTS: dict[str, tuple[Callable[[Array], Array], str]] = {
+    "milliseconds": (lambda a: a * np.r_[1000.0, np.ones(9)], "milliseconds"),
+    "millimetres": (lambda a: a * np.r_[1.0, 1000.0, 1000.0, np.ones(7)], "millimetres"),
+    "degrees": (lambda a: a * np.r_[1.0, 1.0, 1.0, 180.0 / np.pi, np.ones(6)], "degrees"),
+    "swapped wheels": (lambda a: a[:, [0, 1, 2, 3, 6, 5, 4, 9, 8, 7]], "wheel"),
+    "mirrored frame": (lambda a: a * np.r_[1.0, 1.0, -1.0, -1.0, np.ones(6)], "mirror"),
+    "a clock that jumps": (lambda a: a + np.where(np.arange(len(a)) > 50, 30.0, 0.0)[:, None] * np.eye(10)[0],
+                           "clock"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_data_that_are_wrong_are_named_and_nothing_is_written(
+    fault: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    change, word = FAULTS[fault]
+    folder = _faulty(tmp_path, change)
+    code = status(["diagnose", str(folder), "--out", str(tmp_path / "out")])
+    said = capsys.readouterr().err.strip()
+    assert code == 2
+    assert said.startswith("error: ") and "\n" not in said and word in said
+    assert not (tmp_path / "out").exists()
