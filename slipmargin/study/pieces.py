@@ -170,8 +170,9 @@ def _backend(scheduler: str | None) -> Iterator[None]:
     from distributed import Client
     from joblib import parallel_config
 
+    connect: Any = Client  # untyped where it is installed, unknown where it is not
     try:
-        client = Client(scheduler, timeout="5s", set_as_default=False)  # type: ignore[no-untyped-call]
+        client = connect(scheduler, timeout="5s", set_as_default=False)
     except (OSError, ValueError) as fault:
         raise InputError("scheduler", f"{scheduler!r} cannot be reached ({str(fault)[:80] or 'no answer'})",
                          "start a Dask scheduler and give its tcp://HOST:PORT") from None
