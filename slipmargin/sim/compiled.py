@@ -48,11 +48,6 @@ def inner(function: F) -> F:
     return _compiled(function, no_cpython_wrapper=True)
 
 
-def merged(function: F) -> F:
-    """A function that becomes part of its one caller: nothing is compiled twice."""
-    return _compiled(function, no_cpython_wrapper=True, inline="always")
-
-
 def fast_unlocked(function: F) -> F:
     """An entry point that runs in several threads at once."""
     return _compiled(function, nogil=True)
