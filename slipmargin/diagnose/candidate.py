@@ -67,6 +67,11 @@ class Candidate:
         return len(self.keys)
 
 
+#: Parameters that mean nothing while their effect's first one is at null.  They stand where a fit
+#: would start, so that a step of the first one shows what the effect can do.
+_IDLE = ("rigid_coefficient", "stribeck_speed_m_s", "steepness")
+
+
 def named_candidate(
     effect: type[Effect],
     free: tuple[str, ...] | None = None,
@@ -92,7 +97,7 @@ def named_candidate(
         named=True,
         keys=tuple(p.name for p in rows),
         units=tuple(p.unit for p in rows),
-        null=np.array([p.null for p in rows]),
+        null=np.array([p.starts[0] if p.name in _IDLE and p.starts else p.null for p in rows]),
         scale=np.array([p.scale for p in rows]),
         low=np.array([p.low for p in rows]),
         high=np.array([p.high for p in rows]),

@@ -128,3 +128,13 @@ def test_intervals_cover_the_truth_about_as_often_as_they_say() -> None:
 def test_a_suspect_stands_for_a_variable() -> None:
     assert candidate(CameraScale).trace is Trace.MEASUREMENT
     assert candidate(CameraScale).size == 2
+
+
+def test_an_idle_parameter_stands_where_a_fit_would_start() -> None:
+    # With rigid material believed to be as slippery as the rollers, a step of the fraction alone says
+    # nothing unless the coefficient already stands where it would matter.
+    from slipmargin.diagnose.candidate import named_candidates
+
+    found = {c.label: c for c in named_candidates(("1", "2", "3"), False, ())}
+    assert found["rigid_sector with its coefficient"].null.tolist() == [0.0, 0.5]
+    assert found["stribeck"].null.tolist() == [1.0, 0.03]
