@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from slipmargin.checks import Array, frozen
 from slipmargin.errors import InputError
 from slipmargin.sim import layout as at
-from slipmargin.sim.motion import TOLD, run_range
+from slipmargin.sim.motion import TOLD, run
 from slipmargin.sim.signal import WheelSignal
+from slipmargin.sim.wheels import breakpoints, follow
 
 RTOL = 1e-6
 MAX_STEPS = 2_000_000
@@ -125,20 +126,11 @@ class Batch:
                 )
         first = [float(s.knots_s[0]) for s in signals]
         times = [_times(t, s) - t0 for t, s, t0 in zip(times_s, signals, first, strict=True)]
-        self._knots = np.concatenate([s.knots_s - t0 for s, t0 in zip(signals, first, strict=True)])
-        self._knot_at = _offsets([len(s.knots_s) for s in signals])
-        self._piece_at = _offsets([len(s.pieces) for s in signals])
-        coef = np.concatenate([s.pieces for s in signals])
-        self._coef = np.concatenate([coef, np.zeros((*coef.shape[:2], 1))], axis=2)
-        self._spin = np.stack([s.spin_rad_s for s in signals])
-        self._times = np.concatenate(times)
-        self._time_at = _offsets([len(t) for t in times])
-        self._push_at = _offsets([0 if p is None else len(p.t_s) for p in pushes])
-        known = [(p, t0) for p, t0 in zip(pushes, first, strict=True) if p is not None]
-        self._push_t = np.concatenate([p.t_s - t0 for p, t0 in known] or [np.empty(0)])
-        self._push_w = np.concatenate([p.wrench for p, _ in known] or [np.empty((0, 3))])
+        self._given = [
+            _given(s, t, p, t0) for s, t, p, t0 in zip(signals, times, pushes, first, strict=True)
+        ]
         self.longest = max(len(t) for t in times)
-        self.lengths = np.diff(self._time_at)
+        self.lengths = np.array([len(t) for t in times])
         self._all = np.arange(self.count)
 
     def run(
@@ -193,35 +185,28 @@ class Batch:
         n, longest = self.wheels, self.longest
         Y, info = np.empty((runs, longest, 6)), np.empty((runs, 5))
         told = np.zeros((runs, longest, n, TOLD)) if tell else np.zeros((1, longest, n, TOLD))
-        args = (
-            models,
-            which,
-            signal,
-            self._knot_at,
-            self._knots,
-            self._piece_at,
-            self._coef,
-            self._spin,
-            self.commanded,
-            self._push_at,
-            self._push_t,
-            self._push_w,
-            self._time_at,
-            self._times,
-            start,
-            rtol,
-            0.01 * rtol if atol is None else atol,
-            max_steps,
-            Y,
-            tell,
-            told,
-            info,
-        )
-        _spread(run_range, runs, args)
-        if self.commanded and models[:, at.MOTOR].any():
-            from slipmargin.sim.motor import run_motor_range  # compiled only where it is needed
+        rows = [np.array(row) for row in models]  # writable like all others: one compilation serves them
+        motor = models[:, at.MOTOR] > 0.0 if self.commanded else np.zeros(len(models), dtype=bool)
+        if motor.any():
+            from slipmargin.sim.motor import run_motor  # compiled only where it is needed
+        absolute = 0.01 * rtol if atol is None else atol
 
-            _spread(run_motor_range, runs, args)
+        def work(r: int) -> None:
+            row, (knots, coef, spin, pt, pw, times) = rows[which[r]], self._given[signal[r]]
+            count, seen = self.lengths[signal[r]], told[r if tell else 0]
+            rules: tuple[Any, ...] = (times, start[r], rtol, absolute, max_steps)
+            rules += (Y[r, :count], tell, seen[:count], info[r])
+            if motor[which[r]]:
+                run_motor(row, knots, coef, spin, pt, pw, *rules)
+            else:
+                if self.commanded and row[at.LAGGED] > 0.0:
+                    knots, coef = follow(row, knots, coef, spin)
+                run(row, knots, coef, *breakpoints(row, knots, coef, pt), pt, pw, *rules)
+            Y[r, count:] = Y[r, count - 1]
+            if tell:
+                seen[count:] = seen[count - 1]
+
+        _spread(work, runs)
         pose = Y[..., :3].copy()
         c, s = np.cos(Y[..., 2]), np.sin(Y[..., 2])
         if com.any():
@@ -238,16 +223,28 @@ class Batch:
         )
 
 
-def _spread(work: Callable[..., None], runs: int, args: tuple[object, ...]) -> None:
+def _given(signal: WheelSignal, times: Array, push: Push | None, first: float) -> tuple[Any, ...]:
+    """What a compiled run needs of a signal, times from its first knot on; arrays writable and contiguous."""
+    coef = np.concatenate([signal.pieces, np.zeros((*signal.pieces.shape[:2], 1))], axis=2)
+    pushed = (np.empty(0), np.empty((0, 3))) if push is None else (push.t_s - first, np.array(push.wrench))
+    return (signal.knots_s - first, coef, np.array(signal.spin_rad_s), *pushed, times)
+
+
+def _spread(work: Callable[[int], None], runs: int) -> None:
     """All runs over the threads; the compiled code holds no lock."""
     if runs == 1 or _THREADS == 1:
-        work(0, runs, *args)
+        _several(work, 0, runs)
         return
     parts = min(runs, 4 * _THREADS)
     cuts = [runs * k // parts for k in range(parts + 1)]
-    jobs = [_POOL.submit(work, low, high, *args) for low, high in itertools.pairwise(cuts)]
+    jobs = [_POOL.submit(_several, work, low, high) for low, high in itertools.pairwise(cuts)]
     for job in jobs:
         job.result()
+
+
+def _several(work: Callable[[int], None], low: int, high: int) -> None:
+    for r in range(low, high):
+        work(r)
 
 
 def _to_centre(start: Array, com: Array) -> None:
@@ -258,10 +255,6 @@ def _to_centre(start: Array, com: Array) -> None:
     start[:, 1] += s * com[:, 0] + c * com[:, 1]
     start[:, 3] = c * vx + s * vy - w * com[:, 1]
     start[:, 4] = -s * vx + c * vy + w * com[:, 0]
-
-
-def _offsets(lengths: Sequence[int]) -> NDArray[np.int64]:
-    return np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
 
 
 def _times(t: Array, signal: WheelSignal) -> Array:

@@ -25,10 +25,10 @@ from slipmargin.sim.body import (
 )
 from slipmargin.sim.compiled import fast_unlocked, inner
 from slipmargin.sim.rodas import DENSE, GAMMA, MIX, STAGE, TIME, WHEN, derivative, factor, jacobian, solve
-from slipmargin.sim.wheels import breakpoints, follow, turn
+from slipmargin.sim.wheels import turn
 
 _H, _W, _COUNT, _LAG, _PITCH, _SWITCH = at.HEAD, at.WHEEL, at.COUNT, at.LAG, at.PITCH, at.SWITCH
-_BY_TIME, _LAGGED, _FOLLOWS = at.BY_TIME, at.LAGGED, at.LOAD_FOLLOWS
+_BY_TIME, _FOLLOWS = at.BY_TIME, at.LOAD_FOLLOWS
 _CW, _CT = at.VISCOUS_W, at.VISCOUS_T
 
 #: How a run ended.
@@ -79,13 +79,13 @@ def _lightest(C: Any) -> float:
     return float(low)
 
 
-@inner
+@fast_unlocked
 def run(
     P: Any,
     knots: Any,
     coef: Any,
-    spin: Any,
-    commanded: bool,
+    stops: Any,
+    hard: Any,
     pt: Any,
     pw: Any,
     times: Any,
@@ -100,15 +100,13 @@ def run(
 ) -> None:
     """Integrate one run and write the state at ``times``.
 
-    P packed model; knots (K+1), coef (K, N, 5) wheel pieces, ``spin`` (N) their speed before;
+    P packed model; knots (K+1), coef (K, N, 5) pieces of what the wheels do, ``stops`` and ``hard``
+    their breakpoints (:func:`slipmargin.sim.wheels.breakpoints`);
     pt (Q), pw (Q, 3) force on the centre of mass in the floor frame (Q = 0: none); y0 (6) state;
     Y (T, 6) receives states and, where ``tell``, told (T, N, 6) the wheels;
     info (5): status, stop time, steps, rejected, breakpoints.
     """
     n = int(P[_COUNT])
-    if commanded and P[_LAGGED] > 0:
-        knots, coef = follow(P, knots, coef, spin)
-    stops, hard = breakpoints(P, knots, coef, pt)
     C, B, acc = np.zeros((n, CONTACT)), np.zeros(BODY), np.zeros(3)
     J, jt, Jp, M, E = np.empty((3, 3)), np.empty(3), np.zeros((3, 3)), np.empty((3, 3)), np.empty(4)
     y, z, dy, rhs, trial, away = np.empty(6), np.empty(6), np.empty(6), np.empty(6), np.empty(6), np.empty(3)
@@ -235,64 +233,3 @@ def run(
                     for r in range(1, TOLD):
                         told[k, i, r] = 0.0
     info[0], info[1], info[2], info[3], info[4] = status, t, steps, rejected, len(stops)
-
-
-@fast_unlocked
-def run_range(
-    low: int,
-    high: int,
-    models: Any,
-    which: Any,
-    signal: Any,
-    knot_at: Any,
-    knots: Any,
-    piece_at: Any,
-    coef: Any,
-    spin: Any,
-    commanded: bool,
-    push_at: Any,
-    pt: Any,
-    pw: Any,
-    time_at: Any,
-    times: Any,
-    start: Any,
-    rtol: float,
-    atol: float,
-    max_steps: int,
-    Y: Any,
-    tell: bool,
-    told: Any,
-    info: Any,
-) -> None:
-    """Runs ``low … high − 1``: run r moves model ``which[r]`` by signal ``signal[r]``."""
-    for r in range(low, high):
-        s = signal[r]
-        if commanded and models[which[r], at.MOTOR] > 0:
-            continue  # slipmargin.sim.motor runs these
-        count = time_at[s + 1] - time_at[s]
-        row = r if tell else 0
-        run(
-            models[which[r]],
-            knots[knot_at[s] : knot_at[s + 1]],
-            coef[piece_at[s] : piece_at[s + 1]],
-            spin[s],
-            commanded,
-            pt[push_at[s] : push_at[s + 1]],
-            pw[push_at[s] : push_at[s + 1]],
-            times[time_at[s] : time_at[s + 1]],
-            start[r],
-            rtol,
-            atol,
-            max_steps,
-            Y[r, :count],
-            tell,
-            told[row, :count],
-            info[r],
-        )
-        for k in range(count, Y.shape[1]):
-            for j in range(6):
-                Y[r, k, j] = Y[r, count - 1, j]
-            if tell:
-                for i in range(told.shape[2]):
-                    for j in range(TOLD):
-                        told[r, k, i, j] = told[r, count - 1, i, j]

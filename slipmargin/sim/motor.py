@@ -195,7 +195,7 @@ def _step(
     return math.sqrt(error / m)
 
 
-@inner
+@fast_unlocked
 def run_motor(
     P: Any,
     knots: Any,
@@ -213,7 +213,7 @@ def run_motor(
     told: Any,
     info: Any,
 ) -> None:
-    """As :func:`slipmargin.sim.motion.run`, with the wheels as states."""
+    """As :func:`slipmargin.sim.motion.run`, with the wheels as states; the signal is always a command."""
     n = int(P[_COUNT])
     m = 6 + 2 * n
     Q = P.copy()  # the command without lag and without sectors, both of which are states here
@@ -320,63 +320,3 @@ def run_motor(
                     for r in range(1, told.shape[2]):
                         told[k, i, r] = 0.0
     info[0], info[1], info[2], info[3], info[4] = status, t, steps, rejected, len(stops)
-
-
-@fast_unlocked
-def run_motor_range(
-    low: int,
-    high: int,
-    models: Any,
-    which: Any,
-    signal: Any,
-    knot_at: Any,
-    knots: Any,
-    piece_at: Any,
-    coef: Any,
-    spin: Any,
-    commanded: bool,
-    push_at: Any,
-    pt: Any,
-    pw: Any,
-    time_at: Any,
-    times: Any,
-    start: Any,
-    rtol: float,
-    atol: float,
-    max_steps: int,
-    Y: Any,
-    tell: bool,
-    told: Any,
-    info: Any,
-) -> None:
-    """Those of runs ``low … high − 1`` whose model has a motor."""
-    for r in range(low, high):
-        if models[which[r], at.MOTOR] == 0.0:
-            continue
-        s = signal[r]
-        count = time_at[s + 1] - time_at[s]
-        row = r if tell else 0
-        run_motor(
-            models[which[r]],
-            knots[knot_at[s] : knot_at[s + 1]],
-            coef[piece_at[s] : piece_at[s + 1]],
-            spin[s],
-            pt[push_at[s] : push_at[s + 1]],
-            pw[push_at[s] : push_at[s + 1]],
-            times[time_at[s] : time_at[s + 1]],
-            start[r],
-            rtol,
-            atol,
-            max_steps,
-            Y[r, :count],
-            tell,
-            told[row, :count],
-            info[r],
-        )
-        for k in range(count, Y.shape[1]):
-            for j in range(6):
-                Y[r, k, j] = Y[r, count - 1, j]
-            if tell:
-                for i in range(told.shape[2]):
-                    for j in range(told.shape[3]):
-                        told[r, k, i, j] = told[r, count - 1, i, j]

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from slipmargin.sim import layout as at
-from slipmargin.sim.compiled import fast, inner
+from slipmargin.sim.compiled import fast, fast_unlocked, inner
 from slipmargin.sim.terms import HATS, WINDOW, series
 
 _H, _W, _TERM, _COUNT = at.HEAD, at.WHEEL, at.TERM, at.COUNT
@@ -51,7 +51,7 @@ def _command_factor(P: Any, i: int, t: float, speed: float) -> float:
     return factor
 
 
-@inner
+@fast_unlocked
 def follow(P: Any, knots: Any, coef: Any, start: Any) -> tuple[Any, Any]:
     """Pieces of the wheels' real motion for commanded pieces: modulations, gain, delay, lag in turn.
 
@@ -229,20 +229,22 @@ def _switches(P: Any, knots: Any, coef: Any, out: Any, count: int) -> int:
 
 
 @inner
-def _term_edges(P: Any, q: int, many: int, weights: int, rows: int, out: Any, count: int) -> int:
-    for _ in range(many):
-        basis, size = int(P[q + 1]), int(P[q + 3])
-        if P[q] == _TIME and basis in (WINDOW, HATS):
-            pieces = 1 if basis == WINDOW else max(size - 1, 1)
-            for j in range(pieces + 1):
-                if len(out) > 0:
-                    out[count] = P[q + 4] + (P[q + 5] - P[q + 4]) * j / pieces
-                count += 1
-        q += _TERM + weights + rows * size
+def _term_edges(P: Any, out: Any, count: int) -> int:
+    for force in range(2):
+        q = int(P[_FORCES_AT] if force else P[_MODS_AT])
+        for _ in range(int(P[_FORCES] if force else P[_MODS])):
+            basis, size = int(P[q + 1]), int(P[q + 3])
+            if P[q] == _TIME and basis in (WINDOW, HATS):
+                pieces = 1 if basis == WINDOW else max(size - 1, 1)
+                for j in range(pieces + 1):
+                    if len(out) > 0:
+                        out[count] = P[q + 4] + (P[q + 5] - P[q + 4]) * j / pieces
+                    count += 1
+            q += _TERM + (3 * size if force else int(P[_COUNT]) + size)
     return count
 
 
-@fast
+@fast_unlocked
 def breakpoints(P: Any, knots: Any, coef: Any, extra: Any) -> tuple[Any, Any]:
     """Every instant at which the right-hand side may jump or kink, ascending, from first to last knot.
 
@@ -251,9 +253,7 @@ def breakpoints(P: Any, knots: Any, coef: Any, extra: Any) -> tuple[Any, Any]:
     """
     n = int(P[_COUNT])
     none = np.empty(0)
-    size = _switches(P, knots, coef, none, 0)
-    size = _term_edges(P, int(P[_MODS_AT]), int(P[_MODS]), n, 1, none, size)
-    size = _term_edges(P, int(P[_FORCES_AT]), int(P[_FORCES]), 0, 3, none, size)
+    size = _term_edges(P, none, _switches(P, knots, coef, none, len(extra)))
     soft = np.ones(len(knots), dtype=np.bool_)
     soft[0] = False
     for k in range(1, len(knots) - 1):
@@ -262,18 +262,14 @@ def breakpoints(P: Any, knots: Any, coef: Any, extra: Any) -> tuple[Any, Any]:
             before, after = turn(coef[k - 1, i], P[_H + i * _W + _LAG], h)[1], coef[k, i, 1] + coef[k, i, 4]
             if abs(after - before) > 1e-9 * (1.0 + abs(after)):
                 soft[k] = False
-    if size == 0 and len(extra) == 0:
+    if size == 0:
         for k in range(len(knots)):
             soft[k] = not soft[k]
         return knots, soft
-    others = np.empty(size + len(extra) + 1)
-    k = _switches(P, knots, coef, others, 0)
-    k = _term_edges(P, int(P[_MODS_AT]), int(P[_MODS]), n, 1, others, k)
-    k = _term_edges(P, int(P[_FORCES_AT]), int(P[_FORCES]), 0, 3, others, k)
-    for x in extra:
-        others[k] = x
-        k += 1
-    size = k
+    others = np.empty(size + 1)
+    for k in range(len(extra)):
+        others[k] = extra[k]
+    size = _term_edges(P, others, _switches(P, knots, coef, others, len(extra)))
     _sort(others, size)
     out, hard = np.empty(len(knots) + size), np.ones(len(knots) + size, dtype=np.bool_)
     m, j = 0, 0
