@@ -112,6 +112,9 @@ def summary(found: Found) -> list[str]:
     if change.moved:
         lines.append(f"limits   weakest pull {words.arrow(b.f_max_min_N, a.f_max_min_N, 'N')}, mean "
                      f"{words.arrow(b.f_max_mean_N, a.f_max_mean_N, 'N')}")
+        high = words.arrow(float(b.f_high_N.max()), float(a.f_high_N.max()), "N")
+        start = words.arrow(float(b.start_worst_m_s2.min()), float(a.start_worst_m_s2.min()), "m/s²")
+        lines.append(f"         whatever the wheels stand on: strongest pull {high}, least start {start}")
     else:
         lines.append(f"limits   unchanged: weakest pull {b.f_max_min_N:.3g} N, mean {b.f_max_mean_N:.3g} N")
     lines += [f"note     {remark}" for remark in d.remarks]

@@ -41,7 +41,7 @@ class Intervals:
     excitation: Array
 
 
-def intervals(found: Fit, leave_one_out: Array, scale: Array) -> Intervals:
+def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) -> Intervals:
     """Intervals from whole trials, which may be correlated inside.
 
     The larger of the jackknife over trials, √((R−1)/R Σ (x₋ᵢ − x̄)²), and the inverse normal matrix
@@ -55,6 +55,8 @@ def intervals(found: Fit, leave_one_out: Array, scale: Array) -> Intervals:
         Parameters fitted without each trial.
     scale : array (P,)
         Units of the parameters.
+    log_shift : array (P,)
+        How far they move when the wheels' motion between samples is rebuilt another way.
     """
     count, size = leave_one_out.shape
     flat = found.jacobian.reshape(-1, size) * scale
@@ -64,7 +66,7 @@ def intervals(found: Fit, leave_one_out: Array, scale: Array) -> Intervals:
     formal = np.sqrt(np.maximum(np.diag(covariance), 0.0)) * scale
     spread = leave_one_out - leave_one_out.mean(axis=0)
     jackknife = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0)) if count > 1 else formal
-    deviation = np.maximum(formal, jackknife)
+    deviation = np.hypot(np.maximum(formal, jackknife), log_shift)
     quantile = 1.96 if count > 31 else _T95[max(0, count - 2)]
     return Intervals(
         low=found.x - quantile * deviation,

@@ -10,10 +10,11 @@ from slipmargin.checks import Array
 from slipmargin.diagnose.candidate import Candidate
 from slipmargin.diagnose.diagnosis import Estimate, Finding
 from slipmargin.diagnose.evidence import intervals
-from slipmargin.diagnose.fit import Fit, build, leave_one_out
+from slipmargin.diagnose.fit import Fit, build, leave_one_out, shifted_by
 from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.search import Round, State
 from slipmargin.diagnose.selection import without
+from slipmargin.diagnose.signals import Way
 from slipmargin.effects import Effect
 from slipmargin.effects.rigid_sector import RigidSector
 from slipmargin.effects.wheel_loads import WheelLoads
@@ -45,7 +46,7 @@ def findings(
         return ()
     scale = np.concatenate([c.scale for c in final.structure])
     others = leave_one_out(final)
-    spread = intervals(final, others, scale)
+    spread = intervals(final, others, scale, shifted_by(problem.rebuilt(Way.OTHER), final))
     stuck = final.at_bound()
     found = []
     at = 0

@@ -221,6 +221,15 @@ def leave_one_out(found: Fit) -> Array:
     return np.array(rows)
 
 
+def shifted_by(other: Residuals, found: Fit) -> Array:
+    """How far (P,) the parameters move, by one Gauss–Newton step, if ``other`` is the right problem."""
+    _, _, scale = _limits(found.structure)
+    residual = other.residuals([found.effects], [found.trials])[0]
+    flat = found.jacobian.reshape(-1, len(found.x)) * scale
+    step = np.linalg.lstsq(flat, -(residual - found.residual).ravel(), rcond=1e-10)[0]
+    return np.asarray(step * scale)
+
+
 def cross_validate(problem: Residuals, found: Fit) -> Array:
     """Sum of squares (R,) of each trial, simulated with parameters that have not seen it."""
     count = len(found.trials)

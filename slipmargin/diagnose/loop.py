@@ -19,6 +19,7 @@ from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.ranges import ranges, variables_of
 from slipmargin.diagnose.search import Progress, Round, State
 from slipmargin.diagnose.selection import search
+from slipmargin.diagnose.signals import Way
 from slipmargin.diagnose.where import Dependence, dependences, residual_rate
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.io.data_set import DataSet, WheelSignal
@@ -67,6 +68,7 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
     progress("looking where the residual sits", 0.0)
     state, rounds = search(problem, seen, suspects, seed, progress)
     progress("fitting all trials", 0.0)
+    problem = problem.rebuilt(Way.FULL)
     final = fit(problem, state.structure, state.fit.x, everyone)
     found = findings(problem, state, rounds, final, len(suspects))
     judged = held if len(held) else everyone

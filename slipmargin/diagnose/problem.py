@@ -7,7 +7,7 @@ is projected off the change that a small shift and turn of the start makes to th
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from slipmargin.checks import Array, Index
 from slipmargin.diagnose.prepare import Trial
 from slipmargin.diagnose.sense import is_ideal, measure
-from slipmargin.diagnose.signals import rolling_twist, wheel_signal
+from slipmargin.diagnose.signals import Way, rolling_twist, wheel_signal
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.effects.recipe import with_effects
 from slipmargin.errors import InputError
@@ -28,8 +28,9 @@ from slipmargin.sim.pack import pack, stack
 _WILD = 1e4
 #: Integration tolerance: its error stays below a hundredth of any camera's noise.
 _RTOL = 1e-4
+_FINE_RTOL = 1e-6
 #: Steps after which a run has gone wild (an ordinary one takes a few hundred a second of motion).
-_MOST_STEPS = 12_000
+_MOST_STEPS = 40_000
 
 
 @final
@@ -50,6 +51,8 @@ class Problem:
     seen: NDArray[np.bool_]
     starts: Array
     twists: Array
+    commanded: bool
+    rtol: float = _RTOL
 
     @staticmethod
     def of(recipe: Recipe, surface: str, trials: tuple[Trial, ...], sigma: Array, commanded: bool) -> Problem:
@@ -65,12 +68,13 @@ class Problem:
         return Problem(
             recipe=recipe,
             surface=surface,
-            nominal=nominal_model(recipe.robot, surface),
+            nominal=nominal,
             trials=trials,
             sigma=sigma,
             batch=batch,
             measured=np.where(seen, measured, 0.0),
             seen=seen,
+            commanded=commanded,
             starts=np.array([t.start for t in trials]),
             twists=np.array([rolling_twist(nominal, t, s) for t, s in zip(trials, signals, strict=True)]),
         )
@@ -100,7 +104,7 @@ class Problem:
             start_twist=self.twists[runs],
             which=which,
             signal=runs,
-            rtol=_RTOL,
+            rtol=self.rtol,
             max_steps=_MOST_STEPS,
         ).pose
         for k, model in enumerate(models):
@@ -126,6 +130,12 @@ class Problem:
             return self.model(effects)
         except InputError:
             return None
+
+    def rebuilt(self, way: Way) -> Problem:
+        """The same problem with the wheels' motion rebuilt another way, and integrated finely."""
+        signals = tuple(wheel_signal(t, self.commanded, way) for t in self.trials)
+        batch = Batch(signals, [t.t_s for t in self.trials], commanded=self.commanded)
+        return replace(self, batch=batch, rtol=_FINE_RTOL)
 
     def samples(self, trials: Index) -> float:
         """Number of measured values in these trials."""

@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+from enum import Enum
+
 import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.diagnose.prepare import Trial
 from slipmargin.errors import InputError
 from slipmargin.model import Model
-from slipmargin.sim.signal import WheelSignal, angles, hermite, linear
+from slipmargin.sim.signal import WheelSignal, angles, held, hermite, linear
 
 
-def wheel_signal(trial: Trial, commanded: bool) -> WheelSignal:
+class Way(Enum):
+    """How the motion between samples is rebuilt; where two ways differ, the log does not say."""
+
+    THIN = "through as few samples as reproduce the rest: for searching"
+    FULL = "through every sample: for the final numbers"
+    OTHER = "as somebody else might: angles alone, or speeds held from row to row"
+
+
+def wheel_signal(trial: Trial, commanded: bool, way: Way = Way.THIN) -> WheelSignal:
     """Wheel angles over time: cubic between samples where angle and speed are known.
 
     Missing samples are bridged by their neighbours.  Without logged angles the rotor angles start at
@@ -22,15 +32,20 @@ def wheel_signal(trial: Trial, commanded: bool) -> WheelSignal:
     if commanded:
         if record.omega_cmd is None:
             raise InputError(trial.name, "has no commanded wheel speeds", "add omega{i}_cmd_rad_s")
-        return linear(t, _bridged(t, record.omega_cmd))
+        return _by_speed(t, _bridged(t, record.omega_cmd), way)
     if record.theta is not None and np.isfinite(record.theta).any(axis=0).all():
         theta = _bridged(t, record.theta)
-        if record.omega is not None and np.isfinite(record.omega).any(axis=0).all():
-            return _thinned(t, theta, _bridged(t, record.omega))
+        if way is not Way.OTHER and record.omega is not None and np.isfinite(record.omega).any(axis=0).all():
+            omega = _bridged(t, record.omega)
+            return _thinned(t, theta, omega) if way is Way.THIN else hermite(t, theta, omega)
         return angles(t, theta)
     if record.omega is None:
         raise InputError(trial.name, "has no measured wheel speeds", "add omega{i}_rad_s or theta{i}_rad")
-    return linear(t, _bridged(t, record.omega))
+    return _by_speed(t, _bridged(t, record.omega), way)
+
+
+def _by_speed(t: Array, omega: Array, way: Way) -> WheelSignal:
+    return held(t, omega) if way is Way.OTHER else linear(t, omega)
 
 
 #: A sample is left out where the cubic through its neighbours meets it this closely [rad], [rad/s] …

@@ -120,7 +120,7 @@ def test_intervals_cover_the_truth_about_as_often_as_they_say() -> None:
     for seed in range(60):
         problem = Line((0.2, -0.1), 0.05, 100 + seed)
         found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
-        spread = intervals(found, leave_one_out(found), found.structure[0].scale)
+        spread = intervals(found, leave_one_out(found), found.structure[0].scale, np.zeros(2))
         inside += int(np.all((spread.low <= [1.2, 0.9]) & (spread.high >= [1.2, 0.9])))
     assert inside >= 50  # two parameters at 95 % each, conservative with six trials
 
