@@ -116,7 +116,8 @@ def run(
     pushed = len(pt) > 0
     pose = P[at.BY_HEADING] > 0 or P[at.BY_POSITION] > 0 or pushed
     by_time = P[_BY_TIME] > 0 or P[at.BY_VELOCITY] > 0 or P[at.LOAD_ITERATES] > 0 or pushed
-    status, steps, rejected, out, piece, pk, total = DONE, 0, 0, 0, 0, 0, len(times)
+    status, steps, rejected, piece, pk, total = DONE, 0, 0, 0, 0, len(times)
+    out = total - len(Y)  # 0, as a number that is not a constant: _tell is then compiled once
     last = len(knots) - 2
     h, restart, t = 1e-4, 1e-4, stops[0]
     for seg in range(len(stops) - 1):
