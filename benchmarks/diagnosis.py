@@ -5,7 +5,7 @@
     python benchmarks/diagnosis.py nulls COUNT            nothing planted: false alarms
     python benchmarks/diagnosis.py catalogue COUNT        drawn effects of drawn size: confusion table
 
-Every line is printed as it is known; ``--json FILE`` keeps them.
+Without a word: eight null sets.  Every line is printed as it is known; ``--json FILE`` keeps them.
 """
 
 from __future__ import annotations
@@ -194,7 +194,7 @@ def main(words: list[str]) -> None:
         at = words.index("--json")
         target = Path(words[at + 1])
         words = words[:at] + words[at + 2 :]
-    mode, rest = words[0], words[1:]
+    mode, *rest = words or ["nulls", "8"]
     if mode == "sets":
         rows = sets(rest)
     elif mode == "plants":
