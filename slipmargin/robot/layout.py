@@ -54,8 +54,11 @@ def _rear(robot: Robot) -> Wheel:
         mirrored = float(np.hypot(one[0] + two[0], one[1] - two[1])) <= _OFF * float(np.hypot(*one))
         if abs(rear.position_m[0]) <= _OFF * size and rear.position_m[1] < 0.0 and mirrored:
             return rear
-    raise InputError("delta_deg", f"means nothing for robot {robot.name!r}",
-                     "give a robot with a rear wheel on −Y and two front wheels mirrored about Y")
+    raise InputError(
+        "delta_deg",
+        f"means nothing for robot {robot.name!r}",
+        "give a robot with a rear wheel on −Y and two front wheels mirrored about Y",
+    )
 
 
 def _turned(wheel: Wheel, delta: float) -> Wheel:
@@ -64,5 +67,8 @@ def _turned(wheel: Wheel, delta: float) -> Wheel:
     new = math.atan2(math.sin(delta), side * math.cos(delta))
     size = float(np.hypot(*wheel.position_m))
     drive = wheel.drive_direction_deg + math.degrees(new - old)
-    return replace(wheel, position_m=size * np.array([math.cos(new), math.sin(new)]),
-                   drive_direction_deg=math.remainder(drive, 360.0))
+    return replace(
+        wheel,
+        position_m=size * np.array([math.cos(new), math.sin(new)]),
+        drive_direction_deg=math.remainder(drive, 360.0),
+    )

@@ -48,17 +48,23 @@ class Body:
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        put(self, "mass_kg", real("mass_kg", self.mass_kg, above=0.0, cure=_POSITIVE + " [kg]"))
+        put(self, "mass_kg", real("mass_kg", self.mass_kg, low=1e-3, high=1e6, cure="give 0.001 to 1e6 kg"))
         put(
             self,
             "inertia_kg_m2",
-            real("inertia_kg_m2", self.inertia_kg_m2, above=0.0, cure=_POSITIVE + " [kg m²]"),
+            real("inertia_kg_m2", self.inertia_kg_m2, low=1e-9, high=1e9, cure="give 1e-9 to 1e9 kg m²"),
         )
-        put(self, "com_m", frozen("com_m", self.com_m, (2,)))
+        put(self, "com_m", _place("com_m", self.com_m))
         put(
             self,
             "com_height_m",
-            real("com_height_m", self.com_height_m, low=0.0, cure="give a height above the floor ≥ 0 [m]"),
+            real(
+                "com_height_m",
+                self.com_height_m,
+                low=0.0,
+                high=1e3,
+                cure="give a height above the floor, 0 to 1000 m",
+            ),
         )
 
 
@@ -83,13 +89,19 @@ class Wheel:
         put = object.__setattr__
         if not isinstance(self.name, str) or not self.name.strip():
             raise InputError("name", f"is {self.name!r}", "give the wheel a name")
-        put(self, "position_m", frozen("position_m", self.position_m, (2,)))
+        put(self, "position_m", _place("position_m", self.position_m))
         put(
             self,
             "drive_direction_deg",
-            real("drive_direction_deg", self.drive_direction_deg, cure="give an angle in degrees"),
+            real(
+                "drive_direction_deg",
+                self.drive_direction_deg,
+                low=-3600.0,
+                high=3600.0,
+                cure="give an angle in degrees, within ±3600",
+            ),
         )
-        put(self, "radius_m", real("radius_m", self.radius_m, above=0.0, cure="a radius is positive [m]"))
+        put(self, "radius_m", _radius(self.radius_m))
         put(
             self,
             "roller_angle_deg",
@@ -101,8 +113,12 @@ class Wheel:
                 cure="give 0 (omni) or ±45 (mecanum), within ±80",
             ),
         )
-        if isinstance(self.rollers, bool) or not isinstance(self.rollers, int) or self.rollers < 1:
-            raise InputError("rollers", f"is {self.rollers!r}", "give a whole number of rollers ≥ 1")
+        if (
+            isinstance(self.rollers, bool)
+            or not isinstance(self.rollers, int)
+            or not 1 <= self.rollers <= 1000
+        ):
+            raise InputError("rollers", f"is {self.rollers!r}", "give a whole number of rollers, 1 to 1000")
         put(
             self,
             "rigid_fraction",
@@ -129,13 +145,15 @@ class Motor:
         put(
             self,
             "max_speed_rad_s",
-            real("max_speed_rad_s", self.max_speed_rad_s, above=0.0, cure=_POSITIVE + " [rad/s]"),
+            real("max_speed_rad_s", self.max_speed_rad_s, above=0.0, high=1e6, cure=_POSITIVE + " [rad/s]"),
         )
         if self.stall_torque_N_m is not None:
             put(
                 self,
                 "stall_torque_N_m",
-                real("stall_torque_N_m", self.stall_torque_N_m, above=0.0, cure=_POSITIVE + " [N m]"),
+                real(
+                    "stall_torque_N_m", self.stall_torque_N_m, above=0.0, high=1e6, cure=_POSITIVE + " [N m]"
+                ),
             )
 
 
@@ -276,6 +294,18 @@ class Robot:
         raise InputError(
             "surface", f"{name!r} is not described for robot {self.name!r}", f"use one of: {known}"
         )
+
+
+def _place(name: str, value: Array) -> Array:
+    """A point (2,) of the body within a kilometre."""
+    point = frozen(name, value, (2,))
+    if float(np.max(np.abs(point))) > 1e3:
+        raise InputError(name, f"is {point.tolist()}", "give a place within 1000 m [m]")
+    return point
+
+
+def _radius(value: float) -> float:
+    return real("radius_m", value, low=1e-4, high=1e3, cure="a radius is positive, 0.0001 to 1000 m")
 
 
 def _unique(place: str, names: list[str]) -> None:
