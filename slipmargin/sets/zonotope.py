@@ -115,10 +115,8 @@ class Zonotope:
         """
         merged = _merge_parallel(self.generators)
         size = np.array([1.0, 1.0, length_scale(merged)])
-        unit = merged / size[:, None]
-        unit = unit / np.sqrt(np.sum(unit**2, axis=0))
-        normal = self.normals * size
-        normal = normal / np.sqrt(np.sum(normal**2, axis=1))[:, None]
+        unit = _unit(merged / size[:, None])
+        normal = _unit((self.normals * size).T).T
         across = normal @ unit
         inside = np.abs(across) < IN_PLANE
         facet, edge = np.nonzero(inside)
@@ -150,12 +148,17 @@ def exit_from(normals: Array, offsets: Array, origin: Array, rays: Array) -> Arr
     return np.asarray(np.min(limit, axis=-1))
 
 
+def _unit(columns: Array) -> Array:
+    # Of length one, whatever their size: squares of forces of 1e±300 N are no numbers.
+    even = columns / np.max(np.abs(columns), axis=0)
+    return np.asarray(even / np.sqrt(np.sum(even**2, axis=0)))
+
+
 def _merge_parallel(generators: Array) -> Array:
     # One generator a direction: parallel ones add, with the sign that makes them point the same way.
     there = generators[:, np.any(generators != 0.0, axis=0)]
     scaled = there / np.array([[1.0], [1.0], [length_scale(there)]])
-    unit = scaled / np.max(np.abs(scaled), axis=0)
-    unit = unit / np.sqrt(np.sum(unit**2, axis=0))
+    unit = _unit(scaled)
     sine = np.linalg.norm(cross_products(unit.T[:, None], unit.T[None]), axis=-1)
     columns, left = [], np.ones(there.shape[1], dtype=bool)
     if np.count_nonzero(sine <= PARALLEL) == len(sine):  # only the diagonal

@@ -178,3 +178,19 @@ def test_ray_along_a_face_never_meets_its_plane() -> None:
     normal, offset = Zonotope(generators=np.eye(3)).half_spaces()
     out = exit_from(normal, offset, np.array([0.0, 0.0, 1.0]), np.array([[1.0, 0.0, 0.0]]))
     np.testing.assert_allclose(out, [1.0])
+
+
+@pytest.mark.parametrize("size", [1e-200, 1e-12, 1.0, 1e200])
+def test_vertices_of_any_size(size: float) -> None:
+    generators = size * np.array([[1.0, 0.0, 0.0, 1e-3], [0.0, 2.0, 0.0, 1e-3], [0.0, 0.0, 0.5, 1e-3]])
+    of_one = Zonotope(generators=generators / size).vertices()
+    scaled = Zonotope(generators=generators).vertices() / size
+    assert len(of_one) == 14
+    np.testing.assert_allclose(np.sort(scaled, axis=0), np.sort(of_one, axis=0), rtol=1e-12)
+
+
+def test_a_generator_of_no_account_beside_others() -> None:
+    generators = np.column_stack([np.eye(3), [1e-300, 2e-300, 1e-300]])
+    corners = Zonotope(generators=generators).vertices()
+    np.testing.assert_array_equal(np.abs(corners), 1.0)
+    assert len(np.unique(corners, axis=0)) == 8
