@@ -28,6 +28,10 @@ UNKNOWN = {"f_worst": "f_low_worst", "start_worst_m_s2": "start_unknown_m_s2",
            "slip_share": "slip_share_unknown"}
 #: Quantities over whose box the corners are exact.
 EXACT = frozenset({"mu_drive", "mu_transverse"})
+#: The limits for which they are: the least of rows linear in the coefficients, or the worst of such.
+EXACT_LIMITS = frozenset(
+    {"f_worst", "f_low_worst", "start_worst_m_s2", "start_unknown_m_s2", "brake_worst_m_s2"}
+)
 _FORM = "write KEY=LOW:HIGH"
 
 
@@ -103,7 +107,8 @@ def robust(machines: Sequence[Machine | None], goal: Objective, intervals: Seque
                          "give narrower intervals")
     best = int(np.nanargmax(worst))
     corner = corners[int(np.argmin(score[:, best]))]
-    return Robust(goal=goal, value=goal.sign * worst, best=best, exact=set(keys) <= EXACT,
+    exact = set(keys) <= EXACT and goal.name in EXACT_LIMITS
+    return Robust(goal=goal, value=goal.sign * worst, best=best, exact=exact,
                   corner=tuple(zip(keys, corner, strict=True)))
 
 
