@@ -1,21 +1,42 @@
-"""A grip has one coupled law: two effects that name different ones refuse each other."""
+"""What the two coupled laws share: a grip has one of them, and effects that name different ones refuse."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+from slipmargin.effects.effect import Parameter
 from slipmargin.errors import InputError
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.robot import GripShape
 
+STRENGTH = Parameter(
+    name="strength",
+    unit="1",
+    low=0.0,
+    high=1.0,
+    null=0.0,
+    scale=0.2,
+    meaning="share of the coupled law",
+    starts=(1.0,),
+)
+CONFIRM = (
+    "drag the robot with one wheel locked at 45 degrees to its drive direction and compare the force"
+    " with the straight pulls"
+)
 
-def check_uncoupled(part: Grip, nominal: Model, wanted: GripShape, name: str, other: str) -> None:
-    """Refuse ``wanted`` on a grip that another effect has given another coupled law.
+
+def coupled(part: Grip, nominal: Model, shape: GripShape, strength: float, names: tuple[str, str]) -> Grip:
+    """The grip with a share of a coupled law; as it was at strength 0.
 
     Raises
     ------
     InputError
-        Naming both effects.
+        Naming both effects (``names``: this one, the other), where the other has been here already.
     """
-    taken = part.shape not in (GripShape.BOX, wanted, nominal.grip.shape)
-    if taken:
-        raise InputError("effect", f"{name} and {other} are two laws for one wheel", "keep one of them")
+    if strength == 0.0:
+        return part
+    if part.shape not in (GripShape.BOX, shape, nominal.grip.shape):
+        both = " and ".join(names)
+        raise InputError("effect", f"{both} are two laws for one wheel", "keep one of them")
+    return replace(part, shape=shape, coupling=strength)
