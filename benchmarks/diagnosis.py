@@ -1,11 +1,13 @@
 """How well the loop finds what is missing: given sets, inventions, null sets, the whole catalogue.
 
-    python benchmarks/diagnosis.py sets FOLDER…          data sets with or without truth.json
-    python benchmarks/diagnosis.py plants [FIRST LAST]    thirty inventions that no catalogue entry holds
-    python benchmarks/diagnosis.py nulls COUNT            nothing planted: false alarms
-    python benchmarks/diagnosis.py catalogue COUNT        drawn effects of drawn size: confusion table
+    python benchmarks/diagnosis.py sets FOLDER…        data sets with or without truth.json
+    python benchmarks/diagnosis.py plants               thirty inventions that no catalogue entry holds
+    python benchmarks/diagnosis.py nulls COUNT          nothing planted: false alarms
+    python benchmarks/diagnosis.py catalogue COUNT      drawn effects of drawn size: confusion table
+    python benchmarks/diagnosis.py table FILE…          what kept rows come to
 
-Without a word: eight null sets.  Every line is printed as it is known; ``--json FILE`` keeps them.
+Without a word: eight null sets.  Every line is printed as it is known; ``--json FILE`` keeps them, and
+a run that was stopped goes on from there; ``--part 1/2`` does every other set, for two processes.
 """
 
 from __future__ import annotations
@@ -13,19 +15,22 @@ from __future__ import annotations
 import json
 import sys
 import time
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from planting import Plant, planted, plants
+from planting import Plant, commanded, planted, plants
 
 from slipmargin.diagnose.diagnosis import Diagnosis
 from slipmargin.diagnose.loop import diagnose
-from slipmargin.effects import Effect
+from slipmargin.effects import Effect, Recipe
 from slipmargin.effects.catalogue import CATALOGUE, effect_class
-from slipmargin.io.data_set import DataSet, WheelSignal, read_data_set
+from slipmargin.io.data_set import DataSet, read_data_set
 from slipmargin.io.robot_file import read_recipe
+from slipmargin.io.writes import write_text
 
 #: Typical sizes of the catalogue's effects: (parameter, smallest, largest, either sign).
 SIZES: dict[str, tuple[tuple[str, float, float, bool], ...]] = {
@@ -77,79 +82,89 @@ def row(name: str, wanted: str, traces: tuple[str, ...], found: Diagnosis, secon
     }
 
 
-def timed(data_set: DataSet) -> tuple[Diagnosis, float]:
-    """A diagnosis and how long it took."""
-    start = time.perf_counter()
-    found = diagnose(data_set, seed=1)
-    return found, time.perf_counter() - start
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Job:
+    """A data set that is made when its turn comes, and what a diagnosis of it should say."""
+
+    name: str
+    wanted: str
+    traces: tuple[str, ...]
+    make: Callable[[], DataSet]
+
+    def run(self) -> dict[str, Any]:
+        """Make it, diagnose it, print the row."""
+        data = self.make()
+        start = time.perf_counter()
+        found = diagnose(data, seed=1)
+        return show(row(self.name, self.wanted, self.traces, found, time.perf_counter() - start))
 
 
-def sets(folders: list[str]) -> list[dict[str, Any]]:
+def sets(folders: list[str]) -> list[Job]:
     """Data sets from disk."""
-    rows = []
+    jobs = []
     for folder in folders:
         truth_file = Path(folder) / "truth.json"
         truth = json.loads(truth_file.read_text()) if truth_file.exists() else {}
-        found, seconds = timed(read_data_set(folder))
         traces = tuple(str(truth.get("traced_to") or "").split("+"))
-        rows.append(show(row(Path(folder).name, truth.get("effect", "?"), traces, found, seconds)))
-    return rows
+        make = partial(read_data_set, folder)
+        jobs.append(Job(name=Path(folder).name, wanted=truth.get("effect", "?"), traces=traces, make=make))
+    return jobs
 
 
-def inventions(first: int, last: int) -> list[dict[str, Any]]:
+def inventions() -> list[Job]:
     """The plants of :mod:`planting`."""
-    recipe = read_recipe("ohio-kiwi")
-    recipe = replace(recipe, robot=_smooth(recipe.robot))
-    rows = []
-    for k, plant in list(enumerate(plants()))[first:last]:
-        found, seconds = timed(planted(recipe, plant, seed=100 + k))
-        traces = tuple(t.value for t in plant.traces)
-        rows.append(show(row(plant.name, "unnamed", traces, found, seconds)))
-    good = sum(r["traced_to"][:1] != [] and r["traced_to"][0] in r["wanted_traces"] for r in rows)
-    half = sum(r["chi_after"] <= 0.5 * r["chi_before"] for r in rows)
-    print(f"right variable {good} of {len(rows)}, error at least halved {half} of {len(rows)}")
-    return rows
+    return [
+        Job(
+            name=plant.name,
+            wanted="unnamed",
+            traces=tuple(t.value for t in plant.traces),
+            make=partial(planted, smooth_kiwi(), plant, seed=100 + k),
+        )
+        for k, plant in enumerate(plants())
+    ]
 
 
-def nulls(count: int) -> list[dict[str, Any]]:
-    """Nothing planted, drawn noise and manoeuvres."""
-    recipe = read_recipe("ohio-kiwi")
-    recipe = replace(recipe, robot=_smooth(recipe.robot))
-    rows = []
-    for k in range(count):
-        random = np.random.default_rng(k)
-        data = planted(recipe, None, seed=1000 + k, rate_hz=float(random.choice([50.0, 100.0, 200.0])))
-        sigma = data.sigma if k % 2 else None
-        found, seconds = timed(replace(data, sigma=sigma))
-        rows.append(show(row(f"null {k}", "none", (), found, seconds)))
-    alarms = sum(bool(r["found"]) for r in rows)
-    print(f"false alarms {alarms} of {len(rows)}")
-    return rows
+def nulls(count: int) -> list[Job]:
+    """Nothing planted, drawn noise and manoeuvres; every other set does not say how noisy it is."""
+
+    def make(k: int) -> DataSet:
+        rate_hz = float(np.random.default_rng(k).choice([50.0, 100.0, 200.0]))
+        data = planted(smooth_kiwi(), None, seed=1000 + k, rate_hz=rate_hz)
+        return replace(data, sigma=data.sigma if k % 2 else None)
+
+    return [Job(name=f"null {k}", wanted="none", traces=(), make=partial(make, k)) for k in range(count)]
 
 
-def catalogue(count: int) -> list[dict[str, Any]]:
-    """Drawn effects of the catalogue, drawn sizes; prints the confusion table."""
-    recipe = read_recipe("ohio-kiwi")
-    recipe = replace(recipe, robot=_smooth(recipe.robot))
+def catalogue(count: int) -> list[Job]:
+    """Drawn effects of the catalogue, drawn sizes."""
     names = [e.name for e in CATALOGUE if e.name in SIZES]
-    rows = []
+    jobs = []
     for k in range(count):
-        random = np.random.default_rng(5000 + k)
         name = names[k % len(names)]
-        effect = drawn(name, random)
+        effect = drawn(name, np.random.default_rng(5000 + k))
         plant = Plant(name=name, traces=(effect.traced_to,), effects=(effect,))
-        data = planted(recipe, plant, seed=7000 + k)
-        if name in _COMMANDED:
-            data = _as_commanded(data, recipe, plant, 7000 + k)
-        found, seconds = timed(data)
-        rows.append(show(row(f"{name} {k}", name, (effect.traced_to.value,), found, seconds)))
-    right = sum(r["found"][:1] == [r["wanted"]] for r in rows)
-    traced = sum(r["traced_to"][:1] == r["wanted_traces"] for r in rows)
-    print(f"right name {right} of {len(rows)}, right variable {traced} of {len(rows)}")
-    for r in rows:
-        if r["found"][:1] != [r["wanted"]]:
-            print(f"  {r['set']}: said {r['found']} (confused with {r['confused_with']})")
-    return rows
+        make = partial(commanded if name in _COMMANDED else planted, smooth_kiwi(), plant, 7000 + k)
+        jobs.append(Job(name=f"{name} {k}", wanted=name, traces=(effect.traced_to.value,), make=make))
+    return jobs
+
+
+def summary(rows: list[dict[str, Any]]) -> None:
+    """What the rows come to: names, variables, errors, false alarms, who was taken for whom."""
+    effects = [r for r in rows if r["wanted"] != "none"]
+    empty = [r for r in rows if r["wanted"] == "none"]
+    if empty:
+        print(f"false alarms: {sum(bool(r['found']) for r in empty)} of {len(empty)}")
+    if effects:
+        named = sum(r["found"][:1] == [r["wanted"].split("+")[0]] for r in effects)
+        traced = sum(bool(r["traced_to"]) and r["traced_to"][0] in r["wanted_traces"] for r in effects)
+        halved = sum(r["chi_after"] <= 0.5 * r["chi_before"] for r in effects)
+        print(f"right name {named}, right variable {traced}, error halved {halved}, of {len(effects)}")
+    taken: dict[tuple[str, str], int] = {}
+    for r in effects:
+        said = " + ".join(r["found"]) or "-"
+        taken[r["wanted"], said] = taken.get((r["wanted"], said), 0) + 1
+    for (wanted, said), count in sorted(taken.items()):
+        print(f"  {wanted:<26}{'as ' if said != wanted else ''}{said:<60}{count:4d}")
 
 
 def drawn(name: str, random: np.random.Generator) -> Effect:
@@ -163,17 +178,11 @@ def drawn(name: str, random: np.random.Generator) -> Effect:
     return effect.of(np.array([values[p.name] for p in effect.parameters]), wheels)
 
 
-def _as_commanded(data: DataSet, recipe: Any, plant: Plant, seed: int) -> DataSet:
-    from planting import commanded
-
-    assert data.wheel_signal is WheelSignal.MEASURED
-    return commanded(recipe, plant, seed)
-
-
-def _smooth(robot: Any) -> Any:
-    """The robot without rigid sectors and with wheels called 1, 2, 3."""
-    wheels = tuple(replace(w, rigid_fraction=0.0, name=str(i + 1)) for i, w in enumerate(robot.wheels))
-    return replace(robot, wheels=wheels)
+def smooth_kiwi() -> Recipe:
+    """The paper's robot without rigid sectors and with wheels called 1, 2, 3."""
+    recipe = read_recipe("ohio-kiwi")
+    wheels = tuple(replace(w, rigid_fraction=0.0, name=str(i + 1)) for i, w in enumerate(recipe.robot.wheels))
+    return replace(recipe, robot=replace(recipe.robot, wheels=wheels))
 
 
 def show(line: dict[str, Any]) -> dict[str, Any]:
@@ -187,24 +196,39 @@ def show(line: dict[str, Any]) -> dict[str, Any]:
     return line
 
 
+def run(jobs: list[Job], target: Path | None) -> list[dict[str, Any]]:
+    """Every job that ``target`` does not hold yet; each row is kept as soon as it is known."""
+    rows = json.loads(target.read_text()) if target is not None and target.exists() else []
+    done = {r["set"] for r in rows}
+    for job in jobs:
+        if job.name in done:
+            continue
+        rows.append(job.run())
+        if target is not None:
+            write_text(target, json.dumps(rows, indent=1, ensure_ascii=False) + "\n")
+    return rows
+
+
 def main(words: list[str]) -> None:
     """Run one mode."""
-    target = None
-    if "--json" in words:
-        at = words.index("--json")
-        target = Path(words[at + 1])
-        words = words[:at] + words[at + 2 :]
+    options = {"--json": "", "--part": "1/1"}
+    for name in options:
+        if name in words:
+            at = words.index(name)
+            options[name] = words[at + 1]
+            words = words[:at] + words[at + 2 :]
     mode, *rest = words or ["nulls", "8"]
+    if mode == "table":
+        summary([r for file in rest for r in json.loads(Path(file).read_text())])
+        return
     if mode == "sets":
-        rows = sets(rest)
+        jobs = sets(rest)
     elif mode == "plants":
-        rows = inventions(int(rest[0]) if rest else 0, int(rest[1]) if len(rest) > 1 else 99)
-    elif mode == "nulls":
-        rows = nulls(int(rest[0]))
+        jobs = inventions()
     else:
-        rows = catalogue(int(rest[0]))
-    if target is not None:
-        target.write_text(json.dumps(rows, indent=1, ensure_ascii=False) + "\n")
+        jobs = {"nulls": nulls, "catalogue": catalogue}[mode](int(rest[0]))
+    part, parts = (int(number) for number in options["--part"].split("/"))
+    summary(run(jobs[part - 1 :: parts], Path(options["--json"]) if options["--json"] else None))
 
 
 if __name__ == "__main__":

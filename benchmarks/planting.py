@@ -264,7 +264,9 @@ def plants() -> list[Plant]:
                             basis=Basis.FOURIER,
                             shape=np.array([two_pi, 0.0]),
                             frame=Frame.FLOOR,
-                            coefficients=np.array([[0.9, 0.0], [0.0, 0.9], [0.0, 0.0]]),
+                            coefficients=np.array(
+                                [[0.0, 0.0, 0.9, 0.0], [0.0, 0.0, 0.0, 0.9], [0.0, 0.0, 0.0, 0.0]]
+                            ),
                         ),
                     ),
                 ),

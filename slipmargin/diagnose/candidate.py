@@ -7,7 +7,7 @@ variable it traces.  Both build effects, and the null vector builds one that doe
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import final
 
 import numpy as np
@@ -40,6 +40,9 @@ class Candidate:
         Where fits start.
     build : callable
         Parameter vector → effect.
+    prior : array (Q, P), optional
+        Rows L of what is believed beforehand: |L (x − null) / scale|² is about 1 or less.  It holds
+        still what no trial shows.
     """
 
     name: str
@@ -54,11 +57,14 @@ class Candidate:
     high: Array
     starts: Array
     build: Callable[[Array], AnyEffect]
+    prior: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
     def __post_init__(self) -> None:
         count = len(self.keys)
-        for field in ("null", "scale", "low", "high"):
-            object.__setattr__(self, field, frozen(field, getattr(self, field), (count,)))
+        prior = self.prior if self.prior.size else np.zeros((0, count))
+        object.__setattr__(self, "prior", frozen("prior", prior, (None, count)))
+        for key in ("null", "scale", "low", "high"):
+            object.__setattr__(self, key, frozen(key, getattr(self, key), (count,)))
         object.__setattr__(self, "starts", frozen("starts", self.starts, (None, count)))
 
     @property
@@ -114,6 +120,10 @@ _COMMANDED = ("motor_lag", "speed_droop")
 
 #: Effects with a simple and a fuller form: label, free parameters, fixed ones.
 _VARIANTS: dict[str, tuple[tuple[str, tuple[str, ...], dict[str, float]], ...]] = {
+    "friction_coefficients": (
+        ("", ("drive_factor", "transverse_factor"), {}),
+        (" with their steepness", ("drive_factor", "transverse_factor", "steepness_factor"), {}),
+    ),
     "rigid_sector": (
         ("", ("rigid_fraction",), {}),
         (" with its coefficient", ("rigid_fraction", "rigid_coefficient"), {}),

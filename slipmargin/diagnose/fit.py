@@ -85,6 +85,38 @@ def _limits(structure: Sequence[Candidate]) -> tuple[Array, Array, Array]:
     )
 
 
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Belief:
+    """What is believed of the parameters before any trial: ``pull`` (P, P) towards ``null`` (P,).
+
+    It weighs as much as one sample of the misfit at hand, so that it decides nothing that trials show.
+    """
+
+    pull: Array
+    null: Array
+
+    @staticmethod
+    def of(structure: Sequence[Candidate], residual: Array) -> _Belief:
+        size = sum(c.size for c in structure)
+        pull = np.zeros((size, size))
+        at = 0
+        for candidate in structure:
+            span = slice(at, at + candidate.size)
+            pull[span, span] = candidate.prior.T @ candidate.prior
+            at += candidate.size
+        misfit = float(np.sum(residual**2) / max(1, int(np.count_nonzero(residual))))
+        return _Belief(
+            pull=max(1.0, misfit) * pull,
+            null=np.concatenate([np.zeros(0), *(c.null for c in structure)]),
+        )
+
+    def cost(self, x: Array, scale: Array) -> float:
+        """What departing from the belief costs."""
+        z = (x - self.null) / scale
+        return float(z @ self.pull @ z)
+
+
 def evaluate(problem: Residuals, structure: tuple[Candidate, ...], x: Array, trials: Index) -> Fit:
     """Residual and Jacobian at ``x``, without moving it."""
     residual, jacobian = _linearise(problem, structure, x, trials)
@@ -125,13 +157,14 @@ def fit(
     low, high, _ = _limits(structure)
     x = np.clip(start, low, high)
     residual, jacobian = _linearise(problem, structure, x, trials)
+    believed = _Belief.of(structure, residual)
     spent = 1 + len(x)
     damping = 1e-3
     for step in range(iterations if len(x) else 0):
         cost = float(np.sum(residual**2))
         if step >= 3 and cost > give_up_above:
             break
-        better = _improve(problem, structure, x, residual, jacobian, damping, trials)
+        better = _improve(problem, structure, x, residual, jacobian, damping, trials, believed)
         if better is None:
             break
         x, new, damping, tried = better
@@ -159,15 +192,17 @@ def _improve(
     jacobian: Array,
     damping: float,
     trials: Index,
+    believed: _Belief,
 ) -> tuple[Array, Array, float, int] | None:
     """A damped step downhill: new point, its residual, next damping, simulations; None where none is."""
     low, high, scale = _limits(structure)
     flat = jacobian.reshape(-1, len(x)) * scale
-    normal, gradient = flat.T @ flat, flat.T @ residual.ravel()
+    normal = flat.T @ flat + believed.pull
+    gradient = flat.T @ residual.ravel() + believed.pull @ ((x - believed.null) / scale)
     free = ~(((x <= low) & (gradient > 0)) | ((x >= high) & (gradient < 0)))
     if not free.any():
         return None
-    cost = float(np.sum(residual**2))
+    cost = float(np.sum(residual**2)) + believed.cost(x, scale)
 
     def point(factor: float) -> Array:
         lift = np.diag(damping * factor * (np.diag(normal)[free] + 1e-9 * np.trace(normal) + 1e-12))
@@ -177,11 +212,11 @@ def _improve(
 
     first = point(1.0)
     found = problem.residuals([build(structure, first)], [trials])[0]
-    if float(np.sum(found**2)) < cost:
+    if float(np.sum(found**2)) + believed.cost(first, scale) < cost:
         return first, found, max(damping / 10.0, 1e-6), 1
     points = [point(factor) for factor in _LADDER]
     ladder = problem.residuals([build(structure, p) for p in points], [trials] * len(points))
-    costs = [float(np.sum(r**2)) for r in ladder]
+    costs = [float(np.sum(r**2)) + believed.cost(p, scale) for r, p in zip(ladder, points, strict=True)]
     best = int(np.argmin(costs))
     if not costs[best] < cost:
         return None
@@ -211,10 +246,12 @@ def leave_one_out(found: Fit) -> Array:
     scaled = found.jacobian * scale
     normals = np.einsum("rkp,rkq->rpq", scaled, scaled)
     gradients = np.einsum("rkp,rk->rp", scaled, found.residual)
+    believed = _Belief.of(found.structure, found.residual)
+    pulled = believed.pull @ ((found.x - believed.null) / scale)
     rows = []
     for own_normal, own_gradient in zip(normals, gradients, strict=True):
-        normal = normals.sum(axis=0) - own_normal
-        gradient = gradients.sum(axis=0) - own_gradient
+        normal = normals.sum(axis=0) - own_normal + believed.pull
+        gradient = gradients.sum(axis=0) - own_gradient + pulled
         ridge = 1e-8 * (np.trace(normal) + 1e-12) * np.eye(len(found.x))
         step = np.linalg.lstsq(normal + ridge, -gradient, rcond=None)[0]
         rows.append(np.clip(found.x + step * scale, low, high))

@@ -35,8 +35,33 @@ class Ranges:
     command_rad_s: float
 
 
+#: Believed beforehand: neighbours of a polygon differ by less than this many scales, and every
+#: coefficient is smaller than this many.  It matters only where no trial has been.
+_NEIGHBOURS, _LARGEST = 5.0, 30.0
+
+
+def believed(blocks: Sequence[tuple[Basis, int]]) -> Array:
+    """Prior rows (Q, P) of coefficients in consecutive blocks of (basis, count)."""
+    size = sum(count for _, count in blocks)
+    rows = [np.eye(size) / _LARGEST]
+    at = 0
+    for basis, count in blocks:
+        if basis is Basis.HATS:
+            steps = np.zeros((count - 1, size))
+            steps[:, at : at + count] = np.diff(np.eye(count), axis=0) / _NEIGHBOURS
+            rows.append(steps)
+        at += count
+    return np.concatenate(rows)
+
+
 def spread(
-    trace: Trace, label: str, part: Part, scale: Array, bound: Array, terms: Callable[[Array], Sequence[Term]]
+    trace: Trace,
+    label: str,
+    part: Part,
+    scale: Array,
+    bound: Array,
+    terms: Callable[[Array], Sequence[Term]],
+    prior: Array | None = None,
 ) -> Candidate:
     """A general form: a free coefficient for each number of ``scale``, doing nothing at zero."""
     size = len(scale)
@@ -52,6 +77,7 @@ def spread(
         low=-bound,
         high=bound,
         starts=np.zeros((1, size)),
+        prior=believed([(Basis.CONSTANT, size)]) if prior is None else prior,
         build=lambda values: GeneralEffect(traced_to=trace, part=part, terms=tuple(terms(values))),
     )
 
@@ -84,7 +110,8 @@ def friction(
             at += count
         return made
 
-    return spread(trace, label, Part.GRIP, np.full(size, 0.1), np.full(size, bound), terms)
+    prior = believed([(row[1], row[3]) for row in rows])
+    return spread(trace, label, Part.GRIP, np.full(size, 0.1), np.full(size, bound), terms, prior)
 
 
 def forces(
@@ -121,4 +148,5 @@ def forces(
             )
         return made
 
-    return spread(trace, label, Part.LOSSES, np.array(scale), 50.0 * np.array(scale), terms)
+    prior = believed([(basis, count) for _, basis, _, count, axes, _ in rows for _ in axes])
+    return spread(trace, label, Part.LOSSES, np.array(scale), 50.0 * np.array(scale), terms, prior)

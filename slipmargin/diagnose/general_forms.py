@@ -61,6 +61,7 @@ def _over_contact(model: Model, r: Ranges) -> list[Candidate]:
             model,
             [(slip, Basis.DECAY, (s, 1.0), 1, t, None) for s in scales for t in (drive, transverse)],
         ),
+        friction(Trace.SLIP_SPEED, "curve", model, [(slip, Basis.HATS, (0.0, r.slip_m_s), 8, both, None)]),
         friction(
             Trace.SLIP_COUPLING,
             "slip angle",
@@ -165,7 +166,7 @@ def _over_motion(model: Model, r: Ranges) -> list[Candidate]:
 
 def _over_place(model: Model, r: Ranges) -> list[Candidate]:
     turn = (2.0 * np.pi, 0.0)
-    reach = (r.position_m, 0.0)
+    reach, across = (r.position_m, 0.0), (-r.position_m, r.position_m)
     clock = (0.0, r.duration_s)
     place = (Variable.POSITION_X, Variable.POSITION_Y)
     floor, both = Frame.FLOOR, Target.BOTH
@@ -194,14 +195,14 @@ def _over_place(model: Model, r: Ranges) -> list[Candidate]:
             "force over position",
             model,
             floor,
-            [(v, Basis.POLYNOMIAL, reach, 2, (0, 1, 2), 1.0) for v in place]
-            + [(Variable.UNITY, Basis.CONSTANT, (1.0, 0.0), 1, (0, 1), 1.0)],
+            [(v, Basis.HATS, across, 5, (0, 1), 1.0) for v in place]
+            + [(v, Basis.POLYNOMIAL, reach, 1, (2,), 1.0) for v in place],
         ),
         friction(
             Trace.POSITION,
             "friction over position",
             model,
-            [(v, Basis.HATS, (-r.position_m, r.position_m), 7, both, None) for v in place],
+            [(v, Basis.HATS, across, 9, both, None) for v in place],
         ),
         friction(
             Trace.TIME, "friction over time", model, [(Variable.TIME, Basis.HATS, clock, 7, both, None)]
@@ -306,7 +307,7 @@ def _measurement(r: Ranges) -> list[Candidate]:
         )
 
     return [
-        candidate("pose over position", place, reach, Basis.POLYNOMIAL, 2),
+        candidate("pose over position", place, reach, Basis.POLYNOMIAL, 3),
         candidate("pose over heading", (Variable.HEADING,), np.array([2.0 * np.pi, 0.0]), Basis.FOURIER, 4),
         candidate("pose over time", (Variable.TIME,), np.array([r.duration_s, 0.0]), Basis.POLYNOMIAL, 2),
     ]

@@ -2,13 +2,17 @@
 
 The unknown start pose is a nuisance of three numbers a trial.  It is removed linearly: the residual
 is projected off the change that a small shift and turn of the start makes to the whole run.
+
+Where the prediction is far off, a wrong heading early on bends all that follows, and a fit of whole
+runs has many valleys.  A problem *in pieces* moves and turns every short piece of a predicted run
+onto the measured one first: what remains is what happens within the piece.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +42,8 @@ _MOST_STEPS = 40_000
 class Problem:
     """Cleaned trials on one surface, the recipe believed so far, and the compiled simulator.
 
-    ``measured`` (R, T, 3) and ``seen`` (R, T, 3) are padded to the longest trial.
+    ``measured`` (R, T, 3) and ``seen`` (R, T, 3) are padded to the longest trial; ``piece`` is the
+    number of samples a piece, None for whole runs.
     """
 
     recipe: Recipe
@@ -53,6 +58,7 @@ class Problem:
     twists: Array
     commanded: bool
     rtol: float = _RTOL
+    piece: int | None = None
 
     @staticmethod
     def of(recipe: Recipe, surface: str, trials: tuple[Trial, ...], sigma: Array, commanded: bool) -> Problem:
@@ -114,11 +120,12 @@ class Problem:
                 clock = self.trials[runs[row]].t_s
                 pose[row, : len(clock)] = measure(model.sensing, clock, pose[row, : len(clock)])
         seen = self.seen[runs]
-        gap = np.where(seen, self.measured[runs] - pose, 0.0)
-        gap = np.where(np.isfinite(gap), gap, _WILD * self.sigma)
-        shift = _start_shift(pose, gap, seen, self.sigma)
-        pose = pose + shift
-        gap = np.where(seen, (gap - shift) / self.sigma, 0.0).clip(-_WILD, _WILD)
+        if self.piece is None:
+            pose, gap = _fitted(pose, self.measured[runs], seen, self.sigma)
+        else:
+            cut = [_cut(array, self.piece) for array in (pose, self.measured[runs], seen)]
+            fitted = _fitted(_turned(*cut), cut[1], cut[2], self.sigma)
+            pose, gap = (a.reshape(len(runs), -1, 3)[:, : pose.shape[1]] for a in fitted)
         impossible = np.array([m is None for m in built])[which]
         gap = np.where(seen & impossible[:, None, None], _WILD, gap)
         parts = np.split(np.arange(len(runs)), np.cumsum([len(t) for t in trials])[:-1])
@@ -137,20 +144,65 @@ class Problem:
         batch = Batch(signals, [t.t_s for t in self.trials], commanded=self.commanded)
         return replace(self, batch=batch, rtol=_FINE_RTOL)
 
+    def in_pieces(self, duration_s: float) -> Problem:
+        """The same problem compared piece by piece, each with a start pose of its own."""
+        step_s = float(np.median(np.concatenate([np.diff(t.t_s) for t in self.trials])))
+        return replace(self, piece=max(4, round(duration_s / step_s)))
+
     def samples(self, trials: Index) -> float:
         """Number of measured values in these trials."""
         return float(np.count_nonzero(self.seen[trials]))
 
 
-def _start_shift(pose: Array, gap: Array, seen: Array, sigma: Array) -> Array:
-    """The change (M, T, 3) of each prediction by the start shift and turn that fit it best."""
-    arm = np.where(np.isfinite(pose), pose, 0.0) - np.where(np.isfinite(pose[:, :1]), pose[:, :1], 0.0)
-    tangent = np.zeros((*pose.shape, 3))
-    tangent[..., 0, 0] = tangent[..., 1, 1] = tangent[..., 2, 2] = 1.0
-    tangent[..., 0, 2] = -arm[..., 1]
-    tangent[..., 1, 2] = arm[..., 0]
-    white = np.where(seen[..., None], tangent / sigma[:, None], 0.0)
-    normal = np.einsum("mtip,mtiq->mpq", white, white)
-    right = np.einsum("mtip,mti->mp", white, gap / sigma)
-    normal += 1e-12 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(3)
-    return np.asarray(np.einsum("mtip,mp->mti", tangent, np.linalg.solve(normal, right[..., None])[..., 0]))
+def _cut(array: NDArray[Any], piece: int) -> NDArray[Any]:
+    """(M, T, 3) into pieces (M W, piece, 3); the last is filled up with zeros, which nobody has seen."""
+    fill = -array.shape[1] % piece
+    return np.pad(array, ((0, 0), (0, fill), (0, 0))).reshape(-1, piece, 3)
+
+
+def _turned(pose: Array, measured: Array, seen: NDArray[np.bool_]) -> Array:
+    """Each piece turned about its first point by the mean difference of heading."""
+    known = seen[..., 2]
+    off = np.sum(np.where(known, measured[..., 2] - pose[..., 2], 0.0), axis=1)
+    off = off / np.maximum(1, known.sum(axis=1))
+    c, s = np.cos(off)[:, None], np.sin(off)[:, None]
+    arm = pose[..., :2] - pose[:, :1, :2]
+    turned = np.stack([c * arm[..., 0] - s * arm[..., 1], s * arm[..., 0] + c * arm[..., 1]], axis=-1)
+    middle = np.sum(np.where(seen[..., :2], measured[..., :2] - turned, 0.0), axis=1) / np.maximum(
+        1, seen[..., :2].sum(axis=1)
+    )
+    return np.concatenate([turned + middle[:, None], pose[..., 2:] + off[:, None, None]], axis=-1)
+
+
+def _fitted(pose: Array, measured: Array, seen: NDArray[np.bool_], sigma: Array) -> tuple[Array, Array]:
+    """Predicted poses (M, T, 3) moved to where their start fits best, and the whitened gap that is left."""
+    gap = np.where(seen, measured - pose, 0.0)
+    gap = np.where(np.isfinite(gap), gap, _WILD * sigma)
+    shift = _start_shift(pose, gap, seen, sigma)
+    return pose + shift, np.where(seen, (gap - shift) / sigma, 0.0).clip(-_WILD, _WILD)
+
+
+def _start_shift(pose: Array, gap: Array, seen: NDArray[np.bool_], sigma: Array) -> Array:
+    """The change (M, T, 3) of each prediction by the start shift and turn that fit it best.
+
+    The tangents of a shift are (1, 0, 0) and (0, 1, 0), that of a turn is (−b, a, 1) at (a, b) from
+    the start; the 3 × 3 normal equations are written out.
+    """
+    first = np.where(np.isfinite(pose[:, :1, :2]), pose[:, :1, :2], 0.0)
+    arm = np.where(np.isfinite(pose[..., :2]), pose[..., :2], 0.0) - first
+    a, b = arm[..., 0], arm[..., 1]
+    wx, wy, wt = (seen[..., i] / sigma[i] ** 2 for i in range(3))
+    xb, ya = wx * b, wy * a
+    normal = np.zeros((len(pose), 3, 3))
+    normal[:, 0, 0], normal[:, 1, 1] = wx.sum(axis=1), wy.sum(axis=1)
+    normal[:, 0, 2] = normal[:, 2, 0] = -xb.sum(axis=1)
+    normal[:, 1, 2] = normal[:, 2, 1] = ya.sum(axis=1)
+    normal[:, 2, 2] = (xb * b + ya * a + wt).sum(axis=1)
+    gx, gy, gt = gap[..., 0], gap[..., 1], gap[..., 2]
+    right = np.stack(
+        [(wx * gx).sum(axis=1), (wy * gy).sum(axis=1), (ya * gy - xb * gx + wt * gt).sum(axis=1)], axis=1
+    )
+    normal += (1e-12 * np.trace(normal, axis1=1, axis2=2) + 1e-30)[:, None, None] * np.eye(3)
+    shift = np.linalg.solve(normal, right[..., None])
+    turn = shift[:, 2]
+    return np.stack([shift[:, 0] - turn * b, shift[:, 1] + turn * a, np.broadcast_to(turn, a.shape)], axis=-1)

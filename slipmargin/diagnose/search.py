@@ -22,6 +22,8 @@ from slipmargin.effects import Trace
 AS_GOOD_FACTOR, AS_GOOD_OFFSET = 1.06, 0.02
 #: How many suspects go from the first, short fit to the full one.
 FINALISTS = 6
+#: A suspect whose short fit costs so many times the best one's gets no full fit.
+_HOPELESS = 6.0
 #: From so many trials on, first short fits use every other one.
 MANY_TRIALS = 6
 #: A cross-validated chi this close to 1 leaves nothing for another form to explain.
@@ -33,7 +35,12 @@ Progress = Callable[[str, float], None]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class State:
-    """A set of effects, fitted; ``scores`` (R,) is each trial's cross-validated sum of squares."""
+    """A set of effects, fitted; ``scores`` (R,) is each trial's sum of squares, as a search counts it.
+
+    That is the geometric mean of two: fitted with the trial, and predicted without it.  The first
+    flatters what has many parameters.  The second, with few trials, is harsh on what only one of
+    them shows (Efron, JASA 78, 316, 1983).
+    """
 
     fit: Fit
     scores: Array
@@ -41,7 +48,7 @@ class State:
 
     @property
     def chi(self) -> float:
-        """Cross-validated chi: root mean square of residual over noise."""
+        """Root mean square of residual over noise, as a search counts it."""
         return float(np.sqrt(self.scores.sum() / self.samples))
 
     @property
@@ -82,7 +89,10 @@ class Round:
 
 def state_of(problem: Residuals, found: Fit, samples: float) -> State:
     """A fit with its cross-validated scores."""
-    return State(fit=found, scores=cross_validate(problem, found), samples=samples)
+    inside, outside = np.sum(found.residual**2, axis=1), cross_validate(problem, found)
+    mean = np.sqrt(inside.sum() * outside.sum())
+    share = np.sqrt(inside * outside)
+    return State(fit=found, scores=mean * share / max(share.sum(), 1e-300), samples=samples)
 
 
 def base_state(problem: Residuals, trials: Index, samples: float) -> State:
@@ -123,7 +133,7 @@ def extend(
     trials = before.fit.trials
     short = short_fits(problem, before, suspects, some_of(trials), progress)
     states: list[State] = []
-    for i, found in enumerate(short[:finalists]):
+    for i, found in enumerate(f for f in short[:finalists] if f.cost <= _HOPELESS * short[0].cost):
         progress(f"fitting {found.structure[-1].label}", i / finalists)
         best = min((s.fit.cost for s in states), default=np.inf)
         full = fit(problem, found.structure, found.x, trials, give_up_above=4.0 * best)
@@ -166,15 +176,26 @@ def promise(residual: Array, slope: Array) -> float:
 
 
 def choose(tried: list[State]) -> State:
-    """The best suspect: as good as the best score allows, named before general, simple before rich."""
+    """The best suspect: of those as good as the best score allows, the one that is simple for its chi."""
     bar = AS_GOOD_FACTOR * tried[0].chi + AS_GOOD_OFFSET
     good = [s for s in tried if s.chi <= bar]
-    return min(good, key=lambda s: (*_plainness(s), s.chi + 0.004 * s.last.size))
+    return min(good, key=lambda s: s.chi * (1.0 + _price(s)))
 
 
-def _plainness(state: State) -> tuple[int, int]:
-    """Unnamed effects first to avoid, then effects: what a simpler explanation has less of."""
-    return sum(not c.named for c in state.structure), len(state.structure)
+#: By what share of chi a parameter, one that is stuck at a bound, an effect, and the lack of a name
+#: must pay for themselves.
+_PARAMETER, _STUCK, _EFFECT, _UNNAMED = 0.004, 0.03, 0.03, 0.03
+
+
+def _price(state: State) -> float:
+    """What a simpler explanation has less of."""
+    unnamed = sum(not c.named for c in state.structure)
+    return (
+        _PARAMETER * len(state.fit.x)
+        + _STUCK * len(state.fit.at_bound())
+        + _EFFECT * len(state.structure)
+        + _UNNAMED * unnamed
+    )
 
 
 def indistinguishable(one: State, other: State) -> bool:

@@ -26,6 +26,7 @@ from slipmargin.diagnose.search import (
     some_of,
     state_of,
 )
+from slipmargin.effects import Trace
 from slipmargin.errors import InputError
 
 #: An effect is taken only if it is beyond luck at this level …
@@ -33,17 +34,25 @@ SIGNIFICANCE = 0.01
 #: … and the cross-validated chi falls by at least this share and this much: less than that is within
 #: what the reconstruction of the wheels' motion from the log leaves behind.
 LEAST_SHARE, LEAST_CHI = 0.02, 0.02
+#: A further effect must take off more: what the first ones leave is also the fault of their form.
+LATER_SHARE = 0.1
 #: On top of an effect without a name chi must fall to this share: its form is only approximate, and
 #: what it leaves must not be given names.
-ON_TOP_OF_UNNAMED = 0.7
+ON_TOP_OF_UNNAMED = 0.5
 #: A general form that leaves less than this is good enough not to look for pairs of names.
 NEAR_NOISE = 1.3
 #: No model predicts better than this.
 _FLOOR = 0.97
 #: At most so many effects.
 MOST_EFFECTS = 4
+#: Above this chi, runs are compared piece by piece: whole ones bend too much with the parameters.
+FAR = 5.0
+#: Length of a piece [s].
+PIECE_S = 0.5
+#: How many of what was found piece by piece are fitted to whole runs.
+_CONTENDERS = 3
 #: How many named effects and general forms are fitted, by the gain their tangent promises.
-_NAMED, _GENERAL = 14, 10
+_NAMED, _GENERAL = 20, 10
 #: How many single effects are tried as the first of two, and how many pairs get a full fit.
 _FIRSTS, _SECONDS, _PAIRS = 6, 4, 4
 
@@ -73,13 +82,16 @@ def take_step(
     inside = {c.label for c in before.structure}
     fresh = [s for s in suspects if s.label not in inside and _possible(problem, before, s)]
     progress("comparing with every suspect", 0.0)
-    slopes = tangents(problem, before.fit, fresh)
-    hopes = [promise(before.fit.residual, slope) for slope in slopes]
+    far = before.chi > FAR
+    view = problem.in_pieces(PIECE_S) if far else problem
+    start = state_of(view, evaluate(view, before.structure, before.fit.x, before.fit.trials), before.samples)
+    slopes = tangents(view, start.fit, fresh)
+    hopes = [promise(start.fit.residual, slope) for slope in slopes]
     step_s = float(np.median(np.concatenate([np.diff(t.t_s) for t in problem.trials])))
-    reachable = float(np.sqrt(max(0.0, before.chi**2 - max(hopes) / before.samples)))
-    hopeless = before.chi < AT_NOISE and not worthwhile(before, reachable)
+    reachable = float(np.sqrt(max(0.0, start.chi**2 - max(hopes) / start.samples)))
+    hopeless = (start.chi < AT_NOISE or bool(before.structure)) and not worthwhile(start, reachable)
     if hopeless or not worthwhile(before, _FLOOR):
-        p_value = luck(max(hopes), slopes, before.fit.residual, step_s, seed)
+        p_value = luck(max(hopes), slopes, start.fit.residual, step_s, seed)
         return Round(
             before=before,
             suspects=tuple(fresh),
@@ -89,18 +101,13 @@ def take_step(
             p_value=p_value,
             taken=False,
         )
-    order = np.argsort(hopes)[::-1]
-    named = [fresh[i] for i in order if fresh[i].named][:_NAMED]
-    general = [fresh[i] for i in order if not fresh[i].named][:_GENERAL]
-    tried = extend(problem, before, named, progress, enough=AT_NOISE)
-    if not tried or tried[0].chi > AT_NOISE:
-        singles = list(tried)
-        tried = sorted([*tried, *extend(problem, before, general, progress, enough=AT_NOISE)], key=_total)
-        if tried[0].chi > NEAR_NOISE and pairs:
-            plain = [s for s in fresh if s.named and " " not in s.label]
-            tried = sorted([*tried, *_pairs(problem, singles, plain, progress)], key=_total)
+    tried = _try_all(view, start, fresh, hopes, progress, pairs)
+    first = choose(tried)
+    p_value = luck(start.fit.cost - first.fit.cost, slopes, first.fit.residual, step_s, seed)
+    if far:
+        progress("fitting whole runs", 0.95)
+        tried = sorted((_whole(problem, s) for s in _contenders(tried)), key=_total)
     best = choose(tried)
-    p_value = luck(before.fit.cost - best.fit.cost, slopes, best.fit.residual, step_s, seed)
     return Round(
         before=before,
         suspects=tuple(fresh),
@@ -110,6 +117,53 @@ def take_step(
         p_value=p_value,
         taken=p_value <= SIGNIFICANCE and worthwhile(before, best.chi),
     )
+
+
+def _try_all(
+    view: Problem,
+    before: State,
+    fresh: list[Candidate],
+    hopes: list[float],
+    progress: Progress,
+    pairs: bool,
+) -> list[State]:
+    """Named effects; where they leave something, general forms; where these do, pairs of names."""
+    order = np.argsort(hopes)[::-1]
+    later = bool(before.structure)
+    named = [fresh[i] for i in order if fresh[i].named][: _NAMED // 2 if later else _NAMED]
+    tried = extend(view, before, named, progress, enough=AT_NOISE)
+    if tried and tried[0].chi <= AT_NOISE:
+        return tried
+    singles = list(tried)
+    forms = [fresh[i] for i in order if not fresh[i].named]
+    general = forms[: _GENERAL // 2] if later else _of_every_variable(forms)
+    tried = sorted([*tried, *extend(view, before, general, progress, enough=AT_NOISE)], key=_total)
+    if pairs and (tried[0].chi > NEAR_NOISE or before.chi > FAR):
+        plain = [s for s in fresh if s.named]
+        tried = sorted([*tried, *_pairs(view, singles, plain, progress)], key=_total)
+    return tried
+
+
+def _of_every_variable(promising_first: list[Candidate]) -> list[Candidate]:
+    """The most promising forms, and the best one of every variable even where it promises little."""
+    seen: set[Trace] = set()
+    kept = []
+    for place, form in enumerate(promising_first):
+        if place < _GENERAL or form.trace not in seen:
+            kept.append(form)
+        seen.add(form.trace)
+    return kept
+
+
+def _contenders(tried: list[State]) -> list[State]:
+    """The best few, and the best of each kind: one name, one general form, two names."""
+    kinds = {(len(s.structure), s.last.named): s for s in reversed(tried)}
+    return [s for i, s in enumerate(tried) if i < _CONTENDERS or s in kinds.values()]
+
+
+def _whole(problem: Problem, found: State) -> State:
+    """A state found piece by piece, fitted to whole runs."""
+    return state_of(problem, fit(problem, found.structure, found.fit.x, found.fit.trials), found.samples)
 
 
 def _possible(problem: Problem, before: State, suspect: Candidate) -> bool:
@@ -155,9 +209,16 @@ def _total(state: State) -> float:
 
 def worthwhile(before: State, chi: float) -> bool:
     """Whether chi falls by more than what the log's reconstruction, or an unnamed form, may leave."""
-    if any(not c.named for c in before.structure):
+    if before.chi <= chi:
+        return False
+    if _has_unnamed(before):
         return chi <= ON_TOP_OF_UNNAMED * before.chi
-    return before.chi - chi >= max(LEAST_CHI, LEAST_SHARE * before.chi)
+    share = LATER_SHARE if before.structure else LEAST_SHARE
+    return before.chi - chi >= max(LEAST_CHI, share * before.chi)
+
+
+def _has_unnamed(state: State) -> bool:
+    return any(not c.named for c in state.structure)
 
 
 def without(problem: Problem, state: State, index: int) -> State:
@@ -170,14 +231,14 @@ def without(problem: Problem, state: State, index: int) -> State:
 
 
 def _needed(problem: Problem, state: State) -> State:
-    """Now that all are known: drop every effect that the others make superfluous."""
-    index = 0
-    while index < len(state.structure) and len(state.structure) > 1:
-        less = without(problem, state, index)
-        if worthwhile(less, state.chi):
-            index += 1
-        else:
-            state, index = less, 0
+    """Now that all are known: drop, least useful first, every effect that the others make superfluous."""
+    while len(state.structure) > 1:
+        least = min(
+            (without(problem, state, index) for index in range(len(state.structure))), key=lambda s: s.chi
+        )
+        if worthwhile(least, state.chi):
+            break
+        state = least
     return state
 
 

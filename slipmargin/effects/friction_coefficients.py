@@ -10,12 +10,14 @@ import numpy as np
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
+from slipmargin.model.terms import Modulation
+from slipmargin.model.variables import Basis, Target, Variable
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrictionCoefficients(Effect):
-    """μ_W ← μ_W · drive_factor, μ_T ← μ_T · transverse_factor, on rollers."""
+    """μ_W ← μ_W · drive_factor, μ_T ← μ_T · transverse_factor on rollers; k ← k · steepness_factor."""
 
     name: ClassVar[str] = "friction_coefficients"
     traced_to: ClassVar[Trace] = Trace.COEFFICIENT
@@ -39,6 +41,16 @@ class FrictionCoefficients(Effect):
             scale=0.05,
             meaning="true over stated transverse coefficient",
         ),
+        Parameter(
+            name="steepness_factor",
+            unit="1",
+            low=0.01,
+            high=100.0,
+            null=1.0,
+            scale=0.2,
+            meaning="true over stated steepness k of eq. (11)",
+            starts=(0.3, 3.0),
+        ),
     )
     source: ClassVar[str] = "Williams et al. 2002, Table I and eq. (11); above 1 = more friction than stated"
     confirm: ClassVar[str] = (
@@ -47,6 +59,7 @@ class FrictionCoefficients(Effect):
 
     drive_factor: float
     transverse_factor: float
+    steepness_factor: float = 1.0
     wheels: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -55,5 +68,16 @@ class FrictionCoefficients(Effect):
     def rewrite(self, part: Grip, nominal: Model) -> Grip:
         """Grip with other coefficients on rollers."""
         factor = np.array([self.drive_factor, self.transverse_factor])
-        weight = self.mask(nominal)[:, None]
-        return replace(part, roller=part.roller * (1.0 + weight * (factor - 1.0)))
+        weight = self.mask(nominal)
+        roller = part.roller * (1.0 + weight[:, None] * (factor - 1.0))
+        if self.steepness_factor == 1.0:
+            return replace(part, roller=roller)
+        steeper = Modulation(
+            variable=Variable.UNITY,
+            basis=Basis.CONSTANT,
+            target=Target.STIFFNESS,
+            shape=np.array([1.0, 0.0]),
+            coefficients=np.array([self.steepness_factor - 1.0]),
+            wheels=weight,
+        )
+        return replace(part, roller=roller, modulations=(*part.modulations, steeper))
