@@ -240,8 +240,8 @@ def _linearise(
     return base, jacobian
 
 
-def leave_one_out(found: Fit) -> Array:
-    """Parameters (R, P) fitted without each trial: one Gauss–Newton step −H₋ᵢ⁻¹ g₋ᵢ."""
+def leave_one_out(found: Fit, damping: float = 0.0) -> Array:
+    """Parameters (R, P) fitted without each trial: one Gauss–Newton step −H₋ᵢ⁻¹ g₋ᵢ, damped if asked."""
     low, high, scale = _limits(found.structure)
     scaled = found.jacobian * scale
     normals = np.einsum("rkp,rkq->rpq", scaled, scaled)
@@ -253,6 +253,7 @@ def leave_one_out(found: Fit) -> Array:
         normal = normals.sum(axis=0) - own_normal + believed.pull
         gradient = gradients.sum(axis=0) - own_gradient + pulled
         ridge = 1e-8 * (np.trace(normal) + 1e-12) * np.eye(len(found.x))
+        ridge += damping * np.diag(np.diag(normal))
         step = np.linalg.lstsq(normal + ridge, -gradient, rcond=None)[0]
         rows.append(np.clip(found.x + step * scale, low, high))
     return np.array(rows)
@@ -270,11 +271,34 @@ def shifted_by(other: Residuals, found: Fit) -> Array:
 def cross_validate(problem: Residuals, found: Fit) -> Array:
     """Sum of squares (R,) of each trial, simulated with parameters that have not seen it."""
     count = len(found.trials)
+    inside = np.asarray(np.sum(found.residual**2, axis=1))
     if not len(found.x) or count < 2:
-        return np.asarray(np.sum(found.residual**2, axis=1))
-    effects = [build(found.structure, x) for x in leave_one_out(found)]
+        return inside
+    xs = leave_one_out(found)
+    if found.cost > _BENT**2 * np.count_nonzero(found.residual):
+        xs = _best_left_out(problem, found, [xs, *(leave_one_out(found, d) for d in _DAMPED)])
+    effects = [build(found.structure, x) for x in xs]
     out = problem.residuals(effects, [found.trials[i : i + 1] for i in range(count)])
     return np.array([float(np.sum(r**2)) for r in out])
+
+
+#: Above this chi a step may be too long for its tangent: damped ones, and none at all, are tried too.
+_BENT = 1.5
+_DAMPED = (0.1, 10.0)
+
+
+def _best_left_out(problem: Residuals, found: Fit, tried: list[Array]) -> Array:
+    """Of the parameters tried without each trial, those (R, P) that suit the other trials best."""
+    count = len(found.trials)
+    others = [np.delete(found.trials, i) for i in range(count)]
+    inside = np.sum(found.residual**2, axis=1)
+    best, cost = np.tile(found.x, (count, 1)), inside.sum() - inside
+    for xs in tried:
+        out = problem.residuals([build(found.structure, x) for x in xs], others)
+        costs = np.array([float(np.sum(r**2)) for r in out])
+        better = costs < cost
+        best[better], cost = xs[better], np.where(better, costs, cost)
+    return best
 
 
 def tangents(problem: Residuals, base: Fit, suspects: Sequence[Candidate]) -> list[Array]:

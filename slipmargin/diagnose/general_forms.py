@@ -86,6 +86,12 @@ def _over_contact(model: Model, r: Ranges) -> list[Candidate]:
             [(Variable.SLIP_RATIO, Basis.DECAY, (s, 1.0), 1, both, None) for s in (0.03, 0.1, 0.3, 1.0)],
         ),
         friction(
+            Trace.SLIP_RATIO,
+            "curve over ratio",
+            model,
+            [(Variable.SLIP_RATIO, Basis.HATS, (0.0, 1.5), 7, both, None)],
+        ),
+        friction(
             Trace.COEFFICIENT,
             "coefficients and steepness",
             model,

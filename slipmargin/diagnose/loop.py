@@ -66,7 +66,7 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
         *general_candidates(model, ranges(trials), commanded),
     ]
     progress("looking where the residual sits", 0.0)
-    state, rounds = search(problem, seen, suspects, seed, progress)
+    problem, state, rounds = search(problem, seen, suspects, seed, progress)
     progress("fitting all trials", 0.0)
     problem = problem.rebuilt(Way.FULL)
     final = fit(problem, state.structure, state.fit.x, everyone)

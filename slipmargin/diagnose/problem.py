@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from slipmargin.checks import Array, Index
 from slipmargin.diagnose.prepare import Trial
 from slipmargin.diagnose.sense import is_ideal, measure
-from slipmargin.diagnose.signals import Way, rolling_twist, wheel_signal
+from slipmargin.diagnose.signals import Way, rolling_twist, turned, wheel_signal
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.effects.recipe import with_effects
 from slipmargin.errors import InputError
@@ -42,8 +42,8 @@ _MOST_STEPS = 40_000
 class Problem:
     """Cleaned trials on one surface, the recipe believed so far, and the compiled simulator.
 
-    ``measured`` (R, T, 3) and ``seen`` (R, T, 3) are padded to the longest trial; ``piece`` is the
-    number of samples a piece, None for whole runs.
+    ``measured`` (R, T, 3) and ``seen`` (R, T, 3) are padded to the longest trial; ``rotor`` (R, N)
+    are added to the wheel angles [rad]; ``piece`` is the number of samples a piece, None for whole runs.
     """
 
     recipe: Recipe
@@ -57,6 +57,8 @@ class Problem:
     starts: Array
     twists: Array
     commanded: bool
+    rotor: Array
+    way: Way = Way.THIN
     rtol: float = _RTOL
     piece: int | None = None
 
@@ -81,6 +83,7 @@ class Problem:
             measured=np.where(seen, measured, 0.0),
             seen=seen,
             commanded=commanded,
+            rotor=np.zeros((len(trials), nominal.count)),
             starts=np.array([t.start for t in trials]),
             twists=np.array([rolling_twist(nominal, t, s) for t, s in zip(trials, signals, strict=True)]),
         )
@@ -140,9 +143,18 @@ class Problem:
 
     def rebuilt(self, way: Way) -> Problem:
         """The same problem with the wheels' motion rebuilt another way, and integrated finely."""
-        signals = tuple(wheel_signal(t, self.commanded, way) for t in self.trials)
-        batch = Batch(signals, [t.t_s for t in self.trials], commanded=self.commanded)
-        return replace(self, batch=batch, rtol=_FINE_RTOL)
+        return replace(self, batch=self._batch(way, self.rotor), way=way, rtol=_FINE_RTOL)
+
+    def with_rotor(self, rotor: Array) -> Problem:
+        """The same problem with other angles (R, N) added to the wheels' [rad]."""
+        return replace(self, batch=self._batch(self.way, rotor), rotor=rotor)
+
+    def _batch(self, way: Way, rotor: Array) -> Batch:
+        signals = [
+            turned(wheel_signal(t, self.commanded, way), row)
+            for t, row in zip(self.trials, rotor, strict=True)
+        ]
+        return Batch(signals, [t.t_s for t in self.trials], commanded=self.commanded)
 
     def in_pieces(self, duration_s: float) -> Problem:
         """The same problem compared piece by piece, each with a start pose of its own."""

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from slipmargin.checks import Index
+from slipmargin.checks import Array, Index
+from slipmargin.diagnose import rotor
 from slipmargin.diagnose.candidate import Candidate
-from slipmargin.diagnose.evidence import luck
-from slipmargin.diagnose.fit import evaluate, fit, tangents
+from slipmargin.diagnose.evidence import intervals, luck
+from slipmargin.diagnose.fit import evaluate, fit, leave_one_out, tangents
 from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.search import (
     AT_NOISE,
@@ -59,8 +60,15 @@ _FIRSTS, _SECONDS, _PAIRS = 6, 4, 4
 
 def search(
     problem: Problem, trials: Index, suspects: list[Candidate], seed: int, progress: Progress
-) -> tuple[State, list[Round]]:
-    """What the model lacks, judged on ``trials``, and the rounds in which it was found."""
+) -> tuple[Problem, State, list[Round]]:
+    """What the model lacks, judged on ``trials``, and the rounds in which it was found.
+
+    The problem comes back as well: rotor angles that were not logged are estimated on the way.
+    """
+    unknown = rotor.is_unknown(problem)
+    if unknown:
+        progress("estimating rotor angles", 0.0)
+        problem = rotor.guessed(problem)
     state = base_state(problem, trials, problem.samples(trials))
     rounds: list[Round] = []
     for number in range(MOST_EFFECTS):
@@ -70,9 +78,15 @@ def search(
         if not step.taken or step.best is None:
             break
         state = step.best
+        if unknown and any(c.trace is Trace.WHEEL_ANGLE for c in state.structure):
+            everyone = np.arange(len(problem.trials), dtype=np.int64)
+            problem, better = rotor.refined(
+                problem, evaluate(problem, state.structure, state.fit.x, everyone)
+            )
+            state = state_of(problem, fit(problem, state.structure, better.x, trials), state.samples)
         if len(state.structure) >= MOST_EFFECTS:
             break
-    return _needed(problem, state), rounds
+    return problem, _needed(problem, state), rounds
 
 
 def take_step(
@@ -81,37 +95,42 @@ def take_step(
     """The best addition to ``before``, and whether it is beyond luck and worth its parameters."""
     inside = {c.label for c in before.structure}
     fresh = [s for s in suspects if s.label not in inside and _possible(problem, before, s)]
+    fresh.sort(key=lambda s: not s.named)
     progress("comparing with every suspect", 0.0)
     far = before.chi > FAR
     view = problem.in_pieces(PIECE_S) if far else problem
     start = state_of(view, evaluate(view, before.structure, before.fit.x, before.fit.trials), before.samples)
-    slopes = tangents(view, start.fit, fresh)
-    hopes = [promise(start.fit.residual, slope) for slope in slopes]
     step_s = float(np.median(np.concatenate([np.diff(t.t_s) for t in problem.trials])))
-    reachable = float(np.sqrt(max(0.0, start.chi**2 - max(hopes) / start.samples)))
-    hopeless = (start.chi < AT_NOISE or bool(before.structure)) and not worthwhile(start, reachable)
-    if hopeless or not worthwhile(before, _FLOOR):
-        p_value = luck(max(hopes), slopes, start.fit.residual, step_s, seed)
-        return Round(
-            before=before,
-            suspects=tuple(fresh),
-            hopes=tuple(hopes),
-            tried=(),
-            best=None,
-            p_value=p_value,
-            taken=False,
-        )
-    tried = _try_all(view, start, fresh, hopes, progress, pairs)
+    slopes: list[Array] = []
+    if not far:
+        slopes = tangents(view, start.fit, fresh)
+        hopes = [promise(start.fit.residual, slope) for slope in slopes]
+        reachable = float(np.sqrt(max(0.0, start.chi**2 - max(hopes) / start.samples)))
+        hopeless = (start.chi < AT_NOISE or bool(before.structure)) and not worthwhile(start, reachable)
+        if hopeless or not worthwhile(before, _FLOOR):
+            return Round(
+                before=before,
+                suspects=tuple(fresh),
+                hopes=tuple(hopes),
+                tried=(),
+                best=None,
+                p_value=luck(max(hopes), slopes, start.fit.residual, step_s, seed),
+                taken=False,
+            )
+    tried, slopes = _try_all(view, start, fresh, slopes, progress, pairs)
     first = choose(tried)
     p_value = luck(start.fit.cost - first.fit.cost, slopes, first.fit.residual, step_s, seed)
     if far:
         progress("fitting whole runs", 0.95)
-        tried = sorted((_whole(problem, s) for s in _contenders(tried)), key=_total)
+        whole = [(s, _whole(problem, s)) for s in _contenders(tried)]
+        tried = sorted((w for _, w in whole), key=_total)
     best = choose(tried)
+    if far and best.chi > FAR:  # whole runs are too bent to judge by: the pieces do
+        best = next(w for s, w in whole if s is first)
     return Round(
         before=before,
-        suspects=tuple(fresh),
-        hopes=tuple(hopes),
+        suspects=tuple(fresh[: len(slopes)]),
+        hopes=tuple(promise(start.fit.residual, slope) for slope in slopes),
         tried=tuple(tried),
         best=best,
         p_value=p_value,
@@ -123,25 +142,37 @@ def _try_all(
     view: Problem,
     before: State,
     fresh: list[Candidate],
-    hopes: list[float],
+    slopes: list[Array],
     progress: Progress,
     pairs: bool,
-) -> list[State]:
-    """Named effects; where they leave something, general forms; where these do, pairs of names."""
-    order = np.argsort(hopes)[::-1]
+) -> tuple[list[State], list[Array]]:
+    """Named effects; where they leave something, general forms; where these do, pairs of names.
+
+    ``slopes`` are the tangents known of ``fresh``, which has the names first; those that were needed
+    come back.
+    """
+    names = [s for s in fresh if s.named]
+    slopes = slopes or tangents(view, before.fit, names)
     later = bool(before.structure)
-    named = [fresh[i] for i in order if fresh[i].named][: _NAMED // 2 if later else _NAMED]
+    named = _promising(before, names, slopes)[: _NAMED // 2 if later else _NAMED]
     tried = extend(view, before, named, progress, enough=AT_NOISE)
     if tried and tried[0].chi <= AT_NOISE:
-        return tried
-    singles = list(tried)
-    forms = [fresh[i] for i in order if not fresh[i].named]
-    general = forms[: _GENERAL // 2] if later else _of_every_variable(forms)
+        return tried, slopes
+    singles, forms = list(tried), fresh[len(names) :]
+    if len(slopes) == len(names):
+        slopes = [*slopes, *tangents(view, before.fit, forms)]
+    general = _promising(before, forms, slopes[len(names) :])
+    general = general[: _GENERAL // 2] if later else _of_every_variable(general)
     tried = sorted([*tried, *extend(view, before, general, progress, enough=AT_NOISE)], key=_total)
     if pairs and (tried[0].chi > NEAR_NOISE or before.chi > FAR):
-        plain = [s for s in fresh if s.named]
-        tried = sorted([*tried, *_pairs(view, singles, plain, progress)], key=_total)
-    return tried
+        tried = sorted([*tried, *_pairs(view, singles, names, progress)], key=_total)
+    return tried, slopes
+
+
+def _promising(before: State, suspects: list[Candidate], slopes: list[Array]) -> list[Candidate]:
+    """Those whose tangents promise most first."""
+    hopes = [promise(before.fit.residual, slope) for slope in slopes[: len(suspects)]]
+    return [suspects[i] for i in np.argsort(hopes, kind="stable")[::-1]]
 
 
 def _of_every_variable(promising_first: list[Candidate]) -> list[Candidate]:
@@ -158,11 +189,11 @@ def _of_every_variable(promising_first: list[Candidate]) -> list[Candidate]:
 def _contenders(tried: list[State]) -> list[State]:
     """The best few, and the best of each kind: one name, one general form, two names."""
     kinds = {(len(s.structure), s.last.named): s for s in reversed(tried)}
-    return [s for i, s in enumerate(tried) if i < _CONTENDERS or s in kinds.values()]
+    return [s for i, s in enumerate(tried) if i < _CONTENDERS or s in kinds.values() or s is choose(tried)]
 
 
 def _whole(problem: Problem, found: State) -> State:
-    """A state found piece by piece, fitted to whole runs."""
+    """A state found on another view of the problem, fitted to this one."""
     return state_of(problem, fit(problem, found.structure, found.fit.x, found.fit.trials), found.samples)
 
 
@@ -231,15 +262,29 @@ def without(problem: Problem, state: State, index: int) -> State:
 
 
 def _needed(problem: Problem, state: State) -> State:
-    """Now that all are known: drop, least useful first, every effect that the others make superfluous."""
+    """Now that all are known: drop, least useful first, every effect that the others make superfluous.
+
+    So is a named effect whose parameters may all be null as far as these trials say.
+    """
     while len(state.structure) > 1:
-        least = min(
-            (without(problem, state, index) for index in range(len(state.structure))), key=lambda s: s.chi
-        )
-        if worthwhile(least, state.chi):
+        fewer = [without(problem, state, index) for index in range(len(state.structure))]
+        idle = _nothing_sure(state)
+        least = min(range(len(fewer)), key=lambda i: (not idle[i], fewer[i].chi))
+        if not idle[least] and worthwhile(fewer[least], state.chi):
             break
-        state = least
+        state = fewer[least]
     return state
+
+
+def _nothing_sure(state: State) -> list[bool]:
+    """For each effect, whether it is a named one and every interval of its parameters holds the null."""
+    sizes = [c.size for c in state.structure]
+    scale = np.concatenate([c.scale for c in state.structure])
+    null = np.concatenate([c.null for c in state.structure])
+    spread = intervals(state.fit, leave_one_out(state.fit), scale, np.zeros(len(null)))
+    holds = (spread.low <= null) & (null <= spread.high)
+    parts = np.split(holds, np.cumsum(sizes)[:-1])
+    return [c.named and bool(part.all()) for c, part in zip(state.structure, parts, strict=True)]
 
 
 def _staged(progress: Progress, stage: str) -> Progress:

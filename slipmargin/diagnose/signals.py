@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from enum import Enum
 
 import numpy as np
@@ -25,7 +26,7 @@ def wheel_signal(trial: Trial, commanded: bool, way: Way = Way.THIN) -> WheelSig
     """Wheel angles over time: cubic between samples where angle and speed are known.
 
     Missing samples are bridged by their neighbours.  Without logged angles the rotor angles start at
-    zero, which matters only to effects of the wheel angle.
+    zero, which matters only to effects of the wheel angle (:mod:`~slipmargin.diagnose.rotor`).
     """
     record = trial.record
     t = record.t_s
@@ -42,6 +43,15 @@ def wheel_signal(trial: Trial, commanded: bool, way: Way = Way.THIN) -> WheelSig
     if record.omega is None:
         raise InputError(trial.name, "has no measured wheel speeds", "add omega{i}_rad_s or theta{i}_rad")
     return _by_speed(t, _bridged(t, record.omega), way)
+
+
+def turned(signal: WheelSignal, angle: Array) -> WheelSignal:
+    """The same motion with ``angle`` (N,) added to the wheel angles [rad]."""
+    if not angle.any():
+        return signal
+    pieces = signal.pieces.copy()
+    pieces[:, :, 0] += angle
+    return replace(signal, pieces=pieces)
 
 
 def _by_speed(t: Array, omega: Array, way: Way) -> WheelSignal:
