@@ -22,14 +22,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from planting import Plant, commanded, planted, plants
+from inventions import plants
+from planting import Plant, commanded, planted, smooth_kiwi
 
 from slipmargin.diagnose.diagnosis import Diagnosis
 from slipmargin.diagnose.loop import diagnose
-from slipmargin.effects import Effect, Recipe
+from slipmargin.effects import Effect
 from slipmargin.effects.catalogue import CATALOGUE, effect_class
 from slipmargin.io.data_set import DataSet, read_data_set
-from slipmargin.io.robot_file import read_recipe
 from slipmargin.io.writes import write_text
 
 #: Typical sizes of the catalogue's effects: (parameter, smallest, largest, either sign).
@@ -112,7 +112,7 @@ def sets(folders: list[str]) -> list[Job]:
 
 
 def inventions() -> list[Job]:
-    """The plants of :mod:`planting`."""
+    """The plants of :mod:`inventions`."""
     return [
         Job(
             name=plant.name,
@@ -176,13 +176,6 @@ def drawn(name: str, random: np.random.Generator) -> Effect:
         values[key] = random.uniform(low, high) * (random.choice([-1.0, 1.0]) if signed else 1.0)
     wheels = (str(random.choice(["1", "2", "3"])),) if name in _ONE_WHEEL else ()
     return effect.of(np.array([values[p.name] for p in effect.parameters]), wheels)
-
-
-def smooth_kiwi() -> Recipe:
-    """The paper's robot without rigid sectors and with wheels called 1, 2, 3."""
-    recipe = read_recipe("ohio-kiwi")
-    wheels = tuple(replace(w, rigid_fraction=0.0, name=str(i + 1)) for i, w in enumerate(recipe.robot.wheels))
-    return replace(recipe, robot=replace(recipe.robot, wheels=wheels))
 
 
 def show(line: dict[str, Any]) -> dict[str, Any]:

@@ -276,7 +276,7 @@ def cross_validate(problem: Residuals, found: Fit) -> Array:
         return inside
     xs = leave_one_out(found)
     if found.cost > _BENT**2 * np.count_nonzero(found.residual):
-        xs = _best_left_out(problem, found, [xs, *(leave_one_out(found, d) for d in _DAMPED)])
+        xs = best_left_out(problem, found, [xs, *(leave_one_out(found, d) for d in _DAMPED)])
     effects = [build(found.structure, x) for x in xs]
     out = problem.residuals(effects, [found.trials[i : i + 1] for i in range(count)])
     return np.array([float(np.sum(r**2)) for r in out])
@@ -287,7 +287,7 @@ _BENT = 1.5
 _DAMPED = (0.1, 10.0)
 
 
-def _best_left_out(problem: Residuals, found: Fit, tried: list[Array]) -> Array:
+def best_left_out(problem: Residuals, found: Fit, tried: list[Array]) -> Array:
     """Of the parameters tried without each trial, those (R, P) that suit the other trials best."""
     count = len(found.trials)
     others = [np.delete(found.trials, i) for i in range(count)]

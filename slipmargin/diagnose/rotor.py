@@ -15,13 +15,12 @@ from slipmargin.diagnose.problem import Problem
 from slipmargin.effects import AnyEffect
 from slipmargin.effects.rigid_sector import RigidSector
 
-#: Start angles tried over a pitch; then these steps, of a 60th of it, around the best one.
+#: Start angles tried, in pitches: all round; then, turn by turn, closer and closer to the best one.
 _AROUND = np.arange(1, 20) / 20.0
-_CLOSE = np.array([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0]) / 60.0
+_CLOSE = np.array([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0])
+_FINER = (60.0, 60.0, 120.0, 240.0)
 #: Runs are compared in pieces this long [s]: a wrong angle early on must not spoil what follows.
 _PIECE_S = 0.3
-#: How often the angles and the effect's size are found in turn.
-_TURNS = 4
 
 
 def is_unknown(problem: Problem) -> bool:
@@ -33,7 +32,8 @@ def guessed(problem: Problem) -> Problem:
     """With the start angles that rigid material between the rollers, if there is any, would ask for."""
     everyone = np.arange(len(problem.trials), dtype=np.int64)
     if np.any(problem.nominal.grip.rigid_fraction > 0.0):
-        return _closer(_swept(problem, (), everyone, _AROUND), (), everyone)
+        problem = _swept(problem, (), everyone, _AROUND)
+        return _swept(problem, (), everyone, _CLOSE / _FINER[0])
     suspect = named_candidate(RigidSector, ("rigid_fraction", "rigid_coefficient"))
     found = evaluate(problem, (suspect,), suspect.starts[0], everyone)
     return refined(_swept(problem, found.effects, everyone, _AROUND), found)[0]
@@ -41,14 +41,10 @@ def guessed(problem: Problem) -> Problem:
 
 def refined(problem: Problem, found: Fit) -> tuple[Problem, Fit]:
     """Start angles and the parameters of a fit, each found in turn with the other as it stands."""
-    for _ in range(_TURNS):
-        problem = _closer(problem, found.effects, found.trials)
+    for fineness in _FINER:
+        problem = _swept(problem, found.effects, found.trials, _CLOSE / fineness)
         found = fit(problem.in_pieces(_PIECE_S), found.structure, found.x, found.trials)
     return problem, found
-
-
-def _closer(problem: Problem, effects: tuple[AnyEffect, ...], trials: Index) -> Problem:
-    return _swept(problem, effects, trials, _CLOSE)
 
 
 def _swept(problem: Problem, effects: tuple[AnyEffect, ...], trials: Index, steps: Array) -> Problem:

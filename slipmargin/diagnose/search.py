@@ -28,6 +28,8 @@ _HOPELESS = 6.0
 MANY_TRIALS = 6
 #: A cross-validated chi this close to 1 leaves nothing for another form to explain.
 AT_NOISE = 1.06
+#: Above this chi, runs are compared piece by piece: whole ones bend too much with the parameters.
+FAR = 5.0
 
 Progress = Callable[[str, float], None]
 
@@ -87,6 +89,16 @@ class Round:
         return [s for s in self.tried if s is not best and indistinguishable(s, best)]
 
 
+def by_chi(state: State) -> float:
+    """Key that sorts states best first."""
+    return state.chi
+
+
+def staged(progress: Progress, stage: str) -> Progress:
+    """Progress whose texts begin with the stage."""
+    return lambda text, share: progress(f"{stage}: {text}", share)
+
+
 def state_of(problem: Residuals, found: Fit, samples: float) -> State:
     """A fit with its cross-validated scores."""
     inside, outside = np.sum(found.residual**2, axis=1), cross_validate(problem, found)
@@ -140,7 +152,7 @@ def extend(
         states.append(state_of(problem, full, before.samples))
         if states[-1].chi <= enough and i >= 2:
             break
-    return sorted(states, key=lambda s: float(s.scores.sum()))
+    return sorted(states, key=by_chi)
 
 
 def some_of(trials: Index) -> Index:

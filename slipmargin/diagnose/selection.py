@@ -16,19 +16,19 @@ from slipmargin.diagnose.fit import evaluate, fit, leave_one_out, tangents
 from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.search import (
     AT_NOISE,
+    FAR,
     Progress,
     Round,
     State,
     base_state,
+    by_chi,
     choose,
-    extend,
     promise,
-    short_fits,
-    some_of,
+    staged,
     state_of,
 )
+from slipmargin.diagnose.shortlist import contenders, possible, try_all
 from slipmargin.effects import Trace
-from slipmargin.errors import InputError
 
 #: An effect is taken only if it is beyond luck at this level …
 SIGNIFICANCE = 0.01
@@ -40,22 +40,12 @@ LATER_SHARE = 0.1
 #: On top of an effect without a name chi must fall to this share: its form is only approximate, and
 #: what it leaves must not be given names.
 ON_TOP_OF_UNNAMED = 0.5
-#: A general form that leaves less than this is good enough not to look for pairs of names.
-NEAR_NOISE = 1.3
 #: No model predicts better than this.
 _FLOOR = 0.97
 #: At most so many effects.
 MOST_EFFECTS = 4
-#: Above this chi, runs are compared piece by piece: whole ones bend too much with the parameters.
-FAR = 5.0
 #: Length of a piece [s].
 PIECE_S = 0.5
-#: How many of what was found piece by piece are fitted to whole runs.
-_CONTENDERS = 3
-#: How many named effects and general forms are fitted, by the gain their tangent promises.
-_NAMED, _GENERAL = 20, 10
-#: How many single effects are tried as the first of two, and how many pairs get a full fit.
-_FIRSTS, _SECONDS, _PAIRS = 6, 4, 4
 
 
 def search(
@@ -72,7 +62,7 @@ def search(
     state = base_state(problem, trials, problem.samples(trials))
     rounds: list[Round] = []
     for number in range(MOST_EFFECTS):
-        stage = _staged(progress, f"round {number + 1}")
+        stage = staged(progress, f"round {number + 1}")
         step = take_step(problem, state, suspects, seed, stage, pairs=number == 0)
         rounds.append(step)
         if not step.taken or step.best is None:
@@ -94,7 +84,7 @@ def take_step(
 ) -> Round:
     """The best addition to ``before``, and whether it is beyond luck and worth its parameters."""
     inside = {c.label for c in before.structure}
-    fresh = [s for s in suspects if s.label not in inside and _possible(problem, before, s)]
+    fresh = [s for s in suspects if s.label not in inside and possible(problem, before, s)]
     fresh.sort(key=lambda s: not s.named)
     progress("comparing with every suspect", 0.0)
     far = before.chi > FAR
@@ -117,13 +107,13 @@ def take_step(
                 p_value=luck(max(hopes), slopes, start.fit.residual, step_s, seed),
                 taken=False,
             )
-    tried, slopes = _try_all(view, start, fresh, slopes, progress, pairs)
+    tried, slopes = try_all(view, start, fresh, slopes, progress, pairs)
     first = choose(tried)
     p_value = luck(start.fit.cost - first.fit.cost, slopes, first.fit.residual, step_s, seed)
     if far:
         progress("fitting whole runs", 0.95)
-        whole = [(s, _whole(problem, s)) for s in _contenders(tried)]
-        tried = sorted((w for _, w in whole), key=_total)
+        whole = [(s, _whole(problem, s)) for s in contenders(tried)]
+        tried = sorted((w for _, w in whole), key=by_chi)
     best = choose(tried)
     if far and best.chi > FAR:  # whole runs are too bent to judge by: the pieces do
         best = next(w for s, w in whole if s is first)
@@ -138,104 +128,9 @@ def take_step(
     )
 
 
-def _try_all(
-    view: Problem,
-    before: State,
-    fresh: list[Candidate],
-    slopes: list[Array],
-    progress: Progress,
-    pairs: bool,
-) -> tuple[list[State], list[Array]]:
-    """Named effects; where they leave something, general forms; where these do, pairs of names.
-
-    ``slopes`` are the tangents known of ``fresh``, which has the names first; those that were needed
-    come back.
-    """
-    names = [s for s in fresh if s.named]
-    slopes = slopes or tangents(view, before.fit, names)
-    later = bool(before.structure)
-    named = _promising(before, names, slopes)[: _NAMED // 2 if later else _NAMED]
-    tried = extend(view, before, named, progress, enough=AT_NOISE)
-    if tried and tried[0].chi <= AT_NOISE:
-        return tried, slopes
-    singles, forms = list(tried), fresh[len(names) :]
-    if len(slopes) == len(names):
-        slopes = [*slopes, *tangents(view, before.fit, forms)]
-    general = _promising(before, forms, slopes[len(names) :])
-    general = general[: _GENERAL // 2] if later else _of_every_variable(general)
-    tried = sorted([*tried, *extend(view, before, general, progress, enough=AT_NOISE)], key=_total)
-    if pairs and (tried[0].chi > NEAR_NOISE or before.chi > FAR):
-        tried = sorted([*tried, *_pairs(view, singles, names, progress)], key=_total)
-    return tried, slopes
-
-
-def _promising(before: State, suspects: list[Candidate], slopes: list[Array]) -> list[Candidate]:
-    """Those whose tangents promise most first."""
-    hopes = [promise(before.fit.residual, slope) for slope in slopes[: len(suspects)]]
-    return [suspects[i] for i in np.argsort(hopes, kind="stable")[::-1]]
-
-
-def _of_every_variable(promising_first: list[Candidate]) -> list[Candidate]:
-    """The most promising forms, and the best one of every variable even where it promises little."""
-    seen: set[Trace] = set()
-    kept = []
-    for place, form in enumerate(promising_first):
-        if place < _GENERAL or form.trace not in seen:
-            kept.append(form)
-        seen.add(form.trace)
-    return kept
-
-
-def _contenders(tried: list[State]) -> list[State]:
-    """The best few, and the best of each kind: one name, one general form, two names."""
-    kinds = {(len(s.structure), s.last.named): s for s in reversed(tried)}
-    return [s for i, s in enumerate(tried) if i < _CONTENDERS or s in kinds.values() or s is choose(tried)]
-
-
 def _whole(problem: Problem, found: State) -> State:
     """A state found on another view of the problem, fitted to this one."""
     return state_of(problem, fit(problem, found.structure, found.fit.x, found.fit.trials), found.samples)
-
-
-def _possible(problem: Problem, before: State, suspect: Candidate) -> bool:
-    """Whether the suspect can stand beside what is known: two laws for one thing refuse each other."""
-    try:
-        problem.model((*before.fit.effects, suspect.build(suspect.starts[0])))
-    except InputError:
-        return False
-    return True
-
-
-def _pairs(problem: Problem, singles: list[State], plain: list[Candidate], progress: Progress) -> list[State]:
-    """Two named effects at once: where two are missing, neither alone need look good.
-
-    Each of the best singles is joined, on some of the trials, by the named effects whose tangents
-    promise most beside it; the best pairs are then fitted on all trials.
-    """
-    if not singles:
-        return []
-    trials = singles[0].fit.trials
-    some = some_of(trials)
-    short = []
-    for first in singles[:_FIRSTS]:
-        stage = _staged(progress, f"{first.last.label} and")
-        alone = evaluate(problem, first.structure, first.fit.x, some)
-        others = [c for c in plain if c.name != first.last.name and _possible(problem, first, c)]
-        slopes = tangents(problem, alone, others)
-        order = np.argsort([promise(alone.residual, slope) for slope in slopes])[::-1]
-        short += short_fits(problem, first, [others[i] for i in order[:_SECONDS]], some, stage)
-    short.sort(key=lambda f: f.cost)
-    states = []
-    for found in short[:_PAIRS]:
-        progress("fitting " + " and ".join(c.label for c in found.structure), 0.9)
-        states.append(state_of(problem, fit(problem, found.structure, found.x, trials), singles[0].samples))
-        if states[-1].chi <= AT_NOISE:
-            break
-    return states
-
-
-def _total(state: State) -> float:
-    return float(state.scores.sum())
 
 
 def worthwhile(before: State, chi: float) -> bool:
@@ -285,7 +180,3 @@ def _nothing_sure(state: State) -> list[bool]:
     holds = (spread.low <= null) & (null <= spread.high)
     parts = np.split(holds, np.cumsum(sizes)[:-1])
     return [c.named and bool(part.all()) for c, part in zip(state.structure, parts, strict=True)]
-
-
-def _staged(progress: Progress, stage: str) -> Progress:
-    return lambda text, share: progress(f"{stage}: {text}", share)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,8 +12,16 @@ from hypothesis import given, settings, strategies as st
 from slipmargin.checks import Array, Index
 from slipmargin.diagnose.candidate import Candidate
 from slipmargin.diagnose.evidence import intervals, luck
-from slipmargin.diagnose.fit import cross_validate, evaluate, fit, leave_one_out, tangents
-from slipmargin.diagnose.search import promise
+from slipmargin.diagnose.fit import (
+    best_left_out,
+    build,
+    cross_validate,
+    evaluate,
+    fit,
+    leave_one_out,
+    tangents,
+)
+from slipmargin.diagnose.search import State, choose, promise
 from slipmargin.effects import AnyEffect, Trace
 from slipmargin.effects.camera_rotation import CameraRotation
 from slipmargin.effects.camera_scale import CameraScale
@@ -138,3 +147,58 @@ def test_an_idle_parameter_stands_where_a_fit_would_start() -> None:
     found = {c.label: c for c in named_candidates(("1", "2", "3"), False, ())}
     assert found["rigid_sector with its coefficient"].null.tolist() == [0.0, 0.5]
     assert found["stribeck"].null.tolist() == [1.0, 0.03]
+
+
+def test_a_belief_holds_still_what_no_trial_shows_and_nothing_else() -> None:
+    problem = Line((0.2, 0.1), 0.01, 3)
+    problem.v[:] = 0.0  # nothing depends on the second parameter
+    problem.y -= 0.1 * problem.v
+    plain = candidate(CameraScale)
+    same = replace(plain, prior=np.array([[1.0, -1.0]]))  # believed: both are much the same
+    start = np.array([1.0, 1.0])
+    seen = fit(problem, (plain,), start, EVERY).x[0]
+    held = fit(problem, (same,), start, EVERY)
+    assert held.x[0] == pytest.approx(seen, abs=1e-3)
+    assert held.x[1] == pytest.approx(held.x[0], abs=1e-3)
+    np.testing.assert_allclose(leave_one_out(held)[:, 1], held.x[1], atol=0.02)
+
+
+class Bent(Line):
+    """The same line in the sine of the parameter: a tangent near the crest is far too long."""
+
+    def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
+        sines = [
+            tuple(replace(e, scale_x=1.0 + 0.4 * np.sin(8.0 * (e.scale_x - 1.0))) for e in made)
+            for made in effects
+        ]
+        return super().residuals(sines, trials)
+
+
+def test_a_left_out_trial_is_not_judged_by_a_tangent_that_is_too_long() -> None:
+    problem = Bent((0.39, 0.0), 0.01, 2)
+    found = evaluate(problem, (candidate(CameraScale),), np.array([1.19, 1.0]), EVERY)
+    naive = leave_one_out(found)
+    chosen = best_left_out(problem, found, [naive, leave_one_out(found, 10.0)])
+    for i, (one, other) in enumerate(zip(naive, chosen, strict=True)):
+        others = np.delete(EVERY, i)
+        cost = [
+            float(np.sum(problem.residuals([build(found.structure, x)], [others])[0] ** 2))
+            for x in (found.x, one, other)
+        ]
+        assert cost[1] > cost[0]  # the tangent leads astray
+        assert cost[2] <= min(cost)
+
+
+def test_of_equal_explanations_the_simple_one_is_chosen() -> None:
+    problem = Line((0.2, 0.0), 0.01, 3)
+
+    def state(structure: tuple[Candidate, ...], chi: float) -> State:
+        found = evaluate(problem, structure, np.concatenate([c.null for c in structure]), EVERY)
+        return State(fit=found, scores=np.full(TRIALS, chi**2 * SAMPLES), samples=float(TRIALS * SAMPLES))
+
+    one, other = candidate(CameraRotation), candidate(CameraScale)
+    unnamed = replace(one, named=False)
+    assert choose([state((one, other), 1.00), state((one,), 1.01)]).structure == (one,)
+    assert choose([state((unnamed,), 1.00), state((one,), 1.01)]).structure == (one,)
+    assert choose([state((one, other), 1.00), state((unnamed,), 1.00)]).structure == (unnamed,)
+    assert choose([state((unnamed,), 1.00), state((one,), 1.20)]).structure == (unnamed,)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from planting import Plant, force, planted
+from inventions import force
+from planting import Plant, planted
 
 from slipmargin.diagnose.diagnosis import Verdict
 from slipmargin.diagnose.loop import diagnose
