@@ -22,8 +22,9 @@ from slipmargin.effects import Trace
 AS_GOOD_FACTOR, AS_GOOD_OFFSET = 1.06, 0.02
 #: How many suspects go from the first, short fit to the full one.
 FINALISTS = 6
-#: A suspect whose short fit costs so many times the best one's gets no full fit.
-_HOPELESS = 6.0
+#: A suspect with more parameters than this whose short fit costs so many times the best one's gets
+#: no full fit.
+_CHEAP, _HOPELESS = 4, 6.0
 #: From so many trials on, first short fits use every other one.
 MANY_TRIALS = 6
 #: A cross-validated chi this close to 1 leaves nothing for another form to explain.
@@ -145,7 +146,10 @@ def extend(
     trials = before.fit.trials
     short = short_fits(problem, before, suspects, some_of(trials), progress)
     states: list[State] = []
-    for i, found in enumerate(f for f in short[:finalists] if f.cost <= _HOPELESS * short[0].cost):
+    worth = [
+        f for f in short[:finalists] if f.structure[-1].size <= _CHEAP or f.cost <= _HOPELESS * short[0].cost
+    ]
+    for i, found in enumerate(worth):
         progress(f"fitting {found.structure[-1].label}", i / finalists)
         best = min((s.fit.cost for s in states), default=np.inf)
         full = fit(problem, found.structure, found.x, trials, give_up_above=4.0 * best)

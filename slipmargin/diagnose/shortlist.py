@@ -33,7 +33,7 @@ NEAR_NOISE = 1.3
 #: How many of what was found piece by piece are fitted to whole runs.
 _CONTENDERS = 3
 #: How many named effects and general forms are fitted, by the gain their tangent promises.
-_NAMED, _GENERAL = 20, 10
+_NAMED, _GENERAL = 40, 10
 #: How many single effects are tried as the first of two, and how many pairs get a full fit.
 _FIRSTS, _SECONDS, _PAIRS = 6, 4, 4
 
