@@ -1,12 +1,19 @@
-"""Things that happened once: a bump, a lifted wheel, a camera that jumped.  Reported, not explained."""
+"""Things that happened once: a bump, a lifted wheel, a camera that jumped.  Reported, not explained.
+
+A run is cut where something happened, and what follows starts anew: it must not be taken for physics.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.diagnose.diagnosis import Event
 from slipmargin.diagnose.problem import Problem
+from slipmargin.motions.record import WHEEL_SIGNALS, Record
 
 #: Within how long an event happens [s].
 _SPAN_S = 0.1
@@ -14,6 +21,8 @@ _SPAN_S = 0.1
 #: largest ordinary jump (99th percentile over all trials).
 _SIGMAS, _ORDINARY = 12.0, 4.0
 _CHANNELS = ("x", "y", "phi")
+#: A part of a cut run is kept if it is as long as this [s].
+_LEAST_S = 0.4
 
 
 def find_events(problem: Problem, predicted: Array) -> tuple[Event, ...]:
@@ -60,3 +69,31 @@ def _jumps(gap: Array, half: int) -> Array:
     mean = (total[half:] - total[:-half]) / np.maximum(1.0, count[half:] - count[:-half])
     out[half:-half] = (mean[half:] - mean[:-half])[1:]
     return out
+
+
+def cut_apart(
+    records: Sequence[Record], events: Sequence[Event]
+) -> tuple[tuple[Record, ...], tuple[int, ...]]:
+    """The runs cut at their events, and of each part the number of the run it comes from."""
+    parts: list[Record] = []
+    runs: list[int] = []
+    for number, record in enumerate(records):
+        times = sorted(e.t_s for e in events if e.trial == record.name)
+        for part in _parts(record, times) if times else (record,):
+            parts.append(part)
+            runs.append(number)
+    return tuple(parts), tuple(runs)
+
+
+def _parts(record: Record, times: list[float]) -> list[Record]:
+    starts = [-np.inf, *(t + _SPAN_S for t in times)]
+    ends = [*(t - _SPAN_S for t in times), np.inf]
+    parts = []
+    for start, end in zip(starts, ends, strict=True):
+        rows = (record.t_s >= start) & (record.t_s <= end)
+        if rows.sum() < 2 or np.ptp(record.t_s[rows]) < _LEAST_S or not record.seen[rows].any():
+            continue
+        signals = {f: None if (v := getattr(record, f)) is None else v[rows] for f in WHEEL_SIGNALS}
+        name = f"{record.name} ({record.t_s[rows][0]:.2f}–{record.t_s[rows][-1]:.2f} s)"
+        parts.append(replace(record, name=name, t_s=record.t_s[rows], pose=record.pose[rows], **signals))
+    return parts

@@ -10,7 +10,7 @@ import numpy as np
 from slipmargin.checks import Array, Index
 from slipmargin.diagnose.candidate import named_candidates
 from slipmargin.diagnose.diagnosis import Diagnosis, Event, Finding, Score, Step, Trace3, Tried, Verdict
-from slipmargin.diagnose.events import find_events
+from slipmargin.diagnose.events import cut_apart, find_events
 from slipmargin.diagnose.findings import findings
 from slipmargin.diagnose.fit import Fit, build, fit, leave_one_out
 from slipmargin.diagnose.general_forms import general_candidates
@@ -23,6 +23,7 @@ from slipmargin.diagnose.signals import Way
 from slipmargin.diagnose.where import Dependence, dependences, residual_rate
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.io.data_set import DataSet, WheelSignal
+from slipmargin.motions.record import Record
 
 #: With at least so many trials some are held out altogether; with fewer all are cross-validated.
 ENOUGH_TO_HOLD_OUT = 6
@@ -53,11 +54,14 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
     """
     progress("reading the noise", 0.0)
     sigma = noise(data_set.trials) if data_set.sigma is None else data_set.sigma
-    trials = tuple(clean(record, sigma) for record in data_set.trials)
-    commanded = data_set.wheel_signal is WheelSignal.COMMANDED
-    problem = Problem.of(data_set.recipe, data_set.surface, trials, sigma, commanded)
+    uncut = problem = _problem(data_set, data_set.trials, sigma)
+    runs: tuple[int, ...] = tuple(range(len(data_set.trials)))
+    if events := _events(uncut, ()):
+        records, runs = cut_apart(data_set.trials, events)
+        problem = _problem(data_set, records, sigma)
+    trials, commanded = problem.trials, problem.commanded
     everyone = np.arange(len(trials), dtype=np.int64)
-    held = _held_out(len(trials), seed)
+    held = np.flatnonzero(np.isin(runs, _held_out(len(data_set.trials), seed)))
     seen = np.setdiff1d(everyone, held).astype(np.int64)
     known = tuple(effect.name for effect in data_set.recipe.effects)
     model = problem.model(())
@@ -75,7 +79,7 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
     base_pose, after_pose = _predictions(problem, state, judged, cross_validated=not len(held))
     before, after = (_score(problem, judged, pose) for pose in (base_pose, after_pose))
     drawn_before, drawn_after = (problem.predict([e], [everyone])[0] for e in ((), state.fit.effects))
-    events = find_events(problem, drawn_after)
+    events = _events(uncut, state.fit.effects)
     return Diagnosis(
         data_set=data_set.name,
         surface=data_set.surface,
@@ -108,6 +112,17 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
         corrected=_corrected(data_set, final.effects),
         remarks=_remarks(state, found, final, events),
     )
+
+
+def _problem(data_set: DataSet, records: tuple[Record, ...], sigma: Array) -> Problem:
+    trials = tuple(clean(record, sigma) for record in records)
+    commanded = data_set.wheel_signal is WheelSignal.COMMANDED
+    return Problem.of(data_set.recipe, data_set.surface, trials, sigma, commanded)
+
+
+def _events(problem: Problem, effects: tuple[AnyEffect, ...]) -> tuple[Event, ...]:
+    everyone = np.arange(len(problem.trials), dtype=np.int64)
+    return find_events(problem, problem.predict([effects], [everyone])[0])
 
 
 def _held_out(count: int, seed: int) -> Index:
