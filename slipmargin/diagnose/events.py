@@ -18,8 +18,8 @@ from slipmargin.motions.record import WHEEL_SIGNALS, Record
 #: Within how long an event happens [s].
 _SPAN_S = 0.1
 #: A jump of the residual must exceed both: so many standard deviations, and so many times the
-#: largest ordinary jump (99th percentile over all trials).
-_SIGMAS, _ORDINARY = 12.0, 4.0
+#: largest ordinary jump (99th percentile over the other trials).
+_SIGMAS, _ORDINARY = 16.0, 8.0
 _CHANNELS = ("x", "y", "phi")
 #: A part of a cut run is kept if it is as long as this [s].
 _LEAST_S = 0.4
@@ -40,10 +40,9 @@ def find_events(problem: Problem, predicted: Array) -> tuple[Event, ...]:
         gap = (trial.pose - pose[: len(trial.t_s)]) / problem.sigma
         half = max(2, round(_SPAN_S / max(1e-9, float(np.median(np.diff(trial.t_s))))))
         jumps.append(_jumps(gap, half))
-    pooled = np.concatenate([np.abs(j) for j in jumps])
-    ordinary = np.nanquantile(pooled, 0.99, axis=0) if np.isfinite(pooled).any() else np.zeros(3)
     found = []
-    for trial, jump in zip(problem.trials, jumps, strict=True):
+    for number, (trial, jump) in enumerate(zip(problem.trials, jumps, strict=True)):
+        ordinary = _ordinary([j for i, j in enumerate(jumps) if i != number] or jumps)
         for axis, channel in enumerate(_CHANNELS):
             size = np.nan_to_num(np.abs(jump[:, axis]))
             at = int(np.argmax(size))
@@ -57,6 +56,11 @@ def find_events(problem: Problem, predicted: Array) -> tuple[Event, ...]:
                     )
                 )
     return tuple(sorted(found, key=lambda e: -e.size_sigma))
+
+
+def _ordinary(jumps: list[Array]) -> Array:
+    pooled = np.concatenate([np.abs(j) for j in jumps])
+    return np.nanquantile(pooled, 0.99, axis=0) if np.isfinite(pooled).any() else np.zeros(3)
 
 
 def _jumps(gap: Array, half: int) -> Array:
@@ -83,6 +87,19 @@ def cut_apart(
             parts.append(part)
             runs.append(number)
     return tuple(parts), tuple(runs)
+
+
+def in_full_swing(problem: Problem, runs: Sequence[int]) -> Problem:
+    """What starts after an event starts with the velocity that was measured: its wheels may slip."""
+    twists = problem.twists.copy()
+    for row, (trial, run) in enumerate(zip(problem.trials, runs, strict=True)):
+        if row == 0 or runs[row - 1] != run:
+            continue
+        early = (trial.t_s <= trial.t_s[0] + _SPAN_S) & np.isfinite(trial.pose).all(axis=1)
+        if early.sum() >= 4:
+            line = np.polyfit(trial.t_s[early] - trial.t_s[0], trial.pose[early], 1)
+            twists[row] = line[0]
+    return replace(problem, twists=twists)
 
 
 def _parts(record: Record, times: list[float]) -> list[Record]:

@@ -10,7 +10,7 @@ import numpy as np
 from slipmargin.checks import Array, Index
 from slipmargin.diagnose.candidate import named_candidates
 from slipmargin.diagnose.diagnosis import Diagnosis, Event, Finding, Score, Step, Trace3, Tried, Verdict
-from slipmargin.diagnose.events import cut_apart, find_events
+from slipmargin.diagnose.events import cut_apart, find_events, in_full_swing
 from slipmargin.diagnose.findings import findings
 from slipmargin.diagnose.fit import Fit, build, fit, leave_one_out
 from slipmargin.diagnose.general_forms import general_candidates
@@ -58,7 +58,7 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
     runs: tuple[int, ...] = tuple(range(len(data_set.trials)))
     if events := _events(uncut, ()):
         records, runs = cut_apart(data_set.trials, events)
-        problem = _problem(data_set, records, sigma)
+        problem = in_full_swing(_problem(data_set, records, sigma), runs)
     trials, commanded = problem.trials, problem.commanded
     everyone = np.arange(len(trials), dtype=np.int64)
     held = np.flatnonzero(np.isin(runs, _held_out(len(data_set.trials), seed)))

@@ -62,4 +62,4 @@ def test_a_part_too_short_to_tell_anything_is_dropped(data: DataSet) -> None:
     event = Event(trial="trial00", t_s=0.2, channel="x", size_sigma=50.0)
     parts, runs = cut_apart(data.trials, [event])
     assert len(parts) == 6 and runs == (0, 1, 2, 3, 4, 5)
-    assert parts[0].t_s[0] == pytest.approx(0.3)
+    assert 0.29 < parts[0].t_s[0] < 0.32
