@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from slipmargin.checks import Array, frozen
 from slipmargin.errors import InputError
 from slipmargin.sim import layout as at
+from slipmargin.sim.cold import warm_up
 from slipmargin.sim.motion import TOLD, run
 from slipmargin.sim.signal import WheelSignal
 from slipmargin.sim.wheels import breakpoints, follow
@@ -167,6 +168,7 @@ class Batch:
         -------
         Outcome
         """
+        warm_up()
         models = np.atleast_2d(models)
         if int(models[0, at.COUNT]) != self.wheels:
             raise InputError(

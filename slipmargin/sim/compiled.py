@@ -30,11 +30,11 @@ def _state() -> str:
     return sha256(repr(sorted(files)).encode()).hexdigest()[:8]
 
 
-_STATE = _state()
+STATE = _state()
 
 
 def _compiled(function: F, **more: Any) -> F:
-    function.__qualname__ = f"{function.__qualname__}-{_STATE}"  # what numba names its cached files after
+    function.__qualname__ = f"{function.__qualname__}-{STATE}"  # what numba names its cached files after
     return cast(F, _compile(**_RULES, **more)(function))
 
 
