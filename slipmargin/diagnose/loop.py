@@ -17,7 +17,7 @@ from slipmargin.diagnose.general_forms import general_candidates
 from slipmargin.diagnose.prepare import clean, noise
 from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.ranges import ranges, variables_of
-from slipmargin.diagnose.search import Progress, Round, State
+from slipmargin.diagnose.search import Progress, Round, State, state_of
 from slipmargin.diagnose.selection import search
 from slipmargin.diagnose.signals import Way
 from slipmargin.diagnose.where import Dependence, dependences, residual_rate
@@ -28,6 +28,8 @@ from slipmargin.motions.record import Record
 #: With at least so many trials some are held out altogether; with fewer all are cross-validated.
 ENOUGH_TO_HOLD_OUT = 6
 _HELD_OUT_SHARE = 0.2
+#: So many trials are enough to search with; the parameters are then fitted to all.
+_SEARCHED = 12
 #: A residual this far above the noise that nothing explains is not "no missing effect".
 _UNEXPLAINED_CHI = 1.3
 
@@ -70,7 +72,12 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
         *general_candidates(model, ranges(trials), commanded),
     ]
     progress("looking where the residual sits", 0.0)
-    problem, state, rounds = search(problem, seen, suspects, seed, progress)
+    searched = seen[np.unique(np.linspace(0, len(seen) - 1, _SEARCHED).round().astype(int))]
+    problem, state, rounds = search(problem, searched, suspects, seed, progress)
+    if len(searched) < len(seen) and state.structure:
+        progress("fitting all trials that are not held out", 0.0)
+        all_seen = fit(problem, state.structure, state.fit.x, seen)
+        state = state_of(problem, all_seen, problem.samples(seen))
     progress("fitting all trials", 0.0)
     problem = problem.rebuilt(Way.FULL)
     final = fit(problem, state.structure, state.fit.x, everyone)
