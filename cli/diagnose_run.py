@@ -64,7 +64,7 @@ def run_diagnose(dataset: Path, out: Path, seed: int, json: str | None) -> Found
         check_sense(data_set, str(dataset))
         diagnosis = engine(data_set, seed, progress)
         progress("limits before and after", 0.2)
-        change = limits_change(diagnosis.recipe, diagnosis.corrected, diagnosis.surface)
+        change = limits_change(diagnosis.recipe, diagnosis.corrected, diagnosis.surface, data_set.pulls)
         progress("drawing", 0.5)
         table = report(diagnosis, change)
         files = _files(diagnosis, change, table)
@@ -117,5 +117,7 @@ def summary(found: Found) -> list[str]:
         lines.append(f"         whatever the wheels stand on: strongest pull {high}, least start {start}")
     else:
         lines.append(f"limits   unchanged: weakest pull {b.f_max_min_N:.3g} N, mean {b.f_max_mean_N:.3g} N")
+    if change.moved and change.pulls is not None:
+        lines.append(f"pulls    {words.pulls_sentence(change.pulls)}")
     lines += [f"note     {remark}" for remark in d.remarks]
     return lines

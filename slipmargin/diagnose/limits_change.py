@@ -9,14 +9,15 @@ import numpy as np
 
 from slipmargin.checks import Array, frozen
 from slipmargin.diagnose.plan_change import PlanChange, plan_change
+from slipmargin.diagnose.pull_check import PullCheck, pull_check
 from slipmargin.effects import Recipe
-from slipmargin.errors import NoSolution
 from slipmargin.limits.band import band
 from slipmargin.limits.bounds import directions
 from slipmargin.limits.motion_state import Contact
 from slipmargin.limits.pull import Pull
-from slipmargin.limits.sweep import limit
+from slipmargin.limits.sweep import limit_or_zero
 from slipmargin.model import Model
+from slipmargin.motions.pulls import Pulls
 
 #: Orientations of the pull and directions of motion, one degree and five degrees apart.
 _ORIENTATIONS, _DIRECTIONS = 360, 72
@@ -66,13 +67,14 @@ class Limits:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LimitsChange:
-    """The same limits of the believed model and of the corrected one."""
+    """The same limits of the believed model and of the corrected one; measured pulls beside both."""
 
     phi_rad: Array
     direction_rad: Array
     before: Limits
     after: Limits
     plan: PlanChange
+    pulls: PullCheck | None = None
 
     @property
     def moved(self) -> bool:
@@ -81,13 +83,15 @@ class LimitsChange:
         return not all(np.allclose(one, two, rtol=1e-6, atol=1e-9) for one, two in pairs)
 
 
-def limits_change(before: Recipe, after: Recipe, surface: str) -> LimitsChange:
+def limits_change(before: Recipe, after: Recipe, surface: str, pulls: Pulls | None = None) -> LimitsChange:
     """Limits of two recipes on one surface.
 
     Parameters
     ----------
     before, after : Recipe
         What was believed, and that with the found effects.
+    pulls : Pulls, optional
+        Measured pulls to compare both with.
     """
     phi = np.deg2rad(np.arange(_ORIENTATIONS, dtype=float))
     direction = np.linspace(0.0, 2.0 * np.pi, _DIRECTIONS, endpoint=False)
@@ -98,6 +102,7 @@ def limits_change(before: Recipe, after: Recipe, surface: str) -> LimitsChange:
         before=_limits(believed, phi, direction),
         after=_limits(corrected, phi, direction),
         plan=plan_change(believed, corrected),
+        pulls=None if pulls is None else pull_check(believed, corrected, pulls),
     )
 
 
@@ -107,7 +112,7 @@ def _limits(model: Model, phi: Array, direction: Array) -> Limits:
     start, brake = _along(model, direction, Contact.ROLLERS)
     start_worst, brake_worst = _along(model, direction, Contact.UNKNOWN)
     return Limits(
-        f_max_N=_rollers(model, phi, pull),
+        f_max_N=limit_or_zero(model, phi, pull),
         f_low_N=low,
         f_high_N=high,
         start_m_s2=start,
@@ -115,16 +120,6 @@ def _limits(model: Model, phi: Array, direction: Array) -> Limits:
         start_worst_m_s2=start_worst,
         brake_worst_m_s2=brake_worst,
     )
-
-
-def _rollers(model: Model, phi: Array, pull: Pull) -> Array:
-    """F_emax, 0 where a slope or a cable alone makes the robot slip."""
-    try:
-        return limit(model, phi, pull)
-    except NoSolution as fault:
-        if not isinstance(fault.evidence, np.ndarray):
-            raise
-        return np.nan_to_num(fault.evidence, nan=0.0)
 
 
 def _along(model: Model, direction: Array, contact: Contact) -> tuple[Array, Array]:

@@ -18,7 +18,8 @@ from slipmargin.errors import InputError
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.io.source import read_text
 from slipmargin.io.toml_table import Table, parse_toml
-from slipmargin.io.trial_file import Pulls, read_pulls, read_trial
+from slipmargin.io.trial_file import read_pulls, read_trial
+from slipmargin.motions.pulls import Pulls
 from slipmargin.motions.record import Record
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -53,6 +54,7 @@ def report(diagnosis: Diagnosis, change: LimitsChange) -> dict[str, Any]:
             "use_before_believed": change.plan.use_believed,
             "use_before_corrected": change.plan.use_real,
         },
+        "pulls": None if change.pulls is None else asdict(change.pulls),
         "steps": [_step(s) for s in d.steps],
         "where": [_where(w) for w in d.where],
         "where_after": [_where(w) for w in d.where_after],

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array, frozen
+from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.io.table import columns_text, read_columns
+from slipmargin.motions.pulls import Pulls
 from slipmargin.motions.record import Record
 
 _POSE = ("x_m", "y_m", "phi_rad")
@@ -21,23 +20,6 @@ WHEEL_COLUMNS = {
     "omega_cmd": "omega{i}_cmd_rad_s",
     "current": "current{i}_A",
 }
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Pulls:
-    """Measured breakaway pulls: direction (P,) [rad], force (P,) [N], rotor angles (P, N) [rad] or None."""
-
-    phi_rad: Array
-    force_N: Array
-    theta_rad: Array | None = None
-
-    def __post_init__(self) -> None:
-        put = object.__setattr__
-        put(self, "phi_rad", frozen("phi_rad", self.phi_rad, (None,)))
-        put(self, "force_N", frozen("force_N", self.force_N, (len(self.phi_rad),)))
-        if self.theta_rad is not None:
-            put(self, "theta_rad", frozen("theta", self.theta_rad, (len(self.phi_rad), None)))
 
 
 def read_trial(path: Path, wheels: int) -> Record:

@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array, frozen
+from slipmargin.errors import NoSolution
 from slipmargin.limits.band import band
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.rows import facet_limit, pull_geometry
@@ -108,6 +109,16 @@ def limit(model: Model, phi_rad: Array, pull: Pull, rigid: Array | None = None) 
     from slipmargin.limits.cones import cone_limit  # clarabel is loaded only where a cone needs it
 
     return cone_limit(model, phi_rad, pull, state)
+
+
+def limit_or_zero(model: Model, phi_rad: Array, pull: Pull, rigid: Array | None = None) -> Array:
+    """:func:`limit`, but 0 where a slope or a cable alone makes the robot slip."""
+    try:
+        return limit(model, phi_rad, pull, rigid)
+    except NoSolution as fault:
+        if not isinstance(fault.evidence, np.ndarray):
+            raise
+        return np.nan_to_num(fault.evidence, nan=0.0)
 
 
 def isotropic(model: Model) -> Isotropic:

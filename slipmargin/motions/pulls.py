@@ -1,4 +1,4 @@
-"""Measured breakaway pulls, gathered by orientation: what a sweep is compared with."""
+"""Measured breakaway pulls, one by one and gathered by orientation: what a sweep is compared with."""
 
 from __future__ import annotations
 
@@ -11,6 +11,23 @@ from slipmargin.checks import Array, frozen
 
 #: Pulls closer together than this belong to one orientation [rad] (a fifth of a degree).
 SAME_RAD = 3.5e-3
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Pulls:
+    """Measured breakaway pulls: direction (P,) [rad], force (P,) [N], rotor angles (P, N) [rad] or None."""
+
+    phi_rad: Array
+    force_N: Array
+    theta_rad: Array | None = None
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        put(self, "phi_rad", frozen("phi_rad", self.phi_rad, (None,)))
+        put(self, "force_N", frozen("force_N", self.force_N, (len(self.phi_rad),)))
+        if self.theta_rad is not None:
+            put(self, "theta_rad", frozen("theta", self.theta_rad, (len(self.phi_rad), None)))
 
 
 @final

@@ -38,9 +38,11 @@ def limits(change: LimitsChange) -> tuple[Block, ...]:
             for name, one, two, unit in rows
         ),
     )
+    pulls = () if change.pulls is None else (Text(text=words.pulls_sentence(change.pulls)),)
     return (
         table,
         Text(text=words.plan_sentence(change.plan)),
+        *pulls,
         Picture(
             name="limits",
             figure=limits_figure(change),

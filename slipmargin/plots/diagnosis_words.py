@@ -7,6 +7,7 @@ import sys
 
 from slipmargin.diagnose.diagnosis import Diagnosis, Estimate, Finding, Score, Verdict
 from slipmargin.diagnose.plan_change import PlanChange
+from slipmargin.diagnose.pull_check import PullCheck
 from slipmargin.effects import Effect, Trace
 
 #: The variable of a trace as a reader would say it.
@@ -136,6 +137,17 @@ def plan_sentence(change: PlanChange) -> str:
     if change.after_s is None:
         return f"{old}; {verdict}, and finds no way to make the move without slip."
     return f"{old}; {verdict}. Planned anew it takes {change.after_s:.3g} s."
+
+
+def pulls_sentence(check: PullCheck) -> str:
+    """What pull tests, which nothing was fitted to, say of the corrected robot."""
+    one, two = check.rms_before_N, check.rms_after_N
+    said = "confirm it" if two < 0.8 * one else "do not decide" if two <= 1.2 * one else "speak against it"
+    return (
+        f"{check.count} pull tests, which nothing was fitted to, {said}: measured and predicted force "
+        f"differ by {one:.3g} N (root mean square) with the model as believed, {two:.3g} N with the "
+        "corrected one."
+    )
 
 
 def arrow(before: float, after: float, unit: str) -> str:

@@ -14,7 +14,8 @@ from slipmargin.errors import InputError
 from slipmargin.io.data_set import DataSet, WheelSignal, read_data_set
 from slipmargin.io.data_set_write import check_data_set_place, data_set_files, write_data_set
 from slipmargin.io.robot_file import read_recipe
-from slipmargin.io.trial_file import Pulls, read_pulls, read_trial, trial_text
+from slipmargin.io.trial_file import read_pulls, read_trial, trial_text
+from slipmargin.motions.pulls import Pulls
 from slipmargin.motions.record import Record
 
 TRIAL = ("t_s,x_m,y_m,phi_rad,omega1_rad_s,omega2_rad_s,omega3_rad_s,theta1_rad,theta2_rad,theta3_rad\n"

@@ -1,0 +1,68 @@
+"""Pull tests beside a diagnosis: measured forces that nothing was fitted to, predicted before and after.
+
+They are another experiment, with the wheels locked: where the corrected robot predicts them better
+too, the effects found on moving runs are more than a good fit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.limits.band import band
+from slipmargin.limits.pull import Pull
+from slipmargin.limits.sweep import limit_or_zero
+from slipmargin.model import Model
+from slipmargin.motions.pulls import Pulls
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PullCheck:
+    """``count`` pulls; root mean square [N] and mean [N] of measured minus predicted, before and after."""
+
+    count: int
+    rms_before_N: float
+    rms_after_N: float
+    mean_before_N: float
+    mean_after_N: float
+
+
+def pull_check(believed: Model, corrected: Model, pulls: Pulls) -> PullCheck:
+    """Measured pulls against the limits of two models.
+
+    Parameters
+    ----------
+    believed, corrected : Model
+        Before and after.
+    pulls : Pulls
+        Orientation [rad], breakaway force [N], rotor angles [rad] where known.
+    """
+    before, after = (pulls.force_N - predicted(m, pulls) for m in (believed, corrected))
+    return PullCheck(
+        count=len(pulls.force_N),
+        rms_before_N=float(np.sqrt(np.mean(before**2))),
+        rms_after_N=float(np.sqrt(np.mean(after**2))),
+        mean_before_N=float(np.mean(before)),
+        mean_after_N=float(np.mean(after)),
+    )
+
+
+def predicted(model: Model, pulls: Pulls) -> Array:
+    """F_emax (P,) [N] of the contact state that each pull's rotor angles tell.
+
+    Where the angles are not known, that of the band which is nearest to the measured force.
+    """
+    if pulls.theta_rad is None:
+        low, high = band(model, pulls.phi_rad, Pull())
+        return np.clip(pulls.force_N, low, high)
+    pitch = 2.0 * np.pi / model.grip.rollers
+    rigid = np.mod(pulls.theta_rad, pitch) >= (1.0 - model.grip.rigid_fraction) * pitch
+    found = np.empty(len(pulls.phi_rad))
+    for state in np.unique(rigid, axis=0):
+        rows = np.all(rigid == state, axis=1)
+        found[rows] = limit_or_zero(model, pulls.phi_rad[rows], Pull(), state)
+    return found
