@@ -10,7 +10,8 @@ from slipmargin.checks import Array
 from slipmargin.diagnose.candidate import Candidate
 from slipmargin.diagnose.diagnosis import Estimate, Finding
 from slipmargin.diagnose.evidence import intervals
-from slipmargin.diagnose.fit import Fit, build, leave_one_out, shifted_by
+from slipmargin.diagnose.fit import Fit, build, shifted_by
+from slipmargin.diagnose.left_out import leave_one_out
 from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.search import Round, State
 from slipmargin.diagnose.selection import without

@@ -58,7 +58,7 @@ class Fit:
 
     def at_bound(self) -> list[str]:
         """Parameters that ended on the edge of their range."""
-        low, high, scale = _limits(self.structure)
+        low, high, scale = limits_of(self.structure)
         keys = [f"{c.name}.{key}" for c in self.structure for key in c.keys]
         null = np.concatenate([c.null for c in self.structure]) if self.structure else np.zeros(0)
         stuck = ((self.x <= low + 1e-6 * scale) | (self.x >= high - 1e-6 * scale)) & (self.x != null)
@@ -75,7 +75,7 @@ def build(structure: Sequence[Candidate], x: Array) -> tuple[AnyEffect, ...]:
     return tuple(made)
 
 
-def _limits(structure: Sequence[Candidate]) -> tuple[Array, Array, Array]:
+def limits_of(structure: Sequence[Candidate]) -> tuple[Array, Array, Array]:
     if not structure:
         return np.zeros(0), np.zeros(0), np.ones(0)
     return (
@@ -87,7 +87,7 @@ def _limits(structure: Sequence[Candidate]) -> tuple[Array, Array, Array]:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Belief:
+class Belief:
     """What is believed of the parameters before any trial: ``pull`` (P, P) towards ``null`` (P,).
 
     It weighs as much as one sample of the misfit at hand, so that it decides nothing that trials show.
@@ -97,7 +97,7 @@ class _Belief:
     null: Array
 
     @staticmethod
-    def of(structure: Sequence[Candidate], residual: Array) -> _Belief:
+    def of(structure: Sequence[Candidate], residual: Array) -> Belief:
         size = sum(c.size for c in structure)
         pull = np.zeros((size, size))
         at = 0
@@ -106,7 +106,7 @@ class _Belief:
             pull[span, span] = candidate.prior.T @ candidate.prior
             at += candidate.size
         misfit = float(np.sum(residual**2) / max(1, int(np.count_nonzero(residual))))
-        return _Belief(
+        return Belief(
             pull=max(1.0, misfit) * pull,
             null=np.concatenate([np.zeros(0), *(c.null for c in structure)]),
         )
@@ -154,10 +154,10 @@ def fit(
     -------
     Fit
     """
-    low, high, _ = _limits(structure)
+    low, high, _ = limits_of(structure)
     x = np.clip(start, low, high)
     residual, jacobian = _linearise(problem, structure, x, trials)
-    believed = _Belief.of(structure, residual)
+    believed = Belief.of(structure, residual)
     spent = 1 + len(x)
     damping = 1e-3
     for step in range(iterations if len(x) else 0):
@@ -192,10 +192,10 @@ def _improve(
     jacobian: Array,
     damping: float,
     trials: Index,
-    believed: _Belief,
+    believed: Belief,
 ) -> tuple[Array, Array, float, int] | None:
     """A damped step downhill: new point, its residual, next damping, simulations; None where none is."""
-    low, high, scale = _limits(structure)
+    low, high, scale = limits_of(structure)
     flat = jacobian.reshape(-1, len(x)) * scale
     normal = flat.T @ flat + believed.pull
     gradient = flat.T @ residual.ravel() + believed.pull @ ((x - believed.null) / scale)
@@ -227,7 +227,7 @@ def _linearise(
     problem: Residuals, structure: tuple[Candidate, ...], x: Array, trials: Index, known: Array | None = None
 ) -> tuple[Array, Array]:
     """Residual (R, K), simulated unless ``known``, and forward-difference Jacobian (R, K, P)."""
-    _, high, scale = _limits(structure)
+    _, high, scale = limits_of(structure)
     steps = np.where(x + _STEP * scale <= high, _STEP, -_STEP) * scale
     points = [x + step * unit for step, unit in zip(steps, np.eye(len(x)), strict=True)]
     if known is None:
@@ -240,65 +240,13 @@ def _linearise(
     return base, jacobian
 
 
-def leave_one_out(found: Fit, damping: float = 0.0) -> Array:
-    """Parameters (R, P) fitted without each trial: one Gauss–Newton step −H₋ᵢ⁻¹ g₋ᵢ, damped if asked."""
-    low, high, scale = _limits(found.structure)
-    scaled = found.jacobian * scale
-    normals = np.einsum("rkp,rkq->rpq", scaled, scaled)
-    gradients = np.einsum("rkp,rk->rp", scaled, found.residual)
-    believed = _Belief.of(found.structure, found.residual)
-    pulled = believed.pull @ ((found.x - believed.null) / scale)
-    rows = []
-    for own_normal, own_gradient in zip(normals, gradients, strict=True):
-        normal = normals.sum(axis=0) - own_normal + believed.pull
-        gradient = gradients.sum(axis=0) - own_gradient + pulled
-        ridge = 1e-8 * (np.trace(normal) + 1e-12) * np.eye(len(found.x))
-        ridge += damping * np.diag(np.diag(normal))
-        step = np.linalg.lstsq(normal + ridge, -gradient, rcond=None)[0]
-        rows.append(np.clip(found.x + step * scale, low, high))
-    return np.array(rows)
-
-
 def shifted_by(other: Residuals, found: Fit) -> Array:
     """How far (P,) the parameters move, by one Gauss–Newton step, if ``other`` is the right problem."""
-    _, _, scale = _limits(found.structure)
+    _, _, scale = limits_of(found.structure)
     residual = other.residuals([found.effects], [found.trials])[0]
     flat = found.jacobian.reshape(-1, len(found.x)) * scale
     step = np.linalg.lstsq(flat, -(residual - found.residual).ravel(), rcond=1e-10)[0]
     return np.asarray(step * scale)
-
-
-def cross_validate(problem: Residuals, found: Fit) -> Array:
-    """Sum of squares (R,) of each trial, simulated with parameters that have not seen it."""
-    count = len(found.trials)
-    inside = np.asarray(np.sum(found.residual**2, axis=1))
-    if not len(found.x) or count < 2:
-        return inside
-    xs = leave_one_out(found)
-    if found.cost > _BENT**2 * np.count_nonzero(found.residual):
-        xs = best_left_out(problem, found, [xs, *(leave_one_out(found, d) for d in _DAMPED)])
-    effects = [build(found.structure, x) for x in xs]
-    out = problem.residuals(effects, [found.trials[i : i + 1] for i in range(count)])
-    return np.array([float(np.sum(r**2)) for r in out])
-
-
-#: Above this chi a step may be too long for its tangent: damped ones, and none at all, are tried too.
-_BENT = 1.5
-_DAMPED = (0.1, 10.0)
-
-
-def best_left_out(problem: Residuals, found: Fit, tried: list[Array]) -> Array:
-    """Of the parameters tried without each trial, those (R, P) that suit the other trials best."""
-    count = len(found.trials)
-    others = [np.delete(found.trials, i) for i in range(count)]
-    inside = np.sum(found.residual**2, axis=1)
-    best, cost = np.tile(found.x, (count, 1)), inside.sum() - inside
-    for xs in tried:
-        out = problem.residuals([build(found.structure, x) for x in xs], others)
-        costs = np.array([float(np.sum(r**2)) for r in out])
-        better = costs < cost
-        best[better], cost = xs[better], np.where(better, costs, cost)
-    return best
 
 
 def tangents(problem: Residuals, base: Fit, suspects: Sequence[Candidate]) -> list[Array]:

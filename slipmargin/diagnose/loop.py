@@ -12,8 +12,9 @@ from slipmargin.diagnose.candidate import named_candidates
 from slipmargin.diagnose.diagnosis import Diagnosis, Event, Finding, Score, Step, Trace3, Tried, Verdict
 from slipmargin.diagnose.events import cut_apart, find_events, in_full_swing
 from slipmargin.diagnose.findings import findings
-from slipmargin.diagnose.fit import Fit, build, fit, leave_one_out
+from slipmargin.diagnose.fit import Fit, build, fit
 from slipmargin.diagnose.general_forms import general_candidates
+from slipmargin.diagnose.left_out import leave_one_out
 from slipmargin.diagnose.prepare import clean, noise
 from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.ranges import ranges, variables_of

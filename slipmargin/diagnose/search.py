@@ -15,7 +15,8 @@ import numpy as np
 
 from slipmargin.checks import Array, Index
 from slipmargin.diagnose.candidate import Candidate
-from slipmargin.diagnose.fit import Fit, Residuals, cross_validate, evaluate, fit
+from slipmargin.diagnose.fit import Fit, Residuals, evaluate, fit
+from slipmargin.diagnose.left_out import cross_validate
 from slipmargin.effects import Trace
 
 #: A suspect is as good as the best one if its cross-validated chi is within this factor and offset.

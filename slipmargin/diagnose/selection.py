@@ -12,7 +12,8 @@ from slipmargin.checks import Array, Index
 from slipmargin.diagnose import rotor
 from slipmargin.diagnose.candidate import Candidate
 from slipmargin.diagnose.evidence import intervals, luck
-from slipmargin.diagnose.fit import evaluate, fit, leave_one_out, tangents
+from slipmargin.diagnose.fit import evaluate, fit, tangents
+from slipmargin.diagnose.left_out import leave_one_out
 from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.search import (
     AT_NOISE,

@@ -12,15 +12,8 @@ from hypothesis import given, settings, strategies as st
 from slipmargin.checks import Array, Index
 from slipmargin.diagnose.candidate import Candidate
 from slipmargin.diagnose.evidence import intervals, luck
-from slipmargin.diagnose.fit import (
-    best_left_out,
-    build,
-    cross_validate,
-    evaluate,
-    fit,
-    leave_one_out,
-    tangents,
-)
+from slipmargin.diagnose.fit import build, evaluate, fit, tangents
+from slipmargin.diagnose.left_out import best_left_out, cross_validate, leave_one_out
 from slipmargin.diagnose.search import State, choose, promise
 from slipmargin.effects import AnyEffect, Trace
 from slipmargin.effects.camera_rotation import CameraRotation
