@@ -190,7 +190,9 @@ def test_progress_names_the_stage_only_on_a_terminal(monkeypatch: pytest.MonkeyP
 
 
 def test_interrupted_process_leaves_nothing(data: Path, tmp_path: Path) -> None:
-    code = ("import slipmargin_cli.diagnose_run as d, time, sys\n"
+    # a shell that runs this suite in the background has it ignore Ctrl-C, and its children too
+    code = ("import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+            "import slipmargin_cli.diagnose_run as d, time, sys\n"
             "def engine(*a):\n    print('in', flush=True)\n    time.sleep(30)\n"
             "d.engine = engine\n"
             "from slipmargin_cli.main import status\n"
