@@ -66,7 +66,7 @@ class Finding:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tried:
-    """A suspect of one round: its label, variable, number of parameters and cross-validated chi."""
+    """A suspect of one round: its label, variable, number of parameters and chi as the search counts it."""
 
     label: str
     traced_to: Trace

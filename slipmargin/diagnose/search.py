@@ -1,7 +1,7 @@
 """Find what is missing: try every suspect, let trials it has not seen decide, add the best, repeat.
 
-A suspect's score is its cross-validated sum of squares: each trial predicted with parameters fitted
-to the others.  A named effect is preferred to a general form that explains no more, and a simple one
+A suspect's score is the geometric mean of two sums of squares: each trial fitted with the others, and
+predicted with parameters fitted to the others alone.  A named effect is preferred to a general form that explains no more, and a simple one
 to a complicated one; a general form that explains clearly more denies the name.
 """
 
@@ -19,7 +19,7 @@ from slipmargin.diagnose.fit import Fit, Residuals, evaluate, fit
 from slipmargin.diagnose.left_out import cross_validate
 from slipmargin.effects import Trace
 
-#: A suspect is as good as the best one if its cross-validated chi is within this factor and offset.
+#: A suspect is as good as the best one if its chi is within this factor and offset.
 AS_GOOD_FACTOR, AS_GOOD_OFFSET = 1.06, 0.02
 #: How many suspects go from the first, short fit to the full one.
 FINALISTS = 6
@@ -28,7 +28,7 @@ FINALISTS = 6
 _CHEAP, _HOPELESS = 4, 6.0
 #: From so many trials on, first short fits use every other one.
 MANY_TRIALS = 6
-#: A cross-validated chi this close to 1 leaves nothing for another form to explain.
+#: A chi this close to 1 leaves nothing for another form to explain.
 AT_NOISE = 1.06
 #: Above this chi, runs are compared piece by piece: whole ones bend too much with the parameters.
 FAR = 5.0
@@ -102,7 +102,7 @@ def staged(progress: Progress, stage: str) -> Progress:
 
 
 def state_of(problem: Residuals, found: Fit, samples: float) -> State:
-    """A fit with its cross-validated scores."""
+    """A fit with its scores."""
     inside, outside = np.sum(found.residual**2, axis=1), cross_validate(problem, found)
     mean = np.sqrt(inside.sum() * outside.sum())
     share = np.sqrt(inside * outside)
@@ -137,12 +137,12 @@ def extend(
     finalists : int
         How many get the full fit.
     enough : float
-        A cross-validated chi at which no further suspect needs a full fit.
+        A chi at which no further suspect needs a full fit.
 
     Returns
     -------
     list of State
-        Best cross-validated first.
+        Best first.
     """
     trials = before.fit.trials
     short = short_fits(problem, before, suspects, some_of(trials), progress)

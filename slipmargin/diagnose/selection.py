@@ -33,7 +33,7 @@ from slipmargin.effects import Trace
 
 #: An effect is taken only if it is beyond luck at this level …
 SIGNIFICANCE = 0.01
-#: … and the cross-validated chi falls by at least this share and this much: less than that is within
+#: … and chi falls by at least this share and this much: less than that is within
 #: what the reconstruction of the wheels' motion from the log leaves behind.
 LEAST_SHARE, LEAST_CHI = 0.02, 0.02
 #: A further effect must take off more: what the first ones leave is also the fault of their form.

@@ -148,7 +148,7 @@ def suspects_figure(diagnosis: Diagnosis) -> Figure:
         grid[0, 0].text(0.5, 0.5, "nothing was tried", ha="center", va="center", color=GREY)
         grid[0, 0].set_axis_off()
         return figure
-    grid[-1, 0].set_xlabel("chi on runs not fitted to (1 = noise alone)")
+    grid[-1, 0].set_xlabel("chi: runs fitted and left out, geometric mean (1 = noise alone)")
     marks = [
         Line2D([], [], marker="o", ls="none", color=INK, label="named effect"),
         Line2D([], [], marker="o", ls="none", mfc="white", mec=INK, label="general form over one variable"),
