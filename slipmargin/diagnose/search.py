@@ -1,8 +1,9 @@
 """Find what is missing: try every suspect, let trials it has not seen decide, add the best, repeat.
 
 A suspect's score is the geometric mean of two sums of squares: each trial fitted with the others, and
-predicted with parameters fitted to the others alone.  A named effect is preferred to a general form that explains no more, and a simple one
-to a complicated one; a general form that explains clearly more denies the name.
+predicted with parameters fitted to the others alone.  A named effect is preferred to a general form
+that explains no more, and a simple one to a complicated one; a general form that explains clearly
+more denies the name.
 """
 
 from __future__ import annotations
