@@ -24,9 +24,10 @@ def test_the_signatures_are_those_of_a_run() -> None:
     Batch([signal], [np.array([0.0, 1.0])]).run(
         pack(read_recipe("ohio-kiwi").build("paper")), np.zeros((1, 3))
     )
-    for function, written in ((run, cold._KERNEL), (breakpoints, cold._WHEELS)):
+    written = dict(cold._APART)
+    for function, kinds in ((run, cold._KERNEL), (breakpoints, f"({', '.join(written[breakpoints])})")):
         assert len(function.signatures) == 1  # type: ignore[attr-defined]
-        function.compile(written)  # type: ignore[attr-defined]
+        function.compile(kinds)  # type: ignore[attr-defined]
         assert len(function.signatures) == 1  # type: ignore[attr-defined]
 
 
@@ -51,4 +52,4 @@ def test_without_a_second_process_the_first_call_compiles_by_itself(
     monkeypatch.setattr(subprocess, "Popen", missing)
     monkeypatch.setattr(cold, "run", SimpleNamespace(stats=SimpleNamespace(cache_path=str(tmp_path))))
     cold.warm_up.__wrapped__()
-    assert "compile_wheels" in asked[0][-1]
+    assert "compile_apart" in asked[0][-1]
