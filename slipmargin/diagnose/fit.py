@@ -76,6 +76,7 @@ def build(structure: Sequence[Candidate], x: Array) -> tuple[AnyEffect, ...]:
 
 
 def limits_of(structure: Sequence[Candidate]) -> tuple[Array, Array, Array]:
+    """Lower and upper bounds and scales (P,) of a structure's parameters."""
     if not structure:
         return np.zeros(0), np.zeros(0), np.ones(0)
     return (
@@ -98,6 +99,7 @@ class Belief:
 
     @staticmethod
     def of(structure: Sequence[Candidate], residual: Array) -> Belief:
+        """What is believed of a structure's parameters where ``residual`` (R, K) is left."""
         size = sum(c.size for c in structure)
         pull = np.zeros((size, size))
         at = 0
