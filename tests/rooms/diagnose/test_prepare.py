@@ -33,7 +33,7 @@ def record(seed: int, sigma: Array = SIGMA) -> Record:
 @settings(deadline=None, max_examples=10)
 @given(size=st.floats(0.3, 20.0), seed=st.integers(0, 1000))
 def test_noise_is_estimated_whatever_the_motion(size: float, seed: int) -> None:
-    found = noise(tuple(record(seed + k, size * SIGMA) for k in range(3)))
+    found = noise(tuple(record(seed + k, size * SIGMA) for k in range(20)))
     np.testing.assert_allclose(found, size * SIGMA, rtol=0.15)
 
 
