@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 from inventions import plants
+from kept import Keeper, collected
 from planting import Plant, commanded, planted, smooth_kiwi
 
 from slipmargin.diagnose.diagnosis import Diagnosis
@@ -30,7 +31,6 @@ from slipmargin.diagnose.loop import diagnose
 from slipmargin.effects import Effect
 from slipmargin.effects.catalogue import CATALOGUE, effect_class
 from slipmargin.io.data_set import DataSet, read_data_set
-from slipmargin.io.writes import write_text
 
 #: Typical sizes of the catalogue's effects: (parameter, smallest, largest, either sign).
 SIZES: dict[str, tuple[tuple[str, float, float, bool], ...]] = {
@@ -189,30 +189,12 @@ def show(line: dict[str, Any]) -> dict[str, Any]:
     return line
 
 
-def run(jobs: list[Job], target: Path | None) -> list[dict[str, Any]]:
-    """Every job that ``target`` does not hold yet; each row is kept as soon as it is known."""
-    rows = json.loads(target.read_text()) if target is not None and target.exists() else []
-    done = {r["set"] for r in rows}
-    for job in jobs:
-        if job.name in done:
-            continue
-        rows.append(job.run())
-        if target is not None:
-            write_text(target, json.dumps(rows, indent=1, ensure_ascii=False) + "\n")
-    return rows
-
-
 def main(words: list[str]) -> None:
     """Run one mode."""
-    options = {"--json": "", "--part": "1/1"}
-    for name in options:
-        if name in words:
-            at = words.index(name)
-            options[name] = words[at + 1]
-            words = words[:at] + words[at + 2 :]
+    keeper, words = Keeper.of(words)
     mode, *rest = words or ["nulls", "8"]
     if mode == "table":
-        summary([r for file in rest for r in json.loads(Path(file).read_text())])
+        summary(collected(rest))
         return
     if mode == "sets":
         jobs = sets(rest)
@@ -220,8 +202,7 @@ def main(words: list[str]) -> None:
         jobs = inventions()
     else:
         jobs = {"nulls": nulls, "catalogue": catalogue}[mode](int(rest[0]))
-    part, parts = (int(number) for number in options["--part"].split("/"))
-    summary(run(jobs[part - 1 :: parts], Path(options["--json"]) if options["--json"] else None))
+    summary(keeper.run([(job.name, job.run) for job in jobs]))
 
 
 if __name__ == "__main__":

@@ -1,14 +1,12 @@
-"""What the paths room promises, measured: speed, optimality, gain, dense check, and proof by simulation.
+"""What the paths room promises, measured: speed, optimality, gain and dense check.
 
-    python benchmarks/paths.py [--robots 200] [--seed 1]     table on stdout, then JSON
+    python benchmarks/paths.py [--json FILE]     a table; the same figures as JSON
 
-All ratios are of one run on one machine.  The functions can be imported.
+All ratios are of one run on one machine.  The proof by simulation is ``path_proof.py``.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import sys
 import time
 import warnings
@@ -17,12 +15,12 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from kept import Keeper
 
-from slipmargin.errors import InputError, NoSolution
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.limits.bounds import directions, headings
 from slipmargin.limits.bounds_inside import inside
-from slipmargin.model import Model, nominal_model
+from slipmargin.model import Model
 from slipmargin.paths import core
 from slipmargin.paths.along import Rows
 from slipmargin.paths.convex import Ellipsoids, convex_profile
@@ -30,12 +28,7 @@ from slipmargin.paths.geometry import Geometry
 from slipmargin.paths.grid import Grid, grid_of
 from slipmargin.paths.path import Path, corners, through
 from slipmargin.paths.plan import Plan, Request, duration, plan
-from slipmargin.paths.sample import at_use, trajectory
-from slipmargin.robot import Body, Coefficients, LoadRule, Robot, Surface, Wheel
-from slipmargin.study.verify import GROSS, on_rollers, verify
-
-#: How long a sped-up motion has to ask for 105 % of a wheel's grip [s].
-HOLD_S = 0.5
+from slipmargin.study.verify import on_rollers
 
 
 def benchmark_paths() -> dict[str, Path]:
@@ -54,93 +47,6 @@ def benchmark_paths() -> dict[str, Path]:
 def kiwi() -> Model:
     """The paper's robot on paper, all wheels on rollers."""
     return on_rollers(read_recipe("ohio-kiwi").build("paper"))
-
-
-def drawn_robot(rng: np.random.Generator, wheels: int) -> Model:
-    """A buildable machine: wheels round a body, omni or mecanum, statics for the loads, one floor."""
-    while True:
-        size = rng.uniform(0.1, 0.4)
-        at = 2.0 * np.pi * (np.arange(wheels) + rng.uniform(-0.2, 0.2, wheels)) / wheels
-        mecanum = wheels % 2 == 0 and rng.random() < 0.5
-        turn = np.where(np.arange(wheels) % 2 == 0, 45.0, -45.0) if mecanum else np.zeros(wheels)
-        aim = np.full(wheels, 90.0) if mecanum else np.rad2deg(at) + 90.0 + rng.uniform(-25.0, 25.0, wheels)
-        parts = tuple(Wheel(name=f"w{i + 1}", position_m=size * np.array([np.cos(a), np.sin(a)]),
-                            drive_direction_deg=float(d), radius_m=0.04, roller_angle_deg=float(r))
-                      for i, (a, d, r) in enumerate(zip(at, aim, turn, strict=True)))
-        mass, drive = rng.uniform(2.0, 40.0), rng.uniform(0.2, 0.8)
-        floor = Surface(
-            name="floor",
-            roller=Coefficients(drive=drive, transverse=drive * rng.uniform(0.03, 0.35)),
-            rigid=Coefficients(drive=drive, transverse=drive),
-        )
-        try:
-            robot = Robot(
-                name=f"drawn-{wheels}",
-                wheels=parts,
-                surfaces=(floor,),
-                load_rule=LoadRule.QUASI_STATIC,
-                body=Body(
-                    mass_kg=mass,
-                    inertia_kg_m2=mass * (rng.uniform(0.5, 0.9) * size) ** 2,
-                    com_m=size * rng.uniform(-0.15, 0.15, 2),
-                    com_height_m=size * rng.uniform(0.0, 0.4),
-                ),
-            )
-            model = nominal_model(robot, "floor")
-        except InputError:
-            continue
-        along = model.wrench_maps()[0] / np.array([[1.0], [1.0], [size]])
-        if np.linalg.svd(along, compute_uv=False)[-1] > 0.4:
-            return model
-
-
-def drawn_path(rng: np.random.Generator, arm: float) -> Path:
-    """A spline through two to five drawn poses."""
-    while True:
-        poses = np.cumsum(rng.normal(size=(int(rng.integers(2, 6)), 3)) * np.array([0.6, 0.6, 0.8]), axis=0)
-        try:
-            return through(poses, arm=arm)
-        except InputError:
-            continue
-
-
-def proof(count: int, seed: int, tell: Callable[[dict[str, Any]], None] | None = None) -> dict[str, Any]:
-    """Drawn robots × paths through planner and simulator: use, simulated share, and the sped-up motion."""
-    rng, rows, refused = np.random.default_rng(seed), [], 0
-    while len(rows) < count:
-        wheels = (3, 4, 6)[len(rows) % 3]
-        model = drawn_robot(rng, wheels)
-        way, share = drawn_path(rng, 0.2), float(rng.uniform(0.5, 0.95))
-        try:
-            found = plan(model, way, Request(share=share, points=200))
-        except NoSolution:
-            refused += 1  # even constant speed needs more than the share
-            continue
-        slow = trajectory(found, step_s=0.002)
-        calm = verify(model, slow)
-        fast = at_use(model, slow, 1.05, hold_s=HOLD_S)
-        wild = verify(model, fast)
-        first = int(np.argmax(np.max(wild.share, axis=1) > GROSS))
-        slipping = int(np.argmax(wild.share[first]))
-        near = (fast.t_s <= wild.t_s[first]) & (fast.t_s > wild.t_s[first] - 3.0 * HOLD_S)
-        row = {
-            "wheels": wheels,
-            "share": share,
-            "over": found.max_use / share - 1.0,
-            "excess": calm.peak - share,
-            "slips": wild.slips,
-            "at_named_wheel": bool(np.max(fast.use[near, slipping]) > 1.0),
-            "passes": found.passes,
-        }
-        rows.append(row)
-        if tell is not None:
-            tell(row)
-    gross = [r for r in rows if r["slips"]]
-    return {"count": count, "refused": refused, "worst_over": max(r["over"] for r in rows),
-            "worst_excess": max(r["excess"] for r in rows),
-            "excess_above_0.02": sum(r["excess"] > 0.02 for r in rows), "sped_up_slips": len(gross),
-            "at_named_wheel": sum(r["at_named_wheel"] for r in gross), "passes_median": float(np.median(
-                [r["passes"] for r in rows])), "rows": rows}
 
 
 def facet_rows(way: Path, grid: Grid, count: int = 22, seed: int = 0) -> Rows:
@@ -280,19 +186,16 @@ def gains(share: float = 0.9) -> dict[str, Any]:
     return out
 
 
-def main(arguments: list[str]) -> None:
+def main(words: list[str]) -> None:
     """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--robots", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=1)
-    asked = parser.parse_args(arguments)
-    found = {"speed": speed(), "gains": gains(), "proof": proof(asked.robots, asked.seed)}
-    for name, value in found["speed"].items():
-        print(f"{name:34s} {value:10.4g}")
-    for name, row in found["gains"].items():
-        print(f"{name:24s} " + "  ".join(f"{k} {v:.5g}" for k, v in row.items()))
-    print("  ".join(f"{k} {v}" for k, v in found["proof"].items() if k != "rows"))
-    print(json.dumps(found))
+    keeper, _ = Keeper.of(words)
+    rows = keeper.run([("speed", speed), ("gains", gains)])
+    for row in rows:
+        for name, value in row.items():
+            if isinstance(value, dict):
+                print(f"{name:24s} " + "  ".join(f"{k} {v:.5g}" for k, v in value.items()))
+            elif name != "set":
+                print(f"{name:34s} {value:10.4g}")
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array, frozen
+from slipmargin.checks import Array, Index, frozen
 from slipmargin.model import Model
 
 
@@ -68,7 +68,7 @@ class Motion:
         """Number of samples M."""
         return len(self.velocity)
 
-    def take(self, rows: slice | Array) -> Motion:
+    def take(self, rows: slice | Array | Index) -> Motion:
         """The samples that ``rows`` selects."""
         picked = {name: value[rows] for name in ("velocity", "heading", "position", "time_s", "acceleration",
                                                  "theta")

@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array
-from slipmargin.limits.motion_realised import realised
+from slipmargin.limits.motion_realised import realised, settling
 from slipmargin.limits.motion_rows import torque_limit
 from slipmargin.limits.motion_state import Contact, wheel_speeds
 from slipmargin.model import Model
@@ -27,13 +27,22 @@ class Audit:
     ``use`` (n, F, N) share of each wheel's grip in the realised distribution, pose held or open loop,
     whichever is more; ``torque`` (n, F, N) share
     of the motor's torque; ``speed`` (n, F) share of the tightest speed cap; ``load_N`` (n, F, N).
+    ``settling`` (n, N) is the largest use within the milliseconds after each interval's acceleration
+    sets in (the first interval's does not follow another).
     """
 
     use: Array
+    settling: Array
     torque: Array
     speed: Array
     load_N: Array
     time_s: Array
+
+    @property
+    def most(self) -> Array:
+        """Largest use (n, N) in each interval, settling at either end included."""
+        after = np.concatenate([self.settling[1:], np.zeros_like(self.settling[:1])])
+        return np.asarray(np.max([self.use.max(axis=1), self.settling, after], axis=0))
 
     @property
     def worst(self) -> tuple[int, int, int]:
@@ -59,5 +68,9 @@ def audit(model: Model, geometry: Geometry, x: Array, u: Array, *, contact: Cont
     torque = np.nan_to_num(torque, nan=0.0, posinf=np.inf)
     speed = np.sqrt(geometry.squared_speed(x)) * speed_ratio(model, geometry, caps)
     use = np.maximum(forces.use, drifting.use)
-    return Audit(use=use.reshape(shape), torque=torque.reshape(shape), speed=speed,
+    first = np.arange(0, motion.count, shape[1], dtype=np.int64)
+    jumps = settling(model, motion.take(np.maximum(first - 1, 0)), motion.take(first), contact=contact,
+                     share=share)
+    return Audit(use=use.reshape(shape), settling=jumps, torque=torque.reshape(shape), speed=speed,
                  load_N=forces.load_N.reshape(shape), time_s=time)
+

@@ -81,8 +81,8 @@ class Plan:
 
     @property
     def max_use(self) -> float:
-        """Largest share of a wheel's grip, sampled 20 times finer than the grid."""
-        return float(np.max(self.audit.use))
+        """Largest share of a wheel's grip, sampled 20 times finer than the grid, settling included."""
+        return float(np.max(self.audit.most))
 
 
 def duration(step: Array, x: Array) -> float:
@@ -95,8 +95,8 @@ def plan(model: Model, path: Path, request: Request | None = None, *, grid: Grid
     """The fastest motion along ``path`` under ``request.share`` of every limit.
 
     Each interval starts with the full share.  The profile is checked FINER times finer than the grid
-    with the forces that the wheels really have, and intervals that use too much are tightened, until
-    no sample exceeds the share.
+    with the forces that the wheels really have, on the way from one acceleration to the next as well, and
+    intervals that use too much are tightened, until nothing exceeds the share.
 
     Raises
     ------
@@ -119,9 +119,9 @@ def plan(model: Model, path: Path, request: Request | None = None, *, grid: Grid
                         highest=work.highest, limited_by=work.named(), rows=work.rows, audit=seen,
                         passes=work.passes)
         work.drive()
-    i, _, wheel = seen.worst
-    raise NoSolution(work.place(i), f"wheel {model.contacts.names[wheel]} still uses {seen.use.max():.4f} of "
-                     f"its grip after {ROUNDS} rounds of tightening",
+    i, wheel = np.unravel_index(int(np.argmax(seen.most)), seen.most.shape)
+    raise NoSolution(work.place(int(i)), f"wheel {model.contacts.names[wheel]} still uses "
+                     f"{seen.most[i, wheel]:.4f} of its grip after {ROUNDS} rounds of tightening",
                      "use more grid points or a larger margin", seen)
 
 
@@ -182,7 +182,7 @@ class _Work:
     def tighten(self, seen: Audit, aim: float) -> bool:
         """Lower the shares of intervals that use too much to ``aim`` below; False where none does."""
         found = False
-        for kept, used, limit in ((self.grip, seen.use.max(axis=(1, 2)), self.request.share),
+        for kept, used, limit in ((self.grip, seen.most.max(axis=1), self.request.share),
                                   (self.torque, seen.torque.max(axis=(1, 2)), 1.0),
                                   (self.speed, seen.speed.max(axis=1), 1.0)):
             over = used > limit * (1.0 + 2.0 * AIM)

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings, strategies as st
+from scipy.integrate import solve_ivp
 from scipy.optimize import linprog
 from strategies import four_wheels, kiwi, models, reals
 
@@ -22,7 +23,7 @@ from slipmargin.limits.motion import (
     drive_shares,
     needed_share,
 )
-from slipmargin.limits.motion_realised import realised
+from slipmargin.limits.motion_realised import realised, settling
 from slipmargin.limits.motion_state import Contact, Motion, wheel_speeds
 from slipmargin.model import Model, nominal_model
 from slipmargin.robot import GripShape, LoadRule, Motor
@@ -119,37 +120,91 @@ def test_three_wheels_share_exactly(model: Model, velocity: np.ndarray) -> None:
     )
 
 
-@settings(max_examples=25, deadline=None)
-@given(models(), twists(), st.booleans())
-def test_realised_forces_balance(model: Model, velocity: np.ndarray, open_loop: bool) -> None:
-    """Newton's equilibrium put back into the equation of motion, written out wheel by wheel."""
-    asked = np.array([0.05, -0.03, 0.1])
-    motion = Motion(velocity=velocity[None], acceleration=asked[None])
-    forces = realised(model, motion, open_loop=open_loop)
-    if np.max(forces.use) > 0.97:
-        return  # the continued law takes over
-    n, c, com, k = model.count, model.contacts, model.inertia.com_m, model.grip.k_s_per_m
-    creep = forces.twist[0]
+def unbalanced(
+    model: Model,
+    velocity: np.ndarray,
+    asked: np.ndarray,
+    creep: np.ndarray,
+    load: np.ndarray,
+    open_loop: bool,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Wrench left over from the wheels' forces, and their use: Newton's law, wheel by wheel."""
+    c, com, k = model.contacts, model.inertia.com_m, model.grip.k_s_per_m
     at_com = velocity[:2] + velocity[2] * np.array([-com[1], com[0]]) + creep[:2]
     spin = wheel_speeds(model, velocity)
-    total = np.zeros(3)
-    for i in range(n):
+    total, use = np.zeros(3), np.zeros(model.count)
+    for i in range(model.count):
         arm = c.position_m[i] - com
         slip = (
             at_com
             + (velocity[2] + creep[2]) * np.array([-arm[1], arm[0]])
             + c.radius_m[i] * spin[i] * c.drive[i]
         )
-        f = sum(-forces.load_N[0, i] * model.grip.roller[i, j] * 2.0 / np.pi * np.arctan(k * (slip @ e)) * e
+        use[i] = abs(2.0 / np.pi * np.arctan(k * (slip @ c.grip[i])))
+        f = sum(-load[i] * model.grip.roller[i, j] * 2.0 / np.pi * np.arctan(k * (slip @ e)) * e
                 for j, e in enumerate((c.grip[i], c.free[i])))
         total += [*f, arm[0] * f[1] - arm[1] * f[0]]
     a = asked[:2] + asked[2] * np.array([-com[1], com[0]]) - velocity[2] ** 2 * com
     if open_loop:
         w, v0 = velocity[2], at_com - creep[:2]
-        turned = (w + creep[2]) * np.array([-at_com[1], at_com[0]]) - w * np.array([-v0[1], v0[0]])
-        a = a + turned
+        a = a + (w + creep[2]) * np.array([-at_com[1], at_com[0]]) - w * np.array([-v0[1], v0[0]])
     needed = np.array([*(model.inertia.mass_kg * a), model.inertia.inertia_kg_m2 * asked[2]])
-    assert total == pytest.approx(needed, abs=1e-7 * model.inertia.weight_N)
+    return total - needed, use
+
+
+@settings(max_examples=25, deadline=None)
+@given(models(), twists(), st.booleans())
+def test_realised_forces_balance(model: Model, velocity: np.ndarray, open_loop: bool) -> None:
+    """Newton's equilibrium put back into the equation of motion."""
+    asked = np.array([0.05, -0.03, 0.1])
+    motion = Motion(velocity=velocity[None], acceleration=asked[None])
+    forces = realised(model, motion, open_loop=open_loop)
+    if np.max(forces.use) > 0.97:
+        return  # the continued law takes over
+    left, use = unbalanced(model, velocity, asked, forces.twist[0], forces.load_N[0], open_loop)
+    assert left == pytest.approx(np.zeros(3), abs=1e-7 * model.inertia.weight_N)
+    assert use == pytest.approx(forces.use[0], abs=1e-9)
+
+
+@settings(max_examples=20, deadline=None)
+@given(models(), twists(), reals(-0.4, 0.4), reals(-0.4, 0.4), reals(-1.0, 1.0))
+def test_settling_after_a_jump_is_the_equation_of_motion(
+    model: Model, velocity: np.ndarray, ax: float, ay: float, turn: float
+) -> None:
+    """The creep's own differential equation by SciPy, from the balance before to that after the jump."""
+    jump = np.array([ax, ay, turn])
+    while True:  # slower and softer until the wheels can do it
+        before, after = (Motion(velocity=velocity[None], acceleration=a[None]) for a in (-jump, jump))
+        ends = [realised(model, motion, open_loop=True) for motion in (before, after)]
+        if max(np.max(end.use) for end in ends) < 0.9:
+            break
+        velocity, jump = 0.6 * velocity, 0.6 * jump
+    mass = np.array([model.inertia.mass_kg, model.inertia.mass_kg, model.inertia.inertia_kg_m2])
+    load = ends[1].load_N[0]
+
+    def rate(_: float, creep: np.ndarray) -> np.ndarray:
+        return unbalanced(model, velocity, jump, creep, load, True)[0] / mass
+
+    path = solve_ivp(rate, (0.0, 0.5), ends[0].twist[0], method="LSODA", rtol=1e-7, atol=1e-10,
+                     max_step=1e-3)
+    uses = [unbalanced(model, velocity, jump, creep, load, True)[1] for creep in path.y.T]
+    most = np.max([*uses, ends[1].use[0]], axis=0)  # half a second may not be the end of it
+    found = settling(model, before, after)[0]
+    if np.max(most) > 0.97:  # the creep ran away, and the continued law says how far
+        assert np.max(found) > 0.97
+    else:
+        assert found == pytest.approx(most, abs=5e-3)
+
+
+def test_a_wheel_may_use_more_on_the_way_than_before_and_after() -> None:
+    """Four wheels, one heavy on its corner: yaw settles later than translation."""
+    body = replace(four_wheels().body, inertia_kg_m2=2.0)
+    model = nominal_model(replace(four_wheels(), body=body), "paper")
+    twist = np.array([[0.3, 0.4, 0.5]])
+    before = Motion(velocity=twist, acceleration=np.array([[0.5, -0.6, -0.3]]))
+    after = Motion(velocity=twist, acceleration=np.array([[-0.5, 0.6, 0.3]]))
+    ends = np.maximum(*(realised(model, m, open_loop=True).use for m in (before, after)))
+    assert np.max(settling(model, before, after) - ends) > 0.02
 
 
 def test_four_wheels_use_more_than_the_zonotope_needs() -> None:
