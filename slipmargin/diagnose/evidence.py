@@ -20,16 +20,14 @@ SURROGATES = 999
 #: Length of the runs of samples that surrogate noise keeps together [s]: longer than the
 #: correlation of what a wrong wheel log leaves behind.
 _BLOCK_S = 0.25
-#: Two-sided 95 % quantile of Student's t by degrees of freedom 1 … 30; the normal one beyond.
-_T95 = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160,
-        2.145, 2.131, 2.120, 2.110, 2.101, 2.093, 2.086, 2.080, 2.074, 2.069, 2.064, 2.060, 2.056,
-        2.052, 2.048, 2.045, 2.042)  # fmt: skip
+#: Coverage of the intervals.
+_SURE = 0.95
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Intervals:
-    """95 % intervals of the parameters: ``low`` and ``high`` (P,), ``deviation`` (P,) 1 s.d.
+    """Intervals of the parameters: ``low`` and ``high`` (P,), ``deviation`` (P,) 1 s.d.
 
     ``excitation`` (P,) are the singular values of the whitened Jacobian per unit of scale: a small
     one is a direction in which these trials say nothing.
@@ -41,11 +39,14 @@ class Intervals:
     excitation: Array
 
 
-def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) -> Intervals:
-    """Intervals from whole trials, which may be correlated inside.
+def intervals(
+    found: Fit, leave_one_out: Array, scale: Array, log_shift: Array, *, together: bool = True
+) -> Intervals:
+    """Intervals from whole trials, which may be correlated inside and disagree among themselves.
 
     The larger of the jackknife over trials, √((R−1)/R Σ (x₋ᵢ − x̄)²), and the inverse normal matrix
-    times the reduced χ²; Student's t with R − 1 degrees of freedom.
+    times the reduced χ², widened by what trials scatter beyond their noise (:func:`_disagreement`);
+    Student's t with R − 1 degrees of freedom, 95 %.
 
     Parameters
     ----------
@@ -57,7 +58,11 @@ def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) 
         Units of the parameters.
     log_shift : array (P,)
         How far they move when the wheels' motion between samples is rebuilt another way.
+    together : bool
+        Whether the intervals hold for all P parameters at once (Šidák), or each for itself.
     """
+    from scipy.special import stdtrit
+
     count, size = leave_one_out.shape
     flat = found.jacobian.reshape(-1, size) * scale
     seen = int(np.count_nonzero(found.residual))
@@ -66,14 +71,35 @@ def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) 
     formal = np.sqrt(np.maximum(np.diag(covariance), 0.0)) * scale
     spread = leave_one_out - leave_one_out.mean(axis=0)
     jackknife = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0)) if count > 1 else formal
-    deviation = np.hypot(np.maximum(formal, jackknife), log_shift)
-    quantile = 1.96 if count > 31 else _T95[max(0, count - 2)]
+    apart = _disagreement(found, scale)
+    deviation = np.sqrt(np.maximum(np.maximum(formal, jackknife) ** 2, formal**2 + apart**2) + log_shift**2)
+    sure = _SURE ** (1.0 / size) if together else _SURE
+    quantile = float(stdtrit(max(1, count - 1), 0.5 * (1.0 + sure)))
     return Intervals(
         low=found.x - quantile * deviation,
         high=found.x + quantile * deviation,
         deviation=deviation,
         excitation=np.asarray(np.linalg.svd(flat, compute_uv=False)),
     )
+
+
+def _disagreement(found: Fit, scale: Array) -> Array:
+    """What trials that each have a parameter of their own add to its standard deviation (P,).
+
+    One trial may weigh as much as all others together; the jackknife then hardly sees that they
+    disagree.  The variance of each parameter between trials is estimated from what every trial would
+    move it by alone (R. DerSimonian and N. Laird, Controlled Clinical Trials 7, 177, 1986), and reaches
+    the joint fit with the weights that the trials have in it.
+    """
+    tangents = found.jacobian * scale
+    weight = np.sum(tangents**2, axis=1)  # (R, P)
+    pull = np.einsum("rkp,rk->rp", tangents, found.residual)
+    whole = np.maximum(weight.sum(axis=0), 1e-300)
+    beyond = np.sum(pull**2 / np.maximum(weight, 1e-300), axis=0) - (len(weight) - 1)
+    between = np.maximum(0.0, beyond) / np.maximum(whole - np.sum(weight**2, axis=0) / whole, 1e-300)
+    normal = np.einsum("rkp,rkq->rpq", tangents, tangents)
+    influence = np.linalg.pinv(normal.sum(axis=0)) @ normal  # (R, P, P)
+    return np.asarray(np.sqrt(np.einsum("rpq,q->p", influence**2, between)) * scale)
 
 
 def luck(gain: float, tangents: Sequence[Array], noise: Array, step_s: float, seed: int) -> float:

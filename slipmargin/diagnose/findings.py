@@ -9,8 +9,8 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.diagnose.candidate import Candidate
 from slipmargin.diagnose.diagnosis import Estimate, Finding
-from slipmargin.diagnose.evidence import intervals
-from slipmargin.diagnose.fit import Fit, build, shifted_by
+from slipmargin.diagnose.evidence import Intervals, intervals
+from slipmargin.diagnose.fit import Fit, build, limits_of, shifted_by
 from slipmargin.diagnose.left_out import leave_one_out
 from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.search import Round, State
@@ -46,8 +46,7 @@ def findings(
     if not len(final.x):
         return ()
     scale = np.concatenate([c.scale for c in final.structure])
-    others = leave_one_out(final)
-    spread = intervals(final, others, scale, shifted_by(problem.rebuilt(Way.OTHER), final))
+    spread = intervals(final, leave_one_out(final), scale, shifted_by(problem.rebuilt(Way.OTHER), final))
     stuck = final.at_bound()
     found = []
     at = 0
@@ -89,7 +88,7 @@ def findings(
                         strict=True,
                     )
                 ),
-                derived=_derived(problem, final, others, index),
+                derived=_derived(problem, final, spread, index),
                 chi_without=without(problem, state, index).chi,
                 chi_with=state.chi,
                 p_value=taken.p_value,
@@ -125,11 +124,11 @@ def _rivals(taken: Round, candidate: Candidate) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
-def _derived(problem: Problem, final: Fit, others: Array, index: int) -> tuple[Estimate, ...]:
+def _derived(problem: Problem, final: Fit, spread: Intervals, index: int) -> tuple[Estimate, ...]:
     """What follows from an effect's parameters and can be checked by hand."""
     effect = final.effects[index]
     if isinstance(effect, WheelLoads):
-        return _load_fractions(problem, final, others)
+        return _load_fractions(problem, final, spread)
     if isinstance(effect, RigidSector):
         return (_sectors_per_turn(problem, final, index, effect),)
     return ()
@@ -148,24 +147,25 @@ def _sectors_per_turn(problem: Problem, final: Fit, index: int, effect: RigidSec
     return Estimate(name="sectors_per_turn", value=best, low=best, high=best, unit="1")
 
 
-def _load_fractions(problem: Problem, final: Fit, others: Array) -> tuple[Estimate, ...]:
-    """Each wheel's share of the weight."""
+def _load_fractions(problem: Problem, final: Fit, spread: Intervals) -> tuple[Estimate, ...]:
+    """Each wheel's share of the weight, with what the parameters' intervals make of it."""
 
     def fractions(x: Array) -> Array:
         loads = problem.model(build(final.structure, x)).loads.rest_N
         return np.asarray(loads / loads.sum())
 
     value = fractions(final.x)
-    rows = np.array([fractions(x) for x in others])
-    count = len(rows)
-    deviation = np.sqrt((count - 1) / count * np.sum((rows - rows.mean(axis=0)) ** 2, axis=0))
+    steps = 1e-3 * limits_of(final.structure)[2]
+    slope = [(fractions(final.x + d) - value) / d.sum() for d in np.diag(steps)]
+    half = 0.5 * (spread.high - spread.low)
+    reach = np.sqrt(np.square(slope).T @ half**2)
     return tuple(
         Estimate(
             name=f"load_fraction_{name}",
             value=float(v),
-            low=float(v - 2.3 * d),
-            high=float(v + 2.3 * d),
+            low=float(v - r),
+            high=float(v + r),
             unit="1",
         )
-        for name, v, d in zip(problem.nominal.contacts.names, value, deviation, strict=True)
+        for name, v, r in zip(problem.nominal.contacts.names, value, reach, strict=True)
     )

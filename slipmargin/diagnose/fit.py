@@ -243,11 +243,18 @@ def _linearise(
 
 
 def shifted_by(other: Residuals, found: Fit) -> Array:
-    """How far (P,) the parameters move, by one Gauss–Newton step, if ``other`` is the right problem."""
-    _, _, scale = limits_of(found.structure)
+    """How far (P,) the parameters move, by one Gauss–Newton step in bounds, if ``other`` is right."""
+    from scipy.optimize import lsq_linear
+
+    low, high, scale = limits_of(found.structure)
     residual = other.residuals([found.effects], [found.trials])[0]
     flat = found.jacobian.reshape(-1, len(found.x)) * scale
-    step = np.linalg.lstsq(flat, -(residual - found.residual).ravel(), rcond=1e-10)[0]
+    room = (low - found.x) / scale, (high - found.x) / scale
+    open_ = room[0] < room[1]
+    step = np.zeros(len(found.x))
+    step[open_] = lsq_linear(
+        flat[:, open_], (found.residual - residual).ravel(), bounds=(room[0][open_], room[1][open_])
+    ).x
     return np.asarray(step * scale)
 
 

@@ -177,7 +177,7 @@ def _nothing_sure(state: State) -> list[bool]:
     sizes = [c.size for c in state.structure]
     scale = np.concatenate([c.scale for c in state.structure])
     null = np.concatenate([c.null for c in state.structure])
-    spread = intervals(state.fit, leave_one_out(state.fit), scale, np.zeros(len(null)))
+    spread = intervals(state.fit, leave_one_out(state.fit), scale, np.zeros(len(null)), together=False)
     holds = (spread.low <= null) & (null <= spread.high)
     parts = np.split(holds, np.cumsum(sizes)[:-1])
     return [c.named and bool(part.all()) for c, part in zip(state.structure, parts, strict=True)]

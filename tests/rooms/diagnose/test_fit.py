@@ -12,7 +12,7 @@ from hypothesis import given, settings, strategies as st
 from slipmargin.checks import Array, Index
 from slipmargin.diagnose.candidate import Candidate
 from slipmargin.diagnose.evidence import intervals, luck
-from slipmargin.diagnose.fit import build, evaluate, fit, tangents
+from slipmargin.diagnose.fit import build, evaluate, fit, shifted_by, tangents
 from slipmargin.diagnose.left_out import best_left_out, cross_validate, leave_one_out
 from slipmargin.diagnose.search import State, choose, promise
 from slipmargin.effects import AnyEffect, Trace
@@ -125,6 +125,36 @@ def test_intervals_cover_the_truth_about_as_often_as_they_say() -> None:
         spread = intervals(found, leave_one_out(found), found.structure[0].scale, np.zeros(2))
         inside += int(np.all((spread.low <= [1.2, 0.9]) & (spread.high >= [1.2, 0.9])))
     assert inside >= 50  # two parameters at 95 % each, conservative with six trials
+
+
+def test_trials_that_disagree_widen_the_interval() -> None:
+    """Each trial has its own slope, and the first outweighs the others, so that a jackknife is too sure."""
+    inside = narrow = 0
+    for seed in range(100):
+        problem, random = Line((0.2, -0.1), 0.0, 300 + seed), np.random.default_rng(900 + seed)
+        own, noise = random.normal(scale=0.02, size=(TRIALS, 1)), random.standard_normal(problem.u.shape)
+        problem.u, problem.v = 500.0 * problem.u, 500.0 * problem.v
+        problem.u[0] *= 8.0
+        problem.y = (0.2 + own) * problem.u - 0.1 * problem.v + noise
+        found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+        spread = intervals(found, leave_one_out(found), found.structure[0].scale, np.zeros(2),
+                           together=False)
+        inside += int(spread.low[0] <= 1.2 <= spread.high[0])
+        narrow += int(spread.high[0] - spread.low[0] < 0.2)
+    assert inside >= 95
+    assert narrow >= 95  # and does not cover by saying nothing
+
+
+def test_a_parameter_on_its_bound_leaves_the_shift_to_the_others() -> None:
+    """The other log moves both slopes, but the second may not go on: the first takes what it can."""
+    problem, other = Line((0.2, -0.1), 0.0, 5), Line((0.2, -0.1), 0.0, 5)
+    other.y = other.y + 0.1 * other.v
+    floor = replace(candidate(CameraScale), high=np.array([2.0, 0.9]))
+    found = fit(problem, (floor,), np.array([1.0, 0.9]), EVERY)
+    moved = shifted_by(other, found)
+    assert moved[1] == pytest.approx(0.0, abs=1e-6)
+    free = shifted_by(other, fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY))
+    assert free[1] == pytest.approx(0.1, abs=1e-6)
 
 
 def test_a_suspect_stands_for_a_variable() -> None:
