@@ -63,6 +63,8 @@ def search(
     state = base_state(problem, trials, problem.samples(trials))
     rounds: list[Round] = []
     for number in range(MOST_EFFECTS):
+        if number and not worthwhile(state, _FLOOR):
+            break
         stage = staged(progress, f"round {number + 1}")
         step = take_step(problem, state, suspects, seed, stage, pairs=number == 0)
         rounds.append(step)

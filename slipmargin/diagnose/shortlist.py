@@ -30,8 +30,8 @@ from slipmargin.errors import InputError
 
 #: A general form that leaves less than this is good enough not to look for pairs of names.
 NEAR_NOISE = 1.3
-#: How many of what was found piece by piece are fitted to whole runs.
-_CONTENDERS = 3
+#: How many of what was found piece by piece are fitted to whole runs, and how far behind the best one.
+_CONTENDERS, _BEHIND = 3, 3.0
 #: How many named effects and general forms are fitted, by the gain their tangent promises.
 _NAMED, _GENERAL = 40, 10
 #: How many single effects are tried as the first of two, and how many pairs get a full fit.
@@ -88,8 +88,9 @@ def _of_every_variable(promising_first: list[Candidate]) -> list[Candidate]:
 
 def contenders(tried: list[State]) -> list[State]:
     """The best few, and the best of each kind: one name, one general form, two names."""
-    kinds = {(len(s.structure), s.last.named): s for s in reversed(tried)}
-    return [s for i, s in enumerate(tried) if i < _CONTENDERS or s in kinds.values() or s is choose(tried)]
+    near = [s for s in tried if s.chi <= _BEHIND * tried[0].chi]
+    kinds = {(len(s.structure), s.last.named): s for s in reversed(near)}
+    return [s for i, s in enumerate(near) if i < _CONTENDERS or s in kinds.values() or s is choose(tried)]
 
 
 def possible(problem: Problem, before: State, suspect: Candidate) -> bool:
