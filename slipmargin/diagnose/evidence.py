@@ -87,19 +87,23 @@ def _disagreement(found: Fit, scale: Array) -> Array:
     """What trials that each have a parameter of their own add to its standard deviation (P,).
 
     One trial may weigh as much as all others together; the jackknife then hardly sees that they
-    disagree.  The variance of each parameter between trials is estimated from what every trial would
-    move it by alone (R. DerSimonian and N. Laird, Controlled Clinical Trials 7, 177, 1986), and reaches
-    the joint fit with the weights that the trials have in it.
+    disagree.  The variance between trials is estimated from what every trial would move the
+    parameters by alone (R. DerSimonian and N. Laird, Controlled Clinical Trials 7, 177, 1986), in the
+    combinations of them that the trials together tell apart, and reaches the joint fit with the
+    weights that the trials have in it.
     """
     tangents = found.jacobian * scale
-    weight = np.sum(tangents**2, axis=1)  # (R, P)
-    pull = np.einsum("rkp,rk->rp", tangents, found.residual)
-    whole = np.maximum(weight.sum(axis=0), 1e-300)
-    beyond = np.sum(pull**2 / np.maximum(weight, 1e-300), axis=0) - (len(weight) - 1)
-    between = np.maximum(0.0, beyond) / np.maximum(whole - np.sum(weight**2, axis=0) / whole, 1e-300)
     normal = np.einsum("rkp,rkq->rpq", tangents, tangents)
-    influence = np.linalg.pinv(normal.sum(axis=0)) @ normal  # (R, P, P)
-    return np.asarray(np.sqrt(np.einsum("rpq,q->p", influence**2, between)) * scale)
+    size, axes = np.linalg.eigh(normal.sum(axis=0))
+    known = size > 1e-12 * size[-1]
+    basis = axes[:, known] / np.sqrt(size[known])  # whitens the sum: its columns are the combinations
+    weight = np.einsum("pz,rpq,qy->rzy", basis, normal, basis)  # adds up to the unit matrix
+    pull = np.einsum("pz,rkp,rk->rz", basis, tangents, found.residual)
+    own = np.maximum(np.einsum("rzz->rz", weight), 1e-300)
+    beyond = np.sum(pull**2 / own, axis=0) - (len(own) - 1)
+    between = np.maximum(0.0, beyond) / np.maximum(1.0 - np.sum(own**2, axis=0), 1e-300)
+    covariance = np.einsum("rzy,y,rxy->zx", weight, between, weight)
+    return np.asarray(np.sqrt(np.maximum(np.einsum("pz,zx,px->p", basis, covariance, basis), 0.0)) * scale)
 
 
 def luck(gain: float, tangents: Sequence[Array], noise: Array, step_s: float, seed: int) -> float:
