@@ -155,7 +155,8 @@ def _load_fractions(problem: Problem, final: Fit, spread: Intervals) -> tuple[Es
         return np.asarray(loads / loads.sum())
 
     value = fractions(final.x)
-    steps = 1e-3 * limits_of(final.structure)[2]
+    _, high, scale = limits_of(final.structure)
+    steps = np.where(final.x + 1e-3 * scale <= high, 1e-3, -1e-3) * scale
     slope = [(fractions(final.x + d) - value) / d.sum() for d in np.diag(steps)]
     half = 0.5 * (spread.high - spread.low)
     reach = np.sqrt(np.square(slope).T @ half**2)
