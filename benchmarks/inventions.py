@@ -18,6 +18,7 @@ from slipmargin.model.variables import Basis, Frame, Target, Variable
 from slipmargin.robot import LoadRule
 
 _KNOTS = 41
+_TURN = 2.0 * np.pi
 
 
 def curve(f: Callable[[Array], Array], low: float, high: float) -> tuple[Basis, Array, Array]:
@@ -76,274 +77,156 @@ def shift(
     return GeneralEffect(traced_to=Trace.MEASUREMENT, part=Part.SENSING, terms=(term,))
 
 
+def wave(
+    trace: Trace,
+    variable: Variable,
+    period: float,
+    coefficients: tuple[float, ...],
+    target: Target = Target.BOTH,
+    wheels: tuple[float, ...] = (1.0, 1.0, 1.0),
+) -> GeneralEffect:
+    """Friction times 1 + a Fourier series over an angle."""
+    term = Modulation(
+        variable=variable,
+        basis=Basis.FOURIER,
+        shape=np.array([period, 0.0]),
+        target=target,
+        coefficients=np.array(coefficients),
+        wheels=np.array(wheels),
+    )
+    return GeneralEffect(traced_to=trace, part=Part.GRIP, terms=(term,))
+
+
+def vane() -> GeneralEffect:
+    """A force on the floor that turns twice as fast as the robot [N]."""
+    term = ForceTerm(
+        variable=Variable.HEADING,
+        basis=Basis.FOURIER,
+        shape=np.array([_TURN, 0.0]),
+        frame=Frame.FLOOR,
+        coefficients=np.array([[0.0, 0.0, 0.9, 0.0], [0.0, 0.0, 0.0, 0.9], [0.0, 0.0, 0.0, 0.0]]),
+    )
+    return GeneralEffect(traced_to=Trace.HEADING, part=Part.LOSSES, terms=(term,))
+
+
+def level(size: float) -> Callable[[Array], Array]:
+    """The same everywhere."""
+    return lambda v: size * np.ones_like(v)
+
+
+def invention(name: str, effect: GeneralEffect, *also: Trace, load_rule: LoadRule = LoadRule.EQUAL) -> Plant:
+    """A plant of one effect, right if traced to its own variable or one of ``also``."""
+    return Plant(name=name, traces=(effect.traced_to, *also), effects=(effect,), load_rule=load_rule)
+
+
 def plants() -> list[Plant]:
     """Two inventions for every variable of the contract."""
-    T, V, two_pi = Trace, Variable, 2.0 * np.pi
-    pitch = two_pi / 8
-
-    wave = GeneralEffect(
-        traced_to=T.WHEEL_ANGLE,
-        part=Part.GRIP,
-        terms=(
-            Modulation(
-                variable=V.WHEEL_ANGLE,
-                basis=Basis.FOURIER,
-                shape=np.array([pitch, 0.0]),
-                target=Target.DRIVE,
-                coefficients=np.array([0.0, 0.0, 0.35, -0.2]),
-                wheels=np.ones(3),
-            ),
-        ),
-    )
-    egg = GeneralEffect(
-        traced_to=T.WHEEL_ANGLE,
-        part=Part.GRIP,
-        terms=(
-            Modulation(
-                variable=V.WHEEL_ANGLE,
-                basis=Basis.FOURIER,
-                shape=np.array([two_pi, 0.0]),
-                target=Target.BOTH,
-                coefficients=np.array([0.4, 0.3]),
-                wheels=np.array([0.0, 1.0, 0.0]),
-            ),
-        ),
-    )
-    fixed = {"load_rule": LoadRule.STATIC}
+    T, V, G, F = Trace, Variable, Target, Frame
+    static = LoadRule.STATIC
     return [
-        Plant(name="friction wave over the roller", traces=(T.WHEEL_ANGLE,), effects=(wave,)),
-        Plant(name="one worn side of a wheel", traces=(T.WHEEL_ANGLE,), effects=(egg,)),
-        Plant(
-            name="friction falls with load",
-            traces=(T.WHEEL_LOAD, T.WHEEL),
-            effects=(friction(T.WHEEL_LOAD, V.WHEEL_LOAD, lambda v: -0.6 * v, -1.0, 1.0),),
-            **fixed,
+        invention(
+            "friction wave over the roller",
+            wave(T.WHEEL_ANGLE, V.WHEEL_ANGLE, _TURN / 8, (0.0, 0.0, 0.35, -0.2), G.DRIVE),
         ),
-        Plant(
-            name="light wheels lose grip",
-            traces=(T.WHEEL_LOAD, T.WHEEL),
-            effects=(friction(T.WHEEL_LOAD, V.WHEEL_LOAD, lambda v: np.minimum(0.0, v), -1.0, 1.0),),
-            **fixed,
+        invention(
+            "one worn side of a wheel",
+            wave(T.WHEEL_ANGLE, V.WHEEL_ANGLE, _TURN, (0.4, 0.3), wheels=(0.0, 1.0, 0.0)),
         ),
-        Plant(
-            name="grip rises with slip",
-            traces=(T.SLIP_SPEED,),
-            effects=(friction(T.SLIP_SPEED, V.SLIP_SPEED, lambda v: 1.2 * np.sqrt(v), 0.0, 1.0),),
+        invention(
+            "friction falls with load",
+            friction(T.WHEEL_LOAD, V.WHEEL_LOAD, lambda v: -0.6 * v, -1.0, 1.0),
+            T.WHEEL,
+            load_rule=static,
         ),
-        Plant(
-            name="grip peaks at 8 cm/s",
-            traces=(T.SLIP_SPEED,),
-            effects=(
-                friction(
-                    T.SLIP_SPEED, V.SLIP_SPEED, lambda v: 0.5 * np.exp(-(((v - 0.08) / 0.04) ** 2)), 0.0, 0.4
-                ),
+        invention(
+            "light wheels lose grip",
+            friction(T.WHEEL_LOAD, V.WHEEL_LOAD, lambda v: np.minimum(0.0, v), -1.0, 1.0),
+            T.WHEEL,
+            load_rule=static,
+        ),
+        invention(
+            "grip rises with slip",
+            friction(T.SLIP_SPEED, V.SLIP_SPEED, lambda v: 1.2 * np.sqrt(v), 0.0, 1.0),
+        ),
+        invention(
+            "grip peaks at 8 cm/s",
+            friction(
+                T.SLIP_SPEED, V.SLIP_SPEED, lambda v: 0.5 * np.exp(-(((v - 0.08) / 0.04) ** 2)), 0.0, 0.4
             ),
         ),
-        Plant(
-            name="drive grip lost when sliding sideways",
-            traces=(T.SLIP_COUPLING,),
-            effects=(
-                friction(
-                    T.SLIP_COUPLING,
-                    V.SLIP_ANGLE,
-                    lambda a: -0.5 * np.sin(a) ** 4,
-                    0.0,
-                    np.pi / 2,
-                    Target.DRIVE,
-                ),
+        invention(
+            "drive grip lost when sliding sideways",
+            friction(T.SLIP_COUPLING, V.SLIP_ANGLE, lambda a: -0.5 * np.sin(a) ** 4, 0.0, _TURN / 4, G.DRIVE),
+        ),
+        invention(
+            "roller drag doubles when driven",
+            friction(
+                T.SLIP_COUPLING, V.SLIP_ANGLE, lambda a: 0.9 * np.cos(a) ** 2, 0.0, _TURN / 4, G.TRANSVERSE
             ),
         ),
-        Plant(
-            name="roller drag doubles when driven",
-            traces=(T.SLIP_COUPLING,),
-            effects=(
-                friction(
-                    T.SLIP_COUPLING,
-                    V.SLIP_ANGLE,
-                    lambda a: 0.9 * np.cos(a) ** 2,
-                    0.0,
-                    np.pi / 2,
-                    Target.TRANSVERSE,
-                ),
+        invention(
+            "creep softens with rolling speed",
+            friction(
+                T.SLIP_RATIO, V.ROLLING_SPEED, lambda v: 1.0 / (1.0 + 60.0 * v) - 1.0, 0.0, 1.5, G.STIFFNESS
             ),
         ),
-        Plant(
-            name="creep softens with rolling speed",
-            traces=(T.SLIP_RATIO,),
-            effects=(
-                friction(
-                    T.SLIP_RATIO,
-                    V.ROLLING_SPEED,
-                    lambda v: 1.0 / (1.0 + 60.0 * v) - 1.0,
-                    0.0,
-                    1.5,
-                    Target.STIFFNESS,
-                ),
+        invention(
+            "grip lost at large slip ratio",
+            friction(T.SLIP_RATIO, V.SLIP_RATIO, lambda v: -0.45 * np.clip(v, 0.0, 1.0) ** 1.5, 0.0, 2.0),
+            T.SLIP_SPEED,
+        ),
+        invention(
+            "drifts left in proportion to speed",
+            force(T.VELOCITY, V.VELOCITY_Y, 0, lambda v: -1.2 * v, -1.5, 1.5, F.BODY),
+        ),
+        invention(
+            "drag with the cube of the speed",
+            force(T.VELOCITY, V.VELOCITY_X, 0, lambda v: -4.0 * v**3, -1.5, 1.5, F.BODY),
+        ),
+        invention(
+            "sloshing load", force(T.ACCELERATION, V.ACCELERATION_Y, 1, lambda a: -0.9 * a, -6.0, 6.0, F.BODY)
+        ),
+        invention(
+            "yaws when accelerating",
+            force(T.ACCELERATION, V.ACCELERATION_X, 2, lambda a: 0.06 * a, -6.0, 6.0, F.BODY),
+        ),
+        invention("floor grooves", wave(T.HEADING, V.HEADING, _TURN, (0.0, 0.0, 0.35, 0.2))),
+        invention("wind vane", vane()),
+        invention(
+            "polished patch",
+            friction(
+                T.POSITION, V.POSITION_X, lambda x: -0.55 / (1.0 + np.exp(-(x - 0.1) / 0.03)), -3.0, 3.0
             ),
         ),
-        Plant(
-            name="grip lost at large slip ratio",
-            traces=(T.SLIP_RATIO, T.SLIP_SPEED),
-            effects=(
-                friction(T.SLIP_RATIO, V.SLIP_RATIO, lambda v: -0.45 * np.clip(v, 0.0, 1.0) ** 1.5, 0.0, 2.0),
-            ),
+        invention(
+            "dished floor",
+            force(T.POSITION, V.POSITION_Y, 1, lambda y: -2.2 * np.tanh(2.0 * y), -3.0, 3.0, F.FLOOR),
         ),
-        Plant(
-            name="drifts left in proportion to speed",
-            traces=(T.VELOCITY,),
-            effects=(force(T.VELOCITY, V.VELOCITY_Y, 0, lambda v: -1.2 * v, -1.5, 1.5, Frame.BODY),),
+        invention(
+            "wheels warm up", friction(T.TIME, V.TIME, lambda t: 0.6 * (1.0 - np.exp(-t / 1.2)), 0.0, 3.5)
         ),
-        Plant(
-            name="drag with the cube of the speed",
-            traces=(T.VELOCITY,),
-            effects=(force(T.VELOCITY, V.VELOCITY_X, 0, lambda v: -4.0 * v**3, -1.5, 1.5, Frame.BODY),),
+        invention(
+            "a gust",
+            force(T.TIME, V.TIME, 1, lambda t: 1.1 * np.exp(-(((t - 1.6) / 0.4) ** 2)), 0.0, 3.5, F.FLOOR),
         ),
-        Plant(
-            name="sloshing load",
-            traces=(T.ACCELERATION,),
-            effects=(force(T.ACCELERATION, V.ACCELERATION_Y, 1, lambda a: -0.9 * a, -6.0, 6.0, Frame.BODY),),
+        invention("a fan on the robot", force(T.CONSTANT_FORCE, V.UNITY, 0, level(0.8), 0.0, 2.0, F.BODY)),
+        invention("a twist on the robot", force(T.CONSTANT_FORCE, V.UNITY, 2, level(0.05), 0.0, 2.0, F.BODY)),
+        invention(
+            "soft tyres",
+            friction(T.COEFFICIENT, V.UNITY, level(-0.93), 0.0, 2.0, G.STIFFNESS),
+            T.SLIP_SPEED,
+            T.SLIP_RATIO,
         ),
-        Plant(
-            name="yaws when accelerating",
-            traces=(T.ACCELERATION,),
-            effects=(force(T.ACCELERATION, V.ACCELERATION_X, 2, lambda a: 0.06 * a, -6.0, 6.0, Frame.BODY),),
+        invention(
+            "drive grip a third higher", friction(T.COEFFICIENT, V.UNITY, level(0.33), 0.0, 2.0, G.DRIVE)
         ),
-        Plant(
-            name="floor grooves",
-            traces=(T.HEADING,),
-            effects=(
-                GeneralEffect(
-                    traced_to=T.HEADING,
-                    part=Part.GRIP,
-                    terms=(
-                        Modulation(
-                            variable=V.HEADING,
-                            basis=Basis.FOURIER,
-                            shape=np.array([two_pi, 0.0]),
-                            target=Target.BOTH,
-                            coefficients=np.array([0.0, 0.0, 0.35, 0.2]),
-                            wheels=np.ones(3),
-                        ),
-                    ),
-                ),
-            ),
+        invention(
+            "one wheel's bearings drag",
+            friction(T.WHEEL, V.UNITY, level(1.5), 0.0, 2.0, G.TRANSVERSE, (0.0, 0.0, 1.0)),
         ),
-        Plant(
-            name="wind vane",
-            traces=(T.HEADING,),
-            effects=(
-                GeneralEffect(
-                    traced_to=T.HEADING,
-                    part=Part.LOSSES,
-                    terms=(
-                        ForceTerm(
-                            variable=V.HEADING,
-                            basis=Basis.FOURIER,
-                            shape=np.array([two_pi, 0.0]),
-                            frame=Frame.FLOOR,
-                            coefficients=np.array(
-                                [[0.0, 0.0, 0.9, 0.0], [0.0, 0.0, 0.0, 0.9], [0.0, 0.0, 0.0, 0.0]]
-                            ),
-                        ),
-                    ),
-                ),
-            ),
-        ),
-        Plant(
-            name="polished patch",
-            traces=(T.POSITION,),
-            effects=(
-                friction(
-                    T.POSITION, V.POSITION_X, lambda x: -0.55 / (1.0 + np.exp(-(x - 0.1) / 0.03)), -3.0, 3.0
-                ),
-            ),
-        ),
-        Plant(
-            name="dished floor",
-            traces=(T.POSITION,),
-            effects=(
-                force(T.POSITION, V.POSITION_Y, 1, lambda y: -2.2 * np.tanh(2.0 * y), -3.0, 3.0, Frame.FLOOR),
-            ),
-        ),
-        Plant(
-            name="wheels warm up",
-            traces=(T.TIME,),
-            effects=(friction(T.TIME, V.TIME, lambda t: 0.6 * (1.0 - np.exp(-t / 1.2)), 0.0, 3.5),),
-        ),
-        Plant(
-            name="a gust",
-            traces=(T.TIME,),
-            effects=(
-                force(
-                    T.TIME,
-                    V.TIME,
-                    1,
-                    lambda t: 1.1 * np.exp(-(((t - 1.6) / 0.4) ** 2)),
-                    0.0,
-                    3.5,
-                    Frame.FLOOR,
-                ),
-            ),
-        ),
-        Plant(
-            name="a fan on the robot",
-            traces=(T.CONSTANT_FORCE,),
-            effects=(
-                force(T.CONSTANT_FORCE, V.UNITY, 0, lambda u: 0.8 * np.ones_like(u), 0.0, 2.0, Frame.BODY),
-            ),
-        ),
-        Plant(
-            name="a twist on the robot",
-            traces=(T.CONSTANT_FORCE,),
-            effects=(
-                force(T.CONSTANT_FORCE, V.UNITY, 2, lambda u: 0.05 * np.ones_like(u), 0.0, 2.0, Frame.BODY),
-            ),
-        ),
-        Plant(
-            name="soft tyres",
-            traces=(T.COEFFICIENT, T.SLIP_SPEED, T.SLIP_RATIO),
-            effects=(
-                friction(
-                    T.COEFFICIENT, V.UNITY, lambda u: -0.93 * np.ones_like(u), 0.0, 2.0, Target.STIFFNESS
-                ),
-            ),
-        ),
-        Plant(
-            name="drive grip a third higher",
-            traces=(T.COEFFICIENT,),
-            effects=(
-                friction(T.COEFFICIENT, V.UNITY, lambda u: 0.33 * np.ones_like(u), 0.0, 2.0, Target.DRIVE),
-            ),
-        ),
-        Plant(
-            name="one wheel's bearings drag",
-            traces=(T.WHEEL,),
-            effects=(
-                friction(
-                    T.WHEEL,
-                    V.UNITY,
-                    lambda u: 1.5 * np.ones_like(u),
-                    0.0,
-                    2.0,
-                    Target.TRANSVERSE,
-                    (0.0, 0.0, 1.0),
-                ),
-            ),
-        ),
-        Plant(
-            name="one wheel is polished",
-            traces=(T.WHEEL,),
-            effects=(
-                friction(
-                    T.WHEEL,
-                    V.UNITY,
-                    lambda u: -0.4 * np.ones_like(u),
-                    0.0,
-                    2.0,
-                    Target.DRIVE,
-                    (1.0, 0.0, 0.0),
-                ),
-            ),
+        invention(
+            "one wheel is polished",
+            friction(T.WHEEL, V.UNITY, level(-0.4), 0.0, 2.0, G.DRIVE, (1.0, 0.0, 0.0)),
         ),
         Plant(
             name="drives saturate", traces=(T.ACTUATION,), commands=lambda t, om: 12.0 * np.tanh(om / 12.0)
@@ -353,14 +236,9 @@ def plants() -> list[Plant]:
             traces=(T.ACTUATION,),
             commands=lambda t, om: om * om**2 / (om**2 + 4.0),
         ),
-        Plant(
-            name="barrel distortion of the camera",
-            traces=(T.MEASUREMENT,),
-            effects=(shift(V.POSITION_X, 0, lambda x: -0.05 * x * np.abs(x), -4.0, 4.0),),
+        invention(
+            "barrel distortion of the camera",
+            shift(V.POSITION_X, 0, lambda x: -0.05 * x * np.abs(x), -4.0, 4.0),
         ),
-        Plant(
-            name="gyro drift",
-            traces=(T.MEASUREMENT,),
-            effects=(shift(V.TIME, 2, lambda t: 0.03 * t**1.5, 0.0, 3.5),),
-        ),
+        invention("gyro drift", shift(V.TIME, 2, lambda t: 0.03 * t**1.5, 0.0, 3.5)),
     ]
