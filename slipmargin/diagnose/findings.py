@@ -14,7 +14,6 @@ from slipmargin.diagnose.fit import Fit, build, limits_of, shifted_by
 from slipmargin.diagnose.left_out import leave_one_out
 from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.search import Round, State
-from slipmargin.diagnose.selection import without
 from slipmargin.diagnose.signals import Way
 from slipmargin.effects import Effect
 from slipmargin.effects.rigid_sector import RigidSector
@@ -26,7 +25,7 @@ _GENERAL_CONFIRM = (
 
 
 def findings(
-    problem: Problem, state: State, rounds: list[Round], final: Fit, tried: int
+    problem: Problem, state: State, useful: list[float], rounds: list[Round], final: Fit, tried: int
 ) -> tuple[Finding, ...]:
     """One finding an effect of ``state``.
 
@@ -36,6 +35,8 @@ def findings(
         The trials.
     state : State
         The structure chosen on the trials that were not held out.
+    useful : list of float
+        What chi would be without each of its effects.
     rounds : list of Round
         How it was found.
     final : Fit
@@ -45,8 +46,9 @@ def findings(
     """
     if not len(final.x):
         return ()
-    scale = np.concatenate([c.scale for c in final.structure])
+    low, high, scale = limits_of(final.structure)
     spread = intervals(final, leave_one_out(final), scale, shifted_by(problem.rebuilt(Way.OTHER), final))
+    spread = replace(spread, low=np.maximum(spread.low, low), high=np.minimum(spread.high, high))
     stuck = final.at_bound()
     found = []
     at = 0
@@ -89,7 +91,7 @@ def findings(
                     )
                 ),
                 derived=_derived(problem, final, spread, index),
-                chi_without=without(problem, state, index).chi,
+                chi_without=useful[index],
                 chi_with=state.chi,
                 p_value=taken.p_value,
                 candidates_tried=tried,

@@ -20,6 +20,7 @@ from slipmargin.effects import AnyEffect
 _STEP = 0.05
 _ITERATIONS = 12
 _ENOUGH = 1e-4  #: relative decrease of the cost at which a fit has converged
+_FAIR = 2  #: steps that a fit is given before it may be called hopeless
 
 
 class Residuals(Protocol):
@@ -150,7 +151,7 @@ def fit(
     iterations : int
         At most so many Gauss–Newton steps.
     give_up_above : float
-        Stop after three steps if the cost is still above this.
+        Stop where the cost would stay above this even if every step left took off as much as the last.
 
     Returns
     -------
@@ -164,16 +165,15 @@ def fit(
     damping = 1e-3
     for step in range(iterations if len(x) else 0):
         cost = float(np.sum(residual**2))
-        if step >= 3 and cost > give_up_above:
-            break
         better = _improve(problem, structure, x, residual, jacobian, damping, trials, believed)
         if better is None:
             break
         x, new, damping, tried = better
         spent += tried + len(x)
-        moved = cost - float(np.sum(new**2))
-        if moved < _ENOUGH * cost and step + 1 < iterations:
-            iterations = step + 1  # converged: one last Jacobian where it stands
+        left = float(np.sum(new**2)) / cost
+        hopeless = step >= _FAIR and cost * left ** (iterations - step) > give_up_above
+        if hopeless or 1.0 - left < _ENOUGH:
+            iterations = step + 1  # one last Jacobian where it stands
         residual, jacobian = _linearise(problem, structure, x, trials, new)
         if step + 1 >= iterations:
             break

@@ -19,7 +19,7 @@ from slipmargin.diagnose.prepare import clean, noise
 from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.ranges import ranges, variables_of
 from slipmargin.diagnose.search import Progress, Round, State, state_of
-from slipmargin.diagnose.selection import search
+from slipmargin.diagnose.selection import search, without
 from slipmargin.diagnose.signals import Way
 from slipmargin.diagnose.where import Dependence, dependences, residual_rate
 from slipmargin.effects import AnyEffect, Recipe
@@ -31,6 +31,8 @@ ENOUGH_TO_HOLD_OUT = 6
 _HELD_OUT_SHARE = 0.2
 #: So many trials are enough to search with; the parameters are then fitted to all.
 _SEARCHED = 12
+#: Steps of the last fit, which starts where the search ended.
+_FINAL_STEPS = 6
 #: A residual this far above the noise that nothing explains is not "no missing effect".
 _UNEXPLAINED_CHI = 1.3
 
@@ -80,9 +82,11 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
         all_seen = fit(problem, state.structure, state.fit.x, seen)
         state = state_of(problem, all_seen, problem.samples(seen))
     progress("fitting all trials", 0.0)
-    problem = problem.rebuilt(Way.FULL)
-    final = fit(problem, state.structure, state.fit.x, everyone)
-    found = findings(problem, state, rounds, final, len(suspects))
+    searched_in, problem = problem, problem.rebuilt(Way.FULL)
+    final = fit(problem, state.structure, state.fit.x, everyone, iterations=_FINAL_STEPS)
+    progress("weighing what was found", 0.0)
+    useful = [without(searched_in, state, index).chi for index in range(len(state.structure))]
+    found = findings(problem, state, useful, rounds, final, len(suspects))
     judged = held if len(held) else everyone
     base_pose, after_pose = _predictions(problem, state, judged, cross_validated=not len(held))
     before, after = (_score(problem, judged, pose) for pose in (base_pose, after_pose))

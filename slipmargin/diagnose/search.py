@@ -27,6 +27,8 @@ FINALISTS = 6
 #: A suspect with more parameters than this whose short fit costs so many times the best one's gets
 #: no full fit.
 _CHEAP, _HOPELESS = 4, 6.0
+#: A fit that cannot come within this factor of the best one's cost is not finished.
+_OUT_OF_REACH = 1.3
 #: From so many trials on, first short fits use every other one.
 MANY_TRIALS = 6
 #: A chi this close to 1 leaves nothing for another form to explain.
@@ -154,7 +156,7 @@ def extend(
     for i, found in enumerate(worth):
         progress(f"fitting {found.structure[-1].label}", i / finalists)
         best = min((s.fit.cost for s in states), default=np.inf)
-        full = fit(problem, found.structure, found.x, trials, give_up_above=4.0 * best)
+        full = fit(problem, found.structure, found.x, trials, give_up_above=_OUT_OF_REACH * best)
         states.append(state_of(problem, full, before.samples))
         if states[-1].chi <= enough and i >= 2:
             break

@@ -25,6 +25,7 @@ from slipmargin.diagnose.search import (
     by_chi,
     choose,
     promise,
+    some_of,
     staged,
     state_of,
 )
@@ -91,25 +92,35 @@ def take_step(
     fresh.sort(key=lambda s: not s.named)
     progress("comparing with every suspect", 0.0)
     far = before.chi > FAR
-    view = problem.in_pieces(PIECE_S) if far else problem
-    start = state_of(view, evaluate(view, before.structure, before.fit.x, before.fit.trials), before.samples)
+    view, start = problem, before
+    if far:
+        view = problem.in_pieces(PIECE_S)
+        pieces = evaluate(view, before.structure, before.fit.x, before.fit.trials)
+        start = state_of(view, pieces, before.samples)
     step_s = float(np.median(np.concatenate([np.diff(t.t_s) for t in problem.trials])))
     slopes: list[Array] = []
     if not far:
-        slopes = tangents(view, start.fit, fresh)
-        hopes = [promise(start.fit.residual, slope) for slope in slopes]
-        reachable = float(np.sqrt(max(0.0, start.chi**2 - max(hopes) / start.samples)))
-        hopeless = (start.chi < AT_NOISE or bool(before.structure)) and not worthwhile(start, reachable)
+        look = start
+        if before.structure:  # a further effect is looked for on some of the trials first
+            some = some_of(before.fit.trials)
+            fitted = evaluate(view, before.structure, before.fit.x, some)
+            look = state_of(view, fitted, problem.samples(some))
+        slopes = tangents(view, look.fit, fresh)
+        hopes = [promise(look.fit.residual, slope) for slope in slopes]
+        reachable = float(np.sqrt(max(0.0, look.chi**2 - max(hopes) / look.samples)))
+        hopeless = (look.chi < AT_NOISE or bool(before.structure)) and not worthwhile(look, reachable)
         if hopeless or not worthwhile(before, _FLOOR):
             return Round(
-                before=before,
+                before=look,
                 suspects=tuple(fresh),
                 hopes=tuple(hopes),
                 tried=(),
                 best=None,
-                p_value=luck(max(hopes), slopes, start.fit.residual, step_s, seed),
+                p_value=luck(max(hopes), slopes, look.fit.residual, step_s, seed),
                 taken=False,
             )
+        if look is not start:
+            slopes = []
     tried, slopes = try_all(view, start, fresh, slopes, progress, pairs)
     first = choose(tried)
     p_value = luck(start.fit.cost - first.fit.cost, slopes, first.fit.residual, step_s, seed)

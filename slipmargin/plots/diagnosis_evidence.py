@@ -108,7 +108,9 @@ def parameters(d: Diagnosis) -> tuple[Block, ...]:
         note = f"; {more} more coefficients are in report.json" if more > 0 else ""
         blocks.append(
             Table(
-                caption=f"Value and interval (95 % for all together){note}", head=("parameter", "value", "unit", ""), rows=rows
+                caption=f"Value and interval (95 % for all together){note}",
+                head=("parameter", "value", "unit", ""),
+                rows=rows,
             )
         )
         blocks.append(
