@@ -40,6 +40,9 @@ class Candidate:
         Where fits start.
     build : callable
         Parameter vector → effect.
+    nested : bool
+        Whether ``null`` does nothing.  A law that takes another's place has no such value: its ``null``
+        is where its first fit starts.
     prior : array (Q, P), optional
         Rows L of what is believed beforehand: |L (x − null) / scale|² is about 1 or less.  It holds
         still what no trial shows.
@@ -57,6 +60,7 @@ class Candidate:
     high: Array
     starts: Array
     build: Callable[[Array], AnyEffect]
+    nested: bool = True
     prior: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
     def __post_init__(self) -> None:
@@ -109,6 +113,7 @@ def named_candidate(
         high=np.array([p.high for p in rows]),
         starts=starts,
         build=build,
+        nested=rows[0] is effect.parameters[0],  # the first is the effect's size
     )
 
 
@@ -137,8 +142,9 @@ _VARIANTS: dict[str, tuple[tuple[str, tuple[str, ...], dict[str, float]], ...]] 
         (" with the centre of mass where stated", ("com_height_m",), {}),
     ),
     "slip_ratio_friction": (
-        ("", ("share", "steepness"), {}),
-        (" with its own steepness across", ("share", "steepness", "transverse_factor"), {}),
+        ("", ("steepness",), {"share": 1.0}),
+        (" with its own steepness across", ("steepness", "transverse_factor"), {"share": 1.0}),
+        (" from a crawl on", ("steepness", "crawl_m_s"), {"share": 1.0}),
     ),
     "stribeck": (
         ("", ("dynamic_ratio", "stribeck_speed_m_s"), {}),

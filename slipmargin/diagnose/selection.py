@@ -193,4 +193,4 @@ def _nothing_sure(state: State) -> list[bool]:
     spread = intervals(state.fit, leave_one_out(state.fit), scale, np.zeros(len(null)), together=False)
     holds = (spread.low <= null) & (null <= spread.high)
     parts = np.split(holds, np.cumsum(sizes)[:-1])
-    return [c.named and bool(part.all()) for c, part in zip(state.structure, parts, strict=True)]
+    return [c.named and c.nested and bool(part.all()) for c, part in zip(state.structure, parts, strict=True)]

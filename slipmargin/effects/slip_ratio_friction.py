@@ -13,17 +13,14 @@ from slipmargin.model.parts import Grip
 from slipmargin.model.terms import Modulation
 from slipmargin.model.variables import Basis, Target, Variable
 
-#: Added to the speed of the floor under a wheel, so that a standing wheel keeps a finite steepness [m/s].
-CRAWL_M_S = 1e-3
-
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SlipRatioFriction(Effect):
-    """k ← (1 − s) k + s κ / (v_hub + v_0): eq. (11) in the slip ratio u / v_hub, v_0 = 1 mm/s.
+    """k ← (1 − s) k + s κ / (v_hub + v_0): eq. (11) in the slip ratio u / v_hub.
 
-    v_hub is the speed at which the floor passes under the wheel.  Along f̂ (over free rollers) κ is
-    ``transverse_factor`` times what it is along ĝ.
+    v_hub is the speed at which the floor passes under the wheel; far below ``crawl_m_s`` v_0 the law is
+    one of speed again.  Along f̂ (over free rollers) κ is ``transverse_factor`` times what it is along ĝ.
     """
 
     name: ClassVar[str] = "slip_ratio_friction"
@@ -59,6 +56,16 @@ class SlipRatioFriction(Effect):
             scale=0.5,
             meaning="steepness across over steepness along the drive direction",
         ),
+        Parameter(
+            name="crawl_m_s",
+            unit="m/s",
+            low=1e-4,
+            high=0.5,
+            null=1e-3,
+            scale=5e-3,
+            meaning="speed v_0 of the floor under a wheel above which the ratio decides",
+            starts=(0.01,),
+        ),
     )
     source: ClassVar[str] = (
         "Kalker, Rolling Contact Phenomena (creepage = slip over rolling speed); positive share = creepage"
@@ -68,6 +75,7 @@ class SlipRatioFriction(Effect):
     share: float
     steepness: float
     transverse_factor: float = 1.0
+    crawl_m_s: float = 1e-3
     wheels: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -83,7 +91,7 @@ class SlipRatioFriction(Effect):
                 variable=Variable.HUB_SPEED,
                 basis=Basis.RECIPROCAL,
                 target=target,
-                shape=np.array([kappa / nominal.grip.k_s_per_m, CRAWL_M_S]),
+                shape=np.array([kappa / nominal.grip.k_s_per_m, self.crawl_m_s]),
                 coefficients=np.array([1.0]),
                 wheels=weights,
             )

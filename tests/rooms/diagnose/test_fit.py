@@ -172,6 +172,29 @@ def test_an_idle_parameter_stands_where_a_fit_would_start() -> None:
     assert found["stribeck"].null.tolist() == [1.0, 0.03]
 
 
+def test_what_a_candidate_calls_nested_does_nothing_at_null() -> None:
+    """Force histories of the null effect and of none agree; a law that takes another's place says so."""
+    from planting import smooth_kiwi
+
+    from slipmargin.diagnose.candidate import named_candidates
+    from slipmargin.effects.recipe import with_effects
+    from slipmargin.robot import LoadRule
+    from slipmargin.sim.signal import linear
+    from slipmargin.sim.simulate import simulate
+
+    smooth = smooth_kiwi()
+    static = replace(smooth, robot=replace(smooth.robot, load_rule=LoadRule.STATIC))
+    nominal = static.build("paper")
+    signal = linear(np.array([0.0, 0.5]), np.array([[0.0, 0.0, 0.0], [4.0, -3.0, 2.0]]))
+    t = np.linspace(0.0, 0.5, 6)
+    plain = simulate(nominal, signal, t).pose
+    for suspect in named_candidates(nominal.contacts.names, False, ()):
+        if suspect.trace is Trace.MEASUREMENT:
+            continue
+        same = simulate(with_effects(nominal, (suspect.build(suspect.null),)), signal, t).pose
+        assert np.allclose(same, plain, atol=1e-6) == suspect.nested, suspect.label
+
+
 def test_a_belief_holds_still_what_no_trial_shows_and_nothing_else() -> None:
     problem = Line((0.2, 0.1), 0.01, 3)
     problem.v[:] = 0.0  # nothing depends on the second parameter
