@@ -1,16 +1,14 @@
 """A real robot: what explains its slip, on headings and speeds that no fit has seen.
 
-Run: ``python benchmarks/robotino.py LOGS [FILE.json] [--quick]``; LOGS holds the folders ``table_0.1``,
-``gray_0.1`` and ``gray_0.2`` of the public repository BrOleg5/research-wheel-slippage, one run a file.
+Run: ``python benchmarks/robotino.py LOGS [FILE.json] [--quick] [--judge FILE]``; LOGS holds the folders
+``table_0.1``, ``gray_0.1``, ``gray_0.2`` of the public repository BrOleg5/research-wheel-slippage, one run a file.
 
 Split: fitted on ``gray`` at 0.1 m/s with commanded headings 0, 10, 20, … degrees (36 runs); held out are
 the other 36 and all 72 at 0.2 m/s.  Calibration (scale, rotation, delay and tilt of the camera) comes from
 ``table`` and is held fixed, but for the row that refits the scale, the honest baseline.
 
-A run's error is |predicted − measured displacement| / measured distance, displacements added up in
-the body frame by each one's own heading (a heading error is not charged twice), and predicted − measured
-change of heading; the table gives root mean squares over runs, all runs.
-Fits are by least squares with a soft L1 loss
+Errors are those of ``robotino_campaign.py``; with ``--judge FILE`` those of any robot file, for example the
+``corrected.toml`` of ``slipmargin diagnose``.  Fits are by least squares with a soft L1 loss
 at 1 % (a wheel that stands keeps one roller angle for the whole run: such runs scatter by 7 %).
 """
 
@@ -25,84 +23,24 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from robotino_campaign import Array, Campaign, Runs
+from robotino_checks import currents, limits
 from scipy.optimize import least_squares
 
-from slipmargin.diagnose.calibration import Calibration, calibrate
-from slipmargin.diagnose.prepare import clean
-from slipmargin.diagnose.sense import measure
-from slipmargin.diagnose.signals import wheel_signal
 from slipmargin.effects import Effect, Recipe
 from slipmargin.effects.camera_scale import CameraScale
 from slipmargin.effects.friction_coefficients import FrictionCoefficients
 from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
 from slipmargin.effects.trailing_load import TrailingLoad
 from slipmargin.effects.wheel_loads import WheelLoads
-from slipmargin.io.importers.plug import import_files
-from slipmargin.io.importers.robotino import RobotinoImporter
 from slipmargin.io.robot_file import read_recipe
-from slipmargin.limits.bounds import directions
-from slipmargin.limits.pull import Pull
-from slipmargin.limits.sweep import limit
-from slipmargin.motions.odometry import body_path
-from slipmargin.motions.record import Record
-from slipmargin.sim.batch import Batch, Outcome
-from slipmargin.sim.pack import pack, stack
-
-Array = NDArray[np.float64]
 
 #: One row of a fit's vector: displacement / distance (2) and this much of the heading change [1/rad].
 HEADING_WEIGHT = 0.15
 #: Above this a run's error counts by its size, not its square [1].
 SOFT = 0.01
-#: Noise of the camera [m, m, rad], only to tell outliers.
-SIGMA = np.array([0.001, 0.001, 0.01])
 #: What was promised: root mean square over all held-out runs, and its share of the honest baseline.
 PROMISED = {"all effects, held out": 0.02, "all effects / honest baseline": 0.45}
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Runs:
-    """Runs of one floor and speed, ready to predict: what was measured over each (R, 3), distance (R,)."""
-
-    names: tuple[str, ...]
-    trials: tuple[Record, ...]
-    batch: Batch
-    starts: Array
-    went: Array
-    distance: Array
-
-    @staticmethod
-    def of(records: tuple[Record, ...]) -> Runs:
-        trials = [clean(r, SIGMA) for r in records]
-        paths = np.array([body_path(t.pose)[-1] for t in trials])
-        return Runs(
-            names=tuple(r.name for r in records),
-            trials=records,
-            batch=Batch([wheel_signal(t, False) for t in trials], [t.t_s for t in trials]),
-            starts=np.array([t.start for t in trials]),
-            went=paths,
-            distance=np.hypot(paths[:, 0], paths[:, 1]),
-        )
-
-    def errors(self, recipes: list[Recipe], surface: str, which: NDArray[np.int64] | None = None) -> Array:
-        """Predicted − measured (M, R, 3): displacement / distance (2) [1], heading change [rad]."""
-        own = np.arange(len(self.names)) if which is None else which
-        models = [r.build(surface) for r in recipes]
-        run = np.tile(own, len(models))
-        outcome: Outcome = self.batch.run(
-            stack([pack(m) for m in models]),
-            self.starts[run],
-            signal=run,
-            which=np.repeat(np.arange(len(models)), len(own)),
-            rtol=1e-4,
-        )
-        found = np.empty((len(run), 3))
-        for row, r in enumerate(run):
-            clock = self.trials[r].t_s
-            pose = measure(models[row // len(own)].sensing, clock, outcome.pose[row, : len(clock)])
-            found[row] = body_path(pose)[-1] - self.went[r]
-            found[row, :2] /= self.distance[r]
-        return found.reshape(len(models), len(own), 3)
 
 
 Build = Callable[[Array], tuple[Effect, ...]]
@@ -243,122 +181,6 @@ def physical(recipe: Recipe, form: Form, draws: Array) -> dict[str, Array]:
     }
 
 
-def summary(error: Array) -> dict[str, float]:
-    """Root mean square over runs of displacement [1] and of heading change [deg]."""
-    return {
-        "displacement": float(np.sqrt(np.mean(np.sum(error[:, :2] ** 2, axis=1)))),
-        "heading_deg": float(np.rad2deg(np.sqrt(np.mean(error[:, 2] ** 2)))),
-    }
-
-
-#: Wheel force per motor current of the Robotino: torque constant · gear / wheel radius [N/A], no losses.
-NEWTON_PER_AMPERE = 0.0514 * 16.0 / 0.04
-
-
-def currents(groups: list[Runs], recipe: Recipe) -> dict[str, float]:
-    """Motor currents, which no fit has seen, against the drive forces that the model predicts.
-
-    By wheel: I = a + b F / W + c |wheel speed|, F > 0 where the motor drives, over the steady part of all
-    runs in which it turns; the level b says what the drive coefficient (1 in the model) is in truth, but
-    for the gear's losses.
-    """
-    model = recipe.build("gray")
-    weight, radius = model.inertia.weight_N, model.contacts.radius_m
-    rows: list[list[tuple[float, float, float]]] = [[] for _ in model.contacts.names]
-    for runs in groups:
-        force = runs.batch.run(pack(model), runs.starts, tell=True, rtol=1e-4).force
-        assert force is not None
-        for r, record in enumerate(runs.trials):
-            assert record.current is not None and record.omega is not None
-            late = np.flatnonzero(record.t_s > 2.0)
-            rate = np.nanmean(record.omega[late], axis=0)
-            speed, drives = np.abs(rate) * radius, -np.sign(rate)  # θ̇ > 0 pushes the robot along −ŝ
-            for i in np.flatnonzero(speed > 0.005):  # a current at a standing wheel holds, it drives nothing
-                rows[i].append(
-                    (
-                        float(drives[i] * force[r, late, i, 0].mean()) / weight,
-                        float(speed[i]),
-                        float(np.nanmean(record.current[late, i])),
-                    )
-                )
-    told: dict[str, float] = {}
-    for name, row in zip(model.contacts.names, rows, strict=True):
-        load, speed, ampere = np.array(row).T
-        line = np.column_stack([np.ones(len(load)), load, speed])
-        a, b, c = np.linalg.lstsq(line, ampere, rcond=None)[0]
-        told[f"wheel {name}: correlation"] = float(np.corrcoef(line @ (a, b, c), ampere)[0, 1])
-        told[f"wheel {name}: left over [A]"] = float(np.std(ampere - line @ (a, b, c)))
-        told[f"wheel {name}: spread [A]"] = float(np.std(ampere))
-        told[f"wheel {name}: drive coefficient over gear efficiency"] = float(b * NEWTON_PER_AMPERE / weight)
-    return told
-
-
-def limits(recipe: Recipe, steepness: float | None = None) -> dict[str, float]:
-    """Slip limits of the robot in units of μ m g and μ g, μ its drive coefficient, over all directions."""
-    model = recipe.build("gray")
-    heading = np.deg2rad(np.arange(0.0, 360.0, 5.0))
-    grip = float(model.grip.roller[0, 0])
-    pull = limit(model, heading, Pull()) / model.inertia.weight_N / grip
-    start = directions(model, heading).starting_m_s2 / 9.81 / grip
-    told = {
-        "weakest pull [μ m g]": float(pull.min()),
-        "strongest pull [μ m g]": float(pull.max()),
-        "least acceleration from rest [μ g]": float(start.min()),
-        "greatest acceleration from rest [μ g]": float(start.max()),
-    }
-    if steepness is not None:  # eq. (11) in the slip ratio, solved for the ratio
-        for use in (0.1, 0.3, 0.5):
-            name = f"way a drive wheel loses at {100 * use:.0f} % of its grip [1]"
-            told[name] = float(np.tan(np.pi * use / 2.0) / steepness)
-    return told
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Campaign:
-    """Calibration from ``table``, the recipe it gives, runs on ``gray``, indices of the fitted half."""
-
-    calibration: Calibration
-    recipe: Recipe
-    slow: Runs
-    fast: Runs
-    seen: NDArray[np.int64]
-
-    @staticmethod
-    def read(folder: Path) -> Campaign:
-        """Import all logs as ``slipmargin import robotino`` does."""
-
-        def records(name: str) -> tuple[Record, ...]:
-            return import_files(RobotinoImporter(), sorted((folder / name).glob("*.csv"))).records
-
-        recipe = read_recipe("robotino")
-        found = calibrate(records("table_0.1"), recipe.build("table").contacts)
-        slow, fast = (
-            Runs.of(tuple(found.level(r) for r in records(name))) for name in ("gray_0.1", "gray_0.2")
-        )
-        seen = np.arange(0, len(slow.names), 2)  # of all headings: 0, 10, 20, … degrees
-        return Campaign(
-            calibration=found,
-            recipe=replace(recipe, effects=found.effects()),
-            slow=slow,
-            fast=fast,
-            seen=seen,
-        )
-
-    def judged(self, recipe: Recipe) -> dict[str, dict[str, float]]:
-        """Errors on what was fitted and on what was not."""
-        slow, fast = self.slow.errors([recipe], "gray")[0], self.fast.errors([recipe], "gray")[0]
-        other = np.setdiff1d(np.arange(len(slow)), self.seen)
-        out = {
-            "fitted": summary(slow[self.seen]),
-            "headings": summary(slow[other]),
-            "speed": summary(fast),
-            "held out": summary(np.concatenate([slow[other], fast])),
-        }
-        worst = int(np.argmax(np.sum(fast[:, :2] ** 2, axis=1)))
-        rest = np.concatenate([slow[other], np.delete(fast, worst, axis=0)])
-        return out | {f"held out but {self.fast.names[worst]} at 0.2 m/s": summary(rest)}
-
-
 def paper_rows() -> list[Form]:
     """Eq. (11) as published with the calibration of ``table``, and with its scale refitted on ``gray``."""
     none = np.zeros(0)
@@ -479,7 +301,12 @@ def main() -> None:
     parser.add_argument("logs", type=Path)
     parser.add_argument("json", type=Path, nargs="?")
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--judge", type=Path)
     chosen = parser.parse_args()
+    if chosen.judge is not None:
+        for runs, e in Campaign.read(chosen.logs).judged(read_recipe(str(chosen.judge))).items():
+            print(f"{runs:45s}{100 * e['displacement']:6.2f} %{e['heading_deg']:8.1f} deg")
+        return
     result = study(chosen.logs, chosen.quick)
     print("\n".join(told(result)))
     if chosen.json is not None:

@@ -25,17 +25,9 @@ import numpy as np
 
 HERE = Path.cwd() if (Path.cwd() / "real_data.py").exists() else Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "benchmarks"))
-from robotino import (  # noqa: E402
-    Campaign,
-    currents,
-    fitted,
-    forms,
-    intervals,
-    limits,
-    paper_rows,
-    physical,
-    with_effects,
-)
+from robotino import fitted, forms, intervals, paper_rows, physical, with_effects  # noqa: E402
+from robotino_campaign import Campaign  # noqa: E402
+from robotino_checks import currents, limits  # noqa: E402
 
 from slipmargin.motions.odometry import wheel_path  # noqa: E402
 
