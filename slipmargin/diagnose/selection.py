@@ -39,9 +39,9 @@ SIGNIFICANCE = 0.01
 LEAST_SHARE, LEAST_CHI = 0.02, 0.02
 #: A further effect must take off more: what the first ones leave is also the fault of their form.
 LATER_SHARE = 0.1
-#: On top of an effect without a name chi must fall to this share: its form is only approximate, and
-#: what it leaves must not be given names.
-ON_TOP_OF_UNNAMED = 0.5
+#: Where one of two effects has no name, the second must bring chi to this share: a general form is only
+#: approximate, so what it leaves must not be given names, nor does it name what a near miss leaves.
+WITH_UNNAMED = 0.5
 #: No model predicts better than this.
 _FLOOR = 0.97
 #: At most so many effects.
@@ -138,7 +138,7 @@ def take_step(
         tried=tuple(tried),
         best=best,
         p_value=p_value,
-        taken=p_value <= SIGNIFICANCE and worthwhile(before, best.chi),
+        taken=p_value <= SIGNIFICANCE and worthwhile(before, best.chi, best.last.named),
     )
 
 
@@ -147,18 +147,14 @@ def _whole(problem: Problem, found: State) -> State:
     return state_of(problem, fit(problem, found.structure, found.fit.x, found.fit.trials), found.samples)
 
 
-def worthwhile(before: State, chi: float) -> bool:
+def worthwhile(before: State, chi: float, named: bool = True) -> bool:
     """Whether chi falls by more than what the log's reconstruction, or an unnamed form, may leave."""
     if before.chi <= chi:
         return False
-    if _has_unnamed(before):
-        return chi <= ON_TOP_OF_UNNAMED * before.chi
+    if before.structure and not (named and all(c.named for c in before.structure)):
+        return chi <= WITH_UNNAMED * before.chi
     share = LATER_SHARE if before.structure else LEAST_SHARE
     return before.chi - chi >= max(LEAST_CHI, share * before.chi)
-
-
-def _has_unnamed(state: State) -> bool:
-    return any(not c.named for c in state.structure)
 
 
 def without(problem: Problem, state: State, index: int) -> State:
@@ -179,7 +175,7 @@ def _needed(problem: Problem, state: State) -> State:
         fewer = [without(problem, state, index) for index in range(len(state.structure))]
         idle = _nothing_sure(state)
         least = min(range(len(fewer)), key=lambda i: (not idle[i], fewer[i].chi))
-        if not idle[least] and worthwhile(fewer[least], state.chi):
+        if not idle[least] and worthwhile(fewer[least], state.chi, state.structure[least].named):
             break
         state = fewer[least]
     return state
