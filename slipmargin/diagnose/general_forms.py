@@ -150,6 +150,12 @@ def _over_motion(model: Model, r: Ranges) -> list[Candidate]:
             model,
             [(Variable.SPEED, Basis.HATS, (0.0, v), 5, Target.BOTH, None)],
         ),
+        friction(
+            Trace.VELOCITY,
+            "friction over yaw rate",
+            model,
+            [(Variable.YAW_RATE, Basis.HATS, (-w, w), 7, Target.BOTH, None)],
+        ),
         forces(
             Trace.ACCELERATION,
             "force with acceleration",
