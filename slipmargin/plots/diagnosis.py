@@ -178,7 +178,7 @@ def _suspects(axes: Axes, step: Step, number: int, already: str | None) -> None:
     axes.set_ylim(len(shown) - 0.4, -0.6)
     axes.grid(False, axis="y")
     _scale([t.chi for t in shown] + [step.chi_before], axes, step.chi_before)
-    chosen = "the one in orange is taken" if step.taken else "none is better beyond chance: stop"
+    chosen = "the one in orange is taken" if step.taken else "none is clearly better: stop"
     more = len(step.tried) - len(shown)
     axes.set_title(f"Round {number}: {chosen}" + (f" ({more} worse)" if more else ""))
 
