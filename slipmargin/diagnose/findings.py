@@ -10,7 +10,7 @@ from slipmargin.checks import Array
 from slipmargin.diagnose.candidate import Candidate
 from slipmargin.diagnose.diagnosis import Estimate, Finding
 from slipmargin.diagnose.evidence import Intervals, intervals
-from slipmargin.diagnose.fit import Fit, build, limits_of, shifted_by
+from slipmargin.diagnose.fit import Fit, build, limits_of, shifted_by, steps_inside
 from slipmargin.diagnose.left_out import leave_one_out
 from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.search import Round, State
@@ -157,8 +157,7 @@ def _load_fractions(problem: Problem, final: Fit, spread: Intervals) -> tuple[Es
         return np.asarray(loads / loads.sum())
 
     value = fractions(final.x)
-    _, high, scale = limits_of(final.structure)
-    steps = np.where(final.x + 1e-3 * scale <= high, 1e-3, -1e-3) * scale
+    steps = steps_inside(final.structure, final.x, 1e-3)
     slope = [(fractions(final.x + d) - value) / d.sum() for d in np.diag(steps)]
     half = 0.5 * (spread.high - spread.low)
     reach = np.sqrt(np.square(slope).T @ half**2)

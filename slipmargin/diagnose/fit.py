@@ -87,6 +87,12 @@ def limits_of(structure: Sequence[Candidate]) -> tuple[Array, Array, Array]:
     )
 
 
+def steps_inside(structure: Sequence[Candidate], x: Array, size: float) -> Array:
+    """Steps (P,) of ``size`` scales for difference quotients at ``x``: down where up is out of range."""
+    _, high, scale = limits_of(structure)
+    return np.asarray(np.where(x + size * scale <= high, size, -size) * scale)
+
+
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Belief:
@@ -229,8 +235,7 @@ def _linearise(
     problem: Residuals, structure: tuple[Candidate, ...], x: Array, trials: Index, known: Array | None = None
 ) -> tuple[Array, Array]:
     """Residual (R, K), simulated unless ``known``, and forward-difference Jacobian (R, K, P)."""
-    _, high, scale = limits_of(structure)
-    steps = np.where(x + _STEP * scale <= high, _STEP, -_STEP) * scale
+    steps = steps_inside(structure, x, _STEP)
     points = [x + step * unit for step, unit in zip(steps, np.eye(len(x)), strict=True)]
     if known is None:
         points = [x, *points]

@@ -73,4 +73,3 @@ def audit(model: Model, geometry: Geometry, x: Array, u: Array, *, contact: Cont
                      share=share)
     return Audit(use=use.reshape(shape), settling=jumps, torque=torque.reshape(shape), speed=speed,
                  load_N=forces.load_N.reshape(shape), time_s=time)
-
