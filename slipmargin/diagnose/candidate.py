@@ -143,7 +143,11 @@ _VARIANTS: dict[str, tuple[tuple[str, tuple[str, ...], dict[str, float]], ...]] 
     ),
     "slip_ratio_friction": (
         ("", ("steepness",), {"share": 1.0}),
-        (" with its own steepness across", ("steepness", "transverse_factor"), {"share": 1.0}),
+        (
+            " with its own constants across",
+            ("steepness", "transverse_factor", "transverse_coefficient_factor"),
+            {"share": 1.0},
+        ),
         (" from a crawl on", ("steepness", "crawl_m_s"), {"share": 1.0}),
     ),
     "stribeck": (

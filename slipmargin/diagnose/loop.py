@@ -18,8 +18,8 @@ from slipmargin.diagnose.left_out import leave_one_out
 from slipmargin.diagnose.prepare import clean, noise
 from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.ranges import ranges, variables_of
-from slipmargin.diagnose.search import Progress, Round, State, state_of
-from slipmargin.diagnose.selection import search, without
+from slipmargin.diagnose.search import FAR, Progress, Round, State
+from slipmargin.diagnose.selection import PIECE_S, needed, refitted, search, without
 from slipmargin.diagnose.signals import Way
 from slipmargin.diagnose.where import Dependence, dependences, residual_rate
 from slipmargin.effects import AnyEffect, Recipe
@@ -79,14 +79,15 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
     problem, state, rounds = search(problem, searched, suspects, seed, progress)
     if len(searched) < len(seen) and state.structure:
         progress("fitting all trials that are not held out", 0.0)
-        all_seen = fit(problem, state.structure, state.fit.x, seen)
-        state = state_of(problem, all_seen, problem.samples(seen))
+        state = refitted(problem, state, state.structure, state.fit.x, seen)
+    state = needed(problem, state)
     progress("fitting all trials", 0.0)
     searched_in, problem = problem, problem.rebuilt(Way.FULL)
-    final = fit(problem, state.structure, state.fit.x, everyone, iterations=_FINAL_STEPS)
+    view = problem.in_pieces(PIECE_S) if state.chi > FAR else problem
+    final = fit(view, state.structure, state.fit.x, everyone, iterations=_FINAL_STEPS)
     progress("weighing what was found", 0.0)
     useful = [without(searched_in, state, index).chi for index in range(len(state.structure))]
-    found = findings(problem, state, useful, rounds, final, len(suspects))
+    found = findings(view, state, useful, rounds, final, len(suspects))
     judged = held if len(held) else everyone
     base_pose, after_pose = _predictions(problem, state, judged, cross_validated=not len(held))
     before, after = (_score(problem, judged, pose) for pose in (base_pose, after_pose))

@@ -24,6 +24,7 @@ from slipmargin.diagnose.search import (
     base_state,
     by_chi,
     choose,
+    judged_by,
     promise,
     some_of,
     staged,
@@ -48,6 +49,8 @@ _FLOOR = 0.97
 MOST_EFFECTS = 4
 #: Length of a piece [s].
 PIECE_S = 0.5
+#: A fit to whole runs seldom takes more than this factor off the chi at which the pieces put them.
+_BENT = 3.0
 
 
 def search(
@@ -80,7 +83,7 @@ def search(
             state = state_of(problem, fit(problem, state.structure, better.x, trials), state.samples)
         if len(state.structure) >= MOST_EFFECTS:
             break
-    return problem, _needed(problem, state), rounds
+    return problem, state, rounds
 
 
 def take_step(
@@ -129,7 +132,7 @@ def take_step(
         whole = [(s, _whole(problem, s)) for s in contenders(tried)]
         tried = sorted((w for _, w in whole), key=by_chi)
     best = choose(tried)
-    if far and best.chi > FAR:  # whole runs are too bent to judge by: the pieces do
+    if far and best.chi > FAR:  # whole runs are too bent to choose by: the pieces do
         best = next(w for s, w in whole if s is first)
     return Round(
         before=before,
@@ -143,8 +146,22 @@ def take_step(
 
 
 def _whole(problem: Problem, found: State) -> State:
-    """A state found on another view of the problem, fitted to this one."""
-    return state_of(problem, fit(problem, found.structure, found.fit.x, found.fit.trials), found.samples)
+    """A state found piece by piece, fitted to whole runs if these come near the noise; judged by them."""
+    judged = judged_by(problem, found.fit, found.samples)
+    if judged.chi > _BENT * FAR:
+        return judged
+    whole = state_of(problem, fit(problem, found.structure, found.fit.x, found.fit.trials), found.samples)
+    return judged if whole.chi > FAR else whole
+
+
+def refitted(
+    problem: Problem, before: State, structure: tuple[Candidate, ...], x: Array, trials: Index
+) -> State:
+    """Another structure, or other trials, fitted as ``before`` was: in pieces where it is still far off."""
+    samples = problem.samples(trials)
+    if before.chi > FAR:
+        return judged_by(problem, fit(problem.in_pieces(PIECE_S), structure, x, trials), samples)
+    return state_of(problem, fit(problem, structure, x, trials), samples)
 
 
 def worthwhile(before: State, chi: float, named: bool = True) -> bool:
@@ -163,10 +180,10 @@ def without(problem: Problem, state: State, index: int) -> State:
     at = np.cumsum([0, *(c.size for c in state.structure)])
     x = np.concatenate([np.zeros(0), *(state.fit.x[at[i] : at[i + 1]] for i in kept)])
     structure = tuple(state.structure[i] for i in kept)
-    return state_of(problem, fit(problem, structure, x, state.fit.trials), state.samples)
+    return refitted(problem, state, structure, x, state.fit.trials)
 
 
-def _needed(problem: Problem, state: State) -> State:
+def needed(problem: Problem, state: State) -> State:
     """Now that all are known: drop, least useful first, every effect that the others make superfluous.
 
     So is a named effect whose parameters may all be null as far as these trials say.

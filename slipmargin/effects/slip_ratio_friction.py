@@ -21,6 +21,8 @@ class SlipRatioFriction(Effect):
 
     v_hub is the speed at which the floor passes under the wheel; far below ``crawl_m_s`` v_0 the law is
     one of speed again.  Along f̂ (over free rollers) κ is ``transverse_factor`` times what it is along ĝ.
+    A law has constants of its own: μ_T is ``transverse_coefficient_factor`` times what was stated for
+    eq. (11); that of μ_W steady motion does not show.
     """
 
     name: ClassVar[str] = "slip_ratio_friction"
@@ -50,7 +52,7 @@ class SlipRatioFriction(Effect):
         Parameter(
             name="transverse_factor",
             unit="1",
-            low=0.05,
+            low=0.5,
             high=20.0,
             null=1.0,
             scale=0.5,
@@ -66,6 +68,15 @@ class SlipRatioFriction(Effect):
             meaning="speed v_0 of the floor under a wheel above which the ratio decides",
             starts=(0.01,),
         ),
+        Parameter(
+            name="transverse_coefficient_factor",
+            unit="1",
+            low=0.0,
+            high=10.0,
+            null=1.0,
+            scale=0.1,
+            meaning="transverse coefficient of this law over the stated one",
+        ),
     )
     source: ClassVar[str] = (
         "Kalker, Rolling Contact Phenomena (creepage = slip over rolling speed); positive share = creepage"
@@ -76,6 +87,7 @@ class SlipRatioFriction(Effect):
     steepness: float
     transverse_factor: float = 1.0
     crawl_m_s: float = 1e-3
+    transverse_coefficient_factor: float = 1.0
     wheels: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -100,4 +112,6 @@ class SlipRatioFriction(Effect):
             terms: tuple[Modulation, ...] = (creep(along, Target.STIFFNESS),)
         else:
             terms = (creep(along, Target.STIFFNESS_DRIVE), creep(across, Target.STIFFNESS_TRANSVERSE))
-        return replace(part, modulations=(*part.modulations, *terms))
+        coefficients = part.roller.copy()
+        coefficients[:, 1] *= 1.0 + self.mask(nominal) * (self.transverse_coefficient_factor - 1.0)
+        return replace(part, roller=coefficients, modulations=(*part.modulations, *terms))
