@@ -184,6 +184,7 @@ def diagnosis(
         "steps": steps() if found else steps()[1:],
         "where": where(),
         "where_after": where(0.02),
+        "turns": (),
         "excitation": (812.0, 95.0),
         "events": (Event(trial="trial-02", t_s=1.25, channel="phi_rad", size_sigma=22.0),),
         "outliers": 4,

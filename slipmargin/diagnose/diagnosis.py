@@ -7,6 +7,7 @@ from enum import Enum
 from typing import final
 
 from slipmargin.checks import Array
+from slipmargin.diagnose.turns import Recurrence
 from slipmargin.diagnose.where import Dependence
 from slipmargin.effects import AnyEffect, Recipe, Trace
 
@@ -127,6 +128,7 @@ class Diagnosis:
     steps: tuple[Step, ...]
     where: tuple[Dependence, ...]
     where_after: tuple[Dependence, ...]
+    turns: tuple[Recurrence, ...]
     excitation: tuple[float, ...]
     events: tuple[Event, ...]
     outliers: int

@@ -21,9 +21,11 @@ from slipmargin.diagnose.ranges import ranges, variables_of
 from slipmargin.diagnose.search import FAR, Progress, Round, State
 from slipmargin.diagnose.selection import PIECE_S, needed, refitted, search, without
 from slipmargin.diagnose.signals import Way
+from slipmargin.diagnose.turns import Recurrence, recurrences
 from slipmargin.diagnose.where import Dependence, dependences, residual_rate
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.io.data_set import DataSet, WheelSignal
+from slipmargin.motions.odometry import wheel_angles
 from slipmargin.motions.record import Record
 
 #: With at least so many trials some are held out altogether; with fewer all are cross-validated.
@@ -93,6 +95,7 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
     before, after = (_score(problem, judged, pose) for pose in (base_pose, after_pose))
     drawn_before, drawn_after = (problem.predict([e], [everyone])[0] for e in ((), state.fit.effects))
     events = _events(uncut, state.fit.effects)
+    turns = _turns(problem, drawn_after, seed)
     return Diagnosis(
         data_set=data_set.name,
         surface=data_set.surface,
@@ -107,6 +110,7 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
         steps=tuple(_step(r) for r in rounds),
         where=_where(problem, drawn_before, seed),
         where_after=_where(problem, drawn_after, seed),
+        turns=turns,
         excitation=_excitation(final),
         events=events,
         outliers=sum(t.dropped for t in trials),
@@ -123,7 +127,7 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
         ),
         recipe=data_set.recipe,
         corrected=_corrected(data_set, final.effects),
-        remarks=_remarks(state, found, final, events),
+        remarks=_remarks(state, found, final, events, turns),
     )
 
 
@@ -212,12 +216,21 @@ def _step(done: Round) -> Step:
     return Step(chi_before=done.before.chi, tried=tuple(rows), taken=taken)
 
 
-def _where(problem: Problem, predicted: Array, seed: int) -> tuple[Dependence, ...]:
-    rates = [
+def _rates(problem: Problem, predicted: Array) -> list[Array]:
+    return [
         residual_rate(t.t_s, t.pose, p[: len(t.t_s)]) for t, p in zip(problem.trials, predicted, strict=True)
     ]
+
+
+def _where(problem: Problem, predicted: Array, seed: int) -> tuple[Dependence, ...]:
     model = problem.model(())
-    return dependences(rates, [variables_of(t, model) for t in problem.trials], seed)
+    return dependences(_rates(problem, predicted), [variables_of(t, model) for t in problem.trials], seed)
+
+
+def _turns(problem: Problem, predicted: Array, seed: int) -> tuple[Recurrence, ...]:
+    angles = [wheel_angles(t.t_s, t.record.theta, t.record.omega) for t in problem.trials]
+    clocks = [t.t_s for t in problem.trials]
+    return recurrences(clocks, _rates(problem, predicted), angles, problem.nominal.contacts.names, seed)
 
 
 def _excitation(final: Fit) -> tuple[float, ...]:
@@ -229,7 +242,11 @@ def _excitation(final: Fit) -> tuple[float, ...]:
 
 
 def _remarks(
-    state: State, found: tuple[Finding, ...], final: Fit, events: tuple[Event, ...]
+    state: State,
+    found: tuple[Finding, ...],
+    final: Fit,
+    events: tuple[Event, ...],
+    turns: tuple[Recurrence, ...],
 ) -> tuple[str, ...]:
     said = []
     if found and state.chi > _UNEXPLAINED_CHI:
@@ -243,4 +260,9 @@ def _remarks(
         said.append(
             "Something happened once in a trial; it is listed under events, not explained by physics."
         )
+    said += [
+        f"What is left comes round {r.per_turn} times a turn of wheel{'s' * (len(r.wheels) > 1)} "
+        f"{', '.join(r.wheels)} (by chance: p ≤ {r.p_value:.3f}), as rollers and the gaps between them do."
+        for r in turns
+    ]
     return tuple(said)

@@ -58,6 +58,7 @@ def report(diagnosis: Diagnosis, change: LimitsChange) -> dict[str, Any]:
         "steps": [_step(s) for s in d.steps],
         "where": [_where(w) for w in d.where],
         "where_after": [_where(w) for w in d.where_after],
+        "turns": [asdict(r) for r in d.turns],
         "excitation": d.excitation,
         "events": [
             {"trial": e.trial, "t_s": e.t_s, "channel": e.channel, "size_sigma": e.size_sigma}

@@ -1,0 +1,155 @@
+"""What comes round with a wheel: a residual that repeats a whole number of times a turn.
+
+Many encoders begin at 0 in every run, so that nobody knows where a wheel stood.  A residual that
+comes round with the wheel shows all the same: each trial is compared with cos nθ and sin nθ in a phase of
+its own.  Chance is judged by the same trials at counts between the whole numbers, where nothing that
+is fixed to a wheel can repeat, and which keep whatever else the residual follows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipmargin.checks import Array, Index
+
+#: Counts a turn that are looked at: 1, 2, … up to this.
+_MOST = 24
+#: Half counts near each whole one that it is compared with.
+_NEAR = 6
+#: A trial in which a wheel turns less does not tell neighbouring counts apart [turns].
+_LEAST_TURNS = 2.0
+#: A count that comes round by more than this between two samples is not seen [periods].
+_FASTEST = 0.2
+#: Nor is anything in a trial with fewer samples.
+_LEAST_SAMPLES = 100
+_DRAWS = 999
+#: Chance of naming anything where nothing comes round.
+_SURE = 0.01
+#: At most so many counts are named.
+_AT_MOST = 6
+_HALVES = 0.5 * np.arange(1, 2 * _MOST + _NEAR)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Recurrence:
+    """What is left comes round ``per_turn`` times a turn of ``wheels``, by chance with ``p_value``."""
+
+    per_turn: int
+    wheels: tuple[str, ...]
+    p_value: float
+
+
+def recurrences(
+    clocks: Sequence[Array],
+    rates: Sequence[Array],
+    angles: Sequence[Array | None],
+    wheels: tuple[str, ...],
+    seed: int,
+) -> tuple[Recurrence, ...]:
+    """Counts a turn at which the residual rate repeats, most striking first.
+
+    What one count explains is taken out before the next is looked for: wheels whose speeds have a
+    fixed ratio would name one another's.
+
+    Parameters
+    ----------
+    clocks : sequence of arrays (T,)
+        Times of each trial [s].
+    rates : sequence of arrays (T, 3)
+        Residual rate of each trial, NaN where unknown.
+    angles : sequence of arrays (T, N) or None
+        Wheel angles [rad], from any zero.
+    wheels : tuple of str
+        Names of the N wheels.
+    seed : int
+        Seed of the draws that chance is judged by.
+    """
+    random = np.random.default_rng(seed)
+    runs = [_Run.of(*trial) for trial in zip(clocks, rates, angles, strict=True)]
+    runs = [run for run in runs if len(run.left)]
+    found: list[Recurrence] = []
+    while runs and len(found) < _AT_MOST:
+        p, surprise = _against_chance(runs, random)
+        index = int(np.argmax(surprise.max(axis=0)))
+        sure = p[:, index] <= _SURE
+        if not sure.any():
+            break
+        names = tuple(name for name, s in zip(wheels, sure, strict=True) if s)
+        found.append(Recurrence(per_turn=index + 1, wheels=names, p_value=float(p[:, index].min())))
+        runs = [run.without(index + 1, np.flatnonzero(sure)) for run in runs]
+    return tuple(found)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Run:
+    """A trial's residual rate (T, 3) less its trend, each channel of unit variance, and angles (T, N)."""
+
+    left: Array
+    angle: Array
+
+    @staticmethod
+    def of(clock: Array, rate: Array, angle: Array | None) -> _Run:
+        seen = np.isfinite(rate).all(axis=1)
+        if angle is None or seen.sum() < _LEAST_SAMPLES:
+            return _Run(left=np.zeros((0, 3)), angle=np.zeros((0, 0)))
+        t = clock[seen]
+        trend = np.polynomial.chebyshev.chebvander(2.0 * (t - t[0]) / (t[-1] - t[0]) - 1.0, 3)
+        return _Run(left=_without(rate[seen], trend), angle=angle[seen])
+
+    def without(self, per_turn: int, wheels: Index) -> _Run:
+        """The same less what repeats so often a turn of these wheels."""
+        phase = per_turn * self.angle[:, wheels]
+        waves = np.concatenate([np.cos(phase), np.sin(phase), np.ones((len(phase), 1))], axis=1)
+        return replace(self, left=_without(self.left, waves))
+
+
+def _without(values: Array, basis: Array) -> Array:
+    left = values - basis @ np.linalg.lstsq(basis, values, rcond=None)[0]
+    return np.asarray(left / np.maximum(left.std(axis=0), 1e-300))
+
+
+def _against_chance(runs: Sequence[_Run], random: np.random.Generator) -> tuple[Array, Array]:
+    """p among all wheels and counts, and standard deviations above chance, both (N, M)."""
+    observed, chance = _pooled([_power(run) for run in runs], random)
+    mean, spread = chance.mean(axis=0), chance.std(axis=0)
+    scale = np.where(spread > 0.0, spread, np.inf)
+    surprise = (observed - mean) / scale
+    luckiest = np.max((chance - mean) / scale, axis=(1, 2))
+    return (1 + np.sum(luckiest[:, None, None] >= surprise, axis=0)) / (1 + _DRAWS), surprise
+
+
+def _power(run: _Run) -> tuple[Array, NDArray[np.bool_]]:
+    """Power (N, F) of a run at whole and half counts, all channels; the whole ones (N, M) it tells of."""
+    wheels = run.angle.shape[1]
+    power, tells = np.zeros((wheels, len(_HALVES))), np.zeros((wheels, _MOST), dtype=bool)
+    for wheel, angle in enumerate(run.angle.T):
+        if np.ptp(angle) < 2.0 * np.pi * _LEAST_TURNS:
+            continue
+        advance = float(np.quantile(np.abs(np.diff(angle)), 0.9)) / (2.0 * np.pi)
+        tells[wheel] = np.arange(1, _MOST + 1) * advance <= _FASTEST
+        wave = np.exp(-1j * angle[:, None] * _HALVES)
+        power[wheel] = np.sum(np.abs(run.left.T @ wave) ** 2, axis=0) / len(angle)
+    return power, tells
+
+
+def _pooled(
+    waves: Sequence[tuple[Array, NDArray[np.bool_]]], random: np.random.Generator
+) -> tuple[Array, Array]:
+    """Power of all trials together at whole counts (N, M), and with each trial's drawn from near it."""
+    whole = 2 * np.arange(1, _MOST + 1) - 1
+    halves = np.arange(0, len(_HALVES), 2)
+    near = halves[np.argsort(np.abs(halves - whole[:, None]), axis=1, kind="stable")[:, :_NEAR]]
+    places = np.column_stack([whole, near])  # (M, 1 + near)
+    drawn = random.integers(places.shape[1], size=(_DRAWS, len(waves)))
+    observed = np.sum([power[:, whole] * tells for power, tells in waves], axis=0)
+    chance = np.zeros((_DRAWS, *observed.shape))
+    for (power, tells), pick in zip(waves, drawn.T, strict=True):
+        chance += np.moveaxis(power[:, places[:, pick]], 2, 0) * tells
+    return observed, chance
