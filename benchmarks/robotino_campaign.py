@@ -1,8 +1,8 @@
 """Runs of a real robot on two floors, ready to predict, and how a prediction is judged.
 
-A run's error is |predicted − measured displacement| / measured distance, displacements added up in
-the body frame by each one's own heading (a heading error is not charged twice), and predicted − measured
-change of heading; root mean squares over runs, all runs.
+A run's error is |predicted − measured displacement| / measured distance, displacements as vectors, added up
+in the body frame by each one's own heading (a heading error is not charged twice), and predicted − measured
+change of heading; root mean squares over runs, all runs.  Beside it the error of the displacement's length.
 """
 
 from __future__ import annotations
@@ -56,6 +56,11 @@ class Runs:
             distance=np.hypot(paths[:, 0], paths[:, 1]),
         )
 
+    @property
+    def direction(self) -> Array:
+        """(R, 2) unit vectors of the measured displacements, body frame."""
+        return np.asarray(self.went[:, :2] / self.distance[:, None])
+
     def errors(self, recipes: list[Recipe], surface: str, which: NDArray[np.int64] | None = None) -> Array:
         """Predicted − measured (M, R, 3): displacement / distance (2) [1], heading change [rad]."""
         own = np.arange(len(self.names)) if which is None else which
@@ -77,10 +82,14 @@ class Runs:
         return found.reshape(len(models), len(own), 3)
 
 
-def summary(error: Array) -> dict[str, float]:
-    """Root mean square over runs of displacement [1] and of heading change [deg]."""
+def summary(error: Array, direction: Array) -> dict[str, float]:
+    """Root mean square over runs of displacement, as a vector and in length [1], and of heading change [deg].
+
+    ``direction`` (R, 2) is the unit vector of each run's measured displacement.
+    """
     return {
         "displacement": float(np.sqrt(np.mean(np.sum(error[:, :2] ** 2, axis=1)))),
+        "length": float(np.sqrt(np.mean((np.hypot(*(direction + error[:, :2]).T) - 1.0) ** 2))),
         "heading_deg": float(np.rad2deg(np.sqrt(np.mean(error[:, 2] ** 2)))),
     }
 
@@ -118,14 +127,18 @@ class Campaign:
 
     def judged(self, recipe: Recipe) -> dict[str, dict[str, float]]:
         """Errors on what was fitted and on what was not."""
-        slow, fast = self.slow.errors([recipe], "gray")[0], self.fast.errors([recipe], "gray")[0]
+        slow, fast = (runs.errors([recipe], "gray")[0] for runs in (self.slow, self.fast))
         other = np.setdiff1d(np.arange(len(slow)), self.seen)
-        out = {
-            "fitted": summary(slow[self.seen]),
-            "headings": summary(slow[other]),
-            "speed": summary(fast),
-            "held out": summary(np.concatenate([slow[other], fast])),
+        error = np.concatenate([slow, fast])
+        direction = np.concatenate([runs.direction for runs in (self.slow, self.fast)])
+        later = len(slow) + np.arange(len(fast))
+        worst = later[np.argmax(np.sum(fast[:, :2] ** 2, axis=1))]
+        held = np.concatenate([other, later])
+        groups = {
+            "fitted": self.seen,
+            "headings": other,
+            "speed": later,
+            "held out": held,
+            f"held out but {self.fast.names[worst - len(slow)]} at 0.2 m/s": held[held != worst],
         }
-        worst = int(np.argmax(np.sum(fast[:, :2] ** 2, axis=1)))
-        rest = np.concatenate([slow[other], np.delete(fast, worst, axis=0)])
-        return out | {f"held out but {self.fast.names[worst]} at 0.2 m/s": summary(rest)}
+        return {name: summary(error[rows], direction[rows]) for name, rows in groups.items()}

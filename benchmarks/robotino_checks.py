@@ -1,10 +1,14 @@
-"""What no fit of the real robot has seen: motor currents against predicted drive forces; slip limits."""
+"""What no fit of the real robot has seen: motor currents, standing wheels, what comes round; slip limits."""
 
 from __future__ import annotations
 
 import numpy as np
-from robotino_campaign import Runs
+from robotino_campaign import SIGMA, Campaign, Runs
 
+from slipmargin.diagnose.prepare import clean
+from slipmargin.diagnose.problem import Problem
+from slipmargin.diagnose.turns import recurrences
+from slipmargin.diagnose.where import residual_rate
 from slipmargin.effects import Recipe
 from slipmargin.limits.bounds import directions
 from slipmargin.limits.pull import Pull
@@ -51,6 +55,69 @@ def currents(groups: list[Runs], recipe: Recipe) -> dict[str, float]:
         told[f"wheel {name}: spread [A]"] = float(np.std(ampere))
         told[f"wheel {name}: drive coefficient over gear efficiency"] = float(b * NEWTON_PER_AMPERE / weight)
     return told
+
+
+def standing(groups: dict[str, Runs], recipe: Recipe) -> dict[str, dict[str, float]]:
+    """Runs in which the heavy wheel 2 hardly turns: the way predicted too much, the current of the others.
+
+    Such a wheel drags its rollers, or what lies between them, all the way at one angle that no log holds.
+    """
+    told = {}
+    for speed, runs in groups.items():
+        error = np.sum(runs.errors([recipe], "gray")[0][:, :2] * runs.direction, axis=1)
+        for name, record, along in zip(runs.names, runs.trials, error, strict=True):
+            assert record.theta is not None and record.current is not None
+            if np.ptp(record.theta[:, 1]) < 0.5 * 2.0 * np.pi / 6.0:
+                late = record.t_s > 2.0
+                told[f"{speed} {name}"] = {
+                    "predicted too far [%]": 100.0 * float(along),
+                    "current of wheels 1 and 3 [A]": float(np.nanmean(record.current[late][:, [0, 2]]) * 2.0),
+                }
+    return told
+
+
+def turning(groups: dict[str, Runs], recipe: Recipe) -> dict[str, list[str]]:
+    """Counts a turn at which what is left comes round with a wheel."""
+    told = {}
+    for speed, runs in groups.items():
+        trials = tuple(clean(record, SIGMA) for record in runs.trials)
+        problem = Problem.of(recipe, "gray", trials, SIGMA, False)
+        predicted = problem.predict([()], [np.arange(len(trials), dtype=np.int64)])[0]
+        rates = [
+            residual_rate(t.t_s, t.pose, p[: len(t.t_s)]) for t, p in zip(trials, predicted, strict=True)
+        ]
+        angles, clocks = [t.record.theta for t in trials], [t.t_s for t in trials]
+        names = problem.nominal.contacts.names
+        told[speed] = [
+            f"{r.per_turn} times a turn of wheels {', '.join(r.wheels)} (p ≤ {r.p_value:.3f})"
+            for r in recurrences(clocks, rates, angles, names, seed=0)
+        ]
+    return told
+
+
+def floor(campaign: Campaign, recipe: Recipe, harmonics: int = 5) -> dict[str, float]:
+    """What even a law that has seen the held-out runs would leave, if it is smooth in the heading [%].
+
+    Harmonics of the heading are fitted to the held-out errors themselves, for each speed; the rest is
+    corrected for their number.
+    """
+    left = []
+    for runs, rows in (
+        (campaign.slow, np.setdiff1d(np.arange(len(campaign.slow.names)), campaign.seen)),
+        (campaign.fast, np.arange(len(campaign.fast.names))),
+    ):
+        along = runs.direction
+        across = np.column_stack([-along[:, 1], along[:, 0]])
+        error = runs.errors([recipe], "gray")[0][:, :2]
+        both = np.column_stack([np.sum(error * along, axis=1), np.sum(error * across, axis=1)])
+        heading = np.arctan2(along[:, 1], along[:, 0])[:, None] * np.arange(1, harmonics + 1)
+        waves = np.concatenate([np.ones((len(both), 1)), np.cos(heading), np.sin(heading)], axis=1)
+        rest = both - waves @ np.linalg.lstsq(waves, both, rcond=None)[0]
+        left.append(np.sum(rest[rows] ** 2, axis=1) * len(both) / (len(both) - waves.shape[1]))
+    return {
+        f"left by {harmonics} harmonics fitted to the held-out runs [%]": 100.0
+        * float(np.sqrt(np.concatenate(left).mean()))
+    }
 
 
 def limits(recipe: Recipe, steepness: float | None = None) -> dict[str, float]:

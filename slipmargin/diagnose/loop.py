@@ -19,7 +19,7 @@ from slipmargin.diagnose.prepare import clean, noise
 from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.ranges import ranges, variables_of
 from slipmargin.diagnose.search import FAR, Progress, Round, State
-from slipmargin.diagnose.selection import PIECE_S, needed, refitted, search, without
+from slipmargin.diagnose.selection import LONG_PIECE_S, needed, refitted, search, without
 from slipmargin.diagnose.signals import Way
 from slipmargin.diagnose.turns import Recurrence, recurrences
 from slipmargin.diagnose.where import Dependence, dependences, residual_rate
@@ -85,7 +85,7 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
     state = needed(problem, state)
     progress("fitting all trials", 0.0)
     searched_in, problem = problem, problem.rebuilt(Way.FULL)
-    view = problem.in_pieces(PIECE_S) if state.chi > FAR else problem
+    view = problem.in_pieces(LONG_PIECE_S) if state.chi > FAR else problem
     final = fit(view, state.structure, state.fit.x, everyone, iterations=_FINAL_STEPS)
     progress("weighing what was found", 0.0)
     useful = [without(searched_in, state, index).chi for index in range(len(state.structure))]

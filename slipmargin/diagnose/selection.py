@@ -47,8 +47,9 @@ WITH_UNNAMED = 0.5
 _FLOOR = 0.97
 #: At most so many effects.
 MOST_EFFECTS = 4
-#: Length of a piece [s].
-PIECE_S = 0.5
+#: Length of a piece while searching [s], and of one in the last fits of what stays far above the noise:
+#: long enough that the camera's noise is small beside what a model lacks.
+PIECE_S, LONG_PIECE_S = 0.5, 2.0
 #: A fit to whole runs seldom takes more than this factor off the chi at which the pieces put them.
 _BENT = 3.0
 
@@ -160,7 +161,7 @@ def refitted(
     """Another structure, or other trials, fitted as ``before`` was: in pieces where it is still far off."""
     samples = problem.samples(trials)
     if before.chi > FAR:
-        return judged_by(problem, fit(problem.in_pieces(PIECE_S), structure, x, trials), samples)
+        return judged_by(problem, fit(problem.in_pieces(LONG_PIECE_S), structure, x, trials), samples)
     return state_of(problem, fit(problem, structure, x, trials), samples)
 
 
