@@ -14,7 +14,7 @@ from slipmargin.diagnose.candidate import Candidate
 from slipmargin.diagnose.evidence import intervals, luck
 from slipmargin.diagnose.fit import build, evaluate, fit, shifted_by, tangents
 from slipmargin.diagnose.left_out import best_left_out, cross_validate, leave_one_out
-from slipmargin.diagnose.search import State, choose, promise
+from slipmargin.diagnose.search import State, choose, judged_by, promise, state_of
 from slipmargin.effects import AnyEffect, Trace
 from slipmargin.effects.camera_rotation import CameraRotation
 from slipmargin.effects.camera_scale import CameraScale
@@ -248,3 +248,22 @@ def test_of_equal_explanations_the_simple_one_is_chosen() -> None:
     assert choose([state((unnamed,), 1.00), state((one,), 1.01)]).structure == (one,)
     assert choose([state((one, other), 1.00), state((unnamed,), 1.00)]).structure == (unnamed,)
     assert choose([state((unnamed,), 1.00), state((one,), 1.20)]).structure == (unnamed,)
+
+
+def test_a_fit_is_judged_by_another_view_as_by_its_own_where_they_are_one() -> None:
+    problem = Line((0.2, -0.1), 0.05, 5)
+    found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+    own, other = state_of(problem, found, 100.0), judged_by(problem, found, 100.0)
+    assert other.scores == pytest.approx(own.scores, rel=1e-9)
+
+
+def test_a_fit_judged_by_another_view_keeps_its_parameters_and_takes_that_views_residual() -> None:
+    here, there = Line((0.2, -0.1), 0.05, 5), Line((0.25, -0.1), 0.05, 6)
+    found = fit(here, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+    judged = judged_by(there, found, 100.0)
+    assert judged.fit is found
+    inside = np.sum(there.residuals([found.effects], [EVERY])[0] ** 2)
+    alone = [there.residuals([build(found.structure, x)], [EVERY[i : i + 1]])[0] for i, x in
+             enumerate(leave_one_out(found))]
+    outside = sum(np.sum(a**2) for a in alone)
+    assert judged.scores.sum() == pytest.approx(np.sqrt(inside * outside), rel=1e-9)
