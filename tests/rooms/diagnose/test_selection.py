@@ -40,7 +40,8 @@ def wandering(problem: Problem, seed: int, rate: float) -> Problem:
 
 
 def suspect(problem: Problem) -> Candidate:
-    return next(c for c in named_candidates(problem.nominal.contacts.names, False, ()) if c.label == "wheel_loads")
+    named = named_candidates(problem.nominal.contacts.names, False, ())
+    return next(c for c in named if c.label == "wheel_loads")
 
 
 def off(x: Array) -> float:
