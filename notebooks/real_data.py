@@ -126,9 +126,9 @@ for label, told in (("before", limits(campaign.recipe)), ("after", limits(recipe
 # ## What remains
 #
 # The rest of the residual comes round with the wheels. Encoders begin at 0 in every run, so nobody knows where the
-# rollers stood; but whatever the angle, what is left repeats 6 times a turn, and in the whole campaign on both
-# floors, at both speeds, in all three wheels 6 and 3 times: two rows of three rollers. It is the paper's own
-# effect, the wheel's angle, on another robot.
+# rollers stood; but whatever the angle, what is left repeats 6 times a turn, in the whole campaign at both speeds and
+# in all three wheels 6 and 3 times, as two rows of three rollers would. It is the paper's own effect, the
+# wheel's angle, on another robot.
 
 # %%
 runs = {"0.1 m/s": campaign.slow, "0.2 m/s": campaign.fast}
@@ -138,7 +138,7 @@ for speed, lines in rest.items():
 
 # %% [markdown]
 # * A wheel that rolls averages over its rollers. One that stands keeps one angle for the whole run: in the four
-#   runs straight along wheel 2's axle the error goes from −5 to +13 % of the way, and the motors of the other two
+#   runs straight along wheel 2's axle the error goes from −5 to +12 % of the way, and the motors of the other two
 #   feel it, with currents that rise in the same order. No law that is smooth in the heading can tell these four apart.
 # * Only ratios of coefficients follow from steady runs. The level comes from the currents, but for the gear.
 # * The shape of the friction law (atan, tanh, brush) is not decided by these data.
