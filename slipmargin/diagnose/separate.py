@@ -34,7 +34,7 @@ TRIALS: dict[Trace, str] = {
 
 def trace_of(name: str) -> Trace | None:
     """The variable of an effect's name or label, or None where it is not known."""
-    plain = name.split("[", 1)[0].split(":", 1)[0].strip()
+    plain = _plain(name)
     if plain.startswith(PREFIX):
         word = plain.removeprefix(PREFIX)
         return next((trace for trace in Trace if trace.value == word), None)
@@ -42,10 +42,15 @@ def trace_of(name: str) -> Trace | None:
     return None if effect is None else effect.traced_to
 
 
+def _plain(label: str) -> str:
+    """The effect's name in a suspect's label: without its wheel, its form, its variant."""
+    return label.split("[", 1)[0].split(":", 1)[0].split(" ", 1)[0]
+
+
 def separating_trial(name: str, traced_to: Trace, other: str) -> str:
     """The measurement after which ``name`` (of variable ``traced_to``) and ``other`` differ."""
     trace = trace_of(other)
-    effect = effect_class(other.split("[", 1)[0])
+    effect = effect_class(_plain(other))
     if trace is None:
         return TRIALS[traced_to]
     if trace is not traced_to:

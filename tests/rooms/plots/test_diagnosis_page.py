@@ -269,6 +269,7 @@ def test_every_pair_of_effects_can_be_separated() -> None:
     names = [e.name for e in CATALOGUE] + [f"unnamed_{t.value}: some form" for t in Trace]
     for effect in CATALOGUE:
         assert trace_of(f"{effect.name}[left]") is effect.traced_to
+        assert trace_of(f"{effect.name} with its coefficient") is effect.traced_to
         for other in names:
             assert separating_trial(effect.name, effect.traced_to, other)
     assert trace_of("nobody") is None and separating_trial("stribeck", Trace.SLIP_SPEED, "nobody")
