@@ -1,6 +1,6 @@
 """A real robot: what explains its slip, on headings and speeds that no fit has seen.
 
-Run: ``python benchmarks/robotino.py LOGS [FILE.json] [--judge FILE]``; LOGS holds the folders
+Run: ``python benchmarks/robotino.py LOGS [FILE.json] [--judge FILE]``; LOGS (none: nothing to do) holds the folders
 ``table_0.1``, ``gray_0.1``, ``gray_0.2`` of the public repository BrOleg5/research-wheel-slippage, one run a
 file.
 
@@ -236,10 +236,15 @@ def _flat(name: str, value: object) -> list[str]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("logs", type=Path)
+    parser.add_argument("logs", type=Path, nargs="?")
     parser.add_argument("json", type=Path, nargs="?")
     parser.add_argument("--judge", type=Path)
     chosen = parser.parse_args()
+    if chosen.logs is None:
+        print(
+            "no logs given: put those of BrOleg5/research-wheel-slippage into folders and name where they are"
+        )
+        return
     if chosen.judge is not None:
         for runs, e in Campaign.read(chosen.logs).judged(read_recipe(str(chosen.judge))).items():
             way, length = 100 * e["displacement"], 100 * e["length"]

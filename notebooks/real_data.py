@@ -63,8 +63,8 @@ print(f"lost at 0.1 m/s: {100 * lost_by_speed[0]:.1f} %, at 0.2 m/s: {100 * lost
 # It depends on the direction and hardly on the speed. Eq. (11), F = μ N (2/π) atan(k u), cannot say that: the
 # sliding speed u that a force needs is the same at any driving speed, so the lost share would halve at
 # twice the speed. First suspect: creep, u over driving speed (`slip_ratio_friction`). A force that depends on
-# the direction: drag of the rollers (the law's own constants across the wheels), loads (`wheel_loads`). A run and
-# its reverse differ by as much as 3 %: wheels that lead are lighter (`trailing_load`). With all 36 runs
+# the direction: drag of the rollers (the law's own constants across the wheels), loads (`wheel_loads`). A run
+# and its reverse differ by as much as 3 %: wheels that lead are lighter (`trailing_load`). With all 36 runs
 # `slipmargin diagnose` finds the same three by itself.
 #
 # ## The test: half of the headings at 0.1 m/s are fitted, all the rest is predicted
@@ -125,10 +125,10 @@ for label, told in (("before", limits(campaign.recipe)), ("after", limits(recipe
 # %% [markdown]
 # ## What remains
 #
-# The rest of the residual comes round with the wheels. Encoders begin at 0 in every run, so nobody knows where the
-# rollers stood; but whatever the angle, what is left repeats 6 times a turn, in the whole campaign at both speeds and
-# in all three wheels 6 and 3 times, as two rows of three rollers would. It is the paper's own effect, the
-# wheel's angle, on another robot.
+# The rest of the residual comes round with the wheels. Encoders begin at 0 in every run, so nobody knows
+# where the rollers stood; but whatever the angle, what is left repeats 6 times a turn, in the whole campaign
+# at both speeds and in all three wheels 6 and 3 times, as two rows of three rollers would. It is the
+# paper's own effect, the wheel's angle, on another robot.
 
 # %%
 runs = {"0.1 m/s": campaign.slow, "0.2 m/s": campaign.fast}
@@ -137,9 +137,10 @@ for speed, lines in rest.items():
     print(speed, "; ".join(lines) or "nothing that so few runs could show")
 
 # %% [markdown]
-# * A wheel that rolls averages over its rollers. One that stands keeps one angle for the whole run: in the four
-#   runs straight along wheel 2's axle the error goes from −5 to +12 % of the way, and the motors of the other two
-#   feel it, with currents that rise in the same order. No law that is smooth in the heading can tell these four apart.
+# * A wheel that rolls averages over its rollers. One that stands keeps one angle for the whole run: in the
+#   four runs straight along wheel 2's axle the error goes from −5 to +12 % of the way, and the motors of the
+#   other two feel it, with currents that rise in the same order. No law that is smooth in the heading can
+#   tell these four apart.
 # * Only ratios of coefficients follow from steady runs. The level comes from the currents, but for the gear.
 # * The shape of the friction law (atan, tanh, brush) is not decided by these data.
 
