@@ -1,8 +1,8 @@
 """A real robot: what explains its slip, on headings and speeds that no fit has seen.
 
-Run: ``python benchmarks/robotino.py LOGS [FILE.json] [--judge FILE]``; LOGS (none: nothing to do) holds the folders
-``table_0.1``, ``gray_0.1``, ``gray_0.2`` of the public repository BrOleg5/research-wheel-slippage, one run a
-file.
+Run: ``python benchmarks/robotino.py LOGS [FILE.json] [--judge FILE]``; LOGS (none: nothing to do) holds
+the folders ``table_0.1``, ``gray_0.1``, ``gray_0.2`` of the public repository
+BrOleg5/research-wheel-slippage, one run a file.
 
 Split: fitted on ``gray`` at 0.1 m/s with commanded headings 0, 10, 20, … degrees (36 runs); held out are
 the other 36 and all 72 at 0.2 m/s.  Calibration (scale, rotation, delay and tilt of the camera) comes from
