@@ -260,9 +260,5 @@ def _remarks(
         said.append(
             "Something happened once in a trial; it is listed under events, not explained by physics."
         )
-    said += [
-        f"What is left comes round {r.per_turn} times a turn of wheel{'s' * (len(r.wheels) > 1)} "
-        f"{', '.join(r.wheels)} (by chance: p ≤ {r.p_value:.3f}), as rollers and the gaps between them do."
-        for r in turns
-    ]
+    said += [r.told for r in turns]
     return tuple(said)

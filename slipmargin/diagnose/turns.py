@@ -44,6 +44,17 @@ class Recurrence:
     wheels: tuple[str, ...]
     p_value: float
 
+    @property
+    def told(self) -> str:
+        """One sentence."""
+        often = "once" if self.per_turn == 1 else f"{self.per_turn} times"
+        like = "a wheel out of round does" if self.per_turn == 1 else "rollers and the gaps between them do"
+        plural = "s" if len(self.wheels) > 1 else ""
+        return (
+            f"What is left comes round {often} a turn of wheel{plural} {', '.join(self.wheels)} "
+            f"(by chance: p ≤ {self.p_value:.3f}), as {like}."
+        )
+
 
 def recurrences(
     clocks: Sequence[Array],

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from slipmargin.diagnose.turns import recurrences
+from slipmargin.diagnose.turns import Recurrence, recurrences
 
 CLOCK = np.arange(0.0, 12.0, 0.03)
 
@@ -59,3 +59,10 @@ def test_runs_without_angles_or_with_hardly_a_turn_tell_nothing():
     clock, rates, angles, names = runs(8, [(0, 6, 1.0)], 5)
     assert recurrences(clock, rates, [None] * 8, names, seed=0) == ()
     assert recurrences(clock, rates, [0.02 * a for a in angles], names, seed=0) == ()
+
+
+def test_it_is_told_in_a_sentence():
+    once = Recurrence(per_turn=1, wheels=("left",), p_value=0.001).told
+    often = Recurrence(per_turn=6, wheels=("1", "2"), p_value=0.004).told
+    assert "once a turn of wheel left (by chance: p ≤ 0.001), as a wheel out of round" in once
+    assert "6 times a turn of wheels 1, 2 (by chance: p ≤ 0.004), as rollers" in often
