@@ -39,6 +39,7 @@ from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.selection import LONG_PIECE_S
 from slipmargin.effects import Recipe
 from slipmargin.effects.camera_scale import CameraScale
+from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
 from slipmargin.io.data_set import DataSet, WheelSignal
 from slipmargin.io.robot_file import read_recipe
 
@@ -110,7 +111,7 @@ def physical(recipe: Recipe, found: Fit) -> dict[str, tuple[float, float, float]
         0.5 * (loads(np.where(unit, high, found.x)) - loads(np.where(unit, low, found.x)))
         for unit in np.eye(len(found.x), dtype=bool)
     ]
-    half = np.sqrt(np.sum(np.square(reach), axis=0))
+    half = np.sum(np.abs(reach), axis=0)  # the farthest corner of the parameters' intervals
     nominal = recipe.build("gray")
     told = {
         f"load on wheel {name} [kg]": (float(v), float(v - h), float(v + h))
@@ -150,6 +151,7 @@ def study(folder: Path) -> dict[str, Any]:
     alone = left_alone(campaign)
     seconds = time.perf_counter() - began
     recipes["slipmargin diagnose, left alone"] = recipe = alone.corrected
+    steepness = next((e.steepness for e in recipe.effects if isinstance(e, SlipRatioFriction)), None)
     return {
         "calibration": list(campaign.calibration.lines()),
         "runs": {
@@ -166,7 +168,7 @@ def study(folder: Path) -> dict[str, Any]:
         },
         "limits": {
             "before": limits(campaign.recipe),
-            "after": limits(recipe, known[f"{LAW}.steepness"]),
+            "after": limits(recipe, steepness),
         },
         "currents": currents([campaign.slow, campaign.fast], recipe),
         "standing": standing({"0.1 m/s": campaign.slow, "0.2 m/s": campaign.fast}, recipe),

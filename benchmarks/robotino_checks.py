@@ -13,6 +13,7 @@ from slipmargin.effects import Recipe
 from slipmargin.limits.bounds import directions
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.sweep import limit
+from slipmargin.motions.odometry import wheel_angles
 from slipmargin.sim.pack import pack
 
 #: Wheel force per motor current of the Robotino: torque constant · gear / wheel radius [N/A], no losses.
@@ -23,8 +24,7 @@ def currents(groups: list[Runs], recipe: Recipe) -> dict[str, float]:
     """Motor currents, which no fit has seen, against the drive forces that the model predicts.
 
     By wheel: I = a + b F / W + c |wheel speed|, F > 0 where the motor drives, over the steady part of all
-    runs in which it turns; the level b says what the drive coefficient (1 in the model) is in truth, but
-    for the gear's losses.
+    runs in which it turns; b says what the drive coefficient is in truth, but for losses of the gear.
     """
     model = recipe.build("gray")
     weight, radius = model.inertia.weight_N, model.contacts.radius_m
@@ -53,7 +53,9 @@ def currents(groups: list[Runs], recipe: Recipe) -> dict[str, float]:
         told[f"wheel {name}: correlation"] = float(np.corrcoef(line @ (a, b, c), ampere)[0, 1])
         told[f"wheel {name}: left over [A]"] = float(np.std(ampere - line @ (a, b, c)))
         told[f"wheel {name}: spread [A]"] = float(np.std(ampere))
-        told[f"wheel {name}: drive coefficient over gear efficiency"] = float(b * NEWTON_PER_AMPERE / weight)
+        told[f"wheel {name}: drive coefficient over gear efficiency"] = float(
+            b * NEWTON_PER_AMPERE / weight * model.grip.roller[0, 0]
+        )
     return told
 
 
@@ -65,12 +67,14 @@ def standing(groups: dict[str, Runs], recipe: Recipe) -> dict[str, dict[str, flo
     told = {}
     for speed, runs in groups.items():
         error = np.sum(runs.errors([recipe], "gray")[0][:, :2] * runs.direction, axis=1)
-        for name, record, along in zip(runs.names, runs.trials, error, strict=True):
+        beside = 50.0 * (np.roll(error, 1) + np.roll(error, -1))
+        for name, record, along, next_to in zip(runs.names, runs.trials, error, beside, strict=True):
             assert record.theta is not None and record.current is not None
             if np.ptp(record.theta[:, 1]) < 0.5 * 2.0 * np.pi / 6.0:
                 late = record.t_s > 2.0
                 told[f"{speed} {name}"] = {
                     "predicted too far [%]": 100.0 * float(along),
+                    "the headings beside it, mean [%]": float(next_to),
                     "current of wheels 1 and 3 [A]": float(np.nanmean(record.current[late][:, [0, 2]]) * 2.0),
                 }
     return told
@@ -86,7 +90,8 @@ def turning(groups: dict[str, Runs], recipe: Recipe) -> dict[str, list[str]]:
         rates = [
             residual_rate(t.t_s, t.pose, p[: len(t.t_s)]) for t, p in zip(trials, predicted, strict=True)
         ]
-        angles, clocks = [t.record.theta for t in trials], [t.t_s for t in trials]
+        clocks = [t.t_s for t in trials]
+        angles = [wheel_angles(t.t_s, t.record.theta, t.record.omega) for t in trials]
         names = problem.nominal.contacts.names
         told[speed] = [
             f"{r.per_turn} times a turn of wheels {', '.join(r.wheels)} (p ≤ {r.p_value:.3f})"
@@ -96,10 +101,9 @@ def turning(groups: dict[str, Runs], recipe: Recipe) -> dict[str, list[str]]:
 
 
 def floor(campaign: Campaign, recipe: Recipe, harmonics: int = 5) -> dict[str, float]:
-    """What even a law that has seen the held-out runs would leave, if it is smooth in the heading [%].
+    """What harmonics of the heading leave of the held-out runs, fitted to the errors of all runs of a speed.
 
-    Harmonics of the heading are fitted to the held-out errors themselves, for each speed; the rest is
-    corrected for their number.
+    The rest is corrected for their number.
     """
     left = []
     for runs, rows in (
@@ -115,7 +119,7 @@ def floor(campaign: Campaign, recipe: Recipe, harmonics: int = 5) -> dict[str, f
         rest = both - waves @ np.linalg.lstsq(waves, both, rcond=None)[0]
         left.append(np.sum(rest[rows] ** 2, axis=1) * len(both) / (len(both) - waves.shape[1]))
     return {
-        f"left by {harmonics} harmonics fitted to the held-out runs [%]": 100.0
+        f"left by {harmonics} harmonics fitted to the errors of all runs [%]": 100.0
         * float(np.sqrt(np.concatenate(left).mean()))
     }
 

@@ -79,7 +79,7 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
     progress("looking where the residual sits", 0.0)
     searched = seen[np.unique(np.linspace(0, len(seen) - 1, _SEARCHED).round().astype(int))]
     problem, state, rounds = search(problem, searched, suspects, seed, progress)
-    if len(searched) < len(seen) and state.structure:
+    if state.structure and (len(searched) < len(seen) or state.chi > FAR):
         progress("fitting all trials that are not held out", 0.0)
         state = refitted(problem, state, state.structure, state.fit.x, seen)
     state = needed(problem, state)

@@ -30,6 +30,8 @@ _LEAST_SAMPLES = 100
 _DRAWS = 999
 #: Chance of naming anything where nothing comes round.
 _SURE = 0.01
+#: Trials whose wheel turns at paces within this factor are drawn together.
+_ONE_PACE = 1.05
 #: At most so many counts are named.
 _AT_MOST = 6
 _HALVES = 0.5 * np.arange(1, 2 * _MOST + _NEAR)
@@ -92,7 +94,7 @@ def recurrences(
         if not sure.any():
             break
         names = tuple(name for name, s in zip(wheels, sure, strict=True) if s)
-        found.append(Recurrence(per_turn=index + 1, wheels=names, p_value=float(p[:, index].min())))
+        found.append(Recurrence(per_turn=index + 1, wheels=names, p_value=float(p[sure, index].max())))
         runs = [run.without(index + 1, np.flatnonzero(sure)) for run in runs]
     return tuple(found)
 
@@ -100,19 +102,25 @@ def recurrences(
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Run:
-    """A trial's residual rate (T, 3) less its trend, each channel of unit variance, and angles (T, N)."""
+    """A trial's residual rate (T, C) less its trend, each channel of unit variance, and angles (T, N).
+
+    ``pace`` (N,) is how far each wheel turns in a second, forwards or back [rad/s].
+    """
 
     left: Array
     angle: Array
+    pace: Array
 
     @staticmethod
     def of(clock: Array, rate: Array, angle: Array | None) -> _Run:
+        rate = rate[:, np.isfinite(rate).any(axis=0)]
         seen = np.isfinite(rate).all(axis=1)
-        if angle is None or seen.sum() < _LEAST_SAMPLES:
-            return _Run(left=np.zeros((0, 3)), angle=np.zeros((0, 0)))
+        if angle is None or not rate.shape[1] or seen.sum() < _LEAST_SAMPLES:
+            return _Run(left=np.zeros((0, 0)), angle=np.zeros((0, 0)), pace=np.zeros(0))
         t = clock[seen]
         trend = np.polynomial.chebyshev.chebvander(2.0 * (t - t[0]) / (t[-1] - t[0]) - 1.0, 3)
-        return _Run(left=_without(rate[seen], trend), angle=angle[seen])
+        pace = np.sum(np.abs(np.diff(angle, axis=0)), axis=0) / (clock[-1] - clock[0])
+        return _Run(left=_without(rate[seen], trend), angle=angle[seen], pace=pace)
 
     def without(self, per_turn: int, wheels: Index) -> _Run:
         """The same less what repeats so often a turn of these wheels."""
@@ -128,7 +136,7 @@ def _without(values: Array, basis: Array) -> Array:
 
 def _against_chance(runs: Sequence[_Run], random: np.random.Generator) -> tuple[Array, Array]:
     """p among all wheels and counts, and standard deviations above chance, both (N, M)."""
-    observed, chance = _pooled([_power(run) for run in runs], random)
+    observed, chance = _pooled([_power(run) for run in runs], np.array([run.pace for run in runs]), random)
     mean, spread = chance.mean(axis=0), chance.std(axis=0)
     scale = np.where(spread > 0.0, spread, np.inf)
     surprise = (observed - mean) / scale
@@ -151,9 +159,9 @@ def _power(run: _Run) -> tuple[Array, NDArray[np.bool_]]:
 
 
 def _pooled(
-    waves: Sequence[tuple[Array, NDArray[np.bool_]]], random: np.random.Generator
+    waves: Sequence[tuple[Array, NDArray[np.bool_]]], pace: Array, random: np.random.Generator
 ) -> tuple[Array, Array]:
-    """Power of all trials together at whole counts (N, M), and with each trial's drawn from near it."""
+    """Power of all trials together at whole counts (N, M), and with trials' drawn from near it."""
     whole = 2 * np.arange(1, _MOST + 1) - 1
     halves = np.arange(0, len(_HALVES), 2)
     near = halves[np.argsort(np.abs(halves - whole[:, None]), axis=1, kind="stable")[:, :_NEAR]]
@@ -161,6 +169,18 @@ def _pooled(
     drawn = random.integers(places.shape[1], size=(_DRAWS, len(waves)))
     observed = np.sum([power[:, whole] * tells for power, tells in waves], axis=0)
     chance = np.zeros((_DRAWS, *observed.shape))
-    for (power, tells), pick in zip(waves, drawn.T, strict=True):
-        chance += np.moveaxis(power[:, places[:, pick]], 2, 0) * tells
+    for wheel in range(len(observed)):
+        for (power, tells), group in zip(waves, _alike(pace[:, wheel]), strict=True):
+            chance[:, wheel] += power[wheel, places[:, drawn[:, group]]].T * tells[wheel]
     return observed, chance
+
+
+def _alike(pace: Array) -> NDArray[np.int64]:
+    """Number of the group (R,) to which each trial belongs, trials of one pace together."""
+    group = np.zeros(len(pace), dtype=np.int64)
+    first, number = -np.inf, -1
+    for trial in np.argsort(pace, kind="stable"):
+        if number < 0 or pace[trial] > _ONE_PACE * first:
+            first, number = pace[trial], number + 1
+        group[trial] = number
+    return group

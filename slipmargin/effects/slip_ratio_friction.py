@@ -21,7 +21,7 @@ class SlipRatioFriction(Effect):
 
     v_hub is the speed at which the floor passes under the wheel; far below ``crawl_m_s`` v_0 the law is
     one of speed again.  Along f̂ (over free rollers) κ is ``transverse_factor`` times what it is along ĝ.
-    A law has constants of its own: μ_T is ``transverse_coefficient_factor`` times what was stated for
+    A law has constants of its own: its μ_T is ``transverse_coefficient_factor`` times what was stated for
     eq. (11); that of μ_W steady motion does not show.
     """
 
@@ -113,5 +113,5 @@ class SlipRatioFriction(Effect):
         else:
             terms = (creep(along, Target.STIFFNESS_DRIVE), creep(across, Target.STIFFNESS_TRANSVERSE))
         coefficients = part.roller.copy()
-        coefficients[:, 1] *= 1.0 + self.mask(nominal) * (self.transverse_coefficient_factor - 1.0)
+        coefficients[:, 1] *= 1.0 + weights * (self.transverse_coefficient_factor - 1.0)
         return replace(part, roller=coefficients, modulations=(*part.modulations, *terms))

@@ -55,6 +55,25 @@ def test_alarms_without_a_ripple_are_as_rare_as_promised():
     assert sum(alarms) <= 4  # 1 % each: five or more of sixty come by chance once in 2900 times
 
 
+def test_what_repeats_in_time_is_no_alarm_where_every_run_is_the_same_motion():
+    random = np.random.default_rng(7)
+    alarms = 0
+    for seed in range(20):
+        clock, rates, angles, names = runs(10, [], seed)
+        hertz = random.uniform(0.2, 3.0)
+        for rate in rates:
+            rate += np.cos(2.0 * np.pi * hertz * CLOCK + random.uniform(0.0, 2.0 * np.pi))[:, None]
+        alarms += bool(recurrences(clock, rates, [angles[0]] * 10, names, seed=seed))
+    assert alarms == 0
+
+
+def test_a_channel_that_nobody_measured_hides_nothing():
+    clock, rates, angles, names = runs(16, [(0, 6, 0.7)], 9)
+    for rate in rates:
+        rate[:, 2] = np.nan
+    assert [(r.per_turn, r.wheels) for r in recurrences(clock, rates, angles, names, seed=0)] == [(6, ("1",))]
+
+
 def test_runs_without_angles_or_with_hardly_a_turn_tell_nothing():
     clock, rates, angles, names = runs(8, [(0, 6, 1.0)], 5)
     assert recurrences(clock, rates, [None] * 8, names, seed=0) == ()
