@@ -114,7 +114,7 @@ for name, value in witness.items():
 #
 # In units of the weight times the drive coefficient (steady runs tell only ratios of coefficients; the
 # currents of the whole campaign say that the coefficient is about 1.1 times the gear's efficiency). And the
-# limit is no cliff: with the steepness found, using the share λ of the grip costs tan(π λ / 2) / κ of the way.
+# limit is no cliff: with the steepness found, the share λ of the grip costs tan(π λ / 2) / κ of the way.
 
 # %%
 kappa = values(found)[f"{LAW}.steepness"]
