@@ -42,6 +42,7 @@ from slipmargin.effects.camera_scale import CameraScale
 from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
 from slipmargin.io.data_set import DataSet, WheelSignal
 from slipmargin.io.robot_file import read_recipe
+from slipmargin.io.writes import write_text
 
 LAW = "slip_ratio_friction"
 ACROSS = f"{LAW} with its own constants across"
@@ -89,13 +90,6 @@ def values(found: Fit) -> dict[str, float]:
     return dict(zip(keys, map(float, found.x), strict=True))
 
 
-def corrected(recipe: Recipe, found: Fit) -> Recipe:
-    """The recipe with the fitted effects."""
-    for effect in found.effects:
-        recipe = recipe.with_effect(effect)
-    return recipe
-
-
 def physical(recipe: Recipe, found: Fit) -> dict[str, tuple[float, float, float]]:
     """Value, low, high (95 %, all together) of what a scale, a spring balance or a ruler could check."""
     low, high, scale = limits_of(found.structure)
@@ -104,8 +98,7 @@ def physical(recipe: Recipe, found: Fit) -> dict[str, tuple[float, float, float]
     rows = {k: (v, a, b) for (k, v), a, b in zip(values(found).items(), low, high, strict=True)}
 
     def loads(x: Array) -> Array:
-        effects = (*recipe.effects, *build(found.structure, x))
-        return np.asarray(replace(recipe, effects=effects).build("gray").loads.rest_N) / 9.81
+        return np.asarray(recipe.with_effects(*build(found.structure, x)).build("gray").loads.rest_N) / 9.81
 
     reach = [
         0.5 * (loads(np.where(unit, high, found.x)) - loads(np.where(unit, low, found.x)))
@@ -146,7 +139,7 @@ def study(folder: Path) -> dict[str, Any]:
     for name, labels in ROWS.items():
         found = fitted(campaign.slow, campaign.recipe, labels, campaign.seen, known)
         known |= values(found)
-        recipes[name] = corrected(campaign.recipe, found)
+        recipes[name] = campaign.recipe.with_effects(*found.effects)
     began = time.perf_counter()
     alone = left_alone(campaign)
     seconds = time.perf_counter() - began
@@ -255,7 +248,7 @@ def main() -> None:
     result = study(chosen.logs)
     print("\n".join(told(result)))
     if chosen.json is not None:
-        chosen.json.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+        write_text(chosen.json, json.dumps(result, indent=1) + "\n")
 
 
 if __name__ == "__main__":

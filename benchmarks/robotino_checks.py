@@ -7,13 +7,11 @@ from robotino_campaign import SIGMA, Campaign, Runs
 
 from slipmargin.diagnose.prepare import clean
 from slipmargin.diagnose.problem import Problem
-from slipmargin.diagnose.turns import recurrences
-from slipmargin.diagnose.where import residual_rate
+from slipmargin.diagnose.turns import comes_round
 from slipmargin.effects import Recipe
 from slipmargin.limits.bounds import directions
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.sweep import limit
-from slipmargin.motions.odometry import wheel_angles
 from slipmargin.sim.pack import pack
 
 #: Wheel force per motor current of the Robotino: torque constant · gear / wheel radius [N/A], no losses.
@@ -87,15 +85,9 @@ def turning(groups: dict[str, Runs], recipe: Recipe) -> dict[str, list[str]]:
         trials = tuple(clean(record, SIGMA) for record in runs.trials)
         problem = Problem.of(recipe, "gray", trials, SIGMA, False)
         predicted = problem.predict([()], [np.arange(len(trials), dtype=np.int64)])[0]
-        rates = [
-            residual_rate(t.t_s, t.pose, p[: len(t.t_s)]) for t, p in zip(trials, predicted, strict=True)
-        ]
-        clocks = [t.t_s for t in trials]
-        angles = [wheel_angles(t.t_s, t.record.theta, t.record.omega) for t in trials]
-        names = problem.nominal.contacts.names
         told[speed] = [
             f"{r.per_turn} times a turn of wheels {', '.join(r.wheels)} (p ≤ {r.p_value:.3f})"
-            for r in recurrences(clocks, rates, angles, names, seed=0)
+            for r in comes_round(problem, problem.residual_rates(predicted), seed=0)
         ]
     return told
 

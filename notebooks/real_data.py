@@ -25,7 +25,7 @@ import numpy as np
 
 HERE = Path.cwd() if (Path.cwd() / "real_data.py").exists() else Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "benchmarks"))
-from robotino import LAW, ROWS, corrected, fitted, physical, rescaled, values  # noqa: E402
+from robotino import LAW, ROWS, fitted, physical, rescaled, values  # noqa: E402
 from robotino_campaign import Campaign  # noqa: E402
 from robotino_checks import currents, limits, turning  # noqa: E402
 
@@ -77,7 +77,7 @@ known = {}
 for name, labels in ROWS.items():
     found = fitted(campaign.slow, campaign.recipe, labels, seen, known)
     known |= values(found)
-    recipes[name] = corrected(campaign.recipe, found)
+    recipes[name] = campaign.recipe.with_effects(*found.effects)
 errors = {name: campaign.judged(recipe) for name, recipe in recipes.items()}
 for name, e in errors.items():
     held = e["held out"]
@@ -96,7 +96,7 @@ for name, e in errors.items():
 # %%
 everyone = np.arange(len(campaign.slow.names))
 found = fitted(campaign.slow, campaign.recipe, list(ROWS.values())[-1], everyone, known)
-recipe = corrected(campaign.recipe, found)
+recipe = campaign.recipe.with_effects(*found.effects)
 numbers = physical(campaign.recipe, found)
 for name, (value, low, high) in numbers.items():
     print(f"{name:62s}{value:8.3f}  ({low:.3f} … {high:.3f})")

@@ -40,8 +40,13 @@ def cross_validate(problem: Residuals, found: Fit) -> Array:
     xs = leave_one_out(found)
     if found.cost > _BENT**2 * np.count_nonzero(found.residual):
         xs = best_left_out(problem, found, [xs, *(leave_one_out(found, d) for d in _DAMPED)])
+    return each_by_its_own(problem, found, xs)
+
+
+def each_by_its_own(problem: Residuals, found: Fit, xs: Array) -> Array:
+    """Sum of squares (R,) of each trial of a fit, simulated with parameters of its own (R, P)."""
     effects = [build(found.structure, x) for x in xs]
-    out = problem.residuals(effects, [found.trials[i : i + 1] for i in range(count)])
+    out = problem.residuals(effects, [found.trials[i : i + 1] for i in range(len(xs))])
     return np.array([float(np.sum(r**2)) for r in out])
 
 

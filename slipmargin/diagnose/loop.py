@@ -19,13 +19,12 @@ from slipmargin.diagnose.prepare import clean, noise
 from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.ranges import ranges, variables_of
 from slipmargin.diagnose.search import FAR, Progress, Round, State
-from slipmargin.diagnose.selection import LONG_PIECE_S, needed, refitted, search, without
+from slipmargin.diagnose.selection import last_view, needed, refitted, search, without
 from slipmargin.diagnose.signals import Way
-from slipmargin.diagnose.turns import Recurrence, recurrences
-from slipmargin.diagnose.where import Dependence, dependences, residual_rate
-from slipmargin.effects import AnyEffect, Recipe
+from slipmargin.diagnose.turns import Recurrence, comes_round
+from slipmargin.diagnose.where import dependences
+from slipmargin.effects import AnyEffect
 from slipmargin.io.data_set import DataSet, WheelSignal
-from slipmargin.motions.odometry import wheel_angles
 from slipmargin.motions.record import Record
 
 #: With at least so many trials some are held out altogether; with fewer all are cross-validated.
@@ -85,7 +84,7 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
     state = needed(problem, state)
     progress("fitting all trials", 0.0)
     searched_in, problem = problem, problem.rebuilt(Way.FULL)
-    view = problem.in_pieces(LONG_PIECE_S) if state.chi > FAR else problem
+    view = last_view(problem, state)
     final = fit(view, state.structure, state.fit.x, everyone, iterations=_FINAL_STEPS)
     progress("weighing what was found", 0.0)
     useful = [without(searched_in, state, index).chi for index in range(len(state.structure))]
@@ -95,7 +94,9 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
     before, after = (_score(problem, judged, pose) for pose in (base_pose, after_pose))
     drawn_before, drawn_after = (problem.predict([e], [everyone])[0] for e in ((), state.fit.effects))
     events = _events(uncut, state.fit.effects)
-    turns = _turns(problem, drawn_after, seed)
+    rates_before, rates_after = (problem.residual_rates(p) for p in (drawn_before, drawn_after))
+    variables = [variables_of(t, problem.model(())) for t in trials]
+    turns = comes_round(problem, rates_after, seed)
     return Diagnosis(
         data_set=data_set.name,
         surface=data_set.surface,
@@ -108,8 +109,8 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
         after=after if found else before,
         findings=found,
         steps=tuple(_step(r) for r in rounds),
-        where=_where(problem, drawn_before, seed),
-        where_after=_where(problem, drawn_after, seed),
+        where=dependences(rates_before, variables, seed),
+        where_after=dependences(rates_after, variables, seed),
         turns=turns,
         excitation=_excitation(final),
         events=events,
@@ -126,7 +127,7 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
             for i, t in enumerate(trials)
         ),
         recipe=data_set.recipe,
-        corrected=_corrected(data_set, final.effects),
+        corrected=data_set.recipe.with_effects(*final.effects),
         remarks=_remarks(state, found, final, events, turns),
     )
 
@@ -148,13 +149,6 @@ def _held_out(count: int, seed: int) -> Index:
         return np.zeros(0, dtype=np.int64)
     many = max(2, round(_HELD_OUT_SHARE * count))
     return np.sort(np.random.default_rng(seed).choice(count, size=many, replace=False)).astype(np.int64)
-
-
-def _corrected(data_set: DataSet, effects: tuple[AnyEffect, ...]) -> Recipe:
-    recipe = data_set.recipe
-    for effect in effects:
-        recipe = recipe.with_effect(effect)
-    return recipe
 
 
 def _predictions(problem: Problem, state: State, judged: Index, cross_validated: bool) -> tuple[Array, Array]:
@@ -214,23 +208,6 @@ def _step(done: Round) -> Step:
     best = done.best
     taken = " + ".join(c.label for c in best.structure) if done.taken and best is not None else None
     return Step(chi_before=done.before.chi, tried=tuple(rows), taken=taken)
-
-
-def _rates(problem: Problem, predicted: Array) -> list[Array]:
-    return [
-        residual_rate(t.t_s, t.pose, p[: len(t.t_s)]) for t, p in zip(problem.trials, predicted, strict=True)
-    ]
-
-
-def _where(problem: Problem, predicted: Array, seed: int) -> tuple[Dependence, ...]:
-    model = problem.model(())
-    return dependences(_rates(problem, predicted), [variables_of(t, model) for t in problem.trials], seed)
-
-
-def _turns(problem: Problem, predicted: Array, seed: int) -> tuple[Recurrence, ...]:
-    angles = [wheel_angles(t.t_s, t.record.theta, t.record.omega) for t in problem.trials]
-    clocks = [t.t_s for t in problem.trials]
-    return recurrences(clocks, _rates(problem, predicted), angles, problem.nominal.contacts.names, seed)
 
 
 def _excitation(final: Fit) -> tuple[float, ...]:

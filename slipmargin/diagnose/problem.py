@@ -21,6 +21,7 @@ from slipmargin.checks import Array, Index
 from slipmargin.diagnose.prepare import Trial
 from slipmargin.diagnose.sense import is_ideal, measure
 from slipmargin.diagnose.signals import Way, rolling_twist, turned, wheel_signal
+from slipmargin.diagnose.where import residual_rate
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.effects.recipe import with_effects
 from slipmargin.errors import InputError
@@ -140,6 +141,12 @@ class Problem:
             return self.model(effects)
         except InputError:
             return None
+
+    def residual_rates(self, predicted: Array) -> list[Array]:
+        """Rate (T, 3) of measured − ``predicted`` (R, T, 3) of each trial, body frame [m/s, m/s, rad/s]."""
+        return [
+            residual_rate(t.t_s, t.pose, p[: len(t.t_s)]) for t, p in zip(self.trials, predicted, strict=True)
+        ]
 
     def rebuilt(self, way: Way) -> Problem:
         """The same problem with the wheels' motion rebuilt another way, and integrated finely."""

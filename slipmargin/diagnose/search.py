@@ -16,8 +16,8 @@ import numpy as np
 
 from slipmargin.checks import Array, Index
 from slipmargin.diagnose.candidate import Candidate
-from slipmargin.diagnose.fit import Fit, Residuals, build, evaluate, fit
-from slipmargin.diagnose.left_out import cross_validate, leave_one_out
+from slipmargin.diagnose.fit import Fit, Residuals, evaluate, fit
+from slipmargin.diagnose.left_out import cross_validate, each_by_its_own, leave_one_out
 from slipmargin.effects import Trace
 
 #: A suspect is as good as the best one if its chi is within this factor and offset.
@@ -112,17 +112,13 @@ def state_of(problem: Residuals, found: Fit, samples: float) -> State:
 
 def judged_by(problem: Residuals, found: Fit, samples: float) -> State:
     """A fit to another view of the same trials, with its scores on this one."""
-    alone = [found.trials[i : i + 1] for i in range(len(found.trials))]
-    sets = [found.effects, *(build(found.structure, x) for x in leave_one_out(found))]
-    inside, *outside = problem.residuals(sets, [found.trials, *alone])
-    return State(
-        fit=found,
-        scores=_scores(np.sum(inside**2, axis=1), np.array([float(np.sum(r**2)) for r in outside])),
-        samples=samples,
-    )
+    inside = np.sum(problem.residuals([found.effects], [found.trials])[0] ** 2, axis=1)
+    outside = each_by_its_own(problem, found, leave_one_out(found))
+    return State(fit=found, scores=_scores(inside, outside), samples=samples)
 
 
 def _scores(inside: Array, outside: Array) -> Array:
+    """(R,) shares of the geometric mean of two sums of squares, fitted with each trial and without it."""
     mean = np.sqrt(inside.sum() * outside.sum())
     share = np.sqrt(inside * outside)
     return np.asarray(mean * share / max(share.sum(), 1e-300))

@@ -51,7 +51,7 @@ MOST_EFFECTS = 4
 #: long enough that the camera's noise is small beside what a model lacks.
 PIECE_S, LONG_PIECE_S = 0.5, 2.0
 #: A fit to whole runs seldom takes more than this factor off the chi at which the pieces put them.
-_BENT = 3.0
+_WITHIN_REACH = 3.0
 
 
 def search(
@@ -149,20 +149,27 @@ def take_step(
 def _whole(problem: Problem, found: State) -> State:
     """A state found piece by piece, fitted to whole runs if these come near the noise; judged by them."""
     judged = judged_by(problem, found.fit, found.samples)
-    if judged.chi > _BENT * FAR:
+    if judged.chi > _WITHIN_REACH * FAR:
         return judged
     whole = state_of(problem, fit(problem, found.structure, found.fit.x, found.fit.trials), found.samples)
     return judged if whole.chi > FAR else whole
 
 
+def last_view(problem: Problem, found: State) -> Problem:
+    """How to compare in the last fits: in pieces where what is left is still far above the noise.
+
+    What a model lacks adds up along a run, so that a run that went astray early outweighs the others.
+    """
+    return problem.in_pieces(LONG_PIECE_S) if found.chi > FAR else problem
+
+
 def refitted(
     problem: Problem, before: State, structure: tuple[Candidate, ...], x: Array, trials: Index
 ) -> State:
-    """Another structure, or other trials, fitted as ``before`` was: in pieces where it is still far off."""
-    samples = problem.samples(trials)
-    if before.chi > FAR:
-        return judged_by(problem, fit(problem.in_pieces(LONG_PIECE_S), structure, x, trials), samples)
-    return state_of(problem, fit(problem, structure, x, trials), samples)
+    """Another structure, or other trials, fitted in the view ``before`` asks for, judged by whole runs."""
+    view, samples = last_view(problem, before), problem.samples(trials)
+    found = fit(view, structure, x, trials)
+    return state_of(problem, found, samples) if view is problem else judged_by(problem, found, samples)
 
 
 def worthwhile(before: State, chi: float, named: bool = True) -> bool:

@@ -18,7 +18,6 @@ from slipmargin.model.variables import Basis, Variable
 
 def actuation_forms(model: Model, r: Ranges) -> list[Candidate]:
     """Speed over command, all wheels alike or each by itself."""
-    size = 5
     shape = np.array([0.0, r.command_rad_s])
     everyone = np.ones(model.count)
 
@@ -45,24 +44,10 @@ def actuation_forms(model: Model, r: Ranges) -> list[Candidate]:
             for i, row in enumerate(np.eye(model.count))
         ]
 
-    wheels = model.count
+    forms = (("speed over command", 5, terms), ("speed of each wheel", model.count, by_wheel))
     return [
-        spread(
-            Trace.ACTUATION,
-            "speed over command",
-            Part.TRANSIENTS,
-            np.full(size, 0.05),
-            np.full(size, 0.95),
-            terms,
-        ),
-        spread(
-            Trace.ACTUATION,
-            "speed of each wheel",
-            Part.TRANSIENTS,
-            np.full(wheels, 0.05),
-            np.full(wheels, 0.95),
-            by_wheel,
-        ),
+        spread(Trace.ACTUATION, label, Part.TRANSIENTS, np.full(size, 0.05), np.full(size, 0.95), made)
+        for label, size, made in forms
     ]
 
 

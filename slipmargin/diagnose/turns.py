@@ -2,8 +2,10 @@
 
 Many encoders begin at 0 in every run, so that nobody knows where a wheel stood.  A residual that
 comes round with the wheel shows all the same: each trial is compared with cos nθ and sin nθ in a phase of
-its own.  Chance is judged by the same trials at counts between the whole numbers, where nothing that
-is fixed to a wheel can repeat, and which keep whatever else the residual follows.
+its own.  Chance is judged by the same trials at counts half-way between the whole numbers, where nothing
+that is fixed to a wheel can repeat: if nothing comes round, a trial's power at a whole count is a draw like
+that at any of the half counts near it.  Trials in which the wheel turns at one pace share one draw, since
+what repeats in time comes at the same count in all of them; so it takes three paces to name anything.
 """
 
 from __future__ import annotations
@@ -16,6 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array, Index
+from slipmargin.diagnose.problem import Problem
+from slipmargin.motions.odometry import wheel_angles
 
 #: Counts a turn that are looked at: 1, 2, … up to this.
 _MOST = 24
@@ -56,6 +60,13 @@ class Recurrence:
             f"What is left comes round {often} a turn of wheel{plural} {', '.join(self.wheels)} "
             f"(by chance: p ≤ {self.p_value:.3f}), as {like}."
         )
+
+
+def comes_round(problem: Problem, rates: Sequence[Array], seed: int) -> tuple[Recurrence, ...]:
+    """:func:`recurrences` of what is left of a problem's trials, ``rates`` as it gives them."""
+    trials = problem.trials
+    angles = [wheel_angles(t.t_s, t.record.theta, t.record.omega) for t in trials]
+    return recurrences([t.t_s for t in trials], rates, angles, problem.nominal.contacts.names, seed)
 
 
 def recurrences(

@@ -8,7 +8,7 @@ variable in time within each trial, which keeps both correlations in time.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -56,15 +56,15 @@ def residual_rate(t_s: Array, measured: Array, predicted: Array) -> Array:
 
 
 def dependences(
-    rates: list[Array], variables: list[Mapping[str, Array]], seed: int
+    rates: Sequence[Array], variables: Sequence[Mapping[str, Array]], seed: int
 ) -> tuple[Dependence, ...]:
     """The correlation ratio of every variable with every channel, strongest first.
 
     Parameters
     ----------
-    rates : list of arrays (T, 3)
+    rates : sequence of arrays (T, 3)
         Residual rate of each trial.
-    variables : list of mappings name → array (T,)
+    variables : sequence of mappings name → array (T,)
         The variables of each trial.
     seed : int
         Seed of the shifts.

@@ -23,9 +23,9 @@ class Recipe:
     robot: Robot
     effects: tuple[AnyEffect, ...] = ()
 
-    def with_effect(self, effect: AnyEffect) -> Recipe:
-        """The same recipe with one more effect."""
-        return replace(self, effects=(*self.effects, effect))
+    def with_effects(self, *effects: AnyEffect) -> Recipe:
+        """The same recipe with more effects."""
+        return replace(self, effects=(*self.effects, *effects))
 
     def build(self, surface: str) -> Model:
         """The model of this machine on ``surface``: nominal, then each effect in turn."""

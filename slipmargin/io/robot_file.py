@@ -264,7 +264,7 @@ def _check_builds(recipe: Recipe, surface: str) -> None:
     kept = Recipe(robot=recipe.robot)
     kept.build(surface)
     for i, effect in enumerate(recipe.effects, 1):
-        kept = kept.with_effect(effect)
+        kept = kept.with_effects(effect)
         try:
             kept.build(surface)
         except InputError as fault:

@@ -28,7 +28,7 @@ def believed() -> Recipe:
 @pytest.fixture(scope="module")
 def corrected(believed: Recipe) -> Recipe:
     shift = np.array([0.0, 0.012, *[0.0] * (len(WheelLoads.parameters) - 2)])
-    return believed.with_effect(WheelLoads.of(shift))
+    return believed.with_effects(WheelLoads.of(shift))
 
 
 def test_known_angles_tell_the_contact_state(believed: Recipe) -> None:

@@ -233,7 +233,7 @@ def test_a_recipe_with_effects_is_kept(tmp_path: Path) -> None:
     from slipmargin.effects.camera_scale import CameraScale
 
     given = data_set()
-    given = replace(given, recipe=given.recipe.with_effect(CameraScale(scale_x=0.9, scale_y=0.91)))
+    given = replace(given, recipe=given.recipe.with_effects(CameraScale(scale_x=0.9, scale_y=0.91)))
     write_data_set(tmp_path / "s", given)
     (effect,) = read_data_set(tmp_path / "s").recipe.effects
     assert (effect.name, effect.scale_y) == ("camera_scale", 0.91)  # type: ignore[union-attr]

@@ -233,10 +233,10 @@ def test_losses_come_off_the_limit() -> None:
     plain, heading = recipe.build("paper"), np.zeros(1)
     motion = Motion(velocity=X, saturated=True, heading=heading)
     free = acceleration_limit(plain, motion, X).value[0]
-    slow = recipe.with_effect(RollingResistance(coefficient=0.01)).build("paper")
+    slow = recipe.with_effects(RollingResistance(coefficient=0.01)).build("paper")
     resisting = 0.01 * GRAVITY_M_S2 * 2.0 / np.pi * np.arctan(1.0 / 1e-3) / np.sqrt(1.0 + 1e-6)
     assert acceleration_limit(slow, motion, X).value[0] == pytest.approx(free - resisting, rel=1e-9)
-    hill = recipe.with_effect(FloorTilt(tilt_x_rad=-0.02, tilt_y_rad=0.0)).build("paper")
+    hill = recipe.with_effects(FloorTilt(tilt_x_rad=-0.02, tilt_y_rad=0.0)).build("paper")
     uphill = acceleration_limit(hill, motion, X).value[0]
     assert uphill == pytest.approx(free - 0.02 * GRAVITY_M_S2, rel=1e-9)
     unknown = acceleration_limit(hill, Motion(velocity=X, saturated=True), X).value[0]
