@@ -56,9 +56,14 @@ def naive(model: Model, phi_rad: float) -> float:
     push, slide, force = cp.Variable(model.count), cp.Variable(model.count), cp.Variable()
     pull = np.array([np.cos(phi_rad), -np.sin(phi_rad), 0.0])
     load = model.loads.rest_N / model.inertia.weight_N
-    problem = cp.Problem(cp.Maximize(force), [
-        along @ push + across @ slide + force * pull == 0.0,
-        cp.abs(push) <= model.grip.roller[:, 0] * load, cp.abs(slide) <= model.grip.roller[:, 1] * load])
+    problem = cp.Problem(
+        cp.Maximize(force),
+        [
+            along @ push + across @ slide + force * pull == 0.0,
+            cp.abs(push) <= model.grip.roller[:, 0] * load,
+            cp.abs(slide) <= model.grip.roller[:, 1] * load,
+        ],
+    )
     problem.solve(solver="CLARABEL")
     return float(force.value)
 
@@ -85,24 +90,34 @@ def measure(repeats: int = 15, points: int = 40) -> dict[str, float]:
         each.append(time.perf_counter() - start)
         gap = max(gap, abs(value / force[d, m] - 1.0))
     total = statistics.median(each) * force.size
-    return {"points": float(force.size), "study_median_s": statistics.median(times),
-            "study_best_s": min(times),
-            "every_static_column_median_s": statistics.median(all_times),
-            "naive_point_median_s": statistics.median(each), "naive_extrapolated_s": total,
-            "ratio": total / statistics.median(times), "worst_disagreement": gap}
+    return {
+        "points": float(force.size),
+        "study_median_s": statistics.median(times),
+        "study_best_s": min(times),
+        "every_static_column_median_s": statistics.median(all_times),
+        "naive_point_median_s": statistics.median(each),
+        "naive_extrapolated_s": total,
+        "ratio": total / statistics.median(times),
+        "worst_disagreement": gap,
+    }
 
 
 def main() -> None:
     """Print the table; write JSON where a file is named."""
     found = measure()
     print(f"δ 0–60° in 0.5° steps × 721 headings × 2 surfaces: {found['points']:.0f} limits")
-    print(f"  one array                {found['study_median_s']:9.4f} s median, "
-          f"{found['study_best_s']:.4f} s best   promised {PROMISED_S:g} s")
+    print(
+        f"  one array                {found['study_median_s']:9.4f} s median, "
+        f"{found['study_best_s']:.4f} s best   promised {PROMISED_S:g} s"
+    )
     print(f"  every static column      {found['every_static_column_median_s']:9.4f} s median")
-    print(f"  cvxpy, point by point    {found['naive_extrapolated_s'] / 60.0:9.1f} min, extrapolated from "
-          f"{1e3 * found['naive_point_median_s']:.2f} ms each")
-    print(f"  ratio {found['ratio']:.0f}; largest disagreement on the sample "
-          f"{found['worst_disagreement']:.1e}")
+    print(
+        f"  cvxpy, point by point    {found['naive_extrapolated_s'] / 60.0:9.1f} min, extrapolated from "
+        f"{1e3 * found['naive_point_median_s']:.2f} ms each"
+    )
+    print(
+        f"  ratio {found['ratio']:.0f}; largest disagreement on the sample {found['worst_disagreement']:.1e}"
+    )
     if len(sys.argv) > 1:
         Path(sys.argv[1]).write_text(json_text(found), encoding="utf-8")
 

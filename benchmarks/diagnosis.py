@@ -26,11 +26,12 @@ from inventions import plants
 from kept import Keeper, collected
 from planting import Plant, commanded, planted, smooth_kiwi
 
+from slipmargin.data.data_set import DataSet
 from slipmargin.diagnose.diagnosis import Diagnosis
 from slipmargin.diagnose.loop import diagnose
 from slipmargin.effects import Effect
 from slipmargin.effects.catalogue import CATALOGUE, effect_class
-from slipmargin.io.data_set import DataSet, read_data_set
+from slipmargin.io.data_set import read_data_set
 
 #: Typical sizes of the catalogue's effects: (parameter, smallest, largest, either sign).
 SIZES: dict[str, tuple[tuple[str, float, float, bool], ...]] = {

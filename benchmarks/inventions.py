@@ -13,8 +13,8 @@ from planting import Plant
 
 from slipmargin.checks import Array
 from slipmargin.effects import GeneralEffect, Part, Trace
-from slipmargin.model.terms import ForceTerm, Modulation, PoseShift
-from slipmargin.model.variables import Basis, Frame, Target, Variable
+from slipmargin.physics.terms import ForceTerm, Multiplier, PoseShift
+from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.robot import LoadRule
 
 _KNOTS = 41
@@ -38,7 +38,7 @@ def friction(
 ) -> GeneralEffect:
     """Friction times 1 + f(variable)."""
     basis, shape, coefficients = curve(f, low, high)
-    term = Modulation(
+    term = Multiplier(
         variable=variable,
         basis=basis,
         shape=shape,
@@ -86,7 +86,7 @@ def wave(
     wheels: tuple[float, ...] = (1.0, 1.0, 1.0),
 ) -> GeneralEffect:
     """Friction times 1 + a Fourier series over an angle."""
-    term = Modulation(
+    term = Multiplier(
         variable=variable,
         basis=Basis.FOURIER,
         shape=np.array([period, 0.0]),

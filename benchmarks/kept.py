@@ -1,7 +1,7 @@
 """Rows that are kept as soon as they are known: a benchmark that was stopped goes on from there.
 
-    --json FILE     keep the rows there; what it holds already is not done again
-    --part 1/2      every other job, for two processes
+--json FILE     keep the rows there; what it holds already is not done again
+--part 1/2      every other job, for two processes
 """
 
 from __future__ import annotations

@@ -22,8 +22,8 @@ from slipmargin.model import Model, nominal_model
 from slipmargin.paths.path import Path, through
 from slipmargin.paths.plan import Request, plan
 from slipmargin.paths.sample import at_use, trajectory
+from slipmargin.paths.verify import GROSS, verify
 from slipmargin.robot import Body, Coefficients, LoadRule, Robot, Surface, Wheel
-from slipmargin.study.verify import GROSS, verify
 
 #: How long a sped-up motion has to ask for 105 % of a wheel's grip [s].
 HOLD_S = 0.5
@@ -39,9 +39,16 @@ def drawn_robot(rng: np.random.Generator, wheels: int) -> Model:
         mecanum = wheels % 2 == 0 and rng.random() < 0.5
         turn = np.where(np.arange(wheels) % 2 == 0, 45.0, -45.0) if mecanum else np.zeros(wheels)
         aim = np.full(wheels, 90.0) if mecanum else np.rad2deg(at) + 90.0 + rng.uniform(-25.0, 25.0, wheels)
-        parts = tuple(Wheel(name=f"w{i + 1}", position_m=size * np.array([np.cos(a), np.sin(a)]),
-                            drive_direction_deg=float(d), radius_m=0.04, roller_angle_deg=float(r))
-                      for i, (a, d, r) in enumerate(zip(at, aim, turn, strict=True)))
+        parts = tuple(
+            Wheel(
+                name=f"w{i + 1}",
+                position_m=size * np.array([np.cos(a), np.sin(a)]),
+                drive_direction_deg=float(d),
+                radius_m=0.04,
+                roller_angle_deg=float(r),
+            )
+            for i, (a, d, r) in enumerate(zip(at, aim, turn, strict=True))
+        )
         mass, drive = rng.uniform(2.0, 40.0), rng.uniform(0.2, 0.8)
         floor = Surface(
             name="floor",
@@ -98,29 +105,47 @@ def proof(seed: int, k: int) -> dict[str, Any]:
     first = int(np.argmax(np.max(wild.share, axis=1) > (GROSS if wild.slips else LOST)))
     slipping = int(np.argmax(wild.share[first]))
     near = (fast.t_s <= wild.t_s[first]) & (fast.t_s > wild.t_s[first] - 3.0 * HOLD_S)
-    return {"wheels": wheels, "share": share, "refused": refused, "duration_s": found.duration_s,
-            "over": found.max_use / share - 1.0, "excess": calm.peak - share, "passes": found.passes,
-            "sped_up_s": fast.duration_s, "sped_up_share": wild.peak, "lost": wild.peak > LOST,
-            "gross": wild.slips, "at_named_wheel": bool(np.max(fast.use[near, slipping]) > 1.0)}
+    return {
+        "wheels": wheels,
+        "share": share,
+        "refused": refused,
+        "duration_s": found.duration_s,
+        "over": found.max_use / share - 1.0,
+        "excess": calm.peak - share,
+        "passes": found.passes,
+        "sped_up_s": fast.duration_s,
+        "sped_up_share": wild.peak,
+        "lost": wild.peak > LOST,
+        "gross": wild.slips,
+        "at_named_wheel": bool(np.max(fast.use[near, slipping]) > 1.0),
+    }
 
 
 def shown(seed: int, k: int) -> dict[str, Any]:
     """A robot's row, printed."""
     row = proof(seed, k)
     word = "slips grossly" if row["gross"] else "slips" if row["lost"] else "holds"
-    print(f"{k:4d}  {row['wheels']} wheels  λ {row['share']:.3f}  use over λ {row['over']:+.1e}  simulated "
-          f"{row['excess']:+.4f}  at 105 %: {word} ({row['sped_up_share']:.4f})", flush=True)
+    print(
+        f"{k:4d}  {row['wheels']} wheels  λ {row['share']:.3f}  use over λ {row['over']:+.1e}  simulated "
+        f"{row['excess']:+.4f}  at 105 %: {word} ({row['sped_up_share']:.4f})",
+        flush=True,
+    )
     return row
 
 
 def summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
     """What the rows come to."""
     lost = [r for r in rows if r["lost"]]
-    return {"robots": len(rows), "refused": sum(r["refused"] for r in rows),
-            "worst_over": max(r["over"] for r in rows), "worst_excess": max(r["excess"] for r in rows),
-            "excess_above_0.02": sum(r["excess"] > 0.02 for r in rows), "sped_up_slips": len(lost),
-            "sped_up_slips_grossly": sum(r["gross"] for r in rows),
-            "at_named_wheel": sum(r["at_named_wheel"] for r in lost)}
+    return {
+        "robots": len(rows),
+        "refused": sum(r["refused"] for r in rows),
+        "worst_over": max(r["over"] for r in rows),
+        "worst_excess": max(r["excess"] for r in rows),
+        "excess_above_0.02": sum(r["excess"] > 0.02 for r in rows),
+        "sped_up_slips": len(lost),
+        "sped_up_slips_grossly": sum(r["gross"] for r in rows),
+        "at_named_wheel": sum(r["at_named_wheel"] for r in lost),
+    }
 
 
 def main(words: list[str]) -> None:

@@ -28,7 +28,7 @@ from slipmargin.paths.geometry import Geometry
 from slipmargin.paths.grid import Grid, grid_of
 from slipmargin.paths.path import Path, corners, through
 from slipmargin.paths.plan import Plan, Request, duration, plan
-from slipmargin.study.verify import on_rollers
+from slipmargin.paths.verify import on_rollers
 
 
 def benchmark_paths() -> dict[str, Path]:
@@ -54,17 +54,36 @@ def facet_rows(way: Path, grid: Grid, count: int = 22, seed: int = 0) -> Rows:
     normals = np.random.default_rng(seed).normal(size=(count // 2, 3))
     normals = np.vstack([normals, -normals]) / np.tile(np.linalg.norm(normals, axis=1), 2)[:, None]
     jets = [way.at(s, grid.piece) for s in (grid.s[:-1], grid.s[1:])]
-    return Rows(a=np.stack([j[1] @ normals.T for j in jets]), b=np.stack([j[2] @ normals.T for j in jets]),
-                c=np.ones((2, len(grid.step), count)), cap=np.full(len(grid.s), np.inf),
-                names=("facet",) * count, wheels=np.ones((count, 1), dtype=bool))
+    return Rows(
+        a=np.stack([j[1] @ normals.T for j in jets]),
+        b=np.stack([j[2] @ normals.T for j in jets]),
+        c=np.ones((2, len(grid.step), count)),
+        cap=np.full(len(grid.s), np.inf),
+        names=("facet",) * count,
+        wheels=np.ones((count, 1), dtype=bool),
+    )
 
 
 def solve(rows: Rows, step: Any) -> tuple[Any, Any]:
     """One backward and forward pass from rest to rest."""
     n = len(step)
     x, u, highest, binding = np.zeros(n + 1), np.zeros(n), np.zeros(n + 1), np.zeros(n, dtype=np.int64)
-    status = core.profile(step, rows.a[0], rows.b[0], rows.c[0], rows.a[1], rows.b[1], rows.c[1], rows.cap,
-                          0.0, 0.0, x, u, highest, binding)
+    status = core.profile(
+        step,
+        rows.a[0],
+        rows.b[0],
+        rows.c[0],
+        rows.a[1],
+        rows.b[1],
+        rows.c[1],
+        rows.cap,
+        0.0,
+        0.0,
+        x,
+        u,
+        highest,
+        binding,
+    )
     assert status[0] == core.OK, status
     return x, u
 
@@ -86,17 +105,22 @@ def speed() -> dict[str, Any]:
     s = np.linspace(0.0, way.length, 1001)
     grid = Grid(s=s, piece=np.zeros(1000, dtype=np.int64))
     rows, model, around = facet_rows(way, grid), kiwi(), headings(1.0)
-    out: dict[str, Any] = {"profile_1000x22_ms": clock(lambda: solve(rows, grid.step), 30),
-                           "bounds_360_ms": clock(lambda: directions(model, around), 30),
-                           "whole_plan_ms": clock(lambda: plan(model, way, Request(points=400)), 3)}
+    out: dict[str, Any] = {
+        "profile_1000x22_ms": clock(lambda: solve(rows, grid.step), 30),
+        "bounds_360_ms": clock(lambda: directions(model, around), 30),
+        "whole_plan_ms": clock(lambda: plan(model, way, Request(points=400)), 3),
+    }
     mine = duration(grid.step, solve(rows, grid.step)[0])
     out["cvxpy_ms"] = clock(lambda: convex_profile(grid.step, rows), 1)
     out["cvxpy_duration_ratio"] = convex_profile(grid.step, rows).duration_s / mine
     with_toppra = toppra_run(way, s, 22)
     if with_toppra is not None:
-        out |= {"toppra_ms": with_toppra["ms"], "toppra_duration_ratio": with_toppra["duration_s"] / mine,
-                "toppra_default_worst_use": with_toppra["worst_use"],
-                "own_worst_use_before_tightening": worst_between(way, grid, solve(rows, grid.step))}
+        out |= {
+            "toppra_ms": with_toppra["ms"],
+            "toppra_duration_ratio": with_toppra["duration_s"] / mine,
+            "toppra_default_worst_use": with_toppra["worst_use"],
+            "own_worst_use_before_tightening": worst_between(way, grid, solve(rows, grid.step)),
+        }
     return out
 
 
@@ -128,16 +152,20 @@ def toppra_run(way: Path, s: Any, count: int) -> dict[str, float] | None:
     made: list[Any] = []
 
     def go() -> None:
-        run = ta.algorithm.TOPPRA([limit], spline, gridpoints=s, solver_wrapper="seidel",
-                                  parametrizer="ParametrizeSpline")
+        run = ta.algorithm.TOPPRA(
+            [limit], spline, gridpoints=s, solver_wrapper="seidel", parametrizer="ParametrizeSpline"
+        )
         made.append(run.compute_trajectory(0.0, 0.0))
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         spent = clock(go, 3)
     times = np.linspace(0.0, made[-1].duration, 20 * len(s))
-    return {"ms": spent, "duration_s": float(made[-1].duration),
-            "worst_use": float(np.max(made[-1](times, 2) @ normals.T))}
+    return {
+        "ms": spent,
+        "duration_s": float(made[-1].duration),
+        "worst_use": float(np.max(made[-1](times, 2) @ normals.T)),
+    }
 
 
 def box_rows(model: Model, way: Path, grid: Grid, half: Any) -> Rows:
@@ -175,14 +203,30 @@ def gains(share: float = 0.9) -> dict[str, Any]:
                 bend=np.swapaxes(shape.bend, 0, 1),
             ),
         )
-        circle = convex_profile(grid.step, free, ellipsoids=Ellipsoids(
-            Q=np.diag([1.0, 1.0, 0.0]) / sets.circle_m_s2, push=np.swapaxes(shape.push, 0, 1),
-            bend=np.swapaxes(shape.bend, 0, 1))) if name != "turn while translating" else round_
+        circle = (
+            convex_profile(
+                grid.step,
+                free,
+                ellipsoids=Ellipsoids(
+                    Q=np.diag([1.0, 1.0, 0.0]) / sets.circle_m_s2,
+                    push=np.swapaxes(shape.push, 0, 1),
+                    bend=np.swapaxes(shape.bend, 0, 1),
+                ),
+            )
+            if name != "turn while translating"
+            else round_
+        )
         same = convex_profile(grid.step, own.rows)
         best = min(box, round_.duration_s, circle.duration_s)
-        out[name] = {"own_s": own.duration_s, "box_s": box, "ellipsoid_s": round_.duration_s,
-                     "circle_s": circle.duration_s, "gain_over_best": best / own.duration_s - 1.0,
-                     "convex_ratio": same.duration_s / own.duration_s, "max_use": own.max_use}
+        out[name] = {
+            "own_s": own.duration_s,
+            "box_s": box,
+            "ellipsoid_s": round_.duration_s,
+            "circle_s": circle.duration_s,
+            "gain_over_best": best / own.duration_s - 1.0,
+            "convex_ratio": same.duration_s / own.duration_s,
+            "max_use": own.max_use,
+        }
     return out
 
 

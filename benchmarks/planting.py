@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.data.data_set import DataSet, WheelSignal
+from slipmargin.data.record import Record
 from slipmargin.diagnose.sense import measure
 from slipmargin.effects import AnyEffect, Recipe, Trace
 from slipmargin.effects.recipe import with_effects
-from slipmargin.io.data_set import DataSet, WheelSignal
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.model import nominal_model
-from slipmargin.motions.record import Record
 from slipmargin.robot import LoadRule, Robot
 from slipmargin.sim.batch import Batch
 from slipmargin.sim.pack import pack
@@ -50,7 +50,7 @@ def manoeuvres(
     """Commanded wheel speeds (T, N) of drawn starts, stops, turns and sweeps; some make wheels slip."""
     t = np.arange(0.0, duration_s + 0.5 / rate_hz, 1.0 / rate_hz)
     model = nominal_model(robot, robot.surfaces[0].name)
-    arm, grip, c = model.contacts.position_m, model.contacts.grip, model.contacts
+    arm, grip, c = model.geometry.position_m, model.geometry.grip, model.geometry
     rows = np.column_stack([grip, arm[:, 0] * grip[:, 1] - arm[:, 1] * grip[:, 0]])
     along = c.radius_m * np.sum(c.drive * grip, axis=1)
     reach = float(np.mean(np.hypot(*arm.T)))
@@ -136,7 +136,7 @@ def _data_set(
     pose = batch.run(pack(model), start, rtol=1e-8).pose
     records = []
     for k, (run, log) in enumerate(zip(pose, logs, strict=True)):
-        seen = measure(model.sensing, t, run) + SIGMA * random.standard_normal((len(t), 3))
+        seen = measure(model.measurement, t, run) + SIGMA * random.standard_normal((len(t), 3))
         records.append(Record(name=f"trial{k:02d}", t_s=t, pose=seen, **log))
     return DataSet(
         name="planted",

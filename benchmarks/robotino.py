@@ -28,6 +28,7 @@ from robotino_checks import currents, floor, limits, standing, turning
 from scipy.optimize import minimize_scalar
 
 from slipmargin.checks import Index
+from slipmargin.data.data_set import DataSet, WheelSignal
 from slipmargin.diagnose.candidate import named_candidates
 from slipmargin.diagnose.diagnosis import Diagnosis
 from slipmargin.diagnose.evidence import intervals
@@ -40,7 +41,6 @@ from slipmargin.diagnose.selection import LONG_PIECE_S
 from slipmargin.effects import Recipe
 from slipmargin.effects.camera_scale import CameraScale
 from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
-from slipmargin.io.data_set import DataSet, WheelSignal
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.io.writes import write_text
 
@@ -75,7 +75,7 @@ def fitted(runs: Runs, recipe: Recipe, labels: tuple[str, ...], which: Index, st
     records = tuple(runs.trials[i] for i in which)
     sigma = noise(records)
     problem = Problem.of(recipe, "gray", tuple(clean(r, sigma) for r in records), sigma, False)
-    suspects = {c.label: c for c in named_candidates(problem.nominal.contacts.names, False, ())}
+    suspects = {c.label: c for c in named_candidates(problem.nominal.geometry.names, False, ())}
     structure = tuple(suspects[label] for label in labels)
     first = [
         start.get(f"{c.name}.{k}", s) for c in structure for k, s in zip(c.keys, c.starts[0], strict=True)
@@ -108,7 +108,7 @@ def physical(recipe: Recipe, found: Fit) -> dict[str, tuple[float, float, float]
     nominal = recipe.build("gray")
     told = {
         f"load on wheel {name} [kg]": (float(v), float(v - h), float(v + h))
-        for name, v, h in zip(nominal.contacts.names, loads(found.x), half, strict=True)
+        for name, v, h in zip(nominal.geometry.names, loads(found.x), half, strict=True)
     }
     ratio = float(nominal.grip.roller[0, 1] / nominal.grip.roller[0, 0])
     scales = {

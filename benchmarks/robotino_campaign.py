@@ -13,6 +13,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from slipmargin.data.odometry import body_path
+from slipmargin.data.record import Record
 from slipmargin.diagnose.calibration import Calibration, calibrate
 from slipmargin.diagnose.prepare import clean
 from slipmargin.diagnose.sense import measure
@@ -21,8 +23,6 @@ from slipmargin.effects import Recipe
 from slipmargin.io.importers.plug import import_files
 from slipmargin.io.importers.robotino import RobotinoImporter
 from slipmargin.io.robot_file import read_recipe
-from slipmargin.motions.odometry import body_path
-from slipmargin.motions.record import Record
 from slipmargin.sim.batch import Batch, Outcome
 from slipmargin.sim.pack import pack, stack
 
@@ -76,7 +76,7 @@ class Runs:
         found = np.empty((len(run), 3))
         for row, r in enumerate(run):
             clock = self.trials[r].t_s
-            pose = measure(models[row // len(own)].sensing, clock, outcome.pose[row, : len(clock)])
+            pose = measure(models[row // len(own)].measurement, clock, outcome.pose[row, : len(clock)])
             found[row] = body_path(pose)[-1] - self.went[r]
             found[row, :2] /= self.distance[r]
         return found.reshape(len(models), len(own), 3)
@@ -112,7 +112,7 @@ class Campaign:
             return import_files(RobotinoImporter(), sorted((folder / name).glob("*.csv"))).records
 
         recipe = read_recipe("robotino")
-        found = calibrate(records("table_0.1"), recipe.build("table").contacts)
+        found = calibrate(records("table_0.1"), recipe.build("table").geometry)
         slow, fast = (
             Runs.of(tuple(found.level(r) for r in records(name))) for name in ("gray_0.1", "gray_0.2")
         )

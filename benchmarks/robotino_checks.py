@@ -25,8 +25,8 @@ def currents(groups: list[Runs], recipe: Recipe) -> dict[str, float]:
     runs in which it turns; b says what the drive coefficient is in truth, but for losses of the gear.
     """
     model = recipe.build("gray")
-    weight, radius = model.inertia.weight_N, model.contacts.radius_m
-    rows: list[list[tuple[float, float, float]]] = [[] for _ in model.contacts.names]
+    weight, radius = model.inertia.weight_N, model.geometry.radius_m
+    rows: list[list[tuple[float, float, float]]] = [[] for _ in model.geometry.names]
     for runs in groups:
         force = runs.batch.run(pack(model), runs.starts, tell=True, rtol=1e-4).force
         assert force is not None
@@ -44,7 +44,7 @@ def currents(groups: list[Runs], recipe: Recipe) -> dict[str, float]:
                     )
                 )
     told: dict[str, float] = {}
-    for name, row in zip(model.contacts.names, rows, strict=True):
+    for name, row in zip(model.geometry.names, rows, strict=True):
         load, speed, ampere = np.array(row).T
         line = np.column_stack([np.ones(len(load)), load, speed])
         a, b, c = np.linalg.lstsq(line, ampere, rcond=None)[0]

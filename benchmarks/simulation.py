@@ -16,15 +16,15 @@ from typing import Any
 
 import numpy as np
 
+from slipmargin.paper.published import DURATION_S, FOUND, command, paper_model, spread, wheel_rates
 from slipmargin.sim.batch import Batch
 from slipmargin.sim.pack import pack
-from slipmargin.sim.published import DURATION_S, FOUND, command, paper_model, spread, wheel_rates
 from slipmargin.sim.signal import hermite
 
 _FIRST = """
 import time; t = time.perf_counter()
 import numpy as np
-from slipmargin.sim.published import straight_line
+from slipmargin.paper.published import straight_line
 straight_line("paper", improved=True, samples=10)
 print(time.perf_counter() - t)
 """
@@ -95,7 +95,7 @@ def lsoda_compiled(times: np.ndarray, longest_s: float) -> tuple[float, np.ndarr
 
 def _constants() -> tuple[np.ndarray, ...]:
     model = paper_model("paper", improved=True)
-    c, g = model.contacts, model.grip
+    c, g = model.geometry, model.grip
     return c.position_m, c.grip, c.free, wheel_rates(), FOUND.angles_rad, g.roller, g.rigid
 
 
@@ -169,7 +169,7 @@ def mujoco_case() -> dict[str, float]:
         return {}
     feet = "".join(
         f'<geom type="sphere" size="0.005" pos="{x} {y} -0.045"/>'
-        for x, y in paper_model("paper", improved=False).contacts.position_m
+        for x, y in paper_model("paper", improved=False).geometry.position_m
     )
     world = mujoco.MjModel.from_xml_string(
         f'<mujoco><option timestep="0.001" cone="elliptic"/><worldbody><geom type="plane" size="9 9 1"/>'

@@ -30,8 +30,10 @@ from slipmargin.sets.zonotope import Zonotope
 HEADINGS = np.linspace(0.0, 2.0 * np.pi, 721)
 #: What was promised: name -> (value, unit).
 PROMISED = {
-    "facets, from the model": (1000.0, "µs a sweep"), "cvxpy, one block problem": (120.0, "µs a heading"),
-    "Clarabel, updated": (70.0, "µs a heading"), "zonotope, 20 generators": (2.0, "ms"),
+    "facets, from the model": (1000.0, "µs a sweep"),
+    "cvxpy, one block problem": (120.0, "µs a heading"),
+    "Clarabel, updated": (70.0, "µs a heading"),
+    "zonotope, 20 generators": (2.0, "ms"),
     "121 wheel angles × 721 headings": (50.0, "ms"),
 }
 
@@ -39,14 +41,24 @@ PROMISED = {
 def robot(delta_deg: float = 15.0) -> Robot:
     """The paper's robot (theory section 1) on its paper surface."""
     axle = np.deg2rad([delta_deg, 180.0 - delta_deg, -90.0])
-    wheels = tuple(Wheel(name=str(i + 1), position_m=0.095 * np.array([np.cos(a), np.sin(a)]),
-                         radius_m=0.0254, drive_direction_deg=float(np.rad2deg(a)) + 90.0,
-                         rigid_fraction=0.1)
-                   for i, a in enumerate(axle))
-    paper = Surface(name="paper", roller=Coefficients(drive=0.26, transverse=0.09),
-                    rigid=Coefficients(drive=0.47, transverse=0.47))
-    return Robot(name="paper robot", body=Body(mass_kg=3.0, inertia_kg_m2=0.027), wheels=wheels,
-                 surfaces=(paper,))
+    wheels = tuple(
+        Wheel(
+            name=str(i + 1),
+            position_m=0.095 * np.array([np.cos(a), np.sin(a)]),
+            radius_m=0.0254,
+            drive_direction_deg=float(np.rad2deg(a)) + 90.0,
+            rigid_fraction=0.1,
+        )
+        for i, a in enumerate(axle)
+    )
+    paper = Surface(
+        name="paper",
+        roller=Coefficients(drive=0.26, transverse=0.09),
+        rigid=Coefficients(drive=0.47, transverse=0.47),
+    )
+    return Robot(
+        name="paper robot", body=Body(mass_kg=3.0, inertia_kg_m2=0.027), wheels=wheels, surfaces=(paper,)
+    )
 
 
 def median_s(run: Callable[[], object], repeats: int) -> float:
@@ -100,8 +112,14 @@ def scipy_highs(b: np.ndarray, limits: np.ndarray, rays: np.ndarray) -> np.ndarr
 
     cost = np.append(np.zeros(len(limits)), -1.0)
     bounds = [(-m, m) for m in limits] + [(0.0, None)]
-    return np.array([-linprog(cost, A_eq=np.column_stack([b, -ray]), b_eq=np.zeros(3), bounds=bounds,
-                              method="highs").fun for ray in rays])
+    return np.array(
+        [
+            -linprog(
+                cost, A_eq=np.column_stack([b, -ray]), b_eq=np.zeros(3), bounds=bounds, method="highs"
+            ).fun
+            for ray in rays
+        ]
+    )
 
 
 def sweeps(quick: bool) -> dict[str, dict[str, float]]:
@@ -141,8 +159,11 @@ def sweeps(quick: bool) -> dict[str, dict[str, float]]:
     for name, (run, part, repeats) in roads.items():
         seconds = median_s(run, repeats)
         off = float(np.max(np.abs(run() / reference[part] - 1.0)))
-        out[name] = {"us_per_heading": 1e6 * seconds / len(reference[part]), "us_per_sweep": 1e6 * seconds
-                     * len(reference) / len(reference[part]), "worst_relative_difference": off}
+        out[name] = {
+            "us_per_heading": 1e6 * seconds / len(reference[part]),
+            "us_per_sweep": 1e6 * seconds * len(reference) / len(reference[part]),
+            "worst_relative_difference": off,
+        }
     slowest = out["cvxpy, new problem each"]["us_per_heading"]
     for row in out.values():
         row["times_faster_than_naive"] = slowest / row["us_per_heading"]
@@ -165,11 +186,15 @@ def zonotopes(quick: bool) -> dict[str, dict[str, float]]:
 
         top = np.ones(n)
         out[f"pycapacity hyper-plane shifting (facets only), {n}"] = {
-            "ms": 1e3 * median_s(lambda g=generators, t=top: hyper_plane_shift_method(g, -t, t), 3)}
+            "ms": 1e3 * median_s(lambda g=generators, t=top: hyper_plane_shift_method(g, -t, t), 3)
+        }
         if n < 20 or not quick:
-            out[f"pycapacity iterative hull, {n}"] = {"ms": 1e3 * median_s(
-                lambda g=generators, t=top: iterative_convex_hull_method(
-                    np.eye(3), g, -t, t, tol=1e-6), 1)}
+            out[f"pycapacity iterative hull, {n}"] = {
+                "ms": 1e3
+                * median_s(
+                    lambda g=generators, t=top: iterative_convex_hull_method(np.eye(3), g, -t, t, tol=1e-6), 1
+                )
+            }
     return out
 
 
@@ -180,25 +205,33 @@ def design() -> dict[str, dict[str, float]]:
     rays = Pull().rays(models[0], HEADINGS)
     got = batch_ray_exit(generators, rays)
     want = np.stack([sweep(m, HEADINGS, with_band=False).f_max_N for m in models])
-    return {"121 wheel angles × 721 headings": {
-        "ms": 1e3 * median_s(lambda: batch_ray_exit(generators, rays), 20),
-        "worst_relative_difference": float(np.max(np.abs(got / want - 1.0)))}}
+    return {
+        "121 wheel angles × 721 headings": {
+            "ms": 1e3 * median_s(lambda: batch_ray_exit(generators, rays), 20),
+            "worst_relative_difference": float(np.max(np.abs(got / want - 1.0))),
+        }
+    }
 
 
 def overstated() -> dict[str, dict[str, float]]:
     """By how much μ m g overstates F_emax of the paper's robot over all headings [%]."""
     found = sweep(nominal_model(robot(), "paper"), HEADINGS, with_band=False)
     percent = 100.0 * (isotropic(found.model).force_N / found.f_max_N - 1.0)
-    return {"μ m g over F_emax": {"least_percent": float(percent.min()),
-                                  "most_percent": float(percent.max())}}
+    return {
+        "μ m g over F_emax": {"least_percent": float(percent.min()), "most_percent": float(percent.max())}
+    }
 
 
 def measure(quick: bool = False) -> dict[str, dict[str, dict[str, float]]]:
     """Everything."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the alternatives' own
-        return {"sweep": sweeps(quick), "zonotope": zonotopes(quick), "design": design(),
-                "isotropic": overstated()}
+        return {
+            "sweep": sweeps(quick),
+            "zonotope": zonotopes(quick),
+            "design": design(),
+            "isotropic": overstated(),
+        }
 
 
 def main() -> None:
@@ -210,8 +243,10 @@ def main() -> None:
     found = measure(asked.quick)
     print(f"{'sweep of 721 headings':<28}{'µs/heading':>12}{'µs/sweep':>12}{'× naive':>11}{'difference':>12}")
     for name, row in found["sweep"].items():
-        print(f"{name:<28}{row['us_per_heading']:12.3f}{row['us_per_sweep']:12.0f}"
-              f"{row['times_faster_than_naive']:11.0f}{row['worst_relative_difference']:12.1e}{_promise(name)}")
+        print(
+            f"{name:<28}{row['us_per_heading']:12.3f}{row['us_per_sweep']:12.0f}"
+            f"{row['times_faster_than_naive']:11.0f}{row['worst_relative_difference']:12.1e}{_promise(name)}"
+        )
     for part in ("zonotope", "design"):
         for name, row in found[part].items():
             print(f"{name:<52}{row['ms']:12.3f} ms{_promise(name)}")

@@ -21,9 +21,23 @@ from slipmargin.study.optimum import optimum
 from slipmargin.study.study import Question, Study, study
 from slipmargin.study.vary import applied, parse_vary, quantity_of
 
-SHOWN = ("f_worst", "f_mean", "f_best", "isotropy", "yaw_moment_N_m", "f_rigid_worst", "start_worst_m_s2",
-         "start_mean_m_s2", "brake_worst_m_s2", "brake_mean_m_s2", "corner_m_s", "spin_rad_s2", "slip_share",
-         "slip_share_rigid", "steady_use_unknown")
+SHOWN = (
+    "f_worst",
+    "f_mean",
+    "f_best",
+    "isotropy",
+    "yaw_moment_N_m",
+    "f_rigid_worst",
+    "start_worst_m_s2",
+    "start_mean_m_s2",
+    "brake_worst_m_s2",
+    "brake_mean_m_s2",
+    "corner_m_s",
+    "spin_rad_s2",
+    "slip_share",
+    "slip_share_rigid",
+    "steady_use_unknown",
+)
 #: Objectives whose optimum is sought between the grid's angles.
 SHARP = ("f_worst", "f_mean", "isotropy", "f_rigid_worst")
 LAP_ANGLES = (0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0)
@@ -33,8 +47,9 @@ def angle_study(surface: str, loads: str) -> Study:
     """δ from 0° to 60° in half degrees on one surface under one load model."""
     machine = Machine(recipe=read_recipe("ohio-kiwi"), surface=surface)
     machine = applied(machine, [quantity_of("load_model")], [loads])
-    return study(Question(machine=machine, grids=(parse_vary("delta_deg=0:60:0.5"),),
-                          kinds=(Kind.STATIC, Kind.MOTION)))
+    return study(
+        Question(machine=machine, grids=(parse_vary("delta_deg=0:60:0.5"),), kinds=(Kind.STATIC, Kind.MOTION))
+    )
 
 
 def angle_rows(surface: str, loads: str) -> list[dict[str, object]]:
@@ -52,17 +67,28 @@ def angle_rows(surface: str, loads: str) -> list[dict[str, object]]:
         if name in SHARP and len(tied) == 1:
             between = optimum(found, objective(name))
             delta, value = float(between.values[0]), between.value
-        rows.append({"surface": surface, "loads": loads, "objective": name, "unit": goal.unit,
-                     "best_delta_deg": delta, "ties_deg": [min(tied), max(tied)], "best": value,
-                     "at_15": float(column[at[15.0]]), "at_30": float(column[at[30.0]]),
-                     "thirty_is_best": abs(float(column[at[30.0]]) - value) <= 1e-6 * abs(value)})
+        rows.append(
+            {
+                "surface": surface,
+                "loads": loads,
+                "objective": name,
+                "unit": goal.unit,
+                "best_delta_deg": delta,
+                "ties_deg": [min(tied), max(tied)],
+                "best": value,
+                "at_15": float(column[at[15.0]]),
+                "at_30": float(column[at[30.0]]),
+                "thirty_is_best": abs(float(column[at[30.0]]) - value) <= 1e-6 * abs(value),
+            }
+        )
     return rows
 
 
 def lap_rows(surface: str, loads: str) -> dict[float, float]:
     """Time over the benchmark paths by δ [s]; infinite where one of them must slip."""
-    machine = applied(Machine(recipe=read_recipe("ohio-kiwi"), surface=surface), [quantity_of("load_model")],
-                      [loads])
+    machine = applied(
+        Machine(recipe=read_recipe("ohio-kiwi"), surface=surface), [quantity_of("load_model")], [loads]
+    )
     return {d: lap_time(applied(machine, [quantity_of("delta_deg")], [d]).build()) for d in LAP_ANGLES}
 
 
@@ -78,8 +104,9 @@ def wheel_rows() -> list[dict[str, object]]:
     rows = []
     for kind, keys, values in cases:
         machine = applied(start, [quantity_of(k) for k in (*keys, "circle_radius_m")], (*values, 0.2))
-        found = study(Question(machine=machine, grids=(parse_vary("surface=floor"),),
-                               kinds=(Kind.STATIC, Kind.MOTION)))
+        found = study(
+            Question(machine=machine, grids=(parse_vary("surface=floor"),), kinds=(Kind.STATIC, Kind.MOTION))
+        )
         rows.append({"layout": kind, "wheels": values[0], **found.own})
     return rows
 
@@ -87,16 +114,24 @@ def wheel_rows() -> list[dict[str, object]]:
 def main() -> None:
     """Print the tables; write JSON where a file is named."""
     words = sys.argv[1:]
-    angles = [row for surface in ("paper", "carpet") for loads in ("equal", "static")
-              for row in angle_rows(surface, loads)]
-    print(f"{'surface':<8}{'loads':<8}{'objective':<20}{'unit':<8}{'best δ':>14}{'best':>10}{'at 15°':>10}"
-          f"{'at 30°':>10}{'30° over 15°':>14}  30° best?")
+    angles = [
+        row
+        for surface in ("paper", "carpet")
+        for loads in ("equal", "static")
+        for row in angle_rows(surface, loads)
+    ]
+    print(
+        f"{'surface':<8}{'loads':<8}{'objective':<20}{'unit':<8}{'best δ':>14}{'best':>10}{'at 15°':>10}"
+        f"{'at 30°':>10}{'30° over 15°':>14}  30° best?"
+    )
     for r in angles:
         low, high = r["ties_deg"]  # type: ignore[misc]
         where = f"{r['best_delta_deg']:.1f}" if low == high else f"{low:g} to {high:g}"
-        print(f"{r['surface']:<8}{r['loads']:<8}{r['objective']:<20}{r['unit']:<8}{where:>14}{_n(r['best']):>10}"
-              f"{_n(r['at_15']):>10}{_n(r['at_30']):>10}{_gain(r['at_30'], r['at_15']):>14}  "
-              f"{'yes' if r['thirty_is_best'] else 'no'}")
+        print(
+            f"{r['surface']:<8}{r['loads']:<8}{r['objective']:<20}{r['unit']:<8}{where:>14}{_n(r['best']):>10}"
+            f"{_n(r['at_15']):>10}{_n(r['at_30']):>10}{_gain(r['at_30'], r['at_15']):>14}  "
+            f"{'yes' if r['thirty_is_best'] else 'no'}"
+        )
     out: dict[str, object] = {"angles": angles}
     if "--laps" in words:
         laps = {f"{s} {w}": lap_rows(s, w) for s in ("paper", "carpet") for w in ("equal", "static")}
@@ -107,8 +142,17 @@ def main() -> None:
             print(f"{name:<16}" + "".join(f"{cell:>8}" for cell in cells))
         out["laps"] = laps
     wheels = wheel_rows()
-    shown = ("f_worst", "f_mean", "f_best", "isotropy", "yaw_moment_N_m", "start_worst_m_s2",
-             "brake_worst_m_s2", "spin_rad_s2", "slip_share_rigid")
+    shown = (
+        "f_worst",
+        "f_mean",
+        "f_best",
+        "isotropy",
+        "yaw_moment_N_m",
+        "start_worst_m_s2",
+        "brake_worst_m_s2",
+        "spin_rad_s2",
+        "slip_share_rigid",
+    )
     print("\nomni4's body, wheels on a circle of 0.2 m, drive 0.4 and transverse as in its file")
     print(f"{'layout':<14}{'wheels':>7}" + "".join(f"{name:>18}" for name in shown))
     for r in wheels:

@@ -11,14 +11,27 @@ from .options import DeltaOpt, GripOpt, JsonOpt, MarginOpt, OutOpt, PlotOpt, Rob
 from .render import say, warn
 
 
-def bounds(robot: RobotArg, surface: SurfaceOpt, margin: MarginOpt = 0.1, delta_deg: DeltaOpt = None,
-           grip: GripOpt = None,
-           step: Annotated[float, typer.Option(metavar="DEG", help="Step of the directions [deg].")] = 1.0,
-           robust: Annotated[bool, typer.Option("--robust", help=(
-               "Whichever wheels stand on rigid sectors (default: all on rollers)."))] = False,
-           export: Annotated[tuple[str, Path] | None, typer.Option(metavar="TOOL FILE", help=(
-               "Write the limits as nav2, roadrunner, pathplanner, choreo or json."))] = None,
-           out: OutOpt = None, plot: PlotOpt = None, json: JsonOpt = None) -> None:
+def bounds(
+    robot: RobotArg,
+    surface: SurfaceOpt,
+    margin: MarginOpt = 0.1,
+    delta_deg: DeltaOpt = None,
+    grip: GripOpt = None,
+    step: Annotated[float, typer.Option(metavar="DEG", help="Step of the directions [deg].")] = 1.0,
+    robust: Annotated[
+        bool,
+        typer.Option("--robust", help=("Whichever wheels stand on rigid sectors (default: all on rollers).")),
+    ] = False,
+    export: Annotated[
+        tuple[str, Path] | None,
+        typer.Option(
+            metavar="TOOL FILE", help=("Write the limits as nav2, roadrunner, pathplanner, choreo or json.")
+        ),
+    ] = None,
+    out: OutOpt = None,
+    plot: PlotOpt = None,
+    json: JsonOpt = None,
+) -> None:
     """Acceleration limits in motion by direction: speeding up, turning, braking, cornering, spinning.
 
     In motion the rollers turn and their friction is drag, so the pull limit divided by the mass is not an

@@ -59,8 +59,14 @@ class BoundsRun:
         }
 
 
-def run_bounds(model: Model, margin: float, step: float, robust: bool, export: tuple[str, Path] | None,
-               outputs: tuple[Path | str | None, ...]) -> BoundsRun:
+def run_bounds(
+    model: Model,
+    margin: float,
+    step: float,
+    robust: bool,
+    export: tuple[str, Path] | None,
+    outputs: tuple[Path | str | None, ...],
+) -> BoundsRun:
     """Everything the command needs, with its options checked before any work is done.
 
     Raises
@@ -96,8 +102,15 @@ def report(run: BoundsRun, *, table: bool) -> list[str]:
         f"{', '.join(full.starting.wheels[weak])}), {full.starting_m_s2[strong]:.4g} m/s² in the "
         f"strongest ({_deg(full.heading_rad[strong])})"
     )
-    lines.append("motor       " + (f"{b.motor_limit_m_s2:.4g} m/s² at stall torque" if math.isfinite(
-        b.motor_limit_m_s2) else "no limit in the robot file") + f"; the smaller is {b.smaller}")
+    lines.append(
+        "motor       "
+        + (
+            f"{b.motor_limit_m_s2:.4g} m/s² at stall torque"
+            if math.isfinite(b.motor_limit_m_s2)
+            else "no limit in the robot file"
+        )
+        + f"; the smaller is {b.smaller}"
+    )
     lines.append(_isotropic(b))
     lines.append(f"recommended {b.recommended_m_s2:.4g} m/s² in any direction, slip margin {b.margin:g}")
     lines.append(
@@ -132,8 +145,10 @@ def _steady(b: Bounds) -> str:
     if len(b.slipping_rad) == len(rigid):
         return f"steady      {use}; on rigid sectors it must slip in every direction"
     if len(b.slipping_rad):
-        return (f"steady      {use}; on rigid sectors it must slip in {len(b.slipping_rad)} of {len(rigid)} "
-                f"directions")
+        return (
+            f"steady      {use}; on rigid sectors it must slip in {len(b.slipping_rad)} of {len(rigid)} "
+            f"directions"
+        )
     return f"steady      {use}, on rigid sectors up to {100 * np.max(rigid):.0f} %"
 
 
@@ -141,21 +156,36 @@ def _sets(b: Bounds) -> list[str]:
     s = b.inside
     if s is None:
         return [f"box         none: {b.why_not}"]
-    return [f"box         speed up {_three(s.fast)}, slow down {_three(s.slow)}"
-            " (right, forward m/s², yaw rad/s²)",
-            f"ellipsoid   {s.circle_m_s2:.4g} m/s² in any direction of motion and of acceleration"]
+    return [
+        f"box         speed up {_three(s.fast)}, slow down {_three(s.slow)}"
+        " (right, forward m/s², yaw rad/s²)",
+        f"ellipsoid   {s.circle_m_s2:.4g} m/s² in any direction of motion and of acceleration",
+    ]
 
 
 def _table(b: Bounds) -> list[str]:
     head = ["direction", "speed up", "turn", "brake [m/s²]", "steady use", "limited by"]
     pick = range(0, len(b.full.heading_rad), max(1, len(b.full.heading_rad) // 24))
-    rows = [[_deg(b.full.heading_rad[k]), f"{b.full.starting_m_s2[k]:.4f}", f"{b.full.turning_m_s2[k]:.4f}",
-             f"{b.full.braking_m_s2[k]:.4f}", f"{b.full.steady_use[k]:.3f}",
-             f"{b.full.starting.cause[k]}: {'+'.join(b.full.starting.wheels[k])}"] for k in pick]
-    corner = columns(["curvature [1/m]", "heading held [m/s]", "along the path [m/s]"], [
-        [f"{k:g}", f"{np.min(h):.3f} … {np.max(h):.3f}", f"{np.min(t):.3f} … {np.max(t):.3f}"]
-        for k, h, t in zip(
-            b.cornering.curvature_per_m, b.cornering.held_m_s, b.cornering.tangent_m_s, strict=True)])
+    rows = [
+        [
+            _deg(b.full.heading_rad[k]),
+            f"{b.full.starting_m_s2[k]:.4f}",
+            f"{b.full.turning_m_s2[k]:.4f}",
+            f"{b.full.braking_m_s2[k]:.4f}",
+            f"{b.full.steady_use[k]:.3f}",
+            f"{b.full.starting.cause[k]}: {'+'.join(b.full.starting.wheels[k])}",
+        ]
+        for k in pick
+    ]
+    corner = columns(
+        ["curvature [1/m]", "heading held [m/s]", "along the path [m/s]"],
+        [
+            [f"{k:g}", f"{np.min(h):.3f} … {np.max(h):.3f}", f"{np.min(t):.3f} … {np.max(t):.3f}"]
+            for k, h, t in zip(
+                b.cornering.curvature_per_m, b.cornering.held_m_s, b.cornering.tangent_m_s, strict=True
+            )
+        ],
+    )
     return [*columns(head, rows), "", *corner]
 
 

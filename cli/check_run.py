@@ -15,8 +15,8 @@ from slipmargin.io.table import columns_text, read_columns
 from slipmargin.io.writes import check_writable, write_text
 from slipmargin.limits.motion_state import Contact
 from slipmargin.model import Model
-from slipmargin.motions.trajectory import Trajectory
 from slipmargin.paths.check import Check, check
+from slipmargin.paths.trajectory import Trajectory
 
 NEEDED = ("t_s", "x_m", "y_m", "phi_rad")
 
@@ -33,8 +33,15 @@ class CheckRun:
     def rows(self) -> Trajectory:
         """The trajectory with everything that the audit added."""
         c = self.check
-        return Trajectory(t_s=c.t_s, pose=self.pose, velocity=c.velocity, acceleration=c.acceleration,
-                          omega=c.omega, use=c.use, wheels=self.model.contacts.names)
+        return Trajectory(
+            t_s=c.t_s,
+            pose=self.pose,
+            velocity=c.velocity,
+            acceleration=c.acceleration,
+            omega=c.omega,
+            use=c.use,
+            wheels=self.model.geometry.names,
+        )
 
     def write(self, out: Path | None, plot: Path | None) -> None:
         """The CSV and the figure; the figure is drawn before the CSV is written."""
@@ -47,8 +54,14 @@ class CheckRun:
             write_text(out, columns_text(self.rows.columns(), digits=12))
 
 
-def run_check(model: Model, file: Path, share: float, smooth: float, robust: bool,
-              outputs: tuple[Path | str | None, ...]) -> CheckRun:
+def run_check(
+    model: Model,
+    file: Path,
+    share: float,
+    smooth: float,
+    robust: bool,
+    outputs: tuple[Path | str | None, ...],
+) -> CheckRun:
     """Read and audit; outputs are checked before any work is done.
 
     Raises
@@ -63,8 +76,14 @@ def run_check(model: Model, file: Path, share: float, smooth: float, robust: boo
         check_format(outputs[1])
     columns = read_columns(file, required=NEEDED, known=None, empty=None, least=1)
     try:
-        found = check(model, columns["t_s"], columns.stack(NEEDED[1:]), share=share, smooth_s=smooth,
-                      contact=Contact.UNKNOWN if robust else Contact.ROLLERS)
+        found = check(
+            model,
+            columns["t_s"],
+            columns.stack(NEEDED[1:]),
+            share=share,
+            smooth_s=smooth,
+            contact=Contact.UNKNOWN if robust else Contact.ROLLERS,
+        )
     except InputError as fault:
         raise fault.in_file(str(file)) from None
     return CheckRun(model=model, check=found, pose=columns.stack(NEEDED[1:]))
@@ -72,11 +91,13 @@ def run_check(model: Model, file: Path, share: float, smooth: float, robust: boo
 
 def report(run: CheckRun) -> list[str]:
     """Lines for stdout; the first is the verdict."""
-    c, names = run.check, run.model.contacts.names
+    c, names = run.check, run.model.geometry.names
     t, x, y, k = c.worst
     verdict = "admissible" if c.admissible else "not admissible"
-    lines = [f"{verdict}: uses at most {c.max_use:.4f} of a wheel's grip, {c.share:g} allowed",
-             f"worst       wheel {names[k]} at t = {t:.4g} s (x {x:.4g} m, y {y:.4g} m)"]
+    lines = [
+        f"{verdict}: uses at most {c.max_use:.4f} of a wheel's grip, {c.share:g} allowed",
+        f"worst       wheel {names[k]} at t = {t:.4g} s (x {x:.4g} m, y {y:.4g} m)",
+    ]
     if math.isfinite(run.model.drives.stall_torque_N_m or math.inf):
         lines.append(f"motors      at most {np.max(c.torque):.4f} of the torque they have")
     if run.model.drives.max_speed_rad_s is not None:
@@ -94,8 +115,19 @@ def table(run: CheckRun) -> dict[str, Any]:
     """The contract's JSON: verdict, worst point, time scaling, and use per sample."""
     c = run.check
     t, x, y, k = c.worst
-    return {"schema": 1, "robot": run.model.robot, "surface": run.model.surface, "margin": 1.0 - c.share,
-            "admissible": c.admissible, "max_use": c.max_use, "time_scale_needed": c.time_scale_needed,
-            "worst": {"t_s": t, "x_m": x, "y_m": y, "wheel": run.model.contacts.names[k]},
-            "wheels": run.model.contacts.names, "t_s": c.t_s, "use": c.use, "torque": c.torque,
-            "wheel_speed": c.speed, "min_load_N": float(np.min(c.load_N))}
+    return {
+        "schema": 1,
+        "robot": run.model.robot,
+        "surface": run.model.surface,
+        "margin": 1.0 - c.share,
+        "admissible": c.admissible,
+        "max_use": c.max_use,
+        "time_scale_needed": c.time_scale_needed,
+        "worst": {"t_s": t, "x_m": x, "y_m": y, "wheel": run.model.geometry.names[k]},
+        "wheels": run.model.geometry.names,
+        "t_s": c.t_s,
+        "use": c.use,
+        "torque": c.torque,
+        "wheel_speed": c.speed,
+        "min_load_N": float(np.min(c.load_N)),
+    }

@@ -14,8 +14,17 @@ from .render import columns
 #: Rows of the table of designs that are printed; more go to --out.
 PRINTED = 100
 #: Columns of that table.
-SHOWN = ("f_worst", "f_mean", "f_best", "f_worst_static", "yaw_moment_N_m", "start_worst_m_s2",
-         "brake_worst_m_s2", "corner_m_s", "laps_s")
+SHOWN = (
+    "f_worst",
+    "f_mean",
+    "f_best",
+    "f_worst_static",
+    "yaw_moment_N_m",
+    "start_worst_m_s2",
+    "brake_worst_m_s2",
+    "corner_m_s",
+    "laps_s",
+)
 
 
 def report(run: DesignRun, *, table: bool) -> list[str]:
@@ -34,29 +43,54 @@ def summary(run: DesignRun) -> list[tuple[str, str]]:
     study, goal = run.study, run.study.question.objective
     best = study.best()
     value = float(study.columns[goal.name][best])
-    out = [("best", f"{named(study.keys, study.values[best])}: {goal.name} {_with_unit(value, goal)}"
-            f" ({goal.meaning})"),
-           ("own", _own(run, goal, value)), ("why", str(run.why)), ("loads", _loads(run))]
+    out = [
+        (
+            "best",
+            f"{named(study.keys, study.values[best])}: {goal.name} {_with_unit(value, goal)}"
+            f" ({goal.meaning})",
+        ),
+        ("own", _own(run, goal, value)),
+        ("why", str(run.why)),
+        ("loads", _loads(run)),
+    ]
     if run.optimum is not None:
         o = run.optimum
         proof = "" if math.isnan(o.check) else f"; self-check {o.check:.0e}"
-        gain = (f"{o.gain:.2g} better than any of the grid" if o.gain > 0.0 else
-                "no better point between the grid's")
-        out.append(("between", f"{named(study.keys, o.values)}: {_with_unit(o.value, goal)}, {gain} "
-                    f"({o.evaluations} evaluations{proof})"))
+        gain = (
+            f"{o.gain:.2g} better than any of the grid"
+            if o.gain > 0.0
+            else "no better point between the grid's"
+        )
+        out.append(
+            (
+                "between",
+                f"{named(study.keys, o.values)}: {_with_unit(o.value, goal)}, {gain} "
+                f"({o.evaluations} evaluations{proof})",
+            )
+        )
     if run.robust is not None:
         r = run.robust
         corner = ", ".join(f"{k} = {v:g}" for k, v in r.corner)
         how = "exact" if r.exact else "corners only"
-        out.append(("robust", f"{named(study.keys, study.values[r.best])}: {r.goal.name} at least "
-                    f"{_with_unit(float(r.value[r.best]), r.goal)}, worst at {corner} ({how})"))
+        out.append(
+            (
+                "robust",
+                f"{named(study.keys, study.values[r.best])}: {r.goal.name} at least "
+                f"{_with_unit(float(r.value[r.best]), r.goal)}, worst at {corner} ({how})",
+            )
+        )
     if run.influences:
         out.append(("influence", ", ".join(_influence(i) for i in run.influences[:4])))
     possible = len(study.values) - len(study.problems)
     kept = f", {study.resumed} of {study.pieces} pieces from an earlier run" if study.resumed else ""
     on = int(study.front(run.front).sum())
-    out.append(("designs", f"{possible} possible of {len(study.values)}; {on} on the front of "
-                f"{' and '.join(run.front)}{kept}"))
+    out.append(
+        (
+            "designs",
+            f"{possible} possible of {len(study.values)}; {on} on the front of "
+            f"{' and '.join(run.front)}{kept}",
+        )
+    )
     return out
 
 
@@ -97,8 +131,10 @@ def _loads(run: DesignRun) -> str:
     parts = []
     for name, word in (("f_worst_equal", "equal"), ("f_worst_static", "static")):
         row = study.best(name)
-        parts.append(f"{word} loads: best at {named(study.keys, study.values[row])}, f_worst "
-                     f"{_digits(float(study.columns[name][row]))} m g")
+        parts.append(
+            f"{word} loads: best at {named(study.keys, study.values[row])}, f_worst "
+            f"{_digits(float(study.columns[name][row]))} m g"
+        )
     return "; ".join(parts)
 
 
@@ -115,8 +151,14 @@ def _designs(run: DesignRun) -> list[str]:
     shown = [name for name in SHOWN if name in study.columns]
     front = study.front(run.front)
     head = [*study.keys, *shown, "front"]
-    rows = [[*(_plain(v) for v in values), *(_digits(float(study.columns[n][i])) for n in shown),
-             study.problems.get(i, "*" if front[i] else "")] for i, values in enumerate(study.values)]
+    rows = [
+        [
+            *(_plain(v) for v in values),
+            *(_digits(float(study.columns[n][i])) for n in shown),
+            study.problems.get(i, "*" if front[i] else ""),
+        ]
+        for i, values in enumerate(study.values)
+    ]
     return columns(head, rows)
 
 

@@ -64,17 +64,31 @@ class DesignRun:
         """Everything, as plain data."""
         s, found, sure = self.study, self.optimum, self.robust
         return {
-            **study_data(s), "why": {"where": self.why.where, "gives_way": list(self.why.what)},
+            **study_data(s),
+            "why": {"where": self.why.where, "gives_way": list(self.why.what)},
             "front": {"objectives": list(self.front), "rows": s.front(self.front).nonzero()[0]},
-            "optimum": None if found is None else {
-                "design": dict(zip(s.keys, found.values, strict=True)), "value": found.value,
-                "gain_over_grid": found.gain, "self_check": found.check, "evaluations": found.evaluations},
-            "robust": None if sure is None else {
-                "objective": sure.goal.name, "design": dict(zip(s.keys, s.values[sure.best], strict=True)),
-                "value": float(sure.value[sure.best]), "worst_corner": dict(sure.corner), "exact": sure.exact,
-                "column": sure.value},
-            "influence": [{"key": i.key, "value": i.value, "slope": i.slope, "peak": i.peak}
-                          for i in self.influences],
+            "optimum": None
+            if found is None
+            else {
+                "design": dict(zip(s.keys, found.values, strict=True)),
+                "value": found.value,
+                "gain_over_grid": found.gain,
+                "self_check": found.check,
+                "evaluations": found.evaluations,
+            },
+            "robust": None
+            if sure is None
+            else {
+                "objective": sure.goal.name,
+                "design": dict(zip(s.keys, s.values[sure.best], strict=True)),
+                "value": float(sure.value[sure.best]),
+                "worst_corner": dict(sure.corner),
+                "exact": sure.exact,
+                "column": sure.value,
+            },
+            "influence": [
+                {"key": i.key, "value": i.value, "slope": i.slope, "peak": i.peak} for i in self.influences
+            ],
         }
 
 
@@ -95,8 +109,11 @@ def run_design(asked: Asked) -> DesignRun:
     folder = work_folder(asked.out)
     count = len(product(question.machine, question.grids)) + 1
     slow = [kind for kind in question.needed() if kind is not Kind.STATIC]
-    jobs = asked.jobs if asked.jobs is not None else (
-        -1 if count * sum(COST_S[kind] for kind in slow) > MANY_S else 1)
+    jobs = (
+        asked.jobs
+        if asked.jobs is not None
+        else (-1 if count * sum(COST_S[kind] for kind in slow) > MANY_S else 1)
+    )
     with _placed("--jobs"):
         workshop = Workshop(folder=folder, jobs=jobs, scheduler=asked.scheduler)
     with progress("designs", count if slow else 0) as advance, _placed("--scheduler"):
@@ -108,9 +125,14 @@ def run_design(asked: Asked) -> DesignRun:
     with _placed("--uncertain"):
         sure = robust(found.machines, goal, intervals) if intervals else None
     run = DesignRun(
-        study=found, why=reason(machine, goal), front=front, optimum=optimum(found) if numeric else None,
-        robust=sure, intervals=intervals,
-        influences=influences(machine, goal) if goal.kind is not Kind.LAPS else ())
+        study=found,
+        why=reason(machine, goal),
+        front=front,
+        optimum=optimum(found) if numeric else None,
+        robust=sure,
+        intervals=intervals,
+        influences=influences(machine, goal) if goal.kind is not Kind.LAPS else (),
+    )
     _write(run, asked)
     clear(folder)
     return run
@@ -132,8 +154,9 @@ def _question(asked: Asked) -> tuple[Question, tuple[str, ...], tuple[Interval, 
         if both is not None:
             raise InputError(both, "is varied as well", "either choose it or leave it uncertain")
     kinds = (Kind.STATIC,) if asked.static else (Kind.STATIC, Kind.MOTION)
-    question = Question(machine=machine, grids=grids, objective=goal,
-                        kinds=(*kinds, Kind.LAPS) if asked.laps else kinds)
+    question = Question(
+        machine=machine, grids=grids, objective=goal, kinds=(*kinds, Kind.LAPS) if asked.laps else kinds
+    )
     with _placed("--front"):
         goals = [objective(name.strip()) for name in asked.front.split(",")]
     there = question.needed()

@@ -14,8 +14,9 @@ _Folder = typer.Argument(metavar="DATASET", help="Folder with dataset.toml, the 
 _Out = typer.Option("--out", metavar="DIR", help="Folder for the report; made if it is not there.")
 
 
-def diagnose(dataset: Annotated[Path, _Folder], out: Annotated[Path, _Out], seed: SeedOpt = 0,
-             json: JsonOpt = None) -> None:
+def diagnose(
+    dataset: Annotated[Path, _Folder], out: Annotated[Path, _Out], seed: SeedOpt = 0, json: JsonOpt = None
+) -> None:
     """Find what the model lacks, prove it on runs no fit has seen, hand back a corrected robot file.
 
     Writes report.html (the page to read), report.json, the figures and corrected.toml, all together or

@@ -11,9 +11,9 @@ from .render import refuse
 from .stages import stages
 
 if TYPE_CHECKING:
+    from slipmargin.data.data_set import DataSet
     from slipmargin.diagnose.diagnosis import Diagnosis
     from slipmargin.diagnose.limits_change import LimitsChange
-    from slipmargin.io.data_set import DataSet
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -79,10 +79,16 @@ def _files(diagnosis: Diagnosis, change: LimitsChange, table: dict[str, Any]) ->
     from slipmargin.plots.page import html, pictures
 
     built = page(diagnosis, change)
-    comment = (f"{diagnosis.recipe.robot.name}, corrected by slipmargin diagnose from the data set "
-               f"{diagnosis.data_set}.\n{verdict_sentence(diagnosis)}")
-    return {"report.json": json_text(table), "report.html": html(built),
-            "corrected.toml": write_recipe(diagnosis.corrected, comment), **pictures(built)}
+    comment = (
+        f"{diagnosis.recipe.robot.name}, corrected by slipmargin diagnose from the data set "
+        f"{diagnosis.data_set}.\n{verdict_sentence(diagnosis)}"
+    )
+    return {
+        "report.json": json_text(table),
+        "report.html": html(built),
+        "corrected.toml": write_recipe(diagnosis.corrected, comment),
+        **pictures(built),
+    }
 
 
 def results(found: Found, out: Path) -> None:
@@ -102,16 +108,25 @@ def summary(found: Found) -> list[str]:
     for f in d.findings:
         values = ", ".join(words.interval(e) for e in f.parameters[:4])
         more = f", and {len(f.parameters) - 4} more" if len(f.parameters) > 4 else ""
-        lines.append(f"found    {f.name} (traced to {f.traced_to.value}; {words.chance(f.p_value)} among "
-                     f"{f.candidates_tried} suspects): {values}{more}")
-        lines += [f"         not told apart from {name}: {separating_trial(f.name, f.traced_to, name)}"
-                  for name in f.confused_with]
-    lines.append(f"error    {words.error(d.before)}" + (f" → {words.error(d.after)}" if d.findings else "")
-                 + " on held-out runs")
+        lines.append(
+            f"found    {f.name} (traced to {f.traced_to.value}; {words.chance(f.p_value)} among "
+            f"{f.candidates_tried} suspects): {values}{more}"
+        )
+        lines += [
+            f"         not told apart from {name}: {separating_trial(f.name, f.traced_to, name)}"
+            for name in f.confused_with
+        ]
+    lines.append(
+        f"error    {words.error(d.before)}"
+        + (f" → {words.error(d.after)}" if d.findings else "")
+        + " on held-out runs"
+    )
     b, a = change.before, change.after
     if change.moved:
-        lines.append(f"limits   weakest pull {words.arrow(b.f_max_min_N, a.f_max_min_N, 'N')}, mean "
-                     f"{words.arrow(b.f_max_mean_N, a.f_max_mean_N, 'N')}")
+        lines.append(
+            f"limits   weakest pull {words.arrow(b.f_max_min_N, a.f_max_min_N, 'N')}, mean "
+            f"{words.arrow(b.f_max_mean_N, a.f_max_mean_N, 'N')}"
+        )
         high = words.arrow(float(b.f_high_N.max()), float(a.f_high_N.max()), "N")
         start = words.arrow(float(b.start_worst_m_s2.min()), float(a.start_worst_m_s2.min()), "m/s²")
         lines.append(f"         whatever the wheels stand on: strongest pull {high}, least start {start}")

@@ -27,8 +27,10 @@ def drawing(robot: Robot) -> list[str]:
     reach = max((high[0] - low[0]) / (WIDTH - 24), (high[1] - low[1]) / (2 * (HEIGHT - 10)), 1e-9)
 
     def cell(x: float, y: float) -> tuple[int, int]:
-        return (round(WIDTH / 2 + (x - middle[0]) / reach - 0.5),
-                round(HEIGHT / 2 - (y - middle[1]) / (2 * reach)))
+        return (
+            round(WIDTH / 2 + (x - middle[0]) / reach - 0.5),
+            round(HEIGHT / 2 - (y - middle[1]) / (2 * reach)),
+        )
 
     canvas = [[" "] * WIDTH for _ in range(HEIGHT)]
     order = sorted(places, key=lambda p: math.atan2(p[1] - middle[1], p[0] - middle[0]))
@@ -59,8 +61,9 @@ def speeds(wheel: Wheel, com: tuple[float, float] = (0.0, 0.0)) -> tuple[float, 
     return per * gx, per * gy, float(per * (x * gy - y * gx))
 
 
-def _wheel(canvas: list[list[str]], at: tuple[int, int], wheel: Wheel, label: str,
-           middle: tuple[int, int]) -> None:
+def _wheel(
+    canvas: list[list[str]], at: tuple[int, int], wheel: Wheel, label: str, middle: tuple[int, int]
+) -> None:
     way = math.radians(wheel.drive_direction_deg)
     dx, dy = math.cos(way), math.sin(way)
     steps = 4 if abs(dx) > 0.3 else 2
@@ -81,8 +84,12 @@ def _wheel(canvas: list[list[str]], at: tuple[int, int], wheel: Wheel, label: st
 def _line(canvas: list[list[str]], start: tuple[int, int], end: tuple[int, int], character: str) -> None:
     count = max(abs(end[0] - start[0]), abs(end[1] - start[1]), 1)
     for k in range(count + 1):
-        _put(canvas, round(start[0] + (end[0] - start[0]) * k / count),
-             round(start[1] + (end[1] - start[1]) * k / count), character)
+        _put(
+            canvas,
+            round(start[0] + (end[0] - start[0]) * k / count),
+            round(start[1] + (end[1] - start[1]) * k / count),
+            character,
+        )
 
 
 def _put(canvas: list[list[str]], column: int, row: int, character: str) -> None:

@@ -38,10 +38,20 @@ def show(name: Annotated[str, typer.Argument(metavar="NAME", help="Name of an ef
     if effect is None:
         known = ", ".join(e.name for e in CATALOGUE)
         refuse("NAME", f"{name!r} is not a known effect", f"use one of: {known}")
-    say(f"{effect.name}: {' '.join((effect.__doc__ or '').split())}",
-        f"source: {effect.source}", f"traced to: {effect.traced_to.value}; rewrites: {effect.part.value}",
-        f"to confirm it: {effect.confirm}", "")
-    say(*columns(("parameter", "unit", "low", "null", "high", "meaning"),
-                 [(p.name, p.unit, f"{p.low:g}", f"{p.null:g}", f"{p.high:g}", p.meaning)
-                  for p in effect.parameters]))
+    say(
+        f"{effect.name}: {' '.join((effect.__doc__ or '').split())}",
+        f"source: {effect.source}",
+        f"traced to: {effect.traced_to.value}; rewrites: {effect.part.value}",
+        f"to confirm it: {effect.confirm}",
+        "",
+    )
+    say(
+        *columns(
+            ("parameter", "unit", "low", "null", "high", "meaning"),
+            [
+                (p.name, p.unit, f"{p.low:g}", f"{p.null:g}", f"{p.high:g}", p.meaning)
+                for p in effect.parameters
+            ],
+        )
+    )
     say("", "In a robot file (these values do nothing):", effect_text(effect.null()))

@@ -23,23 +23,40 @@ units; bounds are what a file may hold. An effect that none of these explains is
 def lines() -> list[str]:
     """Lines of the page."""
     page = HEAD.splitlines()
-    page += [f"| [`{e.name}`](#{e.name}) | `{e.traced_to.value}` | {_cell(_sentence(e))} |"
-             for e in CATALOGUE]
+    page += [
+        f"| [`{e.name}`](#{e.name}) | `{e.traced_to.value}` | {_cell(_sentence(e))} |" for e in CATALOGUE
+    ]
     for effect in CATALOGUE:
         page += _section(effect)
     return page
 
 
 def _section(effect: type[Effect]) -> list[str]:
-    rows = [f"| `{p.name}` | {_unit(p.unit)} | {p.low:g} … {p.high:g} | {p.null:g} | {_cell(p.meaning)} |"
-            for p in effect.parameters]
+    rows = [
+        f"| `{p.name}` | {_unit(p.unit)} | {p.low:g} … {p.high:g} | {p.null:g} | {_cell(p.meaning)} |"
+        for p in effect.parameters
+    ]
     law = (effect.__doc__ or "").replace("``", "").strip().splitlines()
-    return ["", f"## {effect.name}", "", _sentence(effect), "", "```text",
-            *(line.strip() for line in law), "```", "",
-            "| parameter | unit | bounds | null | meaning |", "|---|---|---|---|---|", *rows, "",
-            f"Traced to `{effect.traced_to.value}`; rewrites `{effect.part.value}`.", "",
-            f"Source: {effect.source}.", "",
-            f"To confirm it: {effect.confirm}."]
+    return [
+        "",
+        f"## {effect.name}",
+        "",
+        _sentence(effect),
+        "",
+        "```text",
+        *(line.strip() for line in law),
+        "```",
+        "",
+        "| parameter | unit | bounds | null | meaning |",
+        "|---|---|---|---|---|",
+        *rows,
+        "",
+        f"Traced to `{effect.traced_to.value}`; rewrites `{effect.part.value}`.",
+        "",
+        f"Source: {effect.source}.",
+        "",
+        f"To confirm it: {effect.confirm}.",
+    ]
 
 
 def _sentence(effect: type[Effect]) -> str:

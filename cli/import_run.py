@@ -6,11 +6,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from slipmargin.data.data_set import DataSet, WheelSignal
 from slipmargin.diagnose.calibration import Calibration, calibrate
 from slipmargin.effects import Recipe
 from slipmargin.io.calibration_file import calibration_text, read_calibration
 from slipmargin.io.data_checks import check_data_set
-from slipmargin.io.data_set import DataSet, WheelSignal
 from slipmargin.io.data_set_write import check_data_set_place, write_data_set
 from slipmargin.io.importers.plug import Importer, Summary, import_files
 from slipmargin.io.json_text import json_text
@@ -21,8 +21,17 @@ from .options import put_json
 from .render import refuse, say, warn
 
 
-def run_import(importer: Importer, files: list[Path], out: Path, robot: str, surface: str | None,
-               wanted: bool, given: Path | None, json: str | None, commanded: bool = False) -> None:
+def run_import(
+    importer: Importer,
+    files: list[Path],
+    out: Path,
+    robot: str,
+    surface: str | None,
+    wanted: bool,
+    given: Path | None,
+    json: str | None,
+    commanded: bool = False,
+) -> None:
     """Read the logs, calibrate or apply a calibration, check the result, write the data set, tell."""
     if wanted and given is not None:
         refuse("--calibrate", "is given together with --calibration", "give one of the two")
@@ -34,7 +43,7 @@ def run_import(importer: Importer, files: list[Path], out: Path, robot: str, sur
     summary = import_files(importer, files)
     records = summary.records
     if wanted:
-        held = calibrate(records, recipe.build(floor).contacts)
+        held = calibrate(records, recipe.build(floor).geometry)
     if held is not None:
         records = tuple(held.level(record) for record in records)
         recipe = replace(recipe, effects=(*recipe.effects, *held.effects()))
@@ -56,17 +65,30 @@ def run_import(importer: Importer, files: list[Path], out: Path, robot: str, sur
         say(*summary.lines(), *lines, *facts, f"written: {out}")
 
 
-def _told(summary: Summary, held: Calibration | None, data_set: DataSet, recipe: Recipe,
-          floor: str) -> dict[str, Any]:
+def _told(
+    summary: Summary, held: Calibration | None, data_set: DataSet, recipe: Recipe, floor: str
+) -> dict[str, Any]:
     from slipmargin.diagnose.delay import estimate_delay
     from slipmargin.errors import InputError
 
     try:
-        delay: float | None = estimate_delay(data_set.trials, recipe.build(floor).contacts).value_s
+        delay: float | None = estimate_delay(data_set.trials, recipe.build(floor).geometry).value_s
     except InputError:  # no run starts from rest: nothing tells a delay, and nothing needs to
         delay = None
-    calibration = None if held is None else {
-        "scale": held.scale, "rotation_rad": held.rotation_rad, "delay_s": held.delay_s,
-        "tilt_per_m": held.tilt_per_m.tolist()}
-    return {"schema": 1, **summary.as_json(), "delay_s": delay, "calibration": calibration,
-            "checks": [str(finding) for finding in check_data_set(data_set)]}
+    calibration = (
+        None
+        if held is None
+        else {
+            "scale": held.scale,
+            "rotation_rad": held.rotation_rad,
+            "delay_s": held.delay_s,
+            "tilt_per_m": held.tilt_per_m.tolist(),
+        }
+    )
+    return {
+        "schema": 1,
+        **summary.as_json(),
+        "delay_s": delay,
+        "calibration": calibration,
+        "checks": [str(finding) for finding in check_data_set(data_set)],
+    }

@@ -10,8 +10,9 @@ if TYPE_CHECKING:
     from slipmargin.model import Model
 
 
-def recipe_of(robot: str, surface: str | None = None, delta_deg: float | None = None,
-              grip: str | None = None) -> tuple[Recipe, str | None]:
+def recipe_of(
+    robot: str, surface: str | None = None, delta_deg: float | None = None, grip: str | None = None
+) -> tuple[Recipe, str | None]:
     """The recipe that the shared arguments name, and the warning its loads deserve (None: none).
 
     Raises
@@ -42,8 +43,9 @@ def recipe_of(robot: str, surface: str | None = None, delta_deg: float | None = 
     return recipe, contradiction(recipe.robot)
 
 
-def machine(robot: str, surface: str, delta_deg: float | None = None,
-            grip: str | None = None) -> tuple[Model, str | None]:
+def machine(
+    robot: str, surface: str, delta_deg: float | None = None, grip: str | None = None
+) -> tuple[Model, str | None]:
     """The model that the shared arguments name, and the warning its loads deserve (None: none)."""
     recipe, warning = recipe_of(robot, surface, delta_deg, grip)
     return recipe.build(surface), warning

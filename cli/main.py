@@ -83,14 +83,22 @@ def status(arguments: list[str]) -> int:
     except Exception as defect:
         if os.environ.get("SLIPMARGIN_DEBUG"):
             raise
-        return tell(f"internal error: {type(defect).__name__}: {' '.join(str(defect).split())[:300]} "
-                    "(a defect of slipmargin: run again with SLIPMARGIN_DEBUG=1 and report the traceback)", 1)
+        return tell(
+            f"internal error: {type(defect).__name__}: {' '.join(str(defect).split())[:300]} "
+            "(a defect of slipmargin: run again with SLIPMARGIN_DEBUG=1 and report the traceback)",
+            1,
+        )
 
 
 def application(arguments: list[str]) -> typer.Typer:
     """The application with the one command loaded that the arguments ask for, the others by name only."""
-    app = typer.Typer(name="slipmargin", add_completion=True, rich_markup_mode=None,
-                      pretty_exceptions_enable=False, callback=_top)
+    app = typer.Typer(
+        name="slipmargin",
+        add_completion=True,
+        rich_markup_mode=None,
+        pretty_exceptions_enable=False,
+        callback=_top,
+    )
     asked = next((word for word in arguments if not word.startswith("-")), None)
     completing = any(name.endswith("_COMPLETE") for name in os.environ)
     for name, (target, line) in COMMANDS.items():
@@ -118,8 +126,11 @@ def _version(wanted: bool) -> None:
         raise typer.Exit()
 
 
-def _top(version: bool = typer.Option(False, "--version", callback=_version, is_eager=True,
-                                      help="Print the version.")) -> None:
+def _top(
+    version: bool = typer.Option(
+        False, "--version", callback=_version, is_eager=True, help="Print the version."
+    ),
+) -> None:
     """How hard a wheeled omnidirectional robot can push, turn and accelerate before a wheel slips.
 
     Wherever a command takes ROBOT it takes a robot file or the name of a built-in robot (slipmargin
@@ -134,8 +145,11 @@ def _usage(fault: Any) -> str:
     path = context.command_path if context is not None else "slipmargin"
     parameter = getattr(fault, "param", None)
     options = [name for name in getattr(parameter, "opts", []) if name.startswith("-")]
-    names = [getattr(parameter, "metavar", None), getattr(parameter, "name", None),
-             getattr(fault, "option_name", None)]
+    names = [
+        getattr(parameter, "metavar", None),
+        getattr(parameter, "name", None),
+        getattr(fault, "option_name", None),
+    ]
     name = options[-1] if options else next((str(n) for n in names if n), "")
     problem = " ".join(fault.format_message().split()).rstrip(".")
     if type(fault).__name__ == "MissingParameter":

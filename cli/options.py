@@ -10,17 +10,26 @@ import typer
 RobotArg = Annotated[str, typer.Argument(metavar="ROBOT", help="Robot file or built-in name.")]
 SurfaceOpt = Annotated[str, typer.Option("--surface", metavar="S", help="Surface of the robot file.")]
 OutOpt = Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the table as CSV.")]
-PlotOpt = Annotated[Path | None, typer.Option("--plot", metavar="FILE",
-                                              help="Draw it; .png, .svg or .pdf by ending.")]
-JsonOpt = Annotated[str | None, typer.Option("--json", metavar="FILE",
-                                             help="Write the result as JSON; - for stdout.")]
+PlotOpt = Annotated[
+    Path | None, typer.Option("--plot", metavar="FILE", help="Draw it; .png, .svg or .pdf by ending.")
+]
+JsonOpt = Annotated[
+    str | None, typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for stdout.")
+]
 SeedOpt = Annotated[int, typer.Option("--seed", metavar="N", help="Seed of everything random.")]
-MarginOpt = Annotated[float, typer.Option("--margin", metavar="M", min=0.0, max=0.99,
-                                          help="Share of the grip kept in reserve, 0 to 0.99.")]
-GripOpt = Annotated[str | None, typer.Option("--grip", metavar="SET",
-                                             help="box, disc-strip or ellipse instead of the file's.")]
-DeltaOpt = Annotated[float | None, typer.Option("--delta-deg", metavar="D",
-                                                help="Wheel angle δ of a three-wheel robot [deg].")]
+MarginOpt = Annotated[
+    float,
+    typer.Option(
+        "--margin", metavar="M", min=0.0, max=0.99, help="Share of the grip kept in reserve, 0 to 0.99."
+    ),
+]
+GripOpt = Annotated[
+    str | None,
+    typer.Option("--grip", metavar="SET", help="box, disc-strip or ellipse instead of the file's."),
+]
+DeltaOpt = Annotated[
+    float | None, typer.Option("--delta-deg", metavar="D", help="Wheel angle δ of a three-wheel robot [deg].")
+]
 
 
 def put_json(target: str | None, value: Any) -> bool:

@@ -18,11 +18,25 @@ from .plan_options import (
 from .render import say, warn
 
 
-def plan(robot: RobotArg, path: WayArg, surface: SurfaceOpt, margin: MarginOpt = 0.1, out: OutOpt = None,
-         plot: PlotOpt = None, json: JsonOpt = None, closed: ClosedOpt = False, blend: BlendOpt = None,
-         start_speed: SpeedOpt = 0.0, end_speed: SpeedOpt = 0.0, max_speed: MaxSpeedOpt = None,
-         max_yaw_rate: MaxYawRateOpt = None, robust: RobustOpt = False, points: PointsOpt = 400,
-         step: TimeStepOpt = 0.005, verify: VerifyOpt = False) -> None:
+def plan(
+    robot: RobotArg,
+    path: WayArg,
+    surface: SurfaceOpt,
+    margin: MarginOpt = 0.1,
+    out: OutOpt = None,
+    plot: PlotOpt = None,
+    json: JsonOpt = None,
+    closed: ClosedOpt = False,
+    blend: BlendOpt = None,
+    start_speed: SpeedOpt = 0.0,
+    end_speed: SpeedOpt = 0.0,
+    max_speed: MaxSpeedOpt = None,
+    max_yaw_rate: MaxYawRateOpt = None,
+    robust: RobustOpt = False,
+    points: PointsOpt = 400,
+    step: TimeStepOpt = 0.005,
+    verify: VerifyOpt = False,
+) -> None:
     """The fastest motion along waypoints that keeps every wheel below 1 − margin of its grip.
 
     The table holds pose, velocity and acceleration in the floor frame, wheel speeds that roll without

@@ -14,12 +14,12 @@ from slipmargin.io.table import columns_text, read_columns
 from slipmargin.io.writes import check_writable, write_text
 from slipmargin.limits.motion_state import Contact
 from slipmargin.model import Model
-from slipmargin.motions.trajectory import Trajectory
 from slipmargin.paths.along import Caps
 from slipmargin.paths.path import Path as Way, corners, through
 from slipmargin.paths.plan import Plan, Request, plan
 from slipmargin.paths.sample import trajectory
-from slipmargin.study.verify import Verified, on_rollers, verify
+from slipmargin.paths.trajectory import Trajectory
+from slipmargin.paths.verify import Verified, on_rollers, verify
 
 from .render import refuse
 
@@ -45,8 +45,13 @@ class PlanRun:
             write_text(out, columns_text(self.trajectory.columns(), digits=12))
 
 
-def ask(margin: float, points: int, speeds: tuple[float, float], caps: tuple[float | None, float | None],
-        robust: bool) -> Request:
+def ask(
+    margin: float,
+    points: int,
+    speeds: tuple[float, float],
+    caps: tuple[float | None, float | None],
+    robust: bool,
+) -> Request:
     """The request that the options make.
 
     Raises
@@ -57,13 +62,26 @@ def ask(margin: float, points: int, speeds: tuple[float, float], caps: tuple[flo
     for option, cap in (("--max-speed", caps[0]), ("--max-yaw-rate", caps[1])):
         if cap is not None and not 0.0 < cap < np.inf:
             refuse(option, f"is {cap:g}", "give a positive number, or leave it out")
-    return Request(share=1.0 - margin, points=points, start_m_s=speeds[0], end_m_s=speeds[1],
-                   caps=Caps(speed_m_s=caps[0] or np.inf, yaw_rate_rad_s=caps[1] or np.inf),
-                   contact=Contact.UNKNOWN if robust else Contact.ROLLERS)
+    return Request(
+        share=1.0 - margin,
+        points=points,
+        start_m_s=speeds[0],
+        end_m_s=speeds[1],
+        caps=Caps(speed_m_s=caps[0] or np.inf, yaw_rate_rad_s=caps[1] or np.inf),
+        contact=Contact.UNKNOWN if robust else Contact.ROLLERS,
+    )
 
 
-def run_plan(model: Model, file: Path, request: Request, closed: bool, blend: float | None, step: float,
-             proof: bool, outputs: tuple[Path | str | None, ...]) -> PlanRun:
+def run_plan(
+    model: Model,
+    file: Path,
+    request: Request,
+    closed: bool,
+    blend: float | None,
+    step: float,
+    proof: bool,
+    outputs: tuple[Path | str | None, ...],
+) -> PlanRun:
     """Plan, sample and, where asked for, simulate; outputs are checked before any work is done.
 
     Raises
@@ -110,7 +128,7 @@ def way(model: Model, file: Path, closed: bool, blend: float | None) -> Way:
 
 
 def _arm(model: Model) -> float:
-    place: Array = model.contacts.position_m - model.inertia.com_m
+    place: Array = model.geometry.position_m - model.inertia.com_m
     return float(np.mean(np.hypot(place[:, 0], place[:, 1])))
 
 
@@ -119,11 +137,13 @@ def report(run: PlanRun) -> list[str]:
     p, share = run.plan, run.plan.request.share
     i, j, k = p.audit.worst
     speed = np.hypot(run.trajectory.velocity[:, 0], run.trajectory.velocity[:, 1])
-    lines = [f"duration    {p.duration_s:.4f} s for {p.path.length:.4g} m, top speed {np.max(speed):.4g} m/s",
-             f"grip        at most {p.max_use:.6f} of each wheel's grip, {share:g} allowed (checked at "
-             f"{p.audit.speed.size} places); highest: wheel {p.model.contacts.names[k]} at "
-             f"t = {p.audit.time_s[i, j]:.3f} s",
-             f"limited by  {_limited(p)}"]
+    lines = [
+        f"duration    {p.duration_s:.4f} s for {p.path.length:.4g} m, top speed {np.max(speed):.4g} m/s",
+        f"grip        at most {p.max_use:.6f} of each wheel's grip, {share:g} allowed (checked at "
+        f"{p.audit.speed.size} places); highest: wheel {p.model.geometry.names[k]} at "
+        f"t = {p.audit.time_s[i, j]:.3f} s",
+        f"limited by  {_limited(p)}",
+    ]
     for name, proof in run.proofs.items():
         words = "slips" if proof.slips else "does not slip"
         lines.append(
@@ -138,7 +158,7 @@ def _limited(p: Plan) -> str:
     """Share of the time that each wheel's grip (or a motor, a cap) sets the pace."""
     spent = np.diff(p.audit.time_s[:, [0, -1]], axis=1).ravel()
     who = limiting_wheel(p)
-    names = [*p.model.contacts.names, "caps or motors"]
+    names = [*p.model.geometry.names, "caps or motors"]
     shares = [(float(np.sum(spent[who == k])) / p.duration_s, name) for k, name in enumerate(names)]
     return ", ".join(
         f"{name} {100 * part:.0f} %" for part, name in sorted(shares, reverse=True) if part > 0.005
@@ -154,12 +174,30 @@ def limiting_wheel(p: Plan) -> Array:
 def table(run: PlanRun) -> dict[str, Any]:
     """Everything as numbers."""
     p = run.plan
-    return {"schema": 1, "robot": p.model.robot, "surface": p.model.surface, "margin": 1.0 - p.request.share,
-            "contact": p.request.contact.name.lower(), "duration_s": p.duration_s, "length_m": p.path.length,
-            "max_use": p.max_use, "grid_points": len(p.x), "s_m": p.grid.s, "speed_m_s": np.sqrt(p.x),
-            "speed_limit_m_s": np.sqrt(p.highest),
-            "limiting": [(*p.model.contacts.names, "cap")[int(k)] for k in limiting_wheel(p)],
-            "trajectory": run.trajectory.columns(),
-            "simulated": {name: {"slips": v.slips, "max_share": v.peak, "wheel": v.wheel,
-                                 "max_drive_slip_m_s": float(np.max(v.slip_m_s)), "end_position_m": v.drift_m,
-                                 "end_heading_rad": v.drift_rad} for name, v in run.proofs.items()}}
+    return {
+        "schema": 1,
+        "robot": p.model.robot,
+        "surface": p.model.surface,
+        "margin": 1.0 - p.request.share,
+        "contact": p.request.contact.name.lower(),
+        "duration_s": p.duration_s,
+        "length_m": p.path.length,
+        "max_use": p.max_use,
+        "grid_points": len(p.x),
+        "s_m": p.grid.s,
+        "speed_m_s": np.sqrt(p.x),
+        "speed_limit_m_s": np.sqrt(p.highest),
+        "limiting": [(*p.model.geometry.names, "cap")[int(k)] for k in limiting_wheel(p)],
+        "trajectory": run.trajectory.columns(),
+        "simulated": {
+            name: {
+                "slips": v.slips,
+                "max_share": v.peak,
+                "wheel": v.wheel,
+                "max_drive_slip_m_s": float(np.max(v.slip_m_s)),
+                "end_position_m": v.drift_m,
+                "end_heading_rad": v.drift_rad,
+            }
+            for name, v in run.proofs.items()
+        },
+    }

@@ -10,9 +10,14 @@ from .options import DeltaOpt, JsonOpt, PlotOpt, RobotArg, SurfaceOpt, put_json
 from .render import say, warn
 
 
-def polytope(robot: RobotArg, surface: SurfaceOpt, delta_deg: DeltaOpt = None,
-             rigid: Annotated[bool, typer.Option("--rigid", help="All wheels on rigid material.")] = False,
-             json: JsonOpt = None, plot: PlotOpt = None) -> None:
+def polytope(
+    robot: RobotArg,
+    surface: SurfaceOpt,
+    delta_deg: DeltaOpt = None,
+    rigid: Annotated[bool, typer.Option("--rigid", help="All wheels on rigid material.")] = False,
+    json: JsonOpt = None,
+    plot: PlotOpt = None,
+) -> None:
     """The wrenches (Fx, Fy, Mz) about the centre of mass, body frame: vertices, facets, volume.
 
     Always of the box grip (eq. 17): a coupled grip has no facets, and lies inside.

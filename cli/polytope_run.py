@@ -12,8 +12,9 @@ from slipmargin.limits import WrenchSet, wrench_set
 from slipmargin.model import Model
 
 
-def describe(model: Model, rigid: bool, outputs: tuple[Path | str | None, ...]) -> tuple[
-        WrenchSet, dict[str, Any]]:
+def describe(
+    model: Model, rigid: bool, outputs: tuple[Path | str | None, ...]
+) -> tuple[WrenchSet, dict[str, Any]]:
     """The wrench set, and everything the contract promises of it."""
     check_writable(*outputs)
     if outputs[0] is not None:
@@ -25,12 +26,16 @@ def describe(model: Model, rigid: bool, outputs: tuple[Path | str | None, ...]) 
     normals, offsets = body.half_spaces()
     names = [f"{name} {part}" for name in wrenches.names for part in ("drive", "transverse")]
     return wrenches, {
-        "schema": 1, "robot": model.robot, "surface": model.surface, "state": "rigid" if rigid else "rollers",
+        "schema": 1,
+        "robot": model.robot,
+        "surface": model.surface,
+        "state": "rigid" if rigid else "rollers",
         "units": {"vertices": ["N", "N", "N m"], "volume": "N^2 N m", "generators": ["N", "N", "N m"]},
         "vertices": body.vertices(),
         "facets": [{"normal": n, "offset": o} for n, o in zip(normals, offsets, strict=True)],
         "volume": body.volume(),
-        "generators": body.generators.T, "generator_names": names,
+        "generators": body.generators.T,
+        "generator_names": names,
         "centre": body.centre,
     }
 

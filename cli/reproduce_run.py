@@ -8,10 +8,7 @@ from typing import Any
 from slipmargin.io.json_text import json_text
 from slipmargin.io.work_folder import make_folder
 from slipmargin.io.writes import write_together
-from slipmargin.plots.reproduction import paper_figures
-from slipmargin.plots.style import picture
-from slipmargin.sim.calibration import Calibration, calibrate
-from slipmargin.sim.published import (
+from slipmargin.paper.published import (
     FOUND,
     MEASURED_CARPET_PHI_RAD,
     Row,
@@ -20,6 +17,9 @@ from slipmargin.sim.published import (
     section_six,
     spread,
 )
+from slipmargin.paper.search import Calibration, calibrate
+from slipmargin.plots.reproduction import paper_figures
+from slipmargin.plots.style import picture
 
 from .render import columns
 

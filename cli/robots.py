@@ -27,13 +27,28 @@ def show(robot: RobotArg, plot: PlotOpt = None) -> None:
 
     recipe = read_recipe(robot)
     say(robot_text(robot)[0].rstrip("\n"), "", *drawing(recipe.robot), "")
-    say("Arrows are the drive directions ŝ: a positive wheel speed moves the contact point along its arrow",
+    say(
+        "Arrows are the drive directions ŝ: a positive wheel speed moves the contact point along its arrow",
         "over the floor and so drives the robot the other way (⊕ centre of mass, + origin; the stroke inside",
-        "a mecanum wheel is the axle of the roller on the floor).  Wheel speeds without slip [rad/s] for", "")
+        "a mecanum wheel is the axle of the roller on the floor).  Wheel speeds without slip [rad/s] for",
+        "",
+    )
     head = ("wheel", "name", "drive [deg]", "rollers [deg]", "1 m/s right", "1 m/s forward", "1 rad/s left")
-    say(*columns(head, [(str(i), w.name, f"{w.drive_direction_deg:g}", f"{w.roller_angle_deg:g}",
-                         *(f"{s + 0.0:+.2f}" if abs(s) > 5e-3 else "0" for s in speeds(w)))
-                        for i, w in enumerate(recipe.robot.wheels, 1)]))
+    say(
+        *columns(
+            head,
+            [
+                (
+                    str(i),
+                    w.name,
+                    f"{w.drive_direction_deg:g}",
+                    f"{w.roller_angle_deg:g}",
+                    *(f"{s + 0.0:+.2f}" if abs(s) > 5e-3 else "0" for s in speeds(w)),
+                )
+                for i, w in enumerate(recipe.robot.wheels, 1)
+            ],
+        )
+    )
     if plot is not None:
         from slipmargin.plots.machine import machine_figure
         from slipmargin.plots.style import save

@@ -14,8 +14,8 @@ from slipmargin.errors import InputError
 from slipmargin.io.table import Columns, columns_text, read_columns
 from slipmargin.io.writes import check_writable, write_text
 from slipmargin.model import Model
-from slipmargin.motions.run import Run
 from slipmargin.sim.batch import Push
+from slipmargin.sim.run import Run
 from slipmargin.sim.signal import WheelSignal, held, linear
 from slipmargin.sim.simulate import simulate
 

@@ -14,12 +14,22 @@ From = Annotated[float, typer.Option("--from", metavar="DEG", help="First orient
 To = Annotated[float, typer.Option("--to", metavar="DEG", help="Last orientation [deg].")]
 Step = Annotated[float, typer.Option("--step", metavar="DEG", help="Step [deg].")]
 
-def sweep(robot: RobotArg, surface: SurfaceOpt,
-          start: From = 0.0, stop: To = 90.0, step: Step = 1.0,
-          delta_deg: DeltaOpt = None, grip: GripOpt = None, margin: MarginOpt = 0.1,
-          method: Annotated[str, typer.Option(metavar="M", help="facets, clarabel or cvxpy.")] = "facets",
-          measured: Annotated[Path | None, typer.Option(metavar="PULLS.csv", help="Measured pulls.")] = None,
-          out: OutOpt = None, plot: PlotOpt = None, json: JsonOpt = None) -> None:
+
+def sweep(
+    robot: RobotArg,
+    surface: SurfaceOpt,
+    start: From = 0.0,
+    stop: To = 90.0,
+    step: Step = 1.0,
+    delta_deg: DeltaOpt = None,
+    grip: GripOpt = None,
+    margin: MarginOpt = 0.1,
+    method: Annotated[str, typer.Option(metavar="M", help="facets, clarabel or cvxpy.")] = "facets",
+    measured: Annotated[Path | None, typer.Option(metavar="PULLS.csv", help="Measured pulls.")] = None,
+    out: OutOpt = None,
+    plot: PlotOpt = None,
+    json: JsonOpt = None,
+) -> None:
     """Pull before a wheel slips, F_emax, over the robot's orientation φ under a force along the floor's +x.
 
     The first four lines are the answer.  Angles on the command line are degrees, in files radians.  With

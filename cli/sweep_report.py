@@ -17,9 +17,11 @@ def report(run: SweepRun, *, table: bool) -> list[str]:
         gap = run.measured()["residual_N"]
         gap = gap[np.isfinite(gap)]
         outside = f", {run.outside} pulls outside --from … --to left out" if run.outside else ""
-        lines.append(f"measured    {int(run.pulls.count.sum())} pulls at {len(gap)} orientations: residual "
-                     f"{gap.mean():+.2f} N on average, {np.sqrt(np.mean(gap**2)):.2f} N root mean square "
-                     f"(measured minus all on rollers){outside}")
+        lines.append(
+            f"measured    {int(run.pulls.count.sum())} pulls at {len(gap)} orientations: residual "
+            f"{gap.mean():+.2f} N on average, {np.sqrt(np.mean(gap**2)):.2f} N root mean square "
+            f"(measured minus all on rollers){outside}"
+        )
     return [*lines, "", *_table(run)] if table else lines
 
 
@@ -58,8 +60,10 @@ def _deg(rad: float) -> str:
 def _table(run: SweepRun) -> list[str]:
     s = run.sweep
     head = ["φ [deg]", "F_max [N]", "low [N]", "high [N]"]
-    cells = [[f"{math.degrees(p) + 0.0:.6g}" for p in s.phi_rad],
-             *([f"{v:.3f}" for v in column] for column in (s.f_max_N, s.f_low_N, s.f_high_N))]
+    cells = [
+        [f"{math.degrees(p) + 0.0:.6g}" for p in s.phi_rad],
+        *([f"{v:.3f}" for v in column] for column in (s.f_max_N, s.f_low_N, s.f_high_N)),
+    ]
     for name, column in run.measured().items():
         unit = "" if name == "pulls" else " [N]"
         head.append(name.removesuffix("_N") + unit)

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from slipmargin.checks import GRAVITY_M_S2, Array
+from slipmargin.checks import Array
+from slipmargin.data.pulls import SAME_RAD, PullGroups, gather_pulls
 from slipmargin.io.table import columns_text
 from slipmargin.io.trial_file import read_pulls
 from slipmargin.io.writes import check_writable, write_text
@@ -17,7 +18,7 @@ from slipmargin.limits import Isotropic, Pull, Sweep, isotropic, sweep, wrench_s
 from slipmargin.limits.bias import bias_wrench
 from slipmargin.limits.self_check import self_check
 from slipmargin.model import Model
-from slipmargin.motions.pulls import SAME_RAD, PullGroups, gather_pulls
+from slipmargin.physics.constants import GRAVITY_M_S2
 
 from .render import refuse
 
@@ -49,11 +50,20 @@ class SweepRun:
         if self.pulls is None:
             return {}
         groups = [self.pulls.nearest(phi) for phi in self.sweep.phi_rad]
-        pick = {name: np.array([math.nan if g is None else values[g] for g in groups])
-                for name, values in (("measured_N", self.pulls.mean_N), ("scatter_N", self.pulls.sd_N),
-                                     ("pulls", self.pulls.count))}
-        return {"measured_N": pick["measured_N"], "scatter_N": pick["scatter_N"],
-                "residual_N": pick["measured_N"] - self.sweep.f_max_N, "pulls": pick["pulls"]}
+        pick = {
+            name: np.array([math.nan if g is None else values[g] for g in groups])
+            for name, values in (
+                ("measured_N", self.pulls.mean_N),
+                ("scatter_N", self.pulls.sd_N),
+                ("pulls", self.pulls.count),
+            )
+        }
+        return {
+            "measured_N": pick["measured_N"],
+            "scatter_N": pick["scatter_N"],
+            "residual_N": pick["measured_N"] - self.sweep.f_max_N,
+            "pulls": pick["pulls"],
+        }
 
     def write(self, out: Path | None, plot: Path | None) -> None:
         """The CSV and the figure; the figure is drawn before the CSV is written."""
@@ -67,24 +77,44 @@ class SweepRun:
             write_text(out, columns_text({**self._contract(), **self.measured()}))
 
     def _contract(self) -> dict[str, Any]:
-        return {"phi_rad": self.sweep.phi_rad, "f_max_N": self.sweep.f_max_N, "f_low_N": self.sweep.f_low_N,
-                "f_high_N": self.sweep.f_high_N, "limiting": ["+".join(names) for names in self.limiting]}
+        return {
+            "phi_rad": self.sweep.phi_rad,
+            "f_max_N": self.sweep.f_max_N,
+            "f_low_N": self.sweep.f_low_N,
+            "f_high_N": self.sweep.f_high_N,
+            "limiting": ["+".join(names) for names in self.limiting],
+        }
 
     def as_json(self) -> dict[str, Any]:
         """Everything, as numbers."""
         model = self.sweep.model
         (weak, least), (strong, most) = self.sweep.weakest, self.sweep.strongest
-        return {"schema": 1, "robot": model.robot, "surface": model.surface, "grip": model.grip.shape,
-                "method": self.method, "self_check": self.check, "weight_N": self.weight_N,
-                "weakest": {"phi_rad": weak, "force_N": least},
-                "strongest": {"phi_rad": strong, "force_N": most},
-                "isotropic": {"force_N": self.isotropic.force_N, "coefficient": self.isotropic.coefficient},
-                "recommended": {"force_N": self.recommended_N, "margin": self.margin},
-                **self._contract(), "limiting": self.limiting, **self.measured()}
+        return {
+            "schema": 1,
+            "robot": model.robot,
+            "surface": model.surface,
+            "grip": model.grip.shape,
+            "method": self.method,
+            "self_check": self.check,
+            "weight_N": self.weight_N,
+            "weakest": {"phi_rad": weak, "force_N": least},
+            "strongest": {"phi_rad": strong, "force_N": most},
+            "isotropic": {"force_N": self.isotropic.force_N, "coefficient": self.isotropic.coefficient},
+            "recommended": {"force_N": self.recommended_N, "margin": self.margin},
+            **self._contract(),
+            "limiting": self.limiting,
+            **self.measured(),
+        }
 
 
-def run_sweep(model: Model, degrees: tuple[float, float, float], method: str, margin: float,
-              measured: Path | None, outputs: tuple[Path | str | None, ...]) -> SweepRun:
+def run_sweep(
+    model: Model,
+    degrees: tuple[float, float, float],
+    method: str,
+    margin: float,
+    measured: Path | None,
+    outputs: tuple[Path | str | None, ...],
+) -> SweepRun:
     """Everything the command needs, with its options checked before any work is done.
 
     Raises
@@ -112,11 +142,22 @@ def run_sweep(model: Model, degrees: tuple[float, float, float], method: str, ma
     if method not in ("facets", "cones"):
         found = replace(by_facets, f_max_N=_solved(model, phi, method))
     extremes = np.array([found.weakest, found.strongest])
-    check = (self_check(model, extremes[:, 0], extremes[:, 1]) if method in ("facets", "cones") else
-             float(np.max(np.abs(found.f_max_N / by_facets.f_max_N - 1.0))))
-    return SweepRun(sweep=found, limiting=by_facets.limiting(), isotropic=isotropic(model),
-                    recommended_N=found.recommended_N(margin), margin=margin, method=method, check=check,
-                    pulls=pulls, outside=outside)
+    check = (
+        self_check(model, extremes[:, 0], extremes[:, 1])
+        if method in ("facets", "cones")
+        else float(np.max(np.abs(found.f_max_N / by_facets.f_max_N - 1.0)))
+    )
+    return SweepRun(
+        sweep=found,
+        limiting=by_facets.limiting(),
+        isotropic=isotropic(model),
+        recommended_N=found.recommended_N(margin),
+        margin=margin,
+        method=method,
+        check=check,
+        pulls=pulls,
+        outside=outside,
+    )
 
 
 def orientations(start: float, stop: float, step: float) -> Array:
@@ -160,7 +201,7 @@ def _solved(model: Model, phi: Array, method: str) -> Array:
     from slipmargin.solve import cvxpy_
 
     wrenches = wrench_set(model)
-    if wrenches.polyhedral and not model.grip.modulations:
+    if wrenches.polyhedral and not model.grip.multipliers:
         limits = (wrenches.coefficients[..., 1] * wrenches.load_N[:, None]).ravel()
         maps, rays = wrenches.maps.reshape(3, -1), Pull().rays(model, phi)
         return cvxpy_.block_box(maps, limits, rays, bias_wrench(model, phi))

@@ -45,8 +45,13 @@ from planting import Plant, planted
 # %%
 robot = read_recipe("ohio-kiwi").robot
 roller = robot.surface("paper").roller
-believed = Recipe(robot=replace(robot, wheels=tuple(replace(w, rigid_fraction=0.0) for w in robot.wheels),
-                                surfaces=(Surface(name="paper", roller=roller, rigid=roller),)))
+believed = Recipe(
+    robot=replace(
+        robot,
+        wheels=tuple(replace(w, rigid_fraction=0.0) for w in robot.wheels),
+        surfaces=(Surface(name="paper", roller=roller, rigid=roller),),
+    )
+)
 
 # %% [markdown]
 # ## What is measured: seven short runs of the real machine
@@ -56,8 +61,11 @@ believed = Recipe(robot=replace(robot, wheels=tuple(replace(w, rigid_fraction=0.
 # `planted` draws starts, stops and turns and simulates them; the data set it returns does not hold the truth.
 
 # %%
-truth = Plant(name="the real wheels", traces=(Trace.WHEEL_ANGLE,),
-              effects=(RigidSector(rigid_fraction=0.10, rigid_coefficient=0.47),))
+truth = Plant(
+    name="the real wheels",
+    traces=(Trace.WHEEL_ANGLE,),
+    effects=(RigidSector(rigid_fraction=0.10, rigid_coefficient=0.47),),
+)
 measured = planted(believed, truth, seed=3, count=7, duration_s=2.5, rate_hz=100.0)
 print(f"{len(measured.trials)} runs; effects in the model that is believed: {len(measured.recipe.effects)}")
 
@@ -84,8 +92,10 @@ values = {p.name: p for p in finding.parameters}
 fraction, coefficient = values["rigid_fraction"], values["rigid_coefficient"]
 sectors = {p.name: p.value for p in finding.derived}["sectors_per_turn"]
 print(f"{found.verdict.value}: {finding.name}, traced to {finding.traced_to.value}; {sectors:g} per turn")
-print(f"rigid fraction {fraction.value:.4f} ({fraction.low:.4f} … {fraction.high:.4f}); "
-      f"coefficient {coefficient.value:.3f} ({coefficient.low:.3f} … {coefficient.high:.3f})")
+print(
+    f"rigid fraction {fraction.value:.4f} ({fraction.low:.4f} … {fraction.high:.4f}); "
+    f"coefficient {coefficient.value:.3f} ({coefficient.low:.3f} … {coefficient.high:.3f})"
+)
 
 # %% [markdown]
 # ## Better model: on runs that no fit has seen
@@ -93,8 +103,10 @@ print(f"rigid fraction {fraction.value:.4f} ({fraction.low:.4f} … {fraction.hi
 # %%
 display(held_out_figure(found))
 for name, score in (("before", found.before), ("after", found.after)):
-    print(f"{name:<7} {1e3 * score.rmse_position_m:6.2f} mm  {1e3 * score.rmse_heading_rad:6.2f} mrad  "
-          f"chi {score.chi:.2f}")
+    print(
+        f"{name:<7} {1e3 * score.rmse_position_m:6.2f} mm  {1e3 * score.rmse_heading_rad:6.2f} mrad  "
+        f"chi {score.chi:.2f}"
+    )
 
 # %% [markdown]
 # ## New limits

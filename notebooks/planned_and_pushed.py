@@ -27,8 +27,8 @@ from slipmargin.paths.check import check
 from slipmargin.paths.path import through
 from slipmargin.paths.plan import Request, plan
 from slipmargin.paths.sample import at_use, trajectory
+from slipmargin.paths.verify import on_rollers, verify
 from slipmargin.plots.paths import check_figure, plan_figure
-from slipmargin.study.verify import on_rollers, verify
 
 whole = read_recipe("ohio-kiwi").build("paper")
 model = on_rollers(whole)
@@ -44,8 +44,9 @@ waypoints = np.array([[0.0, 0.0, 0.0], [0.5, 0.1, 0.0], [1.0, 0.0, 0.0]])
 found = plan(model, through(waypoints), Request(share=0.9, points=200))
 rows = trajectory(found, step_s=0.002)
 display(plan_figure(found, rows))
-print(f"{found.duration_s:.3f} s for {found.path.length:.3f} m; "
-      f"at most {found.max_use:.4f} of a wheel's grip")
+print(
+    f"{found.duration_s:.3f} s for {found.path.length:.3f} m; at most {found.max_use:.4f} of a wheel's grip"
+)
 
 # %% [markdown]
 # ## The proof
@@ -54,8 +55,10 @@ print(f"{found.duration_s:.3f} s for {found.path.length:.3f} m; "
 
 # %%
 proof = verify(model, rows)
-print(f"simulated: wheel {proof.wheel} uses {proof.peak:.4f} of its grip; "
-      f"ends {1e3 * proof.drift_m:.1f} mm from the plan (creep, open loop)")
+print(
+    f"simulated: wheel {proof.wheel} uses {proof.peak:.4f} of its grip; "
+    f"ends {1e3 * proof.drift_m:.1f} mm from the plan (creep, open loop)"
+)
 
 # %% [markdown]
 # ## Pushed
@@ -70,10 +73,14 @@ display(check_figure(model, audit, fast))
 pushed = verify(model, fast)
 asked = np.mean(fast.use > 1.0, axis=0)
 named = fast.wheels[int(np.argmax(asked))]
-print(f"driven {found.duration_s / fast.duration_s:.3f} times as fast; the plan says wheel {named} is "
-      f"over its limit {100 * asked.max():.0f} % of the time")
-print(f"simulated: wheel {pushed.wheel} slips at up to {1e3 * pushed.slip_m_s.max():.0f} mm/s; "
-      f"ends {1e3 * pushed.drift_m:.0f} mm away")
+print(
+    f"driven {found.duration_s / fast.duration_s:.3f} times as fast; the plan says wheel {named} is "
+    f"over its limit {100 * asked.max():.0f} % of the time"
+)
+print(
+    f"simulated: wheel {pushed.wheel} slips at up to {1e3 * pushed.slip_m_s.max():.0f} mm/s; "
+    f"ends {1e3 * pushed.drift_m:.0f} mm away"
+)
 print(f"cure that the audit gives: stretch time by {audit.time_scale_needed:.3f}")
 
 # %% [markdown]

@@ -29,7 +29,7 @@ from robotino import LAW, ROWS, fitted, physical, rescaled, values  # noqa: E402
 from robotino_campaign import Campaign  # noqa: E402
 from robotino_checks import currents, limits, turning  # noqa: E402
 
-from slipmargin.motions.odometry import wheel_path  # noqa: E402
+from slipmargin.data.odometry import wheel_path  # noqa: E402
 
 # %% [markdown]
 # ## Calibration first, kept apart from physics
@@ -47,7 +47,7 @@ print("\n".join(campaign.calibration.lines()))
 # The share of the way that is lost, by direction of motion in the body frame.
 
 # %%
-contacts = campaign.recipe.build("gray").contacts
+contacts = campaign.recipe.build("gray").geometry
 figure, axes = plt.subplots(figsize=(6.0, 3.2))
 lost_by_speed = []
 for runs, label in ((campaign.slow, "0.1 m/s"), (campaign.fast, "0.2 m/s")):
@@ -81,8 +81,10 @@ for name, labels in ROWS.items():
 errors = {name: campaign.judged(recipe) for name, recipe in recipes.items()}
 for name, e in errors.items():
     held = e["held out"]
-    print(f"{name:40s} fitted {100 * e['fitted']['displacement']:5.2f} %   held out: displacement "
-          f"{100 * held['displacement']:5.2f} %, heading {held['heading_deg']:4.1f} deg")
+    print(
+        f"{name:40s} fitted {100 * e['fitted']['displacement']:5.2f} %   held out: displacement "
+        f"{100 * held['displacement']:5.2f} %, heading {held['heading_deg']:4.1f} deg"
+    )
 
 # %% [markdown]
 # The second row is the honest baseline: a scale refitted on the carpet takes up the mean slip, no physics.

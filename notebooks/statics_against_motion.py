@@ -26,12 +26,11 @@ from slipmargin.io.robot_file import read_recipe
 from slipmargin.limits import sweep
 from slipmargin.limits.bounds import directions
 from slipmargin.limits.bounds_summary import bounds
-from slipmargin.motions.odometry import no_slip_matrix
+from slipmargin.paths.verify import on_rollers
 from slipmargin.plots.bounds import bounds_figure
 from slipmargin.plots.motion import run_figure
 from slipmargin.sim.signal import linear
 from slipmargin.sim.simulate import simulate
-from slipmargin.study.verify import on_rollers
 
 whole = read_recipe("ohio-kiwi").build("paper")
 rollers = on_rollers(whole)
@@ -47,8 +46,10 @@ along = np.deg2rad([0.0, 90.0])
 static = sweep(rollers, -along, with_band=False).f_max_N / mass  # pulled towards its own +X, +Y
 moving = directions(rollers, along)
 for k, name in enumerate(("along +X", "along +Y")):
-    print(f"{name}: pull limit / mass {static[k]:.4f}, speeding up {moving.starting_m_s2[k]:.4f}, "
-          f"braking {moving.braking_m_s2[k]:.4f} m/s²")
+    print(
+        f"{name}: pull limit / mass {static[k]:.4f}, speeding up {moving.starting_m_s2[k]:.4f}, "
+        f"braking {moving.braking_m_s2[k]:.4f} m/s²"
+    )
 print(f"too optimistic along +X: {static[0] / moving.starting_m_s2[0]:.2f} times")
 print(f"grip that constant speed along +X needs: {100 * moving.steady_use[0]:.0f} %")
 
@@ -68,6 +69,7 @@ display(bounds_figure(bounds(whole)))
 # the robot up along +X, from rest, asking each drive force for at most the share λ of its grip.  Friction of
 # eq. (11) is never quite without slip; below the limit it creeps by at most tan(πλ/2)/k.
 
+
 # %%
 def peak_slip(asked: float, seconds: float = 1.0):
     """A ramp along +X that asks ``asked`` times the drive force there is: the run and its peak drive slip."""
@@ -77,7 +79,7 @@ def peak_slip(asked: float, seconds: float = 1.0):
     t = np.linspace(0.0, seconds, 201)
     twist = np.zeros((t.size, 3))
     twist[:, 0] = a * t
-    omega = twist @ np.linalg.inv(no_slip_matrix(rollers.contacts)).T  # wheel speeds that roll without slip
+    omega = twist @ np.linalg.inv(rollers.geometry.no_slip_map()).T  # wheel speeds that roll without slip
     run = simulate(rollers, linear(t, omega), np.linspace(0.0, seconds, 2001))
     return run, float(np.max(np.abs(run.slip[..., 0])))
 

@@ -26,14 +26,22 @@ from slipmargin.study import Kind, Machine, Question, objective, optimum, parse_
 from slipmargin.study.vary import applied, quantity_of
 
 angles = parse_vary("delta_deg=0:60:1")
-NAMES = ("f_worst", "f_mean", "isotropy", "start_worst_m_s2", "start_mean_m_s2", "brake_worst_m_s2",
-         "corner_m_s")
+NAMES = (
+    "f_worst",
+    "f_mean",
+    "isotropy",
+    "start_worst_m_s2",
+    "start_mean_m_s2",
+    "brake_worst_m_s2",
+    "corner_m_s",
+)
 
 
 def by_angle(loads: str):
     """δ from 0° to 60° on paper under one load model."""
-    machine = applied(Machine(recipe=read_recipe("ohio-kiwi"), surface="paper"), [quantity_of("load_model")],
-                      [loads])
+    machine = applied(
+        Machine(recipe=read_recipe("ohio-kiwi"), surface="paper"), [quantity_of("load_model")], [loads]
+    )
     return study(Question(machine=machine, grids=(angles,), kinds=(Kind.STATIC, Kind.MOTION)))
 
 
@@ -43,8 +51,10 @@ def table(found) -> None:
     print(f"{'objective':<20}{'best δ':>8}{'best':>10}{'at 15°':>10}{'at 30°':>10}")
     for name in NAMES:
         column = found.columns[name]
-        print(f"{name:<20}{found.values[found.best(name)][0]:>8g}{column[found.best(name)]:>10.4g}"
-              f"{column[at[15.0]]:>10.4g}{column[at[30.0]]:>10.4g}")
+        print(
+            f"{name:<20}{found.values[found.best(name)][0]:>8g}{column[found.best(name)]:>10.4g}"
+            f"{column[at[15.0]]:>10.4g}{column[at[30.0]]:>10.4g}"
+        )
 
 
 # %% [markdown]

@@ -17,10 +17,6 @@ Array = NDArray[np.float64]
 #: Indices of trials, wheels, runs.
 Index = NDArray[np.int64]
 
-#: Standard acceleration of gravity used throughout [m/s²].  The golden numbers are per unit of
-#: m g and do not depend on it; forces in newtons use this value.
-GRAVITY_M_S2 = 9.81
-
 
 def real(
     place: str,

@@ -19,8 +19,8 @@ from slipmargin.diagnose.diagnosis import (
 from slipmargin.diagnose.where import Dependence
 from slipmargin.effects import AnyEffect, GeneralEffect, Part, Recipe, Trace
 from slipmargin.effects.wheel_loads import WheelLoads
-from slipmargin.model.terms import Modulation
-from slipmargin.model.variables import Basis, Target, Variable
+from slipmargin.physics.terms import Multiplier
+from slipmargin.physics.variables import Basis, Target, Variable
 
 NOISE = np.array([5e-4, 5e-4, 2e-3])
 
@@ -83,7 +83,7 @@ def unnamed() -> Finding:
         traced_to=Trace.POSITION,
         part=Part.GRIP,
         terms=(
-            Modulation(
+            Multiplier(
                 variable=Variable.POSITION_X,
                 basis=Basis.HATS,
                 shape=np.array([-1.0, 1.0]),

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from strategies import models, reals
 
 from slipmargin.model import Model
-from slipmargin.model.terms import ForceTerm, Modulation
-from slipmargin.model.variables import Basis, Frame, Target, Variable
+from slipmargin.physics.terms import ForceTerm, Multiplier
+from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.sim.signal import WheelSignal, held, hermite, linear
 
 #: A sensible size of each variable that friction may depend on, for the shape of its basis.
@@ -60,7 +60,7 @@ def wheel_motion(signal: WheelSignal):
 
 def no_slip_rates(model: Model, twist: np.ndarray) -> np.ndarray:
     """Wheel speeds (N,) that roll without drive slip at a body twist of the origin (3,)."""
-    c = model.contacts
+    c = model.geometry
     rows = np.column_stack([c.grip, c.position_m[:, 0] * c.grip[:, 1] - c.position_m[:, 1] * c.grip[:, 0]])
     return -(rows @ twist) / (c.radius_m * np.sum(c.drive * c.grip, axis=1))
 
@@ -69,7 +69,7 @@ def no_slip_rates(model: Model, twist: np.ndarray) -> np.ndarray:
 def driven(draw: st.DrawFn, **kwargs) -> tuple[Model, WheelSignal]:
     """A drawn robot with 0.25 s of wheel motion, hard enough to slip now and then, and back again."""
     model = draw(models(**kwargs))
-    reach = float(np.mean(np.hypot(*model.contacts.position_m.T)))
+    reach = float(np.mean(np.hypot(*model.geometry.position_m.T)))
     limit = 9.81 * 0.3 * float(model.grip.roller[:, 0].min())
     knots = np.array([0.0, 0.07, 0.11, 0.25])
     scale = limit * 0.1 * np.array([1.0, 1.0, 1.0 / reach])
@@ -103,11 +103,11 @@ def basis_shape(basis: Basis, size: float) -> tuple[np.ndarray, int]:
     return np.array(constants), count
 
 
-def modulation(variable: Variable, basis: Basis, target: Target, count: int, seed: int) -> Modulation:
+def modulation(variable: Variable, basis: Basis, target: Target, count: int, seed: int) -> Multiplier:
     """A modulation of a moderate size with drawn coefficients."""
     rng = np.random.default_rng(seed)
     shape, size = basis_shape(basis, SIZE[variable])
-    return Modulation(
+    return Multiplier(
         variable=variable,
         basis=basis,
         target=target,
@@ -126,8 +126,8 @@ def force(variable: Variable, basis: Basis, frame: Frame, seed: int, newton: flo
 
 
 def with_terms(
-    model: Model, modulations: tuple[Modulation, ...] = (), forces: tuple[ForceTerm, ...] = ()
+    model: Model, modulations: tuple[Multiplier, ...] = (), forces: tuple[ForceTerm, ...] = ()
 ) -> Model:
     """The model with these on top."""
-    grip = replace(model.grip, modulations=(*model.grip.modulations, *modulations))
-    return replace(model, grip=grip, losses=replace(model.losses, terms=(*model.losses.terms, *forces)))
+    grip = replace(model.grip, multipliers=(*model.grip.multipliers, *modulations))
+    return replace(model, grip=grip, external=replace(model.external, terms=(*model.external.terms, *forces)))

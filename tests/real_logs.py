@@ -11,7 +11,8 @@ EXCERPT = ROOT / "tests" / "data" / "robotino_excerpt"
 WHOLE = ROOT.parent / "shared" / "data" / "robotino"
 
 needs_whole = pytest.mark.skipif(
-    not WHOLE.is_dir(), reason="the whole campaign is not beside the repository (README: where to get it)")
+    not WHOLE.is_dir(), reason="the whole campaign is not beside the repository (README: where to get it)"
+)
 
 
 def logs(folder: Path) -> list[Path]:

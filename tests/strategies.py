@@ -20,7 +20,7 @@ from hypothesis import assume, strategies as st
 from slipmargin.effects import Effect
 from slipmargin.effects.catalogue import CATALOGUE
 from slipmargin.model import Model, nominal_model
-from slipmargin.model.loads import sharing_matrix
+from slipmargin.physics.loads import sharing_matrix
 from slipmargin.robot import (
     Body,
     Coefficients,
@@ -34,20 +34,34 @@ from slipmargin.robot import (
 )
 
 #: Table I of the paper.
-PAPER = Surface(name="paper", roller=Coefficients(drive=0.26, transverse=0.09),
-                rigid=Coefficients(drive=0.47, transverse=0.47))
-CARPET = Surface(name="carpet", roller=Coefficients(drive=0.25, transverse=0.15),
-                 rigid=Coefficients(drive=0.56, transverse=0.56))
+PAPER = Surface(
+    name="paper",
+    roller=Coefficients(drive=0.26, transverse=0.09),
+    rigid=Coefficients(drive=0.47, transverse=0.47),
+)
+CARPET = Surface(
+    name="carpet",
+    roller=Coefficients(drive=0.25, transverse=0.15),
+    rigid=Coefficients(drive=0.56, transverse=0.56),
+)
 
 #: Grip rows whose smallest singular value is below this share of the largest are not drawn.
 WELL_POSED = 0.08
 
 
-def kiwi(delta_deg: float = 15.0, *, radius_m: float = 0.095, mass_kg: float = 3.0,
-         com_m: tuple[float, float] = (0.0, 0.0), com_height_m: float = 0.0,
-         load_rule: LoadRule = LoadRule.EQUAL, load_fractions: tuple[float, ...] | None = None,
-         grip: GripShape = GripShape.BOX, turned_rad: float = 0.0,
-         rigid_fraction: float = 0.1) -> Robot:
+def kiwi(
+    delta_deg: float = 15.0,
+    *,
+    radius_m: float = 0.095,
+    mass_kg: float = 3.0,
+    com_m: tuple[float, float] = (0.0, 0.0),
+    com_height_m: float = 0.0,
+    load_rule: LoadRule = LoadRule.EQUAL,
+    load_fractions: tuple[float, ...] | None = None,
+    grip: GripShape = GripShape.BOX,
+    turned_rad: float = 0.0,
+    rigid_fraction: float = 0.1,
+) -> Robot:
     """The paper's robot: theory section 1, front wheels at ±(cos δ, sin δ), rear at (0, −1).
 
     ``turned_rad`` turns the whole machine (wheels and centre of mass) in its body frame.
@@ -55,35 +69,62 @@ def kiwi(delta_deg: float = 15.0, *, radius_m: float = 0.095, mass_kg: float = 3
     delta = math.radians(delta_deg)
     axle = [delta, math.pi - delta, -math.pi / 2]
     wheels = tuple(
-        Wheel(name=name, position_m=radius_m * np.array([math.cos(a + turned_rad), math.sin(a + turned_rad)]),
-              drive_direction_deg=math.degrees(a + turned_rad + math.pi / 2), radius_m=0.0254,
-              rigid_fraction=rigid_fraction)
+        Wheel(
+            name=name,
+            position_m=radius_m * np.array([math.cos(a + turned_rad), math.sin(a + turned_rad)]),
+            drive_direction_deg=math.degrees(a + turned_rad + math.pi / 2),
+            radius_m=0.0254,
+            rigid_fraction=rigid_fraction,
+        )
         for name, a in zip(("right", "left", "rear"), axle, strict=True)
     )
     c, s = math.cos(turned_rad), math.sin(turned_rad)
     turn = np.array([[c, -s], [s, c]])
     return Robot(
-        name="kiwi", wheels=wheels, surfaces=(PAPER, CARPET), load_rule=load_rule,
-        body=Body(mass_kg=mass_kg, inertia_kg_m2=mass_kg * radius_m**2, com_m=turn @ np.array(com_m),
-                  com_height_m=com_height_m),
+        name="kiwi",
+        wheels=wheels,
+        surfaces=(PAPER, CARPET),
+        load_rule=load_rule,
+        body=Body(
+            mass_kg=mass_kg,
+            inertia_kg_m2=mass_kg * radius_m**2,
+            com_m=turn @ np.array(com_m),
+            com_height_m=com_height_m,
+        ),
         load_fractions=None if load_fractions is None else np.array(load_fractions),
         friction=FrictionLaw(grip=grip),
     )
 
 
-def four_wheels(roller_angle_deg: float = 45.0, *, grip: GripShape = GripShape.BOX,
-                load_rule: LoadRule = LoadRule.STATIC, com_height_m: float = 0.0) -> Robot:
+def four_wheels(
+    roller_angle_deg: float = 45.0,
+    *,
+    grip: GripShape = GripShape.BOX,
+    load_rule: LoadRule = LoadRule.STATIC,
+    com_height_m: float = 0.0,
+) -> Robot:
     """A rectangular four-wheel mecanum robot (X pattern seen from above)."""
     place = np.array([[0.15, 0.2], [-0.15, 0.2], [-0.15, -0.2], [0.15, -0.2]])
     sign = [1.0, -1.0, 1.0, -1.0]
     wheels = tuple(
-        Wheel(name=name, position_m=p, drive_direction_deg=90.0, radius_m=0.05,
-              roller_angle_deg=s * roller_angle_deg, rollers=9)
+        Wheel(
+            name=name,
+            position_m=p,
+            drive_direction_deg=90.0,
+            radius_m=0.05,
+            roller_angle_deg=s * roller_angle_deg,
+            rollers=9,
+        )
         for name, p, s in zip(("fr", "fl", "rl", "rr"), place, sign, strict=True)
     )
-    return Robot(name="mecanum", wheels=wheels, surfaces=(PAPER, CARPET), load_rule=load_rule,
-                 body=Body(mass_kg=12.0, inertia_kg_m2=0.4, com_height_m=com_height_m),
-                 friction=FrictionLaw(grip=grip))
+    return Robot(
+        name="mecanum",
+        wheels=wheels,
+        surfaces=(PAPER, CARPET),
+        load_rule=load_rule,
+        body=Body(mass_kg=12.0, inertia_kg_m2=0.4, com_height_m=com_height_m),
+        friction=FrictionLaw(grip=grip),
+    )
 
 
 def reals(low: float, high: float) -> st.SearchStrategy[float]:
@@ -100,9 +141,15 @@ def surfaces(draw: st.DrawFn, name: str = "floor") -> Surface:
 
 
 @st.composite
-def robots(draw: st.DrawFn, *, min_wheels: int = 3, max_wheels: int = 6,
-           rules: tuple[LoadRule, ...] = tuple(LoadRule), shapes: tuple[GripShape, ...] = (GripShape.BOX,),
-           motors: bool = False) -> Robot:
+def robots(
+    draw: st.DrawFn,
+    *,
+    min_wheels: int = 3,
+    max_wheels: int = 6,
+    rules: tuple[LoadRule, ...] = tuple(LoadRule),
+    shapes: tuple[GripShape, ...] = (GripShape.BOX,),
+    motors: bool = False,
+) -> Robot:
     """A robot of omni and mecanum wheels, one surface called ``floor``, any of the load rules.
 
     The static load of every wheel is at least a fifth of m g / N, so no drawn robot tips at rest.
@@ -118,30 +165,51 @@ def robots(draw: st.DrawFn, *, min_wheels: int = 3, max_wheels: int = 6,
             roller, drive = draw(st.sampled_from((45.0, -45.0, 30.0, -60.0))), draw(reals(-180.0, 180.0))
         else:
             roller, drive = 0.0, math.degrees(at) + 90.0 + draw(reals(-40.0, 40.0))
-        wheels.append(Wheel(
-            name=name, position_m=far * np.array([math.cos(at), math.sin(at)]), drive_direction_deg=drive,
-            radius_m=draw(reals(0.02, 0.1)), roller_angle_deg=roller, rollers=draw(st.integers(4, 14)),
-            rigid_fraction=draw(reals(0.0, 0.3))))
+        wheels.append(
+            Wheel(
+                name=name,
+                position_m=far * np.array([math.cos(at), math.sin(at)]),
+                drive_direction_deg=drive,
+                radius_m=draw(reals(0.02, 0.1)),
+                roller_angle_deg=roller,
+                rollers=draw(st.integers(4, 14)),
+                rigid_fraction=draw(reals(0.0, 0.3)),
+            )
+        )
     place = np.array([w.position_m for w in wheels])
     assume(_posed(wheels, place))
     com, fractions = _centre(draw, place)
     rule = draw(st.sampled_from(rules))
     mass = draw(reals(0.5, 60.0))
     return Robot(
-        name=f"drawn-{kind}-{n}", wheels=tuple(wheels), surfaces=(draw(surfaces()),), load_rule=rule,
-        body=Body(mass_kg=mass, inertia_kg_m2=mass * (draw(reals(0.4, 1.2)) * size) ** 2, com_m=com,
-                  com_height_m=draw(reals(0.0, 0.6)) * size),
+        name=f"drawn-{kind}-{n}",
+        wheels=tuple(wheels),
+        surfaces=(draw(surfaces()),),
+        load_rule=rule,
+        body=Body(
+            mass_kg=mass,
+            inertia_kg_m2=mass * (draw(reals(0.4, 1.2)) * size) ** 2,
+            com_m=com,
+            com_height_m=draw(reals(0.0, 0.6)) * size,
+        ),
         load_fractions=fractions if rule is LoadRule.FIXED else None,
         friction=FrictionLaw(grip=draw(st.sampled_from(shapes))),
         motor=Motor(max_speed_rad_s=draw(reals(5.0, 100.0)), stall_torque_N_m=draw(reals(0.1, 5.0)))
-        if motors and draw(st.booleans()) else None,
+        if motors and draw(st.booleans())
+        else None,
     )
 
 
 @st.composite
-def models(draw: st.DrawFn, *, min_wheels: int = 3, max_wheels: int = 6,
-           rules: tuple[LoadRule, ...] = tuple(LoadRule), shapes: tuple[GripShape, ...] = (GripShape.BOX,),
-           motors: bool = False) -> Model:
+def models(
+    draw: st.DrawFn,
+    *,
+    min_wheels: int = 3,
+    max_wheels: int = 6,
+    rules: tuple[LoadRule, ...] = tuple(LoadRule),
+    shapes: tuple[GripShape, ...] = (GripShape.BOX,),
+    motors: bool = False,
+) -> Model:
     """The nominal model of a drawn robot on its floor."""
     drawn = robots(min_wheels=min_wheels, max_wheels=max_wheels, rules=rules, shapes=shapes, motors=motors)
     return nominal_model(draw(drawn), "floor")
@@ -166,8 +234,14 @@ def _centre(draw: st.DrawFn, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 
 @st.composite
-def effects(draw: st.DrawFn, kinds: Sequence[type[Effect]] = CATALOGUE, *, reach: float = 2.0,
-            least: float = 0.0, wheels: tuple[str, ...] = ()) -> Effect:
+def effects(
+    draw: st.DrawFn,
+    kinds: Sequence[type[Effect]] = CATALOGUE,
+    *,
+    reach: float = 2.0,
+    least: float = 0.0,
+    wheels: tuple[str, ...] = (),
+) -> Effect:
     """An effect of the catalogue, every parameter within ``reach`` of its scales from null, in its bounds.
 
     With ``least`` > 0 every parameter is at least that many scales away from null (or at a bound).
@@ -176,8 +250,10 @@ def effects(draw: st.DrawFn, kinds: Sequence[type[Effect]] = CATALOGUE, *, reach
     kind = draw(st.sampled_from(kinds))
     values = []
     for p in kind.parameters:
-        sides = [(max(p.low, p.null - reach * p.scale), max(p.low, p.null - least * p.scale)),
-                 (min(p.high, p.null + least * p.scale), min(p.high, p.null + reach * p.scale))]
+        sides = [
+            (max(p.low, p.null - reach * p.scale), max(p.low, p.null - least * p.scale)),
+            (min(p.high, p.null + least * p.scale), min(p.high, p.null + reach * p.scale)),
+        ]
         low, high = draw(st.sampled_from([s for s in sides if s[0] < s[1]]))
         values.append(draw(reals(low, high)))
     some = draw(st.lists(st.sampled_from(wheels), unique=True, max_size=len(wheels) - 1)) if wheels else []

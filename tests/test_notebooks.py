@@ -43,8 +43,12 @@ def test_the_notebook_runs(path: Path) -> None:
         pytest.importorskip("ipykernel")
         nbclient = pytest.importorskip("nbclient")
         os.environ["PYDEVD_DISABLE_FILE_VALIDATION"] = "1"
-        runner = nbclient.NotebookClient(book, timeout=int(2 * MOST_S), kernel_name="python3",
-                                         resources={"metadata": {"path": str(path.parent)}})
+        runner = nbclient.NotebookClient(
+            book,
+            timeout=int(2 * MOST_S),
+            kernel_name="python3",
+            resources={"metadata": {"path": str(path.parent)}},
+        )
         started = time.monotonic()
         runner.execute()
     assert time.monotonic() - started < MOST_S, "a notebook takes less than a minute"

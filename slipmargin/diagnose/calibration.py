@@ -18,14 +18,14 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array, frozen, real
+from slipmargin.data.odometry import bridged, wheel_angles, wheel_path
+from slipmargin.data.record import Record
 from slipmargin.diagnose.delay import estimate_delay
 from slipmargin.effects.camera_delay import CameraDelay
 from slipmargin.effects.camera_rotation import CameraRotation
 from slipmargin.effects.camera_scale import CameraScale
 from slipmargin.errors import InputError
-from slipmargin.model.parts import Contacts
-from slipmargin.motions.odometry import bridged, wheel_angles, wheel_path
-from slipmargin.motions.record import Record
+from slipmargin.physics.kinematics import WheelGeometry
 
 #: Length of the pieces a run is cut into [s]: long against the delay, short against the picture.
 PIECE_S = 2.0
@@ -127,14 +127,14 @@ class Calibration:
         return (*told, f"camera tilt ({tilt}) % of scale per metre along x, y")
 
 
-def calibrate(records: tuple[Record, ...], contacts: Contacts, tilt: bool = True) -> Calibration:
+def calibrate(records: tuple[Record, ...], contacts: WheelGeometry, tilt: bool = True) -> Calibration:
     """Scale, rotation, delay and (where the runs show one) tilt of the camera, by the wheels.
 
     Parameters
     ----------
     records : tuple of Record
         Runs on the floor with the least slip.
-    contacts : Contacts
+    contacts : WheelGeometry
         Where the wheels stand and how large they are.
     tilt : bool
         Whether to look for a tilt.
@@ -184,7 +184,7 @@ class _Pieces:
     place: Array  # (K, 2) middle of each piece
 
 
-def _pieces(record: Record, contacts: Contacts, delay_s: float, piece_s: float) -> _Pieces:
+def _pieces(record: Record, contacts: WheelGeometry, delay_s: float, piece_s: float) -> _Pieces:
     t = record.t_s
     angle = wheel_angles(t, record.theta, record.omega)
     if angle is None:

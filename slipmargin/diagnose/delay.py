@@ -8,10 +8,10 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.data.odometry import body_path, wheel_angles, wheel_path
+from slipmargin.data.record import Record
 from slipmargin.errors import InputError
-from slipmargin.model.parts import Contacts
-from slipmargin.motions.odometry import body_path, wheel_angles, wheel_path
-from slipmargin.motions.record import Record
+from slipmargin.physics.kinematics import WheelGeometry
 
 _GRID_S = np.arange(-0.4, 0.4001, 0.005)
 _EARLY_S = 2.5  #: the start tells the delay; later motion is a straight line that tells none
@@ -27,7 +27,7 @@ class Delay:
     runs: int
 
 
-def estimate_delay(records: tuple[Record, ...], contacts: Contacts) -> Delay:
+def estimate_delay(records: tuple[Record, ...], contacts: WheelGeometry) -> Delay:
     """The delay at which the wheels' path, scaled and turned, fits the camera's best.
 
     On a floor that slips, spinning up looks like a longer delay: estimate it where slip is least.
@@ -51,7 +51,7 @@ def estimate_delay(records: tuple[Record, ...], contacts: Contacts) -> Delay:
     )
 
 
-def _one(record: Record, contacts: Contacts) -> float | None:
+def _one(record: Record, contacts: WheelGeometry) -> float | None:
     t = record.t_s
     angle = wheel_angles(t, record.theta, record.omega)
     if angle is None:

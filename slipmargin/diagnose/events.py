@@ -11,9 +11,9 @@ from dataclasses import replace
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.data.record import WHEEL_SIGNALS, Record
 from slipmargin.diagnose.diagnosis import Event
 from slipmargin.diagnose.problem import Problem
-from slipmargin.motions.record import WHEEL_SIGNALS, Record
 
 #: Within how long an event happens [s].
 _SPAN_S = 0.1

@@ -71,7 +71,7 @@ def findings(
                 name=candidate.name,
                 label=candidate.label,
                 traced_to=candidate.trace,
-                wheels=effect.wheels or problem.nominal.contacts.names,
+                wheels=effect.wheels or problem.nominal.geometry.names,
                 parameters=tuple(
                     Estimate(
                         name=key,
@@ -169,5 +169,5 @@ def _load_fractions(problem: Problem, final: Fit, spread: Intervals) -> tuple[Es
             high=float(v + r),
             unit="1",
         )
-        for name, v, r in zip(problem.nominal.contacts.names, value, reach, strict=True)
+        for name, v, r in zip(problem.nominal.geometry.names, value, reach, strict=True)
     )

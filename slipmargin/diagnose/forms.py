@@ -17,8 +17,8 @@ from slipmargin.diagnose.candidate import Candidate
 from slipmargin.effects import GeneralEffect, Part, Trace
 from slipmargin.effects.general import PREFIX, Term
 from slipmargin.model import Model
-from slipmargin.model.terms import ForceTerm, Modulation
-from slipmargin.model.variables import Basis, Frame, Target, Variable
+from slipmargin.physics.terms import ForceTerm, Multiplier
+from slipmargin.physics.variables import Basis, Frame, Target, Variable
 
 
 @final
@@ -98,7 +98,7 @@ def friction(
         at = 0
         for variable, basis, shape, count, target, weights in rows:
             made.append(
-                Modulation(
+                Multiplier(
                     variable=variable,
                     basis=basis,
                     shape=np.array(shape),
@@ -123,7 +123,7 @@ def forces(
 ) -> Candidate:
     """Force terms: rows of (variable, basis, shape, count, axes, size of the variable)."""
     weight = model.inertia.weight_N
-    arm = float(np.mean(np.hypot(*(model.contacts.position_m - model.inertia.com_m).T)))
+    arm = float(np.mean(np.hypot(*(model.geometry.position_m - model.inertia.com_m).T)))
     unit = np.array([weight, weight, weight * arm]) * 0.02
     scale: list[float] = []
     for _, _, _, count, axes, reach in rows:

@@ -12,7 +12,7 @@ from slipmargin.diagnose.forms import Ranges, forces, friction
 from slipmargin.diagnose.signal_forms import actuation_forms, measurement_forms
 from slipmargin.effects import Trace
 from slipmargin.model import Model
-from slipmargin.model.variables import Basis, Frame, Target, Variable
+from slipmargin.physics.variables import Basis, Frame, Target, Variable
 
 
 def general_candidates(model: Model, ranges: Ranges, commanded: bool) -> list[Candidate]:
@@ -105,7 +105,7 @@ def _over_contact(model: Model, r: Ranges) -> list[Candidate]:
                 model,
                 [(unity, constant, none, 1, t, row) for t in (drive, transverse)],
             )
-            for name, row in zip(model.contacts.names, one, strict=True)
+            for name, row in zip(model.geometry.names, one, strict=True)
         ],
         friction(
             Trace.WHEEL_LOAD,

@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array, frozen
+from slipmargin.data.pulls import Pulls
 from slipmargin.diagnose.plan_change import PlanChange, plan_change
 from slipmargin.diagnose.pull_check import PullCheck, pull_check
 from slipmargin.effects import Recipe
@@ -17,7 +18,6 @@ from slipmargin.limits.motion_state import Contact
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.sweep import limit_or_zero
 from slipmargin.model import Model
-from slipmargin.motions.pulls import Pulls
 
 #: Orientations of the pull and directions of motion, one degree and five degrees apart.
 _ORIENTATIONS, _DIRECTIONS = 360, 72

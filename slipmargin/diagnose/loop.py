@@ -8,6 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from slipmargin.checks import Array, Index
+from slipmargin.data.data_set import DataSet, WheelSignal
+from slipmargin.data.record import Record
 from slipmargin.diagnose.candidate import named_candidates
 from slipmargin.diagnose.diagnosis import Diagnosis, Event, Finding, Score, Step, Trace3, Tried, Verdict
 from slipmargin.diagnose.events import cut_apart, find_events, in_full_swing
@@ -24,8 +26,6 @@ from slipmargin.diagnose.signals import Way
 from slipmargin.diagnose.turns import Recurrence, comes_round
 from slipmargin.diagnose.where import dependences
 from slipmargin.effects import AnyEffect
-from slipmargin.io.data_set import DataSet, WheelSignal
-from slipmargin.motions.record import Record
 
 #: With at least so many trials some are held out altogether; with fewer all are cross-validated.
 ENOUGH_TO_HOLD_OUT = 6
@@ -72,7 +72,7 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
     known = tuple(effect.name for effect in data_set.recipe.effects)
     model = problem.model(())
     suspects = [
-        *named_candidates(model.contacts.names, commanded, known),
+        *named_candidates(model.geometry.names, commanded, known),
         *general_candidates(model, ranges(trials), commanded),
     ]
     progress("looking where the residual sits", 0.0)

@@ -42,7 +42,7 @@ class PlanChange:
 
 def plan_change(believed: Model, corrected: Model) -> PlanChange:
     """Plan the move with both models and ask the corrected one about the believed one's plan."""
-    arm = float(np.max(np.hypot(*(believed.contacts.position_m - believed.inertia.com_m).T)))
+    arm = float(np.max(np.hypot(*(believed.geometry.position_m - believed.inertia.com_m).T)))
     path = Path(pieces=(line(np.zeros(3), np.array(MOVE), arm),))
     old, new = _plan(believed, path), _plan(corrected, path)
     return PlanChange(

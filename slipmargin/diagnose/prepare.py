@@ -11,7 +11,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array, frozen
-from slipmargin.motions.record import Record
+from slipmargin.data.record import Record
 
 #: A sample farther than this many standard deviations from the line between its neighbours, and
 #: from their median, is an outlier.

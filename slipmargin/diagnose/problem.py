@@ -118,11 +118,11 @@ class Problem:
             max_steps=_MOST_STEPS,
         ).pose
         for k, model in enumerate(models):
-            if is_ideal(model.sensing):
+            if is_ideal(model.measurement):
                 continue
             for row in np.flatnonzero(which == k):
                 clock = self.trials[runs[row]].t_s
-                pose[row, : len(clock)] = measure(model.sensing, clock, pose[row, : len(clock)])
+                pose[row, : len(clock)] = measure(model.measurement, clock, pose[row, : len(clock)])
         seen = self.seen[runs]
         if self.piece is None:
             pose, gap = _fitted(pose, self.measured[runs], seen, self.sigma)

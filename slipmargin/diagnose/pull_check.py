@@ -12,11 +12,11 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.data.pulls import Pulls
 from slipmargin.limits.band import band
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.sweep import limit_or_zero
 from slipmargin.model import Model
-from slipmargin.motions.pulls import Pulls
 
 
 @final

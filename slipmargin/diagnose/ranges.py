@@ -41,7 +41,7 @@ def variables_of(trial: Trial, model: Model) -> dict[str, Array]:
     found = motion_of(trial)
     record = trial.record
     speeds = record.omega if record.omega is not None else record.omega_cmd
-    for i, name in enumerate(model.contacts.names):
+    for i, name in enumerate(model.geometry.names):
         if record.theta is not None:
             pitch = 2.0 * np.pi / float(model.grip.rollers[i])
             found[f"wheel angle {name}"] = np.mod(_filled(trial.t_s, record.theta[:, i]), pitch)

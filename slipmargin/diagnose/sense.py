@@ -1,4 +1,4 @@
-"""From the true pose to the measured one: apply a model's :class:`~slipmargin.model.parts.Sensing`."""
+"""From the true pose to the measured one, as a model's measurement part says."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
-from slipmargin.model.parts import Sensing
-from slipmargin.model.variables import Variable
+from slipmargin.model.parts import MeasurementModel
+from slipmargin.physics.variables import Variable
 
 
-def is_ideal(sensing: Sensing) -> bool:
+def is_ideal(sensing: MeasurementModel) -> bool:
     """Whether the sensing changes nothing."""
     return bool(
         np.all(sensing.scale == 1.0)
@@ -22,12 +22,12 @@ def is_ideal(sensing: Sensing) -> bool:
     )
 
 
-def measure(sensing: Sensing, t_s: Array, pose: Array) -> Array:
+def measure(sensing: MeasurementModel, t_s: Array, pose: Array) -> Array:
     """What the sensor reports of a motion.
 
     Parameters
     ----------
-    sensing : Sensing
+    sensing : MeasurementModel
         Faults of the measurement.
     t_s : array (T,)
         Instants [s], increasing.

@@ -12,8 +12,8 @@ from slipmargin.diagnose.forms import Ranges, spread
 from slipmargin.effects import Part, Trace
 from slipmargin.effects.general import Term
 from slipmargin.model import Model
-from slipmargin.model.terms import Modulation, PoseShift
-from slipmargin.model.variables import Basis, Variable
+from slipmargin.physics.terms import Multiplier, PoseShift
+from slipmargin.physics.variables import Basis, Variable
 
 
 def actuation_forms(model: Model, r: Ranges) -> list[Candidate]:
@@ -23,7 +23,7 @@ def actuation_forms(model: Model, r: Ranges) -> list[Candidate]:
 
     def terms(values: Array) -> list[Term]:
         return [
-            Modulation(
+            Multiplier(
                 variable=Variable.COMMAND_SPEED,
                 basis=Basis.HATS,
                 shape=shape,
@@ -34,7 +34,7 @@ def actuation_forms(model: Model, r: Ranges) -> list[Candidate]:
 
     def by_wheel(values: Array) -> list[Term]:
         return [
-            Modulation(
+            Multiplier(
                 variable=Variable.UNITY,
                 basis=Basis.CONSTANT,
                 shape=np.array([1.0, 0.0]),

@@ -127,7 +127,7 @@ def _bridged(t: Array, values: Array) -> Array:
 
 def rolling_twist(model: Model, trial: Trial, signal: WheelSignal) -> Array:
     """Floor-frame velocity (3,) that the wheels' first speeds make without slip [m/s, m/s, rad/s]."""
-    contacts = model.contacts
+    contacts = model.geometry
     arm, grip = contacts.position_m, contacts.grip
     rows = np.column_stack([grip, arm[:, 0] * grip[:, 1] - arm[:, 1] * grip[:, 0]])
     along = contacts.radius_m * np.sum(contacts.drive * grip, axis=1)

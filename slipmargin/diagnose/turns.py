@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array, Index
+from slipmargin.data.odometry import wheel_angles
 from slipmargin.diagnose.problem import Problem
-from slipmargin.motions.odometry import wheel_angles
 
 #: Counts a turn that are looked at: 1, 2, … up to this.
 _MOST = 24
@@ -66,7 +66,7 @@ def comes_round(problem: Problem, rates: Sequence[Array], seed: int) -> tuple[Re
     """:func:`recurrences` of what is left of a problem's trials, ``rates`` as it gives them."""
     trials = problem.trials
     angles = [wheel_angles(t.t_s, t.record.theta, t.record.omega) for t in trials]
-    return recurrences([t.t_s for t in trials], rates, angles, problem.nominal.contacts.names, seed)
+    return recurrences([t.t_s for t in trials], rates, angles, problem.nominal.geometry.names, seed)
 
 
 def recurrences(

@@ -7,7 +7,7 @@ from typing import ClassVar, final
 
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
-from slipmargin.model.parts import Sensing
+from slipmargin.model.parts import MeasurementModel
 
 
 @final
@@ -29,7 +29,7 @@ class CameraDelay(Effect):
             meaning="how late the pose is read",
         ),
     )
-    source: ClassVar[str] = "calibration of the pose measurement; see Sensing for signs"
+    source: ClassVar[str] = "calibration of the pose measurement; see MeasurementModel for signs"
     confirm: ClassVar[str] = "tap the robot and compare the time stamps of camera and encoders"
 
     delay_s: float
@@ -38,6 +38,6 @@ class CameraDelay(Effect):
     def __post_init__(self) -> None:
         self._check()
 
-    def rewrite(self, part: Sensing, nominal: Model) -> Sensing:
-        """Sensing with this fault."""
+    def rewrite(self, part: MeasurementModel, nominal: Model) -> MeasurementModel:
+        """MeasurementModel with this fault."""
         return replace(part, delay_s=part.delay_s + self.delay_s)

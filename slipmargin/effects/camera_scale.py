@@ -9,7 +9,7 @@ import numpy as np
 
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
-from slipmargin.model.parts import Sensing
+from slipmargin.model.parts import MeasurementModel
 
 
 @final
@@ -40,7 +40,7 @@ class CameraScale(Effect):
             meaning="measured over true distance along y",
         ),
     )
-    source: ClassVar[str] = "calibration of the pose measurement; see Sensing for signs"
+    source: ClassVar[str] = "calibration of the pose measurement; see MeasurementModel for signs"
     confirm: ClassVar[str] = "push the robot along a ruler and compare"
 
     scale_x: float
@@ -50,6 +50,6 @@ class CameraScale(Effect):
     def __post_init__(self) -> None:
         self._check()
 
-    def rewrite(self, part: Sensing, nominal: Model) -> Sensing:
-        """Sensing with this fault."""
+    def rewrite(self, part: MeasurementModel, nominal: Model) -> MeasurementModel:
+        """MeasurementModel with this fault."""
         return replace(part, scale=part.scale * np.array([self.scale_x, self.scale_y]))

@@ -8,7 +8,7 @@ from slipmargin.effects.effect import Parameter
 from slipmargin.errors import InputError
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
-from slipmargin.robot import GripShape
+from slipmargin.physics.grips import GripShape
 
 STRENGTH = Parameter(
     name="strength",

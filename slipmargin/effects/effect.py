@@ -39,7 +39,7 @@ class Trace(Enum):
 
 
 class Part(Enum):
-    """The part of the model an effect rewrites: the name of a field of :class:`Model`."""
+    """The part of the model an effect rewrites, by its word in robot files."""
 
     CONTACTS = "contacts"
     LOADS = "loads"
@@ -47,6 +47,19 @@ class Part(Enum):
     LOSSES = "losses"
     TRANSIENTS = "transients"
     SENSING = "sensing"
+
+    @property
+    def field(self) -> str:
+        """The field of :class:`Model` that holds it."""
+        return _FIELDS.get(self, self.value)
+
+
+_FIELDS = {
+    Part.CONTACTS: "geometry",
+    Part.LOSSES: "external",
+    Part.TRANSIENTS: "actuators",
+    Part.SENSING: "measurement",
+}
 
 
 @final
@@ -121,7 +134,7 @@ class Effect(ABC):
 
     def mask(self, nominal: Model) -> Array:
         """(N,) weights: 1 for the wheels the effect acts on, 0 for the others."""
-        names = nominal.contacts.names
+        names = nominal.geometry.names
         for wheel in self.wheels:
             if wheel not in names:
                 raise InputError(

@@ -10,8 +10,8 @@ import numpy as np
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
-from slipmargin.model.terms import Modulation
-from slipmargin.model.variables import Basis, Target, Variable
+from slipmargin.physics.terms import Multiplier
+from slipmargin.physics.variables import Basis, Target, Variable
 
 
 @final
@@ -56,7 +56,7 @@ class FloorNap(Effect):
 
     def rewrite(self, part: Grip, nominal: Model) -> Grip:
         """Grip that depends on the sliding direction over the floor."""
-        nap = Modulation(
+        nap = Multiplier(
             variable=Variable.SLIP_HEADING,
             basis=Basis.FOURIER,
             target=Target.BOTH,
@@ -64,4 +64,4 @@ class FloorNap(Effect):
             shape=np.array([2.0 * np.pi, 0.0]),
             wheels=self.mask(nominal),
         )
-        return replace(part, modulations=(*part.modulations, nap))
+        return replace(part, multipliers=(*part.multipliers, nap))

@@ -9,9 +9,9 @@ import numpy as np
 
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
-from slipmargin.model.parts import Losses
-from slipmargin.model.terms import ForceTerm
-from slipmargin.model.variables import Basis, Frame, Variable
+from slipmargin.model.parts import ExternalWrench
+from slipmargin.physics.terms import ForceTerm
+from slipmargin.physics.variables import Basis, Frame, Variable
 
 
 @final
@@ -54,8 +54,8 @@ class FloorTilt(Effect):
     def __post_init__(self) -> None:
         self._check()
 
-    def rewrite(self, part: Losses, nominal: Model) -> Losses:
-        """Losses with the slope's pull."""
+    def rewrite(self, part: ExternalWrench, nominal: Model) -> ExternalWrench:
+        """ExternalWrench with the slope's pull."""
         pull = nominal.inertia.weight_N * np.array([[self.tilt_x_rad], [self.tilt_y_rad], [0.0]])
         term = ForceTerm(
             variable=Variable.UNITY,

@@ -10,8 +10,8 @@ import numpy as np
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
-from slipmargin.model.terms import Modulation
-from slipmargin.model.variables import Basis, Target, Variable
+from slipmargin.physics.terms import Multiplier
+from slipmargin.physics.variables import Basis, Target, Variable
 
 
 @final
@@ -72,7 +72,7 @@ class FrictionCoefficients(Effect):
         roller = part.roller * (1.0 + weight[:, None] * (factor - 1.0))
         if self.steepness_factor == 1.0:
             return replace(part, roller=roller)
-        steeper = Modulation(
+        steeper = Multiplier(
             variable=Variable.UNITY,
             basis=Basis.CONSTANT,
             target=Target.STIFFNESS,
@@ -80,4 +80,4 @@ class FrictionCoefficients(Effect):
             coefficients=np.array([self.steepness_factor - 1.0]),
             wheels=weight,
         )
-        return replace(part, roller=roller, modulations=(*part.modulations, steeper))
+        return replace(part, roller=roller, multipliers=(*part.multipliers, steeper))

@@ -16,17 +16,17 @@ from slipmargin.checks import Array
 from slipmargin.effects.effect import Part, Trace
 from slipmargin.errors import InputError
 from slipmargin.model import Model
-from slipmargin.model.terms import ForceTerm, Modulation, PoseShift
-from slipmargin.model.variables import Basis, Frame, Target, Variable
+from slipmargin.physics.terms import ForceTerm, Multiplier, PoseShift
+from slipmargin.physics.variables import Basis, Frame, Target, Variable
 
 PREFIX = "unnamed_"
-Term = Modulation | ForceTerm | PoseShift
+Term = Multiplier | ForceTerm | PoseShift
 
 #: Which field of the part the terms are appended to, and the kind of term it takes.
 _PLACES: dict[Part, tuple[str, type]] = {
-    Part.GRIP: ("modulations", Modulation),
+    Part.GRIP: ("multipliers", Multiplier),
     Part.LOSSES: ("terms", ForceTerm),
-    Part.TRANSIENTS: ("modulations", Modulation),
+    Part.TRANSIENTS: ("multipliers", Multiplier),
     Part.SENSING: ("warps", PoseShift),
 }
 
@@ -75,7 +75,7 @@ def _row(term: Term) -> dict[str, Any]:
         "basis": term.basis.name.lower(),
         "shape": term.shape.tolist(),
     }
-    if isinstance(term, Modulation):
+    if isinstance(term, Multiplier):
         return row | {
             "target": term.target.name.lower(),
             "wheel_weights": term.wheels.tolist(),
@@ -115,7 +115,7 @@ def from_table(table: Mapping[str, Any]) -> GeneralEffect:
 
 
 def _term(place: str, kind: type, row: Mapping[str, Any]) -> Term:
-    if kind is Modulation:
+    if kind is Multiplier:
         keys = _COMMON | {"target", "coefficients", "wheel_weights"}
     else:
         keys = _COMMON | set(_TRIPLE[kind]) | ({"frame"} if kind is ForceTerm else set())
@@ -126,9 +126,9 @@ def _term(place: str, kind: type, row: Mapping[str, Any]) -> Term:
             "basis": _word(Basis, "basis", row["basis"]),
             "shape": _numbers("shape", row),
         }
-        if kind is Modulation:
+        if kind is Multiplier:
             target = _word(Target, "target", row["target"])
-            return Modulation(
+            return Multiplier(
                 **common,
                 target=target,
                 coefficients=_numbers("coefficients", row),

@@ -7,7 +7,7 @@ from typing import ClassVar, final
 
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
-from slipmargin.model.parts import Sensing
+from slipmargin.model.parts import MeasurementModel
 
 
 @final
@@ -29,7 +29,7 @@ class HeadingGain(Effect):
             meaning="measured over true heading change",
         ),
     )
-    source: ClassVar[str] = "calibration of the pose measurement; see Sensing for signs"
+    source: ClassVar[str] = "calibration of the pose measurement; see MeasurementModel for signs"
     confirm: ClassVar[str] = "turn the robot by one full turn by hand and read the heading"
 
     gain: float
@@ -38,6 +38,6 @@ class HeadingGain(Effect):
     def __post_init__(self) -> None:
         self._check()
 
-    def rewrite(self, part: Sensing, nominal: Model) -> Sensing:
-        """Sensing with this fault."""
+    def rewrite(self, part: MeasurementModel, nominal: Model) -> MeasurementModel:
+        """MeasurementModel with this fault."""
         return replace(part, heading_gain=part.heading_gain * self.gain)

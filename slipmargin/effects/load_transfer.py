@@ -7,8 +7,8 @@ from typing import ClassVar, final
 
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
-from slipmargin.model.loads import sharing_matrix, tagged
-from slipmargin.model.parts import Loads
+from slipmargin.model.loads import tagged
+from slipmargin.physics.loads import Loads, transfer
 
 
 @final
@@ -55,11 +55,11 @@ class LoadTransfer(Effect):
 
     def rewrite(self, part: Loads, nominal: Model) -> Loads:
         """Loads that follow the acceleration."""
-        share = sharing_matrix(nominal.contacts.position_m)
-        shift = -nominal.inertia.mass_kg * self.com_height_m * share[:, 1:]
+        shift = transfer(nominal.geometry.position_m, nominal.inertia.mass_kg, self.com_height_m)
         return replace(
             part,
             per_acceleration_kg=part.per_acceleration_kg + shift,
             rule=tagged(part.rule, "plus load transfer"),
             centred=max(part.centred, self.com_share),
+            raised_m=part.raised_m + self.com_height_m,
         )

@@ -9,7 +9,7 @@ import numpy as np
 
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
-from slipmargin.model.parts import Sensing
+from slipmargin.model.parts import MeasurementModel
 
 
 @final
@@ -40,7 +40,7 @@ class MarkerOffset(Effect):
             meaning="marker ahead of the origin",
         ),
     )
-    source: ClassVar[str] = "calibration of the pose measurement; see Sensing for signs"
+    source: ClassVar[str] = "calibration of the pose measurement; see MeasurementModel for signs"
     confirm: ClassVar[str] = "spin the robot on the spot: an offset marker draws a circle"
 
     marker_x_m: float
@@ -50,6 +50,6 @@ class MarkerOffset(Effect):
     def __post_init__(self) -> None:
         self._check()
 
-    def rewrite(self, part: Sensing, nominal: Model) -> Sensing:
-        """Sensing with this fault."""
+    def rewrite(self, part: MeasurementModel, nominal: Model) -> MeasurementModel:
+        """MeasurementModel with this fault."""
         return replace(part, marker_m=part.marker_m + np.array([self.marker_x_m, self.marker_y_m]))

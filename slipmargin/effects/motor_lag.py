@@ -7,7 +7,7 @@ from typing import ClassVar, final
 
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
-from slipmargin.model.parts import Transients
+from slipmargin.model.parts import ActuatorDynamics
 
 
 @final
@@ -49,8 +49,8 @@ class MotorLag(Effect):
     def __post_init__(self) -> None:
         self._check()
 
-    def rewrite(self, part: Transients, nominal: Model) -> Transients:
-        """Transients with lag and dead time."""
+    def rewrite(self, part: ActuatorDynamics, nominal: Model) -> ActuatorDynamics:
+        """ActuatorDynamics with lag and dead time."""
         return replace(
             part,
             lag_s=part.lag_s + self.mask(nominal) * self.lag_s,

@@ -37,6 +37,6 @@ def with_effects(nominal: Model, effects: tuple[AnyEffect, ...]) -> Model:
     """``nominal`` with each effect's part rewritten, in the order given (effects commute)."""
     model = nominal
     for effect in effects:
-        field = effect.part.value
+        field = effect.part.field
         model = replace(model, **{field: effect.rewrite(getattr(model, field), nominal)})
-    return replace(model, inertia=centred(model.inertia, model.loads, model.contacts.position_m))
+    return replace(model, inertia=centred(model.inertia, model.loads, model.geometry.position_m))

@@ -9,7 +9,7 @@ from slipmargin.effects.coupling import CONFIRM, STRENGTH, coupled
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
-from slipmargin.robot import GripShape
+from slipmargin.physics.grips import GripShape
 
 
 @final

@@ -9,9 +9,9 @@ import numpy as np
 
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
-from slipmargin.model.parts import Losses
-from slipmargin.model.terms import ForceTerm
-from slipmargin.model.variables import Basis, Frame, Variable
+from slipmargin.model.parts import ExternalWrench
+from slipmargin.physics.terms import ForceTerm
+from slipmargin.physics.variables import Basis, Frame, Variable
 
 
 @final
@@ -54,10 +54,10 @@ class RollingResistance(Effect):
     def __post_init__(self) -> None:
         self._check()
 
-    def rewrite(self, part: Losses, nominal: Model) -> Losses:
-        """Losses with a force against the motion."""
+    def rewrite(self, part: ExternalWrench, nominal: Model) -> ExternalWrench:
+        """ExternalWrench with a force against the motion."""
         inertia = nominal.inertia
-        arm = float(np.mean(np.hypot(*(nominal.contacts.position_m - inertia.com_m).T)))
+        arm = float(np.mean(np.hypot(*(nominal.geometry.position_m - inertia.com_m).T)))
         coulomb, viscous = self.coefficient * inertia.weight_N, self.viscous_N_s_per_m
         none = [0.0, 0.0]
         push = ForceTerm(

@@ -10,8 +10,8 @@ import numpy as np
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
-from slipmargin.model.terms import Modulation
-from slipmargin.model.variables import Basis, Target, Variable
+from slipmargin.physics.terms import Multiplier
+from slipmargin.physics.variables import Basis, Target, Variable
 
 
 @final
@@ -98,8 +98,8 @@ class SlipRatioFriction(Effect):
         weights = self.mask(nominal) * self.share
         along, across = self.steepness, self.steepness * self.transverse_factor
 
-        def creep(kappa: float, target: Target) -> Modulation:
-            return Modulation(
+        def creep(kappa: float, target: Target) -> Multiplier:
+            return Multiplier(
                 variable=Variable.HUB_SPEED,
                 basis=Basis.RECIPROCAL,
                 target=target,
@@ -109,9 +109,9 @@ class SlipRatioFriction(Effect):
             )
 
         if across == along:
-            terms: tuple[Modulation, ...] = (creep(along, Target.STIFFNESS),)
+            terms: tuple[Multiplier, ...] = (creep(along, Target.STIFFNESS),)
         else:
             terms = (creep(along, Target.STIFFNESS_DRIVE), creep(across, Target.STIFFNESS_TRANSVERSE))
         coefficients = part.roller.copy()
         coefficients[:, 1] *= 1.0 + weights * (self.transverse_coefficient_factor - 1.0)
-        return replace(part, roller=coefficients, modulations=(*part.modulations, *terms))
+        return replace(part, roller=coefficients, multipliers=(*part.multipliers, *terms))

@@ -7,7 +7,7 @@ from typing import ClassVar, final
 
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
-from slipmargin.model.parts import Transients
+from slipmargin.model.parts import ActuatorDynamics
 
 
 @final
@@ -48,8 +48,8 @@ class SpeedDroop(Effect):
     def __post_init__(self) -> None:
         self._check()
 
-    def rewrite(self, part: Transients, nominal: Model) -> Transients:
-        """Transients with droop."""
+    def rewrite(self, part: ActuatorDynamics, nominal: Model) -> ActuatorDynamics:
+        """ActuatorDynamics with droop."""
         mask = self.mask(nominal)
         return replace(
             part,

@@ -10,8 +10,8 @@ import numpy as np
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
-from slipmargin.model.terms import Modulation
-from slipmargin.model.variables import Basis, Target, Variable
+from slipmargin.physics.terms import Multiplier
+from slipmargin.physics.variables import Basis, Target, Variable
 
 
 @final
@@ -72,7 +72,7 @@ class Stribeck(Effect):
     def rewrite(self, part: Grip, nominal: Model) -> Grip:
         """Grip whose coefficients fall with slip speed."""
         drops = tuple(
-            Modulation(
+            Multiplier(
                 variable=Variable.SLIP_SPEED,
                 basis=Basis.DECAY,
                 target=target,
@@ -86,4 +86,4 @@ class Stribeck(Effect):
             )
             if ratio != 1.0
         )
-        return replace(part, modulations=(*part.modulations, *drops))
+        return replace(part, multipliers=(*part.multipliers, *drops))

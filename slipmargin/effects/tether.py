@@ -9,9 +9,9 @@ import numpy as np
 
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
-from slipmargin.model.parts import Losses
-from slipmargin.model.terms import ForceTerm
-from slipmargin.model.variables import Basis, Frame, Variable
+from slipmargin.model.parts import ExternalWrench
+from slipmargin.physics.terms import ForceTerm
+from slipmargin.physics.variables import Basis, Frame, Variable
 
 
 @final
@@ -64,8 +64,8 @@ class Tether(Effect):
     def __post_init__(self) -> None:
         self._check()
 
-    def rewrite(self, part: Losses, nominal: Model) -> Losses:
-        """Losses with the cable’s pull."""
+    def rewrite(self, part: ExternalWrench, nominal: Model) -> ExternalWrench:
+        """ExternalWrench with the cable’s pull."""
         k = self.stiffness_N_per_m
         pull = np.array([[k * self.anchor_x_m], [k * self.anchor_y_m], [0.0]])
         unit = np.ones(2)

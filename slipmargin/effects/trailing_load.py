@@ -10,8 +10,8 @@ import numpy as np
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
-from slipmargin.model.terms import Modulation
-from slipmargin.model.variables import Basis, Target, Variable
+from slipmargin.physics.terms import Multiplier
+from slipmargin.physics.variables import Basis, Target, Variable
 
 
 @final
@@ -54,8 +54,8 @@ class TrailingLoad(Effect):
 
     def rewrite(self, part: Grip, nominal: Model) -> Grip:
         """Grip whose friction falls with how much a wheel leads."""
-        reach = np.hypot(*(nominal.contacts.position_m - nominal.inertia.com_m).T)
-        lead = Modulation(
+        reach = np.hypot(*(nominal.geometry.position_m - nominal.inertia.com_m).T)
+        lead = Multiplier(
             variable=Variable.LEAD,
             basis=Basis.POLYNOMIAL,
             target=Target.BOTH,
@@ -63,4 +63,4 @@ class TrailingLoad(Effect):
             coefficients=np.array([-2.0 * self.lever_m]),
             wheels=self.mask(nominal) / np.where(reach > 0.0, reach, np.inf),
         )
-        return replace(part, modulations=(*part.modulations, lead))
+        return replace(part, multipliers=(*part.multipliers, lead))

@@ -9,8 +9,8 @@ import numpy as np
 
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
-from slipmargin.model.loads import sharing_matrix, tagged
-from slipmargin.model.parts import Loads
+from slipmargin.model.loads import tagged
+from slipmargin.physics.loads import Loads, sharing_matrix
 
 
 @final
@@ -67,7 +67,7 @@ class WheelLoads(Effect):
 
     def rewrite(self, part: Loads, nominal: Model) -> Loads:
         """Loads with the shifted resultant."""
-        share = sharing_matrix(nominal.contacts.position_m)
+        share = sharing_matrix(nominal.geometry.position_m)
         moved = nominal.inertia.weight_N * share @ np.array([0.0, self.shift_x_m, self.shift_y_m])
         return replace(
             part,

@@ -7,7 +7,7 @@ from typing import ClassVar, final
 
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
-from slipmargin.model.parts import Contacts
+from slipmargin.physics.kinematics import WheelGeometry
 
 
 @final
@@ -41,6 +41,6 @@ class WheelRadius(Effect):
     def __post_init__(self) -> None:
         self._check()
 
-    def rewrite(self, part: Contacts, nominal: Model) -> Contacts:
-        """Contacts with another wheel radius."""
+    def rewrite(self, part: WheelGeometry, nominal: Model) -> WheelGeometry:
+        """WheelGeometry with another wheel radius."""
         return replace(part, radius_m=part.radius_m * (1.0 + self.mask(nominal) * (self.radius_factor - 1.0)))

@@ -9,7 +9,7 @@ import numpy as np
 
 from slipmargin.effects.effect import Effect, Parameter, Part, Trace
 from slipmargin.model import Model
-from slipmargin.model.parts import Contacts
+from slipmargin.physics.kinematics import WheelGeometry
 
 
 @final
@@ -42,8 +42,8 @@ class WheelToe(Effect):
     def __post_init__(self) -> None:
         self._check()
 
-    def rewrite(self, part: Contacts, nominal: Model) -> Contacts:
-        """Contacts with turned wheels."""
+    def rewrite(self, part: WheelGeometry, nominal: Model) -> WheelGeometry:
+        """WheelGeometry with turned wheels."""
         angle = self.mask(nominal) * self.toe_rad
         cos, sin = np.cos(angle), np.sin(angle)
         turn = np.stack([np.stack([cos, -sin], -1), np.stack([sin, cos], -1)], 1)

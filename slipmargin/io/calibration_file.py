@@ -41,14 +41,17 @@ def read_calibration(path: Path) -> Calibration:
         if table.whole("schema") != 1:
             raise InputError("schema", "is another version", "this program reads schema = 1")
         found = Calibration(
-            scale=table.number("scale", "1"), scale_sd=table.number("scale_sd", "1", 0.0),
+            scale=table.number("scale", "1"),
+            scale_sd=table.number("scale_sd", "1", 0.0),
             rotation_rad=table.number("rotation_rad", "rad"),
             rotation_sd_rad=table.number("rotation_sd_rad", "rad", 0.0),
-            delay_s=table.number("delay_s", "s"), delay_sd_s=table.number("delay_sd_s", "s", 0.0),
+            delay_s=table.number("delay_s", "s"),
+            delay_sd_s=table.number("delay_sd_s", "s", 0.0),
             tilt_per_m=np.array(table.numbers("tilt_per_m", 2, "1/m", (0.0, 0.0))),
             tilt_sd_per_m=np.array(table.numbers("tilt_sd_per_m", 2, "1/m", (0.0, 0.0))),
             middle_m=np.array(table.numbers("middle_m", 2, "m", (0.0, 0.0))),
-            spread=table.number("spread", "1", 0.0), runs=table.whole("runs", 0),
+            spread=table.number("spread", "1", 0.0),
+            runs=table.whole("runs", 0),
         )
         table.done()
         return found

@@ -8,8 +8,8 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
+from slipmargin.data.data_set import DataSet
 from slipmargin.errors import InputError
-from slipmargin.io.data_set import DataSet
 from slipmargin.io.robot_text import write_recipe
 from slipmargin.io.trial_file import pulls_text, trial_text
 
@@ -17,8 +17,12 @@ from slipmargin.io.trial_file import pulls_text, trial_text
 def data_set_files(data_set: DataSet, comment: str = "") -> dict[str, str]:
     """The files of a data set: path inside the folder → text."""
     head = [f"# {line}".rstrip() for line in comment.splitlines()]
-    head += ["schema = 1", 'robot = "robot.toml"', f'surface = "{data_set.surface}"',
-             f'wheel_signal = "{data_set.wheel_signal.value}"']
+    head += [
+        "schema = 1",
+        'robot = "robot.toml"',
+        f'surface = "{data_set.surface}"',
+        f'wheel_signal = "{data_set.wheel_signal.value}"',
+    ]
     if data_set.sigma is not None:
         names = ("x_m", "y_m", "phi_rad")
         head += ["", "[sigma]"]
@@ -40,16 +44,16 @@ def check_data_set_place(folder: Path) -> None:
     """
     if folder.is_dir():
         if any(folder.iterdir()) and not (folder / "dataset.toml").is_file():
-            raise InputError("--out", "is a folder that holds something else", "give a new one",
-                             str(folder))
+            raise InputError("--out", "is a folder that holds something else", "give a new one", str(folder))
     elif folder.exists():
         raise InputError("--out", "is a file", "give a new folder", str(folder))
     elif not folder.resolve().parent.is_dir():
         raise InputError("--out", "its parent folder does not exist", "create it first", str(folder))
 
 
-def write_data_set(folder: Path, data_set: DataSet, extra: Mapping[str, str] | None = None,
-                   comment: str = "") -> None:
+def write_data_set(
+    folder: Path, data_set: DataSet, extra: Mapping[str, str] | None = None, comment: str = ""
+) -> None:
     """Write a data set; a data set that stands there already is replaced when all is written.
 
     Parameters
@@ -67,8 +71,9 @@ def write_data_set(folder: Path, data_set: DataSet, extra: Mapping[str, str] | N
     try:
         stage = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))
     except OSError as fault:
-        raise InputError("--out", f"cannot be written ({fault.strerror})", "choose another place",
-                         str(folder)) from None
+        raise InputError(
+            "--out", f"cannot be written ({fault.strerror})", "choose another place", str(folder)
+        ) from None
     try:
         new = stage / "new"
         for name, text in {**data_set_files(data_set, comment), **(extra or {})}.items():
@@ -81,7 +86,8 @@ def write_data_set(folder: Path, data_set: DataSet, extra: Mapping[str, str] | N
     except OSError as fault:
         if not folder.exists() and (stage / "old").exists():
             os.replace(stage / "old", folder)
-        raise InputError("--out", f"cannot be written ({fault.strerror})", "choose another place",
-                         str(folder)) from None
+        raise InputError(
+            "--out", f"cannot be written ({fault.strerror})", "choose another place", str(folder)
+        ) from None
     finally:
         shutil.rmtree(stage, ignore_errors=True)

@@ -45,8 +45,10 @@ def _sets(found: Bounds) -> Inside:
 
 def _speeds(found: Bounds) -> tuple[float | None, float | None, float | None]:
     """Top speed forward, to the side [m/s] and turning [rad/s]; None where no motor limits it."""
-    ahead, side = (float(np.interp(a, found.full.heading_rad, found.top_m_s, period=2.0 * np.pi))
-                   for a in (0.5 * np.pi, 0.0))
+    ahead, side = (
+        float(np.interp(a, found.full.heading_rad, found.top_m_s, period=2.0 * np.pi))
+        for a in (0.5 * np.pi, 0.0)
+    )
     return tuple(v if math.isfinite(v) else None for v in (ahead, side, found.spin.top_rad_s))  # type: ignore
 
 
@@ -66,15 +68,22 @@ def nav2(found: Bounds) -> str:
     speeds = _speeds(found)
     lines = [*_head(found, "Nav2", "#"), "velocity_smoother:", "  ros__parameters:"]
     if all(v is not None for v in speeds):
-        lines += [f"    max_velocity: {_list(speeds)}  # [m/s, m/s, rad/s] wheel speed, one axis at a time",
-                  f"    min_velocity: {_list([-v for v in speeds if v is not None])}"]
-    lines += [f"    max_accel: {_list(fast)}  # x, y [m/s^2], theta [rad/s^2]",
-              f"    max_decel: {_list([-v for v in slow])}",
-              "controller_server:", "  ros__parameters:",
-              "    FollowPath:  # nav2_mppi_controller::MPPIController",
-              f"      ax_max: {even[0]:.4f}  # [m/s^2]", f"      ax_min: {-even[0]:.4f}",
-              f"      ay_max: {even[1]:.4f}", f"      ay_min: {-even[1]:.4f}",
-              f"      az_max: {even[2]:.4f}  # [rad/s^2]"]
+        lines += [
+            f"    max_velocity: {_list(speeds)}  # [m/s, m/s, rad/s] wheel speed, one axis at a time",
+            f"    min_velocity: {_list([-v for v in speeds if v is not None])}",
+        ]
+    lines += [
+        f"    max_accel: {_list(fast)}  # x, y [m/s^2], theta [rad/s^2]",
+        f"    max_decel: {_list([-v for v in slow])}",
+        "controller_server:",
+        "  ros__parameters:",
+        "    FollowPath:  # nav2_mppi_controller::MPPIController",
+        f"      ax_max: {even[0]:.4f}  # [m/s^2]",
+        f"      ax_min: {-even[0]:.4f}",
+        f"      ay_max: {even[1]:.4f}",
+        f"      ay_min: {-even[1]:.4f}",
+        f"      az_max: {even[2]:.4f}  # [rad/s^2]",
+    ]
     for name, value in zip(("vx_max", "vy_max", "wz_max"), speeds, strict=True):
         if value is not None:
             lines.append(f"      {name}: {value:.4f}")
@@ -89,11 +98,13 @@ def roadrunner(found: Bounds) -> str:
     lines = [*_head(found, "Road Runner", "//"), "// path profile parameters (in inches)"]
     top = found.model.drives.max_speed_rad_s
     if top is not None:
-        wheel = top * float(np.min(found.model.contacts.radius_m))
+        wheel = top * float(np.min(found.model.geometry.radius_m))
         lines.append(f"public double maxWheelVel = {wheel / _INCH:.3f};")
-    lines += [f"public double minProfileAccel = {-down / _INCH:.3f};",
-              f"public double maxProfileAccel = {up / _INCH:.3f};",
-              "// turn profile parameters (in radians)"]
+    lines += [
+        f"public double minProfileAccel = {-down / _INCH:.3f};",
+        f"public double maxProfileAccel = {up / _INCH:.3f};",
+        "// turn profile parameters (in radians)",
+    ]
     if math.isfinite(found.spin.top_rad_s):
         lines.append(f"public double maxAngVel = {found.spin.top_rad_s:.4f};")
     lines.append(f"public double maxAngAccel = {min(fast[2], slow[2]):.4f};")
@@ -105,13 +116,20 @@ def pathplanner(found: Bounds) -> str:
     sets, model = _sets(found), found.model
     ahead, side, turn = _speeds(found)
     table: dict[str, Any] = {
-        "holonomicMode": True, "robotMass": model.inertia.mass_kg, "robotMOI": model.inertia.inertia_kg_m2,
-        "driveWheelRadius": float(np.mean(model.contacts.radius_m)), "wheelCOF": _effective(found),
+        "holonomicMode": True,
+        "robotMass": model.inertia.mass_kg,
+        "robotMOI": model.inertia.inertia_kg_m2,
+        "driveWheelRadius": float(np.mean(model.geometry.radius_m)),
+        "wheelCOF": _effective(found),
         "defaultMaxAccel": min(sets.circle_m_s2, float(np.min(sets.even[:2]))),
-        "defaultMaxAngAccel": math.degrees(float(sets.even[2]))}
+        "defaultMaxAngAccel": math.degrees(float(sets.even[2])),
+    }
     if ahead is not None and side is not None and turn is not None:
-        table |= {"defaultMaxVel": min(ahead, side), "maxDriveSpeed": min(ahead, side),
-                  "defaultMaxAngVel": math.degrees(turn)}
+        table |= {
+            "defaultMaxVel": min(ahead, side),
+            "maxDriveSpeed": min(ahead, side),
+            "defaultMaxAngVel": math.degrees(turn),
+        }
     return json_text(table)
 
 
@@ -120,12 +138,19 @@ def choreo(found: Bounds) -> str:
     model = found.model
     drives = model.drives
     values: dict[str, tuple[float | None, str]] = {
-        "mass": (model.inertia.mass_kg, "kg"), "inertia": (model.inertia.inertia_kg_m2, "kg m ^ 2"),
-        "gearing": (1.0, ""), "radius": (float(np.mean(model.contacts.radius_m)), "m"),
-        "vmax": (drives.max_speed_rad_s, "rad / s"), "tmax": (drives.stall_torque_N_m, "N * m"),
-        "cof": (_effective(found), "")}
-    config = {name: {"exp": f"{value:.6g} {unit}".strip(), "val": value}
-              for name, (value, unit) in values.items() if value is not None}
+        "mass": (model.inertia.mass_kg, "kg"),
+        "inertia": (model.inertia.inertia_kg_m2, "kg m ^ 2"),
+        "gearing": (1.0, ""),
+        "radius": (float(np.mean(model.geometry.radius_m)), "m"),
+        "vmax": (drives.max_speed_rad_s, "rad / s"),
+        "tmax": (drives.stall_torque_N_m, "N * m"),
+        "cof": (_effective(found), ""),
+    }
+    config = {
+        name: {"exp": f"{value:.6g} {unit}".strip(), "val": value}
+        for name, (value, unit) in values.items()
+        if value is not None
+    }
     return json_text({"config": config})
 
 
@@ -138,25 +163,50 @@ def bounds_table(found: Bounds) -> dict[str, Any]:
     """Everything as numbers; axes are the robot's (x right, y forward)."""
     full, safe, corner, sets = found.full, found.safe, found.cornering, found.inside
     return {
-        "schema": 1, "robot": found.model.robot, "surface": found.model.surface, "margin": found.margin,
-        "traction_limit_m_s2": found.traction_m_s2, "motor_limit_m_s2": _finite(found.motor_limit_m_s2),
-        "smaller": found.smaller, "recommended_m_s2": found.recommended_m_s2,
+        "schema": 1,
+        "robot": found.model.robot,
+        "surface": found.model.surface,
+        "margin": found.margin,
+        "traction_limit_m_s2": found.traction_m_s2,
+        "motor_limit_m_s2": _finite(found.motor_limit_m_s2),
+        "smaller": found.smaller,
+        "recommended_m_s2": found.recommended_m_s2,
         "isotropic_m_s2": found.isotropic_m_s2,
-        "heading_rad": full.heading_rad, "starting_m_s2": full.starting_m_s2,
+        "heading_rad": full.heading_rad,
+        "starting_m_s2": full.starting_m_s2,
         "turning_m_s2": full.turning_m_s2,
-        "braking_m_s2": full.braking_m_s2, "steady_use": full.steady_use, "steady_use_rigid": found.rigid_use,
-        "limiting": full.starting.wheels, "cause": full.starting.cause,
-        "safe_starting_m_s2": safe.starting_m_s2, "safe_turning_m_s2": safe.turning_m_s2,
-        "safe_braking_m_s2": safe.braking_m_s2, "top_speed_m_s": [_finite(v) for v in found.top_m_s],
-        "spin": {"starting_rad_s2": found.spin.starting_rad_s2, "braking_rad_s2": found.spin.braking_rad_s2,
-                 "steady_use": found.spin.steady_use, "top_rad_s": _finite(found.spin.top_rad_s)},
-        "cornering": {"curvature_per_m": corner.curvature_per_m, "held_m_s": corner.held_m_s,
-                      "tangent_m_s": corner.tangent_m_s},
-        "inside": None if sets is None else {
-            "axes": ["ax_m_s2", "ay_m_s2", "alpha_rad_s2"], "speeding_up": sets.fast,
+        "braking_m_s2": full.braking_m_s2,
+        "steady_use": full.steady_use,
+        "steady_use_rigid": found.rigid_use,
+        "limiting": full.starting.wheels,
+        "cause": full.starting.cause,
+        "safe_starting_m_s2": safe.starting_m_s2,
+        "safe_turning_m_s2": safe.turning_m_s2,
+        "safe_braking_m_s2": safe.braking_m_s2,
+        "top_speed_m_s": [_finite(v) for v in found.top_m_s],
+        "spin": {
+            "starting_rad_s2": found.spin.starting_rad_s2,
+            "braking_rad_s2": found.spin.braking_rad_s2,
+            "steady_use": found.spin.steady_use,
+            "top_rad_s": _finite(found.spin.top_rad_s),
+        },
+        "cornering": {
+            "curvature_per_m": corner.curvature_per_m,
+            "held_m_s": corner.held_m_s,
+            "tangent_m_s": corner.tangent_m_s,
+        },
+        "inside": None
+        if sets is None
+        else {
+            "axes": ["ax_m_s2", "ay_m_s2", "alpha_rad_s2"],
+            "speeding_up": sets.fast,
             "slowing_down": sets.slow,
-            "box": sets.even, "ellipsoid": sets.ellipsoid, "circle_m_s2": sets.circle_m_s2},
-        "inside_why_not": found.why_not}
+            "box": sets.even,
+            "ellipsoid": sets.ellipsoid,
+            "circle_m_s2": sets.circle_m_s2,
+        },
+        "inside_why_not": found.why_not,
+    }
 
 
 def _effective(found: Bounds) -> float:
@@ -178,4 +228,9 @@ def _finite(value: float) -> float | None:
 
 
 TOOLS: dict[str, Callable[[Bounds], str]] = {
-    "nav2": nav2, "roadrunner": roadrunner, "pathplanner": pathplanner, "choreo": choreo, "json": plain_json}
+    "nav2": nav2,
+    "roadrunner": roadrunner,
+    "pathplanner": pathplanner,
+    "choreo": choreo,
+    "json": plain_json,
+}

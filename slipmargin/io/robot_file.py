@@ -60,9 +60,12 @@ def robot_text(robot: Path | str) -> tuple[str, str]:
         guess = nearest(name, built_in_names())
         if fault.problem != "there is no such file":
             raise
-        raise InputError("", "there is no such file and no built-in robot of that name",
-                         f"did you mean {guess!r}?" if guess else f"give a file or one of: {known}",
-                         name or "ROBOT") from None
+        raise InputError(
+            "",
+            "there is no such file and no built-in robot of that name",
+            f"did you mean {guess!r}?" if guess else f"give a file or one of: {known}",
+            name or "ROBOT",
+        ) from None
 
 
 def read_recipe(robot: Path | str) -> Recipe:
@@ -105,8 +108,16 @@ def recipe_from_text(text: str) -> Recipe:
     surfaces = _surfaces(top)
     effect_tables = top.tables("effect")
     top.done()
-    robot = Robot(name=name, body=body, wheels=wheels, surfaces=surfaces, load_rule=rule,
-                  load_fractions=fractions, friction=friction, motor=motor)
+    robot = Robot(
+        name=name,
+        body=body,
+        wheels=wheels,
+        surfaces=surfaces,
+        load_rule=rule,
+        load_fractions=fractions,
+        friction=friction,
+        motor=motor,
+    )
     _check_stands(robot)
     recipe = Recipe(robot=robot, effects=tuple(_effect(table, wheels) for table in effect_tables))
     for surface in surfaces:
@@ -185,8 +196,11 @@ def _named(key: str, wheels: list[Wheel]) -> tuple[Wheel, ...]:
     for i, wheel in enumerate(wheels):
         first = next(j for j, other in enumerate(wheels) if other.name == wheel.name)
         if first < i:
-            raise InputError(f"{key}[{i + 1}].name", f"is {wheel.name!r}, the name of {key}[{first + 1}]",
-                             f"give each {key} its own name")
+            raise InputError(
+                f"{key}[{i + 1}].name",
+                f"is {wheel.name!r}, the name of {key}[{first + 1}]",
+                f"give each {key} its own name",
+            )
     return tuple(wheels)
 
 
@@ -226,8 +240,11 @@ def _effect(table: Table, wheels: tuple[Wheel, ...]) -> AnyEffect:
         known = [e.name for e in CATALOGUE]
         guess = nearest(name, known)
         hint = f"did you mean {guess!r}? Known: " if guess else "known: "
-        raise InputError(table.at("name"), f"{name!r} is not a known effect",
-                         f"{hint}{', '.join(known)}, {general.PREFIX}…")
+        raise InputError(
+            table.at("name"),
+            f"{name!r} is not a known effect",
+            f"{hint}{', '.join(known)}, {general.PREFIX}…",
+        )
     return _named_effect(kind, table, [w.name for w in wheels])
 
 
@@ -239,8 +256,11 @@ def _named_effect(kind: type[Effect], table: Table, names: list[str]) -> Effect:
     if table.has("wheels"):
         chosen = table.take("wheels", "")
         if not isinstance(chosen, list) or not chosen or any(c not in names for c in chosen):
-            raise InputError(table.at("wheels"), f"is {chosen!r}",
-                             f"list the names of wheels it acts on: {', '.join(names)}")
+            raise InputError(
+                table.at("wheels"),
+                f"is {chosen!r}",
+                f"list the names of wheels it acts on: {', '.join(names)}",
+            )
         values["wheels"] = tuple(chosen)
     table.done()
     try:
@@ -255,8 +275,11 @@ def _check_stands(robot: Robot) -> None:
     angles = np.sort(np.arctan2(arm[:, 1], arm[:, 0]))
     gap = np.max(np.diff(np.append(angles, angles[0] + 2 * math.pi)))
     if gap > math.pi + 1e-9:
-        raise InputError("body.com_m", f"is {robot.body.com_m.tolist()}, outside the wheels' polygon",
-                         "move it between the wheels: this robot falls over")
+        raise InputError(
+            "body.com_m",
+            f"is {robot.body.com_m.tolist()}, outside the wheels' polygon",
+            "move it between the wheels: this robot falls over",
+        )
 
 
 def _check_builds(recipe: Recipe, surface: str) -> None:

@@ -20,14 +20,23 @@ def write_recipe(recipe: Recipe, comment: str = "") -> str:
     robot, body = recipe.robot, recipe.robot.body
     lines = [f"# {line}".rstrip() for line in comment.splitlines()]
     lines += ["schema = 1", f"name = {_value(robot.name)}"]
-    lines += _section("[body]", {"mass_kg": body.mass_kg, "inertia_kg_m2": body.inertia_kg_m2,
-                                 "com_m": body.com_m, "com_height_m": body.com_height_m})
+    lines += _section(
+        "[body]",
+        {
+            "mass_kg": body.mass_kg,
+            "inertia_kg_m2": body.inertia_kg_m2,
+            "com_m": body.com_m,
+            "com_height_m": body.com_height_m,
+        },
+    )
     loads: dict[str, Any] = {"model": robot.load_rule.value}
     if robot.load_fractions is not None:
         loads["fractions"] = robot.load_fractions
     lines += _section("[loads]", loads)
-    lines += _section("[friction]", {"law": "atan", "k_s_per_m": robot.friction.k_s_per_m,
-                                     "grip": robot.friction.grip.value})
+    lines += _section(
+        "[friction]",
+        {"law": "atan", "k_s_per_m": robot.friction.k_s_per_m, "grip": robot.friction.grip.value},
+    )
     if robot.motor is not None:
         motor = {"max_speed_rad_s": robot.motor.max_speed_rad_s}
         if robot.motor.stall_torque_N_m is not None:
@@ -36,8 +45,10 @@ def write_recipe(recipe: Recipe, comment: str = "") -> str:
     for wheel in robot.wheels:
         lines += _section("[[wheel]]", {key: getattr(wheel, key) for key in Wheel.__slots__})
     for surface in robot.surfaces:
-        lines += _section(f"[surface.{_key(surface.name)}]",
-                          {"roller": _pair(surface.roller), "rigid": _pair(surface.rigid)})
+        lines += _section(
+            f"[surface.{_key(surface.name)}]",
+            {"roller": _pair(surface.roller), "rigid": _pair(surface.rigid)},
+        )
     for effect in recipe.effects:
         lines += _tables("effect", effect.to_table())
     return "\n".join(lines) + "\n"

@@ -23,8 +23,12 @@ def read_text(path: Path) -> str:
         before = data[: fault.start]
         line = before.count(b"\n") + 1
         column = fault.start - (before.rfind(b"\n") + 1) + 1
-        raise InputError(f"{line}:{column}", f"byte 0x{data[fault.start]:02x} is not UTF-8 text",
-                         "save the file as UTF-8", str(path)) from None
+        raise InputError(
+            f"{line}:{column}",
+            f"byte 0x{data[fault.start]:02x} is not UTF-8 text",
+            "save the file as UTF-8",
+            str(path),
+        ) from None
 
 
 def read_bytes(path: Path) -> bytes:
@@ -42,7 +46,8 @@ def read_bytes(path: Path) -> bytes:
     except IsADirectoryError:
         raise InputError("", "is a folder", "give a file", str(path)) from None
     except OSError as fault:
-        raise InputError("", f"cannot be read ({fault.strerror})", "check the path and its permissions",
-                         str(path)) from None
+        raise InputError(
+            "", f"cannot be read ({fault.strerror})", "check the path and its permissions", str(path)
+        ) from None
     except ValueError:  # a path with a null character
         raise InputError("", "is not a possible path", "give a file", repr(str(path))) from None

@@ -41,8 +41,14 @@ class Columns:
         return np.asarray(self.values[:, [self.names.index(name) for name in names]])
 
 
-def read_columns(path: Path | str, *, required: Sequence[str] = (), known: Sequence[str] | None = None,
-                 empty: Sequence[str] | None = (), least: int = 1) -> Columns:
+def read_columns(
+    path: Path | str,
+    *,
+    required: Sequence[str] = (),
+    known: Sequence[str] | None = None,
+    empty: Sequence[str] | None = (),
+    least: int = 1,
+) -> Columns:
     """Read a CSV file strictly.
 
     Parameters
@@ -59,14 +65,21 @@ def read_columns(path: Path | str, *, required: Sequence[str] = (), known: Seque
         With the file, the column or ``line:column``, what is wrong and what to do.
     """
     try:
-        return columns_from_text(read_text(Path(path)), required=required, known=known, empty=empty,
-                                 least=least)
+        return columns_from_text(
+            read_text(Path(path)), required=required, known=known, empty=empty, least=least
+        )
     except InputError as fault:
         raise fault.in_file(fault.source or str(path)) from None
 
 
-def columns_from_text(text: str, *, required: Sequence[str] = (), known: Sequence[str] | None = None,
-                      empty: Sequence[str] | None = (), least: int = 1) -> Columns:
+def columns_from_text(
+    text: str,
+    *,
+    required: Sequence[str] = (),
+    known: Sequence[str] | None = None,
+    empty: Sequence[str] | None = (),
+    least: int = 1,
+) -> Columns:
     """As :func:`read_columns`, from the text itself."""
     rows = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     names = _header(rows[0], required, known)
@@ -76,8 +89,11 @@ def columns_from_text(text: str, *, required: Sequence[str] = (), known: Sequenc
             values.append(_numbers(number, row, names, empty))
             lines.append(number)
     if len(values) < least:
-        raise InputError(f"{len(rows)}:1", f"there are {len(values)} rows of numbers",
-                         f"give a header and at least {least}")
+        raise InputError(
+            f"{len(rows)}:1",
+            f"there are {len(values)} rows of numbers",
+            f"give a header and at least {least}",
+        )
     table = np.array(values, dtype=np.float64).reshape(len(values), len(names))
     table.setflags(write=False)
     return Columns(names=names, values=table, lines=tuple(lines))
@@ -95,30 +111,41 @@ def _header(line: str, required: Sequence[str], known: Sequence[str] | None) -> 
     missing = [name for name in required if name not in names]
     if missing:
         exists = ", ".join(names)
-        raise InputError("1:1", f"the column {', '.join(map(repr, missing))} is missing",
-                         f"add it (the file has: {exists[:200]})")
+        raise InputError(
+            "1:1",
+            f"the column {', '.join(map(repr, missing))} is missing",
+            f"add it (the file has: {exists[:200]})",
+        )
     if known is not None:
         allowed = [*required, *known]
         for place, name in enumerate(names, 1):
             if name not in allowed:
                 guess = nearest(name, allowed)
-                raise InputError(f"1:{place}", f"{name!r} is not a known column",
-                                 f"did you mean {guess!r}?" if guess else
-                                 f"rename or remove it (known: {', '.join(allowed)})")
+                raise InputError(
+                    f"1:{place}",
+                    f"{name!r} is not a known column",
+                    f"did you mean {guess!r}?"
+                    if guess
+                    else f"rename or remove it (known: {', '.join(allowed)})",
+                )
     return names
 
 
 def _numbers(number: int, row: str, names: tuple[str, ...], empty: Sequence[str] | None) -> list[float]:
     cells = row.split(",")
     if len(cells) != len(names):
-        raise InputError(f"{number}:{min(len(cells), len(names)) + 1}",
-                         f"the row has {len(cells)} cells, the header {len(names)}",
-                         "give every row one cell a column")
+        raise InputError(
+            f"{number}:{min(len(cells), len(names)) + 1}",
+            f"the row has {len(cells)} cells, the header {len(names)}",
+            "give every row one cell a column",
+        )
     try:
         values = [float(cell) for cell in cells]  # the common case, at full speed
     except ValueError:
-        values = [_number(number, place, cell, name, empty)
-                  for place, (cell, name) in enumerate(zip(cells, names, strict=True), 1)]
+        values = [
+            _number(number, place, cell, name, empty)
+            for place, (cell, name) in enumerate(zip(cells, names, strict=True), 1)
+        ]
     if not all(map(math.isfinite, values)):
         for place, (cell, name) in enumerate(zip(cells, names, strict=True), 1):
             _number(number, place, cell, name, empty)
@@ -136,8 +163,11 @@ def _number(line: int, place: int, cell: str, name: str, empty: Sequence[str] | 
     except ValueError:
         raise InputError(at, f"{name} is {text[:40]!r}, not a number", "give a number") from None
     if not math.isfinite(value):
-        cure = "leave the cell empty where a sample is missing" if empty is None or name in empty else (
-            "give a finite number")
+        cure = (
+            "leave the cell empty where a sample is missing"
+            if empty is None or name in empty
+            else ("give a finite number")
+        )
         raise InputError(at, f"{name} is {text[:40]!r}", cure)
     return value
 
@@ -160,5 +190,3 @@ def _cell(value: object, digits: int) -> str:
     if math.isnan(number):
         return ""
     return f"{number + 0.0:.{digits}g}"
-
-

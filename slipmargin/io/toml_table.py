@@ -32,8 +32,9 @@ def parse_toml(text: str) -> dict[str, Any]:
             lines = text.split("\n")
             place = f"{len(lines)}:{len(lines[-1]) + 1}"
         problem = _PLACE.sub("", str(fault)).strip()
-        raise InputError(place, f"is not TOML ({problem[:1].lower() + problem[1:]})",
-                         "correct the syntax there") from None
+        raise InputError(
+            place, f"is not TOML ({problem[:1].lower() + problem[1:]})", "correct the syntax there"
+        ) from None
     except RecursionError:
         raise InputError("1:1", "is nested too deeply", "write a flat file of tables") from None
     except ValueError as fault:  # a number of thousands of digits, a date that does not exist
@@ -74,8 +75,11 @@ class Table:
         if not isinstance(value, dict):
             kind = "[[" if place.endswith("]") else "["
             name = place.split("[")[0]
-            raise InputError(place, f"is {_shown(value)}, not a table",
-                             f"write {kind}{name}{']]' if kind == '[[' else ']'} and its keys below")
+            raise InputError(
+                place,
+                f"is {_shown(value)}, not a table",
+                f"write {kind}{name}{']]' if kind == '[[' else ']'} and its keys below",
+            )
         self.place = place
         self._left: dict[str, Any] = dict(value)
         self._asked: list[str] = []
@@ -128,8 +132,9 @@ class Table:
             return default
         return one_of(self.at(key), self.take(key, f"use one of: {', '.join(words)}"), words)
 
-    def numbers(self, key: str, count: int | None, unit: str,
-                default: tuple[float, ...] | None = None) -> tuple[float, ...]:
+    def numbers(
+        self, key: str, count: int | None, unit: str, default: tuple[float, ...] | None = None
+    ) -> tuple[float, ...]:
         """A list of ``count`` finite numbers [unit] (None: any length)."""
         if default is not None and not self.has(key):
             return default
@@ -150,8 +155,11 @@ class Table:
             return []
         value = self._left.pop(key)
         if not isinstance(value, list):
-            raise InputError(self.at(key), "is a single value, not a list of tables",
-                             f"write [[{key}]], with double brackets, once for each")
+            raise InputError(
+                self.at(key),
+                "is a single value, not a list of tables",
+                f"write [[{key}]], with double brackets, once for each",
+            )
         return [Table(f"{self.at(key)}[{i}]", row) for i, row in enumerate(value, 1)]
 
     def raw(self) -> dict[str, Any]:

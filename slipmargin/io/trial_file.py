@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.data.pulls import Pulls
+from slipmargin.data.record import Record
 from slipmargin.errors import InputError
 from slipmargin.io.table import columns_text, read_columns
-from slipmargin.motions.pulls import Pulls
-from slipmargin.motions.record import Record
 
 _POSE = ("x_m", "y_m", "phi_rad")
 #: Field of a record → the column's name for wheel i.
@@ -30,8 +30,9 @@ def read_trial(path: Path, wheels: int) -> Record:
     InputError
         If a column is unknown or missing, a cell is no number, or time does not increase.
     """
-    named = {field: [pattern.format(i=i + 1) for i in range(wheels)]
-             for field, pattern in WHEEL_COLUMNS.items()}
+    named = {
+        field: [pattern.format(i=i + 1) for i in range(wheels)] for field, pattern in WHEEL_COLUMNS.items()
+    }
     known = [name for names in named.values() for name in names]
     empty = [*_POSE, *known]
     table = read_columns(path, required=("t_s", *_POSE), known=known, empty=empty, least=2)
@@ -45,9 +46,11 @@ def read_trial(path: Path, wheels: int) -> Record:
         if len(late):
             row = int(late[0]) + 1
             column = table.names.index("t_s") + 1
-            raise InputError(f"{table.lines[row]}:{column}",
-                             f"the time {table['t_s'][row]:g} s does not come after the row before",
-                             "time must increase from row to row")
+            raise InputError(
+                f"{table.lines[row]}:{column}",
+                f"the time {table['t_s'][row]:g} s does not come after the row before",
+                "time must increase from row to row",
+            )
         return Record(name=path.stem, t_s=table["t_s"], pose=table.stack(_POSE), **signals)
     except InputError as fault:
         raise fault.in_file(str(path)) from None
@@ -60,10 +63,12 @@ def read_pulls(path: Path, wheels: int) -> Pulls:
     given = [name for name in theta if name in table.names]
     if given and len(given) < wheels:
         lacks = next(name for name in theta if name not in table.names)
-        raise InputError("1:1", f"the column {lacks!r} is missing",
-                         "give the angle of every wheel or of none", str(path))
-    return Pulls(phi_rad=table["phi_rad"], force_N=table["force_N"],
-                 theta_rad=table.stack(theta) if given else None)
+        raise InputError(
+            "1:1", f"the column {lacks!r} is missing", "give the angle of every wheel or of none", str(path)
+        )
+    return Pulls(
+        phi_rad=table["phi_rad"], force_N=table["force_N"], theta_rad=table.stack(theta) if given else None
+    )
 
 
 def trial_text(record: Record) -> str:

@@ -20,8 +20,9 @@ def make_folder(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as fault:
-        raise InputError("", f"cannot be made ({fault.strerror})", "give --out another name or folder",
-                         str(folder)) from None
+        raise InputError(
+            "", f"cannot be made ({fault.strerror})", "give --out another name or folder", str(folder)
+        ) from None
 
 
 def remove_files(folder: Path, pattern: re.Pattern[str]) -> None:

@@ -118,8 +118,10 @@ def _refused(path: Path) -> Iterator[None]:
     try:
         yield
     except FileNotFoundError:
-        raise InputError("", f"there is no folder {str(path.parent)!r}", "create it first",
-                         str(path)) from None
+        raise InputError(
+            "", f"there is no folder {str(path.parent)!r}", "create it first", str(path)
+        ) from None
     except OSError as fault:
-        raise InputError("", f"cannot be written ({fault.strerror})", "choose another place",
-                         str(path)) from None
+        raise InputError(
+            "", f"cannot be written ({fault.strerror})", "choose another place", str(path)
+        ) from None

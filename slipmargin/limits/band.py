@@ -25,8 +25,9 @@ def states(model: Model, extreme: Extreme) -> list[Array]:
     A wheel without rigid sectors stands on rollers, one that is all rigid stands on rigid material.
     """
     choices: list[tuple[bool, ...]] = []
-    for fraction, roller, rigid in zip(model.grip.rigid_fraction, model.grip.roller, model.grip.rigid,
-                                       strict=True):
+    for fraction, roller, rigid in zip(
+        model.grip.rigid_fraction, model.grip.roller, model.grip.rigid, strict=True
+    ):
         if fraction <= 0.0:
             choices.append((False,))
         elif fraction >= 1.0:

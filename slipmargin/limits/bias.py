@@ -11,8 +11,8 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.limits.friction import span
 from slipmargin.model import Model
-from slipmargin.model.terms import ForceTerm
-from slipmargin.model.variables import Frame, Variable
+from slipmargin.physics.terms import ForceTerm
+from slipmargin.physics.variables import Frame, Variable
 
 _UNKNOWN = (Variable.POSITION_X, Variable.POSITION_Y, Variable.TIME)
 
@@ -20,7 +20,7 @@ _UNKNOWN = (Variable.POSITION_X, Variable.POSITION_Y, Variable.TIME)
 def bias_wrench(model: Model, phi_rad: Array) -> Array:
     """(M, 3) wrench of the losses at rest, body frame; unknown variables at v = 0 [N, N, N m]."""
     total = np.zeros((len(phi_rad), 3))
-    for term in model.losses.terms:
+    for term in model.external.terms:
         if term.frame is not Frame.AGAINST_MOTION:
             v = phi_rad if term.variable is Variable.HEADING else np.zeros(len(phi_rad))
             total += _to_body(term.wrench(v), term.frame, phi_rad)
@@ -66,8 +66,7 @@ def bias_samples(model: Model, phi_rad: Array, points: int = 5) -> list[Array]:
 
 
 def _unknown_terms(model: Model, variable: Variable) -> list[ForceTerm]:
-    return [t for t in model.losses.terms
-            if t.variable is variable and t.frame is not Frame.AGAINST_MOTION]
+    return [t for t in model.external.terms if t.variable is variable and t.frame is not Frame.AGAINST_MOTION]
 
 
 def _along(terms: list[ForceTerm], v: float, phi_rad: Array, normals: Array) -> Array:

@@ -15,8 +15,9 @@ import numpy as np
 from slipmargin.checks import Array, real
 from slipmargin.limits.motion import AccelerationLimit, acceleration_limit, along, needed_share
 from slipmargin.limits.motion_rows import acceleration_rows
-from slipmargin.limits.motion_state import Contact, Kinematics, Motion, com_acceleration
+from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
+from slipmargin.physics.kinematics import com_acceleration
 
 
 @final
@@ -62,8 +63,15 @@ class Cornering:
     tangent_m_s: Array
 
 
-def directions(model: Model, heading_rad: Array, *, share: float = 1.0, contact: Contact = Contact.ROLLERS,
-               motor: bool = True, speed_m_s: float | None = None) -> Directions:
+def directions(
+    model: Model,
+    heading_rad: Array,
+    *,
+    share: float = 1.0,
+    contact: Contact = Contact.ROLLERS,
+    motor: bool = True,
+    speed_m_s: float | None = None,
+) -> Directions:
     """Limits by direction of motion.
 
     Parameters
@@ -77,13 +85,17 @@ def directions(model: Model, heading_rad: Array, *, share: float = 1.0, contact:
     ahead = _unit(heading_rad)
     motion = _moving(ahead, speed_m_s)
     rows = acceleration_rows(model, motion, share=share, contact=contact, motor=motor)
-    none = com_acceleration(model, motion.velocity, np.zeros_like(ahead))
+    none = com_acceleration(model.inertia.com_m, motion.velocity, np.zeros_like(ahead))
     left = np.stack([-ahead[:, 1], ahead[:, 0], ahead[:, 2]], axis=1)
     up, down, one, two = (along(model, rows, none, d) for d in (ahead, -ahead, left, -left))
-    return Directions(heading_rad=np.asarray(heading_rad), starting_m_s2=up.value, braking_m_s2=down.value,
-                      turning_m_s2=np.minimum(one.value, two.value),
-                      steady_use=needed_share(model, motion, contact=contact),
-                      starting=up)
+    return Directions(
+        heading_rad=np.asarray(heading_rad),
+        starting_m_s2=up.value,
+        braking_m_s2=down.value,
+        turning_m_s2=np.minimum(one.value, two.value),
+        steady_use=needed_share(model, motion, contact=contact),
+        starting=up,
+    )
 
 
 def spin(model: Model, *, share: float = 1.0, contact: Contact = Contact.ROLLERS, motor: bool = True) -> Spin:
@@ -91,17 +103,28 @@ def spin(model: Model, *, share: float = 1.0, contact: Contact = Contact.ROLLERS
     turn = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
     # At a crawl, so that no centripetal force counts; saturated, so that the drag is full.
     motion = Motion(velocity=1e-3 * turn, saturated=True)
-    limits = [acceleration_limit(model, motion, sign * turn, share=share, contact=contact, motor=motor)
-              for sign in (1.0, -1.0)]
+    limits = [
+        acceleration_limit(model, motion, sign * turn, share=share, contact=contact, motor=motor)
+        for sign in (1.0, -1.0)
+    ]
     top = model.drives.max_speed_rad_s
-    rate = np.abs(Kinematics.of(model).spin[:, 2]) / model.contacts.radius_m
-    return Spin(starting_rad_s2=float(np.min(limits[0].value)), braking_rad_s2=float(np.min(limits[1].value)),
-                steady_use=float(np.max(needed_share(model, motion, contact=contact))),
-                top_rad_s=np.inf if top is None else float(top / np.max(rate)))
+    rate = np.abs(model.geometry.rolling_rows()[:, 2]) / model.geometry.radius_m
+    return Spin(
+        starting_rad_s2=float(np.min(limits[0].value)),
+        braking_rad_s2=float(np.min(limits[1].value)),
+        steady_use=float(np.max(needed_share(model, motion, contact=contact))),
+        top_rad_s=np.inf if top is None else float(top / np.max(rate)),
+    )
 
 
-def cornering(model: Model, curvature_per_m: Array, heading_rad: Array, *, share: float = 1.0,
-              contact: Contact = Contact.ROLLERS) -> Cornering:
+def cornering(
+    model: Model,
+    curvature_per_m: Array,
+    heading_rad: Array,
+    *,
+    share: float = 1.0,
+    contact: Contact = Contact.ROLLERS,
+) -> Cornering:
     """Fastest steady cornering by curvature (K,) [1/m] and direction of motion (H,).
 
     At speed v the origin needs the acceleration κ v² across the motion, linear in v²; the drag is full.
@@ -116,21 +139,22 @@ def cornering(model: Model, curvature_per_m: Array, heading_rad: Array, *, share
     return Cornering(curvature_per_m=curvature, heading_rad=heading, held_m_s=out[0], tangent_m_s=out[1])
 
 
-def _corner(model: Model, curvature: Array, heading: Array, turning: float, share: float,
-            contact: Contact) -> Array:
+def _corner(
+    model: Model, curvature: Array, heading: Array, turning: float, share: float, contact: Contact
+) -> Array:
     ahead = _unit(heading)
     twist = ahead.copy()
     twist[:, 2] = turning * curvature
     motion = Motion(velocity=twist, saturated=True)
     rows = acceleration_rows(model, motion, share=share, contact=contact, motor=False)
     across = np.stack([-ahead[:, 1] * curvature, ahead[:, 0] * curvature, np.zeros_like(curvature)], axis=1)
-    per_square = com_acceleration(model, twist, across)  # acceleration per v², centripetal part included
+    per_square = com_acceleration(model.inertia.com_m, twist, across)  # per v², centripetal part included
     limit = along(model, rows, np.zeros_like(per_square), per_square)
     speed = np.sqrt(np.maximum(limit.value, 0.0))
     speed[needed_share(model, motion, contact=contact) > share] = 0.0
     top = model.drives.max_speed_rad_s
     if top is not None:
-        rate = np.max(np.abs(twist @ Kinematics.of(model).spin.T / model.contacts.radius_m), axis=1)
+        rate = np.max(np.abs(model.geometry.wheel_speeds(twist)), axis=1)
         speed = np.minimum(speed, top / rate)
     return np.asarray(speed)
 
@@ -140,7 +164,7 @@ def top_speed(model: Model, heading_rad: Array) -> Array:
     top = model.drives.max_speed_rad_s
     if top is None:
         return np.full(len(heading_rad), np.inf)
-    rate = np.max(np.abs(_unit(heading_rad) @ Kinematics.of(model).spin.T / model.contacts.radius_m), axis=1)
+    rate = np.max(np.abs(model.geometry.wheel_speeds(_unit(heading_rad))), axis=1)
     return np.asarray(top / rate)
 
 

@@ -21,8 +21,9 @@ from slipmargin.checks import Array
 from slipmargin.errors import NoSolution
 from slipmargin.limits.motion import needed_share
 from slipmargin.limits.motion_rows import acceleration_rows
-from slipmargin.limits.motion_state import Contact, Motion, com_acceleration
+from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
+from slipmargin.physics.kinematics import com_acceleration
 
 #: Directions of translation and yaw rates (times speed over arm) that the sets must be safe for.
 HEADINGS, YAW = 72, (-1.0, 0.0, 1.0)
@@ -46,8 +47,9 @@ class Inside:
     circle_m_s2: float
 
 
-def safe_rows(model: Model, *, share: float = 1.0,
-              contact: Contact = Contact.ROLLERS) -> tuple[Array, Array, Array]:
+def safe_rows(
+    model: Model, *, share: float = 1.0, contact: Contact = Contact.ROLLERS
+) -> tuple[Array, Array, Array]:
     """Rows A (R, 3) a ≤ b (R,) on the origin's acceleration for every motion, and sign(v) (R, 3).
 
     Raises
@@ -61,13 +63,16 @@ def safe_rows(model: Model, *, share: float = 1.0,
         v = motion.velocity[int(np.argmax(need))]
         way = f"along {np.rad2deg(np.arctan2(v[1], v[0])) % 360.0:.0f}°" + (" while turning" if v[2] else "")
         worst = float(np.max(need))
-        cure = (f"use a margin below {np.floor(100.0 * (1.0 - worst)) / 100.0:g}" if worst < 1.0 else
-                "plan for rollers only, or lower the transverse friction")
+        cure = (
+            f"use a margin below {np.floor(100.0 * (1.0 - worst)) / 100.0:g}"
+            if worst < 1.0
+            else "plan for rollers only, or lower the transverse friction"
+        )
         raise NoSolution(
             "safe accelerations", f"steady motion {way} already needs {worst:.3g} of the grip", cure
         )
     rows = acceleration_rows(model, motion, share=share, contact=contact)
-    shift = np.stack([com_acceleration(model, np.zeros((1, 3)), unit[None])[0] for unit in np.eye(3)], axis=1)
+    shift = com_acceleration(model.inertia.com_m, np.zeros((3, 3)), np.eye(3)).T
     A, b = rows.A @ shift, rows.b
     sign = np.broadcast_to(np.sign(motion.velocity)[:, None], A.shape)
     return _tightest(A.reshape(-1, 3), b.ravel(), sign.reshape(-1, 3))
@@ -76,11 +81,16 @@ def safe_rows(model: Model, *, share: float = 1.0,
 def inside(model: Model, *, share: float = 1.0, contact: Contact = Contact.ROLLERS) -> Inside:
     """The largest safe box and ellipsoid; see the module for the programs."""
     A, b, sign = safe_rows(model, share=share, contact=contact)
-    scale = np.min(b / np.maximum(np.abs(A), 1e-12 * np.max(np.abs(A)))
-                   [np.arange(len(b))[:, None], np.arange(3)].T, axis=1)
+    scale = np.min(
+        b / np.maximum(np.abs(A), 1e-12 * np.max(np.abs(A)))[np.arange(len(b))[:, None], np.arange(3)].T,
+        axis=1,
+    )
     scaled = A * scale / b[:, None]
-    return Inside(**_boxes(scaled, sign, scale), ellipsoid=_ellipsoid(scaled, scale),
-                  circle_m_s2=float(np.min(b / np.maximum(np.hypot(A[:, 0], A[:, 1]), 1e-300))))
+    return Inside(
+        **_boxes(scaled, sign, scale),
+        ellipsoid=_ellipsoid(scaled, scale),
+        circle_m_s2=float(np.min(b / np.maximum(np.hypot(A[:, 0], A[:, 1]), 1e-300))),
+    )
 
 
 def _boxes(A: Array, sign: Array, scale: Array) -> dict[str, Array]:
@@ -95,8 +105,10 @@ def _boxes(A: Array, sign: Array, scale: Array) -> dict[str, Array]:
     with_v[~still], against[~still] = np.maximum(along, 0.0)[~still], np.maximum(-along, 0.0)[~still]
     with_v[still] = np.abs(A)[still]  # from rest an axis can only speed up
     fast, slow, even = cp.Variable(3, pos=True), cp.Variable(3, pos=True), cp.Variable(3, pos=True)
-    pair = cp.Problem(cp.Maximize(cp.sum(cp.log(fast)) + cp.sum(cp.log(slow))),
-                      [_once(np.hstack([with_v, against])) @ cp.hstack([fast, slow]) <= 1.0])
+    pair = cp.Problem(
+        cp.Maximize(cp.sum(cp.log(fast)) + cp.sum(cp.log(slow))),
+        [_once(np.hstack([with_v, against])) @ cp.hstack([fast, slow]) <= 1.0],
+    )
     one = cp.Problem(cp.Maximize(cp.sum(cp.log(even))), [_once(np.abs(A)) @ even <= 1.0])
     _solve(pair, "box")
     _solve(one, "box")
@@ -121,8 +133,12 @@ def _once(rows: Array) -> Array:
 def _solve(problem: Any, what: str) -> None:
     problem.solve(solver="CLARABEL")
     if problem.status != "optimal":
-        raise NoSolution(f"largest {what}", f"the solver ended as {problem.status}",
-                         "check the margin and the robot's friction", problem)
+        raise NoSolution(
+            f"largest {what}",
+            f"the solver ended as {problem.status}",
+            "check the margin and the robot's friction",
+            problem,
+        )
 
 
 def _value(variable: Any) -> Array:
@@ -130,12 +146,13 @@ def _value(variable: Any) -> Array:
 
 
 def _all_motions(model: Model) -> Motion:
-    arm = float(np.mean(np.hypot(*(model.contacts.position_m - model.inertia.com_m).T)))
+    arm = float(np.mean(np.hypot(*(model.geometry.position_m - model.inertia.com_m).T)))
     angle = 2.0 * np.pi * np.arange(HEADINGS) / HEADINGS
     ahead = np.round(np.stack([np.cos(angle), np.sin(angle)], axis=1), 15)
     moves = [np.column_stack([ahead, np.full(HEADINGS, y / arm)]) for y in YAW]
-    return Motion(velocity=1e-3 * np.vstack([*moves, [[0.0, 0.0, 1.0 / arm], [0.0, 0.0, -1.0 / arm]]]),
-                  saturated=True)
+    return Motion(
+        velocity=1e-3 * np.vstack([*moves, [[0.0, 0.0, 1.0 / arm], [0.0, 0.0, -1.0 / arm]]]), saturated=True
+    )
 
 
 def _tightest(A: Array, b: Array, sign: Array) -> tuple[Array, Array, Array]:

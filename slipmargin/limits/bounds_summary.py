@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import GRAVITY_M_S2, Array
+from slipmargin.checks import Array
 from slipmargin.errors import NoSolution
 from slipmargin.limits.bounds import (
     Cornering,
@@ -24,6 +24,7 @@ from slipmargin.limits.bounds_inside import Inside, inside
 from slipmargin.limits.motion import needed_share
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
+from slipmargin.physics.constants import GRAVITY_M_S2
 
 #: Curvatures of the cornering table [1/m].
 CURVATURES = np.array([0.2, 0.5, 1.0, 2.0, 5.0])
@@ -85,8 +86,14 @@ class Bounds:
         return np.asarray(self.full.heading_rad[self.rigid_use > 1.0])
 
 
-def bounds(model: Model, *, margin: float = 0.1, step_deg: float = 1.0, contact: Contact = Contact.ROLLERS,
-           sets: bool = True) -> Bounds:
+def bounds(
+    model: Model,
+    *,
+    margin: float = 0.1,
+    step_deg: float = 1.0,
+    contact: Contact = Contact.ROLLERS,
+    sets: bool = True,
+) -> Bounds:
     """All motion limits of a model.
 
     Parameters
@@ -110,9 +117,15 @@ def bounds(model: Model, *, margin: float = 0.1, step_deg: float = 1.0, contact:
         except NoSolution as fault:
             why = str(fault)
     return Bounds(
-        model=model, margin=margin, full=full, safe=directions(model, heading, share=share, contact=contact),
+        model=model,
+        margin=margin,
+        full=full,
+        safe=directions(model, heading, share=share, contact=contact),
         spin=spin(model, share=share, contact=contact),
         cornering=cornering(model, CURVATURES, heading, share=share, contact=contact),
         rigid_use=needed_share(model, Motion(velocity=1e-3 * ahead, saturated=True), contact=Contact.UNKNOWN),
-        motor_m_s2=starting_by_motor(model, heading), top_m_s=top_speed(model, heading), inside=found,
-        why_not=why)
+        motor_m_s2=starting_by_motor(model, heading),
+        top_m_s=top_speed(model, heading),
+        inside=found,
+        why_not=why,
+    )

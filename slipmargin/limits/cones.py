@@ -23,7 +23,7 @@ from slipmargin.limits.pull import Pull
 from slipmargin.limits.rows import refuse_slipping
 from slipmargin.limits.wrench_set import WrenchSet, wrench_maps
 from slipmargin.model import Model
-from slipmargin.robot import GripShape
+from slipmargin.physics.grips import GripShape
 from slipmargin.sets.facets import length_scale
 from slipmargin.solve.assemble import Assembly
 from slipmargin.solve.program import ConeFamily, ConeProgram, Solution
@@ -46,18 +46,26 @@ class ConeLimits:
 
     def solution(self, m: int) -> Solution:
         """The m-th answer with its certificate."""
-        return Solution(program=self.family.program(m), x=self.x[m], s=self.s[m], z=self.z[m],
-                        solver="Clarabel")
+        return Solution(
+            program=self.family.program(m), x=self.x[m], s=self.s[m], z=self.z[m], solver="Clarabel"
+        )
 
 
-def limit_program(model: Model, phi_rad: float, pull: Pull | None = None,
-                  rigid: Array | None = None) -> ConeProgram:
+def limit_program(
+    model: Model, phi_rad: float, pull: Pull | None = None, rigid: Array | None = None
+) -> ConeProgram:
     """The program of eqs (13)–(18) at one heading, per m g; all wheels on rollers by default."""
     return limit_family(model, np.array([phi_rad]), pull, rigid).program(0)
 
 
-def limit_family(model: Model, phi_rad: Array, pull: Pull | None = None, rigid: Array | None = None,
-                 extreme: Extreme = Extreme.NEUTRAL, bias: Array | None = None) -> ConeFamily:
+def limit_family(
+    model: Model,
+    phi_rad: Array,
+    pull: Pull | None = None,
+    rigid: Array | None = None,
+    extreme: Extreme = Extreme.NEUTRAL,
+    bias: Array | None = None,
+) -> ConeFamily:
     """The programs of all headings.
 
     Parameters
@@ -79,8 +87,14 @@ def limit_family(model: Model, phi_rad: Array, pull: Pull | None = None, rigid: 
     put.variable("F", cost=-1.0)
     put.equations(_BALANCE, -bias / (weight * per))
     put.column("F", _BALANCE, rays / per)
-    build = _Wheels(put=put, names=model.contacts.names, maps=maps / per[:, None, None], mu=mu,
-                    load=model.loads.rest_N / weight, change=pull.load_change(model, rays))
+    build = _Wheels(
+        put=put,
+        names=model.geometry.names,
+        maps=maps / per[:, None, None],
+        mu=mu,
+        load=model.loads.rest_N / weight,
+        change=pull.load_change(model, rays),
+    )
     build.grip(model.grip.shape, model.grip.coupling)
     if pull.height_m != 0.0:
         build.floor()
@@ -103,15 +117,27 @@ def cone_exit(wrenches: WrenchSet, rays: Array) -> tuple[Array, Array]:
     put.equations(_BALANCE, np.zeros((len(rays), 3)))
     put.column("F", _BALANCE, -rays / per / size[:, None])
     mu = np.broadcast_to(wrenches.coefficients, (len(rays), *wrenches.coefficients.shape))
-    build = _Wheels(put=put, names=wrenches.names, maps=wrenches.maps / per[:, None, None], mu=mu,
-                    load=wrenches.load_N / weight, change=np.zeros((len(rays), len(wrenches.names))))
+    build = _Wheels(
+        put=put,
+        names=wrenches.names,
+        maps=wrenches.maps / per[:, None, None],
+        mu=mu,
+        load=wrenches.load_N / weight,
+        change=np.zeros((len(rays), len(wrenches.names))),
+    )
     build.grip(wrenches.shape, wrenches.coupling)
     x, _, z = solve_family(put.family(tuple(f"ray {m + 1}" for m in range(len(rays)))))
     return x[:, 0] * weight / size, -z[:, :3] / per
 
 
-def cone_limits(model: Model, phi_rad: Array, pull: Pull | None = None, rigid: Array | None = None,
-                extreme: Extreme = Extreme.NEUTRAL, bias: Array | None = None) -> ConeLimits:
+def cone_limits(
+    model: Model,
+    phi_rad: Array,
+    pull: Pull | None = None,
+    rigid: Array | None = None,
+    extreme: Extreme = Extreme.NEUTRAL,
+    bias: Array | None = None,
+) -> ConeLimits:
     """Solve the family with Clarabel, one set-up updated.
 
     Raises
@@ -124,8 +150,14 @@ def cone_limits(model: Model, phi_rad: Array, pull: Pull | None = None, rigid: A
     family = limit_family(model, phi_rad, pull, rigid, extreme, bias)
     x, s, z = solve_family(family)
     # Stationarity in F: d·λ + … = 1 with λ the balance's multipliers, so −λ is the outward normal.
-    return ConeLimits(family=family, force_N=x[:, 0] * model.inertia.weight_N,
-                      normals=-z[:, :3] / _units(wrench_maps(model)), x=x, s=s, z=z)
+    return ConeLimits(
+        family=family,
+        force_N=x[:, 0] * model.inertia.weight_N,
+        normals=-z[:, :3] / _units(wrench_maps(model)),
+        x=x,
+        s=s,
+        z=z,
+    )
 
 
 def cone_limit(model: Model, phi_rad: Array, pull: Pull, rigid: Array) -> Array:
@@ -141,8 +173,9 @@ def cone_limit(model: Model, phi_rad: Array, pull: Pull, rigid: Array) -> Array:
 
 def cone_extreme(model: Model, phi_rad: Array, pull: Pull, rigid: Array, extreme: Extreme) -> Array:
     """(M,) least or greatest F_emax over what is unknown; NaN where the robot slips without any pull."""
-    every = np.stack([_limit(model, phi_rad, pull, rigid, extreme, bias)
-                      for bias in bias_samples(model, phi_rad)])
+    every = np.stack(
+        [_limit(model, phi_rad, pull, rigid, extreme, bias) for bias in bias_samples(model, phi_rad)]
+    )
     slips = np.isnan(every)
     if extreme is Extreme.HIGH:
         best = np.where(slips, -np.inf, every).max(axis=0)
@@ -150,11 +183,12 @@ def cone_extreme(model: Model, phi_rad: Array, pull: Pull, rigid: Array, extreme
     return np.where(np.any(slips, axis=0), np.nan, every.min(axis=0))
 
 
-def _limit(model: Model, phi_rad: Array, pull: Pull, rigid: Array, extreme: Extreme,
-           bias: Array | None) -> Array:
+def _limit(
+    model: Model, phi_rad: Array, pull: Pull, rigid: Array, extreme: Extreme, bias: Array | None
+) -> Array:
     from slipmargin.solve.clarabel_ import solve_family
 
-    if not model.losses.terms:
+    if not model.external.terms:
         return cone_limits(model, phi_rad, pull, rigid, extreme, bias).force_N
     # The ray need not start inside: F = 0 must balance too, so ask how far the set lets it be scaled.
     bias = bias_wrench(model, phi_rad) if bias is None else bias
@@ -220,9 +254,13 @@ class _Wheels:
                         side = 1 if sign > 0 and not key.endswith("−") else 0
                         width = part * self.mu[:, i, 1, side] / across
                         self._bounded(i, {key: sign}, width, f"{name} strip {'≤' if side else '≥'}")
-            self.put.second_order(f"{name} grip", [
-                ({"F": -part * self.change[:, i]}, part * self.load[i]),
-                *(({k: -v for k, v in side.items()}, 0.0) for side in sides)])
+            self.put.second_order(
+                f"{name} grip",
+                [
+                    ({"F": -part * self.change[:, i]}, part * self.load[i]),
+                    *(({k: -v for k, v in side.items()}, 0.0) for side in sides),
+                ],
+            )
 
     def floor(self) -> None:
         """Every wheel stays on the floor: N_i(F) ≥ 0."""
@@ -237,8 +275,11 @@ class _Wheels:
             return [(key, 1.0), (key, -1.0)]
         for sense, side in (("+", 1), ("−", 0)):
             self.put.variable(key + sense)
-            self.put.column(key + sense, _BALANCE,
-                            (1.0 if side else -1.0) * scale[:, side : side + 1] * self.maps[:, i, j])
+            self.put.column(
+                key + sense,
+                _BALANCE,
+                (1.0 if side else -1.0) * scale[:, side : side + 1] * self.maps[:, i, j],
+            )
             self.put.inequality(f"{key}{sense} ≥ 0", {key + sense: -1.0}, 0.0)
         return [(key + "+", 1.0), (key + "−", 1.0)]
 

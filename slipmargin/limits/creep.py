@@ -56,8 +56,21 @@ def _share(z: float) -> tuple[float, float]:
 
 
 @njit(cache=True)
-def _residual(eps: Array, W: Array, T: Array, c: Array, kw: Array, d: Array, kt: Array, slide: Array,
-              need: Array, carried: Array, scale: Array, out: Array, H: Array) -> float:
+def _residual(
+    eps: Array,
+    W: Array,
+    T: Array,
+    c: Array,
+    kw: Array,
+    d: Array,
+    kt: Array,
+    slide: Array,
+    need: Array,
+    carried: Array,
+    scale: Array,
+    out: Array,
+    H: Array,
+) -> float:
     """Residual and its Jacobian; ``carried`` is (m, v_x, v_y, ω), m = 0 where the pose is held."""
     n = W.shape[1]
     m, vx, vy, w = carried[0], carried[1] + eps[0], carried[2] + eps[1], carried[3] + eps[2]
@@ -76,7 +89,7 @@ def _residual(eps: Array, W: Array, T: Array, c: Array, kw: Array, d: Array, kt:
             out[r] += W[r, i] * c[i] * sw + T[r, i] * d[i] * st
             for q in range(3):
                 H[r, q] += W[r, i] * W[q, i] * c[i] * kw[i] * hw + T[r, i] * T[q, i] * d[i] * kt[i] * ht
-    return math.sqrt((out[0] / scale[0])**2 + (out[1] / scale[1])**2 + (out[2] / scale[2])**2)
+    return math.sqrt((out[0] / scale[0]) ** 2 + (out[1] / scale[1]) ** 2 + (out[2] / scale[2]) ** 2)
 
 
 @njit(cache=True)
@@ -92,8 +105,20 @@ def _solve3(H: Array, b: Array, x: Array) -> None:
 
 
 @njit(cache=True)
-def _creep(W: Array, T: Array, c: Array, kw: Array, d: Array, kt: Array, slide: Array, need: Array,
-           carried: Array, scale: Array, twist: Array, use: Array) -> None:
+def _creep(
+    W: Array,
+    T: Array,
+    c: Array,
+    kw: Array,
+    d: Array,
+    kt: Array,
+    slide: Array,
+    need: Array,
+    carried: Array,
+    scale: Array,
+    twist: Array,
+    use: Array,
+) -> None:
     """Damped Newton over all samples, each from its neighbour and else from rest.
 
     Samples not found get the use ``RUNAWAY`` on the wheel that was worst.
@@ -116,8 +141,21 @@ def _creep(W: Array, T: Array, c: Array, kw: Array, d: Array, kt: Array, slide: 
                 while size > 1e-9:
                     for r in range(3):
                         trial[r] = eps[r] - size * step[r]
-                    less = _residual(trial, W, T, c[m], kw[m], d[m], kt[m], slide[m], need[m], carried[m],
-                                     scale, new, other)
+                    less = _residual(
+                        trial,
+                        W,
+                        T,
+                        c[m],
+                        kw[m],
+                        d[m],
+                        kt[m],
+                        slide[m],
+                        need[m],
+                        carried[m],
+                        scale,
+                        new,
+                        other,
+                    )
                     if less < (1.0 - 1e-4 * size) * miss:
                         break
                     size *= 0.5
@@ -150,9 +188,23 @@ def _fastest(H: Array, mass: Array) -> float:
 
 
 @njit(cache=True)
-def _settle(W: Array, T: Array, c: Array, kw: Array, d: Array, kt: Array, slide: Array, need: Array,
-            carried: Array, scale: Array, mass: Array, start: Array, finish: Array, jumps: Index,
-            peak: Array) -> None:
+def _settle(
+    W: Array,
+    T: Array,
+    c: Array,
+    kw: Array,
+    d: Array,
+    kt: Array,
+    slide: Array,
+    need: Array,
+    carried: Array,
+    scale: Array,
+    mass: Array,
+    start: Array,
+    finish: Array,
+    jumps: Index,
+    peak: Array,
+) -> None:
     """Raise ``peak`` (M, N) to the largest use while ε goes from ``start`` (M, 3) to rest.
 
     Only for the samples ``jumps``, until the shares are ``finish`` (M, N), by the two-stage Rosenbrock
@@ -219,8 +271,20 @@ class Balance:
     def rest(self) -> tuple[Array, Array]:
         """Creep twist ε (M, 3) [m/s, m/s, rad/s] at which r(ε) = 0, and the use (M, N) there."""
         twist, use = np.empty((len(self.grip), 3)), np.empty(self.grip.shape)
-        _creep(self.along, self.across, self.grip, self.steep, self.drag, self.steep_across, self.slide,
-               self.need, self.carried, self.scale, twist, use)
+        _creep(
+            self.along,
+            self.across,
+            self.grip,
+            self.steep,
+            self.drag,
+            self.steep_across,
+            self.slide,
+            self.need,
+            self.carried,
+            self.scale,
+            twist,
+            use,
+        )
         return twist, use
 
     def settling(self, start: Array, mass: Array) -> Array:
@@ -229,8 +293,23 @@ class Balance:
         begin, finish = (continued_share(self.steep * (twist @ self.along)) for twist in twists)
         peak = np.maximum(np.abs(begin), np.abs(finish))
         jumps = np.flatnonzero(np.max(np.abs(finish - begin), axis=1) >= NO_JUMP)
-        _settle(self.along, self.across, self.grip, self.steep, self.drag, self.steep_across, self.slide,
-                self.need, self.carried, self.scale, mass, start, finish, jumps, peak)
+        _settle(
+            self.along,
+            self.across,
+            self.grip,
+            self.steep,
+            self.drag,
+            self.steep_across,
+            self.slide,
+            self.need,
+            self.carried,
+            self.scale,
+            mass,
+            start,
+            finish,
+            jumps,
+            peak,
+        )
         return peak
 
 

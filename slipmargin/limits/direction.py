@@ -31,8 +31,9 @@ class PullLimit:
         return self.solution.binding()
 
 
-def pull_limit(model: Model, phi_rad: float, pull: Pull | None = None,
-               rigid: Array | None = None) -> PullLimit:
+def pull_limit(
+    model: Model, phi_rad: float, pull: Pull | None = None, rigid: Array | None = None
+) -> PullLimit:
     """The largest pull at heading φ, certified.
 
     Raises
@@ -43,7 +44,7 @@ def pull_limit(model: Model, phi_rad: float, pull: Pull | None = None,
     from slipmargin.solve.clarabel_ import solve
 
     pull = Pull() if pull is None else pull
-    if model.losses.terms:
+    if model.external.terms:
         state = np.zeros(model.count, dtype=bool) if rigid is None else rigid
         cone_limit(model, np.array([phi_rad]), pull, state)  # refuses a robot that slips without any pull
     solution = solve(limit_program(model, phi_rad, pull, rigid)).proven()

@@ -15,15 +15,20 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.model import Model
-from slipmargin.model.terms import Modulation, basis_values
-from slipmargin.model.variables import Basis, Target, Variable
+from slipmargin.physics.terms import Multiplier, basis_values
+from slipmargin.physics.variables import Basis, Target, Variable
 
 #: Samples with which an unknown variable's range is searched for the extreme factors.
 SAMPLES = 361
 #: An unbounded basis (polynomial, odd) over an unknown variable is trusted to this many scales.
 SCALES = 1.0
-_UNKNOWN = (Variable.WHEEL_ANGLE, Variable.SLIP_ANGLE, Variable.POSITION_X, Variable.POSITION_Y,
-            Variable.TIME)
+_UNKNOWN = (
+    Variable.WHEEL_ANGLE,
+    Variable.SLIP_ANGLE,
+    Variable.POSITION_X,
+    Variable.POSITION_Y,
+    Variable.TIME,
+)
 _COLUMNS = {Target.DRIVE: (0,), Target.TRANSVERSE: (1,), Target.BOTH: (0, 1)}
 
 
@@ -54,7 +59,7 @@ def coefficients(model: Model, rigid: Array, phi_rad: Array, extreme: Extreme = 
     """
     base = np.where(np.asarray(rigid, dtype=bool)[:, None], model.grip.rigid, model.grip.roller)
     out = np.repeat(base[None, :, :, None], 2, axis=3)
-    terms = [t for t in model.grip.modulations if t.target in _COLUMNS]
+    terms = [t for t in model.grip.multipliers if t.target in _COLUMNS]
     for term in terms:
         if term.variable not in _UNKNOWN:
             out = out * _known(term, model, phi_rad)
@@ -65,11 +70,11 @@ def coefficients(model: Model, rigid: Array, phi_rad: Array, extreme: Extreme = 
     return out
 
 
-def _known(term: Modulation, model: Model, phi_rad: Array) -> Array:
+def _known(term: Multiplier, model: Model, phi_rad: Array) -> Array:
     n = model.count
     if term.variable is Variable.SLIP_HEADING:
         # A force along +ĝ answers a slip along −ĝ, whose heading is φ + arg ĝ + π.
-        axes = np.stack([model.contacts.grip, model.contacts.free], axis=1)
+        axes = np.stack([model.geometry.grip, model.geometry.free], axis=1)
         arg = np.arctan2(axes[..., 1], axes[..., 0])
         v = phi_rad[:, None, None, None] + arg[None, :, :, None] + np.array([0.0, np.pi])
         v = np.mod(v + np.pi, 2.0 * np.pi) - np.pi
@@ -82,7 +87,7 @@ def _known(term: Modulation, model: Model, phi_rad: Array) -> Array:
     return _factors(term, v, n)
 
 
-def _factors(term: Modulation, v: Array, n: int) -> Array:
+def _factors(term: Multiplier, v: Array, n: int) -> Array:
     change = basis_values(term.basis, term.shape, len(term.coefficients), v) @ term.coefficients
     factor = np.maximum(0.0, 1.0 + term.wheels.reshape(1, n, 1, 1) * change)
     full = np.ones(np.broadcast_shapes(factor.shape, (1, n, 2, 2)))
@@ -91,10 +96,13 @@ def _factors(term: Modulation, v: Array, n: int) -> Array:
     return full
 
 
-def _interval(terms: list[Modulation], variable: Variable, n: int, extreme: Extreme) -> Array:
+def _interval(terms: list[Multiplier], variable: Variable, n: int, extreme: Extreme) -> Array:
     # Terms over one variable move together: their product is searched, not each alone.
-    grid = np.zeros(1) if extreme is Extreme.NEUTRAL else np.unique(
-        np.concatenate([np.zeros(1), *(span(t.basis, t.shape, variable) for t in terms)]))
+    grid = (
+        np.zeros(1)
+        if extreme is Extreme.NEUTRAL
+        else np.unique(np.concatenate([np.zeros(1), *(span(t.basis, t.shape, variable) for t in terms)]))
+    )
     v = np.broadcast_to(grid[:, None, None, None], (len(grid), n, 1, 1))
     product = np.ones((len(grid), n, 2, 2))
     for term in terms:

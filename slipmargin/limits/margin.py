@@ -63,8 +63,11 @@ def margin(wrenches: WrenchSet, wrench: Array, length_m: float | None = None) ->
     it is found from above, to about a part in 10⁵.
     """
     demand = -frozen("wrench", wrench, (3,))
-    scale = arm(wrenches) if length_m is None else real("length_m", length_m, above=0.0,
-                                                        cure="give a positive length [m]")
+    scale = (
+        arm(wrenches)
+        if length_m is None
+        else real("length_m", length_m, above=0.0, cure="give a positive length [m]")
+    )
     per = np.array([1.0, 1.0, scale])  # normals below are unit vectors of the scaled space
 
     def room(normal: Array) -> Array:
@@ -93,9 +96,14 @@ def margin(wrenches: WrenchSet, wrench: Array, length_m: float | None = None) ->
         factor, leaving = float(many[0]), normals[0]
     seen = np.abs(np.einsum("a,aij->ij", leaving, wrenches.maps))
     held = np.any(seen > 1e-6 * np.max(seen), axis=1)
-    return Margin(distance_N=distance, factor=factor, length_m=scale,
-                  nearest=-(demand + distance * nearest * per), normal=-nearest / per,
-                  limiting=tuple(n for n, on in zip(wrenches.names, held, strict=True) if on))
+    return Margin(
+        distance_N=distance,
+        factor=factor,
+        length_m=scale,
+        nearest=-(demand + distance * nearest * per),
+        normal=-nearest / per,
+        limiting=tuple(n for n, on in zip(wrenches.names, held, strict=True) if on),
+    )
 
 
 def arm(wrenches: WrenchSet) -> float:

@@ -23,8 +23,9 @@ from slipmargin.limits.motion_rows import (
     prepare,
     worst_loss,
 )
-from slipmargin.limits.motion_state import Contact, Motion, com_acceleration, mass_diagonal
+from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
+from slipmargin.physics.kinematics import com_acceleration
 
 
 @final
@@ -48,13 +49,21 @@ class AccelerationLimit:
     @property
     def wheels(self) -> tuple[tuple[str, ...], ...]:
         """The wheels that limit each state."""
-        table = [tuple(name for name, on in zip(self.names, row, strict=True) if on)
-                 for row in self.rows.wheels]
+        table = [
+            tuple(name for name, on in zip(self.names, row, strict=True) if on) for row in self.rows.wheels
+        ]
         return tuple(table[k] for k in self.row)
 
 
-def acceleration_limit(model: Model, motion: Motion, direction: Array, *, share: float = 1.0,
-                       contact: Contact = Contact.ROLLERS, motor: bool = True) -> AccelerationLimit:
+def acceleration_limit(
+    model: Model,
+    motion: Motion,
+    direction: Array,
+    *,
+    share: float = 1.0,
+    contact: Contact = Contact.ROLLERS,
+    motor: bool = True,
+) -> AccelerationLimit:
     """Largest t for which the acceleration t · direction is admissible.
 
     Parameters
@@ -75,8 +84,9 @@ def acceleration_limit(model: Model, motion: Motion, direction: Array, *, share:
     """
     rows = acceleration_rows(model, motion, share=share, contact=contact, motor=motor)
     direction = np.broadcast_to(np.asarray(direction, dtype=float), (motion.count, 3))
-    start = com_acceleration(model, motion.velocity, np.zeros((motion.count, 3)))
-    return along(model, rows, start, com_acceleration(model, np.zeros((motion.count, 3)), direction))
+    com, still = model.inertia.com_m, np.zeros((motion.count, 3))
+    start = com_acceleration(com, motion.velocity, still)
+    return along(model, rows, start, com_acceleration(com, still, direction))
 
 
 def along(model: Model, rows: AccelerationRows, start: Array, direction: Array) -> AccelerationLimit:
@@ -96,7 +106,7 @@ def along(model: Model, rows: AccelerationRows, start: Array, direction: Array) 
     value = t[np.arange(len(t)), best]
     never |= least > value + 1e-9 * np.abs(value)
     value = np.where(never & (value > 0.0), -np.inf, value)
-    return AccelerationLimit(value=value, row=best, rows=rows, names=model.contacts.names)
+    return AccelerationLimit(value=value, row=best, rows=rows, names=model.geometry.names)
 
 
 def needed_share(model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS) -> Array:
@@ -109,7 +119,7 @@ def needed_share(model: Model, motion: Motion, *, contact: Contact = Contact.ROL
     facets, friction, losses = prepare(model, motion, 1.0, contact)
     a = _acceleration(model, motion)
     load = model.loads.rest_N + a[:, :2] @ model.loads.per_acceleration_kg.T
-    asked = (a * mass_diagonal(model)) @ facets.normals.T - worst_loss(facets.normals, losses)
+    asked = (a * model.inertia.diagonal) @ facets.normals.T - worst_loss(facets.normals, losses)
     need = np.full(motion.count, -np.inf)
     for pick in material_states(friction.possible):
         held = facets.drive * np.where(pick, friction.drive[1], friction.drive[0])[:, None]
@@ -132,16 +142,19 @@ def drive_shares(model: Model, motion: Motion) -> Array:
     a = _acceleration(model, motion)
     load = model.loads.rest_N + a[:, :2] @ model.loads.per_acceleration_kg.T
     on_rigid = friction.possible[1] & ~friction.possible[0]
-    drag = 0.5 * np.where(on_rigid, (friction.drag_low + friction.drag_high)[1],
-                          (friction.drag_low + friction.drag_high)[0])
-    wrench = (a * mass_diagonal(model) - 0.5 * (losses[0] + losses[1])
-              + (drag * load) @ model.wrench_maps()[1].T)
+    drag = 0.5 * np.where(
+        on_rigid, (friction.drag_low + friction.drag_high)[1], (friction.drag_low + friction.drag_high)[0]
+    )
+    wrench = (
+        a * model.inertia.diagonal - 0.5 * (losses[0] + losses[1]) + (drag * load) @ model.wrench_maps()[1].T
+    )
     grip = np.where(on_rigid, friction.drive[1], friction.drive[0]) * load
     return np.asarray(wrench @ even_distribution(model).T / np.maximum(grip, 1e-300))
 
 
-def acceleration_polytope(model: Model, motion: Motion, *, share: float = 1.0,
-                          contact: Contact = Contact.ROLLERS) -> Array:
+def acceleration_polytope(
+    model: Model, motion: Motion, *, share: float = 1.0, contact: Contact = Contact.ROLLERS
+) -> Array:
     """Vertices (V, 3) of the admissible accelerations (a_x, a_y, α) of the centre of mass at one state.
 
     Raises
@@ -158,11 +171,19 @@ def acceleration_polytope(model: Model, motion: Motion, *, share: float = 1.0,
     A = A / scale
     size = np.linalg.norm(A, axis=1)
     A, b = A / size[:, None], b / size
-    centre = linprog(np.array([0.0, 0.0, 0.0, -1.0]), A_ub=np.column_stack([A, np.ones(len(A))]), b_ub=b,
-                     bounds=[(None, None)] * 4)
+    centre = linprog(
+        np.array([0.0, 0.0, 0.0, -1.0]),
+        A_ub=np.column_stack([A, np.ones(len(A))]),
+        b_ub=b,
+        bounds=[(None, None)] * 4,
+    )
     if not centre.success or centre.x[3] <= 1e-9:
-        raise NoSolution("acceleration polytope", "no acceleration is admissible at this state",
-                         "use a smaller margin or a motion with less drag", rows)
+        raise NoSolution(
+            "acceleration polytope",
+            "no acceleration is admissible at this state",
+            "use a smaller margin or a motion with less drag",
+            rows,
+        )
     corners = HalfspaceIntersection(np.column_stack([A, -b]), centre.x[:3]).intersections
     corners = corners[np.all(np.isfinite(corners), axis=1)]
     return np.asarray(np.unique(np.round(corners / scale, 12), axis=0))
@@ -175,4 +196,4 @@ def _lever(model: Model) -> float:
 
 def _acceleration(model: Model, motion: Motion) -> Array:
     asked = np.zeros((motion.count, 3)) if motion.acceleration is None else motion.acceleration
-    return com_acceleration(model, motion.velocity, asked)
+    return com_acceleration(model.inertia.com_m, motion.velocity, asked)

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.limits.motion_probes import probes
-from slipmargin.limits.motion_state import Contact, Kinematics, Motion
+from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
-from slipmargin.model.variables import Target
-from slipmargin.robot import GripShape
+from slipmargin.physics.grips import GripShape
+from slipmargin.physics.variables import Target
 
 Mask = NDArray[np.bool_]
 
@@ -58,8 +58,9 @@ def creep_bound(share: float, k_s_per_m: float) -> float:
     return float(np.tan(np.pi / 2.0 * min(share, 0.98)) / k_s_per_m)
 
 
-def friction_in_motion(model: Model, motion: Motion, *, share: float = 1.0,
-                       contact: Contact = Contact.ROLLERS) -> Friction:
+def friction_in_motion(
+    model: Model, motion: Motion, *, share: float = 1.0, contact: Contact = Contact.ROLLERS
+) -> Friction:
     """Friction of every wheel at each sample.
 
     Parameters
@@ -71,7 +72,7 @@ def friction_in_motion(model: Model, motion: Motion, *, share: float = 1.0,
         What the wheels stand on.
     """
     grip = model.grip
-    slide = motion.velocity @ Kinematics.of(model).slide.T
+    slide = motion.velocity @ model.geometry.lateral_rows().T
     creep = creep_bound(share, grip.k_s_per_m)
     drive = _factor(model, motion, slide, creep, Target.DRIVE)
     across = _factor(model, motion, slide, creep, Target.TRANSVERSE)
@@ -108,18 +109,30 @@ def _shares(motion: Motion, slide: Array, stiffness: Array) -> tuple[Array, Arra
 
 
 #: The target that acts on both sides of what a target names.
-_BOTH = {Target.DRIVE: Target.BOTH, Target.TRANSVERSE: Target.BOTH,
-         Target.STIFFNESS_DRIVE: Target.STIFFNESS, Target.STIFFNESS_TRANSVERSE: Target.STIFFNESS}
+_BOTH = {
+    Target.DRIVE: Target.BOTH,
+    Target.TRANSVERSE: Target.BOTH,
+    Target.STIFFNESS_DRIVE: Target.STIFFNESS,
+    Target.STIFFNESS_TRANSVERSE: Target.STIFFNESS,
+}
 
 
 def _factor(model: Model, motion: Motion, slide: Array, creep: float, target: Target) -> Array:
     """Lowest and highest product (2, M, N) of the modulations that act on ``target``."""
     out = np.ones((2, motion.count, model.count))
-    for term in model.grip.modulations:
+    for term in model.grip.multipliers:
         if term.target is not target and term.target is not _BOTH[target]:
             continue
-        v = probes(model, motion, slide, creep, term.variable, term.basis, term.shape,
-                   transverse=target in (Target.TRANSVERSE, Target.STIFFNESS_TRANSVERSE))
+        v = probes(
+            model,
+            motion,
+            slide,
+            creep,
+            term.variable,
+            term.basis,
+            term.shape,
+            transverse=target in (Target.TRANSVERSE, Target.STIFFNESS_TRANSVERSE),
+        )
         factor = np.broadcast_to(term.factor(v, term.wheels), (len(v), motion.count, model.count))
         out[0] *= factor.min(axis=0)
         out[1] *= factor.max(axis=0)

@@ -6,10 +6,10 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.limits.motion_probes import probes
-from slipmargin.limits.motion_state import Kinematics, Motion
+from slipmargin.limits.motion_state import Motion
 from slipmargin.model import Model
-from slipmargin.model.terms import ForceTerm
-from slipmargin.model.variables import Frame
+from slipmargin.physics.terms import ForceTerm
+from slipmargin.physics.variables import Frame
 
 #: Below this speed a force against the motion fades out: v/√(v² + v₀²) [m/s], [rad/s].
 SLOW_M_S, SLOW_RAD_S = 1e-3, 1e-2
@@ -22,12 +22,12 @@ def losses_in_motion(model: Model, motion: Motion) -> tuple[Array, Array]:
     −c u·f̂ on each wheel, is here too, since no load bounds it.
     """
     low, high = np.zeros((motion.count, 3)), np.zeros((motion.count, 3))
-    for term in model.losses.terms:
+    for term in model.external.terms:
         each = _term(model, motion, term)
         low, high = low + each.min(axis=0), high + each.max(axis=0)
     viscous = model.grip.viscous_N_s_per_m[1]
     if viscous:
-        slide = motion.velocity @ Kinematics.of(model).slide.T
+        slide = motion.velocity @ model.geometry.lateral_rows().T
         drag = -viscous * slide @ model.wrench_maps()[1].T
         low, high = low + drag, high + drag
     return low, high
@@ -52,8 +52,11 @@ def _term(model: Model, motion: Motion, term: ForceTerm) -> Array:
 
 def _from_floor(motion: Motion, wrench: Array) -> Array:
     """R(φ)ᵀ of the force; over all headings where φ is unknown."""
-    phi = (np.linspace(-np.pi, np.pi, 73)[:, None, None] if motion.heading is None
-           else motion.heading[None, None])
+    phi = (
+        np.linspace(-np.pi, np.pi, 73)[:, None, None]
+        if motion.heading is None
+        else motion.heading[None, None]
+    )
     c, s = np.cos(phi), np.sin(phi)
     x = c * wrench[None, ..., 0] + s * wrench[None, ..., 1]
     y = -s * wrench[None, ..., 0] + c * wrench[None, ..., 1]

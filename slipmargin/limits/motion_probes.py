@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from slipmargin.checks import GRAVITY_M_S2, Array
-from slipmargin.limits.motion_state import Kinematics, Motion
+from slipmargin.checks import Array
+from slipmargin.limits.motion_state import Motion
 from slipmargin.model import Model
-from slipmargin.model.variables import Basis, Variable
+from slipmargin.physics.constants import GRAVITY_M_S2
+from slipmargin.physics.variables import Basis, Variable
 
 #: Probes over an unknown variable.
 PROBES = 73
@@ -19,8 +20,17 @@ _ACCELERATION = {Variable.ACCELERATION_X: 0, Variable.ACCELERATION_Y: 1, Variabl
 _PLACE = {Variable.POSITION_X: 0, Variable.POSITION_Y: 1}
 
 
-def probes(model: Model, motion: Motion, slide: Array, creep: float, variable: Variable, basis: Basis,
-           shape: Array, *, transverse: bool = False) -> Array:
+def probes(
+    model: Model,
+    motion: Motion,
+    slide: Array,
+    creep: float,
+    variable: Variable,
+    basis: Basis,
+    shape: Array,
+    *,
+    transverse: bool = False,
+) -> Array:
     """Values (P, M, N) or (P, M, 1) that ``variable`` may take.
 
     Parameters
@@ -56,7 +66,7 @@ def probes(model: Model, motion: Motion, slide: Array, creep: float, variable: V
     if variable is Variable.WHEEL_LOAD:
         return _load(model)
     if variable is Variable.SLIP_HEADING:
-        way = model.contacts.free if transverse else model.contacts.grip
+        way = model.geometry.free if transverse else model.geometry.grip
         angle = np.arctan2(way[:, 1], way[:, 0])
         if transverse:
             return np.asarray(_heading(motion) + angle + np.where(slide < 0.0, np.pi, 0.0)[None])
@@ -64,25 +74,26 @@ def probes(model: Model, motion: Motion, slide: Array, creep: float, variable: V
     return _slip(model, motion, slide, creep, variable, transverse)
 
 
-def _slip(model: Model, motion: Motion, slide: Array, creep: float, variable: Variable,
-          transverse: bool) -> Array:
+def _slip(
+    model: Model, motion: Motion, slide: Array, creep: float, variable: Variable, transverse: bool
+) -> Array:
     drive = np.linspace(0.0, creep, 9)[:, None, None]
     if variable is Variable.SLIP_ANGLE:
         return np.asarray(np.arctan2(np.abs(slide)[None], drive))
     slip = np.abs(slide)[None] if transverse else drive
     if variable is Variable.SLIP_SPEED:
         return np.asarray(slip)
-    rows = Kinematics.of(model)
-    hub = np.linalg.norm(np.einsum("idj,mj->mid", rows.hub, motion.velocity), axis=2)
+    hub_rows = model.geometry.hub_rows()
+    hub = np.linalg.norm(np.einsum("idj,mj->mid", hub_rows, motion.velocity), axis=2)
     if variable is Variable.HUB_SPEED:
         return np.asarray(hub[None])
     if variable is Variable.LEAD:
-        arm = model.contacts.position_m - model.inertia.com_m
+        arm = model.geometry.position_m - model.inertia.com_m
         reach = np.linalg.norm(arm, axis=1)
         out = arm / np.where(reach > 0.0, reach, 1.0)[:, None]
-        along = np.einsum("idj,mj,id->mi", rows.hub, motion.velocity, out)
+        along = np.einsum("idj,mj,id->mi", hub_rows, motion.velocity, out)
         return np.asarray((along / (hub + 1e-3))[None])
-    rolling = np.maximum(hub, np.abs(motion.velocity @ rows.spin.T))[None]
+    rolling = np.maximum(hub, np.abs(motion.velocity @ model.geometry.rolling_rows().T))[None]
     if variable is Variable.SLIP_RATIO:
         return np.asarray(slip / (rolling + 1e-3))
     if variable is Variable.ROLLING_SPEED:
@@ -99,8 +110,11 @@ def _heading(motion: Motion) -> Array:
 def _known_or_range(known: Array | None, basis: Basis, shape: Array) -> Array:
     if known is not None:
         return np.asarray(known[None, :, None])
-    low, high = (float(shape[0]), float(shape[1])) if basis in (Basis.HATS, Basis.WINDOW) else (
-        0.0 if basis is Basis.FOURIER else -abs(float(shape[0])), abs(float(shape[0])))
+    low, high = (
+        (float(shape[0]), float(shape[1]))
+        if basis in (Basis.HATS, Basis.WINDOW)
+        else (0.0 if basis is Basis.FOURIER else -abs(float(shape[0])), abs(float(shape[0])))
+    )
     return np.linspace(low, high, PROBES)[:, None, None]
 
 
@@ -108,7 +122,7 @@ def _acceleration(model: Model, motion: Motion, column: int) -> Array:
     if motion.acceleration is not None:
         return np.asarray(motion.acceleration[None, :, column, None])
     best = ACCELERATION_RANGE * GRAVITY_M_S2 * float(np.max(model.grip.roller[:, 0]))
-    arm = float(np.mean(np.hypot(*(model.contacts.position_m - model.inertia.com_m).T)))
+    arm = float(np.mean(np.hypot(*(model.geometry.position_m - model.inertia.com_m).T)))
     top = best if column < 2 else best * model.inertia.mass_kg * arm / model.inertia.inertia_kg_m2
     return np.linspace(-top, top, 9)[:, None, None]
 

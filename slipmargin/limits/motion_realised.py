@@ -18,8 +18,9 @@ from slipmargin.checks import Array
 from slipmargin.limits.creep import Balance, continued_share
 from slipmargin.limits.motion_friction import friction_in_motion, material_states, sigma
 from slipmargin.limits.motion_losses import losses_in_motion
-from slipmargin.limits.motion_state import Contact, Motion, com_acceleration, mass_diagonal
+from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
+from slipmargin.physics.kinematics import com_acceleration
 
 #: A wheel that lifts off is taken to carry this share of m g / N, so that its use tells [1].
 LIGHTEST = 0.01
@@ -41,8 +42,14 @@ class Realised:
     load_N: Array
 
 
-def realised(model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS, share: float = 1.0,
-             open_loop: bool = False) -> Realised:
+def realised(
+    model: Model,
+    motion: Motion,
+    *,
+    contact: Contact = Contact.ROLLERS,
+    share: float = 1.0,
+    open_loop: bool = False,
+) -> Realised:
     """The creeping equilibrium of states whose acceleration is known.
 
     Parameters
@@ -56,8 +63,12 @@ def realised(model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS
         Nothing corrects the pose: the creep turns the robot (:mod:`~slipmargin.limits.creep`).
     """
     shape = (motion.count, model.count)
-    out = Realised(use=np.full(shape, -1.0), twist=np.zeros((motion.count, 3)), torque_N_m=np.zeros(shape),
-                   load_N=_loads(model, _at_com(model, motion)))
+    out = Realised(
+        use=np.full(shape, -1.0),
+        twist=np.zeros((motion.count, 3)),
+        torque_N_m=np.zeros(shape),
+        load_N=_loads(model, _at_com(model, motion)),
+    )
     for balance in _balances(model, motion, contact, share, open_loop):
         twist, use = balance.rest()
         worse = use.max(axis=1) > out.use.max(axis=1)
@@ -68,8 +79,9 @@ def realised(model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS
     return out
 
 
-def settling(model: Model, before: Motion, after: Motion, *, contact: Contact = Contact.ROLLERS,
-             share: float = 1.0) -> Array:
+def settling(
+    model: Model, before: Motion, after: Motion, *, contact: Contact = Contact.ROLLERS, share: float = 1.0
+) -> Array:
     """Largest use (M, N) while the creep changes from that of one acceleration to that of the next.
 
     Parameters
@@ -78,9 +90,12 @@ def settling(model: Model, before: Motion, after: Motion, *, contact: Contact = 
         The same M states with the accelerations on either side of a jump, open loop.
     """
     peak = np.zeros((after.count, model.count))
-    mass = mass_diagonal(model)
-    pairs = zip(_balances(model, before, contact, share, True), _balances(model, after, contact, share, True),
-                strict=True)
+    mass = model.inertia.diagonal
+    pairs = zip(
+        _balances(model, before, contact, share, True),
+        _balances(model, after, contact, share, True),
+        strict=True,
+    )
     for old, new in pairs:
         peak = np.maximum(peak, new.settling(old.rest()[0], mass))
     return peak
@@ -88,15 +103,16 @@ def settling(model: Model, before: Motion, after: Motion, *, contact: Contact = 
 
 def _at_com(model: Model, motion: Motion) -> Array:
     assert motion.acceleration is not None
-    return com_acceleration(model, motion.velocity, motion.acceleration)
+    return com_acceleration(model.inertia.com_m, motion.velocity, motion.acceleration)
 
 
 def _loads(model: Model, at_com: Array) -> Array:
     return np.asarray(model.loads.rest_N + at_com[:, :2] @ model.loads.per_acceleration_kg.T)
 
 
-def _balances(model: Model, motion: Motion, contact: Contact, share: float,
-              open_loop: bool) -> Iterator[Balance]:
+def _balances(
+    model: Model, motion: Motion, contact: Contact, share: float, open_loop: bool
+) -> Iterator[Balance]:
     """What the states ask of the wheels, for every combination of materials they may stand on."""
     friction = friction_in_motion(model, motion, contact=contact, share=share)
     low, high = losses_in_motion(model, motion)
@@ -119,15 +135,16 @@ def _balances(model: Model, motion: Motion, contact: Contact, share: float,
             steep=friction.drive_stiffness,
             steep_across=friction.stiffness,
             slide=friction.slide,
-            need=at_com * mass_diagonal(model) - 0.5 * (low + high),
+            need=at_com * model.inertia.diagonal - 0.5 * (low + high),
             carried=carried,
             scale=scale,
         )
 
 
 def _torque(model: Model, balance: Balance, twist: Array) -> Array:
-    c = model.contacts
+    c = model.geometry
     drive = -balance.grip * continued_share(balance.steep * (twist @ balance.along))
     side = -balance.drag * sigma(balance.steep_across * (balance.slide + twist @ balance.across))
-    return np.asarray(-c.radius_m * (drive * np.sum(c.drive * c.grip, axis=1)
-                                     + side * np.sum(c.drive * c.free, axis=1)))
+    return np.asarray(
+        -c.radius_m * (drive * np.sum(c.drive * c.grip, axis=1) + side * np.sum(c.drive * c.free, axis=1))
+    )

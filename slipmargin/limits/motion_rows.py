@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from slipmargin.checks import Array
 from slipmargin.limits.motion_friction import Friction, friction_in_motion
 from slipmargin.limits.motion_losses import losses_in_motion
-from slipmargin.limits.motion_state import Contact, Motion, mass_diagonal, wheel_speeds
+from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.sets.facets import facet_normals
 
@@ -69,8 +69,14 @@ class AccelerationRows:
 CAUSES = ("grip", "tip-over", "motor torque")
 
 
-def acceleration_rows(model: Model, motion: Motion, *, share: Array | float = 1.0,
-                      contact: Contact = Contact.ROLLERS, motor: bool = True) -> AccelerationRows:
+def acceleration_rows(
+    model: Model,
+    motion: Motion,
+    *,
+    share: Array | float = 1.0,
+    contact: Contact = Contact.ROLLERS,
+    motor: bool = True,
+) -> AccelerationRows:
     """Rows on the acceleration of the centre of mass at each sample.
 
     Parameters
@@ -95,17 +101,22 @@ def acceleration_rows(model: Model, motion: Motion, *, share: Array | float = 1.
         wheels.append(np.eye(n, dtype=bool))
     if motor and model.drives.stall_torque_N_m is not None:
         torque = torque_rows(model, friction, losses)
-        limit = torque_limit(model, wheel_speeds(model, motion.velocity)) + torque.b
+        limit = torque_limit(model, model.geometry.wheel_speeds(motion.velocity)) + torque.b
         rows += list(torque.A)
         bounds += list(limit)
         causes += [2] * (2 * n)
         wheels += [np.eye(n, dtype=bool)] * 2
-    return AccelerationRows(A=np.concatenate(rows, axis=1), b=np.concatenate(bounds, axis=1),
-                            wheels=np.concatenate(wheels), cause=np.array(causes))
+    return AccelerationRows(
+        A=np.concatenate(rows, axis=1),
+        b=np.concatenate(bounds, axis=1),
+        wheels=np.concatenate(wheels),
+        cause=np.array(causes),
+    )
 
 
-def prepare(model: Model, motion: Motion, share: Array | float,
-            contact: Contact) -> tuple[Facets, Friction, tuple[Array, Array]]:
+def prepare(
+    model: Model, motion: Motion, share: Array | float, contact: Contact
+) -> tuple[Facets, Friction, tuple[Array, Array]]:
     """Facets, friction and losses: everything the rows are made of."""
     friction = friction_in_motion(model, motion, share=float(np.max(share)), contact=contact)
     return Facets.of(model), friction, losses_in_motion(model, motion)
@@ -115,16 +126,18 @@ def facet_coefficients(facets: Facets, friction: Friction, share: Array | float)
     """κ (M, K, N): how much each newton of load is worth to each facet, worst over what is unknown."""
     part = np.broadcast_to(np.asarray(share, dtype=float), (friction.drive.shape[1],))
     held = part[None, :, None, None] * facets.drive * friction.drive[:, :, None]
-    lost = np.maximum(facets.across * friction.drag_low[:, :, None],
-                      facets.across * friction.drag_high[:, :, None])
+    lost = np.maximum(
+        facets.across * friction.drag_low[:, :, None], facets.across * friction.drag_high[:, :, None]
+    )
     each = np.where(friction.possible[:, :, None], held - lost, np.inf)
     return np.asarray(each.min(axis=0))
 
 
-def facet_rows(model: Model, facets: Facets, kappa: Array,
-               losses: tuple[Array, Array]) -> tuple[Array, Array]:
+def facet_rows(
+    model: Model, facets: Facets, kappa: Array, losses: tuple[Array, Array]
+) -> tuple[Array, Array]:
     """A (M, K, 3) and b (M, K) of the facets."""
-    A = np.broadcast_to(facets.normals * mass_diagonal(model), (*kappa.shape[:2], 3)).copy()
+    A = np.broadcast_to(facets.normals * model.inertia.diagonal, (*kappa.shape[:2], 3)).copy()
     A[..., :2] -= kappa @ model.loads.per_acceleration_kg
     return A, np.asarray(kappa @ model.loads.rest_N + worst_loss(facets.normals, losses))
 
@@ -162,7 +175,7 @@ def torque_rows(model: Model, friction: Friction, losses: tuple[Array, Array]) -
     T = −ρ F·ŝ is the motor's torque against the floor's force F on the wheel.  For more than three
     wheels the drive forces are the even distribution (a first estimate of the realised one).
     """
-    c, across = model.contacts, model.wrench_maps()[1]
+    c, across = model.geometry, model.wrench_maps()[1]
     along_grip, along_free = np.sum(c.drive * c.grip, axis=1), np.sum(c.drive * c.free, axis=1)
     # f = L (M a − w_loss + B_T N D), T = −ρ (ŝ·ĝ) f + ρ (ŝ·f̂) N D
     on_wrench = (-c.radius_m * along_grip)[:, None] * even_distribution(model)
@@ -172,7 +185,7 @@ def torque_rows(model: Model, friction: Friction, losses: tuple[Array, Array]) -
     rows, bounds = [], []
     for sign in (1.0, -1.0):
         drag = np.maximum(sign * on_drag * low[:, None], sign * on_drag * high[:, None])  # (M, N, N)
-        A = np.broadcast_to(sign * on_wrench * mass_diagonal(model), (*drag.shape[:2], 3)).copy()
+        A = np.broadcast_to(sign * on_wrench * model.inertia.diagonal, (*drag.shape[:2], 3)).copy()
         A[..., :2] += drag @ model.loads.per_acceleration_kg
         rows.append(A)
         bounds.append(worst_loss(sign * on_wrench, losses) - drag @ model.loads.rest_N)

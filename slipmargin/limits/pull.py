@@ -9,7 +9,6 @@ import numpy as np
 
 from slipmargin.checks import Array, frozen, real
 from slipmargin.model import Model
-from slipmargin.model.loads import sharing_matrix
 
 
 @final
@@ -56,5 +55,4 @@ class Pull:
         """(M, N) change of each wheel's load per newton of pull: S (0, h d) with d the ray's force."""
         if self.height_m == 0.0:
             return np.zeros((len(rays), model.count))
-        share = sharing_matrix(model.contacts.position_m)[:, 1:]
-        return np.asarray(self.height_m * rays[:, :2] @ share.T)
+        return np.asarray(self.height_m * rays[:, :2] @ model.loads.per_moment_1_per_m.T)

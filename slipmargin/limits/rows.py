@@ -20,7 +20,7 @@ from slipmargin.limits.friction import Extreme, coefficients
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.wrench_set import box_normals, wheel_share, wrench_maps
 from slipmargin.model import Model
-from slipmargin.robot import GripShape
+from slipmargin.physics.grips import GripShape
 
 #: A row counts as active within this share of the limit [1].
 ACTIVE = 1e-9
@@ -52,9 +52,14 @@ def pull_geometry(model: Model, phi_rad: Array, pull: Pull) -> PullGeometry:
     normals = box_normals(maps)
     rays = pull.rays(model, phi_rad)
     return PullGeometry(
-        model=model, pull=pull, phi_rad=phi_rad, maps=maps, normals=normals, rays=rays,
+        model=model,
+        pull=pull,
+        phi_rad=phi_rad,
+        maps=maps,
+        normals=normals,
+        rays=rays,
         load_change=pull.load_change(model, rays),
-        bias=bias_wrench(model, phi_rad) @ normals.T if model.losses.terms else np.zeros((1, len(normals))),
+        bias=bias_wrench(model, phi_rad) @ normals.T if model.external.terms else np.zeros((1, len(normals))),
     )
 
 
@@ -78,14 +83,15 @@ def facet_rows(geometry: PullGeometry, mu: Array, extreme: Extreme = Extreme.NEU
     rest = g.model.loads.rest_N
     a = -(g.normals @ g.rays.T).T  # stored row by row: the maximum over rows then runs along headings
     b = share @ rest + g.bias
-    if extreme is not Extreme.NEUTRAL and g.model.losses.terms:
+    if extreme is not Extreme.NEUTRAL and g.model.external.terms:
         low, high = bias_extremes(g.model, g.phi_rad, g.normals)
         b = b + (low if extreme is Extreme.LOW else high)
     if g.tips:
         a = a - np.einsum("mkn,mn->mk", np.broadcast_to(share, (len(a), *share.shape[1:])), g.load_change)
         a = np.concatenate([a, -g.load_change], axis=1)
-        b = np.concatenate([np.broadcast_to(b, (len(a), b.shape[1])),
-                            np.broadcast_to(rest, g.load_change.shape)], axis=1)
+        b = np.concatenate(
+            [np.broadcast_to(b, (len(a), b.shape[1])), np.broadcast_to(rest, g.load_change.shape)], axis=1
+        )
     return a, b
 
 
@@ -118,8 +124,12 @@ def refuse_slipping(force: Array, phi_rad: Array) -> Array:
     """``force``, or NoSolution naming the first heading at which the robot slips without any pull."""
     if np.any(np.isnan(force)):
         phi = float(phi_rad[int(np.argmax(np.isnan(force)))])
-        raise NoSolution(f"pull at phi = {phi:.6g} rad", "the robot slips without any pull",
-                         "make the floor less steep or the friction higher", force)
+        raise NoSolution(
+            f"pull at phi = {phi:.6g} rad",
+            "the robot slips without any pull",
+            "make the floor less steep or the friction higher",
+            force,
+        )
     return force
 
 

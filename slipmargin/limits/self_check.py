@@ -42,8 +42,11 @@ def _least(wrenches: WrenchSet, ray: Array, bias: Array) -> float:
     scale = np.array([1.0, 1.0, length_scale(wrenches.maps.reshape(3, -1))])
     d = ray / scale
     unit = d / (d @ d)
-    first = np.cross(unit, [0.0, 0.0, 1.0]) if abs(unit[2]) < 0.9 * np.linalg.norm(unit) else np.array(
-        [1.0, 0.0, 0.0])
+    first = (
+        np.cross(unit, [0.0, 0.0, 1.0])
+        if abs(unit[2]) < 0.9 * np.linalg.norm(unit)
+        else np.array([1.0, 0.0, 0.0])
+    )
     first = first / np.linalg.norm(first)
     second = np.cross(d, first)
     second = second / np.linalg.norm(second)

@@ -70,15 +70,20 @@ class Sensitivity:
     def forces(self) -> tuple[tuple[str, ...], ...]:
         """As :meth:`wheels`, each saturated force by name: ``rear drive``, ``left transverse``."""
         return tuple(
-            tuple(f"{n} {part}" for n, pair in zip(self.names, row, strict=True)
-                  for part, on in zip(_PARTS, pair, strict=True) if on)
+            tuple(
+                f"{n} {part}"
+                for n, pair in zip(self.names, row, strict=True)
+                for part, on in zip(_PARTS, pair, strict=True)
+                if on
+            )
             + tuple(f"tip-over at {n}" for n, on in zip(self.names, up, strict=True) if on)
             for row, up in zip(self.saturated, self.lifts, strict=True)
         )
 
 
-def sensitivity(model: Model, phi_rad: Array, pull: Pull | None = None,
-                rigid: Array | None = None) -> Sensitivity:
+def sensitivity(
+    model: Model, phi_rad: Array, pull: Pull | None = None, rigid: Array | None = None
+) -> Sensitivity:
     """What binds and what would help, by facets for the box grip, by the balance's multipliers otherwise.
 
     Parameters
@@ -100,8 +105,11 @@ def sensitivity(model: Model, phi_rad: Array, pull: Pull | None = None,
         each = np.broadcast_to(mu, (len(at.force), *mu.shape[1:]))
         slope = wheel_slope(g.maps, each, at.normals, shape, coupling)
     return Sensitivity(
-        names=model.contacts.names, force_N=at.force, per_coefficient_N=slope * load[:, :, None],
-        saturated=at.seen > SEEN * np.max(at.seen, axis=(1, 2), keepdims=True), lifts=at.lifts,
+        names=model.geometry.names,
+        force_N=at.force,
+        per_coefficient_N=slope * load[:, :, None],
+        saturated=at.seen > SEEN * np.max(at.seen, axis=(1, 2), keepdims=True),
+        lifts=at.lifts,
         meeting=at.meeting,
     )
 
@@ -129,8 +137,13 @@ def _by_facets(g: PullGeometry, mu: Array) -> _Boundary:
     lifts = np.zeros((len(force), g.model.count), dtype=bool)
     if g.tips:
         lifts = on[:, facets:]
-    return _Boundary(force=force, normals=weight @ g.normals, seen=np.einsum("mk,kij->mij", weight, each),
-                     lifts=lifts, meeting=np.asarray(on.sum(axis=1)))
+    return _Boundary(
+        force=force,
+        normals=weight @ g.normals,
+        seen=np.einsum("mk,kij->mij", weight, each),
+        lifts=lifts,
+        meeting=np.asarray(on.sum(axis=1)),
+    )
 
 
 def _by_cones(g: PullGeometry, rigid: Array) -> _Boundary:
@@ -141,5 +154,10 @@ def _by_cones(g: PullGeometry, rigid: Array) -> _Boundary:
     seen = np.where(seen > CONE_SEEN * seen.max(axis=(1, 2), keepdims=True), seen, 0.0)
     load = g.model.loads.rest_N + answer.force_N[:, None] * g.load_change
     lifts = (load < CONE_SEEN * g.model.inertia.weight_N) & (g.load_change < 0.0)
-    return _Boundary(force=answer.force_N, normals=answer.normals, seen=seen, lifts=lifts,
-                     meeting=np.ones(len(answer.force_N), dtype=int))
+    return _Boundary(
+        force=answer.force_N,
+        normals=answer.normals,
+        seen=seen,
+        lifts=lifts,
+        meeting=np.ones(len(answer.force_N), dtype=int),
+    )

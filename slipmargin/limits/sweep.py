@@ -124,5 +124,8 @@ def limit_or_zero(model: Model, phi_rad: Array, pull: Pull, rigid: Array | None 
 def isotropic(model: Model) -> Isotropic:
     """μ m g with the mean of the wheels' drive coefficients on their rollers."""
     mean = float(np.mean(model.grip.roller[:, 0]))
-    return Isotropic(force_N=mean * model.inertia.weight_N, coefficient=mean,
-                     rule="mean drive coefficient on rollers × m g")
+    return Isotropic(
+        force_N=mean * model.inertia.weight_N,
+        coefficient=mean,
+        rule="mean drive coefficient on rollers × m g",
+    )

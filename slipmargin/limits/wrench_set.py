@@ -16,9 +16,8 @@ from slipmargin.checks import Array, frozen
 from slipmargin.limits.friction import Extreme, coefficients
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
-from slipmargin.robot import GripShape
-from slipmargin.sets.facets import facet_normals
-from slipmargin.sets.grips import (
+from slipmargin.physics.grips import (
+    GripShape,
     box_slope,
     box_support,
     disc_strip_slope,
@@ -26,6 +25,7 @@ from slipmargin.sets.grips import (
     ellipse_slope,
     ellipse_support,
 )
+from slipmargin.sets.facets import facet_normals
 from slipmargin.sets.zonotope import Zonotope
 
 
@@ -70,8 +70,9 @@ class WrenchSet:
 
     def share(self, directions: Array) -> Array:
         """(..., N) support per unit load of each wheel: h(n) = share(n) @ N [N per N]."""
-        return wheel_share(self.maps, self.coefficients, np.asarray(directions, dtype=float), self.shape,
-                           self.coupling)
+        return wheel_share(
+            self.maps, self.coefficients, np.asarray(directions, dtype=float), self.shape, self.coupling
+        )
 
     def support(self, directions: Array) -> Array:
         """(...,) h(n) = max n·w over the set, closed form for every grip."""
@@ -99,8 +100,7 @@ class WrenchSet:
         return Zonotope(generators=self.generators, centre=self.centre)
 
 
-_COUPLED = {GripShape.BOX: None, GripShape.DISC_STRIP: disc_strip_support,
-            GripShape.ELLIPSE: ellipse_support}
+_COUPLED = {GripShape.BOX: None, GripShape.DISC_STRIP: disc_strip_support, GripShape.ELLIPSE: ellipse_support}
 _SLOPES = {GripShape.BOX: None, GripShape.DISC_STRIP: disc_strip_slope, GripShape.ELLIPSE: ellipse_slope}
 
 
@@ -151,8 +151,9 @@ def box_normals(maps: Array) -> Array:
     return np.vstack([half, -half])
 
 
-def wrench_set(model: Model, rigid: Array | None = None, phi_rad: float = 0.0,
-               extreme: Extreme = Extreme.NEUTRAL) -> WrenchSet:
+def wrench_set(
+    model: Model, rigid: Array | None = None, phi_rad: float = 0.0, extreme: Extreme = Extreme.NEUTRAL
+) -> WrenchSet:
     """The wrench set of a model at rest.
 
     Parameters
@@ -165,8 +166,11 @@ def wrench_set(model: Model, rigid: Array | None = None, phi_rad: float = 0.0,
     state = np.zeros(model.count, dtype=bool) if rigid is None else np.asarray(rigid, dtype=bool)
     maps = wrench_maps(model)
     return WrenchSet(
-        names=model.contacts.names, maps=maps,
+        names=model.geometry.names,
+        maps=maps,
         coefficients=coefficients(model, state, np.array([phi_rad]), extreme)[0],
-        load_N=model.loads.rest_N, shape=model.grip.shape, coupling=model.grip.coupling,
+        load_N=model.loads.rest_N,
+        shape=model.grip.shape,
+        coupling=model.grip.coupling,
         normals=box_normals(maps),
     )

@@ -6,32 +6,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from slipmargin.checks import GRAVITY_M_S2, Array
-from slipmargin.model.parts import Inertia, Loads
-from slipmargin.robot import LoadRule, Robot
-
-
-def sharing_matrix(position_m: Array) -> Array:
-    """Loads from their resultant: N = S (W, W x, W y), S (N, 3).
-
-    The minimum-norm solution of Σ N_i = W, Σ N_i p_i = W p: exact for three wheels, equal
-    suspension stiffness for more (they are hyperstatic).
-    """
-    moments = np.vstack([np.ones(len(position_m)), position_m.T])
-    return np.asarray(np.linalg.pinv(moments), dtype=np.float64)
-
-
-def load_centre(position_m: Array, rest_N: Array) -> Array:
-    """The point (2,) at which the loads' resultant acts [m]."""
-    return np.asarray(position_m.T @ rest_N / rest_N.sum(), dtype=np.float64)
+from slipmargin.checks import Array
+from slipmargin.model.parts import Inertia
+from slipmargin.physics.loads import LoadRule, Loads, load_centre, sharing_matrix, wheel_loads
+from slipmargin.robot import Robot
 
 
 def centred(inertia: Inertia, loads: Loads, position_m: Array) -> Inertia:
-    """The inertia with its centre of mass moved as far towards the loads' resultant as they say."""
-    if loads.centred == 0.0:
+    """The inertia with its centre of mass moved as far as the loads say: sideways and up."""
+    if loads.centred == 0.0 and loads.raised_m == 0.0:
         return inertia
     gap = load_centre(position_m, loads.rest_N) - inertia.com_m
-    return replace(inertia, com_m=inertia.com_m + loads.centred * gap)
+    return replace(
+        inertia,
+        com_m=inertia.com_m + loads.centred * gap,
+        com_height_m=inertia.com_height_m + loads.raised_m,
+    )
 
 
 def tagged(rule: str, tag: str) -> str:
@@ -42,27 +32,14 @@ def tagged(rule: str, tag: str) -> str:
 
 def nominal_loads(robot: Robot) -> Loads:
     """The loads of a robot by the rule its file names."""
-    place = np.array([w.position_m for w in robot.wheels])
-    n, weight = len(place), robot.body.mass_kg * GRAVITY_M_S2
-    share = sharing_matrix(place)
-    still = np.zeros((n, 2))
-    if robot.load_rule is LoadRule.EQUAL:
-        return Loads(rest_N=np.full(n, weight / n), per_acceleration_kg=still, rule="equal shares m g / N")
-    if robot.load_rule is LoadRule.FIXED:
-        assert robot.load_fractions is not None
-        return Loads(
-            rest_N=weight * robot.load_fractions, per_acceleration_kg=still, rule="stated fractions of m g"
-        )
-    rest = share @ (weight * np.array([1.0, *robot.body.com_m]))
-    if robot.load_rule is LoadRule.STATIC:
-        return Loads(rest_N=rest, per_acceleration_kg=still, rule=_statics(n))
-    # Σ N_i (p_i − com) = −m h a: accelerating forwards presses the rear wheels down.
-    shift = -robot.body.mass_kg * robot.body.com_height_m * share[:, 1:]
-    return Loads(rest_N=rest, per_acceleration_kg=shift, rule=_statics(n) + ", plus load transfer")
-
-
-def _statics(n: int) -> str:
-    return "statics" if n == 3 else "statics with equal suspension stiffness"
+    return wheel_loads(
+        robot.load_rule,
+        np.array([w.position_m for w in robot.wheels]),
+        mass_kg=robot.body.mass_kg,
+        com_m=robot.body.com_m,
+        com_height_m=robot.body.com_height_m,
+        fractions=robot.load_fractions,
+    )
 
 
 def contradiction(robot: Robot) -> str | None:

@@ -12,10 +12,11 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import GRAVITY_M_S2, Array, frozen
-from slipmargin.errors import InputError
-from slipmargin.model.terms import ForceTerm, Modulation, PoseShift
-from slipmargin.robot import GripShape
+from slipmargin.checks import Array, frozen
+from slipmargin.physics.constants import GRAVITY_M_S2
+from slipmargin.physics.friction_laws import ATAN
+from slipmargin.physics.grips import GripShape
+from slipmargin.physics.terms import ForceTerm, Multiplier, PoseShift
 
 
 def _freeze(part: object, **shapes: tuple[int | None, ...]) -> None:
@@ -41,55 +42,10 @@ class Inertia:
         """m g [N]."""
         return self.mass_kg * GRAVITY_M_S2
 
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Contacts:
-    """Where the wheels stand and which way they grip; every vector array is (N, 2)."""
-
-    names: tuple[str, ...]
-    position_m: Array
-    drive: Array
-    grip: Array
-    free: Array
-    radius_m: Array
-
-    def __post_init__(self) -> None:
-        n = len(self.names)
-        _freeze(self, position_m=(n, 2), drive=(n, 2), grip=(n, 2), free=(n, 2), radius_m=(n,))
-
     @property
-    def count(self) -> int:
-        """Number of wheels N."""
-        return len(self.names)
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Loads:
-    """Wheel loads N_i = rest_i + per_acceleration_i · a, with a the body-frame acceleration.
-
-    ``rest_N`` (N,), ``per_acceleration_kg`` (N, 2).  ``rule`` says in words where they come from
-    (for N > 3 wheels: equal suspension stiffness).  ``centred`` is the share of the way that the
-    centre of mass goes from where the file puts it to where these loads' resultant acts: on a level
-    floor the two are one point.
-    """
-
-    rest_N: Array
-    per_acceleration_kg: Array
-    rule: str
-    centred: float = 0.0
-
-    def __post_init__(self) -> None:
-        n = len(np.asarray(self.rest_N))
-        _freeze(self, rest_N=(n,), per_acceleration_kg=(n, 2))
-        if float(np.min(self.rest_N)) < -1e-12:
-            worst = int(np.argmin(self.rest_N))
-            raise InputError(
-                "loads",
-                f"wheel {worst + 1} would carry {self.rest_N[worst]:.3g} N at rest",
-                "move the centre of mass inside the wheels' contact polygon",
-            )
+    def diagonal(self) -> Array:
+        """(m, m, I) (3,) [kg, kg, kg m²]."""
+        return np.array([self.mass_kg, self.mass_kg, self.inertia_kg_m2])
 
 
 @final
@@ -98,7 +54,8 @@ class Grip:
     """Friction of each wheel: coefficients (N, 2) [drive, transverse] on rollers and on rigid.
 
     Angle θ stands on rigid material where θ mod 2π/n ≥ (1 − rigid_fraction)·2π/n, with n ``rollers``
-    (both (N,)).  Eq. (11) has steepness ``k_s_per_m``; ``modulations`` multiply; the force lies in
+    (both (N,)).  Friction follows ``law`` (:mod:`~slipmargin.physics.friction_laws`) with slope
+    ``k_s_per_m``; ``multipliers`` multiply; the force lies in
     the Minkowski sum (1 − ``coupling``)·box ⊕ ``coupling``·``shape`` (theory, three grip sets);
     ``viscous_N_s_per_m`` (2,) adds −c u along ĝ and f̂ on every wheel.
     """
@@ -108,9 +65,10 @@ class Grip:
     rollers: Array
     rigid_fraction: Array
     k_s_per_m: float
+    law: int = ATAN
     shape: GripShape = GripShape.BOX
     coupling: float = 1.0
-    modulations: tuple[Modulation, ...] = ()
+    multipliers: tuple[Multiplier, ...] = ()
     viscous_N_s_per_m: Array = field(default_factory=lambda: np.zeros(2))
 
     def __post_init__(self) -> None:
@@ -120,7 +78,7 @@ class Grip:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Losses:
+class ExternalWrench:
     """Forces on the body that are not wheel friction."""
 
     terms: tuple[ForceTerm, ...] = ()
@@ -137,11 +95,11 @@ class Drives:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Transients:
+class ActuatorDynamics:
     """From commanded to real wheel speed: τ ω̇_i = gain_i ω_cmd,i(t − delay) − droop_i T_i − ω_i.
 
     ``lag_s`` (N,) τ [s], ``gain`` (N,) [1], ``droop_rad_s_per_N_m`` (N,) speed lost per torque T_i
-    that the wheel delivers [rad/(s N m)], ``delay_s`` [s].  ``modulations`` multiply ω_cmd,i over
+    that the wheel delivers [rad/(s N m)], ``delay_s`` [s].  ``multipliers`` multiply ω_cmd,i over
     COMMAND_SPEED or TIME.  They act only where wheel speeds are commanded, not where measured.
     """
 
@@ -149,21 +107,22 @@ class Transients:
     gain: Array
     droop_rad_s_per_N_m: Array
     delay_s: float = 0.0
-    modulations: tuple[Modulation, ...] = ()
+    multipliers: tuple[Multiplier, ...] = ()
 
     def __post_init__(self) -> None:
         n = len(np.asarray(self.lag_s))
         _freeze(self, lag_s=(n,), gain=(n,), droop_rad_s_per_N_m=(n,))
 
     @staticmethod
-    def none(count: int) -> Transients:
+    def none(count: int) -> ActuatorDynamics:
         """Wheels that do at once what they are told."""
-        return Transients(lag_s=np.zeros(count), gain=np.ones(count), droop_rad_s_per_N_m=np.zeros(count))
+        none = np.zeros(count)
+        return ActuatorDynamics(lag_s=none, gain=np.ones(count), droop_rad_s_per_N_m=none)
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Sensing:
+class MeasurementModel:
     """From the true pose to the measured one.
 
     Measured position = ``scale`` ∘ R(``rotation_rad``) (p + R(φ) ``marker_m``), measured heading =
@@ -182,8 +141,8 @@ class Sensing:
         _freeze(self, scale=(2,), marker_m=(2,))
 
     @staticmethod
-    def ideal() -> Sensing:
+    def ideal() -> MeasurementModel:
         """A camera and encoders without fault."""
-        return Sensing(
+        return MeasurementModel(
             scale=np.ones(2), rotation_rad=0.0, heading_gain=1.0, delay_s=0.0, marker_m=np.zeros(2)
         )

@@ -19,7 +19,7 @@ from slipmargin.checks import Array
 from slipmargin.limits.motion_friction import Friction, friction_in_motion
 from slipmargin.limits.motion_losses import losses_in_motion
 from slipmargin.limits.motion_rows import Facets, facet_coefficients, facet_rows, torque_rows
-from slipmargin.limits.motion_state import Contact, Kinematics, Motion
+from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.paths.geometry import Geometry
 
@@ -60,35 +60,51 @@ class Assumed:
     """Friction and losses of every interval, hulled over the speeds it may be passed at."""
 
     friction: Friction
-    losses: tuple[Array, Array]
+    external: tuple[Array, Array]
 
 
-def assume(model: Model, geometry: Geometry, motions: list[Motion], *, share: float,
-           contact: Contact) -> Assumed:
+def assume(
+    model: Model, geometry: Geometry, motions: list[Motion], *, share: float, contact: Contact
+) -> Assumed:
     """Hull of friction and losses over states (n F) of every interval, and over several guesses."""
     n, f = geometry.s.shape
     frictions = [friction_in_motion(model, m, share=share, contact=contact) for m in motions]
     losses = [losses_in_motion(model, m) for m in motions]
 
     def hull(values: Sequence[NDArray[Any]], pick: np.ufunc, axis: int) -> NDArray[Any]:
-        shaped = [v.reshape(*v.shape[:axis], n, f, *v.shape[axis + 1:]) for v in values]
+        shaped = [v.reshape(*v.shape[:axis], n, f, *v.shape[axis + 1 :]) for v in values]
         return np.asarray(pick.reduce([pick.reduce(v, axis=axis + 1) for v in shaped]))
 
     low, high = np.minimum, np.maximum
     first = frictions[0]
     friction = replace(
-        first, drive=hull([x.drive for x in frictions], low, 1),
+        first,
+        drive=hull([x.drive for x in frictions], low, 1),
         drag_low=hull([x.drag_low for x in frictions], low, 1),
         drag_high=hull([x.drag_high for x in frictions], high, 1),
         possible=hull([x.possible for x in frictions], np.logical_or, 1),
-        transverse=first.transverse[:, ::f], slide=first.slide[::f],
-        stiffness=first.stiffness[::f], drive_stiffness=first.drive_stiffness[::f])
-    return Assumed(friction=friction, losses=(hull([x[0] for x in losses], low, 0),
-                                              hull([x[1] for x in losses], high, 0)))
+        transverse=first.transverse[:, ::f],
+        slide=first.slide[::f],
+        stiffness=first.stiffness[::f],
+        drive_stiffness=first.drive_stiffness[::f],
+    )
+    return Assumed(
+        friction=friction,
+        external=(hull([x[0] for x in losses], low, 0), hull([x[1] for x in losses], high, 0)),
+    )
 
 
-def rows_along(model: Model, geometry: Geometry, assumed: Assumed, *, share: Array, torque_share: Array,
-               caps: Caps, cap_share: Array, guess: Array | None) -> Rows:
+def rows_along(
+    model: Model,
+    geometry: Geometry,
+    assumed: Assumed,
+    *,
+    share: Array,
+    torque_share: Array,
+    caps: Caps,
+    cap_share: Array,
+    guess: Array | None,
+) -> Rows:
     """Rows of every interval.
 
     Parameters
@@ -102,7 +118,7 @@ def rows_along(model: Model, geometry: Geometry, assumed: Assumed, *, share: Arr
         above, so that the row is safe whatever the guess).
     """
     facets = Facets.of(model)
-    A, c = facet_rows(model, facets, facet_coefficients(facets, assumed.friction, share), assumed.losses)
+    A, c = facet_rows(model, facets, facet_coefficients(facets, assumed.friction, share), assumed.external)
     ends = (0, -1)
     a = [np.einsum("nkc,nc->nk", A, geometry.push[:, e]) for e in ends]
     b = [np.einsum("nkc,nc->nk", A, geometry.bend[:, e]) for e in ends]
@@ -112,27 +128,40 @@ def rows_along(model: Model, geometry: Geometry, assumed: Assumed, *, share: Arr
     blocks = [(a, b, cs)]
     per = model.loads.per_acceleration_kg
     if np.any(per):
-        blocks.append(([-geometry.push[:, e, :2] @ per.T for e in ends],
-                       [-geometry.bend[:, e, :2] @ per.T for e in ends],
-                       [np.broadcast_to(model.loads.rest_N, (len(c), model.count))] * 2))
+        blocks.append(
+            (
+                [-geometry.push[:, e, :2] @ per.T for e in ends],
+                [-geometry.bend[:, e, :2] @ per.T for e in ends],
+                [np.broadcast_to(model.loads.rest_N, (len(c), model.count))] * 2,
+            )
+        )
         names += ["tip-over"] * model.count
         wheels.append(np.eye(model.count, dtype=bool))
     if model.drives.stall_torque_N_m is not None:
         blocks.append(_motor(model, geometry, assumed, torque_share, guess))
         names += ["motor torque"] * (2 * model.count)
         wheels.append(np.tile(np.eye(model.count, dtype=bool), (2, 1)))
-    stacked = [np.stack([np.concatenate([blk[part][e] for blk in blocks], axis=1) for e in (0, 1)])
-               for part in range(3)]
-    return Rows(a=stacked[0], b=stacked[1], c=stacked[2], names=tuple(names), wheels=np.vstack(wheels),
-                cap=speed_cap(model, geometry, caps, cap_share))
+    stacked = [
+        np.stack([np.concatenate([blk[part][e] for blk in blocks], axis=1) for e in (0, 1)])
+        for part in range(3)
+    ]
+    return Rows(
+        a=stacked[0],
+        b=stacked[1],
+        c=stacked[2],
+        names=tuple(names),
+        wheels=np.vstack(wheels),
+        cap=speed_cap(model, geometry, caps, cap_share),
+    )
 
 
-def _motor(model: Model, geometry: Geometry, assumed: Assumed, torque_share: Array,
-           guess: Array | None) -> tuple[list[Array], list[Array], list[Array]]:
+def _motor(
+    model: Model, geometry: Geometry, assumed: Assumed, torque_share: Array, guess: Array | None
+) -> tuple[list[Array], list[Array], list[Array]]:
     stall, top = model.drives.stall_torque_N_m, model.drives.max_speed_rad_s
     assert stall is not None
-    torque = torque_rows(model, assumed.friction, assumed.losses)
-    spin = geometry.twist @ Kinematics.of(model).spin.T / model.contacts.radius_m  # θ̇ per ṡ (n, F, N)
+    torque = torque_rows(model, assumed.friction, assumed.external)
+    spin = model.geometry.wheel_speeds(geometry.twist)  # θ̇ per ṡ (n, F, N)
     a, b, c = [], [], []
     for e, node in ((0, slice(None, -1)), (-1, slice(1, None))):
         left, right, bound = [], [], []
@@ -143,8 +172,9 @@ def _motor(model: Model, geometry: Geometry, assumed: Assumed, torque_share: Arr
             root = np.sqrt(at)[:, None]
             limit = stall * torque_share[:, None]
             left.append(np.einsum("nic,nc->ni", torque.A[k], geometry.push[:, e]))
-            right.append(np.einsum("nic,nc->ni", torque.A[k], geometry.bend[:, e])
-                         + limit * slope / (2.0 * root))
+            right.append(
+                np.einsum("nic,nc->ni", torque.A[k], geometry.bend[:, e]) + limit * slope / (2.0 * root)
+            )
             bound.append(torque.b[k] + limit * (1.0 - 0.5 * slope * root))
         a.append(np.concatenate(left, axis=1))
         b.append(np.concatenate(right, axis=1))
@@ -155,7 +185,7 @@ def _motor(model: Model, geometry: Geometry, assumed: Assumed, torque_share: Arr
 def speed_ratio(model: Model, geometry: Geometry, caps: Caps) -> Array:
     """ṡ per unit of each cap used up: (n, F) the largest over speed, yaw rate and wheel speeds."""
     wheel = min(caps.wheel_rad_s, model.drives.max_speed_rad_s or np.inf)
-    spin = geometry.twist @ Kinematics.of(model).spin.T / model.contacts.radius_m
+    spin = model.geometry.wheel_speeds(geometry.twist)
     speed = np.hypot(geometry.first[..., 0], geometry.first[..., 1]) / caps.speed_m_s
     turning = np.abs(geometry.first[..., 2]) / caps.yaw_rate_rad_s
     return np.asarray(np.maximum(np.maximum(speed, turning), np.max(np.abs(spin), axis=2) / wheel))

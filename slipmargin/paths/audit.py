@@ -10,7 +10,7 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.limits.motion_realised import realised, settling
 from slipmargin.limits.motion_rows import torque_limit
-from slipmargin.limits.motion_state import Contact, wheel_speeds
+from slipmargin.limits.motion_state import Contact
 from slipmargin.model import Model
 from slipmargin.paths.along import Caps, speed_ratio
 from slipmargin.paths.geometry import Geometry
@@ -51,8 +51,17 @@ class Audit:
         return int(i), int(j), int(k)
 
 
-def audit(model: Model, geometry: Geometry, x: Array, u: Array, *, contact: Contact, share: float, caps: Caps,
-          theta: Array | None = None) -> Audit:
+def audit(
+    model: Model,
+    geometry: Geometry,
+    x: Array,
+    u: Array,
+    *,
+    contact: Contact,
+    share: float,
+    caps: Caps,
+    theta: Array | None = None,
+) -> Audit:
     """Check a profile at the samples of ``geometry``."""
     time = geometry.times(x, u)
     motion = geometry.motion(x, u, time)
@@ -61,7 +70,7 @@ def audit(model: Model, geometry: Geometry, x: Array, u: Array, *, contact: Cont
     forces = realised(model, motion, contact=contact, share=share)
     drifting = realised(model, motion, contact=contact, share=share, open_loop=True)
     shape = (*geometry.s.shape, model.count)
-    limit = torque_limit(model, wheel_speeds(model, motion.velocity))
+    limit = torque_limit(model, model.geometry.wheel_speeds(motion.velocity))
     with np.errstate(divide="ignore", invalid="ignore"):
         given = forces.torque_N_m
         torque = np.where(given >= 0.0, given / limit[0], -given / limit[1])
@@ -69,7 +78,14 @@ def audit(model: Model, geometry: Geometry, x: Array, u: Array, *, contact: Cont
     speed = np.sqrt(geometry.squared_speed(x)) * speed_ratio(model, geometry, caps)
     use = np.maximum(forces.use, drifting.use)
     first = np.arange(0, motion.count, shape[1], dtype=np.int64)
-    jumps = settling(model, motion.take(np.maximum(first - 1, 0)), motion.take(first), contact=contact,
-                     share=share)
-    return Audit(use=use.reshape(shape), settling=jumps, torque=torque.reshape(shape), speed=speed,
-                 load_N=forces.load_N.reshape(shape), time_s=time)
+    jumps = settling(
+        model, motion.take(np.maximum(first - 1, 0)), motion.take(first), contact=contact, share=share
+    )
+    return Audit(
+        use=use.reshape(shape),
+        settling=jumps,
+        torque=torque.reshape(shape),
+        speed=speed,
+        load_N=forces.load_N.reshape(shape),
+        time_s=time,
+    )

@@ -15,7 +15,7 @@ from slipmargin.checks import Array, frozen, real
 from slipmargin.errors import InputError
 from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_rows import torque_limit
-from slipmargin.limits.motion_state import Contact, Kinematics, Motion, wheel_speeds
+from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.paths.geometry import to_body
 
@@ -68,8 +68,15 @@ class _Course:
     acceleration: Array
 
 
-def check(model: Model, t_s: Array, pose: Array, *, share: float = 1.0, contact: Contact = Contact.ROLLERS,
-          smooth_s: float = 0.0) -> Check:
+def check(
+    model: Model,
+    t_s: Array,
+    pose: Array,
+    *,
+    share: float = 1.0,
+    contact: Contact = Contact.ROLLERS,
+    smooth_s: float = 0.0,
+) -> Check:
     """Audit a trajectory.
 
     Parameters
@@ -94,11 +101,20 @@ def check(model: Model, t_s: Array, pose: Array, *, share: float = 1.0, contact:
     course = _Course(t_s, pose, *derivatives(t_s, pose, smooth_s))
     use, torque, speed, load = _shares(model, course, contact, 1.0)
     i, k = np.unravel_index(int(np.argmax(use)), use.shape)
-    return Check(t_s=t_s, velocity=course.velocity, acceleration=course.acceleration,
-                 omega=wheel_speeds(model, to_body(pose[:, 2], course.velocity)), use=use, torque=torque,
-                 speed=speed, load_N=load, max_use=float(np.max(use)),
-                 worst=(float(t_s[i]), float(pose[i, 0]), float(pose[i, 1]), int(k)), share=share,
-                 time_scale_needed=_time_scale(model, course, share, contact))
+    return Check(
+        t_s=t_s,
+        velocity=course.velocity,
+        acceleration=course.acceleration,
+        omega=model.geometry.wheel_speeds(to_body(pose[:, 2], course.velocity)),
+        use=use,
+        torque=torque,
+        speed=speed,
+        load_N=load,
+        max_use=float(np.max(use)),
+        worst=(float(t_s[i]), float(pose[i, 0]), float(pose[i, 1]), int(k)),
+        share=share,
+        time_scale_needed=_time_scale(model, course, share, contact),
+    )
 
 
 def derivatives(t_s: Array, pose: Array, smooth_s: float = 0.0) -> tuple[Array, Array]:
@@ -149,21 +165,29 @@ def _checked(t_s: Array, pose: Array) -> tuple[Array, Array]:
     step = np.diff(t_s)
     if np.min(step) <= 0.0:
         row = int(np.argmax(step <= 0.0)) + 2
-        raise InputError(f"row {row}", f"is at {t_s[row - 1]:g} s, not after {t_s[row - 2]:g} s",
-                         "time must increase from row to row")
+        raise InputError(
+            f"row {row}",
+            f"is at {t_s[row - 1]:g} s, not after {t_s[row - 2]:g} s",
+            "time must increase from row to row",
+        )
     pose[:, 2] = np.unwrap(pose[:, 2])
     return t_s, pose
 
 
-def _shares(model: Model, course: _Course, contact: Contact,
-            stretch: float) -> tuple[Array, Array, Array, Array]:
+def _shares(
+    model: Model, course: _Course, contact: Contact, stretch: float
+) -> tuple[Array, Array, Array, Array]:
     """Use, torque and speed shares and loads (M, N) with time stretched."""
     phi = course.pose[:, 2]
-    motion = Motion(velocity=to_body(phi, course.velocity) / stretch, heading=phi,
-                    position=course.pose[:, :2], acceleration=to_body(phi, course.acceleration) / stretch**2,
-                    time_s=(course.t_s - course.t_s[0]) * stretch)
+    motion = Motion(
+        velocity=to_body(phi, course.velocity) / stretch,
+        heading=phi,
+        position=course.pose[:, :2],
+        acceleration=to_body(phi, course.acceleration) / stretch**2,
+        time_s=(course.t_s - course.t_s[0]) * stretch,
+    )
     forces = realised(model, motion, contact=contact)
-    omega = wheel_speeds(model, motion.velocity)
+    omega = model.geometry.wheel_speeds(motion.velocity)
     limit = torque_limit(model, omega)
     given = forces.torque_N_m
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -179,10 +203,15 @@ def _time_scale(model: Model, course: _Course, share: float, contact: Contact) -
     Slower is not always safer sample by sample (less braking means less help from drag is needed, never
     more), but where constant speed itself needs too much grip no stretch helps: infinite.
     """
+
     def fits(stretch: float) -> bool:
         use, torque, speed, load = _shares(model, course, contact, stretch)
-        return bool(np.max(use) <= share * (1.0 + 1e-6) and np.max(torque) <= 1.0 + 1e-6
-                    and np.max(speed) <= 1.0 + 1e-6 and np.min(load) >= 0.0)
+        return bool(
+            np.max(use) <= share * (1.0 + 1e-6)
+            and np.max(torque) <= 1.0 + 1e-6
+            and np.max(speed) <= 1.0 + 1e-6
+            and np.min(load) >= 0.0
+        )
 
     low = high = 1.0
     while not fits(high):
@@ -197,5 +226,5 @@ def _time_scale(model: Model, course: _Course, share: float, contact: Contact) -
 
 def _fading(model: Model, course: _Course, stretch: float) -> bool:
     """Whether the motion has become so slow that drag itself fades: slowing down is no cure then."""
-    slide = to_body(course.pose[:, 2], course.velocity) @ Kinematics.of(model).slide.T
+    slide = to_body(course.pose[:, 2], course.velocity) @ model.geometry.lateral_rows().T
     return bool(model.grip.k_s_per_m * np.max(np.abs(slide)) / stretch < CRAWL)

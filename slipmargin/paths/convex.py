@@ -43,8 +43,14 @@ class ConvexProfile:
     duration_s: float
 
 
-def convex_profile(step: Array, rows: Rows, *, start_m_s: float = 0.0, end_m_s: float = 0.0,
-                   ellipsoids: Ellipsoids | None = None) -> ConvexProfile:
+def convex_profile(
+    step: Array,
+    rows: Rows,
+    *,
+    start_m_s: float = 0.0,
+    end_m_s: float = 0.0,
+    ellipsoids: Ellipsoids | None = None,
+) -> ConvexProfile:
     """The fastest profile by convex programming.
 
     Parameters
@@ -91,9 +97,16 @@ def convex_profile(step: Array, rows: Rows, *, start_m_s: float = 0.0, end_m_s: 
         warnings.simplefilter("ignore", UserWarning)
         problem.solve(solver="CLARABEL")
     if problem.status not in ("optimal", "optimal_inaccurate"):
-        raise NoSolution("convex profile", f"the solver ended as {problem.status}",
-                         "use a smaller margin or another path", problem)
+        raise NoSolution(
+            "convex profile",
+            f"the solver ended as {problem.status}",
+            "use a smaller margin or another path",
+            problem,
+        )
     found = np.maximum(np.asarray(x.value, dtype=np.float64), 0.0)
     root = np.sqrt(found)
-    return ConvexProfile(x=found, u=np.asarray(np.diff(found) / (2.0 * step)),
-                         duration_s=float(np.sum(2.0 * step / (root[1:] + root[:-1]))))
+    return ConvexProfile(
+        x=found,
+        u=np.asarray(np.diff(found) / (2.0 * step)),
+        duration_s=float(np.sum(2.0 * step / (root[1:] + root[:-1]))),
+    )

@@ -48,8 +48,9 @@ def _width(A: Array, B: Array, C: Array, count: int, x: float) -> tuple[float, f
 
 
 @njit(cache=True)
-def _extreme(A: Array, B: Array, C: Array, count: int, low_x: float, high_x: float,
-             upward: bool) -> tuple[float, int, int]:
+def _extreme(
+    A: Array, B: Array, C: Array, count: int, low_x: float, high_x: float, upward: bool
+) -> tuple[float, int, int]:
     """Largest (or smallest) x in [low_x, high_x] with an admissible u; NaN and the rows in conflict."""
     x = high_x if upward else low_x
     for _ in range(100):
@@ -69,8 +70,19 @@ def _extreme(A: Array, B: Array, C: Array, count: int, low_x: float, high_x: flo
 
 
 @njit(cache=True)
-def _gather(A0: Array, B0: Array, C0: Array, A1: Array, B1: Array, C1: Array, step: float,
-            A: Array, B: Array, C: Array, name: NDArray[np.int64]) -> tuple[int, float, float]:
+def _gather(
+    A0: Array,
+    B0: Array,
+    C0: Array,
+    A1: Array,
+    B1: Array,
+    C1: Array,
+    step: float,
+    A: Array,
+    B: Array,
+    C: Array,
+    name: NDArray[np.int64],
+) -> tuple[int, float, float]:
     """Rows of one interval in (u, x); rows without u become bounds on x, returned."""
     least, most, count = 0.0, math.inf, 0
     top = 0.0
@@ -98,9 +110,22 @@ def _gather(A0: Array, B0: Array, C0: Array, A1: Array, B1: Array, C1: Array, st
 
 
 @njit(cache=True)
-def profile(step: Array, A0: Array, B0: Array, C0: Array, A1: Array, B1: Array, C1: Array, cap: Array,
-            x_start: float, x_end: float, x: Array, u: Array, highest: Array,
-            binding: NDArray[np.int64]) -> tuple[int, int, int, int]:
+def profile(
+    step: Array,
+    A0: Array,
+    B0: Array,
+    C0: Array,
+    A1: Array,
+    B1: Array,
+    C1: Array,
+    cap: Array,
+    x_start: float,
+    x_end: float,
+    x: Array,
+    u: Array,
+    highest: Array,
+    binding: NDArray[np.int64],
+) -> tuple[int, int, int, int]:
     """The fastest profile.
 
     Parameters
@@ -161,8 +186,17 @@ def profile(step: Array, A0: Array, B0: Array, C0: Array, A1: Array, B1: Array, 
 
 
 @njit(cache=True)
-def _reach(A: Array, B: Array, C: Array, name: NDArray[np.int64], count: int, rows: int, step: float,
-           low: float, high: float) -> int:
+def _reach(
+    A: Array,
+    B: Array,
+    C: Array,
+    name: NDArray[np.int64],
+    count: int,
+    rows: int,
+    step: float,
+    low: float,
+    high: float,
+) -> int:
     """Adds the rows low ≤ x + 2 Δ u ≤ high of the next interval."""
     A[count], B[count], C[count], name[count] = 2.0 * step, 1.0, high, 2 * rows
     A[count + 1], B[count + 1], C[count + 1], name[count + 1] = -2.0 * step, -1.0, -low, 2 * rows + 1

@@ -45,8 +45,9 @@ class Geometry:
             a[..., 0] -= a[..., 2] * c[1]
             a[..., 1] += a[..., 2] * c[0]
         bend[..., :2] -= first[..., 2:] ** 2 * c
-        return Geometry(s=s, fractions=fractions, pose=pose, first=first, second=second, twist=twist,
-                        push=push, bend=bend)
+        return Geometry(
+            s=s, fractions=fractions, pose=pose, first=first, second=second, twist=twist, push=push, bend=bend
+        )
 
     def squared_speed(self, x: Array) -> Array:
         """ṡ² (n, F) inside every interval: linear between the grid points."""
@@ -60,14 +61,22 @@ class Geometry:
         if u is not None:
             floor = self.first * u[:, None, None] + self.second * sq[..., None]
             acceleration = to_body(self.pose[..., 2], floor).reshape(-1, 3)
-        return Motion(velocity=(self.twist * speed * scale).reshape(-1, 3),
-                      heading=self.pose[..., 2].ravel(), position=self.pose[..., :2].reshape(-1, 2),
-                      time_s=None if time is None else time.ravel(), acceleration=acceleration)
+        return Motion(
+            velocity=(self.twist * speed * scale).reshape(-1, 3),
+            heading=self.pose[..., 2].ravel(),
+            position=self.pose[..., :2].reshape(-1, 2),
+            time_s=None if time is None else time.ravel(),
+            acceleration=acceleration,
+        )
 
     def saturated(self) -> Motion:
         """The samples as states at a speed at which the drag is full."""
-        return Motion(velocity=self.twist.reshape(-1, 3), heading=self.pose[..., 2].ravel(),
-                      position=self.pose[..., :2].reshape(-1, 2), saturated=True)
+        return Motion(
+            velocity=self.twist.reshape(-1, 3),
+            heading=self.pose[..., 2].ravel(),
+            position=self.pose[..., :2].reshape(-1, 2),
+            saturated=True,
+        )
 
     def times(self, x: Array, u: Array) -> Array:
         """Time (n, F) [s] at which the profile passes each sample."""
@@ -75,12 +84,20 @@ class Geometry:
         step = (self.s[:, -1] - self.s[:, 0]) / (self.fractions[-1] - self.fractions[0])
         start = np.concatenate([[0.0], np.cumsum(2.0 * step / np.maximum(root[1:] + root[:-1], 1e-12))])[:-1]
         here = np.sqrt(self.squared_speed(x))
-        return np.asarray(start[:, None] + 2.0 * (self.fractions * step[:, None])
-                          / np.maximum(here + root[:-1, None], 1e-12))
+        return np.asarray(
+            start[:, None]
+            + 2.0 * (self.fractions * step[:, None]) / np.maximum(here + root[:-1, None], 1e-12)
+        )
 
 
 def to_body(heading: Array, vectors: Array) -> Array:
     """R(φ)ᵀ on the first two components of (..., 3); the third stays."""
     c, s = np.cos(heading), np.sin(heading)
-    return np.stack([c * vectors[..., 0] + s * vectors[..., 1], -s * vectors[..., 0] + c * vectors[..., 1],
-                     vectors[..., 2]], axis=-1)
+    return np.stack(
+        [
+            c * vectors[..., 0] + s * vectors[..., 1],
+            -s * vectors[..., 0] + c * vectors[..., 1],
+            vectors[..., 2],
+        ],
+        axis=-1,
+    )

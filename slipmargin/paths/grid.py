@@ -57,8 +57,10 @@ def grid_of(path: Path, points: int = 400) -> Grid:
     nodes = np.unique(np.concatenate(marks))
     nodes = nodes[np.concatenate([[True], np.diff(nodes) > 1e-12 * path.length])]
     nodes[-1] = breaks[-1]
-    s = np.concatenate([_even(a, b, max(2, int(np.ceil(points * (b - a) / path.length))))
-                        for a, b in pairwise(nodes)] + [nodes[-1:]])
+    s = np.concatenate(
+        [_even(a, b, max(2, int(np.ceil(points * (b - a) / path.length)))) for a, b in pairwise(nodes)]
+        + [nodes[-1:]]
+    )
     for _ in range(12):
         bend = _bending(path, s)
         split = bend > BENDING

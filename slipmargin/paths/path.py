@@ -98,8 +98,11 @@ def through(waypoints: Array, *, arm: float = 0.1, closed: bool = False, source:
         if distance(np.array([0.0, 0.0, turns]), gap, arm) > 1e-9:
             points = np.vstack([points, points[0] + np.array([0.0, 0.0, turns])])
         if len(points) < 4:
-            raise InputError(source, f"{len(points) - 1} waypoints cannot close a smooth path",
-                             "give at least three different waypoints")
+            raise InputError(
+                source,
+                f"{len(points) - 1} waypoints cannot close a smooth path",
+                "give at least three different waypoints",
+            )
     _no_sharp_corner(points, arm, closed, source)
     knot = np.concatenate([[0.0], np.cumsum(distance(points[:-1], points[1:], arm))])
     if closed:
@@ -132,24 +135,36 @@ def corners(waypoints: Array, *, blend_m: float = 0.0, arm: float = 0.1, source:
     for k in np.flatnonzero(bent).tolist():
         if blend_m <= 0.0:
             turn = np.rad2deg(np.arccos(cosine[k]))
-            raise InputError(f"{source} {k + 2}",
-                             f"is a kink of {turn:.3g} degrees, where the robot would have to stop",
-                             "blend it (for example 0.05 m) or drive a spline through the waypoints")
+            raise InputError(
+                f"{source} {k + 2}",
+                f"is a kink of {turn:.3g} degrees, where the robot would have to stop",
+                "blend it (for example 0.05 m) or drive a spline through the waypoints",
+            )
         if np.arccos(cosine[k]) > SHARP_RAD:
             raise _turned_back(f"{source} {k + 2}")
         if blend_m > 0.5 * min(span[k], span[k + 1]) + 1e-12:
-            raise InputError(f"{source} {k + 2}", f"has no room for a blend of {blend_m:g} m",
-                             f"use at most {0.5 * min(span[k], span[k + 1]):.4g} m")
+            raise InputError(
+                f"{source} {k + 2}",
+                f"has no room for a blend of {blend_m:g} m",
+                f"use at most {0.5 * min(span[k], span[k + 1]):.4g} m",
+            )
     cut = np.where(np.concatenate([[False], bent, [False]]), blend_m, 0.0)
     pieces: list[Piece] = []
     for k, d in enumerate(way):
         rest = span[k] - cut[k] - cut[k + 1]
         if rest > 1e-12 * span[k]:
-            pieces.append(Quadratic(start=points[k] + cut[k] * d, slope=d, bend=np.zeros(3),
-                                    span=float(rest)))
+            pieces.append(
+                Quadratic(start=points[k] + cut[k] * d, slope=d, bend=np.zeros(3), span=float(rest))
+            )
         if k + 1 < len(way) and bent[k]:
-            pieces.append(Quadratic(start=points[k + 1] - blend_m * d, slope=d,
-                                    bend=(way[k + 1] - d) / (2.0 * blend_m), span=2.0 * blend_m))
+            pieces.append(
+                Quadratic(
+                    start=points[k + 1] - blend_m * d,
+                    slope=d,
+                    bend=(way[k + 1] - d) / (2.0 * blend_m),
+                    span=2.0 * blend_m,
+                )
+            )
     return Path(pieces=tuple(pieces))
 
 
@@ -181,8 +196,11 @@ def _no_sharp_corner(points: Array, arm: float, closed: bool, source: str) -> No
 
 
 def _turned_back(place: str) -> InputError:
-    return InputError(place, "is a kink: the path turns back on itself there",
-                      "split the path at this waypoint, or blend it by a waypoint to the side")
+    return InputError(
+        place,
+        "is a kink: the path turns back on itself there",
+        "split the path at this waypoint, or blend it by a waypoint to the side",
+    )
 
 
 def _joined(place: str, one: Piece, two: Piece, *, turns: bool = False) -> None:
@@ -192,8 +210,14 @@ def _joined(place: str, one: Piece, two: Piece, *, turns: bool = False) -> None:
     if turns:
         gap[2] -= 2.0 * np.pi * round(gap[2] / (2.0 * np.pi))
     if np.max(np.abs(gap)) > 1e-6:
-        raise InputError(place, "does not start where the piece before it ends",
-                         f"start it at x {a[0][0]:.6g} m, y {a[0][1]:.6g} m, phi {a[0][2]:.6g} rad")
+        raise InputError(
+            place,
+            "does not start where the piece before it ends",
+            f"start it at x {a[0][0]:.6g} m, y {a[0][1]:.6g} m, phi {a[0][2]:.6g} rad",
+        )
     if np.max(np.abs(b[1] - a[1])) > SMOOTH_RAD * max(1.0, float(np.max(np.abs(a[1])))):
-        raise InputError(place, "starts in another direction than the piece before it ends (a kink)",
-                         "blend the corner, or put an arc between the two")
+        raise InputError(
+            place,
+            "starts in another direction than the piece before it ends (a kink)",
+            "blend the corner, or put an arc between the two",
+        )

@@ -56,8 +56,11 @@ class Quadratic(Piece):
         """q, q', q''."""
         s = np.asarray(s, dtype=float)[:, None]
         first = self.slope + self.bend * s
-        return (self.start + self.slope * s + 0.5 * self.bend * s**2, first,
-                np.broadcast_to(self.bend, first.shape).copy())
+        return (
+            self.start + self.slope * s + 0.5 * self.bend * s**2,
+            first,
+            np.broadcast_to(self.bend, first.shape).copy(),
+        )
 
 
 @final
@@ -89,8 +92,11 @@ class Arc(Piece):
         a = self.angle + rate * s
         c, d, zero = self.radius * np.cos(a), self.radius * np.sin(a), np.zeros_like(a)
         q = np.stack([self.centre[0] + c, self.centre[1] + d, self.heading + spin * s], axis=1)
-        return (q, np.stack([-d * rate, c * rate, zero + spin], axis=1),
-                np.stack([-c * rate**2, -d * rate**2, zero], axis=1))
+        return (
+            q,
+            np.stack([-d * rate, c * rate, zero + spin], axis=1),
+            np.stack([-c * rate**2, -d * rate**2, zero], axis=1),
+        )
 
 
 @final
@@ -139,10 +145,18 @@ def arc(start: Array, centre: Array, sweep_rad: float, turn_rad: float, arm: flo
     ray = start[:2] - centre
     radius = float(np.hypot(*ray))
     if radius <= 0.0 or sweep_rad == 0.0:
-        raise InputError("arc", "has no length",
-                         "give a centre beside the start and a sweep that is not zero")
-    return Arc(centre=centre, radius=radius, angle=float(np.arctan2(ray[1], ray[0])), sweep=sweep_rad,
-               heading=float(start[2]), turn=real("turn_rad", turn_rad, cure="give an angle [rad]"), arm=arm)
+        raise InputError(
+            "arc", "has no length", "give a centre beside the start and a sweep that is not zero"
+        )
+    return Arc(
+        centre=centre,
+        radius=radius,
+        angle=float(np.arctan2(ray[1], ray[0])),
+        sweep=sweep_rad,
+        heading=float(start[2]),
+        turn=real("turn_rad", turn_rad, cure="give an angle [rad]"),
+        arm=arm,
+    )
 
 
 def distance(a: Array, b: Array, arm: float) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 
 from slipmargin.checks import Array, real
 from slipmargin.errors import InputError, NoSolution
-from slipmargin.limits.motion_state import Contact, Kinematics, Motion
+from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.paths import core
 from slipmargin.paths.along import FASTER, SLOWER, Caps, Rows, assume, rows_along
@@ -115,14 +115,28 @@ def plan(model: Model, path: Path, request: Request | None = None, *, grid: Grid
     for k in range(ROUNDS):
         seen = work.check()
         if not work.tighten(seen, min(AIM * HASTE**k, COARSEST)):
-            return Plan(model=model, path=path, request=request, grid=grid, x=work.x, u=work.u,
-                        highest=work.highest, limited_by=work.named(), rows=work.rows, audit=seen,
-                        passes=work.passes)
+            return Plan(
+                model=model,
+                path=path,
+                request=request,
+                grid=grid,
+                x=work.x,
+                u=work.u,
+                highest=work.highest,
+                limited_by=work.named(),
+                rows=work.rows,
+                audit=seen,
+                passes=work.passes,
+            )
         work.drive()
     i, wheel = np.unravel_index(int(np.argmax(seen.most)), seen.most.shape)
-    raise NoSolution(work.place(int(i)), f"wheel {model.contacts.names[wheel]} still uses "
-                     f"{seen.most[i, wheel]:.4f} of its grip after {ROUNDS} rounds of tightening",
-                     "use more grid points or a larger margin", seen)
+    raise NoSolution(
+        work.place(int(i)),
+        f"wheel {model.geometry.names[wheel]} still uses "
+        f"{seen.most[i, wheel]:.4f} of its grip after {ROUNDS} rounds of tightening",
+        "use more grid points or a larger margin",
+        seen,
+    )
 
 
 class _Work:
@@ -157,34 +171,67 @@ class _Work:
         """One backward and forward pass."""
         r = self.request
         assumed = assume(self.model, self.coarse, self.states(), share=r.share, contact=r.contact)
-        self.rows = rows_along(self.model, self.coarse, assumed, share=r.share * self.grip,
-                               torque_share=self.torque, caps=r.caps, cap_share=self.speed,
-                               guess=self.x if self.passes else None)
+        self.rows = rows_along(
+            self.model,
+            self.coarse,
+            assumed,
+            share=r.share * self.grip,
+            torque_share=self.torque,
+            caps=r.caps,
+            cap_share=self.speed,
+            guess=self.x if self.passes else None,
+        )
         w = self.rows
         x, u, highest = np.zeros_like(self.x), np.zeros_like(self.u), np.zeros_like(self.x)
         status, j, one, two = core.profile(
-            self.grid.step, w.a[0], w.b[0], w.c[0], w.a[1], w.b[1], w.c[1], w.cap, r.start_m_s**2,
-            r.end_m_s**2, x, u, highest, self.binding)
+            self.grid.step,
+            w.a[0],
+            w.b[0],
+            w.c[0],
+            w.a[1],
+            w.b[1],
+            w.c[1],
+            w.cap,
+            r.start_m_s**2,
+            r.end_m_s**2,
+            x,
+            u,
+            highest,
+            self.binding,
+        )
         if status in (core.STUCK, core.REST):
             raise stuck(self.model, self.coarse, w, j, one, two, r.share, r.contact)
         if status != core.OK:
-            raise too_fast(r.start_m_s if status == core.START else r.end_m_s, status == core.START,
-                           float(highest[0] if status == core.START else w.cap[-1]), self.coarse)
+            raise too_fast(
+                r.start_m_s if status == core.START else r.end_m_s,
+                status == core.START,
+                float(highest[0] if status == core.START else w.cap[-1]),
+                self.coarse,
+            )
         self.x, self.u, self.highest = x, u, highest
         self.passes += 1
 
     def check(self) -> Audit:
         """The dense check of the current profile."""
-        return audit(self.model, self.fine, self.x, self.u, contact=self.request.contact,
-                     share=self.request.share, caps=self.request.caps,
-                     theta=None if self.turned is None else self.turned[1])
+        return audit(
+            self.model,
+            self.fine,
+            self.x,
+            self.u,
+            contact=self.request.contact,
+            share=self.request.share,
+            caps=self.request.caps,
+            theta=None if self.turned is None else self.turned[1],
+        )
 
     def tighten(self, seen: Audit, aim: float) -> bool:
         """Lower the shares of intervals that use too much to ``aim`` below; False where none does."""
         found = False
-        for kept, used, limit in ((self.grip, seen.most.max(axis=1), self.request.share),
-                                  (self.torque, seen.torque.max(axis=(1, 2)), 1.0),
-                                  (self.speed, seen.speed.max(axis=1), 1.0)):
+        for kept, used, limit in (
+            (self.grip, seen.most.max(axis=1), self.request.share),
+            (self.torque, seen.torque.max(axis=(1, 2)), 1.0),
+            (self.speed, seen.speed.max(axis=1), 1.0),
+        ):
             over = used > limit * (1.0 + 2.0 * AIM)
             kept[over] *= np.maximum((1.0 - aim) * limit / used[over], 0.5)
             found |= bool(np.any(over))
@@ -204,9 +251,10 @@ class _Work:
 def wheel_angles(model: Model, geometry: Geometry, start: Array) -> Array:
     """θ (n, F, N) [rad] along the path, by rolling without drive slip from ``start`` (N,): no time enters."""
     if len(start) != model.count:
-        raise InputError("theta_rad", f"has {len(start)} angles",
-                         f"give one for each of {model.count} wheels")
-    rate = geometry.twist @ Kinematics.of(model).spin.T / model.contacts.radius_m
+        raise InputError(
+            "theta_rad", f"has {len(start)} angles", f"give one for each of {model.count} wheels"
+        )
+    rate = model.geometry.wheel_speeds(geometry.twist)
     gap = np.diff(geometry.s, axis=1)[..., None]
     grown = np.cumsum(0.5 * gap * (rate[:, 1:] + rate[:, :-1]), axis=1)
     inner = np.concatenate([np.zeros_like(rate[:, :1]), grown], axis=1)

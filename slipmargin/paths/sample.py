@@ -9,11 +9,11 @@ import numpy as np
 from slipmargin.checks import Array, real
 from slipmargin.errors import NoSolution
 from slipmargin.limits.motion_realised import realised
-from slipmargin.limits.motion_state import Contact, Motion, wheel_speeds
+from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
-from slipmargin.motions.trajectory import Trajectory
 from slipmargin.paths.geometry import to_body
 from slipmargin.paths.plan import Plan
+from slipmargin.paths.trajectory import Trajectory
 
 
 def node_times(plan: Plan) -> Array:
@@ -48,23 +48,44 @@ def at_times(plan: Plan, t_s: Array) -> Trajectory:
     velocity = first * rate[:, None]
     acceleration = first * plan.u[j, None] + second * rate[:, None] ** 2
     contact, theta = plan.request.contact, None
-    omega = wheel_speeds(plan.model, to_body(q[:, 2], velocity))
+    omega = plan.model.geometry.wheel_speeds(to_body(q[:, 2], velocity))
     if contact is Contact.ANGLE:
         theta = _turned(plan, t_s, omega)
     use = use_along(plan.model, t_s, q, velocity, acceleration, contact=contact, theta=theta)
-    return Trajectory(t_s=t_s, pose=q, velocity=velocity, acceleration=acceleration, omega=omega, use=use,
-                      wheels=plan.model.contacts.names)
+    return Trajectory(
+        t_s=t_s,
+        pose=q,
+        velocity=velocity,
+        acceleration=acceleration,
+        omega=omega,
+        use=use,
+        wheels=plan.model.geometry.names,
+    )
 
 
-def use_along(model: Model, t_s: Array, pose: Array, velocity: Array, acceleration: Array, *,
-              contact: Contact = Contact.ROLLERS, theta: Array | None = None, held: bool = False) -> Array:
+def use_along(
+    model: Model,
+    t_s: Array,
+    pose: Array,
+    velocity: Array,
+    acceleration: Array,
+    *,
+    contact: Contact = Contact.ROLLERS,
+    theta: Array | None = None,
+    held: bool = False,
+) -> Array:
     """Share (T, N) of each wheel's grip along floor-frame samples (T, 3).
 
     With the pose ``held``, or with it or open loop, whichever is more.
     """
     heading = pose[:, 2]
-    motion = Motion(velocity=to_body(heading, velocity), acceleration=to_body(heading, acceleration),
-                    heading=heading, position=pose[:, :2], time_s=t_s)
+    motion = Motion(
+        velocity=to_body(heading, velocity),
+        acceleration=to_body(heading, acceleration),
+        heading=heading,
+        position=pose[:, :2],
+        time_s=t_s,
+    )
     if theta is not None:
         motion = replace(motion, theta=theta)
     use = realised(model, motion, contact=contact).use
@@ -85,9 +106,15 @@ def stretched(
     factor = real("factor", factor, above=0.0, cure="give a positive factor")
     velocity, acceleration = rows.velocity / factor, rows.acceleration / factor**2
     t = rows.t_s * factor
-    return Trajectory(t_s=t, pose=rows.pose, velocity=velocity, acceleration=acceleration,
-                      omega=rows.omega / factor, wheels=rows.wheels,
-                      use=use_along(model, t, rows.pose, velocity, acceleration, contact=contact, held=True))
+    return Trajectory(
+        t_s=t,
+        pose=rows.pose,
+        velocity=velocity,
+        acceleration=acceleration,
+        omega=rows.omega / factor,
+        wheels=rows.wheels,
+        use=use_along(model, t, rows.pose, velocity, acceleration, contact=contact, held=True),
+    )
 
 
 def sustained(rows: Trajectory, hold_s: float) -> Array:
@@ -111,6 +138,7 @@ def at_use(model: Model, rows: Trajectory, use: float, *, hold_s: float = 0.0) -
     NoSolution
         If it uses more already, or no speed-up by less than 20 does it.
     """
+
     def asked(factor: float) -> float:
         now = stretched(model, rows, factor)
         return float(np.max(sustained(now, min(hold_s, 0.15 * now.duration_s))))

@@ -29,12 +29,20 @@ def draw_limits(axes: PolarAxes, found: Bounds) -> PolarAxes:
     """Speeding up, turning and braking [m/s²] over the direction of motion."""
     full = found.full
     angle = _round(full.heading_rad)
-    for values, colour, label in ((full.braking_m_s2, GREEN, "braking"),
-                                  (full.turning_m_s2, ORANGE, "turning at speed"),
-                                  (full.starting_m_s2, BLUE, "speeding up")):
+    for values, colour, label in (
+        (full.braking_m_s2, GREEN, "braking"),
+        (full.turning_m_s2, ORANGE, "turning at speed"),
+        (full.starting_m_s2, BLUE, "speeding up"),
+    ):
         axes.plot(angle, _shut(np.maximum(values, 0.0)), color=colour, label=label)
-    axes.fill(angle, _shut(np.maximum(found.safe.starting_m_s2, 0.0)), color=SKY, alpha=0.3, lw=0,
-              label=f"speeding up with margin {found.margin:g}")
+    axes.fill(
+        angle,
+        _shut(np.maximum(found.safe.starting_m_s2, 0.0)),
+        color=SKY,
+        alpha=0.3,
+        lw=0,
+        label=f"speeding up with margin {found.margin:g}",
+    )
     axes.set_title(
         f"{found.model.robot} on “{found.model.surface}”:\nacceleration limit [m/s²] by direction of motion",
         pad=18,
@@ -76,8 +84,13 @@ def draw_cornering(axes: Axes, found: Bounds) -> Axes:
         )
         axes.plot(k, np.nanmin(shown, axis=1), color=colour, label=f"{label}: worst heading")
         axes.plot(k, np.nanmax(shown, axis=1), color=colour, lw=1.0, ls=(0, (4, 2)), label=f"{label}: best")
-    axes.set(xlabel="curvature [1/m]", ylabel="cornering speed [m/s]", xscale="log", ylim=(0.0, None),
-             title=f"Cornering, slip margin {found.margin:g}")
+    axes.set(
+        xlabel="curvature [1/m]",
+        ylabel="cornering speed [m/s]",
+        xscale="log",
+        ylim=(0.0, None),
+        title=f"Cornering, slip margin {found.margin:g}",
+    )
     axes.set_xticks(k, [f"{v:g}" for v in k])
     axes.minorticks_off()
     axes.legend(loc="upper right")

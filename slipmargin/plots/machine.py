@@ -18,31 +18,46 @@ def machine_figure(model: Model) -> Figure:
     figure = Figure(figsize=(5.6, 5.6), layout="constrained")
     axes = figure.add_subplot()
     draw_machine(axes, model)
-    contacts, reach = model.contacts, _reach(model)
+    contacts, reach = model.geometry, _reach(model)
     for number, (name, place, drive) in enumerate(
-            zip(contacts.names, contacts.position_m, contacts.drive, strict=True), 1):
-        axes.annotate("", place + 0.42 * reach * drive, place,
-                      arrowprops={"arrowstyle": "-|>", "color": BLUE, "shrinkA": 0, "shrinkB": 0})
+        zip(contacts.names, contacts.position_m, contacts.drive, strict=True), 1
+    ):
+        axes.annotate(
+            "",
+            place + 0.42 * reach * drive,
+            place,
+            arrowprops={"arrowstyle": "-|>", "color": BLUE, "shrinkA": 0, "shrinkB": 0},
+        )
         out = _outwards(place, contacts.position_m)
         side = "left" if out[0] > 0.3 else "right" if out[0] < -0.3 else "center"
-        axes.annotate(f"{number}  {name}" if name != str(number) else name, place + 0.36 * reach * out,
-                      ha=side, va="center", color=INK)
+        axes.annotate(
+            f"{number}  {name}" if name != str(number) else name,
+            place + 0.36 * reach * out,
+            ha=side,
+            va="center",
+            color=INK,
+        )
     axes.plot(*model.inertia.com_m, marker="o", ms=7, mfc="white", mec=INK, ls="none", zorder=5)
-    axes.plot(*model.inertia.com_m, marker="+", ms=7, color=INK, ls="none", zorder=6,
-              label="centre of mass")
+    axes.plot(*model.inertia.com_m, marker="+", ms=7, color=INK, ls="none", zorder=6, label="centre of mass")
     axes.plot([], [], color=BLUE, marker=">", label="drive direction ŝ: the contact’s way when θ̇ > 0")
     if np.any(np.abs(contacts.grip - contacts.drive) > 1e-9):
         axes.plot([], [], color=GREY, lw=1.4, label="axle of the roller on the floor (white)")
     mid, far = contacts.position_m.mean(axis=0), 1.9 * reach
-    axes.set(xlim=(mid[0] - far, mid[0] + far), ylim=(mid[1] - far, mid[1] + far), aspect="equal",
-             xlabel="x, to the right [m]", ylabel="y, forwards [m]", title=model.robot)
+    axes.set(
+        xlim=(mid[0] - far, mid[0] + far),
+        ylim=(mid[1] - far, mid[1] + far),
+        aspect="equal",
+        xlabel="x, to the right [m]",
+        ylabel="y, forwards [m]",
+        title=model.robot,
+    )
     axes.legend(loc="lower left")
     return figure
 
 
 def draw_machine(axes: Axes, model: Model, *, numbers: bool = False) -> Axes:
     """Body, wheels (mecanum: with their rollers' axles) and a wedge at the front, in metres."""
-    contacts, reach = model.contacts, _reach(model)
+    contacts, reach = model.geometry, _reach(model)
     mid = contacts.position_m.mean(axis=0)
     arm = contacts.position_m - mid
     order = np.argsort(np.arctan2(arm[:, 1], arm[:, 0]))
@@ -50,11 +65,19 @@ def draw_machine(axes: Axes, model: Model, *, numbers: bool = False) -> Axes:
     wedge = mid + reach * np.array([[-0.13, 0.22], [0.13, 0.22], [0.0, 0.48]])
     axes.add_patch(Polygon(wedge, closed=True, fc=ORANGE, ec="none"))
     for number, (place, drive, grip) in enumerate(
-            zip(contacts.position_m, contacts.drive, contacts.grip, strict=True), 1):
+        zip(contacts.position_m, contacts.drive, contacts.grip, strict=True), 1
+    ):
         across = np.array([-drive[1], drive[0]])
         long, wide = 0.25 * reach * drive, 0.09 * reach * across
-        axes.add_patch(Polygon([place + long + wide, place + long - wide, place - long - wide,
-                                place - long + wide], closed=True, fc=INK, ec="none", zorder=3))
+        axes.add_patch(
+            Polygon(
+                [place + long + wide, place + long - wide, place - long - wide, place - long + wide],
+                closed=True,
+                fc=INK,
+                ec="none",
+                zorder=3,
+            )
+        )
         if abs(grip @ across) > 1e-6:  # a mecanum wheel: the roller axle that touches the floor
             along = 0.12 * reach * grip
             axes.plot(*np.stack([place - along, place + along]).T, color="white", lw=1.4, zorder=4)
@@ -65,7 +88,7 @@ def draw_machine(axes: Axes, model: Model, *, numbers: bool = False) -> Axes:
 
 
 def _reach(model: Model) -> float:
-    arm = model.contacts.position_m - model.contacts.position_m.mean(axis=0)
+    arm = model.geometry.position_m - model.geometry.position_m.mean(axis=0)
     return float(np.max(np.hypot(arm[:, 0], arm[:, 1])))
 
 

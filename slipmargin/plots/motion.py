@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from slipmargin.checks import Array
-from slipmargin.motions.run import Run
 from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, styled
+from slipmargin.sim.run import Run
 
 _WHEELS = (BLUE, ORANGE, GREEN, RED, PURPLE, SKY)
 

@@ -10,9 +10,9 @@ from matplotlib.lines import Line2D
 
 from slipmargin.checks import Array
 from slipmargin.model import Model
-from slipmargin.motions.trajectory import Trajectory
 from slipmargin.paths.check import Check
 from slipmargin.paths.plan import Plan
+from slipmargin.paths.trajectory import Trajectory
 from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PALE, PURPLE, RED, SKY, styled
 
 #: One colour a wheel; more than six wheels repeat them with another dash.
@@ -28,8 +28,12 @@ def plan_figure(plan: Plan, rows: Trajectory) -> Figure:
     figure = Figure(figsize=(11.0, 6.4), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.15))
     share = plan.request.share
-    _path(figure.add_subplot(grid[:, 0]), rows, share, f"{plan.model.robot} on “{plan.model.surface}”: "
-          f"{plan.duration_s:.3f} s")
+    _path(
+        figure.add_subplot(grid[:, 0]),
+        rows,
+        share,
+        f"{plan.model.robot} on “{plan.model.surface}”: {plan.duration_s:.3f} s",
+    )
     _profile(figure.add_subplot(grid[0, 1]), plan)
     _use(figure.add_subplot(grid[1, 1]), rows, share, "Grip that each wheel uses")
     return figure
@@ -45,12 +49,23 @@ def check_figure(model: Model, found: Check, rows: Trajectory) -> Figure:
     _path(axes, rows, found.share, f"{model.robot} on “{model.surface}”: {verdict}")
     t, x, y, k = found.worst
     axes.plot([x], [y], marker="o", ms=9, mfc="none", mec=RED, mew=1.6, ls="none", zorder=5)
-    axes.annotate(f"worst: {model.contacts.names[k]}, {found.max_use:.3g}", (x, y), xytext=(8, 8),
-                  textcoords="offset points", color=RED, fontsize=8.5)
+    axes.annotate(
+        f"worst: {model.geometry.names[k]}, {found.max_use:.3g}",
+        (x, y),
+        xytext=(8, 8),
+        textcoords="offset points",
+        color=RED,
+        fontsize=8.5,
+    )
     use = figure.add_subplot(grid[1])
     cure = found.time_scale_needed
-    words = ("" if found.admissible else ": slowing down is no cure" if not np.isfinite(cure)
-             else f": stretch time by {cure:.4g}")
+    words = (
+        ""
+        if found.admissible
+        else ": slowing down is no cure"
+        if not np.isfinite(cure)
+        else f": stretch time by {cure:.4g}"
+    )
     _use(use, rows, found.share, f"Grip that each wheel needs{words}")
     use.plot([t], [found.max_use], marker="o", ms=9, mfc="none", mec=RED, mew=1.6, ls="none", zorder=5)
     return figure
@@ -79,8 +94,11 @@ def _path(axes: Axes, rows: Trajectory, share: float, title: str) -> None:
         zorder=4,
     )
     axes.plot(*points[0], marker="o", ms=6, color=INK, zorder=5)
-    marks = [Line2D([], [], color=WHEELS[k % len(WHEELS)], lw=3.2, label=f"wheel {name}")
-             for k, name in enumerate(rows.wheels) if np.any(who == k)]
+    marks = [
+        Line2D([], [], color=WHEELS[k % len(WHEELS)], lw=3.2, label=f"wheel {name}")
+        for k, name in enumerate(rows.wheels)
+        if np.any(who == k)
+    ]
     marks.append(Line2D([], [], color=GREY, lw=3.2, label="no wheel near its limit"))
     marks.append(Line2D([], [], color=INK, lw=0, marker=r"$\rightarrow$", ms=11, label="front of the robot"))
     marks.append(Line2D([], [], color=INK, lw=0, marker="o", ms=6, label="start"))
@@ -100,8 +118,13 @@ def _profile(axes: Axes, plan: Plan) -> None:
     highest = np.sqrt(np.minimum(np.maximum(plan.highest, 0.0), 1e4))
     top = 1.25 * float(np.max(speed))
     axes.fill_between(s, np.minimum(highest, top), top, color=PALE, lw=0)
-    axes.plot(s, np.where(highest <= top, highest, np.nan), color=GREY, lw=1.2,
-              label="highest speed from which the rest can be driven")
+    axes.plot(
+        s,
+        np.where(highest <= top, highest, np.nan),
+        color=GREY,
+        lw=1.2,
+        label="highest speed from which the rest can be driven",
+    )
     axes.plot(s, speed, color=BLUE, label="planned")
     axes.set(
         xlabel="path length s [m]",
@@ -115,14 +138,34 @@ def _profile(axes: Axes, plan: Plan) -> None:
 
 def _use(axes: Axes, rows: Trajectory, share: float, title: str) -> None:
     for k, name in enumerate(rows.wheels):
-        axes.plot(rows.t_s, rows.use[:, k], color=WHEELS[k % len(WHEELS)], lw=1.4,
-                  ls=_DASHES[k // len(WHEELS) % len(_DASHES)], label=name)
+        axes.plot(
+            rows.t_s,
+            rows.use[:, k],
+            color=WHEELS[k % len(WHEELS)],
+            lw=1.4,
+            ls=_DASHES[k // len(WHEELS) % len(_DASHES)],
+            label=name,
+        )
     axes.axhline(share, color=INK, lw=1.0, ls=(0, (6, 3)))
-    axes.annotate(f"allowed: {share:g}", (rows.t_s[-1], share), xytext=(-2, 3), textcoords="offset points",
-                  ha="right", va="bottom", fontsize=8.5, color=INK, zorder=6,
-                  bbox={"fc": "white", "ec": "none", "pad": 0.8, "alpha": 0.85})
-    axes.set(xlabel="time [s]", ylabel="share of the wheel's grip [1]", xlim=(rows.t_s[0], rows.t_s[-1]),
-             ylim=(0.0, max(1.12 * share, 1.08 * float(np.max(rows.use)))), title=title)
+    axes.annotate(
+        f"allowed: {share:g}",
+        (rows.t_s[-1], share),
+        xytext=(-2, 3),
+        textcoords="offset points",
+        ha="right",
+        va="bottom",
+        fontsize=8.5,
+        color=INK,
+        zorder=6,
+        bbox={"fc": "white", "ec": "none", "pad": 0.8, "alpha": 0.85},
+    )
+    axes.set(
+        xlabel="time [s]",
+        ylabel="share of the wheel's grip [1]",
+        xlim=(rows.t_s[0], rows.t_s[-1]),
+        ylim=(0.0, max(1.12 * share, 1.08 * float(np.max(rows.use)))),
+        title=title,
+    )
     axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title="wheel")
 
 

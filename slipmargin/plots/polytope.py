@@ -50,8 +50,14 @@ def draw_polytope(axes: Axes3D, zonotope: Zonotope) -> Axes3D:
     axes.add_collection3d(Poly3DCollection(polygons, facecolors=colours, edgecolors=INK, linewidths=0.7))
     ring = section(zonotope)
     axes.plot(*np.vstack([ring, ring[:1]]).T, np.zeros(len(ring) + 1), color=ORANGE, lw=2.2)
-    axes.set(xlim=(-size[0], size[0]), ylim=(-size[1], size[1]), zlim=(-size[2], size[2]),
-             xlabel="Fx [N]", ylabel="Fy [N]", zlabel="Mz [N m]")
+    axes.set(
+        xlim=(-size[0], size[0]),
+        ylim=(-size[1], size[1]),
+        zlim=(-size[2], size[2]),
+        xlabel="Fx [N]",
+        ylabel="Fy [N]",
+        zlabel="Mz [N m]",
+    )
     axes.view_init(elev=22, azim=-55)
     axes.set_box_aspect((1, 1, 0.9), zoom=0.95)
     return axes
@@ -69,14 +75,26 @@ def draw_section(axes: Axes, zonotope: Zonotope) -> Axes:
     least = near[np.argmin(np.hypot(near[:, 0], near[:, 1]))]
     radius = float(np.hypot(*least))
     turn = np.linspace(0.0, 2 * np.pi, 361)
-    axes.plot(radius * np.cos(turn), radius * np.sin(turn), color=BLUE, lw=1.0, ls=(0, (5, 3)),
-              label=f"in every direction: {radius:.3g} N")
+    axes.plot(
+        radius * np.cos(turn),
+        radius * np.sin(turn),
+        color=BLUE,
+        lw=1.0,
+        ls=(0, (5, 3)),
+        label=f"in every direction: {radius:.3g} N",
+    )
     axes.plot(*least, marker="o", ms=5, mfc="white", mec=INK, ls="none")
     axes.axhline(0.0, color=GREY, lw=0.6)
     axes.axvline(0.0, color=GREY, lw=0.6)
     far = 1.28 * float(reach.max())
-    axes.set(xlim=(-far, far), ylim=(-far, far), aspect="equal", xlabel="Fx, to the right [N]",
-             ylabel="Fy, forwards [N]", title="Pure forces on the body (Mz = 0)")
+    axes.set(
+        xlim=(-far, far),
+        ylim=(-far, far),
+        aspect="equal",
+        xlabel="Fx, to the right [N]",
+        ylabel="Fy, forwards [N]",
+        title="Pure forces on the body (Mz = 0)",
+    )
     axes.legend(loc="upper right")
     return axes
 

@@ -8,10 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from slipmargin.limits import sweep
-from slipmargin.motions.run import Run
-from slipmargin.plots.motion import path_figure, run_figure, spread_figure
-from slipmargin.plots.sweep import sweep_figure
-from slipmargin.sim.published import (
+from slipmargin.paper.published import (
     DISTANCE_M,
     MEASURED_CARPET_PHI_RAD,
     Spread,
@@ -19,6 +16,9 @@ from slipmargin.sim.published import (
     paper_model,
     straight_line,
 )
+from slipmargin.plots.motion import path_figure, run_figure, spread_figure
+from slipmargin.plots.sweep import sweep_figure
+from slipmargin.sim.run import Run
 
 _LABEL = "initial model", "improved model"
 

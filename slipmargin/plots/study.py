@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 
-from slipmargin.checks import GRAVITY_M_S2, Array
+from slipmargin.checks import Array
+from slipmargin.physics.constants import GRAVITY_M_S2
 from slipmargin.plots.study_panels import COLOURS, draw_front, draw_polar_family, label_of, not_too_low, short
 from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, styled
 from slipmargin.study.objectives import BY_NAME, Objective
@@ -47,10 +48,12 @@ def draw_curves(axes: Axes, study: Study, robust: Robust | None = None) -> Axes:
     goal = study.question.objective
     if len(study.keys) == 1 and goal.name.startswith("f_"):
         for name, label, colour, style in (
-                ("f_best", "best heading", SKY, "-"), ("f_mean", "mean", GREEN, "-"),
-                ("f_worst", "worst heading", BLUE, "-"),
-                ("f_worst_static", "worst, static loads", ORANGE, "--"),
-                ("f_worst_equal", "worst, equal loads", PURPLE, ":")):
+            ("f_best", "best heading", SKY, "-"),
+            ("f_mean", "mean", GREEN, "-"),
+            ("f_worst", "worst heading", BLUE, "-"),
+            ("f_worst_static", "worst, static loads", ORANGE, "--"),
+            ("f_worst_equal", "worst, equal loads", PURPLE, ":"),
+        ):
             _line(axes, study, study.columns[name], label, colour, style)
         axes.set(ylabel="F_emax / (m g)", title="Pull before a wheel slips, on rollers")
     else:
@@ -69,8 +72,10 @@ def draw_second(axes: Axes, study: Study) -> Axes:
         _families(axes, study, BY_NAME["isotropy"])
         axes.set(ylabel="least / greatest F_emax", title="Isotropy of the pull")
     elif len(study.keys) == 1:
-        for name, label, colour in (("brake_worst_m_s2", "braking", GREEN),
-                                    ("start_worst_m_s2", "starting", BLUE)):
+        for name, label, colour in (
+            ("brake_worst_m_s2", "braking", GREEN),
+            ("start_worst_m_s2", "starting", BLUE),
+        ):
             _line(axes, study, study.columns[name], f"{label}, worst direction", colour, "-")
         static = study.columns["f_worst"] * GRAVITY_M_S2
         _line(axes, study, static, "static pull / m: not a limit of motion", GREY, ":")
@@ -95,21 +100,46 @@ def draw_heat(axes: Axes, study: Study, name: str) -> Axes:
     pick = tuple(slice(None) if k in (first, second) else index[k] for k in range(table.ndim))
     x, y = (np.array(study.question.grids[k].values, dtype=float) for k in (first, second))
     x_edges, y_edges = _edges(x), _edges(y)
-    image = axes.pcolormesh(x_edges, y_edges, table[pick].T, cmap="viridis" if goal.sign > 0 else "viridis_r",
-                            rasterized=True)
+    image = axes.pcolormesh(
+        x_edges, y_edges, table[pick].T, cmap="viridis" if goal.sign > 0 else "viridis_r", rasterized=True
+    )
     figure = axes.figure
     assert isinstance(figure, Figure)
     figure.colorbar(image, ax=axes, label=label_of(goal))
     at = study.values[best]
-    axes.plot([float(at[first])], [float(at[second])], marker="*", ms=15, mfc="white", mec=INK, ls="none",
-              label="best of the grid", clip_on=False, zorder=5)
+    axes.plot(
+        [float(at[first])],
+        [float(at[second])],
+        marker="*",
+        ms=15,
+        mfc="white",
+        mec=INK,
+        ls="none",
+        label="best of the grid",
+        clip_on=False,
+        zorder=5,
+    )
     own = study.own_values
-    if isinstance(own[first], float | int) and isinstance(own[second], float | int):
-        inside = (x_edges[0] <= float(own[first]) <= x_edges[-1]  # type: ignore[arg-type]
-                  and y_edges[0] <= float(own[second]) <= y_edges[-1])  # type: ignore[arg-type]
-        if inside:
-            axes.plot([float(own[first])], [float(own[second])], marker="o", ms=8,  # type: ignore[arg-type]
-                      mfc="none", mec=RED, mew=2, ls="none", label="the file’s own", clip_on=False, zorder=5)
+    here, there = own[first], own[second]
+    if (
+        isinstance(here, float | int)
+        and isinstance(there, float | int)
+        and x_edges[0] <= here <= x_edges[-1]
+        and y_edges[0] <= there <= y_edges[-1]
+    ):
+        axes.plot(
+            [float(here)],
+            [float(there)],
+            marker="o",
+            ms=8,
+            mfc="none",
+            mec=RED,
+            mew=2,
+            ls="none",
+            label="the file’s own",
+            clip_on=False,
+            zorder=5,
+        )
     axes.grid(False)
     axes.set(xlabel=_axis(study, first), ylabel=_axis(study, second), title=goal.meaning)
     axes.legend(loc="upper left", frameon=True, framealpha=0.85)
@@ -125,8 +155,14 @@ def _families(axes: Axes, study: Study, goal: Objective) -> None:
     for colour, column in zip(COLOURS, shown.tolist(), strict=False):
         index = np.unravel_index(column, table.shape[1:]) if rest else ()
         label = ", ".join(f"{g.key} = {short(g.values[int(i)])}" for g, i in zip(rest, index, strict=True))
-        axes.plot(_positions(study), flat[:, column], color=colour, ms=4, label=label or goal.name,
-                  marker="o" if len(flat) < 12 else None)
+        axes.plot(
+            _positions(study),
+            flat[:, column],
+            color=colour,
+            ms=4,
+            label=label or goal.name,
+            marker="o" if len(flat) < 12 else None,
+        )
 
 
 def _line(axes: Axes, study: Study, values: Array, label: str, colour: str, style: str) -> None:
@@ -155,8 +191,10 @@ def _finish(axes: Axes, study: Study) -> None:
 
 def _main(study: Study) -> int:
     """The axis drawn to the right: the numeric one with most values, else the longest."""
-    return max(range(len(study.keys)), key=lambda k: (study.question.grids[k].numeric,
-                                                      len(study.question.grids[k].values), -k))
+    return max(
+        range(len(study.keys)),
+        key=lambda k: (study.question.grids[k].numeric, len(study.question.grids[k].values), -k),
+    )
 
 
 def _positions(study: Study) -> Array:

@@ -16,24 +16,43 @@ from slipmargin.study.study import Study
 LISTED = 200
 
 
-def study_page(study: Study, front: Sequence[str], robust: Robust | None, influences: Sequence[Influence],
-               summary: Sequence[tuple[str, str]]) -> str:
+def study_page(
+    study: Study,
+    front: Sequence[str],
+    robust: Robust | None,
+    influences: Sequence[Influence],
+    summary: Sequence[tuple[str, str]],
+) -> str:
     """The page's text (UTF-8), the same for the same study."""
     goal, best, machine = study.question.objective, study.best(), study.question.machine
     value, own = float(study.columns[goal.name][best]), study.own[goal.name]
     at = _design(study, best)
-    facts = [Fact(label="Best design", value=at, note=goal.meaning),
-             Fact(label=f"Its {goal.name}", value=f"{value:.4g}", note=goal.unit)]
+    facts = [
+        Fact(label="Best design", value=at, note=goal.meaning),
+        Fact(label=f"Its {goal.name}", value=f"{value:.4g}", note=goal.unit),
+    ]
     if math.isfinite(own) and own > 0.0:
-        facts.append(Fact(label="Against the file’s own", value=f"{100.0 * (value / own - 1.0):+.1f} %",
-                          note=f"from {own:.4g}"))
+        facts.append(
+            Fact(
+                label="Against the file’s own",
+                value=f"{100.0 * (value / own - 1.0):+.1f} %",
+                note=f"from {own:.4g}",
+            )
+        )
     figure = Picture(
-        name="study", figure=study_figure(study, front, robust),
+        name="study",
+        figure=study_figure(study, front, robust),
         caption="Limits over the study, pulls all round for a few designs, and those that no other beats.",
-        alt=f"Four panels; best design {at} with {goal.name} {value:.4g} {goal.unit}")
+        alt=f"Four panels; best design {at} with {goal.name} {value:.4g} {goal.unit}",
+    )
     sections = [
-        Section(heading="The answer", blocks=(
-            Facts(facts=tuple(facts)), Bullets(items=tuple(f"{label}: {text}" for label, text in summary)))),
+        Section(
+            heading="The answer",
+            blocks=(
+                Facts(facts=tuple(facts)),
+                Bullets(items=tuple(f"{label}: {text}" for label, text in summary)),
+            ),
+        ),
         Section(heading="Figures", blocks=(figure,)),
         Section(heading="Best by objective", blocks=(_by_objective(study),)),
     ]
@@ -41,11 +60,15 @@ def study_page(study: Study, front: Sequence[str], robust: Robust | None, influe
         table = _influence_table(influences, goal.name)
         sections.append(Section(heading="What changes it most", blocks=(table,)))
     sections.append(Section(heading="Designs", blocks=(_designs(study, front, robust),)))
-    return html(Page(title=f"Design study of {machine.robot.name}",
-                     lead=f"On {machine.surface}: {at} is best for {goal.name} ({goal.meaning}).",
-                     sections=tuple(sections),
-                     foot="Pulls are shares of m g. Limits in motion: full drag, on rollers unless named "
-                     "otherwise; they are not the static pull divided by the mass."))
+    return html(
+        Page(
+            title=f"Design study of {machine.robot.name}",
+            lead=f"On {machine.surface}: {at} is best for {goal.name} ({goal.meaning}).",
+            sections=tuple(sections),
+            foot="Pulls are shares of m g. Limits in motion: full drag, on rollers unless named "
+            "otherwise; they are not the static pull divided by the mass.",
+        )
+    )
 
 
 def _by_objective(study: Study) -> Table:
@@ -53,18 +76,34 @@ def _by_objective(study: Study) -> Table:
     for name, column in study.columns.items():
         if name in BY_NAME and not all(map(math.isnan, column)):
             row = study.best(name)
-            rows.append((f"`{name}`", BY_NAME[name].unit, _design(study, row), _number(float(column[row])),
-                         _number(study.own[name]), BY_NAME[name].meaning))
-    return Table(caption="For each objective the best design and the file’s own",
-                 head=("objective", "unit", "best at", "value", "file’s own", "meaning"), rows=tuple(rows),
-                 numbers=False)
+            rows.append(
+                (
+                    f"`{name}`",
+                    BY_NAME[name].unit,
+                    _design(study, row),
+                    _number(float(column[row])),
+                    _number(study.own[name]),
+                    BY_NAME[name].meaning,
+                )
+            )
+    return Table(
+        caption="For each objective the best design and the file’s own",
+        head=("objective", "unit", "best at", "value", "file’s own", "meaning"),
+        rows=tuple(rows),
+        numbers=False,
+    )
 
 
 def _influence_table(influences: Sequence[Influence], name: str) -> Table:
-    rows = tuple((f"`{i.key}`", _number(i.value), i.unit, _number(i.slope),
-                  "turns here" if i.peak else "") for i in influences)
-    return Table(caption=f"Change of {name} per unit of each quantity, at the best design",
-                 head=("quantity", "value", "unit", "slope", ""), rows=rows)
+    rows = tuple(
+        (f"`{i.key}`", _number(i.value), i.unit, _number(i.slope), "turns here" if i.peak else "")
+        for i in influences
+    )
+    return Table(
+        caption=f"Change of {name} per unit of each quantity, at the best design",
+        head=("quantity", "value", "unit", "slope", ""),
+        rows=rows,
+    )
 
 
 def _designs(study: Study, front: Sequence[str], robust: Robust | None) -> Fold | Text:
@@ -74,16 +113,27 @@ def _designs(study: Study, front: Sequence[str], robust: Robust | None) -> Fold 
     on = study.front(front)
     extra = () if robust is None else ("worst case",)
     rows = tuple(
-        (_design(study, i), *(_number(float(study.columns[n][i])) for n in names),
-         *(() if robust is None else (_number(float(robust.value[i])),)),
-         study.problems.get(i, "on the front" if on[i] else "")) for i in range(len(study.values)))
-    return Fold(summary=f"All {len(study.values)} designs", blocks=(
-        Table(caption="One row a design", head=(", ".join(study.keys), *names, *extra, ""), rows=rows),))
+        (
+            _design(study, i),
+            *(_number(float(study.columns[n][i])) for n in names),
+            *(() if robust is None else (_number(float(robust.value[i])),)),
+            study.problems.get(i, "on the front" if on[i] else ""),
+        )
+        for i in range(len(study.values))
+    )
+    return Fold(
+        summary=f"All {len(study.values)} designs",
+        blocks=(
+            Table(caption="One row a design", head=(", ".join(study.keys), *names, *extra, ""), rows=rows),
+        ),
+    )
 
 
 def _design(study: Study, row: int) -> str:
-    return ", ".join(f"{k} = {v}" if isinstance(v, str) else f"{k} = {v:.6g}"
-                     for k, v in zip(study.keys, study.values[row], strict=True))
+    return ", ".join(
+        f"{k} = {v}" if isinstance(v, str) else f"{k} = {v:.6g}"
+        for k, v in zip(study.keys, study.values[row], strict=True)
+    )
 
 
 def _number(value: float) -> str:

@@ -32,8 +32,14 @@ def draw_polar_family(axes: PolarAxes, study: Study) -> PolarAxes:
     for row, force in zip(rows, _round(chosen, phi), strict=True):
         colour = BLUE if row == best else next(others)
         name = ", ".join(short(v) for v in study.values[row])
-        axes.plot(-phi - math.pi / 2.0, force, color=colour, lw=2.8 if row == best else 1.2,
-                  zorder=4 if row == best else 3, label=name + (" (best)" if row == best else ""))
+        axes.plot(
+            -phi - math.pi / 2.0,
+            force,
+            color=colour,
+            lw=2.8 if row == best else 1.2,
+            zorder=4 if row == best else 3,
+            label=name + (" (best)" if row == best else ""),
+        )
     axes.set_theta_zero_location("N")
     axes.set_thetagrids(range(0, 360, 45), ["forwards", "", "left", "", "backwards", "", "right", ""])
     axes.set_ylim(0.0, None)
@@ -56,8 +62,16 @@ def draw_front(axes: Axes, study: Study, names: Sequence[str]) -> Axes:
     axes.plot(x[order], y[order], color=BLUE, marker="o", ms=5, lw=1.2, label="no other design beats these")
     own = (study.own[one.name], study.own[two.name])
     if all(map(math.isfinite, own)):
-        axes.plot(*[[v] for v in own], marker="o", ms=8, mfc="none", mec=RED, mew=2, ls="none",
-                  label="the file’s own")
+        axes.plot(
+            *[[v] for v in own],
+            marker="o",
+            ms=8,
+            mfc="none",
+            mec=RED,
+            mew=2,
+            ls="none",
+            label="the file’s own",
+        )
     axes.margins(0.1)
     not_too_low(axes)
     _name_ends(axes, study, [int(row) for row in order], x, y)
@@ -72,9 +86,17 @@ def _name_ends(axes: Axes, study: Study, order: list[int], x: Array, y: Array) -
     for k, row in enumerate(dict.fromkeys([*order[:1], *order[-1:]])):
         near = abs(x[row] - x[order[0]]) < 0.2 * width and abs(y[row] - y[order[0]]) < 0.06 * height
         if k == 0 or not near:
-            axes.annotate(", ".join(short(v) for v in study.values[row]), (x[row], y[row]),
-                          xytext=(-7, 7 if k == 0 else -7), textcoords="offset points", fontsize=8, color=INK,
-                          ha="right", va="bottom" if k == 0 else "top", zorder=7)
+            axes.annotate(
+                ", ".join(short(v) for v in study.values[row]),
+                (x[row], y[row]),
+                xytext=(-7, 7 if k == 0 else -7),
+                textcoords="offset points",
+                fontsize=8,
+                color=INK,
+                ha="right",
+                va="bottom" if k == 0 else "top",
+                zorder=7,
+            )
 
 
 def not_too_low(axes: Axes) -> None:

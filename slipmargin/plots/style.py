@@ -20,12 +20,29 @@ SKY, INK, GREY, PALE = "#56B4E9", "#222222", "#767676", "#D9D9D9"
 
 #: Matplotlib settings, applied only inside :func:`styled` functions.
 STYLE = {
-    "font.family": "DejaVu Sans", "font.size": 9.5, "axes.titlesize": 10.5, "axes.titlelocation": "left",
-    "axes.spines.top": False, "axes.spines.right": False, "axes.edgecolor": GREY, "axes.labelcolor": INK,
-    "axes.grid": True, "grid.color": PALE, "grid.linewidth": 0.6, "axes.axisbelow": True,
-    "xtick.color": GREY, "ytick.color": GREY, "xtick.labelcolor": INK, "ytick.labelcolor": INK,
-    "legend.frameon": False, "legend.fontsize": 8.5, "lines.linewidth": 1.8,
-    "figure.dpi": 150, "savefig.dpi": 150, "svg.hashsalt": "slipmargin", "svg.fonttype": "none",
+    "font.family": "DejaVu Sans",
+    "font.size": 9.5,
+    "axes.titlesize": 10.5,
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": GREY,
+    "axes.labelcolor": INK,
+    "axes.grid": True,
+    "grid.color": PALE,
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "xtick.color": GREY,
+    "ytick.color": GREY,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "lines.linewidth": 1.8,
+    "figure.dpi": 150,
+    "savefig.dpi": 150,
+    "svg.hashsalt": "slipmargin",
+    "svg.fonttype": "none",
 }
 FORMATS = ("png", "svg", "pdf")
 _NO_DATE: dict[str, dict[str, None]] = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
@@ -54,8 +71,12 @@ def check_format(path: Path | str) -> str:
     """
     ending = Path(path).suffix.lower().lstrip(".")
     if ending not in FORMATS:
-        raise InputError("", f"ends in {Path(path).suffix!r}, which is no picture",
-                         f"use one of: {', '.join('.' + f for f in FORMATS)}", str(path))
+        raise InputError(
+            "",
+            f"ends in {Path(path).suffix!r}, which is no picture",
+            f"use one of: {', '.join('.' + f for f in FORMATS)}",
+            str(path),
+        )
     return ending
 
 

@@ -9,15 +9,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 
+from slipmargin.data.pulls import PullGroups
 from slipmargin.limits import Sweep
-from slipmargin.motions.pulls import PullGroups
 from slipmargin.plots.machine import draw_machine
 from slipmargin.plots.style import BLUE, GREY, INK, RED, SKY, styled
 
 
 @styled
-def sweep_figure(sweep: Sweep, circle: Sweep, pulls: PullGroups | None = None,
-                 recommended_N: float | None = None) -> Figure:
+def sweep_figure(
+    sweep: Sweep, circle: Sweep, pulls: PullGroups | None = None, recommended_N: float | None = None
+) -> Figure:
     """Fig. 8's axes beside the polar plot.
 
     Parameters
@@ -44,23 +45,42 @@ def polar_figure(circle: Sweep, pulls: PullGroups | None = None) -> Figure:
     return figure
 
 
-def draw_sweep(axes: Axes, sweep: Sweep, pulls: PullGroups | None = None,
-               recommended_N: float | None = None) -> Axes:
+def draw_sweep(
+    axes: Axes, sweep: Sweep, pulls: PullGroups | None = None, recommended_N: float | None = None
+) -> Axes:
     """F_emax [N] over orientation [deg]: all on rollers, the band, measured means with their scatter."""
     deg = np.rad2deg(sweep.phi_rad)
     if np.any(sweep.f_high_N > sweep.f_low_N * (1 + 1e-9)):
-        axes.fill_between(deg, sweep.f_low_N, sweep.f_high_N, color=SKY, alpha=0.3, lw=0,
-                          label="roller or rigid under each wheel")
+        axes.fill_between(
+            deg,
+            sweep.f_low_N,
+            sweep.f_high_N,
+            color=SKY,
+            alpha=0.3,
+            lw=0,
+            label="roller or rigid under each wheel",
+        )
     axes.plot(deg, sweep.f_max_N, color=BLUE, label="all wheels on rollers")
     if pulls is not None:
         _scatter(axes, np.rad2deg(pulls.phi_rad), pulls)
     if recommended_N is not None and recommended_N > 0.0:
         axes.axhline(recommended_N, color=GREY, lw=1.0, ls=(0, (6, 3)))
-        axes.annotate(f"recommended {recommended_N:.3g} N", (deg[-1], recommended_N), xytext=(-2, -4),
-                      textcoords="offset points", ha="right", va="top", color=GREY, fontsize=8.5)
-    axes.set(xlabel="orientation φ of the robot under a pull along +x of the floor [deg]",
-             ylabel="F_emax [N]", ylim=(0, None),
-             title=f"Pull before a wheel slips: {sweep.model.robot}, surface “{sweep.model.surface}”")
+        axes.annotate(
+            f"recommended {recommended_N:.3g} N",
+            (deg[-1], recommended_N),
+            xytext=(-2, -4),
+            textcoords="offset points",
+            ha="right",
+            va="top",
+            color=GREY,
+            fontsize=8.5,
+        )
+    axes.set(
+        xlabel="orientation φ of the robot under a pull along +x of the floor [deg]",
+        ylabel="F_emax [N]",
+        ylim=(0, None),
+        title=f"Pull before a wheel slips: {sweep.model.robot}, surface “{sweep.model.surface}”",
+    )
     if len(deg) > 1:
         axes.set_xlim(deg[0], deg[-1])
         axes.locator_params(axis="x", steps=[1, 1.5, 3, 4.5, 9, 10])
@@ -68,20 +88,37 @@ def draw_sweep(axes: Axes, sweep: Sweep, pulls: PullGroups | None = None,
     return axes
 
 
-def draw_polar(axes: PolarAxes, circle: Sweep, pulls: PullGroups | None = None, *,
-               alone: bool = False) -> PolarAxes:
+def draw_polar(
+    axes: PolarAxes, circle: Sweep, pulls: PullGroups | None = None, *, alone: bool = False
+) -> PolarAxes:
     """The same over the direction of the pull as the robot sees it: up is forwards, radius in newtons.
 
     ``alone``: with a legend for everything, not only for what the plot beside it does not explain.
     """
     angle = _seen(circle.phi_rad)
     if np.any(circle.f_high_N > circle.f_low_N * (1 + 1e-9)):
-        axes.fill_between(angle, circle.f_low_N, circle.f_high_N, color=SKY, alpha=0.3, lw=0,
-                          label="roller or rigid under each wheel")
+        axes.fill_between(
+            angle,
+            circle.f_low_N,
+            circle.f_high_N,
+            color=SKY,
+            alpha=0.3,
+            lw=0,
+            label="roller or rigid under each wheel",
+        )
     axes.plot(angle, circle.f_max_N, color=BLUE, label="all wheels on rollers")
     phi, force = circle.weakest
-    weakest = axes.plot([float(_seen(np.array(phi)))], [force], marker="o", ms=5, mfc="white", mec=INK,
-                        ls="none", zorder=6, label=f"weakest: {force:.3g} N")
+    weakest = axes.plot(
+        [float(_seen(np.array(phi)))],
+        [force],
+        marker="o",
+        ms=5,
+        mfc="white",
+        mec=INK,
+        ls="none",
+        zorder=6,
+        label=f"weakest: {force:.3g} N",
+    )
     if pulls is not None:
         _scatter(axes, _seen(pulls.phi_rad), pulls)
     if alone:
@@ -95,8 +132,11 @@ def draw_polar(axes: PolarAxes, circle: Sweep, pulls: PullGroups | None = None, 
     axes.set_rlabel_position(22.5)
     axes.grid(color="#CFCFCF", lw=0.6)
     axes.spines["polar"].set_visible(False)
-    axes.set_title(f"Pull before a wheel slips, seen from {circle.model.robot} [N]" if alone else
-                   "By direction of the pull, seen from the robot [N]")
+    axes.set_title(
+        f"Pull before a wheel slips, seen from {circle.model.robot} [N]"
+        if alone
+        else "By direction of the pull, seen from the robot [N]"
+    )
     inset = axes.inset_axes((0.385, 0.385, 0.23, 0.23))
     draw_machine(inset, circle.model)
     inset.set_aspect("equal")
@@ -106,13 +146,25 @@ def draw_polar(axes: PolarAxes, circle: Sweep, pulls: PullGroups | None = None, 
     return axes
 
 
-def _seen(phi_rad: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> np.ndarray[
-        tuple[int, ...], np.dtype[np.float64]]:
+def _seen(
+    phi_rad: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
+) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
     # The pull points along floor +x: −φ from body +x, so −φ − 90° from forwards, counter-clockwise.
     return np.asarray(-phi_rad - math.pi / 2)
 
 
 def _scatter(axes: Axes, at: np.ndarray[tuple[int, ...], np.dtype[np.float64]], pulls: PullGroups) -> None:
     spread = [pulls.mean_N - pulls.low_N, pulls.high_N - pulls.mean_N]
-    axes.errorbar(at, pulls.mean_N, yerr=spread, fmt="o", ms=4.5, color=RED, ecolor=RED, elinewidth=1.2,
-                  capsize=2.5, label="measured: mean, least and greatest pull", zorder=5)
+    axes.errorbar(
+        at,
+        pulls.mean_N,
+        yerr=spread,
+        fmt="o",
+        ms=4.5,
+        color=RED,
+        ecolor=RED,
+        elinewidth=1.2,
+        capsize=2.5,
+        label="measured: mean, least and greatest pull",
+        zorder=5,
+    )

@@ -8,32 +8,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from enum import Enum
 from typing import final
 
 import numpy as np
 
 from slipmargin.checks import Array, frozen, real
 from slipmargin.errors import InputError
+from slipmargin.physics.friction_laws import LAWS
+from slipmargin.physics.grips import GripShape
+from slipmargin.physics.loads import LoadRule
 
 _POSITIVE = "give a positive number"
-
-
-class GripShape(Enum):
-    """The set a wheel's friction force lies in (theory: three grip sets)."""
-
-    BOX = "box"  #: |f_W| ≤ μ_W N and |f_T| ≤ μ_T N, as published in eq. (17)
-    DISC_STRIP = "disc-strip"  #: |f| ≤ μ_W N and |f_T| ≤ μ_T N: a free roller on the floor
-    ELLIPSE = "ellipse"  #: (f_W/μ_W)² + (f_T/μ_T)² ≤ N²: a wheel that slides as a whole
-
-
-class LoadRule(Enum):
-    """How the weight is shared between the wheels."""
-
-    EQUAL = "equal"  #: m g / N each, as published in eq. (8)
-    STATIC = "static"  #: from the centre of mass at rest
-    QUASI_STATIC = "quasi-static"  #: from the centre of mass, its height and the acceleration
-    FIXED = "fixed"  #: stated fractions of m g
 
 
 @final
@@ -200,12 +185,15 @@ class Surface:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrictionLaw:
-    """Eq. (11): μ(v) = μ_max (2/π) atan(k v), and the set the force lies in."""
+    """μ(v) = μ_max σ(k v) by the law ``name`` (eq. 11: atan), and the set the force lies in."""
 
+    name: str = "atan"
     k_s_per_m: float = 1000.0
     grip: GripShape = GripShape.BOX
 
     def __post_init__(self) -> None:
+        if self.name not in LAWS:
+            raise InputError("law", f"is {self.name!r}", f"use one of: {', '.join(LAWS)}")
         object.__setattr__(
             self,
             "k_s_per_m",

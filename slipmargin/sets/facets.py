@@ -56,8 +56,11 @@ def facet_normals(directions: Array) -> Array:
     unit = _unit_columns(directions / np.array([[1.0], [1.0], [scale]]))
     first, second = np.triu_indices(unit.shape[1], 1)
     if np.linalg.eigvalsh(unit @ unit.T)[0] < FLAT:
-        raise InputError("generators", "do not span forces in two directions and a moment",
-                         "add a wheel or load, so that the set of wrenches has a volume")
+        raise InputError(
+            "generators",
+            "do not span forces in two directions and a moment",
+            "add a wheel or load, so that the set of wrenches has a volume",
+        )
     cross = cross_products(unit.T[first], unit.T[second])
     sine = np.sqrt(np.einsum("pi,pi->p", cross, cross))
     order = np.argsort(-sine, kind="stable")

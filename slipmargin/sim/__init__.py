@@ -20,5 +20,5 @@ default.  ``rtol`` 1e-6 (default) keeps poses to a few 1e-7 of their size on the
 few 1e-6 in about half the time: enough for a fit.
 
 One run in full: :func:`slipmargin.sim.simulate.simulate`.  Pull test: :mod:`slipmargin.sim.pull`.  The
-paper's runs: :mod:`slipmargin.sim.published`.  The slow second road: :mod:`slipmargin.sim.reference`.
+paper's runs: :mod:`slipmargin.paper.published`.  The slow second road: :mod:`oracles.plain_simulator`.
 """

@@ -127,9 +127,7 @@ class Batch:
                 )
         first = [float(s.knots_s[0]) for s in signals]
         times = [_times(t, s) - t0 for t, s, t0 in zip(times_s, signals, first, strict=True)]
-        self._given = [
-            _given(s, t, p, t0) for s, t, p, t0 in zip(signals, times, pushes, first, strict=True)
-        ]
+        self._given = [_given(s, t, p, t0) for s, t, p, t0 in zip(signals, times, pushes, first, strict=True)]
         self.longest = max(len(t) for t in times)
         self.lengths = np.array([len(t) for t in times])
         self._all = np.arange(self.count)

@@ -9,9 +9,9 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.model import Model
-from slipmargin.model.terms import ForceTerm, Modulation
-from slipmargin.model.variables import Basis, Frame, Target, Variable
-from slipmargin.robot import GripShape
+from slipmargin.physics.grips import GripShape
+from slipmargin.physics.terms import ForceTerm, Multiplier
+from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.sim import layout as at
 
 _SHAPES = {GripShape.BOX: 0.0, GripShape.DISC_STRIP: 1.0, GripShape.ELLIPSE: 2.0}
@@ -50,9 +50,9 @@ def pack(model: Model, *, wheel_inertia_kg_m2: float | None = None) -> Array:
     n = model.count
     head = np.zeros(at.HEAD)
     wheels = _wheels(model)
-    mods = [_modulation(m, n) for m in model.grip.modulations]
-    forces = [_force(f) for f in model.losses.terms]
-    commands = [_modulation(m, n) for m in model.transients.modulations]
+    mods = [_modulation(m, n) for m in model.grip.multipliers]
+    forces = [_force(f) for f in model.external.terms]
+    commands = [_modulation(m, n) for m in model.actuators.multipliers]
     _fill(head, model)
     if wheel_inertia_kg_m2 is not None:
         if not 0.0 < wheel_inertia_kg_m2 < math.inf:
@@ -86,22 +86,22 @@ def stack(packed: list[Array]) -> Array:
 
 
 def _fill(head: Array, model: Model) -> None:
-    grip, loads, drives, transients = model.grip, model.loads, model.drives, model.transients
-    variables = {m.variable for m in grip.modulations}
-    terms = {f.variable for f in model.losses.terms}
-    for m in grip.modulations:
+    grip, loads, drives, transients = model.grip, model.loads, model.drives, model.actuators
+    variables = {m.variable for m in grip.multipliers}
+    terms = {f.variable for f in model.external.terms}
+    for m in grip.multipliers:
         if m.variable is Variable.COMMAND_SPEED:
             raise InputError(
                 "grip",
                 "friction cannot depend on the commanded speed",
                 "use ROLLING_SPEED, or put the term into the transients",
             )
-    for m in transients.modulations:
+    for m in transients.multipliers:
         if m.variable not in (Variable.COMMAND_SPEED, Variable.TIME, Variable.UNITY):
             raise InputError(
                 "transients", f"a drive cannot depend on {m.variable.name}", "use COMMAND_SPEED or TIME"
             )
-    floor = any(f.frame is Frame.FLOOR for f in model.losses.terms)
+    floor = any(f.frame is Frame.FLOOR for f in model.external.terms)
     follows = bool(np.any(loads.per_acceleration_kg))
     head[at.COUNT], head[at.MASS], head[at.INERTIA] = (
         model.count,
@@ -116,10 +116,10 @@ def _fill(head: Array, model: Model) -> None:
     head[at.BY_HEADING] = bool((variables | terms) & _HEADING) or floor
     head[at.BY_POSITION] = bool((variables | terms) & _PLACE)
     head[at.BY_TIME] = bool((variables | terms) & _TIME)
-    against = any(f.frame is Frame.AGAINST_MOTION for f in model.losses.terms)
+    against = any(f.frame is Frame.AGAINST_MOTION for f in model.external.terms)
     boxed = grip.shape is GripShape.BOX or grip.coupling == 0.0
     calm = _CALM | {Variable.WHEEL_LOAD} | ({Variable.SLIP_SPEED} if boxed else set())
-    stiff = any(m.target >= Target.STIFFNESS and m.variable not in _CALM for m in grip.modulations)
+    stiff = any(m.target >= Target.STIFFNESS and m.variable not in _CALM for m in grip.multipliers)
     head[at.BY_VELOCITY] = bool(variables - calm) or bool(terms - _CALM) or against or stiff
     head[at.SHARE] = model.inertia.weight_N / model.count
     head[at.DELAY] = transients.delay_s
@@ -129,12 +129,12 @@ def _fill(head: Array, model: Model) -> None:
         np.any(transients.lag_s)
         or np.any(transients.gain != 1.0)
         or transients.delay_s
-        or transients.modulations
+        or transients.multipliers
     )
 
 
 def _wheels(model: Model) -> Array:
-    c, grip, n = model.contacts, model.grip, model.count
+    c, grip, n = model.geometry, model.grip, model.count
     rows = np.zeros((n, at.WHEEL))
     rows[:, [at.ARM_X, at.ARM_Y]] = c.position_m - model.inertia.com_m
     rows[:, [at.DRIVE_X, at.DRIVE_Y]] = c.drive
@@ -148,23 +148,14 @@ def _wheels(model: Model) -> Array:
     pitch = 2.0 * np.pi / grip.rollers
     rows[:, at.PITCH] = pitch
     rows[:, at.SWITCH] = (1.0 - grip.rigid_fraction) * pitch
-    rows[:, at.LAG] = model.transients.lag_s
-    rows[:, at.GAIN] = model.transients.gain
-    rows[:, at.DROOP] = model.transients.droop_rad_s_per_N_m
-    rows[:, [at.NO_SLIP_X, at.NO_SLIP_Y, at.NO_SLIP_W]] = no_slip_map(model).T
+    rows[:, at.LAG] = model.actuators.lag_s
+    rows[:, at.GAIN] = model.actuators.gain
+    rows[:, at.DROOP] = model.actuators.droop_rad_s_per_N_m
+    rows[:, [at.NO_SLIP_X, at.NO_SLIP_Y, at.NO_SLIP_W]] = model.geometry.no_slip_map().T
     return rows
 
 
-def no_slip_map(model: Model) -> Array:
-    """(3, N): least-squares body twist of the origin that wheel speeds θ̇ imply without slip, ĝ_i·u_i = 0."""
-    c = model.contacts
-    p, g = c.position_m, c.grip
-    rows = np.column_stack([g, p[:, 0] * g[:, 1] - p[:, 1] * g[:, 0]])
-    slope = c.radius_m * np.sum(c.drive * g, axis=1)
-    return np.asarray(-np.linalg.pinv(rows) * slope, dtype=np.float64)
-
-
-def _modulation(m: Modulation, n: int) -> Array:
+def _modulation(m: Multiplier, n: int) -> Array:
     if len(m.wheels) != n:
         raise InputError(
             "wheels", f"has {len(m.wheels)} weights, the robot has {n} wheels", "give one weight a wheel"

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from slipmargin.checks import Array, frozen
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.model import Model
-from slipmargin.model.terms import ForceTerm
-from slipmargin.model.variables import Basis, Frame, Variable
+from slipmargin.physics.terms import ForceTerm
+from slipmargin.physics.variables import Basis, Frame, Variable
 from slipmargin.sim.batch import Batch, Outcome
 from slipmargin.sim.pack import pack, stack
 from slipmargin.sim.signal import held
@@ -112,7 +112,7 @@ def _ramp(model: Model, phi: Array, low: Array, high: Array, seconds: Array) -> 
             frame=Frame.BODY,
             coefficients=np.outer(along, [a, b]),
         )
-        models.append(replace(model, losses=replace(model.losses, terms=(*model.losses.terms, pull))))
+        models.append(replace(model, external=replace(model.external, terms=(*model.external.terms, pull))))
         signals.append(held(np.array([0.0, span]), np.zeros((2, model.count))))
         times.append(np.linspace(0.0, span, _SAMPLES))
     batch = Batch(signals, times)

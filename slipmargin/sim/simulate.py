@@ -7,9 +7,9 @@ import numpy as np
 from slipmargin.checks import Array, frozen
 from slipmargin.errors import InputError, MotionStopped
 from slipmargin.model import Model
-from slipmargin.motions.run import Run
 from slipmargin.sim.batch import Batch, Ending, Outcome, Push
 from slipmargin.sim.pack import pack
+from slipmargin.sim.run import Run
 from slipmargin.sim.signal import WheelSignal
 
 #: Error allowed a step; the pose then errs by a few 1e-8 of its size (tests/rooms/sim).
@@ -89,7 +89,7 @@ def as_run(model: Model, times_s: Array, outcome: Outcome, r: int) -> Run:
         slip=outcome.slip[r, :count],
         force=outcome.force[r, :count],
         load=outcome.load[r, :count],
-        wheels=model.contacts.names,
+        wheels=model.geometry.names,
     )
 
 

@@ -61,12 +61,21 @@ class Assembly:
             for name, value in row.items():
                 a[:, r, at[name]] = value
             b[:, r] = right
-        return ConeFamily(what=what, variables=tuple(at), blocks=self._blocks(), a=a, b=b,
-                          c=np.array(list(self._costs.values())))
+        return ConeFamily(
+            what=what,
+            variables=tuple(at),
+            blocks=self._blocks(),
+            a=a,
+            b=b,
+            c=np.array(list(self._costs.values())),
+        )
 
     def _blocks(self) -> tuple[Block, ...]:
-        blocks = [Block(kind=kind, rows=tuple(name for name, _, _ in self._rows[kind]))
-                  for kind in (ConeKind.ZERO, ConeKind.NONNEGATIVE) if self._rows[kind]]
+        blocks = [
+            Block(kind=kind, rows=tuple(name for name, _, _ in self._rows[kind]))
+            for kind in (ConeKind.ZERO, ConeKind.NONNEGATIVE)
+            if self._rows[kind]
+        ]
         names = [name for name, _, _ in self._rows[ConeKind.SECOND_ORDER]]
         for size in self._cones:
             blocks.append(Block(kind=ConeKind.SECOND_ORDER, rows=tuple(names[:size])))

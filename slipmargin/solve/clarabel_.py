@@ -75,8 +75,9 @@ def _pattern(shape: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.int
     return rows, columns
 
 
-def _solver(form: ConeProgram | ConeFamily, a: Array, b: Array,
-            shape: NDArray[np.bool_]) -> clarabel.DefaultSolver:
+def _solver(
+    form: ConeProgram | ConeFamily, a: Array, b: Array, shape: NDArray[np.bool_]
+) -> clarabel.DefaultSolver:
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.presolve_enable = False
@@ -85,18 +86,27 @@ def _solver(form: ConeProgram | ConeFamily, a: Array, b: Array,
     rows, columns = _pattern(shape)
     starts = np.concatenate([[0], np.cumsum(np.count_nonzero(shape, axis=0))])
     matrix = csc_matrix((a[rows, columns], rows, starts), shape=a.shape)
-    cone = {ConeKind.ZERO: clarabel.ZeroConeT, ConeKind.NONNEGATIVE: clarabel.NonnegativeConeT,
-            ConeKind.SECOND_ORDER: clarabel.SecondOrderConeT}
+    cone = {
+        ConeKind.ZERO: clarabel.ZeroConeT,
+        ConeKind.NONNEGATIVE: clarabel.NonnegativeConeT,
+        ConeKind.SECOND_ORDER: clarabel.SecondOrderConeT,
+    }
     none = csc_matrix((a.shape[1], a.shape[1]))
-    return clarabel.DefaultSolver(none, form.c, matrix, b, [cone[k.kind](len(k.rows)) for k in form.blocks],
-                                  settings)
+    return clarabel.DefaultSolver(
+        none, form.c, matrix, b, [cone[k.kind](len(k.rows)) for k in form.blocks], settings
+    )
 
 
 def _accept(answer: clarabel.DefaultSolution, program: ConeProgram) -> Solution:
     status = answer.status
     if status in (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved):
-        found = Solution(program=program, x=np.array(answer.x), s=np.array(answer.s), z=np.array(answer.z),
-                         solver="Clarabel")
+        found = Solution(
+            program=program,
+            x=np.array(answer.x),
+            s=np.array(answer.s),
+            z=np.array(answer.z),
+            solver="Clarabel",
+        )
         return found if status == clarabel.SolverStatus.Solved else found.proven(ALMOST)
     why, cure = {
         clarabel.SolverStatus.PrimalInfeasible: ("no point satisfies every row", "relax a bound"),

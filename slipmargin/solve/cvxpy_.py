@@ -76,8 +76,11 @@ def block_box(maps: Array, limits: Array, rays: Array, bias: Array | None = None
     force, reach = cp.Variable((maps.shape[1], count)), cp.Variable((1, count))
     right = np.zeros((3, count)) if bias is None else -bias.T / (unit * size)
     box = np.repeat((limits / unit)[:, None], count, axis=1)
-    constraints = [(maps / size) @ force + cp.multiply(rays.T / size, np.ones((3, 1)) @ reach) == right,
-                   force <= box, -box <= force]
+    constraints = [
+        (maps / size) @ force + cp.multiply(rays.T / size, np.ones((3, 1)) @ reach) == right,
+        force <= box,
+        -box <= force,
+    ]
     _run(cp.Problem(cp.Maximize(cp.sum(reach)), constraints), f"{count} pulls as one problem")
     return np.asarray(reach.value[0] * unit)
 

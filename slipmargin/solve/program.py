@@ -104,8 +104,14 @@ class ConeFamily:
 
     def program(self, m: int) -> ConeProgram:
         """The m-th program alone."""
-        return ConeProgram(what=self.what[m], variables=self.variables, blocks=self.blocks,
-                           a=self.a[m], b=self.b[m], c=self.c)
+        return ConeProgram(
+            what=self.what[m],
+            variables=self.variables,
+            blocks=self.blocks,
+            a=self.a[m],
+            b=self.b[m],
+            c=self.c,
+        )
 
 
 @final
@@ -160,10 +166,13 @@ class Solution:
         """This solution, or NoSolution where its certificate is worse than ``tolerance``."""
         proof = self.certificate()
         if not proof.worst <= tolerance:
-            raise NoSolution(self.program.what,
-                             f"{self.solver} left primal residual {proof.primal:.1e}, "
-                             f"dual residual {proof.dual:.1e}, gap {proof.gap:.1e}",
-                             "scale the program or ask for less accuracy", self)
+            raise NoSolution(
+                self.program.what,
+                f"{self.solver} left primal residual {proof.primal:.1e}, "
+                f"dual residual {proof.dual:.1e}, gap {proof.gap:.1e}",
+                "scale the program or ask for less accuracy",
+                self,
+            )
         return self
 
     def binding(self, share: float = BINDING) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from slipmargin.checks import Array
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.limits.bounds import cornering, directions, headings, spin
 from slipmargin.limits.motion_state import Contact
-from slipmargin.robot import LoadRule
+from slipmargin.physics.loads import LoadRule
 from slipmargin.study import statics
 from slipmargin.study.fleet import Fleet, fleets
 from slipmargin.study.machine import Machine
@@ -27,8 +27,9 @@ BEND_M = 0.5
 WORST_AT = "worst_phi_rad"
 
 
-def static_columns(machines: Sequence[Machine | None], phi_rad: Array | None = None) -> tuple[
-        dict[str, Array], dict[int, str]]:
+def static_columns(
+    machines: Sequence[Machine | None], phi_rad: Array | None = None
+) -> tuple[dict[str, Array], dict[int, str]]:
     """Static columns (D,) of all designs and the reason of each that is impossible (its columns are NaN)."""
     phi = statics.headings() if phi_rad is None else phi_rad
     names = [*names_of(Kind.STATIC), WORST_AT]
@@ -42,21 +43,25 @@ def static_columns(machines: Sequence[Machine | None], phi_rad: Array | None = N
         with np.errstate(invalid="ignore", divide="ignore"):
             isotropy = np.where(best > 0.0, worst / best, 0.0)
         for name, values in (
-                ("f_worst", worst), ("f_mean", force[:, :-1].mean(axis=1)), ("f_best", best),
-                ("isotropy", isotropy), ("f_low_worst", statics.lowest(fleet, phi, machines).min(axis=1)),
-                ("f_rigid_worst", statics.on_rigid(fleet, phi, machines).force.min(axis=1)),
-                ("f_worst_equal", _under(fleet, phi, machines, LoadRule.EQUAL, worst)),
-                ("f_worst_static", _under(fleet, phi, machines, LoadRule.STATIC, worst)),
-                ("yaw_moment_N_m", rollers.moment_m * fleet.weight_N), ("load_least", fleet.rest.min(axis=1)),
-                (WORST_AT, phi[np.argmin(force, axis=1)])):
+            ("f_worst", worst),
+            ("f_mean", force[:, :-1].mean(axis=1)),
+            ("f_best", best),
+            ("isotropy", isotropy),
+            ("f_low_worst", statics.lowest(fleet, phi, machines).min(axis=1)),
+            ("f_rigid_worst", statics.on_rigid(fleet, phi, machines).force.min(axis=1)),
+            ("f_worst_equal", _under(fleet, phi, machines, LoadRule.EQUAL, worst)),
+            ("f_worst_static", _under(fleet, phi, machines, LoadRule.STATIC, worst)),
+            ("yaw_moment_N_m", rollers.moment_m * fleet.weight_N),
+            ("load_least", fleet.rest.min(axis=1)),
+            (WORST_AT, phi[np.argmin(force, axis=1)]),
+        ):
             table[name][rows] = values
     for column in table.values():
         column[list(refused)] = np.nan
     return table, refused
 
 
-def _under(fleet: Fleet, phi: Array, machines: Sequence[Machine | None], rule: LoadRule,
-           own: Array) -> Array:
+def _under(fleet: Fleet, phi: Array, machines: Sequence[Machine | None], rule: LoadRule, own: Array) -> Array:
     loads = statics.loads_by(fleet, rule)
     if np.all(fleet.plain) and np.array_equal(loads, fleet.rest):
         return own
@@ -73,13 +78,19 @@ def moving_columns(machine: Machine) -> dict[str, float]:
         unknown = directions(model, way, contact=Contact.UNKNOWN)
     rigid = directions(model, way, contact=Contact.RIGID)
     bends = cornering(model, np.array([1.0 / BEND_M]), headings(CORNER_STEP_DEG))
-    values = (float(np.min(ahead.starting_m_s2)), float(np.mean(ahead.starting_m_s2)),
-              float(np.min(ahead.braking_m_s2)), float(np.mean(ahead.braking_m_s2)),
-              float(np.min(unknown.starting_m_s2)), float(np.min(bends.held_m_s)),
-              spin(model).starting_rad_s2,
-              float(np.mean(ahead.steady_use > SLIPS)), float(np.mean(rigid.steady_use > SLIPS)),
-              float(np.mean(unknown.steady_use > SLIPS)),
-              float(np.max(unknown.steady_use)))
+    values = (
+        float(np.min(ahead.starting_m_s2)),
+        float(np.mean(ahead.starting_m_s2)),
+        float(np.min(ahead.braking_m_s2)),
+        float(np.mean(ahead.braking_m_s2)),
+        float(np.min(unknown.starting_m_s2)),
+        float(np.min(bends.held_m_s)),
+        spin(model).starting_rad_s2,
+        float(np.mean(ahead.steady_use > SLIPS)),
+        float(np.mean(rigid.steady_use > SLIPS)),
+        float(np.mean(unknown.steady_use > SLIPS)),
+        float(np.max(unknown.steady_use)),
+    )
     return dict(zip(names_of(Kind.MOTION), values, strict=True))
 
 
@@ -105,4 +116,3 @@ def slow_columns(machine: Machine, kinds: tuple[Kind, ...]) -> dict[str, float]:
         return {name: value if math.isfinite(value) else math.nan for name, value in out.items()}
     except (InputError, NoSolution):
         return dict.fromkeys(names, math.nan)
-

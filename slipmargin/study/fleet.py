@@ -14,11 +14,12 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from slipmargin.checks import GRAVITY_M_S2, Array
+from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.model import Model
-from slipmargin.model.loads import sharing_matrix
-from slipmargin.model.variables import Target
+from slipmargin.physics.constants import GRAVITY_M_S2
+from slipmargin.physics.loads import sharing_matrix
+from slipmargin.physics.variables import Target
 from slipmargin.robot import GripShape, LoadRule, Robot
 from slipmargin.study.machine import Machine
 
@@ -79,7 +80,9 @@ def fleets(machines: Sequence[Machine | None]) -> tuple[list[Fleet], dict[int, s
             worst = int(np.argmin(fleet.rest[d]))
             refused[int(fleet.index[d])] = (
                 "the centre of mass is outside the wheels' polygon: the robot falls over"
-                if not fleet.level[d] else f"wheel {worst + 1} would carry {fleet.rest[d, worst]:.3g} m g")
+                if not fleet.level[d]
+                else f"wheel {worst + 1} would carry {fleet.rest[d, worst]:.3g} m g"
+            )
     return out, refused
 
 
@@ -105,11 +108,15 @@ def _from_robots(machines: list[Machine]) -> dict[str, Any]:
     floor = [r.surface(m.surface) for r, m in zip(robots, machines, strict=True)]
     static = _static(place, com)
     return {
-        "place": place, "com": com, "grip": _unit(turn), "free": _unit(turn - np.pi / 2.0),
+        "place": place,
+        "com": com,
+        "grip": _unit(turn),
+        "free": _unit(turn - np.pi / 2.0),
         "roller": np.array([[(s.roller.drive, s.roller.transverse)] * n for s in floor]),
         "rigid": np.array([[(s.rigid.drive, s.rigid.transverse)] * n for s in floor]),
         "rigid_fraction": np.array([[w.rigid_fraction for w in r.wheels] for r in robots]),
-        "rest": np.array([_shares(r, row) for r, row in zip(robots, static, strict=True)]), "static": static,
+        "rest": np.array([_shares(r, row) for r, row in zip(robots, static, strict=True)]),
+        "static": static,
         "weight_N": np.array([r.body.mass_kg for r in robots]) * GRAVITY_M_S2,
         "plain": np.array([r.friction.grip is GripShape.BOX for r in robots]),
     }
@@ -118,15 +125,23 @@ def _from_robots(machines: list[Machine]) -> dict[str, Any]:
 def _overwrite(data: dict[str, Any], d: int, model: Model) -> None:
     """A built model's arrays in place of the data sheet's (``data`` is this module's own)."""
     grip, weight = model.grip, model.inertia.weight_N
-    for name, value in (("place", model.contacts.position_m), ("com", model.inertia.com_m),
-                        ("grip", model.contacts.grip), ("free", model.contacts.free), ("roller", grip.roller),
-                        ("rigid", grip.rigid), ("rigid_fraction", grip.rigid_fraction),
-                        ("rest", model.loads.rest_N / weight), ("weight_N", weight)):
+    for name, value in (
+        ("place", model.geometry.position_m),
+        ("com", model.inertia.com_m),
+        ("grip", model.geometry.grip),
+        ("free", model.geometry.free),
+        ("roller", grip.roller),
+        ("rigid", grip.rigid),
+        ("rigid_fraction", grip.rigid_fraction),
+        ("rest", model.loads.rest_N / weight),
+        ("weight_N", weight),
+    ):
         data[name][d] = value
-    data["static"][d] = sharing_matrix(model.contacts.position_m) @ np.array([1.0, *model.inertia.com_m])
-    varies = any(t.target is not Target.STIFFNESS for t in grip.modulations)
-    data["plain"][d] = ((grip.shape is GripShape.BOX or grip.coupling == 0.0) and not varies
-                        and not model.losses.terms)
+    data["static"][d] = sharing_matrix(model.geometry.position_m) @ np.array([1.0, *model.inertia.com_m])
+    varies = any(t.target is not Target.STIFFNESS for t in grip.multipliers)
+    data["plain"][d] = (
+        (grip.shape is GripShape.BOX or grip.coupling == 0.0) and not varies and not model.external.terms
+    )
 
 
 def _static(place: Array, com: Array) -> Array:
@@ -135,8 +150,9 @@ def _static(place: Array, com: Array) -> Array:
     moments = np.swapaxes(np.concatenate([ones, place], axis=2), 1, 2)
     asked = np.concatenate([np.ones((len(com), 1)), com], axis=1)[:, :, None]
     # Least norm: N = Mᵀ (M Mᵀ)⁻¹ b.
-    return np.asarray((np.swapaxes(moments, 1, 2) @ np.linalg.solve(moments @ np.swapaxes(moments, 1, 2),
-                                                                    asked))[..., 0])
+    return np.asarray(
+        (np.swapaxes(moments, 1, 2) @ np.linalg.solve(moments @ np.swapaxes(moments, 1, 2), asked))[..., 0]
+    )
 
 
 def _shares(robot: Robot, static: Array) -> Array:
@@ -154,4 +170,3 @@ def _unit(angle: Array) -> Array:
 
 def _columns(arm: Array, way: Array) -> Array:
     return np.stack([way[..., 0], way[..., 1], arm[..., 0] * way[..., 1] - arm[..., 1] * way[..., 0]], axis=1)
-

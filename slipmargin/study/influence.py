@@ -66,8 +66,18 @@ def influences(machine: Machine, goal: Objective) -> tuple[Influence, ...]:
     for quantity, value, step in rows:
         tried += [_moved(machine, quantity, value + side * step) for side in (-1.0, 1.0)]
     found = judge(tried, goal)
-    out = [Influence(key=q.key, unit=q.unit, value=v, step=s, below=float(found[2 * i + 1]),
-                     here=float(found[0]), above=float(found[2 * i + 2])) for i, (q, v, s) in enumerate(rows)]
+    out = [
+        Influence(
+            key=q.key,
+            unit=q.unit,
+            value=v,
+            step=s,
+            below=float(found[2 * i + 1]),
+            here=float(found[0]),
+            above=float(found[2 * i + 2]),
+        )
+        for i, (q, v, s) in enumerate(rows)
+    ]
     return tuple(sorted((i for i in out if i.swing > 1e-9), key=lambda i: -i.swing))
 
 

@@ -23,8 +23,12 @@ SHARE, POINTS = 0.9, 100
 def benchmark_paths() -> dict[str, Path]:
     """The paths by name."""
     slant = math.sqrt(0.5)
-    straight = {"forwards": (0.0, 1.0), "backwards": (0.0, -1.0), "right": (1.0, 0.0),
-                "slanting": (slant, slant)}
+    straight = {
+        "forwards": (0.0, 1.0),
+        "backwards": (0.0, -1.0),
+        "right": (1.0, 0.0),
+        "slanting": (slant, slant),
+    }
     paths = {name: corners(np.array([[0.0, 0.0, 0.0], [x, y, 0.0]])) for name, (x, y) in straight.items()}
     square = np.array([[0.0, 0.0], [0.5, 0.0], [0.5, 1.0], [-0.5, 1.0], [-0.5, 0.0], [0.0, 0.0]])
     paths["square"] = corners(np.column_stack([square, np.zeros(len(square))]), blend_m=0.2)

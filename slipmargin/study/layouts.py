@@ -38,8 +38,15 @@ def ring(robot: Robot, count: int) -> Robot:
     for k in range(count):
         angle = math.radians(start + 360.0 * k / count)
         place = radius * np.array([math.cos(angle), math.sin(angle)])
-        wheels.append(_copy(robot.wheels[0], str(k + 1), place, math.degrees(angle) + 90.0,
-                            robot.wheels[0].roller_angle_deg))
+        wheels.append(
+            _copy(
+                robot.wheels[0],
+                str(k + 1),
+                place,
+                math.degrees(angle) + 90.0,
+                robot.wheels[0].roller_angle_deg,
+            )
+        )
     return replace(robot, wheels=tuple(wheels))
 
 
@@ -63,8 +70,9 @@ def rows(robot: Robot, count: int) -> Robot:
     for side, name in ((1.0, "right"), (-1.0, "left")):
         for k, y in enumerate(np.linspace(half[1], -half[1], count // 2)):
             sign = side * (1.0 if k % 2 == 0 else -1.0)
-            wheels.append(_copy(robot.wheels[0], f"{name}-{k + 1}", np.array([side * half[0], y]), 90.0,
-                                sign * angle))
+            wheels.append(
+                _copy(robot.wheels[0], f"{name}-{k + 1}", np.array([side * half[0], y]), 90.0, sign * angle)
+            )
     return replace(robot, wheels=tuple(wheels))
 
 
@@ -74,10 +82,20 @@ def scaled(robot: Robot, radius_m: float) -> Robot:
     return replace(robot, wheels=tuple(replace(w, position_m=factor * w.position_m) for w in robot.wheels))
 
 
-def _copy(wheel: Wheel, name: str, place: np.ndarray[tuple[int, ...], np.dtype[np.float64]], drive_deg: float,
-          roller_deg: float) -> Wheel:
-    return replace(wheel, name=name, position_m=place, drive_direction_deg=math.remainder(drive_deg, 360.0),
-                   roller_angle_deg=roller_deg)
+def _copy(
+    wheel: Wheel,
+    name: str,
+    place: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
+    drive_deg: float,
+    roller_deg: float,
+) -> Wheel:
+    return replace(
+        wheel,
+        name=name,
+        position_m=place,
+        drive_direction_deg=math.remainder(drive_deg, 360.0),
+        roller_angle_deg=roller_deg,
+    )
 
 
 def _check(place: str, robot: Robot, count: int) -> None:

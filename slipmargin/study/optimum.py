@@ -79,9 +79,16 @@ def optimum(study: Study, goal: Objective | None = None) -> Optimum:
         if score > best + NOISE * abs(best):
             best, at = score, values
     machine = applied(study.question.machine, [g.quantity for g in study.question.grids], at)
-    return Optimum(goal=goal, values=tuple(at), machine=machine, value=goal.sign * best,
-                   grid_value=float(study.columns[goal.name][row]), grid_row=row, evaluations=spent,
-                   check=second_road(machine, goal, goal.sign * best))
+    return Optimum(
+        goal=goal,
+        values=tuple(at),
+        machine=machine,
+        value=goal.sign * best,
+        grid_value=float(study.columns[goal.name][row]),
+        grid_row=row,
+        evaluations=spent,
+        check=second_road(machine, goal, goal.sign * best),
+    )
 
 
 def _starts(study: Study, goal: Objective, free: Sequence[int]) -> list[int]:
@@ -89,14 +96,15 @@ def _starts(study: Study, goal: Objective, free: Sequence[int]) -> list[int]:
     score = np.nan_to_num(goal.sign * study.shaped(goal.name), nan=-np.inf)
     top = np.isfinite(score)
     for axis in free:
-        padded = np.pad(score, [(1, 1) if k == axis else (0, 0) for k in range(score.ndim)],
-                        constant_values=-np.inf)
+        padded = np.pad(
+            score, [(1, 1) if k == axis else (0, 0) for k in range(score.ndim)], constant_values=-np.inf
+        )
         count = score.shape[axis]
         top &= score >= np.take(padded, range(count), axis=axis)
         top &= score >= np.take(padded, range(2, count + 2), axis=axis)
     rows = np.flatnonzero(top.ravel())
     order = rows[np.argsort(-score.ravel()[rows], kind="stable")]
-    return [int(r) for r in order[:STARTS[goal.kind]]]
+    return [int(r) for r in order[: STARTS[goal.kind]]]
 
 
 class _Search:
@@ -132,17 +140,36 @@ class _Search:
         effort = EFFORT[self.goal.kind]
         if len(self.free) == 1:
             low, high = self.bounds[0]
-            found = minimize_scalar(lambda v: self.score(np.array([v])), bounds=(low, high), method="bounded",
-                                    options={"xatol": 1e-7 * (high - low), "maxiter": effort})
+            found = minimize_scalar(
+                lambda v: self.score(np.array([v])),
+                bounds=(low, high),
+                method="bounded",
+                options={"xatol": 1e-7 * (high - low), "maxiter": effort},
+            )
             x = np.array([found.x])
         else:
             first = np.array([float(self.start[k]) for k in self.free])
-            span = np.array([[high - first[i] if high - first[i] >= first[i] - low else low - first[i]
-                              for i, (low, high) in enumerate(self.bounds)]])
+            span = np.array(
+                [
+                    [
+                        high - first[i] if high - first[i] >= first[i] - low else low - first[i]
+                        for i, (low, high) in enumerate(self.bounds)
+                    ]
+                ]
+            )
             simplex = np.vstack([first, first + 0.5 * np.diag(span[0])])
-            found = minimize(self.score, first, method="Nelder-Mead", bounds=self.bounds,
-                             options={"maxfev": effort * len(self.free), "xatol": 1e-7, "fatol": 1e-12,
-                                      "initial_simplex": simplex})
+            found = minimize(
+                self.score,
+                first,
+                method="Nelder-Mead",
+                bounds=self.bounds,
+                options={
+                    "maxfev": effort * len(self.free),
+                    "xatol": 1e-7,
+                    "fatol": 1e-12,
+                    "initial_simplex": simplex,
+                },
+            )
             x = found.x
         return self.at(x), -float(found.fun)
 

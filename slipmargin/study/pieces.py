@@ -61,8 +61,15 @@ class Done:
     resumed: int
 
 
-def in_pieces(work: Callable[[Any], dict[str, float]], items: Sequence[Any], *, question: Any, size: int,
-              workshop: Workshop, advance: Callable[[int], None] = lambda steps: None) -> Done:
+def in_pieces(
+    work: Callable[[Any], dict[str, float]],
+    items: Sequence[Any],
+    *,
+    question: Any,
+    size: int,
+    workshop: Workshop,
+    advance: Callable[[int], None] = lambda steps: None,
+) -> Done:
     """Apply ``work`` to every item.
 
     Parameters
@@ -81,10 +88,11 @@ def in_pieces(work: Callable[[Any], dict[str, float]], items: Sequence[Any], *, 
     InputError
         Where the work folder cannot be written, or the scheduler cannot be reached.
     """
-    pieces = [list(items[i:i + size]) for i in range(0, len(items), size)]
+    pieces = [list(items[i : i + size]) for i in range(0, len(items), size)]
     names = [piece_name(question, piece) for piece in pieces]
-    rows: list[Rows | None] = [_kept(workshop.folder, name, len(piece))
-                               for name, piece in zip(names, pieces, strict=True)]
+    rows: list[Rows | None] = [
+        _kept(workshop.folder, name, len(piece)) for name, piece in zip(names, pieces, strict=True)
+    ]
     resumed = sum(row is not None for row in rows)
     for row in rows:
         advance(len(row) if row else 0)
@@ -97,8 +105,11 @@ def in_pieces(work: Callable[[Any], dict[str, float]], items: Sequence[Any], *, 
                 write_text(workshop.folder / names[k], _text(found))
             rows[k] = found
             advance(len(found))
-    return Done(rows=tuple(row for piece in rows if piece is not None for row in piece), pieces=len(pieces),
-                resumed=resumed)
+    return Done(
+        rows=tuple(row for piece in rows if piece is not None for row in piece),
+        pieces=len(pieces),
+        resumed=resumed,
+    )
 
 
 def work_folder(out: Path | None) -> Path | None:
@@ -142,8 +153,9 @@ def one_piece(work: Callable[[Any], dict[str, float]], number: int, items: Seque
     return number, [work(item) for item in items]
 
 
-def _computed(work: Callable[[Any], dict[str, float]], missing: list[tuple[int, list[Any]]],
-              workshop: Workshop) -> Generator[tuple[int, Rows], None, None]:
+def _computed(
+    work: Callable[[Any], dict[str, float]], missing: list[tuple[int, list[Any]]], workshop: Workshop
+) -> Generator[tuple[int, Rows], None, None]:
     if not missing:
         return
     if workshop.scheduler is None and (workshop.jobs == 1 or len(missing) == 1):
@@ -153,8 +165,12 @@ def _computed(work: Callable[[Any], dict[str, float]], missing: list[tuple[int, 
     from joblib import Parallel, delayed
 
     with _backend(workshop.scheduler):
-        run = Parallel(n_jobs=workshop.jobs if workshop.scheduler is None else -1, batch_size=1,
-                       pre_dispatch="all", return_as="generator_unordered")
+        run = Parallel(
+            n_jobs=workshop.jobs if workshop.scheduler is None else -1,
+            batch_size=1,
+            pre_dispatch="all",
+            return_as="generator_unordered",
+        )
         yield from run(delayed(one_piece)(work, k, items) for k, items in missing)
 
 
@@ -165,8 +181,11 @@ def _backend(scheduler: str | None) -> Iterator[None]:
         yield
         return
     if find_spec("distributed") is None:
-        raise InputError("scheduler", "needs the packages dask and distributed",
-                         "install slipmargin[cluster], or leave the scheduler out")
+        raise InputError(
+            "scheduler",
+            "needs the packages dask and distributed",
+            "install slipmargin[cluster], or leave the scheduler out",
+        )
     from distributed import Client
     from joblib import parallel_config
 
@@ -174,8 +193,11 @@ def _backend(scheduler: str | None) -> Iterator[None]:
     try:
         client = connect(scheduler, timeout="5s", set_as_default=False)
     except (OSError, ValueError) as fault:
-        raise InputError("scheduler", f"{scheduler!r} cannot be reached ({str(fault)[:80] or 'no answer'})",
-                         "start a Dask scheduler and give its tcp://HOST:PORT") from None
+        raise InputError(
+            "scheduler",
+            f"{scheduler!r} cannot be reached ({str(fault)[:80] or 'no answer'})",
+            "start a Dask scheduler and give its tcp://HOST:PORT",
+        ) from None
     with client, parallel_config(backend="dask", client=client):
         if not client.scheduler_info()["workers"]:
             raise InputError("scheduler", f"{scheduler!r} has no workers", "start a Dask worker for it")
@@ -192,8 +214,10 @@ def _kept(folder: Path | None, name: str, count: int) -> Rows | None:
     if folder is None or not (folder / name).is_file():
         return None
     try:
-        rows = [{str(k): float.fromhex(v) for k, v in row.items()}
-                for row in json.loads(read_text(folder / name))["rows"]]
+        rows = [
+            {str(k): float.fromhex(v) for k, v in row.items()}
+            for row in json.loads(read_text(folder / name))["rows"]
+        ]
     except (ValueError, KeyError, TypeError, AttributeError, InputError):
         return None  # damaged by someone else: it is computed again
     return rows if len(rows) == count else None

@@ -19,7 +19,7 @@ from slipmargin.limits.sensitivity import sensitivity
 from slipmargin.limits.sweep import limit
 from slipmargin.limits.wrench_set import wrench_set
 from slipmargin.model import Model
-from slipmargin.robot import LoadRule
+from slipmargin.physics.loads import LoadRule
 from slipmargin.study.columns import STEP_DEG
 from slipmargin.study.machine import Machine
 from slipmargin.study.objectives import Kind, Objective
@@ -61,7 +61,7 @@ _RULES = {"f_worst_equal": LoadRule.EQUAL, "f_worst_static": LoadRule.STATIC}
 def _static(model: Model, name: str) -> Reason:
     if name == "load_least":
         at = int(np.argmin(model.loads.rest_N))
-        return Reason(where=f"the lightest wheel, by {model.loads.rule}", what=(model.contacts.names[at],))
+        return Reason(where=f"the lightest wheel, by {model.loads.rule}", what=(model.geometry.names[at],))
     if name == "yaw_moment_N_m":
         return Reason(where="turned on the spot", what=_turned(model))
     phi, rigid = all_round(), np.zeros(model.count, dtype=bool)
@@ -74,7 +74,7 @@ def _static(model: Model, name: str) -> Reason:
     except NoSolution as fault:
         return Reason(where=str(fault), what=())
     at = int(np.argmax(force) if name == "f_best" else np.argmin(force))
-    seen = sensitivity(model, phi[at:at + 1], rigid=rigid).forces()[0]
+    seen = sensitivity(model, phi[at : at + 1], rigid=rigid).forces()[0]
     word = "strongest" if name == "f_best" else "weakest"
     ground = "" if not np.any(rigid) else f" with {_listed(model, rigid)} on rigid material"
     return Reason(where=f"{word} at φ = {math.degrees(phi[at]):.4g}°{ground}, where these slip", what=seen)
@@ -92,7 +92,7 @@ def _turned(model: Model) -> tuple[str, ...]:
     normals = wrenches.normals[wrenches.normals[:, 2] > 0.0]
     at = normals[int(np.argmin(wrenches.support(normals) / normals[:, 2]))]
     share = wrenches.share(at)
-    return tuple(n for n, s in zip(model.contacts.names, share, strict=True) if s > 1e-9 * np.max(share))
+    return tuple(n for n, s in zip(model.geometry.names, share, strict=True) if s > 1e-9 * np.max(share))
 
 
 def _moving(model: Model, name: str) -> Reason:
@@ -101,14 +101,19 @@ def _moving(model: Model, name: str) -> Reason:
     found = directions(model, way, contact=contact)
     if name.startswith(("slip_share", "steady_use")):
         at = int(np.argmax(found.steady_use))
-        return Reason(where=f"steady motion needs most, {found.steady_use[at]:.3g} of the drive grip, "
-                      f"{_towards(way[at])}", what=found.starting.wheels[at])
+        return Reason(
+            where=f"steady motion needs most, {found.steady_use[at]:.3g} of the drive grip, "
+            f"{_towards(way[at])}",
+            what=found.starting.wheels[at],
+        )
     if name.startswith("brake"):
         at = int(np.argmin(found.braking_m_s2))
         return Reason(where=f"weakest when moving {_towards(way[at])}", what=())
     at = int(np.argmin(found.starting_m_s2))
-    return Reason(where=f"weakest when moving {_towards(way[at])}, limited by {found.starting.cause[at]} of",
-                  what=found.starting.wheels[at])
+    return Reason(
+        where=f"weakest when moving {_towards(way[at])}, limited by {found.starting.cause[at]} of",
+        what=found.starting.wheels[at],
+    )
 
 
 def _towards(way_rad: float) -> str:
@@ -126,5 +131,8 @@ def _laps(model: Model) -> Reason:
 
 
 def _listed(model: Model, rigid: Array) -> str:
-    return "every wheel" if np.all(rigid) else " and ".join(
-        n for n, on in zip(model.contacts.names, rigid, strict=True) if on)
+    return (
+        "every wheel"
+        if np.all(rigid)
+        else " and ".join(n for n, on in zip(model.geometry.names, rigid, strict=True) if on)
+    )

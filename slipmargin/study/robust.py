@@ -24,8 +24,11 @@ from slipmargin.study.quantities import Quantity
 from slipmargin.study.vary import applied, quantity_of
 
 #: The objective that takes the worst contact state, where there is one.
-UNKNOWN = {"f_worst": "f_low_worst", "start_worst_m_s2": "start_unknown_m_s2",
-           "slip_share": "slip_share_unknown"}
+UNKNOWN = {
+    "f_worst": "f_low_worst",
+    "start_worst_m_s2": "start_unknown_m_s2",
+    "slip_share": "slip_share_unknown",
+}
 #: Quantities over whose box the corners are exact.
 EXACT = frozenset({"mu_drive", "mu_transverse"})
 #: The limits for which they are: the least of rows linear in the coefficients, or the worst of such.
@@ -103,13 +106,19 @@ def robust(machines: Sequence[Machine | None], goal: Objective, intervals: Seque
     score = goal.sign * judge(everyone, goal).reshape(len(corners), len(machines))
     worst = np.min(score, axis=0)  # NaN where a corner is impossible
     if np.all(np.isnan(worst)):
-        raise InputError("uncertain", "leaves no design that is possible at every corner",
-                         "give narrower intervals")
+        raise InputError(
+            "uncertain", "leaves no design that is possible at every corner", "give narrower intervals"
+        )
     best = int(np.nanargmax(worst))
     corner = corners[int(np.argmin(score[:, best]))]
     exact = set(keys) <= EXACT and goal.name in EXACT_LIMITS
-    return Robust(goal=goal, value=goal.sign * worst, best=best, exact=exact,
-                  corner=tuple(zip(keys, corner, strict=True)))
+    return Robust(
+        goal=goal,
+        value=goal.sign * worst,
+        best=best,
+        exact=exact,
+        corner=tuple(zip(keys, corner, strict=True)),
+    )
 
 
 def _moved(machine: Machine | None, intervals: Sequence[Interval], corner: Sequence[float]) -> Machine | None:

@@ -22,7 +22,7 @@ from slipmargin.limits.pull import Pull
 from slipmargin.limits.sweep import limit
 from slipmargin.limits.wrench_set import wrench_set
 from slipmargin.model import Model
-from slipmargin.robot import LoadRule
+from slipmargin.physics.loads import LoadRule
 from slipmargin.sets.facets import batch_ray_exit
 from slipmargin.study.fleet import Fleet
 from slipmargin.study.machine import Machine
@@ -64,12 +64,13 @@ def forces(fleet: Fleet, mu: Array, load: Array, phi_rad: Array) -> Forces:
     rays = np.vstack([rays, [0.0, 0.0, 1.0]])
     pairs = fleet.wheels * (2 * fleet.wheels - 1)
     block = max(1, _BLOCK // (pairs * len(rays)))
-    out = np.concatenate([batch_ray_exit(generators[i:i + block], rays) for i in range(0, len(mu), block)])
+    out = np.concatenate([batch_ray_exit(generators[i : i + block], rays) for i in range(0, len(mu), block)])
     return Forces(force=out[:, :-1], moment_m=out[:, -1])
 
 
-def on_rollers(fleet: Fleet, phi_rad: Array, machines: Sequence[Machine | None],
-               rule: LoadRule | None = None) -> Forces:
+def on_rollers(
+    fleet: Fleet, phi_rad: Array, machines: Sequence[Machine | None], rule: LoadRule | None = None
+) -> Forces:
     """All wheels on rollers; designs that no zonotope describes are solved one by one (0: slips unpulled).
 
     ``rule`` EQUAL or STATIC replaces the designs' own load model.
@@ -111,8 +112,14 @@ def _states(fleet: Fleet) -> list[NDArray[np.bool_]]:
     return out
 
 
-def _corrected(fleet: Fleet, found: Forces, phi_rad: Array, machines: Sequence[Machine | None],
-               rigid: Array | None, rule: LoadRule | None) -> Forces:
+def _corrected(
+    fleet: Fleet,
+    found: Forces,
+    phi_rad: Array,
+    machines: Sequence[Machine | None],
+    rigid: Array | None,
+    rule: LoadRule | None,
+) -> Forces:
     force, moment = found.force, found.moment_m
     for d in np.flatnonzero(~fleet.plain).tolist():
         model = _model(machines, fleet, d, rule)
@@ -134,9 +141,17 @@ def _moment(model: Model, rigid: Array | None) -> float:
         return float(wrenches.support(np.array([xy[0], xy[1], 1.0])))
 
     reach = float(np.max(np.abs(wrenches.maps[2])))
-    found = minimize(height, np.zeros(2), method="Nelder-Mead",
-                     options={"xatol": 1e-9 * reach, "fatol": 1e-12, "maxiter": 2000,
-                              "initial_simplex": reach * np.array([[0.0, 0.0], [0.3, 0.0], [0.0, 0.3]])})
+    found = minimize(
+        height,
+        np.zeros(2),
+        method="Nelder-Mead",
+        options={
+            "xatol": 1e-9 * reach,
+            "fatol": 1e-12,
+            "maxiter": 2000,
+            "initial_simplex": reach * np.array([[0.0, 0.0], [0.3, 0.0], [0.0, 0.3]]),
+        },
+    )
     return float(found.fun)
 
 

@@ -85,8 +85,9 @@ class Study:
         goal = self.question.objective if name is None else objective(name)
         if np.all(np.isnan(self.columns[goal.name])):
             why = self.problems.get(0, f"{goal.name} cannot be computed")
-            raise InputError("vary", f"holds no possible design; the first: {why}",
-                             "vary within other bounds")
+            raise InputError(
+                "vary", f"holds no possible design; the first: {why}", "vary within other bounds"
+            )
         tied = self.ties(goal.name)
         return int(tied[np.argmax(np.nan_to_num(self.columns["f_mean"][tied], nan=-np.inf))])
 
@@ -116,8 +117,12 @@ class Study:
         return self.columns[name].reshape([len(grid.values) for grid in self.question.grids])
 
 
-def study(question: Question, *, workshop: Workshop | None = None,
-          advance: Callable[[int], None] = lambda steps: None) -> Study:
+def study(
+    question: Question,
+    *,
+    workshop: Workshop | None = None,
+    advance: Callable[[int], None] = lambda steps: None,
+) -> Study:
     """Compute every column of every design; the static ones at once, the others in pieces.
 
     Parameters
@@ -151,17 +156,30 @@ def study(question: Question, *, workshop: Workshop | None = None,
     if kinds:
         rows = [i for i, m in enumerate(everyone) if m is not None]
         work = Slow(kinds=kinds)
-        done = in_pieces(work, [everyone[i] for i in rows], question=work, workshop=workshop or Workshop(),
-                         size=min(PIECE[kind] for kind in kinds), advance=advance)
+        done = in_pieces(
+            work,
+            [everyone[i] for i in rows],
+            question=work,
+            workshop=workshop or Workshop(),
+            size=min(PIECE[kind] for kind in kinds),
+            advance=advance,
+        )
         for name in (n for kind in kinds for n in names_of(kind)):
             columns[name] = np.full(len(everyone), np.nan)
             columns[name][rows] = [row[name] for row in done.rows]
     own = {name: float(column[-1]) for name, column in columns.items()}
     own_problem = problems.pop(len(values), None)
-    return Study(question=question, values=tuple(values), machines=tuple(everyone[:-1]),
-                 columns={name: _frozen(column[:-1]) for name, column in columns.items()}, problems=problems,
-                 own=own, own_problem=own_problem, pieces=done.pieces if done else 0,
-                 resumed=done.resumed if done else 0)
+    return Study(
+        question=question,
+        values=tuple(values),
+        machines=tuple(everyone[:-1]),
+        columns={name: _frozen(column[:-1]) for name, column in columns.items()},
+        problems=problems,
+        own=own,
+        own_problem=own_problem,
+        pieces=done.pieces if done else 0,
+        resumed=done.resumed if done else 0,
+    )
 
 
 def _frozen(column: Array) -> Array:

@@ -33,17 +33,30 @@ def study_data(study: Study) -> dict[str, Any]:
     goal = study.question.objective
     best = study.best()
     return {
-        "schema": 1, "robot": study.question.machine.robot.name, "surface": study.question.machine.surface,
+        "schema": 1,
+        "robot": study.question.machine.robot.name,
+        "surface": study.question.machine.surface,
         "vary": {grid.key: list(grid.values) for grid in study.question.grids},
-        "objective": {"name": goal.name, "unit": goal.unit, "meaning": goal.meaning,
-                      "better": "more" if goal.sign > 0 else "less"},
-        "best": {"row": best, "design": dict(zip(study.keys, study.values[best], strict=True)),
-                 "value": float(study.columns[goal.name][best])},
-        "own": {"design": dict(zip(study.keys, study.own_values, strict=True)), "problem": study.own_problem,
-                **study.own},
+        "objective": {
+            "name": goal.name,
+            "unit": goal.unit,
+            "meaning": goal.meaning,
+            "better": "more" if goal.sign > 0 else "less",
+        },
+        "best": {
+            "row": best,
+            "design": dict(zip(study.keys, study.values[best], strict=True)),
+            "value": float(study.columns[goal.name][best]),
+        },
+        "own": {
+            "design": dict(zip(study.keys, study.own_values, strict=True)),
+            "problem": study.own_problem,
+            **study.own,
+        },
         "best_by_objective": {name: _best_of(study, name) for name in study.columns if name in BY_NAME},
         "designs": [dict(zip(study.keys, row, strict=True)) for row in study.values],
-        "columns": dict(study.columns), "problems": {str(i): text for i, text in study.problems.items()},
+        "columns": dict(study.columns),
+        "problems": {str(i): text for i, text in study.problems.items()},
     }
 
 
@@ -51,5 +64,8 @@ def _best_of(study: Study, name: str) -> dict[str, Any] | None:
     if np.all(np.isnan(study.columns[name])):
         return None
     row = study.best(name)
-    return {"row": row, "design": dict(zip(study.keys, study.values[row], strict=True)),
-            "value": float(study.columns[name][row])}
+    return {
+        "row": row,
+        "design": dict(zip(study.keys, study.values[row], strict=True)),
+        "value": float(study.columns[name][row]),
+    }

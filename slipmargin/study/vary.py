@@ -81,8 +81,9 @@ def quantity_of(key: str) -> Quantity:
         return _placed(key, place[1], place[2], place[3])
     near = difflib.get_close_matches(key, known, n=1)
     hint = f"did you mean {near[0]!r}? Known: " if near else "known: "
-    raise InputError(key, "is not a quantity that can be varied",
-                     f"{hint}{', '.join(known)}, wheel[N].KEY, effect[N].KEY")
+    raise InputError(
+        key, "is not a quantity that can be varied", f"{hint}{', '.join(known)}, wheel[N].KEY, effect[N].KEY"
+    )
 
 
 def product(machine: Machine, grids: Sequence[Vary]) -> list[tuple[Value, ...]]:
@@ -109,8 +110,9 @@ def product(machine: Machine, grids: Sequence[Vary]) -> list[tuple[Value, ...]]:
             names = [s.name for s in machine.robot.surfaces]
             wrong = next((v for v in grid.values if v not in names), None)
             if wrong is not None:
-                raise InputError("surface", f"{wrong!r} is not in the robot file",
-                                 f"use one of: {', '.join(names)}")
+                raise InputError(
+                    "surface", f"{wrong!r} is not in the robot file", f"use one of: {', '.join(names)}"
+                )
     return list(itertools.product(*(g.values for g in grids)))
 
 
@@ -177,18 +179,25 @@ def _whole(quantity: Quantity, value: Value) -> Value:
 
 def _placed(key: str, kind: str, which: str, field: str) -> Quantity:
     if kind == "wheel" and field not in _WHEEL_FIELDS:
-        raise InputError(key, f"{field!r} is not a number of a wheel",
-                         f"use one of: {', '.join(_WHEEL_FIELDS)}")
+        raise InputError(
+            key, f"{field!r} is not a number of a wheel", f"use one of: {', '.join(_WHEEL_FIELDS)}"
+        )
 
     def find(machine: Machine) -> int:
-        names = ([w.name for w in machine.robot.wheels] if kind == "wheel"
-                 else [e.name for e in machine.recipe.effects])
+        names = (
+            [w.name for w in machine.robot.wheels]
+            if kind == "wheel"
+            else [e.name for e in machine.recipe.effects]
+        )
         if which in names:
             return names.index(which)
         if which.isdecimal() and 1 <= int(which) <= len(names):
             return int(which) - 1
-        raise InputError(key, f"there is no {kind} {which!r}", f"use 1 to {len(names)} or a name: "
-                         f"{', '.join(names) or 'the file lists none'}")
+        raise InputError(
+            key,
+            f"there is no {kind} {which!r}",
+            f"use 1 to {len(names)} or a name: {', '.join(names) or 'the file lists none'}",
+        )
 
     def put(machine: Machine, value: Any) -> Machine:
         at = find(machine)
@@ -204,8 +213,11 @@ def _placed(key: str, kind: str, which: str, field: str) -> Quantity:
     def check(effect: Any) -> None:
         names = [p.name for p in getattr(effect, "parameters", ())]
         if field not in names:
-            raise InputError(key, f"effect {effect.name} has no number {field!r}",
-                             f"use one of: {', '.join(names) or 'none can be varied'}")
+            raise InputError(
+                key,
+                f"effect {effect.name} has no number {field!r}",
+                f"use one of: {', '.join(names) or 'none can be varied'}",
+            )
 
     def get(machine: Machine) -> Value | None:
         at = find(machine)

@@ -2,7 +2,7 @@
 
 1. Null is identity, in a recipe that already holds other effects.
 2. Two effects on one part commute, or refuse each other by name.
-3. Sensing and transient effects move no static limit.
+3. MeasurementModel and transient effects move no static limit.
 4. Every other effect moves something: a static limit, a motion bound, or the simulated motion.
 6. Furnished: source, unit, bounds that contain null, a strategy (here: ``strategies.effects``).
 
@@ -72,8 +72,10 @@ def statics(model: Model) -> np.ndarray:
 
 
 def bounds(model: Model) -> np.ndarray:
-    found = [directions(model, PHI, contact=c, speed_m_s=v)
-             for c, v in ((Contact.ROLLERS, None), (Contact.UNKNOWN, 0.2))]
+    found = [
+        directions(model, PHI, contact=c, speed_m_s=v)
+        for c, v in ((Contact.ROLLERS, None), (Contact.UNKNOWN, 0.2))
+    ]
     return np.array([(d.starting_m_s2, d.turning_m_s2, d.braking_m_s2) for d in found])
 
 
@@ -87,7 +89,7 @@ def ran(model: Model, *, commanded: bool) -> np.ndarray:
     clock = np.linspace(0.0, 1.0, 41)
     start = np.array([0.1, -0.2, 0.4])
     pose = Batch([linear(t, omega)], [clock], commanded=commanded).run(pack(model), start, rtol=1e-8).pose[0]
-    return measure(model.sensing, clock, pose)
+    return measure(model.measurement, clock, pose)
 
 
 def everything(model: Model) -> list[np.ndarray]:
@@ -173,8 +175,9 @@ def pairs() -> list[Any]:
 @pytest.mark.parametrize(("one", "two"), pairs())
 @settings(deadline=None, max_examples=20)
 @given(data=st.data())
-def test_two_effects_on_one_part_commute_or_refuse(one: type[Effect], two: type[Effect],
-                                                   data: st.DataObject) -> None:
+def test_two_effects_on_one_part_commute_or_refuse(
+    one: type[Effect], two: type[Effect], data: st.DataObject
+) -> None:
     robot = machine()
     names = tuple(w.name for w in robot.wheels)
     a = data.draw(effects((one,), least=0.2, wheels=names))
@@ -217,8 +220,10 @@ def test_every_effect_moves_something(kind: type[Effect], data: st.DataObject) -
     changed = possible(robot, effect)
     if changed is None:
         return
-    moved = [not np.allclose(x, y, rtol=1e-5, atol=1e-7, equal_nan=True)
-             for x, y in zip(everything(build(robot)), everything(changed), strict=True)]
+    moved = [
+        not np.allclose(x, y, rtol=1e-5, atol=1e-7, equal_nan=True)
+        for x, y in zip(everything(build(robot)), everything(changed), strict=True)
+    ]
     assert any(moved[:3]) or (kind.part is Part.TRANSIENTS and moved[3])
 
 

@@ -28,16 +28,23 @@ def moving(direction: tuple[float, float, float]) -> Motion:
     return Motion(velocity=np.array([direction]), saturated=True)
 
 
-@pytest.mark.parametrize(("velocity", "acceleration", "printed"), [
-    ((1.0, 0.0, 0.0), (1.0, 0.0, 0.0), 0.5017),
-    ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), 1.6388),
-    ((0.0, 1.0, 0.0), (0.0, 1.0, 0.0), 1.1958),
-    ((0.0, 1.0, 0.0), (0.0, -1.0, 0.0), 2.0891),
-    ((0.0, -1.0, 0.0), (0.0, -1.0, 0.0), 1.1958),
-    ((0.0, -1.0, 0.0), (0.0, 1.0, 0.0), 2.0891),
-])
-def test_the_table_of_section_4(model: Model, velocity: tuple[float, float, float],
-                                acceleration: tuple[float, float, float], printed: float) -> None:
+@pytest.mark.parametrize(
+    ("velocity", "acceleration", "printed"),
+    [
+        ((1.0, 0.0, 0.0), (1.0, 0.0, 0.0), 0.5017),
+        ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), 1.6388),
+        ((0.0, 1.0, 0.0), (0.0, 1.0, 0.0), 1.1958),
+        ((0.0, 1.0, 0.0), (0.0, -1.0, 0.0), 2.0891),
+        ((0.0, -1.0, 0.0), (0.0, -1.0, 0.0), 1.1958),
+        ((0.0, -1.0, 0.0), (0.0, 1.0, 0.0), 2.0891),
+    ],
+)
+def test_the_table_of_section_4(
+    model: Model,
+    velocity: tuple[float, float, float],
+    acceleration: tuple[float, float, float],
+    printed: float,
+) -> None:
     limit = acceleration_limit(model, moving(velocity), np.array([acceleration]))
     assert limit.value[0] == pytest.approx(printed, abs=5e-5)
     assert limit.cause == ("grip",)

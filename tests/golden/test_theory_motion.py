@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from slipmargin.sim.calibration import _misfits
-from slipmargin.sim.published import FOUND, MEASURED_CARPET_PHI_RAD, section_six, spread, straight_line
+from slipmargin.paper.published import FOUND, MEASURED_CARPET_PHI_RAD, section_six, spread, straight_line
+from slipmargin.paper.search import _misfits
 
 #: key → (checked value, half of its last digit)
 CHECKED = {

@@ -15,7 +15,7 @@ from slipmargin.limits import Pull, sweep, wrench_set
 from slipmargin.limits.cones import cone_limits
 from slipmargin.limits.sweep import limit
 from slipmargin.model import nominal_model
-from slipmargin.model.loads import load_centre
+from slipmargin.physics.loads import load_centre
 from slipmargin.robot import LoadRule
 
 HEADINGS = np.deg2rad([0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0])
@@ -82,7 +82,7 @@ def test_static_loads_of_section_3() -> None:
 def test_equal_loads_need_the_centre_of_mass_behind() -> None:
     # theory.md section 3: 0.161 of the centre-to-wheel radius behind the centre.
     model = nominal_model(kiwi(), "paper")
-    centre = load_centre(model.contacts.position_m, model.loads.rest_N)
+    centre = load_centre(model.geometry.position_m, model.loads.rest_N)
     np.testing.assert_allclose(centre / 0.095, [0.0, -0.161], rtol=0.0, atol=0.5e-3)
 
 

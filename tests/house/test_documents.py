@@ -20,8 +20,9 @@ CONSOLE = re.findall(r"```console\n(.*?)```", README, flags=re.DOTALL)
 
 def tracked() -> list[Path]:
     try:
-        done = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True,
-                              timeout=60)
+        done = subprocess.run(
+            ["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True, timeout=60
+        )
     except (OSError, subprocess.CalledProcessError):
         pytest.skip("not a git checkout")
     return [ROOT / name for name in done.stdout.split("\0") if name and (ROOT / name).is_file()]
@@ -35,16 +36,6 @@ def name_of(path: Path) -> str:
 def test_files_stay_readable(path: Path) -> None:
     lines = path.read_text(encoding="utf-8").count("\n")
     assert lines <= LONGEST, f"{lines} lines: split it"
-
-
-@pytest.mark.parametrize("target", sorted({target for target, _ in COMMANDS.values()}))
-def test_a_command_is_one_short_file(target: str) -> None:
-    path = ROOT / "cli" / f"{target.partition(':')[0].split('.')[1]}.py"
-    if not path.exists():
-        pytest.skip("there is no such command yet")
-    code = [line for line in path.read_text(encoding="utf-8").splitlines() if line.strip()]
-    commands = max(1, sum(line.startswith("@app.command") for line in code))
-    assert len(code) <= 40 * commands
 
 
 Visible = ast.FunctionDef | ast.ClassDef
@@ -94,8 +85,9 @@ def test_links_of_the_readme_lead_somewhere(link: str) -> None:
 
 
 @pytest.mark.parametrize("block", CONSOLE, ids=range(len(CONSOLE)))
-def test_the_readme_shows_real_output(block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-                                      capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_readme_shows_real_output(
+    block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     """Each ``$ slipmargin`` of a console block prints what stands below it; a line ``…`` stands for more."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
@@ -111,7 +103,7 @@ def test_the_readme_shows_real_output(block: str, tmp_path: Path, monkeypatch: p
         wanted = expected.rstrip("\n").splitlines()
         if "…" in wanted:
             head = wanted[: wanted.index("…")]
-            tail = wanted[wanted.index("…") + 1:]
-            assert printed[: len(head)] == head and (not tail or printed[-len(tail):] == tail)
+            tail = wanted[wanted.index("…") + 1 :]
+            assert printed[: len(head)] == head and (not tail or printed[-len(tail) :] == tail)
         else:
             assert printed == wanted

@@ -33,12 +33,27 @@ PROHIBITED = {
     "slipmargin.sim": {"slipmargin.effects", "slipmargin.limits"},
     "slipmargin.sets": {"slipmargin.robot", "slipmargin.model"},
     "slipmargin.solve": {"slipmargin.robot", "slipmargin.model"},
+    "slipmargin.physics": {"slipmargin.robot", "slipmargin.model", "slipmargin.effects"},
     "slipmargin.robot": {"slipmargin.model"},
+    "slipmargin.data": {"slipmargin.io"},
     "slipmargin.model": {"slipmargin.effects"},
 }
 #: Calls that open a file, allowed in io only.
-OPENERS = {"read_text", "read_bytes", "write_text", "write_bytes", "open", "loadtxt", "savetxt", "genfromtxt",
-           "tofile", "fromfile", "unlink", "mkdir", "replace_file"}
+OPENERS = {
+    "read_text",
+    "read_bytes",
+    "write_text",
+    "write_bytes",
+    "open",
+    "loadtxt",
+    "savetxt",
+    "genfromtxt",
+    "tofile",
+    "fromfile",
+    "unlink",
+    "mkdir",
+    "replace_file",
+}
 
 
 @cache
@@ -103,15 +118,21 @@ def test_the_source_is_found() -> None:
 def test_prohibited_rooms_are_out_of_reach(room: str) -> None:
     rooms = [m for m in modules() if inside(m, room)]
     assert rooms, f"there is no room {room}"
-    broken = [f"{m} reaches {other}" for m in rooms for other in sorted(reach(m))
-              for banned in PROHIBITED[room] if inside(other, banned)]
+    broken = [
+        f"{m} reaches {other}"
+        for m in rooms
+        for other in sorted(reach(m))
+        for banned in PROHIBITED[room]
+        if inside(other, banned)
+    ]
     assert not broken, "; ".join(broken[:5])
 
 
 @pytest.mark.parametrize("library", OWNERS)
 def test_every_library_has_its_room(library: str) -> None:
-    broken = [m for m in modules() if library in imports(m)
-              and not any(inside(m, room) for room in OWNERS[library])]
+    broken = [
+        m for m in modules() if library in imports(m) and not any(inside(m, room) for room in OWNERS[library])
+    ]
     assert not broken, f"{library} is imported by {', '.join(broken)}"
 
 
@@ -125,23 +146,35 @@ def test_only_io_opens_files() -> None:
                 called = node.func
                 if isinstance(called, ast.Name) and called.id == "open":
                     broken.append(f"{name}:{node.lineno} open()")
-                elif isinstance(called, ast.Attribute) and called.attr in OPENERS and not (
-                        isinstance(called.value, ast.Name) and called.value.id == "os"):
+                elif (
+                    isinstance(called, ast.Attribute)
+                    and called.attr in OPENERS
+                    and not (isinstance(called.value, ast.Name) and called.value.id == "os")
+                ):
                     broken.append(f"{name}:{node.lineno} .{called.attr}()")
     assert not broken, "; ".join(broken)
 
 
 def test_the_package_prints_nothing() -> None:
-    broken = [f"{name}:{node.lineno}" for name in modules() for node in ast.walk(tree(name))
-              if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "print"]
+    broken = [
+        f"{name}:{node.lineno}"
+        for name in modules()
+        for node in ast.walk(tree(name))
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "print"
+    ]
     assert not broken, "; ".join(broken)
 
 
 def test_nothing_catches_everything() -> None:
     allowed = {"slipmargin_cli.main"}  # the one place that tells a defect from a refusal
-    broken = [f"{name}:{node.lineno}" for name in modules() for node in ast.walk(tree(name))
-              if isinstance(node, ast.ExceptHandler) and name not in allowed
-              and (node.type is None or (isinstance(node.type, ast.Name) and node.type.id == "Exception"))]
+    broken = [
+        f"{name}:{node.lineno}"
+        for name in modules()
+        for node in ast.walk(tree(name))
+        if isinstance(node, ast.ExceptHandler)
+        and name not in allowed
+        and (node.type is None or (isinstance(node.type, ast.Name) and node.type.id == "Exception"))
+    ]
     assert not broken, "; ".join(broken)
 
 
@@ -150,20 +183,35 @@ HEAVY = ("numpy", "scipy", "cvxpy", "clarabel", "matplotlib", "numba", "rich", "
 
 def loaded(*arguments: str) -> set[str]:
     """Heavy libraries in memory after a command line, in a fresh process."""
-    code = ("import sys; from slipmargin_cli.main import status; "
-            f"code = status({list(arguments)!r}); "
-            f"print('LOADED', code, *(m for m in {HEAVY!r} if m in sys.modules))")
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60,
-                          check=True)
+    code = (
+        "import sys; from slipmargin_cli.main import status; "
+        f"code = status({list(arguments)!r}); "
+        f"print('LOADED', code, *(m for m in {HEAVY!r} if m in sys.modules))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True
+    )
     words = done.stdout.splitlines()[-1].split()
     assert words[:2] == ["LOADED", "0"], done.stderr
     return set(words[2:])
 
 
-@pytest.mark.parametrize("arguments", [("--help",), ("--version",), ("sweep", "--help"), ("design", "--help"),
-                                       ("diagnose", "--help"), ("simulate", "--help"), ("plan", "--help"),
-                                       ("import", "--help"), ("reproduce", "--help"), ("bounds", "--help")],
-                         ids=" ".join)
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("--help",),
+        ("--version",),
+        ("sweep", "--help"),
+        ("design", "--help"),
+        ("diagnose", "--help"),
+        ("simulate", "--help"),
+        ("plan", "--help"),
+        ("import", "--help"),
+        ("reproduce", "--help"),
+        ("bounds", "--help"),
+    ],
+    ids=" ".join,
+)
 def test_help_loads_nothing_heavy(arguments: tuple[str, ...]) -> None:
     from slipmargin_cli.main import COMMANDS
 
@@ -172,8 +220,15 @@ def test_help_loads_nothing_heavy(arguments: tuple[str, ...]) -> None:
     assert loaded(*arguments) == set()
 
 
-@pytest.mark.parametrize("arguments", [("sweep", "ohio-kiwi", "--surface", "paper"),
-                                       ("polytope", "mecanum4", "--surface", "floor"),
-                                       ("robots", "show", "ohio-kiwi"), ("effects", "list")], ids=" ".join)
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("sweep", "ohio-kiwi", "--surface", "paper"),
+        ("polytope", "mecanum4", "--surface", "floor"),
+        ("robots", "show", "ohio-kiwi"),
+        ("effects", "list"),
+    ],
+    ids=" ".join,
+)
 def test_statics_needs_numpy_alone(arguments: tuple[str, ...]) -> None:
     assert loaded(*arguments) <= {"numpy"}

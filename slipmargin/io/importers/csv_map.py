@@ -27,13 +27,13 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array, real
+from slipmargin.data.record import Record
 from slipmargin.errors import InputError
 from slipmargin.io.importers.loose_table import LooseTable, read_loose
 from slipmargin.io.importers.plug import Reading
 from slipmargin.io.importers.units import factor
 from slipmargin.io.source import read_text
 from slipmargin.io.toml_table import Table, parse_toml
-from slipmargin.motions.record import Record
 
 #: Key of a wheel's table → (field of a record, kind of quantity).
 _CHANNELS = {
@@ -93,8 +93,14 @@ class CsvImporter:
         pose[~seen] = np.nan
         channels = {field: self._all(table, field) for field, _ in _CHANNELS.values()}
         record = Record(name=path.stem, t_s=_si(table, self.map.time), pose=pose, **channels)
-        return Reading(source=str(path), record=record, rows=table.rows, dropped=table.dropped,
-                       lost_frames=int(np.count_nonzero(~seen)), notes=table.notes)
+        return Reading(
+            source=str(path),
+            record=record,
+            rows=table.rows,
+            dropped=table.dropped,
+            lost_frames=int(np.count_nonzero(~seen)),
+            notes=table.notes,
+        )
 
     def _all(self, table: LooseTable, field: str) -> Array | None:
         if not any(field in wheel for wheel in self.map.wheels):
@@ -119,13 +125,16 @@ def read_map(path: Path) -> CsvMap:
         separator = top.word("separator", (",", ";", "\t", "|"), ",")
         time = _column(top.table("time", "give [time] with column and unit"), "time", offset=False)
         pose = top.table("pose", "give [pose] with x, y and heading")
-        where = tuple(_column(pose.table(key, "give column and unit"), kind)
-                      for key, kind in (("x", "length"), ("y", "length"), ("heading", "angle")))
+        where = tuple(
+            _column(pose.table(key, "give column and unit"), kind)
+            for key, kind in (("x", "length"), ("y", "length"), ("heading", "angle"))
+        )
         pose.done()
         wheels = tuple(_wheel(table) for table in top.tables("wheel"))
         if not wheels:
-            raise InputError("wheel", "no wheel is mapped",
-                             "give one [[wheel]] for each, in the robot's order")
+            raise InputError(
+                "wheel", "no wheel is mapped", "give one [[wheel]] for each, in the robot's order"
+            )
         top.done()
         return CsvMap(separator=separator, time=time, pose=(where[0], where[1], where[2]), wheels=wheels)
     except InputError as fault:
@@ -133,8 +142,11 @@ def read_map(path: Path) -> CsvMap:
 
 
 def _wheel(table: Table) -> dict[str, Column]:
-    found = {field: _column(table.table(key, "give column and unit"), kind, offset=False)
-             for key, (field, kind) in _CHANNELS.items() if table.has(key)}
+    found = {
+        field: _column(table.table(key, "give column and unit"), kind, offset=False)
+        for key, (field, kind) in _CHANNELS.items()
+        if table.has(key)
+    }
     table.done()
     if not found:
         raise InputError(table.place, "has no channel", f"give one of: {', '.join(_CHANNELS)}")
@@ -145,8 +157,12 @@ def _column(table: Table, kind: str, offset: bool = True) -> Column:
     name = table.text("column")
     unit = table.text("unit")
     if kind == "angle" and unit == "ticks":
-        per_turn = real(table.at("ticks_per_turn"), table.number("ticks_per_turn", "1"), above=0.0,
-                        cure="give ticks per turn of the wheel")
+        per_turn = real(
+            table.at("ticks_per_turn"),
+            table.number("ticks_per_turn", "1"),
+            above=0.0,
+            cure="give ticks per turn of the wheel",
+        )
         si = 2.0 * math.pi / per_turn
     else:
         si = factor(table.at("unit"), kind, unit)

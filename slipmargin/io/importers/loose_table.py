@@ -70,8 +70,11 @@ def read_loose(path: Path, needed: Sequence[str], separator: str, unit_line: boo
     rows.read(lines, at + 1)
     notes += rows.notes()
     if not rows.values:
-        raise InputError(f"{at + 2}:1", "there is no row that can be read" + rows.first_reason(),
-                         "give the log as it was written")
+        raise InputError(
+            f"{at + 2}:1",
+            "there is no row that can be read" + rows.first_reason(),
+            "give the log as it was written",
+        )
     values = np.array(rows.values)
     keep, order_note = increasing(values[:, names.index(needed[0])])
     notes += order_note
@@ -79,9 +82,15 @@ def read_loose(path: Path, needed: Sequence[str], separator: str, unit_line: boo
     gone = np.setdiff1d(np.arange(len(values)), keep)
     why = "its time does not come after the row before"
     dropped += [Dropped(line=rows.lines[i[0]], count=len(i), why=why) for i in runs_of(gone)]
-    return LooseTable(names=names, units=units, values=values[keep],
-                      lines=tuple(rows.lines[i] for i in keep), rows=rows.seen,
-                      dropped=tuple(sorted(dropped, key=lambda d: d.line)), notes=tuple(notes))
+    return LooseTable(
+        names=names,
+        units=units,
+        values=values[keep],
+        lines=tuple(rows.lines[i] for i in keep),
+        rows=rows.seen,
+        dropped=tuple(sorted(dropped, key=lambda d: d.line)),
+        notes=tuple(notes),
+    )
 
 
 def increasing(t: Array) -> tuple[Array, list[str]]:
@@ -132,10 +141,14 @@ def _header(lines: Sequence[str], needed: Sequence[str], separator: str) -> tupl
                 best = (at, mark, missing)
     at, _, missing = best
     if len(missing) == len(needed):
-        raise InputError("1:1", f"no line names the columns {', '.join(needed[:4])} …",
-                         "give the log with its header lines")
-    raise InputError(f"{at + 1}:1", f"the column {missing[0]!r} is missing",
-                     "give the log with all its columns")
+        raise InputError(
+            "1:1",
+            f"no line names the columns {', '.join(needed[:4])} …",
+            "give the log with its header lines",
+        )
+    raise InputError(
+        f"{at + 1}:1", f"the column {missing[0]!r} is missing", "give the log with all its columns"
+    )
 
 
 def _cells(line: str, mark: str) -> list[str]:
@@ -232,8 +245,9 @@ class _Rows:
     def notes(self) -> list[str]:
         out = []
         if self._other_mark:
-            out.append(f"{_counted(self._other_mark)} separated otherwise than by {self.mark!r}; "
-                       "read all the same")
+            out.append(
+                f"{_counted(self._other_mark)} separated otherwise than by {self.mark!r}; read all the same"
+            )
         if self._comma:
             out.append(f"{_counted(self._comma)} with a decimal comma; read all the same")
         return out

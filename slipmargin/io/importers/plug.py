@@ -13,8 +13,8 @@ from typing import Protocol, final
 
 import numpy as np
 
+from slipmargin.data.record import Record
 from slipmargin.errors import InputError
-from slipmargin.motions.record import Record
 
 
 @final
@@ -104,8 +104,10 @@ class Summary:
         rows = sum(r.rows for r in self.readings)
         kept = sum(len(r.record.t_s) for r in self.readings)
         lost = sum(r.lost_frames for r in self.readings)
-        out = [f"read {len(self.readings)} runs ({self.format}): {rows} rows, {kept} kept, "
-               f"{rows - kept} dropped, {lost} without a new camera frame"]
+        out = [
+            f"read {len(self.readings)} runs ({self.format}): {rows} rows, {kept} kept, "
+            f"{rows - kept} dropped, {lost} without a new camera frame"
+        ]
         for reading in self.readings:
             out += [f"{reading.source}: {text}" for text in (*reading.notes, *map(str, reading.dropped))]
         out += [f"{source}: not used, {why}" for source, why in self.refused]
@@ -115,10 +117,18 @@ class Summary:
         """The same as data."""
         return {
             "format": self.format,
-            "runs": [{"source": r.source, "name": r.record.name, "rows": r.rows, "kept": len(r.record.t_s),
-                      "lost_frames": r.lost_frames, "notes": list(r.notes),
-                      "dropped": [{"line": d.line, "count": d.count, "why": d.why} for d in r.dropped]}
-                     for r in self.readings],
+            "runs": [
+                {
+                    "source": r.source,
+                    "name": r.record.name,
+                    "rows": r.rows,
+                    "kept": len(r.record.t_s),
+                    "lost_frames": r.lost_frames,
+                    "notes": list(r.notes),
+                    "dropped": [{"line": d.line, "count": d.count, "why": d.why} for d in r.dropped],
+                }
+                for r in self.readings
+            ],
             "refused": [{"source": s, "why": w} for s, w in self.refused],
             "facts": self.facts(),
         }
@@ -145,8 +155,11 @@ def import_files(importer: Importer, files: Sequence[Path]) -> Summary:
             refused.append((str(path), fault if fault.source else fault.in_file(str(path))))
     if not readings:
         raise refused[0][1]
-    return Summary(format=importer.name, readings=tuple(_named_apart(readings)),
-                   refused=tuple((source, str(fault)) for source, fault in refused))
+    return Summary(
+        format=importer.name,
+        readings=tuple(_named_apart(readings)),
+        refused=tuple((source, str(fault)) for source, fault in refused),
+    )
 
 
 def _named_apart(readings: Sequence[Reading]) -> Iterable[Reading]:
@@ -161,5 +174,8 @@ def _named_apart(readings: Sequence[Reading]) -> Iterable[Reading]:
         taken[name] = taken.get(name, 0) + 1
         if taken[name] > 1:
             name = f"{name}_{taken[name]}"
-        yield reading if name == reading.record.name else replace(
-            reading, record=replace(reading.record, name=name))
+        yield (
+            reading
+            if name == reading.record.name
+            else replace(reading, record=replace(reading.record, name=name))
+        )

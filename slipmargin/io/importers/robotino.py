@@ -21,12 +21,12 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array, real
+from slipmargin.data.record import Record
 from slipmargin.errors import InputError
 from slipmargin.io.importers.loose_table import LooseTable, read_loose
 from slipmargin.io.importers.plug import Reading
 from slipmargin.io.importers.smooth import smooth_angles
 from slipmargin.io.importers.units import factor
-from slipmargin.motions.record import Record
 
 _WHEELS = (1, 2, 3)
 _NEEDED = ("t", "m1pos", "m2pos", "m3pos", "xpos", "ypos", "ang")
@@ -87,11 +87,24 @@ class RobotinoImporter:
             trembling, (theta, omega) = theta, smooth_angles(t, theta, self.smooth_s)
             tremble = float(np.sqrt(np.mean((theta - trembling) ** 2)))
             facts = (*facts, ("wheel_angle_tremble_smoothed_away_rad", tremble))
-        record = Record(name=path.stem, t_s=t, pose=pose, theta=theta, omega=omega,
-                        omega_cmd=_all(table, "m{i}setvel", -1.0 / self.gear),
-                        current=_all(table, "m{i}cur", 1.0))
-        return Reading(source=str(path), record=record, rows=table.rows, dropped=table.dropped,
-                       lost_frames=lost, notes=table.notes, facts=facts)
+        record = Record(
+            name=path.stem,
+            t_s=t,
+            pose=pose,
+            theta=theta,
+            omega=omega,
+            omega_cmd=_all(table, "m{i}setvel", -1.0 / self.gear),
+            current=_all(table, "m{i}cur", 1.0),
+        )
+        return Reading(
+            source=str(path),
+            record=record,
+            rows=table.rows,
+            dropped=table.dropped,
+            lost_frames=lost,
+            notes=table.notes,
+            facts=facts,
+        )
 
     def _pose(self, table: LooseTable, theta: Array) -> tuple[Array, int]:
         """(T, 3) pose with NaN where the camera had nothing new, and how many rows that is."""

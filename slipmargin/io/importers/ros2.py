@@ -16,10 +16,10 @@ from typing import Any, final
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.data.record import Record
 from slipmargin.errors import InputError
 from slipmargin.io.importers.loose_table import increasing, runs_of
 from slipmargin.io.importers.plug import Dropped, Reading
-from slipmargin.motions.record import Record
 
 
 @final
@@ -44,8 +44,12 @@ class RosImporter:
             Where ``rosbags`` is not installed, it is no bag, or a topic or joint is missing.
         """
         if find_spec("rosbags") is None:
-            raise InputError("import ros", "the package rosbags is not installed",
-                             "install it: pip install 'slipmargin[ros]'", "command line")
+            raise InputError(
+                "import ros",
+                "the package rosbags is not installed",
+                "install it: pip install 'slipmargin[ros]'",
+                "command line",
+            )
         poses, joints = self._messages(path)
         pose = np.array([_pose(m) for _, m in poses])
         stamp = np.array([_stamp(bag, m) for bag, m in poses])
@@ -59,10 +63,21 @@ class RosImporter:
             raise InputError(self.pose_topic, f"holds {int(seen.sum())} poses", "record a whole run")
         pose[seen, 2] = np.unwrap(pose[seen, 2])
         wheels = self._wheels(joints, t)
-        record = Record(name=path.stem, t_s=t - t[0], pose=pose, theta=wheels.get("position"),
-                        omega=wheels.get("velocity"))
-        return Reading(source=str(path), record=record, rows=len(stamp), dropped=tuple(dropped),
-                       lost_frames=int(np.count_nonzero(~seen)), notes=tuple(notes))
+        record = Record(
+            name=path.stem,
+            t_s=t - t[0],
+            pose=pose,
+            theta=wheels.get("position"),
+            omega=wheels.get("velocity"),
+        )
+        return Reading(
+            source=str(path),
+            record=record,
+            rows=len(stamp),
+            dropped=tuple(dropped),
+            lost_frames=int(np.count_nonzero(~seen)),
+            notes=tuple(notes),
+        )
 
     def _messages(self, path: Path) -> tuple[list[tuple[int, Any]], list[tuple[int, Any]]]:
         from rosbags.highlevel import AnyReader, AnyReaderError
@@ -79,14 +94,19 @@ class RosImporter:
                 there = sorted(bag.topics)
                 for topic in found:
                     if topic not in there:
-                        raise InputError(topic, "is not a topic of the bag",
-                                         f"use one of: {', '.join(there)}", str(path))
+                        raise InputError(
+                            topic, "is not a topic of the bag", f"use one of: {', '.join(there)}", str(path)
+                        )
                 wanted = [c for c in bag.connections if c.topic in found]
                 for connection, time, raw in bag.messages(wanted):
                     found[connection.topic].append((time, bag.deserialize(raw, connection.msgtype)))
         except (AnyReaderError, Ros1Error, Ros2Error, SerdeError, SqlError, OSError) as fault:
-            raise InputError("", f"is no bag that can be read ({type(fault).__name__})",
-                             "give a bag's folder or file", str(path)) from None
+            raise InputError(
+                "",
+                f"is no bag that can be read ({type(fault).__name__})",
+                "give a bag's folder or file",
+                str(path),
+            ) from None
         return found[self.pose_topic], found[self.joint_topic]
 
     def _wheels(self, joints: list[tuple[int, Any]], t: Array) -> dict[str, Array]:
@@ -100,8 +120,11 @@ class RosImporter:
             if all(np.isfinite(c).any() for c in columns):
                 out[field] = np.stack([_at(t, stamp[order], c) for c in columns], axis=1)
         if not out:
-            raise InputError(self.joint_topic, "holds neither position nor velocity of these joints",
-                             "publish wheel positions")
+            raise InputError(
+                self.joint_topic,
+                "holds neither position nor velocity of these joints",
+                "publish wheel positions",
+            )
         return out
 
     def _joint(self, joints: list[tuple[int, Any]], signed: str, field: str) -> Array:
@@ -134,8 +157,11 @@ def _pose(message: Any) -> tuple[float, float, float]:
     """x, y, yaw of any of the pose messages; the quaternion's turn about +z."""
     inner = getattr(message, "pose", None) or getattr(message, "transform", None)
     if inner is None:
-        raise InputError("--pose-topic", f"holds {type(message).__name__}",
-                         "give PoseStamped, Odometry or TransformStamped")
+        raise InputError(
+            "--pose-topic",
+            f"holds {type(message).__name__}",
+            "give PoseStamped, Odometry or TransformStamped",
+        )
     inner = getattr(inner, "pose", inner)
     place = getattr(inner, "position", None) or inner.translation
     q = getattr(inner, "orientation", None) or inner.rotation

@@ -17,7 +17,7 @@ SWEEP = ["sweep", "ohio-kiwi", "--surface", "paper"]
 #: What is wrong → (file text or bytes, the place the one line must name).
 FILES: dict[str, tuple[str | bytes, str]] = {
     "no TOML": (broken("mass_kg = 3.0", "mass_kg = = 3.0"), "5:11"),
-    "cut off": (GOOD[:GOOD.index("[0.0, 0.0]") + 5], "7:14"),
+    "cut off": (GOOD[: GOOD.index("[0.0, 0.0]") + 5], "7:14"),
     "empty file": ("", "schema"),
     "not UTF-8": (GOOD.encode() + b"# caf\xe9\n", "58:6"),
     "schema of tomorrow": (broken("schema = 1", "schema = 2"), "schema"),
@@ -34,50 +34,72 @@ FILES: dict[str, tuple[str | bytes, str]] = {
     "negative radius": (broken("radius_m = 0.0254", "radius_m = -0.0254"), "wheel[1].radius_m"),
     "zero radius": (broken("radius_m = 0.0254", "radius_m = 0"), "wheel[1].radius_m"),
     "NaN": (broken("inertia_kg_m2 = 0.027", "inertia_kg_m2 = nan"), "body.inertia_kg_m2"),
-    "infinite": (broken("drive_direction_deg = 105.0", "drive_direction_deg = inf"),
-                 "wheel[1].drive_direction_deg"),
+    "infinite": (
+        broken("drive_direction_deg = 105.0", "drive_direction_deg = inf"),
+        "wheel[1].drive_direction_deg",
+    ),
     "huge whole number": (broken("mass_kg = 3.0", "mass_kg = 1" + "0" * 400), "body.mass_kg"),
     "fraction above one": (broken("rigid_fraction = 0.1", "rigid_fraction = 1.1"), "wheel[1].rigid_fraction"),
     "half a roller": (broken("rollers = 8", "rollers = 8.5"), "wheel[1].rollers"),
     "no roller": (broken("rollers = 8", "rollers = 0"), "wheel[1].rollers"),
-    "roller angle": (broken("roller_angle_deg = 0.0", "roller_angle_deg = 90.0"),
-                     "wheel[1].roller_angle_deg"),
+    "roller angle": (
+        broken("roller_angle_deg = 0.0", "roller_angle_deg = 90.0"),
+        "wheel[1].roller_angle_deg",
+    ),
     "position of one number": (broken("[0.091763, 0.024588]", "[0.091763]"), "wheel[1].position_m"),
     "position of words": (broken("[0.091763, 0.024588]", '["a", "b"]'), "wheel[1].position_m[1]"),
     "two wheels": (TWO_WHEELS, "wheel: there are 2 wheels"),
-    "no wheel": (GOOD.split("[[wheel]]")[0] + "[surface" + GOOD.split("[surface")[1].split("[[effect]]")[0],
-                 "wheel: there are 0 wheels"),
+    "no wheel": (
+        GOOD.split("[[wheel]]")[0] + "[surface" + GOOD.split("[surface")[1].split("[[effect]]")[0],
+        "wheel: there are 0 wheels",
+    ),
     "single brackets": (TWO_WHEELS.replace("[[wheel]]", "[wheel]", 1).split("[[wheel]]")[0], "wheel:"),
     "a name twice": (broken('name = "left"', 'name = "right"'), "wheel[2].name"),
-    "wheels all alike": (GOOD.replace("drive_direction_deg = 105.0", "drive_direction_deg = 0.0").replace(
-        "drive_direction_deg = -105.0", "drive_direction_deg = 0.0"), "wheel:"),
+    "wheels all alike": (
+        GOOD.replace("drive_direction_deg = 105.0", "drive_direction_deg = 0.0").replace(
+            "drive_direction_deg = -105.0", "drive_direction_deg = 0.0"
+        ),
+        "wheel:",
+    ),
     "wheels on one line": (GOOD.replace("0.024588", "-0.095"), "wheel:"),
     "centre of mass outside": (broken("com_m = [0.0, 0.0]", "com_m = [0.0, 0.2]"), "body.com_m"),
     "load model": (broken('model = "equal"', 'model = "eqal"'), "loads.model"),
-    "fractions without fixed": (broken('model = "equal"', 'model = "equal"\nfractions = [0.3, 0.3, 0.4]'),
-                                "loads.fractions"),
-    "fractions of more than all": (broken('model = "equal"', 'model = "fixed"\nfractions = [0.5, 0.5, 0.5]'),
-                                   "loads.fractions"),
-    "two fractions": (broken('model = "equal"', 'model = "fixed"\nfractions = [0.5, 0.5]'),
-                      "loads.fractions"),
+    "fractions without fixed": (
+        broken('model = "equal"', 'model = "equal"\nfractions = [0.3, 0.3, 0.4]'),
+        "loads.fractions",
+    ),
+    "fractions of more than all": (
+        broken('model = "equal"', 'model = "fixed"\nfractions = [0.5, 0.5, 0.5]'),
+        "loads.fractions",
+    ),
+    "two fractions": (
+        broken('model = "equal"', 'model = "fixed"\nfractions = [0.5, 0.5]'),
+        "loads.fractions",
+    ),
     "friction law": (broken('law = "atan"', 'law = "coulomb"'), "friction.law"),
     "grip set": (broken('grip = "box"', 'grip = "circle"'), "friction.grip"),
     "steepness": (broken("k_s_per_m = 1000.0", "k_s_per_m = 0.0"), "friction.k_s_per_m"),
     "motor without speed": (broken("max_speed_rad_s = 60.0\n", ""), "motor.max_speed_rad_s"),
     "no stall torque": (broken("stall_torque_N_m = 0.9", "stall_torque_N_m = 0.0"), "motor.stall_torque_N_m"),
-    "no surface": (broken(GOOD[GOOD.index("[surface"):], ""), "surface"),
-    "surface without rigid": (broken("rigid = { drive = 0.47, transverse = 0.47 }\n", ""),
-                              "surface.paper.rigid"),
+    "no surface": (broken(GOOD[GOOD.index("[surface") :], ""), "surface"),
+    "surface without rigid": (
+        broken("rigid = { drive = 0.47, transverse = 0.47 }\n", ""),
+        "surface.paper.rigid",
+    ),
     "negative friction": (broken("drive = 0.26", "drive = -0.26"), "surface.paper.roller.drive"),
-    "friction as a number": (broken("roller = { drive = 0.26, transverse = 0.09 }", "roller = 0.26"),
-                             "surface.paper.roller"),
+    "friction as a number": (
+        broken("roller = { drive = 0.26, transverse = 0.09 }", "roller = 0.26"),
+        "surface.paper.roller",
+    ),
     "unknown effect": (broken('name = "stribeck"', 'name = "strbeck"'), "effect[1].name"),
     "effect out of bounds": (broken("dynamic_ratio = 0.8", "dynamic_ratio = -1"), "effect[1].dynamic_ratio"),
     "effect's unknown key": (broken("dynamic_ratio = 0.8", "dynamic_ratio = 0.8\nfoo = 1"), "effect[1].foo"),
     "effect without a parameter": (broken("dynamic_ratio = 0.8\n", ""), "effect[1].dynamic_ratio"),
     "effect on no such wheel": (broken('wheels = ["rear"]', 'wheels = ["raer"]'), "effect[1].wheels"),
-    "unnamed effect of nothing": (GOOD + '\n[[effect]]\nname = "unnamed_heading"\npart = "grip"\n',
-                                  "effect[2].term"),
+    "unnamed effect of nothing": (
+        GOOD + '\n[[effect]]\nname = "unnamed_heading"\npart = "grip"\n',
+        "effect[2].term",
+    ),
     "deeply nested": ("a = " + "[" * 4000, ":"),
 }
 
@@ -167,13 +189,30 @@ def test_broken_command_line(what: str, folder: Path, capfd: pytest.CaptureFixtu
 def test_broken_pulls(what: str, folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
     text, place = PULLS[what]
     (folder / "pulls.csv").write_text(text)
-    refused(folder, [*SWEEP, "--measured", "pulls.csv", "--out", "out.csv"],
-            place, capfd)
+    refused(folder, [*SWEEP, "--measured", "pulls.csv", "--out", "out.csv"], place, capfd)
 
 
-WILD = ("1e300", "1e-300", "-1e300", "1e-12", "0", "-0.0", "1e6", "[1e300, 0]", "[1e-200, 0.0]", "[0.0, 0.0]",
-        "9223372036854775808", "90", "45", '"ellipse"', '"disc-strip"', '"static"', '"quasi-static"',
-        "{ drive = 1e-300, transverse = 10 }", "{ drive = 10, transverse = 0 }")
+WILD = (
+    "1e300",
+    "1e-300",
+    "-1e300",
+    "1e-12",
+    "0",
+    "-0.0",
+    "1e6",
+    "[1e300, 0]",
+    "[1e-200, 0.0]",
+    "[0.0, 0.0]",
+    "9223372036854775808",
+    "90",
+    "45",
+    '"ellipse"',
+    '"disc-strip"',
+    '"static"',
+    '"quasi-static"',
+    "{ drive = 1e-300, transverse = 10 }",
+    "{ drive = 10, transverse = 0 }",
+)
 
 
 @settings(max_examples=60, deadline=None)

@@ -24,7 +24,8 @@ def test_the_first_lines_are_the_answer(capsys: pytest.CaptureFixture[str]) -> N
     assert lines[1].startswith("own         the file's design (delta_deg = 15): 0.16705 m g; +9.6 % with")
     assert lines[2].startswith("why         weakest at φ = ") and "left drive" in lines[2]
     assert lines[3].startswith("loads       equal loads: best at delta_deg = 35") and (
-        "static loads: best at delta_deg = 30" in lines[3])
+        "static loads: best at delta_deg = 30" in lines[3]
+    )
     assert any(line.startswith("between     delta_deg = 35.72") for line in lines)
     rows = [line.split() for line in lines[-4:]]
     assert [row[0] for row in rows] == ["15", "30", "35", "40"]  # one row a design
@@ -60,22 +61,35 @@ def test_the_page_is_self_contained(tmp_path: Path) -> None:
     assert (tmp_path / "f.png").read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize(("arguments", "says"), [
-    (["--vary", "delta=1"], "--vary delta: is not a quantity that can be varied, did you mean 'delta_deg'?"),
-    (["--vary", "delta_deg=5:1:1"], "--vary delta_deg: goes from 5 down to 1, swap the ends"),
-    (["--vary", "delta_deg=88,89"], "command line: --vary: holds no possible design"),
-    (["--vary", "delta_deg=1,2", "--surface", "ice"], "--surface: is 'ice'"),
-    (["--vary", "delta_deg=1,2", "--objective", "speed"], "--objective: 'speed' is not known"),
-    (["--vary", "delta_deg=1,2", "--front", "f_worst,speed"], "--front objective: 'speed' is not known"),
-    (["--vary", "delta_deg=1,2", "--uncertain", "mu_drive=2"], "--uncertain 'mu_drive=2': is no interval"),
-    (["--vary", "delta_deg=1,2", "--uncertain", "delta_deg=1:2"], "--uncertain delta_deg: is varied as well"),
-    (["--vary", "delta_deg=1,2", "--jobs", "0"], "--jobs: is 0"),
-    (["--vary", "delta_deg=1,2", "--out", "no/such/f.csv"], "there is no folder"),
-    (["--vary", "delta_deg=1,2", "--plot", "f.doc"], "which is no picture"),
-    ([], "--vary: is missing"),
-])
-def test_what_makes_no_sense_is_refused_in_one_line(arguments: list[str], says: str,
-                                                    capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (
+            ["--vary", "delta=1"],
+            "--vary delta: is not a quantity that can be varied, did you mean 'delta_deg'?",
+        ),
+        (["--vary", "delta_deg=5:1:1"], "--vary delta_deg: goes from 5 down to 1, swap the ends"),
+        (["--vary", "delta_deg=88,89"], "command line: --vary: holds no possible design"),
+        (["--vary", "delta_deg=1,2", "--surface", "ice"], "--surface: is 'ice'"),
+        (["--vary", "delta_deg=1,2", "--objective", "speed"], "--objective: 'speed' is not known"),
+        (["--vary", "delta_deg=1,2", "--front", "f_worst,speed"], "--front objective: 'speed' is not known"),
+        (
+            ["--vary", "delta_deg=1,2", "--uncertain", "mu_drive=2"],
+            "--uncertain 'mu_drive=2': is no interval",
+        ),
+        (
+            ["--vary", "delta_deg=1,2", "--uncertain", "delta_deg=1:2"],
+            "--uncertain delta_deg: is varied as well",
+        ),
+        (["--vary", "delta_deg=1,2", "--jobs", "0"], "--jobs: is 0"),
+        (["--vary", "delta_deg=1,2", "--out", "no/such/f.csv"], "there is no folder"),
+        (["--vary", "delta_deg=1,2", "--plot", "f.doc"], "which is no picture"),
+        ([], "--vary: is missing"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_in_one_line(
+    arguments: list[str], says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     surface = [] if "--surface" in arguments else ["--surface", "paper"]
     assert status(["design", "ohio-kiwi", *surface, *arguments]) == 2
     told = capsys.readouterr()
@@ -85,18 +99,37 @@ def test_what_makes_no_sense_is_refused_in_one_line(arguments: list[str], says: 
 
 def design(folder: Path, *more: str) -> subprocess.Popen[bytes]:
     folder.mkdir(exist_ok=True)
-    words = ["design", "ohio-kiwi", "--surface", "paper", "--vary", "delta_deg=0:57:0.5", "--jobs", "1",
-             "--out", "f.csv"]
-    return subprocess.Popen([str(SCRIPT), *words, *more], cwd=folder, stdout=subprocess.PIPE,
-                            stderr=subprocess.DEVNULL, start_new_session=True)
+    words = [
+        "design",
+        "ohio-kiwi",
+        "--surface",
+        "paper",
+        "--vary",
+        "delta_deg=0:57:0.5",
+        "--jobs",
+        "1",
+        "--out",
+        "f.csv",
+    ]
+    return subprocess.Popen(
+        [str(SCRIPT), *words, *more],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
 
 
-@pytest.mark.parametrize(("arguments", "says"), [
-    (["--uncertain", "com_y_m=0:0.5"], "--uncertain: leaves no design"),
-    (["--scheduler", "nonsense://x", "--objective", "start_worst_m_s2"], "--scheduler: "),
-])
-def test_what_shows_only_later_is_placed_too(arguments: list[str], says: str,
-                                             capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["--uncertain", "com_y_m=0:0.5"], "--uncertain: leaves no design"),
+        (["--scheduler", "nonsense://x", "--objective", "start_worst_m_s2"], "--scheduler: "),
+    ],
+)
+def test_what_shows_only_later_is_placed_too(
+    arguments: list[str], says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert status([*QUICK, *arguments]) == 2
     assert f"error: command line: {says}" in capsys.readouterr().err
 

@@ -26,8 +26,15 @@ from slipmargin.errors import InputError
 from slipmargin.io.folder import check_folder, write_folder
 from slipmargin.io.robot_text import write_recipe
 
-FILES = {"report.html", "report.json", "corrected.toml", "residual.png", "where.png", "suspects.png",
-         "held-out.png"}
+FILES = {
+    "report.html",
+    "report.json",
+    "corrected.toml",
+    "residual.png",
+    "where.png",
+    "suspects.png",
+    "held-out.png",
+}
 
 
 @pytest.fixture
@@ -37,7 +44,8 @@ def data(tmp_path: Path) -> Path:
     (folder / "trials").mkdir(parents=True)
     (folder / "robot.toml").write_text(write_recipe(Recipe(robot=kiwi())), encoding="utf-8")
     (folder / "dataset.toml").write_text(
-        'schema = 1\nrobot = "robot.toml"\nsurface = "paper"\nwheel_signal = "measured"\n', encoding="utf-8")
+        'schema = 1\nrobot = "robot.toml"\nsurface = "paper"\nwheel_signal = "measured"\n', encoding="utf-8"
+    )
     rows = ["t_s,x_m,y_m,phi_rad,omega1_rad_s,omega2_rad_s,omega3_rad_s"]
     rows += [f"{t:.2f},0,0,0,0,0,0" for t in np.arange(0.0, 0.5, 0.05)]
     (folder / "trials" / "1.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
@@ -59,8 +67,9 @@ def pretend(monkeypatch: pytest.MonkeyPatch, found: Diagnosis | BaseException) -
     return seeds
 
 
-def test_an_effect_is_found(data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-                            capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_effect_is_found(
+    data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     seeds = pretend(monkeypatch, diagnosis())
     out = tmp_path / "new" / "out"
     assert status(["diagnose", str(data), "--out", str(out), "--seed", "3"]) == 0
@@ -76,9 +85,9 @@ def test_an_effect_is_found(data: Path, tmp_path: Path, monkeypatch: pytest.Monk
     assert report["verdict"] == "effect-found"
 
 
-def test_the_corrected_robot_is_accepted_by_other_commands(data: Path, tmp_path: Path,
-                                                           monkeypatch: pytest.MonkeyPatch,
-                                                           capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_corrected_robot_is_accepted_by_other_commands(
+    data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     pretend(monkeypatch, diagnosis(findings=(wheel_loads(), unnamed())))
     assert status(["diagnose", str(data), "--out", str(tmp_path / "out")]) == 0
     corrected = tmp_path / "out" / "corrected.toml"
@@ -94,8 +103,13 @@ def test_the_corrected_robot_is_accepted_by_other_commands(data: Path, tmp_path:
 
 
 @pytest.mark.parametrize("verdict", [Verdict.NO_MISSING_EFFECT, Verdict.UNEXPLAINED])
-def test_nothing_found(verdict: Verdict, data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-                       capsys: pytest.CaptureFixture[str]) -> None:
+def test_nothing_found(
+    verdict: Verdict,
+    data: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     pretend(monkeypatch, diagnosis(verdict))
     out = tmp_path / "out"
     assert status(["diagnose", str(data), "--out", str(out)]) == 0
@@ -105,8 +119,9 @@ def test_nothing_found(verdict: Verdict, data: Path, tmp_path: Path, monkeypatch
     assert "effect" not in tomllib.loads((out / "corrected.toml").read_text(encoding="utf-8"))
 
 
-def test_json_on_stdout_is_the_report_alone(data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-                                            capsys: pytest.CaptureFixture[str]) -> None:
+def test_json_on_stdout_is_the_report_alone(
+    data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     pretend(monkeypatch, diagnosis())
     assert status(["diagnose", str(data), "--out", str(tmp_path / "out"), "--json", "-"]) == 0
     said = json.loads(capsys.readouterr().out)
@@ -124,8 +139,8 @@ def test_same_diagnosis_same_files(data: Path, tmp_path: Path, monkeypatch: pyte
 @pytest.mark.parametrize("failure", [KeyboardInterrupt(), InputError("t_s", "is in milliseconds", "divide")])
 @pytest.mark.parametrize("there", [False, True])
 def test_a_run_that_ends_early_leaves_everything_as_it_was(
-        failure: BaseException, there: bool, data: Path, tmp_path: Path,
-        monkeypatch: pytest.MonkeyPatch) -> None:
+    failure: BaseException, there: bool, data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     out = tmp_path / "out"
     if there:
         out.mkdir()
@@ -140,16 +155,24 @@ def test_a_run_that_ends_early_leaves_everything_as_it_was(
         assert not out.exists()
 
 
-@pytest.mark.parametrize(("arguments", "place"), [
-    (["--out", "{tmp}/file"], "file"),
-    (["--out", "{tmp}/file/deeper"], "file"),
-    (["--out", "{tmp}/out", "--seed", "-1"], "--seed"),
-    (["--out", "{tmp}/out", "--json", "{tmp}/no/where.json"], "where.json"),
-    ([], "--out"),
-])
-def test_bad_usage_is_refused_before_any_work(arguments: list[str], place: str, data: Path, tmp_path: Path,
-                                              monkeypatch: pytest.MonkeyPatch,
-                                              capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("arguments", "place"),
+    [
+        (["--out", "{tmp}/file"], "file"),
+        (["--out", "{tmp}/file/deeper"], "file"),
+        (["--out", "{tmp}/out", "--seed", "-1"], "--seed"),
+        (["--out", "{tmp}/out", "--json", "{tmp}/no/where.json"], "where.json"),
+        ([], "--out"),
+    ],
+)
+def test_bad_usage_is_refused_before_any_work(
+    arguments: list[str],
+    place: str,
+    data: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     seeds = pretend(monkeypatch, diagnosis())
     (tmp_path / "file").write_text("", encoding="utf-8")
     assert status(["diagnose", str(data), *(a.format(tmp=tmp_path) for a in arguments)]) == 2
@@ -179,8 +202,9 @@ def test_folder_appears_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.
         check_folder(tmp_path / "a")
 
 
-def test_progress_names_the_stage_only_on_a_terminal(monkeypatch: pytest.MonkeyPatch,
-                                                     capsys: pytest.CaptureFixture[str]) -> None:
+def test_progress_names_the_stage_only_on_a_terminal(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     with stages.stages() as report:
         report("round 1", 0.5)
     assert capsys.readouterr().err == ""
@@ -191,14 +215,17 @@ def test_progress_names_the_stage_only_on_a_terminal(monkeypatch: pytest.MonkeyP
 
 def test_interrupted_process_leaves_nothing(data: Path, tmp_path: Path) -> None:
     # a shell that runs this suite in the background has it ignore Ctrl-C, and its children too
-    code = ("import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-            "import slipmargin_cli.diagnose_run as d, time, sys\n"
-            "def engine(*a):\n    print('in', flush=True)\n    time.sleep(30)\n"
-            "d.engine = engine\n"
-            "from slipmargin_cli.main import status\n"
-            f"sys.exit(status(['diagnose', {str(data)!r}, '--out', {str(tmp_path / 'out')!r}]))\n")
-    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          text=True) as process:
+    code = (
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "import slipmargin_cli.diagnose_run as d, time, sys\n"
+        "def engine(*a):\n    print('in', flush=True)\n    time.sleep(30)\n"
+        "d.engine = engine\n"
+        "from slipmargin_cli.main import status\n"
+        f"sys.exit(status(['diagnose', {str(data)!r}, '--out', {str(tmp_path / 'out')!r}]))\n"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
         assert process.stdout is not None and process.stdout.readline() == "in\n"
         time.sleep(0.1)
         process.send_signal(signal.SIGINT)
@@ -211,17 +238,24 @@ def _faulty(tmp_path: Path, change: Callable[[Array], Array]) -> Path:
     """A small planted data set whose trials' columns (t, x, y, φ, ω1…3, θ1…3) went through ``change``."""
     from planting import planted
 
+    from slipmargin.data.record import Record
     from slipmargin.io.data_set_write import write_data_set
     from slipmargin.io.robot_file import read_recipe
-    from slipmargin.motions.record import Record
 
     data = planted(read_recipe("ohio-kiwi"), None, seed=9, count=3, duration_s=2.0, rate_hz=50.0)
     trials = []
     for trial in data.trials:
         assert trial.omega is not None and trial.theta is not None
         table = change(np.column_stack([trial.t_s, trial.pose, trial.omega, trial.theta]))
-        trials.append(Record(name=trial.name, t_s=table[:, 0], pose=table[:, 1:4], omega=table[:, 4:7],
-                             theta=table[:, 7:10]))
+        trials.append(
+            Record(
+                name=trial.name,
+                t_s=table[:, 0],
+                pose=table[:, 1:4],
+                omega=table[:, 4:7],
+                theta=table[:, 7:10],
+            )
+        )
     write_data_set(tmp_path / "faulty", replace(data, trials=tuple(trials)), {}, "")
     return tmp_path / "faulty"
 
@@ -232,8 +266,10 @@ FAULTS: dict[str, tuple[Callable[[Array], Array], str]] = {
     "degrees": (lambda a: a * np.r_[1.0, 1.0, 1.0, 180.0 / np.pi, np.ones(6)], "degrees"),
     "swapped wheels": (lambda a: a[:, [0, 1, 2, 3, 6, 5, 4, 9, 8, 7]], "wheel"),
     "mirrored frame": (lambda a: a * np.r_[1.0, 1.0, -1.0, -1.0, np.ones(6)], "mirror"),
-    "a clock that jumps": (lambda a: a + np.where(np.arange(len(a)) > 50, 30.0, 0.0)[:, None] * np.eye(10)[0],
-                           "clock"),
+    "a clock that jumps": (
+        lambda a: a + np.where(np.arange(len(a)) > 50, 30.0, 0.0)[:, None] * np.eye(10)[0],
+        "clock",
+    ),
 }
 
 

@@ -30,7 +30,9 @@ def record(folder: Path, count: int = 4) -> None:
     (folder / "robot.toml").write_text(write_recipe(Recipe(robot=robot)), encoding="utf-8")
     (folder / "dataset.toml").write_text(
         'schema = 1\nrobot = "robot.toml"\nsurface = "paper"\nwheel_signal = "measured"\n'
-        "[sigma]\nx_m = 0.0005\ny_m = 0.0005\nphi_rad = 0.002\n", encoding="utf-8")
+        "[sigma]\nx_m = 0.0005\ny_m = 0.0005\nphi_rad = 0.002\n",
+        encoding="utf-8",
+    )
     random = np.random.default_rng(11)
     clock = np.linspace(0.0, 1.5, 61)
     for k in range(count):
@@ -42,8 +44,14 @@ def record(folder: Path, count: int = 4) -> None:
         omega = np.stack([np.interp(clock, knots, s) for s in speeds.T], axis=1)
         assert ran.theta is not None
         rows = np.column_stack([clock, pose, omega, ran.theta[0]])
-        head = ["t_s", "x_m", "y_m", "phi_rad", *(f"omega{i}_rad_s" for i in (1, 2, 3)),
-                *(f"theta{i}_rad" for i in (1, 2, 3))]
+        head = [
+            "t_s",
+            "x_m",
+            "y_m",
+            "phi_rad",
+            *(f"omega{i}_rad_s" for i in (1, 2, 3)),
+            *(f"theta{i}_rad" for i in (1, 2, 3)),
+        ]
         text = "\n".join([",".join(head), *(",".join(f"{v:.7g}" for v in row) for row in rows)]) + "\n"
         (folder / "trials" / f"run{k}.csv").write_text(text, encoding="utf-8")
 

@@ -21,13 +21,17 @@ from slipmargin_cli.main import COMMANDS, status
 from slipmargin.errors import MotionStopped, NoSolution
 
 SCRIPT = Path(sys.executable).with_name("slipmargin")
-THERE = [name for name, (target, _) in COMMANDS.items()
-         if (Path(main.__file__).parent / f"{target.partition(':')[0].split('.')[1]}.py").exists()]
+THERE = [
+    name
+    for name, (target, _) in COMMANDS.items()
+    if (Path(main.__file__).parent / f"{target.partition(':')[0].split('.')[1]}.py").exists()
+]
 
 
 def run(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([str(SCRIPT), *arguments], capture_output=True, text=True, timeout=60,
-                          check=False, **options)  # type: ignore[call-overload,no-any-return]
+    return subprocess.run(
+        [str(SCRIPT), *arguments], capture_output=True, text=True, timeout=60, check=False, **options
+    )  # type: ignore[call-overload,no-any-return]
 
 
 def with_command(monkeypatch: pytest.MonkeyPatch, function: object) -> None:
@@ -56,12 +60,16 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out.startswith("slipmargin 0.")
 
 
-@pytest.mark.parametrize("failure", [
-    NoSolution("pull at φ = 1", "the robot slips without any pull", "level the floor"),
-    MotionStopped(1.25, "the robot tips over", "drive more slowly"),
-])
-def test_a_refusal_is_one_line(failure: Exception, monkeypatch: pytest.MonkeyPatch,
-                               capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    "failure",
+    [
+        NoSolution("pull at φ = 1", "the robot slips without any pull", "level the floor"),
+        MotionStopped(1.25, "the robot tips over", "drive more slowly"),
+    ],
+)
+def test_a_refusal_is_one_line(
+    failure: Exception, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     def fail() -> None:
         raise failure
 
@@ -70,8 +78,9 @@ def test_a_refusal_is_one_line(failure: Exception, monkeypatch: pytest.MonkeyPat
     assert capsys.readouterr().err == f"error: {failure}\n"
 
 
-def test_a_defect_is_one_line_that_says_how_to_report(monkeypatch: pytest.MonkeyPatch,
-                                                     capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_defect_is_one_line_that_says_how_to_report(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     def fail() -> None:
         raise ZeroDivisionError("first\nsecond")
 
@@ -88,8 +97,9 @@ def test_a_defect_is_one_line_that_says_how_to_report(monkeypatch: pytest.Monkey
 
 
 @pytest.mark.parametrize("signal_", [KeyboardInterrupt, typer.Abort])
-def test_an_interruption_is_quiet(signal_: type[BaseException], monkeypatch: pytest.MonkeyPatch,
-                                  capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_interruption_is_quiet(
+    signal_: type[BaseException], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     def stop() -> None:
         raise signal_
 
@@ -109,8 +119,9 @@ def test_an_exit_status_of_a_command_is_kept(monkeypatch: pytest.MonkeyPatch) ->
 def test_interrupted_process_writes_nothing(tmp_path: Path) -> None:
     arguments = ["sweep", "ohio-kiwi", "--surface", "paper", "--step", "0.0005", "--out", "f.csv"]
     (tmp_path / "f.csv").write_text("before")
-    process = subprocess.Popen([str(SCRIPT), *arguments], cwd=tmp_path, stdout=subprocess.PIPE,
-                               stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [str(SCRIPT), *arguments], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
     time.sleep(0.9)
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=60)
@@ -121,10 +132,13 @@ def test_interrupted_process_writes_nothing(tmp_path: Path) -> None:
 
 
 def test_a_reader_that_goes_away_does_not_stop_the_work(tmp_path: Path) -> None:
-    script = (f"{SCRIPT} sweep ohio-kiwi --surface paper --step 0.01 --json f.json | head -n 1; "
-              "echo ${PIPESTATUS[0]}")
-    done = subprocess.run(["bash", "-c", script], cwd=tmp_path, capture_output=True, text=True, timeout=60,
-                          check=True)
+    script = (
+        f"{SCRIPT} sweep ohio-kiwi --surface paper --step 0.01 --json f.json | head -n 1; "
+        "echo ${PIPESTATUS[0]}"
+    )
+    done = subprocess.run(
+        ["bash", "-c", script], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=True
+    )
     assert done.stdout.splitlines()[0].startswith("weakest")
     assert done.stdout.splitlines()[1] == "0"
     assert "Error" not in done.stderr and "Traceback" not in done.stderr
@@ -137,8 +151,9 @@ def test_as_a_process(tmp_path: Path) -> None:
     assert done.stderr == "error: command line: --surface: is 'ice', use one of: paper, carpet\n"
 
 
-def test_sweep_says_the_answer_in_four_lines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-                                             capsys: pytest.CaptureFixture[str]) -> None:
+def test_sweep_says_the_answer_in_four_lines(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert status(["sweep", "ohio-kiwi", "--surface", "paper", "--margin", "0.2", "--out", "f.csv"]) == 0
     out, err = capsys.readouterr()
@@ -165,12 +180,32 @@ def test_methods_agree(method: str, grip: str, tmp_path: Path, monkeypatch: pyte
     assert json.loads((tmp_path / "f.json").read_text())["self_check"] < (1e-9 if grip == "box" else 1e-6)
 
 
-def test_measured_pulls_stand_in_the_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-                                           capsys: pytest.CaptureFixture[str]) -> None:
+def test_measured_pulls_stand_in_the_table(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "p.csv").write_text("phi_rad,force_N\n0,5.0\n0,5.2\n0.1234567,5.5\n-6.1,5.6\n3.1,4.4\n")
-    assert status(["sweep", "ohio-kiwi", "--surface", "paper", "--step", "15", "--measured", "p.csv",
-                   "--out", "f.csv", "--plot", "f.svg", "--json", "f.json"]) == 0
+    assert (
+        status(
+            [
+                "sweep",
+                "ohio-kiwi",
+                "--surface",
+                "paper",
+                "--step",
+                "15",
+                "--measured",
+                "p.csv",
+                "--out",
+                "f.csv",
+                "--plot",
+                "f.svg",
+                "--json",
+                "f.json",
+            ]
+        )
+        == 0
+    )
     assert "4 pulls at 3 orientations" in capsys.readouterr().out
     head, *rows = [line.split(",") for line in (tmp_path / "f.csv").read_text().splitlines()]
     assert head[5:] == ["measured_N", "scatter_N", "residual_N", "pulls"]
@@ -234,14 +269,30 @@ def test_drawing_shows_numbers_where_the_wheels_are() -> None:
 
 
 def test_environment_is_left_alone(tmp_path: Path) -> None:
-    done = run("sweep", "ohio-kiwi", "--surface", "paper", "--plot", "f.png", cwd=tmp_path,
-               env={**os.environ, "MPLBACKEND": "TkAgg"})
+    done = run(
+        "sweep",
+        "ohio-kiwi",
+        "--surface",
+        "paper",
+        "--plot",
+        "f.png",
+        cwd=tmp_path,
+        env={**os.environ, "MPLBACKEND": "TkAgg"},
+    )
     assert done.returncode == 0 and sorted(os.listdir(tmp_path)) == ["f.png"]
 
 
 def test_a_terminal_of_few_letters_is_enough(tmp_path: Path) -> None:
-    done = run("sweep", "ohio-kiwi", "--surface", "paper", "--step", "45", cwd=tmp_path,
-               env={**os.environ, "PYTHONIOENCODING": "ascii"})
+    done = run(
+        "sweep",
+        "ohio-kiwi",
+        "--surface",
+        "paper",
+        "--step",
+        "45",
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+    )
     assert done.returncode == 0 and "\\u03c6 [deg]" in done.stdout
 
 

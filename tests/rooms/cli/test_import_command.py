@@ -15,15 +15,33 @@ TABLE = [str(p) for p in logs(EXCERPT / "table_0.1")]
 GRAY = [str(p) for p in logs(EXCERPT / "gray_0.1")]
 
 
-def test_calibrate_on_one_floor_and_hold_on_the_other(tmp_path: Path,
-                                                      capsys: pytest.CaptureFixture[str]) -> None:
+def test_calibrate_on_one_floor_and_hold_on_the_other(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     table, gray = tmp_path / "table", tmp_path / "gray"
-    assert status(["import", "robotino", *TABLE, "--surface", "table", "--calibrate",
-                   "--out", str(table)]) == 0
+    assert (
+        status(["import", "robotino", *TABLE, "--surface", "table", "--calibrate", "--out", str(table)]) == 0
+    )
     told = capsys.readouterr()
     assert "read 6 runs" in told.out and "camera delay" in told.out and told.err == ""
-    assert status(["import", "robotino", *GRAY, "--surface", "gray", "--out", str(gray),
-                   "--calibration", str(table / "calibration.toml"), "--json", "-"]) == 0
+    assert (
+        status(
+            [
+                "import",
+                "robotino",
+                *GRAY,
+                "--surface",
+                "gray",
+                "--out",
+                str(gray),
+                "--calibration",
+                str(table / "calibration.toml"),
+                "--json",
+                "-",
+            ]
+        )
+        == 0
+    )
     report = json.loads(capsys.readouterr().out)
     assert report["schema"] == 1 and len(report["runs"]) == 8 and report["checks"] == []
     held = read_data_set(gray)
@@ -49,22 +67,27 @@ def test_swapped_wheels_are_warned_of(tmp_path: Path, capsys: pytest.CaptureFixt
     for path in GRAY[:4]:
         lines = Path(path).read_text()
         (tmp_path / Path(path).name).write_text(
-            lines.replace("m1pos", "m9pos").replace("m2pos", "m1pos").replace("m9pos", "m2pos"))
+            lines.replace("m1pos", "m9pos").replace("m2pos", "m1pos").replace("m9pos", "m2pos")
+        )
     files = [str(p) for p in sorted(tmp_path.glob("*.csv"))]
     assert status(["import", "robotino", *files, "--out", str(tmp_path / "set")]) == 0
     assert "warning: trials: " in (err := capsys.readouterr().err) and "wheels 1 and 2 swapped" in err
 
 
-@pytest.mark.parametrize(("arguments", "told"), [
-    ([GRAY[0], "--surface", "moon"], "'moon' is not described"),
-    ([GRAY[0], "--robot", "nobody"], "nobody"),
-    ([GRAY[0], "--calibrate", "--calibration", "x.toml"], "--calibrate: is given together"),
-    ([GRAY[0], "--calibration", "gone.toml"], "gone.toml: there is no such file"),
-    (["gone.csv"], "gone.csv: there is no such file"),
-    ([GRAY[0], "--ticks-per-turn", "0"], "ticks_per_turn"),
-])
-def test_bad_usage_is_one_line_and_leaves_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str],
-                                                  arguments: list[str], told: str) -> None:
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        ([GRAY[0], "--surface", "moon"], "'moon' is not described"),
+        ([GRAY[0], "--robot", "nobody"], "nobody"),
+        ([GRAY[0], "--calibrate", "--calibration", "x.toml"], "--calibrate: is given together"),
+        ([GRAY[0], "--calibration", "gone.toml"], "gone.toml: there is no such file"),
+        (["gone.csv"], "gone.csv: there is no such file"),
+        ([GRAY[0], "--ticks-per-turn", "0"], "ticks_per_turn"),
+    ],
+)
+def test_bad_usage_is_one_line_and_leaves_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], told: str
+) -> None:
     assert status(["import", "robotino", *arguments, "--out", str(tmp_path / "set")]) == 2
     err = capsys.readouterr().err
     assert err.startswith("error: ") and err.count("\n") == 1 and told in err
@@ -72,7 +95,8 @@ def test_bad_usage_is_one_line_and_leaves_nothing(tmp_path: Path, capsys: pytest
 
 
 def test_a_mapped_csv(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "map.toml").write_text("""
+    (tmp_path / "map.toml").write_text(
+        """
 schema = 1
 separator = ";"
 time = { column = "t", unit = "ms" }
@@ -80,10 +104,31 @@ time = { column = "t", unit = "ms" }
 x = { column = "xpos", unit = "mm", scale = 1.84 }
 y = { column = "ypos", unit = "mm", scale = -1.84 }
 heading = { column = "ang", unit = "deg", offset_rad = 1.5707963 }
-""" + "".join(f'[[wheel]]\nangle = {{ column = "m{i}pos", unit = "ticks", ticks_per_turn = 32000, '
-              'scale = -1 }\n' for i in (1, 2, 3)))
-    assert status(["import", "csv", *GRAY, "--map", str(tmp_path / "map.toml"), "--robot", "robotino",
-                   "--surface", "gray", "--out", str(tmp_path / "set")]) == 0
+"""
+        + "".join(
+            f'[[wheel]]\nangle = {{ column = "m{i}pos", unit = "ticks", ticks_per_turn = 32000, '
+            "scale = -1 }\n"
+            for i in (1, 2, 3)
+        )
+    )
+    assert (
+        status(
+            [
+                "import",
+                "csv",
+                *GRAY,
+                "--map",
+                str(tmp_path / "map.toml"),
+                "--robot",
+                "robotino",
+                "--surface",
+                "gray",
+                "--out",
+                str(tmp_path / "set"),
+            ]
+        )
+        == 0
+    )
     assert "read 8 runs (csv)" in capsys.readouterr().out
     assert read_data_set(tmp_path / "set").trials[0].theta is not None
 
@@ -91,6 +136,10 @@ heading = { column = "ang", unit = "deg", offset_rad = 1.5707963 }
 def test_a_bag_that_is_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("rosbags", reason="rosbags is not installed (extra [ros])")
     topics = ["--pose-topic", "/p", "--joint-topic", "/j", "--joint", "a", "--joint", "b", "--joint", "c"]
-    assert status(["import", "ros", str(tmp_path), "--robot", "robotino", *topics,
-                   "--out", str(tmp_path / "set")]) == 2
+    assert (
+        status(
+            ["import", "ros", str(tmp_path), "--robot", "robotino", *topics, "--out", str(tmp_path / "set")]
+        )
+        == 2
+    )
     assert "is no bag" in capsys.readouterr().err

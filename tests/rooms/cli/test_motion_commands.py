@@ -11,8 +11,10 @@ import pytest
 from slipmargin_cli.main import status
 
 WAY = "x_m,y_m,phi_rad\n0,0,0\n0.5,0.3,0.5\n1.0,0,0\n"
-COLUMNS = ("t_s,x_m,y_m,phi_rad,vx_m_s,vy_m_s,wz_rad_s,ax_m_s2,ay_m_s2,alpha_rad_s2,"
-           "omega1_rad_s,omega2_rad_s,omega3_rad_s,use1,use2,use3")
+COLUMNS = (
+    "t_s,x_m,y_m,phi_rad,vx_m_s,vy_m_s,wz_rad_s,ax_m_s2,ay_m_s2,alpha_rad_s2,"
+    "omega1_rad_s,omega2_rad_s,omega3_rad_s,use1,use2,use3"
+)
 
 
 @pytest.fixture
@@ -124,15 +126,19 @@ def test_bounds_says_the_four_lines_and_exports(tmp_path: Path, capsys: pytest.C
     assert told["starting_m_s2"][0] == pytest.approx(0.5017, abs=5e-5)
 
 
-@pytest.mark.parametrize(("text", "words"), [
-    ("x_m,y_m,phi_rad\n0,0,0\n", "waypoint: 1 waypoint is no path"),
-    ("x_m,y_m,phi_rad\n0,0,0\n1,0,0\n1,0,0\n", "waypoint 3: repeats waypoint 2"),
-    ("x_m,y_m,phi_rad\n0,0,0\n1,nan,0\n", "3:2: y_m is 'nan'"),
-    ("x_m,y_m,phi_rad\n0,0,0\n1,0,0\n0,0,0.01\n", "waypoint 2: is a kink"),
-    ("x_m,y_m\n0,0\n1,0\n", "'phi_rad' is missing"),
-])
-def test_bad_waypoints_leave_no_file(text: str, words: str, tmp_path: Path,
-                                     capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("x_m,y_m,phi_rad\n0,0,0\n", "waypoint: 1 waypoint is no path"),
+        ("x_m,y_m,phi_rad\n0,0,0\n1,0,0\n1,0,0\n", "waypoint 3: repeats waypoint 2"),
+        ("x_m,y_m,phi_rad\n0,0,0\n1,nan,0\n", "3:2: y_m is 'nan'"),
+        ("x_m,y_m,phi_rad\n0,0,0\n1,0,0\n0,0,0.01\n", "waypoint 2: is a kink"),
+        ("x_m,y_m\n0,0\n1,0\n", "'phi_rad' is missing"),
+    ],
+)
+def test_bad_waypoints_leave_no_file(
+    text: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     file, out = tmp_path / "way.csv", tmp_path / "t.csv"
     file.write_text(text)
     assert status(["plan", "ohio-kiwi", str(file), "--surface", "paper", "--out", str(out)]) == 2
@@ -141,19 +147,23 @@ def test_bad_waypoints_leave_no_file(text: str, words: str, tmp_path: Path,
     assert not out.exists()
 
 
-@pytest.mark.parametrize(("options", "words"), [
-    (["--blend", "0"], "waypoint 2: is a kink"),
-    (["--blend", "0.1", "--closed"], "--blend: is given with --closed"),
-    (["--start-speed", "50"], "start speed: is 50 m/s at x 0 m"),
-    (["--max-speed", "-1"], "--max-speed"),
-    (["--max-yaw-rate", "0"], "--max-yaw-rate"),
-    (["--margin", "0.6"], "use a margin below 0.46"),
-    (["--robust"], "more than the 0.9 allowed"),
-    (["--points", "3"], "points: is 3"),
-    (["--step", "0"], "step_s"),
-])
-def test_impossible_plans_are_refused(options: list[str], words: str, way: Path, tmp_path: Path,
-                                      capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--blend", "0"], "waypoint 2: is a kink"),
+        (["--blend", "0.1", "--closed"], "--blend: is given with --closed"),
+        (["--start-speed", "50"], "start speed: is 50 m/s at x 0 m"),
+        (["--max-speed", "-1"], "--max-speed"),
+        (["--max-yaw-rate", "0"], "--max-yaw-rate"),
+        (["--margin", "0.6"], "use a margin below 0.46"),
+        (["--robust"], "more than the 0.9 allowed"),
+        (["--points", "3"], "points: is 3"),
+        (["--step", "0"], "step_s"),
+    ],
+)
+def test_impossible_plans_are_refused(
+    options: list[str], words: str, way: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out = tmp_path / "t.csv"
     assert status(["plan", "ohio-kiwi", str(way), "--surface", "paper", "--out", str(out), *options]) == 2
     said = capsys.readouterr().err
@@ -162,8 +172,9 @@ def test_impossible_plans_are_refused(options: list[str], words: str, way: Path,
 
 
 @pytest.mark.parametrize("options", [["--step", "0"], ["--export", "moveit", "x.yaml"], ["--plot", "b.bmp"]])
-def test_bounds_refuses_before_it_writes(options: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-                                         capsys: pytest.CaptureFixture[str]) -> None:
+def test_bounds_refuses_before_it_writes(
+    options: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert status(["bounds", "ohio-kiwi", "--surface", "paper", *options]) == 2
     assert "error: " in capsys.readouterr().err and not list(tmp_path.iterdir())

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from real_logs import EXCERPT, WHOLE, logs, needs_whole
 
+from slipmargin.data.record import Record
 from slipmargin.diagnose.calibration import Calibration, calibrate
 from slipmargin.diagnose.delay import estimate_delay
 from slipmargin.errors import InputError
@@ -15,9 +16,8 @@ from slipmargin.io.calibration_file import calibration_text, read_calibration
 from slipmargin.io.importers.plug import import_files
 from slipmargin.io.importers.robotino import RobotinoImporter
 from slipmargin.io.robot_file import read_recipe
-from slipmargin.motions.record import Record
 
-CONTACTS = read_recipe("robotino").build("table").contacts
+CONTACTS = read_recipe("robotino").build("table").geometry
 SCALE, ROTATION, DELAY, TILT, MIDDLE = 0.9, 0.03, 0.04, np.array([-0.03, 0.02]), np.array([1.5, -1.0])
 
 

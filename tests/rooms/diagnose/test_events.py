@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from planting import planted, smooth_kiwi
 
+from slipmargin.data.data_set import DataSet
+from slipmargin.data.record import Record
 from slipmargin.diagnose.diagnosis import Event, Verdict
 from slipmargin.diagnose.events import cut_apart
 from slipmargin.diagnose.loop import diagnose
-from slipmargin.io.data_set import DataSet
-from slipmargin.motions.record import Record
 
 
 def kicked(record: Record, at_s: float) -> Record:

@@ -137,8 +137,7 @@ def test_trials_that_disagree_widen_the_interval() -> None:
         problem.u[0] *= 8.0
         problem.y = (0.2 + own) * problem.u - 0.1 * problem.v + noise
         found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
-        spread = intervals(found, leave_one_out(found), found.structure[0].scale, np.zeros(2),
-                           together=False)
+        spread = intervals(found, leave_one_out(found), found.structure[0].scale, np.zeros(2), together=False)
         inside += int(spread.low[0] <= 1.2 <= spread.high[0])
         narrow += int(spread.high[0] - spread.low[0] < 0.2)
     assert inside >= 95
@@ -188,7 +187,7 @@ def test_what_a_candidate_calls_nested_does_nothing_at_null() -> None:
     signal = linear(np.array([0.0, 0.5]), np.array([[0.0, 0.0, 0.0], [4.0, -3.0, 2.0]]))
     t = np.linspace(0.0, 0.5, 6)
     plain = simulate(nominal, signal, t).pose
-    for suspect in named_candidates(nominal.contacts.names, False, ()):
+    for suspect in named_candidates(nominal.geometry.names, False, ()):
         if suspect.trace is Trace.MEASUREMENT:
             continue
         same = simulate(with_effects(nominal, (suspect.build(suspect.null),)), signal, t).pose
@@ -263,7 +262,9 @@ def test_a_fit_judged_by_another_view_keeps_its_parameters_and_takes_that_views_
     judged = judged_by(there, found, 100.0)
     assert judged.fit is found
     inside = np.sum(there.residuals([found.effects], [EVERY])[0] ** 2)
-    alone = [there.residuals([build(found.structure, x)], [EVERY[i : i + 1]])[0] for i, x in
-             enumerate(leave_one_out(found))]
+    alone = [
+        there.residuals([build(found.structure, x)], [EVERY[i : i + 1]])[0]
+        for i, x in enumerate(leave_one_out(found))
+    ]
     outside = sum(np.sum(a**2) for a in alone)
     assert judged.scores.sum() == pytest.approx(np.sqrt(inside * outside), rel=1e-9)

@@ -13,7 +13,7 @@ from slipmargin.diagnose.loop import diagnose
 from slipmargin.effects import Recipe, Trace
 from slipmargin.effects.rigid_sector import RigidSector
 from slipmargin.io.robot_file import read_recipe
-from slipmargin.model.variables import Frame, Variable
+from slipmargin.physics.variables import Frame, Variable
 from slipmargin.robot import Robot, Surface
 
 SMALL = {"count": 7, "duration_s": 2.5, "rate_hz": 100.0}

@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from slipmargin.checks import Array
+from slipmargin.data.record import Record
 from slipmargin.diagnose.prepare import clean, noise
 from slipmargin.diagnose.sense import is_ideal, measure
 from slipmargin.diagnose.where import dependences
 from slipmargin.errors import InputError
-from slipmargin.model.parts import Sensing
-from slipmargin.model.terms import PoseShift
-from slipmargin.model.variables import Basis, Variable
-from slipmargin.motions.record import Record
+from slipmargin.model.parts import MeasurementModel
+from slipmargin.physics.terms import PoseShift
+from slipmargin.physics.variables import Basis, Variable
 
 T = np.arange(0.0, 3.0, 0.01)
 SIGMA = np.array([0.0005, 0.0007, 0.002])
@@ -56,15 +56,15 @@ def test_the_start_pose_is_the_mean_while_it_stands() -> None:
 
 def test_an_ideal_sensor_changes_nothing() -> None:
     pose = smooth()
-    assert is_ideal(Sensing.ideal())
-    assert measure(Sensing.ideal(), T, pose) is pose
+    assert is_ideal(MeasurementModel.ideal())
+    assert measure(MeasurementModel.ideal(), T, pose) is pose
 
 
 def test_a_faulty_sensor_by_hand() -> None:
     pose = np.array([[1.0, 2.0, 0.5], [2.0, 2.0, 1.5]])
     t = np.array([0.0, 1.0])
 
-    def sensing(**changed: object) -> Sensing:
+    def sensing(**changed: object) -> MeasurementModel:
         values: dict[str, object] = {
             "scale": np.ones(2),
             "rotation_rad": 0.0,
@@ -72,7 +72,7 @@ def test_a_faulty_sensor_by_hand() -> None:
             "delay_s": 0.0,
             "marker_m": np.zeros(2),
         }
-        return Sensing(**(values | changed))  # type: ignore[arg-type]
+        return MeasurementModel(**(values | changed))  # type: ignore[arg-type]
 
     np.testing.assert_allclose(measure(sensing(scale=np.array([1.1, 1.0])), t, pose)[1], [2.1, 2.0, 1.5])
     np.testing.assert_allclose(
@@ -97,7 +97,7 @@ def test_a_sensor_knows_no_wheel_speed() -> None:
     warp = PoseShift(
         variable=Variable.SLIP_SPEED, basis=Basis.CONSTANT, coefficients=np.zeros((3, 1)), shape=np.ones(2)
     )
-    faulty = Sensing(
+    faulty = MeasurementModel(
         scale=np.ones(2), rotation_rad=0.0, heading_gain=1.0, delay_s=0.0, marker_m=np.zeros(2), warps=(warp,)
     )
     with pytest.raises(InputError, match="cannot depend on slip_speed"):

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from slipmargin.data.pulls import Pulls
 from slipmargin.diagnose.limits_change import limits_change
 from slipmargin.diagnose.pull_check import predicted, pull_check
 from slipmargin.effects import Recipe
@@ -14,7 +15,6 @@ from slipmargin.effects.wheel_loads import WheelLoads
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.sweep import limit
-from slipmargin.motions.pulls import Pulls
 from slipmargin.plots.diagnosis_words import pulls_sentence
 
 PHI = np.deg2rad(np.arange(0.0, 360.0, 15.0))

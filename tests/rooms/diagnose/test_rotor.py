@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from planting import Plant, planted, smooth_kiwi
 
+from slipmargin.data.data_set import DataSet
 from slipmargin.diagnose.diagnosis import Verdict
 from slipmargin.diagnose.loop import diagnose
 from slipmargin.effects import Trace
 from slipmargin.effects.rigid_sector import RigidSector
-from slipmargin.io.data_set import DataSet
 
 SMALL = {"count": 6, "duration_s": 2.5, "rate_hz": 100.0}
 

@@ -40,7 +40,7 @@ def wandering(problem: Problem, seed: int, rate: float) -> Problem:
 
 
 def suspect(problem: Problem) -> Candidate:
-    named = named_candidates(problem.nominal.contacts.names, False, ())
+    named = named_candidates(problem.nominal.geometry.names, False, ())
     return next(c for c in named if c.label == "wheel_loads")
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from slipmargin.data.record import Record
 from slipmargin.diagnose.prepare import clean
 from slipmargin.diagnose.signals import wheel_signal
-from slipmargin.motions.record import Record
 
 SIGMA = np.array([1e-3, 1e-3, 1e-2])
 

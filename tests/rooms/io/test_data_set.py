@@ -10,16 +10,19 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
+from slipmargin.data.data_set import DataSet, WheelSignal
+from slipmargin.data.pulls import Pulls
+from slipmargin.data.record import Record
 from slipmargin.errors import InputError
-from slipmargin.io.data_set import DataSet, WheelSignal, read_data_set
+from slipmargin.io.data_set import read_data_set
 from slipmargin.io.data_set_write import check_data_set_place, data_set_files, write_data_set
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.io.trial_file import read_pulls, read_trial, trial_text
-from slipmargin.motions.pulls import Pulls
-from slipmargin.motions.record import Record
 
-TRIAL = ("t_s,x_m,y_m,phi_rad,omega1_rad_s,omega2_rad_s,omega3_rad_s,theta1_rad,theta2_rad,theta3_rad\n"
-         "0,0,0,0,0,0,0,0,0,0\n0.01,0.001,,0.1,1,2,3,0.01,0.02,0.03\n0.03,0.002,0.1,0.2,1,2,3,0.1,0.2,0.3\n")
+TRIAL = (
+    "t_s,x_m,y_m,phi_rad,omega1_rad_s,omega2_rad_s,omega3_rad_s,theta1_rad,theta2_rad,theta3_rad\n"
+    "0,0,0,0,0,0,0,0,0,0\n0.01,0.001,,0.1,1,2,3,0.01,0.02,0.03\n0.03,0.002,0.1,0.2,1,2,3,0.1,0.2,0.3\n"
+)
 HEAD = 'schema = 1\nrobot = "robot.toml"\nsurface = "gray"\nwheel_signal = "measured"\n'
 SIGMA = "[sigma]\nx_m = 0.0005\ny_m = 0.0005\nphi_rad = 0.002\n"
 
@@ -27,14 +30,30 @@ SIGMA = "[sigma]\nx_m = 0.0005\ny_m = 0.0005\nphi_rad = 0.002\n"
 def record(**more: object) -> Record:
     t = np.array([0.0, 0.01, 0.03, 0.031])
     pose = np.array([[0.0, 0, 0], [0.1, np.nan, 0.2], [0.2, 0.1, 0.3], [0.25, 0.1, 0.3]])
-    return Record(**{"name": "a", "t_s": t, "pose": pose, "omega": np.ones((4, 3)),  # type: ignore[arg-type]
-                     "theta": np.cumsum(np.ones((4, 3)), axis=0)} | more)
+    return Record(
+        **{
+            "name": "a",
+            "t_s": t,
+            "pose": pose,
+            "omega": np.ones((4, 3)),  # type: ignore[arg-type]
+            "theta": np.cumsum(np.ones((4, 3)), axis=0),
+        }
+        | more
+    )
 
 
 def data_set(**more: object) -> DataSet:
-    return DataSet(**{"name": "d", "recipe": read_recipe("robotino"), "surface": "gray",  # type: ignore[arg-type]
-                      "wheel_signal": WheelSignal.MEASURED, "trials": (record(),),
-                      "sigma": np.array([1e-3, 1e-3, 2e-3])} | more)
+    return DataSet(
+        **{
+            "name": "d",
+            "recipe": read_recipe("robotino"),
+            "surface": "gray",  # type: ignore[arg-type]
+            "wheel_signal": WheelSignal.MEASURED,
+            "trials": (record(),),
+            "sigma": np.array([1e-3, 1e-3, 2e-3]),
+        }
+        | more
+    )
 
 
 def folder(tmp_path: Path, head: str = HEAD, trial: str | None = TRIAL, pulls: str | None = None) -> Path:
@@ -60,27 +79,30 @@ def test_reads_what_the_contract_says(tmp_path: Path) -> None:
     assert trial.omega_cmd is None and trial.wheels == 3 and trial.duration_s == pytest.approx(0.03)
 
 
-@pytest.mark.parametrize(("change", "told"), [
-    ({"head": HEAD.replace("= 1", "= 2")}, "schema"),
-    ({"head": HEAD + "colour = 3\n"}, "colour: is not a known key"),
-    ({"head": HEAD.replace('"gray"', '"moon"')}, "'moon' is not described"),
-    ({"head": HEAD.replace('"measured"', '"heard"')}, "wheel_signal: is 'heard'"),
-    ({"head": HEAD + SIGMA.replace("0.002", "0")}, "sigma.phi_rad"),
-    ({"head": HEAD + "[sigma]\nx_m = 0.1\n"}, "sigma.y_m: is missing"),
-    ({"head": HEAD + SIGMA + "z_m = 1\n"}, "z_m: is not a known key"),
-    ({"head": HEAD + "[["}, "is not TOML"),
-    ({"trial": None}, "there is no trial"),
-    ({"trial": TRIAL.replace("phi_rad", "phi_deg", 1)}, "'phi_rad' is missing"),
-    ({"trial": TRIAL.replace("theta3_rad", "theta4_rad", 1)}, "'theta4_rad' is not a known column"),
-    ({"trial": TRIAL.replace("0.03,0.002", "0.005,0.002")}, "4:1: the time 0.005 s does not come after"),
-    ({"trial": TRIAL.replace("0.01,0.001", "0.01,zero")}, "3:2: x_m is 'zero'"),
-    ({"trial": TRIAL.replace(",3,0.1,0.2,0.3", ",3,0.1")}, "4:9: the row has 8 cells"),
-    ({"trial": "t_s,x_m,y_m,phi_rad\n0,0,0,0\n1,1,1,1\n"}, "wheel 1 has no omega1_rad_s or theta1_rad"),
-    ({"head": HEAD.replace("measured", "commanded")}, "wheel 1 has no omega1_cmd_rad_s"),
-    ({"trial": "t_s,x_m,y_m,phi_rad\n0,0,,0\n1,,1,1\n"}, "no sample holds a whole pose"),
-    ({"pulls": "phi_rad,force_N\n0.5,\n"}, "2:2: force_N is empty"),
-    ({"pulls": "phi_rad,force_N,theta1_rad\n0.5,1,2\n"}, "'theta2_rad' is missing"),
-])
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"head": HEAD.replace("= 1", "= 2")}, "schema"),
+        ({"head": HEAD + "colour = 3\n"}, "colour: is not a known key"),
+        ({"head": HEAD.replace('"gray"', '"moon"')}, "'moon' is not described"),
+        ({"head": HEAD.replace('"measured"', '"heard"')}, "wheel_signal: is 'heard'"),
+        ({"head": HEAD + SIGMA.replace("0.002", "0")}, "sigma.phi_rad"),
+        ({"head": HEAD + "[sigma]\nx_m = 0.1\n"}, "sigma.y_m: is missing"),
+        ({"head": HEAD + SIGMA + "z_m = 1\n"}, "z_m: is not a known key"),
+        ({"head": HEAD + "[["}, "is not TOML"),
+        ({"trial": None}, "there is no trial"),
+        ({"trial": TRIAL.replace("phi_rad", "phi_deg", 1)}, "'phi_rad' is missing"),
+        ({"trial": TRIAL.replace("theta3_rad", "theta4_rad", 1)}, "'theta4_rad' is not a known column"),
+        ({"trial": TRIAL.replace("0.03,0.002", "0.005,0.002")}, "4:1: the time 0.005 s does not come after"),
+        ({"trial": TRIAL.replace("0.01,0.001", "0.01,zero")}, "3:2: x_m is 'zero'"),
+        ({"trial": TRIAL.replace(",3,0.1,0.2,0.3", ",3,0.1")}, "4:9: the row has 8 cells"),
+        ({"trial": "t_s,x_m,y_m,phi_rad\n0,0,0,0\n1,1,1,1\n"}, "wheel 1 has no omega1_rad_s or theta1_rad"),
+        ({"head": HEAD.replace("measured", "commanded")}, "wheel 1 has no omega1_cmd_rad_s"),
+        ({"trial": "t_s,x_m,y_m,phi_rad\n0,0,,0\n1,,1,1\n"}, "no sample holds a whole pose"),
+        ({"pulls": "phi_rad,force_N\n0.5,\n"}, "2:2: force_N is empty"),
+        ({"pulls": "phi_rad,force_N,theta1_rad\n0.5,1,2\n"}, "'theta2_rad' is missing"),
+    ],
+)
 def test_refuses_in_one_line_that_names_the_place(tmp_path: Path, change: dict[str, str], told: str) -> None:
     with pytest.raises(InputError) as refusal:
         read_data_set(folder(tmp_path, **change))  # type: ignore[arg-type]
@@ -95,25 +117,31 @@ def test_refuses_a_folder_that_is_none(tmp_path: Path) -> None:
         read_data_set(tmp_path)
 
 
-@pytest.mark.parametrize(("more", "told"), [
-    ({"trials": ()}, "there is no trial"),
-    ({"sigma": np.array([1.0, 0.0, 1.0])}, "noise is positive"),
-    ({"trials": (record(omega=np.ones((4, 2)), theta=None),)}, "has 2 wheels"),
-])
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        ({"trials": ()}, "there is no trial"),
+        ({"sigma": np.array([1.0, 0.0, 1.0])}, "noise is positive"),
+        ({"trials": (record(omega=np.ones((4, 2)), theta=None),)}, "has 2 wheels"),
+    ],
+)
 def test_a_data_set_that_contradicts_itself(more: dict[str, object], told: str) -> None:
     with pytest.raises(InputError, match=told):
         data_set(**more)
 
 
-@pytest.mark.parametrize(("more", "told"), [
-    ({"t_s": np.array([0.0])}, "no motion"),
-    ({"t_s": np.array([0.0, np.nan, 2, 3])}, "a time that is missing"),
-    ({"t_s": np.array([0.0, 2, 1, 3])}, "sample 3 is at 1 s"),
-    ({"pose": np.zeros((4, 2))}, "shape"),
-    ({"pose": np.full((4, 3), np.inf)}, "infinite"),
-    ({"pose": np.full((4, 3), np.nan)}, "no sample holds a whole pose"),
-    ({"omega": np.ones((4, 4))}, "theta"),
-])
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        ({"t_s": np.array([0.0])}, "no motion"),
+        ({"t_s": np.array([0.0, np.nan, 2, 3])}, "a time that is missing"),
+        ({"t_s": np.array([0.0, 2, 1, 3])}, "sample 3 is at 1 s"),
+        ({"pose": np.zeros((4, 2))}, "shape"),
+        ({"pose": np.full((4, 3), np.inf)}, "infinite"),
+        ({"pose": np.full((4, 3), np.nan)}, "no sample holds a whole pose"),
+        ({"omega": np.ones((4, 4))}, "theta"),
+    ],
+)
 def test_a_record_that_contradicts_itself(more: dict[str, object], told: str) -> None:
     with pytest.raises(InputError, match=told):
         record(**more)
@@ -125,8 +153,11 @@ def test_records_cannot_be_written_to() -> None:
 
 
 def test_comes_back_as_it_was_written(tmp_path: Path) -> None:
-    given = data_set(pulls=Pulls(phi_rad=np.array([0.1, 2.0]), force_N=np.array([3.0, 4.0]),
-                                 theta_rad=np.arange(6.0).reshape(2, 3)))
+    given = data_set(
+        pulls=Pulls(
+            phi_rad=np.array([0.1, 2.0]), force_N=np.array([3.0, 4.0]), theta_rad=np.arange(6.0).reshape(2, 3)
+        )
+    )
     write_data_set(tmp_path / "s", given, {"notes.txt": "hello"}, comment="made in a test")
     back = read_data_set(tmp_path / "s")
     np.testing.assert_array_equal(back.trials[0].pose, given.trials[0].pose)
@@ -202,10 +233,16 @@ number = st.floats(-1e3, 1e3, allow_subnormal=False).map(lambda v: float(f"{v:.6
 
 
 @settings(max_examples=40, deadline=None)
-@given(rows=st.lists(st.tuples(st.floats(1e-3, 1.0), number, number, st.one_of(number, st.none()), number),
-                     min_size=2, max_size=12))
-def test_any_trial_survives_the_round_trip(rows: list[tuple[float, ...]],
-                                           tmp_path_factory: pytest.TempPathFactory) -> None:
+@given(
+    rows=st.lists(
+        st.tuples(st.floats(1e-3, 1.0), number, number, st.one_of(number, st.none()), number),
+        min_size=2,
+        max_size=12,
+    )
+)
+def test_any_trial_survives_the_round_trip(
+    rows: list[tuple[float, ...]], tmp_path_factory: pytest.TempPathFactory
+) -> None:
     t = np.round(np.cumsum([r[0] for r in rows]), 6)
     pose = np.array([[r[1], r[2], np.nan if r[3] is None else r[3]] for r in rows])
     if np.min(np.diff(t)) <= 0.0 or not np.isfinite(pose).all(axis=1).any():

@@ -33,8 +33,18 @@ def test_signs_and_units_by_hand(tmp_path: Path) -> None:
     path = tmp_path / "run.csv"
     names = "t;m1setvel;m2setvel;m3setvel;m1pos;m2pos;m3pos;m1cur;m2cur;m3cur;xpos;ypos;ang;"
     units = "ms;rad/s;rad/s;rad/s;ticks;ticks;ticks;A;A;A;pix;pix;deg;"
-    path.write_text("\n".join(["long;" * 13, units, names, "0;16;0;-16;0;0;0;1;2;3;100;200;359;",
-                               "500;16;0;-16;16000;0;-32000;1;2;3;110;190;361;", ""]))
+    path.write_text(
+        "\n".join(
+            [
+                "long;" * 13,
+                units,
+                names,
+                "0;16;0;-16;0;0;0;1;2;3;100;200;359;",
+                "500;16;0;-16;16000;0;-32000;1;2;3;110;190;361;",
+                "",
+            ]
+        )
+    )
     record = READ(path).record
     np.testing.assert_allclose(record.t_s, [0.0, 0.5])
     assert record.theta is not None and record.omega_cmd is not None and record.current is not None
@@ -55,18 +65,23 @@ def test_body_increments_agree_with_the_makers_own() -> None:
     table = read_loose(path, ("t", "dx", "dy"), ";")
     pose = READ(path).record.pose
     step, phi = np.diff(pose[:, :2], axis=0), pose[1:, 2]
-    mine = 1000.0 * np.stack([np.cos(phi) * step[:, 0] + np.sin(phi) * step[:, 1],
-                              -np.sin(phi) * step[:, 0] + np.cos(phi) * step[:, 1]], axis=1)
+    mine = 1000.0 * np.stack(
+        [
+            np.cos(phi) * step[:, 0] + np.sin(phi) * step[:, 1],
+            -np.sin(phi) * step[:, 0] + np.cos(phi) * step[:, 1],
+        ],
+        axis=1,
+    )
     theirs = np.stack([table["dx"], table["dy"]], axis=1)[1:]
     off = np.abs(mine - theirs)[np.isfinite(mine).all(axis=1)].max(axis=1)
     assert np.mean(off < 0.005) > 0.98
 
 
 def test_wheels_and_camera_turn_and_go_the_same_way() -> None:
+    from slipmargin.data.odometry import body_path, wheel_path
     from slipmargin.io.robot_file import read_recipe
-    from slipmargin.motions.odometry import body_path, wheel_path
 
-    contacts = read_recipe("robotino").build("gray").contacts
+    contacts = read_recipe("robotino").build("gray").geometry
     for path in logs(EXCERPT / "table_0.1"):
         record = READ(path).record
         assert record.theta is not None
@@ -151,18 +166,21 @@ def test_reversed_time(tmp_path: Path) -> None:
     np.testing.assert_array_equal(reading.record.t_s, whole.record.t_s)
     one = READ(damaged(tmp_path, lambda ls: [*ls[:30], ls[31], ls[30], *ls[32:]]))  # two rows swapped
     assert [d.count for d in one.dropped] == [1] and "does not come after" in one.dropped[0].why
-    wild = READ(damaged(tmp_path, lambda ls: [*ls[:30], "9e9" + ls[30][ls[30].index(";"):], *ls[31:]]))
+    wild = READ(damaged(tmp_path, lambda ls: [*ls[:30], "9e9" + ls[30][ls[30].index(";") :], *ls[31:]]))
     assert [(d.line, d.count) for d in wild.dropped] == [(31, 1)]  # one wild stamp costs one row
 
 
-@pytest.mark.parametrize(("change", "told"), [
-    (lambda ls: ls[3:], "no line names the columns"),
-    (lambda ls: [*ls[:2], ls[2].replace("xpos", "xpoz"), *ls[3:]], "3:1: the column 'xpos' is missing"),
-    (lambda ls: [*ls[:3], *(line[:30] for line in ls[3:])], "no row that can be read"),
-    (lambda ls: ls[:4], "only one row"),
-    (lambda ls: ["", ls[1].replace("ms", "fortnight"), *ls[2:]], "t: has the unit 'fortnight'"),
-    (lambda ls: [""], "no line names the columns"),
-])
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda ls: ls[3:], "no line names the columns"),
+        (lambda ls: [*ls[:2], ls[2].replace("xpos", "xpoz"), *ls[3:]], "3:1: the column 'xpos' is missing"),
+        (lambda ls: [*ls[:3], *(line[:30] for line in ls[3:])], "no row that can be read"),
+        (lambda ls: ls[:4], "only one row"),
+        (lambda ls: ["", ls[1].replace("ms", "fortnight"), *ls[2:]], "t: has the unit 'fortnight'"),
+        (lambda ls: [""], "no line names the columns"),
+    ],
+)
 def test_what_cannot_be_read_is_refused_in_one_line(tmp_path: Path, change: object, told: str) -> None:
     with pytest.raises(InputError) as refusal:
         import_files(RobotinoImporter(), [damaged(tmp_path, change)])
@@ -171,8 +189,10 @@ def test_what_cannot_be_read_is_refused_in_one_line(tmp_path: Path, change: obje
 
 def test_a_run_without_the_marker_is_refused(tmp_path: Path) -> None:
     def blind(lines: list[str]) -> list[str]:
-        return [*lines[:3], *(";".join([*line.split(";")[:19], "", "", "", "0", "0", "0", ""])
-                              for line in lines[3:] if line)]
+        return [
+            *lines[:3],
+            *(";".join([*line.split(";")[:19], "", "", "", "0", "0", "0", ""]) for line in lines[3:] if line),
+        ]
 
     with pytest.raises(InputError, match="no row holds the marker"):
         READ(damaged(tmp_path, blind))

@@ -79,17 +79,20 @@ speed = { column = "w", unit = "rpm" }
     assert record.omega is not None and record.omega[1, 0] == pytest.approx(2 * math.pi)
 
 
-@pytest.mark.parametrize(("change", "told"), [
-    (("schema = 1", "schema = 3"), "schema: is another version"),
-    (('"ms"', '"weeks"'), "time.unit: has the unit 'weeks'"),
-    (('separator = ";"', 'separator = "x"'), "separator"),
-    (("ticks_per_turn = 32000", "ticks_per_turn = 0"), "wheel[1].angle.ticks_per_turn"),
-    (("scale = 1.8405", "scale = 0"), "pose.x.scale: is 0"),
-    (("[pose]", "[pose]\nz = 1"), "pose.z: is not a known key"),
-    (('column = "t"', 'columm = "t"'), "time.column: is missing"),
-    (("[[wheel]]\nangle", "[[wheel]]\n[[wheel]]\nangle"), "wheel[1]: has no channel"),
-    (("schema = 1", "schema = 1\nwheels = 3"), "wheels: is not a known key"),
-])
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (("schema = 1", "schema = 3"), "schema: is another version"),
+        (('"ms"', '"weeks"'), "time.unit: has the unit 'weeks'"),
+        (('separator = ";"', 'separator = "x"'), "separator"),
+        (("ticks_per_turn = 32000", "ticks_per_turn = 0"), "wheel[1].angle.ticks_per_turn"),
+        (("scale = 1.8405", "scale = 0"), "pose.x.scale: is 0"),
+        (("[pose]", "[pose]\nz = 1"), "pose.z: is not a known key"),
+        (('column = "t"', 'columm = "t"'), "time.column: is missing"),
+        (("[[wheel]]\nangle", "[[wheel]]\n[[wheel]]\nangle"), "wheel[1]: has no channel"),
+        (("schema = 1", "schema = 1\nwheels = 3"), "wheels: is not a known key"),
+    ],
+)
 def test_a_map_is_read_strictly(tmp_path: Path, change: tuple[str, str], told: str) -> None:
     with pytest.raises(InputError) as refusal:
         mapped(tmp_path, MAP.replace(*change, 1))
@@ -128,23 +131,38 @@ def bag(folder: Path, stamps: list[float], joint: bool = True, velocity: bool = 
             stamp = T["builtin_interfaces/msg/Time"](sec=int(t), nanosec=round((t % 1) * 1e9))
             header = T["std_msgs/msg/Header"](stamp=stamp, frame_id="m")
             yaw = 3.0 + 0.1 * k
-            message = T["geometry_msgs/msg/PoseStamped"](header=header, pose=T["geometry_msgs/msg/Pose"](
-                position=T["geometry_msgs/msg/Point"](x=0.01 * k, y=0.0, z=0.0),
-                orientation=T["geometry_msgs/msg/Quaternion"](x=0.0, y=0.0, z=math.sin(yaw / 2),
-                                                              w=math.cos(yaw / 2))))
+            message = T["geometry_msgs/msg/PoseStamped"](
+                header=header,
+                pose=T["geometry_msgs/msg/Pose"](
+                    position=T["geometry_msgs/msg/Point"](x=0.01 * k, y=0.0, z=0.0),
+                    orientation=T["geometry_msgs/msg/Quaternion"](
+                        x=0.0, y=0.0, z=math.sin(yaw / 2), w=math.cos(yaw / 2)
+                    ),
+                ),
+            )
             at = int(1e9 * (100 + k))
             writer.write(pose, at, store.serialize_cdr(message, "geometry_msgs/msg/PoseStamped"))
             if joint:
                 state = T["sensor_msgs/msg/JointState"](
-                    header=header, name=["b", "a", "c"], position=np.array([2.0, 1.0, 3.0]) * k,
-                    velocity=np.array([2.0, 1.0, 3.0]) if velocity else np.zeros(0), effort=np.zeros(0))
+                    header=header,
+                    name=["b", "a", "c"],
+                    position=np.array([2.0, 1.0, 3.0]) * k,
+                    velocity=np.array([2.0, 1.0, 3.0]) if velocity else np.zeros(0),
+                    effort=np.zeros(0),
+                )
                 writer.write(wheels, at, store.serialize_cdr(state, "sensor_msgs/msg/JointState"))
     return folder
 
 
 def importer(**more: object) -> RosImporter:
-    return RosImporter(**{"pose_topic": "/pose", "joint_topic": "/joint_states",  # type: ignore[arg-type]
-                          "joints": ("a", "-b", "c")} | more)
+    return RosImporter(
+        **{
+            "pose_topic": "/pose",
+            "joint_topic": "/joint_states",  # type: ignore[arg-type]
+            "joints": ("a", "-b", "c"),
+        }
+        | more
+    )
 
 
 def test_a_bag(tmp_path: Path) -> None:
@@ -160,9 +178,11 @@ def test_a_bag(tmp_path: Path) -> None:
 
 def test_bags_that_do_not_fit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     good = bag(tmp_path / "run", [1.0, 2.0])
-    for wrong, told in (({"pose_topic": "/odom"}, "/odom: is not a topic of the bag, use one of: /joint_s"),
-                        ({"joints": ("a", "b", "d")}, "'d' is not a joint, use some of: a, b, c"),
-                        ({"pose_topic": "/joint_states"}, "holds")):
+    for wrong, told in (
+        ({"pose_topic": "/odom"}, "/odom: is not a topic of the bag, use one of: /joint_s"),
+        ({"joints": ("a", "b", "d")}, "'d' is not a joint, use some of: a, b, c"),
+        ({"pose_topic": "/joint_states"}, "holds"),
+    ):
         with pytest.raises(InputError, match=told):
             importer(**wrong).read(good)
     with pytest.raises(InputError, match="there is no such bag"):

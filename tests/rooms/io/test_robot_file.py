@@ -16,8 +16,8 @@ from slipmargin.effects.catalogue import CATALOGUE
 from slipmargin.errors import InputError
 from slipmargin.io.robot_file import built_in_names, read_recipe, recipe_from_text
 from slipmargin.io.robot_text import write_recipe
-from slipmargin.model.terms import ForceTerm, Modulation
-from slipmargin.model.variables import Basis, Frame, Target, Variable
+from slipmargin.physics.terms import ForceTerm, Multiplier
+from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.robot import GripShape, LoadRule, Robot
 
 SHAPES = tuple(GripShape)
@@ -30,7 +30,7 @@ def same(a: object, b: object) -> bool:
     if isinstance(a, tuple):
         return isinstance(b, tuple) and len(a) == len(b) and all(map(same, a, b))
     if hasattr(a, "__dataclass_fields__"):
-        return type(a) is type(b) and all(same(getattr(a, f.name), getattr(b, f.name)) for f in fields(a))  
+        return type(a) is type(b) and all(same(getattr(a, f.name), getattr(b, f.name)) for f in fields(a))
     return a == b
 
 
@@ -57,13 +57,33 @@ def test_written_recipe_reads_back_the_same(data: st.DataObject, robot: Robot) -
 
 def test_unnamed_effects_read_back_the_same() -> None:
     kiwi = read_recipe("ohio-kiwi").robot
-    grip = GeneralEffect(traced_to=Trace.WHEEL_ANGLE, part=Part.GRIP, terms=(
-        Modulation(variable=Variable.WHEEL_ANGLE, basis=Basis.FOURIER, target=Target.BOTH,
-                   shape=np.array([math.pi / 4, 0.0]), coefficients=np.array([0.1, -0.2]),
-                   wheels=np.array([1.0, 0.0, 1.0])),))
-    force = GeneralEffect(traced_to=Trace.POSITION, part=Part.LOSSES, terms=(
-        ForceTerm(variable=Variable.POSITION_X, basis=Basis.POLYNOMIAL, shape=np.array([1.0, 0.0]),
-                  coefficients=np.array([[0.1], [0.2], [0.3]]), frame=Frame.FLOOR),))
+    grip = GeneralEffect(
+        traced_to=Trace.WHEEL_ANGLE,
+        part=Part.GRIP,
+        terms=(
+            Multiplier(
+                variable=Variable.WHEEL_ANGLE,
+                basis=Basis.FOURIER,
+                target=Target.BOTH,
+                shape=np.array([math.pi / 4, 0.0]),
+                coefficients=np.array([0.1, -0.2]),
+                wheels=np.array([1.0, 0.0, 1.0]),
+            ),
+        ),
+    )
+    force = GeneralEffect(
+        traced_to=Trace.POSITION,
+        part=Part.LOSSES,
+        terms=(
+            ForceTerm(
+                variable=Variable.POSITION_X,
+                basis=Basis.POLYNOMIAL,
+                shape=np.array([1.0, 0.0]),
+                coefficients=np.array([[0.1], [0.2], [0.3]]),
+                frame=Frame.FLOOR,
+            ),
+        ),
+    )
     recipe = Recipe(robot=kiwi, effects=(grip, force))
     assert same(recipe, recipe_from_text(write_recipe(recipe)))
 
@@ -84,7 +104,8 @@ def test_a_byte_order_mark_and_windows_lines_are_no_fault(tmp_path: object) -> N
 
 def test_defaults_are_the_published_model() -> None:
     text = GOOD.replace('[loads]\nmodel = "equal"\n', "").replace(
-        '[friction]\nlaw = "atan"\nk_s_per_m = 1000.0\ngrip = "box"\n', "")
+        '[friction]\nlaw = "atan"\nk_s_per_m = 1000.0\ngrip = "box"\n', ""
+    )
     robot = recipe_from_text(text).robot
     assert robot.load_rule is LoadRule.EQUAL and robot.friction.grip is GripShape.BOX
     assert robot.friction.k_s_per_m == 1000.0
@@ -104,8 +125,10 @@ def test_built_in_robots_of_the_contract() -> None:
     # theory.md sections 1 and 6: rho = 25.4 mm, Table I, 90 % rollers / 10 % rigid, n = 8, k = 1000.
     assert {w.radius_m for w in kiwi.wheels} == {0.0254} and {w.rigid_fraction for w in kiwi.wheels} == {0.10}
     assert {w.rollers for w in kiwi.wheels} == {8} and kiwi.friction.k_s_per_m == 1000.0
-    table = {s.name: (s.roller.drive, s.roller.transverse, s.rigid.drive, s.rigid.transverse)
-             for s in kiwi.surfaces}
+    table = {
+        s.name: (s.roller.drive, s.roller.transverse, s.rigid.drive, s.rigid.transverse)
+        for s in kiwi.surfaces
+    }
     assert table == {"paper": (0.26, 0.09, 0.47, 0.47), "carpet": (0.25, 0.15, 0.56, 0.56)}
     # theory.md section 1: the printed no-slip wheel speeds for 0.4 m in 3.5 s along +X.
     from slipmargin_cli.drawing import speeds
@@ -138,9 +161,29 @@ def test_a_good_file_with_a_wound_is_read_or_refused(data: st.DataObject) -> Non
         elif wound == "twice":
             lines[at] += "\n" + lines[at]
         elif wound == "value" and "=" in lines[at]:
-            value = data.draw(st.sampled_from(
-                ("nan", "-inf", "true", '""', '"x"', "[]", "{}", "[[1]]", "-1", "0", "1e400", "2026-01-01",
-                 "{ drive = 1 }", "[nan, 1]", "[true, 1]", "0x10", "9" * 5000)))
+            value = data.draw(
+                st.sampled_from(
+                    (
+                        "nan",
+                        "-inf",
+                        "true",
+                        '""',
+                        '"x"',
+                        "[]",
+                        "{}",
+                        "[[1]]",
+                        "-1",
+                        "0",
+                        "1e400",
+                        "2026-01-01",
+                        "{ drive = 1 }",
+                        "[nan, 1]",
+                        "[true, 1]",
+                        "0x10",
+                        "9" * 5000,
+                    )
+                )
+            )
             lines[at] = lines[at].split("=")[0] + "= " + value
         elif wound == "letter":
             cut = data.draw(st.integers(0, len(lines[at])))

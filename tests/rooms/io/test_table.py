@@ -30,20 +30,23 @@ def test_columns_are_found_by_name() -> None:
         table.values[0, 0] = 1.0
 
 
-@pytest.mark.parametrize(("text", "place", "problem"), [
-    ("", "1:1", "there is no header"),
-    ("t_s,,x_m\n1,2,3\n", "1:2", "no name"),
-    ("t_s,x_m,t_s\n1,2,3\n", "1:3", "given twice"),
-    ("t_s,y_m\n1,2\n", "1:1", "'x_m' is missing"),
-    ("t_s,x_m\n1\n", "2:2", "1 cells"),
-    ("t_s,x_m\n1,2\n3,4,5\n", "3:3", "3 cells"),
-    ("t_s,x_m\n1,two\n", "2:2", "not a number"),
-    ("t_s,x_m\n1,\n", "2:2", "is empty"),
-    ("t_s,x_m\n1,nan\n", "2:2", "'nan'"),
-    ("t_s,x_m\n1,-inf\n", "2:2", "'-inf'"),
-    ("t_s,x_m\n", "2:1", "0 rows"),
-    ("t_s;x_m\n1;2\n", "1:1", "missing"),
-])
+@pytest.mark.parametrize(
+    ("text", "place", "problem"),
+    [
+        ("", "1:1", "there is no header"),
+        ("t_s,,x_m\n1,2,3\n", "1:2", "no name"),
+        ("t_s,x_m,t_s\n1,2,3\n", "1:3", "given twice"),
+        ("t_s,y_m\n1,2\n", "1:1", "'x_m' is missing"),
+        ("t_s,x_m\n1\n", "2:2", "1 cells"),
+        ("t_s,x_m\n1,2\n3,4,5\n", "3:3", "3 cells"),
+        ("t_s,x_m\n1,two\n", "2:2", "not a number"),
+        ("t_s,x_m\n1,\n", "2:2", "is empty"),
+        ("t_s,x_m\n1,nan\n", "2:2", "'nan'"),
+        ("t_s,x_m\n1,-inf\n", "2:2", "'-inf'"),
+        ("t_s,x_m\n", "2:1", "0 rows"),
+        ("t_s;x_m\n1;2\n", "1:1", "missing"),
+    ],
+)
 def test_a_fault_has_line_and_column(text: str, place: str, problem: str) -> None:
     found = fault(text)
     assert found.place == place and problem in found.problem

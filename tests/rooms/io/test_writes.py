@@ -82,9 +82,21 @@ class Word(Enum):
 
 
 def test_json_holds_plain_values_only() -> None:
-    value = {"a": np.array([1.0, math.nan]), "b": np.int64(2), "c": (True, np.bool_(False)), "d": Word.ONE,
-             "e": None, 1: math.inf}
+    value = {
+        "a": np.array([1.0, math.nan]),
+        "b": np.int64(2),
+        "c": (True, np.bool_(False)),
+        "d": Word.ONE,
+        "e": None,
+        1: math.inf,
+    }
     assert json.loads(json_text(value)) == {
-        "a": [1.0, None], "b": 2, "c": [True, False], "d": "one", "e": None, "1": None}
+        "a": [1.0, None],
+        "b": 2,
+        "c": [True, False],
+        "d": "one",
+        "e": None,
+        "1": None,
+    }
     with pytest.raises(TypeError, match="no form in JSON"):
         json_text({"a": object()})

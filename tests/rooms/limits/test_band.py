@@ -14,18 +14,30 @@ from slipmargin.limits import Pull, isotropic, sweep
 from slipmargin.limits.friction import Extreme, coefficients, span
 from slipmargin.limits.sweep import limit
 from slipmargin.model import Model, nominal_model
-from slipmargin.model.terms import ForceTerm, Modulation
-from slipmargin.model.variables import Basis, Frame, Target, Variable
+from slipmargin.physics.terms import ForceTerm, Multiplier
+from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.robot import GripShape, LoadRule
 
 PHI = np.linspace(0.0, 6.0, 7)
 
 
-def with_term(model: Model, variable: Variable, basis: Basis, values: list[float], shape: tuple[float, float],
-              target: Target = Target.BOTH) -> Model:
-    term = Modulation(variable=variable, basis=basis, coefficients=np.array(values), shape=np.array(shape),
-                      wheels=np.ones(model.count), target=target)
-    return replace(model, grip=replace(model.grip, modulations=(*model.grip.modulations, term)))
+def with_term(
+    model: Model,
+    variable: Variable,
+    basis: Basis,
+    values: list[float],
+    shape: tuple[float, float],
+    target: Target = Target.BOTH,
+) -> Model:
+    term = Multiplier(
+        variable=variable,
+        basis=basis,
+        coefficients=np.array(values),
+        shape=np.array(shape),
+        wheels=np.ones(model.count),
+        target=target,
+    )
+    return replace(model, grip=replace(model.grip, multipliers=(*model.grip.multipliers, term)))
 
 
 @settings(max_examples=25, deadline=None)
@@ -62,23 +74,32 @@ def test_all_rigid_wheels_stand_on_rigid_material() -> None:
 
 
 def test_heading_dependence_is_known_in_a_sweep() -> None:
-    model = with_term(nominal_model(kiwi(rigid_fraction=0.0), "paper"), Variable.HEADING, Basis.FOURIER,
-                      [0.0, 0.2], (2 * np.pi, 0.0))
+    model = with_term(
+        nominal_model(kiwi(rigid_fraction=0.0), "paper"),
+        Variable.HEADING,
+        Basis.FOURIER,
+        [0.0, 0.2],
+        (2 * np.pi, 0.0),
+    )
     plain = sweep(nominal_model(kiwi(), "paper"), PHI).f_max_N
     found = sweep(model, PHI)
     np.testing.assert_allclose(found.f_max_N, plain * (1.0 + 0.2 * np.sin(PHI)), rtol=1e-12)
     np.testing.assert_array_equal(found.f_low_N, found.f_max_N)
 
 
-@pytest.mark.parametrize(("variable", "basis", "values", "shape", "low", "high"), [
-    (Variable.WHEEL_ANGLE, Basis.FOURIER, [0.0, 0.3], (2 * np.pi / 8, 0.0), 0.7, 1.3),
-    (Variable.TIME, Basis.DECAY, [0.4], (10.0, 1.0), 0.6, 1.0),
-    (Variable.POSITION_X, Basis.HATS, [0.0, -0.5, 0.2], (0.0, 2.0), 0.5, 1.2),
-    (Variable.POSITION_Y, Basis.WINDOW, [-0.25], (1.0, 2.0), 0.75, 1.0),
-    (Variable.POSITION_X, Basis.POLYNOMIAL, [0.1], (1.0, 0.0), 0.9, 1.1),
-])
-def test_unknown_variables_widen_the_band(variable: Variable, basis: Basis, values: list[float],
-                                          shape: tuple[float, float], low: float, high: float) -> None:
+@pytest.mark.parametrize(
+    ("variable", "basis", "values", "shape", "low", "high"),
+    [
+        (Variable.WHEEL_ANGLE, Basis.FOURIER, [0.0, 0.3], (2 * np.pi / 8, 0.0), 0.7, 1.3),
+        (Variable.TIME, Basis.DECAY, [0.4], (10.0, 1.0), 0.6, 1.0),
+        (Variable.POSITION_X, Basis.HATS, [0.0, -0.5, 0.2], (0.0, 2.0), 0.5, 1.2),
+        (Variable.POSITION_Y, Basis.WINDOW, [-0.25], (1.0, 2.0), 0.75, 1.0),
+        (Variable.POSITION_X, Basis.POLYNOMIAL, [0.1], (1.0, 0.0), 0.9, 1.1),
+    ],
+)
+def test_unknown_variables_widen_the_band(
+    variable: Variable, basis: Basis, values: list[float], shape: tuple[float, float], low: float, high: float
+) -> None:
     base = nominal_model(kiwi(rigid_fraction=0.0), "paper")
     plain, found = sweep(base, PHI).f_max_N, sweep(with_term(base, variable, basis, values, shape), PHI)
     np.testing.assert_allclose(found.f_max_N, plain, rtol=1e-12)  # at v = 0
@@ -86,8 +107,9 @@ def test_unknown_variables_widen_the_band(variable: Variable, basis: Basis, valu
     np.testing.assert_allclose(found.f_high_N, high * plain, rtol=1e-4)
 
 
-@pytest.mark.parametrize("variable", [Variable.SLIP_SPEED, Variable.SPEED, Variable.YAW_RATE,
-                                      Variable.SLIP_RATIO])
+@pytest.mark.parametrize(
+    "variable", [Variable.SLIP_SPEED, Variable.SPEED, Variable.YAW_RATE, Variable.SLIP_RATIO]
+)
 def test_nothing_moves_at_rest(variable: Variable) -> None:
     base = nominal_model(kiwi(), "paper")
     model = with_term(base, variable, Basis.DECAY, [0.5], (0.1, 1.0))
@@ -103,8 +125,14 @@ def test_stiffness_moves_no_limit() -> None:
 
 
 def test_load_dependence_takes_the_loads_at_rest() -> None:
-    model = with_term(nominal_model(kiwi(load_fractions=(0.5, 0.3, 0.2), load_rule=LoadRule.FIXED), "paper"),
-                      Variable.WHEEL_LOAD, Basis.POLYNOMIAL, [-0.2], (1.0, 0.0), Target.DRIVE)
+    model = with_term(
+        nominal_model(kiwi(load_fractions=(0.5, 0.3, 0.2), load_rule=LoadRule.FIXED), "paper"),
+        Variable.WHEEL_LOAD,
+        Basis.POLYNOMIAL,
+        [-0.2],
+        (1.0, 0.0),
+        Target.DRIVE,
+    )
     mu = coefficients(model, np.zeros(3, dtype=bool), PHI)
     want = 0.26 * (1.0 - 0.2 * (np.array([1.5, 0.9, 0.6]) - 1.0))
     np.testing.assert_allclose(mu[0, :, 0, 1], want, rtol=1e-12)
@@ -115,8 +143,13 @@ def test_load_dependence_takes_the_loads_at_rest() -> None:
 def test_nap_holds_better_one_way(shape: GripShape) -> None:
     # Friction 1 + 0.2 cos(heading of the slip): a robot dragged along +x slips along +x and holds better
     # than one dragged along −x.
-    model = with_term(nominal_model(kiwi(rigid_fraction=0.0, grip=shape), "paper"), Variable.SLIP_HEADING,
-                      Basis.FOURIER, [0.2], (2 * np.pi, 0.0))
+    model = with_term(
+        nominal_model(kiwi(rigid_fraction=0.0, grip=shape), "paper"),
+        Variable.SLIP_HEADING,
+        Basis.FOURIER,
+        [0.2],
+        (2 * np.pi, 0.0),
+    )
     plain = limit(nominal_model(kiwi(grip=shape), "paper"), PHI, Pull())
     with_nap, against = limit(model, PHI, Pull()), limit(model, PHI, Pull(direction_rad=np.pi))
     assert np.all(with_nap > plain)
@@ -126,12 +159,17 @@ def test_nap_holds_better_one_way(shape: GripShape) -> None:
 
 def test_place_dependent_force_widens_the_band() -> None:
     base = nominal_model(kiwi(rigid_fraction=0.0), "paper")
-    term = ForceTerm(variable=Variable.POSITION_X, basis=Basis.HATS, shape=np.array([0.0, 1.0]),
-                     frame=Frame.FLOOR, coefficients=np.array([[0.0, 0.5], [0.0, 0.0], [0.0, 0.0]]))
+    term = ForceTerm(
+        variable=Variable.POSITION_X,
+        basis=Basis.HATS,
+        shape=np.array([0.0, 1.0]),
+        frame=Frame.FLOOR,
+        coefficients=np.array([[0.0, 0.5], [0.0, 0.0], [0.0, 0.0]]),
+    )
     for shape, rtol in ((GripShape.BOX, 1e-12), (GripShape.ELLIPSE, 1e-7)):
         bare = replace(base, grip=replace(base.grip, shape=shape))
         plain = limit(bare, PHI, Pull())
-        found = sweep(replace(bare, losses=replace(bare.losses, terms=(term,))), PHI)
+        found = sweep(replace(bare, external=replace(bare.external, terms=(term,))), PHI)
         np.testing.assert_allclose(found.f_max_N, plain, rtol=rtol)
         np.testing.assert_allclose(found.f_low_N, plain - 0.5, rtol=rtol)
         np.testing.assert_allclose(found.f_high_N, plain, rtol=rtol)
@@ -139,9 +177,14 @@ def test_place_dependent_force_widens_the_band() -> None:
 
 def test_forces_against_the_motion_are_silent_at_rest() -> None:
     base = nominal_model(kiwi(), "paper")
-    drag = ForceTerm(variable=Variable.UNITY, basis=Basis.CONSTANT, shape=np.ones(2),
-                     coefficients=np.array([[1.0], [0.0], [0.0]]), frame=Frame.AGAINST_MOTION)
-    model = replace(base, losses=replace(base.losses, terms=(drag,)))
+    drag = ForceTerm(
+        variable=Variable.UNITY,
+        basis=Basis.CONSTANT,
+        shape=np.ones(2),
+        coefficients=np.array([[1.0], [0.0], [0.0]]),
+        frame=Frame.AGAINST_MOTION,
+    )
+    model = replace(base, external=replace(base.external, terms=(drag,)))
     np.testing.assert_array_equal(sweep(model, PHI).f_max_N, sweep(base, PHI).f_max_N)
 
 
@@ -152,8 +195,10 @@ def test_time_only_runs_forwards() -> None:
 
 def test_extremes_bracket_the_neutral_value() -> None:
     model = with_term(nominal_model(kiwi(), "paper"), Variable.POSITION_X, Basis.HATS, [0.3, 0.4], (1.0, 2.0))
-    low, mid, high = (coefficients(model, np.zeros(3, dtype=bool), PHI, e)
-                      for e in (Extreme.LOW, Extreme.NEUTRAL, Extreme.HIGH))
+    low, mid, high = (
+        coefficients(model, np.zeros(3, dtype=bool), PHI, e)
+        for e in (Extreme.LOW, Extreme.NEUTRAL, Extreme.HIGH)
+    )
     assert np.all(low <= mid)
     assert np.all(mid <= high)
 

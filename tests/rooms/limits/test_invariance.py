@@ -30,9 +30,14 @@ def moved(robot: Robot, place: np.ndarray, *, turn_deg: float = 0.0, mirror: boo
     """The robot with a linear map (2, 2) applied to its wheels and centre of mass."""
     sign = -1.0 if mirror else 1.0
     wheels = tuple(
-        replace(w, position_m=place @ w.position_m, roller_angle_deg=sign * w.roller_angle_deg,
-                drive_direction_deg=sign * w.drive_direction_deg + (180.0 if mirror else turn_deg))
-        for w in robot.wheels)
+        replace(
+            w,
+            position_m=place @ w.position_m,
+            roller_angle_deg=sign * w.roller_angle_deg,
+            drive_direction_deg=sign * w.drive_direction_deg + (180.0 if mirror else turn_deg),
+        )
+        for w in robot.wheels
+    )
     return replace(robot, wheels=wheels, body=replace(robot.body, com_m=place @ robot.body.com_m))
 
 
@@ -42,8 +47,10 @@ def test_size(robot: Robot, factor: float) -> None:
     grown = moved(robot, factor * np.eye(2))
     grown = replace(grown, body=replace(grown.body, com_height_m=factor * robot.body.com_height_m))
     same(force(grown), force(robot), robot)
-    pull, far = Pull(point_m=np.array([0.1, 0.2]), height_m=0.1), Pull(
-        point_m=factor * np.array([0.1, 0.2]), height_m=factor * 0.1)
+    pull, far = (
+        Pull(point_m=np.array([0.1, 0.2]), height_m=0.1),
+        Pull(point_m=factor * np.array([0.1, 0.2]), height_m=factor * 0.1),
+    )
     same(force(grown, pull=far), force(robot, pull=pull), robot)
 
 

@@ -68,7 +68,10 @@ def test_default_length_is_the_largest_lever_arm() -> None:
 
 def test_limiting_wheels_are_named() -> None:
     assert set(margin(wrench_set(nominal_model(kiwi(), "paper")), np.array([1.0, 0.0, 0.0])).limiting) <= {
-        "right", "left", "rear"}
+        "right",
+        "left",
+        "rear",
+    }
 
 
 @pytest.mark.parametrize(("wrench", "length"), [(np.zeros(2), None), (np.zeros(3), 0.0), (np.zeros(3), -1.0)])

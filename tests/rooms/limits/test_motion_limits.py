@@ -12,7 +12,6 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import linprog
 from strategies import four_wheels, kiwi, models, reals
 
-from slipmargin.checks import GRAVITY_M_S2
 from slipmargin.effects import Recipe
 from slipmargin.effects.floor_tilt import FloorTilt
 from slipmargin.effects.rolling_resistance import RollingResistance
@@ -24,8 +23,9 @@ from slipmargin.limits.motion import (
     needed_share,
 )
 from slipmargin.limits.motion_realised import realised, settling
-from slipmargin.limits.motion_state import Contact, Motion, wheel_speeds
+from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model, nominal_model
+from slipmargin.physics.constants import GRAVITY_M_S2
 from slipmargin.robot import GripShape, LoadRule, Motor
 
 X = np.array([[1.0, 0.0, 0.0]])
@@ -41,13 +41,13 @@ def twists() -> st.SearchStrategy[np.ndarray]:
 
 def by_lp(model: Model, velocity: np.ndarray, direction: np.ndarray, rigid: np.ndarray) -> float:
     """Largest t with drive forces f: Σ b f − Σ t_i μ_T N_i sign = M a(t), |f_i| ≤ μ_W N_i(a), N_i ≥ 0."""
-    n, c, com = model.count, model.contacts, model.inertia.com_m
+    n, c, com = model.count, model.geometry, model.inertia.com_m
     mu = np.where(rigid[:, None], model.grip.rigid, model.grip.roller)
     hub = velocity[:2] + velocity[2] * np.column_stack([-c.position_m[:, 1], c.position_m[:, 0]])
     roll = -np.sum(hub * c.grip, axis=1) / np.sum(c.drive * c.grip, axis=1)
     sign = np.sign(np.sum(hub * c.free, axis=1) + roll * np.sum(c.drive * c.free, axis=1))
     along, across = model.wrench_maps()
-    a0 = -velocity[2] ** 2 * np.array([*com, 0.0])
+    a0 = -(velocity[2] ** 2) * np.array([*com, 0.0])
     a1 = direction + direction[2] * np.array([-com[1], com[0], 0.0])
     mass = np.diag([model.inertia.mass_kg] * 2 + [model.inertia.inertia_kg_m2])
     per = np.column_stack([model.loads.per_acceleration_kg, np.zeros(n)])
@@ -84,8 +84,11 @@ def test_facets_agree_with_the_program_over_forces(
 @settings(max_examples=20, deadline=None)
 @given(models(max_wheels=4), twists(), reals(-np.pi, np.pi))
 def test_unknown_contact_is_the_worst_of_all_states(model: Model, velocity: np.ndarray, way: float) -> None:
-    model = replace(model, grip=replace(model.grip, rigid_fraction=np.full(model.count, 0.1)),
-                    loads=replace(model.loads, per_acceleration_kg=np.zeros((model.count, 2))))
+    model = replace(
+        model,
+        grip=replace(model.grip, rigid_fraction=np.full(model.count, 0.1)),
+        loads=replace(model.loads, per_acceleration_kg=np.zeros((model.count, 2))),
+    )
     direction = np.array([np.cos(way), np.sin(way), 0.0])
     motion = Motion(velocity=velocity[None], saturated=True)
     answer = acceleration_limit(model, motion, direction[None], contact=Contact.UNKNOWN).value[0]
@@ -129,9 +132,9 @@ def unbalanced(
     open_loop: bool,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Wrench left over from the wheels' forces, and their use: Newton's law, wheel by wheel."""
-    c, com, k = model.contacts, model.inertia.com_m, model.grip.k_s_per_m
+    c, com, k = model.geometry, model.inertia.com_m, model.grip.k_s_per_m
     at_com = velocity[:2] + velocity[2] * np.array([-com[1], com[0]]) + creep[:2]
-    spin = wheel_speeds(model, velocity)
+    spin = model.geometry.wheel_speeds(velocity)
     total, use = np.zeros(3), np.zeros(model.count)
     for i in range(model.count):
         arm = c.position_m[i] - com
@@ -141,8 +144,10 @@ def unbalanced(
             + c.radius_m[i] * spin[i] * c.drive[i]
         )
         use[i] = abs(2.0 / np.pi * np.arctan(k * (slip @ c.grip[i])))
-        f = sum(-load[i] * model.grip.roller[i, j] * 2.0 / np.pi * np.arctan(k * (slip @ e)) * e
-                for j, e in enumerate((c.grip[i], c.free[i])))
+        f = sum(
+            -load[i] * model.grip.roller[i, j] * 2.0 / np.pi * np.arctan(k * (slip @ e)) * e
+            for j, e in enumerate((c.grip[i], c.free[i]))
+        )
         total += [*f, arm[0] * f[1] - arm[1] * f[0]]
     a = asked[:2] + asked[2] * np.array([-com[1], com[0]]) - velocity[2] ** 2 * com
     if open_loop:
@@ -185,8 +190,7 @@ def test_settling_after_a_jump_is_the_equation_of_motion(
     def rate(_: float, creep: np.ndarray) -> np.ndarray:
         return unbalanced(model, velocity, jump, creep, load, True)[0] / mass
 
-    path = solve_ivp(rate, (0.0, 0.5), ends[0].twist[0], method="LSODA", rtol=1e-7, atol=1e-10,
-                     max_step=1e-3)
+    path = solve_ivp(rate, (0.0, 0.5), ends[0].twist[0], method="LSODA", rtol=1e-7, atol=1e-10, max_step=1e-3)
     uses = [unbalanced(model, velocity, jump, creep, load, True)[1] for creep in path.y.T]
     most = np.max([*uses, ends[1].use[0]], axis=0)  # half a second may not be the end of it
     found = settling(model, before, after)[0]
@@ -220,8 +224,10 @@ def test_use_beyond_the_limit_says_by_how_much() -> None:
     model = nominal_model(kiwi(), "paper")
     limit = acceleration_limit(model, Motion(velocity=X, saturated=True), X).value[0]
     fast = np.array([[20.0, 0.0, 0.0]])
-    shares = [np.max(realised(model, Motion(velocity=fast, acceleration=part * limit * X)).use)
-              for part in (0.5, 1.0, 1.2, 2.0)]
+    shares = [
+        np.max(realised(model, Motion(velocity=fast, acceleration=part * limit * X)).use)
+        for part in (0.5, 1.0, 1.2, 2.0)
+    ]
     steady = 0.53122
     assert shares == pytest.approx(
         [steady + part * (1.0 - steady) for part in (0.5, 1.0, 1.2, 2.0)], abs=2e-3
@@ -270,8 +276,13 @@ def test_coupled_grips_leave_less_for_the_drive() -> None:
     motion, limits = Motion(velocity=X, saturated=True), []
     for shape in (GripShape.BOX, GripShape.DISC_STRIP):
         model = nominal_model(kiwi(grip=shape), "paper")
-        limits.append(acceleration_limit(model, Motion(velocity=np.array([[0.0, 1.0, 0.0]]), saturated=True),
-                                         np.array([[0.0, 1.0, 0.0]])).value[0])
+        limits.append(
+            acceleration_limit(
+                model,
+                Motion(velocity=np.array([[0.0, 1.0, 0.0]]), saturated=True),
+                np.array([[0.0, 1.0, 0.0]]),
+            ).value[0]
+        )
     assert limits[1] < limits[0]
     # a wheel that slides as a whole has no grip left beside full drag: it must slip
     ellipse = nominal_model(kiwi(grip=GripShape.ELLIPSE), "paper")
@@ -286,9 +297,12 @@ def test_the_polytope_contains_the_limits_and_refuses_where_nothing_is_left() ->
     for way in np.linspace(0.0, 2.0 * np.pi, 7):
         d = np.array([np.cos(way), np.sin(way), 0.0])
         limit = acceleration_limit(model, motion, d[None]).value[0]
-        inside = linprog(np.append(np.zeros(8), -1.0), A_eq=np.vstack([
-            np.column_stack([corners.T, -d]), np.append(np.ones(8), 0.0)]), b_eq=np.array([0, 0, 0, 1.0]),
-            bounds=[(0, None)] * 9)
+        inside = linprog(
+            np.append(np.zeros(8), -1.0),
+            A_eq=np.vstack([np.column_stack([corners.T, -d]), np.append(np.ones(8), 0.0)]),
+            b_eq=np.array([0, 0, 0, 1.0]),
+            bounds=[(0, None)] * 9,
+        )
         assert inside.x[-1] == pytest.approx(limit, rel=1e-6)
     with pytest.raises(NoSolution, match="no acceleration is admissible"):
         acceleration_polytope(nominal_model(kiwi(grip=GripShape.ELLIPSE), "paper"), motion)

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from strategies import four_wheels, kiwi, models
 
-from slipmargin.checks import GRAVITY_M_S2
 from slipmargin.effects import Recipe
 from slipmargin.effects.floor_tilt import FloorTilt
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.limits import Pull, pull_limit, sensitivity, sweep
 from slipmargin.limits.sweep import limit
 from slipmargin.model import Model, nominal_model
+from slipmargin.physics.constants import GRAVITY_M_S2
 from slipmargin.robot import GripShape, LoadRule
 
 PHI = np.linspace(0.0, 2.0 * np.pi, 25)
@@ -71,8 +71,10 @@ def test_height_goes_to_zero_smoothly(model: Model) -> None:
 def test_pull_towards_the_heavy_side_holds_better() -> None:
     # Pulled high along +x the right wheel gains what the others lose; mirrored pulls mirror the answer.
     model = nominal_model(kiwi(), "paper")
-    right, left = limit(model, np.array([0.3]), Pull(height_m=0.1)), limit(
-        model, np.array([-0.3]), Pull(direction_rad=np.pi, height_m=0.1))
+    right, left = (
+        limit(model, np.array([0.3]), Pull(height_m=0.1)),
+        limit(model, np.array([-0.3]), Pull(direction_rad=np.pi, height_m=0.1)),
+    )
     np.testing.assert_allclose(right, left, rtol=1e-12)
 
 
@@ -98,10 +100,15 @@ def test_slope_too_steep_to_stand_on(shape: GripShape) -> None:
         pull_limit(model, 0.0, Pull(direction_rad=np.pi))  # pulled uphill it would hold, were it let
 
 
-@pytest.mark.parametrize(("key", "value"), [
-    ("direction_rad", float("nan")), ("height_m", -0.1), ("moment_m", float("inf")),
-    ("point_m", [1.0, 2.0, 3.0]),
-])
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("direction_rad", float("nan")),
+        ("height_m", -0.1),
+        ("moment_m", float("inf")),
+        ("point_m", [1.0, 2.0, 3.0]),
+    ],
+)
 def test_bad_pulls_are_refused_by_name(key: str, value: object) -> None:
     with pytest.raises(InputError, match=key):
         Pull(**{key: value})  # type: ignore[arg-type]

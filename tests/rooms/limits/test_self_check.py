@@ -25,8 +25,11 @@ def test_it_agrees_on_drawn_robots(model: Model) -> None:
     assert self_check(model, PHI, force) < (1e-8 if exact else 1e-5)
 
 
-@pytest.mark.parametrize("robot", [kiwi(), four_wheels(), four_wheels(grip=GripShape.ELLIPSE)],
-                         ids=["kiwi", "mecanum", "mecanum-ellipse"])
+@pytest.mark.parametrize(
+    "robot",
+    [kiwi(), four_wheels(), four_wheels(grip=GripShape.ELLIPSE)],
+    ids=["kiwi", "mecanum", "mecanum-ellipse"],
+)
 def test_it_sees_a_wrong_number_and_a_slope(robot: Robot) -> None:
     model = nominal_model(robot, "paper")
     force = sweep(model, PHI, with_band=False).f_max_N

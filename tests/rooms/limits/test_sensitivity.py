@@ -34,8 +34,9 @@ def test_box_derivatives(pull: Pull, model: Model, pick: int) -> None:
     h = 1e-7
     up, down = limit(shifted(model, i, j, h), PHI, pull), limit(shifted(model, i, j, -h), PHI, pull)
     numeric = (up - down) / (2 * h)
-    np.testing.assert_allclose(found.per_coefficient_N[one, i, j], numeric[one], rtol=2e-5,
-                               atol=2e-6 * model.inertia.weight_N)
+    np.testing.assert_allclose(
+        found.per_coefficient_N[one, i, j], numeric[one], rtol=2e-5, atol=2e-6 * model.inertia.weight_N
+    )
 
 
 @pytest.mark.parametrize("shape", [GripShape.ELLIPSE, GripShape.DISC_STRIP])
@@ -48,8 +49,11 @@ def test_coupled_derivatives(robot: object, shape: GripShape) -> None:
             for j in range(2):
                 up = limit(shifted(model, i, j, h), PHI, pull)
                 down = limit(shifted(model, i, j, -h), PHI, pull)
-                np.testing.assert_allclose(found.per_coefficient_N[:, i, j], (up - down) / (2 * h),
-                                           atol=3e-4 * model.inertia.weight_N)
+                np.testing.assert_allclose(
+                    found.per_coefficient_N[:, i, j],
+                    (up - down) / (2 * h),
+                    atol=3e-4 * model.inertia.weight_N,
+                )
 
 
 @settings(max_examples=30, deadline=None)
@@ -72,8 +76,12 @@ def test_saturated_forces_are_the_binding_rows_of_the_linear_program(model: Mode
             held = set(rows.binding(1e-5))
             names = {n.rsplit(" ≤", 1)[0].rsplit(" ≥", 1)[0] for n in held}
             facet = found.per_coefficient_N[m] > 1e-4 * found.per_coefficient_N[m].max()
-            sure = {f"{w} {p}" for w, pair in zip(found.names, facet, strict=True)
-                    for p, on in zip(("drive", "transverse"), pair, strict=True) if on}
+            sure = {
+                f"{w} {p}"
+                for w, pair in zip(found.names, facet, strict=True)
+                for p, on in zip(("drive", "transverse"), pair, strict=True)
+                if on
+            }
             assert sure <= names <= set(found.forces()[m])
 
 

@@ -22,8 +22,12 @@ AGREE = 1e-7  # relative: what the issue asks of the three
 def pulls(draw: st.DrawFn) -> Pull:
     """Any direction, any point on the robot, any height."""
     point = None if draw(st.booleans()) else np.array([draw(reals(-0.3, 0.3)), draw(reals(-0.3, 0.3))])
-    return Pull(direction_rad=draw(reals(-3.0, 3.0)), point_m=point, moment_m=draw(reals(-0.2, 0.2)),
-                height_m=draw(st.sampled_from((0.0, 0.0, 0.05, 0.2))))
+    return Pull(
+        direction_rad=draw(reals(-3.0, 3.0)),
+        point_m=point,
+        moment_m=draw(reals(-0.2, 0.2)),
+        height_m=draw(st.sampled_from((0.0, 0.0, 0.05, 0.2))),
+    )
 
 
 @settings(max_examples=250, deadline=None)
@@ -92,7 +96,10 @@ def test_rows_of_the_program_are_eqs_13_to_18() -> None:
     assert program.a[program.row("rear drive ≤ +μ N"), program.variable("rear drive")] == 1.0
     assert program.b[program.row("rear drive ≤ +μ N")] == pytest.approx(1.0 / 3.0)
     assert pull_limit(model, 0.0).binding() == (
-        "right transverse ≥ −μ N", "left transverse ≤ +μ N", "rear drive ≥ −μ N")
+        "right transverse ≥ −μ N",
+        "left transverse ≤ +μ N",
+        "rear drive ≥ −μ N",
+    )
 
 
 @settings(max_examples=25, deadline=None)

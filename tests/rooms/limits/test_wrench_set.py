@@ -51,23 +51,27 @@ def test_only_the_box_is_polyhedral() -> None:
 
 
 def test_importing_limits_loads_no_solver() -> None:
-    code = ("import sys, slipmargin.limits\n"
-            "print([m for m in ('cvxpy', 'clarabel', 'scipy', 'numba', 'matplotlib') if m in sys.modules])")
+    code = (
+        "import sys, slipmargin.limits\n"
+        "print([m for m in ('cvxpy', 'clarabel', 'scipy', 'numba', 'matplotlib') if m in sys.modules])"
+    )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert out.stdout.strip() == "[]"
 
 
 def test_box_sweep_loads_no_solver() -> None:
-    code = ("import sys, numpy as np\nsys.path.insert(0, 'tests')\n"
-            "from slipmargin.limits import sweep\nfrom slipmargin.model import nominal_model\n"
-            "from slipmargin.robot import *\n"
-            "a = [15, 165, -90]\n"
-            "w = tuple(Wheel(name=str(k), position_m=[np.cos(np.deg2rad(k)), np.sin(np.deg2rad(k))],\n"
-            "                drive_direction_deg=k + 90.0, radius_m=0.02) for k in a)\n"
-            "c = Coefficients(drive=0.3, transverse=0.1)\n"
-            "r = Robot(name='r', body=Body(mass_kg=1.0, inertia_kg_m2=1.0), wheels=w,\n"
-            "          surfaces=(Surface(name='s', roller=c, rigid=c),))\n"
-            "sweep(nominal_model(r, 's'), np.zeros(3)).limiting()\n"
-            "print([m for m in ('cvxpy', 'clarabel', 'scipy', 'numba', 'matplotlib') if m in sys.modules])")
+    code = (
+        "import sys, numpy as np\nsys.path.insert(0, 'tests')\n"
+        "from slipmargin.limits import sweep\nfrom slipmargin.model import nominal_model\n"
+        "from slipmargin.robot import *\n"
+        "a = [15, 165, -90]\n"
+        "w = tuple(Wheel(name=str(k), position_m=[np.cos(np.deg2rad(k)), np.sin(np.deg2rad(k))],\n"
+        "                drive_direction_deg=k + 90.0, radius_m=0.02) for k in a)\n"
+        "c = Coefficients(drive=0.3, transverse=0.1)\n"
+        "r = Robot(name='r', body=Body(mass_kg=1.0, inertia_kg_m2=1.0), wheels=w,\n"
+        "          surfaces=(Surface(name='s', roller=c, rigid=c),))\n"
+        "sweep(nominal_model(r, 's'), np.zeros(3)).limiting()\n"
+        "print([m for m in ('cvxpy', 'clarabel', 'scipy', 'numba', 'matplotlib') if m in sys.modules])"
+    )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert out.stdout.strip() == "[]"

@@ -51,8 +51,9 @@ def test_smoothing_tames_measured_noise() -> None:
 
 
 def test_the_verdict_turns_at_the_limit() -> None:
-    limit = acceleration_limit(KIWI, Motion(velocity=np.array([[1.0, 0, 0]]), saturated=True),
-                               np.array([[1.0, 0, 0]])).value[0]
+    limit = acceleration_limit(
+        KIWI, Motion(velocity=np.array([[1.0, 0, 0]]), saturated=True), np.array([[1.0, 0, 0]])
+    ).value[0]
     t = np.linspace(0.0, 3.0, 301)
     below, above = (check(KIWI, t, bang(part * limit, t)) for part in (0.97, 1.03))
     assert below.admissible and below.time_scale_needed == 1.0

@@ -23,12 +23,20 @@ def numeric(path: Path, s: np.ndarray, h: float = 1e-5) -> tuple[np.ndarray, np.
 def mixed() -> Path:
     """A line, half a circle with the heading along, a line back."""
     half = arc([1.0, 0.0, 0.0], [1.0, 0.4], np.pi, 0.0, ARM)
-    return Path(pieces=(line([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], ARM), half,
-                        line([1.0, 0.8, 0.0], [0.0, 0.8, 0.0], ARM)))
+    return Path(
+        pieces=(
+            line([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], ARM),
+            half,
+            line([1.0, 0.8, 0.0], [0.0, 0.8, 0.0], ARM),
+        )
+    )
 
 
-@pytest.mark.parametrize("path", [through(WAY), corners(WAY, blend_m=0.1), mixed(),
-                                  through(RING, closed=True)], ids=["spline", "corners", "arc", "closed"])
+@pytest.mark.parametrize(
+    "path",
+    [through(WAY), corners(WAY, blend_m=0.1), mixed(), through(RING, closed=True)],
+    ids=["spline", "corners", "arc", "closed"],
+)
 def test_derivatives_are_the_derivatives(path: Path) -> None:
     s = path.length * np.linspace(0.013, 0.987, 41)
     s = s[np.min(np.abs(s[:, None] - path.breaks), axis=1) > 1e-3]
@@ -70,13 +78,16 @@ def test_the_grid_is_dense_where_the_path_bends_and_hits_every_knot() -> None:
         grid_of(path, 5)
 
 
-@pytest.mark.parametrize(("points", "place", "problem"), [
-    ([[0, 0, 0]], "waypoint", "no path"),
-    ([[0, 0, 0], [1, 0, 0], [1, 0, 0]], "waypoint 3", "repeats waypoint 2"),
-    ([[0, 0, 0], [1, np.nan, 0]], "waypoint 2", "nan"),
-    ([[0, 0], [1, 0]], "waypoint", "shape"),
-    ([[0, 0, 0], [1, 0, 0], [0, 0, 0], [0, 1, 0]], "waypoint 2", "turns back on itself"),
-])
+@pytest.mark.parametrize(
+    ("points", "place", "problem"),
+    [
+        ([[0, 0, 0]], "waypoint", "no path"),
+        ([[0, 0, 0], [1, 0, 0], [1, 0, 0]], "waypoint 3", "repeats waypoint 2"),
+        ([[0, 0, 0], [1, np.nan, 0]], "waypoint 2", "nan"),
+        ([[0, 0], [1, 0]], "waypoint", "shape"),
+        ([[0, 0, 0], [1, 0, 0], [0, 0, 0], [0, 1, 0]], "waypoint 2", "turns back on itself"),
+    ],
+)
 def test_bad_waypoints_are_named(points: list[list[float]], place: str, problem: str) -> None:
     for make in (through, lambda p: corners(p, blend_m=0.1)):
         with pytest.raises(InputError, match=problem) as caught:
@@ -103,4 +114,3 @@ def test_kinks_say_which_and_offer_blending() -> None:
         line([0, 0, 0], [0, 0, 0], ARM)
     with pytest.raises(InputError, match="has no length"):
         arc([0, 0, 0], [0, 0], 1.0, 0.0, ARM)
-

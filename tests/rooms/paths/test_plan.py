@@ -9,7 +9,7 @@ import pytest
 from strategies import four_wheels, kiwi
 
 from slipmargin.errors import InputError, NoSolution
-from slipmargin.limits.motion_state import Contact, wheel_speeds
+from slipmargin.limits.motion_state import Contact
 from slipmargin.model import Model, nominal_model
 from slipmargin.paths import core
 from slipmargin.paths.along import Caps
@@ -103,7 +103,7 @@ def test_the_samples_are_one_motion(eight: Plan) -> None:
     assert (rows.velocity[1:] - rows.velocity[0])[inner] == pytest.approx(gained[inner], abs=2e-2)
     assert rows.velocity[[0, -1]] == pytest.approx(np.zeros((2, 3)), abs=1e-6)
     body = to_body(rows.pose[:, 2], rows.velocity)
-    assert rows.omega == pytest.approx(wheel_speeds(eight.model, body), abs=1e-12)
+    assert rows.omega == pytest.approx(eight.model.geometry.wheel_speeds(body), abs=1e-12)
     # sign: ρ θ̇ ŝ·ĝ = −(v + ω×p)·ĝ, the rear wheel of the kiwi drives along +X
     straight = trajectory(plan(MODELS["kiwi"], PATHS["straight"], Request(points=50)))
     assert np.all(straight.omega[1:-1, 2] < 0.0)
@@ -204,9 +204,15 @@ def test_an_ellipsoid_limits_like_its_box_along_an_axis() -> None:
     shape = Geometry.of(MODELS["kiwi"], path, grid, np.array([0.0, 1.0]))
     found = plan(MODELS["kiwi"], path, Request(points=60), grid=grid)
     free = replace(found.rows, c=np.full_like(found.rows.c, 1e6))
-    round_ = convex_profile(grid.step, free, ellipsoids=Ellipsoids(
-        Q=np.diag([1.0 / 0.4, 1.0, 1.0]), push=np.swapaxes(shape.push, 0, 1),
-        bend=np.swapaxes(shape.bend, 0, 1)))
+    round_ = convex_profile(
+        grid.step,
+        free,
+        ellipsoids=Ellipsoids(
+            Q=np.diag([1.0 / 0.4, 1.0, 1.0]),
+            push=np.swapaxes(shape.push, 0, 1),
+            bend=np.swapaxes(shape.bend, 0, 1),
+        ),
+    )
     assert round_.duration_s == pytest.approx(2.0 * np.sqrt(1.0 / 0.4), rel=2e-3)  # 1 m at ±0.4 m/s²
     with pytest.raises(NoSolution, match="convex profile"):
         convex_profile(grid.step, replace(found.rows, c=-np.abs(found.rows.c)))

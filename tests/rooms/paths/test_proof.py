@@ -13,7 +13,7 @@ import pytest
 from slipmargin.limits.motion_friction import sigma
 from slipmargin.paths.plan import Request, plan
 from slipmargin.paths.sample import at_use, trajectory
-from slipmargin.study.verify import on_rollers, verify
+from slipmargin.paths.verify import on_rollers, verify
 
 
 def test_drawn_robots_keep_their_margin_in_the_simulator() -> None:

@@ -129,14 +129,39 @@ def test_page_tells_the_whole_story(rich: str) -> None:
     tree = read(rich)
     said = " ".join(" ".join(tree.text).split())
     assert tree.headings == [
-        "The answer in numbers", "What was measured", "What did not fit", "Why: the suspects",
-        "The evidence: runs that no fit has seen", "What was found", "What it changes", "What to do next",
-        "Details"]
-    for part in ("19.2 → 0.6 mm", "The model lacks wheel_loads", "6 runs of 3 s", "0.5 mm in x", "estimated",
-                 "4 outlying samples", "in trial-02 at 1.25 s", "wheel load (61 % of its turning part)",
-                 "p ≤ 0.001", "41", "load_transfer", "0.0120 (0.0115 … 0.0125)", "load_fraction1",
-                 "at the edge of its range", "Doubt", "weigh the wheels", "corrected.toml",
-                 "unnamed_position.c3", "Planned anew it takes", "a remark about the log", "812"):
+        "The answer in numbers",
+        "What was measured",
+        "What did not fit",
+        "Why: the suspects",
+        "The evidence: runs that no fit has seen",
+        "What was found",
+        "What it changes",
+        "What to do next",
+        "Details",
+    ]
+    for part in (
+        "19.2 → 0.6 mm",
+        "The model lacks wheel_loads",
+        "6 runs of 3 s",
+        "0.5 mm in x",
+        "estimated",
+        "4 outlying samples",
+        "in trial-02 at 1.25 s",
+        "wheel load (61 % of its turning part)",
+        "p ≤ 0.001",
+        "41",
+        "load_transfer",
+        "0.0120 (0.0115 … 0.0125)",
+        "load_fraction1",
+        "at the edge of its range",
+        "Doubt",
+        "weigh the wheels",
+        "corrected.toml",
+        "unnamed_position.c3",
+        "Planned anew it takes",
+        "a remark about the log",
+        "812",
+    ):
         assert part in said, part
 
 
@@ -170,9 +195,13 @@ def test_what_remains_is_named_by_its_variable() -> None:
 
 
 def test_limits_that_do_not_move_are_said_to_stay() -> None:
-    finding = wheel_loads(effect=CameraDelay(delay_s=0.02), name="camera_delay", traced_to=Trace.MEASUREMENT,
-                          derived=(), parameters=(Estimate(name="delay_s", value=0.02, low=0.018, high=0.022,
-                                                           unit="s"),))
+    finding = wheel_loads(
+        effect=CameraDelay(delay_s=0.02),
+        name="camera_delay",
+        traced_to=Trace.MEASUREMENT,
+        derived=(),
+        parameters=(Estimate(name="delay_s", value=0.02, low=0.018, high=0.022, unit="s"),),
+    )
     assert "No limit changes" in text_of(diagnosis(findings=(finding,)))
 
 
@@ -218,45 +247,76 @@ def test_pictures_are_the_page_s_own() -> None:
 def test_every_kind_of_block() -> None:
     figure = Figure(figsize=(3, 2))
     figure.add_subplot().plot([0, 1], [0, 1])
-    blocks = (Text(text="a `b`"), Bullets(items=("one",)), Bullets(items=("two",), numbered=True),
-              Code(text="x < 1"),
-              Table(caption="c", head=("h", "i"), rows=(("1", "2"),), numbers=False),
-              Facts(facts=(Fact(label="l", value="v"), Fact(label="m", value="w", note="n"))),
-              Fold(summary="more", blocks=(Picture(name="p", figure=figure, alt='a "quoted" line',
-                                                   caption="line"),)))
+    blocks = (
+        Text(text="a `b`"),
+        Bullets(items=("one",)),
+        Bullets(items=("two",), numbered=True),
+        Code(text="x < 1"),
+        Table(caption="c", head=("h", "i"), rows=(("1", "2"),), numbers=False),
+        Facts(facts=(Fact(label="l", value="v"), Fact(label="m", value="w", note="n"))),
+        Fold(
+            summary="more", blocks=(Picture(name="p", figure=figure, alt='a "quoted" line', caption="line"),)
+        ),
+    )
     built = Page(title="T", lead="L", sections=(Section(heading="H", blocks=blocks),))
     tree = read(html(built))
     assert set(pictures(built)) == {"p.png"}
     assert {"T", "L", "H", "one", "two", "x < 1", "more", "line"} <= set(tree.text)
 
 
-@pytest.mark.parametrize(("estimate", "text"), [
-    (Estimate(name="a", value=0.0981, low=0.0943, high=0.1029, unit="1"), "a = 0.0981 (0.0943 … 0.1029)"),
-    (Estimate(name="b", value=31.2, low=12.0, high=50.4, unit="N/m"), "b = 31 (12 … 50) N/m"),
-    (Estimate(name="c", value=0.6, low=0.6, high=0.6, unit="1", at_bound=True),
-     "c = 0.6000 (0.6000 … 0.6000), at the edge of its range"),
-    (Estimate(name="d", value=0.0, low=0.0, high=0.0, unit="s"), "d = 0.0 (0.0 … 0.0) s"),
-    (Estimate(name="e", value=2.0, low=-np.inf, high=np.inf, unit="s"), "e = 2.000 (-inf … inf) s"),
-])
+@pytest.mark.parametrize(
+    ("estimate", "text"),
+    [
+        (Estimate(name="a", value=0.0981, low=0.0943, high=0.1029, unit="1"), "a = 0.0981 (0.0943 … 0.1029)"),
+        (Estimate(name="b", value=31.2, low=12.0, high=50.4, unit="N/m"), "b = 31 (12 … 50) N/m"),
+        (
+            Estimate(name="c", value=0.6, low=0.6, high=0.6, unit="1", at_bound=True),
+            "c = 0.6000 (0.6000 … 0.6000), at the edge of its range",
+        ),
+        (Estimate(name="d", value=0.0, low=0.0, high=0.0, unit="s"), "d = 0.0 (0.0 … 0.0) s"),
+        (Estimate(name="e", value=2.0, low=-np.inf, high=np.inf, unit="s"), "e = 2.000 (-inf … inf) s"),
+    ],
+)
 def test_numbers_have_the_digits_their_interval_supports(estimate: Estimate, text: str) -> None:
     assert words.interval(estimate) == text
 
 
-@pytest.mark.parametrize(("before", "after", "text"), [
-    (10.0, 9.35, "−6.5 %"), (10.0, 4.0, "−60 %"), (10.0, 10.001, "unchanged"), (0.0, 0.0, "unchanged"),
-    (0.0, 1.0, ""), (1.0, 1.25, "+25 %")])
+@pytest.mark.parametrize(
+    ("before", "after", "text"),
+    [
+        (10.0, 9.35, "−6.5 %"),
+        (10.0, 4.0, "−60 %"),
+        (10.0, 10.001, "unchanged"),
+        (0.0, 0.0, "unchanged"),
+        (0.0, 1.0, ""),
+        (1.0, 1.25, "+25 %"),
+    ],
+)
 def test_changes_in_percent(before: float, after: float, text: str) -> None:
     assert words.percent(before, after) == text
 
 
-@pytest.mark.parametrize(("change", "part"), [
-    (PlanChange(before_s=2.0, after_s=2.5, use_believed=0.9, use_real=1.2),
-     "this plan slips (it asks a wheel for 120 %"),
-    (PlanChange(before_s=2.0, after_s=None, use_believed=0.9, use_real=None),
-     "finds no way to make the move"),
-    (PlanChange(before_s=None, after_s=2.5, use_believed=None, use_real=None), "has no plan without slip"),
-    (PlanChange(before_s=2.0, after_s=1.9, use_believed=0.9, use_real=0.8), "up to 80 % of a wheel's grip"),
-])
+@pytest.mark.parametrize(
+    ("change", "part"),
+    [
+        (
+            PlanChange(before_s=2.0, after_s=2.5, use_believed=0.9, use_real=1.2),
+            "this plan slips (it asks a wheel for 120 %",
+        ),
+        (
+            PlanChange(before_s=2.0, after_s=None, use_believed=0.9, use_real=None),
+            "finds no way to make the move",
+        ),
+        (
+            PlanChange(before_s=None, after_s=2.5, use_believed=None, use_real=None),
+            "has no plan without slip",
+        ),
+        (
+            PlanChange(before_s=2.0, after_s=1.9, use_believed=0.9, use_real=0.8),
+            "up to 80 % of a wheel's grip",
+        ),
+    ],
+)
 def test_what_became_of_the_plan(change: PlanChange, part: str) -> None:
     assert part in words.plan_sentence(change)
 
@@ -279,12 +339,30 @@ def test_every_pair_of_effects_can_be_separated() -> None:
 @pytest.mark.parametrize("width", [390, 1200])
 def test_browser_lays_it_out(rich: str, width: int, tmp_path: Path) -> None:
     """No element is wider than the window: only the pictures scroll, each in its own frame."""
-    probe = ("<script>addEventListener('load', () => { document.title = 'wide ' + "
-             "(document.documentElement.scrollWidth - document.documentElement.clientWidth); });</script>")
+    probe = (
+        "<script>addEventListener('load', () => { document.title = 'wide ' + "
+        "(document.documentElement.scrollWidth - document.documentElement.clientWidth); });</script>"
+    )
     (tmp_path / "page.html").write_text(rich.replace("</body>", probe + "</body>"), encoding="utf-8")
     done = subprocess.run(
-        ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-         "--disable-background-networking", "--disable-component-update", "--disable-sync",
-         f"--user-data-dir={tmp_path / 'profile'}", f"--window-size={max(width, 500)},900", "--dump-dom",
-         f"file://{tmp_path / 'page.html'}"], capture_output=True, text=True, timeout=60, check=True)
+        [
+            "chromium",
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--disable-quic",
+            "--no-first-run",
+            "--disable-background-networking",
+            "--disable-component-update",
+            "--disable-sync",
+            f"--user-data-dir={tmp_path / 'profile'}",
+            f"--window-size={max(width, 500)},900",
+            "--dump-dom",
+            f"file://{tmp_path / 'page.html'}",
+        ],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
     assert "<title>wide 0</title>" in done.stdout

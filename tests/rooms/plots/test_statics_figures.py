@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from matplotlib.figure import Figure
 from strategies import four_wheels, kiwi, models
 
+from slipmargin.data.pulls import gather_pulls
 from slipmargin.errors import InputError
 from slipmargin.limits import sweep, wrench_set
 from slipmargin.model import Model, nominal_model
-from slipmargin.motions.pulls import gather_pulls
 from slipmargin.plots.machine import machine_figure
 from slipmargin.plots.polytope import polytope_figure, section
 from slipmargin.plots.style import check_format, save
@@ -73,9 +73,11 @@ def test_section_is_the_sweep_by_another_road(model: Model) -> None:
 
 def test_every_figure_is_saved_in_every_format(model: Model, tmp_path: Path) -> None:
     before = dict(mpl.rcParams)
-    figures = {"sweep": sweep_figure(sweep(model, CIRCLE[:10]), sweep(model, CIRCLE), None, 4.0),
-               "polytope": polytope_figure(wrench_set(model), "title"),
-               "machine": machine_figure(nominal_model(four_wheels(), "paper"))}
+    figures = {
+        "sweep": sweep_figure(sweep(model, CIRCLE[:10]), sweep(model, CIRCLE), None, 4.0),
+        "polytope": polytope_figure(wrench_set(model), "title"),
+        "machine": machine_figure(nominal_model(four_wheels(), "paper")),
+    }
     for name, figure in figures.items():
         for ending, head in (("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")):
             save(figure, tmp_path / f"{name}.{ending}")

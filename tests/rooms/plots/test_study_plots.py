@@ -19,16 +19,22 @@ from slipmargin.study.vary import parse_vary
 
 def made(*texts: str, kinds: tuple[Kind, ...] = (Kind.STATIC,), name: str = "f_worst") -> Study:
     machine = Machine(recipe=Recipe(robot=kiwi()), surface="paper")
-    return study(Question(machine=machine, grids=tuple(parse_vary(t) for t in texts), kinds=kinds,
-                          objective=BY_NAME[name]))
+    return study(
+        Question(
+            machine=machine, grids=tuple(parse_vary(t) for t in texts), kinds=kinds, objective=BY_NAME[name]
+        )
+    )
 
 
 def test_curves_are_the_columns() -> None:
     found = made("delta_deg=0:60:10", kinds=(Kind.MOTION,))
     sure = robust(found.machines, BY_NAME["f_worst"], [parse_interval("mu_drive=0.2:0.3")])
     curves, motion, polar, front = study_figure(found, ("f_worst", "start_worst_m_s2"), sure).axes
-    lines = {str(line.get_label()): np.asarray(line.get_ydata()) for axes in (curves, motion)
-             for line in axes.get_lines()}
+    lines = {
+        str(line.get_label()): np.asarray(line.get_ydata())
+        for axes in (curves, motion)
+        for line in axes.get_lines()
+    }
     assert np.array_equal(lines["worst heading"], found.columns["f_worst"])
     assert np.array_equal(lines["starting, worst direction"], found.columns["start_worst_m_s2"])
     assert np.array_equal(lines["worst case of what is uncertain"], sure.value)
@@ -47,8 +53,15 @@ def test_two_numbers_make_a_heat_map() -> None:
     assert np.array_equal(shown, wanted, equal_nan=True)
 
 
-@pytest.mark.parametrize("texts", [("wheels=3,4,5",), ("load_model=equal,static", "delta_deg=10:40:10"),
-                                   ("wheels=3,4", "grip=box", "mass_kg=1,2"), ("mass_kg=3",)])
+@pytest.mark.parametrize(
+    "texts",
+    [
+        ("wheels=3,4,5",),
+        ("load_model=equal,static", "delta_deg=10:40:10"),
+        ("wheels=3,4", "grip=box", "mass_kg=1,2"),
+        ("mass_kg=3",),
+    ],
+)
 def test_every_kind_of_study_can_be_drawn_and_told(texts: tuple[str, ...]) -> None:
     found = made(*texts)
     assert len(study_figure(found, ("f_worst", "f_mean")).axes) >= 4

@@ -10,12 +10,12 @@ from strategies import four_wheels, kiwi
 
 from slipmargin.errors import InputError, MotionStopped
 from slipmargin.model import nominal_model
-from slipmargin.model.terms import Modulation
-from slipmargin.model.variables import Basis, Target, Variable
-from slipmargin.motions.run import Run
+from slipmargin.physics.terms import Multiplier
+from slipmargin.physics.variables import Basis, Target, Variable
 from slipmargin.robot import LoadRule
 from slipmargin.sim.batch import Batch, Ending, Push
 from slipmargin.sim.pack import pack, stack
+from slipmargin.sim.run import Run
 from slipmargin.sim.signal import WheelSignal, angles, held, hermite, linear
 from slipmargin.sim.simulate import simulate
 
@@ -52,14 +52,14 @@ def test_wrong_wheel_count_is_refused():
     with pytest.raises(InputError, match=r"between 1e-13 and 0\.1"):
         simulate(nominal_model(kiwi(), "paper"), held(T, W), T, rtol=1.0)
     model = nominal_model(kiwi(), "paper")
-    short = Modulation(variable=Variable.UNITY, basis=Basis.CONSTANT, coefficients=np.ones(1),
+    short = Multiplier(variable=Variable.UNITY, basis=Basis.CONSTANT, coefficients=np.ones(1),
                        shape=np.ones(2),
                        wheels=np.ones(2), target=Target.BOTH)  # fmt: skip
     with pytest.raises(InputError, match="one weight a wheel"):
-        pack(replace(model, grip=replace(model.grip, modulations=(short,))))
+        pack(replace(model, grip=replace(model.grip, multipliers=(short,))))
     told = replace(short, wheels=np.ones(3), variable=Variable.COMMAND_SPEED)
     with pytest.raises(InputError, match="ROLLING_SPEED"):
-        pack(replace(model, grip=replace(model.grip, modulations=(told,))))
+        pack(replace(model, grip=replace(model.grip, multipliers=(told,))))
     vast = replace(model, grip=replace(model.grip, k_s_per_m=np.inf))
     with pytest.raises(InputError, match="not finite"):
         pack(vast)
@@ -100,10 +100,10 @@ def test_too_many_steps_is_an_ending():
 def test_a_batch_is_its_runs():
     """Several models × several signals in one call give what each gives alone, padded with the last pose."""
     models = [pack(nominal_model(kiwi(delta), "paper")) for delta in (15.0, 30.0)]
-    bent = Modulation(variable=Variable.SLIP_SPEED, basis=Basis.DECAY, coefficients=np.ones(1) * 0.3,
+    bent = Multiplier(variable=Variable.SLIP_SPEED, basis=Basis.DECAY, coefficients=np.ones(1) * 0.3,
                       shape=np.array([0.03, 2.0]), wheels=np.ones(3))  # fmt: skip
     model = nominal_model(kiwi(), "paper")
-    models.append(pack(replace(model, grip=replace(model.grip, modulations=(bent,)))))
+    models.append(pack(replace(model, grip=replace(model.grip, multipliers=(bent,)))))
     signals = [held(T, W), linear(T, 0.5 * W), angles(T + 4.0, W * T[:, None])]
     times = [np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 9), np.linspace(4.0, 5.0, 3)]
     which, signal = np.array([0, 1, 2, 2, 0]), np.array([0, 1, 2, 0, 2])

@@ -12,12 +12,12 @@ from strategies import PAPER, four_wheels, kiwi
 
 from slipmargin.errors import MotionStopped
 from slipmargin.model import nominal_model
-from slipmargin.model.terms import Modulation
-from slipmargin.model.variables import Basis, Target, Variable
+from slipmargin.paper.published import command, paper_model
+from slipmargin.physics.terms import Multiplier
+from slipmargin.physics.variables import Basis, Target, Variable
 from slipmargin.robot import Body, GripShape, LoadRule, Robot, Wheel
 from slipmargin.sim.batch import Batch
 from slipmargin.sim.pack import pack
-from slipmargin.sim.published import command, paper_model
 from slipmargin.sim.signal import held, hermite, linear
 from slipmargin.sim.simulate import simulate
 from slipmargin.sim.wheels import breakpoints, turning_points
@@ -191,7 +191,7 @@ def test_ideal_rollers_and_very_steep_friction():
 def test_slip_ratio_law_loses_the_same_share_at_any_speed():
     """Creepage: with k ∝ 1/rolling speed the slip ratio of a loaded wheel does not depend on speed."""
     model = paper_model("paper", improved=False)
-    creep = Modulation(
+    creep = Multiplier(
         variable=Variable.ROLLING_SPEED,
         basis=Basis.RECIPROCAL,
         target=Target.STIFFNESS,
@@ -199,7 +199,7 @@ def test_slip_ratio_law_loses_the_same_share_at_any_speed():
         coefficients=np.ones(1),
         wheels=np.ones(3),
     )
-    model = replace(model, grip=replace(model.grip, modulations=(creep,)))
+    model = replace(model, grip=replace(model.grip, multipliers=(creep,)))
     lost = []
     for factor in (1.0, 2.0):
         rates = factor * no_slip_rates(model, np.array([0.1, 0.0, 0.0]))
@@ -217,10 +217,10 @@ def test_loads_follow_the_acceleration_at_once():
     rates = no_slip_rates(model, np.array([0.0, 0.5, 0.0]))
     signal = linear(np.array([0.0, 0.5]), np.stack([np.zeros(4), rates]))
     run = simulate(model, signal, np.linspace(0.0, 0.5, 26))
-    force = np.einsum("tn,nk->tk", run.force[..., 0], model.contacts.grip) + np.einsum(
-        "tn,nk->tk", run.force[..., 1], model.contacts.free
+    force = np.einsum("tn,nk->tk", run.force[..., 0], model.geometry.grip) + np.einsum(
+        "tn,nk->tk", run.force[..., 1], model.geometry.free
     )
-    moment = run.load @ (model.contacts.position_m - model.inertia.com_m)
+    moment = run.load @ (model.geometry.position_m - model.inertia.com_m)
     np.testing.assert_allclose(moment, -0.08 * force, atol=1e-9)
     assert run.load[10, :2].sum() < run.load[10, 2:].sum()  # speeding up forwards unloads the front
 

@@ -6,16 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from oracles.plain_simulator import acceleration
 from scipy.integrate import solve_ivp
 
 from slipmargin.errors import InputError
 from slipmargin.model.parts import Drives
-from slipmargin.model.terms import Modulation
-from slipmargin.model.variables import Basis, Variable
+from slipmargin.paper.published import FOUND, command, paper_model
+from slipmargin.physics.terms import Multiplier
+from slipmargin.physics.variables import Basis, Variable
 from slipmargin.sim.batch import Batch
 from slipmargin.sim.pack import pack
-from slipmargin.sim.published import FOUND, command, paper_model
-from slipmargin.sim.reference import acceleration
 from slipmargin.sim.signal import held, linear
 
 RATES = np.array([[0.0, 0.0, 0.0], [4.0, 2.0, -6.0], [4.0, 2.0, -6.0]])
@@ -24,7 +24,7 @@ KNOTS = np.array([0.0, 0.1, 0.4])
 
 def model_with(improved: bool = False, **changes):
     model = paper_model("paper", improved=improved)
-    return replace(model, transients=replace(model.transients, **changes))
+    return replace(model, actuators=replace(model.actuators, **changes))
 
 
 def by_hand(model, asked, seconds, line=None, inertia=None):
@@ -35,9 +35,9 @@ def by_hand(model, asked, seconds, line=None, inertia=None):
         acc, _, force, _ = acceleration(
             model, t, y, (s[9:], omega, np.zeros(3)), np.zeros(3, bool), np.zeros(3)
         )
-        xy = force[0][:, None] * model.contacts.grip + force[1][:, None] * model.contacts.free
-        torque = -model.contacts.radius_m * np.sum(xy * model.contacts.drive, axis=1)
-        tr = model.transients
+        xy = force[0][:, None] * model.geometry.grip + force[1][:, None] * model.geometry.free
+        torque = -model.geometry.radius_m * np.sum(xy * model.geometry.drive, axis=1)
+        tr = model.actuators
         rate = (asked(t) - tr.droop_rad_s_per_N_m * torque - omega) / np.maximum(tr.lag_s, 2e-3)
         if line is not None:
             motor = np.clip(
@@ -100,7 +100,7 @@ def test_an_exact_lag_is_the_exponential():
     theta = batch.run(pack(model), np.zeros(3), tell=True).theta
     assert theta is not None
     for k, t in enumerate((0.0, 0.0, 0.25, 0.45)):
-        want = model.transients.gain * omega * (t - 0.08 * (1.0 - np.exp(-t / 0.08)))
+        want = model.actuators.gain * omega * (t - 0.08 * (1.0 - np.exp(-t / 0.08)))
         np.testing.assert_allclose(theta[0, k], want, atol=1e-12)
 
 
@@ -113,11 +113,11 @@ def test_measured_wheels_ignore_the_drives():
 
 
 def test_a_modulated_command_is_a_scaled_command():
-    slack = Modulation(variable=Variable.COMMAND_SPEED, basis=Basis.CONSTANT, coefficients=np.array([-0.25]),
+    slack = Multiplier(variable=Variable.COMMAND_SPEED, basis=Basis.CONSTANT, coefficients=np.array([-0.25]),
                        shape=np.ones(2), wheels=np.array([1.0, 0.0, 1.0]))  # fmt: skip
     other = pack(model_with(gain=np.array([0.75, 1.0, 0.75])))
     batch = Batch([linear(KNOTS, RATES)], [np.array([0.0, 0.4])], commanded=True)
-    np.testing.assert_allclose(batch.run(pack(model_with(modulations=(slack,))), np.zeros(3)).pose,
+    np.testing.assert_allclose(batch.run(pack(model_with(multipliers=(slack,))), np.zeros(3)).pose,
                                batch.run(other, np.zeros(3)).pose, atol=1e-12)  # fmt: skip
 
 
@@ -127,8 +127,8 @@ def test_bad_motors_are_refused():
         pack(model, wheel_inertia_kg_m2=1e-4)
     with pytest.raises(InputError, match="positive inertia"):
         pack(model, wheel_inertia_kg_m2=-1.0)
-    tilt = Modulation(variable=Variable.HEADING, basis=Basis.CONSTANT, coefficients=np.ones(1),
+    tilt = Multiplier(variable=Variable.HEADING, basis=Basis.CONSTANT, coefficients=np.ones(1),
                       shape=np.ones(2),
                       wheels=np.ones(3))  # fmt: skip
     with pytest.raises(InputError, match="a drive cannot depend on HEADING"):
-        pack(model_with(modulations=(tilt,)))
+        pack(model_with(multipliers=(tilt,)))

@@ -27,7 +27,7 @@ def scene(model) -> str:
     feet = "".join(
         f'<geom type="sphere" size="0.005" pos="{x} {y} {0.005 - HEIGHT}" friction="{MU} 0 0" '
         'condim="3" mass="0"/>'
-        for x, y in model.contacts.position_m - model.inertia.com_m
+        for x, y in model.geometry.position_m - model.inertia.com_m
     )
     m, i = model.inertia.mass_kg, model.inertia.inertia_kg_m2
     return f"""<mujoco><option timestep="0.0002" cone="elliptic" impratio="100" integrator="implicitfast"

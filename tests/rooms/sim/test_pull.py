@@ -43,7 +43,7 @@ def test_only_the_limiting_contacts_slide(surface, rigid):
     sliding, limits = pull_test(model, phi).sliding, sensitivity(model, phi)
     assert np.sum(sliding != limits.saturated) <= 2
     assert limits.saturated.sum() == 88
-    names = np.array(model.contacts.names)
+    names = np.array(model.geometry.names)
     for row, named in zip(sliding, limits.wheels(), strict=True):
         assert set(names[row.any(axis=1)]) <= set(named)
 

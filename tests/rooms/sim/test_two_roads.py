@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, assume, given, settings, strategies as st
 from manoeuvres import driven, force, modulation, wheel_motion, with_terms
+from oracles.plain_simulator import acceleration, reference_motion
 from strategies import four_wheels, kiwi, models
 
 from slipmargin.errors import MotionStopped
 from slipmargin.model import nominal_model
-from slipmargin.model.variables import Basis, Frame, Target, Variable
+from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.robot import GripShape, LoadRule
 from slipmargin.sim.body import ALPHA, BODY, CONTACT, LOAD, OMEGA, RIGID, SLIP_W, THETA, evaluate
 from slipmargin.sim.pack import pack
-from slipmargin.sim.reference import acceleration, reference_motion
 from slipmargin.sim.rodas import jacobian
 from slipmargin.sim.simulate import simulate
 
@@ -144,7 +144,7 @@ def test_motions_agree_to_a_millionth(case):
         assume(False)
     want = reference_motion(model, wheel_motion(signal), signal.knots_s, times)
     error = np.abs(pose - want).max(axis=0)
-    reach = float(np.mean(np.hypot(*model.contacts.position_m.T)))
+    reach = float(np.mean(np.hypot(*model.geometry.position_m.T)))
     size = max(np.abs(want[:, :2]).max(), reach * np.abs(want[:, 2]).max())
     assert error[:2].max() <= 1e-6 * size + 1e-12
     assert reach * error[2] <= 1e-6 * size + 1e-12

@@ -16,9 +16,11 @@ from slipmargin.solve.program import Block, ConeKind, ConeProgram, Solution, dis
 def knapsack() -> ConeProgram:
     """Minimise −3x − 2y, x + y ≤ 4, x + 3y ≤ 7, x ≤ 3: by hand x = 3, y = 1, multipliers (2, 0, 1)."""
     return ConeProgram(
-        what="knapsack", variables=("x", "y"),
+        what="knapsack",
+        variables=("x", "y"),
         blocks=(Block(kind=ConeKind.NONNEGATIVE, rows=("weight", "room", "stock")),),
-        a=np.array([[1.0, 1.0], [1.0, 3.0], [1.0, 0.0]]), b=np.array([4.0, 7.0, 3.0]),
+        a=np.array([[1.0, 1.0], [1.0, 3.0], [1.0, 0.0]]),
+        b=np.array([4.0, 7.0, 3.0]),
         c=np.array([-3.0, -2.0]),
     )
 
@@ -26,17 +28,26 @@ def knapsack() -> ConeProgram:
 def ball() -> ConeProgram:
     """Minimise x + 2y + 2z, x = 1, ‖(y, z)‖ ≤ 5: by hand y = z = −5/√2, value 1 − 10√2."""
     return ConeProgram(
-        what="ball", variables=("x", "y", "z"),
-        blocks=(Block(kind=ConeKind.ZERO, rows=("fix",)),
-                Block(kind=ConeKind.SECOND_ORDER, rows=("ball", "ball y", "ball z"))),
-        a=np.array([[1.0, 0, 0], [0, 0, 0], [0, 1, 0], [0, 0, 1]]), b=np.array([1.0, 5.0, 0.0, 0.0]),
+        what="ball",
+        variables=("x", "y", "z"),
+        blocks=(
+            Block(kind=ConeKind.ZERO, rows=("fix",)),
+            Block(kind=ConeKind.SECOND_ORDER, rows=("ball", "ball y", "ball z")),
+        ),
+        a=np.array([[1.0, 0, 0], [0, 0, 0], [0, 1, 0], [0, 0, 1]]),
+        b=np.array([1.0, 5.0, 0.0, 0.0]),
         c=np.array([1.0, 2.0, 2.0]),
     )
 
 
 def exact() -> Solution:
-    return Solution(program=knapsack(), x=np.array([3.0, 1.0]), s=np.array([0.0, 1.0, 0.0]),
-                    z=np.array([2.0, 0.0, 1.0]), solver="hand")
+    return Solution(
+        program=knapsack(),
+        x=np.array([3.0, 1.0]),
+        s=np.array([0.0, 1.0, 0.0]),
+        z=np.array([2.0, 0.0, 1.0]),
+        solver="hand",
+    )
 
 
 def test_knapsack_by_clarabel() -> None:
@@ -67,12 +78,15 @@ def test_exact_answer_is_certified() -> None:
     assert exact().certificate().worst == 0.0
 
 
-@pytest.mark.parametrize(("field", "value", "part"), [
-    ("x", [3.1, 1.0], "primal"),
-    ("s", [-0.1, 1.0, 0.0], "primal"),
-    ("z", [2.0, 0.1, 1.0], "dual"),
-    ("z", [2.5, -0.5, 2.0], "dual"),
-])
+@pytest.mark.parametrize(
+    ("field", "value", "part"),
+    [
+        ("x", [3.1, 1.0], "primal"),
+        ("s", [-0.1, 1.0, 0.0], "primal"),
+        ("z", [2.0, 0.1, 1.0], "dual"),
+        ("z", [2.5, -0.5, 2.0], "dual"),
+    ],
+)
 def test_wrong_answers_show_in_the_certificate(field: str, value: list[float], part: str) -> None:
     wrong = replace(exact(), **{field: np.array(value)})
     assert getattr(wrong.certificate(), part) > 0.01
@@ -89,11 +103,16 @@ def test_feasible_but_not_best_shows_as_gap() -> None:
     assert proof.gap == pytest.approx(3.0 / 9.0)
 
 
-@pytest.mark.parametrize(("kind", "vector", "dual", "want"), [
-    (ConeKind.ZERO, [0.5], False, 0.5), (ConeKind.ZERO, [0.5], True, 0.0),
-    (ConeKind.NONNEGATIVE, [1.0, -0.2], False, 0.2), (ConeKind.SECOND_ORDER, [4.0, 3.0, 4.0], False, 1.0),
-    (ConeKind.SECOND_ORDER, [5.0, 3.0, 4.0], True, 0.0),
-])
+@pytest.mark.parametrize(
+    ("kind", "vector", "dual", "want"),
+    [
+        (ConeKind.ZERO, [0.5], False, 0.5),
+        (ConeKind.ZERO, [0.5], True, 0.0),
+        (ConeKind.NONNEGATIVE, [1.0, -0.2], False, 0.2),
+        (ConeKind.SECOND_ORDER, [4.0, 3.0, 4.0], False, 1.0),
+        (ConeKind.SECOND_ORDER, [5.0, 3.0, 4.0], True, 0.0),
+    ],
+)
 def test_distance_from_a_cone(kind: ConeKind, vector: list[float], dual: bool, want: float) -> None:
     assert distance(kind, np.array(vector), dual) == pytest.approx(want)
 

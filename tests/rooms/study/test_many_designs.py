@@ -76,16 +76,22 @@ def test_a_fleet_is_its_models(drawn: list[Robot]) -> None:
             if i in refused:
                 continue
             model = machines[i].build()
-            np.testing.assert_allclose(fleet.rest[d] * model.inertia.weight_N, model.loads.rest_N, rtol=1e-9,
-                                       atol=1e-9 * model.inertia.weight_N)
+            np.testing.assert_allclose(
+                fleet.rest[d] * model.inertia.weight_N,
+                model.loads.rest_N,
+                rtol=1e-9,
+                atol=1e-9 * model.inertia.weight_N,
+            )
             alone = sweep(model, phi)
             np.testing.assert_allclose(force[d] * model.inertia.weight_N, alone.f_max_N, rtol=1e-9)
             np.testing.assert_allclose(low[d] * model.inertia.weight_N, alone.f_low_N, rtol=1e-9)
 
 
-@pytest.mark.parametrize("effect", [RigidSector(rigid_fraction=0.4),
-                                    FloorTilt(tilt_x_rad=0.01, tilt_y_rad=0.02)],
-                         ids=["rigid_sector", "floor_tilt"])
+@pytest.mark.parametrize(
+    "effect",
+    [RigidSector(rigid_fraction=0.4), FloorTilt(tilt_x_rad=0.01, tilt_y_rad=0.02)],
+    ids=["rigid_sector", "floor_tilt"],
+)
 def test_designs_with_effects_are_their_models(effect: object) -> None:
     machines = [on(kiwi(20.0), "paper", effect), on(kiwi(20.0))]
     (fleet,), _ = fleets(machines)

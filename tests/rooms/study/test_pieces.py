@@ -34,8 +34,9 @@ def square(x: float) -> dict[str, float]:
 
 def do(items: list[float], folder: Path | None, **changes: object) -> list[dict[str, float]]:
     COUNTED.clear()
-    return list(in_pieces(square, items, question="squares", size=2,
-                          workshop=Workshop(folder=folder, **changes)).rows)  # type: ignore[arg-type]
+    return list(
+        in_pieces(square, items, question="squares", size=2, workshop=Workshop(folder=folder, **changes)).rows
+    )  # type: ignore[arg-type]
 
 
 def test_pieces_are_kept_and_taken_up_again(tmp_path: Path) -> None:
@@ -50,8 +51,18 @@ def test_pieces_are_kept_and_taken_up_again(tmp_path: Path) -> None:
     assert COUNTED == [3.0, 4.5]
 
 
-@pytest.mark.parametrize("damage", ["", "{", '{"rows": 3}', '{"rows": [{"square": 1}]}', '{"rows": []}', "[]",
-                                    '{"rows": [{"square": "0x1p0"}]}'])
+@pytest.mark.parametrize(
+    "damage",
+    [
+        "",
+        "{",
+        '{"rows": 3}',
+        '{"rows": [{"square": 1}]}',
+        '{"rows": []}',
+        "[]",
+        '{"rows": [{"square": "0x1p0"}]}',
+    ],
+)
 def test_a_damaged_piece_is_computed_again(tmp_path: Path, damage: str) -> None:
     wanted = do([1.0, 2.0], None)
     folder = tmp_path / "work"
@@ -65,8 +76,14 @@ def test_a_damaged_piece_is_computed_again(tmp_path: Path, damage: str) -> None:
 def test_progress_counts_items(tmp_path: Path) -> None:
     steps: list[int] = []
     for _ in range(2):
-        in_pieces(square, [1.0, 2.0, 3.0], question=0, size=2, workshop=Workshop(folder=tmp_path / "w"),
-                  advance=steps.append)
+        in_pieces(
+            square,
+            [1.0, 2.0, 3.0],
+            question=0,
+            size=2,
+            workshop=Workshop(folder=tmp_path / "w"),
+            advance=steps.append,
+        )
     assert sum(steps) == 6
 
 
@@ -87,10 +104,15 @@ def test_the_name_of_a_piece_is_its_question() -> None:
     """Every number of a machine counts, to the last bit; nothing else does."""
     start = Machine(recipe=Recipe(robot=kiwi()), surface="paper")
     same = Machine(recipe=Recipe(robot=kiwi()), surface="paper")
-    names = {piece_name("q", [m]) for m in (
-        start, replace(start, surface="carpet"),
-        start.with_robot(kiwi(mass_kg=float(np.nextafter(3.0, 4.0)))),
-        start.with_robot(kiwi(com_m=(0.0, 1e-12))))}
+    names = {
+        piece_name("q", [m])
+        for m in (
+            start,
+            replace(start, surface="carpet"),
+            start.with_robot(kiwi(mass_kg=float(np.nextafter(3.0, 4.0)))),
+            start.with_robot(kiwi(com_m=(0.0, 1e-12))),
+        )
+    }
     assert len(names) == 4 and piece_name("q", [same]) in names and piece_name("p", [start]) not in names
     plain = [["a", [1, (2.5).hex(), None, True, ["Kind", "LAPS"]]]]
     assert canonical({"a": [1, 2.5, None, True, Kind.LAPS]}) == plain
@@ -126,14 +148,22 @@ def scheduler() -> Iterator[str]:
     """A Dask scheduler with two worker processes on loopback."""
     if find_spec("dask") is None or find_spec("distributed") is None:
         pytest.skip("dask and distributed are not installed")
-    source = ("import sys, time\nfrom distributed import LocalCluster\n"
-              "if __name__ == '__main__':\n"
-              "    c = LocalCluster(n_workers=2, threads_per_worker=1, host='127.0.0.1',\n"
-              "                     dashboard_address=None)\n"
-              "    print(c.scheduler_address, flush=True)\n    sys.stdin.read()\n    c.close()\n")
+    source = (
+        "import sys, time\nfrom distributed import LocalCluster\n"
+        "if __name__ == '__main__':\n"
+        "    c = LocalCluster(n_workers=2, threads_per_worker=1, host='127.0.0.1',\n"
+        "                     dashboard_address=None)\n"
+        "    print(c.scheduler_address, flush=True)\n    sys.stdin.read()\n    c.close()\n"
+    )
     env = {**os.environ, "OMP_NUM_THREADS": "1"}
-    with subprocess.Popen([sys.executable, "-c", source], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                          stderr=subprocess.DEVNULL, text=True, env=env) as process:
+    with subprocess.Popen(
+        [sys.executable, "-c", source],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+        env=env,
+    ) as process:
         assert process.stdout is not None and process.stdin is not None
         yield process.stdout.readline().strip()
         process.stdin.close()

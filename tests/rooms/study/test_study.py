@@ -34,10 +34,20 @@ def machine(**changes: object) -> Machine:
     return Machine(recipe=Recipe(robot=kiwi(**changes)), surface="paper")  # type: ignore[arg-type]
 
 
-def ask(texts: Sequence[str], kinds: tuple[Kind, ...] = (Kind.STATIC,), name: str = "f_worst",
-        start: Machine | None = None) -> Study:
-    return study(Question(machine=start or machine(), grids=tuple(parse_vary(t) for t in texts), kinds=kinds,
-                          objective=objective(name)))
+def ask(
+    texts: Sequence[str],
+    kinds: tuple[Kind, ...] = (Kind.STATIC,),
+    name: str = "f_worst",
+    start: Machine | None = None,
+) -> Study:
+    return study(
+        Question(
+            machine=start or machine(),
+            grids=tuple(parse_vary(t) for t in texts),
+            kinds=kinds,
+            objective=objective(name),
+        )
+    )
 
 
 @pytest.fixture(scope="module")
@@ -125,16 +135,20 @@ def test_plain_data_of_a_study(angles: Study) -> None:
 @given(st.lists(st.tuples(*[st.sampled_from([0.0, 1.0, 2.0, 3.0, math.nan])] * 3), max_size=14))
 def test_front_by_definition(rows: list[tuple[float, ...]]) -> None:
     values = np.array(rows).reshape(len(rows), 3)
-    wanted = [not np.any(np.isnan(v)) and not any(np.all(w >= v) and np.any(w > v) for w in values)
-              for v in values]
+    wanted = [
+        not np.any(np.isnan(v)) and not any(np.all(w >= v) and np.any(w > v) for w in values) for v in values
+    ]
     assert front(values).tolist() == wanted
 
 
 def test_the_robust_design_is_the_best_of_the_worst() -> None:
     """Against brute force over a fine grid of coefficients and all 2^N contact states, model by model."""
     found = ask(["delta_deg=10,25,30,45"])
-    sure = robust(found.machines, found.question.objective,
-                  [parse_interval("mu_drive=0.2:0.3"), parse_interval("mu_transverse=0.05:0.2")])
+    sure = robust(
+        found.machines,
+        found.question.objective,
+        [parse_interval("mu_drive=0.2:0.3"), parse_interval("mu_transverse=0.05:0.2")],
+    )
     assert sure.exact and sure.goal.name == "f_low_worst"
     phi, brute = np.linspace(0.0, 2.0 * np.pi, 73), []
     for values in found.values:
@@ -154,13 +168,17 @@ def test_the_robust_design_is_the_best_of_the_worst() -> None:
 
 def test_starting_is_concave_in_the_coefficients() -> None:
     """The claim that makes trying corners exact: inside the box no value is below the worst corner."""
-    sure = robust([machine()], BY_NAME["start_mean_m_s2"],
-                  [parse_interval("mu_drive=0.2:0.3"), parse_interval("mu_transverse=0.02:0.2")])
+    sure = robust(
+        [machine()],
+        BY_NAME["start_mean_m_s2"],
+        [parse_interval("mu_drive=0.2:0.3"), parse_interval("mu_transverse=0.02:0.2")],
+    )
     inside = []
     rng = np.random.default_rng(5)
     for drive, across in zip(rng.uniform(0.2, 0.3, 12), rng.uniform(0.02, 0.2, 12), strict=True):
-        model = applied(machine(), [quantity_of("mu_drive"), quantity_of("mu_transverse")],
-                        (drive, across)).build()
+        model = applied(
+            machine(), [quantity_of("mu_drive"), quantity_of("mu_transverse")], (drive, across)
+        ).build()
         inside.append(np.mean(directions(model, headings(1.0)).starting_m_s2))
     assert float(sure.value[0]) <= min(inside) + 1e-12
 
@@ -235,8 +253,9 @@ def test_laps_take_longest_where_grip_is_least() -> None:
     assert fifteen["right"] > thirty["right"] and fifteen["forwards"] < thirty["forwards"]
     slips = applied(machine(), [quantity_of("mu_transverse")], (0.26,)).build()
     assert math.isinf(lap_times(slips, paths)["right"])
-    assert "no admissible motion" in str(reason(applied(machine(), [quantity_of("mu_transverse")], (0.26,)),
-                                                BY_NAME["laps_s"]))
+    assert "no admissible motion" in str(
+        reason(applied(machine(), [quantity_of("mu_transverse")], (0.26,)), BY_NAME["laps_s"])
+    )
 
 
 def test_laps_are_a_column() -> None:

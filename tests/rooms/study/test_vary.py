@@ -35,15 +35,29 @@ def test_the_product_changes_the_last_fastest() -> None:
     assert product(machine(), grids)[:4] == [(10.0, 1.0), (10.0, 2.0), (10.0, 3.0), (20.0, 1.0)]
 
 
-@pytest.mark.parametrize(("text", "says"), [
-    ("", "is no grid"), ("delta_deg", "is no grid"), ("=3", "is no grid"), ("delta_deg=", "is no grid"),
-    ("delta_deg=1:2", "has the range"), ("delta_deg=1:2:0", "positive step"), ("delta_deg=5:1:1", "swap"),
-    ("delta_deg=a:b:c", "takes numbers"), ("delta_deg=1,x", "takes numbers"), ("delta_deg=1,nan", "finite"),
-    ("delta_deg=0:inf:1", "finite"), ("delta_deg=0:60:1e-9", "take at most"), ("delta_deg=1,1.0", "twice"),
-    ("load_model=heavy", "use: equal, static, quasi-static"), ("wheels=3.5", "whole numbers"),
-    ("delta=1", "did you mean 'delta_deg'?"), ("xyz=1", "known: surface, wheels"),
-    ("wheel[2].name=1", "is not a number of a wheel"),
-])
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "is no grid"),
+        ("delta_deg", "is no grid"),
+        ("=3", "is no grid"),
+        ("delta_deg=", "is no grid"),
+        ("delta_deg=1:2", "has the range"),
+        ("delta_deg=1:2:0", "positive step"),
+        ("delta_deg=5:1:1", "swap"),
+        ("delta_deg=a:b:c", "takes numbers"),
+        ("delta_deg=1,x", "takes numbers"),
+        ("delta_deg=1,nan", "finite"),
+        ("delta_deg=0:inf:1", "finite"),
+        ("delta_deg=0:60:1e-9", "take at most"),
+        ("delta_deg=1,1.0", "twice"),
+        ("load_model=heavy", "use: equal, static, quasi-static"),
+        ("wheels=3.5", "whole numbers"),
+        ("delta=1", "did you mean 'delta_deg'?"),
+        ("xyz=1", "known: surface, wheels"),
+        ("wheel[2].name=1", "is not a number of a wheel"),
+    ],
+)
 def test_a_grid_that_makes_no_sense_is_refused(text: str, says: str) -> None:
     with pytest.raises(InputError, match=says.replace("?", r"\?")):
         parse_vary(text)
@@ -55,11 +69,16 @@ def test_an_unknown_key_lists_every_known_one() -> None:
     assert all(q.key in str(told.value) for q in QUANTITIES)
 
 
-@pytest.mark.parametrize(("texts", "says"), [
-    ([], "is missing"), (["mass_kg=1,2", "mass_kg=3,4"], "varied twice"),
-    (["surface=ice"], "not in the robot"), (["wheels=3,4", "wheels_in_rows=4,6"], "contradicts"),
-    (["mass_kg=1:1000:1", "com_x_m=0:1:1e-4"], "at most"),
-])
+@pytest.mark.parametrize(
+    ("texts", "says"),
+    [
+        ([], "is missing"),
+        (["mass_kg=1,2", "mass_kg=3,4"], "varied twice"),
+        (["surface=ice"], "not in the robot"),
+        (["wheels=3,4", "wheels_in_rows=4,6"], "contradicts"),
+        (["mass_kg=1:1000:1", "com_x_m=0:1:1e-4"], "at most"),
+    ],
+)
 def test_a_product_that_makes_no_sense_is_refused(texts: list[str], says: str) -> None:
     with pytest.raises(InputError, match=says):
         product(machine(), [parse_vary(t) for t in texts])
@@ -68,8 +87,15 @@ def test_a_product_that_makes_no_sense_is_refused(texts: list[str], says: str) -
 def test_each_number_reads_back_as_it_was_put() -> None:
     """A quantity whose get does not see its put would compare designs with the wrong own value."""
     start = Machine(recipe=Recipe(robot=kiwi(load_rule=LoadRule.STATIC)), surface="carpet")
-    values = {"surface": "paper", "wheels": 5, "wheels_in_rows": 6, "load_model": "equal", "grip": "ellipse",
-              "roller_angle_deg": 30.0, "delta_deg": 22.0}
+    values = {
+        "surface": "paper",
+        "wheels": 5,
+        "wheels_in_rows": 6,
+        "load_model": "equal",
+        "grip": "ellipse",
+        "roller_angle_deg": 30.0,
+        "delta_deg": 22.0,
+    }
     for quantity in QUANTITIES:
         value = values.get(quantity.key, 0.25)
         if quantity.key == "stall_torque_N_m":
@@ -142,10 +168,16 @@ def test_rows_of_four_are_a_mecanum_car() -> None:
     assert found == {(tuple(np.round(w.position_m, 12)), w.roller_angle_deg) for w in car.wheels}
 
 
-@pytest.mark.parametrize(("make", "count", "says"), [
-    (ring, 2, "3 to 12"), (ring, 13, "3 to 12"), (rows, 5, "even number"), (rows, 2, "even number"),
-    (rows, 14, "3 to 12"),
-])
+@pytest.mark.parametrize(
+    ("make", "count", "says"),
+    [
+        (ring, 2, "3 to 12"),
+        (ring, 13, "3 to 12"),
+        (rows, 5, "even number"),
+        (rows, 2, "even number"),
+        (rows, 14, "3 to 12"),
+    ],
+)
 def test_layouts_refuse_what_cannot_stand(make: object, count: int, says: str) -> None:
     with pytest.raises(InputError, match=says):
         make(four_wheels(), count)  # type: ignore[operator]
@@ -157,11 +189,19 @@ def test_layouts_refuse_stated_fractions() -> None:
         ring(fixed, 4)
 
 
-@pytest.mark.parametrize(("text", "says"), [
-    ("mu_drive", "is no interval"), ("mu_drive=1", "is no interval"), ("mu_drive=a:b", "LOW:HIGH"),
-    ("mu_drive=2:1", "no interval"), ("mu_drive=0:inf", "no interval"), ("grip=box:box", "choice"),
-    ("wheels=3:4", "choice or a count"), ("xyz=1:2", "known"),
-])
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("mu_drive", "is no interval"),
+        ("mu_drive=1", "is no interval"),
+        ("mu_drive=a:b", "LOW:HIGH"),
+        ("mu_drive=2:1", "no interval"),
+        ("mu_drive=0:inf", "no interval"),
+        ("grip=box:box", "choice"),
+        ("wheels=3:4", "choice or a count"),
+        ("xyz=1:2", "known"),
+    ],
+)
 def test_an_interval_that_is_none_is_refused(text: str, says: str) -> None:
     with pytest.raises(InputError, match=says):
         parse_interval(text)

@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import given, settings, strategies as st
 from strategies import models
 
+from slipmargin.data.odometry import body_path, bridged, wheel_angles, wheel_path
 from slipmargin.model import Model
-from slipmargin.motions.odometry import body_path, bridged, no_slip_matrix, wheel_angles, wheel_path
 
 
 @settings(max_examples=40, deadline=None)
@@ -15,10 +15,10 @@ from slipmargin.motions.odometry import body_path, bridged, no_slip_matrix, whee
 def test_no_slip_is_the_twist_under_which_no_contact_slips(model: Model, twist: tuple[float, ...]) -> None:
     # Second road: u_i·ĝ_i of the theory, section 1, set to zero wheel by wheel.
     vx, vy, wz = twist
-    c = model.contacts
+    c = model.geometry
     hub = np.array([vx, vy]) + wz * np.stack([-c.position_m[:, 1], c.position_m[:, 0]], axis=1)
     rate = -np.sum(hub * c.grip, axis=1) / (c.radius_m * np.sum(c.drive * c.grip, axis=1))
-    np.testing.assert_allclose(no_slip_matrix(c) @ rate, twist, atol=1e-9)
+    np.testing.assert_allclose(c.no_slip_map() @ rate, twist, atol=1e-9)
     path = wheel_path(c, np.outer(np.linspace(1.0, 2.0, 5), rate))
     np.testing.assert_allclose(path[-1], twist, atol=1e-9)
 

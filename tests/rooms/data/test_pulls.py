@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from slipmargin.data.pulls import SAME_RAD, PullGroups, gather_pulls
 from slipmargin.errors import InputError
-from slipmargin.motions.pulls import SAME_RAD, PullGroups, gather_pulls
 
 
 def test_repeated_pulls_become_mean_and_scatter() -> None:

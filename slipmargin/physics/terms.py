@@ -1,19 +1,22 @@
 """Friction that varies and forces that come on top, as data.
 
-Modulation (wheel i, target direction):  μ_i ← μ_i · max(0, 1 + w_i Σ_b c_b φ_b(v_i)), w_i = wheels[i]
+Multiplier (wheel i, target direction):  μ_i ← μ_i · max(0, 1 + w_i Σ_b c_b φ_b(v_i)), w_i = wheels[i]
 Force term:                               w   ← w + Σ_b C[:, b] φ_b(v)   in the frame it names
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
 from slipmargin.checks import Array, frozen
 from slipmargin.errors import InputError
-from slipmargin.model.variables import Basis, Frame, Target, Variable
+from slipmargin.physics.variables import Basis, Frame, Target, Variable
+
+#: The families as plain numbers, for code that is compiled.
+CONSTANT, POLYNOMIAL, FOURIER, HATS, DECAY, RECIPROCAL, WINDOW, ODD = (int(basis) for basis in Basis)
 
 #: Variables that differ from wheel to wheel; forces, which act on the body, cannot use them.
 PER_WHEEL = frozenset(
@@ -32,48 +35,60 @@ PER_WHEEL = frozenset(
 )
 
 
+def basis_function(basis: int, j: int, count: int, a: float, b: float, v: Any) -> Any:
+    """φ_j(v), the j-th of ``count`` functions of a family with constants a, b; a number or an array v."""
+    if basis == POLYNOMIAL:
+        return (v / a) ** (j + 1)
+    if basis == FOURIER:
+        phase = 2.0 * np.pi * (j // 2 + 1) * v / a
+        return np.sin(phase) if j % 2 else np.cos(phase)
+    if basis == HATS:
+        knot = (np.minimum(np.maximum(v, a), b) - a) / (b - a) * (count - 1)
+        return np.maximum(0.0, 1.0 - np.abs(knot - j))
+    if basis == DECAY:
+        return np.exp(-((np.abs(v) / a) ** b)) - 1.0
+    if basis == RECIPROCAL:
+        return a / (v + b) - 1.0
+    if basis == WINDOW:
+        return 1.0 * ((v >= a) & (v < b))
+    if basis == ODD:
+        return 2.0 / np.pi * np.arctan(v / a) if j == 0 else v * np.abs(v) ** (j - 1.0)
+    return 1.0 + 0.0 * v
+
+
+def basis_slope(basis: int, j: int, count: int, a: float, b: float, v: Any) -> Any:
+    """dφ_j/dv for v ≥ 0 (where a function kinks: its slope to the right)."""
+    if basis == POLYNOMIAL:
+        return (j + 1) / a * (v / a) ** j
+    if basis == FOURIER:
+        rate = 2.0 * np.pi * (j // 2 + 1) / a
+        return rate * np.cos(rate * v) if j % 2 else -rate * np.sin(rate * v)
+    if basis == HATS:
+        knot, per = (v - a) / (b - a) * (count - 1), (count - 1) / (b - a)
+        up, down = (knot >= j - 1) & (knot < j) & (knot >= 0.0), (knot >= j) & (knot < j + 1)
+        return per * (1.0 * up - 1.0 * (down & (knot >= 0.0) & (knot < count - 1)))
+    if basis == DECAY:
+        x = np.maximum(v / a, 1e-300)
+        return -np.exp(-(x**b)) * b * x ** (b - 1.0) / a
+    if basis == RECIPROCAL:
+        return -a / (v + b) ** 2
+    if basis == ODD:
+        return 2.0 / np.pi * a / (a * a + v * v) if j == 0 else j * np.abs(v) ** (j - 1.0)
+    return 0.0 * v
+
+
 def basis_values(basis: Basis, shape: Array, count: int, v: Array) -> Array:
-    """Evaluate ``count`` functions of a family.
-
-    Parameters
-    ----------
-    basis, shape, count
-        Family, its two constants, how many functions.
-    v : array, any shape
-        Values of the variable.
-
-    Returns
-    -------
-    array, ``v.shape + (count,)``
-    """
-    v = np.asarray(v, dtype=float)
-    a, b = float(shape[0]), float(shape[1])
+    """Every function of a family at values ``v``: array ``v.shape + (count,)``; ``shape`` (2,) holds a, b."""
+    v, a, b = np.asarray(v, dtype=float), float(shape[0]), float(shape[1])
     out = np.empty((*v.shape, count))
     for j in range(count):
-        if basis is Basis.CONSTANT:
-            out[..., j] = 1.0
-        elif basis is Basis.POLYNOMIAL:
-            out[..., j] = (v / a) ** (j + 1)
-        elif basis is Basis.FOURIER:
-            phase = 2.0 * np.pi * (j // 2 + 1) * v / a
-            out[..., j] = np.sin(phase) if j % 2 else np.cos(phase)
-        elif basis is Basis.HATS:
-            knot = (np.clip(v, a, b) - a) / (b - a) * (count - 1)
-            out[..., j] = np.clip(1.0 - np.abs(knot - j), 0.0, 1.0)
-        elif basis is Basis.DECAY:
-            out[..., j] = np.exp(-((np.abs(v) / a) ** b)) - 1.0
-        elif basis is Basis.RECIPROCAL:
-            out[..., j] = a / (v + b) - 1.0
-        elif basis is Basis.WINDOW:
-            out[..., j] = np.where((v >= a) & (v < b), 1.0, 0.0)
-        elif basis is Basis.ODD:
-            out[..., j] = 2.0 / np.pi * np.arctan(v / a) if j == 0 else v * np.abs(v) ** (j - 1)
+        out[..., j] = basis_function(int(basis), j, count, a, b, v)
     return out
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Modulation:
+class Multiplier:
     """A factor on friction: ``coefficients`` (B,) in ``basis`` over ``variable``.
 
     ``wheels`` (N,) are the weights w_i: 1 where the modulation applies in full, 0 where not at all;
@@ -102,13 +117,19 @@ class Modulation:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ForceTerm:
-    """A wrench on the body at its centre of mass: ``coefficients`` (3, B) [N, N, N m]."""
+    """A wrench on the body about its centre of mass: ``coefficients`` (3, B) [N, N, N m].
+
+    The force acts ``height_m`` above the floor, or at the height of the centre of mass where that is
+    None, and shifts the wheel loads by its moment; ``lift_N`` is an upward force that comes with it.
+    """
 
     variable: Variable
     basis: Basis
     coefficients: Array
     shape: Array
     frame: Frame
+    height_m: float | None = 0.0
+    lift_N: float = 0.0
 
     def __post_init__(self) -> None:
         put = object.__setattr__

@@ -45,12 +45,18 @@ class Trajectory:
         put(self, "t_s", frozen("t_s", self.t_s, (None,)))
         t, n = len(self.t_s), len(self.wheels)
         shapes: dict[str, tuple[int | None, ...]] = {
-            "pose": (t, 3), "velocity": (t, 3), "acceleration": (t, 3), "omega": (t, n), "use": (t, n)}
+            "pose": (t, 3),
+            "velocity": (t, 3),
+            "acceleration": (t, 3),
+            "omega": (t, n),
+            "use": (t, n),
+        }
         for name, shape in shapes.items():
             put(self, name, frozen(name, getattr(self, name), shape))
         if t < 2 or float(np.min(np.diff(self.t_s))) <= 0.0:
-            raise InputError("t_s", "does not increase from sample to sample",
-                             "give at least two increasing times")
+            raise InputError(
+                "t_s", "does not increase from sample to sample", "give at least two increasing times"
+            )
 
     @property
     def duration_s(self) -> float:
@@ -60,8 +66,11 @@ class Trajectory:
     def columns(self) -> dict[str, Array]:
         """Columns of the trajectory file, in its order (contract: ``plan``)."""
         out = {"t_s": self.t_s}
-        groups = ((self.pose, ("x_m", "y_m", "phi_rad")), (self.velocity, ("vx_m_s", "vy_m_s", "wz_rad_s")),
-                  (self.acceleration, ("ax_m_s2", "ay_m_s2", "alpha_rad_s2")))
+        groups = (
+            (self.pose, ("x_m", "y_m", "phi_rad")),
+            (self.velocity, ("vx_m_s", "vy_m_s", "wz_rad_s")),
+            (self.acceleration, ("ax_m_s2", "ay_m_s2", "alpha_rad_s2")),
+        )
         for block, names in groups:
             out.update({name: block[:, k] for k, name in enumerate(names)})
         out.update({f"omega{i + 1}_rad_s": self.omega[:, i] for i in range(self.omega.shape[1])})

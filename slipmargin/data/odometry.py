@@ -9,26 +9,15 @@ from __future__ import annotations
 import numpy as np
 
 from slipmargin.checks import Array
-from slipmargin.model.parts import Contacts
+from slipmargin.physics.kinematics import WheelGeometry
 
 
-def no_slip_matrix(contacts: Contacts) -> Array:
-    """(3, N) from wheel rates θ̇ [rad/s] to the body twist that no wheel slips under (least squares).
-
-    Row by row v·ĝ + ω (p × ĝ) = −ρ θ̇ ŝ·ĝ (eq. 3 with zero slip along the grip).
-    """
-    place, grip = contacts.position_m, contacts.grip
-    rows = np.column_stack([grip, place[:, 0] * grip[:, 1] - place[:, 1] * grip[:, 0]])
-    along = contacts.radius_m * np.sum(contacts.drive * grip, axis=1)
-    return np.asarray(-np.linalg.pinv(rows) * along)
-
-
-def wheel_path(contacts: Contacts, theta: Array) -> Array:
+def wheel_path(contacts: WheelGeometry, theta: Array) -> Array:
     """(T, 3) path in the body frame by the wheels alone: x [m], y [m], φ [rad], zero at the start.
 
     ``theta`` (T, N) wheel angles [rad].
     """
-    return np.asarray((theta - theta[0]) @ no_slip_matrix(contacts).T)
+    return np.asarray((theta - theta[0]) @ contacts.no_slip_map().T)
 
 
 def body_path(pose: Array) -> Array:

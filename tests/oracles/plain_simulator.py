@@ -15,8 +15,8 @@ from scipy.optimize import brentq
 
 from slipmargin.checks import Array
 from slipmargin.model import Model
-from slipmargin.model.terms import Modulation
-from slipmargin.model.variables import Frame, Target, Variable
+from slipmargin.physics.terms import Multiplier
+from slipmargin.physics.variables import Frame, Target, Variable
 from slipmargin.robot import GripShape
 
 #: θ(t), ω(t), ω̇(t) of all wheels, each (N,).
@@ -33,7 +33,7 @@ class _Instant:
         self.theta, self.omega, self.alpha = wheels
         self.com, self.phi, self.twist = state[:2], state[2], state[3:]
         v, w = self.twist[:2], self.twist[2]
-        c, com = model.contacts, model.inertia.com_m
+        c, com = model.geometry, model.inertia.com_m
         arm = c.position_m - com
         self.hub = v + w * np.column_stack([-arm[:, 1], arm[:, 0]])
         u = self.hub + (c.radius_m * self.omega)[:, None] * c.drive
@@ -43,7 +43,7 @@ class _Instant:
         self.velocity = v - w * np.array([-com[1], com[0]])
 
     def of_body(self, variable: Variable) -> float:
-        c = self.model.contacts
+        c = self.model.geometry
         rows = np.column_stack(
             [c.grip, c.position_m[:, 0] * c.grip[:, 1] - c.position_m[:, 1] * c.grip[:, 0]]
         )
@@ -66,7 +66,7 @@ class _Instant:
 
     def of_wheels(self, variable: Variable, side: int, load: Array) -> Array:
         """The variable of every wheel (N,), seen along ĝ (side 0) or f̂ (side 1)."""
-        c, u = self.model.contacts, self.slip[side]
+        c, u = self.model.geometry, self.slip[side]
         rolling = np.maximum(np.hypot(*self.hub.T), np.abs(c.radius_m * self.omega))
         if variable is Variable.WHEEL_ANGLE:
             return np.asarray(self.theta)
@@ -102,7 +102,7 @@ def _coefficients(at: _Instant, rigid: Array, load: Array) -> tuple[Array, Array
     grip = at.model.grip
     mu = np.where(rigid[:, None], grip.rigid, grip.roller).T.copy()
     k = np.full_like(mu, grip.k_s_per_m)
-    for m in grip.modulations:
+    for m in grip.multipliers:
         for side in (0, 1):
             factor = _factor(m, at, side, load)
             if m.target is Target.STIFFNESS or int(m.target) == 4 + side:
@@ -112,7 +112,7 @@ def _coefficients(at: _Instant, rigid: Array, load: Array) -> tuple[Array, Array
     return mu, k
 
 
-def _factor(m: Modulation, at: _Instant, side: int, load: Array) -> Array:
+def _factor(m: Multiplier, at: _Instant, side: int, load: Array) -> Array:
     values = at.of_wheels(m.variable, side, load)
     return np.array([m.factor(np.asarray(v), w) for v, w in zip(values, m.wheels, strict=True)])
 
@@ -148,7 +148,7 @@ def _disc_strip(u: Array, mu: Array, k: float) -> Array:
 def _push_of_terms(at: _Instant) -> Array:
     """Wrench (3,) of all force terms in the body frame."""
     total = np.zeros(3)
-    for term in at.model.losses.terms:
+    for term in at.model.external.terms:
         w = term.wrench(np.asarray(at.of_body(term.variable)))
         if term.frame is Frame.FLOOR:
             w = np.append(at.turn.T @ w[:2], w[2])
@@ -169,7 +169,7 @@ def acceleration(
     The loads follow the acceleration: the fixed point N = N0 + P a is found by Newton's method on a.
     """
     at = _Instant(model, t, state, wheels)
-    arm = model.contacts.position_m - model.inertia.com_m
+    arm = model.geometry.position_m - model.inertia.com_m
     outside = _push_of_terms(at) + np.append(at.turn.T @ push[:2], push[2])
     viscous = model.grip.viscous_N_s_per_m[:, None] * at.slip
 
@@ -183,7 +183,7 @@ def acceleration(
             ]
         ).T
         force = -(load * f) - viscous
-        xy = force[0][:, None] * model.contacts.grip + force[1][:, None] * model.contacts.free
+        xy = force[0][:, None] * model.geometry.grip + force[1][:, None] * model.geometry.free
         total = outside + np.append(xy.sum(axis=0), np.sum(arm[:, 0] * xy[:, 1] - arm[:, 1] * xy[:, 0]))
         return total / np.array([model.inertia.mass_kg] * 2 + [model.inertia.inertia_kg_m2]), force, load
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from strategies import reals
 
-from slipmargin.sets.grips import (
+from slipmargin.physics.grips import (
     box_slope,
     box_support,
     disc_strip_slope,
@@ -32,14 +32,20 @@ def outline(kind: str, drive: float, across: float) -> np.ndarray:
             "ellipse": 1.0 / np.sqrt((a / drive) ** 2 + (b / across) ** 2),
             "disc-strip": np.minimum(drive, across / np.abs(b)),
         }[kind]
-    corner = {"box": (drive, across), "ellipse": (0.0, 0.0),
-              "disc-strip": (np.sqrt(max(drive**2 - across**2, 0.0)), min(across, drive))}[kind]
+    corner = {
+        "box": (drive, across),
+        "ellipse": (0.0, 0.0),
+        "disc-strip": (np.sqrt(max(drive**2 - across**2, 0.0)), min(across, drive)),
+    }[kind]
     signs = np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]])
     return np.vstack([np.stack([reach * a, reach * b], axis=1), signs * corner])
 
 
-KINDS = {"box": (box_support, box_slope), "ellipse": (ellipse_support, ellipse_slope),
-         "disc-strip": (disc_strip_support, disc_strip_slope)}
+KINDS = {
+    "box": (box_support, box_slope),
+    "ellipse": (ellipse_support, ellipse_slope),
+    "disc-strip": (disc_strip_support, disc_strip_slope),
+}
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array
+from slipmargin.paper.published import DISTANCE_M, PITCH_RAD, STILL_S, Unprinted, command, paper_model
 from slipmargin.sim.batch import Batch
 from slipmargin.sim.pack import pack, stack
-from slipmargin.sim.published import DISTANCE_M, PITCH_RAD, STILL_S, Unprinted, command, paper_model
 
 #: Printed end of the run (x short, y, φ) and what the digits resolve.
 _INITIAL, _INITIAL_UNIT = np.array([0.014, -0.009, -0.016]), np.array([0.002, 0.001, 0.001])

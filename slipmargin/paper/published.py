@@ -6,7 +6,7 @@ initial model knows rollers only, the improved one the rigid material between th
 
 The paper prints neither mass, inertia and centre-to-wheel radius nor the rotor angles.  The motion
 depends on them through β = m r²/I, r and the angles alone; :data:`FOUND` holds values found by a
-search (:mod:`slipmargin.sim.calibration` runs it again), not read in the paper.
+search (:mod:`slipmargin.paper.search` runs it again), not read in the paper.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ import numpy as np
 
 from slipmargin.checks import Array, frozen, real
 from slipmargin.model import Model, nominal_model
-from slipmargin.motions.run import Run
 from slipmargin.robot import Body, Coefficients, Robot, Surface, Wheel
 from slipmargin.sim.batch import Batch
 from slipmargin.sim.pack import pack
+from slipmargin.sim.run import Run
 from slipmargin.sim.signal import WheelSignal, held
 from slipmargin.sim.simulate import simulate
 

@@ -54,8 +54,11 @@ class Record:
         step = np.diff(time)
         if np.min(step) <= 0.0:
             row = int(np.argmax(step <= 0.0)) + 1
-            raise InputError("t_s", f"sample {row + 1} is at {time[row]:g} s, after {time[row - 1]:g} s",
-                             "time must increase from row to row")
+            raise InputError(
+                "t_s",
+                f"sample {row + 1} is at {time[row]:g} s, after {time[row - 1]:g} s",
+                "time must increase from row to row",
+            )
         put = object.__setattr__
         put(self, "t_s", time)
         put(self, "pose", _signal("pose", self.pose, (len(time), 3)))

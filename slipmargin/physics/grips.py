@@ -14,9 +14,37 @@ with s = 0 limiting the force along −, s = 1 along +, and gives ``(..., N)``.
 
 from __future__ import annotations
 
+from enum import Enum
+
 import numpy as np
 
 from slipmargin.checks import Array
+
+
+class GripShape(Enum):
+    """The set a wheel's friction force lies in (theory: three grip sets)."""
+
+    BOX = "box"  #: |f_W| ≤ μ_W N and |f_T| ≤ μ_T N, as published in eq. (17)
+    DISC_STRIP = "disc-strip"  #: |f| ≤ μ_W N and |f_T| ≤ μ_T N: a free roller on the floor
+    ELLIPSE = "ellipse"  #: (f_W/μ_W)² + (f_T/μ_T)² ≤ N²: a wheel that slides as a whole
+
+
+def polyhedral(shape: GripShape, coupling: float) -> bool:
+    """Whether the set (1 − coupling)·box ⊕ coupling·shape is the box itself, so that facets describe it."""
+    return shape is GripShape.BOX or coupling == 0.0
+
+
+def drive_left(shape: GripShape, coupling: float, by_limit: Array, by_radius: Array) -> Array:
+    """Share of the drive grip that is left beside a transverse force [1].
+
+    (1 − c)·box ⊕ c·shape at a transverse force f_T: (1 − c) + c·√(1 − t²), with t = f_T/(μ_T N) for the
+    ellipse (``by_limit``) and f_T/(μ_W N) for the disc cut by the strip
+    (``by_radius``).
+    """
+    if polyhedral(shape, coupling):
+        return np.ones(np.broadcast_shapes(np.shape(by_limit), np.shape(by_radius)))
+    t = np.clip(by_limit if shape is GripShape.ELLIPSE else by_radius, 0.0, 1.0)
+    return np.asarray(1.0 - coupling * (1.0 - np.sqrt(1.0 - t**2)))
 
 
 def box_support(seen: Array, mu: Array) -> Array:

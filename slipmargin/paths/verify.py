@@ -14,7 +14,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.model import Model
-from slipmargin.motions.trajectory import Trajectory
+from slipmargin.paths.trajectory import Trajectory
 from slipmargin.sim.batch import Batch, Ending
 from slipmargin.sim.pack import pack
 from slipmargin.sim.signal import linear
@@ -64,8 +64,9 @@ def on_rollers(model: Model) -> Model:
     return replace(model, grip=replace(model.grip, rigid_fraction=np.zeros(model.count)))
 
 
-def verify(model: Model, planned: Trajectory, *, theta_rad: Array | None = None,
-           stretch: float = 1.0) -> Verified:
+def verify(
+    model: Model, planned: Trajectory, *, theta_rad: Array | None = None, stretch: float = 1.0
+) -> Verified:
     """Simulate the planned wheel speeds, open loop, from the planned start.
 
     Parameters
@@ -81,10 +82,18 @@ def verify(model: Model, planned: Trajectory, *, theta_rad: Array | None = None,
     signal = linear(t, planned.omega / stretch, theta0=theta_rad)
     fine = np.linspace(t[0], t[-1], max(2, int(np.ceil((t[-1] - t[0]) / FINE_S)) + 1))
     run = Batch([signal], [fine], commanded=False).run(
-        pack(model), planned.pose[0], start_twist=planned.velocity[0] / stretch, tell=True)
+        pack(model), planned.pose[0], start_twist=planned.velocity[0] / stretch, tell=True
+    )
     assert run.slip is not None
     slip = np.abs(run.slip[0, :, :, 0])
     off = run.pose[0, -1] - planned.pose[-1]
-    return Verified(t_s=fine, share=2.0 / np.pi * np.arctan(model.grip.k_s_per_m * slip), slip_m_s=slip,
-                    pose=run.pose[0], drift_m=float(np.hypot(off[0], off[1])), drift_rad=float(abs(off[2])),
-                    ending=Ending(int(run.ending[0])), wheels=model.contacts.names)
+    return Verified(
+        t_s=fine,
+        share=2.0 / np.pi * np.arctan(model.grip.k_s_per_m * slip),
+        slip_m_s=slip,
+        pose=run.pose[0],
+        drift_m=float(np.hypot(off[0], off[1])),
+        drift_rad=float(abs(off[2])),
+        ending=Ending(int(run.ending[0])),
+        wheels=model.geometry.names,
+    )

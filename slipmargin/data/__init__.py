@@ -1,0 +1,1 @@
+"""Measured motion: records, pulls, data sets, and what the wheels alone say of them.  Opens no file."""

@@ -1,0 +1,90 @@
+"""A data set: what somebody believes of a robot and what it really did on one floor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array, frozen
+from slipmargin.data.pulls import Pulls
+from slipmargin.data.record import Record
+from slipmargin.effects.recipe import Recipe
+from slipmargin.errors import InputError
+
+
+class WheelSignal(Enum):
+    """What the wheel columns of a data set are."""
+
+    MEASURED = "measured"  #: omega and theta are encoder values
+    COMMANDED = "commanded"  #: only the commanded speeds are known
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DataSet:
+    """A robot as its user believes it to be, and its measured runs on one floor.
+
+    Parameters
+    ----------
+    name : str
+        The folder's name.
+    recipe : Recipe
+        Robot with the effects its file lists.
+    surface : str
+        The surface of the robot file on which the runs took place.
+    wheel_signal : WheelSignal
+        Whether wheel speeds and angles are measured or only commanded.
+    trials : tuple of Record
+        One a run, in the order of their names.
+    sigma : array (3,) or None
+        Measurement noise (one standard deviation) of x [m], y [m], φ [rad], where stated.
+    pulls : Pulls or None
+        Measured breakaway pulls.
+    """
+
+    name: str
+    recipe: Recipe
+    surface: str
+    wheel_signal: WheelSignal
+    trials: tuple[Record, ...]
+    sigma: Array | None = None
+    pulls: Pulls | None = None
+
+    def __post_init__(self) -> None:
+        self.recipe.robot.surface(self.surface)
+        if not self.trials:
+            raise InputError("trials", "there is no trial", "put one CSV a run into the folder trials")
+        if self.sigma is not None:
+            sigma = frozen("sigma", self.sigma, (3,))
+            if sigma.min() <= 0.0:
+                raise InputError("sigma", f"is {sigma.tolist()}", "noise is positive")
+            object.__setattr__(self, "sigma", sigma)
+        for trial in self.trials:
+            self._check_wheels(trial)
+
+    def _check_wheels(self, trial: Record) -> None:
+        count = len(self.recipe.robot.wheels)
+        if trial.wheels not in (0, count):
+            raise InputError(
+                trial.name,
+                f"has {trial.wheels} wheels, the robot has {count}",
+                "give the columns of every wheel",
+            )
+        if self.wheel_signal is WheelSignal.COMMANDED:
+            known, wanted = [trial.omega_cmd], "omega{i}_cmd_rad_s"
+        else:
+            known, wanted = [trial.omega, trial.theta], "omega{i}_rad_s or theta{i}_rad"
+        has = np.zeros(count, dtype=bool)
+        for signal in known:
+            if signal is not None:
+                has |= np.isfinite(signal).any(axis=0)
+        if not has.all():
+            lacks = int(np.argmin(has)) + 1
+            raise InputError(
+                trial.name,
+                f"wheel {lacks} has no {wanted.format(i=lacks)}",
+                f'add it, or change wheel_signal = "{self.wheel_signal.value}"',
+            )

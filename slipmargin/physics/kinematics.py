@@ -1,0 +1,112 @@
+"""Where wheels stand and grip, and every linear map between body motion, wheel speeds and wheel forces.
+
+A wheel at p with drive direction ŝ grips along ĝ (its roller's axle on the floor) and rolls freely along
+f̂.  With the body twist (v, ω) of the origin and the wheel's rate θ̇ its contact moves over the floor with
+
+    u = v + ω ẑ×p + ρ θ̇ ŝ           (eq. 3; positive θ̇ moves the contact along +ŝ)
+
+and no slip along the grip means u·ĝ = 0.  A unit force of the wheel along ĝ has the wrench
+(ĝ, (p − c) × ĝ) about the centre of mass c (eqs 14–15).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array, frozen
+from slipmargin.physics.frames import moment
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class WheelGeometry:
+    """Where N wheels stand and which way they grip; every vector array is (N, 2), body frame.
+
+    Parameters
+    ----------
+    names : tuple of N str
+    position_m : (N, 2)
+        Wheel centres p [m].
+    drive, grip, free : (N, 2)
+        Unit vectors ŝ, ĝ, f̂ (omni: ĝ = ŝ, f̂ = r̂; mecanum: both turned by the roller angle).
+    radius_m : (N,)
+        ρ [m].
+    """
+
+    names: tuple[str, ...]
+    position_m: Array
+    drive: Array
+    grip: Array
+    free: Array
+    radius_m: Array
+
+    def __post_init__(self) -> None:
+        n, put = len(self.names), object.__setattr__
+        for name in ("position_m", "drive", "grip", "free"):
+            put(self, name, frozen(name, getattr(self, name), (n, 2)))
+        put(self, "radius_m", frozen("radius_m", self.radius_m, (n,)))
+
+    @property
+    def count(self) -> int:
+        """Number of wheels N."""
+        return len(self.names)
+
+    def hub_rows(self) -> Array:
+        """(N, 2, 3): velocity of the wheel centres from the body twist of the origin."""
+        rows = np.zeros((self.count, 2, 3))
+        rows[:, 0, 0] = rows[:, 1, 1] = 1.0
+        rows[:, 0, 2], rows[:, 1, 2] = -self.position_m[:, 1], self.position_m[:, 0]
+        return rows
+
+    def rolling_rows(self) -> Array:
+        """(N, 3): rolling speed ρ θ̇ [m/s] without slip along the grip, −(v + ω×p)·ĝ / ŝ·ĝ."""
+        grip = np.einsum("id,idj->ij", self.grip, self.hub_rows())
+        return np.asarray(-grip / self._drive_along_grip()[:, None])
+
+    def lateral_rows(self) -> Array:
+        """(N, 3): lateral slip u·f̂ [m/s] that is left when the wheel does not slip along its grip."""
+        free = np.einsum("id,idj->ij", self.free, self.hub_rows())
+        across = np.sum(self.drive * self.free, axis=1, keepdims=True)
+        return np.asarray(free + across * self.rolling_rows())
+
+    def wheel_speeds(self, twist: Array) -> Array:
+        """Wheel speeds θ̇ (..., N) [rad/s] that roll without slip at body twists (..., 3)."""
+        return np.asarray(twist @ self.rolling_rows().T / self.radius_m)
+
+    def no_slip_map(self) -> Array:
+        """(3, N): body twist of the origin that wheel speeds θ̇ imply without slip (least squares).
+
+        Row by row v·ĝ + ω (p × ĝ) = −ρ θ̇ ŝ·ĝ (eq. 3 with zero slip along the grip).
+        """
+        lever = moment(self.position_m[:, 0], self.position_m[:, 1], self.grip[:, 0], self.grip[:, 1])
+        rows = np.column_stack([self.grip, lever])
+        return np.asarray(-np.linalg.pinv(rows) * (self.radius_m * self._drive_along_grip()))
+
+    def wrench_maps(self, com_m: Array) -> tuple[Array, Array]:
+        """B_W and B_T of eqs (14)–(15), each (3, N), about the centre of mass ``com_m``, body frame.
+
+        Column i is the wrench of a unit force of wheel i along ĝ_i (or f̂_i).
+        """
+        arm = self.position_m - com_m
+
+        def columns(direction: Array) -> Array:
+            return np.vstack([direction.T, moment(arm[:, 0], arm[:, 1], direction[:, 0], direction[:, 1])])
+
+        return columns(self.grip), columns(self.free)
+
+    def _drive_along_grip(self) -> Array:
+        return np.asarray(np.sum(self.drive * self.grip, axis=1))
+
+
+def com_acceleration(com_m: Array, twist: Array, acceleration: Array) -> Array:
+    """Body-frame acceleration (M, 3) of the centre of mass from that of the origin.
+
+    a_com = a + α ẑ×c − ω² c, with c = ``com_m`` (2,), ``twist`` and ``acceleration`` (M, 3).
+    """
+    wz, out = twist[:, 2], np.array(acceleration, dtype=float)
+    out[:, 0] += -acceleration[:, 2] * com_m[1] - wz**2 * com_m[0]
+    out[:, 1] += acceleration[:, 2] * com_m[0] - wz**2 * com_m[1]
+    return out
