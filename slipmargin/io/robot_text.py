@@ -13,7 +13,7 @@ import numpy as np
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.robot import Surface
 from slipmargin.robot.fields import Kind, keys
-from slipmargin.robot.robot import SECTIONS
+from slipmargin.robot.sections import SECTIONS
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 

@@ -53,6 +53,8 @@ class Key:
         Why the range is what it is, or what usual values are.
     words : type of Enum, or tuple of str
         What a WORD may be.
+    meanings : tuple of str
+        What each of the words means.
     count : int or None
         How many numbers a LIST has (None: any).
     of : type or None
@@ -80,6 +82,7 @@ class Key:
     above: bool = False
     reason: str = ""
     words: type[Enum] | tuple[str, ...] = ()
+    meanings: tuple[str, ...] = ()
     count: int | None = None
     of: type | None = None
     name: str = ""
@@ -98,8 +101,8 @@ class Key:
     def range(self) -> str:
         """The range in words, with the unit."""
         unit = "" if self.unit in ("", "1") else f" {self.unit}"
-        low = f"above {self.low:g}, up to" if self.above else f"{self.low:g} to"
-        return f"{low} {self.high:g}{unit}"
+        low, high = (f"{end:g}".replace("e+0", "e").replace("e-0", "e-") for end in (self.low, self.high))
+        return f"above {low}, up to {high}{unit}" if self.above else f"{low} to {high}{unit}"
 
     @property
     def cure(self) -> str:
@@ -133,15 +136,18 @@ class Key:
                 raise InputError(self.name, f"is {shown(value)}", self.cure)
             cells = [self._number(f"{self.name}[{i}]", v) for i, v in enumerate(value, 1)]
             return frozen(self.name, cells, (self.count,))
-        right = {
-            Kind.WHOLE: lambda: type(value) is int and self.low <= value <= self.high,
-            Kind.NAME: lambda: isinstance(value, str) and bool(value.strip()),
-            Kind.WORD: lambda: value in list(self.words),
-            Kind.TABLE: lambda: self.of is not None and isinstance(value, self.of),
-        }
-        if not right[self.kind]():
+        if not self._fits(value):
             raise InputError(self.name, f"is {shown(value)}", self.cure)
         return value
+
+    def _fits(self, value: Any) -> bool:
+        if self.kind is Kind.WHOLE:
+            return type(value) is int and self.low <= value <= self.high
+        if self.kind is Kind.NAME:
+            return isinstance(value, str) and bool(value.strip())
+        if self.kind is Kind.WORD:
+            return value in self.words if isinstance(self.words, tuple) else isinstance(value, self.words)
+        return self.of is not None and isinstance(value, self.of)
 
     def _number(self, place: str, value: Any) -> float:
         above = self.low if self.above else None
@@ -163,9 +169,11 @@ def numbers(unit: str, meaning: str, count: int | None, low: float, high: float,
     return _metadata(Key(kind=Kind.LIST, unit=unit, meaning=meaning, count=count, low=low, high=high, **more))
 
 
-def word(words: type[Enum] | tuple[str, ...], meaning: str, **more: Any) -> Metadata:
-    """One of the known words."""
-    return _metadata(Key(kind=Kind.WORD, meaning=meaning, words=words, **more))
+def word(
+    words: type[Enum] | tuple[str, ...], meaning: str, meanings: tuple[str, ...], **more: Any
+) -> Metadata:
+    """One of the known words, each with its meaning."""
+    return _metadata(Key(kind=Kind.WORD, meaning=meaning, words=words, meanings=meanings, **more))
 
 
 def text(meaning: str, **more: Any) -> Metadata:
@@ -197,9 +205,10 @@ def check(thing: Any) -> None:
         value = getattr(thing, field)
         if value is not None or key.required or key.default is not None:
             try:
-                object.__setattr__(thing, field, key.checked(value))
+                clean = key.checked(value)
             except InputError as fault:
                 raise fault.within(key.table) from None
+            object.__setattr__(thing, field, clean)
     for field, key in found.items():
         if key.needs is not None and getattr(thing, field) is not None:
             _refuse_without(thing, found, key, *key.needs)

@@ -90,7 +90,7 @@ class Wheel:
             "from the drive direction to the grip direction, counter-clockwise",
             -80.0,
             80.0,
-            reason="0 is an omni wheel, 45 or -45 a mecanum wheel",
+            reason="0 is an omni wheel, 45 or -45 a mecanum wheel; at 90 a wheel could not drive",
             vary=("roller_angle_deg",),
         ),
     )
@@ -202,7 +202,12 @@ class FrictionLaw:
         default="atan",
         metadata=word(
             LAWS,
-            "how friction grows with slip speed, see the laws below",
+            "how friction grows with slip speed v, with z = k v",
+            (
+                "(2/π) atan z, eq. (11) of the paper",
+                "tanh z, the usual regularised Coulomb law",
+                "z/√(1 + z²), a smoothed Coulomb law",
+            ),
             name="law",
             vary=("friction_law",),
         ),
@@ -220,7 +225,16 @@ class FrictionLaw:
     )
     grip: GripShape = field(
         default=GripShape.BOX,
-        metadata=word(GripShape, "set in which a wheel's friction force lies, see below", vary=("grip",)),
+        metadata=word(
+            GripShape,
+            "set in which a wheel's friction force lies",
+            (
+                "drive and transverse friction have each their own limit, eq. (17) of the paper",
+                "the whole force is within the drive limit and its transverse part within the transverse one",
+                "an ellipse over the two limits: a wheel that slides as a whole",
+            ),
+            vary=("grip",),
+        ),
     )
 
     def __post_init__(self) -> None:
@@ -230,7 +244,11 @@ class FrictionLaw:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Robot:
-    """The whole data sheet.  ``load_fractions`` is given exactly when ``load_rule`` is FIXED."""
+    """The whole data sheet.
+
+    ``load_fractions`` is given exactly when ``load_rule`` is FIXED.  ``geometry`` follows from the wheels:
+    where they stand and which way they grip.
+    """
 
     name: str = field(metadata=text("name of the robot"))
     body: Body
@@ -240,7 +258,13 @@ class Robot:
         default=LoadRule.EQUAL,
         metadata=word(
             LoadRule,
-            "how the weight is shared between the wheels, see below",
+            "how the weight is shared between the wheels",
+            (
+                "m g / N each, eq. (8) of the paper",
+                "by statics from the centre of mass, the same at rest and in motion",
+                "by statics from the centre of mass, its height and the acceleration",
+                "by the stated fractions of m g",
+            ),
             table="loads",
             name="model",
             vary=("load_model",),
@@ -262,6 +286,7 @@ class Robot:
     )
     friction: FrictionLaw = FrictionLaw()
     motor: Motor | None = None
+    geometry: WheelGeometry = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         check(self)
@@ -273,22 +298,9 @@ class Robot:
         if not self.surfaces:
             raise InputError("surface", "no surface is described", "add a [surface.NAME] table")
         _unique("surface", [s.name for s in self.surfaces])
+        object.__setattr__(self, "geometry", _geometry(self.wheels))
         self._check_rank()
         self._check_fractions()
-
-    @property
-    def geometry(self) -> WheelGeometry:
-        """Where the wheels stand and which way they grip."""
-        drive = np.deg2rad([w.drive_direction_deg for w in self.wheels])
-        grip = drive + np.deg2rad([w.roller_angle_deg for w in self.wheels])
-        return WheelGeometry(
-            names=tuple(w.name for w in self.wheels),
-            position_m=np.array([w.position_m for w in self.wheels]),
-            drive=directions(drive),
-            grip=directions(grip),
-            free=directions(grip - np.pi / 2),  # ŝ = ẑ × r̂
-            radius_m=np.array([w.radius_m for w in self.wheels]),
-        )
 
     def _check_rank(self) -> None:
         geometry = self.geometry
@@ -336,54 +348,17 @@ class Robot:
         )
 
 
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Section:
-    """A table of the robot file.
-
-    ``heading`` as the file writes it; the keys are the fields of ``kind`` that stand in ``table``;
-    ``path`` leads from a robot to the values: one object, a tuple of them, or None.
-    """
-
-    heading: str
-    kind: type
-    meaning: str
-    path: str = ""
-    table: str = ""
-
-
-#: The tables of the robot file, in order.
-SECTIONS = (
-    Section(heading="", kind=Robot, meaning="The top of the file."),
-    Section(heading="[body]", kind=Body, path="body", meaning="The robot as one rigid body."),
-    Section(
-        heading="[loads]",
-        kind=Robot,
-        table="loads",
-        meaning='How the weight is shared. Without this table the model is "equal".',
-    ),
-    Section(
-        heading="[friction]",
-        kind=FrictionLaw,
-        path="friction",
-        meaning="The friction law of every wheel. Without this table every key has its default.",
-    ),
-    Section(
-        heading="[motor]",
-        kind=Motor,
-        path="motor",
-        meaning="Limits of every wheel's motor, on the wheel side. Without this table there are none.",
-    ),
-    Section(
-        heading="[[wheel]]", kind=Wheel, path="wheels", meaning="One table for each wheel, three or more."
-    ),
-    Section(
-        heading="[surface.NAME]",
-        kind=Surface,
-        path="surfaces",
-        meaning="One table for each floor, one or more; --surface names one.",
-    ),
-)
+def _geometry(wheels: tuple[Wheel, ...]) -> WheelGeometry:
+    drive = np.deg2rad([w.drive_direction_deg for w in wheels])
+    grip = drive + np.deg2rad([w.roller_angle_deg for w in wheels])
+    return WheelGeometry(
+        names=tuple(w.name for w in wheels),
+        position_m=np.array([w.position_m for w in wheels]),
+        drive=directions(drive),
+        grip=directions(grip),
+        free=directions(grip - np.pi / 2),  # ŝ = ẑ × r̂
+        radius_m=np.array([w.radius_m for w in wheels]),
+    )
 
 
 def _unique(place: str, names: list[str]) -> None:
