@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 def recipe_of(
     robot: str, surface: str | None = None, delta_deg: float | None = None, grip: str | None = None
 ) -> tuple[Recipe, str | None]:
-    """The recipe that the shared arguments name, and the warning its loads deserve (None: none).
+    """The recipe that the shared arguments name, and the warnings it deserves (None: none).
 
     Raises
     ------
@@ -23,9 +23,9 @@ def recipe_of(
     from slipmargin.errors import InputError
     from slipmargin.io.robot_file import read_recipe
     from slipmargin.io.toml_table import one_of
-    from slipmargin.model.loads import contradiction
     from slipmargin.robot import GripShape
     from slipmargin.robot.layout import with_wheel_angle
+    from slipmargin.robot.warnings import warnings
 
     recipe = read_recipe(robot)
     try:
@@ -40,12 +40,12 @@ def recipe_of(
     except InputError as fault:
         place = "--delta-deg" if fault.place == "delta_deg" else fault.place
         raise InputError(place, fault.problem, fault.cure, "command line") from None
-    return recipe, contradiction(recipe.robot)
+    return recipe, "; ".join(warnings(recipe.robot)) or None
 
 
 def machine(
     robot: str, surface: str, delta_deg: float | None = None, grip: str | None = None
 ) -> tuple[Model, str | None]:
-    """The model that the shared arguments name, and the warning its loads deserve (None: none)."""
+    """The model that the shared arguments name, and the warnings it deserves (None: none)."""
     recipe, warning = recipe_of(robot, surface, delta_deg, grip)
     return recipe.build(surface), warning

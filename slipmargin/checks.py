@@ -18,6 +18,15 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 
+def shown(value: object) -> str:
+    """A refused value as a message quotes it: at most 60 characters."""
+    try:
+        text = repr(value)
+    except ValueError:  # Python writes no whole number of more than some thousand digits
+        return "a number of thousands of digits"
+    return text if len(text) <= 60 else text[:57] + "…"
+
+
 def real(
     place: str,
     value: Any,
@@ -29,7 +38,7 @@ def real(
 ) -> float:
     """A finite float within ``[low, high]`` (and strictly greater than ``above``)."""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.floating, np.integer)):
-        raise InputError(place, f"is {value!r}, not a number", cure)
+        raise InputError(place, f"is {shown(value)}, not a number", cure)
     try:
         number = float(value)
     except OverflowError:

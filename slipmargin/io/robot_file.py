@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import MISSING, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -19,21 +19,11 @@ from slipmargin.effects.recipe import AnyEffect
 from slipmargin.errors import InputError
 from slipmargin.io.source import read_text
 from slipmargin.io.toml_table import Table, nearest, parse_toml
-from slipmargin.robot import (
-    Body,
-    Coefficients,
-    FrictionLaw,
-    GripShape,
-    LoadRule,
-    Motor,
-    Robot,
-    Surface,
-    Wheel,
-)
+from slipmargin.robot import Body, FrictionLaw, Motor, Robot, Surface, Wheel
+from slipmargin.robot.fields import Kind, keys
 
 SCHEMA = 1
-#: Friction laws a file may name.  Other laws are effects (``stribeck``, ``slip_ratio_friction`` …).
-LAWS = ("atan",)
+T = TypeVar("T")
 _BUILT_IN = Path(__file__).resolve().parent.parent / "robots"
 
 
@@ -100,23 +90,21 @@ def recipe_from_text(text: str) -> Recipe:
     schema = top.whole("schema")
     if schema != SCHEMA:
         raise InputError("schema", f"is {schema}", f"this program reads schema = {SCHEMA}")
-    name = top.text("name")
-    body = _body(top.table("body", "add a [body] table with mass_kg and inertia_kg_m2"))
-    rule, fractions = _loads(top)
-    friction, motor = _friction(top), _motor(top)
-    wheels = _named("wheel", [_wheel(table) for table in top.tables("wheel")])
+    body = _part(top.table("body", "add a [body] table with mass_kg and inertia_kg_m2"), Body)
+    loads = _values(top.table("loads", ""), Robot, "loads") if top.has("loads") else {}
+    friction = _part(top.table("friction", ""), FrictionLaw) if top.has("friction") else FrictionLaw()
+    motor = _part(top.table("motor", ""), Motor) if top.has("motor") else None
+    wheels = tuple(_part(table, Wheel) for table in top.tables("wheel"))
     surfaces = _surfaces(top)
     effect_tables = top.tables("effect")
-    top.done()
     robot = Robot(
-        name=name,
         body=body,
         wheels=wheels,
         surfaces=surfaces,
-        load_rule=rule,
-        load_fractions=fractions,
         friction=friction,
         motor=motor,
+        **loads,
+        **_values(top, Robot),
     )
     _check_stands(robot)
     recipe = Recipe(robot=robot, effects=tuple(_effect(table, wheels) for table in effect_tables))
@@ -125,107 +113,45 @@ def recipe_from_text(text: str) -> Recipe:
     return recipe
 
 
-def _body(table: Table) -> Body:
-    mass, inertia = table.number("mass_kg", "kg"), table.number("inertia_kg_m2", "kg m²")
-    com = table.numbers("com_m", 2, "m", (0.0, 0.0))
-    height = table.number("com_height_m", "m", 0.0)
-    table.done()
+def _part(table: Table, kind: type[T], **more: Any) -> T:
+    """The part of a robot that a table describes; ``more`` are its fields that are no keys.
+
+    Raises
+    ------
+    InputError
+        Placed at a key that is missing, unknown or refused.
+    """
+    values = _values(table, kind)
     try:
-        return Body(mass_kg=mass, inertia_kg_m2=inertia, com_m=np.array(com), com_height_m=height)
+        return kind(**values, **more)
     except InputError as fault:
         raise fault.within(table.place) from None
 
 
-def _loads(top: Table) -> tuple[LoadRule, np.ndarray[Any, np.dtype[np.float64]] | None]:
-    if not top.has("loads"):
-        return LoadRule.EQUAL, None
-    table = top.table("loads", "")
-    rule = LoadRule(table.word("model", [r.value for r in LoadRule]))
-    fractions = None
-    if table.has("fractions"):
-        fractions = np.array(table.numbers("fractions", None, "share of m g"))
+def _values(table: Table, kind: type, section: str = "") -> dict[str, Any]:
+    """Field → value of the keys that a table holds; the dataclass checks the values."""
+    found: dict[str, Any] = {}
+    for field, key in keys(kind, section).items():
+        if not table.has(key.name) and not key.required:
+            continue
+        if key.kind is Kind.WORD:
+            found[field] = key.from_word(table.word(key.name, key.choices))
+        elif key.kind is Kind.TABLE:
+            assert key.of is not None
+            found[field] = _part(table.table(key.name, key.cure), key.of)
+        else:
+            found[field] = table.take(key.name, key.cure)
     table.done()
-    return rule, fractions
-
-
-def _friction(top: Table) -> FrictionLaw:
-    if not top.has("friction"):
-        return FrictionLaw()
-    table = top.table("friction", "")
-    table.word("law", LAWS)
-    steepness = table.number("k_s_per_m", "s/m", FrictionLaw().k_s_per_m)
-    grip = GripShape(table.word("grip", [g.value for g in GripShape], GripShape.BOX.value))
-    table.done()
-    try:
-        return FrictionLaw(k_s_per_m=steepness, grip=grip)
-    except InputError as fault:
-        raise fault.within(table.place) from None
-
-
-def _motor(top: Table) -> Motor | None:
-    if not top.has("motor"):
-        return None
-    table = top.table("motor", "")
-    speed = table.number("max_speed_rad_s", "rad/s")
-    stall = table.number("stall_torque_N_m", "N m") if table.has("stall_torque_N_m") else None
-    table.done()
-    try:
-        return Motor(max_speed_rad_s=speed, stall_torque_N_m=stall)
-    except InputError as fault:
-        raise fault.within(table.place) from None
-
-
-def _wheel(table: Table) -> Wheel:
-    values: dict[str, Any] = {
-        "name": table.text("name"),
-        "position_m": np.array(table.numbers("position_m", 2, "m")),
-        "drive_direction_deg": table.number("drive_direction_deg", "deg"),
-        "radius_m": table.number("radius_m", "m"),
-        "roller_angle_deg": table.number("roller_angle_deg", "deg", 0.0),
-        "rollers": table.whole("rollers", 8),
-        "rigid_fraction": table.number("rigid_fraction", "1", 0.0),
-    }
-    table.done()
-    try:
-        return Wheel(**values)
-    except InputError as fault:
-        raise fault.within(table.place) from None
-
-
-def _named(key: str, wheels: list[Wheel]) -> tuple[Wheel, ...]:
-    for i, wheel in enumerate(wheels):
-        first = next(j for j, other in enumerate(wheels) if other.name == wheel.name)
-        if first < i:
-            raise InputError(
-                f"{key}[{i + 1}].name",
-                f"is {wheel.name!r}, the name of {key}[{first + 1}]",
-                f"give each {key} its own name",
-            )
-    return tuple(wheels)
+    return found
 
 
 def _surfaces(top: Table) -> tuple[Surface, ...]:
     cure = "add a [surface.NAME] table with roller and rigid"
-    section = top.table("surface", cure)
-    found = []
-    for name, value in section.raw().items():
-        table = Table(f"surface.{name}", value)
-        roller, rigid = (_coefficients(table, key) for key in ("roller", "rigid"))
-        table.done()
-        found.append(Surface(name=name, roller=roller, rigid=rigid))
+    found = top.table("surface", cure).raw()
     if not found:
         raise InputError("surface", "no surface is described", cure)
-    return tuple(found)
-
-
-def _coefficients(table: Table, key: str) -> Coefficients:
-    pair = table.table(key, f"write {key} = {{ drive = 0.26, transverse = 0.09 }}")
-    drive, transverse = pair.number("drive", "1"), pair.number("transverse", "1")
-    pair.done()
-    try:
-        return Coefficients(drive=drive, transverse=transverse)
-    except InputError as fault:
-        raise fault.within(pair.place) from None
+    tables = {name: Table(f"surface.{name}", value) for name, value in found.items()}
+    return tuple(_part(table, Surface, name=name) for name, table in tables.items())
 
 
 def _effect(table: Table, wheels: tuple[Wheel, ...]) -> AnyEffect:

@@ -5,50 +5,31 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterable, Mapping
+from enum import Enum
 from typing import Any
 
 import numpy as np
 
 from slipmargin.effects import AnyEffect, Recipe
-from slipmargin.robot import Coefficients, Wheel
+from slipmargin.robot import Surface
+from slipmargin.robot.fields import Kind, keys
+from slipmargin.robot.sections import SECTIONS
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def write_recipe(recipe: Recipe, comment: str = "") -> str:
     """The robot file of a recipe; ``comment`` stands at its top, one ``#`` a line."""
-    robot, body = recipe.robot, recipe.robot.body
-    lines = [f"# {line}".rstrip() for line in comment.splitlines()]
-    lines += ["schema = 1", f"name = {_value(robot.name)}"]
-    lines += _section(
-        "[body]",
-        {
-            "mass_kg": body.mass_kg,
-            "inertia_kg_m2": body.inertia_kg_m2,
-            "com_m": body.com_m,
-            "com_height_m": body.com_height_m,
-        },
-    )
-    loads: dict[str, Any] = {"model": robot.load_rule.value}
-    if robot.load_fractions is not None:
-        loads["fractions"] = robot.load_fractions
-    lines += _section("[loads]", loads)
-    lines += _section(
-        "[friction]",
-        {"law": "atan", "k_s_per_m": robot.friction.k_s_per_m, "grip": robot.friction.grip.value},
-    )
-    if robot.motor is not None:
-        motor = {"max_speed_rad_s": robot.motor.max_speed_rad_s}
-        if robot.motor.stall_torque_N_m is not None:
-            motor["stall_torque_N_m"] = robot.motor.stall_torque_N_m
-        lines += _section("[motor]", motor)
-    for wheel in robot.wheels:
-        lines += _section("[[wheel]]", {key: getattr(wheel, key) for key in Wheel.__slots__})
-    for surface in robot.surfaces:
-        lines += _section(
-            f"[surface.{_key(surface.name)}]",
-            {"roller": _pair(surface.roller), "rigid": _pair(surface.rigid)},
-        )
+    robot = recipe.robot
+    lines = [f"# {_printable(line)}".rstrip() for line in comment.splitlines()]
+    lines += ["schema = 1", *_lines(_keys(robot))]
+    for section in SECTIONS[1:]:
+        found = getattr(robot, section.path) if section.path else robot
+        for thing in found if isinstance(found, tuple) else [found] if found is not None else []:
+            heading = section.heading
+            if isinstance(thing, Surface):
+                heading = heading.replace("NAME", _key(thing.name))
+            lines += ["", heading, *_lines(_keys(thing, section.table))]
     for effect in recipe.effects:
         lines += _tables("effect", effect.to_table())
     return "\n".join(lines) + "\n"
@@ -59,18 +40,24 @@ def effect_text(effect: AnyEffect) -> str:
     return "\n".join(_tables("effect", effect.to_table())).strip()
 
 
-def _pair(c: Coefficients) -> dict[str, float]:
-    return {"drive": c.drive, "transverse": c.transverse}
+def _keys(thing: Any, table: str = "") -> dict[str, Any]:
+    """File key → value of the keys of a part of the robot that stand in ``table`` and are set."""
+    found = {}
+    for field, key in keys(type(thing), table).items():
+        value = getattr(thing, field)
+        if value is not None:
+            found[key.name] = _keys(value) if key.kind is Kind.TABLE else value
+    return found
 
 
-def _section(head: str, values: Mapping[str, Any]) -> list[str]:
-    return ["", head, *(f"{_key(key)} = {_value(value)}" for key, value in values.items())]
+def _lines(values: Mapping[str, Any]) -> list[str]:
+    return [f"{_key(key)} = {_value(value)}" for key, value in values.items()]
 
 
 def _tables(name: str, table: Mapping[str, Any]) -> list[str]:
     """``[[name]]`` with its plain keys, then its lists of tables as ``[[name.key]]``."""
     nested = {k: v for k, v in table.items() if _is_tables(v)}
-    lines = _section(f"[[{name}]]", {k: v for k, v in table.items() if k not in nested})
+    lines = ["", f"[[{name}]]", *_lines({k: v for k, v in table.items() if k not in nested})]
     for key, rows in nested.items():
         for row in rows:
             lines += _tables(f"{name}.{_key(key)}", row)
@@ -81,11 +68,18 @@ def _is_tables(value: Any) -> bool:
     return isinstance(value, list | tuple) and bool(value) and all(isinstance(v, Mapping) for v in value)
 
 
+def _printable(text: str) -> str:
+    """The text without control characters, which no comment of a TOML file may hold."""
+    return "".join(c if c.isprintable() or c == "\t" else " " for c in text)
+
+
 def _key(key: str) -> str:
     return key if _BARE.fullmatch(key) else _value(key)
 
 
 def _value(value: Any) -> str:
+    if isinstance(value, Enum):
+        value = value.value
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, bool):

@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Iterable
 from typing import Any, final
 
-from slipmargin.checks import real
+from slipmargin.checks import real, shown
 from slipmargin.errors import InputError
 
 _PLACE = re.compile(r"\(at (?:line (\d+), column (\d+)|end of document)\)")
@@ -20,10 +20,10 @@ def parse_toml(text: str) -> dict[str, Any]:
     Raises
     ------
     InputError
-        Placed at ``line:column`` where the text is no TOML.
+        Placed at ``line:column`` where the text is no TOML, or at a whole number beyond 64 bits.
     """
     try:
-        return tomllib.loads(text)
+        found = tomllib.loads(text)
     except tomllib.TOMLDecodeError as fault:
         match = _PLACE.search(str(fault))
         if match and match[1]:
@@ -39,6 +39,20 @@ def parse_toml(text: str) -> dict[str, Any]:
         raise InputError("1:1", "is nested too deeply", "write a flat file of tables") from None
     except ValueError as fault:  # a number of thousands of digits, a date that does not exist
         raise InputError("1:1", f"holds a value that cannot be read ({fault})", "correct the value") from None
+    _refuse_huge("", found)
+    return found
+
+
+def _refuse_huge(place: str, value: object) -> None:
+    # TOML's whole numbers have 64 bits; Python reads more, but cannot always write them into a message.
+    if isinstance(value, dict):
+        for key, one in value.items():
+            _refuse_huge(f"{place}.{key}" if place else key, one)
+    elif isinstance(value, list):
+        for i, one in enumerate(value, 1):
+            _refuse_huge(f"{place}[{i}]", one)
+    elif isinstance(value, int) and value.bit_length() > 63:
+        raise InputError(place, "is a whole number of more than 64 bits", "give a smaller number")
 
 
 def nearest(word: str, known: Iterable[str]) -> str | None:
@@ -61,7 +75,7 @@ def one_of(place: str, value: object, known: Iterable[str]) -> str:
         return value
     guess = nearest(value, words) if isinstance(value, str) else None
     hint = f"did you mean {guess!r}? Known: " if guess else "use one of: "
-    raise InputError(place, f"is {_shown(value)}", hint + ", ".join(words))
+    raise InputError(place, f"is {shown(value)}", hint + ", ".join(words))
 
 
 @final
@@ -77,7 +91,7 @@ class Table:
             name = place.split("[")[0]
             raise InputError(
                 place,
-                f"is {_shown(value)}, not a table",
+                f"is {shown(value)}, not a table",
                 f"write {kind}{name}{']]' if kind == '[[' else ']'} and its keys below",
             )
         self.place = place
@@ -115,14 +129,14 @@ class Table:
             return default
         value = self.take(key, "give a whole number")
         if isinstance(value, bool) or not isinstance(value, int):
-            raise InputError(self.at(key), f"is {_shown(value)}", "give a whole number")
+            raise InputError(self.at(key), f"is {shown(value)}", "give a whole number")
         return value
 
     def text(self, key: str) -> str:
         """A string that is not blank."""
         value = self.take(key, f'write {key} = "…"')
         if not isinstance(value, str) or not value.strip():
-            raise InputError(self.at(key), f"is {_shown(value)}, not a name", f'write {key} = "…"')
+            raise InputError(self.at(key), f"is {shown(value)}, not a name", f'write {key} = "…"')
         return value
 
     def word(self, key: str, known: Iterable[str], default: str | None = None) -> str:
@@ -142,7 +156,7 @@ class Table:
         cure = f"give {many} numbers [{unit}], like [{', '.join(['0.0'] * (count or 3))}]"
         value = self.take(key, cure)
         if not isinstance(value, list) or (count is not None and len(value) != count):
-            raise InputError(self.at(key), f"is {_shown(value)}", cure)
+            raise InputError(self.at(key), f"is {shown(value)}", cure)
         return tuple(real(f"{self.at(key)}[{i}]", v, cure=cure) for i, v in enumerate(value, 1))
 
     def table(self, key: str, cure: str) -> Table:
@@ -179,8 +193,3 @@ class Table:
             guess = nearest(key, self._asked)
             hint = f"did you mean {guess!r}?" if guess else f"known here: {', '.join(self._asked)}"
             raise InputError(self.at(key), "is not a known key", hint)
-
-
-def _shown(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "…"

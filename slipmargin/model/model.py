@@ -17,7 +17,6 @@ from slipmargin.model.parts import (
     Inertia,
     MeasurementModel,
 )
-from slipmargin.physics.frames import directions
 from slipmargin.physics.friction_laws import law_number
 from slipmargin.physics.kinematics import WheelGeometry
 from slipmargin.physics.loads import Loads
@@ -66,16 +65,6 @@ def nominal_model(robot: Robot, surface_name: str) -> Model:
     """
     surface = robot.surface(surface_name)
     n = len(robot.wheels)
-    drive = np.deg2rad([w.drive_direction_deg for w in robot.wheels])
-    grip = drive + np.deg2rad([w.roller_angle_deg for w in robot.wheels])
-    geometry = WheelGeometry(
-        names=tuple(w.name for w in robot.wheels),
-        position_m=np.array([w.position_m for w in robot.wheels]),
-        drive=directions(drive),
-        grip=directions(grip),
-        free=directions(grip - np.pi / 2),  # ŝ = ẑ × r̂
-        radius_m=np.array([w.radius_m for w in robot.wheels]),
-    )
     motor = robot.motor
     return Model(
         robot=robot.name,
@@ -86,7 +75,7 @@ def nominal_model(robot: Robot, surface_name: str) -> Model:
             com_m=robot.body.com_m,
             com_height_m=robot.body.com_height_m,
         ),
-        geometry=geometry,
+        geometry=robot.geometry,
         loads=nominal_loads(robot),
         grip=Grip(
             roller=np.tile([surface.roller.drive, surface.roller.transverse], (n, 1)),
@@ -100,7 +89,11 @@ def nominal_model(robot: Robot, surface_name: str) -> Model:
         external=ExternalWrench(),
         drives=Drives()
         if motor is None
-        else Drives(max_speed_rad_s=motor.max_speed_rad_s, stall_torque_N_m=motor.stall_torque_N_m),
+        else Drives(
+            max_speed_rad_s=motor.max_speed_rad_s,
+            stall_torque_N_m=motor.stall_torque_N_m,
+            wheel_inertia_kg_m2=motor.reflected_inertia_kg_m2,
+        ),
         actuators=ActuatorDynamics.none(n),
         measurement=MeasurementModel.ideal(),
     )

@@ -91,6 +91,7 @@ class Drives:
 
     max_speed_rad_s: float | None = None
     stall_torque_N_m: float | None = None
+    wheel_inertia_kg_m2: float | None = None
 
 
 @final

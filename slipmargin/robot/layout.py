@@ -9,6 +9,7 @@ import numpy as np
 
 from slipmargin.checks import real
 from slipmargin.errors import InputError
+from slipmargin.physics.frames import directions
 from slipmargin.robot.robot import Robot, Wheel
 
 #: How far a wheel may stand from its place in the layout, as a share of its distance [1].
@@ -62,13 +63,11 @@ def _rear(robot: Robot) -> Wheel:
 
 
 def _turned(wheel: Wheel, delta: float) -> Wheel:
-    side = 1.0 if wheel.position_m[0] > 0.0 else -1.0
     old = math.atan2(wheel.position_m[1], wheel.position_m[0])
-    new = math.atan2(math.sin(delta), side * math.cos(delta))
-    size = float(np.hypot(*wheel.position_m))
+    new = delta if wheel.position_m[0] > 0.0 else math.pi - delta
     drive = wheel.drive_direction_deg + math.degrees(new - old)
     return replace(
         wheel,
-        position_m=size * np.array([math.cos(new), math.sin(new)]),
+        position_m=float(np.hypot(*wheel.position_m)) * directions(new),
         drive_direction_deg=math.remainder(drive, 360.0),
     )

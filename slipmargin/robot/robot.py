@@ -1,7 +1,8 @@
 """A robot as a data sheet: body, wheels, motor, surfaces.
 
 Body frame {M}: +Y is the front, +X points right, +Z up; angles are counter-clockwise positive.
-Every value is SI; keys in the robot file carry the unit (see the README's glossary).
+Every value is SI; a key's name ends in its unit.  What each field means, which values it takes and how
+the robot file spells it stands in its metadata (:mod:`slipmargin.robot.fields`).
 """
 
 from __future__ import annotations
@@ -12,45 +13,48 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array, frozen, real
+from slipmargin.checks import Array
 from slipmargin.errors import InputError
+from slipmargin.physics.frames import directions
 from slipmargin.physics.friction_laws import LAWS
 from slipmargin.physics.grips import GripShape
+from slipmargin.physics.kinematics import WheelGeometry
 from slipmargin.physics.loads import LoadRule
-
-_POSITIVE = "give a positive number"
+from slipmargin.robot.fields import check, number, numbers, table, text, whole, word
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Body:
-    """Rigid body: mass [kg], yaw inertia about the centre of mass [kg m²], centre of mass [m]."""
+    """Rigid body: mass, yaw inertia, place of the centre of mass."""
 
-    mass_kg: float
-    inertia_kg_m2: float
-    com_m: Array = field(default_factory=lambda: np.zeros(2))
-    com_height_m: float = 0.0
+    mass_kg: float = field(
+        metadata=number("kg", "mass of the robot with everything on it", 1e-3, 1e6, vary=("mass_kg",))
+    )
+    inertia_kg_m2: float = field(
+        metadata=number("kg m²", "yaw inertia about the centre of mass", 1e-9, 1e9, vary=("inertia_kg_m2",))
+    )
+    com_m: Array = field(
+        default_factory=lambda: np.zeros(2),
+        metadata=numbers(
+            "m",
+            "centre of mass, to the right and forwards of the body frame's origin",
+            2,
+            -1e3,
+            1e3,
+            reason="between the wheels, else the robot falls over",
+            vary=("com_x_m", "com_y_m"),
+        ),
+    )
+    com_height_m: float = field(
+        default=0.0,
+        metadata=number(
+            "m", "height of the centre of mass above the floor", 0.0, 1e3, vary=("com_height_m",)
+        ),
+    )
 
     def __post_init__(self) -> None:
-        put = object.__setattr__
-        put(self, "mass_kg", real("mass_kg", self.mass_kg, low=1e-3, high=1e6, cure="give 0.001 to 1e6 kg"))
-        put(
-            self,
-            "inertia_kg_m2",
-            real("inertia_kg_m2", self.inertia_kg_m2, low=1e-9, high=1e9, cure="give 1e-9 to 1e9 kg m²"),
-        )
-        put(self, "com_m", _place("com_m", self.com_m))
-        put(
-            self,
-            "com_height_m",
-            real(
-                "com_height_m",
-                self.com_height_m,
-                low=0.0,
-                high=1e3,
-                cure="give a height above the floor, 0 to 1000 m",
-            ),
-        )
+        check(self)
 
 
 @final
@@ -62,114 +66,107 @@ class Wheel:
     A positive ``theta`` rate moves the contact point of the wheel along +ŝ (eq. 3).
     """
 
-    name: str
-    position_m: Array
-    drive_direction_deg: float
-    radius_m: float
-    roller_angle_deg: float = 0.0
-    rollers: int = 8
-    rigid_fraction: float = 0.0
+    name: str = field(metadata=text("name of the wheel, another for each"))
+    position_m: Array = field(
+        metadata=numbers(
+            "m", "wheel centre, to the right and forwards of the body frame's origin", 2, -1e3, 1e3
+        )
+    )
+    drive_direction_deg: float = field(
+        metadata=number(
+            "deg",
+            "direction in which the wheel drives, counter-clockwise from +X; the axle is perpendicular",
+            -3600.0,
+            3600.0,
+        )
+    )
+    radius_m: float = field(
+        metadata=number("m", "radius", 1e-4, 1e3, reason="a radius is positive", vary=("wheel_radius_m",))
+    )
+    roller_angle_deg: float = field(
+        default=0.0,
+        metadata=number(
+            "deg",
+            "from the drive direction to the grip direction, counter-clockwise",
+            -80.0,
+            80.0,
+            reason="0 is an omni wheel, 45 or -45 a mecanum wheel; at 90 a wheel could not drive",
+            vary=("roller_angle_deg",),
+        ),
+    )
+    rollers: int = field(default=8, metadata=whole("1", "rollers round the wheel", 1, 1000))
+    rigid_fraction: float = field(
+        default=0.0,
+        metadata=number(
+            "1",
+            "share of the circumference that is rigid material between the rollers",
+            0.0,
+            1.0,
+            vary=("rigid_fraction",),
+        ),
+    )
 
     def __post_init__(self) -> None:
-        put = object.__setattr__
-        if not isinstance(self.name, str) or not self.name.strip():
-            raise InputError("name", f"is {self.name!r}", "give the wheel a name")
-        put(self, "position_m", _place("position_m", self.position_m))
-        put(
-            self,
-            "drive_direction_deg",
-            real(
-                "drive_direction_deg",
-                self.drive_direction_deg,
-                low=-3600.0,
-                high=3600.0,
-                cure="give an angle in degrees, within ±3600",
-            ),
-        )
-        put(self, "radius_m", _radius(self.radius_m))
-        put(
-            self,
-            "roller_angle_deg",
-            real(
-                "roller_angle_deg",
-                self.roller_angle_deg,
-                low=-80.0,
-                high=80.0,
-                cure="give 0 (omni) or ±45 (mecanum), within ±80",
-            ),
-        )
-        if (
-            isinstance(self.rollers, bool)
-            or not isinstance(self.rollers, int)
-            or not 1 <= self.rollers <= 1000
-        ):
-            raise InputError("rollers", f"is {self.rollers!r}", "give a whole number of rollers, 1 to 1000")
-        put(
-            self,
-            "rigid_fraction",
-            real(
-                "rigid_fraction",
-                self.rigid_fraction,
-                low=0.0,
-                high=1.0,
-                cure="give the rigid share of the circumference, 0 to 1",
-            ),
-        )
+        check(self)
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motor:
-    """Optional drive limits on the wheel side; a straight torque–speed line if both are given."""
+    """Drive limits on the wheel side; a straight torque–speed line if both are given."""
 
-    max_speed_rad_s: float
-    stall_torque_N_m: float | None = None
+    max_speed_rad_s: float = field(
+        metadata=number(
+            "rad/s",
+            "top speed of a wheel without load",
+            0.0,
+            1e6,
+            above=True,
+            vary=("max_speed_rad_s",),
+        )
+    )
+    stall_torque_N_m: float | None = field(
+        default=None,
+        metadata=number(
+            "N m",
+            "torque on a wheel at standstill; it falls in a straight line to none at the top speed",
+            0.0,
+            1e6,
+            above=True,
+            vary=("stall_torque_N_m",),
+        ),
+    )
+    reflected_inertia_kg_m2: float | None = field(
+        default=None,
+        metadata=number(
+            "kg m²",
+            "inertia that a motor turns, at the wheel: wheel plus rotor times gear ratio squared",
+            0.0,
+            1e6,
+            above=True,
+            needs=("stall_torque_N_m", ""),
+            vary=("reflected_inertia_kg_m2",),
+        ),
+    )
 
     def __post_init__(self) -> None:
-        put = object.__setattr__
-        put(
-            self,
-            "max_speed_rad_s",
-            real("max_speed_rad_s", self.max_speed_rad_s, above=0.0, high=1e6, cure=_POSITIVE + " [rad/s]"),
-        )
-        if self.stall_torque_N_m is not None:
-            put(
-                self,
-                "stall_torque_N_m",
-                real(
-                    "stall_torque_N_m", self.stall_torque_N_m, above=0.0, high=1e6, cure=_POSITIVE + " [N m]"
-                ),
-            )
+        check(self)
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Coefficients:
-    """Friction coefficients along the grip (``drive``) and the free (``transverse``) direction."""
+    """Friction coefficients along the grip (``drive``) and the roller direction (``transverse``)."""
 
-    drive: float
-    transverse: float
+    drive: float = field(
+        metadata=number("1", "friction coefficient along the grip direction", 0.0, 10.0, above=True)
+    )
+    transverse: float = field(
+        metadata=number("1", "friction coefficient along the direction in which the rollers roll", 0.0, 10.0)
+    )
 
     def __post_init__(self) -> None:
-        put = object.__setattr__
-        put(
-            self,
-            "drive",
-            real(
-                "drive", self.drive, above=0.0, high=10.0, cure="give a friction coefficient between 0 and 10"
-            ),
-        )
-        put(
-            self,
-            "transverse",
-            real(
-                "transverse",
-                self.transverse,
-                low=0.0,
-                high=10.0,
-                cure="give a friction coefficient between 0 and 10",
-            ),
-        )
+        check(self)
 
 
 @final
@@ -178,50 +175,121 @@ class Surface:
     """A floor: coefficients of a wheel standing on a roller and on rigid material (Table I)."""
 
     name: str
-    roller: Coefficients
-    rigid: Coefficients
+    roller: Coefficients = field(
+        metadata=table(Coefficients, "a wheel standing on a roller", vary=("mu_drive", "mu_transverse"))
+    )
+    rigid: Coefficients = field(
+        metadata=table(
+            Coefficients, "a wheel standing on the rigid material between rollers", vary=("mu_rigid",)
+        )
+    )
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name.strip():
+            raise InputError("", f"has the name {self.name!r}", "give the surface a name")
+        check(self)
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrictionLaw:
-    """μ(v) = μ_max σ(k v) by the law ``name`` (eq. 11: atan), and the set the force lies in."""
+    """μ(v) = μ_max σ(k v) by the law ``name`` (eq. 11: atan), and the set the force lies in.
 
-    name: str = "atan"
-    k_s_per_m: float = 1000.0
-    grip: GripShape = GripShape.BOX
+    A law with a key of its own adds a field here, ``needs=("name", LAW)``, default None.
+    """
+
+    name: str = field(
+        default="atan",
+        metadata=word(
+            LAWS,
+            "how friction grows with slip speed v, with z = k v",
+            (
+                "(2/π) atan z, eq. (11) of the paper",
+                "tanh z, the usual regularised Coulomb law",
+                "z/√(1 + z²), a smoothed Coulomb law",
+            ),
+            name="law",
+            vary=("friction_law",),
+        ),
+    )
+    k_s_per_m: float = field(
+        default=1000.0,
+        metadata=number(
+            "s/m",
+            "slope of the friction law: a slip of 1/k already uses much of the grip",
+            0.0,
+            1e6,
+            above=True,
+            vary=("k_s_per_m",),
+        ),
+    )
+    grip: GripShape = field(
+        default=GripShape.BOX,
+        metadata=word(
+            GripShape,
+            "set in which a wheel's friction force lies",
+            (
+                "drive and transverse friction have each their own limit, eq. (17) of the paper",
+                "the whole force is within the drive limit and its transverse part within the transverse one",
+                "an ellipse over the two limits: a wheel that slides as a whole",
+            ),
+            vary=("grip",),
+        ),
+    )
 
     def __post_init__(self) -> None:
-        if self.name not in LAWS:
-            raise InputError("law", f"is {self.name!r}", f"use one of: {', '.join(LAWS)}")
-        object.__setattr__(
-            self,
-            "k_s_per_m",
-            real(
-                "k_s_per_m",
-                self.k_s_per_m,
-                above=0.0,
-                high=1e6,
-                cure="give a steepness between 0 and 1e6 [s/m]",
-            ),
-        )
+        check(self)
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Robot:
-    """The whole data sheet.  ``load_fractions`` is given exactly when ``load_rule`` is FIXED."""
+    """The whole data sheet.
 
-    name: str
+    ``load_fractions`` is given exactly when ``load_rule`` is FIXED.  ``geometry`` follows from the wheels:
+    where they stand and which way they grip.
+    """
+
+    name: str = field(metadata=text("name of the robot"))
     body: Body
     wheels: tuple[Wheel, ...]
     surfaces: tuple[Surface, ...]
-    load_rule: LoadRule = LoadRule.EQUAL
-    load_fractions: Array | None = None
+    load_rule: LoadRule = field(
+        default=LoadRule.EQUAL,
+        metadata=word(
+            LoadRule,
+            "how the weight is shared between the wheels",
+            (
+                "m g / N each, eq. (8) of the paper",
+                "by statics from the centre of mass, the same at rest and in motion",
+                "by statics from the centre of mass, its height and the acceleration",
+                "by the stated fractions of m g",
+            ),
+            table="loads",
+            name="model",
+            vary=("load_model",),
+        ),
+    )
+    load_fractions: Array | None = field(
+        default=None,
+        metadata=numbers(
+            "1",
+            "each wheel's share of the weight",
+            None,
+            0.0,
+            1.0,
+            reason="one for each wheel, together 1",
+            table="loads",
+            name="fractions",
+            needs=("load_rule", "fixed"),
+        ),
+    )
     friction: FrictionLaw = FrictionLaw()
     motor: Motor | None = None
+    geometry: WheelGeometry = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
+        check(self)
         if len(self.wheels) < 3:
             raise InputError(
                 "wheel", f"there are {len(self.wheels)} wheels", "describe at least three [[wheel]] tables"
@@ -230,48 +298,44 @@ class Robot:
         if not self.surfaces:
             raise InputError("surface", "no surface is described", "add a [surface.NAME] table")
         _unique("surface", [s.name for s in self.surfaces])
+        object.__setattr__(self, "geometry", _geometry(self.wheels))
         self._check_rank()
         self._check_fractions()
 
     def _check_rank(self) -> None:
-        grip = np.deg2rad([w.drive_direction_deg + w.roller_angle_deg for w in self.wheels])
-        place = np.array([w.position_m for w in self.wheels])
-        reach = float(np.max(np.hypot(*(place - place.mean(axis=0)).T)))
+        geometry = self.geometry
+        middle = geometry.position_m.mean(axis=0)
+        arm = geometry.position_m - middle
+        reach = float(np.max(np.hypot(*arm.T)))
         if reach <= 0.0:
             raise InputError("wheel", "all wheels stand on one point", "give each wheel its own position_m")
-        lever = (place[:, 0] * np.sin(grip) - place[:, 1] * np.cos(grip)) / reach
-        rows = np.stack([np.cos(grip), np.sin(grip), lever])
-        singular = np.linalg.svd(rows, compute_uv=False)
-        if singular[-1] < 1e-6 * singular[0]:
+        wrenches = geometry.wrench_maps(middle)[0] / [[1.0], [1.0], [reach]]
+        if _flat(wrenches):
             raise InputError(
                 "wheel",
                 "the grip directions cannot make all of Fx, Fy and Mz",
                 "turn or move a wheel so that the three are independent",
             )
-        corner = np.stack([np.ones(len(place)), place[:, 0] / reach, place[:, 1] / reach])
-        if np.linalg.svd(corner, compute_uv=False)[-1] < 1e-6:
+        if _flat(np.column_stack([np.ones(len(arm)), arm / reach])):
             raise InputError(
                 "wheel", "all wheels stand on one line", "move a wheel: a robot on a line falls over"
             )
 
     def _check_fractions(self) -> None:
-        fixed = self.load_rule is LoadRule.FIXED
-        if fixed != (self.load_fractions is not None):
-            raise InputError(
-                "loads.fractions",
-                "is missing" if fixed else "is given but the load model is not fixed",
-                'give fractions exactly with model = "fixed"',
-            )
-        if self.load_fractions is None:
+        if self.load_rule is not LoadRule.FIXED:
             return
-        fractions = frozen("loads.fractions", self.load_fractions, (len(self.wheels),))
-        if fractions.min() < 0.0 or not math.isclose(fractions.sum(), 1.0, abs_tol=1e-6):
+        if self.load_fractions is None:
+            raise InputError(
+                "loads.fractions", "is missing", 'model = "fixed" needs one share for each wheel'
+            )
+        if len(self.load_fractions) != len(self.wheels) or not math.isclose(
+            self.load_fractions.sum(), 1.0, abs_tol=1e-6
+        ):
             raise InputError(
                 "loads.fractions",
-                f"is {fractions.tolist()}",
-                "give one share ≥ 0 for each wheel, adding up to 1",
+                f"is {self.load_fractions.tolist()}",
+                f"give {len(self.wheels)} shares, one for each wheel, that add up to 1",
             )
-        object.__setattr__(self, "load_fractions", fractions)
 
     def surface(self, name: str) -> Surface:
         """The surface called ``name``; the error lists the names that exist."""
@@ -284,19 +348,31 @@ class Robot:
         )
 
 
-def _place(name: str, value: Array) -> Array:
-    """A point (2,) of the body within a kilometre."""
-    point = frozen(name, value, (2,))
-    if float(np.max(np.abs(point))) > 1e3:
-        raise InputError(name, f"is {point.tolist()}", "give a place within 1000 m [m]")
-    return point
-
-
-def _radius(value: float) -> float:
-    return real("radius_m", value, low=1e-4, high=1e3, cure="a radius is positive, 0.0001 to 1000 m")
+def _geometry(wheels: tuple[Wheel, ...]) -> WheelGeometry:
+    drive = np.deg2rad([w.drive_direction_deg for w in wheels])
+    grip = drive + np.deg2rad([w.roller_angle_deg for w in wheels])
+    return WheelGeometry(
+        names=tuple(w.name for w in wheels),
+        position_m=np.array([w.position_m for w in wheels]),
+        drive=directions(drive),
+        grip=directions(grip),
+        free=directions(grip - np.pi / 2),  # ŝ = ẑ × r̂
+        radius_m=np.array([w.radius_m for w in wheels]),
+    )
 
 
 def _unique(place: str, names: list[str]) -> None:
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(place, f"the name {name!r} is given twice", "give each its own name")
+    for i, one in enumerate(names):
+        if one in names[:i]:
+            first = names.index(one)
+            raise InputError(
+                f"{place}[{i + 1}].name",
+                f"is {one!r}, the name of {place}[{first + 1}]",
+                f"give each {place} its own name",
+            )
+
+
+def _flat(rows: Array) -> bool:
+    """Whether a matrix has not full rank, to a millionth of its largest singular value."""
+    singular = np.linalg.svd(rows, compute_uv=False)
+    return bool(singular[-1] < 1e-6 * singular[0])

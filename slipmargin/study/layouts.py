@@ -13,7 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from slipmargin.errors import InputError
-from slipmargin.robot import LoadRule, Robot, Wheel
+from slipmargin.physics.frames import directions
+from slipmargin.robot import LoadRule, Robot
 
 #: The most wheels a layout makes.
 MOST = 12
@@ -33,20 +34,18 @@ def ring(robot: Robot, count: int) -> Robot:
         For fewer than three or more than :data:`MOST` wheels, or stated load fractions.
     """
     _check("wheels", robot, count)
-    radius, start = circle_radius_m(robot), -90.0 if count % 2 else -90.0 + 180.0 / count
-    wheels = []
-    for k in range(count):
-        angle = math.radians(start + 360.0 * k / count)
-        place = radius * np.array([math.cos(angle), math.sin(angle)])
-        wheels.append(
-            _copy(
-                robot.wheels[0],
-                str(k + 1),
-                place,
-                math.degrees(angle) + 90.0,
-                robot.wheels[0].roller_angle_deg,
-            )
+    first, radius = robot.wheels[0], circle_radius_m(robot)
+    start = -90.0 if count % 2 else -90.0 + 180.0 / count
+    angles = start + 360.0 / count * np.arange(count)
+    wheels = (
+        replace(
+            first,
+            name=str(k),
+            position_m=radius * directions(math.radians(angle)),
+            drive_direction_deg=math.remainder(angle + 90.0, 360.0),
         )
+        for k, angle in enumerate(angles.tolist(), 1)
+    )
     return replace(robot, wheels=tuple(wheels))
 
 
@@ -66,13 +65,17 @@ def rows(robot: Robot, count: int) -> Robot:
     place = np.array([w.position_m for w in robot.wheels])
     half = np.max(np.abs(place), axis=0)
     angle = abs(robot.wheels[0].roller_angle_deg) or 45.0
-    wheels = []
-    for side, name in ((1.0, "right"), (-1.0, "left")):
-        for k, y in enumerate(np.linspace(half[1], -half[1], count // 2)):
-            sign = side * (1.0 if k % 2 == 0 else -1.0)
-            wheels.append(
-                _copy(robot.wheels[0], f"{name}-{k + 1}", np.array([side * half[0], y]), 90.0, sign * angle)
-            )
+    wheels = (
+        replace(
+            robot.wheels[0],
+            name=f"{name}-{k + 1}",
+            position_m=np.array([side * half[0], y]),
+            drive_direction_deg=90.0,
+            roller_angle_deg=side * angle * (-1.0) ** k,
+        )
+        for side, name in ((1.0, "right"), (-1.0, "left"))
+        for k, y in enumerate(np.linspace(half[1], -half[1], count // 2))
+    )
     return replace(robot, wheels=tuple(wheels))
 
 
@@ -80,22 +83,6 @@ def scaled(robot: Robot, radius_m: float) -> Robot:
     """The robot with every wheel moved along its ray from the origin to make the mean circle ``radius_m``."""
     factor = radius_m / circle_radius_m(robot)
     return replace(robot, wheels=tuple(replace(w, position_m=factor * w.position_m) for w in robot.wheels))
-
-
-def _copy(
-    wheel: Wheel,
-    name: str,
-    place: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
-    drive_deg: float,
-    roller_deg: float,
-) -> Wheel:
-    return replace(
-        wheel,
-        name=name,
-        position_m=place,
-        drive_direction_deg=math.remainder(drive_deg, 360.0),
-        roller_angle_deg=roller_deg,
-    )
 
 
 def _check(place: str, robot: Robot, count: int) -> None:

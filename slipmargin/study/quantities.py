@@ -1,6 +1,9 @@
 """What a study may vary: every quantity of a robot file by name, as data.
 
 A quantity knows how to read itself off a machine and how to make the machine with another value.
+A key of the robot file that ``--vary`` sets directly is read off its :class:`~slipmargin.robot.fields.Key`;
+what stands here is what acts on several keys at once.
+
 Quantities are applied in the order of :data:`QUANTITIES` whatever the order they are asked in: layouts
 first, so that a circle radius or a roller angle acts on the wheels that are finally there.
 """
@@ -9,13 +12,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from enum import Enum
 from typing import Any, final
 
 import numpy as np
 
 from slipmargin.errors import InputError
-from slipmargin.robot import Coefficients, GripShape, LoadRule, Motor, Robot, Surface, Wheel
+from slipmargin.robot import Coefficients, LoadRule, Robot, Surface
+from slipmargin.robot.fields import Key, Kind, keys
 from slipmargin.robot.layout import wheel_angle_deg, with_wheel_angle
+from slipmargin.robot.sections import SECTIONS, Section
 from slipmargin.study.layouts import circle_radius_m, ring, rows, scaled
 from slipmargin.study.machine import Machine
 
@@ -53,14 +59,6 @@ def _robot(change: Callable[[Robot, Any], Robot]) -> Callable[[Machine, Any], Ma
     return lambda machine, value: machine.with_robot(change(machine.robot, value))
 
 
-def _body(field: str) -> Callable[[Machine, Any], Machine]:
-    return _robot(lambda r, v: replace(r, body=replace(r.body, **{field: v})))
-
-
-def _wheels(change: Callable[[Wheel, Any], Wheel]) -> Callable[[Machine, Any], Machine]:
-    return _robot(lambda r, v: replace(r, wheels=tuple(change(w, v) for w in r.wheels)))
-
-
 def _surfaces(change: Callable[[Surface, Any], Surface]) -> Callable[[Machine, Any], Machine]:
     return _robot(lambda r, v: replace(r, surfaces=tuple(change(s, v) for s in r.surfaces)))
 
@@ -70,17 +68,6 @@ def _com(axis: int) -> Callable[[Machine, Any], Machine]:
         com = np.array(robot.body.com_m)
         com[axis] = value
         return replace(robot, body=replace(robot.body, com_m=com))
-
-    return _robot(change)
-
-
-def _motor(field: str) -> Callable[[Machine, Any], Machine]:
-    def change(robot: Robot, value: float) -> Robot:
-        if robot.motor is None:
-            if field != "max_speed_rad_s":
-                raise InputError(field, "is given but the robot has no motor", "vary max_speed_rad_s as well")
-            return replace(robot, motor=Motor(max_speed_rad_s=value))
-        return replace(robot, motor=replace(robot.motor, **{field: value}))
 
     return _robot(change)
 
@@ -97,15 +84,48 @@ def _pair(s: Surface, **change: float) -> Surface:
     return replace(s, roller=replace(s.roller, **change))
 
 
-def _signed(wheel: Wheel, size: float) -> Wheel:
-    return replace(wheel, roller_angle_deg=-size if wheel.roller_angle_deg < 0.0 else size)
+def _roller_angles(robot: Robot, size: float) -> Robot:
+    signs = (-1.0 if w.roller_angle_deg < 0.0 else 1.0 for w in robot.wheels)
+    pairs = zip(robot.wheels, signs, strict=True)
+    return replace(robot, wheels=tuple(replace(w, roller_angle_deg=sign * size) for w, sign in pairs))
 
 
-def _mean(field: str) -> Callable[[Machine], Value | None]:
+def _mean_size(field: str) -> Callable[[Machine], Value]:
     return lambda m: float(np.mean([abs(getattr(w, field)) for w in m.robot.wheels]))
 
 
-QUANTITIES: tuple[Quantity, ...] = (
+def _from_file(section: Section, field: str, key: Key, name: str) -> Quantity:
+    """The quantity that sets one key of the file: of every wheel where it is a wheel's."""
+
+    def put(robot: Robot, value: Any) -> Robot:
+        value = key.from_word(value) if key.kind is Kind.WORD else value
+        part = getattr(robot, section.path)
+        if part is None:
+            missing = [k.name for f, k in keys(section.kind).items() if k.required and f != field]
+            if missing:
+                problem = f"is given but the robot has no {section.path}"
+                raise InputError(key.name, problem, f"vary {', '.join(missing)} as well")
+            new: Any = section.kind(**{field: value})
+        elif isinstance(part, tuple):
+            new = tuple(replace(one, **{field: value}) for one in part)
+        else:
+            new = replace(part, **{field: value})
+        change: dict[str, Any] = {section.path: new}
+        return replace(robot, **change)
+
+    def get(machine: Machine) -> Value | None:
+        part = getattr(machine.robot, section.path)
+        if isinstance(part, tuple):
+            return float(np.mean([getattr(p, field) for p in part]))
+        value: Value | Enum | None = getattr(part, field) if part is not None else None
+        return value.value if isinstance(value, Enum) else value
+
+    meaning = f"{key.meaning}, every wheel" if section.path == "wheels" else key.meaning
+    return Quantity(key=name, unit=key.unit, meaning=meaning, put=_robot(put), get=get, words=key.choices)
+
+
+#: What a study does to the wheels and the floor as a whole.
+_LAYOUTS = (
     Quantity(
         key="surface",
         unit="",
@@ -144,26 +164,15 @@ QUANTITIES: tuple[Quantity, ...] = (
         put=_robot(scaled),
         get=lambda m: circle_radius_m(m.robot),
     ),
+)
+#: What acts on parts of keys, or on several keys.
+_COMBINED = (
     Quantity(
         key="roller_angle_deg",
         unit="deg",
         meaning="roller angle of every wheel, signs kept",
-        put=_wheels(_signed),
-        get=_mean("roller_angle_deg"),
-    ),
-    Quantity(
-        key="wheel_radius_m",
-        unit="m",
-        meaning="radius of every wheel",
-        put=_wheels(lambda w, v: replace(w, radius_m=v)),
-        get=_mean("radius_m"),
-    ),
-    Quantity(
-        key="rigid_fraction",
-        unit="1",
-        meaning="rigid share of every wheel's circumference",
-        put=_wheels(lambda w, v: replace(w, rigid_fraction=v)),
-        get=_mean("rigid_fraction"),
+        put=_robot(_roller_angles),
+        get=_mean_size("roller_angle_deg"),
     ),
     Quantity(
         key="com_x_m",
@@ -180,44 +189,12 @@ QUANTITIES: tuple[Quantity, ...] = (
         get=lambda m: float(m.robot.body.com_m[1]),
     ),
     Quantity(
-        key="com_height_m",
-        unit="m",
-        meaning="height of the centre of mass",
-        put=_body("com_height_m"),
-        get=lambda m: m.robot.body.com_height_m,
-    ),
-    Quantity(
-        key="mass_kg", unit="kg", meaning="mass", put=_body("mass_kg"), get=lambda m: m.robot.body.mass_kg
-    ),
-    Quantity(
-        key="inertia_kg_m2",
-        unit="kg m²",
-        meaning="yaw inertia about the centre of mass",
-        put=_body("inertia_kg_m2"),
-        get=lambda m: m.robot.body.inertia_kg_m2,
-    ),
-    Quantity(
         key="load_model",
         unit="",
         meaning="how the weight is shared",
         put=_robot(_loads),
         get=lambda m: m.robot.load_rule.value,
-        words=("equal", "static", "quasi-static"),
-    ),
-    Quantity(
-        key="grip",
-        unit="",
-        meaning="set a wheel's friction force lies in",
-        put=_robot(lambda r, v: replace(r, friction=replace(r.friction, grip=GripShape(v)))),
-        get=lambda m: m.robot.friction.grip.value,
-        words=tuple(g.value for g in GripShape),
-    ),
-    Quantity(
-        key="k_s_per_m",
-        unit="s/m",
-        meaning="steepness of the friction law, eq. (11)",
-        put=_robot(lambda r, v: replace(r, friction=replace(r.friction, k_s_per_m=v))),
-        get=lambda m: m.robot.friction.k_s_per_m,
+        words=tuple(r.value for r in LoadRule if r is not LoadRule.FIXED),
     ),
     Quantity(
         key="mu_drive",
@@ -247,18 +224,17 @@ QUANTITIES: tuple[Quantity, ...] = (
         put=_surfaces(lambda s, v: replace(s, rigid=Coefficients(drive=v, transverse=v))),
         get=lambda m: _floor(m).rigid.drive,
     ),
-    Quantity(
-        key="max_speed_rad_s",
-        unit="rad/s",
-        meaning="top speed of the motors",
-        put=_motor("max_speed_rad_s"),
-        get=lambda m: None if m.robot.motor is None else m.robot.motor.max_speed_rad_s,
+)
+_OWN = {q.key for q in (*_LAYOUTS, *_COMBINED)}
+#: Every quantity by name, in the order in which they are applied.
+QUANTITIES: tuple[Quantity, ...] = (
+    *_LAYOUTS,
+    *(
+        _from_file(section, field, key, name)
+        for section in SECTIONS
+        for field, key in keys(section.kind, section.table).items()
+        for name in key.vary
+        if name not in _OWN
     ),
-    Quantity(
-        key="stall_torque_N_m",
-        unit="N m",
-        meaning="stall torque of the motors",
-        put=_motor("stall_torque_N_m"),
-        get=lambda m: None if m.robot.motor is None else m.robot.motor.stall_torque_N_m,
-    ),
+    *_COMBINED,
 )

@@ -15,13 +15,15 @@ from dataclasses import dataclass, replace
 from typing import Any, final
 
 from slipmargin.errors import InputError
+from slipmargin.robot import Wheel
+from slipmargin.robot.fields import Kind, keys
 from slipmargin.study.machine import Machine
 from slipmargin.study.quantities import QUANTITIES, Quantity, Value
 
 #: The most designs that one study may hold.
 MOST = 1_000_000
 _PLACE = re.compile(r"(wheel|effect)\[([^\]]+)\]\.(\w+)")
-_WHEEL_FIELDS = ("drive_direction_deg", "radius_m", "roller_angle_deg", "rigid_fraction")
+_WHEEL_FIELDS = tuple(field for field, key in keys(Wheel).items() if key.kind is Kind.NUMBER)
 _FORM = "write KEY=FROM:TO:STEP or KEY=a,b,c"
 
 

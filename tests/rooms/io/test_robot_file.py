@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields
+import re
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -13,12 +14,16 @@ from strategies import robots
 
 from slipmargin.effects import Effect, GeneralEffect, Part, Recipe, Trace
 from slipmargin.effects.catalogue import CATALOGUE
+from slipmargin.effects.rolling_resistance import RollingResistance
 from slipmargin.errors import InputError
 from slipmargin.io.robot_file import built_in_names, read_recipe, recipe_from_text
 from slipmargin.io.robot_text import write_recipe
+from slipmargin.physics.friction_laws import LAWS
 from slipmargin.physics.terms import ForceTerm, Multiplier
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
-from slipmargin.robot import GripShape, LoadRule, Robot
+from slipmargin.robot import Coefficients, GripShape, LoadRule, Robot, Surface
+from slipmargin.robot.fields import Key, Kind, keys
+from slipmargin.robot.sections import SECTIONS, Section
 
 SHAPES = tuple(GripShape)
 
@@ -53,6 +58,37 @@ def test_written_recipe_reads_back_the_same(data: st.DataObject, robot: Robot) -
         recipe = Recipe(robot=robot)  # an effect this robot cannot have, a wheel lifted off for example
     back = recipe_from_text(write_recipe(recipe, "what it is\nand why"))
     assert same(recipe, back)
+
+
+@given(robots(shapes=SHAPES, motors=True), st.sampled_from(LAWS), st.floats(1e-9, 1e6), st.floats(1e-9, 1e6))
+@settings(max_examples=60, deadline=None)
+def test_every_law_and_every_motor_key_reads_back(robot: Robot, law: str, k: float, inertia: float) -> None:
+    motor = robot.motor and replace(robot.motor, reflected_inertia_kg_m2=inertia)
+    friction = replace(robot.friction, name=law, k_s_per_m=k)
+    recipe = Recipe(robot=replace(robot, friction=friction, motor=motor))
+    back = recipe_from_text(write_recipe(recipe))
+    assert same(recipe, back)
+    model = back.build("floor")
+    assert model.grip.law == LAWS.index(law) and model.grip.k_s_per_m == k
+    assert model.drives.wheel_inertia_kg_m2 == (motor and inertia)
+
+
+def test_the_law_of_the_file_reaches_the_model_and_the_file_written_from_it() -> None:
+    for law in LAWS:
+        recipe = recipe_from_text(GOOD.replace('law = "atan"', f'law = "{law}"'))
+        assert recipe.robot.friction.name == law
+        assert recipe.build("paper").grip.law == LAWS.index(law)
+        assert f'law = "{law}"' in write_recipe(recipe.with_effects(RollingResistance.null()))
+
+
+@given(st.text(), st.text(min_size=1).filter(str.strip), st.text(min_size=1).filter(str.strip))
+@settings(max_examples=200, deadline=None)
+def test_any_name_and_any_comment_read_back(comment: str, name: str, floor: str) -> None:
+    robot = read_recipe("ohio-kiwi").robot
+    wheels = (replace(robot.wheels[0], name=name + "1"), *robot.wheels[1:])
+    surfaces = (replace(robot.surfaces[0], name=floor),)
+    recipe = Recipe(robot=replace(robot, name=name, wheels=wheels, surfaces=surfaces))
+    assert same(recipe, recipe_from_text(write_recipe(recipe, comment)))
 
 
 def test_unnamed_effects_read_back_the_same() -> None:
@@ -137,8 +173,61 @@ def test_built_in_robots_of_the_contract() -> None:
     assert printed == pytest.approx([1.1645, 1.1645, -4.4994], abs=0.5e-4)
 
 
+HUGE = "0x" + "f" * 5000  # Python reads it, and cannot write it into a message
+KEYS = [(s, f, k) for s in SECTIONS for f, k in keys(s.kind, s.table).items() if k.kind is not Kind.TABLE]
+KEYS += [(SECTIONS[-1], f, k) for f, k in keys(Coefficients).items()]
+
+
+def with_value(section: Section, key: Key, value: str) -> tuple[str, str]:
+    """The good file with one key set to a value, and the place that an error about it must name."""
+    if section.kind is Surface:
+        inner = {"drive": "0.26", "transverse": "0.09"} | {key.name: value}
+        pair = "roller = { " + ", ".join(f"{k} = {v}" for k, v in inner.items()) + " }"
+        text = GOOD.replace("roller = { drive = 0.26, transverse = 0.09 }", pair)
+        return text, f"surface.paper.roller.{key.name}"
+    place = section.heading.strip("[]").replace("wheel", "wheel[1]")
+    head, table, rest = GOOD.partition(f"\n{section.heading}\n") if place else ("", "", GOOD)
+    lines, gap, others = rest.partition("\n\n")
+    kept = [line for line in lines.split("\n") if line.split(" =")[0] != key.name]
+    text = head + table + "\n".join([*kept, f"{key.name} = {value}"]) + gap + others
+    return text, f"{place}.{key.name}" if place else key.name
+
+
+@pytest.mark.parametrize(("section", "field", "key"), KEYS, ids=lambda x: x if isinstance(x, str) else "")
+def test_every_key_refuses_what_is_no_value_of_it(section: Section, field: str, key: Key) -> None:
+    wrong = ["true", "{}", "[]", "[[1]]", "1979-05-27", '""', HUGE, f"[{HUGE}]", "nan", "-inf", "1e99999"]
+    wrong += [] if key.kind is Kind.NAME else ['"x"', '"' + "x" * 5000 + '"']
+    if math.isfinite(key.high):
+        ends = [math.nextafter(key.low, -math.inf), math.nextafter(key.high, math.inf)]
+        ends += [key.low] if key.above else []
+        wrong += [f"[{end!r}, {end!r}]" if key.kind is Kind.LIST else repr(end) for end in ends]
+    if key.kind is Kind.LIST:
+        wrong += ["[0.0]", "[0.0, 0.0, 0.0, 0.0, 0.0]", "0.0", '[0.0, "x", 0.0]']
+    if key.kind is Kind.WHOLE:
+        wrong += ["8.0", "0", "1001", "9223372036854775808"]
+    for value in wrong:
+        text, place = with_value(section, key, value)
+        with pytest.raises(InputError) as caught:
+            recipe_from_text(text)
+        assert caught.value.place.startswith(place), (value, str(caught.value))
+        assert len(str(caught.value)) < 400 and "\n" not in str(caught.value)
+
+
+def test_a_key_without_effect_is_refused() -> None:
+    for old, new, says in (
+        ('model = "equal"', 'model = "static"\nfractions = [0.3, 0.3, 0.4]', 'add model = "fixed", or leave'),
+        ('model = "equal"', 'model = "fixed"', "loads.fractions: is missing"),
+        ("stall_torque_N_m = 0.9", "reflected_inertia_kg_m2 = 1e-4", "add stall_torque_N_m, or leave"),
+    ):
+        with pytest.raises(InputError, match=re.escape(says)):
+            recipe_from_text(GOOD.replace(old, new))
+
+
 @given(st.text(max_size=300))
 @example("[" * 5000)
+@example("schema = " + HUGE)
+@example(GOOD.replace('wheels = ["rear"]', f"wheels = [{HUGE}]"))
+@example(GOOD.replace("[surface.paper]", '[surface.""]'))
 @example("schema = " + "9" * 5000)
 @example("schema = 1\nwheel = 1\nsurface = []\nbody = 3\neffect = 'x'\nname = 'a'")
 @settings(max_examples=300, deadline=None)
@@ -181,6 +270,13 @@ def test_a_good_file_with_a_wound_is_read_or_refused(data: st.DataObject) -> Non
                         "[true, 1]",
                         "0x10",
                         "9" * 5000,
+                        HUGE,
+                        f"[0.0, {HUGE}]",
+                        "1e99999",
+                        "0.1e-99999",
+                        '"\\u001b[31m\\u0000"',
+                        "[0.0, 0.0, 0.0]",
+                        "{ a = [{}] }",
                     )
                 )
             )

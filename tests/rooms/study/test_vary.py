@@ -10,6 +10,8 @@ from slipmargin.effects import Recipe
 from slipmargin.effects.rigid_sector import RigidSector
 from slipmargin.errors import InputError
 from slipmargin.robot import LoadRule, Motor
+from slipmargin.robot.fields import keys
+from slipmargin.robot.sections import SECTIONS
 from slipmargin.study.layouts import ring, rows
 from slipmargin.study.machine import Machine
 from slipmargin.study.quantities import QUANTITIES, own_value
@@ -93,13 +95,14 @@ def test_each_number_reads_back_as_it_was_put() -> None:
         "wheels_in_rows": 6,
         "load_model": "equal",
         "grip": "ellipse",
+        "friction_law": "tanh",
         "roller_angle_deg": 30.0,
         "delta_deg": 22.0,
     }
     for quantity in QUANTITIES:
         value = values.get(quantity.key, 0.25)
-        if quantity.key == "stall_torque_N_m":
-            continue
+        if quantity.key in ("stall_torque_N_m", "reflected_inertia_kg_m2"):
+            continue  # see below: neither stands alone
         assert own_value(quantity, quantity.put(start, value)) == pytest.approx(value), quantity.key
 
 
@@ -109,12 +112,32 @@ def test_a_roller_angle_keeps_each_wheel_s_sign() -> None:
     assert [w.roller_angle_deg for w in turned.wheels] == [30.0, -30.0, 30.0, -30.0]
 
 
+def test_what_the_file_says_may_be_varied_is_a_quantity() -> None:
+    named = {v for s in SECTIONS for k in keys(s.kind, s.table).values() for v in k.vary}
+    assert (
+        named <= {q.key for q in QUANTITIES} and {"mass_kg", "com_y_m", "mu_rigid", "friction_law"} <= named
+    )
+
+
+def test_a_friction_law_is_varied_by_name() -> None:
+    grid = parse_vary("friction_law=atan,tanh,rational")
+    made = [applied(machine(), [grid.quantity], (value,)) for value in grid.values]
+    assert [m.robot.friction.name for m in made] == ["atan", "tanh", "rational"]
+    assert [m.build().grip.law for m in made] == [0, 1, 2]
+    with pytest.raises(InputError, match="use: atan, tanh, rational"):
+        parse_vary("friction_law=coulomb")
+
+
 def test_a_motor_needs_a_speed_before_a_torque() -> None:
-    torque = quantity_of("stall_torque_N_m")
+    torque, inertia = quantity_of("stall_torque_N_m"), quantity_of("reflected_inertia_kg_m2")
     with pytest.raises(InputError, match="vary max_speed_rad_s"):
         torque.put(machine(), 0.5)
     fast = quantity_of("max_speed_rad_s").put(machine(), 40.0)
     assert torque.put(fast, 0.5).robot.motor == Motor(max_speed_rad_s=40.0, stall_torque_N_m=0.5)
+    with pytest.raises(InputError, match="add stall_torque_N_m"):
+        inertia.put(fast, 1e-3)
+    moved = inertia.put(torque.put(fast, 0.5), 1e-3)
+    assert own_value(inertia, fast) is None and own_value(inertia, moved) == 1e-3
 
 
 def test_the_order_asked_in_does_not_matter() -> None:

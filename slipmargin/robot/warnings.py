@@ -1,0 +1,72 @@
+"""Sentences for a robot whose file says what cannot all be so, or says something that has no effect."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from slipmargin.physics.grips import GripShape
+from slipmargin.physics.loads import LoadRule, load_centre, sharing_matrix
+from slipmargin.robot.robot import Robot
+
+
+def warnings(robot: Robot) -> tuple[str, ...]:
+    """One sentence for each contradiction and for each key without effect; empty where all is well."""
+    found = [contradiction(robot), _height_without_effect(robot)]
+    found += _coefficients_without_effect(robot)
+    return tuple(sentence for sentence in found if sentence is not None)
+
+
+def contradiction(robot: Robot) -> str | None:
+    """The sentence for a robot whose stated wheel loads contradict its centre of mass.
+
+    Returns
+    -------
+    str or None
+        By how much the worst wheel's load is off and where the centre of mass would have to be, or None
+        where the loads agree to 1 % of m g / N.
+    """
+    place = np.array([w.position_m for w in robot.wheels])
+    n = len(place)
+    fractions = np.full(n, 1.0 / n) if robot.load_rule is LoadRule.EQUAL else robot.load_fractions
+    if fractions is None:
+        return None
+    static = sharing_matrix(place) @ np.array([1.0, *robot.body.com_m])
+    gap = fractions - static
+    if np.max(np.abs(gap)) < 0.01 / n:
+        return None
+    worst = int(np.argmax(np.abs(gap)))
+    need = np.round(load_centre(place, fractions), 9) + 0.0  # no minus zero, no 1e-19
+    return (
+        f"loads: the {robot.load_rule.value} load model gives wheel {robot.wheels[worst].name} "
+        f"{fractions[worst]:.4f} m g, but statics with the centre of mass at "
+        f"({robot.body.com_m[0]:.4g}, {robot.body.com_m[1]:.4g}) m gives it {static[worst]:.4f} m g; "
+        f"these loads need the centre of mass at ({need[0]:.4g}, {need[1]:.4g}) m"
+    )
+
+
+def _height_without_effect(robot: Robot) -> str | None:
+    if robot.body.com_height_m == 0.0 or robot.load_rule is LoadRule.QUASI_STATIC:
+        return None
+    return (
+        f"body.com_height_m: the {robot.load_rule.value} load model shifts no load when the robot "
+        f'accelerates, whatever the height ({robot.body.com_height_m:g} m); use model = "quasi-static"'
+    )
+
+
+def _coefficients_without_effect(robot: Robot) -> list[str]:
+    found = []
+    sectors = any(w.rigid_fraction > 0.0 for w in robot.wheels)
+    for surface in robot.surfaces:
+        if sectors and surface.roller == surface.rigid:
+            found.append(
+                f"surface.{surface.name}: roller and rigid have the same coefficients, so rigid_fraction "
+                "and rollers of the wheels have no effect on this floor"
+            )
+        for key, pair in (("roller", surface.roller), ("rigid", surface.rigid)):
+            if robot.friction.grip is GripShape.DISC_STRIP and pair.transverse > pair.drive:
+                found.append(
+                    f'surface.{surface.name}.{key}: the grip "disc-strip" holds the force within the drive '
+                    f"coefficient {pair.drive:g}, so the transverse one acts as {pair.drive:g}, "
+                    f"not {pair.transverse:g}"
+                )
+    return found
