@@ -11,11 +11,12 @@ import os
 from importlib.util import find_spec
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
-settings.register_profile("ci", derandomize=True)
-if os.environ.get("CI"):
-    settings.load_profile("ci")
+# No test may fail because the machine is busy: no deadline for an example, no complaint about slow draws.
+settings.register_profile("desk", deadline=None, suppress_health_check=(HealthCheck.too_slow,))
+settings.register_profile("ci", settings.get_profile("desk"), derandomize=True)
+settings.load_profile("ci" if os.environ.get("CI") else "desk")
 
 #: Packages of the extras ``test`` and ``ros`` without which tests are skipped.
 NEEDED = ("mujoco", "toppra", "dask", "distributed", "jupytext", "nbclient", "ipykernel", "rosbags")
