@@ -1,14 +1,16 @@
 # make fig8   the paper's Fig. 8 from nothing but Python: environment, installation, tables and pictures
 # make test   everything that must hold
+# make test-seeds  the tests with drawn examples under twenty random seeds (SEEDS=1-20)
 # make bench  the figures that the README quotes
 # Versions are pinned in requirements.lock.  PYTHON=python3.12 make … uses another interpreter.
 
 PYTHON ?= python3
 OUT ?= out
+SEEDS ?= 1-20
 BIN := .venv/bin
 PIP := PIP_CONSTRAINT="$(CURDIR)/requirements.lock" PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet
 
-.PHONY: fig8 test lint types bench clean
+.PHONY: fig8 test test-seeds lint types bench clean
 
 fig8: .venv/installed
 	mkdir -p $(OUT)
@@ -17,6 +19,9 @@ fig8: .venv/installed
 
 test: .venv/installed-test lint types
 	$(BIN)/python -m pytest -n 2
+
+test-seeds: .venv/installed-test
+	$(BIN)/python tests/house/seeds.py --seeds $(SEEDS) --log $(OUT)/seeds -n 2
 
 lint: .venv/installed-test
 	$(BIN)/ruff check .
@@ -37,7 +42,7 @@ bench: .venv/installed-bench
 	touch $@
 
 .venv/installed-bench: .venv/installed-test
-	$(PIP) highspy pycapacity toppra mujoco
+	$(PIP) highspy pycapacity
 	touch $@
 
 clean:

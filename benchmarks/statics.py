@@ -39,7 +39,7 @@ PROMISED = {
 
 
 def robot(delta_deg: float = 15.0) -> Robot:
-    """The paper's robot (theory section 1) on its paper surface."""
+    """The paper's robot (docs/theory.md, section 1) on its paper surface."""
     axle = np.deg2rad([delta_deg, 180.0 - delta_deg, -90.0])
     wheels = tuple(
         Wheel(

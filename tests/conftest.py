@@ -1,15 +1,40 @@
-"""How drawn tests are drawn: the same examples in continuous integration, new ones at every desk.
+"""How drawn tests are drawn, and which optional packages the tests need.
 
-A defect that only one draw in a thousand shows is found at a desk and kept as a test of its own; a
-submission must not fail or pass by luck.
+Continuous integration draws the same examples every time, so that a submission does not fail or pass by
+chance; elsewhere every run draws new ones, and ``make test-seeds`` draws many.  A draw that fails is kept
+as a test of its own.
 """
 
 from __future__ import annotations
 
 import os
+from importlib.util import find_spec
 
-from hypothesis import settings
+import pytest
+from hypothesis import HealthCheck, settings
 
-settings.register_profile("ci", derandomize=True)
-if os.environ.get("CI"):
-    settings.load_profile("ci")
+# No test may fail because the machine is busy: no deadline for an example, no complaint about slow draws.
+settings.register_profile("desk", deadline=None, suppress_health_check=(HealthCheck.too_slow,))
+settings.register_profile("ci", settings.get_profile("desk"), derandomize=True)
+settings.load_profile("ci" if os.environ.get("CI") else "desk")
+
+#: Packages of the extras ``test`` and ``ros`` without which tests are skipped.
+NEEDED = ("mujoco", "toppra", "dask", "distributed", "jupytext", "nbclient", "ipykernel", "rosbags")
+
+
+def missing() -> list[str]:
+    """The needed packages that are not installed."""
+    return [name for name in NEEDED if find_spec(name) is None]
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Continuous integration must skip nothing for want of a package."""
+    if os.environ.get("CI") and missing():
+        raise pytest.UsageError(f"not installed: {', '.join(missing())}; run pip install -e '.[test,ros]'")
+
+
+def pytest_report_header() -> str | None:
+    """What is skipped at a desk, and how to change it."""
+    if not missing():
+        return None
+    return f"skipped for want of {', '.join(missing())}: pip install -e '.[test,ros]'"

@@ -62,7 +62,7 @@ def kiwi(
     turned_rad: float = 0.0,
     rigid_fraction: float = 0.1,
 ) -> Robot:
-    """The paper's robot: theory section 1, front wheels at ±(cos δ, sin δ), rear at (0, −1).
+    """The paper's robot: docs/theory.md, section 1, front wheels at ±(cos δ, sin δ), rear at (0, −1).
 
     ``turned_rad`` turns the whole machine (wheels and centre of mass) in its body frame.
     """

@@ -21,7 +21,7 @@ class EllipticGrip(Effect):
     traced_to: ClassVar[Trace] = Trace.SLIP_COUPLING
     part: ClassVar[Part] = Part.GRIP
     parameters: ClassVar[tuple[Parameter, ...]] = (STRENGTH,)
-    source: ClassVar[str] = "theory, three grip sets (friction ellipse); 1 = elliptic"
+    source: ClassVar[str] = "docs/theory.md, section 2, three grip sets (friction ellipse); 1 = elliptic"
     confirm: ClassVar[str] = CONFIRM
 
     strength: float

@@ -40,7 +40,7 @@ class LoadTransfer(Effect):
         ),
     )
     source: ClassVar[str] = (
-        "moment balance about the floor (theory, section 3); positive = the wheels behind carry more"
+        "moment balance about the floor (docs/theory.md, section 3); positive = the wheels behind carry more"
     )
     confirm: ClassVar[str] = (
         "measure the height of the centre of mass: tip the robot on two wheels and balance it"

@@ -21,7 +21,9 @@ class RollerCoupling(Effect):
     traced_to: ClassVar[Trace] = Trace.SLIP_COUPLING
     part: ClassVar[Part] = Part.GRIP
     parameters: ClassVar[tuple[Parameter, ...]] = (STRENGTH,)
-    source: ClassVar[str] = "theory, three grip sets (disc cut by the strip); 1 = a free roller on the floor"
+    source: ClassVar[str] = (
+        "docs/theory.md, section 2, three grip sets (disc cut by the strip); 1 = a free roller on the floor"
+    )
     confirm: ClassVar[str] = CONFIRM
 
     strength: float

@@ -38,7 +38,7 @@ class TrailingLoad(Effect):
         ),
     )
     source: ClassVar[str] = (
-        "moment balance about the floor (theory, section 3) with the lever of rolling resistance "
+        "moment balance about the floor (docs/theory.md, section 3) with the lever of rolling resistance "
         "(Johnson, Contact Mechanics, ch. 9); positive = leading wheels lighter"
     )
     confirm: ClassVar[str] = (

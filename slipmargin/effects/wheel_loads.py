@@ -54,7 +54,9 @@ class WheelLoads(Effect):
             meaning="how far the centre of mass follows the loads’ centre (1: all the way)",
         ),
     )
-    source: ClassVar[str] = "moment balance about the floor (theory, section 3); positive right, forwards"
+    source: ClassVar[str] = (
+        "moment balance about the floor (docs/theory.md, section 3); positive right, forwards"
+    )
     confirm: ClassVar[str] = "weigh the wheels: put each on a scale, the others level"
 
     shift_x_m: float

@@ -1,4 +1,4 @@
-"""How wheels with prescribed speeds creep together (theory section 4, four wheels and more).
+"""How wheels with prescribed speeds creep together (docs/theory.md, section 4, four wheels and more).
 
 All wheels share one creep twist ε (velocity of the centre of mass, yaw rate): the slips are u_W = b_i·ε
 and u_T = u_T0 + t_i·ε.  At rest in the moving frame ε solves

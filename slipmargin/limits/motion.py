@@ -1,7 +1,7 @@
 """How hard the robot can accelerate while it moves, and how much of its grip that uses.
 
 The static pull limit divided by the mass is not an acceleration limit: in motion the rollers turn and
-their friction is drag (theory, section 4).  Directions and velocities are in the body frame.
+their friction is drag (docs/theory.md, section 4).  Directions and velocities are in the body frame.
 """
 
 from __future__ import annotations

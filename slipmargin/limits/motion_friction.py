@@ -1,6 +1,6 @@
 """Friction that a moving wheel has: its drive grip and its drag, each per unit of load.
 
-In motion the force across the rollers is not free: it is −μ_T N σ(k u·f̂), σ = (2/π) atan (theory,
+In motion the force across the rollers is not free: it is −μ_T N σ(k u·f̂), σ = (2/π) atan (docs/theory.md,
 section 4).  Modulations are evaluated where their variable is known; where it is not they give an
 interval, of which a limit takes the worst.
 """
@@ -140,7 +140,7 @@ def _factor(model: Model, motion: Motion, slide: Array, creep: float, target: Ta
 
 
 def _coupling(grip: Grip, drive: Array, drag: Array, used: Array) -> Array:
-    """Share of the drive grip left beside a transverse force (theory, three grip sets).
+    """Share of the drive grip left beside a transverse force (docs/theory.md, section 2, three grip sets).
 
     (1 − c)·box ⊕ c·shape at a transverse share t: (1 − c) + c·h(t), with h = √(1 − t²) for the ellipse
     and √(1 − (drag/μ_W)²) for the disc cut by the strip.

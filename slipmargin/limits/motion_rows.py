@@ -1,4 +1,4 @@
-"""The wrench set in motion as linear rows over the acceleration (theory, section 4).
+"""The wrench set in motion as linear rows over the acceleration (docs/theory.md, section 4).
 
 Drive forces are free within λ μ_W N, the transverse forces are drag.  For a facet normal n of the
 zonotope of B_W's columns b_i (with t_i the columns of B_T):
@@ -151,8 +151,8 @@ def worst_loss(normals: Array, losses: tuple[Array, Array]) -> Array:
 def even_distribution(model: Model) -> Array:
     """(N, 3): drive forces of a wrench while all wheels creep little.
 
-    f_i = c_i b_i·ε with Σ b_i f_i = w, c_i ∝ μ_W N_i at rest: the realised distribution of theory
-    section 4 to first order; exact and independent of c for three wheels.
+    f_i = c_i b_i·ε with Σ b_i f_i = w, c_i ∝ μ_W N_i at rest: the realised distribution of
+    docs/theory.md, section 4 to first order; exact and independent of c for three wheels.
     """
     along = model.wrench_maps()[0]
     weight = model.grip.roller[:, 0] * np.maximum(model.loads.rest_N, 1e-9 * model.inertia.weight_N)

@@ -1,4 +1,4 @@
-"""The load models: how the weight is shared between the wheels (theory, section 3)."""
+"""The load models: how the weight is shared between the wheels (docs/theory.md, section 3)."""
 
 from __future__ import annotations
 

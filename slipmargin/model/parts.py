@@ -1,7 +1,7 @@
 """The machine as mathematics: frozen parts, arrays only.
 
 Wrenches are (Fx, Fy, Mz) in the body frame about the centre of mass [N, N, N m].
-Wheel i grips along ĝ_i and rolls freely along f̂_i (theory, section 1):
+Wheel i grips along ĝ_i and rolls freely along f̂_i (docs/theory.md, section 1):
 omni ĝ = ŝ, f̂ = r̂ (the axle); mecanum: both turned by the roller angle.
 """
 
@@ -56,7 +56,7 @@ class Grip:
     Angle θ stands on rigid material where θ mod 2π/n ≥ (1 − rigid_fraction)·2π/n, with n ``rollers``
     (both (N,)).  Friction follows ``law`` (:mod:`~slipmargin.physics.friction_laws`) with slope
     ``k_s_per_m``; ``multipliers`` multiply; the force lies in
-    the Minkowski sum (1 − ``coupling``)·box ⊕ ``coupling``·``shape`` (theory, three grip sets);
+    the Minkowski sum (1 − ``coupling``)·box ⊕ ``coupling``·``shape`` (docs/theory.md, section 2);
     ``viscous_N_s_per_m`` (2,) adds −c u along ĝ and f̂ on every wheel.
     """
 

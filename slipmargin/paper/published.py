@@ -1,7 +1,7 @@
 """The paper's simulated runs (sections III.B and IV.C), published beside recomputed.
 
 Straight line, 0.4 m along X in 3.5 s, heading commanded 0, wheel speeds stepped on and off; k = 1000,
-eight rollers, 90 % roller and 10 % rigid (theory, section 6; Table I for the coefficients).  The
+eight rollers, 90 % roller and 10 % rigid (docs/theory.md, section 6; Table I for the coefficients).  The
 initial model knows rollers only, the improved one the rigid material between them.
 
 The paper prints neither mass, inertia and centre-to-wheel radius nor the rotor angles.  The motion

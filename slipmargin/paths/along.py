@@ -1,7 +1,7 @@
 """The limits along a path as rows in (s̈, ṡ²), one set for each interval.
 
 The acceleration is linear in both (a = push · s̈ + bend · ṡ²), so every row of the wrench set in motion
-becomes a s̈ + b ṡ² ≤ c (theory, section 5).  What depends on the speed itself (drag near rest, losses,
+becomes a s̈ + b ṡ² ≤ c (docs/theory.md, section 5).  What depends on the speed itself (drag near rest, losses,
 friction that varies) is taken over the speeds of a profile guessed before, as an interval: the rows
 are then safe for every speed in it.
 """

@@ -17,7 +17,7 @@ from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_rows import torque_limit
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
-from slipmargin.paths.geometry import to_body
+from slipmargin.physics.frames import rotate_rows
 
 #: Half the shortest window of a derivative [s]: below it rounded files make noise of accelerations.
 SHORTEST = 0.005
@@ -105,7 +105,7 @@ def check(
         t_s=t_s,
         velocity=course.velocity,
         acceleration=course.acceleration,
-        omega=model.geometry.wheel_speeds(to_body(pose[:, 2], course.velocity)),
+        omega=model.geometry.wheel_speeds(rotate_rows(pose[:, 2], course.velocity, inverse=True)),
         use=use,
         torque=torque,
         speed=speed,
@@ -180,10 +180,10 @@ def _shares(
     """Use, torque and speed shares and loads (M, N) with time stretched."""
     phi = course.pose[:, 2]
     motion = Motion(
-        velocity=to_body(phi, course.velocity) / stretch,
+        velocity=rotate_rows(phi, course.velocity, inverse=True) / stretch,
         heading=phi,
         position=course.pose[:, :2],
-        acceleration=to_body(phi, course.acceleration) / stretch**2,
+        acceleration=rotate_rows(phi, course.acceleration, inverse=True) / stretch**2,
         time_s=(course.t_s - course.t_s[0]) * stretch,
     )
     forces = realised(model, motion, contact=contact)
@@ -226,5 +226,5 @@ def _time_scale(model: Model, course: _Course, share: float, contact: Contact) -
 
 def _fading(model: Model, course: _Course, stretch: float) -> bool:
     """Whether the motion has become so slow that drag itself fades: slowing down is no cure then."""
-    slide = to_body(course.pose[:, 2], course.velocity) @ model.geometry.lateral_rows().T
+    slide = rotate_rows(course.pose[:, 2], course.velocity, inverse=True) @ model.geometry.lateral_rows().T
     return bool(model.grip.k_s_per_m * np.max(np.abs(slide)) / stretch < CRAWL)

@@ -12,6 +12,7 @@ from slipmargin.limits.motion_state import Motion
 from slipmargin.model import Model
 from slipmargin.paths.grid import Grid
 from slipmargin.paths.path import Path
+from slipmargin.physics.frames import rotate_rows
 
 
 @final
@@ -39,7 +40,8 @@ class Geometry:
         s, piece = grid.inside(fractions)
         pose, first, second = (a.reshape(*s.shape, 3) for a in path.at(s.ravel(), piece.ravel()))
         c = model.inertia.com_m
-        push, bend = to_body(pose[..., 2], first), to_body(pose[..., 2], second)
+        push = rotate_rows(pose[..., 2], first, inverse=True)
+        bend = rotate_rows(pose[..., 2], second, inverse=True)
         twist = push.copy()
         for a in (push, bend):  # a_com = a + α ẑ×c − ω² c
             a[..., 0] -= a[..., 2] * c[1]
@@ -60,7 +62,7 @@ class Geometry:
         acceleration = None
         if u is not None:
             floor = self.first * u[:, None, None] + self.second * sq[..., None]
-            acceleration = to_body(self.pose[..., 2], floor).reshape(-1, 3)
+            acceleration = rotate_rows(self.pose[..., 2], floor, inverse=True).reshape(-1, 3)
         return Motion(
             velocity=(self.twist * speed * scale).reshape(-1, 3),
             heading=self.pose[..., 2].ravel(),
@@ -88,16 +90,3 @@ class Geometry:
             start[:, None]
             + 2.0 * (self.fractions * step[:, None]) / np.maximum(here + root[:-1, None], 1e-12)
         )
-
-
-def to_body(heading: Array, vectors: Array) -> Array:
-    """R(φ)ᵀ on the first two components of (..., 3); the third stays."""
-    c, s = np.cos(heading), np.sin(heading)
-    return np.stack(
-        [
-            c * vectors[..., 0] + s * vectors[..., 1],
-            -s * vectors[..., 0] + c * vectors[..., 1],
-            vectors[..., 2],
-        ],
-        axis=-1,
-    )

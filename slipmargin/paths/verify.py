@@ -2,7 +2,7 @@
 
 Limits say what share of the grip a motion uses; the simulator knows nothing of limits and answers in
 slips.  They meet in force, not in speed: the share a simulated wheel used is (2/π) atan(k · peak drive
-slip) (theory, section 4), since near the limit a force error of 2 % changes the creep by half.
+slip) (docs/theory.md, section 4), since near the limit a force error of 2 % changes the creep by half.
 """
 
 from __future__ import annotations

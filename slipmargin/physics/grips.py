@@ -1,6 +1,6 @@
 """Support functions of the three sets a contact's force may lie in, per newton of load.
 
-In the contact's own axes with coefficients μ_1, μ_2 (theory section 2, three grip sets):
+In the contact's own axes with coefficients μ_1, μ_2 (docs/theory.md, section 2, three grip sets):
 
   box         |a| ≤ μ_1, |b| ≤ μ_2                h(p, q) = μ_1 |p| + μ_2 |q|
   ellipse     (a/μ_1)² + (b/μ_2)² ≤ 1             h(p, q) = √(μ_1² p² + μ_2² q²)
@@ -22,7 +22,7 @@ from slipmargin.checks import Array
 
 
 class GripShape(Enum):
-    """The set a wheel's friction force lies in (theory: three grip sets)."""
+    """The set a wheel's friction force lies in (docs/theory.md, section 2, three grip sets)."""
 
     BOX = "box"  #: |f_W| ≤ μ_W N and |f_T| ≤ μ_T N, as published in eq. (17)
     DISC_STRIP = "disc-strip"  #: |f| ≤ μ_W N and |f_T| ≤ μ_T N: a free roller on the floor

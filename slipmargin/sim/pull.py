@@ -1,7 +1,7 @@
 """A virtual pull test: wheels locked, a force that grows until the robot runs away.
 
 With locked wheels a steady creep balances the pull: eq. (11) is the gradient of a convex potential,
-so a creep exists exactly for pulls inside the wrench set (theory, section 2).  The rope keeps its
+so a creep exists exactly for pulls inside the wrench set (docs/theory.md, section 2).  The rope keeps its
 direction relative to the robot, as a hand that follows it would.  Near the limit each sliding contact
 still lacks (2/π)/(k u) of its friction, so the pull at creep s is F_e (1 − A/s): two creeps s and s/2
 on one slow ramp give F_e without the lag, 2 F(s) − F(s/2), and the contacts that slide are those

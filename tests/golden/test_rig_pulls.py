@@ -1,6 +1,6 @@
 """Pulls measured on an independent rigid-body rig with explicit rollers, against the three grip sets.
 
-Birth certificate: shared/data/rig (README there; theory.md section 2, "three grip sets": box +2.9 % on
+Birth certificate: shared/data/rig (README there; docs/theory.md, section 2, "three grip sets": box +2.9 % on
 average and at most +5.8 % on 36 noiseless headings, disc-and-strip within 0.04 N rms, repeatability 0.08 N).
 Here: 24 headings, two noisy pulls each.  The rig was built without any formula of this package.
 """

@@ -1,4 +1,4 @@
-"""Birth certificate: theory notes, section 4 ("Motion is not statics"), computed independently.
+"""Birth certificate: docs/theory.md, section 4 ("Motion is not statics"), computed independently.
 
 Paper surface (μ_W 0.26, μ_T 0.09), δ = 15°, m = 3 kg, I = 0.027 kg m², radius 0.095 m, equal loads, φ = 0.
 Each tolerance is half a unit of the last digit printed there.
@@ -15,7 +15,7 @@ from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model, nominal_model
 
-#: g · 0.16705, the static limit per unit of weight on paper along X (theory section 2, table).
+#: g · 0.16705, the static limit per unit of weight on paper along X (docs/theory.md, section 2, table).
 STATIC_ALONG_X = 9.81 * 0.16705
 
 

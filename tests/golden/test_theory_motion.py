@@ -1,9 +1,9 @@
-"""The paper's simulated runs (theory.md, section 6).
+"""The paper's simulated runs (docs/theory.md, section 6).
 
 Birth certificate of every number: ``published`` is printed in Williams, Carter, Gallina and Rosati,
-IEEE T-RA 18(3), 2002, sections III.B and IV.C; ``checked`` is theory.md's own recomputation, made
+IEEE T-RA 18(3), 2002, sections III.B and IV.C; ``checked`` is docs/theory.md's own recomputation, made
 independently of this project with r = 0.095 m, m r²/I = 1 and rotor angles (0.131, 0.255, 0.260) rad,
-none of which the paper prints.  Tolerances are half a unit of the last digit that theory.md gives.
+none of which the paper prints.  Tolerances are half a unit of the last digit that docs/theory.md gives.
 """
 
 from __future__ import annotations
@@ -25,9 +25,12 @@ CHECKED = {
     "improved_paper_x_short": (0.0529, 5e-5),
     "improved_paper_y": (-0.0227, 5e-5),
     "improved_paper_phi": (-0.114, 5e-4),
-    "improved_carpet_phi": (-0.5545, 5e-4),  # theory.md prints −0.554: −0.55451 lies on the edge of rounding
+    "improved_carpet_phi": (
+        -0.5545,
+        5e-4,
+    ),  # docs/theory.md prints −0.554: −0.55451 lies on the edge of rounding
 }
-#: key → how far the printed value is allowed to be: theory.md prints both, this is their difference.
+#: key → how far the printed value is allowed to be: docs/theory.md prints both, this is their difference.
 PRINTED = {
     "omega_1": 0.005,
     "omega_3": 0.005,
@@ -95,10 +98,11 @@ def test_third_wheel_slips_in_mid_motion_on_rigid_material():
     ],
 )
 def test_random_rotor_angles(surface, mean, deviation, runs):
-    """theory.md: mean 52, −26 mm, −0.112 rad (s.d. 11, 5, 0.03); carpet −0.64 (0.09).
+    """docs/theory.md: mean 52, −26 mm, −0.112 rad (s.d. 11, 5, 0.03); carpet −0.64 (0.09).
 
     How many angles it drew is not told; a thousand of ours give 57.4 (14.8), −27.7 (6.1), −0.126 (0.039)
-    and −0.625 (0.084).  Sets of twenty scatter as theory.md's lies: allowed is 2.6 of their standard errors.
+    and −0.625 (0.084).  Sets of twenty scatter as the page's lies: allowed is 2.6 of their
+    standard errors.
     """
     ours = spread(surface, runs=1000, seed=0)
     for k, (m, d) in enumerate(zip(mean, deviation, strict=True)):

@@ -1,6 +1,6 @@
 """Golden numbers of static slip limits.
 
-Birth certificate: shared/theory.md sections 2 and 3, "checked" there independently of this package
+Birth certificate: docs/theory.md, sections 2 and 3, golden there: computed independently of this package
 (the linear program of Williams, Carter, Gallina and Rosati 2002, eqs 13–18, with Table I), and the
 benchmark reference of shared/peers.md section 3.1.  Tolerance: the digits printed there.
 """
@@ -20,7 +20,8 @@ from slipmargin.robot import LoadRule
 
 HEADINGS = np.deg2rad([0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0])
 
-# theory.md section 2, table: F_emax / (m g), equal loads; (surface, all rigid, delta) -> seven headings.
+# docs/theory.md, section 2, golden table: F_emax / (m g), equal loads.
+# (surface, all rigid, delta) -> seven headings.
 TABLE = {
     ("paper", False, 15.0): (0.16705, 0.17295, 0.19290, 0.19357, 0.19357, 0.20570, 0.21296),
     ("paper", False, 30.0): (0.18196, 0.18838, 0.21011, 0.18838, 0.18196, 0.18838, 0.21011),
@@ -59,7 +60,7 @@ def test_facets_at_fifteen_degrees() -> None:
 
 
 def test_volume_of_the_paper_robot() -> None:
-    # theory.md does not print it; 8 Σ|det| (McMullen) against the hull of the vertices, another road.
+    # docs/theory.md does not print it; 8 Σ|det| (McMullen) against the hull of the vertices, another road.
     spatial = pytest.importorskip("scipy.spatial")
     zonotope = wrench_set(nominal_model(kiwi(), "paper")).zonotope()
     assert spatial.ConvexHull(zonotope.vertices()).volume == pytest.approx(zonotope.volume(), rel=1e-12)
@@ -73,14 +74,14 @@ def test_reference_forces_at_three_kilograms() -> None:
 
 
 def test_static_loads_of_section_3() -> None:
-    # theory.md section 3: N_3 = 0.2056 m g, N_1 = N_2 = 0.3972 m g.
+    # docs/theory.md, section 3: N_3 = 0.2056 m g, N_1 = N_2 = 0.3972 m g.
     model = nominal_model(kiwi(load_rule=LoadRule.STATIC), "paper")
     share = model.loads.rest_N / model.inertia.weight_N
     np.testing.assert_allclose(share, [0.3972, 0.3972, 0.2056], rtol=0.0, atol=0.5e-4)
 
 
 def test_equal_loads_need_the_centre_of_mass_behind() -> None:
-    # theory.md section 3: 0.161 of the centre-to-wheel radius behind the centre.
+    # docs/theory.md, section 3: 0.161 of the centre-to-wheel radius behind the centre.
     model = nominal_model(kiwi(), "paper")
     centre = load_centre(model.geometry.position_m, model.loads.rest_N)
     np.testing.assert_allclose(centre / 0.095, [0.0, -0.161], rtol=0.0, atol=0.5e-3)
@@ -95,7 +96,7 @@ def test_symmetric_layout_repeats_every_sixty_degrees() -> None:
 
 
 def test_band_edges_are_the_two_published_rows() -> None:
-    # theory.md section 2: rigid coefficients exceed the rollers', so the band runs from one row to the other.
+    # docs/theory.md, section 2: rigid coefficients exceed the rollers', so the band runs from row to row.
     model = nominal_model(kiwi(), "paper")
     found = sweep(model, HEADINGS)
     weight = model.inertia.weight_N

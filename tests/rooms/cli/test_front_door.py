@@ -158,12 +158,12 @@ def test_sweep_says_the_answer_in_four_lines(
     assert status(["sweep", "ohio-kiwi", "--surface", "paper", "--margin", "0.2", "--out", "f.csv"]) == 0
     out, err = capsys.readouterr()
     weakest, strongest, isotropic, recommended = out.splitlines()[:4]
-    # theory.md section 2: 0.16705 m g at 0 degrees and 0.21296 at 90; m g = 29.43 N, 0.26 m g = 7.65 N.
+    # docs/theory.md, section 2: 0.16705 m g at 0 degrees and 0.21296 at 90; m g = 29.43 N, 0.26 m g = 7.65 N.
     assert weakest.split()[:4] == ["weakest", "4.92", "N", "(0.1671"] and "φ = 0°" in weakest
     assert strongest.split()[:4] == ["strongest", "6.27", "N", "(0.2130"] and "φ = 90°" in strongest
     assert isotropic.split()[:3] == ["isotropic", "7.65", "N"] and "56 % more" in isotropic
     assert recommended.split()[:3] == ["recommended", "3.93", "N:"] and "20 %" in recommended
-    # theory.md section 3: statics gives the rear wheel 0.2056 m g.
+    # docs/theory.md, section 3: statics gives the rear wheel 0.2056 m g.
     assert err.startswith("warning: loads: ") and "0.2056 m g" in err and err.count("\n") == 1
     rows = (tmp_path / "f.csv").read_text().splitlines()
     assert rows[0] == "phi_rad,f_max_N,f_low_N,f_high_N,limiting" and len(rows) == 92
@@ -221,7 +221,7 @@ def test_measured_pulls_stand_in_the_table(
 def test_json_to_stdout_is_json_alone(capsys: pytest.CaptureFixture[str]) -> None:
     assert status(["polytope", "ohio-kiwi", "--surface", "paper", "--json", "-"]) == 0
     found = json.loads(capsys.readouterr().out)
-    # theory.md section 2 and issue 2: the δ = 15° set has 28 vertices and 22 facets.
+    # docs/theory.md, section 2 and issue 2: the δ = 15° set has 28 vertices and 22 facets.
     assert len(found["vertices"]) == 28 and len(found["facets"]) == 22 and len(found["generators"]) == 6
     normals = np.array([f["normal"] for f in found["facets"]])
     offsets = np.array([f["offset"] for f in found["facets"]])

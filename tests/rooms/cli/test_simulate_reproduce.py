@@ -20,7 +20,7 @@ def commands(folder: Path, text: str = STEP) -> str:
 
 
 def test_the_papers_run_from_files(tmp_path, capsys):
-    """theory.md section 6, improved model on paper: x short 52.9 mm, y −22.7 mm, φ −0.114 rad."""
+    """docs/theory.md, section 6, improved model on paper: x short 52.9 mm, y −22.7 mm, φ −0.114 rad."""
     out, plot = tmp_path / "run.csv", tmp_path / "run.png"
     args = [
         "simulate",

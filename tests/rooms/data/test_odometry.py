@@ -13,7 +13,7 @@ from slipmargin.model import Model
 @settings(max_examples=40, deadline=None)
 @given(model=models(), twist=st.tuples(*[st.floats(-2, 2)] * 3))
 def test_no_slip_is_the_twist_under_which_no_contact_slips(model: Model, twist: tuple[float, ...]) -> None:
-    # Second road: u_i·ĝ_i of the theory, section 1, set to zero wheel by wheel.
+    # Second road: u_i·ĝ_i of docs/theory.md, section 1, set to zero wheel by wheel.
     vx, vy, wz = twist
     c = model.geometry
     hub = np.array([vx, vy]) + wz * np.stack([-c.position_m[:, 1], c.position_m[:, 0]], axis=1)

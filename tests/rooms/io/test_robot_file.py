@@ -158,7 +158,7 @@ def test_built_in_robots_build_on_every_surface(name: str) -> None:
 def test_built_in_robots_of_the_contract() -> None:
     assert {"ohio-kiwi", "ohio-kiwi-symmetric", "robotino"} <= set(built_in_names())
     kiwi = read_recipe("ohio-kiwi").robot
-    # theory.md sections 1 and 6: rho = 25.4 mm, Table I, 90 % rollers / 10 % rigid, n = 8, k = 1000.
+    # docs/theory.md, sections 1 and 6: rho = 25.4 mm, Table I, 90 % rollers / 10 % rigid, n = 8, k = 1000.
     assert {w.radius_m for w in kiwi.wheels} == {0.0254} and {w.rigid_fraction for w in kiwi.wheels} == {0.10}
     assert {w.rollers for w in kiwi.wheels} == {8} and kiwi.friction.k_s_per_m == 1000.0
     table = {
@@ -166,7 +166,7 @@ def test_built_in_robots_of_the_contract() -> None:
         for s in kiwi.surfaces
     }
     assert table == {"paper": (0.26, 0.09, 0.47, 0.47), "carpet": (0.25, 0.15, 0.56, 0.56)}
-    # theory.md section 1: the printed no-slip wheel speeds for 0.4 m in 3.5 s along +X.
+    # docs/theory.md, section 1: the printed no-slip wheel speeds for 0.4 m in 3.5 s along +X.
     from slipmargin_cli.drawing import speeds
 
     printed = [speeds(w)[0] * 0.4 / 3.5 for w in kiwi.wheels]

@@ -212,7 +212,7 @@ def test_a_wheel_may_use_more_on_the_way_than_before_and_after() -> None:
 
 
 def test_four_wheels_use_more_than_the_zonotope_needs() -> None:
-    """Theory section 4: some distribution exists, but the realised one is the wheels' own."""
+    """docs/theory.md, section 4: some distribution exists, but the realised one is the wheels' own."""
     com = replace(four_wheels(), body=replace(four_wheels().body, com_m=np.array([0.05, 0.04])))
     model = nominal_model(com, "paper")
     motion = Motion(velocity=np.array([[0.6, 0.5, 1.0]]), acceleration=np.array([[0.4, 0.5, 0.5]]))

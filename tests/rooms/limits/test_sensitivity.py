@@ -86,7 +86,7 @@ def test_saturated_forces_are_the_binding_rows_of_the_linear_program(model: Mode
 
 
 def test_forces_that_do_not_saturate_do_not_matter() -> None:
-    # theory.md's robot pulled along +x at φ = 0: rear drive and the front transverse forces are spent; more
+    # The paper's robot pulled along +x at φ = 0: rear drive and the front transverse forces are spent; more
     # front drive friction buys nothing.
     model = nominal_model(kiwi(), "paper")
     found = sensitivity(model, np.array([0.0]))

@@ -335,7 +335,9 @@ def test_every_pair_of_effects_can_be_separated() -> None:
     assert trace_of("nobody") is None and separating_trial("stribeck", Trace.SLIP_SPEED, "nobody")
 
 
-@pytest.mark.skipif(shutil.which("chromium") is None, reason="chromium is not installed")
+@pytest.mark.skipif(
+    shutil.which("chromium") is None, reason="chromium is not installed (apt-get install chromium)"
+)
 @pytest.mark.parametrize("width", [390, 1200])
 def test_browser_lays_it_out(rich: str, width: int, tmp_path: Path) -> None:
     """No element is wider than the window: only the pictures scroll, each in its own frame."""

@@ -15,7 +15,7 @@ from slipmargin.robot.layout import wheel_angle_deg, with_wheel_angle
 
 @given(reals(-60.0, 85.0))
 def test_any_angle_is_the_layout_of_section_1(delta: float) -> None:
-    # theory.md section 1: axles (cos δ, sin δ), (−cos δ, sin δ), (0, −1); drive direction z × axle.
+    # docs/theory.md, section 1: axles (cos δ, sin δ), (−cos δ, sin δ), (0, −1); drive direction z × axle.
     turned = nominal_model(with_wheel_angle(kiwi(15.0), delta), "paper").geometry
     built = nominal_model(kiwi(delta), "paper").geometry
     np.testing.assert_allclose(turned.position_m, built.position_m, atol=1e-12)

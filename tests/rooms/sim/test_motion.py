@@ -211,7 +211,7 @@ def test_slip_ratio_law_loses_the_same_share_at_any_speed():
 
 
 def test_loads_follow_the_acceleration_at_once():
-    """Σ N_i (p_i − com) = −m h a at every instant (theory, section 3), Σ N_i = m g."""
+    """Σ N_i (p_i − com) = −m h a at every instant (docs/theory.md, section 3), Σ N_i = m g."""
     robot = four_wheels(load_rule=LoadRule.QUASI_STATIC, com_height_m=0.08)
     model = nominal_model(robot, "paper")
     rates = no_slip_rates(model, np.array([0.0, 0.5, 0.0]))

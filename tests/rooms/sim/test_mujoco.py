@@ -18,7 +18,7 @@ from slipmargin.robot import GripShape, LoadRule
 from slipmargin.sim.signal import held
 from slipmargin.sim.simulate import simulate
 
-mujoco = pytest.importorskip("mujoco", reason="the optional extra [mujoco] is not installed")
+mujoco = pytest.importorskip("mujoco", reason="mujoco is not installed (extra [test])")
 
 MU, HEIGHT, END = 0.3, 0.05, 0.6
 

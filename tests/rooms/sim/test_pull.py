@@ -1,6 +1,6 @@
 """Statics from dynamics: where the simulated robot runs away is where the limits say it must.
 
-Theory section 2: with the wheels locked a creep exists exactly inside the wrench set.  The limits
+docs/theory.md, section 2: with the wheels locked a creep exists exactly inside the wrench set.  The limits
 room shares no code with the simulator (tests/house keeps it so); here, and only here, both meet.
 """
 

@@ -21,7 +21,7 @@ from slipmargin.study.columns import moving_columns, static_columns
 from slipmargin.study.fleet import fleets
 from slipmargin.study.machine import Machine
 
-# Birth certificate: shared/theory.md section 2, table "checked": F_emax / (m g), equal loads, five decimals.
+# Birth certificate: docs/theory.md, section 2, golden table: F_emax / (m g), equal loads, five decimals.
 HEADINGS = np.deg2rad([0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0])
 TABLE = {
     ("paper", False, 15.0): (0.16705, 0.17295, 0.19290, 0.19357, 0.19357, 0.20570, 0.21296),
@@ -47,7 +47,7 @@ def test_table_of_section_2_in_one_batch() -> None:
 
 
 def test_loads_of_section_3() -> None:
-    """theory.md section 3: δ = 15°, statics gives N_3 = 0.2056 m g and N_1 = N_2 = 0.3972 m g."""
+    """docs/theory.md, section 3: δ = 15°, statics gives N_3 = 0.2056 m g and N_1 = N_2 = 0.3972 m g."""
     (fleet,), _ = fleets([on(kiwi(15.0, load_rule=LoadRule.STATIC)), on(kiwi(15.0))])
     np.testing.assert_allclose(fleet.rest[0], [0.3972, 0.3972, 0.2056], rtol=0.0, atol=0.5e-4)
     np.testing.assert_allclose(fleet.rest[1], 1.0 / 3.0)
@@ -55,7 +55,7 @@ def test_loads_of_section_3() -> None:
 
 
 def test_limits_in_motion_of_section_4() -> None:
-    """theory.md section 4: starting along +X 0.5017 m/s², braking 1.6388 = g 0.16705, both the worst."""
+    """docs/theory.md, section 4: starting along +X 0.5017 m/s², braking 1.6388 = g 0.16705, both worst."""
     found = moving_columns(on(kiwi(15.0)))
     assert found["start_worst_m_s2"] == pytest.approx(0.5017, abs=0.5e-4)
     assert found["brake_worst_m_s2"] == pytest.approx(1.6388, abs=0.5e-4)

@@ -79,7 +79,7 @@ def test_every_objective_has_a_reason(angles: Study) -> None:
 
 
 def test_reasons_name_the_wheels_that_a_model_names(angles: Study) -> None:
-    """At δ = 15° along +x the rear wheel's drive force saturates (theory.md section 4: 0.531 steady)."""
+    """At δ = 15° along +x the rear wheel's drive force saturates (docs/theory.md, section 4: 0.531)."""
     own = angles.question.machine
     assert reason(own, BY_NAME["f_worst"]).what == ("right transverse", "left transverse", "rear drive")
     assert reason(own, BY_NAME["start_worst_m_s2"]).what == ("rear",)
