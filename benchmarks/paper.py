@@ -1,6 +1,7 @@
 """The paper reproduced, and the study of what its printed results leave open; docs/paper.md quotes this.
 
 python benchmarks/paper.py [--json FILE] [--seed N]
+python benchmarks/paper.py --tables     the Markdown tables of docs/paper.md
 """
 
 from __future__ import annotations
@@ -13,7 +14,13 @@ from slipmargin.io.json_text import json_text
 from slipmargin.io.writes import write_text
 from slipmargin.paper.identify import identifiability
 from slipmargin.paper.reproduction import reproduce_paper
-from slipmargin.report.reproduction import closing_lines, reproduction_report, studies_report, study_lines
+from slipmargin.report.reproduction import (
+    closing_lines,
+    markdown_tables,
+    reproduction_report,
+    studies_report,
+    study_lines,
+)
 
 
 def main() -> None:
@@ -21,7 +28,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", type=Path)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--tables", action="store_true")
     words = parser.parse_args()
+    if words.tables:
+        print("\n".join(markdown_tables(reproduce_paper(seed=words.seed))))
+        return
     start = time.perf_counter()
     done = reproduce_paper(seed=words.seed)
     between = time.perf_counter()

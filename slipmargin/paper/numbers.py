@@ -101,7 +101,7 @@ NUMBERS: tuple[Published, ...] = (
         _MOTION),
     _number("initial_paper_x_short", "initial model, paper: x short of 0.4 m", "m", "14",
         "x falls short by 14 mm its goal of 0.4 m", f"{_INITIAL}, Fig. 6a", "fig6", -3),
-    _number("initial_paper_x_short_at_stop", "initial model, paper: x short of 0.4 m", "m", "14",
+    _number("initial_paper_x_short_at_stop", "initial model, paper: x short of 0.4 m at t = 3.5 s", "m", "14",
         "x falls short by 14 mm its goal of 0.4 m", f"{_INITIAL}, Fig. 6a", "fig6", -3),
     _number("initial_paper_y", "initial model, paper: y", "m", "-9", "y drifts -9 mm from the desired zero",
         f"{_INITIAL}, Fig. 6a", "fig6", -3),

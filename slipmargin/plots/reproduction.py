@@ -22,7 +22,7 @@ _MODELS = {False: "initial model", True: "improved model"}
 _COLOURS = {Verdict.REPRODUCED: GREEN, Verdict.DIFFERS: RED, Verdict.UNCHECKED: GREY}
 _LINE_INCH, _SIZE = 0.19, 8.0
 #: Where the columns of the table start, as shares of the figure's width.
-_COLUMNS = (0.012, 0.66, 0.76, 0.87)
+_COLUMNS = (0.012, 0.58, 0.69, 0.82)
 
 
 def paper_figures(done: Reproduction) -> dict[str, Figure]:
@@ -115,12 +115,12 @@ def identifiability_figure(found: Identifiability) -> Figure:
     left.set_yticks([0.2, 0.4, 0.8, 1.6, 3.2], ["0.2", "0.4", "0.8", "1.6", "3.2"])
     left.minorticks_off()
     left.grid(False)
-    left.legend(loc="upper left")
+    left.legend(loc="lower right", frameon=True)
     for k, s in enumerate(found.signs):
         right.plot([s.low_rad, s.high_rad], [-k, -k], color=BLUE, lw=6, solid_capstyle="butt")
         right.annotate(
-            f"{s.varied} ({s.runs} runs): {s.low_rad:+.2f} to {s.high_rad:+.2f}",
-            (-1.25, -k + 0.2),
+            f"{s.varied}\n{s.low_rad:+.2f} to {s.high_rad:+.2f} rad in {s.runs} runs",
+            (-1.25, -k + 0.17),
             fontsize=8.0,
         )
     printed = published("improved_carpet_phi")
@@ -128,7 +128,7 @@ def identifiability_figure(found: Identifiability) -> Figure:
     right.axvline(printed, color=RED, lw=1.4)
     right.annotate(
         f"printed {printed:+g}",
-        (printed, 0.78),
+        (printed, 0.95),
         xytext=(-4, 0),
         textcoords="offset points",
         color=RED,
@@ -138,7 +138,7 @@ def identifiability_figure(found: Identifiability) -> Figure:
         xlabel="φ at the end on carpet [rad]",
         title="No unprinted quantity gives the printed sign",
         xlim=(-1.3, 0.7),
-        ylim=(-len(found.signs) + 0.5, 1.0),
+        ylim=(-len(found.signs) + 0.5, 1.2),
     )
     right.set_yticks([])
     right.spines["left"].set_visible(False)

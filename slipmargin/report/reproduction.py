@@ -134,6 +134,32 @@ def row_notes(rows: Sequence[Row]) -> list[str]:
     ]
 
 
+def markdown_tables(done: Reproduction) -> list[str]:
+    """Numbers, claims and the values of Fig. 8 as Markdown tables, for docs/paper.md."""
+    lines = _markdown(
+        ("key", "what", "where", "unit", "published", "recomputed", "verdict", "note"),
+        [
+            (*_named(r), _cell(r.source.value), _cell(r.recomputed), r.verdict.value, r.note)
+            for r in done.numbers
+        ],
+    )
+    lines += ["", "## Claims in words", ""]
+    lines += _markdown(
+        ("key", "recomputed quantity", "where", "unit", "recomputed", "verdict", "note"),
+        [(*_named(r), _cell(r.recomputed), r.verdict.value, r.note) for r in done.claims],
+    )
+    lines += ["", "## Values of Fig. 8", ""]
+    return lines + _markdown(*fig8_table(done.fig8))
+
+
+def _named(row: Row) -> tuple[str, str, str, str]:
+    return f"`{row.source.key}`", row.source.what.replace("|", "\\|"), row.source.where, row.source.unit
+
+
+def _markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    return [f"| {' | '.join(cells)} |" for cells in (head, ["---"] * len(head), *rows)]
+
+
 def closing_lines(done: Reproduction) -> list[str]:
     """The constants that were searched for, the spread over rotor angles, the studies and the verdicts."""
     u = done.unprinted

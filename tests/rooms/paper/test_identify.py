@@ -24,7 +24,7 @@ def found():
 
 
 def test_a_valley_of_equal_misfit(found) -> None:
-    """A review of the first release found it: from (0.075 m, 0.4) to (0.1025 m, 1.7) the printed results fit alike."""
+    """A review of the first release found it: a valley from (0.075 m, 0.4) to (0.1025 m, 1.7)."""
     first, *_, last = found.ridge
     assert (first.radius_m, last.radius_m) == (0.075, 0.1025)
     assert first.beta == pytest.approx(0.4, abs=0.02) and last.beta == pytest.approx(1.7, abs=0.15)

@@ -75,3 +75,9 @@ def test_quotes_and_excerpts_stand_in_the_paper() -> None:
     wrong = [p.key for p in (*NUMBERS, *CLAIMS) if plain(p.quote) not in text]
     wrong += [e for e in EXCERPTS if e not in text]
     assert not wrong
+
+
+@pytest.mark.parametrize("source", (*NUMBERS, *CLAIMS), ids=lambda p: p.key)
+def test_the_page_has_a_row_for_it(source) -> None:
+    page = (Path(__file__).resolve().parents[3] / "docs" / "paper.md").read_text(encoding="utf-8")
+    assert f"| `{source.key}` |" in page
