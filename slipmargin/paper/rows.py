@@ -51,6 +51,7 @@ class Row:
 
 
 def number(key: str, recomputed: float, note: str = "", holds: bool | None = None) -> Row:
+    """The row of a printed number; ``holds`` overrides the rule of digits and 5 %."""
     source = BY_KEY[key]
     gap = abs(recomputed - published(key))
     if holds is None:
@@ -60,11 +61,13 @@ def number(key: str, recomputed: float, note: str = "", holds: bool | None = Non
 
 
 def claim(key: str, recomputed: float, holds: bool, note: str) -> Row:
+    """The row of a claim in words that a computed number decides."""
     verdict = Verdict.REPRODUCED if holds else Verdict.DIFFERS
     return Row(source=BY_KEY[key], recomputed=float(recomputed), verdict=verdict, note=note)
 
 
 def unchecked(key: str, why: str, recomputed: float | None = None) -> Row:
+    """The row of what no computation can check, with the reason."""
     return Row(source=BY_KEY[key], recomputed=recomputed, verdict=Verdict.UNCHECKED, note=why)
 
 
