@@ -136,7 +136,7 @@ def identifiability_figure(found: Identifiability) -> Figure:
     )
     right.set(
         xlabel="φ at the end on carpet [rad]",
-        title="No unprinted quantity gives the printed sign",
+        title="Nothing unprinted gives the printed φ",
         xlim=(-1.3, 0.7),
         ylim=(-len(found.signs) + 0.5, 1.2),
     )

@@ -60,7 +60,7 @@ def test_wrong_loads_show() -> None:
 
 
 def test_simulated_trials_follow_the_rig() -> None:
-    # Eight trials of up to 0.44 m, wheels turned as on the rig: disc-and-strip errs by less than 2.2 mm r.m.s.
+    # Eight trials of up to 0.44 m, wheels turned as on the rig; errors are root mean squares [m].
     data = read_data_set(RIG / "a-null")
     assert len(data.trials) == 8
     model = data.recipe.build(data.surface)
