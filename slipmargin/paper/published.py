@@ -1,8 +1,8 @@
-"""The paper's simulated runs (sections III.B and IV.C), published beside recomputed.
+"""The paper's robot and its simulated runs (sections III.B and IV.C).
 
-Straight line, 0.4 m along X in 3.5 s, heading commanded 0, wheel speeds stepped on and off; k = 1000,
-eight rollers, 90 % roller and 10 % rigid (docs/theory.md, section 6; Table I for the coefficients).  The
-initial model knows rollers only, the improved one the rigid material between them.
+Straight line, 0.4 m along X in 3.5 s, heading commanded 0, wheel speeds stepped on and off; every printed
+constant comes from :mod:`slipmargin.paper.numbers` (docs/theory.md, section 6).  The initial model knows rollers
+only, the improved one the rigid material between them.
 
 The paper prints neither mass, inertia and centre-to-wheel radius nor the rotor angles.  The motion
 depends on them through β = m r²/I, r and the angles alone; :data:`FOUND` holds values found by a
@@ -12,39 +12,45 @@ search (:mod:`slipmargin.paper.search` runs it again), not read in the paper.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array, frozen, real
 from slipmargin.model import Model, nominal_model
-from slipmargin.robot import Body, Coefficients, Robot, Surface, Wheel
+from slipmargin.paper.numbers import published
+from slipmargin.robot import Body, Coefficients, FrictionLaw, Robot, Surface, Wheel
 from slipmargin.sim.batch import Batch
-from slipmargin.sim.pack import pack
+from slipmargin.sim.pack import pack, stack
 from slipmargin.sim.run import Run
 from slipmargin.sim.signal import WheelSignal, held
 from slipmargin.sim.simulate import simulate
 
-DISTANCE_M, DURATION_S, STILL_S = 0.4, 3.5, 4.5
-DELTA_RAD, WHEEL_M, ROLLERS, RIGID = math.radians(15.0), 0.0254, 8, 0.10
+DISTANCE_M, DURATION_S, STILL_S = published("goal_x"), published("duration"), 4.5
+DELTA_RAD = math.radians(published("delta"))
+#: Not printed; the printed wheel speeds imply it (docs/theory.md, section 1).
+WHEEL_M = 0.0254
+ROLLERS, RIGID = int(published("rollers")), published("rigid_share")
 PITCH_RAD = 2.0 * math.pi / ROLLERS
 #: Table I.
-SURFACES = (
+SURFACES = tuple(
     Surface(
-        name="paper",
-        roller=Coefficients(drive=0.26, transverse=0.09),
-        rigid=Coefficients(drive=0.47, transverse=0.47),
-    ),
-    Surface(
-        name="carpet",
-        roller=Coefficients(drive=0.25, transverse=0.15),
-        rigid=Coefficients(drive=0.56, transverse=0.56),
-    ),
+        name=name,
+        roller=Coefficients(
+            drive=published(f"{name}_roller_drive"), transverse=published(f"{name}_roller_transverse")
+        ),
+        rigid=Coefficients(
+            drive=published(f"{name}_rigid_drive"), transverse=published(f"{name}_rigid_transverse")
+        ),
+    )
+    for name in ("paper", "carpet")
 )
-#: Final headings the paper measured on carpet, three trials (section IV.C); on paper the text only says
-#: "very small, close to the angular measurement precision" (four trials).  Data, not computed here.
-MEASURED_CARPET_PHI_RAD = (0.524, 0.506, 0.489)
+#: Directions of travel as unit velocities of the body [1, 1, 1/m].
+ALONG_X, ALONG_Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 
 
 @final
@@ -70,27 +76,9 @@ class Unprinted:
 FOUND = Unprinted(radius_m=0.095, beta=1.0, angles_rad=np.array([0.131, 0.255, 0.260]))
 
 
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
-    """One published number beside ours; ``difference`` = recomputed − published."""
-
-    key: str
-    what: str
-    unit: str
-    published: float
-    recomputed: float
-    note: str = ""
-
-    @property
-    def difference(self) -> float:
-        """Recomputed minus published."""
-        return self.recomputed - self.published
-
-
-def paper_model(surface: str, *, improved: bool, unprinted: Unprinted = FOUND) -> Model:
-    """The paper's robot on ``paper`` or ``carpet``; mass 3 kg (any: the motion does not depend on it)."""
-    axles = (DELTA_RAD, math.pi - DELTA_RAD, -math.pi / 2.0)
+def paper_robot(*, improved: bool, unprinted: Unprinted = FOUND, delta_rad: float = DELTA_RAD) -> Robot:
+    """The paper's robot; mass 3 kg (any: the motion does not depend on it)."""
+    axles = (delta_rad, math.pi - delta_rad, -math.pi / 2.0)
     r, mass = unprinted.radius_m, 3.0
     wheels = tuple(
         Wheel(
@@ -103,31 +91,55 @@ def paper_model(surface: str, *, improved: bool, unprinted: Unprinted = FOUND) -
         )
         for i, a in enumerate(axles)
     )
-    robot = Robot(
+    return Robot(
         name="ohio-kiwi",
         wheels=wheels,
         surfaces=SURFACES,
         body=Body(mass_kg=mass, inertia_kg_m2=mass * r**2 / unprinted.beta),
+        friction=FrictionLaw(k_s_per_m=published("regularisation_slope")),
     )
-    return nominal_model(robot, surface)
 
 
-def wheel_rates() -> Array:
+def paper_model(surface: str, *, improved: bool, unprinted: Unprinted = FOUND) -> Model:
+    """The paper's robot as arrays, on ``paper`` or ``carpet``."""
+    return nominal_model(paper_robot(improved=improved, unprinted=unprinted), surface)
+
+
+@cache
+def _speeds(direction: tuple[float, float, float]) -> Array:
+    """Wheel speeds (3,) that move the robot at 1 m/s along ``direction`` without slip [rad/s]."""
+    return paper_model("paper", improved=False).geometry.wheel_speeds(np.array(direction))
+
+
+def wheel_rates(direction: tuple[float, float, float] = ALONG_X, *, duration_s: float = DURATION_S) -> Array:
     """The no-slip wheel speeds (3,) of the straight line [rad/s]; printed as +1.16, +1.16, −4.50."""
-    speed = DISTANCE_M / DURATION_S
-    return np.array([math.sin(DELTA_RAD), math.sin(DELTA_RAD), -1.0]) * speed / WHEEL_M
+    return _speeds(direction) * (DISTANCE_M / duration_s)
 
 
-def command(angles_rad: Array) -> WheelSignal:
-    """Wheel speeds stepped on at 0 and off at 3.5 s, from these rotor angles."""
-    rates = np.stack([wheel_rates(), np.zeros(3)])
-    return held(np.array([0.0, DURATION_S]), rates, end_s=STILL_S, theta0=angles_rad)
+def command(
+    angles_rad: Array,
+    direction: tuple[float, float, float] = ALONG_X,
+    *,
+    duration_s: float = DURATION_S,
+) -> WheelSignal:
+    """Wheel speeds stepped on at 0 and off at 3.5 s (``duration_s``), from these rotor angles."""
+    rates = np.stack([wheel_rates(direction, duration_s=duration_s), np.zeros(3)])
+    end = duration_s + STILL_S - DURATION_S
+    return held(np.array([0.0, duration_s]), rates, end_s=end, theta0=angles_rad)
 
 
-def straight_line(surface: str, *, improved: bool, unprinted: Unprinted = FOUND, samples: int = 901) -> Run:
+def straight_line(
+    surface: str,
+    *,
+    improved: bool,
+    unprinted: Unprinted = FOUND,
+    samples: int = 901,
+    direction: tuple[float, float, float] = ALONG_X,
+) -> Run:
     """The paper's run, from the step on until the robot stands still again."""
     model = paper_model(surface, improved=improved, unprinted=unprinted)
-    return simulate(model, command(unprinted.angles_rad), np.linspace(0.0, STILL_S, samples))
+    signal = command(unprinted.angles_rad, direction)
+    return simulate(model, signal, np.linspace(0.0, STILL_S, samples))
 
 
 @final
@@ -152,102 +164,30 @@ class Spread:
 
 
 def spread(
-    surface: str, *, runs: int = 1000, seed: int = 0, unprinted: Unprinted = FOUND, rtol: float = 1e-4
+    surface: str,
+    *,
+    runs: int = 1000,
+    seed: int = 0,
+    unprinted: Unprinted = FOUND,
+    direction: tuple[float, float, float] = ALONG_X,
+    rtol: float = 1e-4,
 ) -> Spread:
     """The improved model from ``runs`` rotor angles drawn evenly: why repeatability is so low."""
     angles = np.random.default_rng(seed).uniform(0.0, PITCH_RAD, (runs, 3))
-    model = pack(paper_model(surface, improved=True, unprinted=unprinted))
-    batch = Batch([command(a) for a in angles], [np.array([0.0, STILL_S])] * runs)
-    end = batch.run(model, np.zeros(3), rtol=rtol).pose[:, -1]
+    model = paper_model(surface, improved=True, unprinted=unprinted)
+    end = ends([model], angles, direction=direction, rtol=rtol)
     return Spread(surface=surface, angles_rad=angles, end=end)
 
 
-def section_six(unprinted: Unprinted = FOUND) -> tuple[Row, ...]:
-    """Every number of the paper's simulations, published beside recomputed."""
-    ends = {}
-    for surface, improved in (("paper", False), ("paper", True), ("carpet", True)):
-        run = straight_line(surface, improved=improved, unprinted=unprinted, samples=10)
-        assert run.t_s[7] == DURATION_S
-        ends[surface, improved] = run.pose[7], run.pose[-1]
-    (at_stop, initial), (_, better), (_, carpet) = ends.values()
-    rates = wheel_rates()
-    stand = "after stopping"
-    return (
-        Row(
-            key="omega_1",
-            what="wheel speed of wheels 1 and 2",
-            unit="rad/s",
-            published=1.16,
-            recomputed=rates[0],
-        ),
-        Row(key="omega_3", what="wheel speed of wheel 3", unit="rad/s", published=-4.50, recomputed=rates[2]),
-        Row(
-            key="initial_paper_x_short",
-            what="initial model, paper: x short of 0.4 m",
-            unit="m",
-            published=0.014,
-            recomputed=DISTANCE_M - initial[0],
-            note=stand,
-        ),
-        Row(
-            key="initial_paper_x_short_at_stop",
-            what="initial model, paper: x short of 0.4 m",
-            unit="m",
-            published=0.014,
-            recomputed=DISTANCE_M - at_stop[0],
-            note="at t = 3.5 s, before it stands still",
-        ),
-        Row(
-            key="initial_paper_y",
-            what="initial model, paper: y",
-            unit="m",
-            published=-0.009,
-            recomputed=initial[1],
-            note=stand,
-        ),
-        Row(
-            key="initial_paper_phi",
-            what="initial model, paper: φ",
-            unit="rad",
-            published=-0.016,
-            recomputed=initial[2],
-            note=stand,
-        ),
-        Row(
-            key="improved_paper_x_short",
-            what="improved model, paper: x short of 0.4 m",
-            unit="m",
-            published=0.053,
-            recomputed=DISTANCE_M - better[0],
-            note=stand,
-        ),
-        Row(
-            key="improved_paper_y",
-            what="improved model, paper: y",
-            unit="m",
-            published=-0.022,
-            recomputed=better[1],
-            note=stand,
-        ),
-        Row(
-            key="improved_paper_phi",
-            what="improved model, paper: φ",
-            unit="rad",
-            published=-0.111,
-            recomputed=better[2],
-            note=stand,
-        ),
-        Row(
-            key="improved_carpet_phi",
-            what="improved model, carpet: φ",
-            unit="rad",
-            published=0.558,
-            recomputed=carpet[2],
-            note="DISCREPANCY: same size, opposite sign; eq. (10) gives a negative heading",
-        ),
-    )
-
-
-def with_angles(unprinted: Unprinted, angles_rad: Array) -> Unprinted:
-    """The same robot from other rotor angles."""
-    return replace(unprinted, angles_rad=angles_rad)
+def ends(
+    models: Sequence[Model],
+    angles_rad: Array,
+    *,
+    which: NDArray[np.int64] | None = None,
+    direction: tuple[float, float, float] = ALONG_X,
+    rtol: float = 1e-4,
+) -> Array:
+    """(R, 3) end poses after stopping; run r: ``angles_rad[r]`` on model ``which[r]`` (the first if None)."""
+    batch = Batch([command(a, direction) for a in angles_rad], [np.array([0.0, STILL_S])] * len(angles_rad))
+    packed = stack([pack(m) for m in models])
+    return np.asarray(batch.run(packed, np.zeros(3), which=which, rtol=rtol).pose[:, -1])

@@ -1,6 +1,6 @@
 """Pulls measured on an independent rigid-body rig with explicit rollers, against the three grip sets.
 
-Birth certificate: shared/data/rig (README there; docs/theory.md, section 2, "three grip sets": box +2.9 % on
+Birth certificate: tests/data/rig (README there; docs/theory.md, section 2, "three grip sets": box +2.9 % on
 average and at most +5.8 % on 36 noiseless headings, disc-and-strip within 0.04 N rms, repeatability 0.08 N).
 Here: 24 headings, two noisy pulls each.  The rig was built without any formula of this package.
 """
@@ -13,12 +13,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from slipmargin.io.data_set import read_data_set
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.limits import sweep
 from slipmargin.robot import GripShape, LoadRule
+from slipmargin.sim.batch import Batch
+from slipmargin.sim.pack import pack
+from slipmargin.sim.signal import hermite
 
-RIG = Path(__file__).parents[2].parent / "shared" / "data" / "rig"
-pytestmark = pytest.mark.skipif(not RIG.is_dir(), reason="the rig's data set is not there")
+RIG = Path(__file__).parents[1] / "data" / "rig"
 
 
 def excess(name: str, shape: GripShape, rule: LoadRule) -> tuple[np.ndarray, np.ndarray, float]:
@@ -54,3 +57,28 @@ def test_wrong_loads_show() -> None:
     # Believing equal loads on the rig that stands as statics makes it is wrong by far more than it repeats.
     gap, _, spread = excess("b-natural-loads", GripShape.DISC_STRIP, LoadRule.EQUAL)
     assert np.sqrt(np.mean(gap**2)) > 4.0 * spread
+
+
+def test_simulated_trials_follow_the_rig() -> None:
+    # Eight trials of up to 0.44 m, wheels turned as on the rig; errors are root mean squares [m].
+    data = read_data_set(RIG / "a-null")
+    assert len(data.trials) == 8
+    model = data.recipe.build(data.surface)
+    batch = Batch(
+        [
+            hermite(r.t_s, r.theta, r.omega)
+            for r in data.trials
+            if r.theta is not None and r.omega is not None
+        ],
+        [r.t_s for r in data.trials],
+    )
+    start = np.stack([r.pose[:5].mean(axis=0) for r in data.trials])
+    error = {}
+    for shape in GripShape:
+        grip = replace(model.grip, shape=shape)
+        pose = batch.run(pack(replace(model, grip=grip)), start).pose
+        gaps = [pose[k, : len(r.t_s), :2] - r.pose[:, :2] for k, r in enumerate(data.trials)]
+        error[shape] = float(np.mean([np.sqrt(np.mean(np.sum(g**2, axis=1))) for g in gaps]))
+    assert error[GripShape.DISC_STRIP] < 0.0022
+    assert error[GripShape.DISC_STRIP] < 0.8 * error[GripShape.BOX]
+    assert error[GripShape.ELLIPSE] > 5.0 * error[GripShape.DISC_STRIP]

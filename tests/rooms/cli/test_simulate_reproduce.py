@@ -104,8 +104,16 @@ def test_reproduce_writes_every_number_and_figure(tmp_path, capsys):
     said = capsys.readouterr().out
     report = json.loads((out / "reproduce.json").read_text(encoding="utf-8"))
     numbers = {row["key"]: row for row in report["numbers"]}
-    for row in numbers.values():
-        assert row["difference"] == pytest.approx(row["recomputed"] - row["published"])
+    for row in (*report["numbers"], *report["claims"]):
+        assert row["verdict"] in {"reproduced", "differs", "cannot be checked"}
+        assert row["where"].startswith("section") and row["quote"] and row["note"]
+        assert row["key"] in said
+        if row["difference"] is not None:
+            assert row["difference"] == pytest.approx(row["recomputed"] - row["published"])
+    assert all(row["published"] is not None for row in report["numbers"])
+    assert sum(report["verdicts"].values()) == len(report["numbers"]) + len(report["claims"])
+    assert report["fig8"]["rows"][0]["f_max_per_weight"][0] == pytest.approx(0.16705, abs=5e-6)
+    assert report["identifiability"] is None
     assert numbers["improved_carpet_phi"]["published"] == 0.558
     assert (
         numbers["improved_carpet_phi"]["recomputed"] < 0.0
