@@ -60,6 +60,18 @@ class PlanResult(Result):
 
         return at_use(self.plan.model, self.trajectory, utilisation, hold_s=hold_s)
 
+    def simulated_again(self, trajectory: Trajectory) -> Verified:
+        """Another trajectory of the same robot, simulated open loop with all wheels on rollers.
+
+        Parameters
+        ----------
+        trajectory : Trajectory
+            For example what :meth:`sped_up_to` returned.
+        """
+        from slipmargin.paths.verify import on_rollers, verify
+
+        return verify(on_rollers(self.plan.model), trajectory)
+
     def summary(self) -> str:
         """Duration, length and the highest grip utilisation."""
         p = self.plan

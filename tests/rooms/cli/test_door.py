@@ -113,7 +113,7 @@ def test_a_result_says_draws_and_writes_itself(name: str, results: dict[str, Res
     else:
         with pytest.raises(InputError, match="has no table"):
             found.write(tmp_path / "a.csv")
-    with pytest.raises(InputError, match="use .csv"):
+    with pytest.raises(InputError, match=r"use \.csv"):
         found.write(tmp_path / "a.txt")
 
 
