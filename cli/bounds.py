@@ -7,8 +7,19 @@ from typing import Annotated
 
 import typer
 
-from .options import DeltaOpt, GripOpt, JsonOpt, MarginOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, put_json
-from .render import say, warn
+from .options import (
+    DeltaOpt,
+    GripOpt,
+    JsonOpt,
+    MarginOpt,
+    OutOpt,
+    PlotOpt,
+    RobotArg,
+    SurfaceOpt,
+    check_outputs,
+    deliver,
+)
+from .render import at_options
 
 
 def bounds(
@@ -37,14 +48,27 @@ def bounds(
     In motion the rollers turn and their friction is drag, so the pull limit divided by the mass is not an
     acceleration limit.  Directions are the robot's own: 0° to the right, 90° forward.
     """
-    from .bounds_run import report, run_bounds
-    from .machine import machine
+    import slipmargin as sm
 
-    model, warning = machine(robot, surface, delta_deg, grip)
-    found = run_bounds(model, margin, step, robust, export, (out, plot, json))
-    found.write(out, plot)
-    if warning:
-        warn(warning)
-    if not put_json(json, found.as_json()):
-        files = (out, plot, None if export is None else export[1])
-        say(*report(found, table=out is None), *(f"written: {name}" for name in files if name))
+    tool, file = (None, None) if export is None else export
+    check_outputs(out, json, file, plot=plot)
+    with at_options(
+        surface="--surface",
+        grip="--grip",
+        wheel_angle_deg="--delta-deg",
+        step_deg="--step",
+        margin="--margin",
+        export="--export",
+    ):
+        found = sm.bounds(
+            sm.read_robot(robot, wheel_angle_deg=delta_deg, grip=grip),
+            surface,
+            margin=margin,
+            step_deg=step,
+            robust=robust,
+            export=tool,
+        )
+    texts: dict[Path | str, str | bytes] = {}
+    if tool is not None and file is not None:
+        texts[file] = found.export_text(tool)
+    deliver(found, out=out, plot=plot, json=json, texts=texts)

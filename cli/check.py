@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from .options import JsonOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, put_json
-from .render import say, warn
+from .options import JsonOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, check_outputs, deliver
+from .render import at_options
 
 
 def check(
@@ -35,13 +35,9 @@ def check(
     Admissible means that no wheel uses more than 1 − margin of its grip, no motor more than it has, and no
     wheel lifts off.  The cure is one factor: stretch time by it.
     """
-    from .check_run import report, run_check, table
-    from .machine import machine
+    import slipmargin as sm
 
-    model, warning = machine(robot, surface)
-    found = run_check(model, path, 1.0 - margin, smooth, robust, (out, plot, json))
-    found.write(out, plot)
-    if warning:
-        warn(warning)
-    if not put_json(json, table(found)):
-        say(*report(found), *(f"written: {name}" for name in (out, plot) if name))
+    check_outputs(out, json, plot=plot)
+    with at_options(surface="--surface", margin="--margin", smooth_s="--smooth"):
+        found = sm.check(robot, surface, path, margin=margin, smooth_s=smooth, robust=robust)
+    deliver(found, out=out, plot=plot, json=json)

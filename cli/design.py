@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from .options import JsonOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, put_json
-from .render import say
+from .options import JsonOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, check_outputs, deliver
+from .render import at_options, stages
 
 VaryOpt = Annotated[
     list[str],
@@ -50,26 +50,35 @@ def design(
     Quantities: delta_deg, wheels, circle_radius_m, com_y_m, coefficient_ratio … (a wrong one lists all).
     With --out, work that takes long is kept in pieces in FILE.work: killed and run again, it goes on.
     """
-    from .design_report import report
-    from .design_run import Asked, run_design
+    import slipmargin as sm
 
-    found = run_design(
-        Asked(
-            robot=robot,
-            surface=surface,
-            vary=tuple(vary),
+    check_outputs(out, html, json, plot=plot)
+    resume = None if out is None else out.with_name(out.name + ".work")
+    with (
+        stages("designs") as report,
+        at_options(
+            surface="--surface",
+            vary="--vary",
+            objective="--objective",
+            front="--front",
+            uncertain="--uncertain",
+            jobs="--jobs",
+            scheduler="--scheduler",
+        ),
+    ):
+        found = sm.design(
+            robot,
+            surface,
+            vary,
             objective=objective,
             front=front,
-            uncertain=tuple(uncertain or ()),
+            uncertain=uncertain or (),
             static=static,
             laps=laps,
             jobs=jobs,
             scheduler=scheduler,
-            out=out,
-            plot=plot,
-            html=html,
-            json=json,
+            resume=resume,
+            progress=report,
         )
-    )
-    if not put_json(json, found.as_json()):
-        say(*report(found, table=out is None), *(f"written: {path}" for path in (out, plot, html) if path))
+    deliver(found, out=out, plot=plot, json=json, texts={} if html is None else {html: found.page_text()})
+    found.forget_work()

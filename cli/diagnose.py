@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from .options import JsonOpt, SeedOpt, put_json
-from .render import say
+from .options import JsonOpt, SeedOpt, check_outputs, put_json
+from .render import at_options, say, stages
 
 _Folder = typer.Argument(metavar="DATASET", help="Folder with dataset.toml, the robot file and trials/.")
 _Out = typer.Option("--out", metavar="DIR", help="Folder for the report; made if it is not there.")
@@ -22,9 +22,12 @@ def diagnose(
     Writes report.html (the page to read), report.json, the figures and corrected.toml, all together or
     none.  The same data and seed give the same report.
     """
-    from .diagnose_run import results, run_diagnose, summary
+    import slipmargin as sm
 
-    found = run_diagnose(dataset, out, seed, json)
-    results(found, out)
-    if not put_json(json, found.report):
-        say(*summary(found), *(f"written: {out / name}" for name in found.written))
+    check_outputs(json, folder=out)
+    with stages() as progress, at_options(seed="--seed"):
+        found = sm.diagnose(dataset, seed=seed, progress=progress)
+        progress("drawing", 0.5)
+        written = found.write_folder(out)
+    if not put_json(json, found.to_dict()):
+        say(*found.lines(), *(f"written: {out / name}" for name in written))

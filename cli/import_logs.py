@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from .options import JsonOpt
+from .options import JsonOpt, check_outputs, put_json
+from .render import at_options, say, warn
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -61,12 +62,8 @@ def robotino(
     json: JsonOpt = None,
 ) -> None:
     """Logs of the Festo Robotino 2 slip measurements (BrOleg5/research-wheel-slippage)."""
-    from slipmargin.io.importers.robotino import RobotinoImporter
-
-    from .import_run import run_import
-
     run_import(
-        RobotinoImporter(ticks_per_turn=ticks_per_turn, smooth_s=smooth),
+        "robotino",
         files,
         out,
         robot,
@@ -74,6 +71,8 @@ def robotino(
         calibrate,
         calibration,
         json,
+        ticks_per_turn=ticks_per_turn,
+        smooth_s=smooth,
     )
 
 
@@ -90,12 +89,8 @@ def csv(
     json: JsonOpt = None,
 ) -> None:
     """Any CSV, with a map of its columns in TOML (see slipmargin.io.importers.csv_map)."""
-    from slipmargin.io.importers.csv_map import CsvImporter, read_map
-
-    from .import_run import run_import
-
     run_import(
-        CsvImporter(map=read_map(columns)),
+        "csv",
         files,
         out,
         robot,
@@ -103,7 +98,8 @@ def csv(
         calibrate,
         calibration,
         json,
-        commanded,
+        commanded=commanded,
+        columns=columns,
     )
 
 
@@ -129,12 +125,8 @@ def ros(
     json: JsonOpt = None,
 ) -> None:
     """ROS 1 and ROS 2 bags (needs the extra: pip install 'slipmargin[ros]')."""
-    from slipmargin.io.importers.ros2 import RosImporter
-
-    from .import_run import run_import
-
     run_import(
-        RosImporter(pose_topic=pose, joint_topic=joints, joints=tuple(names)),
+        "ros",
         files,
         out,
         robot,
@@ -142,4 +134,39 @@ def ros(
         calibrate,
         calibration,
         json,
+        pose_topic=pose,
+        joint_topic=joints,
+        joints=names,
     )
+
+
+def run_import(
+    format: str,
+    files: list[Path],
+    out: Path,
+    robot: str,
+    surface: str | None,
+    calibrate: bool,
+    calibration: Path | None,
+    json: str | None,
+    **options: Any,
+) -> None:
+    """Read the logs, write the data set, and say what was read: what every format does."""
+    import slipmargin as sm
+
+    check_outputs(json, data_set=out)
+    with at_options(calibrate="--calibrate"):
+        found = sm.import_logs(
+            files,
+            format,
+            robot,
+            surface,
+            calibrate=calibrate,
+            calibration=calibration,
+            name=out.name,
+            **options,
+        )
+    found.write_folder(out)
+    warn(*found.warnings)
+    if not put_json(json, found.to_dict()):
+        say(*found.lines(), f"written: {out}")

@@ -5,7 +5,8 @@ To add a command, write ``cli/<command>.py`` with a function that takes typer an
 subcommands names a ``typer.Typer`` application instead of a function.  Rules of the house:
 
 * a command's module imports only typer, its neighbours (``from .render import say``) and
-  ``slipmargin.errors`` at its top; everything else inside the function, so that help stays quick;
+  ``slipmargin.errors`` at its top; the function imports the front door (``import slipmargin as sm``),
+  calls one function of it and delivers the result: no command computes or reaches behind the door;
 * only the module of the command that was asked for is imported at all;
 * a refusal is an :class:`~slipmargin.errors.InputError` (or ``NoSolution``, ``MotionStopped``),
   never a print and an exit; for an option use ``refuse("--step", problem, cure)``;

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -30,6 +31,54 @@ GripOpt = Annotated[
 DeltaOpt = Annotated[
     float | None, typer.Option("--delta-deg", metavar="D", help="Wheel angle δ of a three-wheel robot [deg].")
 ]
+
+
+def check_outputs(
+    *files: Path | str | None,
+    plot: Path | None = None,
+    folder: Path | None = None,
+    data_set: Path | None = None,
+) -> None:
+    """Refuse an output that cannot be written, or a picture of no known kind, before any work is done.
+
+    Raises
+    ------
+    InputError
+        Placed at the file.
+    """
+    from slipmargin.io.writes import check_format, check_writable
+
+    if folder is not None:
+        from slipmargin.io.folder import check_folder
+
+        check_folder(folder)
+    if data_set is not None:
+        from slipmargin.io.data_set_write import check_data_set_place
+
+        check_data_set_place(data_set)
+    check_writable(*files, plot)
+    if plot is not None:
+        check_format(plot)
+
+
+def deliver(
+    found: Any,
+    *,
+    out: Path | None = None,
+    plot: Path | None = None,
+    json: str | None = None,
+    texts: Mapping[Path | str, str | bytes] | None = None,
+) -> None:
+    """Write a result's files, all or none, then print what the command says."""
+    from .render import say, warn
+
+    found.write_files(table=out, plot=plot, json=None if json == "-" else json, texts=texts)
+    warn(*getattr(found, "warnings", ()))
+    if json == "-":
+        return say(found.to_json().rstrip("\n"))
+    table = found.table_lines() if out is None else []
+    named = [path for path in (out, plot, *(texts or ())) if path]
+    return say(*found.lines(), *(["", *table] if table else []), *(f"written: {path}" for path in named))
 
 
 def put_json(target: str | None, value: Any) -> bool:

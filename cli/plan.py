@@ -2,20 +2,36 @@
 
 from __future__ import annotations
 
-from .options import JsonOpt, MarginOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, put_json
-from .plan_options import (
-    BlendOpt,
-    ClosedOpt,
-    MaxSpeedOpt,
-    MaxYawRateOpt,
-    PointsOpt,
-    RobustOpt,
-    SpeedOpt,
-    TimeStepOpt,
-    VerifyOpt,
-    WayArg,
-)
-from .render import say, warn
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .options import JsonOpt, MarginOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, check_outputs, deliver
+from .render import at_options, refuse
+
+WayArg = Annotated[Path, typer.Argument(metavar="PATH.csv", help="Waypoints x_m,y_m,phi_rad.")]
+ClosedOpt = Annotated[bool, typer.Option("--closed", help="Close the path smoothly.")]
+BlendOpt = Annotated[
+    float | None,
+    typer.Option(
+        metavar="M",
+        min=0.0,
+        help=("Straight lines, corners rounded from M metres before each waypoint (default: a spline)."),
+    ),
+]
+SpeedOpt = Annotated[float, typer.Option(metavar="V", min=0.0, help="Speed along the path [m/s].")]
+MaxSpeedOpt = Annotated[float | None, typer.Option(metavar="V", help="Speed cap [m/s].")]
+MaxYawRateOpt = Annotated[float | None, typer.Option(metavar="W", help="Yaw rate cap [rad/s].")]
+RobustOpt = Annotated[
+    bool,
+    typer.Option(
+        "--robust", help=("Safe whichever wheels stand on rigid sectors (default: all on rollers).")
+    ),
+]
+PointsOpt = Annotated[int, typer.Option(metavar="N", help="Grid points along the path.")]
+TimeStepOpt = Annotated[float, typer.Option(metavar="S", help="Time step of the table [s].")]
+VerifyOpt = Annotated[bool, typer.Option("--verify", help="Simulate the planned wheel speeds, open loop.")]
 
 
 def plan(
@@ -42,14 +58,34 @@ def plan(
     The table holds pose, velocity and acceleration in the floor frame, wheel speeds that roll without
     slip and the share of each wheel's grip (0 to 1).
     """
-    from .machine import machine
-    from .plan_run import ask, report, run_plan, table
+    import slipmargin as sm
 
-    model, warning = machine(robot, surface)
-    request = ask(margin, points, (start_speed, end_speed), (max_speed, max_yaw_rate), robust)
-    found = run_plan(model, path, request, closed, blend, step, verify, (out, plot, json))
-    found.write(out, plot)
-    if warning:
-        warn(warning)
-    if not put_json(json, table(found)):
-        say(*report(found), *(f"written: {name}" for name in (out, plot) if name))
+    if closed and blend is not None:
+        refuse(
+            "--blend", "is given with --closed", "close the path with a spline, or repeat the first waypoint"
+        )
+    check_outputs(out, json, plot=plot)
+    with at_options(
+        surface="--surface",
+        margin="--margin",
+        blend_m="--blend",
+        max_speed_m_s="--max-speed",
+        max_yaw_rate_rad_s="--max-yaw-rate",
+    ):
+        found = sm.plan(
+            robot,
+            surface,
+            path,
+            margin=margin,
+            closed=closed,
+            blend_m=blend,
+            start_speed_m_s=start_speed,
+            end_speed_m_s=end_speed,
+            max_speed_m_s=max_speed,
+            max_yaw_rate_rad_s=max_yaw_rate,
+            robust=robust,
+            points=points,
+            step_s=step,
+            verify=verify,
+        )
+    deliver(found, out=out, plot=plot, json=json)

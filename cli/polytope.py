@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from .options import DeltaOpt, JsonOpt, PlotOpt, RobotArg, SurfaceOpt, put_json
-from .render import say, warn
+from .options import DeltaOpt, JsonOpt, PlotOpt, RobotArg, SurfaceOpt, check_outputs, deliver
+from .render import at_options
 
 
 def polytope(
@@ -22,14 +22,9 @@ def polytope(
 
     Always of the box grip (eq. 17): a coupled grip has no facets, and lies inside.
     """
-    from .machine import machine
-    from .polytope_run import describe, draw, summary
+    import slipmargin as sm
 
-    model, warning = machine(robot, surface, delta_deg, "box")
-    if warning:
-        warn(warning)
-    wrenches, found = describe(model, rigid, (plot, json))
-    if plot is not None:
-        draw(wrenches, model, plot)
-    if not put_json(json, found):
-        say(*summary(found), *([f"written: {plot}"] if plot else []))
+    check_outputs(json, plot=plot)
+    with at_options(surface="--surface", wheel_angle_deg="--delta-deg"):
+        found = sm.polytope(sm.read_robot(robot, wheel_angle_deg=delta_deg), surface, rigid=rigid)
+    deliver(found, plot=plot, json=json)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NoReturn
 
 from slipmargin.errors import InputError
+from slipmargin.report.text import columns as columns  # cli/reproduce_run.py prints a table
 
 
 def say(*lines: str) -> None:
@@ -62,11 +63,22 @@ def refuse(option: str, problem: str, cure: str) -> NoReturn:
     raise InputError(option, problem, cure, "command line")
 
 
-def columns(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    """Aligned lines: the first row is the head; every column is as wide as its widest cell."""
-    cells = [list(head), *(list(row) for row in rows)]
-    wide = [max(len(row[j]) for row in cells) for j in range(len(head))]
-    return ["  ".join(cell.rjust(n) for cell, n in zip(row, wide, strict=True)).rstrip() for row in cells]
+@contextlib.contextmanager
+def at_options(**options: str) -> Iterator[None]:
+    """A refused argument of the front door is told as the option that gave it.
+
+    Parameters
+    ----------
+    options
+        Argument of a function of :mod:`slipmargin` → the option, ``margin="--margin"``.
+    """
+    try:
+        yield
+    except InputError as fault:
+        argument, _, inner = fault.place.partition(" ")
+        if fault.source or argument not in options:
+            raise
+        refuse(f"{options[argument]} {inner}".rstrip(), fault.problem, fault.cure)
 
 
 @contextlib.contextmanager
@@ -81,3 +93,18 @@ def progress(title: str, total: int) -> Iterator[Any]:
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(title, total=total)
         yield lambda steps=1: bar.advance(task, steps)
+
+
+@contextlib.contextmanager
+def stages(first: str = "reading the data") -> Iterator[Callable[[str, float], None]]:
+    """A progress bar that names the stage the work is in; yields ``report(stage, share)``, share 0 to 1."""
+    if not sys.stderr.isatty():
+        yield lambda stage, share: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    layout = (BarColumn(bar_width=24), TimeElapsedColumn(), TextColumn("{task.description}", markup=False))
+    with Progress(*layout, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(first, total=1.0)
+        yield lambda stage, share: bar.update(task, description=stage, completed=min(1.0, max(0.0, share)))

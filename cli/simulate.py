@@ -2,9 +2,31 @@
 
 from __future__ import annotations
 
-from .options import JsonOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, put_json
-from .render import progress, say, warn
-from .simulate_options import AnglesOpt, CommandsArg, PushOpt, RtolOpt, StepOpt, UntilOpt
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .options import JsonOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, check_outputs, deliver
+from .render import at_options, progress, refuse
+
+CommandsArg = Annotated[
+    Path, typer.Argument(metavar="COMMANDS.csv", help="Wheel speeds, or a planned trajectory.")
+]
+AnglesOpt = Annotated[
+    str | None, typer.Option("--theta0", metavar="A,B,…", help="Wheel angles at the start [rad].")
+]
+StepOpt = Annotated[float, typer.Option("--step", metavar="S", help="Time between rows of the output [s].")]
+UntilOpt = Annotated[
+    float | None, typer.Option("--until", metavar="S", help="Hold the last row until this time [s].")
+]
+PushOpt = Annotated[
+    str | None,
+    typer.Option(
+        "--push", metavar="FX,FY,MZ", help="Constant push on the centre of mass, floor axes [N, N, N m]."
+    ),
+]
+RtolOpt = Annotated[float, typer.Option("--rtol", metavar="R", help="Relative error allowed a step.")]
 
 
 def simulate(
@@ -25,16 +47,42 @@ def simulate(
     A plan is followed open loop from its first pose, its wheel speeds straight lines between rows.
     Lag, delay and droop that the robot file lists act on the commands.  Velocities are in floor axes.
     """
-    from .machine import machine
-    from .simulate_run import run_simulation
+    import slipmargin as sm
 
-    model, warning = machine(robot, surface)
-    with progress("simulate", 2) as advance:
-        found = run_simulation(model, commands, theta0, step, until, push, rtol, (out, plot, json))
+    check_outputs(out, json, plot=plot)
+    recipe = sm.read_robot(robot)
+    with (
+        progress("simulate", 1) as advance,
+        at_options(
+            surface="--surface",
+            wheel_angles_rad="--theta0",
+            step_s="--step",
+            until_s="--until",
+            push="--push",
+            relative_error="--rtol",
+        ),
+    ):
+        found = sm.simulate(
+            recipe,
+            surface,
+            commands,
+            wheel_angles_rad=_numbers("--theta0", theta0, len(recipe.robot.wheels)),
+            step_s=step,
+            until_s=until,
+            push=_numbers("--push", push, 3),
+            relative_error=rtol,
+        )
         advance()
-        found.write(out, plot)
-        advance()
-    if warning:
-        warn(warning)
-    if not put_json(json, found.as_json()):
-        say(*found.lines(), *(f"written: {path}" for path in (out, plot) if path))
+    deliver(found, out=out, plot=plot, json=json)
+
+
+def _numbers(option: str, text: str | None, count: int) -> list[float] | None:
+    if text is None:
+        return None
+    try:
+        values = [float(word) for word in text.split(",")]
+    except ValueError:
+        values = []
+    if len(values) != count or not all(abs(v) < float("inf") for v in values):
+        refuse(option, f"is {text!r}", f"give {count} numbers with commas between")
+    return values

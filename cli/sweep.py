@@ -7,8 +7,19 @@ from typing import Annotated
 
 import typer
 
-from .options import DeltaOpt, GripOpt, JsonOpt, MarginOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, put_json
-from .render import say, warn
+from .options import (
+    DeltaOpt,
+    GripOpt,
+    JsonOpt,
+    MarginOpt,
+    OutOpt,
+    PlotOpt,
+    RobotArg,
+    SurfaceOpt,
+    check_outputs,
+    deliver,
+)
+from .render import at_options
 
 From = Annotated[float, typer.Option("--from", metavar="DEG", help="First orientation [deg].")]
 To = Annotated[float, typer.Option("--to", metavar="DEG", help="Last orientation [deg].")]
@@ -35,14 +46,28 @@ def sweep(
     The first four lines are the answer.  Angles on the command line are degrees, in files radians.  With
     --measured every measured orientation gets a row with the mean, spread and residual of its pulls.
     """
-    from .machine import machine
-    from .sweep_report import report
-    from .sweep_run import run_sweep
+    import slipmargin as sm
 
-    model, warning = machine(robot, surface, delta_deg, grip)
-    found = run_sweep(model, (start, stop, step), method, margin, measured, (out, plot, json))
-    if warning:
-        warn(warning)
-    found.write(out, plot)
-    if not put_json(json, found.as_json()):
-        say(*report(found, table=out is None), *(f"written: {path}" for path in (out, plot) if path))
+    check_outputs(out, json, plot=plot)
+    with at_options(
+        surface="--surface",
+        grip="--grip",
+        wheel_angle_deg="--delta-deg",
+        method="--method",
+        from_deg="--from",
+        to_deg="--to",
+        step_deg="--step",
+        margin="--margin",
+        measured="--measured",
+    ):
+        found = sm.sweep(
+            sm.read_robot(robot, wheel_angle_deg=delta_deg, grip=grip),
+            surface,
+            from_deg=start,
+            to_deg=stop,
+            step_deg=step,
+            margin=margin,
+            method=method,
+            measured=measured,
+        )
+    deliver(found, out=out, plot=plot, json=json)

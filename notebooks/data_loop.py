@@ -27,13 +27,9 @@ from pathlib import Path
 import numpy as np
 from IPython.display import display
 
-from slipmargin.diagnose.limits_change import limits_change
-from slipmargin.diagnose.loop import diagnose
+import slipmargin as sm
 from slipmargin.effects import Recipe, Trace
 from slipmargin.effects.rigid_sector import RigidSector
-from slipmargin.io.robot_file import read_recipe
-from slipmargin.plots.diagnosis import held_out_figure, residual_figure, suspects_figure, where_figure
-from slipmargin.plots.limits_change import limits_figure
 from slipmargin.robot import Surface
 
 sys.path.append(str(Path.cwd().parent / "benchmarks"))
@@ -43,7 +39,7 @@ from planting import Plant, planted
 # ## What is believed: rollers all round
 
 # %%
-robot = read_recipe("ohio-kiwi").robot
+robot = sm.read_robot("ohio-kiwi").robot
 roller = robot.surface("paper").roller
 believed = Recipe(
     robot=replace(
@@ -75,8 +71,9 @@ print(f"{len(measured.trials)} runs; effects in the model that is believed: {len
 # Measured minus predicted, in units of the noise.  If nothing were missing, this would be grey.
 
 # %%
-found = diagnose(measured, seed=1)
-display(residual_figure(found))
+result = sm.diagnose(measured, seed=1)
+found, figures = result.diagnosis, result.figures()
+display(figures["residual"])
 
 # %% [markdown]
 # ## Cause: what the residual depends on, and which suspects explain it
@@ -85,8 +82,8 @@ display(residual_figure(found))
 # variable) is fitted on some runs and judged on others.
 
 # %%
-display(where_figure(found))
-display(suspects_figure(found))
+display(figures["where"])
+display(figures["suspects"])
 (finding,) = found.findings
 values = {p.name: p for p in finding.parameters}
 fraction, coefficient = values["rigid_fraction"], values["rigid_coefficient"]
@@ -101,7 +98,7 @@ print(
 # ## Better model: on runs that no fit has seen
 
 # %%
-display(held_out_figure(found))
+display(figures["held-out"])
 for name, score in (("before", found.before), ("after", found.after)):
     print(
         f"{name:<7} {1e3 * score.rmse_position_m:6.2f} mm  {1e3 * score.rmse_heading_rad:6.2f} mrad  "
@@ -115,8 +112,8 @@ for name, score in (("before", found.before), ("after", found.after)):
 # a wheel may stand on rigid material.
 
 # %%
-change = limits_change(found.recipe, found.corrected, "paper")
-display(limits_figure(change))
+change = result.change
+display(figures["limits"])
 wide = change.after.f_high_N / change.after.f_low_N
 print(f"pull: one line before; after, a band up to {wide.max():.2f} times as high as it is low")
 

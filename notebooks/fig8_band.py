@@ -22,14 +22,9 @@
 import numpy as np
 from IPython.display import display
 
-from slipmargin.io.robot_file import read_recipe
-from slipmargin.limits import isotropic, sweep, wrench_set
-from slipmargin.plots.polytope import polytope_figure
-from slipmargin.plots.sweep import sweep_figure
+import slipmargin as sm
 
-recipe = read_recipe("ohio-kiwi")
-quarter = np.deg2rad(np.arange(0.0, 91.0, 1.0))
-circle = np.deg2rad(np.arange(0.0, 361.0, 1.0))
+robot = sm.read_robot("ohio-kiwi")
 
 # %% [markdown]
 # ## The curve
@@ -38,16 +33,15 @@ circle = np.deg2rad(np.arange(0.0, 361.0, 1.0))
 # blue line is F_emax(φ).  The band around it is what the next section is about.
 
 # %%
-paper = recipe.build("paper")
-curve = sweep(paper, quarter)
-weight = paper.inertia.weight_N
-display(sweep_figure(curve, sweep(paper, circle), recommended_N=curve.recommended_N()))
+curve = sm.sweep(robot, "paper")  # every degree from 0° to 90°
+weight = curve.weight_N
+display(curve.plot())
 
 # %% [markdown]
 # One coefficient for the whole robot would have promised μ m g in every direction.  It overstates by:
 
 # %%
-claimed = isotropic(paper).force_N
+claimed = curve.isotropic.force_N
 overstated = 100.0 * (claimed / curve.f_max_N - 1.0)
 print(f"μ m g = {claimed:.2f} N overstates F_emax by {overstated.min():.0f} to {overstated.max():.0f} %")
 
@@ -60,7 +54,7 @@ print(f"μ m g = {claimed:.2f} N overstates F_emax by {overstated.min():.0f} to 
 
 # %%
 for surface in ("paper", "carpet"):
-    found = sweep(recipe.build(surface), quarter)
+    found = sm.sweep(robot, surface)
     ratio = found.f_high_N / found.f_low_N
     print(f"{surface:<7} highest over lowest state: {ratio.min():.2f} to {ratio.max():.2f} times")
 
@@ -74,8 +68,7 @@ for surface in ("paper", "carpet"):
 # F_emax is where a ray leaves it.
 
 # %%
-wrenches = wrench_set(paper)
-display(polytope_figure(wrenches, "ohio-kiwi on paper, all wheels on rollers"))
+display(sm.polytope(robot, "paper").plot())
 
 # %% [markdown]
 # ## The claim, with numbers

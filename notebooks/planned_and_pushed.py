@@ -22,16 +22,9 @@
 import numpy as np
 from IPython.display import display
 
-from slipmargin.io.robot_file import read_recipe
-from slipmargin.paths.check import check
-from slipmargin.paths.path import through
-from slipmargin.paths.plan import Request, plan
-from slipmargin.paths.sample import at_use, trajectory
-from slipmargin.paths.verify import on_rollers, verify
-from slipmargin.plots.paths import check_figure, plan_figure
+import slipmargin as sm
 
-whole = read_recipe("ohio-kiwi").build("paper")
-model = on_rollers(whole)
+robot = sm.read_robot("ohio-kiwi")
 
 # %% [markdown]
 # ## The plan
@@ -40,13 +33,11 @@ model = on_rollers(whole)
 # speed under its limit curve, and the grip that each wheel uses.
 
 # %%
-waypoints = np.array([[0.0, 0.0, 0.0], [0.5, 0.1, 0.0], [1.0, 0.0, 0.0]])
-found = plan(model, through(waypoints), Request(share=0.9, points=200))
-rows = trajectory(found, step_s=0.002)
-display(plan_figure(found, rows))
-print(
-    f"{found.duration_s:.3f} s for {found.path.length:.3f} m; at most {found.max_use:.4f} of a wheel's grip"
-)
+waypoints = [[0.0, 0.0, 0.0], [0.5, 0.1, 0.0], [1.0, 0.0, 0.0]]  # x [m], y [m], φ [rad]
+result = sm.plan(robot, "paper", waypoints, margin=0.1, points=200, step_s=0.002, verify=True)
+found = result.plan
+display(result.plot())
+print(result)
 
 # %% [markdown]
 # ## The proof
@@ -54,7 +45,7 @@ print(
 # The share of its grip that a simulated wheel used follows from its creep: (2/π) atan(k · slip).
 
 # %%
-proof = verify(model, rows)
+proof = result.simulated["on rollers"]
 print(
     f"simulated: wheel {proof.wheel} uses {proof.peak:.4f} of its grip; "
     f"ends {1e3 * proof.drift_m:.1f} mm from the plan (creep, open loop)"
@@ -67,10 +58,10 @@ print(
 # (`slipmargin check`) names the wheel before anything moves.
 
 # %%
-fast = at_use(model, rows, 1.10, hold_s=0.4)
-audit = check(model, fast.t_s, fast.pose)
-display(check_figure(model, audit, fast))
-pushed = verify(model, fast)
+fast = result.sped_up_to(1.10, hold_s=0.4)
+audit = sm.check(robot, "paper", fast)
+display(audit.plot())
+pushed = result.simulated_again(fast)
 asked = np.mean(fast.use > 1.0, axis=0)
 named = fast.wheels[int(np.argmax(asked))]
 print(
@@ -90,7 +81,7 @@ print(f"cure that the audit gives: stretch time by {audit.time_scale_needed:.3f}
 # With the sectors in the simulator its margin is gone, as the paper found on the real machine:
 
 # %%
-real = verify(whole, rows)
+real = result.simulated["with its rigid sectors"]
 print(f"with rigid sectors: wheel {real.wheel} uses {real.peak:.3f}; ends {1e3 * real.drift_m:.0f} mm away")
 
 # %% [markdown]

@@ -20,12 +20,8 @@
 # %matplotlib inline
 from IPython.display import display
 
-from slipmargin.io.robot_file import read_recipe
-from slipmargin.plots.study import study_figure
-from slipmargin.study import Kind, Machine, Question, objective, optimum, parse_vary, study
-from slipmargin.study.vary import applied, quantity_of
+import slipmargin as sm
 
-angles = parse_vary("delta_deg=0:60:1")
 NAMES = (
     "f_worst",
     "f_mean",
@@ -39,10 +35,8 @@ NAMES = (
 
 def by_angle(loads: str):
     """δ from 0° to 60° on paper under one load model."""
-    machine = applied(
-        Machine(recipe=read_recipe("ohio-kiwi"), surface="paper"), [quantity_of("load_model")], [loads]
-    )
-    return study(Question(machine=machine, grids=(angles,), kinds=(Kind.STATIC, Kind.MOTION)))
+    robot = sm.read_robot("ohio-kiwi", load_model=loads)
+    return sm.design(robot, "paper", "delta_deg=0:60:1")
 
 
 def table(found) -> None:
@@ -61,9 +55,10 @@ def table(found) -> None:
 # ## Equal loads, as published
 
 # %%
-equal = by_angle("equal")
+result = by_angle("equal")
+equal = result.study
 table(equal)
-display(study_figure(equal, ("f_worst", "start_worst_m_s2")))
+display(result.plot())
 
 # %% [markdown]
 # Two answers in one table.  *In motion* 30° is best for everything: it speeds up half as hard again as 15°
@@ -71,7 +66,7 @@ display(study_figure(equal, ("f_worst", "start_worst_m_s2")))
 # hardly cares.
 
 # %%
-sharp = optimum(equal, objective("f_worst"))
+sharp = result.optimum
 print(f"weakest pull is largest at δ = {sharp.values[0]:.2f}°: {sharp.value:.5f} m g")
 
 # %% [markdown]
@@ -82,7 +77,7 @@ print(f"weakest pull is largest at δ = {sharp.values[0]:.2f}°: {sharp.value:.5
 # as well.
 
 # %%
-static = by_angle("static")
+static = by_angle("static").study
 table(static)
 
 # %% [markdown]

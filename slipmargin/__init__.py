@@ -1,7 +1,80 @@
 """How hard a wheeled omnidirectional robot can push, turn and accelerate before a wheel slips.
 
-The package is silent: it opens no window, prints nothing and reads no file outside
-:mod:`slipmargin.io`.  Heavy libraries are imported only in the room that owns them.
+Everything that the ``slipmargin`` command can do is a function here; ``dir(slipmargin)`` is the table of
+contents, and ``help(slipmargin.sweep)`` shows an example.
+
+>>> import slipmargin as sm
+>>> robot = sm.read_robot("ohio-kiwi")
+>>> sm.sweep(robot, "paper")
+<sweep of ohio-kiwi on paper: weakest 4.92 N at φ = 0°, recommended 4.42 N>
+
+Each function is loaded when it is first used, so that ``import slipmargin`` stays quick.  The package opens
+no window, prints nothing, and opens files only in :mod:`slipmargin.io`.
 """
 
+from __future__ import annotations
+
+import importlib
+import sys
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
 __version__ = "0.1.0"
+
+#: Public function → the module that holds it.
+_CONTENTS = {
+    "bounds": "slipmargin.api.bounds",
+    "built_in_robots": "slipmargin.api.robots",
+    "check": "slipmargin.api.check",
+    "describe_effect": "slipmargin.api.effects",
+    "describe_robot": "slipmargin.api.robots",
+    "design": "slipmargin.api.design",
+    "diagnose": "slipmargin.api.diagnose",
+    "import_logs": "slipmargin.api.import_logs",
+    "known_effects": "slipmargin.api.effects",
+    "plan": "slipmargin.api.plan",
+    "polytope": "slipmargin.api.polytope",
+    "read_robot": "slipmargin.api.robots",
+    "simulate": "slipmargin.api.simulate",
+    "sweep": "slipmargin.api.sweep",
+}
+
+if TYPE_CHECKING:
+    from slipmargin.api.bounds import bounds as bounds
+    from slipmargin.api.check import check as check
+    from slipmargin.api.design import design as design
+    from slipmargin.api.diagnose import diagnose as diagnose
+    from slipmargin.api.effects import describe_effect as describe_effect, known_effects as known_effects
+    from slipmargin.api.import_logs import import_logs as import_logs
+    from slipmargin.api.plan import plan as plan
+    from slipmargin.api.polytope import polytope as polytope
+    from slipmargin.api.robots import (
+        built_in_robots as built_in_robots,
+        describe_robot as describe_robot,
+        read_robot as read_robot,
+    )
+    from slipmargin.api.simulate import simulate as simulate
+    from slipmargin.api.sweep import sweep as sweep
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _CONTENTS:
+        raise AttributeError(f"slipmargin has no attribute {name!r}; dir(slipmargin) lists what it has")
+    function = getattr(importlib.import_module(_CONTENTS[name]), name)
+    globals()[name] = function
+    return function
+
+
+def __dir__() -> list[str]:
+    return ["__version__", *_CONTENTS]
+
+
+class _Door(ModuleType):
+    """A module whose public functions are not replaced by a room of the same name (``diagnose``)."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if not (name in _CONTENTS and isinstance(value, ModuleType)):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Door

@@ -14,6 +14,9 @@ from pathlib import Path
 
 from slipmargin.errors import InputError
 
+#: Formats of pictures, by the ending of the file's name.
+FORMATS = ("png", "svg", "pdf")
+
 
 def write_text(path: Path | str, text: str) -> None:
     """Write UTF-8 text atomically.
@@ -70,6 +73,25 @@ def check_writable(*paths: Path | str | None) -> None:
                 raise InputError("", f"there is no folder {str(path.parent)!r}", "create it first", str(path))
             if not os.access(path.parent, os.W_OK):
                 raise InputError("", "may not be written there", "choose another folder", str(path))
+
+
+def check_format(path: Path | str) -> str:
+    """The format that a figure's file name ends in.
+
+    Raises
+    ------
+    InputError
+        Where it is not one that can be drawn.
+    """
+    ending = Path(path).suffix.lower().lstrip(".")
+    if ending not in FORMATS:
+        raise InputError(
+            "",
+            f"ends in {Path(path).suffix!r}, which is no picture",
+            f"use one of: {', '.join('.' + f for f in FORMATS)}",
+            str(path),
+        )
+    return ending
 
 
 def _check_place(path: Path) -> None:

@@ -1,8 +1,8 @@
 """The paper's robot and its simulated runs (sections III.B and IV.C).
 
 Straight line, 0.4 m along X in 3.5 s, heading commanded 0, wheel speeds stepped on and off; every printed
-constant comes from :mod:`slipmargin.paper.numbers` (docs/theory.md, section 6).  The initial model knows rollers
-only, the improved one the rigid material between them.
+constant comes from :mod:`slipmargin.paper.numbers` (docs/theory.md, section 6).  The initial model
+knows rollers only, the improved one the rigid material between them.
 
 The paper prints neither mass, inertia and centre-to-wheel radius nor the rotor angles.  The motion
 depends on them through β = m r²/I, r and the angles alone; :data:`FOUND` holds values found by a

@@ -190,7 +190,7 @@ def _motion(unprinted: Unprinted) -> list[Row]:
 
 
 def _loads_row(unprinted: Unprinted) -> Row:
-    """Equal loads with the centre of mass at the centre contradict moment balance (docs/theory.md, section 3)."""
+    """Equal loads with a centred centre of mass contradict moment balance (docs/theory.md, section 3)."""
     models = {
         improved: nominal_model(
             replace(paper_robot(improved=improved, unprinted=unprinted), load_rule=LoadRule.STATIC), "paper"

@@ -9,7 +9,8 @@ from matplotlib.projections.polar import PolarAxes
 
 from slipmargin.checks import Array
 from slipmargin.limits.bounds_summary import Bounds
-from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PALE, RED, SKY, styled
+from slipmargin.plots.polar import forwards_up, from_forwards, polar_axes
+from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, RED, SKY, styled
 
 
 @styled
@@ -18,9 +19,7 @@ def bounds_figure(found: Bounds) -> Figure:
     figure = Figure(figsize=(14.0, 5.0), layout="constrained")
     grid = figure.add_gridspec(1, 3, width_ratios=(1.1, 1.1, 1.0))
     for k, draw in enumerate((draw_limits, draw_steady)):
-        axes = figure.add_subplot(grid[k], projection="polar")
-        assert isinstance(axes, PolarAxes)
-        draw(axes, found)
+        draw(polar_axes(figure, grid[k]), found)
     draw_cornering(figure.add_subplot(grid[2]), found)
     return figure
 
@@ -28,7 +27,7 @@ def bounds_figure(found: Bounds) -> Figure:
 def draw_limits(axes: PolarAxes, found: Bounds) -> PolarAxes:
     """Speeding up, turning and braking [m/s²] over the direction of motion."""
     full = found.full
-    angle = _round(full.heading_rad)
+    angle = from_forwards(_round(full.heading_rad))
     for values, colour, label in (
         (full.braking_m_s2, GREEN, "braking"),
         (full.turning_m_s2, ORANGE, "turning at speed"),
@@ -47,14 +46,15 @@ def draw_limits(axes: PolarAxes, found: Bounds) -> PolarAxes:
         f"{found.model.robot} on “{found.model.surface}”:\nacceleration limit [m/s²] by direction of motion",
         pad=18,
     )
-    _compass(axes)
+    forwards_up(axes)
+    axes.tick_params(axis="y", labelsize=8, labelcolor=GREY)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2)
     return axes
 
 
 def draw_steady(axes: PolarAxes, found: Bounds) -> PolarAxes:
     """Share of the grip that constant speed needs: on rollers and in the worst state of rigid sectors."""
-    angle, rigid = _round(found.full.heading_rad), found.rigid_use
+    angle, rigid = from_forwards(_round(found.full.heading_rad)), found.rigid_use
     top = 1.15 * max(1.0, float(np.max(rigid)), float(np.max(found.full.steady_use)))
     axes.fill_between(angle, np.ones_like(angle), top, color=RED, alpha=0.10, lw=0, label="must slip")
     axes.plot(angle, np.ones_like(angle), color=RED, lw=1.0)
@@ -63,7 +63,8 @@ def draw_steady(axes: PolarAxes, found: Bounds) -> PolarAxes:
     axes.plot(angle, _shut(found.full.steady_use), color=BLUE, label="all wheels on rollers")
     axes.set_title("Share of the grip that constant speed needs\nby direction of motion", pad=18)
     axes.set_ylim(0.0, top)
-    _compass(axes)
+    forwards_up(axes)
+    axes.tick_params(axis="y", labelsize=8, labelcolor=GREY)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2)
     return axes
 
@@ -103,12 +104,3 @@ def _round(angle: Array) -> Array:
 
 def _shut(values: Array) -> Array:
     return np.append(values, values[0])
-
-
-def _compass(axes: PolarAxes) -> None:
-    names = {0: "right", 90: "forward", 180: "left", 270: "back"}
-    ticks = range(0, 360, 45)
-    axes.set_xticks(np.deg2rad(list(ticks)), [names.get(t, "") for t in ticks])
-    axes.set_rlabel_position(22.5)
-    axes.tick_params(axis="y", labelsize=8, labelcolor=GREY)
-    axes.grid(color=PALE)

@@ -13,9 +13,11 @@ from matplotlib.lines import Line2D
 
 from slipmargin.checks import Array
 from slipmargin.diagnose.diagnosis import Diagnosis, Step, Trace3
+from slipmargin.diagnose.limits_change import LimitsChange
 from slipmargin.diagnose.where import CHANNELS
-from slipmargin.plots.diagnosis_words import plain
+from slipmargin.plots.limits_change import limits_figure
 from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PALE, RED, styled
+from slipmargin.report.diagnosis_words import plain
 
 #: Samples of a run in the heat map; suspects, variables and runs that a figure has room for.
 _COLUMNS, _SUSPECTS, _VARIABLES, _RUNS = 240, 12, 10, 4
@@ -24,6 +26,18 @@ _HARMFUL = 1.15
 _LONGEST = 46  # characters of a label
 _SIGNS = ("x", "y", "heading")
 BEFORE, AFTER = RED, BLUE
+
+
+def figures(diagnosis: Diagnosis, change: LimitsChange) -> dict[str, Figure]:
+    """Every figure of a diagnosis by name; those that would be empty are left out."""
+    drawn = {
+        "residual": residual_figure(diagnosis),
+        "where": where_figure(diagnosis) if diagnosis.where else None,
+        "suspects": suspects_figure(diagnosis) if diagnosis.steps else None,
+        "held-out": held_out_figure(diagnosis),
+        "limits": limits_figure(change) if diagnosis.findings and change.moved else None,
+    }
+    return {name: figure for name, figure in drawn.items() if figure is not None}
 
 
 @styled

@@ -12,6 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from slipmargin.checks import Array
 from slipmargin.diagnose.limits_change import LimitsChange
+from slipmargin.plots.polar import forwards_up, from_forwards, of_pull, polar_axes
 from slipmargin.plots.style import BLUE, RED, SKY, styled
 
 BEFORE, AFTER = RED, BLUE
@@ -21,15 +22,15 @@ BEFORE, AFTER = RED, BLUE
 def limits_figure(change: LimitsChange) -> Figure:
     """F_emax over the direction of the pull, and the acceleration bounds, before and after."""
     figure = Figure(figsize=(11.0, 4.6), layout="constrained")
+    grid = figure.add_gridspec(1, 3)
     before, after = change.before, change.after
     pull = (
-        -change.phi_rad - np.pi / 2,
+        of_pull(change.phi_rad),
         "Pull before a wheel slips [N]",
         (before.f_max_N, before.f_low_N, before.f_high_N),
         (after.f_max_N, after.f_low_N, after.f_high_N),
     )
-    # Direction d points from body +x counter-clockwise; forwards is up.
-    way = change.direction_rad - np.pi / 2
+    way = from_forwards(change.direction_rad)
     start = (
         way,
         "Speeding up without slip [m/s²]",
@@ -42,9 +43,8 @@ def limits_figure(change: LimitsChange) -> Figure:
         (before.brake_m_s2, before.brake_worst_m_s2, before.brake_m_s2),
         (after.brake_m_s2, after.brake_worst_m_s2, after.brake_m_s2),
     )
-    for k, (angle, title, one, two) in enumerate((pull, start, brake), 1):
-        axes = figure.add_subplot(1, 3, k, projection="polar")
-        assert isinstance(axes, PolarAxes)
+    for k, (angle, title, one, two) in enumerate((pull, start, brake)):
+        axes = polar_axes(figure, grid[k])
         _polar(axes, angle, one, two)
         axes.set_title(title, pad=14)
     marks = [
@@ -70,10 +70,6 @@ def _polar(
     axes.plot(ring, closed(before[0]), color=BEFORE, ls=(0, (4, 2)), lw=1.5)
     axes.plot(ring, closed(after[0]), color=AFTER)
     top = 1.08 * max(float(after[2].max()), float(before[0].max()), 1e-6)
-    axes.set_theta_zero_location("N")
     axes.set_ylim(0.0, top)
-    axes.set_thetagrids(range(0, 360, 45), ["forwards", "", "left", "", "backwards", "", "right", ""])
+    forwards_up(axes)
     axes.set_yticks([v for v in MaxNLocator(4).tick_values(0.0, top) if 0.0 < v < 0.97 * top])
-    axes.set_rlabel_position(22.5)
-    axes.grid(color="#CFCFCF", lw=0.6)
-    axes.spines["polar"].set_visible(False)

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.projections.polar import PolarAxes
 
 from slipmargin.checks import Array
 from slipmargin.physics.constants import GRAVITY_M_S2
+from slipmargin.plots.polar import polar_axes
 from slipmargin.plots.study_panels import COLOURS, draw_front, draw_polar_family, label_of, not_too_low, short
 from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, styled
 from slipmargin.study.objectives import BY_NAME, Objective
@@ -31,9 +31,7 @@ def study_figure(study: Study, front: Sequence[str], robust: Robust | None = Non
     else:
         draw_curves(figure.add_subplot(grid[0, 0]), study, robust)
         draw_second(figure.add_subplot(grid[0, 1]), study)
-    polar = figure.add_subplot(grid[1, 0], projection="polar")
-    assert isinstance(polar, PolarAxes)
-    draw_polar_family(polar, study)
+    draw_polar_family(polar_axes(figure, grid[1, 0]), study)
     draw_front(figure.add_subplot(grid[1, 1]), study, front)
     machine = study.question.machine
     figure.suptitle(f"Design study of {machine.robot.name}, surface “{machine.surface}”", x=0.01, ha="left")

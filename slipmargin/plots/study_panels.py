@@ -12,6 +12,7 @@ from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
 from slipmargin.checks import Array
+from slipmargin.plots.polar import forwards_up, of_pull
 from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY
 from slipmargin.study.fleet import fleets
 from slipmargin.study.machine import Machine
@@ -33,19 +34,16 @@ def draw_polar_family(axes: PolarAxes, study: Study) -> PolarAxes:
         colour = BLUE if row == best else next(others)
         name = ", ".join(short(v) for v in study.values[row])
         axes.plot(
-            -phi - math.pi / 2.0,
+            of_pull(phi),
             force,
             color=colour,
             lw=2.8 if row == best else 1.2,
             zorder=4 if row == best else 3,
             label=name + (" (best)" if row == best else ""),
         )
-    axes.set_theta_zero_location("N")
-    axes.set_thetagrids(range(0, 360, 45), ["forwards", "", "left", "", "backwards", "", "right", ""])
+    forwards_up(axes)
     axes.set_ylim(0.0, None)
     axes.yaxis.set_major_locator(MaxNLocator(4))
-    axes.set_rlabel_position(22.5)
-    axes.spines["polar"].set_visible(False)
     axes.set_title("F_emax / (m g) by direction of the pull")
     legend = axes.legend(loc="lower left", bbox_to_anchor=(-0.27, -0.08), title="\n".join(study.keys))
     legend.set_in_layout(False)

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
-from io import BytesIO
+from io import BytesIO, StringIO
 from pathlib import Path
 from typing import ParamSpec, TypeVar
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from slipmargin.errors import InputError
-from slipmargin.io.writes import write_bytes
+from slipmargin.io.writes import check_format, write_bytes
+from slipmargin.report.page import Image
 
 #: Okabe and Ito's palette (J*FLY, 2008).
 BLUE, ORANGE, GREEN, RED, PURPLE = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7"
@@ -44,7 +44,6 @@ STYLE = {
     "svg.hashsalt": "slipmargin",
     "svg.fonttype": "none",
 }
-FORMATS = ("png", "svg", "pdf")
 _NO_DATE: dict[str, dict[str, None]] = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -61,31 +60,23 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
     return in_style
 
 
-def check_format(path: Path | str) -> str:
-    """The format that a figure's file name ends in.
-
-    Raises
-    ------
-    InputError
-        Where it is not one that can be drawn.
-    """
-    ending = Path(path).suffix.lower().lstrip(".")
-    if ending not in FORMATS:
-        raise InputError(
-            "",
-            f"ends in {Path(path).suffix!r}, which is no picture",
-            f"use one of: {', '.join('.' + f for f in FORMATS)}",
-            str(path),
-        )
-    return ending
-
-
 @styled
 def picture(figure: Figure, ending: str) -> bytes:
-    """The figure as a file would hold it, in one of :data:`FORMATS`; the same figure gives the same bytes."""
+    """The figure as a file would hold it, png, svg or pdf; the same figure gives the same bytes."""
     out = BytesIO()
     figure.savefig(out, format=ending, metadata=_NO_DATE[ending])
     return out.getvalue()
+
+
+@styled
+def image(figure: Figure, *, png: bool = False) -> Image:
+    """The figure as a page holds it: SVG text, and PNG bytes where it gets a file of its own."""
+    out = StringIO()
+    figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
+    raster = BytesIO()
+    if png:
+        figure.savefig(raster, format="png", metadata={"Software": None})
+    return Image(svg=out.getvalue(), width_in=figure.get_figwidth(), png=raster.getvalue() if png else None)
 
 
 def save(figure: Figure, path: Path | str) -> None:

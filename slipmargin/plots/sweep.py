@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -12,6 +10,7 @@ from matplotlib.projections.polar import PolarAxes
 from slipmargin.data.pulls import PullGroups
 from slipmargin.limits import Sweep
 from slipmargin.plots.machine import draw_machine
+from slipmargin.plots.polar import forwards_up, of_pull, polar_axes
 from slipmargin.plots.style import BLUE, GREY, INK, RED, SKY, styled
 
 
@@ -29,9 +28,7 @@ def sweep_figure(
     figure = Figure(figsize=(11.0, 5.2), layout="constrained")
     grid = figure.add_gridspec(1, 2, width_ratios=(1.15, 1.0))
     draw_sweep(figure.add_subplot(grid[0]), sweep, pulls, recommended_N)
-    polar = figure.add_subplot(grid[1], projection="polar")
-    assert isinstance(polar, PolarAxes)
-    draw_polar(polar, circle, pulls)
+    draw_polar(polar_axes(figure, grid[1]), circle, pulls)
     return figure
 
 
@@ -39,9 +36,7 @@ def sweep_figure(
 def polar_figure(circle: Sweep, pulls: PullGroups | None = None) -> Figure:
     """The polar plot alone."""
     figure = Figure(figsize=(5.6, 5.6), layout="constrained")
-    polar = figure.add_subplot(projection="polar")
-    assert isinstance(polar, PolarAxes)
-    draw_polar(polar, circle, pulls, alone=True)
+    draw_polar(polar_axes(figure), circle, pulls, alone=True)
     return figure
 
 
@@ -95,7 +90,7 @@ def draw_polar(
 
     ``alone``: with a legend for everything, not only for what the plot beside it does not explain.
     """
-    angle = _seen(circle.phi_rad)
+    angle = of_pull(circle.phi_rad)
     if np.any(circle.f_high_N > circle.f_low_N * (1 + 1e-9)):
         axes.fill_between(
             angle,
@@ -109,7 +104,7 @@ def draw_polar(
     axes.plot(angle, circle.f_max_N, color=BLUE, label="all wheels on rollers")
     phi, force = circle.weakest
     weakest = axes.plot(
-        [float(_seen(np.array(phi)))],
+        [float(of_pull(np.array(phi)))],
         [force],
         marker="o",
         ms=5,
@@ -120,18 +115,13 @@ def draw_polar(
         label=f"weakest: {force:.3g} N",
     )
     if pulls is not None:
-        _scatter(axes, _seen(pulls.phi_rad), pulls)
+        _scatter(axes, of_pull(pulls.phi_rad), pulls)
     if alone:
         axes.legend(loc="upper left", bbox_to_anchor=(-0.12, -0.07), ncols=3)
     else:
         axes.legend(handles=weakest, loc="lower left", bbox_to_anchor=(-0.12, -0.08))
-    axes.set_theta_zero_location("N")
-    axes.set_theta_direction(1)
     axes.set_ylim(0, 1.06 * float(np.max(circle.f_high_N)))
-    axes.set_thetagrids(range(0, 360, 45), ["forwards", "", "left", "", "backwards", "", "right", ""])
-    axes.set_rlabel_position(22.5)
-    axes.grid(color="#CFCFCF", lw=0.6)
-    axes.spines["polar"].set_visible(False)
+    forwards_up(axes)
     axes.set_title(
         f"Pull before a wheel slips, seen from {circle.model.robot} [N]"
         if alone
@@ -144,13 +134,6 @@ def draw_polar(
     inset.set_axis_off()
     inset.patch.set_alpha(0.0)
     return axes
-
-
-def _seen(
-    phi_rad: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
-) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    # The pull points along floor +x: −φ from body +x, so −φ − 90° from forwards, counter-clockwise.
-    return np.asarray(-phi_rad - math.pi / 2)
 
 
 def _scatter(axes: Axes, at: np.ndarray[tuple[int, ...], np.dtype[np.float64]], pulls: PullGroups) -> None:

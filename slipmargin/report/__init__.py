@@ -1,1 +1,1 @@
-"""Words and tables that the command line, the figures and the pages share."""
+"""Words, tables and pages that the front door and the figures share; nothing here draws."""

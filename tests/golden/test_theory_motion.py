@@ -32,7 +32,7 @@ CHECKED = {
         -0.5545,
         5e-4,
     ),  # docs/theory.md prints −0.554: −0.55451 lies on the edge of rounding
-    # Not in docs/theory.md: values that a review of the first release found by this package, samples 5 ms apart.
+    # Not in docs/theory.md: values of this package, samples 5 ms apart.
     "initial_phi_larger_in_mid_motion": (-0.0266, 5e-5),
     "initial_paper_steady_from": (0.225, 5e-4),
     "initial_wheels_1_and_2_alike": (1e-4, 5e-6),

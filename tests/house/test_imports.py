@@ -13,12 +13,15 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
-ROOMS = {"slipmargin": ROOT / "slipmargin", "slipmargin_cli": ROOT / "cli"}
+import slipmargin
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from import_graph import mermaid
+from source import ROOT, cycles, imported, imports, modules, named, room, rooms, steps, tree
 
 #: Library → the rooms that may import it.
 OWNERS = {
-    "matplotlib": {"slipmargin.plots"},
+    "matplotlib": {"slipmargin.plots", "slipmargin.api"},  # api: the type of what plot() returns
     "mpl_toolkits": {"slipmargin.plots"},
     "typer": {"slipmargin_cli"},
     "click": set(),
@@ -28,15 +31,28 @@ OWNERS = {
 }
 #: Room → rooms that it must not reach, however many steps away.
 PROHIBITED = {
-    "slipmargin.limits": {"slipmargin.effects", "slipmargin.sim"},
-    "slipmargin.paths": {"slipmargin.effects"},
-    "slipmargin.sim": {"slipmargin.effects", "slipmargin.limits"},
+    "slipmargin.physics": {
+        "slipmargin.robot",
+        "slipmargin.model",
+        "slipmargin.effects",
+        "slipmargin.io",
+        "slipmargin.data",
+    },
+    "slipmargin.limits": {"slipmargin.effects", "slipmargin.sim", "slipmargin.io"},
+    "slipmargin.paths": {"slipmargin.effects", "slipmargin.io"},
+    "slipmargin.sim": {"slipmargin.effects", "slipmargin.limits", "slipmargin.io"},
     "slipmargin.sets": {"slipmargin.robot", "slipmargin.model"},
     "slipmargin.solve": {"slipmargin.robot", "slipmargin.model"},
-    "slipmargin.physics": {"slipmargin.robot", "slipmargin.model", "slipmargin.effects"},
     "slipmargin.robot": {"slipmargin.model"},
-    "slipmargin.data": {"slipmargin.io"},
+    "slipmargin.data": {"slipmargin.io", "slipmargin.limits", "slipmargin.sim", "slipmargin.diagnose"},
     "slipmargin.model": {"slipmargin.effects"},
+    "slipmargin.diagnose": {"slipmargin.io", "slipmargin.report", "slipmargin.plots"},
+    "slipmargin.io": {"slipmargin.report", "slipmargin.plots", "slipmargin.limits"},
+    "slipmargin.study": {"slipmargin.report", "slipmargin.plots", "slipmargin.sim", "slipmargin.diagnose"},
+    "slipmargin.report": {"slipmargin.plots", "slipmargin.api", "slipmargin_cli"},
+    "slipmargin.plots": {"slipmargin.api", "slipmargin_cli"},
+    "slipmargin.paper": {"slipmargin.io", "slipmargin.report", "slipmargin.plots", "slipmargin.api"},
+    "slipmargin.api": {"slipmargin_cli"},
 }
 #: Calls that open a file, allowed in io only.
 OPENERS = {
@@ -54,40 +70,6 @@ OPENERS = {
     "mkdir",
     "replace_file",
 }
-
-
-@cache
-def modules() -> dict[str, Path]:
-    found = {}
-    for package, folder in ROOMS.items():
-        for path in sorted(folder.rglob("*.py")):
-            parts = [package, *path.relative_to(folder).with_suffix("").parts]
-            found[".".join(p for p in parts if p != "__init__")] = path
-    return found
-
-
-@cache
-def tree(name: str) -> ast.Module:
-    return ast.parse(modules()[name].read_text(encoding="utf-8"))
-
-
-@cache
-def imports(name: str) -> frozenset[str]:
-    """Every module that a module imports, its packages included."""
-    found: set[str] = set()
-    is_package = modules()[name].name == "__init__.py"
-    for node in ast.walk(tree(name)):
-        if isinstance(node, ast.Import):
-            found.update(alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            base = node.module or ""
-            if node.level:
-                parents = name.split(".")[: len(name.split(".")) - node.level + (1 if is_package else 0)]
-                base = ".".join([*parents, *([base] if base else [])])
-            found.add(base)
-            found.update(f"{base}.{alias.name}" for alias in node.names)
-    whole = {".".join(one.split(".")[:k]) for one in found for k in range(1, one.count(".") + 2)}
-    return frozenset(whole)
 
 
 @cache
@@ -126,6 +108,72 @@ def test_prohibited_rooms_are_out_of_reach(room: str) -> None:
         if inside(other, banned)
     ]
     assert not broken, "; ".join(broken[:5])
+
+
+def test_rooms_import_each_other_one_way_only() -> None:
+    assert cycles(rooms()) == []
+
+
+@pytest.mark.parametrize("here", sorted(rooms()))
+def test_modules_of_a_room_import_each_other_one_way_only(here: str) -> None:
+    inner = [m for m in modules() if room(m) == here]
+    assert cycles({m: frozenset(o for o in steps(m) if o in inner) for m in inner}) == []
+
+
+def test_a_cycle_would_be_found() -> None:
+    assert cycles({"a": frozenset("b"), "b": frozenset("c"), "c": frozenset("a")}) == [["a", "b", "c"]]
+
+
+def test_the_graph_of_rooms_can_be_drawn() -> None:
+    lines = mermaid().splitlines()
+    assert lines[0] == "graph TD" and "  slipmargin_cli --> slipmargin" in lines
+    assert not any(line.startswith("  sim --> limits") for line in lines)
+
+
+#: Importer → what it may import besides the front door, ``slipmargin.errors`` and its neighbours, and why.
+BEHIND_THE_DOOR = (
+    ("slipmargin_cli.options", "slipmargin.io.writes", "outputs are checked before any work"),
+    ("slipmargin_cli.options", "slipmargin.io.folder", "outputs are checked before any work"),
+    ("slipmargin_cli.options", "slipmargin.io.data_set_write", "outputs are checked before any work"),
+    ("slipmargin_cli.options", "slipmargin.io.json_text", "reproduce has no result of the door"),
+    ("slipmargin_cli.render", "slipmargin.report.text", "reproduce has no result of the door"),
+    ("notebooks.data_loop", "slipmargin.effects", "the truth is planted"),
+    ("notebooks.data_loop", "slipmargin.robot", "the truth is planted"),
+    ("notebooks.real_data", "slipmargin.data.odometry", "a figure of raw logs"),
+    ("slipmargin_cli.reproduce", "slipmargin.io", "reproduce has no result of the door"),
+    ("slipmargin_cli.reproduce_run", "slipmargin", "reproduce has no result of the door"),
+)
+_ALLOWED = ("slipmargin.errors", "slipmargin.__version__")
+
+
+def behind(names: frozenset[str], importer: str) -> list[str]:
+    """Imports that reach past the front door without a reason."""
+    reasons = [what for who, what, _ in BEHIND_THE_DOOR if who == importer]
+    door = tuple(f"slipmargin.{name}" for name in dir(slipmargin))
+    return sorted(
+        name
+        for name in names
+        if inside(name, "slipmargin")
+        and name != "slipmargin"
+        and name not in door
+        and not any(inside(name, one) for one in (*_ALLOWED, *reasons))
+    )
+
+
+@pytest.mark.parametrize("name", [m for m in modules() if inside(m, "slipmargin_cli")])
+def test_a_command_uses_the_front_door(name: str) -> None:
+    assert behind(named(name), name) == []
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "notebooks").glob("*.py")), ids=lambda p: p.stem)
+def test_a_notebook_uses_the_front_door(path: Path) -> None:
+    found = imported(ast.parse(path.read_text(encoding="utf-8")), "")
+    assert behind(found, f"notebooks.{path.stem}") == []
+
+
+@pytest.mark.parametrize("name", [m for m in modules() if inside(m, "slipmargin.plots") and "plots." in m])
+def test_only_what_draws_is_in_plots(name: str) -> None:
+    assert "matplotlib" in imports(name)
 
 
 @pytest.mark.parametrize("library", OWNERS)

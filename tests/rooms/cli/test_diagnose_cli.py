@@ -15,11 +15,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from diagnoses import diagnosis, unnamed, wheel_loads
-from slipmargin_cli import diagnose_run, stages
+from slipmargin_cli import render
 from slipmargin_cli.main import status
 from strategies import kiwi
 
 from slipmargin.checks import Array
+from slipmargin.diagnose import loop
 from slipmargin.diagnose.diagnosis import Diagnosis, Verdict
 from slipmargin.effects import Recipe
 from slipmargin.errors import InputError
@@ -63,7 +64,7 @@ def pretend(monkeypatch: pytest.MonkeyPatch, found: Diagnosis | BaseException) -
             raise found
         return found
 
-    monkeypatch.setattr(diagnose_run, "engine", engine)
+    monkeypatch.setattr(loop, "diagnose", engine)
     return seeds
 
 
@@ -205,11 +206,11 @@ def test_folder_appears_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.
 def test_progress_names_the_stage_only_on_a_terminal(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with stages.stages() as report:
+    with render.stages() as report:
         report("round 1", 0.5)
     assert capsys.readouterr().err == ""
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
-    with stages.stages() as report:
+    with render.stages() as report:
         report("round 1: trying [left] wheel", 0.5)  # brackets are no markup
 
 
@@ -217,9 +218,9 @@ def test_interrupted_process_leaves_nothing(data: Path, tmp_path: Path) -> None:
     # a shell that runs this suite in the background has it ignore Ctrl-C, and its children too
     code = (
         "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-        "import slipmargin_cli.diagnose_run as d, time, sys\n"
-        "def engine(*a):\n    print('in', flush=True)\n    time.sleep(30)\n"
-        "d.engine = engine\n"
+        "import time, sys\nfrom slipmargin.diagnose import loop\n"
+        "def engine(*a, **b):\n    print('in', flush=True)\n    time.sleep(30)\n"
+        "loop.diagnose = engine\n"
         "from slipmargin_cli.main import status\n"
         f"sys.exit(status(['diagnose', {str(data)!r}, '--out', {str(tmp_path / 'out')!r}]))\n"
     )

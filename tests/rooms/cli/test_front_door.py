@@ -257,9 +257,8 @@ def test_robots_and_effects_are_shown(tmp_path: Path, capsys: pytest.CaptureFixt
 
 
 def test_drawing_shows_numbers_where_the_wheels_are() -> None:
-    from slipmargin_cli.drawing import drawing
-
     from slipmargin.io.robot_file import read_recipe
+    from slipmargin.report.drawing import drawing
 
     lines = drawing(read_recipe("ohio-kiwi").robot)
     at = {n: next((row, line.index(n)) for row, line in enumerate(lines) if n in line) for n in "123"}

@@ -15,7 +15,7 @@ from slipmargin.effects.wheel_loads import WheelLoads
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.sweep import limit
-from slipmargin.plots.diagnosis_words import pulls_sentence
+from slipmargin.report.diagnosis_words import pulls_sentence
 
 PHI = np.deg2rad(np.arange(0.0, 360.0, 15.0))
 

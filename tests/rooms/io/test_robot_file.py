@@ -167,9 +167,9 @@ def test_built_in_robots_of_the_contract() -> None:
     }
     assert table == {"paper": (0.26, 0.09, 0.47, 0.47), "carpet": (0.25, 0.15, 0.56, 0.56)}
     # docs/theory.md, section 1: the printed no-slip wheel speeds for 0.4 m in 3.5 s along +X.
-    from slipmargin_cli.drawing import speeds
+    from slipmargin.report.drawing import speeds
 
-    printed = [speeds(w)[0] * 0.4 / 3.5 for w in kiwi.wheels]
+    printed = speeds(kiwi)[:, 0] * 0.4 / 3.5
     assert printed == pytest.approx([1.1645, 1.1645, -4.4994], abs=0.5e-4)
 
 

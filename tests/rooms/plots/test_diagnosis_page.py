@@ -15,6 +15,7 @@ import pytest
 from diagnoses import diagnosis, trials, unnamed, wheel_loads
 from matplotlib.figure import Figure
 
+from slipmargin.api.diagnose import DiagnosisResult
 from slipmargin.diagnose.diagnosis import Diagnosis, Estimate, Score, Verdict
 from slipmargin.diagnose.limits_change import limits_change
 from slipmargin.diagnose.plan_change import PlanChange
@@ -22,11 +23,11 @@ from slipmargin.diagnose.separate import TRIALS, separating_trial, trace_of
 from slipmargin.effects import Trace
 from slipmargin.effects.camera_delay import CameraDelay
 from slipmargin.effects.catalogue import CATALOGUE
-from slipmargin.plots import diagnosis_words as words
 from slipmargin.plots.diagnosis import suspects_figure
-from slipmargin.plots.diagnosis_evidence import evidence
-from slipmargin.plots.diagnosis_page import page, page_text
-from slipmargin.plots.page import (
+from slipmargin.plots.style import image
+from slipmargin.report import diagnosis_words as words
+from slipmargin.report.diagnosis_evidence import evidence
+from slipmargin.report.page import (
     Bullets,
     Code,
     Fact,
@@ -91,7 +92,14 @@ def read(text: str) -> Tree:
 
 
 def text_of(d: Diagnosis) -> str:
-    return page_text(d, limits_change(d.recipe, d.corrected, d.surface))
+    text = files_of(d)["report.html"]
+    assert isinstance(text, str)
+    return text
+
+
+def files_of(d: Diagnosis) -> dict[str, str | bytes]:
+    change = limits_change(d.recipe, d.corrected, d.surface)
+    return DiagnosisResult(diagnosis=d, change=change).files()
 
 
 @pytest.fixture(scope="module")
@@ -239,7 +247,7 @@ def test_same_diagnosis_same_page_and_no_settings_left_behind(rich: str) -> None
 
 def test_pictures_are_the_page_s_own() -> None:
     d = diagnosis()
-    files = pictures(page(d, limits_change(d.recipe, d.corrected, d.surface)))
+    files = {name: data for name, data in files_of(d).items() if name.endswith(".png")}
     assert set(files) == {"residual.png", "where.png", "suspects.png", "held-out.png", "limits.png"}
     assert all(data.startswith(b"\x89PNG") for data in files.values())
 
@@ -255,7 +263,8 @@ def test_every_kind_of_block() -> None:
         Table(caption="c", head=("h", "i"), rows=(("1", "2"),), numbers=False),
         Facts(facts=(Fact(label="l", value="v"), Fact(label="m", value="w", note="n"))),
         Fold(
-            summary="more", blocks=(Picture(name="p", figure=figure, alt='a "quoted" line', caption="line"),)
+            summary="more",
+            blocks=(Picture(name="p", image=image(figure, png=True), alt='a "quoted" line', caption="line"),),
         ),
     )
     built = Page(title="T", lead="L", sections=(Section(heading="H", blocks=blocks),))

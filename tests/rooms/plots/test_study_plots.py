@@ -9,7 +9,8 @@ from strategies import kiwi
 
 from slipmargin.effects import Recipe
 from slipmargin.plots.study import study_figure
-from slipmargin.plots.study_page import study_page
+from slipmargin.plots.style import image
+from slipmargin.report.design_page import design_page
 from slipmargin.study.machine import Machine
 from slipmargin.study.objectives import BY_NAME, Kind
 from slipmargin.study.robust import parse_interval, robust
@@ -65,5 +66,6 @@ def test_two_numbers_make_a_heat_map() -> None:
 def test_every_kind_of_study_can_be_drawn_and_told(texts: tuple[str, ...]) -> None:
     found = made(*texts)
     assert len(study_figure(found, ("f_worst", "f_mean")).axes) >= 4
-    page = study_page(found, ("f_worst", "f_mean"), None, (), [("best", "it")])
+    drawn = image(study_figure(found, ("f_worst", "f_mean"), None))
+    page = design_page(found, ("f_worst", "f_mean"), None, (), [("best", "it")], drawn)
     assert page.count("<h2") == 4 and "<svg" in page

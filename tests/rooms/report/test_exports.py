@@ -11,9 +11,9 @@ import pytest
 from strategies import kiwi
 
 from slipmargin.errors import InputError, NoSolution
-from slipmargin.io.exports import TOOLS, export_text
 from slipmargin.limits.bounds_summary import Bounds, bounds
 from slipmargin.model import nominal_model
+from slipmargin.report.exports import TOOLS, export_text
 from slipmargin.robot import GripShape, Motor
 
 

@@ -2,37 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from slipmargin.diagnose.diagnosis import Diagnosis, Verdict
 from slipmargin.diagnose.limits_change import LimitsChange
-from slipmargin.io.report_json import trial_chi
-from slipmargin.plots import diagnosis_words as words
-from slipmargin.plots.diagnosis import held_out_figure, residual_figure, suspects_figure, where_figure
-from slipmargin.plots.diagnosis_details import details, limits
-from slipmargin.plots.diagnosis_evidence import evidence, next_steps, parameters
-from slipmargin.plots.page import (
+from slipmargin.report import diagnosis_words as words
+from slipmargin.report.diagnosis_details import details, limits
+from slipmargin.report.diagnosis_evidence import evidence, next_steps, parameters
+from slipmargin.report.diagnosis_json import trial_chi
+from slipmargin.report.page import (
     Block,
     Bullets,
     Fact,
     Facts,
+    Image,
     Page,
     Picture,
     Section,
     Text,
-    html,
 )
 
 _KIND = {Verdict.EFFECT_FOUND: "good", Verdict.NO_MISSING_EFFECT: "good", Verdict.UNEXPLAINED: "attention"}
 
 
-def page_text(diagnosis: Diagnosis, change: LimitsChange) -> str:
-    """The whole page as HTML text."""
-    return html(page(diagnosis, change))
+def page(diagnosis: Diagnosis, change: LimitsChange, images: Mapping[str, Image]) -> Page:
+    """The page as data: verdict, measurement, misfit, reason, evidence, parameters, limits, next steps.
 
-
-def page(diagnosis: Diagnosis, change: LimitsChange) -> Page:
-    """The page as data: verdict, measurement, misfit, reason, evidence, parameters, limits, next steps."""
+    Parameters
+    ----------
+    images : mapping
+        The drawn figures by name, as :func:`slipmargin.plots.diagnosis.figures` names them.
+    """
     d = diagnosis
     found = bool(d.findings)
     sections = [
@@ -40,14 +42,16 @@ def page(diagnosis: Diagnosis, change: LimitsChange) -> Page:
         Section(heading="What was measured", blocks=_measured(d)),
         Section(
             heading="What did not fit" if d.verdict is not Verdict.NO_MISSING_EFFECT else "How it fits",
-            blocks=_misfit(d),
+            blocks=_misfit(d, images),
         ),
-        Section(heading="Why: the suspects", blocks=_suspects(d)),
-        Section(heading="The evidence: runs that no fit has seen", blocks=(*evidence(d), _held_out(d))),
+        Section(heading="Why: the suspects", blocks=_suspects(d, images)),
+        Section(
+            heading="The evidence: runs that no fit has seen", blocks=(*evidence(d), _held_out(d, images))
+        ),
     ]
     if found:
         sections.append(Section(heading="What was found", blocks=parameters(d)))
-        sections.append(Section(heading="What it changes", blocks=limits(change)))
+        sections.append(Section(heading="What it changes", blocks=limits(change, images)))
     sections.append(Section(heading="What to do next", blocks=next_steps(d)))
     sections.append(Section(heading="Details", blocks=details(d)))
     return Page(
@@ -124,7 +128,7 @@ def _range(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> str:
     return f"{low:.3g}" if high - low < 0.05 * high else f"{low:.3g} to {high:.3g}"
 
 
-def _misfit(d: Diagnosis) -> tuple[Block, ...]:
+def _misfit(d: Diagnosis, images: Mapping[str, Image]) -> tuple[Block, ...]:
     worst = max(d.trials, key=lambda t: np.nan_to_num(trial_chi(t, t.before, d)))
     chi = trial_chi(worst, worst.before, d)
     if d.verdict is Verdict.NO_MISSING_EFFECT:
@@ -142,7 +146,7 @@ def _misfit(d: Diagnosis) -> tuple[Block, ...]:
         Text(text=first),
         Picture(
             name="residual",
-            figure=residual_figure(d),
+            image=images["residual"],
             alt="Heat map: a row for each run, time along it, colour the residual in units of the noise",
             caption="Measured minus predicted, one row a run. White is a perfect prediction, pale "
             "colours are "
@@ -154,7 +158,7 @@ def _misfit(d: Diagnosis) -> tuple[Block, ...]:
             Text(text=_follows(d)),
             Picture(
                 name="where",
-                figure=where_figure(d),
+                image=images["where"],
                 alt="Bars: share of the residual explained by each variable and channel",
                 caption="How much of the unexplained motion each measured variable accounts for, seen from "
                 "the robot (sideways, forwards, turning). Variables go together (a robot that "
@@ -175,7 +179,7 @@ def _follows(d: Diagnosis) -> str:
     )
 
 
-def _suspects(d: Diagnosis) -> tuple[Block, ...]:
+def _suspects(d: Diagnosis, images: Mapping[str, Image]) -> tuple[Block, ...]:
     if not d.steps:
         return (Text(text="No suspect was tried."),)
     tried = max([*(len(s.tried) for s in d.steps), *(f.candidates_tried for f in d.findings)])
@@ -190,7 +194,7 @@ def _suspects(d: Diagnosis) -> tuple[Block, ...]:
         Text(text=text),
         Picture(
             name="suspects",
-            figure=suspects_figure(d),
+            image=images["suspects"],
             alt="Dots: error of every suspect on runs it was not fitted to",
             caption="Error that remains with each suspect added (further left is better). Filled: an effect "
             "with a name; open: a general form over one variable; orange: taken. Suspects that a first, "
@@ -199,14 +203,14 @@ def _suspects(d: Diagnosis) -> tuple[Block, ...]:
     )
 
 
-def _held_out(d: Diagnosis) -> Picture:
+def _held_out(d: Diagnosis, images: Mapping[str, Image]) -> Picture:
     if d.findings:
         caption = "Runs that no fit has seen. Where blue runs through the dots, the correction predicts them."
     else:
         caption = "Measured runs and the model's prediction of them."
     return Picture(
         name="held-out",
-        figure=held_out_figure(d),
+        image=images["held-out"],
         alt="Measured and predicted paths and headings of held-out runs",
         caption=caption,
     )

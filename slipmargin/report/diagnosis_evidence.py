@@ -5,8 +5,8 @@ from __future__ import annotations
 from slipmargin.diagnose.diagnosis import Diagnosis, Finding, Verdict
 from slipmargin.diagnose.separate import separating_trial
 from slipmargin.io.robot_text import effect_text
-from slipmargin.plots import diagnosis_words as words
-from slipmargin.plots.page import Block, Bullets, Code, Fold, Table, Text
+from slipmargin.report import diagnosis_words as words
+from slipmargin.report.page import Block, Bullets, Code, Fold, Table, Text
 
 #: Parameters of a general form that the page spells out.
 _SHOWN = 12

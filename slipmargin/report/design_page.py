@@ -5,8 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from slipmargin.plots.page import Bullets, Fact, Facts, Fold, Page, Picture, Section, Table, Text, html
-from slipmargin.plots.study import study_figure
+from slipmargin.report.page import (
+    Bullets,
+    Fact,
+    Facts,
+    Fold,
+    Image,
+    Page,
+    Picture,
+    Section,
+    Table,
+    Text,
+    html,
+)
 from slipmargin.study.influence import Influence
 from slipmargin.study.objectives import BY_NAME
 from slipmargin.study.robust import Robust
@@ -16,12 +27,13 @@ from slipmargin.study.study import Study
 LISTED = 200
 
 
-def study_page(
+def design_page(
     study: Study,
     front: Sequence[str],
     robust: Robust | None,
     influences: Sequence[Influence],
     summary: Sequence[tuple[str, str]],
+    image: Image,
 ) -> str:
     """The page's text (UTF-8), the same for the same study."""
     goal, best, machine = study.question.objective, study.best(), study.question.machine
@@ -41,7 +53,7 @@ def study_page(
         )
     figure = Picture(
         name="study",
-        figure=study_figure(study, front, robust),
+        image=image,
         caption="Limits over the study, pulls all round for a few designs, and those that no other beats.",
         alt=f"Four panels; best design {at} with {goal.name} {value:.4g} {goal.unit}",
     )

@@ -7,15 +7,14 @@ paper and by a screen reader: real headings, table heads, captions, and a text f
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
-from io import BytesIO, StringIO
 from typing import final
+from zlib import crc32
 
-from matplotlib.figure import Figure
-
-from slipmargin.plots.page_style import CSS
-from slipmargin.plots.style import styled
+from slipmargin.report.page_style import CSS
+from slipmargin.report.text import labelled
 
 
 @final
@@ -66,11 +65,21 @@ class Facts:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Image:
+    """A drawn figure: SVG text, width [inches] and, where it gets a file of its own, PNG bytes."""
+
+    svg: str
+    width_in: float
+    png: bytes | None = None
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Picture:
-    """A figure, the name of its own file, what it shows for who cannot see it, and its caption."""
+    """An image, the name of its own file, what it shows for a reader who cannot see it, and its caption."""
 
     name: str
-    figure: Figure
+    image: Image
     alt: str
     caption: str
 
@@ -116,7 +125,6 @@ class Page:
     lead_kind: str = "plain"  #: "good", "attention" or "plain": the colour of the bar beside the lead
 
 
-@styled
 def html(page: Page) -> str:
     """The page's text (UTF-8), the same for the same content."""
     pictures = [0]
@@ -162,8 +170,9 @@ def _block(block: Block, pictures: list[int]) -> str:
         inside = "\n".join(_block(b, pictures) for b in block.blocks)
         return f"<details><summary>{_rich(block.summary)}</summary>\n{inside}\n</details>"
     pictures[0] += 1
+    drawn = inline(block.image, f"p{pictures[0]}", block.alt)
     return (
-        f'<figure>\n<div class="plot" tabindex="0">{svg(block.figure, f"p{pictures[0]}", block.alt)}</div>\n'
+        f'<figure>\n<div class="plot" tabindex="0">{drawn}</div>\n'
         f"<figcaption>{_rich(block.caption)}</figcaption>\n</figure>"
     )
 
@@ -193,35 +202,40 @@ def _rich(text: str) -> str:
     return re.sub(r"`([^`]*)`", r"<code>\1</code>", escape(text, quote=False))
 
 
-def svg(figure: Figure, prefix: str, alt: str) -> str:
-    """A figure as inline SVG with identifiers of its own, named for a screen reader."""
-    out = StringIO()
-    figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
-    text = out.getvalue()
-    text = text[text.index("<svg") :]
+def inline(image: Image, prefix: str, alt: str) -> str:
+    """An image as SVG inside a page, with identifiers of its own, named for a screen reader."""
+    text = image.svg[image.svg.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, count=1, flags=re.DOTALL)
     text = re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>{prefix}-", text)
-    width = 96.0 * figure.get_figwidth()  # CSS pixels an inch
+    width = 96.0 * image.width_in  # CSS pixels an inch
     size = f"min-width:{round(0.55 * width)}px;max-width:{round(1.15 * width)}px"
     head = f'<svg role="img" aria-label="{escape(alt)}" style="{size}"'
     text = re.sub(r"<svg\b", head, text, count=1)
     return text.strip()
 
 
-@styled
 def pictures(page: Page) -> dict[str, bytes]:
-    """Every picture of a page as a PNG file: name → bytes."""
+    """Every picture of a page that has PNG bytes: file name → bytes."""
     found: dict[str, bytes] = {}
 
     def gather(blocks: tuple[Block, ...]) -> None:
         for block in blocks:
             if isinstance(block, Fold):
                 gather(block.blocks)
-            elif isinstance(block, Picture):
-                out = BytesIO()
-                block.figure.savefig(out, format="png", metadata={"Software": None})
-                found[f"{block.name}.png"] = out.getvalue()
+            elif isinstance(block, Picture) and block.image.png is not None:
+                found[f"{block.name}.png"] = block.image.png
 
     for section in page.sections:
         gather(section.blocks)
     return found
+
+
+def cell(title: str, lines: Sequence[str], image: Image | None) -> str:
+    """A result as a notebook shows it: a table of labelled lines, and the picture beneath."""
+    left = 'style="text-align:left"'
+    rows = "".join(
+        f"<tr><th {left}>{escape(label)}</th><td {left}>{escape(text)}</td></tr>"
+        for label, text in map(labelled, lines)
+    )
+    drawn = "" if image is None else inline(image, f"c{crc32(image.svg.encode()):08x}", title)
+    return f"<div><table><caption>{escape(title)}</caption><tbody>{rows}</tbody></table>{drawn}</div>"

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from slipmargin.robot import Robot, Wheel
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.model import nominal_model
+from slipmargin.report.text import columns
+from slipmargin.robot import Robot, Wheel
 
 WIDTH, HEIGHT = 61, 23  #: characters; a character is twice as high as wide
 _LINES = "─╱│╲"  # at 0, 45, 90, 135 degrees
@@ -48,17 +51,35 @@ def drawing(robot: Robot) -> list[str]:
     return [f"{'front (+Y)':^{WIDTH}}".rstrip(), f"{'▲':^{WIDTH}}".rstrip(), *lines]
 
 
-def speeds(wheel: Wheel, com: tuple[float, float] = (0.0, 0.0)) -> tuple[float, float, float]:
-    """Wheel speed [rad/s] for 1 m/s to the right, 1 m/s forwards, 1 rad/s to the left, without slip.
+def speeds(robot: Robot) -> Array:
+    """(N, 3) wheel speeds [rad/s] for 1 m/s to the right, 1 m/s forwards, 1 rad/s to the left, without slip.
 
-    u·ĝ = 0 with u = v + ω×p + ρ θ̇ ŝ (eq. 3): a positive wheel speed drives against the arrow.
+    A positive wheel speed moves the contact point along its arrow and so drives the robot the other way
+    (eq. 3).
     """
-    drive = math.radians(wheel.drive_direction_deg)
-    roller = math.radians(wheel.roller_angle_deg)
-    gx, gy = math.cos(drive + roller), math.sin(drive + roller)
-    per = -1.0 / (wheel.radius_m * math.cos(roller))
-    x, y = wheel.position_m[0] - com[0], wheel.position_m[1] - com[1]
-    return per * gx, per * gy, float(per * (x * gy - y * gx))
+    return nominal_model(robot, robot.surfaces[0].name).geometry.wheel_speeds(np.eye(3)).T
+
+
+def wheel_table(robot: Robot) -> list[str]:
+    """What the drawing's signs mean, and a row a wheel."""
+    head = ("wheel", "name", "drive [deg]", "rollers [deg]", "1 m/s right", "1 m/s forward", "1 rad/s left")
+    rows = [
+        (
+            str(i),
+            w.name,
+            f"{w.drive_direction_deg:g}",
+            f"{w.roller_angle_deg:g}",
+            *(f"{s + 0.0:+.2f}" if abs(s) > 5e-3 else "0" for s in row),
+        )
+        for i, (w, row) in enumerate(zip(robot.wheels, speeds(robot), strict=True), 1)
+    ]
+    return [
+        "Arrows are the drive directions ŝ: a positive wheel speed moves the contact point along its arrow",
+        "over the floor and so drives the robot the other way (⊕ centre of mass, + origin; the stroke inside",
+        "a mecanum wheel is the axle of the roller on the floor).  Wheel speeds without slip [rad/s] for",
+        "",
+        *columns(head, rows),
+    ]
 
 
 def _wheel(

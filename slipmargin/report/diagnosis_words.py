@@ -6,8 +6,10 @@ import math
 import sys
 
 from slipmargin.diagnose.diagnosis import Diagnosis, Estimate, Finding, Score, Verdict
+from slipmargin.diagnose.limits_change import LimitsChange
 from slipmargin.diagnose.plan_change import PlanChange
 from slipmargin.diagnose.pull_check import PullCheck
+from slipmargin.diagnose.separate import separating_trial
 from slipmargin.effects import Effect, Trace
 
 #: The variable of a trace as a reader would say it.
@@ -153,3 +155,37 @@ def pulls_sentence(check: PullCheck) -> str:
 def arrow(before: float, after: float, unit: str) -> str:
     """``4.92 → 4.6 N (−6.5 %)``."""
     return f"{before:.3g} → {after:.3g} {unit} ({percent(before, after) or 'new'})"
+
+
+def summary_lines(d: Diagnosis, change: LimitsChange) -> list[str]:
+    """Verdict, effects, error and limits before and after: what the command prints."""
+    lines = [f"{d.verdict.value}: {verdict_sentence(d)}"]
+    for f in d.findings:
+        values = ", ".join(interval(e) for e in f.parameters[:4])
+        more = f", and {len(f.parameters) - 4} more" if len(f.parameters) > 4 else ""
+        lines.append(
+            f"found    {f.name} (traced to {f.traced_to.value}; {chance(f.p_value)} among "
+            f"{f.candidates_tried} suspects): {values}{more}"
+        )
+        lines += [
+            f"         not told apart from {name}: {separating_trial(f.name, f.traced_to, name)}"
+            for name in f.confused_with
+        ]
+    lines.append(
+        f"error    {error(d.before)}" + (f" → {error(d.after)}" if d.findings else "") + " on held-out runs"
+    )
+    b, a = change.before, change.after
+    if change.moved:
+        lines.append(
+            f"limits   weakest pull {arrow(b.f_max_min_N, a.f_max_min_N, 'N')}, mean "
+            f"{arrow(b.f_max_mean_N, a.f_max_mean_N, 'N')}"
+        )
+        high = arrow(float(b.f_high_N.max()), float(a.f_high_N.max()), "N")
+        start = arrow(float(b.start_worst_m_s2.min()), float(a.start_worst_m_s2.min()), "m/s²")
+        lines.append(f"         whatever the wheels stand on: strongest pull {high}, least start {start}")
+    else:
+        lines.append(f"limits   unchanged: weakest pull {b.f_max_min_N:.3g} N, mean {b.f_max_mean_N:.3g} N")
+    if change.moved and change.pulls is not None:
+        lines.append(f"pulls    {pulls_sentence(change.pulls)}")
+    lines += [f"note     {remark}" for remark in d.remarks]
+    return lines

@@ -6,10 +6,13 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from slipmargin.report.text import columns
+from slipmargin.study.influence import Influence
 from slipmargin.study.objectives import BY_NAME, Objective
-
-from .design_run import DesignRun
-from .render import columns
+from slipmargin.study.optimum import Optimum
+from slipmargin.study.reason import Reason
+from slipmargin.study.robust import Robust
+from slipmargin.study.study import Study
 
 #: Rows of the table of designs that are printed; more go to --out.
 PRINTED = 100
@@ -27,34 +30,33 @@ SHOWN = (
 )
 
 
-def report(run: DesignRun, *, table: bool) -> list[str]:
-    """Lines for stdout; the first are the answer."""
-    lines = [f"{label:<11} {text}" for label, text in summary(run)]
-    lines += ["", *columns(*best_by_objective(run))]
-    if table and len(run.study.values) <= PRINTED:
-        lines += ["", *_designs(run)]
-    elif table:
-        lines += ["", f"{len(run.study.values)} designs: write the table with --out FILE"]
-    return lines
+def best_sentence(study: Study) -> str:
+    """``delta_deg = 35: f_worst 0.1829 (…)``."""
+    goal, best = study.question.objective, study.best()
+    value = float(study.columns[goal.name][best])
+    return f"{named(study.keys, study.values[best])}: {goal.name} {_with_unit(value, goal)} ({goal.meaning})"
 
 
-def summary(run: DesignRun) -> list[tuple[str, str]]:
+def summary(
+    study: Study,
+    why: Reason,
+    front: Sequence[str],
+    optimum: Optimum | None,
+    robust: Robust | None,
+    influences: Sequence[Influence],
+) -> list[tuple[str, str]]:
     """The answer as labelled sentences."""
-    study, goal = run.study, run.study.question.objective
+    goal = study.question.objective
     best = study.best()
     value = float(study.columns[goal.name][best])
     out = [
-        (
-            "best",
-            f"{named(study.keys, study.values[best])}: {goal.name} {_with_unit(value, goal)}"
-            f" ({goal.meaning})",
-        ),
-        ("own", _own(run, goal, value)),
-        ("why", str(run.why)),
-        ("loads", _loads(run)),
+        ("best", best_sentence(study)),
+        ("own", _own(study, goal, value)),
+        ("why", str(why)),
+        ("loads", _loads(study)),
     ]
-    if run.optimum is not None:
-        o = run.optimum
+    if optimum is not None:
+        o = optimum
         proof = "" if math.isnan(o.check) else f"; self-check {o.check:.0e}"
         gain = (
             f"{o.gain:.2g} better than any of the grid"
@@ -68,8 +70,8 @@ def summary(run: DesignRun) -> list[tuple[str, str]]:
                 f"({o.evaluations} evaluations{proof})",
             )
         )
-    if run.robust is not None:
-        r = run.robust
+    if robust is not None:
+        r = robust
         corner = ", ".join(f"{k} = {v:g}" for k, v in r.corner)
         how = "exact" if r.exact else "corners only"
         out.append(
@@ -79,24 +81,22 @@ def summary(run: DesignRun) -> list[tuple[str, str]]:
                 f"{_with_unit(float(r.value[r.best]), r.goal)}, worst at {corner} ({how})",
             )
         )
-    if run.influences:
-        out.append(("influence", ", ".join(_influence(i) for i in run.influences[:4])))
+    if influences:
+        out.append(("influence", ", ".join(_influence(i) for i in influences[:4])))
     possible = len(study.values) - len(study.problems)
     kept = f", {study.resumed} of {study.pieces} pieces from an earlier run" if study.resumed else ""
-    on = int(study.front(run.front).sum())
+    on = int(study.front(front).sum())
     out.append(
         (
             "designs",
-            f"{possible} possible of {len(study.values)}; {on} on the front of "
-            f"{' and '.join(run.front)}{kept}",
+            f"{possible} possible of {len(study.values)}; {on} on the front of {' and '.join(front)}{kept}",
         )
     )
     return out
 
 
-def best_by_objective(run: DesignRun) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+def best_by_objective(study: Study) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Head and rows: each objective's best design, beside the file's own."""
-    study = run.study
     rows: list[tuple[str, ...]] = []
     for name, column in study.columns.items():
         if name not in BY_NAME or all(map(math.isnan, column)):
@@ -115,8 +115,7 @@ def named(keys: Sequence[str], values: Sequence[Any]) -> str:
     return ", ".join(f"{k} = {_plain(v)}" for k, v in zip(keys, values, strict=True))
 
 
-def _own(run: DesignRun, goal: Objective, best: float) -> str:
-    study = run.study
+def _own(study: Study, goal: Objective, best: float) -> str:
     if study.own_problem is not None:
         return f"the file's design is impossible: {study.own_problem}"
     own = study.own[goal.name]
@@ -126,8 +125,7 @@ def _own(run: DesignRun, goal: Objective, best: float) -> str:
     return f"the file's design ({here}): {_with_unit(own, goal)}; {_change(best, own)} with the best"
 
 
-def _loads(run: DesignRun) -> str:
-    study = run.study
+def _loads(study: Study) -> str:
     parts = []
     for name, word in (("f_worst_equal", "equal"), ("f_worst_static", "static")):
         row = study.best(name)
@@ -138,7 +136,7 @@ def _loads(run: DesignRun) -> str:
     return "; ".join(parts)
 
 
-def _influence(i: Any) -> str:
+def _influence(i: Influence) -> str:
     if i.peak:
         return f"{i.key} is at a {'peak' if i.below < i.here else 'low'}"
     if i.value:
@@ -146,16 +144,18 @@ def _influence(i: Any) -> str:
     return f"{i.step:g} {i.unit} more {i.key}: {100.0 * i.slope * i.step / abs(i.here):+.2g} %"
 
 
-def _designs(run: DesignRun) -> list[str]:
-    study = run.study
+def designs(study: Study, front: Sequence[str]) -> list[str]:
+    """A row a design, or where to find them if they are too many to print."""
+    if len(study.values) > PRINTED:
+        return [f"{len(study.values)} designs: write the table with --out FILE"]
     shown = [name for name in SHOWN if name in study.columns]
-    front = study.front(run.front)
+    on = study.front(front)
     head = [*study.keys, *shown, "front"]
     rows = [
         [
             *(_plain(v) for v in values),
             *(_digits(float(study.columns[n][i])) for n in shown),
-            study.problems.get(i, "*" if front[i] else ""),
+            study.problems.get(i, "*" if on[i] else ""),
         ]
         for i, values in enumerate(study.values)
     ]

@@ -33,7 +33,7 @@ def export_text(tool: str, found: Bounds) -> str:
         If no acceleration is safe in every direction of motion, so that no number can be given.
     """
     if tool not in TOOLS:
-        raise InputError("--export", f"is {tool!r}", f"use one of: {', '.join(TOOLS)}", "command line")
+        raise InputError("export", f"is {tool!r}", f"use one of: {', '.join(TOOLS)}")
     return TOOLS[tool](found)
 
 

@@ -15,7 +15,7 @@ from hypothesis import given, settings, strategies as st
 from slipmargin.diagnose.diagnosis import Diagnosis, Estimate, Verdict
 from slipmargin.diagnose.limits_change import limits_change
 from slipmargin.effects import Trace
-from slipmargin.io.report_json import report_text, trial_chi
+from slipmargin.report.diagnosis_json import report_text, trial_chi
 
 
 def read(d: Diagnosis) -> dict[str, Any]:

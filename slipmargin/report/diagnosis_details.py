@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from slipmargin.diagnose.diagnosis import Diagnosis
 from slipmargin.diagnose.limits_change import LimitsChange
-from slipmargin.io.report_json import trial_chi
-from slipmargin.plots import diagnosis_words as words
-from slipmargin.plots.limits_change import limits_figure
-from slipmargin.plots.page import Block, Bullets, Fold, Picture, Table, Text
+from slipmargin.report import diagnosis_words as words
+from slipmargin.report.diagnosis_json import trial_chi
+from slipmargin.report.page import Block, Bullets, Fold, Image, Picture, Table, Text
 
 
-def limits(change: LimitsChange) -> tuple[Block, ...]:
+def limits(change: LimitsChange, images: Mapping[str, Image]) -> tuple[Block, ...]:
     """What the found effects change."""
     if not change.moved:
         return (
@@ -45,7 +46,7 @@ def limits(change: LimitsChange) -> tuple[Block, ...]:
         *pulls,
         Picture(
             name="limits",
-            figure=limits_figure(change),
+            image=images["limits"],
             alt="Polar plots of limits before and after",
             caption="Seen from above, forwards is up: the pull at the centre that first makes a wheel "
             "slip, and the accelerations along a straight line without turning.",

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 
-from slipmargin.effects.catalogue import CATALOGUE
 from slipmargin.effects.effect import Effect
+from slipmargin.report.text import columns
 
 HEAD = """# Effects
 
@@ -20,13 +21,37 @@ units; bounds are what a file may hold. An effect that none of these explains is
 |---|---|---|"""
 
 
-def lines() -> list[str]:
+def one_line(effect: type[Effect]) -> str:
+    """Name, variable and the first line of the law."""
+    law = (effect.__doc__ or "").strip().splitlines()[0].rstrip(".")
+    return f"{effect.name:<23}{effect.traced_to.value:<17}{law}"
+
+
+def effect_lines(effect: type[Effect]) -> list[str]:
+    """Law, source and parameters of an effect, as the terminal shows them."""
+    return [
+        f"{effect.name}: {' '.join((effect.__doc__ or '').split())}",
+        f"source: {effect.source}",
+        f"traced to: {effect.traced_to.value}; rewrites: {effect.part.value}",
+        f"to confirm it: {effect.confirm}",
+        "",
+        *columns(
+            ("parameter", "unit", "low", "null", "high", "meaning"),
+            [
+                (p.name, p.unit, f"{p.low:g}", f"{p.null:g}", f"{p.high:g}", p.meaning)
+                for p in effect.parameters
+            ],
+        ),
+        "",
+        "In a robot file (these values do nothing):",
+    ]
+
+
+def page_lines(effects: Sequence[type[Effect]]) -> list[str]:
     """Lines of the page."""
     page = HEAD.splitlines()
-    page += [
-        f"| [`{e.name}`](#{e.name}) | `{e.traced_to.value}` | {_cell(_sentence(e))} |" for e in CATALOGUE
-    ]
-    for effect in CATALOGUE:
+    page += [f"| [`{e.name}`](#{e.name}) | `{e.traced_to.value}` | {_cell(_sentence(e))} |" for e in effects]
+    for effect in effects:
         page += _section(effect)
     return page
 

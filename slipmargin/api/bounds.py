@@ -1,0 +1,163 @@
+"""``slipmargin.bounds``: accelerations and cornering speeds that do not slip."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, final
+
+from slipmargin.api.result import Result
+from slipmargin.api.robots import RobotLike, checked_margin, model_of
+from slipmargin.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from slipmargin.limits.bounds_summary import Bounds
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class BoundsResult(Result):
+    """Motion limits by direction: ``bounds.full`` with all of the grip, ``bounds.safe`` with the margin."""
+
+    bounds: Bounds
+    warnings: tuple[str, ...]
+
+    @property
+    def recommended_m_s2(self) -> float:
+        """Acceleration that is safe in every direction of motion with the margin [m/s²]."""
+        return self.bounds.recommended_m_s2
+
+    def summary(self) -> str:
+        """Recommended acceleration and weakest direction."""
+        b = self.bounds
+        return (
+            f"bounds of {b.model.robot} on {b.model.surface}: recommended "
+            f"{b.recommended_m_s2:.4g} m/s² in any direction, {b.traction_m_s2:.4g} m/s² at the limit"
+        )
+
+    def lines(self) -> list[str]:
+        """The answer; the first four lines are traction, motor, isotropic and recommended."""
+        from slipmargin.report.bounds import answer
+
+        return answer(self.bounds)
+
+    def table_lines(self) -> list[str]:
+        """Limits by direction and cornering speeds by curvature."""
+        from slipmargin.report.bounds import tables
+
+        return tables(self.bounds)
+
+    def plot(self) -> Figure:
+        """Polar plots of the limits, and cornering speed over curvature."""
+        from slipmargin.plots.bounds import bounds_figure
+
+        return bounds_figure(self.bounds)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as numbers."""
+        from slipmargin.report.exports import bounds_table
+
+        return bounds_table(self.bounds)
+
+    def table_text(self) -> str:
+        """A row a direction."""
+        from slipmargin.io.table import columns_text
+
+        full, safe = self.bounds.full, self.bounds.safe
+        return columns_text(
+            {
+                "heading_rad": full.heading_rad,
+                "starting_m_s2": full.starting_m_s2,
+                "turning_m_s2": full.turning_m_s2,
+                "braking_m_s2": full.braking_m_s2,
+                "safe_starting_m_s2": safe.starting_m_s2,
+                "safe_turning_m_s2": safe.turning_m_s2,
+                "safe_braking_m_s2": safe.braking_m_s2,
+                "steady_use": full.steady_use,
+                "steady_use_rigid": self.bounds.rigid_use,
+                "limiting": ["+".join(w) for w in full.starting.wheels],
+                "cause": list(full.starting.cause),
+            }
+        )
+
+    def export_text(self, tool: str) -> str:
+        """The limits under another tool's own names: nav2, roadrunner, pathplanner, choreo or json.
+
+        Raises
+        ------
+        InputError
+            If the tool is not known.
+        NoSolution
+            If no acceleration is safe in every direction.
+        """
+        from slipmargin.report.exports import export_text
+
+        return export_text(tool, self.bounds)
+
+
+def bounds(
+    robot: RobotLike,
+    surface: str,
+    *,
+    margin: float = 0.1,
+    step_deg: float = 1.0,
+    robust: bool = False,
+    export: str | None = None,
+) -> BoundsResult:
+    """Acceleration limits in motion by direction: speeding up, turning, braking, cornering, spinning.
+
+    In motion the rollers turn and their friction is drag (docs/theory.md), so the pull limit divided by the
+    mass is not an acceleration limit.
+
+    Parameters
+    ----------
+    robot : str, Path, Recipe or Robot
+        A built-in name, a robot file, or what :func:`slipmargin.read_robot` returned.
+    surface : str
+        A surface of the robot file.
+    margin : float
+        Safety margin: the share of the grip kept in reserve, 0 to below 1.
+    step_deg : float
+        Step of the directions, above 0 and up to 90 [deg]; 0° is to the robot's right, 90° forward.
+    robust : bool
+        True: safe whichever wheels stand on rigid sectors.  False: all wheels on rollers.
+    export : str, optional
+        A tool for which the limits will be exported; it is checked before any work is done.
+
+    Returns
+    -------
+    BoundsResult
+        ``bounds.full`` and ``bounds.safe`` hold ``heading_rad``, ``starting_m_s2``, ``turning_m_s2`` and
+        ``braking_m_s2``, each of shape (H,).
+
+    Raises
+    ------
+    InputError
+        For a fault in the robot file or an argument.
+
+    Examples
+    --------
+    >>> import slipmargin as sm
+    >>> sm.bounds("ohio-kiwi", "paper", step_deg=15.0)
+    <bounds of ohio-kiwi on paper: recommended 0.3947 m/s² in any direction, 0.5017 m/s² at the limit>
+    """
+    from slipmargin.limits.bounds_summary import bounds as limit_bounds
+    from slipmargin.limits.motion_state import Contact
+
+    model, warnings = model_of(robot, surface)
+    if not (math.isfinite(step_deg) and 0.0 < step_deg <= 90.0):
+        raise InputError("step_deg", f"is {step_deg:g}", "give a step up to 90 degrees")
+    if export is not None:
+        from slipmargin.report.exports import TOOLS
+
+        if export not in TOOLS:
+            raise InputError("export", f"is {export!r}", f"use one of: {', '.join(TOOLS)}")
+    found = limit_bounds(
+        model,
+        margin=checked_margin(margin),
+        step_deg=step_deg,
+        contact=Contact.UNKNOWN if robust else Contact.ROLLERS,
+    )
+    return BoundsResult(bounds=found, warnings=warnings)

@@ -1,0 +1,186 @@
+"""``slipmargin.check``: does a trajectory slip, where, and how much slower must it be?"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+
+from slipmargin.api.result import Result
+from slipmargin.api.robots import RobotLike, checked_margin, model_of
+from slipmargin.checks import Array
+from slipmargin.errors import InputError
+from slipmargin.paths.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from slipmargin.model import Model
+    from slipmargin.paths.check import Check
+
+NEEDED = ("t_s", "x_m", "y_m", "phi_rad")
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class CheckResult(Result):
+    """The grip utilisation of a trajectory, with the poses it was computed from."""
+
+    model: Model
+    check: Check
+    pose: Array
+    warnings: tuple[str, ...]
+
+    @property
+    def admissible(self) -> bool:
+        """Whether no wheel exceeds 1 − margin of its grip, no motor its torque, and none lifts off."""
+        return self.check.admissible
+
+    @property
+    def time_scale_needed(self) -> float:
+        """The factor by which time must be stretched [1]; infinite where no slowing down helps."""
+        return self.check.time_scale_needed
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """The trajectory with everything that the check added."""
+        c = self.check
+        return Trajectory(
+            t_s=c.t_s,
+            pose=self.pose,
+            velocity=c.velocity,
+            acceleration=c.acceleration,
+            omega=c.omega,
+            use=c.use,
+            wheels=self.model.geometry.names,
+        )
+
+    def summary(self) -> str:
+        """The verdict."""
+        return f"check of {self.model.robot} on {self.model.surface}: {self.lines()[0]}"
+
+    def lines(self) -> list[str]:
+        """Verdict, worst point, motors and wheels, and the cure."""
+        from slipmargin.report.paths import check_lines
+
+        return check_lines(self.model, self.check)
+
+    def plot(self) -> Figure:
+        """The path by the wheel that uses most, and the grip utilisation of every wheel over time."""
+        from slipmargin.plots.paths import check_figure
+
+        return check_figure(self.model, self.check, self.trajectory)
+
+    def table_text(self) -> str:
+        """The trajectory in the contract's columns."""
+        from slipmargin.io.table import columns_text
+
+        return columns_text(self.trajectory.columns(), digits=12)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Verdict, worst point, time scaling, and the grip utilisation of each sample."""
+        c = self.check
+        t, x, y, k = c.worst
+        return {
+            "schema": 1,
+            "robot": self.model.robot,
+            "surface": self.model.surface,
+            "margin": 1.0 - c.share,
+            "admissible": c.admissible,
+            "max_use": c.max_use,
+            "time_scale_needed": c.time_scale_needed,
+            "worst": {"t_s": t, "x_m": x, "y_m": y, "wheel": self.model.geometry.names[k]},
+            "wheels": self.model.geometry.names,
+            "t_s": c.t_s,
+            "use": c.use,
+            "torque": c.torque,
+            "wheel_speed": c.speed,
+            "min_load_N": float(np.min(c.load_N)),
+        }
+
+
+def check(
+    robot: RobotLike,
+    surface: str,
+    trajectory: Trajectory | Array | Path | str,
+    *,
+    margin: float = 0.0,
+    smooth_s: float = 0.0,
+    robust: bool = False,
+) -> CheckResult:
+    """The share of each wheel's grip that a trajectory asks for, and how much slower it must be.
+
+    Admissible means that no wheel uses more than 1 − margin of its grip, no motor more than it has, and no
+    wheel lifts off.  The cure is one factor: stretch time by it.
+
+    Parameters
+    ----------
+    robot : str, Path, Recipe or Robot
+        A built-in name, a robot file, or what :func:`slipmargin.read_robot` returned.
+    surface : str
+        A surface of the robot file.
+    trajectory : Trajectory, array (T, 4), or a file
+        A planned trajectory; rows of t [s], x [m], y [m], φ [rad]; or a CSV with at least the columns
+        ``t_s,x_m,y_m,phi_rad``.
+    margin : float
+        Safety margin: 1 − grip utilisation, 0 to below 1.
+    smooth_s : float
+        Window over which derivatives of measured poses are taken [s].
+    robust : bool
+        True: whichever wheels stand on rigid sectors.  False: all wheels on rollers.
+
+    Returns
+    -------
+    CheckResult
+        ``admissible``, ``time_scale_needed`` and, in ``check``, ``use`` (T, N).
+
+    Raises
+    ------
+    InputError
+        For a fault in the robot file, the trajectory or an argument.
+
+    Examples
+    --------
+    >>> import slipmargin as sm
+    >>> import numpy as np
+    >>> t = np.linspace(0.0, 2.0, 41)
+    >>> still = np.zeros_like(t)
+    >>> rows = np.column_stack([t, 0.2 * t**2, still, still])  # 0.4 m/s² to the right
+    >>> sm.check("ohio-kiwi", "paper", rows)
+    <check of ohio-kiwi on paper: admissible: uses at most 0.9045 of a wheel's grip, 1 allowed>
+    """
+    from slipmargin.limits.motion_state import Contact
+    from slipmargin.paths.check import check as path_check
+
+    model, warnings = model_of(robot, surface)
+    share = 1.0 - checked_margin(margin)
+    source = ""
+    if isinstance(trajectory, Trajectory):
+        t_s, pose = trajectory.t_s, trajectory.pose
+    elif isinstance(trajectory, Path | str):
+        from slipmargin.io.table import read_columns
+
+        source = str(trajectory)
+        columns = read_columns(Path(trajectory), required=NEEDED, known=None, empty=None, least=1)
+        t_s, pose = columns["t_s"], columns.stack(NEEDED[1:])
+    else:
+        rows = np.asarray(trajectory, dtype=float)
+        if rows.ndim != 2 or rows.shape[1] != 4:
+            raise InputError(
+                "trajectory", f"has the shape {rows.shape}", "give rows of t [s], x [m], y [m], φ [rad]"
+            )
+        t_s, pose = rows[:, 0], rows[:, 1:]
+    try:
+        found = path_check(
+            model,
+            t_s,
+            pose,
+            share=share,
+            smooth_s=smooth_s,
+            contact=Contact.UNKNOWN if robust else Contact.ROLLERS,
+        )
+    except InputError as fault:
+        raise fault.in_file(source) if source else fault from None
+    return CheckResult(model=model, check=found, pose=pose, warnings=warnings)

@@ -1,0 +1,316 @@
+"""``slipmargin.design``: which robot to build, every limit over varied dimensions."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, final
+
+from slipmargin.api.result import Result
+from slipmargin.api.robots import RobotLike, read_robot
+from slipmargin.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from slipmargin.study.influence import Influence
+    from slipmargin.study.optimum import Optimum
+    from slipmargin.study.reason import Reason
+    from slipmargin.study.robust import Interval, Robust
+    from slipmargin.study.study import Question, Study
+    from slipmargin.study.vary import Vary
+
+#: Seconds that a design takes by kind (roughly), and from which total on every core is used.
+COST_S = {"motion": 0.02, "laps": 0.5}
+MANY_S = 15.0
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class DesignResult(Result):
+    """Every limit of every design, the best design and why, and what the best depends on."""
+
+    study: Study
+    why: Reason
+    front: tuple[str, ...]  #: objectives of the Pareto front
+    optimum: Optimum | None  #: the best between the grid's points
+    robust: Robust | None  #: the best in the worst case of what is uncertain
+    influences: tuple[Influence, ...]
+    work_folder: Path | None
+
+    @property
+    def best(self) -> dict[str, Any]:
+        """The best design: quantity → value."""
+        return dict(zip(self.study.keys, self.study.values[self.study.best()], strict=True))
+
+    def summary(self) -> str:
+        """The best design and its objective with its unit."""
+        from slipmargin.report.design import best_sentence
+
+        machine = self.study.question.machine
+        return f"design of {machine.robot.name} on {machine.surface}: best {best_sentence(self.study)}"
+
+    def labelled(self) -> list[tuple[str, str]]:
+        """The answer as labelled sentences."""
+        from slipmargin.report.design import summary
+
+        return summary(self.study, self.why, self.front, self.optimum, self.robust, self.influences)
+
+    def lines(self) -> list[str]:
+        """The answer, then the best design for each objective."""
+        from slipmargin.report.design import best_by_objective
+        from slipmargin.report.text import columns
+
+        lines = [f"{label:<11} {text}" for label, text in self.labelled()]
+        return [*lines, "", *columns(*best_by_objective(self.study))]
+
+    def table_lines(self) -> list[str]:
+        """A row a design, or where to find them if they are too many to print."""
+        from slipmargin.report.design import designs
+
+        return designs(self.study, self.front)
+
+    def plot(self) -> Figure:
+        """Limits over the study, pulls all round for a few designs, and the Pareto front."""
+        from slipmargin.plots.study import study_figure
+
+        return study_figure(self.study, self.front, self.robust)
+
+    def table_text(self) -> str:
+        """A row a design."""
+        from slipmargin.study.table import table_text
+
+        return table_text(self.study, self.front)
+
+    def page_text(self) -> str:
+        """One self-contained HTML page that sums up."""
+        from slipmargin.plots.style import image
+        from slipmargin.report.design_page import design_page
+
+        return design_page(
+            self.study, self.front, self.robust, self.influences, self.labelled(), image(self.plot())
+        )
+
+    def write(self, path: Path | str) -> None:
+        """Write ``.html`` (a page that sums up), ``.csv``, ``.json`` or a picture.
+
+        Raises
+        ------
+        InputError
+            For another ending, or where the file cannot be written.
+        """
+        if Path(path).suffix.lower() == ".html":
+            self.write_files(texts={path: self.page_text()})
+        else:
+            Result.write(self, path)
+
+    def forget_work(self) -> None:
+        """Remove the pieces kept for a run that is interrupted; call it once the result is written."""
+        from slipmargin.study.pieces import clear
+
+        clear(self.work_folder)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything, as plain data."""
+        from slipmargin.study.table import study_data
+
+        s, found, sure = self.study, self.optimum, self.robust
+        return {
+            **study_data(s),
+            "why": {"where": self.why.where, "gives_way": list(self.why.what)},
+            "front": {"objectives": list(self.front), "rows": s.front(self.front).nonzero()[0]},
+            "optimum": None
+            if found is None
+            else {
+                "design": dict(zip(s.keys, found.values, strict=True)),
+                "value": found.value,
+                "gain_over_grid": found.gain,
+                "self_check": found.check,
+                "evaluations": found.evaluations,
+            },
+            "robust": None
+            if sure is None
+            else {
+                "objective": sure.goal.name,
+                "design": dict(zip(s.keys, s.values[sure.best], strict=True)),
+                "value": float(sure.value[sure.best]),
+                "worst_corner": dict(sure.corner),
+                "exact": sure.exact,
+                "column": sure.value,
+            },
+            "influence": [
+                {"key": i.key, "value": i.value, "slope": i.slope, "peak": i.peak} for i in self.influences
+            ],
+        }
+
+
+def design(
+    robot: RobotLike,
+    surface: str,
+    vary: Sequence[str] | str,
+    *,
+    objective: str = "f_worst",
+    front: Sequence[str] | str = "f_worst,start_worst_m_s2",
+    uncertain: Sequence[str] | str = (),
+    static: bool = False,
+    laps: bool = False,
+    jobs: int | None = None,
+    scheduler: str | None = None,
+    resume: Path | str | None = None,
+    progress: Callable[[str, float], None] = lambda stage, share: None,
+) -> DesignResult:
+    """Every limit of every design over grids of the robot file's quantities; the best one and why.
+
+    Parameters
+    ----------
+    robot : str, Path, Recipe or Robot
+        A built-in name, a robot file, or what :func:`slipmargin.read_robot` returned.
+    surface : str
+        A surface of the robot file.
+    vary : str or list of str
+        ``KEY=FROM:TO:STEP`` or ``KEY=a,b,c``; several make a product.
+    objective : str
+        What makes a design the best.
+    front : str or list of str
+        Objectives of the Pareto front.
+    uncertain : str or list of str
+        ``KEY=LOW:HIGH``: quantities only known within an interval, of which the worst case counts.
+    static : bool
+        Static limits only, which is quicker.
+    laps : bool
+        Also plan benchmark paths, which is slower.
+    jobs : int, optional
+        Processes; −1: every core.  Without it, every core where the work takes long.
+    scheduler : str, optional
+        Address of a Dask scheduler that replaces ``jobs``.
+    resume : str or Path, optional
+        A folder that keeps finished pieces of long work: interrupted and called again, it goes on.
+    progress : callable
+        Called with the name of the stage and the share of it that is done (0 to 1).
+
+    Returns
+    -------
+    DesignResult
+        ``study.columns`` holds a column (D,) for each objective; ``best`` the best design.
+
+    Raises
+    ------
+    InputError
+        For a fault in the robot file or an argument.  A single impossible design is no error: its row says
+        why.
+
+    Examples
+    --------
+    >>> import slipmargin as sm
+    >>> found = sm.design("ohio-kiwi", "paper", "delta_deg=0:60:10", static=True)
+    >>> found.best
+    {'delta_deg': 40.0}
+    """
+    from slipmargin.study.influence import influences
+    from slipmargin.study.objectives import Kind
+    from slipmargin.study.optimum import optimum
+    from slipmargin.study.pieces import Workshop
+    from slipmargin.study.reason import reason
+    from slipmargin.study.robust import robust
+    from slipmargin.study.study import study
+    from slipmargin.study.vary import product
+
+    question = _question(robot, surface, _several(vary), objective, static, laps)
+    intervals = _intervals(_several(uncertain), question.grids)
+    names = _front(front, question)
+    count = len(product(question.machine, question.grids)) + 1
+    slow = [kind for kind in question.needed() if kind is not Kind.STATIC]
+    if jobs is None:
+        jobs = -1 if count * sum(COST_S[kind.name.lower()] for kind in slow) > MANY_S else 1
+    folder = None if resume is None else Path(resume)
+    with _placed("jobs"):
+        workshop = Workshop(folder=folder, jobs=jobs, scheduler=scheduler)
+    done = 0
+
+    def advance(steps: int) -> None:
+        nonlocal done
+        done += steps
+        progress("designs", done / count)
+
+    with _placed("scheduler"):
+        found = study(question, workshop=workshop, advance=advance)
+    with _placed("vary"):
+        goal, best = question.objective, found.best()
+    machine = found.machine(best)
+    numeric = any(grid.numeric and len(grid.values) > 1 for grid in question.grids)
+    with _placed("uncertain"):
+        sure = robust(found.machines, goal, intervals) if intervals else None
+    return DesignResult(
+        study=found,
+        why=reason(machine, goal),
+        front=names,
+        optimum=optimum(found) if numeric else None,
+        robust=sure,
+        influences=influences(machine, goal) if goal.kind is not Kind.LAPS else (),
+        work_folder=folder,
+    )
+
+
+def _several(texts: Sequence[str] | str) -> tuple[str, ...]:
+    return (texts,) if isinstance(texts, str) else tuple(texts)
+
+
+def _question(
+    robot: RobotLike, surface: str, vary: Sequence[str], goal_name: str, static: bool, laps: bool
+) -> Question:
+    from slipmargin.io.toml_table import one_of
+    from slipmargin.study.machine import Machine
+    from slipmargin.study.objectives import Kind, objective
+    from slipmargin.study.study import Question
+    from slipmargin.study.vary import parse_vary, product
+
+    recipe = read_robot(robot)
+    one_of("surface", surface, [s.name for s in recipe.robot.surfaces])
+    machine = Machine(recipe=recipe, surface=surface)
+    with _placed("vary"):
+        grids = tuple(parse_vary(text) for text in vary)
+        product(machine, grids)
+    with _placed("objective"):
+        goal = objective(goal_name)
+    kinds = (Kind.STATIC,) if static else (Kind.STATIC, Kind.MOTION)
+    return Question(
+        machine=machine, grids=grids, objective=goal, kinds=(*kinds, Kind.LAPS) if laps else kinds
+    )
+
+
+def _intervals(texts: Sequence[str], grids: Sequence[Vary]) -> tuple[Interval, ...]:
+    from slipmargin.study.robust import parse_interval
+
+    with _placed("uncertain"):
+        intervals = tuple(parse_interval(text) for text in texts)
+        both = next((i.quantity.key for i in intervals if i.quantity.key in [g.key for g in grids]), None)
+        if both is not None:
+            raise InputError(both, "is varied as well", "either choose it or leave it uncertain")
+    return intervals
+
+
+def _front(front: Sequence[str] | str, question: Question) -> tuple[str, ...]:
+    from slipmargin.study.objectives import objective
+
+    names = front.split(",") if isinstance(front, str) else front
+    with _placed("front"):
+        goals = [objective(name.strip()) for name in names]
+    there, goal = question.needed(), question.objective
+    found = tuple(g.name for g in goals if g.kind in there)
+    if len(found) < 2:
+        return (goal.name, "f_mean" if goal.name != "f_mean" else "f_worst")
+    return found
+
+
+@contextlib.contextmanager
+def _placed(argument: str) -> Iterator[None]:
+    """A fault inside is one of this argument; what it named itself stands behind."""
+    try:
+        yield
+    except InputError as fault:
+        if fault.source:
+            raise
+        inner = "" if fault.place == argument else fault.place
+        raise InputError(f"{argument} {inner}".rstrip(), fault.problem, fault.cure) from None

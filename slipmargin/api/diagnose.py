@@ -1,0 +1,186 @@
+"""``slipmargin.diagnose``: what physics the model lacks, judged by measured runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, final
+
+from slipmargin.api.result import Result
+from slipmargin.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from slipmargin.data.data_set import DataSet
+    from slipmargin.diagnose.diagnosis import Diagnosis
+    from slipmargin.diagnose.limits_change import LimitsChange
+    from slipmargin.effects import Recipe
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class DiagnosisResult(Result):
+    """What the model lacks, the evidence, and the limits before and after."""
+
+    diagnosis: Diagnosis
+    change: LimitsChange
+
+    @property
+    def verdict(self) -> str:
+        """``effect-found``, ``no-missing-effect`` or ``unexplained``."""
+        return self.diagnosis.verdict.value
+
+    @property
+    def corrected(self) -> Recipe:
+        """The robot with the effects that were found: every other function accepts it."""
+        return self.diagnosis.corrected
+
+    def summary(self) -> str:
+        """The verdict in one sentence."""
+        from slipmargin.report.diagnosis_words import verdict_sentence
+
+        return f"diagnosis of {self.diagnosis.data_set}: {verdict_sentence(self.diagnosis)}"
+
+    def lines(self) -> list[str]:
+        """Verdict, effects, error and limits before and after."""
+        from slipmargin.report.diagnosis_words import summary_lines
+
+        return summary_lines(self.diagnosis, self.change)
+
+    def to_dict(self) -> dict[str, Any]:
+        """What ``report.json`` holds."""
+        from slipmargin.report.diagnosis_json import report
+
+        return report(self.diagnosis, self.change)
+
+    def figures(self) -> dict[str, Figure]:
+        """Every figure by name: residual, where, suspects, held-out, limits; empty ones are left out."""
+        from slipmargin.plots.diagnosis import figures
+
+        return figures(self.diagnosis, self.change)
+
+    def plot(self) -> Figure:
+        """Measured and predicted paths and headings of held-out runs."""
+        from slipmargin.plots.diagnosis import held_out_figure
+
+        return held_out_figure(self.diagnosis)
+
+    def corrected_text(self) -> str:
+        """The corrected robot file as TOML text."""
+        from slipmargin.io.robot_text import write_recipe
+        from slipmargin.report.diagnosis_words import verdict_sentence
+
+        d = self.diagnosis
+        return write_recipe(
+            d.corrected,
+            f"{d.recipe.robot.name}, corrected by slipmargin diagnose from the data set {d.data_set}.\n"
+            f"{verdict_sentence(d)}",
+        )
+
+    def files(self) -> dict[str, str | bytes]:
+        """File name → content: report.html first, then report.json, corrected.toml and the figures."""
+        from slipmargin.plots.style import image
+        from slipmargin.report.diagnosis_page import page
+        from slipmargin.report.page import html, pictures
+
+        images = {name: image(figure, png=True) for name, figure in self.figures().items()}
+        built = page(self.diagnosis, self.change, images)
+        return {
+            "report.html": html(built),
+            "corrected.toml": self.corrected_text(),
+            "report.json": self.to_json(),
+            **dict(sorted(pictures(built).items())),
+        }
+
+    def write(self, path: Path | str) -> None:
+        """Write ``.toml`` (the corrected robot), ``.json`` (the report) or a picture.
+
+        Raises
+        ------
+        InputError
+            For another ending, or where the file cannot be written.
+        """
+        if Path(path).suffix.lower() == ".toml":
+            self.write_files(texts={path: self.corrected_text()})
+        else:
+            Result.write(self, path)
+
+    def write_folder(self, folder: Path | str) -> list[str]:
+        """Write :meth:`files` into a folder, all or none, and return their names.
+
+        Raises
+        ------
+        InputError
+            Where the folder cannot be written; then nothing has changed.
+        """
+        from slipmargin.io.folder import write_folder
+
+        files = self.files()
+        write_folder(folder, files)
+        return list(files)
+
+
+def diagnose(
+    data_set: DataSet | Path | str,
+    *,
+    seed: int = 0,
+    progress: Callable[[str, float], None] = lambda stage, share: None,
+) -> DiagnosisResult:
+    """What the model lacks, proved on runs that no fit has seen, with a corrected robot.
+
+    Parameters
+    ----------
+    data_set : DataSet, str or Path
+        A data set, or the folder of one (``dataset.toml``, the robot file, ``trials/*.csv``).
+    seed : int
+        Seed of everything random, from 0; the same data and seed give the same result.
+    progress : callable
+        Called with the name of each stage and the share of it that is done (0 to 1).
+
+    Returns
+    -------
+    DiagnosisResult
+        ``verdict``, ``diagnosis.findings``, ``corrected`` (a robot for all other functions), ``change``
+        (limits before and after).
+
+    Raises
+    ------
+    InputError
+        For a fault in the data set, also where its runs show wrong units, swapped wheels or a mirrored
+        frame.
+
+    Examples
+    --------
+    >>> import slipmargin as sm
+    >>> found = sm.diagnose("measured-runs")  # doctest: +SKIP
+    >>> sm.sweep(found.corrected, "paper")  # doctest: +SKIP
+    """
+    from slipmargin.diagnose.limits_change import limits_change
+    from slipmargin.diagnose.loop import diagnose as search
+
+    if seed < 0:
+        raise InputError("seed", f"is {seed}", "give a whole number from 0")
+    data, source = _read(data_set)
+    _check_sense(data, source)
+    diagnosis = search(data, seed=seed, progress=progress)
+    progress("limits before and after", 0.2)
+    change = limits_change(diagnosis.recipe, diagnosis.corrected, diagnosis.surface, data.pulls)
+    return DiagnosisResult(diagnosis=diagnosis, change=change)
+
+
+def _read(data_set: DataSet | Path | str) -> tuple[DataSet, str]:
+    if isinstance(data_set, Path | str):
+        from slipmargin.io.data_set import read_data_set
+
+        return read_data_set(Path(data_set)), str(data_set)
+    return data_set, data_set.name
+
+
+def _check_sense(data_set: DataSet, source: str) -> None:
+    """Refuse data whose fault is not the robot's: wrong units, swapped wheels, a mirrored frame."""
+    from slipmargin.io.data_checks import check_data_set
+
+    for fault in check_data_set(data_set):
+        raise InputError(fault.place, fault.problem, f"likely cause: {fault.cause}", source)

@@ -1,0 +1,204 @@
+"""``slipmargin.import_logs``: raw logs into a data set."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, final
+
+from slipmargin.api.result import Result
+from slipmargin.api.robots import RobotLike, read_robot
+from slipmargin.errors import InputError
+
+if TYPE_CHECKING:
+    from slipmargin.data.data_set import DataSet
+    from slipmargin.diagnose.calibration import Calibration
+    from slipmargin.io.importers.plug import Importer, Summary
+
+FORMATS = ("robotino", "csv", "ros")
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class ImportResult(Result):
+    """A data set made of logs, and what was read, dropped and why."""
+
+    data_set: DataSet
+    read: Summary
+    calibration: Calibration | None
+    calibration_given: bool
+    delay_s: float | None  #: camera later than encoders [s]; None where no run starts from rest
+    warnings: tuple[str, ...]
+
+    def summary(self) -> str:
+        """Runs and where they are from."""
+        return f"data set {self.data_set.name}: {len(self.data_set.trials)} {self.read.format} runs"
+
+    def lines(self) -> list[str]:
+        """What was read and dropped, the calibration, and a few figures."""
+        held = self.calibration
+        lines = [f"calibration: {line}" for line in (() if held is None else held.lines())]
+        facts = [f"{name.replace('_', ' ')}: {value:.5g}" for name, value in self.read.facts().items()]
+        if self.delay_s is not None:
+            apart = (
+                " (spinning up with slip looks like delay; the calibration's is held)"
+                if self.calibration_given
+                else ""
+            )
+            facts.append(f"camera later than encoders by {1e3 * self.delay_s:.0f} ms on this floor{apart}")
+        return [*self.read.lines(), *lines, *facts]
+
+    def to_dict(self) -> dict[str, Any]:
+        """What ``import.json`` holds."""
+        held = self.calibration
+        return {
+            "schema": 1,
+            **self.read.as_json(),
+            "delay_s": self.delay_s,
+            "calibration": None
+            if held is None
+            else {
+                "scale": held.scale,
+                "rotation_rad": held.rotation_rad,
+                "delay_s": held.delay_s,
+                "tilt_per_m": held.tilt_per_m.tolist(),
+            },
+            "checks": list(self.warnings),
+        }
+
+    def write_folder(self, folder: Path | str) -> None:
+        """Write the data set with ``import.json`` and, where there is one, ``calibration.toml``.
+
+        Raises
+        ------
+        InputError
+            Where the folder cannot be written, or holds something else.
+        """
+        from slipmargin.io.calibration_file import calibration_text
+        from slipmargin.io.data_set_write import write_data_set
+
+        extra = {"import.json": self.to_json()}
+        if self.calibration is not None:
+            extra["calibration.toml"] = calibration_text(self.calibration)
+        comment = f"imported from {len(self.data_set.trials)} {self.read.format} logs"
+        write_data_set(Path(folder), self.data_set, extra, comment=comment)
+
+
+def import_logs(
+    files: Sequence[Path | str],
+    format: str,
+    robot: RobotLike,
+    surface: str | None = None,
+    *,
+    calibrate: bool = False,
+    calibration: Path | str | None = None,
+    commanded: bool = False,
+    name: str = "imported",
+    **options: Any,
+) -> ImportResult:
+    """A data set made of raw logs, one run each, with what was read and what was dropped.
+
+    Parameters
+    ----------
+    files : list of str or Path
+        The logs.
+    format : str
+        ``robotino`` (options ``ticks_per_turn``, ``smooth_s``), ``csv`` (option ``columns``, a TOML file that
+        says which column is what) or ``ros`` (options ``pose_topic``, ``joint_topic``, ``joints``).
+    robot : str, Path, Recipe or Robot
+        The robot that is believed.
+    surface : str, optional
+        Its surface; by default the file's first.
+    calibrate : bool
+        Estimate scale, rotation, delay and tilt of the camera from these runs.
+    calibration : str or Path, optional
+        A ``calibration.toml`` of another floor, to be held fixed.
+    commanded : bool
+        The wheel speeds are commanded, not measured.
+    name : str
+        Name of the data set.
+
+    Returns
+    -------
+    ImportResult
+        ``data_set``, and ``write(folder)``.
+
+    Raises
+    ------
+    InputError
+        For a fault in a log, or arguments that exclude each other.
+
+    Examples
+    --------
+    >>> import slipmargin as sm
+    >>> runs = sm.import_logs(["run1.txt"], "robotino", "robotino", calibrate=True)  # doctest: +SKIP
+    >>> runs.write_folder("measured-runs")  # doctest: +SKIP
+    """
+    from slipmargin.data.data_set import DataSet, WheelSignal
+    from slipmargin.diagnose.calibration import calibrate as calibrated
+    from slipmargin.io.calibration_file import read_calibration
+    from slipmargin.io.data_checks import check_data_set
+    from slipmargin.io.importers.plug import import_files
+
+    if calibrate and calibration is not None:
+        raise InputError("calibrate", "is given together with a calibration", "give one of the two")
+    importer = _importer(format, options)
+    recipe = read_robot(robot)
+    floor = recipe.robot.surfaces[0].name if surface is None else recipe.robot.surface(surface).name
+    held = None if calibration is None else read_calibration(Path(calibration))
+    read = import_files(importer, [Path(file) for file in files])
+    records = read.records
+    if calibrate:
+        held = calibrated(records, recipe.build(floor).geometry)
+    if held is not None:
+        records = tuple(held.level(record) for record in records)
+        recipe = replace(recipe, effects=(*recipe.effects, *held.effects()))
+    signal = WheelSignal.COMMANDED if commanded else WheelSignal.MEASURED
+    data_set = DataSet(name=name, recipe=recipe, surface=floor, wheel_signal=signal, trials=records)
+    return ImportResult(
+        data_set=data_set,
+        read=read,
+        calibration=held,
+        calibration_given=calibration is not None,
+        delay_s=_delay(data_set),
+        warnings=tuple(str(finding) for finding in check_data_set(data_set)),
+    )
+
+
+def _importer(format: str, options: dict[str, Any]) -> Importer:
+    """The reader of a format; an option that it does not have is refused."""
+    if format not in FORMATS:
+        raise InputError("format", f"is {format!r}", f"use one of: {', '.join(FORMATS)}")
+    known = {
+        "robotino": ("ticks_per_turn", "smooth_s"),
+        "csv": ("columns",),
+        "ros": ("pose_topic", "joint_topic", "joints"),
+    }[format]
+    for option in options:
+        if option not in known:
+            raise InputError(option, f"is no option of {format!r}", f"use one of: {', '.join(known)}")
+    if format == "robotino":
+        from slipmargin.io.importers.robotino import RobotinoImporter
+
+        return RobotinoImporter(**options)
+    for option in known:
+        if option not in options:
+            raise InputError(option, "is missing", f"format {format!r} needs it")
+    if format == "csv":
+        from slipmargin.io.importers.csv_map import CsvImporter, read_map
+
+        return CsvImporter(map=read_map(Path(options["columns"])))
+    from slipmargin.io.importers.ros2 import RosImporter
+
+    return RosImporter(**{**options, "joints": tuple(options["joints"])})
+
+
+def _delay(data_set: DataSet) -> float | None:
+    from slipmargin.diagnose.delay import estimate_delay
+
+    try:
+        geometry = data_set.recipe.build(data_set.surface).geometry
+        return estimate_delay(data_set.trials, geometry).value_s
+    except InputError:  # no run starts from rest: nothing tells a delay, and nothing needs to
+        return None

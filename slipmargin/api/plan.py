@@ -1,0 +1,263 @@
+"""``slipmargin.plan``: the fastest way along a path with a margin against slip."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+
+from slipmargin.api.result import Result
+from slipmargin.api.robots import RobotLike, checked_margin, model_of
+from slipmargin.checks import Array
+from slipmargin.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from slipmargin.model import Model
+    from slipmargin.paths.path import Path as Way
+    from slipmargin.paths.plan import Plan
+    from slipmargin.paths.trajectory import Trajectory
+    from slipmargin.paths.verify import Verified
+
+WAYPOINTS = ("x_m", "y_m", "phi_rad")
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class PlanResult(Result):
+    """A plan with its table and, where asked for, its simulation on rollers and with rigid sectors."""
+
+    plan: Plan
+    trajectory: Trajectory
+    simulated: dict[str, Verified]
+    warnings: tuple[str, ...]
+
+    @property
+    def duration_s(self) -> float:
+        """How long the motion takes [s]."""
+        return self.plan.duration_s
+
+    def sped_up_to(self, utilisation: float, *, hold_s: float = 0.0) -> Trajectory:
+        """The same motion driven faster, until a wheel is asked for ``utilisation`` of its grip [1].
+
+        Parameters
+        ----------
+        utilisation : float
+            Share of a wheel's grip; above 1 the wheel slips.
+        hold_s : float
+            For how long on end it must be asked [s].
+
+        Raises
+        ------
+        NoSolution
+            If the plan uses more already, or no speed-up by less than 20 does it.
+        """
+        from slipmargin.paths.sample import at_use
+
+        return at_use(self.plan.model, self.trajectory, utilisation, hold_s=hold_s)
+
+    def simulated_again(self, trajectory: Trajectory) -> Verified:
+        """Another trajectory of the same robot, simulated open loop with all wheels on rollers.
+
+        Parameters
+        ----------
+        trajectory : Trajectory
+            For example what :meth:`sped_up_to` returned.
+        """
+        from slipmargin.paths.verify import on_rollers, verify
+
+        return verify(on_rollers(self.plan.model), trajectory)
+
+    def summary(self) -> str:
+        """Duration, length and the highest grip utilisation."""
+        p = self.plan
+        return (
+            f"plan of {p.model.robot} on {p.model.surface}: {p.duration_s:.4f} s for {p.path.length:.4g} m, "
+            f"at most {p.max_use:.4f} of a wheel's grip"
+        )
+
+    def lines(self) -> list[str]:
+        """Duration, grip, what limits the pace, and each simulation."""
+        from slipmargin.report.paths import plan_lines
+
+        return plan_lines(self.plan, self.trajectory, self.simulated)
+
+    def plot(self) -> Figure:
+        """The path by limiting wheel, the speed under its limit curve, the grip utilisation of each wheel."""
+        from slipmargin.plots.paths import plan_figure
+
+        return plan_figure(self.plan, self.trajectory)
+
+    def table_text(self) -> str:
+        """The trajectory in the contract's columns."""
+        from slipmargin.io.table import columns_text
+
+        return columns_text(self.trajectory.columns(), digits=12)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as numbers."""
+        from slipmargin.report.paths import limiting_wheel
+
+        p = self.plan
+        names = (*p.model.geometry.names, "cap")
+        return {
+            "schema": 1,
+            "robot": p.model.robot,
+            "surface": p.model.surface,
+            "margin": 1.0 - p.request.share,
+            "contact": p.request.contact.name.lower(),
+            "duration_s": p.duration_s,
+            "length_m": p.path.length,
+            "max_use": p.max_use,
+            "grid_points": len(p.x),
+            "s_m": p.grid.s,
+            "speed_m_s": np.sqrt(p.x),
+            "speed_limit_m_s": np.sqrt(p.highest),
+            "limiting": [names[int(k)] for k in limiting_wheel(p)],
+            "trajectory": self.trajectory.columns(),
+            "simulated": {
+                name: {
+                    "slips": v.slips,
+                    "max_share": v.peak,
+                    "wheel": v.wheel,
+                    "max_drive_slip_m_s": float(np.max(v.slip_m_s)),
+                    "end_position_m": v.drift_m,
+                    "end_heading_rad": v.drift_rad,
+                }
+                for name, v in self.simulated.items()
+            },
+        }
+
+
+def plan(
+    robot: RobotLike,
+    surface: str,
+    waypoints: Sequence[Sequence[float]] | Array | Path | str,
+    *,
+    margin: float = 0.1,
+    closed: bool = False,
+    blend_m: float | None = None,
+    start_speed_m_s: float = 0.0,
+    end_speed_m_s: float = 0.0,
+    max_speed_m_s: float | None = None,
+    max_yaw_rate_rad_s: float | None = None,
+    robust: bool = False,
+    points: int = 400,
+    step_s: float = 0.005,
+    verify: bool = False,
+) -> PlanResult:
+    """The fastest motion along waypoints that keeps every wheel below 1 − margin of its grip.
+
+    Parameters
+    ----------
+    robot : str, Path, Recipe or Robot
+        A built-in name, a robot file, or what :func:`slipmargin.read_robot` returned.
+    surface : str
+        A surface of the robot file.
+    waypoints : array (K, 3), or a file
+        Poses x [m], y [m], φ [rad] in the floor frame, or a CSV with columns ``x_m,y_m,phi_rad``.
+    margin : float
+        Safety margin: 1 − grip utilisation, 0 to below 1.
+    closed : bool
+        Close the path smoothly.
+    blend_m : float, optional
+        Straight lines with corners rounded from so many metres before each waypoint [m]; without it the
+        path is a spline.
+    start_speed_m_s, end_speed_m_s : float
+        Speed along the path at its ends [m/s].
+    max_speed_m_s, max_yaw_rate_rad_s : float, optional
+        Caps [m/s, rad/s].
+    robust : bool
+        True: safe whichever wheels stand on rigid sectors.  False: all wheels on rollers.
+    points : int
+        Grid points along the path.
+    step_s : float
+        Time step of the table [s].
+    verify : bool
+        Also simulate the planned wheel speeds, open loop.
+
+    Returns
+    -------
+    PlanResult
+        ``trajectory`` holds ``t_s`` (T,), ``pose``, ``velocity`` and ``acceleration`` (T, 3) in the floor
+        frame, ``omega`` and ``use`` (T, N).
+
+    Raises
+    ------
+    InputError
+        For a fault in the robot file, the waypoints or an argument.
+    NoSolution
+        If there is no admissible motion.
+
+    Examples
+    --------
+    >>> import slipmargin as sm
+    >>> sm.plan("ohio-kiwi", "paper", [[0, 0, 0], [1, 0, 0]], margin=0.1, points=50)
+    <plan of ohio-kiwi on paper: 2.5312 s for 1 m, at most 0.9000 of a wheel's grip>
+    """
+    from slipmargin.limits.motion_state import Contact
+    from slipmargin.paths.along import Caps
+    from slipmargin.paths.plan import Request, plan as path_plan
+    from slipmargin.paths.sample import trajectory
+    from slipmargin.paths.verify import on_rollers, verify as simulated
+
+    model, warnings = model_of(robot, surface)
+    for name, cap in (("max_speed_m_s", max_speed_m_s), ("max_yaw_rate_rad_s", max_yaw_rate_rad_s)):
+        if cap is not None and not 0.0 < cap < np.inf:
+            raise InputError(name, f"is {cap:g}", "give a positive number, or leave it out")
+    if closed and blend_m is not None:
+        raise InputError(
+            "blend_m",
+            "is given for a closed path",
+            "close the path with a spline, or repeat the first waypoint",
+        )
+    request = Request(
+        share=1.0 - checked_margin(margin),
+        points=points,
+        start_m_s=start_speed_m_s,
+        end_m_s=end_speed_m_s,
+        caps=Caps(speed_m_s=max_speed_m_s or np.inf, yaw_rate_rad_s=max_yaw_rate_rad_s or np.inf),
+        contact=Contact.UNKNOWN if robust else Contact.ROLLERS,
+    )
+    source = str(waypoints) if isinstance(waypoints, Path | str) else ""
+    try:
+        found = path_plan(model, _way(model, waypoints, closed, blend_m), request)
+    except InputError as fault:
+        raise fault if fault.source or not source else fault.in_file(source) from None
+    rows = trajectory(found, step_s=step_s)
+    proofs = {}
+    if verify:
+        proofs["on rollers"] = simulated(on_rollers(model), rows)
+        if np.any(model.grip.rigid_fraction > 0.0):
+            proofs["with its rigid sectors"] = simulated(model, rows)
+    return PlanResult(plan=found, trajectory=rows, simulated=proofs, warnings=warnings)
+
+
+def _way(
+    model: Model,
+    waypoints: Sequence[Sequence[float]] | Array | Path | str,
+    closed: bool,
+    blend_m: float | None,
+) -> Way:
+    """The path through the waypoints."""
+    from slipmargin.paths.path import corners, through
+
+    if isinstance(waypoints, Path | str):
+        from slipmargin.io.table import read_columns
+
+        places = read_columns(Path(waypoints), required=WAYPOINTS, known=(), least=1).stack(WAYPOINTS)
+    else:
+        places = np.asarray(waypoints, dtype=float)
+        if places.ndim != 2 or places.shape[1] != 3:
+            raise InputError(
+                "waypoints", f"have the shape {places.shape}", "give rows of x [m], y [m], φ [rad]"
+            )
+    offset = model.geometry.position_m - model.inertia.com_m
+    arm = float(np.mean(np.hypot(offset[:, 0], offset[:, 1])))
+    if blend_m is None:
+        return through(places, arm=arm, closed=closed)
+    return corners(places, arm=arm, blend_m=blend_m)

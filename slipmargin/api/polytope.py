@@ -1,0 +1,128 @@
+"""``slipmargin.polytope``: every force and moment the wheels can put on the body without slipping."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+
+from slipmargin.api.result import Result
+from slipmargin.api.robots import RobotLike, model_of, read_robot
+from slipmargin.checks import Array
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from slipmargin.limits import WrenchSet
+    from slipmargin.model import Model
+    from slipmargin.sets.zonotope import Zonotope
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class PolytopeResult(Result):
+    """The set of wrenches (Fx, Fy [N], Mz [N m]) about the centre of mass, in the body frame."""
+
+    model: Model
+    wrenches: WrenchSet
+    body: Zonotope
+    state: str  #: "rollers" or "rigid": what all wheels stand on
+    warnings: tuple[str, ...]
+
+    @property
+    def vertices(self) -> Array:
+        """(V, 3) corners [N, N, N m]."""
+        return self.body.vertices()
+
+    @property
+    def facets(self) -> tuple[Array, Array]:
+        """Normals (F, 3) and offsets (F,): normal · wrench ≤ offset inside."""
+        return self.body.half_spaces()
+
+    def summary(self) -> str:
+        """Corners, facets and volume."""
+        m = self.model
+        return (
+            f"polytope of {m.robot} on {m.surface}, all wheels on {self.state}: "
+            f"{len(self.vertices)} vertices, volume {self.body.volume():.4g} N² N m"
+        )
+
+    def lines(self) -> list[str]:
+        """Size of the set, and the largest force and moment."""
+        corners = self.vertices
+        reach = np.abs(corners).max(axis=0)
+        return [
+            f"{len(corners)} vertices, {len(self.facets[0])} facets, volume {self.body.volume():.4g} N² N m "
+            f"({self.model.robot} on {self.model.surface}, all wheels on {self.state})",
+            f"largest |Fx| {reach[0]:.3f} N, |Fy| {reach[1]:.3f} N, |Mz| {reach[2]:.4f} N m, "
+            "each with whatever else comes along",
+        ]
+
+    def plot(self) -> Figure:
+        """The polytope in space and its section at Mz = 0."""
+        from slipmargin.plots.polytope import polytope_figure
+
+        title = f"Wrenches without slip: {self.model.robot}, surface “{self.model.surface}”"
+        return polytope_figure(self.wrenches, title)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Vertices, facets, volume and generators."""
+        names = [f"{name} {part}" for name in self.wrenches.names for part in ("drive", "transverse")]
+        return {
+            "schema": 1,
+            "robot": self.model.robot,
+            "surface": self.model.surface,
+            "state": self.state,
+            "units": {"vertices": ["N", "N", "N m"], "volume": "N^2 N m", "generators": ["N", "N", "N m"]},
+            "vertices": self.vertices,
+            "facets": [{"normal": n, "offset": o} for n, o in zip(*self.facets, strict=True)],
+            "volume": self.body.volume(),
+            "generators": self.body.generators.T,
+            "generator_names": names,
+            "centre": self.body.centre,
+        }
+
+
+def polytope(robot: RobotLike, surface: str, *, rigid: bool = False) -> PolytopeResult:
+    """All wrenches (Fx, Fy, Mz) that the wheels can put on the body without slipping.
+
+    The set is that of the box grip (eq. 17 of the paper), a zonotope.  A coupled grip has no facets and
+    lies inside it.
+
+    Parameters
+    ----------
+    robot : str, Path, Recipe or Robot
+        A built-in name, a robot file, or what :func:`slipmargin.read_robot` returned.
+    surface : str
+        A surface of the robot file.
+    rigid : bool
+        All wheels stand on rigid material instead of on rollers.
+
+    Returns
+    -------
+    PolytopeResult
+        ``vertices`` (V, 3) [N, N, N m] about the centre of mass, body frame; ``facets``.
+
+    Raises
+    ------
+    InputError
+        For a fault in the robot file, or a surface that it does not have.
+
+    Examples
+    --------
+    >>> import slipmargin as sm
+    >>> sm.polytope("ohio-kiwi", "paper")
+    <polytope of ohio-kiwi on paper, all wheels on rollers: 28 vertices, volume 85.26 N² N m>
+    """
+    from slipmargin.limits import wrench_set
+
+    model, warnings = model_of(read_robot(robot, grip="box"), surface)
+    wrenches = wrench_set(model, np.full(model.count, rigid))
+    return PolytopeResult(
+        model=model,
+        wrenches=wrenches,
+        body=wrenches.zonotope(),
+        state="rigid" if rigid else "rollers",
+        warnings=warnings,
+    )

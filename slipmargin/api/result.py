@@ -1,0 +1,114 @@
+"""What every result of the front door can do: say itself, become plain data, be drawn and be written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from slipmargin.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_PICTURES = (".png", ".svg", ".pdf")
+
+
+class Result:
+    """Base of all results; a result overrides what it has."""
+
+    __slots__ = ()
+
+    def summary(self) -> str:
+        """The answer in one line, with its unit."""
+        raise NotImplementedError
+
+    def lines(self) -> list[str]:
+        """The lines that the command prints, the answer first."""
+        raise NotImplementedError
+
+    def table_lines(self) -> list[str]:
+        """The table that the command prints below them; empty where there is none."""
+        return []
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as plain data with arrays: what ``--json`` writes."""
+        raise NotImplementedError
+
+    def to_json(self) -> str:
+        """:meth:`to_dict` as JSON text; a number that is not finite is null."""
+        from slipmargin.io.json_text import json_text
+
+        return json_text(self.to_dict())
+
+    def plot(self) -> Figure:
+        """The picture that ``--plot`` writes, as a matplotlib figure that belongs to no window."""
+        raise InputError("plot", f"a {type(self).__name__} has no picture", "use lines() or to_dict()")
+
+    def table_text(self) -> str:
+        """The table that ``--out`` writes, as CSV text."""
+        raise InputError("write", f"a {type(self).__name__} has no table", "write a .json file")
+
+    def write(self, path: Path | str) -> None:
+        """Write the result whole or not at all; the file's ending says what is written.
+
+        ``.json``: :meth:`to_dict`; ``.png``, ``.svg`` or ``.pdf``: :meth:`plot`; ``.csv``: the table.
+
+        Raises
+        ------
+        InputError
+            For another ending, or where the file cannot be written; the previous file is then untouched.
+        """
+        ending = Path(path).suffix.lower()
+        if ending == ".json":
+            self.write_files(json=path)
+        elif ending in _PICTURES:
+            self.write_files(plot=path)
+        elif ending == ".csv":
+            self.write_files(table=path)
+        else:
+            raise InputError("", f"ends in {ending!r}", "use .csv, .json, .png, .svg or .pdf", str(path))
+
+    def write_files(
+        self,
+        *,
+        table: Path | str | None = None,
+        plot: Path | str | None = None,
+        json: Path | str | None = None,
+        texts: Mapping[Path | str, str | bytes] | None = None,
+    ) -> None:
+        """Write several files, all complete before the first replaces its predecessor.
+
+        Parameters
+        ----------
+        table, plot, json
+            Where the table (CSV), the picture and :meth:`to_dict` (JSON) go; None: not written.
+        texts
+            Further files, path to content.
+        """
+        from slipmargin.io.writes import check_format, write_together
+
+        files: dict[Path | str, str | bytes] = dict(texts or {})
+        if plot is not None:
+            from slipmargin.plots.style import picture
+
+            files[plot] = picture(self.plot(), check_format(plot))
+        if table is not None:
+            files[table] = self.table_text()
+        if json is not None:
+            files[json] = self.to_json()
+        if files:
+            write_together(files)
+
+    def __repr__(self) -> str:
+        return f"<{self.summary()}>"
+
+    def _repr_html_(self) -> str:
+        from slipmargin.report.page import cell
+
+        drawn = None
+        if type(self).plot is not Result.plot:
+            from slipmargin.plots.style import image
+
+            drawn = image(self.plot())
+        return cell(self.summary(), self.lines(), drawn)

@@ -1,0 +1,44 @@
+"""Polar axes as the robot sees them: forwards is up, angles run counter-clockwise."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.gridspec import SubplotSpec
+from matplotlib.projections.polar import PolarAxes
+
+from slipmargin.checks import Array
+
+
+def polar_axes(figure: Figure, place: SubplotSpec | None = None) -> PolarAxes:
+    """New polar axes in a figure, at a place of its grid or filling it."""
+    axes = (
+        figure.add_subplot(projection="polar")
+        if place is None
+        else figure.add_subplot(place, projection="polar")
+    )
+    assert isinstance(axes, PolarAxes)
+    return axes
+
+
+def forwards_up(axes: PolarAxes) -> None:
+    """Name the directions, turn forwards up, and keep the grid quiet.  Angles are counted from forwards."""
+    axes.set_theta_zero_location("N")
+    axes.set_theta_direction(1)
+    axes.set_thetagrids(range(0, 360, 45), ["forwards", "", "left", "", "backwards", "", "right", ""])
+    axes.set_rlabel_position(22.5)
+    axes.grid(color="#CFCFCF", lw=0.6)
+    axes.spines["polar"].set_visible(False)
+
+
+def from_forwards(direction_rad: Array) -> Array:
+    """Directions counted from the body's +X (to the right) as angles from forwards [rad]."""
+    return np.asarray(direction_rad - np.pi / 2.0)
+
+
+def of_pull(phi_rad: Array) -> Array:
+    """Orientations φ under a pull along the floor's +x as the pull's direction from forwards [rad].
+
+    The pull points along −φ from body +X.
+    """
+    return from_forwards(-np.asarray(phi_rad))

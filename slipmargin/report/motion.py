@@ -1,0 +1,29 @@
+"""The words of a simulation."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.model import Model
+from slipmargin.sim.run import Run
+
+
+def run_lines(run: Run, model: Model, work_J: float, planned_end: Array | None) -> list[str]:
+    """End pose, largest drive slip, energy lost to sliding, and the distance from the planned end."""
+    x, y, phi = run.pose[-1]
+    slip = np.abs(run.slip[..., 0])
+    when, wheel = np.unravel_index(int(np.argmax(slip)), slip.shape)
+    lines = [
+        f"ends at x {x:.4f} m, y {y:.4f} m, φ {phi:.4f} rad after {run.duration_s:.3g} s "
+        f"({model.robot} on {model.surface})",
+        f"largest drive slip {slip[when, wheel]:.4g} m/s, "
+        f"wheel {run.wheels[wheel]} at {run.t_s[when]:.3g} s; "
+        f"sliding takes {-work_J:.3g} J",
+    ]
+    if planned_end is not None:
+        miss = run.pose[-1] - planned_end
+        lines.append(f"misses the planned end by {1e3 * math.hypot(*miss[:2]):.2f} mm and {miss[2]:.4f} rad")
+    return lines

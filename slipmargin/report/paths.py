@@ -1,0 +1,76 @@
+"""The words of a plan and of a check."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.model import Model
+from slipmargin.paths.check import Check
+from slipmargin.paths.plan import Plan
+from slipmargin.paths.trajectory import Trajectory
+from slipmargin.paths.verify import Verified
+
+
+def plan_lines(p: Plan, rows: Trajectory, proofs: Mapping[str, Verified]) -> list[str]:
+    """Duration, grip, what limits the pace, and each simulation; the first line is the answer."""
+    share = p.request.share
+    i, j, k = p.audit.worst
+    speed = np.hypot(rows.velocity[:, 0], rows.velocity[:, 1])
+    lines = [
+        f"duration    {p.duration_s:.4f} s for {p.path.length:.4g} m, top speed {np.max(speed):.4g} m/s",
+        f"grip        at most {p.max_use:.6f} of each wheel's grip, {share:g} allowed (checked at "
+        f"{p.audit.speed.size} places); highest: wheel {p.model.geometry.names[k]} at "
+        f"t = {p.audit.time_s[i, j]:.3f} s",
+        f"limited by  {_limited(p)}",
+    ]
+    for name, proof in proofs.items():
+        words = "slips" if proof.slips else "does not slip"
+        lines.append(
+            f"simulated   {name}: {words}; uses at most {proof.peak:.4f} of the grip (wheel {proof.wheel}), "
+            f"drive slip up to {1e3 * np.max(proof.slip_m_s):.3g} mm/s; open loop it ends "
+            f"{1e3 * proof.drift_m:.3g} mm and {np.rad2deg(proof.drift_rad):.3g}° away"
+        )
+    return lines
+
+
+def _limited(p: Plan) -> str:
+    """Share of the time that each wheel's grip (or a motor, a cap) sets the pace."""
+    spent = np.diff(p.audit.time_s[:, [0, -1]], axis=1).ravel()
+    who = limiting_wheel(p)
+    names = [*p.model.geometry.names, "caps or motors"]
+    shares = [(float(np.sum(spent[who == k])) / p.duration_s, name) for k, name in enumerate(names)]
+    return ", ".join(
+        f"{name} {100 * part:.0f} %" for part, name in sorted(shares, reverse=True) if part > 0.005
+    )
+
+
+def limiting_wheel(p: Plan) -> Array:
+    """(n,) index of the wheel that uses most of its grip in each interval, N where none is near its limit."""
+    most = p.audit.use.max(axis=1)
+    return np.where(most.max(axis=1) > 0.98 * p.request.share, most.argmax(axis=1), p.model.count)
+
+
+def check_lines(model: Model, c: Check) -> list[str]:
+    """Verdict, worst point, motors, wheels and the cure; the first line is the verdict."""
+    names = model.geometry.names
+    t, x, y, k = c.worst
+    verdict = "admissible" if c.admissible else "not admissible"
+    lines = [
+        f"{verdict}: uses at most {c.max_use:.4f} of a wheel's grip, {c.share:g} allowed",
+        f"worst       wheel {names[k]} at t = {t:.4g} s (x {x:.4g} m, y {y:.4g} m)",
+    ]
+    if math.isfinite(model.drives.stall_torque_N_m or math.inf):
+        lines.append(f"motors      at most {np.max(c.torque):.4f} of the torque they have")
+    if model.drives.max_speed_rad_s is not None:
+        lines.append(f"wheels      at most {np.max(c.speed):.4f} of their top speed")
+    if np.min(c.load_N) < 0.0:
+        lines.append(f"tips        wheel {names[int(np.argmin(c.load_N.min(axis=0)))]} lifts off")
+    if math.isinf(c.time_scale_needed):
+        lines.append("cure        none by slowing down: constant speed itself needs too much grip somewhere")
+    elif not c.admissible:
+        lines.append(f"cure        stretch time by {c.time_scale_needed:.4f}")
+    return lines

@@ -1,0 +1,74 @@
+"""The words of a sweep: four lines of answer, one of proof, and the table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.limits import Isotropic, Sweep
+from slipmargin.report.text import columns, degrees
+
+
+def answer(
+    sweep: Sweep,
+    limiting: Sequence[Sequence[str]],
+    claim: Isotropic,
+    weight_N: float,
+    recommended_N: float,
+    margin: float,
+) -> list[str]:
+    """Weakest and strongest orientation, what one coefficient would claim, and the recommended pull."""
+    (weak, least), (strong, most) = sweep.weakest, sweep.strongest
+    at = int(np.argmin(sweep.f_max_N))
+    excess = claim.force_N / least - 1.0 if least > 0.0 else math.inf
+    return [
+        f"weakest     {least:.2f} N ({least / weight_N:.4f} m g) at φ = {degrees(weak)}; "
+        f"slipping: {', '.join(limiting[at])}",
+        f"strongest   {most:.2f} N ({most / weight_N:.4f} m g) at φ = {degrees(strong)}",
+        f"isotropic   {claim.force_N:.2f} N (μ m g with μ = {claim.coefficient:.3g}), {_too_much(excess)}",
+        f"recommended {recommended_N:.2f} N: a margin of {100 * margin:g} % below "
+        f"{float(np.min(sweep.f_low_N)):.2f} N, the lowest over roller and rigid",
+    ]
+
+
+def _too_much(excess: float) -> str:
+    if math.isinf(excess):
+        return "where the robot slips by itself"
+    way = "more" if excess >= 0 else "less"
+    return f"{100 * abs(excess):.0f} % {way} than the weakest direction holds"
+
+
+def proof(method: str, difference: float) -> str:
+    """How far two methods differ."""
+    other = "the support function" if method in ("facets", "cones") else "facets"
+    return f"self-check  {method} against {other}: {difference:.0e} relative"
+
+
+def measured_line(residual_N: Array, pulls: int, outside: int) -> str:
+    """Measured pulls against the limit on rollers."""
+    gap = residual_N[np.isfinite(residual_N)]
+    left = f", {outside} pulls outside --from … --to left out" if outside else ""
+    return (
+        f"measured    {pulls} pulls at {len(gap)} orientations: residual {gap.mean():+.2f} N on average, "
+        f"{np.sqrt(np.mean(gap**2)):.2f} N root mean square (measured minus all on rollers){left}"
+    )
+
+
+def table(sweep: Sweep, limiting: Sequence[Sequence[str]], measured: Mapping[str, Array]) -> list[str]:
+    """A row an orientation."""
+    head = ["φ [deg]", "F_max [N]", "low [N]", "high [N]"]
+    cells = [
+        [f"{math.degrees(p) + 0.0:.6g}" for p in sweep.phi_rad],
+        *([f"{v:.3f}" for v in column] for column in (sweep.f_max_N, sweep.f_low_N, sweep.f_high_N)),
+    ]
+    for name, column in measured.items():
+        unit = "" if name == "pulls" else " [N]"
+        head.append(name.removesuffix("_N") + unit)
+        form = "{:.0f}" if name == "pulls" else "{:+.3f}" if name == "residual_N" else "{:.3f}"
+        cells.append(["" if math.isnan(v) else form.format(v) for v in column])
+    head.append("slipping")
+    cells.append(["+".join(names) for names in limiting])
+    return columns(head, zip(*cells, strict=True))

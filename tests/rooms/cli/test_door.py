@@ -1,0 +1,140 @@
+"""The front door: what it lists, how it answers, and that it loads nothing before it is asked."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import json
+import pkgutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import slipmargin as sm
+from slipmargin import api
+from slipmargin.api.result import Result
+from slipmargin.errors import InputError
+
+CONTENTS = [
+    "__version__",
+    "bounds",
+    "built_in_robots",
+    "check",
+    "describe_effect",
+    "describe_robot",
+    "design",
+    "diagnose",
+    "import_logs",
+    "known_effects",
+    "plan",
+    "polytope",
+    "read_robot",
+    "simulate",
+    "sweep",
+]
+
+
+def test_the_directory_is_the_table_of_contents() -> None:
+    assert dir(sm) == CONTENTS
+    assert all(callable(getattr(sm, name)) for name in CONTENTS[1:])
+    with pytest.raises(AttributeError, match=r"dir\(slipmargin\)"):
+        _ = sm.sweeep  # type: ignore[attr-defined]
+
+
+def test_a_room_of_the_same_name_does_not_take_a_function_s_place() -> None:
+    code = "import slipmargin.diagnose.loop, slipmargin as sm; assert callable(sm.diagnose), sm.diagnose"
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
+def test_importing_the_package_loads_nothing_heavy() -> None:
+    heavy = ("numpy", "scipy", "numba", "matplotlib", "cvxpy", "typer")
+    code = f"import sys, slipmargin; dir(slipmargin); print([m for m in {heavy!r} if m in sys.modules])"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert done.stdout == "[]\n"
+
+
+def test_python_dash_m_is_the_command() -> None:
+    words = [sys.executable, "-m", "slipmargin", "sweep", "ohio-kiwi", "--surface", "paper"]
+    done = subprocess.run(words, capture_output=True, text=True, check=True, timeout=60)
+    assert done.stdout.startswith("weakest     4.92 N (0.1671 m g) at φ = 0°")
+    wrong = subprocess.run([*words[:-1], "moon"], capture_output=True, text=True, check=False, timeout=60)
+    assert wrong.returncode == 2 and wrong.stderr.startswith("error: command line: --surface: is 'moon'")
+
+
+MODULES = ["slipmargin", *(f"slipmargin.api.{m.name}" for m in pkgutil.iter_modules(api.__path__))]
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_examples_of_docstrings_run(name: str) -> None:
+    assert doctest.testmod(importlib.import_module(name), verbose=False).failed == 0
+
+
+@pytest.mark.parametrize("name", CONTENTS[1:])
+def test_every_function_has_an_example(name: str) -> None:
+    assert ">>> import slipmargin as sm\n    >>> " in (getattr(sm, name).__doc__ or "")
+
+
+@pytest.fixture(scope="module")
+def results() -> dict[str, Result]:
+    robot = sm.read_robot("ohio-kiwi")
+    plan = sm.plan(robot, "paper", [[0, 0, 0], [0.3, 0, 0]], points=40)
+    return {
+        "sweep": sm.sweep(robot, "paper", step_deg=30.0),
+        "polytope": sm.polytope(robot, "paper"),
+        "bounds": sm.bounds(robot, "paper", step_deg=45.0),
+        "plan": plan,
+        "check": sm.check(robot, "paper", plan.trajectory),
+        "simulate": sm.simulate(robot, "paper", plan.trajectory),
+        "design": sm.design(robot, "paper", "delta_deg=0:60:30", static=True),
+    }
+
+
+@pytest.mark.parametrize("name", ["sweep", "polytope", "bounds", "plan", "check", "simulate", "design"])
+def test_a_result_says_draws_and_writes_itself(name: str, results: dict[str, Result], tmp_path: Path) -> None:
+    found = results[name]
+    line = repr(found)
+    assert "\n" not in line and "ohio-kiwi on paper" in line and any(c.isdigit() for c in line)
+    assert isinstance(found.plot(), Figure)
+    shown = found._repr_html_()
+    assert shown.startswith("<div><table>") and shown.count("<svg") == 1
+    found.write(tmp_path / "a.json")
+    assert json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))["schema"] == 1
+    found.write(tmp_path / "a.png")
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    if name != "polytope":
+        found.write(tmp_path / "a.csv")
+        assert len((tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()) > 2
+    else:
+        with pytest.raises(InputError, match="has no table"):
+            found.write(tmp_path / "a.csv")
+    with pytest.raises(InputError, match=r"use \.csv"):
+        found.write(tmp_path / "a.txt")
+
+
+def test_arguments_are_refused_by_their_own_names() -> None:
+    for call, words in (
+        (lambda: sm.sweep("ohio-kiwi", "moon"), "surface: is 'moon'"),
+        (lambda: sm.sweep("ohio-kiwi", "paper", margin=1.0), "margin: is 1"),
+        (lambda: sm.bounds("ohio-kiwi", "paper", step_deg=0.0), "step_deg: is 0"),
+        (lambda: sm.plan("ohio-kiwi", "paper", [[0, 0], [1, 0]]), "waypoints: have the shape"),
+        (lambda: sm.simulate("ohio-kiwi", "paper", [[0, 1], [1, 1]]), "commands: have the shape"),
+        (lambda: sm.check("ohio-kiwi", "paper", np.zeros((3, 3))), "trajectory: has the shape"),
+        (lambda: sm.design("ohio-kiwi", "paper", "delta=1:2:1"), "vary"),
+        (lambda: sm.import_logs([], "bag", "robotino"), "format: is 'bag'"),
+    ):
+        with pytest.raises(InputError) as fault:
+            call()
+        assert str(fault.value).startswith(words)
+
+
+def test_a_robot_can_be_changed_while_it_is_read() -> None:
+    plain = sm.read_robot("ohio-kiwi", rigid_sectors=False, grip="ellipse", load_model="static")
+    found = sm.sweep(plain, "paper", step_deg=45.0)
+    assert np.array_equal(found.f_low_N, found.f_high_N) and found.method == "cones"
+    assert not found.warnings and sm.sweep("ohio-kiwi", "paper", step_deg=45.0).warnings
