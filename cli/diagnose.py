@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from .options import JsonOpt, SeedOpt, check_outputs, put_json
-from .render import at_options, say, stages
+from .options import JsonOpt, SeedOpt, check_outputs, deliver
+from .render import at_options, stages
 
 _Folder = typer.Argument(metavar="DATASET", help="Folder with dataset.toml, the robot file and trials/.")
 _Out = typer.Option("--out", metavar="DIR", help="Folder for the report; made if it is not there.")
@@ -29,5 +29,4 @@ def diagnose(
         found = sm.diagnose(dataset, seed=seed, progress=progress)
         progress("drawing", 0.5)
         written = found.write_folder(out)
-    if not put_json(json, found.to_dict()):
-        say(*found.lines(), *(f"written: {out / name}" for name in written))
+    deliver(found, json=json, written=[out / name for name in written])

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from .options import JsonOpt, check_outputs, put_json
-from .render import at_options, say, warn
+from .options import JsonOpt, check_outputs, deliver
+from .render import at_options
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -167,6 +167,4 @@ def run_import(
             **options,
         )
     found.write_folder(out)
-    warn(*found.warnings)
-    if not put_json(json, found.to_dict()):
-        say(*found.lines(), f"written: {out}")
+    deliver(found, json=json, written=[out])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -68,8 +68,9 @@ def deliver(
     plot: Path | None = None,
     json: str | None = None,
     texts: Mapping[Path | str, str | bytes] | None = None,
+    written: Sequence[Path | str] = (),
 ) -> None:
-    """Write a result's files, all or none, then print what the command says."""
+    """Write a result's files, all or none, then print what the command says and name ``written`` too."""
     from .render import say, warn
 
     found.write_files(table=out, plot=plot, json=None if json == "-" else json, texts=texts)
@@ -77,25 +78,5 @@ def deliver(
     if json == "-":
         return say(found.to_json().rstrip("\n"))
     table = found.table_lines() if out is None else []
-    named = [path for path in (out, plot, *(texts or ())) if path]
+    named = [path for path in (out, plot, *(texts or ()), *written) if path]
     return say(*found.lines(), *(["", *table] if table else []), *(f"written: {path}" for path in named))
-
-
-def put_json(target: str | None, value: Any) -> bool:
-    """Write a result as JSON where the user asked for it.
-
-    Returns
-    -------
-    bool
-        Whether stdout is taken (``--json -``), so that nothing else may be printed there.
-    """
-    from slipmargin.io.json_text import json_text
-    from slipmargin.io.writes import write_text
-
-    from .render import say
-
-    if target == "-":
-        say(json_text(value).rstrip("\n"))
-    elif target is not None:
-        write_text(target, json_text(value))
-    return target == "-"

@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NoReturn
 
 from slipmargin.errors import InputError
-from slipmargin.report.text import columns as columns  # cli/reproduce_run.py prints a table
 
 
 def say(*lines: str) -> None:
@@ -79,20 +78,6 @@ def at_options(**options: str) -> Iterator[None]:
         if fault.source or argument not in options:
             raise
         refuse(f"{options[argument]} {inner}".rstrip(), fault.problem, fault.cure)
-
-
-@contextlib.contextmanager
-def progress(title: str, total: int) -> Iterator[Any]:
-    """A progress bar on stderr, only where that is a terminal; yields ``advance(steps=1)``."""
-    if not sys.stderr.isatty():
-        yield lambda steps=1: None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(title, total=total)
-        yield lambda steps=1: bar.advance(task, steps)
 
 
 @contextlib.contextmanager

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from .options import JsonOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, check_outputs, deliver
-from .render import at_options, progress, refuse
+from .render import at_options, refuse, stages
 
 CommandsArg = Annotated[
     Path, typer.Argument(metavar="COMMANDS.csv", help="Wheel speeds, or a planned trajectory.")
@@ -52,7 +52,7 @@ def simulate(
     check_outputs(out, json, plot=plot)
     recipe = sm.read_robot(robot)
     with (
-        progress("simulate", 1) as advance,
+        stages("simulating"),
         at_options(
             surface="--surface",
             wheel_angles_rad="--theta0",
@@ -72,7 +72,6 @@ def simulate(
             push=_numbers("--push", push, 3),
             relative_error=rtol,
         )
-        advance()
     deliver(found, out=out, plot=plot, json=json)
 
 

@@ -35,6 +35,7 @@ _CONTENTS = {
     "plan": "slipmargin.api.plan",
     "polytope": "slipmargin.api.polytope",
     "read_robot": "slipmargin.api.robots",
+    "reproduce": "slipmargin.api.reproduce",
     "simulate": "slipmargin.api.simulate",
     "sweep": "slipmargin.api.sweep",
 }
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
     from slipmargin.api.import_logs import import_logs as import_logs
     from slipmargin.api.plan import plan as plan
     from slipmargin.api.polytope import polytope as polytope
+    from slipmargin.api.reproduce import reproduce as reproduce
     from slipmargin.api.robots import (
         built_in_robots as built_in_robots,
         describe_robot as describe_robot,

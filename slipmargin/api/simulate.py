@@ -203,6 +203,8 @@ def _commands(
         try:
             return _read(model, Path(commands), angles, until_s)
         except InputError as fault:
+            if fault.place == "until_s":  # an argument, not the file
+                raise
             raise fault.in_file(fault.source or str(commands)) from None
     if isinstance(commands, Trajectory):
         if until_s is not None:

@@ -13,6 +13,7 @@ from slipmargin.paper.published import Spread, Unprinted
 from slipmargin.paper.reproduction import Reproduction
 from slipmargin.paper.rows import Row, Verdict
 from slipmargin.paper.search import Calibration
+from slipmargin.report.text import columns
 
 NOT_PRINTED = "not printed in the paper, found by a search over its results"
 MEASURED = "measured by the paper's authors, quoted from section IV.C, not computed here"
@@ -176,8 +177,27 @@ def closing_lines(done: Reproduction) -> list[str]:
     )
     if done.studies is not None:
         lines += study_lines(done.studies)
-    counts = _counts(done)
-    return [*lines, "verdicts: " + ", ".join(f"{v.value} {n}" for v, n in counts.items())]
+    return [*lines, "verdicts: " + ", ".join(f"{v.value} {n}" for v, n in _counts(done).items())]
+
+
+def report_lines(done: Reproduction) -> list[str]:
+    """All that the command prints: numbers, claims and values of Fig. 8 with their notes."""
+    return [
+        *columns(*number_table(done)),
+        *row_notes(done.numbers),
+        "",
+        *columns(*claim_table(done)),
+        *row_notes(done.claims),
+        "",
+        *columns(*fig8_table(done.fig8)),
+        "",
+        *closing_lines(done),
+    ]
+
+
+def verdict_counts(done: Reproduction) -> str:
+    """How many rows have each verdict, in one phrase."""
+    return ", ".join(f"{n} {v.value}" for v, n in _counts(done).items())
 
 
 def study_lines(found: Identifiability) -> list[str]:

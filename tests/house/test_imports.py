@@ -135,13 +135,9 @@ BEHIND_THE_DOOR = (
     ("slipmargin_cli.options", "slipmargin.io.writes", "outputs are checked before any work"),
     ("slipmargin_cli.options", "slipmargin.io.folder", "outputs are checked before any work"),
     ("slipmargin_cli.options", "slipmargin.io.data_set_write", "outputs are checked before any work"),
-    ("slipmargin_cli.options", "slipmargin.io.json_text", "reproduce has no result of the door"),
-    ("slipmargin_cli.render", "slipmargin.report.text", "reproduce has no result of the door"),
     ("notebooks.data_loop", "slipmargin.effects", "the truth is planted"),
     ("notebooks.data_loop", "slipmargin.robot", "the truth is planted"),
     ("notebooks.real_data", "slipmargin.data.odometry", "a figure of raw logs"),
-    ("slipmargin_cli.reproduce", "slipmargin.io", "reproduce has no result of the door"),
-    ("slipmargin_cli.reproduce_run", "slipmargin", "reproduce has no result of the door"),
 )
 _ALLOWED = ("slipmargin.errors", "slipmargin.__version__")
 
