@@ -33,6 +33,7 @@ CONTENTS = [
     "plan",
     "polytope",
     "read_robot",
+    "reproduce",
     "simulate",
     "sweep",
 ]
