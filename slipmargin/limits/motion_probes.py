@@ -7,7 +7,7 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.limits.motion_state import Motion
 from slipmargin.model import Model
-from slipmargin.physics.constants import GRAVITY_M_S2
+from slipmargin.physics.constants import CRAWL_M_S, GRAVITY_M_S2
 from slipmargin.physics.variables import Basis, Variable
 
 #: Probes over an unknown variable.
@@ -24,7 +24,7 @@ def probes(
     model: Model,
     motion: Motion,
     slide: Array,
-    creep: float,
+    creep: Array,
     variable: Variable,
     basis: Basis,
     shape: Array,
@@ -37,7 +37,7 @@ def probes(
     ----------
     slide : (M, N)
         Transverse slip [m/s].
-    creep : float
+    creep : (M, N)
         Largest drive slip [m/s].
     basis, shape
         The family of functions over the variable: an unknown variable is probed over its period or
@@ -75,9 +75,9 @@ def probes(
 
 
 def _slip(
-    model: Model, motion: Motion, slide: Array, creep: float, variable: Variable, transverse: bool
+    model: Model, motion: Motion, slide: Array, creep: Array, variable: Variable, transverse: bool
 ) -> Array:
-    drive = np.linspace(0.0, creep, 9)[:, None, None]
+    drive = np.linspace(0.0, 1.0, 9)[:, None, None] * creep
     if variable is Variable.SLIP_ANGLE:
         return np.asarray(np.arctan2(np.abs(slide)[None], drive))
     slip = np.abs(slide)[None] if transverse else drive
@@ -92,10 +92,10 @@ def _slip(
         reach = np.linalg.norm(arm, axis=1)
         out = arm / np.where(reach > 0.0, reach, 1.0)[:, None]
         along = np.einsum("idj,mj,id->mi", hub_rows, motion.velocity, out)
-        return np.asarray((along / (hub + 1e-3))[None])
+        return np.asarray((along / (hub + CRAWL_M_S))[None])
     rolling = np.maximum(hub, np.abs(motion.velocity @ model.geometry.rolling_rows().T))[None]
     if variable is Variable.SLIP_RATIO:
-        return np.asarray(slip / (rolling + 1e-3))
+        return np.asarray(slip / (rolling + CRAWL_M_S))
     if variable is Variable.ROLLING_SPEED:
         return np.asarray(rolling)
     return np.ones((1, 1, 1))  # UNITY, and COMMAND_SPEED, which no friction may depend on

@@ -16,10 +16,11 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.limits.creep import Balance, continued_share
-from slipmargin.limits.motion_friction import friction_in_motion, material_states, sigma
+from slipmargin.limits.motion_friction import friction_in_motion, material_states
 from slipmargin.limits.motion_losses import losses_in_motion
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
+from slipmargin.physics.friction_laws import law_share
 from slipmargin.physics.kinematics import com_acceleration
 
 #: A wheel that lifts off is taken to carry this share of m g / N, so that its use tells [1].
@@ -128,6 +129,7 @@ def _balances(
     scale = model.inertia.weight_N * float(np.max(model.grip.roller[:, 0])) * np.array([1.0, 1.0, lever])
     for on_rigid in material_states(friction.possible):
         yield Balance(
+            law=model.grip.law,
             along=along,
             across=across,
             grip=np.where(on_rigid, friction.drive[1], friction.drive[0]) * pressed,
@@ -143,8 +145,10 @@ def _balances(
 
 def _torque(model: Model, balance: Balance, twist: Array) -> Array:
     c = model.geometry
-    drive = -balance.grip * continued_share(balance.steep * (twist @ balance.along))
-    side = -balance.drag * sigma(balance.steep_across * (balance.slide + twist @ balance.across))
+    drive = -balance.grip * continued_share(balance.law, balance.steep * (twist @ balance.along))
+    side = -balance.drag * law_share(
+        balance.law, balance.steep_across * (balance.slide + twist @ balance.across)
+    )
     return np.asarray(
         -c.radius_m * (drive * np.sum(c.drive * c.grip, axis=1) + side * np.sum(c.drive * c.free, axis=1))
     )
