@@ -15,9 +15,10 @@ from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array
-from slipmargin.limits.bias import bias_samples, bias_wrench
+from slipmargin.limits.bias import LIFTED, Bias, bias as bias_at_rest, bias_samples, shifts_load
 from slipmargin.limits.friction import Extreme, coefficients
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.rows import refuse_slipping
@@ -64,7 +65,7 @@ def limit_family(
     pull: Pull | None = None,
     rigid: Array | None = None,
     extreme: Extreme = Extreme.NEUTRAL,
-    bias: Array | None = None,
+    bias: Bias | None = None,
 ) -> ConeFamily:
     """The programs of all headings.
 
@@ -72,8 +73,8 @@ def limit_family(
     ----------
     phi_rad : (M,)
     rigid : (N,) bool, optional
-    bias : (M, 3), optional
-        Wrench of the losses; by default that of the model at rest.
+    bias : Bias, optional
+        External wrench and loads; by default those of the model at rest.
     """
     pull = Pull() if pull is None else pull
     rigid = np.zeros(model.count, dtype=bool) if rigid is None else rigid
@@ -82,21 +83,21 @@ def limit_family(
     rays = pull.rays(model, phi_rad)
     mu = coefficients(model, rigid, phi_rad, extreme)
     mu = np.broadcast_to(mu, (len(phi_rad), *mu.shape[1:]))
-    bias = bias_wrench(model, phi_rad) if bias is None else bias
+    bias = bias_at_rest(model, phi_rad) if bias is None else bias
     put = Assembly(count=len(phi_rad))
     put.variable("F", cost=-1.0)
-    put.equations(_BALANCE, -bias / (weight * per))
+    put.equations(_BALANCE, -bias.wrench / (weight * per))
     put.column("F", _BALANCE, rays / per)
     build = _Wheels(
         put=put,
         names=model.geometry.names,
         maps=maps / per[:, None, None],
         mu=mu,
-        load=model.loads.rest_N / weight,
+        load=np.broadcast_to(bias.load_N / weight, (len(phi_rad), model.count)),
         change=pull.load_change(model, rays),
     )
     build.grip(model.grip.shape, model.grip.coupling)
-    if pull.height_m != 0.0:
+    if pull.height_m != 0.0 or shifts_load(model):
         build.floor()
     return put.family(tuple(f"pull at phi = {phi:.6g} rad" for phi in phi_rad))
 
@@ -122,7 +123,7 @@ def cone_exit(wrenches: WrenchSet, rays: Array) -> tuple[Array, Array]:
         names=wrenches.names,
         maps=wrenches.maps / per[:, None, None],
         mu=mu,
-        load=wrenches.load_N / weight,
+        load=np.broadcast_to(wrenches.load_N / weight, (len(rays), len(wrenches.names))),
         change=np.zeros((len(rays), len(wrenches.names))),
     )
     build.grip(wrenches.shape, wrenches.coupling)
@@ -136,7 +137,7 @@ def cone_limits(
     pull: Pull | None = None,
     rigid: Array | None = None,
     extreme: Extreme = Extreme.NEUTRAL,
-    bias: Array | None = None,
+    bias: Bias | None = None,
 ) -> ConeLimits:
     """Solve the family with Clarabel, one set-up updated.
 
@@ -168,7 +169,9 @@ def cone_limit(model: Model, phi_rad: Array, pull: Pull, rigid: Array) -> Array:
     NoSolution
         If the robot slips without any pull.
     """
-    return refuse_slipping(_limit(model, phi_rad, pull, rigid, Extreme.NEUTRAL, None), phi_rad)
+    bias = bias_at_rest(model, phi_rad)
+    force = _limit(model, phi_rad, pull, rigid, Extreme.NEUTRAL, bias)
+    return refuse_slipping(model, force, phi_rad, bias.load_N)
 
 
 def cone_extreme(model: Model, phi_rad: Array, pull: Pull, rigid: Array, extreme: Extreme) -> Array:
@@ -183,26 +186,35 @@ def cone_extreme(model: Model, phi_rad: Array, pull: Pull, rigid: Array, extreme
     return np.where(np.any(slips, axis=0), np.nan, every.min(axis=0))
 
 
-def _limit(
-    model: Model, phi_rad: Array, pull: Pull, rigid: Array, extreme: Extreme, bias: Array | None
-) -> Array:
+def _limit(model: Model, phi_rad: Array, pull: Pull, rigid: Array, extreme: Extreme, bias: Bias) -> Array:
     from slipmargin.solve.clarabel_ import solve_family
 
     if not model.external.terms:
         return cone_limits(model, phi_rad, pull, rigid, extreme, bias).force_N
     # The ray need not start inside: F = 0 must balance too, so ask how far the set lets it be scaled.
-    bias = bias_wrench(model, phi_rad) if bias is None else bias
-    at_rest = limit_family(model, phi_rad, replace(pull, height_m=0.0), rigid, extreme, 0.0 * bias)
+    stands = np.min(bias.load_N, axis=1) >= -LIFTED * model.inertia.weight_N
+    out = np.full(len(phi_rad), np.nan)
+    if not np.all(stands):
+        if np.any(stands):
+            out[stands] = _limit(model, phi_rad[stands], pull, rigid, extreme, _rows(bias, stands))
+        return out
+    pressed = np.maximum(bias.load_N, 0.0)
+    unmoved = Bias(wrench=0.0 * bias.wrench, load_N=pressed)
+    at_rest = limit_family(model, phi_rad, replace(pull, height_m=0.0), rigid, extreme, unmoved)
     towards = np.array(at_rest.a)
-    loaded = np.any(bias != 0.0, axis=1)
-    towards[:, :3, 0] = np.where(loaded[:, None], bias, pull.rays(model, phi_rad))
+    loaded = np.any(bias.wrench != 0.0, axis=1)
+    towards[:, :3, 0] = np.where(loaded[:, None], bias.wrench, pull.rays(model, phi_rad))
     towards[:, :3, 0] /= model.inertia.weight_N * _units(wrench_maps(model))
     holds = solve_family(replace(at_rest, a=towards))[0][:, 0] >= 1.0
     inside = holds | ~loaded
-    out = np.full(len(phi_rad), np.nan)
     if np.any(inside):
-        out[inside] = cone_limits(model, phi_rad[inside], pull, rigid, extreme, bias[inside]).force_N
+        found = cone_limits(model, phi_rad[inside], pull, rigid, extreme, _rows(bias, inside))
+        out[inside] = found.force_N
     return out
+
+
+def _rows(bias: Bias, rows: NDArray[np.bool_]) -> Bias:
+    return Bias(wrench=bias.wrench[rows], load_N=bias.load_N[rows])
 
 
 def _units(maps: Array) -> Array:
@@ -218,7 +230,7 @@ class _Wheels:
     names: tuple[str, ...]
     maps: Array  #: (3, N, 2)
     mu: Array  #: (M, N, 2, 2)
-    load: Array  #: (N,)
+    load: Array  #: (M, N)
     change: Array  #: (M, N)
 
     @property
@@ -257,7 +269,7 @@ class _Wheels:
             self.put.second_order(
                 f"{name} grip",
                 [
-                    ({"F": -part * self.change[:, i]}, part * self.load[i]),
+                    ({"F": -part * self.change[:, i]}, part * self.load[:, i]),
                     *(({k: -v for k, v in side.items()}, 0.0) for side in sides),
                 ],
             )
@@ -265,7 +277,7 @@ class _Wheels:
     def floor(self) -> None:
         """Every wheel stays on the floor: N_i(F) ≥ 0."""
         for i, name in enumerate(self.names):
-            self.put.inequality(f"floor under {name}", {"F": -self.change[:, i]}, self.load[i])
+            self.put.inequality(f"floor under {name}", {"F": -self.change[:, i]}, self.load[:, i])
 
     def _forces(self, key: str, i: int, j: int, scale: Array) -> list[tuple[str, float]]:
         # Names of the variables of one force, each with the sign by which it is bounded from above.
@@ -284,4 +296,4 @@ class _Wheels:
         return [(key + "+", 1.0), (key + "−", 1.0)]
 
     def _bounded(self, i: int, row: dict[str, float], part: float | Array, name: str) -> None:
-        self.put.inequality(name, {**row, "F": -part * self.change[:, i]}, part * self.load[i])
+        self.put.inequality(name, {**row, "F": -part * self.change[:, i]}, part * self.load[:, i])

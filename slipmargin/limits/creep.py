@@ -7,8 +7,8 @@ and u_T = u_T0 + t_i·ε.  At rest in the moving frame ε solves
 
 the gradient of a convex potential, with c_i = μ_W N_i, d_i = μ_T N_i and σ the model's friction law.  A
 wheel's *use* is |σ(k b_i·ε)|.  After a jump of the acceleration ε settles within milliseconds by
-M dε/dt = −r(ε), and since the creep of some wheels settles sooner than that of others, a wheel may use more on the way than
-before and after.
+M dε/dt = −r(ε), and since the creep of some wheels settles sooner than that of others, a wheel may use
+more on the way than before and after.
 
 **Open loop.** Where nothing corrects the pose, the creep itself turns the robot: it moves with v + ε_v
 and ω + ε_ω, and must be accelerated by m [(ω + ε_ω) ẑ×(v + ε_v) − ω ẑ×v] more (the wheels prescribe the
@@ -259,8 +259,8 @@ class Balance:
 
     ``law`` is the friction law; ``along``, ``across`` (3, N): wrench of a unit force along ĝ and f̂; ``grip``,
     ``drag`` (M, N) c and d [N]; ``steep``, ``steep_across`` (M, N) k [s/m]; ``slide`` (M, N) u_T0 [m/s];
-    ``need`` (M, 3) M a − w_loss; ``carried`` (M, 4) is (m, v_x, v_y, ω), m = 0 where the pose is held; ``scale`` (3,) a
-    wrench to compare with.
+    ``need`` (M, 3) M a − w_loss; ``carried`` (M, 4) is (m, v_x, v_y, ω), m = 0 where the pose is held;
+    ``scale`` (3,) a wrench to compare with.
     """
 
     law: int

@@ -21,7 +21,6 @@ from slipmargin.limits.motion_rows import (
     acceleration_rows,
     even_distribution,
     prepare,
-    worst_loss,
 )
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
@@ -116,20 +115,31 @@ def needed_share(model: Model, motion: Motion, *, contact: Contact = Contact.ROL
     wheels choose the distribution and the largest share may be higher
     (:func:`slipmargin.limits.motion_realised.realised`).
     """
-    facets, friction, losses = prepare(model, motion, 1.0, contact)
+    facets, friction, external = prepare(model, motion, 1.0, contact)
     a = _acceleration(model, motion)
-    load = model.loads.rest_N + a[:, :2] @ model.loads.per_acceleration_kg.T
-    asked = (a * model.inertia.diagonal) @ facets.normals.T - worst_loss(facets.normals, losses)
     need = np.full(motion.count, -np.inf)
     for pick in material_states(friction.possible):
         held = facets.drive * np.where(pick, friction.drive[1], friction.drive[0])[:, None]
         low = np.where(pick, friction.drag_low[1], friction.drag_low[0])[:, None]
         high = np.where(pick, friction.drag_high[1], friction.drag_high[0])[:, None]
         lost = np.maximum(facets.across * low, facets.across * high)
-        top = asked + np.einsum("mkn,mn->mk", lost, load)
-        bottom = np.maximum(np.einsum("mkn,mn->mk", held, load), 1e-300)
-        need = np.maximum(need, np.max(top / bottom, axis=1))
+        for low, high, load in external.cases(a):
+            worst = (
+                np.maximum(facets.normals, 0.0) @ low[:, :, None]
+                + np.minimum(facets.normals, 0.0) @ high[:, :, None]
+            )
+            top = (a * model.inertia.diagonal) @ facets.normals.T - worst[..., 0]
+            top = top + np.einsum("mkn,mn->mk", lost, load)
+            need = np.maximum(need, np.max(_ratio(top, np.einsum("mkn,mn->mk", held, load)), axis=1))
     return need
+
+
+def _ratio(asked: Array, held: Array) -> Array:
+    """asked / held; where nothing is held: infinite, or −∞ where nothing is asked."""
+    tiny = 1e-12 * np.max(np.abs(asked), axis=1, keepdims=True)
+    out = np.where(asked > tiny, np.inf, -np.inf)
+    np.divide(asked, held, out=out, where=held > tiny)
+    return out
 
 
 def drive_shares(model: Model, motion: Motion) -> Array:
@@ -138,16 +148,14 @@ def drive_shares(model: Model, motion: Motion) -> Array:
     Positive along ĝ.  All wheels on rollers, or as ``motion.theta`` says.
     """
     contact = Contact.ROLLERS if motion.theta is None else Contact.ANGLE
-    _, friction, losses = prepare(model, motion, 1.0, contact)
+    _, friction, external = prepare(model, motion, 1.0, contact)
     a = _acceleration(model, motion)
-    load = model.loads.rest_N + a[:, :2] @ model.loads.per_acceleration_kg.T
+    wrench, load = external.middle(a)
     on_rigid = friction.possible[1] & ~friction.possible[0]
     drag = 0.5 * np.where(
         on_rigid, (friction.drag_low + friction.drag_high)[1], (friction.drag_low + friction.drag_high)[0]
     )
-    wrench = (
-        a * model.inertia.diagonal - 0.5 * (losses[0] + losses[1]) + (drag * load) @ model.wrench_maps()[1].T
-    )
+    wrench = a * model.inertia.diagonal - wrench + (drag * load) @ model.wrench_maps()[1].T
     grip = np.where(on_rigid, friction.drive[1], friction.drive[0]) * load
     return np.asarray(wrench @ even_distribution(model).T / np.maximum(grip, 1e-300))
 

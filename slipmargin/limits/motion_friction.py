@@ -14,14 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array
-from slipmargin.limits.motion_probes import probes
+from slipmargin.limits.motion_external import external_in_motion
+from slipmargin.limits.motion_probes import load_probes, probes
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.friction_laws import law_inverse, law_share
 from slipmargin.physics.grips import drive_left
 from slipmargin.physics.sectors import on_rigid, pitch
-from slipmargin.physics.variables import Target
+from slipmargin.physics.terms import Multiplier
+from slipmargin.physics.variables import Target, Variable
 
 Mask = NDArray[np.bool_]
 
@@ -138,20 +140,22 @@ def _factor(model: Model, motion: Motion, slide: Array, creep: Array, target: Ta
     for term in model.grip.multipliers:
         if term.target is not target and term.target is not _BOTH[target]:
             continue
-        v = probes(
-            model,
-            motion,
-            slide,
-            creep,
-            term.variable,
-            term.basis,
-            term.shape,
-            transverse=target in (Target.TRANSVERSE, Target.STIFFNESS_TRANSVERSE),
-        )
+        v = _values(model, motion, slide, creep, term, target)
         factor = np.broadcast_to(term.factor(v, term.wheels), (len(v), motion.count, model.count))
         out[0] *= factor.min(axis=0)
         out[1] *= factor.max(axis=0)
     return out
+
+
+def _values(
+    model: Model, motion: Motion, slide: Array, creep: Array, term: Multiplier, target: Target
+) -> Array:
+    if term.variable is Variable.WHEEL_LOAD:
+        external = external_in_motion(model, motion)
+        least, most = external.load_change_N
+        return load_probes(model, external.standing_N(), most - least)
+    across = target in (Target.TRANSVERSE, Target.STIFFNESS_TRANSVERSE)
+    return probes(model, motion, slide, creep, term.variable, term.basis, term.shape, transverse=across)
 
 
 def _possible(grip: Grip, motion: Motion, contact: Contact) -> Mask:

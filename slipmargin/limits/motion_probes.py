@@ -31,7 +31,7 @@ def probes(
     *,
     transverse: bool = False,
 ) -> Array:
-    """Values (P, M, N) or (P, M, 1) that ``variable`` may take.
+    """Values (P, M, N) or (P, M, 1) that ``variable`` may take; wheel loads: :func:`load_probes`.
 
     Parameters
     ----------
@@ -63,8 +63,6 @@ def probes(
             return np.asarray(motion.theta[None])
         turn = float(shape[0]) if basis is Basis.FOURIER else 2.0 * np.pi
         return np.linspace(0.0, turn, PROBES)[:, None, None]
-    if variable is Variable.WHEEL_LOAD:
-        return _load(model)
     if variable is Variable.SLIP_HEADING:
         way = model.geometry.free if transverse else model.geometry.grip
         angle = np.arctan2(way[:, 1], way[:, 0])
@@ -127,10 +125,13 @@ def _acceleration(model: Model, motion: Motion, column: int) -> Array:
     return np.linspace(-top, top, 9)[:, None, None]
 
 
-def _load(model: Model) -> Array:
-    equal = model.inertia.weight_N / model.count
+def load_probes(model: Model, least_N: Array, change_N: Array) -> Array:
+    """Values (P, M, N) that WHEEL_LOAD may take: loads [N] from ``least_N`` to that plus ``change_N`` (M, N).
+
+    Both without acceleration; accelerations add as much as the best grip allows.
+    """
     top = ACCELERATION_RANGE * GRAVITY_M_S2 * float(np.max(model.grip.roller[:, 0]))
     swing = np.linalg.norm(model.loads.per_acceleration_kg, axis=1) * top
-    low, high = np.maximum(model.loads.rest_N - swing, 0.0), model.loads.rest_N + swing
-    steps = np.linspace(0.0, 1.0, 9 if np.any(swing > 0.0) else 1)[:, None, None]
-    return np.asarray((low + steps * (high - low)) / equal - 1.0)
+    low, high = np.maximum(least_N - swing, 0.0), least_N + change_N + swing
+    steps = np.linspace(0.0, 1.0, 9 if np.any(high > low) else 1)[:, None, None]
+    return np.asarray((low + steps * (high - low)) * model.count / model.inertia.weight_N - 1.0)

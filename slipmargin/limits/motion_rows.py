@@ -3,11 +3,12 @@
 Drive forces are free within λ μ_W N, the transverse forces are drag.  For a facet normal n of the
 zonotope of B_W's columns b_i (with t_i the columns of B_T):
 
-    n·M a − n·w_loss ≤ Σ_i κ_i N_i(a),   κ_i = λ μ_W |n·b_i| − max_D (n·t_i) D_i,
-    N_i(a) = rest_i + P_i·a ≥ 0                                   (tip-over)
+    n·M a − n·w ≤ Σ_i κ_i N_i(a),   κ_i = λ μ_W |n·b_i| − max_D (n·t_i) D_i,
+    N_i(a) = rest_i + P_i·a + S_i·Σ h F ≥ 0                       (tip-over)
     ±T_i(a) ≤ what the motor gives at its speed                   (torque–speed line)
 
-a = (a_x, a_y, α): body-frame acceleration of the centre of mass and yaw acceleration.
+a = (a_x, a_y, α): body-frame acceleration of the centre of mass and yaw acceleration; w: the external
+wrench, the worst of what is unknown, with the loads that the same forces make by their heights h.
 """
 
 from __future__ import annotations
@@ -19,8 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array
+from slipmargin.limits.bias import refuse_lifting
+from slipmargin.limits.motion_external import External, external_in_motion
 from slipmargin.limits.motion_friction import Friction, friction_in_motion
-from slipmargin.limits.motion_losses import losses_in_motion
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.sets.facets import facet_normals
@@ -86,21 +88,21 @@ def acceleration_rows(
     motor : bool
         Whether the motor's torque–speed line counts.
     """
-    facets, friction, losses = prepare(model, motion, share, contact)
+    facets, friction, external = prepare(model, motion, share, contact)
+    refuse_lifting(model, external.standing_N(), "loads", external)
     kappa = facet_coefficients(facets, friction, share)
-    A, b = facet_rows(model, facets, kappa, losses)
+    A, b = facet_rows(model, facets, kappa, external)
     n, rows, bounds = model.count, [A], [b]
     causes, wheels = [0] * len(facets.normals), [facets.pushing != 0.0]
-    per = model.loads.per_acceleration_kg
-    if np.any(per):
+    if model.loads.follow_acceleration:
         tip = np.zeros((motion.count, n, 3))
-        tip[..., :2] = -per
+        tip[..., :2] = -model.loads.per_acceleration_kg
         rows.append(tip)
-        bounds.append(np.broadcast_to(model.loads.rest_N, (motion.count, n)))
+        bounds.append(external.standing_N())
         causes += [1] * n
         wheels.append(np.eye(n, dtype=bool))
     if motor and model.drives.stall_torque_N_m is not None:
-        torque = torque_rows(model, friction, losses)
+        torque = torque_rows(model, friction, external)
         limit = torque_limit(model, model.geometry.wheel_speeds(motion.velocity)) + torque.b
         rows += list(torque.A)
         bounds += list(limit)
@@ -116,10 +118,10 @@ def acceleration_rows(
 
 def prepare(
     model: Model, motion: Motion, share: Array | float, contact: Contact
-) -> tuple[Facets, Friction, tuple[Array, Array]]:
-    """Facets, friction and losses: everything the rows are made of."""
+) -> tuple[Facets, Friction, External]:
+    """Facets, friction and external wrenches: everything the rows are made of."""
     friction = friction_in_motion(model, motion, share=float(np.max(share)), contact=contact)
-    return Facets.of(model), friction, losses_in_motion(model, motion)
+    return Facets.of(model), friction, external_in_motion(model, motion)
 
 
 def facet_coefficients(facets: Facets, friction: Friction, share: Array | float) -> Array:
@@ -133,19 +135,11 @@ def facet_coefficients(facets: Facets, friction: Friction, share: Array | float)
     return np.asarray(each.min(axis=0))
 
 
-def facet_rows(
-    model: Model, facets: Facets, kappa: Array, losses: tuple[Array, Array]
-) -> tuple[Array, Array]:
+def facet_rows(model: Model, facets: Facets, kappa: Array, external: External) -> tuple[Array, Array]:
     """A (M, K, 3) and b (M, K) of the facets."""
     A = np.broadcast_to(facets.normals * model.inertia.diagonal, (*kappa.shape[:2], 3)).copy()
     A[..., :2] -= kappa @ model.loads.per_acceleration_kg
-    return A, np.asarray(kappa @ model.loads.rest_N + worst_loss(facets.normals, losses))
-
-
-def worst_loss(normals: Array, losses: tuple[Array, Array]) -> Array:
-    """Least n·w_loss (M, K) over the box of losses."""
-    positive, negative = np.maximum(normals, 0.0), np.minimum(normals, 0.0)
-    return np.asarray(losses[0] @ positive.T + losses[1] @ negative.T)
+    return A, external.least(facets.normals, kappa)
 
 
 def even_distribution(model: Model) -> Array:
@@ -169,7 +163,7 @@ class TorqueRows:
     b: Array
 
 
-def torque_rows(model: Model, friction: Friction, losses: tuple[Array, Array]) -> TorqueRows:
+def torque_rows(model: Model, friction: Friction, external: External) -> TorqueRows:
     """±T as affine functions of the acceleration, worst over what is unknown.
 
     T = −ρ F·ŝ is the motor's torque against the floor's force F on the wheel.  For more than three
@@ -177,7 +171,7 @@ def torque_rows(model: Model, friction: Friction, losses: tuple[Array, Array]) -
     """
     c, across = model.geometry, model.wrench_maps()[1]
     along_grip, along_free = np.sum(c.drive * c.grip, axis=1), np.sum(c.drive * c.free, axis=1)
-    # f = L (M a − w_loss + B_T N D), T = −ρ (ŝ·ĝ) f + ρ (ŝ·f̂) N D
+    # f = L (M a − w + B_T N D), T = −ρ (ŝ·ĝ) f + ρ (ŝ·f̂) N D
     on_wrench = (-c.radius_m * along_grip)[:, None] * even_distribution(model)
     on_drag = on_wrench @ across + np.diag(c.radius_m * along_free)
     low = np.where(friction.possible, friction.drag_low, np.inf).min(axis=0)
@@ -188,7 +182,7 @@ def torque_rows(model: Model, friction: Friction, losses: tuple[Array, Array]) -
         A = np.broadcast_to(sign * on_wrench * model.inertia.diagonal, (*drag.shape[:2], 3)).copy()
         A[..., :2] += drag @ model.loads.per_acceleration_kg
         rows.append(A)
-        bounds.append(worst_loss(sign * on_wrench, losses) - drag @ model.loads.rest_N)
+        bounds.append(external.least(sign * on_wrench, -drag))
     return TorqueRows(A=np.stack(rows), b=np.stack(bounds))
 
 

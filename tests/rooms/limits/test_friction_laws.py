@@ -1,4 +1,4 @@
-"""Every friction law in the limits: the creeping equilibrium, the creep bound, and what does not depend on it."""
+"""Friction laws in the limits: creeping equilibrium, creep bound, and what does not depend on the law."""
 
 from __future__ import annotations
 
