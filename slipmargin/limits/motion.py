@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.errors import NoSolution
+from slipmargin.limits.motion_external import least_product
 from slipmargin.limits.motion_friction import material_states
 from slipmargin.limits.motion_rows import (
     CAUSES,
@@ -124,13 +125,9 @@ def needed_share(model: Model, motion: Motion, *, contact: Contact = Contact.ROL
         high = np.where(pick, friction.drag_high[1], friction.drag_high[0])[:, None]
         lost = np.maximum(facets.across * low, facets.across * high)
         for low, high, load in external.cases(a):
-            worst = (
-                np.maximum(facets.normals, 0.0) @ low[:, :, None]
-                + np.minimum(facets.normals, 0.0) @ high[:, :, None]
-            )
-            top = (a * model.inertia.diagonal) @ facets.normals.T - worst[..., 0]
-            top = top + np.einsum("mkn,mn->mk", lost, load)
-            need = np.maximum(need, np.max(_ratio(top, np.einsum("mkn,mn->mk", held, load)), axis=1))
+            top = (a * model.inertia.diagonal) @ facets.normals.T - least_product(facets.normals, low, high)
+            top = top + (lost @ load[:, :, None])[..., 0]
+            need = np.maximum(need, np.max(_ratio(top, (held @ load[:, :, None])[..., 0]), axis=1))
     return need
 
 

@@ -53,10 +53,11 @@ class External:
         return np.asarray(np.min(each, axis=0) if len(each) > 1 else each[0])
 
     def cases(self, acceleration: Array) -> Iterator[tuple[Array, Array, Array]]:
-        """Boxes (M, 3), (M, 3) of wrenches, each with the loads at an acceleration (M or none, 2) of the mass.
+        """Boxes (M, 3), (M, 3) of wrenches, each with the loads at an acceleration of the centre of mass.
 
-        The loads are (N,) where they are the same at every state, else (M, N).  A force with a height stands at a corner of its box, so that loads and wrench belong together:
-        what is linear in both takes its extremes there.
+        A force with a height stands at a corner of its box, so that loads and wrench belong together: what
+        is linear in both takes its extremes there.  ``acceleration`` is (2,), and the loads (N,) where no
+        force has a height, or (M, 2 or more).
         """
         corners: list[list[tuple[Array, Array]]] = []
         for height, low, high in zip(self.height_m, self.low, self.high, strict=True):

@@ -63,6 +63,8 @@ def creep_bound(model: Model, motion: Motion, share: float) -> Array:
     :data:`MOST` count as that: at 1 the slip has no bound.
     """
     z, k = law_inverse(model.grip.law, min(share, MOST)), model.grip.k_s_per_m
+    if not any(t.target in (Target.STIFFNESS, Target.STIFFNESS_DRIVE) for t in model.grip.multipliers):
+        return np.full((motion.count, model.count), z / k)
     slide = motion.velocity @ model.geometry.lateral_rows().T
     creep = np.zeros_like(slide)
     for _ in range(_ROUNDS):  # a slope that depends on the slip is asked again at the slip found

@@ -1,4 +1,4 @@
-"""External forces have heights: a slope, a cable or a push shifts the wheels' loads, and a lift lightens them."""
+"""External forces have heights: slope, cable and push shift the wheels' loads, a lift lightens them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from slipmargin.limits.motion_state import Motion
 from slipmargin.limits.self_check import self_check
 from slipmargin.limits.sweep import limit
 from slipmargin.model import Model, nominal_model
-from slipmargin.model.parts import ExternalWrench
+from slipmargin.model.parts import Drives, ExternalWrench
 from slipmargin.paths.path import through
 from slipmargin.paths.plan import Request, plan
 from slipmargin.physics.constants import GRAVITY_M_S2
@@ -30,7 +30,7 @@ from slipmargin.physics.grips import GripShape
 from slipmargin.physics.kinematics import com_acceleration
 from slipmargin.physics.terms import ForceTerm
 from slipmargin.physics.variables import Basis, Frame, Variable
-from slipmargin.robot import LoadRule, Motor
+from slipmargin.robot import LoadRule
 
 #: Wheel angles of a symmetric robot with its third wheel uphill where the floor falls towards +y.
 SLOPE = np.deg2rad(4.0)
@@ -191,7 +191,7 @@ def test_any_force_at_any_height(
 
 
 def test_a_pull_at_a_height_is_an_external_force_at_that_height() -> None:
-    """The largest pull, taken as a force that is there already, leaves nothing; a little less leaves little."""
+    """The largest pull, taken as a force that is there already, leaves almost nothing."""
     model, phi = robot(), np.array([0.3])
     pull = Pull(height_m=0.05)
     most = limit(model, phi, pull)[0]
@@ -210,7 +210,7 @@ def test_a_slope_that_lifts_a_wheel_is_said_in_one_line() -> None:
         lambda: directions(model, np.zeros(1)),
         lambda: plan(model, through(np.array([[0, 0, 0], [1, 0, 0.0]])), Request(points=20)),
     ):
-        with pytest.raises(NoSolution, match="wheel (rear|3|left|right).* lifts off the floor") as fault:
+        with pytest.raises(NoSolution, match="lifts off the floor") as fault:
             run()
         assert "\n" not in str(fault.value)
 
@@ -272,13 +272,9 @@ def test_motion_limits_on_a_slope_are_those_of_a_linear_program(rule: LoadRule, 
         if slow > 0.0:  # at the limit the needed share is one, and so is the creeping equilibrium's
             at = replace(motion, acceleration=slow * way[None])
             assert needed_share(model, at)[0] == pytest.approx(1.0, rel=1e-8)
-    still = replace(motion, acceleration=np.zeros((1, 3)))
-    assert realised(model, still).load_N[0] == pytest.approx(
-        plain_loads(model, down, 0.05, lift)
-        + flat.loads.per_acceleration_kg
-        @ com_acceleration(np.zeros(2), motion.velocity, np.zeros((1, 3)))[0, :2],
-        rel=1e-12,
-    )
+    # the centre of mass stands at the origin, which does not accelerate
+    still = realised(model, replace(motion, acceleration=np.zeros((1, 3))))
+    assert still.load_N[0] == pytest.approx(plain_loads(model, down, 0.05, lift), rel=1e-12)
 
 
 def test_an_unknown_heading_is_as_bad_as_the_worst_one() -> None:
@@ -296,8 +292,8 @@ def test_an_unknown_heading_is_as_bad_as_the_worst_one() -> None:
 
 
 def test_motor_torque_on_a_slope_counts_the_shifted_drag() -> None:
-    motor = Motor(max_speed_rad_s=100.0, stall_torque_N_m=0.03)
-    model = on_slope(robot(0.08, motor=motor))
+    model = on_slope(robot(0.08))
+    model = replace(model, drives=Drives(max_speed_rad_s=100.0, stall_torque_N_m=0.03))
     motion = Motion(velocity=np.array([[0.3, 0.1, 0.0]]), heading=np.array([0.5]), saturated=True)
     rows = acceleration_rows(model, motion)
     way = np.array([[1.0, 0.0, 0.0]])
