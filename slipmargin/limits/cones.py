@@ -5,8 +5,9 @@ Everything is per m g, moments per m g and a length.  With wheel forces f_i = μ
     maximise F   s.t.   Σ_i b_i f_i + d F = −w_b,      y_i in the grip's set scaled by N_i(F) = N⁰_i + t_i F.
 
 Box: |y_ij| ≤ N_i (eq. 17).  Ellipse: ‖y_i‖ ≤ N_i.  Disc-strip: f_i = μ_W y_i, also |μ_W y_T| ≤ μ_T N_i.
-A blend (1 − κ)·box ⊕ κ·shape has both kinds of variable.  Where friction depends on the sense of the
-slip each force is split into its two senses.
+A blend (1 − κ)·box ⊕ κ·shape has both kinds of variable, f_i = (1 − κ) μ_i ∘ y_i + κ μ_i ∘ y'_i, so that
+every cone is of the loads' size however thin its part is.  Where friction depends on the sense of the slip
+each force is split into its two senses.
 """
 
 from __future__ import annotations
@@ -24,13 +25,16 @@ from slipmargin.limits.pull import Pull
 from slipmargin.limits.rows import refuse_slipping
 from slipmargin.limits.wrench_set import WrenchSet, wrench_maps
 from slipmargin.model import Model
-from slipmargin.physics.grips import GripShape
+from slipmargin.physics.grips import GripShape, polyhedral
 from slipmargin.sets.facets import length_scale
 from slipmargin.solve.assemble import Assembly
 from slipmargin.solve.program import ConeFamily, ConeProgram, Solution
 
 _BALANCE = ("balance Fx", "balance Fy", "balance Mz")
 _PARTS = ("drive", "transverse")
+#: A part of a blend smaller than this is counted to the other.  The shape lies in the box and holds the
+#: box divided by √2, so no support changes by more than (1 − 1/√2) of this, or √2 − 1 at the other end [1].
+THIN = 1e-8
 
 
 @final
@@ -202,10 +206,12 @@ def _limit(model: Model, phi_rad: Array, pull: Pull, rigid: Array, extreme: Extr
     unmoved = Bias(wrench=0.0 * bias.wrench, load_N=pressed)
     at_rest = limit_family(model, phi_rad, replace(pull, height_m=0.0), rigid, extreme, unmoved)
     towards = np.array(at_rest.a)
-    loaded = np.any(bias.wrench != 0.0, axis=1)
-    towards[:, :3, 0] = np.where(loaded[:, None], bias.wrench, pull.rays(model, phi_rad))
-    towards[:, :3, 0] /= model.inertia.weight_N * _units(wrench_maps(model))
-    holds = solve_family(replace(at_rest, a=towards))[0][:, 0] >= 1.0
+    load = bias.wrench / (model.inertia.weight_N * _units(wrench_maps(model)))
+    size = np.sqrt(np.sum(load**2, axis=1))
+    loaded = size > 0.0
+    ray = np.where(loaded[:, None], load / np.where(loaded, size, 1.0)[:, None], pull.rays(model, phi_rad))
+    towards[:, :3, 0] = ray
+    holds = solve_family(replace(at_rest, a=towards))[0][:, 0] >= size
     inside = holds | ~loaded
     if np.any(inside):
         found = cone_limits(model, phi_rad[inside], pull, rigid, extreme, _rows(bias, inside))
@@ -239,37 +245,38 @@ class _Wheels:
 
     def grip(self, shape: GripShape, coupling: float) -> None:
         """(1 − coupling)·box ⊕ coupling·shape."""
-        kappa = 0.0 if shape is GripShape.BOX else coupling
+        kappa = 0.0 if polyhedral(shape, coupling) or coupling < THIN else coupling
+        kappa = 1.0 if kappa > 1.0 - THIN else kappa
         if kappa < 1.0:
             self.box(1.0 - kappa, "" if kappa == 0.0 else " (box part)")
         if kappa > 0.0:
             self.cone(kappa, shape is GripShape.DISC_STRIP)
 
     def box(self, part: float, suffix: str) -> None:
-        """Variables y with |y_ij| ≤ part · N_i."""
+        """Variables y with |y_ij| ≤ N_i, which count ``part`` times."""
         for i, name in enumerate(self.names):
             for j, axis in enumerate(_PARTS):
-                for key, sign in self._forces(f"{name} {axis}{suffix}", i, j, self.mu[:, i, j]):
-                    self._bounded(i, {key: sign}, part, f"{key} {'≤ +' if sign > 0 else '≥ −'}μ N")
+                for key, sign in self._forces(f"{name} {axis}{suffix}", i, j, part * self.mu[:, i, j]):
+                    self._bounded(i, {key: sign}, 1.0, f"{key} {'≤ +' if sign > 0 else '≥ −'}μ N")
 
     def cone(self, part: float, strip: bool) -> None:
-        """Variables y with ‖y_i‖ ≤ part · N_i, and the strip where asked."""
+        """Variables y with ‖y_i‖ ≤ N_i, and the strip where asked, which count ``part`` times."""
         for i, name in enumerate(self.names):
             across = self.mu[:, i, 0].min(axis=1) if strip else None
             sides = []
             for j, axis in enumerate(_PARTS):
                 scale = self.mu[:, i, j] if j == 0 or across is None else np.stack([across, across], axis=1)
-                made = self._forces(f"{name} {axis}", i, j, scale)
+                made = self._forces(f"{name} {axis}", i, j, part * scale)
                 sides.append({key: 1.0 for key, _ in made})
                 if j == 1 and across is not None:
                     for key, sign in made:
                         side = 1 if sign > 0 and not key.endswith("−") else 0
-                        width = part * self.mu[:, i, 1, side] / across
+                        width = self.mu[:, i, 1, side] / across
                         self._bounded(i, {key: sign}, width, f"{name} strip {'≤' if side else '≥'}")
             self.put.second_order(
                 f"{name} grip",
                 [
-                    ({"F": -part * self.change[:, i]}, part * self.load[:, i]),
+                    ({"F": -self.change[:, i]}, self.load[:, i]),
                     *(({k: -v for k, v in side.items()}, 0.0) for side in sides),
                 ],
             )
