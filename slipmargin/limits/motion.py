@@ -18,6 +18,7 @@ from slipmargin.limits.motion_external import least_product
 from slipmargin.limits.motion_friction import material_states
 from slipmargin.limits.motion_rows import (
     CAUSES,
+    SPENT,
     AccelerationRows,
     acceleration_rows,
     even_distribution,
@@ -33,7 +34,9 @@ from slipmargin.physics.kinematics import com_acceleration
 class AccelerationLimit:
     """Limits of M states: ``value`` (M,) multiples of each direction, and the binding row of each.
 
-    Negative: even without acceleration the robot slips.  ``row`` (M,) of ``rows`` is what binds.
+    Negative: even without acceleration the robot slips.  ``row`` (M,) of ``rows`` is what binds.  Where the
+    drag uses up a coupled grip (an ellipse whose wheel slides sideways at full slip) and no multiple is
+    admissible, the value is what drag alone does: the component of coasting along the direction.
     """
 
     value: Array
@@ -43,16 +46,27 @@ class AccelerationLimit:
 
     @property
     def cause(self) -> tuple[str, ...]:
-        """What limits each state: grip, tip-over or motor torque."""
-        return tuple(CAUSES[self.rows.cause[k]] for k in self.row)
+        """What limits each state: grip, tip-over, motor torque, or a drag that uses the whole grip."""
+        return tuple(
+            SPENT if spent else CAUSES[self.rows.cause[k]]
+            for k, spent in zip(self.row, self._spent, strict=True)
+        )
 
     @property
     def wheels(self) -> tuple[tuple[str, ...], ...]:
         """The wheels that limit each state."""
-        table = [
-            tuple(name for name, on in zip(self.names, row, strict=True) if on) for row in self.rows.wheels
-        ]
-        return tuple(table[k] for k in self.row)
+        table = [self._named(row) for row in self.rows.wheels]
+        return tuple(
+            self._named(self.rows.spent[m]) if spent else table[k]
+            for m, (k, spent) in enumerate(zip(self.row, self._spent, strict=True))
+        )
+
+    @property
+    def _spent(self) -> NDArray[np.bool_]:
+        return np.asarray(np.any(self.rows.spent, axis=1) & (self.value <= 0.0))
+
+    def _named(self, wheels: NDArray[np.bool_]) -> tuple[str, ...]:
+        return tuple(name for name, on in zip(self.names, wheels, strict=True) if on)
 
 
 def acceleration_limit(
@@ -92,7 +106,8 @@ def acceleration_limit(
 def along(model: Model, rows: AccelerationRows, start: Array, direction: Array) -> AccelerationLimit:
     """Largest t with A (start + t direction) ≤ b, all (M, …), about the centre of mass.
 
-    Negative where ``start`` itself is not admissible for want of grip along the direction; −∞ where no t is.
+    Negative where ``start`` itself is not admissible for want of grip along the direction; −∞ where no t is,
+    or what coasting does where a drag leaves no grip to drive.
     """
     room = rows.b - np.einsum("mrc,mc->mr", rows.A, start)
     slope = np.einsum("mrc,mc->mr", rows.A, direction)
@@ -106,15 +121,20 @@ def along(model: Model, rows: AccelerationRows, start: Array, direction: Array) 
     value = t[np.arange(len(t)), best]
     never |= least > value + 1e-9 * np.abs(value)
     value = np.where(never & (value > 0.0), -np.inf, value)
+    spent = never & np.any(rows.spent, axis=1)
+    if np.any(spent):
+        away = np.einsum("mc,mc->m", rows.coasting - start, direction)
+        away[np.abs(away) < 1e-12 * np.sum(np.abs(rows.coasting), axis=1)] = 0.0
+        value = np.where(spent, away / np.einsum("mc,mc->m", direction, direction), value)
     return AccelerationLimit(value=value, row=best, rows=rows, names=model.geometry.names)
 
 
 def needed_share(model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS) -> Array:
     """Smallest share λ (M,) of the drive grip with which some distribution does what ``motion`` asks.
 
-    Above 1 the wheels must slip.  For three wheels it is the largest wheel's share; for more, the
-    wheels choose the distribution and the largest share may be higher
-    (:func:`slipmargin.limits.motion_realised.realised`).
+    Above 1 the wheels must slip; infinite where drag leaves no grip to drive.  For
+    three wheels it is the largest wheel's share; for more, the wheels choose the distribution and the
+    largest share may be higher (:func:`slipmargin.limits.motion_realised.realised`).
     """
     facets, friction, external = prepare(model, motion, 1.0, contact)
     a = _acceleration(model, motion)

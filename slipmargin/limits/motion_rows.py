@@ -58,17 +58,21 @@ class AccelerationRows:
     """Rows ``A`` (M, R, 3) a ≤ ``b`` (M, R) and what each row means.
 
     ``wheels`` (R, N) are the wheels a row is about (a facet saturates several); ``cause`` (R,) indexes
-    :data:`CAUSES`.
+    :data:`CAUSES`.  ``spent`` (M, N): wheels whose drag uses the whole of a coupled grip, so that none is
+    left to drive; ``coasting`` (M, 3): the acceleration without any drive force (zero where none is spent).
     """
 
     A: Array
     b: Array
     wheels: NDArray[np.bool_]
     cause: NDArray[np.int64]
+    spent: NDArray[np.bool_]
+    coasting: Array
 
 
-#: What a row stands for.
+#: What a row stands for, and what is said where there is no grip left to drive.
 CAUSES = ("grip", "tip-over", "motor torque")
+SPENT = "drag uses the whole grip"
 
 
 def acceleration_rows(
@@ -108,12 +112,23 @@ def acceleration_rows(
         bounds += list(limit)
         causes += [2] * (2 * n)
         wheels += [np.eye(n, dtype=bool)] * 2
+    spent = np.any(friction.possible & (friction.drive <= 0.0), axis=0)
     return AccelerationRows(
         A=np.concatenate(rows, axis=1),
         b=np.concatenate(bounds, axis=1),
         wheels=np.concatenate(wheels),
         cause=np.array(causes),
+        spent=spent,
+        coasting=_coasting(model, friction, external) if np.any(spent) else np.zeros((motion.count, 3)),
     )
+
+
+def _coasting(model: Model, friction: Friction, external: External) -> Array:
+    """Acceleration (M, 3) of the centre of mass by drag and external wrench alone, of the heavier drag."""
+    wrench, load = external.middle(np.zeros(2))
+    middle = np.where(friction.possible, 0.5 * (friction.drag_low + friction.drag_high), 0.0)
+    drag = np.where(np.abs(middle[1]) > np.abs(middle[0]), middle[1], middle[0])
+    return np.asarray((wrench - (drag * load) @ model.wrench_maps()[1].T) / model.inertia.diagonal)
 
 
 def prepare(
@@ -196,3 +211,11 @@ def torque_limit(model: Model, speed: Array) -> Array:
         return np.full((2, *speed.shape), np.inf)
     left = np.ones_like(speed) if top is None else np.clip(1.0 - np.abs(speed) / top, 0.0, 1.0)
     return stall * np.stack([np.where(speed > 0.0, left, 1.0), np.where(speed < 0.0, left, 1.0)])
+
+
+def torque_use(model: Model, torque_N_m: Array, speed: Array) -> Array:
+    """Share (M, N) of what the motors give at wheel speeds (M, N) that torques (M, N) need."""
+    limit = torque_limit(model, speed)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(torque_N_m >= 0.0, torque_N_m / limit[0], -torque_N_m / limit[1])
+    return np.nan_to_num(share, nan=0.0, posinf=np.inf)

@@ -49,7 +49,7 @@ class Pull:
         """(M, 3) wrench on the body per newton of pull at headings φ (M,), about the centre of mass."""
         x, y = to_body(phi_rad, np.cos(self.direction_rad), np.sin(self.direction_rad))
         arm = np.zeros(2) if self.point_m is None else self.point_m - model.inertia.com_m
-        return np.stack([x, y, moment(*arm, x, y) + self.moment_m], axis=-1)
+        return np.stack([x, y, moment(arm[0], arm[1], x, y) + self.moment_m], axis=-1)
 
     def load_change(self, model: Model, rays: Array) -> Array:
         """(M, N) change of each wheel's load per newton of pull: S (0, h d) with d the ray's force."""

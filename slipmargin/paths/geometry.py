@@ -12,6 +12,8 @@ from slipmargin.limits.motion_state import Motion
 from slipmargin.model import Model
 from slipmargin.paths.grid import Grid
 from slipmargin.paths.path import Path
+from slipmargin.physics.frames import rotate_rows
+from slipmargin.physics.kinematics import com_acceleration
 
 
 @final
@@ -38,13 +40,11 @@ class Geometry:
         """The samples of a grid."""
         s, piece = grid.inside(fractions)
         pose, first, second = (a.reshape(*s.shape, 3) for a in path.at(s.ravel(), piece.ravel()))
-        c = model.inertia.com_m
-        push, bend = to_body(pose[..., 2], first), to_body(pose[..., 2], second)
-        twist = push.copy()
-        for a in (push, bend):  # a_com = a + α ẑ×c − ω² c
-            a[..., 0] -= a[..., 2] * c[1]
-            a[..., 1] += a[..., 2] * c[0]
-        bend[..., :2] -= first[..., 2:] ** 2 * c
+        com, phi = model.inertia.com_m, pose[..., 2]
+        twist = rotate_rows(phi, first, inverse=True)
+        rate, turning = twist.reshape(-1, 3), rotate_rows(phi, second, inverse=True).reshape(-1, 3)
+        push = com_acceleration(com, 0.0 * rate, rate).reshape(first.shape)
+        bend = com_acceleration(com, rate, turning).reshape(first.shape)
         return Geometry(
             s=s, fractions=fractions, pose=pose, first=first, second=second, twist=twist, push=push, bend=bend
         )
@@ -60,7 +60,7 @@ class Geometry:
         acceleration = None
         if u is not None:
             floor = self.first * u[:, None, None] + self.second * sq[..., None]
-            acceleration = to_body(self.pose[..., 2], floor).reshape(-1, 3)
+            acceleration = rotate_rows(self.pose[..., 2], floor, inverse=True).reshape(-1, 3)
         return Motion(
             velocity=(self.twist * speed * scale).reshape(-1, 3),
             heading=self.pose[..., 2].ravel(),
@@ -88,16 +88,3 @@ class Geometry:
             start[:, None]
             + 2.0 * (self.fractions * step[:, None]) / np.maximum(here + root[:-1, None], 1e-12)
         )
-
-
-def to_body(heading: Array, vectors: Array) -> Array:
-    """R(φ)ᵀ on the first two components of (..., 3); the third stays."""
-    c, s = np.cos(heading), np.sin(heading)
-    return np.stack(
-        [
-            c * vectors[..., 0] + s * vectors[..., 1],
-            -s * vectors[..., 0] + c * vectors[..., 1],
-            vectors[..., 2],
-        ],
-        axis=-1,
-    )

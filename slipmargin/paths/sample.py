@@ -11,9 +11,9 @@ from slipmargin.errors import NoSolution
 from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
-from slipmargin.paths.geometry import to_body
 from slipmargin.paths.plan import Plan
 from slipmargin.paths.trajectory import Trajectory
+from slipmargin.physics.frames import rotate_rows
 
 
 def node_times(plan: Plan) -> Array:
@@ -48,7 +48,7 @@ def at_times(plan: Plan, t_s: Array) -> Trajectory:
     velocity = first * rate[:, None]
     acceleration = first * plan.u[j, None] + second * rate[:, None] ** 2
     contact, theta = plan.request.contact, None
-    omega = plan.model.geometry.wheel_speeds(to_body(q[:, 2], velocity))
+    omega = plan.model.geometry.wheel_speeds(rotate_rows(q[:, 2], velocity, inverse=True))
     if contact is Contact.ANGLE:
         theta = _turned(plan, t_s, omega)
     use = use_along(plan.model, t_s, q, velocity, acceleration, contact=contact, theta=theta)
@@ -80,8 +80,8 @@ def use_along(
     """
     heading = pose[:, 2]
     motion = Motion(
-        velocity=to_body(heading, velocity),
-        acceleration=to_body(heading, acceleration),
+        velocity=rotate_rows(heading, velocity, inverse=True),
+        acceleration=rotate_rows(heading, acceleration, inverse=True),
         heading=heading,
         position=pose[:, :2],
         time_s=t_s,

@@ -14,11 +14,12 @@ from slipmargin.model import Model, nominal_model
 from slipmargin.paths import core
 from slipmargin.paths.along import Caps
 from slipmargin.paths.convex import Ellipsoids, convex_profile
-from slipmargin.paths.geometry import Geometry, to_body
+from slipmargin.paths.geometry import Geometry
 from slipmargin.paths.grid import grid_of
 from slipmargin.paths.path import Path, corners, through
 from slipmargin.paths.plan import Plan, Request, duration, plan
 from slipmargin.paths.sample import at_use, node_times, stretched, trajectory
+from slipmargin.physics.frames import rotate_rows
 from slipmargin.robot import GripShape, LoadRule, Motor
 
 T = np.linspace(0.0, 2.0 * np.pi, 17)
@@ -102,7 +103,7 @@ def test_the_samples_are_one_motion(eight: Plan) -> None:
     gained = np.cumsum(rows.acceleration[:-1] * np.diff(rows.t_s)[:, None], axis=0)
     assert (rows.velocity[1:] - rows.velocity[0])[inner] == pytest.approx(gained[inner], abs=2e-2)
     assert rows.velocity[[0, -1]] == pytest.approx(np.zeros((2, 3)), abs=1e-6)
-    body = to_body(rows.pose[:, 2], rows.velocity)
+    body = rotate_rows(rows.pose[:, 2], rows.velocity, inverse=True)
     assert rows.omega == pytest.approx(eight.model.geometry.wheel_speeds(body), abs=1e-12)
     # sign: ρ θ̇ ŝ·ĝ = −(v + ω×p)·ĝ, the rear wheel of the kiwi drives along +X
     straight = trajectory(plan(MODELS["kiwi"], PATHS["straight"], Request(points=50)))
