@@ -218,4 +218,4 @@ def torque_use(model: Model, torque_N_m: Array, speed: Array) -> Array:
     limit = torque_limit(model, speed)
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(torque_N_m >= 0.0, torque_N_m / limit[0], -torque_N_m / limit[1])
-    return np.nan_to_num(share, nan=0.0, posinf=np.inf)
+    return np.asarray(np.nan_to_num(share, nan=0.0, posinf=np.inf))

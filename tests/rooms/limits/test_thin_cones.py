@@ -9,9 +9,10 @@ import pytest
 from hypothesis import example, given, settings, strategies as st
 from strategies import kiwi, models, reals
 
-from slipmargin.limits import Pull
+from slipmargin.limits import Pull, wrench_set
 from slipmargin.limits.band import band
-from slipmargin.limits.self_check import self_check
+from slipmargin.limits.bias import bias_wrench
+from slipmargin.limits.cones import cone_limits
 from slipmargin.limits.sweep import limit
 from slipmargin.model import Model, nominal_model
 from slipmargin.model.parts import ExternalWrench
@@ -62,7 +63,13 @@ def test_any_coupling_and_any_cable(
     coupling, at = 10.0**exponent, np.array([phi])
     changed = held(model, 10.0**cable, shape, coupling)
     force = limit(changed, at, Pull())
-    assert self_check(changed, at, force) < 1e-7  # the support function's own minimum
+    # from above: the closed-form support at the multipliers' normal (weak duality); from below: wheel
+    # forces that balance the pull
+    found, ray = cone_limits(changed, at, Pull()), Pull().rays(changed, at)[0]
+    normal = found.normals[0] / -(found.normals[0] @ ray)
+    above = wrench_set(changed, phi_rad=phi).support(normal) + normal @ bias_wrench(changed, at)[0]
+    assert force[0] == pytest.approx(float(above), rel=1e-7)
+    assert found.solution(0).certificate().primal < 1e-8
     # the set lies between the box and a box smaller by 0.3 of the coupling
     box = limit(held(model, 10.0**cable, GripShape.BOX, 1.0), at, Pull())
     assert force[0] <= box[0] * (1.0 + 1e-7)
