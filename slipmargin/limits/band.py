@@ -15,8 +15,8 @@ from slipmargin.checks import Array
 from slipmargin.limits.friction import Extreme, coefficients
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.rows import facet_rows, largest, pull_geometry
-from slipmargin.limits.wrench_set import polyhedral
 from slipmargin.model import Model
+from slipmargin.physics.grips import polyhedral
 
 
 def states(model: Model, extreme: Extreme) -> list[Array]:
@@ -43,7 +43,7 @@ def states(model: Model, extreme: Extreme) -> list[Array]:
 
 def band(model: Model, phi_rad: Array, pull: Pull) -> tuple[Array, Array]:
     """Lowest and highest F_emax (M,) over contact states and unknown variables [N]."""
-    if polyhedral(model.grip):
+    if polyhedral(model.grip.shape, model.grip.coupling):
         geometry = pull_geometry(model, phi_rad, pull)
 
         def one(state: Array, extreme: Extreme) -> Array:

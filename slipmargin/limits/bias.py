@@ -1,4 +1,4 @@
-"""Forces on a robot at rest that are neither the pull nor friction: slope, tether, what losses hold.
+"""Forces on a robot at rest that are neither the pull nor friction (slope, cable), and the loads they shift.
 
 Terms against the motion and terms of a velocity are zero at rest.  Rolling resistance can hold a robot,
 but never moves it; leaving it out keeps the limit on the safe side.
@@ -6,84 +6,153 @@ but never moves it; leaving it out keeps the limit on the safe side.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import final
+
 import numpy as np
 
 from slipmargin.checks import Array
-from slipmargin.limits.friction import span
+from slipmargin.errors import NoSolution
+from slipmargin.limits.ranges import span
 from slipmargin.model import Model
+from slipmargin.physics.frames import rotate_rows
 from slipmargin.physics.terms import ForceTerm
 from slipmargin.physics.variables import Frame, Variable
 
+#: A load below minus this share of m g is a wheel off the floor [1].
+LIFTED = 1e-9
 _UNKNOWN = (Variable.POSITION_X, Variable.POSITION_Y, Variable.TIME)
 
 
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Bias:
+    """External wrench (M, 3) at rest, body frame, and wheel loads (M or 1, N) under it [N, N, N m; N]."""
+
+    wrench: Array
+    load_N: Array
+
+
+def height_m(model: Model, term: ForceTerm) -> float:
+    """Height above the floor at which a term's force acts [m]."""
+    return model.inertia.com_height_m if term.height_m is None else term.height_m
+
+
+def lift_N(model: Model) -> float:
+    """Upward force of all external terms [N]."""
+    return float(sum(term.lift_N for term in model.external.terms))
+
+
+def shifts_load(model: Model) -> bool:
+    """Whether an external force acts above the floor."""
+    return any(height_m(model, term) != 0.0 for term in model.external.terms)
+
+
+def bias(model: Model, phi_rad: Array) -> Bias:
+    """The external wrench at rest and the loads under it; unknown variables at v = 0."""
+    force = _total(model, [t for t in model.external.terms if _acts(t)], None, phi_rad)
+    return _bias(model, force)
+
+
 def bias_wrench(model: Model, phi_rad: Array) -> Array:
-    """(M, 3) wrench of the losses at rest, body frame; unknown variables at v = 0 [N, N, N m]."""
-    total = np.zeros((len(phi_rad), 3))
-    for term in model.external.terms:
-        if term.frame is not Frame.AGAINST_MOTION:
-            v = phi_rad if term.variable is Variable.HEADING else np.zeros(len(phi_rad))
-            total += _to_body(term.wrench(v), term.frame, phi_rad)
-    return total
+    """(M, 3) wrench of the external forces at rest, body frame; unknown variables at v = 0 [N, N, N m]."""
+    return bias(model, phi_rad).wrench
 
 
-def bias_extremes(model: Model, phi_rad: Array, normals: Array) -> tuple[Array, Array]:
-    """Least and greatest n·w of the bias over what cannot be known (place, time).
+def loads_at_rest(model: Model, phi_rad: Array) -> Array:
+    """(M, N) loads at rest, one row where no external force acts; unknown variables at v = 0 [N]."""
+    return bias(model, phi_rad).load_N if model.external.terms else model.loads.rest_N[None]
+
+
+def refuse_lifting(model: Model, load_N: Array, place: str, evidence: object) -> None:
+    """NoSolution naming the wheel that external forces alone lift off the floor, with loads (..., N) [N]."""
+    if float(np.min(load_N)) < -LIFTED * model.inertia.weight_N:
+        wheel = int(np.argmin(load_N.reshape(-1, model.count).min(axis=0)))
+        raise NoSolution(
+            place,
+            f"wheel {model.geometry.names[wheel]} lifts off the floor: it would carry {np.min(load_N):.3g} N",
+            "lower the centre of mass, widen the wheelbase or make the floor less steep",
+            evidence,
+        )
+
+
+def bias_extremes(
+    model: Model, phi_rad: Array, normals: Array, per_load: Array | None = None
+) -> tuple[Array, Array]:
+    """Least and greatest n·w + p·N of the bias and its loads over what cannot be known (place, time).
 
     Parameters
     ----------
     normals : (K, 3)
+    per_load : (M or 1, K, N), optional
 
     Returns
     -------
     two (M, K)
-        Relative to :func:`bias_wrench`: both zero where no term depends on place or time.
+        Relative to their values in :func:`bias`: both zero where no term depends on place or time.
     """
     low = np.zeros((len(phi_rad), len(normals)))
     high = np.zeros_like(low)
+    tilts = None if per_load is None else per_load @ model.loads.per_moment_1_per_m
+
+    def along(force: Array) -> Array:
+        out = force[:, :3] @ normals.T
+        return np.asarray(out if tilts is None else out + (tilts @ force[:, 3:, None])[..., 0])
+
     for variable in _UNKNOWN:
         terms = _unknown_terms(model, variable)
         if terms:
-            across = np.stack([_along(terms, v, phi_rad, normals) for v in _grid(terms, variable)])
-            rest = _along(terms, 0.0, phi_rad, normals)
+            across = np.stack([along(_total(model, terms, v, phi_rad)) for v in _grid(terms, variable)])
+            rest = along(_total(model, terms, 0.0, phi_rad))
             low += across.min(axis=0) - rest
             high += across.max(axis=0) - rest
     return low, high
 
 
-def bias_samples(model: Model, phi_rad: Array, points: int = 5) -> list[Array]:
-    """Bias wrenches (M, 3) at values spread over what cannot be known; the one at v = 0 comes first."""
-    out = [bias_wrench(model, phi_rad)]
+def load_extremes(model: Model, phi_rad: Array) -> tuple[Array, Array]:
+    """Least and greatest change of the loads (M, N) [N] over what cannot be known (place, time)."""
+    n = model.count
+    return bias_extremes(model, phi_rad, np.zeros((n, 3)), np.eye(n)[None])
+
+
+def bias_samples(model: Model, phi_rad: Array, points: int = 5) -> list[Bias]:
+    """The bias at values spread over what cannot be known; the one at v = 0 comes first."""
+    out = [_total(model, [t for t in model.external.terms if _acts(t)], None, phi_rad)]
     for variable in _UNKNOWN:
         terms = _unknown_terms(model, variable)
         if terms:
             grid = _grid(terms, variable)
             values = grid[np.linspace(0, len(grid) - 1, points).astype(int)]
-            rest = _along(terms, 0.0, phi_rad, np.eye(3))
-            change = [_along(terms, float(v), phi_rad, np.eye(3)) - rest for v in (0.0, *values)]
+            rest = _total(model, terms, 0.0, phi_rad)
+            change = [_total(model, terms, float(v), phi_rad) - rest for v in (0.0, *values)]
             out = [w + step for w in out for step in change]
-    return out
+    return [_bias(model, force) for force in out]
+
+
+def _acts(term: ForceTerm) -> bool:
+    return term.frame is not Frame.AGAINST_MOTION
 
 
 def _unknown_terms(model: Model, variable: Variable) -> list[ForceTerm]:
-    return [t for t in model.external.terms if t.variable is variable and t.frame is not Frame.AGAINST_MOTION]
+    return [t for t in model.external.terms if t.variable is variable and _acts(t)]
 
 
-def _along(terms: list[ForceTerm], v: float, phi_rad: Array, normals: Array) -> Array:
-    wrench = np.zeros((len(phi_rad), 3))
+def _total(model: Model, terms: list[ForceTerm], v: float | None, phi_rad: Array) -> Array:
+    """(M, 5) sum of wrench and height × force over terms at v; None: the heading, and zero for the rest."""
+    out = np.zeros((len(phi_rad), 5))
     for term in terms:
-        still = np.broadcast_to(term.wrench(np.array([v])), wrench.shape)
-        wrench += _to_body(still, term.frame, phi_rad)
-    return np.asarray(wrench @ normals.T)
+        at = phi_rad if v is None and term.variable is Variable.HEADING else np.full(len(phi_rad), v or 0.0)
+        wrench = term.wrench(at)
+        if term.frame is Frame.FLOOR:
+            wrench = rotate_rows(phi_rad, wrench, inverse=True)
+        out[:, :3] += wrench
+        out[:, 3:] += height_m(model, term) * wrench[:, :2]
+    return out
+
+
+def _bias(model: Model, force: Array) -> Bias:
+    return Bias(wrench=force[:, :3], load_N=model.loads.at(np.zeros(2), force[:, 3:], lift_N(model)))
 
 
 def _grid(terms: list[ForceTerm], variable: Variable) -> Array:
     return np.unique(np.concatenate([np.zeros(1), *(span(t.basis, t.shape, variable)[::12] for t in terms)]))
-
-
-def _to_body(wrench: Array, frame: Frame, phi_rad: Array) -> Array:
-    if frame is Frame.BODY:
-        return wrench
-    c, s = np.cos(phi_rad), np.sin(phi_rad)
-    x, y = wrench[:, 0], wrench[:, 1]
-    return np.stack([c * x + s * y, c * y - s * x, wrench[:, 2]], axis=1)

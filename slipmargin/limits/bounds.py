@@ -17,6 +17,7 @@ from slipmargin.limits.motion import AccelerationLimit, acceleration_limit, alon
 from slipmargin.limits.motion_rows import acceleration_rows
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
+from slipmargin.physics.frames import directions as unit_directions
 from slipmargin.physics.kinematics import com_acceleration
 
 
@@ -26,7 +27,8 @@ class Directions:
     """Acceleration limits (H,) [m/s²] by direction of motion ``heading_rad`` (H,).
 
     ``steady_use`` is the share of the grip that constant speed needs; where it exceeds the share that
-    may be used, ``starting`` is negative: the robot slips without accelerating.
+    may be used, ``starting`` is negative: the robot slips without accelerating.  It is infinite where the
+    drag of a coupled grip leaves nothing to drive; the limits are then those of coasting.
     """
 
     heading_rad: Array
@@ -82,7 +84,7 @@ def directions(
         Speed at which drag, losses and motors are taken.  Without it the drag is full and nothing else
         depends on the speed (the published limit; motors at their stall torque).
     """
-    ahead = _unit(heading_rad)
+    ahead = ahead_of(heading_rad)
     motion = _moving(ahead, speed_m_s)
     rows = acceleration_rows(model, motion, share=share, contact=contact, motor=motor)
     none = com_acceleration(model.inertia.com_m, motion.velocity, np.zeros_like(ahead))
@@ -101,8 +103,7 @@ def directions(
 def spin(model: Model, *, share: float = 1.0, contact: Contact = Contact.ROLLERS, motor: bool = True) -> Spin:
     """Limits of turning on the spot, about the body's origin."""
     turn = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
-    # At a crawl, so that no centripetal force counts; saturated, so that the drag is full.
-    motion = Motion(velocity=1e-3 * turn, saturated=True)
+    motion = Motion.full_drag(turn)
     limits = [
         acceleration_limit(model, motion, sign * turn, share=share, contact=contact, motor=motor)
         for sign in (1.0, -1.0)
@@ -142,7 +143,7 @@ def cornering(
 def _corner(
     model: Model, curvature: Array, heading: Array, turning: float, share: float, contact: Contact
 ) -> Array:
-    ahead = _unit(heading)
+    ahead = ahead_of(heading)
     twist = ahead.copy()
     twist[:, 2] = turning * curvature
     motion = Motion(velocity=twist, saturated=True)
@@ -164,18 +165,18 @@ def top_speed(model: Model, heading_rad: Array) -> Array:
     top = model.drives.max_speed_rad_s
     if top is None:
         return np.full(len(heading_rad), np.inf)
-    rate = np.max(np.abs(model.geometry.wheel_speeds(_unit(heading_rad))), axis=1)
+    rate = np.max(np.abs(model.geometry.wheel_speeds(ahead_of(heading_rad))), axis=1)
     return np.asarray(top / rate)
 
 
 def starting_by_motor(model: Model, heading_rad: Array) -> Array:
     """Acceleration (H,) [m/s²] at which the first motor reaches its stall torque; infinite without one."""
-    motion = _moving(_unit(heading_rad), None)
+    motion = _moving(ahead_of(heading_rad), None)
     rows = acceleration_rows(model, motion, motor=True)
     keep = rows.cause == 2
     if not np.any(keep):
         return np.full(len(heading_rad), np.inf)
-    slope = np.einsum("mrc,mc->mr", rows.A[:, keep], _unit(heading_rad))
+    slope = np.einsum("mrc,mc->mr", rows.A[:, keep], ahead_of(heading_rad))
     with np.errstate(divide="ignore"):
         return np.asarray(np.min(np.where(slope > 1e-12, rows.b[:, keep] / slope, np.inf), axis=1))
 
@@ -192,15 +193,15 @@ def headings(step_deg: float = 1.0) -> Array:
     return np.asarray(np.deg2rad(np.arange(0.0, 360.0 - 1e-9, step_deg)))
 
 
-def _unit(heading: Array) -> Array:
+def ahead_of(heading: Array) -> Array:
+    """Unit velocities (H, 3) along headings (H,), without yaw."""
     heading = np.asarray(heading, dtype=float)
-    # Rounded so that a wheel that does not slide sideways does so exactly.
-    return np.round(np.stack([np.cos(heading), np.sin(heading), np.zeros_like(heading)], axis=1), 15)
+    return np.column_stack([unit_directions(heading), np.zeros_like(heading)])
 
 
 def _moving(ahead: Array, speed_m_s: float | None) -> Motion:
     if speed_m_s is None:
-        return Motion(velocity=1e-3 * ahead, saturated=True)
+        return Motion.full_drag(ahead)
     return Motion(velocity=ahead * real("speed", speed_m_s, above=0.0, cure="give a positive speed [m/s]"))
 
 

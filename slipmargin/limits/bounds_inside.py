@@ -23,6 +23,7 @@ from slipmargin.limits.motion import needed_share
 from slipmargin.limits.motion_rows import acceleration_rows
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
+from slipmargin.physics.frames import directions
 from slipmargin.physics.kinematics import com_acceleration
 
 #: Directions of translation and yaw rates (times speed over arm) that the sets must be safe for.
@@ -63,6 +64,12 @@ def safe_rows(
         v = motion.velocity[int(np.argmax(need))]
         way = f"along {np.rad2deg(np.arctan2(v[1], v[0])) % 360.0:.0f}°" + (" while turning" if v[2] else "")
         worst = float(np.max(need))
+        if np.isinf(worst):
+            raise NoSolution(
+                "safe accelerations",
+                f"in steady motion {way} drag uses the whole grip of a wheel and leaves none to drive",
+                "use the grip disc-strip for rollers that spin freely, or lower the transverse friction",
+            )
         cure = (
             f"use a margin below {np.floor(100.0 * (1.0 - worst)) / 100.0:g}"
             if worst < 1.0
@@ -147,12 +154,9 @@ def _value(variable: Any) -> Array:
 
 def _all_motions(model: Model) -> Motion:
     arm = float(np.mean(np.hypot(*(model.geometry.position_m - model.inertia.com_m).T)))
-    angle = 2.0 * np.pi * np.arange(HEADINGS) / HEADINGS
-    ahead = np.round(np.stack([np.cos(angle), np.sin(angle)], axis=1), 15)
+    ahead = directions(2.0 * np.pi * np.arange(HEADINGS) / HEADINGS)
     moves = [np.column_stack([ahead, np.full(HEADINGS, y / arm)]) for y in YAW]
-    return Motion(
-        velocity=1e-3 * np.vstack([*moves, [[0.0, 0.0, 1.0 / arm], [0.0, 0.0, -1.0 / arm]]]), saturated=True
-    )
+    return Motion.full_drag(np.vstack([*moves, [[0.0, 0.0, 1.0 / arm], [0.0, 0.0, -1.0 / arm]]]))
 
 
 def _tightest(A: Array, b: Array, sign: Array) -> tuple[Array, Array, Array]:

@@ -13,6 +13,7 @@ from slipmargin.limits.bounds import (
     Cornering,
     Directions,
     Spin,
+    ahead_of,
     cornering,
     directions,
     headings,
@@ -109,7 +110,6 @@ def bounds(
     """
     heading, share = headings(step_deg), 1.0 - margin
     full = directions(model, heading, contact=contact, motor=False)
-    ahead = np.round(np.stack([np.cos(heading), np.sin(heading), np.zeros_like(heading)], axis=1), 15)
     found, why = None, ""
     if sets:
         try:
@@ -123,7 +123,7 @@ def bounds(
         safe=directions(model, heading, share=share, contact=contact),
         spin=spin(model, share=share, contact=contact),
         cornering=cornering(model, CURVATURES, heading, share=share, contact=contact),
-        rigid_use=needed_share(model, Motion(velocity=1e-3 * ahead, saturated=True), contact=Contact.UNKNOWN),
+        rigid_use=needed_share(model, Motion.full_drag(ahead_of(heading)), contact=Contact.UNKNOWN),
         motor_m_s2=starting_by_motor(model, heading),
         top_m_s=top_speed(model, heading),
         inside=found,

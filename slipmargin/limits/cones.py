@@ -5,8 +5,9 @@ Everything is per m g, moments per m g and a length.  With wheel forces f_i = μ
     maximise F   s.t.   Σ_i b_i f_i + d F = −w_b,      y_i in the grip's set scaled by N_i(F) = N⁰_i + t_i F.
 
 Box: |y_ij| ≤ N_i (eq. 17).  Ellipse: ‖y_i‖ ≤ N_i.  Disc-strip: f_i = μ_W y_i, also |μ_W y_T| ≤ μ_T N_i.
-A blend (1 − κ)·box ⊕ κ·shape has both kinds of variable.  Where friction depends on the sense of the
-slip each force is split into its two senses.
+A blend (1 − κ)·box ⊕ κ·shape has both kinds of variable, f_i = (1 − κ) μ_i ∘ y_i + κ μ_i ∘ y'_i, so that
+every cone is of the loads' size however thin its part is.  Where friction depends on the sense of the slip
+each force is split into its two senses.
 """
 
 from __future__ import annotations
@@ -15,21 +16,25 @@ from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array
-from slipmargin.limits.bias import bias_samples, bias_wrench
+from slipmargin.limits.bias import LIFTED, Bias, bias as bias_at_rest, bias_samples, shifts_load
 from slipmargin.limits.friction import Extreme, coefficients
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.rows import refuse_slipping
 from slipmargin.limits.wrench_set import WrenchSet, wrench_maps
 from slipmargin.model import Model
-from slipmargin.physics.grips import GripShape
+from slipmargin.physics.grips import GripShape, polyhedral
 from slipmargin.sets.facets import length_scale
 from slipmargin.solve.assemble import Assembly
 from slipmargin.solve.program import ConeFamily, ConeProgram, Solution
 
 _BALANCE = ("balance Fx", "balance Fy", "balance Mz")
 _PARTS = ("drive", "transverse")
+#: A part of a blend smaller than this is counted to the other.  The shape lies in the box and holds the
+#: box divided by √2, so no support changes by more than (1 − 1/√2) of this, or √2 − 1 at the other end [1].
+THIN = 1e-8
 
 
 @final
@@ -64,7 +69,7 @@ def limit_family(
     pull: Pull | None = None,
     rigid: Array | None = None,
     extreme: Extreme = Extreme.NEUTRAL,
-    bias: Array | None = None,
+    bias: Bias | None = None,
 ) -> ConeFamily:
     """The programs of all headings.
 
@@ -72,8 +77,8 @@ def limit_family(
     ----------
     phi_rad : (M,)
     rigid : (N,) bool, optional
-    bias : (M, 3), optional
-        Wrench of the losses; by default that of the model at rest.
+    bias : Bias, optional
+        External wrench and loads; by default those of the model at rest.
     """
     pull = Pull() if pull is None else pull
     rigid = np.zeros(model.count, dtype=bool) if rigid is None else rigid
@@ -82,21 +87,21 @@ def limit_family(
     rays = pull.rays(model, phi_rad)
     mu = coefficients(model, rigid, phi_rad, extreme)
     mu = np.broadcast_to(mu, (len(phi_rad), *mu.shape[1:]))
-    bias = bias_wrench(model, phi_rad) if bias is None else bias
+    bias = bias_at_rest(model, phi_rad) if bias is None else bias
     put = Assembly(count=len(phi_rad))
     put.variable("F", cost=-1.0)
-    put.equations(_BALANCE, -bias / (weight * per))
+    put.equations(_BALANCE, -bias.wrench / (weight * per))
     put.column("F", _BALANCE, rays / per)
     build = _Wheels(
         put=put,
         names=model.geometry.names,
         maps=maps / per[:, None, None],
         mu=mu,
-        load=model.loads.rest_N / weight,
+        load=np.broadcast_to(bias.load_N / weight, (len(phi_rad), model.count)),
         change=pull.load_change(model, rays),
     )
     build.grip(model.grip.shape, model.grip.coupling)
-    if pull.height_m != 0.0:
+    if pull.height_m != 0.0 or shifts_load(model):
         build.floor()
     return put.family(tuple(f"pull at phi = {phi:.6g} rad" for phi in phi_rad))
 
@@ -122,7 +127,7 @@ def cone_exit(wrenches: WrenchSet, rays: Array) -> tuple[Array, Array]:
         names=wrenches.names,
         maps=wrenches.maps / per[:, None, None],
         mu=mu,
-        load=wrenches.load_N / weight,
+        load=np.broadcast_to(wrenches.load_N / weight, (len(rays), len(wrenches.names))),
         change=np.zeros((len(rays), len(wrenches.names))),
     )
     build.grip(wrenches.shape, wrenches.coupling)
@@ -136,7 +141,7 @@ def cone_limits(
     pull: Pull | None = None,
     rigid: Array | None = None,
     extreme: Extreme = Extreme.NEUTRAL,
-    bias: Array | None = None,
+    bias: Bias | None = None,
 ) -> ConeLimits:
     """Solve the family with Clarabel, one set-up updated.
 
@@ -168,7 +173,9 @@ def cone_limit(model: Model, phi_rad: Array, pull: Pull, rigid: Array) -> Array:
     NoSolution
         If the robot slips without any pull.
     """
-    return refuse_slipping(_limit(model, phi_rad, pull, rigid, Extreme.NEUTRAL, None), phi_rad)
+    bias = bias_at_rest(model, phi_rad)
+    force = _limit(model, phi_rad, pull, rigid, Extreme.NEUTRAL, bias)
+    return refuse_slipping(model, force, phi_rad, bias.load_N)
 
 
 def cone_extreme(model: Model, phi_rad: Array, pull: Pull, rigid: Array, extreme: Extreme) -> Array:
@@ -183,26 +190,37 @@ def cone_extreme(model: Model, phi_rad: Array, pull: Pull, rigid: Array, extreme
     return np.where(np.any(slips, axis=0), np.nan, every.min(axis=0))
 
 
-def _limit(
-    model: Model, phi_rad: Array, pull: Pull, rigid: Array, extreme: Extreme, bias: Array | None
-) -> Array:
+def _limit(model: Model, phi_rad: Array, pull: Pull, rigid: Array, extreme: Extreme, bias: Bias) -> Array:
     from slipmargin.solve.clarabel_ import solve_family
 
     if not model.external.terms:
         return cone_limits(model, phi_rad, pull, rigid, extreme, bias).force_N
     # The ray need not start inside: F = 0 must balance too, so ask how far the set lets it be scaled.
-    bias = bias_wrench(model, phi_rad) if bias is None else bias
-    at_rest = limit_family(model, phi_rad, replace(pull, height_m=0.0), rigid, extreme, 0.0 * bias)
-    towards = np.array(at_rest.a)
-    loaded = np.any(bias != 0.0, axis=1)
-    towards[:, :3, 0] = np.where(loaded[:, None], bias, pull.rays(model, phi_rad))
-    towards[:, :3, 0] /= model.inertia.weight_N * _units(wrench_maps(model))
-    holds = solve_family(replace(at_rest, a=towards))[0][:, 0] >= 1.0
-    inside = holds | ~loaded
+    stands = np.min(bias.load_N, axis=1) >= -LIFTED * model.inertia.weight_N
     out = np.full(len(phi_rad), np.nan)
+    if not np.all(stands):
+        if np.any(stands):
+            out[stands] = _limit(model, phi_rad[stands], pull, rigid, extreme, _rows(bias, stands))
+        return out
+    pressed = np.maximum(bias.load_N, 0.0)
+    unmoved = Bias(wrench=0.0 * bias.wrench, load_N=pressed)
+    at_rest = limit_family(model, phi_rad, replace(pull, height_m=0.0), rigid, extreme, unmoved)
+    towards = np.array(at_rest.a)
+    load = bias.wrench / (model.inertia.weight_N * _units(wrench_maps(model)))
+    size = np.sqrt(np.sum(load**2, axis=1))
+    loaded = size > 0.0
+    ray = np.where(loaded[:, None], load / np.where(loaded, size, 1.0)[:, None], pull.rays(model, phi_rad))
+    towards[:, :3, 0] = ray
+    holds = solve_family(replace(at_rest, a=towards))[0][:, 0] >= size
+    inside = holds | ~loaded
     if np.any(inside):
-        out[inside] = cone_limits(model, phi_rad[inside], pull, rigid, extreme, bias[inside]).force_N
+        found = cone_limits(model, phi_rad[inside], pull, rigid, extreme, _rows(bias, inside))
+        out[inside] = found.force_N
     return out
+
+
+def _rows(bias: Bias, rows: NDArray[np.bool_]) -> Bias:
+    return Bias(wrench=bias.wrench[rows], load_N=bias.load_N[rows])
 
 
 def _units(maps: Array) -> Array:
@@ -218,7 +236,7 @@ class _Wheels:
     names: tuple[str, ...]
     maps: Array  #: (3, N, 2)
     mu: Array  #: (M, N, 2, 2)
-    load: Array  #: (N,)
+    load: Array  #: (M, N)
     change: Array  #: (M, N)
 
     @property
@@ -227,37 +245,38 @@ class _Wheels:
 
     def grip(self, shape: GripShape, coupling: float) -> None:
         """(1 − coupling)·box ⊕ coupling·shape."""
-        kappa = 0.0 if shape is GripShape.BOX else coupling
+        kappa = 0.0 if polyhedral(shape, coupling) or coupling < THIN else coupling
+        kappa = 1.0 if kappa > 1.0 - THIN else kappa
         if kappa < 1.0:
             self.box(1.0 - kappa, "" if kappa == 0.0 else " (box part)")
         if kappa > 0.0:
             self.cone(kappa, shape is GripShape.DISC_STRIP)
 
     def box(self, part: float, suffix: str) -> None:
-        """Variables y with |y_ij| ≤ part · N_i."""
+        """Variables y with |y_ij| ≤ N_i, which count ``part`` times."""
         for i, name in enumerate(self.names):
             for j, axis in enumerate(_PARTS):
-                for key, sign in self._forces(f"{name} {axis}{suffix}", i, j, self.mu[:, i, j]):
-                    self._bounded(i, {key: sign}, part, f"{key} {'≤ +' if sign > 0 else '≥ −'}μ N")
+                for key, sign in self._forces(f"{name} {axis}{suffix}", i, j, part * self.mu[:, i, j]):
+                    self._bounded(i, {key: sign}, 1.0, f"{key} {'≤ +' if sign > 0 else '≥ −'}μ N")
 
     def cone(self, part: float, strip: bool) -> None:
-        """Variables y with ‖y_i‖ ≤ part · N_i, and the strip where asked."""
+        """Variables y with ‖y_i‖ ≤ N_i, and the strip where asked, which count ``part`` times."""
         for i, name in enumerate(self.names):
             across = self.mu[:, i, 0].min(axis=1) if strip else None
             sides = []
             for j, axis in enumerate(_PARTS):
                 scale = self.mu[:, i, j] if j == 0 or across is None else np.stack([across, across], axis=1)
-                made = self._forces(f"{name} {axis}", i, j, scale)
+                made = self._forces(f"{name} {axis}", i, j, part * scale)
                 sides.append({key: 1.0 for key, _ in made})
                 if j == 1 and across is not None:
                     for key, sign in made:
                         side = 1 if sign > 0 and not key.endswith("−") else 0
-                        width = part * self.mu[:, i, 1, side] / across
+                        width = self.mu[:, i, 1, side] / across
                         self._bounded(i, {key: sign}, width, f"{name} strip {'≤' if side else '≥'}")
             self.put.second_order(
                 f"{name} grip",
                 [
-                    ({"F": -part * self.change[:, i]}, part * self.load[i]),
+                    ({"F": -self.change[:, i]}, self.load[:, i]),
                     *(({k: -v for k, v in side.items()}, 0.0) for side in sides),
                 ],
             )
@@ -265,7 +284,7 @@ class _Wheels:
     def floor(self) -> None:
         """Every wheel stays on the floor: N_i(F) ≥ 0."""
         for i, name in enumerate(self.names):
-            self.put.inequality(f"floor under {name}", {"F": -self.change[:, i]}, self.load[i])
+            self.put.inequality(f"floor under {name}", {"F": -self.change[:, i]}, self.load[:, i])
 
     def _forces(self, key: str, i: int, j: int, scale: Array) -> list[tuple[str, float]]:
         # Names of the variables of one force, each with the sign by which it is bounded from above.
@@ -284,4 +303,4 @@ class _Wheels:
         return [(key + "+", 1.0), (key + "−", 1.0)]
 
     def _bounded(self, i: int, row: dict[str, float], part: float | Array, name: str) -> None:
-        self.put.inequality(name, {**row, "F": -part * self.change[:, i]}, part * self.load[i])
+        self.put.inequality(name, {**row, "F": -part * self.change[:, i]}, part * self.load[:, i])

@@ -5,10 +5,10 @@ and u_T = u_T0 + t_i·ε.  At rest in the moving frame ε solves
 
     r(ε) = Σ_i b_i c_i σ(k b_i·ε) + Σ_i t_i d_i σ(k (u_T0 + t_i·ε)) + (M a − w_loss) = 0,
 
-the gradient of a convex potential, with c_i = μ_W N_i and d_i = μ_T N_i.  A wheel's *use* is
-|σ(k b_i·ε)|.  After a jump of the acceleration ε settles within milliseconds by M dε/dt = −r(ε), and
-since the creep of some wheels settles sooner than that of others, a wheel may use more on the way than
-before and after.
+the gradient of a convex potential, with c_i = μ_W N_i, d_i = μ_T N_i and σ the model's friction law.  A
+wheel's *use* is |σ(k b_i·ε)|.  After a jump of the acceleration ε settles within milliseconds by
+M dε/dt = −r(ε), and since the creep of some wheels settles sooner than that of others, a wheel may use
+more on the way than before and after.
 
 **Open loop.** Where nothing corrects the pose, the creep itself turns the robot: it moves with v + ε_v
 and ω + ε_ω, and must be accelerated by m [(ω + ε_ω) ẑ×(v + ε_v) − ω ẑ×v] more (the wheels prescribe the
@@ -26,11 +26,12 @@ from dataclasses import dataclass, fields
 from typing import final
 
 import numpy as np
-from numba import njit
 
 from slipmargin.checks import Array, Index
+from slipmargin.physics.compiled import cached, twin
+from slipmargin.physics.friction_laws import law_inverse, law_share, law_slope
 
-#: Share up to which eq. (11) is used as it stands [1].
+#: Share up to which the friction law is used as it stands [1].
 FAITHFUL = 0.98
 #: Slope of the continuation above it, per unit of k·u [1].
 BEYOND = 0.02
@@ -44,19 +45,21 @@ STEP, GROWTH = 0.2, 1.1
 GAMMA = 1.0 - math.sqrt(0.5)
 #: Use of a wheel where no steady creep is found: far outside the wrench set, or the creep runs away [1].
 RUNAWAY = 1.5
-_KNEE = math.tan(0.5 * math.pi * FAITHFUL)
+_law_share, _law_slope, _law_inverse = twin(law_share), twin(law_slope), twin(law_inverse)
 
 
-@njit(cache=True)
-def _share(z: float) -> tuple[float, float]:
+@cached
+def _share(law: int, z: float) -> tuple[float, float]:
     """Continued σ(z) and its slope."""
-    if abs(z) <= _KNEE:
-        return 2.0 / math.pi * math.atan(z), 2.0 / math.pi / (1.0 + z * z)
-    return math.copysign(FAITHFUL + BEYOND * (abs(z) - _KNEE), z), BEYOND
+    knee = _law_inverse(law, FAITHFUL)
+    if abs(z) <= knee:
+        return _law_share(law, z), _law_slope(law, z)
+    return math.copysign(FAITHFUL + BEYOND * (abs(z) - knee), z), BEYOND
 
 
-@njit(cache=True)
+@cached
 def _residual(
+    law: int,
     eps: Array,
     W: Array,
     T: Array,
@@ -82,9 +85,9 @@ def _residual(
     for i in range(n):
         g = W[0, i] * eps[0] + W[1, i] * eps[1] + W[2, i] * eps[2]
         f = slide[i] + T[0, i] * eps[0] + T[1, i] * eps[1] + T[2, i] * eps[2]
-        sw, hw = _share(kw[i] * g)
+        sw, hw = _share(law, kw[i] * g)
         z = kt[i] * f
-        st, ht = 2.0 / math.pi * math.atan(z), 2.0 / math.pi / (1.0 + z * z)
+        st, ht = _law_share(law, z), _law_slope(law, z)
         for r in range(3):
             out[r] += W[r, i] * c[i] * sw + T[r, i] * d[i] * st
             for q in range(3):
@@ -92,7 +95,7 @@ def _residual(
     return math.sqrt((out[0] / scale[0]) ** 2 + (out[1] / scale[1]) ** 2 + (out[2] / scale[2]) ** 2)
 
 
-@njit(cache=True)
+@cached
 def _solve3(H: Array, b: Array, x: Array) -> None:
     """x = H⁻¹ b by elimination; H is positive definite but for the turning of the frame."""
     p, q = H[1, 0] / H[0, 0], H[2, 0] / H[0, 0]
@@ -104,8 +107,9 @@ def _solve3(H: Array, b: Array, x: Array) -> None:
     x[0] = (b[0] - H[0, 1] * x[1] - H[0, 2] * x[2]) / H[0, 0]
 
 
-@njit(cache=True)
+@cached
 def _creep(
+    law: int,
     W: Array,
     T: Array,
     c: Array,
@@ -131,7 +135,7 @@ def _creep(
             if attempt == 1 or not math.isfinite(eps[0] + eps[1] + eps[2]):
                 eps[:] = 0.0
             miss = _residual(
-                eps, W, T, c[m], kw[m], d[m], kt[m], slide[m], need[m], carried[m], scale, out, H
+                law, eps, W, T, c[m], kw[m], d[m], kt[m], slide[m], need[m], carried[m], scale, out, H
             )
             for _ in range(100):
                 if miss <= 1e-11:
@@ -142,6 +146,7 @@ def _creep(
                     for r in range(3):
                         trial[r] = eps[r] - size * step[r]
                     less = _residual(
+                        law,
                         trial,
                         W,
                         T,
@@ -167,7 +172,9 @@ def _creep(
         twist[m] = eps
         worst = 0
         for i in range(n):
-            use[m, i] = abs(_share(kw[m, i] * (W[0, i] * eps[0] + W[1, i] * eps[1] + W[2, i] * eps[2]))[0])
+            use[m, i] = abs(
+                _share(law, kw[m, i] * (W[0, i] * eps[0] + W[1, i] * eps[1] + W[2, i] * eps[2]))[0]
+            )
             if use[m, i] > use[m, worst]:
                 worst = i
         if not miss <= 1e-8:
@@ -175,7 +182,7 @@ def _creep(
             eps[:] = 0.0
 
 
-@njit(cache=True)
+@cached
 def _fastest(H: Array, mass: Array) -> float:
     """No time constant of M dε/dt = −H ε is shorter [s]: Gershgorin's circles."""
     rate = 0.0
@@ -187,8 +194,9 @@ def _fastest(H: Array, mass: Array) -> float:
     return 1.0 / rate
 
 
-@njit(cache=True)
+@cached
 def _settle(
+    law: int,
     W: Array,
     T: Array,
     c: Array,
@@ -221,12 +229,12 @@ def _settle(
             off = 0.0
             for i in range(n):
                 g = W[0, i] * eps[0] + W[1, i] * eps[1] + W[2, i] * eps[2]
-                share = _share(kw[m, i] * g)[0]
+                share = _share(law, kw[m, i] * g)[0]
                 peak[m, i] = max(peak[m, i], abs(share))
                 off = max(off, abs(share - finish[m, i]))
             if off <= SETTLED:
                 break
-            _residual(eps, W, T, c[m], kw[m], d[m], kt[m], slide[m], need[m], carried[m], scale, out, H)
+            _residual(law, eps, W, T, c[m], kw[m], d[m], kt[m], slide[m], need[m], carried[m], scale, out, H)
             h = STEP * _fastest(H, mass) if h == 0.0 else GROWTH * h
             for r in range(3):
                 for q in range(3):
@@ -234,7 +242,9 @@ def _settle(
             _solve3(lhs, out, one)
             for r in range(3):
                 at[r] = eps[r] - h * one[r]
-            _residual(at, W, T, c[m], kw[m], d[m], kt[m], slide[m], need[m], carried[m], scale, out, other)
+            _residual(
+                law, at, W, T, c[m], kw[m], d[m], kt[m], slide[m], need[m], carried[m], scale, out, other
+            )
             for r in range(3):
                 out[r] -= 2.0 * mass[r] * one[r]
             _solve3(lhs, out, two)
@@ -247,12 +257,13 @@ def _settle(
 class Balance:
     """What M states ask of N wheels, all on known material.
 
-    ``along``, ``across`` (3, N): wrench of a unit force along ĝ and f̂; ``grip``, ``drag`` (M, N) c and d
-    [N]; ``steep``, ``steep_across`` (M, N) k [s/m]; ``slide`` (M, N) u_T0 [m/s]; ``need`` (M, 3)
-    M a − w_loss; ``carried`` (M, 4) is (m, v_x, v_y, ω), m = 0 where the pose is held; ``scale`` (3,) a
-    wrench to compare with.
+    ``law`` is the friction law; ``along``, ``across`` (3, N): wrench of a unit force along ĝ and f̂; ``grip``,
+    ``drag`` (M, N) c and d [N]; ``steep``, ``steep_across`` (M, N) k [s/m]; ``slide`` (M, N) u_T0 [m/s];
+    ``need`` (M, 3) M a − w_loss; ``carried`` (M, 4) is (m, v_x, v_y, ω), m = 0 where the pose is held;
+    ``scale`` (3,) a wrench to compare with.
     """
 
+    law: int
     along: Array
     across: Array
     grip: Array
@@ -266,12 +277,14 @@ class Balance:
 
     def __post_init__(self) -> None:
         for one in fields(self):
-            object.__setattr__(self, one.name, np.ascontiguousarray(getattr(self, one.name)))
+            if one.name != "law":
+                object.__setattr__(self, one.name, np.ascontiguousarray(getattr(self, one.name)))
 
     def rest(self) -> tuple[Array, Array]:
         """Creep twist ε (M, 3) [m/s, m/s, rad/s] at which r(ε) = 0, and the use (M, N) there."""
         twist, use = np.empty((len(self.grip), 3)), np.empty(self.grip.shape)
         _creep(
+            self.law,
             self.along,
             self.across,
             self.grip,
@@ -290,10 +303,11 @@ class Balance:
     def settling(self, start: Array, mass: Array) -> Array:
         """Largest use (M, N) on the way from creep ``start`` (M, 3) to rest; ``mass`` (3,) is (m, m, I)."""
         twists = start, self.rest()[0]
-        begin, finish = (continued_share(self.steep * (twist @ self.along)) for twist in twists)
+        begin, finish = (continued_share(self.law, self.steep * (twist @ self.along)) for twist in twists)
         peak = np.maximum(np.abs(begin), np.abs(finish))
         jumps = np.flatnonzero(np.max(np.abs(finish - begin), axis=1) >= NO_JUMP)
         _settle(
+            self.law,
             self.along,
             self.across,
             self.grip,
@@ -313,7 +327,8 @@ class Balance:
         return peak
 
 
-def continued_share(z: Array) -> Array:
+def continued_share(law: int, z: Array) -> Array:
     """σ(z), above the share 0.98 continued by a straight line."""
-    beyond = np.copysign(FAITHFUL + BEYOND * (np.abs(z) - _KNEE), z)
-    return np.asarray(np.where(np.abs(z) <= _KNEE, 2.0 / np.pi * np.arctan(z), beyond))
+    knee = law_inverse(law, FAITHFUL)
+    beyond = np.copysign(FAITHFUL + BEYOND * (np.abs(z) - knee), z)
+    return np.asarray(np.where(np.abs(z) <= knee, law_share(law, z), beyond))

@@ -1,6 +1,6 @@
 """The coefficients a wheel at rest can call on, as far as they can be known.
 
-Every modulation of the grip (model/terms.py) multiplies a coefficient by max(0, 1 + Σ c φ(v)).  At rest
+Every multiplier of the grip (physics/terms.py) multiplies a coefficient by max(0, 1 + Σ c φ(v)).  At rest
 the slip, the velocities and the accelerations are zero; the heading of a sweep and the loads at rest
 are known; where the wheel stands (angle, place, time, direction of a slip that has not begun) is not:
 there the nominal value takes v = 0 and the band takes the interval.
@@ -14,14 +14,12 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.limits.bias import load_extremes, loads_at_rest
+from slipmargin.limits.ranges import span
 from slipmargin.model import Model
 from slipmargin.physics.terms import Multiplier, basis_values
-from slipmargin.physics.variables import Basis, Target, Variable
+from slipmargin.physics.variables import Target, Variable
 
-#: Samples with which an unknown variable's range is searched for the extreme factors.
-SAMPLES = 361
-#: An unbounded basis (polynomial, odd) over an unknown variable is trusted to this many scales.
-SCALES = 1.0
 _UNKNOWN = (
     Variable.WHEEL_ANGLE,
     Variable.SLIP_ANGLE,
@@ -62,7 +60,7 @@ def coefficients(model: Model, rigid: Array, phi_rad: Array, extreme: Extreme = 
     terms = [t for t in model.grip.multipliers if t.target in _COLUMNS]
     for term in terms:
         if term.variable not in _UNKNOWN:
-            out = out * _known(term, model, phi_rad)
+            out = out * _known(term, model, phi_rad, extreme)
     for variable in _UNKNOWN:
         same = [t for t in terms if t.variable is variable]
         if same:
@@ -70,8 +68,10 @@ def coefficients(model: Model, rigid: Array, phi_rad: Array, extreme: Extreme = 
     return out
 
 
-def _known(term: Multiplier, model: Model, phi_rad: Array) -> Array:
+def _known(term: Multiplier, model: Model, phi_rad: Array, extreme: Extreme) -> Array:
     n = model.count
+    if term.variable is Variable.WHEEL_LOAD:
+        return _by_load(term, model, phi_rad, extreme)
     if term.variable is Variable.SLIP_HEADING:
         # A force along +ĝ answers a slip along −ĝ, whose heading is φ + arg ĝ + π.
         axes = np.stack([model.geometry.grip, model.geometry.free], axis=1)
@@ -80,11 +80,20 @@ def _known(term: Multiplier, model: Model, phi_rad: Array) -> Array:
         v = np.mod(v + np.pi, 2.0 * np.pi) - np.pi
     elif term.variable is Variable.HEADING:
         v = np.broadcast_to(phi_rad[:, None, None, None], (len(phi_rad), n, 1, 1))
-    elif term.variable is Variable.WHEEL_LOAD:
-        v = (model.loads.rest_N * n / model.inertia.weight_N - 1.0).reshape(1, n, 1, 1)
     else:
         v = np.zeros((1, n, 1, 1))  # slip, velocities, accelerations: zero at rest
     return _factors(term, v, n)
+
+
+def _by_load(term: Multiplier, model: Model, phi_rad: Array, extreme: Extreme) -> Array:
+    """The load is known at rest, but for a force above the floor that depends on place or time."""
+    loads = [loads_at_rest(model, phi_rad)]
+    if extreme is not Extreme.NEUTRAL:
+        low, high = load_extremes(model, phi_rad)
+        loads += [loads[0] + low + part * (high - low) for part in np.linspace(0.0, 1.0, 9)]
+    n, pick = model.count, np.max if extreme is Extreme.HIGH else np.min
+    scale = n / model.inertia.weight_N
+    return np.asarray(pick([_factors(term, (x * scale - 1.0)[..., None, None], n) for x in loads], axis=0))
 
 
 def _factors(term: Multiplier, v: Array, n: int) -> Array:
@@ -109,21 +118,3 @@ def _interval(terms: list[Multiplier], variable: Variable, n: int, extreme: Extr
         product = product * _factors(term, v, n)
     pick = np.max if extreme is Extreme.HIGH else np.min
     return np.asarray(pick(product, axis=0, keepdims=True))
-
-
-def span(basis: Basis, shape: Array, variable: Variable) -> Array:
-    """Values of an unknown variable among which the extremes of a basis are found."""
-    a, b = float(shape[0]), float(shape[1])
-    if variable is Variable.SLIP_ANGLE:
-        return np.linspace(0.0, np.pi / 2, SAMPLES)
-    forward = variable is Variable.TIME  # time only runs forwards
-    if basis is Basis.HATS:
-        return np.linspace(a, b, SAMPLES)
-    if basis is Basis.FOURIER:
-        return np.linspace(0.0, abs(a), SAMPLES)
-    if basis is Basis.WINDOW:
-        return np.array([max(a, 0.0) if forward else a, 0.5 * (a + b), b + abs(b - a)])
-    if basis in (Basis.DECAY, Basis.RECIPROCAL):
-        return np.concatenate([np.linspace(0.0, 5.0 * abs(a), SAMPLES), [1e6 * abs(a)]])
-    reach = SCALES * abs(a)
-    return np.linspace(0.0 if forward else -reach, reach, SAMPLES)

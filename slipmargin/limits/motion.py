@@ -14,14 +14,15 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.errors import NoSolution
+from slipmargin.limits.motion_external import least_product
 from slipmargin.limits.motion_friction import material_states
 from slipmargin.limits.motion_rows import (
     CAUSES,
+    SPENT,
     AccelerationRows,
     acceleration_rows,
     even_distribution,
     prepare,
-    worst_loss,
 )
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
@@ -33,7 +34,9 @@ from slipmargin.physics.kinematics import com_acceleration
 class AccelerationLimit:
     """Limits of M states: ``value`` (M,) multiples of each direction, and the binding row of each.
 
-    Negative: even without acceleration the robot slips.  ``row`` (M,) of ``rows`` is what binds.
+    Negative: even without acceleration the robot slips.  ``row`` (M,) of ``rows`` is what binds.  Where the
+    drag uses up a coupled grip (an ellipse whose wheel slides sideways at full slip) and no multiple is
+    admissible, the value is what drag alone does: the component of coasting along the direction.
     """
 
     value: Array
@@ -43,16 +46,27 @@ class AccelerationLimit:
 
     @property
     def cause(self) -> tuple[str, ...]:
-        """What limits each state: grip, tip-over or motor torque."""
-        return tuple(CAUSES[self.rows.cause[k]] for k in self.row)
+        """What limits each state: grip, tip-over, motor torque, or a drag that uses the whole grip."""
+        return tuple(
+            SPENT if spent else CAUSES[self.rows.cause[k]]
+            for k, spent in zip(self.row, self._spent, strict=True)
+        )
 
     @property
     def wheels(self) -> tuple[tuple[str, ...], ...]:
         """The wheels that limit each state."""
-        table = [
-            tuple(name for name, on in zip(self.names, row, strict=True) if on) for row in self.rows.wheels
-        ]
-        return tuple(table[k] for k in self.row)
+        table = [self._named(row) for row in self.rows.wheels]
+        return tuple(
+            self._named(self.rows.spent[m]) if spent else table[k]
+            for m, (k, spent) in enumerate(zip(self.row, self._spent, strict=True))
+        )
+
+    @property
+    def _spent(self) -> NDArray[np.bool_]:
+        return np.asarray(np.any(self.rows.spent, axis=1) & (self.value <= 0.0))
+
+    def _named(self, wheels: NDArray[np.bool_]) -> tuple[str, ...]:
+        return tuple(name for name, on in zip(self.names, wheels, strict=True) if on)
 
 
 def acceleration_limit(
@@ -92,7 +106,8 @@ def acceleration_limit(
 def along(model: Model, rows: AccelerationRows, start: Array, direction: Array) -> AccelerationLimit:
     """Largest t with A (start + t direction) ≤ b, all (M, …), about the centre of mass.
 
-    Negative where ``start`` itself is not admissible for want of grip along the direction; −∞ where no t is.
+    Negative where ``start`` itself is not admissible for want of grip along the direction; −∞ where no t is,
+    or what coasting does where a drag leaves no grip to drive.
     """
     room = rows.b - np.einsum("mrc,mc->mr", rows.A, start)
     slope = np.einsum("mrc,mc->mr", rows.A, direction)
@@ -106,30 +121,42 @@ def along(model: Model, rows: AccelerationRows, start: Array, direction: Array) 
     value = t[np.arange(len(t)), best]
     never |= least > value + 1e-9 * np.abs(value)
     value = np.where(never & (value > 0.0), -np.inf, value)
+    spent = never & np.any(rows.spent, axis=1)
+    if np.any(spent):
+        away = np.einsum("mc,mc->m", rows.coasting - start, direction)
+        away[np.abs(away) < 1e-12 * np.sum(np.abs(rows.coasting), axis=1)] = 0.0
+        value = np.where(spent, away / np.einsum("mc,mc->m", direction, direction), value)
     return AccelerationLimit(value=value, row=best, rows=rows, names=model.geometry.names)
 
 
 def needed_share(model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS) -> Array:
     """Smallest share λ (M,) of the drive grip with which some distribution does what ``motion`` asks.
 
-    Above 1 the wheels must slip.  For three wheels it is the largest wheel's share; for more, the
-    wheels choose the distribution and the largest share may be higher
-    (:func:`slipmargin.limits.motion_realised.realised`).
+    Above 1 the wheels must slip; infinite where drag leaves no grip to drive.  For
+    three wheels it is the largest wheel's share; for more, the wheels choose the distribution and the
+    largest share may be higher (:func:`slipmargin.limits.motion_realised.realised`).
     """
-    facets, friction, losses = prepare(model, motion, 1.0, contact)
+    facets, friction, external = prepare(model, motion, 1.0, contact)
     a = _acceleration(model, motion)
-    load = model.loads.rest_N + a[:, :2] @ model.loads.per_acceleration_kg.T
-    asked = (a * model.inertia.diagonal) @ facets.normals.T - worst_loss(facets.normals, losses)
     need = np.full(motion.count, -np.inf)
     for pick in material_states(friction.possible):
         held = facets.drive * np.where(pick, friction.drive[1], friction.drive[0])[:, None]
         low = np.where(pick, friction.drag_low[1], friction.drag_low[0])[:, None]
         high = np.where(pick, friction.drag_high[1], friction.drag_high[0])[:, None]
         lost = np.maximum(facets.across * low, facets.across * high)
-        top = asked + np.einsum("mkn,mn->mk", lost, load)
-        bottom = np.maximum(np.einsum("mkn,mn->mk", held, load), 1e-300)
-        need = np.maximum(need, np.max(top / bottom, axis=1))
+        for low, high, load in external.cases(a):
+            top = (a * model.inertia.diagonal) @ facets.normals.T - least_product(facets.normals, low, high)
+            top = top + (lost @ load[:, :, None])[..., 0]
+            need = np.maximum(need, np.max(_ratio(top, (held @ load[:, :, None])[..., 0]), axis=1))
     return need
+
+
+def _ratio(asked: Array, held: Array) -> Array:
+    """asked / held; where nothing is held: infinite, or −∞ where nothing is asked."""
+    tiny = 1e-12 * np.max(np.abs(asked), axis=1, keepdims=True)
+    out = np.where(asked > tiny, np.inf, -np.inf)
+    np.divide(asked, held, out=out, where=held > tiny)
+    return out
 
 
 def drive_shares(model: Model, motion: Motion) -> Array:
@@ -138,16 +165,14 @@ def drive_shares(model: Model, motion: Motion) -> Array:
     Positive along ĝ.  All wheels on rollers, or as ``motion.theta`` says.
     """
     contact = Contact.ROLLERS if motion.theta is None else Contact.ANGLE
-    _, friction, losses = prepare(model, motion, 1.0, contact)
+    _, friction, external = prepare(model, motion, 1.0, contact)
     a = _acceleration(model, motion)
-    load = model.loads.rest_N + a[:, :2] @ model.loads.per_acceleration_kg.T
+    wrench, load = external.middle(a)
     on_rigid = friction.possible[1] & ~friction.possible[0]
     drag = 0.5 * np.where(
         on_rigid, (friction.drag_low + friction.drag_high)[1], (friction.drag_low + friction.drag_high)[0]
     )
-    wrench = (
-        a * model.inertia.diagonal - 0.5 * (losses[0] + losses[1]) + (drag * load) @ model.wrench_maps()[1].T
-    )
+    wrench = a * model.inertia.diagonal - wrench + (drag * load) @ model.wrench_maps()[1].T
     grip = np.where(on_rigid, friction.drive[1], friction.drive[0]) * load
     return np.asarray(wrench @ even_distribution(model).T / np.maximum(grip, 1e-300))
 

@@ -1,8 +1,8 @@
 """Friction that a moving wheel has: its drive grip and its drag, each per unit of load.
 
-In motion the force across the rollers is not free: it is −μ_T N σ(k u·f̂), σ = (2/π) atan (docs/theory.md,
-section 4).  Modulations are evaluated where their variable is known; where it is not they give an
-interval, of which a limit takes the worst.
+In motion the force across the rollers is not free: it is −μ_T N σ(k u·f̂) with the model's friction law
+σ (docs/theory.md, section 4).  Multipliers are evaluated where their variable is known; where it is not they give
+an interval, of which a limit takes the worst.
 """
 
 from __future__ import annotations
@@ -14,17 +14,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array
-from slipmargin.limits.motion_probes import probes
+from slipmargin.limits.motion_external import external_in_motion
+from slipmargin.limits.motion_probes import load_probes, probes
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
-from slipmargin.physics.grips import GripShape
-from slipmargin.physics.variables import Target
+from slipmargin.physics.friction_laws import law_inverse, law_share
+from slipmargin.physics.grips import drive_left
+from slipmargin.physics.sectors import on_rigid, pitch
+from slipmargin.physics.terms import Multiplier
+from slipmargin.physics.variables import Target, Variable
 
 Mask = NDArray[np.bool_]
 
 #: Transverse slips below this share of the fastest wheel's speed count as none when ``saturated`` [1].
 STILL = 1e-9
+#: Largest share for which a creep is bounded [1].
+MOST = 0.98
+#: Rounds after which a slope that falls with the slip is taken as found, and the least k over the file's.
+_ROUNDS, _SLACKEST = 30, 1e6
 
 
 @final
@@ -48,14 +56,24 @@ class Friction:
     drive_stiffness: Array
 
 
-def sigma(z: Array) -> Array:
-    """Eq. (11): the share of the grip used at stiffness × slip = z."""
-    return np.asarray(2.0 / np.pi * np.arctan(z))
+def creep_bound(model: Model, motion: Motion, share: float) -> Array:
+    """Fastest drive slip (M, N) [m/s] of wheels that use ``share`` of their grip: σ⁻¹(λ)/k.
 
-
-def creep_bound(share: float, k_s_per_m: float) -> float:
-    """Fastest drive slip [m/s] of a wheel that uses ``share`` of its grip: tan(π λ/2)/k."""
-    return float(np.tan(np.pi / 2.0 * min(share, 0.98)) / k_s_per_m)
+    k is the model's slope with every multiplier of it, the least over what is unknown.  Shares above
+    :data:`MOST` count as that: at 1 the slip has no bound.
+    """
+    z, k = law_inverse(model.grip.law, min(share, MOST)), model.grip.k_s_per_m
+    if not any(t.target in (Target.STIFFNESS, Target.STIFFNESS_DRIVE) for t in model.grip.multipliers):
+        return np.full((motion.count, model.count), z / k)
+    slide = motion.velocity @ model.geometry.lateral_rows().T
+    creep = np.zeros_like(slide)
+    for _ in range(_ROUNDS):  # a slope that depends on the slip is asked again at the slip found
+        least = k * _factor(model, motion, slide, creep, Target.STIFFNESS_DRIVE)[0]
+        found = np.maximum(creep, z / np.maximum(least, k / _SLACKEST))
+        if np.all(found <= creep * (1.0 + 1e-6)):
+            break
+        creep = found
+    return creep
 
 
 def friction_in_motion(
@@ -73,12 +91,12 @@ def friction_in_motion(
     """
     grip = model.grip
     slide = motion.velocity @ model.geometry.lateral_rows().T
-    creep = creep_bound(share, grip.k_s_per_m)
+    creep = creep_bound(model, motion, share)
     drive = _factor(model, motion, slide, creep, Target.DRIVE)
     across = _factor(model, motion, slide, creep, Target.TRANSVERSE)
     steep = _factor(model, motion, slide, creep, Target.STIFFNESS_DRIVE)
     stiffness = grip.k_s_per_m * _factor(model, motion, slide, creep, Target.STIFFNESS_TRANSVERSE)
-    bounds = _shares(motion, slide, stiffness)
+    bounds = _drag_shares(grip.law, motion, slide, stiffness)
     coefficients = np.stack([grip.roller, grip.rigid])[:, None]  # (2, 1, N, 2)
     ends = [coefficients[..., 1] * a * s for a in across for s in bounds]
     drag_low, drag_high = np.min(ends, axis=0), np.max(ends, axis=0)
@@ -86,7 +104,8 @@ def friction_in_motion(
     worst = np.maximum(np.abs(drag_low), np.abs(drag_high))
     with np.errstate(divide="ignore", invalid="ignore"):
         used = np.where(worst > 0.0, worst / (coefficients[..., 1] * across[0]), 0.0)
-    left = _coupling(grip, available, worst, np.clip(used, 0.0, 1.0))
+        by_radius = np.where(worst > 0.0, worst / available, 0.0)
+    left = drive_left(grip.shape, grip.coupling, used, by_radius)
     return Friction(
         drive=available * left,
         drag_low=drag_low,
@@ -99,12 +118,12 @@ def friction_in_motion(
     )
 
 
-def _shares(motion: Motion, slide: Array, stiffness: Array) -> tuple[Array, Array]:
+def _drag_shares(law: int, motion: Motion, slide: Array, stiffness: Array) -> tuple[Array, Array]:
     if motion.saturated:
         still = STILL * np.max(np.abs(motion.velocity), axis=1, keepdims=True)
         sign = np.where(np.abs(slide) <= still, 0.0, np.sign(slide))
         return sign, sign
-    one, two = sigma(stiffness[0] * slide), sigma(stiffness[1] * slide)
+    one, two = (np.asarray(law_share(law, k * slide)) for k in stiffness)
     return np.minimum(one, two), np.maximum(one, two)
 
 
@@ -117,38 +136,28 @@ _BOTH = {
 }
 
 
-def _factor(model: Model, motion: Motion, slide: Array, creep: float, target: Target) -> Array:
-    """Lowest and highest product (2, M, N) of the modulations that act on ``target``."""
+def _factor(model: Model, motion: Motion, slide: Array, creep: Array, target: Target) -> Array:
+    """Lowest and highest product (2, M, N) of the multipliers that act on ``target``."""
     out = np.ones((2, motion.count, model.count))
     for term in model.grip.multipliers:
         if term.target is not target and term.target is not _BOTH[target]:
             continue
-        v = probes(
-            model,
-            motion,
-            slide,
-            creep,
-            term.variable,
-            term.basis,
-            term.shape,
-            transverse=target in (Target.TRANSVERSE, Target.STIFFNESS_TRANSVERSE),
-        )
+        v = _values(model, motion, slide, creep, term, target)
         factor = np.broadcast_to(term.factor(v, term.wheels), (len(v), motion.count, model.count))
         out[0] *= factor.min(axis=0)
         out[1] *= factor.max(axis=0)
     return out
 
 
-def _coupling(grip: Grip, drive: Array, drag: Array, used: Array) -> Array:
-    """Share of the drive grip left beside a transverse force (docs/theory.md, section 2, three grip sets).
-
-    (1 − c)·box ⊕ c·shape at a transverse share t: (1 − c) + c·h(t), with h = √(1 − t²) for the ellipse
-    and √(1 − (drag/μ_W)²) for the disc cut by the strip.
-    """
-    if grip.shape is GripShape.BOX or grip.coupling <= 0.0:
-        return np.ones_like(drive)
-    ratio = used if grip.shape is GripShape.ELLIPSE else np.minimum(drag / np.maximum(drive, 1e-300), 1.0)
-    return np.asarray(1.0 - grip.coupling * (1.0 - np.sqrt(np.maximum(0.0, 1.0 - ratio**2))))
+def _values(
+    model: Model, motion: Motion, slide: Array, creep: Array, term: Multiplier, target: Target
+) -> Array:
+    if term.variable is Variable.WHEEL_LOAD:
+        external = external_in_motion(model, motion)
+        least, most = external.load_change_N
+        return load_probes(model, external.standing_N(), most - least)
+    across = target in (Target.TRANSVERSE, Target.STIFFNESS_TRANSVERSE)
+    return probes(model, motion, slide, creep, term.variable, term.basis, term.shape, transverse=across)
 
 
 def _possible(grip: Grip, motion: Motion, contact: Contact) -> Mask:
@@ -161,8 +170,7 @@ def _possible(grip: Grip, motion: Motion, contact: Contact) -> Mask:
         rigid |= grip.rigid_fraction > 0.0
         roller &= grip.rigid_fraction < 1.0
     elif contact is Contact.ANGLE and motion.theta is not None:
-        sector = 2.0 * np.pi / grip.rollers
-        rigid = np.mod(motion.theta, sector) >= (1.0 - grip.rigid_fraction) * sector
+        rigid = on_rigid(motion.theta, pitch(grip.rollers), grip.rigid_fraction)
         roller = ~rigid
     return np.stack([roller, rigid])
 

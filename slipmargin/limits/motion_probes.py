@@ -7,7 +7,7 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.limits.motion_state import Motion
 from slipmargin.model import Model
-from slipmargin.physics.constants import GRAVITY_M_S2
+from slipmargin.physics.constants import CRAWL_M_S, GRAVITY_M_S2
 from slipmargin.physics.variables import Basis, Variable
 
 #: Probes over an unknown variable.
@@ -24,20 +24,20 @@ def probes(
     model: Model,
     motion: Motion,
     slide: Array,
-    creep: float,
+    creep: Array,
     variable: Variable,
     basis: Basis,
     shape: Array,
     *,
     transverse: bool = False,
 ) -> Array:
-    """Values (P, M, N) or (P, M, 1) that ``variable`` may take.
+    """Values (P, M, N) or (P, M, 1) that ``variable`` may take; wheel loads: :func:`load_probes`.
 
     Parameters
     ----------
     slide : (M, N)
         Transverse slip [m/s].
-    creep : float
+    creep : (M, N)
         Largest drive slip [m/s].
     basis, shape
         The family of functions over the variable: an unknown variable is probed over its period or
@@ -63,8 +63,6 @@ def probes(
             return np.asarray(motion.theta[None])
         turn = float(shape[0]) if basis is Basis.FOURIER else 2.0 * np.pi
         return np.linspace(0.0, turn, PROBES)[:, None, None]
-    if variable is Variable.WHEEL_LOAD:
-        return _load(model)
     if variable is Variable.SLIP_HEADING:
         way = model.geometry.free if transverse else model.geometry.grip
         angle = np.arctan2(way[:, 1], way[:, 0])
@@ -75,9 +73,9 @@ def probes(
 
 
 def _slip(
-    model: Model, motion: Motion, slide: Array, creep: float, variable: Variable, transverse: bool
+    model: Model, motion: Motion, slide: Array, creep: Array, variable: Variable, transverse: bool
 ) -> Array:
-    drive = np.linspace(0.0, creep, 9)[:, None, None]
+    drive = np.linspace(0.0, 1.0, 9)[:, None, None] * creep
     if variable is Variable.SLIP_ANGLE:
         return np.asarray(np.arctan2(np.abs(slide)[None], drive))
     slip = np.abs(slide)[None] if transverse else drive
@@ -92,10 +90,10 @@ def _slip(
         reach = np.linalg.norm(arm, axis=1)
         out = arm / np.where(reach > 0.0, reach, 1.0)[:, None]
         along = np.einsum("idj,mj,id->mi", hub_rows, motion.velocity, out)
-        return np.asarray((along / (hub + 1e-3))[None])
+        return np.asarray((along / (hub + CRAWL_M_S))[None])
     rolling = np.maximum(hub, np.abs(motion.velocity @ model.geometry.rolling_rows().T))[None]
     if variable is Variable.SLIP_RATIO:
-        return np.asarray(slip / (rolling + 1e-3))
+        return np.asarray(slip / (rolling + CRAWL_M_S))
     if variable is Variable.ROLLING_SPEED:
         return np.asarray(rolling)
     return np.ones((1, 1, 1))  # UNITY, and COMMAND_SPEED, which no friction may depend on
@@ -127,10 +125,13 @@ def _acceleration(model: Model, motion: Motion, column: int) -> Array:
     return np.linspace(-top, top, 9)[:, None, None]
 
 
-def _load(model: Model) -> Array:
-    equal = model.inertia.weight_N / model.count
+def load_probes(model: Model, least_N: Array, change_N: Array) -> Array:
+    """Values (P, M, N) that WHEEL_LOAD may take: loads [N] from ``least_N`` to that plus ``change_N`` (M, N).
+
+    Both without acceleration; accelerations add as much as the best grip allows.
+    """
     top = ACCELERATION_RANGE * GRAVITY_M_S2 * float(np.max(model.grip.roller[:, 0]))
     swing = np.linalg.norm(model.loads.per_acceleration_kg, axis=1) * top
-    low, high = np.maximum(model.loads.rest_N - swing, 0.0), model.loads.rest_N + swing
-    steps = np.linspace(0.0, 1.0, 9 if np.any(swing > 0.0) else 1)[:, None, None]
-    return np.asarray((low + steps * (high - low)) / equal - 1.0)
+    low, high = np.maximum(least_N - swing, 0.0), least_N + change_N + swing
+    steps = np.linspace(0.0, 1.0, 9 if np.any(high > low) else 1)[:, None, None]
+    return np.asarray((low + steps * (high - low)) * model.count / model.inertia.weight_N - 1.0)

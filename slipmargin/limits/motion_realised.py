@@ -16,10 +16,12 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.limits.creep import Balance, continued_share
-from slipmargin.limits.motion_friction import friction_in_motion, material_states, sigma
-from slipmargin.limits.motion_losses import losses_in_motion
+from slipmargin.limits.motion_external import external_in_motion
+from slipmargin.limits.motion_friction import friction_in_motion, material_states
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
+from slipmargin.physics.frames import velocity_at
+from slipmargin.physics.friction_laws import law_share
 from slipmargin.physics.kinematics import com_acceleration
 
 #: A wheel that lifts off is taken to carry this share of m g / N, so that its use tells [1].
@@ -67,7 +69,7 @@ def realised(
         use=np.full(shape, -1.0),
         twist=np.zeros((motion.count, 3)),
         torque_N_m=np.zeros(shape),
-        load_N=_loads(model, _at_com(model, motion)),
+        load_N=external_in_motion(model, motion).middle(_at_com(model, motion))[1],
     )
     for balance in _balances(model, motion, contact, share, open_loop):
         twist, use = balance.rest()
@@ -106,28 +108,24 @@ def _at_com(model: Model, motion: Motion) -> Array:
     return com_acceleration(model.inertia.com_m, motion.velocity, motion.acceleration)
 
 
-def _loads(model: Model, at_com: Array) -> Array:
-    return np.asarray(model.loads.rest_N + at_com[:, :2] @ model.loads.per_acceleration_kg.T)
-
-
 def _balances(
     model: Model, motion: Motion, contact: Contact, share: float, open_loop: bool
 ) -> Iterator[Balance]:
     """What the states ask of the wheels, for every combination of materials they may stand on."""
     friction = friction_in_motion(model, motion, contact=contact, share=share)
-    low, high = losses_in_motion(model, motion)
     at_com = _at_com(model, motion)
-    pressed = np.maximum(_loads(model, at_com), LIGHTEST * model.inertia.weight_N / model.count)
+    wrench, load = external_in_motion(model, motion).middle(at_com)
+    pressed = np.maximum(load, LIGHTEST * model.inertia.weight_N / model.count)
     carried = np.zeros((motion.count, 4))
     if open_loop:
-        com, w = model.inertia.com_m, motion.velocity[:, 2]
-        carried[:, 0], carried[:, 3] = model.inertia.mass_kg, w
-        carried[:, 1], carried[:, 2] = motion.velocity[:, 0] - w * com[1], motion.velocity[:, 1] + w * com[0]
+        carried[:, 0], carried[:, 3] = model.inertia.mass_kg, motion.velocity[:, 2]
+        carried[:, 1], carried[:, 2] = velocity_at(*motion.velocity.T, *model.inertia.com_m)
     along, across = model.wrench_maps()
     lever = float(np.max(np.abs(along[2]))) or 1.0
     scale = model.inertia.weight_N * float(np.max(model.grip.roller[:, 0])) * np.array([1.0, 1.0, lever])
     for on_rigid in material_states(friction.possible):
         yield Balance(
+            law=model.grip.law,
             along=along,
             across=across,
             grip=np.where(on_rigid, friction.drive[1], friction.drive[0]) * pressed,
@@ -135,7 +133,7 @@ def _balances(
             steep=friction.drive_stiffness,
             steep_across=friction.stiffness,
             slide=friction.slide,
-            need=at_com * model.inertia.diagonal - 0.5 * (low + high),
+            need=at_com * model.inertia.diagonal - wrench,
             carried=carried,
             scale=scale,
         )
@@ -143,8 +141,10 @@ def _balances(
 
 def _torque(model: Model, balance: Balance, twist: Array) -> Array:
     c = model.geometry
-    drive = -balance.grip * continued_share(balance.steep * (twist @ balance.along))
-    side = -balance.drag * sigma(balance.steep_across * (balance.slide + twist @ balance.across))
+    drive = -balance.grip * continued_share(balance.law, balance.steep * (twist @ balance.along))
+    side = -balance.drag * law_share(
+        balance.law, balance.steep_across * (balance.slide + twist @ balance.across)
+    )
     return np.asarray(
         -c.radius_m * (drive * np.sum(c.drive * c.grip, axis=1) + side * np.sum(c.drive * c.free, axis=1))
     )

@@ -3,11 +3,12 @@
 Drive forces are free within λ μ_W N, the transverse forces are drag.  For a facet normal n of the
 zonotope of B_W's columns b_i (with t_i the columns of B_T):
 
-    n·M a − n·w_loss ≤ Σ_i κ_i N_i(a),   κ_i = λ μ_W |n·b_i| − max_D (n·t_i) D_i,
-    N_i(a) = rest_i + P_i·a ≥ 0                                   (tip-over)
+    n·M a − n·w ≤ Σ_i κ_i N_i(a),   κ_i = λ μ_W |n·b_i| − max_D (n·t_i) D_i,
+    N_i(a) = rest_i + P_i·a + S_i·Σ h F ≥ 0                       (tip-over)
     ±T_i(a) ≤ what the motor gives at its speed                   (torque–speed line)
 
-a = (a_x, a_y, α): body-frame acceleration of the centre of mass and yaw acceleration.
+a = (a_x, a_y, α): body-frame acceleration of the centre of mass and yaw acceleration; w: the external
+wrench, the worst of what is unknown, with the loads that the same forces make by their heights h.
 """
 
 from __future__ import annotations
@@ -19,8 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array
+from slipmargin.limits.bias import refuse_lifting
+from slipmargin.limits.motion_external import External, external_in_motion
 from slipmargin.limits.motion_friction import Friction, friction_in_motion
-from slipmargin.limits.motion_losses import losses_in_motion
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.sets.facets import facet_normals
@@ -56,17 +58,21 @@ class AccelerationRows:
     """Rows ``A`` (M, R, 3) a ≤ ``b`` (M, R) and what each row means.
 
     ``wheels`` (R, N) are the wheels a row is about (a facet saturates several); ``cause`` (R,) indexes
-    :data:`CAUSES`.
+    :data:`CAUSES`.  ``spent`` (M, N): wheels whose drag uses the whole of a coupled grip, so that none is
+    left to drive; ``coasting`` (M, 3): the acceleration without any drive force (zero where none is spent).
     """
 
     A: Array
     b: Array
     wheels: NDArray[np.bool_]
     cause: NDArray[np.int64]
+    spent: NDArray[np.bool_]
+    coasting: Array
 
 
-#: What a row stands for.
+#: What a row stands for, and what is said where there is no grip left to drive.
 CAUSES = ("grip", "tip-over", "motor torque")
+SPENT = "drag uses the whole grip"
 
 
 def acceleration_rows(
@@ -86,40 +92,51 @@ def acceleration_rows(
     motor : bool
         Whether the motor's torque–speed line counts.
     """
-    facets, friction, losses = prepare(model, motion, share, contact)
+    facets, friction, external = prepare(model, motion, share, contact)
+    refuse_lifting(model, external.standing_N(), "loads", external)
     kappa = facet_coefficients(facets, friction, share)
-    A, b = facet_rows(model, facets, kappa, losses)
+    A, b = facet_rows(model, facets, kappa, external)
     n, rows, bounds = model.count, [A], [b]
     causes, wheels = [0] * len(facets.normals), [facets.pushing != 0.0]
-    per = model.loads.per_acceleration_kg
-    if np.any(per):
+    if model.loads.follow_acceleration:
         tip = np.zeros((motion.count, n, 3))
-        tip[..., :2] = -per
+        tip[..., :2] = -model.loads.per_acceleration_kg
         rows.append(tip)
-        bounds.append(np.broadcast_to(model.loads.rest_N, (motion.count, n)))
+        bounds.append(external.standing_N())
         causes += [1] * n
         wheels.append(np.eye(n, dtype=bool))
     if motor and model.drives.stall_torque_N_m is not None:
-        torque = torque_rows(model, friction, losses)
+        torque = torque_rows(model, friction, external)
         limit = torque_limit(model, model.geometry.wheel_speeds(motion.velocity)) + torque.b
         rows += list(torque.A)
         bounds += list(limit)
         causes += [2] * (2 * n)
         wheels += [np.eye(n, dtype=bool)] * 2
+    spent = np.any(friction.possible & (friction.drive <= 0.0), axis=0)
     return AccelerationRows(
         A=np.concatenate(rows, axis=1),
         b=np.concatenate(bounds, axis=1),
         wheels=np.concatenate(wheels),
         cause=np.array(causes),
+        spent=spent,
+        coasting=_coasting(model, friction, external) if np.any(spent) else np.zeros((motion.count, 3)),
     )
+
+
+def _coasting(model: Model, friction: Friction, external: External) -> Array:
+    """Acceleration (M, 3) of the centre of mass by drag and external wrench alone, of the heavier drag."""
+    wrench, load = external.middle(np.zeros(2))
+    middle = np.where(friction.possible, 0.5 * (friction.drag_low + friction.drag_high), 0.0)
+    drag = np.where(np.abs(middle[1]) > np.abs(middle[0]), middle[1], middle[0])
+    return np.asarray((wrench - (drag * load) @ model.wrench_maps()[1].T) / model.inertia.diagonal)
 
 
 def prepare(
     model: Model, motion: Motion, share: Array | float, contact: Contact
-) -> tuple[Facets, Friction, tuple[Array, Array]]:
-    """Facets, friction and losses: everything the rows are made of."""
+) -> tuple[Facets, Friction, External]:
+    """Facets, friction and external wrenches: everything the rows are made of."""
     friction = friction_in_motion(model, motion, share=float(np.max(share)), contact=contact)
-    return Facets.of(model), friction, losses_in_motion(model, motion)
+    return Facets.of(model), friction, external_in_motion(model, motion)
 
 
 def facet_coefficients(facets: Facets, friction: Friction, share: Array | float) -> Array:
@@ -133,19 +150,11 @@ def facet_coefficients(facets: Facets, friction: Friction, share: Array | float)
     return np.asarray(each.min(axis=0))
 
 
-def facet_rows(
-    model: Model, facets: Facets, kappa: Array, losses: tuple[Array, Array]
-) -> tuple[Array, Array]:
+def facet_rows(model: Model, facets: Facets, kappa: Array, external: External) -> tuple[Array, Array]:
     """A (M, K, 3) and b (M, K) of the facets."""
     A = np.broadcast_to(facets.normals * model.inertia.diagonal, (*kappa.shape[:2], 3)).copy()
     A[..., :2] -= kappa @ model.loads.per_acceleration_kg
-    return A, np.asarray(kappa @ model.loads.rest_N + worst_loss(facets.normals, losses))
-
-
-def worst_loss(normals: Array, losses: tuple[Array, Array]) -> Array:
-    """Least n·w_loss (M, K) over the box of losses."""
-    positive, negative = np.maximum(normals, 0.0), np.minimum(normals, 0.0)
-    return np.asarray(losses[0] @ positive.T + losses[1] @ negative.T)
+    return A, external.least(facets.normals, kappa)
 
 
 def even_distribution(model: Model) -> Array:
@@ -169,7 +178,7 @@ class TorqueRows:
     b: Array
 
 
-def torque_rows(model: Model, friction: Friction, losses: tuple[Array, Array]) -> TorqueRows:
+def torque_rows(model: Model, friction: Friction, external: External) -> TorqueRows:
     """±T as affine functions of the acceleration, worst over what is unknown.
 
     T = −ρ F·ŝ is the motor's torque against the floor's force F on the wheel.  For more than three
@@ -177,7 +186,7 @@ def torque_rows(model: Model, friction: Friction, losses: tuple[Array, Array]) -
     """
     c, across = model.geometry, model.wrench_maps()[1]
     along_grip, along_free = np.sum(c.drive * c.grip, axis=1), np.sum(c.drive * c.free, axis=1)
-    # f = L (M a − w_loss + B_T N D), T = −ρ (ŝ·ĝ) f + ρ (ŝ·f̂) N D
+    # f = L (M a − w + B_T N D), T = −ρ (ŝ·ĝ) f + ρ (ŝ·f̂) N D
     on_wrench = (-c.radius_m * along_grip)[:, None] * even_distribution(model)
     on_drag = on_wrench @ across + np.diag(c.radius_m * along_free)
     low = np.where(friction.possible, friction.drag_low, np.inf).min(axis=0)
@@ -188,7 +197,7 @@ def torque_rows(model: Model, friction: Friction, losses: tuple[Array, Array]) -
         A = np.broadcast_to(sign * on_wrench * model.inertia.diagonal, (*drag.shape[:2], 3)).copy()
         A[..., :2] += drag @ model.loads.per_acceleration_kg
         rows.append(A)
-        bounds.append(worst_loss(sign * on_wrench, losses) - drag @ model.loads.rest_N)
+        bounds.append(external.least(sign * on_wrench, -drag))
     return TorqueRows(A=np.stack(rows), b=np.stack(bounds))
 
 
@@ -202,3 +211,11 @@ def torque_limit(model: Model, speed: Array) -> Array:
         return np.full((2, *speed.shape), np.inf)
     left = np.ones_like(speed) if top is None else np.clip(1.0 - np.abs(speed) / top, 0.0, 1.0)
     return stall * np.stack([np.where(speed > 0.0, left, 1.0), np.where(speed < 0.0, left, 1.0)])
+
+
+def torque_use(model: Model, torque_N_m: Array, speed: Array) -> Array:
+    """Share (M, N) of what the motors give at wheel speeds (M, N) that torques (M, N) need."""
+    limit = torque_limit(model, speed)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(torque_N_m >= 0.0, torque_N_m / limit[0], -torque_N_m / limit[1])
+    return np.asarray(np.nan_to_num(share, nan=0.0, posinf=np.inf))

@@ -65,6 +65,11 @@ class Motion:
             if getattr(self, name) is not None:
                 put(self, name, frozen(name, getattr(self, name), shape))
 
+    @staticmethod
+    def full_drag(velocity: Array) -> Motion:
+        """States (M, 3) along ``velocity``, so slow that nothing but the drag depends on it, at full drag."""
+        return Motion(velocity=1e-3 * velocity, saturated=True)
+
     @property
     def count(self) -> int:
         """Number of samples M."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from slipmargin.checks import Array, frozen, real
 from slipmargin.model import Model
+from slipmargin.physics.frames import moment, to_body
 
 
 @final
@@ -46,10 +47,9 @@ class Pull:
 
     def rays(self, model: Model, phi_rad: Array) -> Array:
         """(M, 3) wrench on the body per newton of pull at headings φ (M,), about the centre of mass."""
-        angle = self.direction_rad - phi_rad  # R(φ)ᵀ turns a floor direction into the body frame
-        x, y = np.cos(angle), np.sin(angle)
+        x, y = to_body(phi_rad, np.cos(self.direction_rad), np.sin(self.direction_rad))
         arm = np.zeros(2) if self.point_m is None else self.point_m - model.inertia.com_m
-        return np.stack([x, y, arm[0] * y - arm[1] * x + self.moment_m], axis=-1)
+        return np.stack([x, y, moment(arm[0], arm[1], x, y) + self.moment_m], axis=-1)
 
     def load_change(self, model: Model, rays: Array) -> Array:
         """(M, N) change of each wheel's load per newton of pull: S (0, h d) with d the ray's force."""

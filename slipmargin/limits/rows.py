@@ -1,7 +1,8 @@
 """A pull's limit by facets: rows A F ≤ b in the one unknown F, for every heading at once.
 
 Static equilibrium asks −(F d + w_b) ∈ W, with d the pull's wrench per newton and w_b the bias.  With loads
-N(F) = N⁰ + F t (a pull above the floor shifts load) facet k with outward normal n and share s reads
+N(F) = N⁰ + F t (forces above the floor shift load: the pull F t, the bias is in N⁰) facet k with outward
+normal n and share s reads
 
     F (−n·d − s·t) ≤ s·N⁰ + n·w_b        and every wheel stays on the floor:   −t_i F ≤ N⁰_i.
 """
@@ -15,7 +16,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.errors import NoSolution
-from slipmargin.limits.bias import bias_extremes, bias_wrench
+from slipmargin.limits.bias import Bias, bias, bias_extremes, load_extremes, refuse_lifting, shifts_load
 from slipmargin.limits.friction import Extreme, coefficients
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.wrench_set import box_normals, wheel_share, wrench_maps
@@ -38,12 +39,17 @@ class PullGeometry:
     normals: Array  #: (K, 3)
     rays: Array  #: (M, 3)
     load_change: Array  #: (M, N)
-    bias: Array  #: (M, K) n·w_b
+    bias: Bias | None  #: None without external forces
 
     @property
     def tips(self) -> bool:
-        """Whether the pull shifts load."""
-        return self.pull.height_m != 0.0
+        """Whether the pull or another force shifts load."""
+        return self.pull.height_m != 0.0 or shifts_load(self.model)
+
+    @property
+    def load_N(self) -> Array:
+        """(M or 1, N) loads without the pull."""
+        return self.model.loads.rest_N[None] if self.bias is None else self.bias.load_N
 
 
 def pull_geometry(model: Model, phi_rad: Array, pull: Pull) -> PullGeometry:
@@ -59,7 +65,7 @@ def pull_geometry(model: Model, phi_rad: Array, pull: Pull) -> PullGeometry:
         normals=normals,
         rays=rays,
         load_change=pull.load_change(model, rays),
-        bias=bias_wrench(model, phi_rad) @ normals.T if model.external.terms else np.zeros((1, len(normals))),
+        bias=bias(model, phi_rad) if model.external.terms else None,
     )
 
 
@@ -76,16 +82,19 @@ def facet_rows(geometry: PullGeometry, mu: Array, extreme: Extreme = Extreme.NEU
     Returns
     -------
     a (M, R), b (M or 1, R)
-        K facets, then N tip-over rows where the pull shifts load.
+        K facets, then N tip-over rows where a force shifts load.
     """
     g = geometry
     share = wheel_share(g.maps, mu, g.normals, GripShape.BOX, 0.0)  # (M or 1, K, N)
-    rest = g.model.loads.rest_N
+    rest = g.load_N
     a = -(g.normals @ g.rays.T).T  # stored row by row: the maximum over rows then runs along headings
-    b = share @ rest + g.bias
-    if extreme is not Extreme.NEUTRAL and g.model.external.terms:
-        low, high = bias_extremes(g.model, g.phi_rad, g.normals)
-        b = b + (low if extreme is Extreme.LOW else high)
+    b = share @ rest[0] if len(rest) == 1 else (share @ rest[:, :, None])[..., 0]
+    if g.bias is not None:
+        b = b + g.bias.wrench @ g.normals.T
+        if extreme is not Extreme.NEUTRAL:
+            end = 0 if extreme is Extreme.LOW else 1
+            b = b + bias_extremes(g.model, g.phi_rad, g.normals, share)[end]
+            rest = rest + load_extremes(g.model, g.phi_rad)[end]
     if g.tips:
         a = a - np.einsum("mkn,mn->mk", np.broadcast_to(share, (len(a), *share.shape[1:])), g.load_change)
         a = np.concatenate([a, -g.load_change], axis=1)
@@ -117,15 +126,20 @@ def facet_limit(geometry: PullGeometry, rigid: Array) -> Array:
     """
     mu = coefficients(geometry.model, rigid, geometry.phi_rad)
     force = largest(*facet_rows(geometry, mu))
-    return refuse_slipping(force, geometry.phi_rad)
+    return refuse_slipping(geometry.model, force, geometry.phi_rad, geometry.load_N)
 
 
-def refuse_slipping(force: Array, phi_rad: Array) -> Array:
-    """``force``, or NoSolution naming the first heading at which the robot slips without any pull."""
+def refuse_slipping(model: Model, force: Array, phi_rad: Array, load_N: Array) -> Array:
+    """``force``, or NoSolution naming the first heading at which the robot slips or tips without any pull.
+
+    ``load_N`` (M or 1, N) are the loads without the pull.
+    """
     if np.any(np.isnan(force)):
-        phi = float(phi_rad[int(np.argmax(np.isnan(force)))])
+        at = int(np.argmax(np.isnan(force)))
+        place, load = f"pull at phi = {float(phi_rad[at]):.6g} rad", load_N[min(at, len(load_N) - 1)]
+        refuse_lifting(model, load, place, force)
         raise NoSolution(
-            f"pull at phi = {phi:.6g} rad",
+            place,
             "the robot slips without any pull",
             "make the floor less steep or the friction higher",
             force,

@@ -24,8 +24,9 @@ from slipmargin.limits.rows import (
     pull_geometry,
     refuse_slipping,
 )
-from slipmargin.limits.wrench_set import polyhedral, wheel_slope
+from slipmargin.limits.wrench_set import wheel_slope
 from slipmargin.model import Model
+from slipmargin.physics.grips import polyhedral
 
 #: A wheel's component saturates where the facet sees more than this share of the largest [1].
 SEEN = 1e-9
@@ -97,9 +98,9 @@ def sensitivity(
     g = pull_geometry(model, np.atleast_1d(np.asarray(phi_rad, dtype=float)), pull)
     mu = coefficients(model, state, g.phi_rad, Extreme.NEUTRAL)
     shape, coupling = model.grip.shape, model.grip.coupling
-    box = polyhedral(model.grip)
+    box = polyhedral(model.grip.shape, model.grip.coupling)
     at = _by_facets(g, mu) if box else _by_cones(g, state)
-    load = model.loads.rest_N + at.force[:, None] * g.load_change
+    load = g.load_N + at.force[:, None] * g.load_change
     slope = at.seen  # the box's own slope; averaged over facets that meet
     if not box:
         each = np.broadcast_to(mu, (len(at.force), *mu.shape[1:]))
@@ -126,7 +127,7 @@ class _Boundary:
 
 def _by_facets(g: PullGeometry, mu: Array) -> _Boundary:
     a, b = facet_rows(g, mu)
-    force = refuse_slipping(largest(a, b), g.phi_rad)
+    force = refuse_slipping(g.model, largest(a, b), g.phi_rad, g.load_N)
     on = active(a, b, force)
     facets = len(g.normals)
     # The mean over the rows that meet, each scaled so that F = its bound; |n·b| is averaged, not n.
@@ -152,7 +153,7 @@ def _by_cones(g: PullGeometry, rigid: Array) -> _Boundary:
     answer = cone_limits(g.model, g.phi_rad, g.pull, rigid)
     seen = np.abs(np.einsum("ma,aij->mij", answer.normals, g.maps))
     seen = np.where(seen > CONE_SEEN * seen.max(axis=(1, 2), keepdims=True), seen, 0.0)
-    load = g.model.loads.rest_N + answer.force_N[:, None] * g.load_change
+    load = g.load_N + answer.force_N[:, None] * g.load_change
     lifts = (load < CONE_SEEN * g.model.inertia.weight_N) & (g.load_change < 0.0)
     return _Boundary(
         force=answer.force_N,

@@ -13,8 +13,8 @@ from slipmargin.limits.band import band
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.rows import facet_limit, pull_geometry
 from slipmargin.limits.sensitivity import Sensitivity, sensitivity
-from slipmargin.limits.wrench_set import polyhedral
 from slipmargin.model import Model
+from slipmargin.physics.grips import polyhedral
 
 
 @final
@@ -104,7 +104,7 @@ def sweep(model: Model, phi_rad: Array, pull: Pull | None = None, *, with_band: 
 def limit(model: Model, phi_rad: Array, pull: Pull, rigid: Array | None = None) -> Array:
     """(M,) F_emax [N] of one contact state (all on rollers by default)."""
     state = np.zeros(model.count, dtype=bool) if rigid is None else np.asarray(rigid, dtype=bool)
-    if polyhedral(model.grip):
+    if polyhedral(model.grip.shape, model.grip.coupling):
         return facet_limit(pull_geometry(model, phi_rad, pull), state)
     from slipmargin.limits.cones import cone_limit  # clarabel is loaded only where a cone needs it
 

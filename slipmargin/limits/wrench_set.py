@@ -13,9 +13,9 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array, frozen
+from slipmargin.limits.bias import loads_at_rest, refuse_lifting
 from slipmargin.limits.friction import Extreme, coefficients
 from slipmargin.model import Model
-from slipmargin.model.parts import Grip
 from slipmargin.physics.grips import (
     GripShape,
     box_slope,
@@ -24,6 +24,7 @@ from slipmargin.physics.grips import (
     disc_strip_support,
     ellipse_slope,
     ellipse_support,
+    polyhedral,
 )
 from slipmargin.sets.facets import facet_normals
 from slipmargin.sets.zonotope import Zonotope
@@ -66,7 +67,7 @@ class WrenchSet:
     @property
     def polyhedral(self) -> bool:
         """Whether the facets describe the set exactly (box grip)."""
-        return self.shape is GripShape.BOX or self.coupling == 0.0
+        return polyhedral(self.shape, self.coupling)
 
     def share(self, directions: Array) -> Array:
         """(..., N) support per unit load of each wheel: h(n) = share(n) @ N [N per N]."""
@@ -100,8 +101,8 @@ class WrenchSet:
         return Zonotope(generators=self.generators, centre=self.centre)
 
 
-_COUPLED = {GripShape.BOX: None, GripShape.DISC_STRIP: disc_strip_support, GripShape.ELLIPSE: ellipse_support}
-_SLOPES = {GripShape.BOX: None, GripShape.DISC_STRIP: disc_strip_slope, GripShape.ELLIPSE: ellipse_slope}
+_COUPLED = {GripShape.DISC_STRIP: disc_strip_support, GripShape.ELLIPSE: ellipse_support}
+_SLOPES = {GripShape.DISC_STRIP: disc_strip_slope, GripShape.ELLIPSE: ellipse_slope}
 
 
 def wheel_share(maps: Array, mu: Array, directions: Array, shape: GripShape, coupling: float) -> Array:
@@ -118,24 +119,19 @@ def wheel_share(maps: Array, mu: Array, directions: Array, shape: GripShape, cou
     seen = np.einsum("...a,aij->...ij", directions, maps)
     if mu.ndim > 3:
         mu = mu[..., None, :, :, :]
-    coupled = _COUPLED[shape]
-    if coupled is None or coupling == 0.0:
+    if polyhedral(shape, coupling):
         return box_support(seen, mu)
+    coupled = _COUPLED[shape]
     return np.asarray((1.0 - coupling) * box_support(seen, mu) + coupling * coupled(seen, mu))
 
 
 def wheel_slope(maps: Array, mu: Array, directions: Array, shape: GripShape, coupling: float) -> Array:
     """(M, N, 2) derivative of :func:`wheel_share` by the coefficients, direction m with ``mu[m]``."""
     seen = np.einsum("ma,aij->mij", directions, maps)
-    coupled = _SLOPES[shape]
-    if coupled is None or coupling == 0.0:
+    if polyhedral(shape, coupling):
         return box_slope(seen, mu)
+    coupled = _SLOPES[shape]
     return np.asarray((1.0 - coupling) * box_slope(seen, mu) + coupling * coupled(seen, mu))
-
-
-def polyhedral(grip: Grip) -> bool:
-    """Whether facets describe a grip exactly: the box, or a blend without the coupled shape."""
-    return grip.shape is GripShape.BOX or grip.coupling == 0.0
 
 
 def wrench_maps(model: Model) -> Array:
@@ -161,15 +157,16 @@ def wrench_set(
     rigid : (N,) bool, optional
         Wheels that stand on rigid material; by default all stand on rollers.
     phi_rad : float
-        Heading [rad]; matters only where friction depends on it.
+        Heading [rad]; matters where friction depends on it or a force above the floor shifts load.
     """
     state = np.zeros(model.count, dtype=bool) if rigid is None else np.asarray(rigid, dtype=bool)
-    maps = wrench_maps(model)
+    maps, load = wrench_maps(model), loads_at_rest(model, np.array([phi_rad]))[0]
+    refuse_lifting(model, load, "wrench set", load)
     return WrenchSet(
         names=model.geometry.names,
         maps=maps,
         coefficients=coefficients(model, state, np.array([phi_rad]), extreme)[0],
-        load_N=model.loads.rest_N,
+        load_N=np.maximum(load, 0.0),  # rounding
         shape=model.grip.shape,
         coupling=model.grip.coupling,
         normals=box_normals(maps),

@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array
+from slipmargin.limits.bias import refuse_lifting
+from slipmargin.limits.motion_external import External, external_in_motion
 from slipmargin.limits.motion_friction import Friction, friction_in_motion
-from slipmargin.limits.motion_losses import losses_in_motion
 from slipmargin.limits.motion_rows import Facets, facet_coefficients, facet_rows, torque_rows
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
@@ -57,19 +58,19 @@ class Rows:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Assumed:
-    """Friction and losses of every interval, hulled over the speeds it may be passed at."""
+    """Friction and external wrenches of every interval, hulled over the speeds it may be passed at."""
 
     friction: Friction
-    external: tuple[Array, Array]
+    external: External
 
 
 def assume(
     model: Model, geometry: Geometry, motions: list[Motion], *, share: float, contact: Contact
 ) -> Assumed:
-    """Hull of friction and losses over states (n F) of every interval, and over several guesses."""
+    """Hull of friction and external wrenches over states (n F) of every interval and several guesses."""
     n, f = geometry.s.shape
     frictions = [friction_in_motion(model, m, share=share, contact=contact) for m in motions]
-    losses = [losses_in_motion(model, m) for m in motions]
+    external = [external_in_motion(model, m) for m in motions]
 
     def hull(values: Sequence[NDArray[Any]], pick: np.ufunc, axis: int) -> NDArray[Any]:
         shaped = [v.reshape(*v.shape[:axis], n, f, *v.shape[axis + 1 :]) for v in values]
@@ -88,10 +89,15 @@ def assume(
         stiffness=first.stiffness[::f],
         drive_stiffness=first.drive_stiffness[::f],
     )
-    return Assumed(
-        friction=friction,
-        external=(hull([x[0] for x in losses], low, 0), hull([x[1] for x in losses], high, 0)),
+    change = [hull([x.load_change_N for x in external], pick, 1)[k] for k, pick in enumerate((low, high))]
+    hulled = replace(
+        external[0],
+        low=hull([x.low for x in external], low, 1),
+        high=hull([x.high for x in external], high, 1),
+        load_change_N=np.stack(change),
     )
+    refuse_lifting(model, hulled.standing_N(), "loads", hulled)
+    return Assumed(friction=friction, external=hulled)
 
 
 def rows_along(
@@ -126,13 +132,13 @@ def rows_along(
     names = ["grip"] * len(facets.normals)
     wheels = [facets.drive > 1e-9 * np.max(facets.drive)]
     blocks = [(a, b, cs)]
-    per = model.loads.per_acceleration_kg
-    if np.any(per):
+    if model.loads.follow_acceleration:
+        per = model.loads.per_acceleration_kg
         blocks.append(
             (
                 [-geometry.push[:, e, :2] @ per.T for e in ends],
                 [-geometry.bend[:, e, :2] @ per.T for e in ends],
-                [np.broadcast_to(model.loads.rest_N, (len(c), model.count))] * 2,
+                [assumed.external.standing_N()] * 2,
             )
         )
         names += ["tip-over"] * model.count

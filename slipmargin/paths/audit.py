@@ -9,7 +9,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.limits.motion_realised import realised, settling
-from slipmargin.limits.motion_rows import torque_limit
+from slipmargin.limits.motion_rows import torque_use
 from slipmargin.limits.motion_state import Contact
 from slipmargin.model import Model
 from slipmargin.paths.along import Caps, speed_ratio
@@ -70,11 +70,7 @@ def audit(
     forces = realised(model, motion, contact=contact, share=share)
     drifting = realised(model, motion, contact=contact, share=share, open_loop=True)
     shape = (*geometry.s.shape, model.count)
-    limit = torque_limit(model, model.geometry.wheel_speeds(motion.velocity))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        given = forces.torque_N_m
-        torque = np.where(given >= 0.0, given / limit[0], -given / limit[1])
-    torque = np.nan_to_num(torque, nan=0.0, posinf=np.inf)
+    torque = torque_use(model, forces.torque_N_m, model.geometry.wheel_speeds(motion.velocity))
     speed = np.sqrt(geometry.squared_speed(x)) * speed_ratio(model, geometry, caps)
     use = np.maximum(forces.use, drifting.use)
     first = np.arange(0, motion.count, shape[1], dtype=np.int64)

@@ -13,16 +13,18 @@ from numba import njit
 
 from slipmargin.checks import Array, frozen, real
 from slipmargin.errors import InputError
+from slipmargin.limits.motion_friction import friction_in_motion
 from slipmargin.limits.motion_realised import realised
-from slipmargin.limits.motion_rows import torque_limit
+from slipmargin.limits.motion_rows import torque_use
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.physics.frames import rotate_rows
+from slipmargin.physics.friction_laws import law_share
 
 #: Half the shortest window of a derivative [s]: below it rounded files make noise of accelerations.
 SHORTEST = 0.005
-#: k × sideways slip below which drag fades: (2/π) atan 50 is 0.987 [1].
-CRAWL = 50.0
+#: Share of the full drag below which it fades [1].
+FADING = 0.987
 #: Slowest time scaling tried [1].
 SLOWEST = 1e4
 
@@ -188,11 +190,7 @@ def _shares(
     )
     forces = realised(model, motion, contact=contact)
     omega = model.geometry.wheel_speeds(motion.velocity)
-    limit = torque_limit(model, omega)
-    given = forces.torque_N_m
-    with np.errstate(divide="ignore", invalid="ignore"):
-        torque = np.where(given >= 0.0, given / limit[0], -given / limit[1])
-    torque = np.nan_to_num(torque, nan=0.0, posinf=np.inf)
+    torque = torque_use(model, forces.torque_N_m, omega)
     top = model.drives.max_speed_rad_s or np.inf
     return forces.use, torque, np.abs(omega) / top, forces.load_N
 
@@ -226,5 +224,7 @@ def _time_scale(model: Model, course: _Course, share: float, contact: Contact) -
 
 def _fading(model: Model, course: _Course, stretch: float) -> bool:
     """Whether the motion has become so slow that drag itself fades: slowing down is no cure then."""
-    slide = rotate_rows(course.pose[:, 2], course.velocity, inverse=True) @ model.geometry.lateral_rows().T
-    return bool(model.grip.k_s_per_m * np.max(np.abs(slide)) / stretch < CRAWL)
+    velocity = rotate_rows(course.pose[:, 2], course.velocity, inverse=True) / stretch
+    friction = friction_in_motion(model, Motion(velocity=velocity, heading=course.pose[:, 2]))
+    share = law_share(model.grip.law, friction.stiffness * np.abs(friction.slide))
+    return bool(np.max(share) < FADING)

@@ -13,6 +13,7 @@ from slipmargin.model import Model
 from slipmargin.paths.grid import Grid
 from slipmargin.paths.path import Path
 from slipmargin.physics.frames import rotate_rows
+from slipmargin.physics.kinematics import com_acceleration
 
 
 @final
@@ -39,14 +40,11 @@ class Geometry:
         """The samples of a grid."""
         s, piece = grid.inside(fractions)
         pose, first, second = (a.reshape(*s.shape, 3) for a in path.at(s.ravel(), piece.ravel()))
-        c = model.inertia.com_m
-        push = rotate_rows(pose[..., 2], first, inverse=True)
-        bend = rotate_rows(pose[..., 2], second, inverse=True)
-        twist = push.copy()
-        for a in (push, bend):  # a_com = a + α ẑ×c − ω² c
-            a[..., 0] -= a[..., 2] * c[1]
-            a[..., 1] += a[..., 2] * c[0]
-        bend[..., :2] -= first[..., 2:] ** 2 * c
+        com, phi = model.inertia.com_m, pose[..., 2]
+        twist = rotate_rows(phi, first, inverse=True)
+        rate, turning = twist.reshape(-1, 3), rotate_rows(phi, second, inverse=True).reshape(-1, 3)
+        push = com_acceleration(com, 0.0 * rate, rate).reshape(first.shape)
+        bend = com_acceleration(com, rate, turning).reshape(first.shape)
         return Geometry(
             s=s, fractions=fractions, pose=pose, first=first, second=second, twist=twist, push=push, bend=bend
         )

@@ -55,7 +55,8 @@ def draw_limits(axes: PolarAxes, found: Bounds) -> PolarAxes:
 def draw_steady(axes: PolarAxes, found: Bounds) -> PolarAxes:
     """Share of the grip that constant speed needs: on rollers and in the worst state of rigid sectors."""
     angle, rigid = from_forwards(_round(found.full.heading_rad)), found.rigid_use
-    top = 1.15 * max(1.0, float(np.max(rigid)), float(np.max(found.full.steady_use)))
+    both = np.concatenate([rigid, found.full.steady_use])
+    top = 1.15 * float(np.max(both, where=np.isfinite(both), initial=1.0))
     axes.fill_between(angle, np.ones_like(angle), top, color=RED, alpha=0.10, lw=0, label="must slip")
     axes.plot(angle, np.ones_like(angle), color=RED, lw=1.0)
     if float(np.max(rigid)) > float(np.max(found.full.steady_use)) * (1.0 + 1e-9):

@@ -56,6 +56,12 @@ def _isotropic(b: Bounds) -> str:
 
 
 def _steady(b: Bounds) -> str:
+    spent = int(np.count_nonzero(np.isinf(b.full.steady_use)))
+    if spent:
+        return (
+            f"steady      constant speed must slip in {spent} of {len(b.full.steady_use)} directions: "
+            "drag uses the whole grip of a wheel and leaves none to drive"
+        )
     use = f"constant speed uses up to {100 * np.max(b.full.steady_use):.0f} % of the grip"
     rigid = b.rigid_use
     if np.max(rigid) <= np.max(b.full.steady_use) * (1.0 + 1e-9):

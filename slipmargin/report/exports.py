@@ -176,8 +176,8 @@ def bounds_table(found: Bounds) -> dict[str, Any]:
         "starting_m_s2": full.starting_m_s2,
         "turning_m_s2": full.turning_m_s2,
         "braking_m_s2": full.braking_m_s2,
-        "steady_use": full.steady_use,
-        "steady_use_rigid": found.rigid_use,
+        "steady_use": [_finite(v) for v in full.steady_use],
+        "steady_use_rigid": [_finite(v) for v in found.rigid_use],
         "limiting": full.starting.wheels,
         "cause": full.starting.cause,
         "safe_starting_m_s2": safe.starting_m_s2,
@@ -187,7 +187,7 @@ def bounds_table(found: Bounds) -> dict[str, Any]:
         "spin": {
             "starting_rad_s2": found.spin.starting_rad_s2,
             "braking_rad_s2": found.spin.braking_rad_s2,
-            "steady_use": found.spin.steady_use,
+            "steady_use": _finite(found.spin.steady_use),
             "top_rad_s": _finite(found.spin.top_rad_s),
         },
         "cornering": {

@@ -18,6 +18,8 @@ from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.model import Model
 from slipmargin.physics.constants import GRAVITY_M_S2
+from slipmargin.physics.frames import directions, moment
+from slipmargin.physics.grips import polyhedral
 from slipmargin.physics.loads import sharing_matrix
 from slipmargin.physics.variables import Target
 from slipmargin.robot import GripShape, LoadRule, Robot
@@ -110,8 +112,8 @@ def _from_robots(machines: list[Machine]) -> dict[str, Any]:
     return {
         "place": place,
         "com": com,
-        "grip": _unit(turn),
-        "free": _unit(turn - np.pi / 2.0),
+        "grip": directions(turn),
+        "free": directions(turn - np.pi / 2.0),
         "roller": np.array([[(s.roller.drive, s.roller.transverse)] * n for s in floor]),
         "rigid": np.array([[(s.rigid.drive, s.rigid.transverse)] * n for s in floor]),
         "rigid_fraction": np.array([[w.rigid_fraction for w in r.wheels] for r in robots]),
@@ -139,9 +141,7 @@ def _overwrite(data: dict[str, Any], d: int, model: Model) -> None:
         data[name][d] = value
     data["static"][d] = sharing_matrix(model.geometry.position_m) @ np.array([1.0, *model.inertia.com_m])
     varies = any(t.target is not Target.STIFFNESS for t in grip.multipliers)
-    data["plain"][d] = (
-        (grip.shape is GripShape.BOX or grip.coupling == 0.0) and not varies and not model.external.terms
-    )
+    data["plain"][d] = polyhedral(grip.shape, grip.coupling) and not varies and not model.external.terms
 
 
 def _static(place: Array, com: Array) -> Array:
@@ -164,9 +164,6 @@ def _shares(robot: Robot, static: Array) -> Array:
     return static
 
 
-def _unit(angle: Array) -> Array:
-    return np.round(np.stack([np.cos(angle), np.sin(angle)], axis=-1), 15)
-
-
 def _columns(arm: Array, way: Array) -> Array:
-    return np.stack([way[..., 0], way[..., 1], arm[..., 0] * way[..., 1] - arm[..., 1] * way[..., 0]], axis=1)
+    lever = moment(arm[..., 0], arm[..., 1], way[..., 0], way[..., 1])
+    return np.stack([way[..., 0], way[..., 1], lever], axis=1)

@@ -22,6 +22,7 @@ from slipmargin.limits.pull import Pull
 from slipmargin.limits.sweep import limit
 from slipmargin.limits.wrench_set import wrench_set
 from slipmargin.model import Model
+from slipmargin.physics.frames import to_body
 from slipmargin.physics.loads import LoadRule
 from slipmargin.sets.facets import batch_ray_exit
 from slipmargin.study.fleet import Fleet
@@ -60,8 +61,8 @@ def forces(fleet: Fleet, mu: Array, load: Array, phi_rad: Array) -> Forces:
     """
     generators = (fleet.maps * (mu * load[..., None])[:, None]).reshape(len(mu), 3, -1)
     # A centrally symmetric set: the sign of the pull does not matter.
-    rays = np.stack([np.cos(phi_rad), -np.sin(phi_rad), np.zeros_like(phi_rad)], axis=1)
-    rays = np.vstack([rays, [0.0, 0.0, 1.0]])
+    along = np.column_stack([*to_body(phi_rad, 1.0, 0.0), np.zeros_like(phi_rad)])
+    rays = np.vstack([along, [0.0, 0.0, 1.0]])
     pairs = fleet.wheels * (2 * fleet.wheels - 1)
     block = max(1, _BLOCK // (pairs * len(rays)))
     out = np.concatenate([batch_ray_exit(generators[i : i + block], rays) for i in range(0, len(mu), block)])

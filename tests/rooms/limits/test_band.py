@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from strategies import kiwi, models
 
 from slipmargin.limits import Pull, isotropic, sweep
-from slipmargin.limits.friction import Extreme, coefficients, span
+from slipmargin.limits.friction import Extreme, coefficients
+from slipmargin.limits.ranges import span
 from slipmargin.limits.sweep import limit
 from slipmargin.model import Model, nominal_model
 from slipmargin.physics.terms import ForceTerm, Multiplier

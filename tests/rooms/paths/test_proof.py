@@ -10,10 +10,10 @@ import path_proof
 import paths as bench
 import pytest
 
-from slipmargin.limits.motion_friction import sigma
 from slipmargin.paths.plan import Request, plan
 from slipmargin.paths.sample import at_use, trajectory
 from slipmargin.paths.verify import on_rollers, verify
+from slipmargin.physics.friction_laws import ATAN, law_share
 
 
 def test_drawn_robots_keep_their_margin_in_the_simulator() -> None:
@@ -41,7 +41,7 @@ def test_the_papers_robot_uses_the_share_it_was_given(share: float) -> None:
     assert run.peak == pytest.approx(share, abs=0.02)
     assert not run.slips
     # docs/theory.md, section 4: the creep bound tan(π λ/2)/k
-    assert sigma(1000.0 * np.max(run.slip_m_s)) <= share + 0.02
+    assert law_share(ATAN, 1000.0 * np.max(run.slip_m_s)) <= share + 0.02
 
 
 def test_faster_than_the_limit_slips_at_the_limiting_wheel() -> None:

@@ -1,0 +1,31 @@
+"""Values of an unknown variable among which the extremes of a basis are found."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.physics.variables import Basis, Variable
+
+#: Samples with which an unknown variable's range is searched for the extreme factors.
+SAMPLES = 361
+#: An unbounded basis (polynomial, odd) over an unknown variable is trusted to this many scales.
+SCALES = 1.0
+
+
+def span(basis: Basis, shape: Array, variable: Variable) -> Array:
+    """Samples (S,) of an unknown variable's range, which follows from the basis and its constants."""
+    a, b = float(shape[0]), float(shape[1])
+    if variable is Variable.SLIP_ANGLE:
+        return np.linspace(0.0, np.pi / 2, SAMPLES)
+    forward = variable is Variable.TIME  # time only runs forwards
+    if basis is Basis.HATS:
+        return np.linspace(a, b, SAMPLES)
+    if basis is Basis.FOURIER:
+        return np.linspace(0.0, abs(a), SAMPLES)
+    if basis is Basis.WINDOW:
+        return np.array([max(a, 0.0) if forward else a, 0.5 * (a + b), b + abs(b - a)])
+    if basis in (Basis.DECAY, Basis.RECIPROCAL):
+        return np.concatenate([np.linspace(0.0, 5.0 * abs(a), SAMPLES), [1e6 * abs(a)]])
+    reach = SCALES * abs(a)
+    return np.linspace(0.0 if forward else -reach, reach, SAMPLES)
