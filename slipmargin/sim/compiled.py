@@ -1,17 +1,25 @@
 """How this room compiles: cached on disk, division by zero gives infinity, fused multiply-add allowed.
 
+The equations of :mod:`slipmargin.physics` are compiled as they stand there: :func:`twin` compiles a copy
+of a plain function in which the names of other physics functions stand for their compiled twins, and
+``np`` for the same functions of plain numbers.
+
 Numba's cache looks at the file of a function, not at the files it calls into or takes constants from.
-Cached files therefore carry the state of the whole room in their names: a change of ``layout.py``
-compiles everything anew.
+Cached files therefore carry the state of this room and of the physics in their names: a change of
+``layout.py`` or of a friction law compiles everything anew.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
+from types import FunctionType, ModuleType
 from typing import Any, TypeVar, cast
 
+import numpy as np
 from numba import njit
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -22,11 +30,21 @@ _RULES: dict[str, Any] = {
     "fastmath": {"contract", "nsz", "arcp"},
     "no_cfunc_wrapper": True,
 }
+_PHYSICS = "slipmargin.physics."
+#: What ``np`` means in compiled physics: numba compiles these much faster than ufuncs of one number.
+_NUMBERS = ModuleType("numbers")
+for _name, _function in {
+    "sin": math.sin, "cos": math.cos, "tan": math.tan, "arctan": math.atan, "tanh": math.tanh, "exp": math.exp,
+    "log": math.log, "log1p": math.log1p, "arctanh": math.atanh, "sqrt": math.sqrt, "hypot": math.hypot,
+    "copysign": math.copysign, "floor": math.floor, "abs": abs, "minimum": min, "maximum": max, "pi": math.pi,
+}.items():  # fmt: skip
+    setattr(_NUMBERS, _name, _function)
 
 
 def _state() -> str:
-    """Eight digits for the names, sizes and times of change of the room's files."""
-    files = [(p.name, p.stat().st_size, p.stat().st_mtime_ns) for p in Path(__file__).parent.glob("*.py")]
+    """Eight digits for the names, sizes and times of change of the files that are compiled."""
+    rooms = (Path(__file__).parent, Path(__file__).parent.parent / "physics")
+    files = [(p.name, p.stat().st_size, p.stat().st_mtime_ns) for room in rooms for p in room.glob("*.py")]
     return sha256(repr(sorted(files)).encode()).hexdigest()[:8]
 
 
@@ -38,16 +56,25 @@ def _compiled(function: F, **more: Any) -> F:
     return cast(F, _compile(**_RULES, **more)(function))
 
 
-def fast(function: F) -> F:
-    """A compiled function that Python may call too."""
-    return _compiled(function)
-
-
 def inner(function: F) -> F:
-    """A compiled function that only compiled functions call: it compiles faster without a door."""
+    """A compiled function that only compiled functions call: Python cannot, and it compiles faster."""
     return _compiled(function, no_cpython_wrapper=True)
 
 
-def fast_unlocked(function: F) -> F:
-    """An entry point that runs in several threads at once."""
+def fast(function: F) -> F:
+    """A compiled function that Python calls, in several threads at once."""
     return _compiled(function, nogil=True)
+
+
+@cache
+def twin(function: Any) -> Any:
+    """The compiled twin of a plain function of the physics room; the function itself stays as it is."""
+    names = dict(function.__globals__)
+    for name in function.__code__.co_names:
+        value = names.get(name)
+        if value is np:
+            names[name] = _NUMBERS
+        elif isinstance(value, FunctionType) and value.__module__.startswith(_PHYSICS):
+            names[name] = twin(value)
+    copy = FunctionType(function.__code__, names, function.__name__, function.__defaults__)
+    return inner(copy)
