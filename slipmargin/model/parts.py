@@ -19,9 +19,8 @@ from slipmargin.physics.friction_laws import ATAN
 from slipmargin.physics.grips import GripShape
 from slipmargin.physics.terms import ForceTerm, Multiplier, PoseShift
 
-
 #: Inertia of a wheel whose inertia is not stated, as a share of m ρ²/N [1].
-LIGHT_WHEEL = 0.01
+LIGHT_WHEEL = 0.001
 
 
 def _freeze(part: object, **shapes: tuple[int | None, ...]) -> None:
@@ -121,9 +120,9 @@ class ActuatorDynamics:
     """From commanded to real wheel speed: τ ω̇_i = gain_i ω_cmd,i(t − delay) − droop_i T_i − ω_i.
 
     ``lag_s`` (N,) τ [s], ``gain`` (N,) [1], ``droop_rad_s_per_N_m`` (N,) speed lost per torque T_i
-    that the wheel delivers [rad/(s N m)], ``delay_s`` [s].  Where a droop or a motor's torque line makes a
-    wheel answer to its load, one without lag follows ω̇_cmd as well, within 0.1 ms.  ``multipliers`` multiply ω_cmd,i over
-    COMMAND_SPEED or TIME.  They act only where wheel speeds are commanded, not where measured.
+    that the wheel delivers [rad/(s N m)], ``delay_s`` [s].  ``multipliers`` multiply ω_cmd,i over
+    COMMAND_SPEED or TIME.  They act only where wheel speeds are commanded, not where measured.  Where a
+    droop or a motor's torque line makes a wheel answer to its load, one without lag follows ω̇_cmd too.
     """
 
     lag_s: Array

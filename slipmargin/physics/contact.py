@@ -16,6 +16,8 @@ Every function returns (f_W, f_T, ∂f_W/∂u_W, ∂f_W/∂u_T, ∂f_T/∂u_W, �
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from slipmargin.physics.friction_laws import law_inverse, law_share, law_slope
@@ -65,7 +67,7 @@ def ellipse(law: int, uw: float, ut: float, mw: float, mt: float, k: float) -> S
     )
 
 
-def spun(law: int, uw: float, far: float, mw: float, mt: float, k: float) -> float:
+def spun(law: int, uw: float, far: float, mw: float, mt: float, k: float) -> Any:
     """z in (0, far) with μ_W σ(k√(u_W² + z²)) z/√(u_W² + z²) = μ_T, by guarded Newton steps."""
     low, high = 0.0, far
     r = mt / mw

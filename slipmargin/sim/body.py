@@ -309,7 +309,7 @@ def slopes(P: Any, y: Any, C: Any, B: Any, J: Any, speeds: int) -> None:
             J[r, k] = 0.0
     for column in range(3, last + 1):
         k = column - 3
-        if column == last and speeds > 0 or 3 + speeds <= k and column < last:
+        if (column == last and speeds > 0) or (3 + speeds <= k and column < last):
             continue
         fx, fy, mz = 0.0, 0.0, 0.0
         for own in range(2):  # first the body, then the wheels, whose torques follow its loads

@@ -33,12 +33,25 @@ _RULES: dict[str, Any] = {
 _PHYSICS = "slipmargin.physics."
 #: What ``np`` means in compiled physics: numba compiles these much faster than ufuncs of one number.
 _NUMBERS = ModuleType("numbers")
-for _name, _function in {
-    "sin": math.sin, "cos": math.cos, "tan": math.tan, "arctan": math.atan, "tanh": math.tanh, "exp": math.exp,
-    "log": math.log, "log1p": math.log1p, "arctanh": math.atanh, "sqrt": math.sqrt, "hypot": math.hypot,
-    "copysign": math.copysign, "floor": math.floor, "abs": abs, "minimum": min, "maximum": max, "pi": math.pi,
-}.items():  # fmt: skip
-    setattr(_NUMBERS, _name, _function)
+_NUMBERS.__dict__.update(
+    sin=math.sin,
+    cos=math.cos,
+    tan=math.tan,
+    arctan=math.atan,
+    tanh=math.tanh,
+    arctanh=math.atanh,
+    exp=math.exp,
+    log=math.log,
+    log1p=math.log1p,
+    sqrt=math.sqrt,
+    hypot=math.hypot,
+    copysign=math.copysign,
+    floor=math.floor,
+    abs=abs,
+    minimum=min,
+    maximum=max,
+    pi=math.pi,
+)
 
 
 def _state() -> str:

@@ -91,7 +91,7 @@ def _sector(P: Any, i: int, theta: float, omega: float, nudge: float) -> float:
     q = _H + i * _W
     angle = theta + (nudge if omega >= 0.0 else -nudge)
     number = 2.0 * math.floor(angle / P[q + _PITCH])
-    return number + 1.0 if _on_rigid(angle, P[q + _PITCH], P[q + _SHARE]) else number
+    return float(number + (1.0 if _on_rigid(angle, P[q + _PITCH], P[q + _SHARE]) else 0.0))
 
 
 @inner
@@ -144,9 +144,9 @@ def run(P: Any, knots: Any, coef: Any, stops: Any, push: Any, times: Any, task: 
     n, driven, pushed = int(P[_COUNT]), P[_DRIVEN] > 0.0, len(push) > 0
     speeds = n if driven else 0
     m = 6 + 2 * speeds
-    C, S, K = np.zeros((n, CONTACT)), np.zeros((10, max(m, BODY))), np.zeros((6, m))
+    C, S, K = np.zeros((n, CONTACT)), np.zeros((9, max(m, BODY))), np.zeros((6, m))
     J, M = np.zeros((3 + speeds, m + 1)), np.zeros((3 + speeds, 3 + speeds))
-    y, z, f, rhs, rate, B, acc, away, E, ask = S[0], S[1], S[2], S[3], S[4], S[5], S[6], S[7], S[8], S[9]
+    y, z, f, rhs, rate, B, acc, away, E = S[0], S[1], S[2], S[3], S[4], S[5], S[6], S[7], S[8]
     rtol, atol, most = task[RTOL], task[ATOL], task[MOST]
     for r in range(6):
         y[r] = task[START + r]
@@ -161,8 +161,8 @@ def run(P: Any, knots: Any, coef: Any, stops: Any, push: Any, times: Any, task: 
     columns, probes = np.zeros((m + 1, 1)), 0
     for k in range(m + 1):
         velocity = 3 <= k < 6 + speeds
-        asked = k == 2 and heading or k < 2 and P[at.BY_POSITION] > 0.0 or velocity and by_velocity
-        if asked or k == m and by_time or 6 + speeds <= k < m and by_angle:
+        asked = (k == 2 and heading) or (k < 2 and P[at.BY_POSITION] > 0.0) or (velocity and by_velocity)
+        if asked or (k == m and by_time) or (6 + speeds <= k < m and by_angle):
             columns[probes, 0] = k
             probes += 1
     status, steps, rejected, piece, pk, row, total = DONE, 0, 0, 0, 0, 0, len(times)
@@ -214,7 +214,9 @@ def run(P: Any, knots: Any, coef: Any, stops: Any, push: Any, times: Any, task: 
                 status = TOO_LONG if steps + rejected >= most else STUCK
                 break
             error = 1e300
-            for again in range(2):  # a second time, shorter, where a driven wheel changes its sector on the way
+            for again in range(
+                2
+            ):  # a second time, shorter, where a driven wheel changes its sector on the way
                 gh, per = GAMMA * step, 1.0 / step
                 factor(J, y, gh, M, E)
                 for stage in range(6):

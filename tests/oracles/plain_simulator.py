@@ -129,7 +129,9 @@ def _law(law: int, shape: GripShape, coupling: float, u: Array, mu: Array, k: Ar
     if shape is GripShape.ELLIPSE:
         e = (mu[1] / mu[0]) ** 2
         s = np.sqrt(u[0] ** 2 + e * u[1] ** 2)
-        coupled = mu[0] * _saturation(law, k[0] * s) * np.array([u[0], e * u[1]]) / s if s > 0.0 else np.zeros(2)
+        coupled = (
+            mu[0] * _saturation(law, k[0] * s) * np.array([u[0], e * u[1]]) / s if s > 0.0 else np.zeros(2)
+        )
     else:
         coupled = _disc_strip(law, u, mu, k[0])
     return np.asarray((1.0 - coupling) * boxed + coupling * coupled)
@@ -138,7 +140,9 @@ def _law(law: int, shape: GripShape, coupling: float, u: Array, mu: Array, k: Ar
 def _disc_strip(law: int, u: Array, mu: Array, k: float) -> Array:
     def disc(z: float) -> Array:
         s = float(np.hypot(u[0], z))
-        return np.asarray(mu[0] * _saturation(law, k * s) * np.array([u[0], z]) / s) if s > 0.0 else np.zeros(2)
+        return (
+            np.asarray(mu[0] * _saturation(law, k * s) * np.array([u[0], z]) / s) if s > 0.0 else np.zeros(2)
+        )
 
     full = disc(u[1])
     if abs(full[1]) <= mu[1]:

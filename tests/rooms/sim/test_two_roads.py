@@ -71,7 +71,11 @@ def somewhere(count, seed, speed=0.05):
 
 
 @given(
-    models(shapes=SHAPES), st.integers(0, 2**31), st.sampled_from(range(len(LAWS))), reals(0.0, 1.0), st.booleans()
+    models(shapes=SHAPES),
+    st.integers(0, 2**31),
+    st.sampled_from(range(len(LAWS))),
+    reals(0.0, 1.0),
+    st.booleans(),
 )
 @settings(max_examples=80, deadline=None)
 def test_accelerations_agree(model, seed, law, coupling, raised):
