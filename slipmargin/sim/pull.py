@@ -26,7 +26,6 @@ from slipmargin.model.parts import ActuatorDynamics
 from slipmargin.physics.friction_laws import law_share
 from slipmargin.physics.terms import ForceTerm
 from slipmargin.physics.variables import Basis, Frame, Variable
-from slipmargin.sim import layout as at
 from slipmargin.sim.batch import Batch, Outcome
 from slipmargin.sim.pack import pack, stack
 from slipmargin.sim.signal import held
