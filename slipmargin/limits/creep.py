@@ -28,7 +28,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array, Index
-from slipmargin.physics.compiled import cached, twin
+from slipmargin.physics.compiled import fast, inner, twin
 from slipmargin.physics.friction_laws import law_inverse, law_share, law_slope
 
 #: Share up to which the friction law is used as it stands [1].
@@ -48,7 +48,7 @@ RUNAWAY = 1.5
 _law_share, _law_slope, _law_inverse = twin(law_share), twin(law_slope), twin(law_inverse)
 
 
-@cached
+@inner
 def _share(law: int, z: float) -> tuple[float, float]:
     """Continued σ(z) and its slope."""
     knee = _law_inverse(law, FAITHFUL)
@@ -57,7 +57,7 @@ def _share(law: int, z: float) -> tuple[float, float]:
     return math.copysign(FAITHFUL + BEYOND * (abs(z) - knee), z), BEYOND
 
 
-@cached
+@inner
 def _residual(
     law: int,
     eps: Array,
@@ -95,7 +95,7 @@ def _residual(
     return math.sqrt((out[0] / scale[0]) ** 2 + (out[1] / scale[1]) ** 2 + (out[2] / scale[2]) ** 2)
 
 
-@cached
+@inner
 def _solve3(H: Array, b: Array, x: Array) -> None:
     """x = H⁻¹ b by elimination; H is positive definite but for the turning of the frame."""
     p, q = H[1, 0] / H[0, 0], H[2, 0] / H[0, 0]
@@ -107,7 +107,7 @@ def _solve3(H: Array, b: Array, x: Array) -> None:
     x[0] = (b[0] - H[0, 1] * x[1] - H[0, 2] * x[2]) / H[0, 0]
 
 
-@cached
+@fast
 def _creep(
     law: int,
     W: Array,
@@ -182,7 +182,7 @@ def _creep(
             eps[:] = 0.0
 
 
-@cached
+@inner
 def _fastest(H: Array, mass: Array) -> float:
     """No time constant of M dε/dt = −H ε is shorter [s]: Gershgorin's circles."""
     rate = 0.0
@@ -194,7 +194,7 @@ def _fastest(H: Array, mass: Array) -> float:
     return 1.0 / rate
 
 
-@cached
+@fast
 def _settle(
     law: int,
     W: Array,

@@ -1,8 +1,8 @@
 """Friction that a moving wheel has: its drive grip and its drag, each per unit of load.
 
 In motion the force across the rollers is not free: it is −μ_T N σ(k u·f̂) with the model's friction law
-σ (docs/theory.md, section 4).  Multipliers are evaluated where their variable is known; where it is not they give
-an interval, of which a limit takes the worst.
+σ (docs/theory.md, section 4).  Multipliers are evaluated where their variable is known; where it is not
+they give an interval, of which a limit takes the worst.
 """
 
 from __future__ import annotations

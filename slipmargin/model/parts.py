@@ -13,10 +13,14 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array, frozen
+from slipmargin.errors import InputError
 from slipmargin.physics.constants import GRAVITY_M_S2
 from slipmargin.physics.friction_laws import ATAN
 from slipmargin.physics.grips import GripShape
 from slipmargin.physics.terms import ForceTerm, Multiplier, PoseShift
+
+#: Inertia of a wheel whose inertia is not stated, as a share of m ρ²/N [1].
+LIGHT_WHEEL = 0.001
 
 
 def _freeze(part: object, **shapes: tuple[int | None, ...]) -> None:
@@ -87,11 +91,27 @@ class ExternalWrench:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Drives:
-    """Motor limits on the wheel side; ``None`` where no limit is known."""
+    """Motor limits and the inertia of a wheel with its rotor, at the wheel; ``None`` where not known.
+
+    A commanded wheel's torque keeps to ± stall (1 ∓ ω/max_speed).  Where no ``wheel_inertia_kg_m2`` is
+    given, a simulation takes :data:`LIGHT_WHEEL` of m ρ²/N, a robot's mass as each of its wheels feels it:
+    so little that the motion does not depend on it, and enough to keep the equations solvable.
+    """
 
     max_speed_rad_s: float | None = None
     stall_torque_N_m: float | None = None
     wheel_inertia_kg_m2: float | None = None
+
+    def __post_init__(self) -> None:
+        inertia = self.wheel_inertia_kg_m2
+        if inertia is not None and not 0.0 < inertia < np.inf:
+            raise InputError("wheel_inertia_kg_m2", f"is {inertia:g}", "give a positive inertia [kg m²]")
+
+    def wheel_inertias(self, mass_kg: float, radius_m: Array) -> Array:
+        """(N,) inertia of each wheel [kg m²], stated or light."""
+        if self.wheel_inertia_kg_m2 is not None:
+            return np.full(len(radius_m), self.wheel_inertia_kg_m2)
+        return np.asarray(LIGHT_WHEEL * mass_kg * radius_m**2 / len(radius_m))
 
 
 @final
@@ -101,7 +121,8 @@ class ActuatorDynamics:
 
     ``lag_s`` (N,) τ [s], ``gain`` (N,) [1], ``droop_rad_s_per_N_m`` (N,) speed lost per torque T_i
     that the wheel delivers [rad/(s N m)], ``delay_s`` [s].  ``multipliers`` multiply ω_cmd,i over
-    COMMAND_SPEED or TIME.  They act only where wheel speeds are commanded, not where measured.
+    COMMAND_SPEED or TIME.  They act only where wheel speeds are commanded, not where measured.  Where a
+    droop or a motor's torque line makes a wheel answer to its load, one without lag follows ω̇_cmd too.
     """
 
     lag_s: Array

@@ -1,8 +1,9 @@
 """The proof of a plan by simulation: its wheel speeds, open loop, through the slip simulator.
 
-Limits say what share of the grip a motion uses; the simulator knows nothing of limits and answers in
-slips.  They meet in force, not in speed: the share a simulated wheel used is (2/π) atan(k · peak drive
-slip) (docs/theory.md, section 4), since near the limit a force error of 2 % changes the creep by half.
+Limits say what share of the grip a motion uses; the simulator knows nothing of limits.  They meet in
+force, not in slip, since near the limit a force error of 2 % changes the creep by half: the share a
+simulated wheel used is its drive force over what its coefficient and its transverse force left it, with
+every multiplier of friction in force at that instant.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from slipmargin.sim.signal import linear
 
 #: Spacing of the samples of the simulated run [s].
 FINE_S = 5e-4
-#: A share above it is gross slip: creep at 0.985 is already 42 mm/s at k = 1000 s/m [1].
+#: A share above it is gross slip: by eq. (11) its creep is 42/k, 42 mm/s at k = 1000 s/m [1].
 GROSS = 0.985
 
 
@@ -69,6 +70,8 @@ def verify(
 ) -> Verified:
     """Simulate the planned wheel speeds, open loop, from the planned start.
 
+    Where the model has a stall torque they are commands that its motors follow as far as they can.
+
     Parameters
     ----------
     model : Model
@@ -79,18 +82,19 @@ def verify(
         Drive the same motion slower (above 1) or faster (below 1).
     """
     t = planned.t_s * stretch
-    signal = linear(t, planned.omega / stretch, theta0=theta_rad)
+    omega = planned.omega / stretch
+    signal = linear(t, omega, theta0=theta_rad, spin=omega[0])
+    motors = model.drives.stall_torque_N_m is not None
     fine = np.linspace(t[0], t[-1], max(2, int(np.ceil((t[-1] - t[0]) / FINE_S)) + 1))
-    run = Batch([signal], [fine], commanded=False).run(
+    run = Batch([signal], [fine], commanded=motors).run(
         pack(model), planned.pose[0], start_twist=planned.velocity[0] / stretch, tell=True
     )
-    assert run.slip is not None
-    slip = np.abs(run.slip[0, :, :, 0])
+    assert run.slip is not None and run.utilisation is not None
     off = run.pose[0, -1] - planned.pose[-1]
     return Verified(
         t_s=fine,
-        share=2.0 / np.pi * np.arctan(model.grip.k_s_per_m * slip),
-        slip_m_s=slip,
+        share=run.utilisation[0],
+        slip_m_s=np.abs(run.slip[0, :, :, 0]),
         pose=run.pose[0],
         drift_m=float(np.hypot(off[0], off[1])),
         drift_rad=float(abs(off[2])),

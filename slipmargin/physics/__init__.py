@@ -2,7 +2,7 @@
 
 Limits, paths, the simulator and the diagnosis read them here and restate none.  Functions on numbers
 work on NumPy arrays and on plain numbers alike, so that the simulator compiles these very functions
-(:mod:`slipmargin.sim.compiled`).
+(:mod:`slipmargin.physics.compiled`).
 
 ===================  =====================================================================
 ``frames``           rotations between floor and body, velocity of a point of the body

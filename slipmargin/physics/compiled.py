@@ -1,36 +1,95 @@
-"""Compiled twins of the equations, so that compiled loops call the very functions that arrays go through.
+"""How code is compiled: cached on disk, division by zero gives infinity, fused multiply-add allowed.
 
-Numba's cache looks at the file of a function, not at the files it calls into.  What is cached here bears
-the state of this room in its name: a change of a law compiles its callers anew.
+The equations of this room are compiled as they stand: :func:`twin` compiles a copy of a plain function in
+which the names of other physics functions stand for their compiled twins, and ``np`` for the same
+functions of plain numbers.
+
+Numba's cache looks at the file of a function, not at the files it calls into or takes constants from.
+Cached files therefore carry the state of the function's own room and of this one in their names: a change
+of a friction law compiles everything anew.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
+from types import FunctionType, ModuleType
 from typing import Any, TypeVar, cast
 
+import numpy as np
 from numba import njit
 
 F = TypeVar("F", bound=Callable[..., Any])
 _compile: Any = njit  # its stub does not know every option
+_RULES: dict[str, Any] = {
+    "cache": True,
+    "error_model": "numpy",
+    "fastmath": {"contract", "nsz", "arcp"},
+    "no_cfunc_wrapper": True,
+}
+_PHYSICS = "slipmargin.physics."
+#: What ``np`` means in compiled physics: numba compiles these much faster than ufuncs of one number.
+_NUMBERS = ModuleType("numbers")
+_NUMBERS.__dict__.update(
+    sin=math.sin,
+    cos=math.cos,
+    tan=math.tan,
+    arctan=math.atan,
+    tanh=math.tanh,
+    arctanh=math.atanh,
+    exp=math.exp,
+    log=math.log,
+    log1p=math.log1p,
+    sqrt=math.sqrt,
+    hypot=math.hypot,
+    copysign=math.copysign,
+    floor=math.floor,
+    abs=abs,
+    minimum=min,
+    maximum=max,
+    pi=math.pi,
+)
 
 
 @cache
-def twin(function: F) -> F:
-    """The function compiled; the original stays as it is."""
-    return cast(F, _compile(function))
-
-
-def cached(function: F) -> F:
-    """A compiled function that is kept on disk until its own file or the equations change."""
-    function.__qualname__ = f"{function.__qualname__}-{_state()}"  # what numba names its cached files after
-    return cast(F, _compile(cache=True)(function))
-
-
-@cache
-def _state() -> str:
-    files = [(p.name, p.stat().st_size, p.stat().st_mtime_ns) for p in Path(__file__).parent.glob("*.py")]
+def state(room: Path) -> str:
+    """Eight digits for the names, sizes and times of change of the files of a room and of this one."""
+    files = [
+        (p.name, p.stat().st_size, p.stat().st_mtime_ns)
+        for folder in (room, Path(__file__).parent)
+        for p in folder.glob("*.py")
+    ]
     return sha256(repr(sorted(files)).encode()).hexdigest()[:8]
+
+
+def _compiled(function: F, **more: Any) -> F:
+    own = state(Path(function.__code__.co_filename).parent)
+    function.__qualname__ = f"{function.__qualname__}-{own}"  # what numba names its cached files after
+    return cast(F, _compile(**_RULES, **more)(function))
+
+
+def inner(function: F) -> F:
+    """A compiled function that only compiled functions call: Python cannot, and it compiles faster."""
+    return _compiled(function, no_cpython_wrapper=True)
+
+
+def fast(function: F) -> F:
+    """A compiled function that Python calls, in several threads at once."""
+    return _compiled(function, nogil=True)
+
+
+@cache
+def twin(function: Any) -> Any:
+    """The compiled twin of a plain function of the physics room; the function itself stays as it is."""
+    names = dict(function.__globals__)
+    for name in function.__code__.co_names:
+        value = names.get(name)
+        if value is np:
+            names[name] = _NUMBERS
+        elif isinstance(value, FunctionType) and value.__module__.startswith(_PHYSICS):
+            names[name] = twin(value)
+    copy = FunctionType(function.__code__, names, function.__name__, function.__defaults__)
+    return inner(copy)

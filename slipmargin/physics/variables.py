@@ -1,7 +1,7 @@
 """What friction and forces may depend on, and the basis functions they may depend by.
 
 Both are data: an effect is written as coefficients in a basis over a variable, and one fixed
-kernel (:mod:`slipmargin.sim.kernel`, twin: :mod:`oracles.plain_simulator`) evaluates all of them.
+kernel (:mod:`slipmargin.sim.motion`) evaluates all of them.
 """
 
 from __future__ import annotations

@@ -13,12 +13,12 @@ The fast road, for fitting::
 ``start_pose`` (3,) or (R, 3); ``start_twist`` likewise (floor frame, rest by default).  Runs of
 different length are padded with their last pose (``batch.lengths``).  ``outcome.ending`` is
 :class:`~slipmargin.sim.batch.Ending` (0: done); a stopped run keeps its last pose, never NaN.
-``commanded=True`` puts the model's transients (lag, gain, delay, droop) between signal and wheel; lag,
-gain and delay exactly, droop and the torque–speed line (``pack(model, wheel_inertia_kg_m2=…)``) by
-integrating the wheels as well, about ten times slower.  Wheels start from ``spin_rad_s``, at rest by
+``commanded=True`` puts the model's actuators (lag, gain, delay, droop) between signal and wheel; lag,
+gain and delay exactly, droop and the motors' torque–speed line by integrating the wheels as well, which is
+slower.  Wheels start from ``spin_rad_s``, at rest by
 default.  ``rtol`` 1e-6 (default) keeps poses to a few 1e-7 of their size on the paper's run, 1e-5 to a
 few 1e-6 in about half the time: enough for a fit.
 
 One run in full: :func:`slipmargin.sim.simulate.simulate`.  Pull test: :mod:`slipmargin.sim.pull`.  The
-paper's runs: :mod:`slipmargin.paper.published`.  The slow second road: :mod:`oracles.plain_simulator`.
+paper's runs: :mod:`slipmargin.paper.published`.  The slow second road: ``tests/oracles``.
 """

@@ -5,26 +5,28 @@ from __future__ import annotations
 import itertools
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import cache
 from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from slipmargin.checks import Array, frozen
+from slipmargin.checks import Array, frozen, real
 from slipmargin.errors import InputError
+from slipmargin.physics.frames import to_body, to_floor, velocity_at
+from slipmargin.physics.grips import GripShape, drive_left
 from slipmargin.sim import layout as at
-from slipmargin.sim.cold import warm_up
-from slipmargin.sim.motion import TOLD, run
+from slipmargin.sim.motion import TASK, TOLD, run
 from slipmargin.sim.signal import WheelSignal
 from slipmargin.sim.wheels import breakpoints, follow
 
 RTOL = 1e-6
 MAX_STEPS = 2_000_000
 _THREADS = os.cpu_count() or 1
-_POOL = ThreadPoolExecutor(max_workers=_THREADS, thread_name_prefix="runs")
+#: A transverse force that leaves less of the drive grip than this share counts as leaving it.
+_LEAST_LEFT = 1e-9
 
 
 class Ending(IntEnum):
@@ -40,13 +42,15 @@ class Ending(IntEnum):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Push:
-    """A force on the centre of mass, piecewise linear in time: floor frame [N, N, N m].
+    """A force through the vertical of the centre of mass, piecewise linear in time: floor frame [N, N, N m].
 
-    ``t_s`` (Q,) ascending [s], Q ≥ 2, ``wrench`` (Q, 3); outside its rows the nearest end's value.
+    ``t_s`` (Q,) ascending [s], Q ≥ 2, ``wrench`` (Q, 3); outside its rows the nearest end's value.  It
+    acts ``height_m`` above the floor [m] and shifts the loads by its moment.
     """
 
     t_s: Array
     wrench: Array
+    height_m: float = 0.0
 
     def __post_init__(self) -> None:
         t = frozen("push.t_s", self.t_s, (None,))
@@ -54,6 +58,8 @@ class Push:
             raise InputError("push.t_s", f"is {t[:5].tolist()}", "give two ascending times or more")
         object.__setattr__(self, "t_s", t)
         object.__setattr__(self, "wrench", frozen("push.wrench", self.wrench, (len(t), 3)))
+        cure = "give a height above the floor [m]"
+        object.__setattr__(self, "height_m", real("push.height_m", self.height_m, low=0.0, cure=cure))
 
 
 @final
@@ -64,7 +70,9 @@ class Outcome:
     ``pose`` (R, T, 3): x, y [m], φ [rad] of the body frame's origin in the floor frame; ``state``
     (R, T, 6): centre of mass in the floor frame, body-frame velocity of the centre of mass;
     ``ending`` (R,) :class:`Ending`; ``stopped_s`` (R,) time reached; ``steps`` (R, 2) taken, rejected.
-    Where asked for: ``theta``, ``load`` (R, T, N), ``slip``, ``force`` (R, T, N, 2) [drive, transverse].
+    Where asked for: ``theta``, ``load`` (R, T, N), ``slip``, ``force`` (R, T, N, 2) [drive, transverse],
+    ``coefficient`` and ``steepness`` (R, T, N, 2) μ [1] and k [s/m] that were in force at that instant,
+    ``utilisation`` (R, T, N) |f_W| over what the coefficient and the transverse force left of it.
     """
 
     pose: Array
@@ -76,6 +84,9 @@ class Outcome:
     slip: Array | None = None
     force: Array | None = None
     load: Array | None = None
+    coefficient: Array | None = None
+    steepness: Array | None = None
+    utilisation: Array | None = None
 
 
 @final
@@ -158,7 +169,7 @@ class Batch:
         which, signal : integer arrays (R,), optional
             Run r moves model ``which[r]`` by signal ``signal[r]``; by default every signal with model 0.
         tell : bool
-            Also return wheel angles, slip, forces and loads.
+            Also return wheel angles, slip, forces, loads and grip utilisation.
         rtol, atol : float
             Error per step: rtol |state| + atol [m, rad, m/s, rad/s]; atol is rtol/100 by default.
 
@@ -166,68 +177,90 @@ class Batch:
         -------
         Outcome
         """
-        warm_up()
         models = np.atleast_2d(models)
-        if int(models[0, at.COUNT]) != self.wheels:
+        n, longest = self.wheels, self.longest
+        if int(models[0, at.COUNT]) != n:
             raise InputError(
                 "wheels",
-                f"the signals have {self.wheels}, the robot has {int(models[0, at.COUNT])}",
+                f"the signals have {n}, the robot has {int(models[0, at.COUNT])}",
                 "give a column for every wheel",
             )
         signal = self._all if signal is None else signal
         runs = len(signal)
         which = np.zeros(runs, dtype=np.int64) if which is None else which
-        start = np.empty((runs, 6))
-        start[:, :3] = start_pose
-        start[:, 3:] = 0.0 if start_twist is None else start_twist
         com = models[which, at.COM_X : at.COM_Y + 1]
-        _to_centre(start, com)
-        n, longest = self.wheels, self.longest
-        Y, info = np.empty((runs, longest, 6)), np.empty((runs, 5))
-        told = np.zeros((runs, longest, n, TOLD)) if tell else np.zeros((1, longest, n, TOLD))
-        rows = [np.array(row) for row in models]  # writable like all others: one compilation serves them
-        motor = models[:, at.MOTOR] > 0.0 if self.commanded else np.zeros(len(models), dtype=bool)
-        if motor.any():
-            from slipmargin.sim.motor import run_motor  # compiled only where it is needed
-        absolute = 0.01 * rtol if atol is None else atol
+        tasks = np.zeros((runs, TASK + n))
+        tasks[:, :3] = start_pose
+        tasks[:, 3:6] = 0.0 if start_twist is None else start_twist
+        tasks[:, 6:TASK] = rtol, 0.01 * rtol if atol is None else atol, max_steps
+        _to_centre(tasks, com)
+        out = np.empty((runs, longest, 6 + TOLD * n if tell else 6))
+        rows = models.copy()  # writable like all other arrays: one compilation serves them
+        if not self.commanded:
+            rows[:, [at.DRIVEN, at.LAGGED]] = 0.0
 
         def work(r: int) -> None:
-            row, (knots, coef, spin, pt, pw, times) = rows[which[r]], self._given[signal[r]]
-            count, seen = self.lengths[signal[r]], told[r if tell else 0]
-            rules: tuple[Any, ...] = (times, start[r], rtol, absolute, max_steps)
-            rules += (Y[r, :count], tell, seen[:count], info[r])
-            if motor[which[r]]:
-                run_motor(row, knots, coef, spin, pt, pw, *rules)
-            else:
-                if self.commanded and row[at.LAGGED] > 0.0:
-                    knots, coef = follow(row, knots, coef, spin)
-                run(row, knots, coef, *breakpoints(row, knots, coef, pt), pt, pw, *rules)
-            Y[r, count:] = Y[r, count - 1]
-            if tell:
-                seen[count:] = seen[count - 1]
+            row, (knots, coef, spin, push, times) = rows[which[r]], self._given[signal[r]]
+            count = self.lengths[signal[r]]
+            tasks[r, TASK:] = spin
+            if row[at.LAGGED] > 0.0:
+                knots, coef = follow(row, knots, coef, spin)
+            stops = breakpoints(row, knots, coef, push)
+            run(row, knots, coef, stops, push, times, tasks[r], out[r, :count])
+            out[r, count:] = out[r, count - 1]
 
         _spread(work, runs)
-        pose = Y[..., :3].copy()
-        c, s = np.cos(Y[..., 2]), np.sin(Y[..., 2])
+        state = out[..., :6]
+        pose = state[..., :3].copy()
         if com.any():
-            pose[..., 0] -= c * com[:, None, 0] - s * com[:, None, 1]
-            pose[..., 1] -= s * com[:, None, 0] + c * com[:, None, 1]
-        more = {"theta": told[..., 0], "slip": told[..., 1:3], "force": told[..., 3:5], "load": told[..., 5]}
+            cx, cy = to_floor(state[..., 2], com[:, None, 0], com[:, None, 1])
+            pose[..., 0] -= cx
+            pose[..., 1] -= cy
         return Outcome(
             pose=pose,
-            state=Y,
-            ending=info[:, 0].astype(np.int64),
-            stopped_s=info[:, 1],
-            steps=info[:, 2:4].astype(np.int64),
-            **(more if tell else {}),
+            state=state,
+            ending=tasks[:, 0].astype(np.int64),
+            stopped_s=tasks[:, 1],
+            steps=tasks[:, 2:4].astype(np.int64),
+            **(_told(out[..., 6:].reshape(runs, longest, n, TOLD), models[which]) if tell else {}),
         )
+
+
+def _told(seen: Array, models: Array) -> dict[str, Array]:
+    """What each wheel did, from the columns that a run writes of it."""
+    slip, force, load, coefficient = seen[..., 1:3], seen[..., 3:5], seen[..., 5], seen[..., 6:8]
+    viscous = models[:, None, None, [at.VISCOUS_W, at.VISCOUS_T]]
+    friction = np.abs(force + viscous * slip)
+    limit = coefficient * load[..., None]
+    safe = np.where(limit > 0.0, limit, 1.0)
+    utilisation = np.empty(load.shape)
+    for r, model in enumerate(models):
+        shape, coupling = list(GripShape)[int(model[at.SHAPE])], float(model[at.COUPLING])
+        left = drive_left(
+            shape,
+            coupling,
+            friction[r, ..., 1] / safe[r, ..., 1],
+            friction[r, ..., 1] / safe[r, ..., 0],
+        )
+        utilisation[r] = friction[r, ..., 0] / (safe[r, ..., 0] * np.maximum(left, _LEAST_LEFT))
+    return {
+        "theta": seen[..., 0],
+        "slip": slip,
+        "force": force,
+        "load": load,
+        "coefficient": coefficient,
+        "steepness": seen[..., 8:10],
+        "utilisation": utilisation,
+    }
 
 
 def _given(signal: WheelSignal, times: Array, push: Push | None, first: float) -> tuple[Any, ...]:
     """What a compiled run needs of a signal, times from its first knot on; arrays writable and contiguous."""
     coef = np.concatenate([signal.pieces, np.zeros((*signal.pieces.shape[:2], 1))], axis=2)
-    pushed = (np.empty(0), np.empty((0, 3))) if push is None else (push.t_s - first, np.array(push.wrench))
-    return (signal.knots_s - first, coef, np.array(signal.spin_rad_s), *pushed, times)
+    pushed = np.empty((0, 5))
+    if push is not None:
+        pushed = np.column_stack([push.t_s - first, push.wrench, np.full(len(push.t_s), push.height_m)])
+    return (signal.knots_s - first, coef, np.array(signal.spin_rad_s), pushed, times)
 
 
 def _spread(work: Callable[[int], None], runs: int) -> None:
@@ -237,9 +270,17 @@ def _spread(work: Callable[[int], None], runs: int) -> None:
         return
     parts = min(runs, 4 * _THREADS)
     cuts = [runs * k // parts for k in range(parts + 1)]
-    jobs = [_POOL.submit(_several, work, low, high) for low, high in itertools.pairwise(cuts)]
+    jobs = [_pool(os.getpid()).submit(_several, work, low, high) for low, high in itertools.pairwise(cuts)]
     for job in jobs:
         job.result()
+
+
+@cache
+def _pool(process: int) -> Any:
+    """The threads of a process: opened when first needed, anew in a process that was forked off."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    return ThreadPoolExecutor(max_workers=_THREADS, thread_name_prefix="runs")
 
 
 def _several(work: Callable[[int], None], low: int, high: int) -> None:
@@ -249,12 +290,11 @@ def _several(work: Callable[[int], None], low: int, high: int) -> None:
 
 def _to_centre(start: Array, com: Array) -> None:
     """In place: origin pose and floor-frame twist → centre of mass, body-frame velocity."""
-    c, s = np.cos(start[:, 2]), np.sin(start[:, 2])
-    vx, vy, w = start[:, 3].copy(), start[:, 4].copy(), start[:, 5]
-    start[:, 0] += c * com[:, 0] - s * com[:, 1]
-    start[:, 1] += s * com[:, 0] + c * com[:, 1]
-    start[:, 3] = c * vx + s * vy - w * com[:, 1]
-    start[:, 4] = -s * vx + c * vy + w * com[:, 0]
+    phi, w = start[:, 2], start[:, 5]
+    cx, cy = to_floor(phi, com[:, 0], com[:, 1])
+    start[:, 3], start[:, 4] = velocity_at(*to_body(phi, start[:, 3], start[:, 4]), w, com[:, 0], com[:, 1])
+    start[:, 0] += cx
+    start[:, 1] += cy
 
 
 def _times(t: Array, signal: WheelSignal) -> Array:

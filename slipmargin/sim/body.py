@@ -1,12 +1,13 @@
 """Forces and accelerations of the whole robot at one instant (compiled).
 
-State y = (X, Y, φ, v_x, v_y, ω): centre of mass in the floor frame, velocity of the centre of mass in
-the body frame.  Equations of motion about the centre of mass (eqs 4–7 for any wheels):
+The state begins with (X, Y, φ, v_x, v_y, ω): centre of mass in the floor frame, velocity of the centre
+of mass in the body frame.  Equations of motion about the centre of mass (eqs 4–7 for any wheels):
 
-    m (v̇ + ω × v) = F,   I ω̇ = M,   F = −Σ N_i (f_W,i ĝ_i + f_T,i f̂_i) + losses + push
+    m (v̇ + ω × v) = F,   I ω̇ = M,   F = −Σ N_i (f_W,i ĝ_i + f_T,i f̂_i) + external forces
 
-With N_i = N0_i + P_i·a and a = F/m the loads are solved consistently:
-(m 1 + Σ φ_i P_iᵀ) a = Σ N0_i (−φ_i) + rest, φ_i = f_W ĝ_i + f_T f̂_i: two linear equations.
+Loads are N_i = S_i + P_i·a with a = F/m and S_i = rest_i (1 − lift/Σ rest) + tilt_i·Σ h_k F_k
+(physics/loads.py), so they are solved with the motion: with φ_i = f_W ĝ_i + f_T f̂_i,
+(m 1 + Σ φ_i P_iᵀ) a = −Σ S_i φ_i + external forces: two linear equations.
 """
 
 from __future__ import annotations
@@ -14,80 +15,77 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from slipmargin.physics import contact as contacts, frames, terms
+from slipmargin.physics.compiled import inner, twin
+from slipmargin.physics.constants import CRAWL_M_S, SLOW_M_S, SLOW_RAD_S
 from slipmargin.sim import layout as at
-from slipmargin.sim.compiled import fast, inner
-from slipmargin.sim.friction import contact
-from slipmargin.sim.terms import series, series_slope
 
-_H, _W, _TERM = at.HEAD, at.WHEEL, at.TERM
+_H, _W, _TERM, _FORCE = at.HEAD, at.WHEEL, at.TERM, at.FORCE
 _COUNT, _MASS, _INERTIA, _COM_X, _COM_Y = at.COUNT, at.MASS, at.INERTIA, at.COM_X, at.COM_Y
-_K, _SHAPE, _COUPLING, _CW, _CT = at.STEEPNESS, at.SHAPE, at.COUPLING, at.VISCOUS_W, at.VISCOUS_T
+_LAW, _K, _SHAPE, _COUPLING = at.LAW, at.STEEPNESS, at.SHAPE, at.COUPLING
+_CW, _CT, _LIFTED = at.VISCOUS_W, at.VISCOUS_T, at.LIFTED
 _MODS, _MODS_AT, _FORCES, _FORCES_AT = at.MODULATIONS, at.MODULATIONS_AT, at.FORCES, at.FORCES_AT
 _FOLLOWS, _ITERATES, _SHARE = at.LOAD_FOLLOWS, at.LOAD_ITERATES, at.SHARE
-_AX, _AY, _DX, _DY, _GX, _GY, _FX, _FY = (
-    at.ARM_X,
-    at.ARM_Y,
-    at.DRIVE_X,
-    at.DRIVE_Y,
-    at.GRIP_X,
-    at.GRIP_Y,
-    at.FREE_X,
-    at.FREE_Y,
-)
+_AX, _AY, _DX, _DY = at.ARM_X, at.ARM_Y, at.DRIVE_X, at.DRIVE_Y
+_GX, _GY, _FX, _FY = at.GRIP_X, at.GRIP_Y, at.FREE_X, at.FREE_Y
 _RHO, _REST, _LX, _LY, _RW, _GW = at.RADIUS, at.REST, at.LOAD_X, at.LOAD_Y, at.ROLLER_W, at.RIGID_W
-_NSX = at.NO_SLIP_X
-
-#: Below this speed a force against the motion fades out smoothly: v/√(v² + v₀²) [m/s], [rad/s].
-SLOW_M_S = 1e-3
-SLOW_RAD_S = 1e-2
-#: Added to the rolling speed in the slip ratio [m/s] (model/variables.py).
-CRAWL_M_S = 1e-3
-
+_TX, _TY, _NSX = at.TILT_X, at.TILT_Y, at.NO_SLIP_X
 
 #: Columns of the contact table C (N, CONTACT): what is known of each wheel at one instant.
 OMEGA, THETA, ALPHA, RIGID = 0, 1, 2, 3  #: ω [rad/s], θ [rad], ω̇ [rad/s²], 1 on rigid material
 SLIP_W, SLIP_T = 4, 5  #: sliding velocity along ĝ, f̂ [m/s]
 FORCE_W, FORCE_T = 6, 7  #: f_W, f_T per unit of load [1]
-LOAD = 8  #: [N]
-WW, WT, TW, TT = 9, 10, 11, 12  #: slopes of the law [s/m]
-CONTACT = 13
-#: Entries of the body table B: external push in the floor frame, inverse of the mass matrix of a
-#: (2 × 2 row by row), yaw moment per acceleration that loads bring about, factors of a wheel.
-PUSH, INVERSE, LEVER, FACTORS = 0, 3, 7, 9
-BODY = 15
+LOAD, STILL = 8, 9  #: the load, and what it would be without acceleration [N]
+WW, WT, TW, TT = 10, 11, 12, 13  #: slopes of the law [s/m]
+MU_W, MU_T, K_W, K_T = 14, 15, 16, 17  #: coefficients [1] and slopes of the law [s/m] in force now
+TORQUE = 18  #: that the wheel delivers to the floor [N m]
+BY_TORQUE, BY_SPEED = 19, 20  #: derivatives of a driven wheel's acceleration
+CONTACT = 21
+#: Entries of the body table B: external push in the floor frame (3) and its height, inverse of the mass
+#: matrix of a (2 × 2 row by row), yaw moment per acceleration that loads bring about, factors of a
+#: wheel (6), external wrench in the body frame (3), its moment h F (2), lift.
+PUSH, INVERSE, LEVER, FACTORS, WRENCH, TILTING, LIFT = 0, 4, 8, 10, 16, 19, 21
+BODY = 22
+
+_contact, _basis, _basis_slope = twin(contacts.contact), twin(terms.basis_function), twin(terms.basis_slope)
+_to_body, _to_floor, _velocity_at = twin(frames.to_body), twin(frames.to_floor), twin(frames.velocity_at)
+_moment = twin(frames.moment)
 
 
 @inner
-def _asked(P: Any, C: Any, row: int) -> float:
-    """No-slip body acceleration that the wheels ask for, component ``row`` (0 x, 1 y, 2 yaw)."""
+def series(P: Any, place: int, count: int, basis: int, a: float, b: float, v: float) -> float:
+    """Σ_j c_j φ_j(v) with the coefficients standing at ``P[place:]``."""
     total = 0.0
-    for i in range(int(P[_COUNT])):
-        total += P[_H + i * _W + _NSX + row] * C[i, ALPHA]
+    for j in range(count):
+        total += P[place + j] * _basis(basis, j, count, a, b, v)
     return total
 
 
 @inner
 def _body_variable(P: Any, code: int, t: float, y: Any, C: Any) -> float:
     w, phi = y[5], y[2]
+    vx, vy = _velocity_at(y[3], y[4], w, -P[_COM_X], -P[_COM_Y])
+    value = t
     if code == 0:
-        return 1.0
-    if code == 7:
-        return float(y[3] + w * P[_COM_Y])
-    if code == 8:
-        return float(y[4] - w * P[_COM_X])
-    if code == 9:
-        return float(w)
-    if code == 10:
-        return math.hypot(y[3] + w * P[_COM_Y], y[4] - w * P[_COM_X])
-    if code <= 13:
-        return _asked(P, C, code - 11)
-    if code == 14:
-        return float(phi)
-    if code == 15:
-        return float(y[0] - math.cos(phi) * P[_COM_X] + math.sin(phi) * P[_COM_Y])
-    if code == 16:
-        return float(y[1] - math.sin(phi) * P[_COM_X] - math.cos(phi) * P[_COM_Y])
-    return t
+        value = 1.0
+    elif code == 7:
+        value = vx
+    elif code == 8:
+        value = vy
+    elif code == 9:
+        value = w
+    elif code == 10:
+        value = math.hypot(vx, vy)
+    elif code <= 13:  # no-slip acceleration that the wheels ask for
+        value = 0.0
+        for i in range(int(P[_COUNT])):
+            value += P[_H + i * _W + _NSX + code - 11] * C[i, ALPHA]
+    elif code == 14:
+        value = phi
+    elif code <= 16:
+        cx, cy = _to_floor(phi, P[_COM_X], P[_COM_Y])
+        value = y[0] - cx if code == 15 else y[1] - cy
+    return value
 
 
 @inner
@@ -105,7 +103,8 @@ def _wheel_variable(P: Any, code: int, i: int, direction: int, y: Any, C: Any) -
     if code == 18:
         d = q + _GX + 2 * direction
         return float(y[2] + math.atan2(P[d + 1], P[d]) + (math.pi if u < 0.0 else 0.0))
-    hub = math.hypot(y[3] - y[5] * P[q + _AY], y[4] + y[5] * P[q + _AX])
+    vx, vy = _velocity_at(y[3], y[4], y[5], P[q + _AX], P[q + _AY])
+    hub = math.hypot(vx, vy)
     if code == 20:
         return hub
     if code == 21:
@@ -119,14 +118,13 @@ def _wheel_variable(P: Any, code: int, i: int, direction: int, y: Any, C: Any) -
 
 
 @inner
-def _factors(P: Any, i: int, t: float, y: Any, C: Any, G: Any) -> None:
-    """What all modulations make of (μ_W, μ_T, k_W, k_T) of wheel i, into the factors G[:4].
+def _factors(P: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
+    """What all modulations make of (μ_W, μ_T, k_W, k_T) of wheel i, into B[FACTORS:FACTORS + 4].
 
-    G[4], G[5]: relative slopes of μ_W over u_W and μ_T over u_T that come from the slip speed.
+    The next two: relative slopes of μ_W over u_W and μ_T over u_T that come from the slip speed.
     """
-    for r in range(4):
-        G[r] = 1.0
-    G[4], G[5] = 0.0, 0.0
+    for r in range(6):
+        B[FACTORS + r] = 1.0 if r < 4 else 0.0
     n = int(P[_COUNT])
     q = int(P[_MODS_AT])
     for _ in range(int(P[_MODS])):
@@ -137,7 +135,7 @@ def _factors(P: Any, i: int, t: float, y: Any, C: Any, G: Any) -> None:
             continue
         own = 1 <= code <= 6 or code == 18 or code >= 20
         sided = code == 3 or code == 4 or code == 18
-        kind = 2 if target >= 3 else 0
+        kind = FACTORS + 2 if target >= 3 else FACTORS
         first = 1.0
         for side in range(2):
             if target in (1 - side, 5 - side):
@@ -146,30 +144,35 @@ def _factors(P: Any, i: int, t: float, y: Any, C: Any, G: Any) -> None:
                 v = _wheel_variable(P, code, i, side, y, C) if own else _body_variable(P, code, t, y, C)
                 first = max(0.0, 1.0 + weight * series(P, place, count, basis, a, b, v))
                 if code == 3 and first > 0.0:
+                    slope = 0.0
+                    for j in range(count):
+                        slope += P[place + j] * _basis_slope(basis, j, count, a, b, v)
                     u = C[i, SLIP_W + side]
-                    slope = weight * series_slope(P, place, count, basis, a, b, v) / first
-                    G[4 + side] += slope if u > 0.0 else (-slope if u < 0.0 else 0.0)
-            G[kind + side] *= first
+                    slope *= weight / first
+                    B[FACTORS + 4 + side] += slope if u > 0.0 else (-slope if u < 0.0 else 0.0)
+            B[kind + side] *= first
 
 
 @inner
-def losses(P: Any, t: float, y: Any, C: Any) -> tuple[float, float, float]:
-    """All force terms as one wrench in the body frame about the centre of mass."""
-    fx, fy, mz = 0.0, 0.0, 0.0
+def _external(P: Any, t: float, y: Any, C: Any, B: Any) -> None:
+    """Push and force terms as one wrench in the body frame about the centre of mass, its moment and lift."""
+    fx, fy = _to_body(y[2], B[PUSH], B[PUSH + 1])
+    mz, hx, hy, lift = B[PUSH + 2], B[PUSH + 3] * fx, B[PUSH + 3] * fy, 0.0
     q = int(P[_FORCES_AT])
     for _ in range(int(P[_FORCES])):
         code, basis, frame, count = int(P[q]), int(P[q + 1]), int(P[q + 2]), int(P[q + 3])
-        a, b, place = P[q + 4], P[q + 5], q + _TERM
+        a, b, place = P[q + 4], P[q + 5], q + _FORCE
         v = _body_variable(P, code, t, y, C)
-        x = series(P, place, count, basis, a, b, v)
-        z = series(P, place + count, count, basis, a, b, v)
-        m = series(P, place + 2 * count, count, basis, a, b, v)
-        q = place + 3 * count
+        x, z, m = 0.0, 0.0, 0.0
+        for j in range(count):
+            part = _basis(basis, j, count, a, b, v)
+            x += P[place + j] * part
+            z += P[place + count + j] * part
+            m += P[place + 2 * count + j] * part
         if frame == 1:
-            c, s = math.cos(y[2]), math.sin(y[2])
-            x, z = c * x + s * z, c * z - s * x
+            x, z = _to_body(y[2], x, z)
         elif frame == 2:
-            vx, vy = y[3] + y[5] * P[_COM_Y], y[4] - y[5] * P[_COM_X]
+            vx, vy = _velocity_at(y[3], y[4], y[5], -P[_COM_X], -P[_COM_Y])
             size = math.sqrt(vx * vx + vy * vy + SLOW_M_S * SLOW_M_S)
             c, s = vx / size, vy / size
             x, z = -c * x - s * z, -s * x + c * z
@@ -177,63 +180,64 @@ def losses(P: Any, t: float, y: Any, C: Any) -> tuple[float, float, float]:
         fx += x
         fy += z
         mz += m
-    return fx, fy, mz
+        hx += P[q + 6] * x
+        hy += P[q + 6] * z
+        lift += P[q + 7]
+        q = place + 3 * count
+    B[WRENCH], B[WRENCH + 1], B[WRENCH + 2] = fx, fy, mz
+    B[TILTING], B[TILTING + 1], B[LIFT] = hx, hy, lift
 
 
-@fast
+@inner
 def evaluate(P: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None:
     """Acceleration acc (3) = (a, ω̇) in body axes; fills the rest of C and B.
 
     Reads ω, θ, ω̇ and the sector of each wheel from C and the push from B.
     """
     n = int(P[_COUNT])
-    w = y[5]
+    _external(P, t, y, C, B)
+    left = 1.0 - B[LIFT] / P[_LIFTED]
     for i in range(n):
         q = _H + i * _W
         r = P[q + _RHO] * C[i, OMEGA]
-        ux = y[3] - w * P[q + _AY] + r * P[q + _DX]
-        uy = y[4] + w * P[q + _AX] + r * P[q + _DY]
+        hx, hy = _velocity_at(y[3], y[4], y[5], P[q + _AX], P[q + _AY])
+        ux, uy = hx + r * P[q + _DX], hy + r * P[q + _DY]
         C[i, SLIP_W] = ux * P[q + _GX] + uy * P[q + _GY]
         C[i, SLIP_T] = ux * P[q + _FX] + uy * P[q + _FY]
-        C[i, LOAD] = P[q + _REST]
-    px, py, pm = 0.0, 0.0, B[PUSH + 2]
-    if B[PUSH] != 0.0 or B[PUSH + 1] != 0.0:
-        c, s = math.cos(y[2]), math.sin(y[2])
-        px, py = c * B[PUSH] + s * B[PUSH + 1], c * B[PUSH + 1] - s * B[PUSH]
-    if P[_FORCES] > 0:
-        x, v, m = losses(P, t, y, C)
-        px, py, pm = px + x, py + v, pm + m
-    mass, modulated, follows, shape = P[_MASS], P[_MODS] > 0, P[_FOLLOWS] > 0, int(P[_SHAPE])
-    G = B[FACTORS:]
+        still = left * P[q + _REST] + P[q + _TX] * B[TILTING] + P[q + _TY] * B[TILTING + 1]
+        C[i, STILL], C[i, LOAD] = still, still
+    mass, modulated, follows = P[_MASS], P[_MODS] > 0, P[_FOLLOWS] > 0
+    law, shape = int(P[_LAW]), int(P[_SHAPE])
     rounds = 60 if P[_ITERATES] > 0 else 1
     for turn in range(rounds):
-        fx, fy, mz = px, py, pm
+        fx, fy, mz = B[WRENCH], B[WRENCH + 1], B[WRENCH + 2]
         mxx, mxy, myx, myy, lx, ly = mass, 0.0, 0.0, mass, 0.0, 0.0
         for i in range(n):
             q = _H + i * _W
             z = q + (_GW if C[i, RIGID] > 0.0 else _RW)
             mw, mt, kw, kt = P[z], P[z + 1], P[_K], P[_K]
             if modulated:
-                _factors(P, i, t, y, C, G)
-                mw, mt, kw, kt = mw * G[0], mt * G[1], kw * G[2], kt * G[3]
-            law = contact(shape, P[_COUPLING], C[i, SLIP_W], C[i, SLIP_T], mw, mt, kw, kt)
-            C[i, FORCE_W], C[i, FORCE_T] = law[0], law[1]
-            C[i, WW], C[i, WT], C[i, TW], C[i, TT] = law[2], law[3], law[4], law[5]
+                _factors(P, i, t, y, C, B)
+                mw, mt = mw * B[FACTORS], mt * B[FACTORS + 1]
+                kw, kt = kw * B[FACTORS + 2], kt * B[FACTORS + 3]
+            uw, ut = C[i, SLIP_W], C[i, SLIP_T]
+            f, g, ww, wt, tw, tt = _contact(law, shape, P[_COUPLING], uw, ut, mw, mt, kw, kt)
+            C[i, FORCE_W], C[i, FORCE_T] = f, g
+            C[i, WT], C[i, TW] = wt, tw
             if modulated:
-                C[i, WW] += law[0] * G[4]
-                C[i, TT] += law[1] * G[5]
-            vw, vt = P[_CW] * C[i, SLIP_W], P[_CT] * C[i, SLIP_T]
-            rest = P[q + _REST]
-            a, b = rest * law[0] + vw, rest * law[1] + vt
+                ww, tt = ww + f * B[FACTORS + 4], tt + g * B[FACTORS + 5]
+            C[i, WW], C[i, TT] = ww, tt
+            C[i, MU_W], C[i, MU_T], C[i, K_W], C[i, K_T] = mw, mt, kw, kt
+            a, b = C[i, STILL] * f + P[_CW] * uw, C[i, STILL] * g + P[_CT] * ut
             x = -(a * P[q + _GX] + b * P[q + _FX])
             v = -(a * P[q + _GY] + b * P[q + _FY])
             fx += x
             fy += v
-            mz += P[q + _AX] * v - P[q + _AY] * x
+            mz += _moment(P[q + _AX], P[q + _AY], x, v)
             if follows:
-                x = -(law[0] * P[q + _GX] + law[1] * P[q + _FX])
-                v = -(law[0] * P[q + _GY] + law[1] * P[q + _FY])
-                m = P[q + _AX] * v - P[q + _AY] * x
+                x = -(f * P[q + _GX] + g * P[q + _FX])
+                v = -(f * P[q + _GY] + g * P[q + _FY])
+                m = _moment(P[q + _AX], P[q + _AY], x, v)
                 mxx -= x * P[q + _LX]
                 mxy -= x * P[q + _LY]
                 myx -= v * P[q + _LX]
@@ -241,12 +245,8 @@ def evaluate(P: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None:
                 lx += m * P[q + _LX]
                 ly += m * P[q + _LY]
         det = 1.0 / (mxx * myy - mxy * myx)
-        B[INVERSE], B[INVERSE + 1], B[INVERSE + 2], B[INVERSE + 3] = (
-            myy * det,
-            -mxy * det,
-            -myx * det,
-            mxx * det,
-        )
+        B[INVERSE], B[INVERSE + 1] = myy * det, -mxy * det
+        B[INVERSE + 2], B[INVERSE + 3] = -myx * det, mxx * det
         B[LEVER], B[LEVER + 1] = lx, ly
         ax = B[INVERSE] * fx + B[INVERSE + 1] * fy
         ay = B[INVERSE + 2] * fx + B[INVERSE + 3] * fy
@@ -255,51 +255,102 @@ def evaluate(P: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None:
         if follows:
             for i in range(n):
                 q = _H + i * _W
-                C[i, LOAD] = P[q + _REST] + P[q + _LX] * ax + P[q + _LY] * ay
+                C[i, LOAD] = C[i, STILL] + P[q + _LX] * ax + P[q + _LY] * ay
         if turn > 0 and change <= 1e-14 * (1.0 + abs(ax) + abs(ay)):
             break
 
 
 @inner
-def slopes(P: Any, C: Any, B: Any, J: Any, jt: Any) -> None:
-    """Analytic ∂(a, ω̇)/∂(v_x, v_y, ω) into J (3, 3) and ∂(a, ω̇)/∂t through the wheel speeds into jt (3)."""
-    for r in range(3):
-        jt[r] = 0.0
-        for k in range(3):
+def wheel_rate(P: Any, i: int, asked: float, rising: float, C: Any) -> float:
+    """ω̇ of a driven wheel whose loop is asked for a speed and its derivative, from what evaluate left in C.
+
+    The loop asks τ ω̇ = ω_ref − droop T − ω; a wheel without lag follows ω̇_ref as well, with τ =
+    :data:`LEAST_LAG_S`.  The motor's torque T + J ω̇ keeps to the line ± stall (1 ∓ ω/max_speed).
+    """
+    q = _H + i * _W
+    along = (C[i, LOAD] * C[i, FORCE_W] + P[_CW] * C[i, SLIP_W]) * (
+        P[q + _GX] * P[q + _DX] + P[q + _GY] * P[q + _DY]
+    )
+    along += (C[i, LOAD] * C[i, FORCE_T] + P[_CT] * C[i, SLIP_T]) * (
+        P[q + _FX] * P[q + _DX] + P[q + _FY] * P[q + _DY]
+    )
+    torque = P[q + _RHO] * along
+    lag, omega = max(P[q + at.LAG], LEAST_LAG_S), C[i, OMEGA]
+    rate = (asked - P[q + at.DROOP] * torque - omega) / lag
+    if P[q + at.LAG] == 0.0:
+        rate += rising
+    C[i, TORQUE], C[i, BY_TORQUE], C[i, BY_SPEED] = torque, -P[q + at.DROOP] / lag, -1.0 / lag
+    stall = P[at.STALL_TORQUE]
+    if stall > 0.0:
+        inertia, slowing = P[q + at.INERTIA_OF_WHEEL], stall * P[at.SLOWING]
+        most, least = stall - slowing * omega, -stall - slowing * omega
+        wanted = torque + inertia * rate
+        if wanted > most or wanted < least:
+            rate = ((most if wanted > most else least) - torque) / inertia
+            C[i, BY_TORQUE], C[i, BY_SPEED] = -1.0 / inertia, -slowing / inertia
+    return float(rate)
+
+
+#: Time constant of a driven wheel that has no lag of its own [s]: it keeps the loop solvable, and a step
+#: of the command loses no more angle than the wheel turns in this time.
+LEAST_LAG_S = 1e-4
+
+
+@inner
+def slopes(P: Any, y: Any, C: Any, B: Any, J: Any, speeds: int) -> None:
+    """Analytic derivatives of the body's (and driven wheels') accelerations, after :func:`evaluate`.
+
+    Into J (3 or 3 + N rows): column 3 + k over velocity k (v_x, v_y, ω and, where there are ``speeds`` = N,
+    the wheel speeds), the last column over time through prescribed wheel speeds; others become zero.
+    """
+    n, last = int(P[_COUNT]), J.shape[1] - 1
+    for r in range(J.shape[0]):
+        for k in range(J.shape[1]):
             J[r, k] = 0.0
-    for i in range(int(P[_COUNT])):
-        q = _H + i * _W
-        gx, gy, fx, fy = P[q + _GX], P[q + _GY], P[q + _FX], P[q + _FY]
-        ax, ay, n = P[q + _AX], P[q + _AY], C[i, LOAD]
-        ww, wt = n * C[i, WW] + P[_CW], n * C[i, WT]
-        tw, tt = n * C[i, TW], n * C[i, TT] + P[_CT]
-        # 2×2 in body axes: K = [g f] [[ww, wt], [tw, tt]] [g f]ᵀ
-        ax_, bx_ = ww * gx + wt * fx, tw * gx + tt * fx
-        ay_, by_ = ww * gy + wt * fy, tw * gy + tt * fy
-        kxx, kxy = gx * ax_ + fx * bx_, gx * ay_ + fx * by_
-        kyx, kyy = gy * ax_ + fy * bx_, gy * ay_ + fy * by_
-        kxw, kyw = kxy * ax - kxx * ay, kyy * ax - kyx * ay
-        J[0, 0] -= kxx
-        J[0, 1] -= kxy
-        J[0, 2] -= kxw
-        J[1, 0] -= kyx
-        J[1, 1] -= kyy
-        J[1, 2] -= kyw
-        J[2, 0] -= ax * kyx - ay * kxx
-        J[2, 1] -= ax * kyy - ay * kxy
-        J[2, 2] -= ax * kyw - ay * kxw
-        r = P[q + _RHO] * C[i, ALPHA]
-        x = kxx * r * P[q + _DX] + kxy * r * P[q + _DY]
-        y = kyx * r * P[q + _DX] + kyy * r * P[q + _DY]
-        jt[0] -= x
-        jt[1] -= y
-        jt[2] -= ax * y - ay * x
-    for k in range(4):
-        fx, fy, mz = (J[0, k], J[1, k], J[2, k]) if k < 3 else (jt[0], jt[1], jt[2])
-        x = B[INVERSE] * fx + B[INVERSE + 1] * fy
-        y = B[INVERSE + 2] * fx + B[INVERSE + 3] * fy
-        z = (mz + B[LEVER] * x + B[LEVER + 1] * y) / P[_INERTIA]
-        if k < 3:
-            J[0, k], J[1, k], J[2, k] = x, y, z
-        else:
-            jt[0], jt[1], jt[2] = x, y, z
+    for column in range(3, last + 1):
+        k = column - 3
+        if (column == last and speeds > 0) or (3 + speeds <= k and column < last):
+            continue
+        fx, fy, mz = 0.0, 0.0, 0.0
+        for own in range(2):  # first the body, then the wheels, whose torques follow its loads
+            ax = B[INVERSE] * fx + B[INVERSE + 1] * fy
+            ay = B[INVERSE + 2] * fx + B[INVERSE + 3] * fy
+            if own == 1:
+                J[0, column], J[1, column] = ax, ay
+                J[2, column] = (mz + B[LEVER] * ax + B[LEVER + 1] * ay) / P[_INERTIA]
+                if speeds == 0:
+                    break
+            for i in range(n):
+                if column < last and k >= 3 and k - 3 != i and own == 0:
+                    continue
+                q = _H + i * _W
+                ux, uy = 0.0, 0.0
+                if column == last:
+                    ux, uy = P[q + _DX] * P[q + _RHO] * C[i, ALPHA], P[q + _DY] * P[q + _RHO] * C[i, ALPHA]
+                elif k == 0:
+                    ux = 1.0
+                elif k == 1:
+                    uy = 1.0
+                elif k == 2:
+                    ux, uy = -P[q + _AY], P[q + _AX]
+                elif k - 3 == i:
+                    ux, uy = P[q + _DX] * P[q + _RHO], P[q + _DY] * P[q + _RHO]
+                w, v = ux * P[q + _GX] + uy * P[q + _GY], ux * P[q + _FX] + uy * P[q + _FY]
+                a = C[i, LOAD] * (C[i, WW] * w + C[i, WT] * v) + P[_CW] * w
+                b = C[i, LOAD] * (C[i, TW] * w + C[i, TT] * v) + P[_CT] * v
+                if own == 1:
+                    load = P[q + _LX] * ax + P[q + _LY] * ay
+                    a, b = a + C[i, FORCE_W] * load, b + C[i, FORCE_T] * load
+                x, z = a * P[q + _GX] + b * P[q + _FX], a * P[q + _GY] + b * P[q + _FY]
+                if own == 0:
+                    fx -= x
+                    fy -= z
+                    mz -= _moment(P[q + _AX], P[q + _AY], x, z)
+                else:
+                    torque = P[q + _RHO] * (x * P[q + _DX] + z * P[q + _DY])
+                    J[3 + i, column] = C[i, BY_TORQUE] * torque + (C[i, BY_SPEED] if k - 3 == i else 0.0)
+    # v̇ = a − ω × v
+    J[0, 4] += y[5]
+    J[0, 5] += y[4]
+    J[1, 3] -= y[5]
+    J[1, 5] -= y[3]

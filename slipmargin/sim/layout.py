@@ -14,7 +14,7 @@ INERTIA = 2  #: about the centre of mass [kg m²]
 COM_X = 3  #: centre of mass in the body frame [m]
 COM_Y = 4
 STEEPNESS = 5  #: k of eq. (11) [s/m]
-SHAPE = 6  #: 0 box, 1 disc-strip, 2 ellipse
+SHAPE = 6  #: 0 box, 1 disc-strip, 2 ellipse (physics/contact.py)
 COUPLING = 7  #: share of the coupled law, 0 … 1
 VISCOUS_W = 8  #: [N s/m] along ĝ
 VISCOUS_T = 9  #: [N s/m] along f̂
@@ -27,17 +27,19 @@ LOAD_ITERATES = 15  #: 1 where friction depends on a load that depends on the ac
 BY_HEADING = 16  #: 1 where forces depend on the heading
 BY_TIME = 17  #: 1 where friction or forces depend on time other than through wheel speeds
 BY_VELOCITY = 18  #: 1 where the velocity derivative needs finite differences
-SHARE = 19  #: m g / N [N]
-DELAY = 20  #: dead time of the drives [s]
-MOTOR = 21  #: 1 where commanded wheel speeds are states (droop, torque–speed line)
-COMMANDS = 22  #: how many modulations of the commanded speed
-COMMANDS_AT = 23
-MAX_SPEED = 24  #: no-load speed of the motor [rad/s], 0 where unknown
-STALL_TORQUE = 25  #: [N m], 0 where unknown
-LAGGED = 26  #: 1 where a command is not followed at once (lag, gain, delay, modulations)
-BY_POSITION = 27  #: 1 where forces depend on the place
-WHEEL_INERTIA = 28  #: of a wheel with its motor, on the wheel side [kg m²], 0 where its torque is not limited
-HEAD = 29
+BY_POSITION = 19  #: 1 where forces depend on the place
+BY_ANGLE = 20  #: 1 where friction depends on the wheel angle other than by sectors
+SHARE = 21  #: m g / N [N]
+DELAY = 22  #: dead time of the drives [s]
+DRIVEN = 23  #: 1 where commanded wheel speeds are states (droop, torque–speed line)
+COMMANDS = 24  #: how many modulations of the commanded speed
+COMMANDS_AT = 25
+SLOWING = 26  #: 1 / no-load speed of the motor [s/rad], 0 where unknown
+STALL_TORQUE = 27  #: [N m], 0 where unknown
+LAGGED = 28  #: 1 where a command is not followed at once (lag, gain, delay, modulations)
+LAW = 29  #: the friction law's number (physics/friction_laws.py)
+LIFTED = 30  #: Σ of the loads at rest [N]
+HEAD = 31
 
 # --- a wheel ----------------------------------------------------------------------------------
 ARM_X = 0  #: contact place from the centre of mass [m]
@@ -57,16 +59,20 @@ ROLLER_T = 13
 RIGID_W = 14
 RIGID_T = 15
 PITCH = 16  #: 2π / rollers [rad]
-SWITCH = 17  #: angle within a pitch from which it stands on rigid material [rad]
+RIGID_SHARE = 17  #: share of a pitch that is rigid material
 LAG = 18  #: [s]
 GAIN = 19
 DROOP = 20  #: [rad/(s N m)]
 NO_SLIP_X = 21  #: body acceleration per wheel acceleration without slip [m]
 NO_SLIP_Y = 22
 NO_SLIP_W = 23
-WHEEL = 24
+INERTIA_OF_WHEEL = 24  #: of the wheel with its motor, at the wheel [kg m²]
+TILT_X = 25  #: load per height × external force [N per N m]
+TILT_Y = 26
+WHEEL = 27
 
 # --- a term -----------------------------------------------------------------------------------
 #: A modulation: variable, basis, target, count, shape a, shape b, N weights, count coefficients.
-#: A force: variable, basis, frame, count, shape a, shape b, 3 × count coefficients.
 TERM = 6
+#: A force: variable, basis, frame, count, shape a, shape b, height [m], lift [N], 3 × count coefficients.
+FORCE = 8

@@ -9,12 +9,14 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.model import Model
+from slipmargin.physics import sectors
+from slipmargin.physics.contact import BOX, DISC_STRIP, ELLIPSE
 from slipmargin.physics.grips import GripShape
 from slipmargin.physics.terms import ForceTerm, Multiplier
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.sim import layout as at
 
-_SHAPES = {GripShape.BOX: 0.0, GripShape.DISC_STRIP: 1.0, GripShape.ELLIPSE: 2.0}
+_SHAPES = {GripShape.BOX: BOX, GripShape.DISC_STRIP: DISC_STRIP, GripShape.ELLIPSE: ELLIPSE}
 
 #: Variables of the pose: forces that depend on them give the motion a pose Jacobian.
 _HEADING = frozenset({Variable.HEADING, Variable.SLIP_HEADING})
@@ -35,33 +37,25 @@ _CALM = _TIME | _HEADING | _PLACE | {Variable.UNITY}
 _SINGLE = frozenset({Basis.CONSTANT, Basis.DECAY, Basis.RECIPROCAL, Basis.WINDOW})
 
 
-def pack(model: Model, *, wheel_inertia_kg_m2: float | None = None) -> Array:
+def pack(model: Model) -> Array:
     """The flat array (L,) of a model, read-only.
 
-    With ``wheel_inertia_kg_m2`` (a wheel and its motor, on the wheel side) commanded wheels are driven
-    by the motor's torque–speed line (:mod:`slipmargin.sim.motor`).
+    Commanded wheels are driven by their motors where the model has a stall torque or a droop
+    (:mod:`slipmargin.sim.motion`).
 
     Raises
     ------
     InputError
-        If the motor's line is missing, or a term cannot be simulated (a friction term over the
-        commanded speed, a drive term over anything but command and time).
+        If the inertia of the wheels is not positive, or a term cannot be simulated (a friction term over
+        the commanded speed, a drive term over anything but command and time).
     """
     n = model.count
     head = np.zeros(at.HEAD)
     wheels = _wheels(model)
     mods = [_modulation(m, n) for m in model.grip.multipliers]
-    forces = [_force(f) for f in model.external.terms]
+    forces = [_force(f, model) for f in model.external.terms]
     commands = [_modulation(m, n) for m in model.actuators.multipliers]
     _fill(head, model)
-    if wheel_inertia_kg_m2 is not None:
-        if not 0.0 < wheel_inertia_kg_m2 < math.inf:
-            raise InputError(
-                "wheel_inertia_kg_m2", f"is {wheel_inertia_kg_m2:g}", "give a positive inertia [kg m²]"
-            )
-        if model.drives.stall_torque_N_m is None or model.drives.max_speed_rad_s is None:
-            raise InputError("motor", "has no torque-speed line", "give max_speed_rad_s and stall_torque_N_m")
-        head[at.WHEEL_INERTIA], head[at.MOTOR] = wheel_inertia_kg_m2, 1.0
     place = at.HEAD + wheels.size
     for count, start, blocks in (
         (at.MODULATIONS, at.MODULATIONS_AT, mods),
@@ -121,10 +115,13 @@ def _fill(head: Array, model: Model) -> None:
     calm = _CALM | {Variable.WHEEL_LOAD} | ({Variable.SLIP_SPEED} if boxed else set())
     stiff = any(m.target >= Target.STIFFNESS and m.variable not in _CALM for m in grip.multipliers)
     head[at.BY_VELOCITY] = bool(variables - calm) or bool(terms - _CALM) or against or stiff
-    head[at.SHARE] = model.inertia.weight_N / model.count
+    head[at.BY_ANGLE] = Variable.WHEEL_ANGLE in variables
+    head[at.SHARE], head[at.LIFTED] = model.inertia.weight_N / model.count, float(np.sum(loads.rest_N))
+    head[at.LAW] = grip.law
     head[at.DELAY] = transients.delay_s
-    head[at.MAX_SPEED], head[at.STALL_TORQUE] = drives.max_speed_rad_s or 0.0, drives.stall_torque_N_m or 0.0
-    head[at.MOTOR] = bool(np.any(transients.droop_rad_s_per_N_m))
+    stall, top = drives.stall_torque_N_m, drives.max_speed_rad_s
+    head[at.STALL_TORQUE], head[at.SLOWING] = stall or 0.0, 0.0 if top is None else 1.0 / top
+    head[at.DRIVEN] = stall is not None or bool(np.any(transients.droop_rad_s_per_N_m))
     head[at.LAGGED] = bool(
         np.any(transients.lag_s)
         or np.any(transients.gain != 1.0)
@@ -145,9 +142,10 @@ def _wheels(model: Model) -> Array:
     rows[:, [at.LOAD_X, at.LOAD_Y]] = model.loads.per_acceleration_kg
     rows[:, [at.ROLLER_W, at.ROLLER_T]] = grip.roller
     rows[:, [at.RIGID_W, at.RIGID_T]] = grip.rigid
-    pitch = 2.0 * np.pi / grip.rollers
-    rows[:, at.PITCH] = pitch
-    rows[:, at.SWITCH] = (1.0 - grip.rigid_fraction) * pitch
+    rows[:, at.PITCH] = sectors.pitch(grip.rollers)
+    rows[:, at.RIGID_SHARE] = grip.rigid_fraction
+    rows[:, [at.TILT_X, at.TILT_Y]] = model.loads.per_moment_1_per_m
+    rows[:, at.INERTIA_OF_WHEEL] = model.drives.wheel_inertias(model.inertia.mass_kg, c.radius_m)
     rows[:, at.LAG] = model.actuators.lag_s
     rows[:, at.GAIN] = model.actuators.gain
     rows[:, at.DROOP] = model.actuators.droop_rad_s_per_N_m
@@ -171,12 +169,14 @@ def _modulation(m: Multiplier, n: int) -> Array:
     )
 
 
-def _force(f: ForceTerm) -> Array:
+def _force(f: ForceTerm, model: Model) -> Array:
+    height = model.inertia.com_height_m if f.height_m is None else f.height_m
     coefficients = np.stack([_merged(f.basis, row) for row in f.coefficients])
     return np.concatenate(
         [
             [float(f.variable), float(f.basis), float(f.frame), float(coefficients.shape[1])],
             f.shape,
+            [height, f.lift_N],
             coefficients.ravel(),
         ]
     )

@@ -1,8 +1,8 @@
-"""One stiffly accurate Rosenbrock step for the robot's six states (compiled).
+"""The stiffly accurate Rosenbrock method behind every step, and its linear systems (compiled).
 
 RODAS, order 4(3), L-stable, six stages, dense output (Hairer & Wanner, Solving Ordinary Differential
-Equations II, section IV.10).  The linear systems use the exact block structure: poses follow
-velocities, so each stage solves a 3 × 3 system only.
+Equations II, section IV.10).  The linear systems use the block structure: positions follow
+velocities, so each stage solves for the velocities only: 3, or 3 + N where wheel speeds are states.
 """
 
 from __future__ import annotations
@@ -12,9 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from slipmargin.sim import layout as at
-from slipmargin.sim.body import evaluate, slopes
-from slipmargin.sim.compiled import fast, inner
+from slipmargin.physics.compiled import inner
 
 GAMMA = 0.25
 #: Stage i starts at y + Σ_j STAGE[i, j] k_j; its right-hand side gets Σ_j MIX[i, j] k_j / h.
@@ -49,98 +47,67 @@ DENSE = np.array(
     ]
 )
 
-_BY_POSITION, _BY_VELOCITY, _ITERATES = at.BY_POSITION, at.BY_VELOCITY, at.LOAD_ITERATES
-
 
 @inner
-def derivative(y: Any, acc: Any, dy: Any) -> None:
-    """ẏ from the state and the acceleration acc = (a, ω̇) in body axes."""
-    c, s = math.cos(y[2]), math.sin(y[2])
-    dy[0] = c * y[3] - s * y[4]
-    dy[1] = s * y[3] + c * y[4]
-    dy[2] = y[5]
-    dy[3] = acc[0] + y[5] * y[4]
-    dy[4] = acc[1] - y[5] * y[3]
-    dy[5] = acc[2]
+def factor(J: Any, y: Any, gh: float, M: Any, E: Any) -> None:
+    """Invert the velocities' matrix, positions eliminated, into M; E (4): ∂ẋ/∂φ, ∂ẏ/∂φ, cos φ, sin φ.
 
-
-@fast
-def jacobian(
-    P: Any,
-    t: float,
-    y: Any,
-    C: Any,
-    B: Any,
-    acc: Any,
-    pose: bool,
-    J: Any,
-    jt: Any,
-    Jp: Any,
-    trial: Any,
-    away: Any,
-) -> None:
-    """∂(a, ω̇)/∂velocity → J, ∂/∂t → jt (through wheel speeds), ∂/∂pose → Jp; analytic where it can be.
-
-    ``acc`` holds the value at y; ``trial`` (6) and ``away`` (3) are work space.
+    M comes from 1/(γh) − ∂v̇/∂v − ∂v̇/∂p (1/(γh) − ∂ṗ/∂p)⁻¹ ∂ṗ/∂v, with v_x, v_y, ω (and the wheel speeds)
+    as velocities and X, Y, φ (and the wheel angles) as positions.
     """
-    slopes(P, C, B, J, jt)
-    by_velocity = P[_BY_VELOCITY] > 0 or P[_ITERATES] > 0
-    for k in range(6):
-        if (k < 2 and P[_BY_POSITION] == 0.0) or (k == 2 and not pose) or (k >= 3 and not by_velocity):
-            continue
-        for r in range(6):
-            trial[r] = y[r]
-        trial[k] = y[k] + (1e-7 if k < 3 else 1e-9)
-        d = trial[k] - y[k]
-        evaluate(P, t, trial, C, B, away)
-        for r in range(3):
-            if k < 3:
-                Jp[r, k] = (away[r] - acc[r]) / d
-            else:
-                J[r, k - 3] = (away[r] - acc[r]) / d
-
-
-@inner
-def factor(J: Any, Jp: Any, y: Any, gh: float, pose: bool, M: Any, E: Any) -> None:
-    """Invert the reduced velocity matrix into M (3, 3); E (4) holds ∂ẋ/∂φ, ∂ẏ/∂φ, cos φ, sin φ."""
+    n, speeds = M.shape[0], M.shape[0] - 3
     c, s = math.cos(y[2]), math.sin(y[2])
     E[0], E[1], E[2], E[3] = -s * y[3] - c * y[4], c * y[3] - s * y[4], c, s
-    a, b, d = -J[0, 0] + 1.0 / gh, -J[0, 1] - y[5], -J[0, 2] - y[4]
-    e, f, g = -J[1, 0] + y[5], -J[1, 1] + 1.0 / gh, -J[1, 2] + y[3]
-    p, q, r = -J[2, 0], -J[2, 1], -J[2, 2] + 1.0 / gh
-    if pose:  # − Jp (1/γh − J_pp)⁻¹ J_pv, column by column
-        x0, x1 = gh * c, gh * s
-        a -= Jp[0, 0] * x0 + Jp[0, 1] * x1
-        e -= Jp[1, 0] * x0 + Jp[1, 1] * x1
-        p -= Jp[2, 0] * x0 + Jp[2, 1] * x1
-        b -= Jp[0, 1] * x0 - Jp[0, 0] * x1
-        f -= Jp[1, 1] * x0 - Jp[1, 0] * x1
-        q -= Jp[2, 1] * x0 - Jp[2, 0] * x1
-        x0, x1 = gh * gh * E[0], gh * gh * E[1]
-        d -= Jp[0, 0] * x0 + Jp[0, 1] * x1 + Jp[0, 2] * gh
-        g -= Jp[1, 0] * x0 + Jp[1, 1] * x1 + Jp[1, 2] * gh
-        r -= Jp[2, 0] * x0 + Jp[2, 1] * x1 + Jp[2, 2] * gh
-    m00, m01, m02 = f * r - g * q, d * q - b * r, b * g - d * f
-    det = 1.0 / (a * m00 + e * m01 + p * m02)
-    M[0, 0], M[0, 1], M[0, 2] = m00 * det, m01 * det, m02 * det
-    M[1, 0], M[1, 1], M[1, 2] = (g * p - e * r) * det, (a * r - d * p) * det, (d * e - a * g) * det
-    M[2, 0], M[2, 1], M[2, 2] = (e * q - f * p) * det, (b * p - a * q) * det, (a * f - b * e) * det
+    for r in range(n):
+        for k in range(n):
+            M[r, k] = -J[r, 3 + k]
+        for k in range(speeds):
+            M[r, 3 + k] -= gh * J[r, 3 + n + k]
+        M[r, r] += 1.0 / gh
+        M[r, 0] -= gh * (c * J[r, 0] + s * J[r, 1])
+        M[r, 1] -= gh * (c * J[r, 1] - s * J[r, 0])
+        M[r, 2] -= gh * (gh * (E[0] * J[r, 0] + E[1] * J[r, 1]) + J[r, 2])
+    for k in range(n):  # Gauss and Jordan in place; a bad pivot costs a rejected step, no more
+        per = 1.0 / M[k, k]
+        M[k, k] = 1.0
+        for r in range(n):
+            M[k, r] *= per
+        for r in range(n):
+            if r != k:
+                share = M[r, k]
+                M[r, k] = 0.0
+                for j in range(n):
+                    M[r, j] -= share * M[k, j]
 
 
 @inner
-def solve(M: Any, E: Any, Jp: Any, gh: float, pose: bool, r: Any, K: Any, i: int) -> None:
-    """Stage k = K[i] with (1/(γh) − ∂ẏ/∂y) k = r."""
-    r3, r4, r5, c, s = r[3], r[4], r[5], E[2], E[3]
+def solve(J: Any, M: Any, E: Any, gh: float, pose: bool, r: Any, k: Any) -> None:
+    """Stage k with (1/(γh) − ∂ẏ/∂y) k = r; r is overwritten."""
+    n, speeds = M.shape[0], M.shape[0] - 3
     if pose:
-        z2 = gh * r[2]
-        z0, z1 = gh * (r[0] + E[0] * z2), gh * (r[1] + E[1] * z2)
-        r3 += Jp[0, 0] * z0 + Jp[0, 1] * z1 + Jp[0, 2] * z2
-        r4 += Jp[1, 0] * z0 + Jp[1, 1] * z1 + Jp[1, 2] * z2
-        r5 += Jp[2, 0] * z0 + Jp[2, 1] * z1 + Jp[2, 2] * z2
-    k3 = M[0, 0] * r3 + M[0, 1] * r4 + M[0, 2] * r5
-    k4 = M[1, 0] * r3 + M[1, 1] * r4 + M[1, 2] * r5
-    k5 = M[2, 0] * r3 + M[2, 1] * r4 + M[2, 2] * r5
-    k2 = gh * (r[2] + k5)
-    K[i, 0] = gh * (r[0] + E[0] * k2 + c * k3 - s * k4)
-    K[i, 1] = gh * (r[1] + E[1] * k2 + s * k3 + c * k4)
-    K[i, 2], K[i, 3], K[i, 4], K[i, 5] = k2, k3, k4, k5
+        turned = gh * r[2]
+        x, z = gh * (r[0] + E[0] * turned), gh * (r[1] + E[1] * turned)
+        for i in range(n):
+            r[3 + i] += J[i, 0] * x + J[i, 1] * z + J[i, 2] * turned
+            for j in range(speeds):
+                r[3 + i] += J[i, 3 + n + j] * gh * r[3 + n + j]
+    for i in range(n):
+        total = 0.0
+        for j in range(n):
+            total += M[i, j] * r[3 + j]
+        k[3 + i] = total
+    k[2] = gh * (r[2] + k[5])
+    k[0] = gh * (r[0] + E[0] * k[2] + E[2] * k[3] - E[3] * k[4])
+    k[1] = gh * (r[1] + E[1] * k[2] + E[3] * k[3] + E[2] * k[4])
+    for j in range(speeds):
+        k[3 + n + j] = gh * (r[3 + n + j] + k[6 + j])
+
+
+@inner
+def dense(y: Any, z: Any, K: Any, r: int, x: float) -> float:
+    """State r at the share x of a step from y to z with stages K."""
+    c, d = 0.0, 0.0
+    for j in range(5):
+        c += DENSE[0, j] * K[j, r]
+        d += DENSE[1, j] * K[j, r]
+    return float(y[r] * (1.0 - x) + x * (z[r] + (1.0 - x) * (c + x * d)))

@@ -32,6 +32,9 @@ class Run:
         Force of the floor on the wheel along ĝ and f̂ [N].
     load : array (T, N)
         Load on each wheel [N].
+    utilisation : array (T, N)
+        Share of each wheel's drive grip in use [1]: |friction along ĝ| over what the coefficient at that
+        instant and the transverse force leave; it slips where it nears 1.
     wheels : tuple of str
         Names of the wheels.
     """
@@ -43,6 +46,7 @@ class Run:
     slip: Array
     force: Array
     load: Array
+    utilisation: Array
     wheels: tuple[str, ...]
 
     def __post_init__(self) -> None:
@@ -56,6 +60,7 @@ class Run:
             "slip": (t, n, 2),
             "force": (t, n, 2),
             "load": (t, n),
+            "utilisation": (t, n),
         }
         for name, shape in shapes.items():
             put(self, name, frozen(name, getattr(self, name), shape))

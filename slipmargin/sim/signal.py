@@ -43,6 +43,14 @@ class WheelSignal:
         """Number of wheels N."""
         return int(self.pieces.shape[1])
 
+    def peak_speed(self) -> Array:
+        """(N,) largest |ω| of each wheel [rad/s]: at the ends of pieces or where ω̇ is zero between."""
+        h = np.diff(self.knots_s)[:, None]
+        _, c1, c2, c3 = np.moveaxis(self.pieces, 2, 0)
+        flat = np.clip(-c2 / np.where(c3 == 0.0, np.inf, 3.0 * c3), 0.0, h)
+        speeds = [np.abs(c1 + x * (2.0 * c2 + 3.0 * c3 * x)) for x in (np.zeros_like(h), flat, h)]
+        return np.asarray(np.max(speeds, axis=(0, 1)))
+
 
 def held(t_s: Array, omega: Array, *, end_s: float | None = None, theta0: Array | None = None) -> WheelSignal:
     """Wheel speeds ``omega`` (T, N) [rad/s], each held until the next row; the last until ``end_s``.

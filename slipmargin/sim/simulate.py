@@ -7,6 +7,7 @@ import numpy as np
 from slipmargin.checks import Array, frozen
 from slipmargin.errors import InputError, MotionStopped
 from slipmargin.model import Model
+from slipmargin.physics.frames import to_floor, velocity_at
 from slipmargin.sim.batch import Batch, Ending, Outcome, Push
 from slipmargin.sim.pack import pack
 from slipmargin.sim.run import Run
@@ -49,18 +50,19 @@ def simulate(
     times_s : array (T,)
         When to tell the state, ascending, within the signal [s].
     commanded : bool
-        True: the signal is a command that the model's drives follow; False: what the wheels do.
+        True: the signal is a command that the model's drives follow, as far as its motors' torque allows;
+        False: what the wheels do.
     start_pose, start_twist : array (3,), optional
         Pose and floor-frame velocity of the body frame's origin at the start; zero by default.
     push : Push, optional
-        External force on the centre of mass.
+        External force on the body.
     rtol : float
         Relative error allowed a step.
 
     Raises
     ------
     InputError
-        If the signal does not fit the robot or the times.
+        If the signal does not fit the robot or the times, or commands more than the motors' top speed.
     MotionStopped
         If the robot tips or the motion overflows, with the time.
     """
@@ -68,6 +70,8 @@ def simulate(
     twist = np.zeros(3) if start_twist is None else frozen("start_twist", start_twist, (3,))
     if not 1e-13 <= rtol <= 0.1:
         raise InputError("rtol", f"is {rtol:g}", "give a relative error between 1e-13 and 0.1")
+    if commanded:
+        _reachable(model, signal)
     batch = Batch([signal], [times_s], commanded=commanded, pushes=[push])
     outcome = batch.run(pack(model), pose, start_twist=twist, tell=True, rtol=rtol)
     ending = Ending(int(outcome.ending[0]))
@@ -79,7 +83,7 @@ def simulate(
 def as_run(model: Model, times_s: Array, outcome: Outcome, r: int) -> Run:
     """Run ``r`` of an outcome (made with ``tell=True``) as a noun."""
     assert outcome.theta is not None and outcome.slip is not None
-    assert outcome.force is not None and outcome.load is not None
+    assert outcome.force is not None and outcome.load is not None and outcome.utilisation is not None
     count = len(times_s)
     return Run(
         t_s=times_s,
@@ -89,13 +93,28 @@ def as_run(model: Model, times_s: Array, outcome: Outcome, r: int) -> Run:
         slip=outcome.slip[r, :count],
         force=outcome.force[r, :count],
         load=outcome.load[r, :count],
+        utilisation=outcome.utilisation[r, :count],
         wheels=model.geometry.names,
     )
 
 
 def floor_velocity(model: Model, state: Array) -> Array:
     """(T, 3) floor-frame velocity of the origin and yaw rate from states (T, 6)."""
-    c, s, w = np.cos(state[:, 2]), np.sin(state[:, 2]), state[:, 5]
-    vx = state[:, 3] + w * model.inertia.com_m[1]
-    vy = state[:, 4] - w * model.inertia.com_m[0]
-    return np.stack([c * vx - s * vy, s * vx + c * vy, w], axis=1)
+    w = state[:, 5]
+    body = velocity_at(state[:, 3], state[:, 4], w, *-model.inertia.com_m)
+    return np.stack([*to_floor(state[:, 2], *body), w], axis=1)
+
+
+def _reachable(model: Model, signal: WheelSignal) -> None:
+    """Refuse a command beyond the motors' top speed, which no wheel can follow."""
+    top = model.drives.max_speed_rad_s
+    if top is None:
+        return
+    asked = signal.peak_speed()
+    if np.max(asked) > top * (1.0 + 1e-9):
+        wheel = int(np.argmax(asked))
+        raise InputError(
+            f"wheel {model.geometry.names[wheel]}",
+            f"is commanded to {asked[wheel]:.4g} rad/s, the motor reaches {top:g} rad/s",
+            "command less, or correct motor.max_speed_rad_s",
+        )

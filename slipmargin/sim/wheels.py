@@ -14,15 +14,17 @@ from typing import Any
 
 import numpy as np
 
+from slipmargin.physics.compiled import fast, inner
+from slipmargin.physics.terms import HATS, WINDOW
+from slipmargin.physics.variables import Variable
 from slipmargin.sim import layout as at
-from slipmargin.sim.compiled import fast, fast_unlocked, inner
-from slipmargin.sim.terms import HATS, WINDOW, series
+from slipmargin.sim.body import series
 
 _H, _W, _TERM, _COUNT = at.HEAD, at.WHEEL, at.TERM, at.COUNT
-_LAG, _GAIN, _PITCH, _SWITCH, _DELAY = at.LAG, at.GAIN, at.PITCH, at.SWITCH, at.DELAY
-_LAGGED, _CMDS, _CMDS_AT = at.LAGGED, at.COMMANDS, at.COMMANDS_AT
+_LAG, _GAIN, _PITCH, _RIGID, _DELAY = at.LAG, at.GAIN, at.PITCH, at.RIGID_SHARE, at.DELAY
+_DRIVEN, _CMDS, _CMDS_AT = at.DRIVEN, at.COMMANDS, at.COMMANDS_AT
 _MODS, _MODS_AT, _FORCES, _FORCES_AT = at.MODULATIONS, at.MODULATIONS_AT, at.FORCES, at.FORCES_AT
-_TIME = 17
+_TIME = int(Variable.TIME)
 
 
 @inner
@@ -51,12 +53,13 @@ def _command_factor(P: Any, i: int, t: float, speed: float) -> float:
     return factor
 
 
-@fast_unlocked
+@fast
 def follow(P: Any, knots: Any, coef: Any, start: Any) -> tuple[Any, Any]:
     """Pieces of the wheels' real motion for commanded pieces: modulations, gain, delay, lag in turn.
 
     ``start`` (N,): wheel speed before the first command acts [rad/s].  Modulations of the command are
-    taken at both ends of a piece and linear between.
+    taken at both ends of a piece and linear between.  Driven wheels are states, which lag by themselves:
+    for them the pieces are what their loops are asked for.
     """
     n, k = int(P[_COUNT]), len(knots) - 1
     late = 1 if P[_DELAY] > 0.0 else 0
@@ -70,7 +73,7 @@ def follow(P: Any, knots: Any, coef: Any, start: Any) -> tuple[Any, Any]:
         while late and t[k + late] <= t[k + late - 1]:
             t[k + late] = t[k + late - 1] + 1e-9
     for i in range(n):
-        lag, gain = P[_H + i * _W + _LAG], P[_H + i * _W + _GAIN]
+        lag, gain = P[_H + i * _W + _LAG] if P[_DRIVEN] == 0.0 else 0.0, P[_H + i * _W + _GAIN]
         angle, speed = coef[0, i, 0], start[i]
         for j in range(k + late):
             h = t[j + 1] - t[j]
@@ -145,7 +148,7 @@ def _sort(x: Any, n: int) -> None:
         gap //= 3
 
 
-@fast
+@inner
 def turning_points(c: Any, lag: float, h: float, cuts: Any) -> int:
     """Times in (0, h) where the wheel reverses, ascending into ``cuts`` (8); how many.
 
@@ -216,8 +219,9 @@ def _switches(P: Any, knots: Any, coef: Any, out: Any, count: int) -> int:
     cuts = np.empty(8)
     for i in range(int(P[_COUNT])):
         q = _H + i * _W
-        pitch, switch, lag = P[q + _PITCH], P[q + _SWITCH], P[q + _LAG]
-        if switch <= 0.0 or switch >= pitch:
+        pitch, lag = P[q + _PITCH], P[q + _LAG]
+        switch = (1.0 - P[q + _RIGID]) * pitch
+        if switch <= 0.0 or switch >= pitch or P[_DRIVEN] > 0.0:
             continue
         if P[q + at.ROLLER_W] == P[q + at.RIGID_W] and P[q + at.ROLLER_T] == P[q + at.RIGID_T]:
             continue
@@ -240,51 +244,47 @@ def _term_edges(P: Any, out: Any, count: int) -> int:
                     if len(out) > 0:
                         out[count] = P[q + 4] + (P[q + 5] - P[q + 4]) * j / pieces
                     count += 1
-            q += _TERM + (3 * size if force else int(P[_COUNT]) + size)
+            q += at.FORCE + 3 * size if force else _TERM + int(P[_COUNT]) + size
     return count
 
 
-@fast_unlocked
-def breakpoints(P: Any, knots: Any, coef: Any, extra: Any) -> tuple[Any, Any]:
+@fast
+def breakpoints(P: Any, knots: Any, coef: Any, push: Any) -> Any:
     """Every instant at which the right-hand side may jump or kink, ascending, from first to last knot.
 
-    The second array says of each whether it is hard: a sector switch, a step of a wheel's speed, an
-    edge of a force.  Knots at which wheel speeds are continuous are soft.
+    Rows (M, 2): the time and 1 where it is hard: a sector switch, a step of a wheel's speed, an edge of a
+    force.  Knots at which wheel speeds are continuous are soft.
     """
     n = int(P[_COUNT])
     none = np.empty(0)
-    size = _term_edges(P, none, _switches(P, knots, coef, none, len(extra)))
-    soft = np.ones(len(knots), dtype=np.bool_)
-    soft[0] = False
-    for k in range(1, len(knots) - 1):
-        for i in range(n):
-            h = knots[k] - knots[k - 1]
-            before, after = turn(coef[k - 1, i], P[_H + i * _W + _LAG], h)[1], coef[k, i, 1] + coef[k, i, 4]
-            if abs(after - before) > 1e-9 * (1.0 + abs(after)):
-                soft[k] = False
-    if size == 0:
-        for k in range(len(knots)):
-            soft[k] = not soft[k]
-        return knots, soft
-    others = np.empty(size + 1)
-    for k in range(len(extra)):
-        others[k] = extra[k]
-    size = _term_edges(P, others, _switches(P, knots, coef, others, len(extra)))
+    size = _term_edges(P, none, _switches(P, knots, coef, none, len(push)))
+    others = np.empty(size)
+    for k in range(len(push)):
+        others[k] = push[k, 0]
+    if size > 0:
+        _term_edges(P, others, _switches(P, knots, coef, others, len(push)))
     _sort(others, size)
-    out, hard = np.empty(len(knots) + size), np.ones(len(knots) + size, dtype=np.bool_)
+    out = np.empty((len(knots) + size, 2))
     m, j = 0, 0
     for k in range(len(knots)):
         while j < size and others[j] <= knots[k] - 1e-12:
-            if m > 0 and others[j] - out[m - 1] > 1e-12:
-                out[m] = others[j]
+            if m > 0 and others[j] - out[m - 1, 0] > 1e-12:
+                out[m, 0], out[m, 1] = others[j], 1.0
                 m += 1
             elif m > 0:
-                hard[m - 1] = True
+                out[m - 1, 1] = 1.0
             j += 1
-        if m == 0 or knots[k] - out[m - 1] > 1e-12:
-            out[m], hard[m] = knots[k], not soft[k]
+        if m == 0 or knots[k] - out[m - 1, 0] > 1e-12:
+            hard = k == 0
+            for i in range(n):
+                if 0 < k < len(knots) - 1:
+                    h = knots[k] - knots[k - 1]
+                    before = turn(coef[k - 1, i], P[_H + i * _W + _LAG], h)[1]
+                    after = coef[k, i, 1] + coef[k, i, 4]
+                    hard = hard or abs(after - before) > 1e-9 * (1.0 + abs(after))
+            out[m, 0], out[m, 1] = knots[k], 1.0 if hard else 0.0
             m += 1
         if j < size and others[j] < knots[k] + 1e-12:
-            hard[m - 1] = True
-    out[m - 1] = knots[len(knots) - 1]
-    return out[:m], hard[:m]
+            out[m - 1, 1] = 1.0
+    out[m - 1, 0] = knots[len(knots) - 1]
+    return out[:m]

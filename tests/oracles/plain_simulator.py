@@ -93,8 +93,12 @@ class _Instant:
         return np.full(c.count, self.of_body(variable))
 
 
-def _saturation(x: Array | float) -> Array:
-    return np.asarray(2.0 / np.pi * np.arctan(x))
+def _saturation(law: int, x: Array | float) -> Array:
+    """The three friction laws, written out again."""
+    x = np.asarray(x, dtype=float)
+    if law == 1:
+        return np.asarray(-np.expm1(-2.0 * np.abs(x)) / (1.0 + np.exp(-2.0 * np.abs(x))) * np.sign(x))
+    return np.asarray(x / np.hypot(1.0, x) if law == 2 else 2.0 / np.pi * np.arctan(x))
 
 
 def _coefficients(at: _Instant, rigid: Array, load: Array) -> tuple[Array, Array]:
@@ -117,24 +121,28 @@ def _factor(m: Multiplier, at: _Instant, side: int, load: Array) -> Array:
     return np.array([m.factor(np.asarray(v), w) for v, w in zip(values, m.wheels, strict=True)])
 
 
-def _law(shape: GripShape, coupling: float, u: Array, mu: Array, k: Array) -> Array:
+def _law(law: int, shape: GripShape, coupling: float, u: Array, mu: Array, k: Array) -> Array:
     """(f_W, f_T) per unit of load of one wheel."""
-    boxed = mu * _saturation(k * u)
+    boxed = mu * _saturation(law, k * u)
     if shape is GripShape.BOX or coupling == 0.0 or mu[0] <= 0.0:
         return np.asarray(boxed)
     if shape is GripShape.ELLIPSE:
         e = (mu[1] / mu[0]) ** 2
         s = np.sqrt(u[0] ** 2 + e * u[1] ** 2)
-        coupled = mu[0] * _saturation(k[0] * s) * np.array([u[0], e * u[1]]) / s if s > 0.0 else np.zeros(2)
+        coupled = (
+            mu[0] * _saturation(law, k[0] * s) * np.array([u[0], e * u[1]]) / s if s > 0.0 else np.zeros(2)
+        )
     else:
-        coupled = _disc_strip(u, mu, k[0])
+        coupled = _disc_strip(law, u, mu, k[0])
     return np.asarray((1.0 - coupling) * boxed + coupling * coupled)
 
 
-def _disc_strip(u: Array, mu: Array, k: float) -> Array:
+def _disc_strip(law: int, u: Array, mu: Array, k: float) -> Array:
     def disc(z: float) -> Array:
         s = float(np.hypot(u[0], z))
-        return np.asarray(mu[0] * _saturation(k * s) * np.array([u[0], z]) / s) if s > 0.0 else np.zeros(2)
+        return (
+            np.asarray(mu[0] * _saturation(law, k * s) * np.array([u[0], z]) / s) if s > 0.0 else np.zeros(2)
+        )
 
     full = disc(u[1])
     if abs(full[1]) <= mu[1]:
@@ -145,9 +153,9 @@ def _disc_strip(u: Array, mu: Array, k: float) -> Array:
     return np.array([disc(z)[0], np.copysign(mu[1], u[1])])
 
 
-def _push_of_terms(at: _Instant) -> Array:
-    """Wrench (3,) of all force terms in the body frame."""
-    total = np.zeros(3)
+def _push_of_terms(at: _Instant) -> tuple[Array, Array, float]:
+    """Of all force terms: wrench (3,) in the body frame, Σ height × force (2,), upward force."""
+    total, tilting, lift = np.zeros(3), np.zeros(2), 0.0
     for term in at.model.external.terms:
         w = term.wrench(np.asarray(at.of_body(term.variable)))
         if term.frame is Frame.FLOOR:
@@ -158,27 +166,42 @@ def _push_of_terms(at: _Instant) -> Array:
             rate = at.twist[2] / np.sqrt(at.twist[2] ** 2 + 1e-4)
             w = np.append(-w[0] * d + w[1] * left, -w[2] * rate)
         total += w
-    return total
+        height = at.model.inertia.com_height_m if term.height_m is None else term.height_m
+        tilting += height * w[:2]
+        lift += term.lift_N
+    return total, tilting, lift
 
 
 def acceleration(
-    model: Model, t: float, state: Array, wheels: tuple[Array, Array, Array], rigid: Array, push: Array
+    model: Model,
+    t: float,
+    state: Array,
+    wheels: tuple[Array, Array, Array],
+    rigid: Array,
+    push: Array,
+    push_height_m: float = 0.0,
 ) -> tuple[Array, Array, Array, Array]:
     """(a_x, a_y, ω̇) in body axes, slip (2, N), force on the wheels (2, N), loads (N,).
 
     The loads follow the acceleration: the fixed point N = N0 + P a is found by Newton's method on a.
+    Forces at a height shift the loads N0: the least change δ with Σ δ_i = 0 and Σ δ_i p_i = Σ h_k F_k.
     """
     at = _Instant(model, t, state, wheels)
     arm = model.geometry.position_m - model.inertia.com_m
-    outside = _push_of_terms(at) + np.append(at.turn.T @ push[:2], push[2])
+    outside, tilting, lift = _push_of_terms(at)
+    pushed = at.turn.T @ push[:2]
+    outside, tilting = outside + np.append(pushed, push[2]), tilting + push_height_m * pushed
+    balance = np.vstack([np.ones(model.count), model.geometry.position_m.T])
+    shifted = np.linalg.lstsq(balance, np.append(0.0, tilting), rcond=None)[0]
+    still = model.loads.rest_N * (1.0 - lift / model.loads.rest_N.sum()) + shifted
     viscous = model.grip.viscous_N_s_per_m[:, None] * at.slip
 
     def result(a: Array) -> tuple[Array, Array, Array]:
-        load = model.loads.rest_N + model.loads.per_acceleration_kg @ a
+        load = still + model.loads.per_acceleration_kg @ a
         mu, k = _coefficients(at, rigid, load)
         f = np.array(
             [
-                _law(model.grip.shape, model.grip.coupling, at.slip[:, i], mu[:, i], k[:, i])
+                _law(model.grip.law, model.grip.shape, model.grip.coupling, at.slip[:, i], mu[:, i], k[:, i])
                 for i in range(model.count)
             ]
         ).T

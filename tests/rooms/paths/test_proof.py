@@ -44,6 +44,38 @@ def test_the_papers_robot_uses_the_share_it_was_given(share: float) -> None:
     assert law_share(ATAN, 1000.0 * np.max(run.slip_m_s)) <= share + 0.02
 
 
+def test_a_softer_contact_uses_no_more_of_its_grip() -> None:
+    """k at a twentieth by an effect: its creep is 20 times larger, its share is the planned one."""
+    from slipmargin.effects.friction_coefficients import FrictionCoefficients
+    from slipmargin.effects.recipe import with_effects
+
+    soft = FrictionCoefficients(drive_factor=1.0, transverse_factor=1.0, steepness_factor=0.05)
+    model = with_effects(bench.kiwi(), (soft,))
+    rows = trajectory(
+        plan(model, bench.benchmark_paths()["straight"], Request(share=0.9, points=120)), step_s=0.002
+    )
+    run = verify(model, rows)
+    assert run.peak == pytest.approx(0.9, abs=0.03)
+    assert not run.slips
+    assert np.max(run.slip_m_s) > 0.05  # which eq. (11) with the file's k took for 0.99
+
+
+def test_motors_that_cannot_follow_show_as_drift() -> None:
+    from dataclasses import replace
+
+    from slipmargin.model.parts import Drives
+
+    model = bench.kiwi()
+    rows = trajectory(
+        plan(model, bench.benchmark_paths()["straight"], Request(share=0.9, points=120)), step_s=0.002
+    )
+    free = verify(model, rows)
+    strong = replace(model, drives=Drives(max_speed_rad_s=1e3, stall_torque_N_m=5.0))
+    assert verify(strong, rows).drift_m == pytest.approx(free.drift_m, abs=1e-4)
+    weak = replace(model, drives=Drives(max_speed_rad_s=1e3, stall_torque_N_m=0.01))
+    assert verify(weak, rows).drift_m > free.drift_m + 0.01
+
+
 def test_faster_than_the_limit_slips_at_the_limiting_wheel() -> None:
     model = bench.kiwi()
     rows = trajectory(

@@ -17,6 +17,7 @@ from slipmargin.physics.variables import Basis, Variable
 from slipmargin.sim.batch import Batch
 from slipmargin.sim.pack import pack
 from slipmargin.sim.signal import held, linear
+from slipmargin.sim.simulate import simulate
 
 RATES = np.array([[0.0, 0.0, 0.0], [4.0, 2.0, -6.0], [4.0, 2.0, -6.0]])
 KNOTS = np.array([0.0, 0.1, 0.4])
@@ -38,7 +39,9 @@ def by_hand(model, asked, seconds, line=None, inertia=None):
         xy = force[0][:, None] * model.geometry.grip + force[1][:, None] * model.geometry.free
         torque = -model.geometry.radius_m * np.sum(xy * model.geometry.drive, axis=1)
         tr = model.actuators
-        rate = (asked(t) - tr.droop_rad_s_per_N_m * torque - omega) / np.maximum(tr.lag_s, 2e-3)
+        rising = (asked(t + 1e-9) - asked(t)) / 1e-9
+        rate = (asked(t) - tr.droop_rad_s_per_N_m * torque - omega) / np.maximum(tr.lag_s, 1e-4)
+        rate = rate + np.where(tr.lag_s == 0.0, rising, 0.0)
         if line is not None:
             motor = np.clip(
                 torque + inertia * rate, -line[0] * (1 + omega / line[1]), line[0] * (1 - omega / line[1])
@@ -65,10 +68,10 @@ def test_loaded_wheels_agree_with_a_plain_integration(case):
     line = inertia = None
     if case == "line":
         line, inertia = (0.035, 20.0), 2e-4
-        model = replace(model, drives=Drives(max_speed_rad_s=line[1], stall_torque_N_m=line[0]))
+        drives = Drives(max_speed_rad_s=line[1], stall_torque_N_m=line[0], wheel_inertia_kg_m2=inertia)
+        model = replace(model, drives=drives)
     batch = Batch([linear(KNOTS, RATES)], [np.array([0.0, 0.4])], commanded=True)
-    packed = pack(model, wheel_inertia_kg_m2=inertia)
-    outcome = batch.run(packed, np.zeros(3), tell=True, rtol=1e-8)
+    outcome = batch.run(pack(model), np.zeros(3), tell=True, rtol=1e-8)
     want = by_hand(model, ramp, 0.4, line, inertia)
     np.testing.assert_allclose(outcome.pose[0, -1], want[:3], rtol=1e-5, atol=1e-8)
     assert outcome.theta is not None
@@ -121,12 +124,61 @@ def test_a_modulated_command_is_a_scaled_command():
                                batch.run(other, np.zeros(3)).pose, atol=1e-12)  # fmt: skip
 
 
+def with_motors(stall, inertia=None, model=None):
+    drives = Drives(max_speed_rad_s=40.0, stall_torque_N_m=stall, wheel_inertia_kg_m2=inertia)
+    return replace(model or model_with(), drives=drives)
+
+
+def end(model, signal=None, rtol=1e-8, commanded=True):
+    """Where the robot ends, and which share of its stall torque its motors used at most."""
+    signal = signal or linear(KNOTS, RATES)
+    batch = Batch([signal], [np.array([0.0, signal.knots_s[-1]])], commanded=commanded)
+    return batch.run(pack(model), np.zeros(3), rtol=rtol).pose[0, -1]
+
+
+def test_a_weak_motor_ends_elsewhere():
+    """0.5 mN m at stall cannot turn wheels that need 40: the robot used to move as if it had no motors."""
+    free = end(model_with())
+    weak = end(with_motors(5e-4))
+    assert np.hypot(*weak[:2]) < 0.2 * np.hypot(*free[:2])
+    np.testing.assert_array_equal(end(with_motors(5e-4), commanded=False), free)  # measured wheels turned
+
+
+def test_motors_that_never_saturate_change_nothing():
+    """Along a command without steps the end differs by less than a millionth of the way."""
+    np.testing.assert_allclose(end(with_motors(2.0)), end(model_with()), atol=1e-6 * 0.05)
+
+
+def test_the_inertia_taken_for_a_wheel_decides_nothing():
+    """Half of it moves the end of a run with saturated motors by less than 0.5 % of the way."""
+    model = with_motors(0.02)
+    light = float(model.drives.wheel_inertias(model.inertia.mass_kg, model.geometry.radius_m)[0])
+    here, half, free = end(model), end(with_motors(0.02, 0.5 * light)), end(model_with())
+    assert np.hypot(*(here - free)[:2]) > 0.05 * np.hypot(*free[:2])  # it does saturate
+    assert np.abs(here - half).max() < 0.005 * np.hypot(*free[:2])
+    np.testing.assert_array_equal(end(with_motors(0.02, light)), here)
+
+
+def test_torque_keeps_to_the_line_of_the_motor():
+    """Motor torque T + J ω̇ from a run's forces and angles stays within ± stall (1 ∓ ω/max_speed)."""
+    stall, inertia = 0.02, 1e-4
+    model = with_motors(stall, inertia)
+    times = np.linspace(0.0, 0.4, 2001)
+    run = simulate(model, linear(KNOTS, RATES), times, commanded=True)
+    omega = np.gradient(run.theta, times, axis=0)
+    torque = -model.geometry.radius_m * run.force[..., 0] + inertia * np.gradient(omega, times, axis=0)
+    line = stall * (1.0 - omega / 40.0)
+    assert np.all(torque[5:-5] <= line[5:-5] + 0.02 * stall)
+    assert np.max(torque[5:-5] - line[5:-5]) > -0.01 * stall
+
+
 def test_bad_motors_are_refused():
-    model = model_with()
-    with pytest.raises(InputError, match="no torque-speed line"):
-        pack(model, wheel_inertia_kg_m2=1e-4)
     with pytest.raises(InputError, match="positive inertia"):
-        pack(model, wheel_inertia_kg_m2=-1.0)
+        Drives(wheel_inertia_kg_m2=-1.0)
+    slow = replace(model_with(), drives=Drives(max_speed_rad_s=5.0))
+    with pytest.raises(InputError, match=r"wheel 3: is commanded to 6 rad/s, the motor reaches 5 rad/s"):
+        simulate(slow, linear(KNOTS, RATES), np.array([0.0, 0.4]), commanded=True)
+    simulate(slow, linear(KNOTS, RATES), np.array([0.0, 0.4]))  # measured: they did turn so fast
     tilt = Multiplier(variable=Variable.HEADING, basis=Basis.CONSTANT, coefficients=np.ones(1),
                       shape=np.ones(2),
                       wheels=np.ones(3))  # fmt: skip
