@@ -76,7 +76,9 @@ def test_mean_loads_under_acceleration(name, slope):
     machine, heading = CASES[name], HEADINGS[3]
     limit = float(limits(machine, np.array([heading]))[0])
     motion = MovingOff(heading_rad=heading, acceleration_m_s2=(0.4 if slope else 0.7) * limit, hold_s=0.5)
-    assert np.abs(load_errors(machine, motion, (slope, 0.0))).max() < 0.02
+    errors = load_errors(machine, motion, (slope, 0.0))
+    assert len(errors) >= 3
+    assert np.abs(errors).max() < 0.02
     model = machine.model
     pull = model.inertia.weight_N * np.array([slope, 0.0])
     moved = model.loads.at(motion.acceleration_m_s2 * motion.direction, model.inertia.com_height_m * pull)
