@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import sys
-
 from slipmargin.effects.catalogue import CATALOGUE
-from slipmargin.effects.effect import Effect
+from slipmargin.effects.effect import Effect, WheelEffect
 
 HEAD = """# Effects
 
@@ -23,9 +21,7 @@ units; bounds are what a file may hold. An effect that none of these explains is
 def lines() -> list[str]:
     """Lines of the page."""
     page = HEAD.splitlines()
-    page += [
-        f"| [`{e.name}`](#{e.name}) | `{e.traced_to.value}` | {_cell(_sentence(e))} |" for e in CATALOGUE
-    ]
+    page += [f"| [`{e.name}`](#{e.name}) | `{e.traced_to.value}` | {_cell(e.summary)} |" for e in CATALOGUE]
     for effect in CATALOGUE:
         page += _section(effect)
     return page
@@ -41,7 +37,7 @@ def _section(effect: type[Effect]) -> list[str]:
         "",
         f"## {effect.name}",
         "",
-        _sentence(effect),
+        effect.summary,
         "",
         "```text",
         *(line.strip() for line in law),
@@ -51,7 +47,7 @@ def _section(effect: type[Effect]) -> list[str]:
         "|---|---|---|---|---|",
         *rows,
         "",
-        f"Traced to `{effect.traced_to.value}`; rewrites `{effect.part.value}`.",
+        f"Traced to `{effect.traced_to.value}`; rewrites `{effect.part.value}`; {_wheels(effect)}.",
         "",
         f"Source: {effect.source}.",
         "",
@@ -59,10 +55,10 @@ def _section(effect: type[Effect]) -> list[str]:
     ]
 
 
-def _sentence(effect: type[Effect]) -> str:
-    """The first paragraph of the effect's own file, in plain words."""
-    text = (sys.modules[effect.__module__].__doc__ or "").strip().split("\n\n")[0]
-    return " ".join(text.split())
+def _wheels(effect: type[Effect]) -> str:
+    if issubclass(effect, WheelEffect):
+        return "acts on the wheels that `wheels` names, all by default"
+    return "acts on the whole robot"
 
 
 def _unit(unit: str) -> str:

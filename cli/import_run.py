@@ -45,7 +45,7 @@ def run_import(
     if wanted:
         held = calibrate(records, recipe.build(floor).geometry)
     if held is not None:
-        records = tuple(held.level(record) for record in records)
+        records = tuple(held.rectified(record) for record in records)
         recipe = replace(recipe, effects=(*recipe.effects, *held.effects()))
     signal = WheelSignal.COMMANDED if commanded else WheelSignal.MEASURED
     data_set = DataSet(name=out.name, recipe=recipe, surface=floor, wheel_signal=signal, trials=records)
