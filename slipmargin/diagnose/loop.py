@@ -259,7 +259,7 @@ def _remarks(
         which = "held-out run" if held else "run"
         said.append(
             f"No log holds the wheel angles.  On each {which} the start angles of the wheels were estimated "
-            "from the first third of the way they turn, with parameters fitted to other runs; the errors "
+            "from the first half of the way they turn, with parameters fitted to other runs; the errors "
             "reported are those of the rest of the run."
         )
     if found and state.chi > _UNEXPLAINED_CHI:

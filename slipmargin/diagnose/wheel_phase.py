@@ -27,7 +27,7 @@ from slipmargin.physics.sectors import pitch
 from slipmargin.physics.variables import Variable
 
 #: Share of the way its wheels turn in a trial after which its first part ends.
-FIRST_PART = 1.0 / 3.0
+FIRST_PART = 0.5
 #: The first part has at least this many samples.
 _LEAST_SAMPLES = 8
 #: Phases tried, in pitches: over the whole pitch; then ever closer around the best one.

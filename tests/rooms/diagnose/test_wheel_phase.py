@@ -99,7 +99,7 @@ def test_only_the_rest_of_a_run_is_scored() -> None:
     omega = np.outer(np.where(t < 1.0, 0.0, 2.0), [1.0, -1.0, 0.5])
     run = Record(name="stands first", t_s=t, pose=np.zeros((31, 3)), omega=omega)
     part = first_part(run)
-    assert part.t_s[-1] == pytest.approx(1.6, abs=0.1)  # a third of the way from 1 s to 3 s
+    assert part.t_s[-1] == pytest.approx(2.0, abs=0.1)  # half of the way from 1 s to 3 s
     assert part.omega is not None and len(part.omega) == len(part.t_s) == len(part.pose)
 
 
