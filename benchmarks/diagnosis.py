@@ -29,7 +29,7 @@ from planting import Plant, commanded, planted, smooth_kiwi
 from slipmargin.data.data_set import DataSet
 from slipmargin.diagnose.diagnosis import Diagnosis
 from slipmargin.diagnose.loop import diagnose
-from slipmargin.effects import Effect
+from slipmargin.effects import Effect, WheelEffect
 from slipmargin.effects.catalogue import CATALOGUE, effect_class
 from slipmargin.io.data_set import read_data_set
 
@@ -60,8 +60,6 @@ SIZES: dict[str, tuple[tuple[str, float, float, bool], ...]] = {
     "motor_lag": (("lag_s", 0.04, 0.12, False),),
     "speed_droop": (("droop_rad_s_per_N_m", 4.0, 20.0, False),),
 }
-_ONE_WHEEL = ("wheel_radius", "wheel_toe")
-_COMMANDED = ("motor_lag", "speed_droop")
 
 
 def row(name: str, wanted: str, traces: tuple[str, ...], found: Diagnosis, seconds: float) -> dict[str, Any]:
@@ -144,7 +142,7 @@ def catalogue(count: int) -> list[Job]:
         name = names[k % len(names)]
         effect = drawn(name, np.random.default_rng(5000 + k))
         plant = Plant(name=name, traces=(effect.traced_to,), effects=(effect,))
-        make = partial(commanded if name in _COMMANDED else planted, smooth_kiwi(), plant, 7000 + k)
+        make = partial(commanded if effect.needs_commands else planted, smooth_kiwi(), plant, 7000 + k)
         jobs.append(Job(name=f"{name} {k}", wanted=name, traces=(effect.traced_to.value,), make=make))
     return jobs
 
@@ -175,8 +173,10 @@ def drawn(name: str, random: np.random.Generator) -> Effect:
     values = {p.name: p.null for p in effect.parameters}
     for key, low, high, signed in SIZES[name]:
         values[key] = random.uniform(low, high) * (random.choice([-1.0, 1.0]) if signed else 1.0)
-    wheels = (str(random.choice(["1", "2", "3"])),) if name in _ONE_WHEEL else ()
-    return effect.of(np.array([values[p.name] for p in effect.parameters]), wheels)
+    vector = np.array([values[p.name] for p in effect.parameters])
+    if issubclass(effect, WheelEffect) and effect.one_wheel:
+        return effect.of(vector, (str(random.choice(["1", "2", "3"])),))
+    return effect.of(vector)
 
 
 def show(line: dict[str, Any]) -> dict[str, Any]:

@@ -114,7 +114,7 @@ class Campaign:
         recipe = read_recipe("robotino")
         found = calibrate(records("table_0.1"), recipe.build("table").geometry)
         slow, fast = (
-            Runs.of(tuple(found.level(r) for r in records(name))) for name in ("gray_0.1", "gray_0.2")
+            Runs.of(tuple(found.rectified(r) for r in records(name))) for name in ("gray_0.1", "gray_0.2")
         )
         seen = np.arange(0, len(slow.names), 2)  # of all headings: 0, 10, 20, … degrees
         return Campaign(

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from robotino_campaign import SIGMA, Campaign, Runs
 
+from slipmargin.diagnose.order_analysis import order_analysis
 from slipmargin.diagnose.prepare import clean
 from slipmargin.diagnose.problem import Problem
-from slipmargin.diagnose.turns import comes_round
 from slipmargin.effects import Recipe
 from slipmargin.limits.bounds import directions
 from slipmargin.limits.pull import Pull
@@ -87,7 +87,7 @@ def turning(groups: dict[str, Runs], recipe: Recipe) -> dict[str, list[str]]:
         predicted = problem.predict([()], [np.arange(len(trials), dtype=np.int64)])[0]
         told[speed] = [
             f"{r.per_turn} times a turn of wheels {', '.join(r.wheels)} (p ≤ {r.p_value:.3f})"
-            for r in comes_round(problem, problem.residual_rates(predicted), seed=0)
+            for r in order_analysis(problem, problem.residual_rates(predicted), seed=0)
         ]
     return told
 

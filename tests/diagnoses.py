@@ -12,11 +12,11 @@ from slipmargin.diagnose.diagnosis import (
     Finding,
     Score,
     Step,
-    Trace3,
+    TrialTrajectories,
     Tried,
     Verdict,
 )
-from slipmargin.diagnose.where import Dependence
+from slipmargin.diagnose.residual_diagnostics import ResidualDependence
 from slipmargin.effects import AnyEffect, GeneralEffect, Part, Recipe, Trace
 from slipmargin.effects.wheel_loads import WheelLoads
 from slipmargin.physics.terms import Multiplier
@@ -25,7 +25,7 @@ from slipmargin.physics.variables import Basis, Target, Variable
 NOISE = np.array([5e-4, 5e-4, 2e-3])
 
 
-def trials(count: int = 6, *, wrong: float = 1.0, samples: int = 120) -> tuple[Trace3, ...]:
+def trials(count: int = 6, *, wrong: float = 1.0, samples: int = 120) -> tuple[TrialTrajectories, ...]:
     """Curves with a drift of ``wrong`` times 30 mm and 0.1 rad that the model before does not have."""
     random = np.random.default_rng(5)
     made = []
@@ -38,7 +38,7 @@ def trials(count: int = 6, *, wrong: float = 1.0, samples: int = 120) -> tuple[T
         if k == 1:
             measured[30:40] = np.nan
         made.append(
-            Trace3(
+            TrialTrajectories(
                 name=f"trial-{k + 1:02d}",
                 held_out=k >= count - 3,
                 t_s=t,
@@ -138,7 +138,7 @@ def steps() -> tuple[Step, ...]:
     )
 
 
-def where(strength: float = 1.0) -> tuple[Dependence, ...]:
+def where(strength: float = 1.0) -> tuple[ResidualDependence, ...]:
     """Shares of some variables."""
     rows = [
         ("wheel_load", "turn", 0.61, 0.01),
@@ -149,7 +149,7 @@ def where(strength: float = 1.0) -> tuple[Dependence, ...]:
         ("slip_speed", "right", 0.02, 0.5),
     ]
     return tuple(
-        Dependence(variable=v, channel=c, share=strength * s, surprise=10.0 * s, p_value=p)
+        ResidualDependence(variable=v, channel=c, share=strength * s, surprise=10.0 * s, p_value=p)
         for v, c, s, p in rows
     )
 

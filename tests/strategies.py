@@ -17,8 +17,9 @@ from collections.abc import Sequence
 import numpy as np
 from hypothesis import assume, strategies as st
 
-from slipmargin.effects import Effect
+from slipmargin.effects import Effect, WheelEffect
 from slipmargin.effects.catalogue import CATALOGUE
+from slipmargin.effects.motor_lag import MotorLag
 from slipmargin.model import Model, nominal_model
 from slipmargin.physics.loads import sharing_matrix
 from slipmargin.robot import (
@@ -245,7 +246,7 @@ def effects(
     """An effect of the catalogue, every parameter within ``reach`` of its scales from null, in its bounds.
 
     With ``least`` > 0 every parameter is at least that many scales away from null (or at a bound).
-    ``wheels`` are names of which it may act on some; by default it acts on all.
+    ``wheels`` are names of which an effect of single wheels may act on some; by default it acts on all.
     """
     kind = draw(st.sampled_from(kinds))
     values = []
@@ -256,5 +257,9 @@ def effects(
         ]
         low, high = draw(st.sampled_from([s for s in sides if s[0] < s[1]]))
         values.append(draw(reals(low, high)))
+    if not issubclass(kind, WheelEffect):
+        return kind.of(np.array(values))
     some = draw(st.lists(st.sampled_from(wheels), unique=True, max_size=len(wheels) - 1)) if wheels else []
+    if some and kind is MotorLag:  # a dead time is that of every wheel
+        values[-1] = 0.0
     return kind.of(np.array(values), tuple(some))

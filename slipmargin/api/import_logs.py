@@ -152,7 +152,7 @@ def import_logs(
     if calibrate:
         held = calibrated(records, recipe.build(floor).geometry)
     if held is not None:
-        records = tuple(held.level(record) for record in records)
+        records = tuple(held.rectified(record) for record in records)
         recipe = replace(recipe, effects=(*recipe.effects, *held.effects()))
     signal = WheelSignal.COMMANDED if commanded else WheelSignal.MEASURED
     data_set = DataSet(name=name, recipe=recipe, surface=floor, wheel_signal=signal, trials=records)

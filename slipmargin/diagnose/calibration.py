@@ -1,12 +1,12 @@
-"""Calibration kept apart from physics: what camera and encoders are worth, by the floor that slips least.
+"""Calibration of the camera against the wheels, kept apart from the physics of slip.
 
-Estimated once, on the floor with the least slip, with the no-slip model; then held fixed on every
-other floor.  Whatever slips there alike in all directions is part of the scale and cannot be told
-from it.
+It is estimated once with the no-slip model, on the floor with the least slip, then held fixed on every
+other floor.  Slip on that floor that is the same in all directions cannot be distinguished from the scale
+and is part of it.
 
 Signs: measured displacement in the body frame = scale · R(rotation) · (what the wheels say), read
-``delay`` late.  A camera that looks askew has a scale that varies over the floor: with p the nominal
-position and p₀ the middle of the calibration runs, the levelled position is
+``delay`` late.  The scale of a tilted camera varies over the floor: with p the measured
+position and p₀ the middle of the calibration runs, the rectified position is
 p₀ + (p − p₀) / (1 + tilt·(p − p₀)), the plane projective map of a tilted pinhole camera.
 """
 
@@ -21,10 +21,10 @@ from slipmargin.checks import Array, frozen, real
 from slipmargin.data.odometry import bridged, wheel_angles, wheel_path
 from slipmargin.data.record import Record
 from slipmargin.diagnose.delay import estimate_delay
-from slipmargin.effects.camera_delay import CameraDelay
-from slipmargin.effects.camera_rotation import CameraRotation
-from slipmargin.effects.camera_scale import CameraScale
+from slipmargin.effects import Effect
+from slipmargin.effects.camera import camera_effects
 from slipmargin.errors import InputError
+from slipmargin.physics.frames import rotate_rows
 from slipmargin.physics.kinematics import WheelGeometry
 
 #: Length of the pieces a run is cut into [s]: long against the delay, short against the picture.
@@ -93,15 +93,11 @@ class Calibration:
         for name in ("tilt_per_m", "middle_m", "tilt_sd_per_m"):
             put(self, name, frozen(name, getattr(self, name), (2,)))
 
-    def effects(self) -> tuple[CameraScale, CameraRotation, CameraDelay]:
-        """The same as effects of the measurement kind, for the robot file."""
-        return (
-            CameraScale(scale_x=self.scale, scale_y=self.scale),
-            CameraRotation(rotation_rad=self.rotation_rad),
-            CameraDelay(delay_s=self.delay_s),
-        )
+    def effects(self) -> tuple[Effect, ...]:
+        """The same as effects of the measurement, for the robot file."""
+        return camera_effects(self.scale, self.rotation_rad, self.delay_s)
 
-    def level(self, record: Record) -> Record:
+    def rectified(self, record: Record) -> Record:
         """The record as a camera without tilt would have seen it; headings stay."""
         if not self.tilt_per_m.any():
             return record
@@ -112,19 +108,19 @@ class Calibration:
 
     def lines(self) -> tuple[str, ...]:
         """The report."""
-        told = (
+        report = (
             f"scale {self.scale:.4f} ± {self.scale_sd:.4f} (measured over wheels)",
             f"rotation {self.rotation_rad:+.4f} ± {self.rotation_sd_rad:.4f} rad",
             f"camera delay {self.delay_s * 1e3:.0f} ± {self.delay_sd_s * 1e3:.0f} ms",
             f"left over {100.0 * self.spread:.2f} % of the distance, {self.runs} runs",
         )
         if not self.tilt_per_m.any():
-            return told
+            return report
         tilt = ", ".join(
             f"{100 * g:+.2f} ± {100 * s:.2f}"
             for g, s in zip(self.tilt_per_m, self.tilt_sd_per_m, strict=True)
         )
-        return (*told, f"camera tilt ({tilt}) % of scale per metre along x, y")
+        return (*report, f"camera tilt ({tilt}) % of scale per metre along x, y")
 
 
 def calibrate(records: tuple[Record, ...], contacts: WheelGeometry, tilt: bool = True) -> Calibration:
@@ -234,13 +230,13 @@ def _fit(pieces: list[_Pieces], middle: Array, tilt: bool) -> tuple[Array, Array
 
 
 def _linear(p: _Pieces, middle: Array, value: Array) -> tuple[Array, Array]:
-    """Derivatives (K, 2, 4) of model − levelled camera, and the negative of that difference (K, 2)."""
+    """Derivatives (K, 2, 4) of model − rectified camera, and the negative of that difference (K, 2)."""
     off = p.ends[:, :2] - middle
     q = 1.0 + off @ value[2:]
-    level = off / q[:, None]
-    slope = -level[:, :, None] * (off / q[:, None])[:, None, :]  # d level / d tilt
-    seen = _turned(np.diff(level, axis=0), p.ends)
-    seen_slope = np.stack([_turned(np.diff(slope[..., j], axis=0), p.ends) for j in range(2)], axis=-1)
+    flat = off / q[:, None]
+    slope = -flat[:, :, None] * (off / q[:, None])[:, None, :]  # d flat / d tilt
+    seen = _in_body(np.diff(flat, axis=0), p.ends)
+    seen_slope = np.stack([_in_body(np.diff(slope[..., j], axis=0), p.ends) for j in range(2)], axis=-1)
     a, b = value[:2]
     x, y = p.wheel.T
     model = np.column_stack([a * x - b * y, b * x + a * y])
@@ -251,11 +247,8 @@ def _linear(p: _Pieces, middle: Array, value: Array) -> tuple[Array, Array]:
     return jac, seen - model
 
 
-def _turned(step: Array, ends: Array) -> Array:
+def _in_body(step: Array, ends: Array) -> Array:
     """Floor-frame steps (K, 2) in the body frame of each piece's mean heading, with the chord's factor."""
     turn = np.diff(ends[:, 2])
-    middle = ends[:-1, 2] + 0.5 * turn
-    c, s = np.cos(middle), np.sin(middle)
     chord = np.sinc(turn / (2.0 * np.pi))  # an arc's chord is shorter than the arc
-    body = np.column_stack([c * step[:, 0] + s * step[:, 1], -s * step[:, 0] + c * step[:, 1]])
-    return np.asarray(body / chord[:, None])
+    return rotate_rows(ends[:-1, 2] + 0.5 * turn, step, inverse=True) / chord[:, None]

@@ -7,8 +7,8 @@ from enum import Enum
 from typing import final
 
 from slipmargin.checks import Array
-from slipmargin.diagnose.turns import Recurrence
-from slipmargin.diagnose.where import Dependence
+from slipmargin.diagnose.order_analysis import Periodicity
+from slipmargin.diagnose.residual_diagnostics import ResidualDependence
 from slipmargin.effects import AnyEffect, Recipe, Trace
 
 
@@ -67,7 +67,7 @@ class Finding:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tried:
-    """A suspect of one round: its label, variable, number of parameters and chi as the search counts it."""
+    """A candidate of one round: its label, variable, number of parameters and chi as the search counts it."""
 
     label: str
     traced_to: Trace
@@ -79,7 +79,7 @@ class Tried:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Step:
-    """A round of the search: chi before, the suspects best first, and the one taken (None: stop)."""
+    """A round of the search: chi before, the candidates best first, and the one taken (None: stop)."""
 
     chi_before: float
     tried: tuple[Tried, ...]
@@ -88,7 +88,7 @@ class Step:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Trace3:
+class TrialTrajectories:
     """One trial for the plots: times (T,), measured, predicted before and after (T, 3)."""
 
     name: str
@@ -126,13 +126,13 @@ class Diagnosis:
     after: Score
     findings: tuple[Finding, ...]
     steps: tuple[Step, ...]
-    where: tuple[Dependence, ...]
-    where_after: tuple[Dependence, ...]
-    turns: tuple[Recurrence, ...]
+    where: tuple[ResidualDependence, ...]
+    where_after: tuple[ResidualDependence, ...]
+    turns: tuple[Periodicity, ...]
     excitation: tuple[float, ...]
     events: tuple[Event, ...]
     outliers: int
-    trials: tuple[Trace3, ...]
+    trials: tuple[TrialTrajectories, ...]
     recipe: Recipe
     corrected: Recipe
     remarks: tuple[str, ...]

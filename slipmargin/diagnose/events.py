@@ -1,6 +1,6 @@
-"""Things that happened once: a bump, a lifted wheel, a camera that jumped.  Reported, not explained.
+"""Single events in a run: a bump, a lifted wheel, a camera that jumped.  They are reported, not explained.
 
-A run is cut where something happened, and what follows starts anew: it must not be taken for physics.
+A run is cut at its events and each part is predicted from its own start, so that no effect is fitted to them.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, Index
 from slipmargin.data.record import WHEEL_SIGNALS, Record
 from slipmargin.diagnose.diagnosis import Event
 from slipmargin.diagnose.problem import Problem
@@ -25,8 +25,8 @@ _CHANNELS = ("x", "y", "phi")
 _LEAST_S = 0.4
 
 
-def find_events(problem: Problem, predicted: Array) -> tuple[Event, ...]:
-    """Jumps of the residual that stand out from everything else in these trials, largest first.
+def find_events(problem: Problem, predicted: Array, ordinary: Index) -> tuple[Event, ...]:
+    """Jumps of the residual that are far larger than in the other trials, largest first.
 
     Parameters
     ----------
@@ -34,6 +34,8 @@ def find_events(problem: Problem, predicted: Array) -> tuple[Event, ...]:
         The trials.
     predicted : array (R, T, 3)
         Their poses by the final model.
+    ordinary : array of int
+        The trials whose jumps say what is ordinary.
     """
     jumps = []
     for trial, pose in zip(problem.trials, predicted, strict=True):
@@ -42,11 +44,11 @@ def find_events(problem: Problem, predicted: Array) -> tuple[Event, ...]:
         jumps.append(_jumps(gap, half))
     found = []
     for number, (trial, jump) in enumerate(zip(problem.trials, jumps, strict=True)):
-        ordinary = _ordinary([j for i, j in enumerate(jumps) if i != number] or jumps)
+        usual = _ordinary([jumps[i] for i in ordinary if i != number] or jumps)
         for axis, channel in enumerate(_CHANNELS):
             size = np.nan_to_num(np.abs(jump[:, axis]))
             at = int(np.argmax(size))
-            if size[at] > max(_SIGMAS, _ORDINARY * float(ordinary[axis])):
+            if size[at] > max(_SIGMAS, _ORDINARY * float(usual[axis])):
                 found.append(
                     Event(
                         trial=trial.name,
@@ -89,8 +91,8 @@ def cut_apart(
     return tuple(parts), tuple(runs)
 
 
-def in_full_swing(problem: Problem, runs: Sequence[int]) -> Problem:
-    """What starts after an event starts with the velocity that was measured: its wheels may slip."""
+def with_measured_velocity(problem: Problem, runs: Sequence[int]) -> Problem:
+    """With the measured velocity at the start of each part after an event, where the wheels may slip."""
     twists = problem.twists.copy()
     for row, (trial, run) in enumerate(zip(problem.trials, runs, strict=True)):
         if row == 0 or runs[row - 1] != run:

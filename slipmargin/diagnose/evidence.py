@@ -1,8 +1,8 @@
 """How sure: significance against noise, parameter intervals, how well the data excite the model.
 
 Many effects have their null on the edge of their range, where χ² tables do not hold (Protassov et
-al., ApJ 571, 545, 2002), and the best of many suspects is good by luck.  So the gain of the chosen
-effect is compared with the largest gain that *any* suspect takes from surrogate noise.
+al., ApJ 571, 545, 2002), and the best of many candidates is good by luck.  So the gain of the chosen
+effect is compared with the largest gain that *any* candidate takes from surrogate noise.
 """
 
 from __future__ import annotations
@@ -106,15 +106,17 @@ def _disagreement(found: Fit, scale: Array) -> Array:
     return np.asarray(np.sqrt(np.maximum(np.einsum("pz,zx,px->p", basis, covariance, basis), 0.0)) * scale)
 
 
-def luck(gain: float, tangents: Sequence[Array], noise: Array, step_s: float, seed: int) -> float:
-    """Probability that the best of all suspects gains as much from noise alone.
+def permutation_p_value(
+    gain: float, tangents: Sequence[Array], noise: Array, step_s: float, seed: int
+) -> float:
+    """Probability that the best of all candidates gains as much from noise alone.
 
     Parameters
     ----------
     gain : float
         Decrease of the sum of squares by the chosen effect.
     tangents : sequence of arrays (R, K, P_c)
-        Derivative of the residual by each suspect's parameters at null.
+        Derivative of the residual by each candidate's parameters at null.
     noise : array (R, K)
         Residual of the final model, three channels of K / 3 samples each.
     step_s : float
@@ -125,7 +127,7 @@ def luck(gain: float, tangents: Sequence[Array], noise: Array, step_s: float, se
     Returns
     -------
     float
-        (1 + number of surrogates whose best suspect gains at least ``gain``) / (1 + surrogates).
+        (1 + number of surrogates whose best candidate gains at least ``gain``) / (1 + surrogates).
         Surrogates flip the sign of whole blocks of the noise, so its size and correlation stay.
     """
     bases = [b for b in (_orthonormal(t) for t in tangents) if b.shape[1]]

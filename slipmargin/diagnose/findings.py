@@ -14,10 +14,8 @@ from slipmargin.diagnose.fit import Fit, build, limits_of, shifted_by, steps_ins
 from slipmargin.diagnose.left_out import leave_one_out
 from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.search import Round, State
-from slipmargin.diagnose.signals import Way
-from slipmargin.effects import Effect
-from slipmargin.effects.rigid_sector import RigidSector
-from slipmargin.effects.wheel_loads import WheelLoads
+from slipmargin.diagnose.signals import InterpolationScheme
+from slipmargin.effects import Effect, Quantity
 
 _GENERAL_CONFIRM = (
     "vary this one variable, keep everything else as it was, and see whether the residual follows"
@@ -42,12 +40,14 @@ def findings(
     final : Fit
         The same structure fitted to all trials: the parameters to report.
     tried : int
-        Number of suspects.
+        Number of candidates.
     """
     if not len(final.x):
         return ()
     low, high, scale = limits_of(final.structure)
-    spread = intervals(final, leave_one_out(final), scale, shifted_by(problem.rebuilt(Way.OTHER), final))
+    spread = intervals(
+        final, leave_one_out(final), scale, shifted_by(problem.rebuilt(InterpolationScheme.OTHER), final)
+    )
     spread = replace(spread, low=np.maximum(spread.low, low), high=np.minimum(spread.high, high))
     stuck = final.at_bound()
     found = []
@@ -71,7 +71,7 @@ def findings(
                 name=candidate.name,
                 label=candidate.label,
                 traced_to=candidate.trace,
-                wheels=effect.wheels or problem.nominal.geometry.names,
+                wheels=candidate.wheels or problem.nominal.geometry.names,
                 parameters=tuple(
                     Estimate(
                         name=key,
@@ -129,45 +129,45 @@ def _rivals(taken: Round, candidate: Candidate) -> tuple[str, ...]:
 def _derived(problem: Problem, final: Fit, spread: Intervals, index: int) -> tuple[Estimate, ...]:
     """What follows from an effect's parameters and can be checked by hand."""
     effect = final.effects[index]
-    if isinstance(effect, WheelLoads):
-        return _load_fractions(problem, final, spread)
-    if isinstance(effect, RigidSector):
-        return (_sectors_per_turn(problem, final, index, effect),)
-    return ()
+    if not isinstance(effect, Effect):
+        return ()
+    return (*_quantities(problem, final, spread, index), *_scanned(problem, final, index, effect))
 
 
-def _sectors_per_turn(problem: Problem, final: Fit, index: int, effect: RigidSector) -> Estimate:
-    """How often a turn rigid material comes round: the count that predicts best, all else as fitted."""
-    counts = np.arange(2, 17)
-    sets = []
-    for count in counts:
-        effects = list(final.effects)
-        effects[index] = replace(effect, sectors_per_turn=float(count))
-        sets.append(tuple(effects))
-    costs = [float(np.sum(r**2)) for r in problem.residuals(sets, [final.trials] * len(sets))]
-    best = float(counts[int(np.argmin(costs))])
-    return Estimate(name="sectors_per_turn", value=best, low=best, high=best, unit="1")
+def _scanned(problem: Problem, final: Fit, index: int, effect: Effect) -> list[Estimate]:
+    """Parameters that no fit varied, each at the value that predicts best with all else as fitted."""
+    units = {p.name: p.unit for p in effect.parameters}
+    found = []
+    for name, values in effect.scanned.items():
+        sets = [
+            (*final.effects[:index], replace(effect, **{name: value}), *final.effects[index + 1 :])  # type: ignore[type-var]
+            for value in values
+        ]
+        costs = [float(np.sum(r**2)) for r in problem.residuals(sets, [final.trials] * len(sets))]
+        best = values[int(np.argmin(costs))]
+        found.append(Estimate(name=name, value=best, low=best, high=best, unit=units[name]))
+    return found
 
 
-def _load_fractions(problem: Problem, final: Fit, spread: Intervals) -> tuple[Estimate, ...]:
-    """Each wheel's share of the weight, with what the parameters' intervals make of it."""
+def _quantities(problem: Problem, final: Fit, spread: Intervals, index: int) -> list[Estimate]:
+    """What the effect derives from the model, with the parameters' intervals carried over linearly."""
 
-    def fractions(x: Array) -> Array:
-        loads = problem.model(build(final.structure, x)).loads.rest_N
-        return np.asarray(loads / loads.sum())
+    def derived(x: Array) -> tuple[Quantity, ...]:
+        effects = build(final.structure, x)
+        effect = effects[index]
+        return effect.derived(problem.model(effects)) if isinstance(effect, Effect) else ()
 
-    value = fractions(final.x)
+    def values(x: Array) -> Array:
+        return np.array([q.value for q in derived(x)])
+
+    quantities, value = derived(final.x), values(final.x)
+    if not quantities:
+        return []
     steps = steps_inside(final.structure, final.x, 1e-3)
-    slope = [(fractions(final.x + d) - value) / d.sum() for d in np.diag(steps)]
+    slope = [(values(final.x + d) - value) / d.sum() for d in np.diag(steps)]
     half = 0.5 * (spread.high - spread.low)
     reach = np.sqrt(np.square(slope).T @ half**2)
-    return tuple(
-        Estimate(
-            name=f"load_fraction_{name}",
-            value=float(v),
-            low=float(v - r),
-            high=float(v + r),
-            unit="1",
-        )
-        for name, v, r in zip(problem.nominal.geometry.names, value, reach, strict=True)
-    )
+    return [
+        Estimate(name=q.name, value=q.value, low=q.value - float(r), high=q.value + float(r), unit=q.unit)
+        for q, r in zip(quantities, reach, strict=True)
+    ]

@@ -1,4 +1,4 @@
-"""Fit the parameters of suspected effects by simulation: bounded, damped Gauss–Newton.
+"""Fit the parameters of candidates by simulation: bounded, damped Gauss–Newton.
 
 The residual of a trial is whitened and freed of its unknown start pose before it gets here; the
 Jacobian is a forward difference over whole simulations, all of them in one parallel batch.
@@ -95,35 +95,36 @@ def steps_inside(structure: Sequence[Candidate], x: Array, size: float) -> Array
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Belief:
-    """What is believed of the parameters before any trial: ``pull`` (P, P) towards ``null`` (P,).
+class GaussianPrior:
+    """A Gaussian prior on a structure's parameters: precision (P, P) per scale², mean ``null`` (P,).
 
-    It weighs as much as one sample of the misfit at hand, so that it decides nothing that trials show.
+    It has the weight of one sample of the present misfit, so it only matters for parameters that the
+    trials do not constrain.
     """
 
-    pull: Array
+    precision: Array
     null: Array
 
     @staticmethod
-    def of(structure: Sequence[Candidate], residual: Array) -> Belief:
-        """What is believed of a structure's parameters where ``residual`` (R, K) is left."""
+    def of(structure: Sequence[Candidate], residual: Array) -> GaussianPrior:
+        """The prior of a structure's parameters where ``residual`` (R, K) is left."""
         size = sum(c.size for c in structure)
-        pull = np.zeros((size, size))
+        precision = np.zeros((size, size))
         at = 0
         for candidate in structure:
             span = slice(at, at + candidate.size)
-            pull[span, span] = candidate.prior.T @ candidate.prior
+            precision[span, span] = candidate.prior.T @ candidate.prior
             at += candidate.size
         misfit = float(np.sum(residual**2) / max(1, int(np.count_nonzero(residual))))
-        return Belief(
-            pull=max(1.0, misfit) * pull,
+        return GaussianPrior(
+            precision=max(1.0, misfit) * precision,
             null=np.concatenate([np.zeros(0), *(c.null for c in structure)]),
         )
 
     def cost(self, x: Array, scale: Array) -> float:
-        """What departing from the belief costs."""
+        """Minus twice its log density at ``x``, up to a constant."""
         z = (x - self.null) / scale
-        return float(z @ self.pull @ z)
+        return float(z @ self.precision @ z)
 
 
 def evaluate(problem: Residuals, structure: tuple[Candidate, ...], x: Array, trials: Index) -> Fit:
@@ -166,12 +167,12 @@ def fit(
     low, high, _ = limits_of(structure)
     x = np.clip(start, low, high)
     residual, jacobian = _linearise(problem, structure, x, trials)
-    believed = Belief.of(structure, residual)
+    prior = GaussianPrior.of(structure, residual)
     spent = 1 + len(x)
     damping = 1e-3
     for step in range(iterations if len(x) else 0):
         cost = float(np.sum(residual**2))
-        better = _improve(problem, structure, x, residual, jacobian, damping, trials, believed)
+        better = _improve(problem, structure, x, residual, jacobian, damping, trials, prior)
         if better is None:
             break
         x, new, damping, tried = better
@@ -200,17 +201,17 @@ def _improve(
     jacobian: Array,
     damping: float,
     trials: Index,
-    believed: Belief,
+    prior: GaussianPrior,
 ) -> tuple[Array, Array, float, int] | None:
     """A damped step downhill: new point, its residual, next damping, simulations; None where none is."""
     low, high, scale = limits_of(structure)
     flat = jacobian.reshape(-1, len(x)) * scale
-    normal = flat.T @ flat + believed.pull
-    gradient = flat.T @ residual.ravel() + believed.pull @ ((x - believed.null) / scale)
+    normal = flat.T @ flat + prior.precision
+    gradient = flat.T @ residual.ravel() + prior.precision @ ((x - prior.null) / scale)
     free = ~(((x <= low) & (gradient > 0)) | ((x >= high) & (gradient < 0)))
     if not free.any():
         return None
-    cost = float(np.sum(residual**2)) + believed.cost(x, scale)
+    cost = float(np.sum(residual**2)) + prior.cost(x, scale)
 
     def point(factor: float) -> Array:
         lift = np.diag(damping * factor * (np.diag(normal)[free] + 1e-9 * np.trace(normal) + 1e-12))
@@ -220,11 +221,11 @@ def _improve(
 
     first = point(1.0)
     found = problem.residuals([build(structure, first)], [trials])[0]
-    if float(np.sum(found**2)) + believed.cost(first, scale) < cost:
+    if float(np.sum(found**2)) + prior.cost(first, scale) < cost:
         return first, found, max(damping / 10.0, 1e-6), 1
     points = [point(factor) for factor in _LADDER]
     ladder = problem.residuals([build(structure, p) for p in points], [trials] * len(points))
-    costs = [float(np.sum(r**2)) + believed.cost(p, scale) for r, p in zip(ladder, points, strict=True)]
+    costs = [float(np.sum(r**2)) + prior.cost(p, scale) for r, p in zip(ladder, points, strict=True)]
     best = int(np.argmin(costs))
     if not costs[best] < cost:
         return None
@@ -263,18 +264,18 @@ def shifted_by(other: Residuals, found: Fit) -> Array:
     return np.asarray(step * scale)
 
 
-def tangents(problem: Residuals, base: Fit, suspects: Sequence[Candidate]) -> list[Array]:
-    """Derivative (R, K, P) of the residual by each suspect's parameters at its null, beside ``base``.
+def tangents(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> list[Array]:
+    """Derivative (R, K, P) of the residual by each candidate's parameters at its null, beside ``base``.
 
     The part that ``base``'s own parameters could take up is removed.
     """
     points: list[tuple[AnyEffect, ...]] = []
     steps: list[float] = []
-    for suspect in suspects:
-        for at, unit in enumerate(np.eye(suspect.size)):
-            step = _STEP * suspect.scale[at]
-            step = step if suspect.null[at] + step <= suspect.high[at] else -step
-            points.append((*base.effects, suspect.build(suspect.null + step * unit)))
+    for candidate in candidates:
+        for at, unit in enumerate(np.eye(candidate.size)):
+            step = _STEP * candidate.scale[at]
+            step = step if candidate.null[at] + step <= candidate.high[at] else -step
+            points.append((*base.effects, candidate.build(candidate.null + step * unit)))
             steps.append(step)
     found = problem.residuals(points, [base.trials] * len(points))
     columns = [(r - base.residual) / step for r, step in zip(found, steps, strict=True)]
@@ -283,9 +284,9 @@ def tangents(problem: Residuals, base: Fit, suspects: Sequence[Candidate]) -> li
         keep = np.linalg.qr(base.jacobian.reshape(-1, len(base.x)))[0]
     out = []
     at = 0
-    for suspect in suspects:
-        flat = np.stack([c.ravel() for c in columns[at : at + suspect.size]], axis=1)
+    for candidate in candidates:
+        flat = np.stack([c.ravel() for c in columns[at : at + candidate.size]], axis=1)
         flat = flat - keep @ (keep.T @ flat)
-        out.append(flat.reshape(*base.residual.shape, suspect.size))
-        at += suspect.size
+        out.append(flat.reshape(*base.residual.shape, candidate.size))
+        at += candidate.size
     return out

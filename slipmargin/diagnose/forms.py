@@ -1,7 +1,7 @@
 """How a general form is made: free coefficients of friction, force or measurement terms.
 
-They find an effect that nobody has named, and they judge a named one: where the general form over
-the same variable explains much more, the name does not fit.
+General forms find effects that are not in the catalogue, and they check named ones: if the general form
+over the same variable fits clearly better, the named effect is not reported.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ class Ranges:
     command_rad_s: float
 
 
-#: Believed beforehand: neighbours of a polygon differ by less than this many scales, and every
-#: coefficient is smaller than this many.  It matters only where no trial has been.
+#: Standard deviations of the Gaussian prior [scales]: of the difference between neighbours of a polygon,
+#: and of every coefficient.  They matter only where no trial has been.
 _NEIGHBOURS, _LARGEST = 5.0, 30.0
 
 
-def believed(blocks: Sequence[tuple[Basis, int]]) -> Array:
+def prior_rows(blocks: Sequence[tuple[Basis, int]]) -> Array:
     """Prior rows (Q, P) of coefficients in consecutive blocks of (basis, count)."""
     size = sum(count for _, count in blocks)
     rows = [np.eye(size) / _LARGEST]
@@ -77,7 +77,8 @@ def spread(
         low=-bound,
         high=bound,
         starts=np.zeros((1, size)),
-        prior=believed([(Basis.CONSTANT, size)]) if prior is None else prior,
+        prior=prior_rows([(Basis.CONSTANT, size)]) if prior is None else prior,
+        wheel_phase=trace is Trace.WHEEL_ANGLE,
         build=lambda values: GeneralEffect(traced_to=trace, part=part, terms=tuple(terms(values))),
     )
 
@@ -110,7 +111,7 @@ def friction(
             at += count
         return made
 
-    prior = believed([(row[1], row[3]) for row in rows])
+    prior = prior_rows([(row[1], row[3]) for row in rows])
     return spread(trace, label, Part.GRIP, np.full(size, 0.1), np.full(size, bound), terms, prior)
 
 
@@ -148,5 +149,5 @@ def forces(
             )
         return made
 
-    prior = believed([(basis, count) for _, basis, _, count, axes, _ in rows for _ in axes])
+    prior = prior_rows([(basis, count) for _, basis, _, count, axes, _ in rows for _ in axes])
     return spread(trace, label, Part.LOSSES, np.array(scale), 50.0 * np.array(scale), terms, prior)

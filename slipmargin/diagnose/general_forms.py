@@ -12,6 +12,7 @@ from slipmargin.diagnose.forms import Ranges, forces, friction
 from slipmargin.diagnose.signal_forms import actuation_forms, measurement_forms
 from slipmargin.effects import Trace
 from slipmargin.model import Model
+from slipmargin.physics.sectors import pitch
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
 
 
@@ -27,7 +28,7 @@ def general_candidates(model: Model, ranges: Ranges, commanded: bool) -> list[Ca
 
 
 def _over_contact(model: Model, r: Ranges) -> list[Candidate]:
-    pitch = 2.0 * np.pi / float(model.grip.rollers[0])
+    period = pitch(float(model.grip.rollers[0]))
     drive, transverse, both, stiff = Target.DRIVE, Target.TRANSVERSE, Target.BOTH, Target.STIFFNESS
     angle, slip = Variable.WHEEL_ANGLE, Variable.SLIP_SPEED
     one = np.eye(model.count)
@@ -40,7 +41,7 @@ def _over_contact(model: Model, r: Ranges) -> list[Candidate]:
             Trace.WHEEL_ANGLE,
             "roller pitch",
             model,
-            [(angle, Basis.FOURIER, (pitch, 0.0), 6, t, None) for t in (drive, transverse)],
+            [(angle, Basis.FOURIER, (period, 0.0), 6, t, None) for t in (drive, transverse)],
         ),
         friction(
             Trace.WHEEL_ANGLE,

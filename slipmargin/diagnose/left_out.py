@@ -1,11 +1,11 @@
-"""Each trial predicted with parameters that have not seen it: what a search judges suspects by."""
+"""Each trial predicted with parameters that have not seen it: what a search compares candidates by."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from slipmargin.checks import Array
-from slipmargin.diagnose.fit import Belief, Fit, Residuals, build, limits_of
+from slipmargin.diagnose.fit import Fit, GaussianPrior, Residuals, build, limits_of
 
 #: Above this chi a step may be too long for its tangent: damped ones, and none at all, are tried too.
 _BENT = 1.5
@@ -18,11 +18,11 @@ def leave_one_out(found: Fit, damping: float = 0.0) -> Array:
     scaled = found.jacobian * scale
     normals = np.einsum("rkp,rkq->rpq", scaled, scaled)
     gradients = np.einsum("rkp,rk->rp", scaled, found.residual)
-    believed = Belief.of(found.structure, found.residual)
-    pulled = believed.pull @ ((found.x - believed.null) / scale)
+    prior = GaussianPrior.of(found.structure, found.residual)
+    pulled = prior.precision @ ((found.x - prior.null) / scale)
     rows = []
     for own_normal, own_gradient in zip(normals, gradients, strict=True):
-        normal = normals.sum(axis=0) - own_normal + believed.pull
+        normal = normals.sum(axis=0) - own_normal + prior.precision
         gradient = gradients.sum(axis=0) - own_gradient + pulled
         ridge = 1e-8 * (np.trace(normal) + 1e-12) * np.eye(len(found.x))
         ridge += damping * np.diag(np.diag(normal))

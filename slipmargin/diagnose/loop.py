@@ -1,9 +1,9 @@
-"""The loop: compare, find where the residual sits, try every suspect, add what is missing, compare again.
-
-The paper's story as a function: initial model, residual, its cause, improved model, better agreement.
-"""
+"""The diagnosis: compare model and measurement, try every candidate, add what is missing, compare again."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 
@@ -11,20 +11,20 @@ from slipmargin.checks import Array, Index
 from slipmargin.data.data_set import DataSet, WheelSignal
 from slipmargin.data.record import Record
 from slipmargin.diagnose.candidate import named_candidates
-from slipmargin.diagnose.diagnosis import Diagnosis, Event, Finding, Score, Step, Trace3, Tried, Verdict
-from slipmargin.diagnose.events import cut_apart, find_events, in_full_swing
+from slipmargin.diagnose.diagnosis import Diagnosis, Event, Finding, Step, TrialTrajectories, Tried, Verdict
+from slipmargin.diagnose.events import cut_apart, find_events, with_measured_velocity
 from slipmargin.diagnose.findings import findings
-from slipmargin.diagnose.fit import Fit, build, fit
+from slipmargin.diagnose.fit import Fit, fit
 from slipmargin.diagnose.general_forms import general_candidates
-from slipmargin.diagnose.left_out import leave_one_out
+from slipmargin.diagnose.order_analysis import Periodicity, order_analysis
 from slipmargin.diagnose.prepare import clean, noise
 from slipmargin.diagnose.problem import Problem
 from slipmargin.diagnose.ranges import ranges, variables_of
+from slipmargin.diagnose.residual_diagnostics import dependences
+from slipmargin.diagnose.scores import scores
 from slipmargin.diagnose.search import FAR, Progress, Round, State
 from slipmargin.diagnose.selection import last_view, needed, refitted, search, without
-from slipmargin.diagnose.signals import Way
-from slipmargin.diagnose.turns import Recurrence, comes_round
-from slipmargin.diagnose.where import dependences
+from slipmargin.diagnose.signals import InterpolationScheme
 from slipmargin.effects import AnyEffect
 
 #: With at least so many trials some are held out altogether; with fewer all are cross-validated.
@@ -34,81 +34,129 @@ _HELD_OUT_SHARE = 0.2
 _SEARCHED = 12
 #: Steps of the last fit, which starts where the search ended.
 _FINAL_STEPS = 6
-#: A residual this far above the noise that nothing explains is not "no missing effect".
+#: Above this chi, a residual that no candidate explains is reported as unexplained.
 _UNEXPLAINED_CHI = 1.3
 
 
-def quiet(stage: str, share: float) -> None:
-    """Progress that nobody watches."""
+def no_progress(stage: str, share: float) -> None:
+    """Progress that is not shown."""
 
 
-def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) -> Diagnosis:
-    """Find what the model of a data set lacks, and prove it on trials that no fit has seen.
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Searched:
+    """What a search found without the held-out trials.
+
+    ``runs`` (R,) is the number of the run that each trial is, or is cut from; ``held`` and ``seen`` are the
+    numbers of the trials that were held out and of the others; ``events`` happened in the uncut runs.
+    """
+
+    problem: Problem
+    uncut: Problem
+    runs: tuple[int, ...]
+    held: Index
+    seen: Index
+    seen_runs: Index
+    candidates: int
+    state: State
+    rounds: list[Round]
+
+
+def searched(data_set: DataSet, seed: int, progress: Progress = no_progress) -> Searched:
+    """Noise, cuts, ranges, wheel phases and effects, all from the trials that are not held out."""
+    progress("reading the noise", 0.0)
+    every_run = np.arange(len(data_set.trials))
+    held_runs = _held_out(len(every_run), seed)
+    seen_runs = np.setdiff1d(every_run, held_runs).astype(np.int64)
+    sigma = data_set.sigma
+    if sigma is None:
+        sigma = noise(tuple(data_set.trials[i] for i in seen_runs))
+    uncut = problem = _problem(data_set, data_set.trials, sigma)
+    runs: tuple[int, ...] = tuple(range(len(every_run)))
+    if events := _events(uncut, (), seen_runs):
+        records, runs = cut_apart(data_set.trials, events)
+        problem = with_measured_velocity(_problem(data_set, records, sigma), runs)
+    held = np.flatnonzero(np.isin(runs, held_runs))
+    seen = np.flatnonzero(np.isin(runs, seen_runs))
+    known = tuple(effect.name for effect in data_set.recipe.effects)
+    model, commanded = problem.model(()), problem.commanded
+    candidates = [
+        *named_candidates(model.geometry.names, commanded, known),
+        *general_candidates(model, ranges(tuple(problem.trials[i] for i in seen)), commanded),
+    ]
+    progress("comparing the residual with measured variables", 0.0)
+    some = seen[np.unique(np.linspace(0, len(seen) - 1, _SEARCHED).round().astype(int))]
+    problem, state, rounds = search(problem, some, seen, candidates, seed, progress)
+    if state.structure and (len(some) < len(seen) or state.chi > FAR):
+        progress("fitting all trials that are not held out", 0.0)
+        state = refitted(problem, state, state.structure, state.fit.x, seen)
+    return Searched(
+        problem=problem,
+        uncut=uncut,
+        runs=runs,
+        held=held,
+        seen=seen,
+        seen_runs=seen_runs,
+        candidates=len(candidates),
+        state=needed(problem, state),
+        rounds=rounds,
+    )
+
+
+def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = no_progress) -> Diagnosis:
+    """Find what the model of a data set lacks, and test it on trials that were held out of the search.
 
     Parameters
     ----------
     data_set : DataSet
-        What is believed of the robot, and what was measured.
+        The robot as its file describes it, and what was measured.
     seed : int
         Draws the held-out trials and the surrogate noise; the same seed gives the same answer.
     progress : callable (stage, share)
-        Told what is being done and how far (0 … 1).
+        Called with what is being done and how far it is (0 … 1).
 
     Returns
     -------
     Diagnosis
     """
-    progress("reading the noise", 0.0)
-    sigma = noise(data_set.trials) if data_set.sigma is None else data_set.sigma
-    uncut = problem = _problem(data_set, data_set.trials, sigma)
-    runs: tuple[int, ...] = tuple(range(len(data_set.trials)))
-    if events := _events(uncut, ()):
-        records, runs = cut_apart(data_set.trials, events)
-        problem = in_full_swing(_problem(data_set, records, sigma), runs)
-    trials, commanded = problem.trials, problem.commanded
+    s = searched(data_set, seed, progress)
+    state, held, trials = s.state, s.held, s.problem.trials
     everyone = np.arange(len(trials), dtype=np.int64)
-    held = np.flatnonzero(np.isin(runs, _held_out(len(data_set.trials), seed)))
-    seen = np.setdiff1d(everyone, held).astype(np.int64)
-    known = tuple(effect.name for effect in data_set.recipe.effects)
-    model = problem.model(())
-    suspects = [
-        *named_candidates(model.geometry.names, commanded, known),
-        *general_candidates(model, ranges(trials), commanded),
-    ]
-    progress("looking where the residual sits", 0.0)
-    searched = seen[np.unique(np.linspace(0, len(seen) - 1, _SEARCHED).round().astype(int))]
-    problem, state, rounds = search(problem, searched, suspects, seed, progress)
-    if state.structure and (len(searched) < len(seen) or state.chi > FAR):
-        progress("fitting all trials that are not held out", 0.0)
-        state = refitted(problem, state, state.structure, state.fit.x, seen)
-    state = needed(problem, state)
-    progress("fitting all trials", 0.0)
-    searched_in, problem = problem, problem.rebuilt(Way.FULL)
-    view = last_view(problem, state)
-    final = fit(view, state.structure, state.fit.x, everyone, iterations=_FINAL_STEPS)
-    progress("weighing what was found", 0.0)
-    useful = [without(searched_in, state, index).chi for index in range(len(state.structure))]
-    found = findings(view, state, useful, rounds, final, len(suspects))
     judged = held if len(held) else everyone
-    base_pose, after_pose = _predictions(problem, state, judged, cross_validated=not len(held))
-    before, after = (_score(problem, judged, pose) for pose in (base_pose, after_pose))
+    cross_validated = not len(held)
+    progress("predicting the held-out trials", 0.0)
+    full = s.problem.rebuilt(InterpolationScheme.FULL)
+    records = [data_set.trials[s.runs[i]] for i in judged]
+    score = scores(full, state, judged, records, cross_validated)
+    problem = score.problem
+    progress("fitting the parameters to report", 0.0)
+    # With phases from their first parts alone, held-out trials are no match for the others in a fit.
+    fitted = s.seen if score.phased and len(held) else everyone
+    view = last_view(problem, state)
+    final = fit(view, state.structure, state.fit.x, fitted, iterations=_FINAL_STEPS)
+    progress("computing intervals", 0.0)
+    useful = [without(s.problem, state, index).chi for index in range(len(state.structure))]
+    found = findings(view, state, useful, s.rounds, final, s.candidates)
     drawn_before, drawn_after = (problem.predict([e], [everyone])[0] for e in ((), state.fit.effects))
-    events = _events(uncut, state.fit.effects)
+    uncut = s.uncut
+    if len(uncut.trials) == len(trials):
+        uncut = uncut.with_wheel_phases(problem.wheel_phases)
+    events = _events(uncut, state.fit.effects, s.seen_runs)
     rates_before, rates_after = (problem.residual_rates(p) for p in (drawn_before, drawn_after))
     variables = [variables_of(t, problem.model(())) for t in trials]
-    turns = comes_round(problem, rates_after, seed)
+    turns = order_analysis(problem, rates_after, seed)
     return Diagnosis(
         data_set=data_set.name,
         surface=data_set.surface,
-        verdict=_verdict(state, rounds),
-        noise=sigma,
+        verdict=_verdict(state, s.rounds),
+        noise=problem.sigma,
         noise_estimated=data_set.sigma is None,
         held_out=tuple(trials[i].name for i in held),
-        cross_validated=not len(held),
-        before=before,
-        after=after if found else before,
+        cross_validated=cross_validated,
+        before=score.before,
+        after=score.after if found else score.before,
         findings=found,
-        steps=tuple(_step(r) for r in rounds),
+        steps=tuple(_step(r) for r in s.rounds),
         where=dependences(rates_before, variables, seed),
         where_after=dependences(rates_after, variables, seed),
         turns=turns,
@@ -116,7 +164,7 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
         events=events,
         outliers=sum(t.dropped for t in trials),
         trials=tuple(
-            Trace3(
+            TrialTrajectories(
                 name=t.name,
                 held_out=i in held,
                 t_s=t.t_s,
@@ -128,7 +176,7 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = quiet) ->
         ),
         recipe=data_set.recipe,
         corrected=data_set.recipe.with_effects(*final.effects),
-        remarks=_remarks(state, found, final, events, turns),
+        remarks=_remarks(state, found, final, events, turns, phased=score.phased, held=len(held) > 0),
     )
 
 
@@ -138,9 +186,9 @@ def _problem(data_set: DataSet, records: tuple[Record, ...], sigma: Array) -> Pr
     return Problem.of(data_set.recipe, data_set.surface, trials, sigma, commanded)
 
 
-def _events(problem: Problem, effects: tuple[AnyEffect, ...]) -> tuple[Event, ...]:
+def _events(problem: Problem, effects: tuple[AnyEffect, ...], ordinary: Index) -> tuple[Event, ...]:
     everyone = np.arange(len(problem.trials), dtype=np.int64)
-    return find_events(problem, problem.predict([effects], [everyone])[0])
+    return find_events(problem, problem.predict([effects], [everyone])[0], ordinary)
 
 
 def _held_out(count: int, seed: int) -> Index:
@@ -149,28 +197,6 @@ def _held_out(count: int, seed: int) -> Index:
         return np.zeros(0, dtype=np.int64)
     many = max(2, round(_HELD_OUT_SHARE * count))
     return np.sort(np.random.default_rng(seed).choice(count, size=many, replace=False)).astype(np.int64)
-
-
-def _predictions(problem: Problem, state: State, judged: Index, cross_validated: bool) -> tuple[Array, Array]:
-    """Poses (R, T, 3) of the judged trials without and with the effects, fitted to other trials."""
-    before = problem.predict([()], [judged])[0]
-    if not len(state.fit.x):
-        return before, before
-    if not cross_validated:
-        return before, problem.predict([state.fit.effects], [judged])[0]
-    sets = [build(state.structure, x) for x in leave_one_out(state.fit)]
-    return before, np.concatenate(problem.predict(sets, [judged[i : i + 1] for i in range(len(judged))]))
-
-
-def _score(problem: Problem, judged: Index, pose: Array) -> Score:
-    seen = problem.seen[judged]
-    gap = np.where(seen, problem.measured[judged] - pose, 0.0)
-    both = seen[..., 0] & seen[..., 1]
-    return Score(
-        rmse_position_m=float(np.sqrt(np.sum(gap[..., :2] ** 2) / max(1, both.sum()))),
-        rmse_heading_rad=float(np.sqrt(np.sum(gap[..., 2] ** 2) / max(1, seen[..., 2].sum()))),
-        chi=float(np.sqrt(np.sum((gap / problem.sigma) ** 2) / max(1, seen.sum()))),
-    )
 
 
 def _verdict(state: State, rounds: list[Round]) -> Verdict:
@@ -199,9 +225,9 @@ def _step(done: Round) -> Step:
                     traced_to=c.trace,
                     named=c.named,
                     parameters=c.size,
-                    chi=float(np.sqrt(max(0.0, done.before.chi**2 - hope / done.before.samples))),
+                    chi=float(np.sqrt(max(0.0, done.before.chi**2 - gain / done.before.samples))),
                 )
-                for c, hope in zip(done.suspects, done.hopes, strict=True)
+                for c, gain in zip(done.candidates, done.gains, strict=True)
             ),
             key=lambda t: t.chi,
         )[:20]
@@ -223,9 +249,19 @@ def _remarks(
     found: tuple[Finding, ...],
     final: Fit,
     events: tuple[Event, ...],
-    turns: tuple[Recurrence, ...],
+    turns: tuple[Periodicity, ...],
+    *,
+    phased: bool,
+    held: bool,
 ) -> tuple[str, ...]:
     said = []
+    if phased:
+        which = "held-out run" if held else "run"
+        said.append(
+            f"No log holds the wheel angles.  On each {which} the start angles of the wheels were estimated "
+            "from the first half of the way they turn, with parameters fitted to other runs; the errors "
+            "reported are those of the rest of the run."
+        )
     if found and state.chi > _UNEXPLAINED_CHI:
         said.append(
             f"The effects found leave a residual of {state.chi:.2f} times the noise: something is still "
@@ -237,5 +273,5 @@ def _remarks(
         said.append(
             "Something happened once in a trial; it is listed under events, not explained by physics."
         )
-    said += [r.told for r in turns]
+    said += [r.sentence for r in turns]
     return tuple(said)

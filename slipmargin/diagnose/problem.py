@@ -1,11 +1,11 @@
 """Predict every trial with any set of effects, and compare: the whitened residual.
 
-The unknown start pose is a nuisance of three numbers a trial.  It is removed linearly: the residual
-is projected off the change that a small shift and turn of the start makes to the whole run.
+The unknown start pose of a trial is three nuisance parameters.  They are removed linearly: the residual
+is projected off the change that a small shift and rotation of the start makes to the whole run.
 
-Where the prediction is far off, a wrong heading early on bends all that follows, and a fit of whole
-runs has many valleys.  A problem *in pieces* moves and turns every short piece of a predicted run
-onto the measured one first: what remains is what happens within the piece.
+Where the prediction is far off, a wrong heading early in a run changes everything after it, and a fit of
+whole runs has many local minima.  A problem *in pieces* moves and rotates every short piece of a predicted
+run onto the measured one first, so that the residual is that of the motion within the piece.
 """
 
 from __future__ import annotations
@@ -19,31 +19,32 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array, Index
 from slipmargin.diagnose.prepare import Trial
+from slipmargin.diagnose.residual_diagnostics import residual_rate
 from slipmargin.diagnose.sense import is_ideal, measure
-from slipmargin.diagnose.signals import Way, rolling_twist, turned, wheel_signal
-from slipmargin.diagnose.where import residual_rate
+from slipmargin.diagnose.signals import InterpolationScheme, rolling_twist, wheel_signal, with_phases
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.effects.recipe import with_effects
 from slipmargin.errors import InputError
 from slipmargin.model import Model, nominal_model
+from slipmargin.physics.frames import rotated
 from slipmargin.sim.batch import Batch
 from slipmargin.sim.pack import pack, stack
 
-#: Residuals are clipped here [σ]: a run that went wild must not blind the fit to the others.
+#: Residuals are clipped here [σ]: one diverging run must not outweigh all the others.
 _WILD = 1e4
 #: Integration tolerance: its error stays below a hundredth of any camera's noise.
 _RTOL = 1e-4
 _FINE_RTOL = 1e-6
-#: Steps after which a run has gone wild (an ordinary one takes a few hundred a second of motion).
+#: Steps after which a run counts as diverged (an ordinary one takes a few hundred a second of motion).
 _MOST_STEPS = 40_000
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Problem:
-    """Cleaned trials on one surface, the recipe believed so far, and the compiled simulator.
+    """Cleaned trials on one surface, the recipe to compare them with, and the compiled simulator.
 
-    ``measured`` (R, T, 3) and ``seen`` (R, T, 3) are padded to the longest trial; ``rotor`` (R, N)
+    ``measured`` (R, T, 3) and ``seen`` (R, T, 3) are padded to the longest trial; ``wheel_phases`` (R, N)
     are added to the wheel angles [rad]; ``piece`` is the number of samples a piece, None for whole runs.
     """
 
@@ -58,8 +59,8 @@ class Problem:
     starts: Array
     twists: Array
     commanded: bool
-    rotor: Array
-    way: Way = Way.THIN
+    wheel_phases: Array
+    scheme: InterpolationScheme = InterpolationScheme.THIN
     rtol: float = _RTOL
     piece: int | None = None
 
@@ -84,7 +85,7 @@ class Problem:
             measured=np.where(seen, measured, 0.0),
             seen=seen,
             commanded=commanded,
-            rotor=np.zeros((len(trials), nominal.count)),
+            wheel_phases=np.zeros((len(trials), nominal.count)),
             starts=np.array([t.start for t in trials]),
             twists=np.array([rolling_twist(nominal, t, s) for t, s in zip(trials, signals, strict=True)]),
         )
@@ -128,7 +129,7 @@ class Problem:
             pose, gap = _fitted(pose, self.measured[runs], seen, self.sigma)
         else:
             cut = [_cut(array, self.piece) for array in (pose, self.measured[runs], seen)]
-            fitted = _fitted(_turned(*cut), cut[1], cut[2], self.sigma)
+            fitted = _fitted(_aligned(*cut), cut[1], cut[2], self.sigma)
             pose, gap = (a.reshape(len(runs), -1, 3)[:, : pose.shape[1]] for a in fitted)
         impossible = np.array([m is None for m in built])[which]
         gap = np.where(seen & impossible[:, None, None], _WILD, gap)
@@ -148,18 +149,25 @@ class Problem:
             residual_rate(t.t_s, t.pose, p[: len(t.t_s)]) for t, p in zip(self.trials, predicted, strict=True)
         ]
 
-    def rebuilt(self, way: Way) -> Problem:
-        """The same problem with the wheels' motion rebuilt another way, and integrated finely."""
-        return replace(self, batch=self._batch(way, self.rotor), way=way, rtol=_FINE_RTOL)
+    def rebuilt(self, scheme: InterpolationScheme) -> Problem:
+        """The same problem with the wheels' motion interpolated differently, and integrated finely."""
+        return replace(self, batch=self._batch(scheme, self.wheel_phases), scheme=scheme, rtol=_FINE_RTOL)
 
-    def with_rotor(self, rotor: Array) -> Problem:
+    def with_wheel_phases(self, phases: Array) -> Problem:
         """The same problem with other angles (R, N) added to the wheels' [rad]."""
-        return replace(self, batch=self._batch(self.way, rotor), rotor=rotor)
+        return replace(self, batch=self._batch(self.scheme, phases), wheel_phases=phases)
 
-    def _batch(self, way: Way, rotor: Array) -> Batch:
+    def seen_after(self, t_s: Array) -> Problem:
+        """The same problem with only those samples of each trial that come after its time ``t_s`` (R,)."""
+        late = np.zeros(self.seen.shape[:2], dtype=bool)
+        for row, trial, start in zip(late, self.trials, t_s, strict=True):
+            row[: len(trial.t_s)] = trial.t_s > start
+        return replace(self, seen=self.seen & late[..., None])
+
+    def _batch(self, scheme: InterpolationScheme, phases: Array) -> Batch:
         signals = [
-            turned(wheel_signal(t, self.commanded, way), row)
-            for t, row in zip(self.trials, rotor, strict=True)
+            with_phases(wheel_signal(t, self.commanded, scheme), row)
+            for t, row in zip(self.trials, phases, strict=True)
         ]
         return Batch(signals, [t.t_s for t in self.trials], commanded=self.commanded)
 
@@ -174,23 +182,22 @@ class Problem:
 
 
 def _cut(array: NDArray[Any], piece: int) -> NDArray[Any]:
-    """(M, T, 3) into pieces (M W, piece, 3); the last is filled up with zeros, which nobody has seen."""
+    """(M, T, 3) into pieces (M W, piece, 3); the last is filled up with zeros, which count as not seen."""
     fill = -array.shape[1] % piece
     return np.pad(array, ((0, 0), (0, fill), (0, 0))).reshape(-1, piece, 3)
 
 
-def _turned(pose: Array, measured: Array, seen: NDArray[np.bool_]) -> Array:
-    """Each piece turned about its first point by the mean difference of heading."""
+def _aligned(pose: Array, measured: Array, seen: NDArray[np.bool_]) -> Array:
+    """Each piece rotated about its first point by the mean difference of heading, then moved likewise."""
     known = seen[..., 2]
     off = np.sum(np.where(known, measured[..., 2] - pose[..., 2], 0.0), axis=1)
     off = off / np.maximum(1, known.sum(axis=1))
-    c, s = np.cos(off)[:, None], np.sin(off)[:, None]
     arm = pose[..., :2] - pose[:, :1, :2]
-    turned = np.stack([c * arm[..., 0] - s * arm[..., 1], s * arm[..., 0] + c * arm[..., 1]], axis=-1)
-    middle = np.sum(np.where(seen[..., :2], measured[..., :2] - turned, 0.0), axis=1) / np.maximum(
+    place = np.stack(rotated(off[:, None], arm[..., 0], arm[..., 1]), axis=-1)
+    middle = np.sum(np.where(seen[..., :2], measured[..., :2] - place, 0.0), axis=1) / np.maximum(
         1, seen[..., :2].sum(axis=1)
     )
-    return np.concatenate([turned + middle[:, None], pose[..., 2:] + off[:, None, None]], axis=-1)
+    return np.concatenate([place + middle[:, None], pose[..., 2:] + off[:, None, None]], axis=-1)
 
 
 def _fitted(pose: Array, measured: Array, seen: NDArray[np.bool_], sigma: Array) -> tuple[Array, Array]:

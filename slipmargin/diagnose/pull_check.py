@@ -17,6 +17,7 @@ from slipmargin.limits.band import band
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.sweep import limit_or_zero
 from slipmargin.model import Model
+from slipmargin.physics.sectors import on_rigid, pitch
 
 
 @final
@@ -39,7 +40,7 @@ def pull_check(believed: Model, corrected: Model, pulls: Pulls) -> PullCheck:
     believed, corrected : Model
         Before and after.
     pulls : Pulls
-        Orientation [rad], breakaway force [N], rotor angles [rad] where known.
+        Orientation [rad], breakaway force [N], wheel angles [rad] where known.
     """
     before, after = (pulls.force_N - predicted(m, pulls) for m in (believed, corrected))
     return PullCheck(
@@ -52,15 +53,14 @@ def pull_check(believed: Model, corrected: Model, pulls: Pulls) -> PullCheck:
 
 
 def predicted(model: Model, pulls: Pulls) -> Array:
-    """F_emax (P,) [N] of the contact state that each pull's rotor angles tell.
+    """F_emax (P,) [N] of the contact state that belongs to each pull's wheel angles.
 
     Where the angles are not known, that of the band which is nearest to the measured force.
     """
     if pulls.theta_rad is None:
         low, high = band(model, pulls.phi_rad, Pull())
         return np.clip(pulls.force_N, low, high)
-    pitch = 2.0 * np.pi / model.grip.rollers
-    rigid = np.mod(pulls.theta_rad, pitch) >= (1.0 - model.grip.rigid_fraction) * pitch
+    rigid = on_rigid(pulls.theta_rad, pitch(model.grip.rollers), model.grip.rigid_fraction)
     found = np.empty(len(pulls.phi_rad))
     for state in np.unique(rigid, axis=0):
         rows = np.all(rigid == state, axis=1)

@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.data.odometry import bridged
 from slipmargin.diagnose.forms import Ranges
 from slipmargin.diagnose.prepare import Trial
 from slipmargin.model import Model
+from slipmargin.physics.frames import to_body
+from slipmargin.physics.sectors import pitch
 
 #: Over how long the measured pose is differentiated [s].
 _SPAN_S = 0.08
@@ -16,12 +19,12 @@ _SPAN_S = 0.08
 def motion_of(trial: Trial) -> dict[str, Array]:
     """Measured pose without gaps, velocity and acceleration in the body frame, each (T,)."""
     t = trial.t_s
-    pose = np.stack([_filled(t, column) for column in trial.pose.T], axis=1)
+    pose = _filled(t, trial.pose)
     velocity = _slope(t, pose)
     phi = pose[:, 2]
-    cos, sin = np.cos(phi), np.sin(phi)
-    right, forward = cos * velocity[:, 0] + sin * velocity[:, 1], -sin * velocity[:, 0] + cos * velocity[:, 1]
-    change = _slope(t, np.stack([velocity[:, 0], velocity[:, 1], velocity[:, 2]], axis=1))
+    right, forward = to_body(phi, velocity[:, 0], velocity[:, 1])
+    change = _slope(t, velocity)
+    push_right, push_forward = to_body(phi, change[:, 0], change[:, 1])
     return {
         "time": t - t[0],
         "position x": pose[:, 0],
@@ -31,8 +34,8 @@ def motion_of(trial: Trial) -> dict[str, Array]:
         "velocity forward": forward,
         "yaw rate": velocity[:, 2],
         "speed": np.hypot(right, forward),
-        "acceleration right": cos * change[:, 0] + sin * change[:, 1],
-        "acceleration forward": -sin * change[:, 0] + cos * change[:, 1],
+        "acceleration right": push_right,
+        "acceleration forward": push_forward,
     }
 
 
@@ -43,10 +46,10 @@ def variables_of(trial: Trial, model: Model) -> dict[str, Array]:
     speeds = record.omega if record.omega is not None else record.omega_cmd
     for i, name in enumerate(model.geometry.names):
         if record.theta is not None:
-            pitch = 2.0 * np.pi / float(model.grip.rollers[i])
-            found[f"wheel angle {name}"] = np.mod(_filled(trial.t_s, record.theta[:, i]), pitch)
+            angle = _filled(trial.t_s, record.theta)[:, i]
+            found[f"wheel angle {name}"] = np.mod(angle, pitch(float(model.grip.rollers[i])))
         if speeds is not None:
-            found[f"wheel speed {name}"] = _filled(trial.t_s, speeds[:, i])
+            found[f"wheel speed {name}"] = _filled(trial.t_s, speeds)[:, i]
     return found
 
 
@@ -71,11 +74,9 @@ def ranges(trials: tuple[Trial, ...]) -> Ranges:
     )
 
 
-def _filled(t: Array, column: Array) -> Array:
-    known = np.isfinite(column)
-    if known.all():
-        return column
-    return np.asarray(np.interp(t, t[known], column[known])) if known.any() else np.zeros(len(t))
+def _filled(t: Array, values: Array) -> Array:
+    """``values`` (T, C) with missing samples interpolated; a column that was never seen is zero."""
+    return np.nan_to_num(bridged(t, values))
 
 
 def _slope(t: Array, values: Array) -> Array:

@@ -1,6 +1,6 @@
-"""Find what is missing: try every suspect, let trials it has not seen decide, add the best, repeat.
+"""Find what is missing: try every candidate, let trials it has not seen decide, add the best, repeat.
 
-A suspect's score is the geometric mean of two sums of squares: each trial fitted with the others, and
+A candidate's score is the geometric mean of two sums of squares: each trial fitted with the others, and
 predicted with parameters fitted to the others alone.  A named effect is preferred to a general form
 that explains no more, and a simple one to a complicated one; a general form that explains clearly
 more denies the name.
@@ -20,11 +20,11 @@ from slipmargin.diagnose.fit import Fit, Residuals, evaluate, fit
 from slipmargin.diagnose.left_out import cross_validate, each_by_its_own, leave_one_out
 from slipmargin.effects import Trace
 
-#: A suspect is as good as the best one if its chi is within this factor and offset.
+#: A candidate is as good as the best one if its chi is within this factor and offset.
 AS_GOOD_FACTOR, AS_GOOD_OFFSET = 1.06, 0.02
-#: How many suspects go from the first, short fit to the full one.
+#: How many candidates go from the first, short fit to the full one.
 FINALISTS = 6
-#: A suspect with more parameters than this whose short fit costs so many times the best one's gets
+#: A candidate with more parameters than this whose short fit costs so many times the best one's gets
 #: no full fit.
 _CHEAP, _HOPELESS = 4, 6.0
 #: A fit that cannot come within this factor of the best one's cost is not finished.
@@ -60,12 +60,12 @@ class State:
 
     @property
     def structure(self) -> tuple[Candidate, ...]:
-        """The suspects in it."""
+        """The candidates in it."""
         return self.fit.structure
 
     @property
     def last(self) -> Candidate:
-        """The suspect added last."""
+        """The candidate added last."""
         return self.fit.structure[-1]
 
 
@@ -74,13 +74,13 @@ class State:
 class Round:
     """One step of the search: where it started, what was tried (best first), what was taken, if any.
 
-    ``hopes`` are the gains that the suspects' tangents promise; where none of them could lower chi
+    ``gains`` are the gains that the candidates' tangents score_test_gain; where none of them could lower chi
     noticeably, nothing was fitted and ``best`` is None.
     """
 
     before: State
-    suspects: tuple[Candidate, ...]
-    hopes: tuple[float, ...]
+    candidates: tuple[Candidate, ...]
+    gains: tuple[float, ...]
     tried: tuple[State, ...]
     best: State | None
     p_value: float
@@ -132,12 +132,12 @@ def base_state(problem: Residuals, trials: Index, samples: float) -> State:
 def extend(
     problem: Residuals,
     before: State,
-    suspects: list[Candidate],
+    candidates: list[Candidate],
     progress: Progress,
     finalists: int = FINALISTS,
     enough: float = 0.0,
 ) -> list[State]:
-    """Each suspect added to ``before``: a short fit from each start, a full one for the best.
+    """Each candidate added to ``before``: a short fit from each start, a full one for the best.
 
     Parameters
     ----------
@@ -145,14 +145,14 @@ def extend(
         Gives residuals of effects.
     before : State
         What is known already.
-    suspects : list of Candidate
+    candidates : list of Candidate
         What to add, one at a time.
     progress : callable
         Told of each fit.
     finalists : int
         How many get the full fit.
     enough : float
-        A chi at which no further suspect needs a full fit.
+        A chi at which no further candidate needs a full fit.
 
     Returns
     -------
@@ -160,7 +160,7 @@ def extend(
         Best first.
     """
     trials = before.fit.trials
-    short = short_fits(problem, before, suspects, some_of(trials), progress)
+    short = short_fits(problem, before, candidates, some_of(trials), progress)
     states: list[State] = []
     worth = [
         f for f in short[:finalists] if f.structure[-1].size <= _CHEAP or f.cost <= _HOPELESS * short[0].cost
@@ -181,22 +181,22 @@ def some_of(trials: Index) -> Index:
 
 
 def short_fits(
-    problem: Residuals, before: State, suspects: list[Candidate], trials: Index, progress: Progress
+    problem: Residuals, before: State, candidates: list[Candidate], trials: Index, progress: Progress
 ) -> list[Fit]:
-    """Two Gauss–Newton steps from each start of each suspect beside ``before``; lowest cost first."""
+    """Two Gauss–Newton steps from each start of each candidate beside ``before``; lowest cost first."""
     short: list[Fit] = []
-    for i, suspect in enumerate(suspects):
-        progress(f"trying {suspect.label}", i / len(suspects))
-        structure = (*before.structure, suspect)
+    for i, candidate in enumerate(candidates):
+        progress(f"trying {candidate.label}", i / len(candidates))
+        structure = (*before.structure, candidate)
         fits = [
             fit(problem, structure, np.concatenate([before.fit.x, start]), trials, iterations=2)
-            for start in suspect.starts
+            for start in candidate.starts
         ]
         short.append(min(fits, key=lambda f: f.cost))
     return sorted(short, key=lambda f: f.cost)
 
 
-def promise(residual: Array, slope: Array) -> float:
+def score_test_gain(residual: Array, slope: Array) -> float:
     """Decrease of the sum of squares that a linear step along ``slope`` (R, K, P) promises."""
     flat = slope.reshape(-1, slope.shape[-1])
     size = np.linalg.norm(flat, axis=0)
@@ -208,7 +208,7 @@ def promise(residual: Array, slope: Array) -> float:
 
 
 def choose(tried: list[State]) -> State:
-    """The best suspect: of those as good as the best score allows, the one that is simple for its chi."""
+    """The best candidate: of those as good as the best score allows, the one that is simple for its chi."""
     bar = AS_GOOD_FACTOR * tried[0].chi + AS_GOOD_OFFSET
     good = [s for s in tried if s.chi <= bar]
     return min(good, key=lambda s: s.chi * (1.0 + _price(s)))

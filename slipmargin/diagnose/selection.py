@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from slipmargin.checks import Array, Index
-from slipmargin.diagnose import rotor
+from slipmargin.diagnose import wheel_phase
 from slipmargin.diagnose.candidate import Candidate
-from slipmargin.diagnose.evidence import intervals, luck
+from slipmargin.diagnose.evidence import intervals, permutation_p_value
 from slipmargin.diagnose.fit import evaluate, fit, tangents
 from slipmargin.diagnose.left_out import leave_one_out
 from slipmargin.diagnose.problem import Problem
@@ -25,15 +25,14 @@ from slipmargin.diagnose.search import (
     by_chi,
     choose,
     judged_by,
-    promise,
+    score_test_gain,
     some_of,
     staged,
     state_of,
 )
 from slipmargin.diagnose.shortlist import contenders, possible, try_all
-from slipmargin.effects import Trace
 
-#: An effect is taken only if it is beyond luck at this level …
+#: An effect is taken only if it is significant at this level …
 SIGNIFICANCE = 0.01
 #: … and chi falls by at least this share and this much: less than that is within
 #: what the reconstruction of the wheels' motion from the log leaves behind.
@@ -55,31 +54,31 @@ _WITHIN_REACH = 3.0
 
 
 def search(
-    problem: Problem, trials: Index, suspects: list[Candidate], seed: int, progress: Progress
+    problem: Problem, trials: Index, seen: Index, candidates: list[Candidate], seed: int, progress: Progress
 ) -> tuple[Problem, State, list[Round]]:
     """What the model lacks, judged on ``trials``, and the rounds in which it was found.
 
-    The problem comes back as well: rotor angles that were not logged are estimated on the way.
+    The problem comes back as well: wheel phases that were not logged are estimated on the way, for the
+    trials ``seen`` (which contain ``trials``) and for no other.
     """
-    unknown = rotor.is_unknown(problem)
+    unknown = wheel_phase.is_unknown(problem)
     if unknown:
-        progress("estimating rotor angles", 0.0)
-        problem = rotor.guessed(problem)
+        progress("estimating wheel phases", 0.0)
+        problem = wheel_phase.guessed(problem, seen, candidates)
     state = base_state(problem, trials, problem.samples(trials))
     rounds: list[Round] = []
     for number in range(MOST_EFFECTS):
         if number and not worthwhile(state, _FLOOR):
             break
         stage = staged(progress, f"round {number + 1}")
-        step = take_step(problem, state, suspects, seed, stage, pairs=number == 0)
+        step = take_step(problem, state, candidates, seed, stage, pairs=number == 0)
         rounds.append(step)
         if not step.taken or step.best is None:
             break
         state = step.best
-        if unknown and any(c.trace is Trace.WHEEL_ANGLE for c in state.structure):
-            everyone = np.arange(len(problem.trials), dtype=np.int64)
-            problem, better = rotor.refined(
-                problem, evaluate(problem, state.structure, state.fit.x, everyone)
+        if unknown and any(c.wheel_phase for c in state.structure):
+            problem, better = wheel_phase.refined(
+                problem, evaluate(problem, state.structure, state.fit.x, seen)
             )
             state = state_of(problem, fit(problem, state.structure, better.x, trials), state.samples)
         if len(state.structure) >= MOST_EFFECTS:
@@ -88,13 +87,13 @@ def search(
 
 
 def take_step(
-    problem: Problem, before: State, suspects: list[Candidate], seed: int, progress: Progress, pairs: bool
+    problem: Problem, before: State, candidates: list[Candidate], seed: int, progress: Progress, pairs: bool
 ) -> Round:
-    """The best addition to ``before``, and whether it is beyond luck and worth its parameters."""
+    """The best addition to ``before``, and whether it is significant and worth its parameters."""
     inside = {c.label for c in before.structure}
-    fresh = [s for s in suspects if s.label not in inside and possible(problem, before, s)]
+    fresh = [s for s in candidates if s.label not in inside and possible(problem, before, s)]
     fresh.sort(key=lambda s: not s.named)
-    progress("comparing with every suspect", 0.0)
+    progress("comparing with every candidate", 0.0)
     far = before.chi > FAR
     view, start = problem, before
     if far:
@@ -110,24 +109,24 @@ def take_step(
             fitted = evaluate(view, before.structure, before.fit.x, some)
             look = state_of(view, fitted, problem.samples(some))
         slopes = tangents(view, look.fit, fresh)
-        hopes = [promise(look.fit.residual, slope) for slope in slopes]
-        reachable = float(np.sqrt(max(0.0, look.chi**2 - max(hopes) / look.samples)))
+        gains = [score_test_gain(look.fit.residual, slope) for slope in slopes]
+        reachable = float(np.sqrt(max(0.0, look.chi**2 - max(gains) / look.samples)))
         hopeless = (look.chi < AT_NOISE or bool(before.structure)) and not worthwhile(look, reachable)
         if hopeless or not worthwhile(before, _FLOOR):
             return Round(
                 before=look,
-                suspects=tuple(fresh),
-                hopes=tuple(hopes),
+                candidates=tuple(fresh),
+                gains=tuple(gains),
                 tried=(),
                 best=None,
-                p_value=luck(max(hopes), slopes, look.fit.residual, step_s, seed),
+                p_value=permutation_p_value(max(gains), slopes, look.fit.residual, step_s, seed),
                 taken=False,
             )
         if look is not start:
             slopes = []
     tried, slopes = try_all(view, start, fresh, slopes, progress, pairs)
     first = choose(tried)
-    p_value = luck(start.fit.cost - first.fit.cost, slopes, first.fit.residual, step_s, seed)
+    p_value = permutation_p_value(start.fit.cost - first.fit.cost, slopes, first.fit.residual, step_s, seed)
     if far:
         progress("fitting whole runs", 0.95)
         whole = [(s, _whole(problem, s)) for s in contenders(tried)]
@@ -137,8 +136,8 @@ def take_step(
         best = next(w for s, w in whole if s is first)
     return Round(
         before=before,
-        suspects=tuple(fresh[: len(slopes)]),
-        hopes=tuple(promise(start.fit.residual, slope) for slope in slopes),
+        candidates=tuple(fresh[: len(slopes)]),
+        gains=tuple(score_test_gain(start.fit.residual, slope) for slope in slopes),
         tried=tuple(tried),
         best=best,
         p_value=p_value,

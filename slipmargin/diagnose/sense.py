@@ -7,11 +7,12 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.model.parts import MeasurementModel
+from slipmargin.physics.frames import rotate_rows, to_floor
 from slipmargin.physics.variables import Variable
 
 
 def is_ideal(sensing: MeasurementModel) -> bool:
-    """Whether the sensing changes nothing."""
+    """Whether the measurement model changes nothing."""
     return bool(
         np.all(sensing.scale == 1.0)
         and not sensing.rotation_rad
@@ -46,14 +47,10 @@ def measure(sensing: MeasurementModel, t_s: Array, pose: Array) -> Array:
         late = t_s - sensing.delay_s
         true = np.stack([np.interp(late, t_s, column) for column in pose.T], axis=1)
     start, phi = true[0], true[:, 2]
-    cos, sin = np.cos(phi), np.sin(phi)
-    mx, my = sensing.marker_m
-    seen = np.stack([cos * mx - sin * my, sin * mx + cos * my], axis=1)
+    seen = np.stack(to_floor(phi, *sensing.marker_m), axis=1)
     moved = true[:, :2] - start[:2] + seen - seen[0]
-    c, s = np.cos(sensing.rotation_rad), np.sin(sensing.rotation_rad)
-    turned = moved @ np.array([[c, s], [-s, c]])
     out = np.empty_like(pose)
-    out[:, :2] = start[:2] + sensing.scale * turned
+    out[:, :2] = start[:2] + sensing.scale * rotate_rows(sensing.rotation_rad, moved)
     out[:, 2] = start[2] + sensing.heading_gain * (phi - start[2])
     for warp in sensing.warps:
         shift = warp.shift(_variable(warp.variable, t_s, true))

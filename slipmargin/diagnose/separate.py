@@ -1,4 +1,4 @@
-"""Two suspects that the trials cannot tell apart: the trial that would."""
+"""Two candidates that the trials cannot tell apart: the trial that would."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def trace_of(name: str) -> Trace | None:
 
 
 def _plain(label: str) -> str:
-    """The effect's name in a suspect's label: without its wheel, its form, its variant."""
+    """The effect's name in a candidate's label: without its wheel, its form, its variant."""
     return label.split("[", 1)[0].split(":", 1)[0].split(" ", 1)[0]
 
 

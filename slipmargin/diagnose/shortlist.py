@@ -1,4 +1,4 @@
-"""What is worth a fit: from all suspects to the few states that are compared in earnest.
+"""What is worth a fit: from all candidates to the few states that are compared in earnest.
 
 Names come first; where they leave something, general forms; where these do, pairs of names.
 """
@@ -19,7 +19,7 @@ from slipmargin.diagnose.search import (
     by_chi,
     choose,
     extend,
-    promise,
+    score_test_gain,
     short_fits,
     some_of,
     staged,
@@ -69,10 +69,10 @@ def try_all(
     return tried, slopes
 
 
-def _promising(before: State, suspects: list[Candidate], slopes: list[Array]) -> list[Candidate]:
-    """Those whose tangents promise most first."""
-    hopes = [promise(before.fit.residual, slope) for slope in slopes[: len(suspects)]]
-    return [suspects[i] for i in np.argsort(hopes, kind="stable")[::-1]]
+def _promising(before: State, candidates: list[Candidate], slopes: list[Array]) -> list[Candidate]:
+    """Those whose tangents score_test_gain most first."""
+    gains = [score_test_gain(before.fit.residual, slope) for slope in slopes[: len(candidates)]]
+    return [candidates[i] for i in np.argsort(gains, kind="stable")[::-1]]
 
 
 def _of_every_variable(promising_first: list[Candidate]) -> list[Candidate]:
@@ -93,10 +93,10 @@ def contenders(tried: list[State]) -> list[State]:
     return [s for i, s in enumerate(near) if i < _CONTENDERS or s in kinds.values() or s is choose(tried)]
 
 
-def possible(problem: Problem, before: State, suspect: Candidate) -> bool:
-    """Whether the suspect can stand beside what is known: two laws for one thing refuse each other."""
+def possible(problem: Problem, before: State, candidate: Candidate) -> bool:
+    """Whether the candidate can stand beside what is known: two laws for one thing refuse each other."""
     try:
-        problem.model((*before.fit.effects, suspect.build(suspect.starts[0])))
+        problem.model((*before.fit.effects, candidate.build(candidate.starts[0])))
     except InputError:
         return False
     return True
@@ -106,7 +106,7 @@ def _pairs(problem: Problem, singles: list[State], plain: list[Candidate], progr
     """Two named effects at once: where two are missing, neither alone need look good.
 
     Each of the best singles is joined, on some of the trials, by the named effects whose tangents
-    promise most beside it; the best pairs are then fitted on all trials.
+    score_test_gain most beside it; the best pairs are then fitted on all trials.
     """
     if not singles:
         return []
@@ -118,7 +118,7 @@ def _pairs(problem: Problem, singles: list[State], plain: list[Candidate], progr
         alone = evaluate(problem, first.structure, first.fit.x, some)
         others = [c for c in plain if c.name != first.last.name and possible(problem, first, c)]
         slopes = tangents(problem, alone, others)
-        order = np.argsort([promise(alone.residual, slope) for slope in slopes])[::-1]
+        order = np.argsort([score_test_gain(alone.residual, slope) for slope in slopes])[::-1]
         short += short_fits(problem, first, [others[i] for i in order[:_SECONDS]], some, stage)
     short.sort(key=lambda f: f.cost)
     states = []

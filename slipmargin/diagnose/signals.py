@@ -1,4 +1,4 @@
-"""The wheels' motion of a trial, rebuilt from what was logged."""
+"""The wheels' motion of a trial, interpolated between the samples of its log."""
 
 from __future__ import annotations
 
@@ -8,54 +8,64 @@ from enum import Enum
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.data.odometry import bridged
 from slipmargin.diagnose.prepare import Trial
 from slipmargin.errors import InputError
 from slipmargin.model import Model
+from slipmargin.physics.frames import rotate_rows
 from slipmargin.sim.signal import WheelSignal, angles, held, hermite, linear
 
 
-class Way(Enum):
-    """How the motion between samples is rebuilt; where two ways differ, the log does not say."""
+class InterpolationScheme(Enum):
+    """How the wheels' motion between samples is interpolated; the log does not say which one is right."""
 
-    THIN = "through as few samples as reproduce the rest: for searching"
-    FULL = "through every sample: for the final numbers"
-    OTHER = "as somebody else might: angles alone, or speeds held from row to row"
+    THIN = "cubic through as few samples as reproduce the others: for searching"
+    FULL = "cubic through every sample: for the final numbers"
+    OTHER = "angles alone, or speeds held from row to row: to see how much the choice matters"
 
 
-def wheel_signal(trial: Trial, commanded: bool, way: Way = Way.THIN) -> WheelSignal:
+def wheel_signal(
+    trial: Trial, commanded: bool, scheme: InterpolationScheme = InterpolationScheme.THIN
+) -> WheelSignal:
     """Wheel angles over time: cubic between samples where angle and speed are known.
 
-    Missing samples are bridged by their neighbours.  Without logged angles the rotor angles start at
-    zero, which matters only to effects of the wheel angle (:mod:`~slipmargin.diagnose.rotor`).
+    Missing samples are interpolated.  Without logged angles the wheel angles start at zero, which matters
+    only to effects of the wheel angle (:mod:`~slipmargin.diagnose.wheel_phase`).
     """
     record = trial.record
     t = record.t_s
     if commanded:
         if record.omega_cmd is None:
             raise InputError(trial.name, "has no commanded wheel speeds", "add omega{i}_cmd_rad_s")
-        return _by_speed(t, _bridged(t, record.omega_cmd), way)
+        return _by_speed(t, bridged(t, record.omega_cmd), scheme)
     if record.theta is not None and np.isfinite(record.theta).any(axis=0).all():
-        theta = _bridged(t, record.theta)
-        if way is not Way.OTHER and record.omega is not None and np.isfinite(record.omega).any(axis=0).all():
-            omega = _bridged(t, record.omega)
-            return _thinned(t, theta, omega) if way is Way.THIN else hermite(t, theta, omega)
+        theta = bridged(t, record.theta)
+        if (
+            scheme is not InterpolationScheme.OTHER
+            and record.omega is not None
+            and np.isfinite(record.omega).any(axis=0).all()
+        ):
+            omega = bridged(t, record.omega)
+            return (
+                _thinned(t, theta, omega) if scheme is InterpolationScheme.THIN else hermite(t, theta, omega)
+            )
         return angles(t, theta)
     if record.omega is None:
         raise InputError(trial.name, "has no measured wheel speeds", "add omega{i}_rad_s or theta{i}_rad")
-    return _by_speed(t, _bridged(t, record.omega), way)
+    return _by_speed(t, bridged(t, record.omega), scheme)
 
 
-def turned(signal: WheelSignal, angle: Array) -> WheelSignal:
-    """The same motion with ``angle`` (N,) added to the wheel angles [rad]."""
-    if not angle.any():
+def with_phases(signal: WheelSignal, phase: Array) -> WheelSignal:
+    """The same motion with ``phase`` (N,) added to the wheel angles [rad]."""
+    if not phase.any():
         return signal
     pieces = signal.pieces.copy()
-    pieces[:, :, 0] += angle
+    pieces[:, :, 0] += phase
     return replace(signal, pieces=pieces)
 
 
-def _by_speed(t: Array, omega: Array, way: Way) -> WheelSignal:
-    return held(t, omega) if way is Way.OTHER else linear(t, omega)
+def _by_speed(t: Array, omega: Array, scheme: InterpolationScheme) -> WheelSignal:
+    return held(t, omega) if scheme is InterpolationScheme.OTHER else linear(t, omega)
 
 
 #: A sample is left out where the cubic through its neighbours meets it this closely [rad], [rad/s] …
@@ -114,23 +124,7 @@ def _misses(t: Array, theta: Array, omega: Array) -> tuple[Array, Array]:
     return angle - theta[1:-1], speed - omega[1:-1]
 
 
-def _bridged(t: Array, values: Array) -> Array:
-    """``values`` (T, N) with missing samples on the line between their neighbours."""
-    if np.isfinite(values).all():
-        return values
-    columns = []
-    for column in values.T:
-        known = np.isfinite(column)
-        columns.append(np.interp(t, t[known], column[known]))
-    return np.stack(columns, axis=1)
-
-
 def rolling_twist(model: Model, trial: Trial, signal: WheelSignal) -> Array:
     """Floor-frame velocity (3,) that the wheels' first speeds make without slip [m/s, m/s, rad/s]."""
-    contacts = model.geometry
-    arm, grip = contacts.position_m, contacts.grip
-    rows = np.column_stack([grip, arm[:, 0] * grip[:, 1] - arm[:, 1] * grip[:, 0]])
-    along = contacts.radius_m * np.sum(contacts.drive * grip, axis=1)
-    body = -np.linalg.pinv(rows) @ (along * signal.pieces[0, :, 1])
-    c, s = np.cos(trial.start[2]), np.sin(trial.start[2])
-    return np.array([c * body[0] - s * body[1], s * body[0] + c * body[1], body[2]])
+    body = model.geometry.no_slip_map() @ signal.pieces[0, :, 1]
+    return rotate_rows(trial.start[2], body)

@@ -1,11 +1,11 @@
-"""The pose is read late."""
+"""The effect ``camera_delay``."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, final
+from typing import final
 
-from slipmargin.effects.effect import Effect, Parameter, Part, Trace
+from slipmargin.effects.effect import Effect, Part, Trace, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import MeasurementModel
 
@@ -15,28 +15,15 @@ from slipmargin.model.parts import MeasurementModel
 class CameraDelay(Effect):
     """pose_meas(t) ← pose(t − delay)."""
 
-    name: ClassVar[str] = "camera_delay"
-    traced_to: ClassVar[Trace] = Trace.MEASUREMENT
-    part: ClassVar[Part] = Part.SENSING
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(
-            name="delay_s",
-            unit="s",
-            low=-0.5,
-            high=0.5,
-            null=0.0,
-            scale=0.01,
-            meaning="how late the pose is read",
-        ),
-    )
-    source: ClassVar[str] = "calibration of the pose measurement; see MeasurementModel for signs"
-    confirm: ClassVar[str] = "tap the robot and compare the time stamps of camera and encoders"
+    name = "camera_delay"
+    summary = "The pose is read late."
+    traced_to = Trace.MEASUREMENT
+    part = Part.SENSING
+    parameters = (parameter("delay_s", "s", (-0.5, 0.0, 0.5), 0.01, "how late the pose is read"),)
+    source = "calibration of the pose measurement; see MeasurementModel for signs"
+    confirm = "tap the robot and compare the time stamps of camera and encoders"
 
     delay_s: float
-    wheels: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        self._check()
 
     def rewrite(self, part: MeasurementModel, nominal: Model) -> MeasurementModel:
         """MeasurementModel with this fault."""

@@ -1,13 +1,13 @@
-"""The camera’s scale is off."""
+"""The effect ``camera_scale``."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, final
+from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Effect, Parameter, Part, Trace
+from slipmargin.effects.effect import Effect, Part, Trace, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import MeasurementModel
 
@@ -17,38 +17,19 @@ from slipmargin.model.parts import MeasurementModel
 class CameraScale(Effect):
     """p_meas ← diag(x, y) p."""
 
-    name: ClassVar[str] = "camera_scale"
-    traced_to: ClassVar[Trace] = Trace.MEASUREMENT
-    part: ClassVar[Part] = Part.SENSING
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(
-            name="scale_x",
-            unit="1",
-            low=0.5,
-            high=2.0,
-            null=1.0,
-            scale=0.01,
-            meaning="measured over true distance along x",
-        ),
-        Parameter(
-            name="scale_y",
-            unit="1",
-            low=0.5,
-            high=2.0,
-            null=1.0,
-            scale=0.01,
-            meaning="measured over true distance along y",
-        ),
+    name = "camera_scale"
+    summary = "The camera’s scale is off."
+    traced_to = Trace.MEASUREMENT
+    part = Part.SENSING
+    parameters = (
+        parameter("scale_x", "1", (0.5, 1.0, 2.0), 0.01, "measured over true distance along x"),
+        parameter("scale_y", "1", (0.5, 1.0, 2.0), 0.01, "measured over true distance along y"),
     )
-    source: ClassVar[str] = "calibration of the pose measurement; see MeasurementModel for signs"
-    confirm: ClassVar[str] = "push the robot along a ruler and compare"
+    source = "calibration of the pose measurement; see MeasurementModel for signs"
+    confirm = "push the robot along a ruler and compare"
 
     scale_x: float
     scale_y: float
-    wheels: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        self._check()
 
     def rewrite(self, part: MeasurementModel, nominal: Model) -> MeasurementModel:
         """MeasurementModel with this fault."""

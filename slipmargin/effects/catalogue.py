@@ -1,6 +1,10 @@
-"""Every named effect, one line each."""
+"""Every named effect, one line each; an effect defined elsewhere is registered."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import final, overload
 
 from slipmargin.effects.camera_delay import CameraDelay
 from slipmargin.effects.camera_rotation import CameraRotation
@@ -10,6 +14,7 @@ from slipmargin.effects.elliptic_grip import EllipticGrip
 from slipmargin.effects.floor_nap import FloorNap
 from slipmargin.effects.floor_tilt import FloorTilt
 from slipmargin.effects.friction_coefficients import FrictionCoefficients
+from slipmargin.effects.general import PREFIX
 from slipmargin.effects.heading_gain import HeadingGain
 from slipmargin.effects.load_transfer import LoadTransfer
 from slipmargin.effects.marker_offset import MarkerOffset
@@ -25,30 +30,81 @@ from slipmargin.effects.trailing_load import TrailingLoad
 from slipmargin.effects.wheel_loads import WheelLoads
 from slipmargin.effects.wheel_radius import WheelRadius
 from slipmargin.effects.wheel_toe import WheelToe
+from slipmargin.errors import InputError
 
-CATALOGUE: tuple[type[Effect], ...] = (
-    FrictionCoefficients,
-    RigidSector,
-    WheelLoads,
-    LoadTransfer,
-    TrailingLoad,
-    Stribeck,
-    SlipRatioFriction,
-    RollerCoupling,
-    EllipticGrip,
-    RollingResistance,
-    FloorTilt,
-    FloorNap,
-    Tether,
-    WheelRadius,
-    WheelToe,
-    MotorLag,
-    SpeedDroop,
-    CameraScale,
-    CameraRotation,
-    CameraDelay,
-    MarkerOffset,
-    HeadingGain,
+
+@final
+class Catalogue(Sequence[type[Effect]]):
+    """The effects that robot files may name and a diagnosis tries, in this order; no two of one name."""
+
+    def __init__(self, effects: Iterable[type[Effect]]) -> None:
+        self._effects: list[type[Effect]] = []
+        for effect in effects:
+            self.register(effect)
+
+    @overload
+    def __getitem__(self, index: int) -> type[Effect]: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[type[Effect]]: ...
+    def __getitem__(self, index: int | slice) -> type[Effect] | list[type[Effect]]:
+        return self._effects[index]
+
+    def __len__(self) -> int:
+        return len(self._effects)
+
+    def register(self, effect: type[Effect]) -> None:
+        """Add an effect at the end.
+
+        Raises
+        ------
+        InputError
+            Where an effect of that name is there already, or the name is one of general forms.
+        """
+        if effect.name.startswith(PREFIX):
+            raise InputError("effect", f"{effect.name!r} begins with {PREFIX}", "choose another name")
+        if any(known.name == effect.name for known in self._effects):
+            raise InputError("effect", f"{effect.name!r} is in the catalogue already", "choose another name")
+        self._effects.append(effect)
+
+    def remove(self, effect: type[Effect]) -> None:
+        """Take an effect out again; ``ValueError`` where it is not in the catalogue."""
+        self._effects.remove(effect)
+
+    @contextmanager
+    def registered(self, effect: type[Effect]) -> Iterator[None]:
+        """The catalogue with one more effect, for as long as the context lasts."""
+        self.register(effect)
+        try:
+            yield
+        finally:
+            self.remove(effect)
+
+
+CATALOGUE = Catalogue(
+    (
+        FrictionCoefficients,
+        RigidSector,
+        WheelLoads,
+        LoadTransfer,
+        TrailingLoad,
+        Stribeck,
+        SlipRatioFriction,
+        RollerCoupling,
+        EllipticGrip,
+        RollingResistance,
+        FloorTilt,
+        FloorNap,
+        Tether,
+        WheelRadius,
+        WheelToe,
+        MotorLag,
+        SpeedDroop,
+        CameraScale,
+        CameraRotation,
+        CameraDelay,
+        MarkerOffset,
+        HeadingGain,
+    )
 )
 
 

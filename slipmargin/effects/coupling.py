@@ -4,22 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from slipmargin.effects.effect import Parameter
+from slipmargin.effects.effect import parameter
 from slipmargin.errors import InputError
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.grips import GripShape
 
-STRENGTH = Parameter(
-    name="strength",
-    unit="1",
-    low=0.0,
-    high=1.0,
-    null=0.0,
-    scale=0.2,
-    meaning="share of the coupled law",
-    starts=(1.0,),
-)
+STRENGTH = parameter("strength", "1", (0.0, 0.0, 1.0), 0.2, "share of the coupled law", starts=(1.0,))
 CONFIRM = (
     "drag the robot with one wheel locked at 45 degrees to its drive direction and compare the force"
     " with the straight pulls"

@@ -1,13 +1,16 @@
 """What an effect is: a small frozen value that rewrites one part of a model.
 
 Adding one takes one file (the class) and one line (its entry in
-:data:`slipmargin.effects.catalogue.CATALOGUE`).
+:data:`slipmargin.effects.catalogue.CATALOGUE`).  The class says everything that other rooms ask: whether
+it acts on single wheels, what data can show it, which of its parameters a diagnosis fits and from where,
+and what follows from it that can be checked by hand.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
 from enum import Enum
 from typing import Any, ClassVar, Self, final
 
@@ -65,7 +68,7 @@ _FIELDS = {
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Parameter:
-    """One number of an effect: bounds that contain the value that does nothing."""
+    """One number of an effect, with bounds that contain the value that does nothing."""
 
     name: str
     unit: str
@@ -74,52 +77,83 @@ class Parameter:
     null: float
     scale: float  #: a change worth noticing; the fit's unit of length
     meaning: str
-    starts: tuple[float, ...] = ()  #: where a fit starts; empty: one scale above null
+    starts: tuple[float, ...] = ()  #: where fits start; empty: one scale above null
+    idle: bool = False  #: whether it has no influence while the effect's first parameter is at null
+
+
+def parameter(
+    name: str,
+    unit: str,
+    span: tuple[float, float, float],
+    scale: float,
+    meaning: str,
+    *,
+    starts: tuple[float, ...] = (),
+    idle: bool = False,
+) -> Parameter:
+    """A :class:`Parameter` in one line; ``span`` is (lowest, null, highest) value."""
+    low, null, high = span
+    return Parameter(
+        name=name,
+        unit=unit,
+        low=low,
+        high=high,
+        null=null,
+        scale=scale,
+        meaning=meaning,
+        starts=starts,
+        idle=idle,
+    )
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variant:
+    """A form of an effect that a diagnosis fits: ``free`` parameters vary, ``fixed`` ones have these values.
+
+    Parameters in neither stay at null.  ``label`` follows the effect's name where it has several variants.
+    """
+
+    free: tuple[str, ...]
+    fixed: Mapping[str, float] = field(default_factory=dict)
+    label: str = ""
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Quantity:
+    """A number that follows from an effect and can be measured by hand."""
+
+    name: str
+    value: float
+    unit: str
 
 
 class Effect(ABC):
     """Abstract.  A concrete effect is a frozen dataclass whose fields are its parameters.
 
-    ``wheels`` names the wheels it acts on; empty means all.
+    Effects that may act on some wheels only derive from :class:`WheelEffect`.
     """
 
+    __slots__ = ()
+
     name: ClassVar[str]
+    summary: ClassVar[str]  #: one plain sentence
     traced_to: ClassVar[Trace]
     part: ClassVar[Part]
-    parameters: ClassVar[tuple[Parameter, ...]]
+    parameters: ClassVar[tuple[Parameter, ...]]  #: the first one is the effect's size
     source: ClassVar[str]  #: paper, equation, sign convention
     confirm: ClassVar[str]  #: the measurement that would confirm it
+    #: The forms a diagnosis fits; empty: one form with every parameter free.
+    variants: ClassVar[tuple[Variant, ...]] = ()
+    #: Whether it shows only in data with commanded wheel speeds.
+    needs_commands: ClassVar[bool] = False
+    #: Whether it depends on where a wheel stands, so that wheel angles need a known zero.
+    needs_wheel_phase: ClassVar[bool] = False
+    #: Parameters that no fit varies, with the values that a diagnosis compares once all else is fitted.
+    scanned: ClassVar[Mapping[str, tuple[float, ...]]] = {}
 
-    wheels: tuple[str, ...]
-
-    @abstractmethod
-    def rewrite(self, part: Any, nominal: Model) -> Any:
-        """The part with this effect; ``nominal`` is the model before any effect."""
-
-    @classmethod
-    def null(cls) -> Self:
-        """The effect that does nothing."""
-        return cls(**{p.name: p.null for p in cls.parameters})
-
-    def values(self) -> Array:
-        """The parameters' values in the order of :attr:`parameters`."""
-        return np.array([getattr(self, p.name) for p in self.parameters], dtype=float)
-
-    @classmethod
-    def of(cls, values: Array, wheels: tuple[str, ...] = ()) -> Self:
-        """The effect with these parameter values."""
-        named: dict[str, Any] = {p.name: float(v) for p, v in zip(cls.parameters, values, strict=True)}
-        return cls(**named, **({"wheels": wheels} if wheels else {}))
-
-    def to_table(self) -> dict[str, Any]:
-        """As a ``[[effect]]`` table of the robot file."""
-        table: dict[str, Any] = {"name": self.name}
-        table.update({p.name: getattr(self, p.name) for p in self.parameters})
-        if self.wheels:
-            table["wheels"] = list(self.wheels)
-        return table
-
-    def _check(self) -> None:
+    def __post_init__(self) -> None:
         known = {f.name for f in fields(self)}  # type: ignore[arg-type]
         for p in self.parameters:
             assert p.name in known, f"{type(self).__name__} has no field {p.name}"
@@ -132,8 +166,61 @@ class Effect(ABC):
             )
             object.__setattr__(self, p.name, value)
 
+    @abstractmethod
+    def rewrite(self, part: Any, nominal: Model) -> Any:
+        """The part with this effect; ``nominal`` is the model before any effect."""
+
+    def derived(self, model: Model) -> tuple[Quantity, ...]:
+        """What follows from it in a model that holds it and can be measured by hand; by default nothing."""
+        del model
+        return ()
+
+    @classmethod
+    def null(cls) -> Self:
+        """The effect that does nothing."""
+        return cls(**{p.name: p.null for p in cls.parameters})
+
+    def values(self) -> Array:
+        """The parameters' values in the order of :attr:`parameters`."""
+        return np.array([getattr(self, p.name) for p in self.parameters], dtype=float)
+
+    @classmethod
+    def of(cls, values: Array) -> Self:
+        """The effect with these parameter values."""
+        return cls(**{p.name: float(v) for p, v in zip(cls.parameters, values, strict=True)})
+
+    def to_table(self) -> dict[str, Any]:
+        """As a ``[[effect]]`` table of the robot file."""
+        return {"name": self.name, **{p.name: getattr(self, p.name) for p in self.parameters}}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WheelEffect(Effect):
+    """Abstract.  An effect that acts on single wheels: ``wheels`` names them; empty means all."""
+
+    #: Whether it belongs to one wheel, so that a diagnosis tries it on each.
+    one_wheel: ClassVar[bool] = False
+
+    wheels: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, values: Array, wheels: tuple[str, ...] = ()) -> Self:
+        """The effect with these parameter values on these wheels."""
+        named: dict[str, Any] = {p.name: float(v) for p, v in zip(cls.parameters, values, strict=True)}
+        return cls(**named, wheels=wheels)
+
+    def to_table(self) -> dict[str, Any]:
+        """As a ``[[effect]]`` table of the robot file."""
+        return Effect.to_table(self) | ({"wheels": list(self.wheels)} if self.wheels else {})
+
     def mask(self, nominal: Model) -> Array:
-        """(N,) weights: 1 for the wheels the effect acts on, 0 for the others."""
+        """(N,) weights: 1 for the wheels the effect acts on, 0 for the others.
+
+        Raises
+        ------
+        InputError
+            Where a named wheel does not exist.
+        """
         names = nominal.geometry.names
         for wheel in self.wheels:
             if wheel not in names:

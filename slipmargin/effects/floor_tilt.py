@@ -1,13 +1,13 @@
-"""The floor is not level."""
+"""The effect ``floor_tilt``."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, final
+from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Effect, Parameter, Part, Trace
+from slipmargin.effects.effect import Effect, Part, Trace, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
 from slipmargin.physics.terms import ForceTerm
@@ -17,51 +17,38 @@ from slipmargin.physics.variables import Basis, Frame, Variable
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FloorTilt(Effect):
-    """Gravity along the floor: F = m g (tilt_x, tilt_y) in the floor frame, small angles."""
+    """Weight on a slope: F = m g sin|t| along t = (tilt_x, tilt_y) in the floor frame, Σ N_i = m g cos|t|.
 
-    name: ClassVar[str] = "floor_tilt"
-    traced_to: ClassVar[Trace] = Trace.CONSTANT_FORCE
-    part: ClassVar[Part] = Part.LOSSES
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(
-            name="tilt_x_rad",
-            unit="rad",
-            low=-0.3,
-            high=0.3,
-            null=0.0,
-            scale=0.003,
-            meaning="slope down towards +x",
-        ),
-        Parameter(
-            name="tilt_y_rad",
-            unit="rad",
-            low=-0.3,
-            high=0.3,
-            null=0.0,
-            scale=0.003,
-            meaning="slope down towards +y",
-        ),
+    |t| is the angle of the slope and t points downhill.  F acts at the height of the centre of mass, so
+    the wheels below carry more.
+    """
+
+    name = "floor_tilt"
+    summary = "The floor is not level."
+    traced_to = Trace.CONSTANT_FORCE
+    part = Part.LOSSES
+    parameters = (
+        parameter("tilt_x_rad", "rad", (-0.3, 0.0, 0.3), 0.003, "slope down towards +x"),
+        parameter("tilt_y_rad", "rad", (-0.3, 0.0, 0.3), 0.003, "slope down towards +y"),
     )
-    source: ClassVar[str] = (
-        "weight on an inclined plane; positive = downhill towards +x, +y of the floor frame"
-    )
-    confirm: ClassVar[str] = "a spirit level on the floor, or run the same trial turned by 180 degrees"
+    source = "weight on an inclined plane; positive = downhill towards +x, +y of the floor frame"
+    confirm = "a spirit level on the floor, or run the same trial turned by 180 degrees"
 
     tilt_x_rad: float
     tilt_y_rad: float
-    wheels: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        self._check()
 
     def rewrite(self, part: ExternalWrench, nominal: Model) -> ExternalWrench:
         """ExternalWrench with the slope's pull."""
-        pull = nominal.inertia.weight_N * np.array([[self.tilt_x_rad], [self.tilt_y_rad], [0.0]])
+        weight, tilt = nominal.inertia.weight_N, np.array([self.tilt_x_rad, self.tilt_y_rad])
+        angle = float(np.hypot(*tilt))
+        along = weight * np.sinc(angle / np.pi) * tilt  # sin|t| t/|t|, also where t is zero
         term = ForceTerm(
             variable=Variable.UNITY,
             basis=Basis.CONSTANT,
-            coefficients=pull,
+            coefficients=np.array([[along[0]], [along[1]], [0.0]]),
             shape=np.ones(2),
             frame=Frame.FLOOR,
+            height_m=None,
+            lift_N=weight * (1.0 - np.cos(angle)),
         )
         return replace(part, terms=(*part.terms, term))

@@ -1,4 +1,4 @@
-"""An effect nobody has named: free coefficients in a general basis over the variable it was traced to.
+"""An effect without a name: free coefficients in a general basis over the variable it was traced to.
 
 It stands in the robot file as ``unnamed_<variable>`` with its terms spelled out, so every command
 obeys it like a named one.
@@ -6,13 +6,13 @@ obeys it like a named one.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass, replace
 from typing import Any, final
 
 import numpy as np
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, real
 from slipmargin.effects.effect import Part, Trace
 from slipmargin.errors import InputError
 from slipmargin.model import Model
@@ -53,11 +53,6 @@ class GeneralEffect:
         """``unnamed_<variable>``."""
         return PREFIX + self.traced_to.value
 
-    @property
-    def wheels(self) -> tuple[str, ...]:
-        """Every wheel; weights stand in the terms."""
-        return ()
-
     def rewrite(self, part: Any, nominal: Model) -> Any:
         """The part with these terms on top."""
         del nominal
@@ -83,11 +78,19 @@ def _row(term: Term) -> dict[str, Any]:
         }
     if isinstance(term, ForceTerm):
         row["frame"] = term.frame.name.lower()
+        if term.height_m != 0.0:
+            row["height_m"] = _AT_COM if term.height_m is None else term.height_m
+        if term.lift_N != 0.0:
+            row["lift_N"] = term.lift_N
     keys = _TRIPLE[type(term)]
     return row | {key: term.coefficients[i].tolist() for i, key in enumerate(keys)}
 
 
 _COMMON = {"variable", "basis", "shape"}
+#: The word for a force at the height of the centre of mass.
+_AT_COM = "centre_of_mass"
+_HEIGHT_CURE = f"give a number [m] or {_AT_COM!r}"
+_OPTIONAL = {"height_m", "lift_N"}
 _TRIPLE: dict[type, tuple[str, str, str]] = {
     ForceTerm: ("fx_N", "fy_N", "mz_N_m"),
     PoseShift: ("dx_m", "dy_m", "dphi_rad"),
@@ -119,7 +122,7 @@ def _term(place: str, kind: type, row: Mapping[str, Any]) -> Term:
         keys = _COMMON | {"target", "coefficients", "wheel_weights"}
     else:
         keys = _COMMON | set(_TRIPLE[kind]) | ({"frame"} if kind is ForceTerm else set())
-    _only(place, row, keys)
+    _only(place, row, keys, _OPTIONAL if kind is ForceTerm else set())
     try:
         common: dict[str, Any] = {
             "variable": _word(Variable, "variable", row["variable"]),
@@ -139,16 +142,25 @@ def _term(place: str, kind: type, row: Mapping[str, Any]) -> Term:
             raise InputError(_TRIPLE[kind][0], "differs in length from the other two", "give them one length")
         if kind is ForceTerm:
             frame = _word(Frame, "frame", row["frame"])
-            return ForceTerm(**common, coefficients=np.array(triple), frame=frame)
+            height = row.get("height_m", 0.0)
+            return ForceTerm(
+                **common,
+                coefficients=np.array(triple),
+                frame=frame,
+                height_m=None if height == _AT_COM else real("height_m", height, cure=_HEIGHT_CURE),
+                lift_N=real("lift_N", row.get("lift_N", 0.0), cure="give a number [N]"),
+            )
         return PoseShift(**common, coefficients=np.array(triple))
     except InputError as error:
         raise error.within(place) from None
 
 
-def _only(place: str, row: Mapping[str, Any], keys: set[str]) -> None:
+def _only(place: str, row: Mapping[str, Any], keys: set[str], optional: Set[str] = frozenset()) -> None:
     prefix = f"{place}." if place else ""
-    for key in sorted(set(row) - keys):
-        raise InputError(prefix + key, "is not a known key", f"use only: {', '.join(sorted(keys))}")
+    for key in sorted(set(row) - keys - optional):
+        raise InputError(
+            prefix + key, "is not a known key", f"use only: {', '.join(sorted(keys | optional))}"
+        )
     for key in sorted(keys - set(row)):
         raise InputError(prefix + key, "is missing", "add it")
 

@@ -1,53 +1,44 @@
-"""The wheels follow their command late."""
+"""The effect ``motor_lag``."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, final
+from typing import final
 
-from slipmargin.effects.effect import Effect, Parameter, Part, Trace
+from slipmargin.effects.effect import Effect, Part, Trace, WheelEffect, parameter
+from slipmargin.errors import InputError
 from slipmargin.model import Model
 from slipmargin.model.parts import ActuatorDynamics
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MotorLag(Effect):
-    """τ ω̇_i = ω_cmd,i(t − delay) − ω_i."""
+class MotorLag(WheelEffect):
+    """τ ω̇_i = ω_cmd,i(t − delay) − ω_i; the dead time is that of all wheels."""
 
-    name: ClassVar[str] = "motor_lag"
-    traced_to: ClassVar[Trace] = Trace.ACTUATION
-    part: ClassVar[Part] = Part.TRANSIENTS
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(
-            name="lag_s",
-            unit="s",
-            low=0.0,
-            high=2.0,
-            null=0.0,
-            scale=0.02,
-            meaning="time constant of the wheel speed",
-        ),
-        Parameter(
-            name="delay_s",
-            unit="s",
-            low=0.0,
-            high=1.0,
-            null=0.0,
-            scale=0.01,
-            meaning="dead time before a command acts",
-            starts=(0.0,),
-        ),
+    name = "motor_lag"
+    summary = "The wheels follow their command late."
+    traced_to = Trace.ACTUATION
+    part = Part.TRANSIENTS
+    parameters = (
+        parameter("lag_s", "s", (0.0, 0.0, 2.0), 0.02, "time constant of the wheel speed"),
+        parameter("delay_s", "s", (0.0, 0.0, 1.0), 0.01, "dead time before a command acts", starts=(0.0,)),
     )
-    source: ClassVar[str] = "first-order speed loop; positive = later"
-    confirm: ClassVar[str] = "log the measured wheel speeds beside the commands"
+    needs_commands = True
+    source = "first-order speed loop; positive = later"
+    confirm = "log the measured wheel speeds beside the commands"
 
     lag_s: float
     delay_s: float = 0.0
-    wheels: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        self._check()
+        Effect.__post_init__(self)
+        if self.wheels and self.delay_s != 0.0:
+            raise InputError(
+                "delay_s",
+                f"is {self.delay_s:g}, but a dead time acts on every wheel",
+                "set it to 0, or leave out wheels",
+            )
 
     def rewrite(self, part: ActuatorDynamics, nominal: Model) -> ActuatorDynamics:
         """ActuatorDynamics with lag and dead time."""

@@ -1,12 +1,12 @@
-"""A wheel cannot use its drive grip and its roller drag at the same time: the free roller’s law."""
+"""The effect ``roller_coupling``."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 from slipmargin.effects.coupling import CONFIRM, STRENGTH, coupled
-from slipmargin.effects.effect import Effect, Parameter, Part, Trace
+from slipmargin.effects.effect import Effect, Part, Trace
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.grips import GripShape
@@ -17,20 +17,15 @@ from slipmargin.physics.grips import GripShape
 class RollerCoupling(Effect):
     """Force set (1 − s)·box ⊕ s·{|f| ≤ μ_W N, |f_T| ≤ μ_T N}."""
 
-    name: ClassVar[str] = "roller_coupling"
-    traced_to: ClassVar[Trace] = Trace.SLIP_COUPLING
-    part: ClassVar[Part] = Part.GRIP
-    parameters: ClassVar[tuple[Parameter, ...]] = (STRENGTH,)
-    source: ClassVar[str] = (
-        "docs/theory.md, section 2, three grip sets (disc cut by the strip); 1 = a free roller on the floor"
-    )
-    confirm: ClassVar[str] = CONFIRM
+    name = "roller_coupling"
+    summary = "A wheel cannot use its drive grip and its roller drag at the same time: the free roller’s law."
+    traced_to = Trace.SLIP_COUPLING
+    part = Part.GRIP
+    parameters = (STRENGTH,)
+    source = "theory, three grip sets (disc cut by the strip); 1 = a free roller on the floor"
+    confirm = CONFIRM
 
     strength: float
-    wheels: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        self._check()
 
     def rewrite(self, part: Grip, nominal: Model) -> Grip:
         """Grip with coupled directions; as it was at strength 0."""

@@ -1,13 +1,13 @@
-"""Something resists motion whatever the wheels do: bearings, soft carpet, air."""
+"""The effect ``rolling_resistance``."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, final
+from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Effect, Parameter, Part, Trace
+from slipmargin.effects.effect import Effect, Part, Trace, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
 from slipmargin.physics.terms import ForceTerm
@@ -19,40 +19,21 @@ from slipmargin.physics.variables import Basis, Frame, Variable
 class RollingResistance(Effect):
     """F ← F − (c m g + b |v|) v/|v|, and the matching yaw moment at the wheels’ mean radius."""
 
-    name: ClassVar[str] = "rolling_resistance"
-    traced_to: ClassVar[Trace] = Trace.VELOCITY
-    part: ClassVar[Part] = Part.LOSSES
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(
-            name="coefficient",
-            unit="1",
-            low=-0.05,
-            high=1.0,
-            null=0.0,
-            scale=0.01,
-            meaning="resistance over weight, independent of speed",
+    name = "rolling_resistance"
+    summary = "Something resists motion whatever the wheels do: bearings, soft carpet, air."
+    traced_to = Trace.VELOCITY
+    part = Part.LOSSES
+    parameters = (
+        parameter(
+            "coefficient", "1", (-0.05, 0.0, 1.0), 0.01, "resistance over weight, independent of speed"
         ),
-        Parameter(
-            name="viscous_N_s_per_m",
-            unit="N s/m",
-            low=-5.0,
-            high=200.0,
-            null=0.0,
-            scale=1.0,
-            meaning="resistance per speed",
-        ),
+        parameter("viscous_N_s_per_m", "N s/m", (-5.0, 0.0, 200.0), 1.0, "resistance per speed"),
     )
-    source: ClassVar[str] = "rolling resistance coefficient, ISO 28580 sense; positive = against the motion"
-    confirm: ClassVar[str] = (
-        "tow the robot with the wheels lifted off their drive and read the force at two speeds"
-    )
+    source = "rolling resistance coefficient, ISO 28580 sense; positive = against the motion"
+    confirm = "tow the robot with the wheels lifted off their drive and read the force at two speeds"
 
     coefficient: float
     viscous_N_s_per_m: float = 0.0
-    wheels: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        self._check()
 
     def rewrite(self, part: ExternalWrench, nominal: Model) -> ExternalWrench:
         """ExternalWrench with a force against the motion."""

@@ -1,13 +1,13 @@
-"""Sliding friction is lower than sticking friction."""
+"""The effect ``stribeck``."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, final
+from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Effect, Parameter, Part, Trace
+from slipmargin.effects.effect import Part, Trace, Variant, WheelEffect, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.terms import Multiplier
@@ -16,58 +16,49 @@ from slipmargin.physics.variables import Basis, Target, Variable
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stribeck(Effect):
+class Stribeck(WheelEffect):
     """μ(v) ← μ(v) [r + (1 − r) exp(−(|v|/v_s)²)], v the slip speed, along the drive direction.
 
     Across it a roller turns in its bearing; its drag has a ratio of its own, 1 unless stated.
     """
 
-    name: ClassVar[str] = "stribeck"
-    traced_to: ClassVar[Trace] = Trace.SLIP_SPEED
-    part: ClassVar[Part] = Part.GRIP
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(
-            name="dynamic_ratio",
-            unit="1",
-            low=0.05,
-            high=3.0,
-            null=1.0,
-            scale=0.1,
-            meaning="dynamic over static coefficient",
-            starts=(0.8,),
+    name = "stribeck"
+    summary = "Sliding friction is lower than sticking friction."
+    traced_to = Trace.SLIP_SPEED
+    part = Part.GRIP
+    parameters = (
+        parameter(
+            "dynamic_ratio", "1", (0.05, 1.0, 3.0), 0.1, "dynamic over static coefficient", starts=(0.8,)
         ),
-        Parameter(
-            name="stribeck_speed_m_s",
-            unit="m/s",
-            low=0.002,
-            high=1.0,
-            null=0.05,
-            scale=0.01,
-            meaning="slip speed at which most of the drop has happened",
+        parameter(
+            "stribeck_speed_m_s",
+            "m/s",
+            (0.002, 0.05, 1.0),
+            0.01,
+            "slip speed at which most of the drop has happened",
             starts=(0.03, 0.1),
+            idle=True,
         ),
-        Parameter(
-            name="transverse_ratio",
-            unit="1",
-            low=0.05,
-            high=3.0,
-            null=1.0,
-            scale=0.1,
-            meaning="dynamic over static transverse coefficient (1: bearing drag, which does not drop)",
+        parameter(
+            "transverse_ratio",
+            "1",
+            (0.05, 1.0, 3.0),
+            0.1,
+            "dynamic over static transverse coefficient (1: bearing drag, which does not drop)",
         ),
     )
-    source: ClassVar[str] = (
+    variants = (
+        Variant(free=("dynamic_ratio", "stribeck_speed_m_s")),
+        Variant(free=("dynamic_ratio", "stribeck_speed_m_s", "transverse_ratio"), label="in both directions"),
+    )
+    source = (
         "Armstrong-Hélouvry, Control of Machines with Friction, 1991, eq. (2.7); below 1 = friction drops"
     )
-    confirm: ClassVar[str] = "drag the robot with locked wheels at several steady speeds and read the force"
+    confirm = "drag the robot with locked wheels at several steady speeds and read the force"
 
     dynamic_ratio: float
     stribeck_speed_m_s: float
     transverse_ratio: float = 1.0
-    wheels: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        self._check()
 
     def rewrite(self, part: Grip, nominal: Model) -> Grip:
         """Grip whose coefficients fall with slip speed."""

@@ -1,13 +1,13 @@
-"""The weight is shared differently than the file says."""
+"""The effect ``wheel_loads``."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, final
+from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Effect, Parameter, Part, Trace
+from slipmargin.effects.effect import Effect, Part, Quantity, Trace, Variant, parameter
 from slipmargin.model import Model
 from slipmargin.model.loads import tagged
 from slipmargin.physics.loads import Loads, sharing_matrix
@@ -22,50 +22,31 @@ class WheelLoads(Effect):
     ``com_share`` of the way to where the loads then say it is.
     """
 
-    name: ClassVar[str] = "wheel_loads"
-    traced_to: ClassVar[Trace] = Trace.WHEEL_LOAD
-    part: ClassVar[Part] = Part.LOADS
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(
-            name="shift_x_m",
-            unit="m",
-            low=-0.5,
-            high=0.5,
-            null=0.0,
-            scale=0.005,
-            meaning="shift of the load centre to the right",
-        ),
-        Parameter(
-            name="shift_y_m",
-            unit="m",
-            low=-0.5,
-            high=0.5,
-            null=0.0,
-            scale=0.005,
-            meaning="shift of the load centre forwards",
-        ),
-        Parameter(
-            name="com_share",
-            unit="1",
-            low=0.0,
-            high=1.0,
-            null=0.0,
-            scale=0.2,
-            meaning="how far the centre of mass follows the loads’ centre (1: all the way)",
+    name = "wheel_loads"
+    summary = "The weight is shared differently than the file says."
+    traced_to = Trace.WHEEL_LOAD
+    part = Part.LOADS
+    parameters = (
+        parameter("shift_x_m", "m", (-0.5, 0.0, 0.5), 0.005, "shift of the load centre to the right"),
+        parameter("shift_y_m", "m", (-0.5, 0.0, 0.5), 0.005, "shift of the load centre forwards"),
+        parameter(
+            "com_share",
+            "1",
+            (0.0, 0.0, 1.0),
+            0.2,
+            "how far the centre of mass follows the loads’ centre (1: all the way)",
         ),
     )
-    source: ClassVar[str] = (
-        "moment balance about the floor (docs/theory.md, section 3); positive right, forwards"
+    variants = (
+        Variant(free=("shift_x_m", "shift_y_m"), fixed={"com_share": 1.0}),
+        Variant(free=("shift_x_m", "shift_y_m"), label="with the centre of mass where stated"),
     )
-    confirm: ClassVar[str] = "weigh the wheels: put each on a scale, the others level"
+    source = "moment balance about the floor (theory, section 3); positive right, forwards"
+    confirm = "weigh the wheels: put each on a scale, the others level"
 
     shift_x_m: float
     shift_y_m: float
     com_share: float = 0.0
-    wheels: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        self._check()
 
     def rewrite(self, part: Loads, nominal: Model) -> Loads:
         """Loads with the shifted resultant."""
@@ -76,4 +57,12 @@ class WheelLoads(Effect):
             rest_N=part.rest_N + moved,
             rule=tagged(part.rule, "shifted"),
             centred=max(part.centred, self.com_share),
+        )
+
+    def derived(self, model: Model) -> tuple[Quantity, ...]:
+        """Each wheel's share of the weight at rest, which a scale under the wheel shows."""
+        share = model.loads.rest_N / model.loads.rest_N.sum()
+        return tuple(
+            Quantity(name=f"load_fraction_{wheel}", value=float(value), unit="1")
+            for wheel, value in zip(model.geometry.names, share, strict=True)
         )

@@ -7,16 +7,14 @@ Places in errors are keys as in the file; wheels and effects are counted from 1,
 from __future__ import annotations
 
 import math
-from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
-from slipmargin.effects import Effect, Recipe, general
-from slipmargin.effects.catalogue import CATALOGUE, effect_class
-from slipmargin.effects.recipe import AnyEffect
+from slipmargin.effects import Recipe
 from slipmargin.errors import InputError
+from slipmargin.io.effect_table import read_effect
 from slipmargin.io.source import read_text
 from slipmargin.io.toml_table import Table, nearest, parse_toml
 from slipmargin.robot import Body, FrictionLaw, Motor, Robot, Surface, Wheel
@@ -107,7 +105,10 @@ def recipe_from_text(text: str) -> Recipe:
         **_values(top, Robot),
     )
     _check_stands(robot)
-    recipe = Recipe(robot=robot, effects=tuple(_effect(table, wheels) for table in effect_tables))
+    recipe = Recipe(
+        robot=robot,
+        effects=tuple(read_effect(table, tuple(w.name for w in wheels)) for table in effect_tables),
+    )
     for surface in surfaces:
         _check_builds(recipe, surface.name)
     return recipe
@@ -152,47 +153,6 @@ def _surfaces(top: Table) -> tuple[Surface, ...]:
         raise InputError("surface", "no surface is described", cure)
     tables = {name: Table(f"surface.{name}", value) for name, value in found.items()}
     return tuple(_part(table, Surface, name=name) for name, table in tables.items())
-
-
-def _effect(table: Table, wheels: tuple[Wheel, ...]) -> AnyEffect:
-    name = table.text("name")
-    if name.startswith(general.PREFIX):
-        try:
-            return general.from_table({"name": name} | table.raw())
-        except InputError as fault:
-            raise fault.within(table.place) from None
-    kind = effect_class(name)
-    if kind is None:
-        known = [e.name for e in CATALOGUE]
-        guess = nearest(name, known)
-        hint = f"did you mean {guess!r}? Known: " if guess else "known: "
-        raise InputError(
-            table.at("name"),
-            f"{name!r} is not a known effect",
-            f"{hint}{', '.join(known)}, {general.PREFIX}…",
-        )
-    return _named_effect(kind, table, [w.name for w in wheels])
-
-
-def _named_effect(kind: type[Effect], table: Table, names: list[str]) -> Effect:
-    optional = {f.name: f.default for f in fields(kind) if f.default is not MISSING}  # type: ignore[arg-type]
-    values: dict[str, Any] = {
-        p.name: table.number(p.name, p.unit, optional.get(p.name)) for p in kind.parameters
-    }
-    if table.has("wheels"):
-        chosen = table.take("wheels", "")
-        if not isinstance(chosen, list) or not chosen or any(c not in names for c in chosen):
-            raise InputError(
-                table.at("wheels"),
-                f"is {chosen!r}",
-                f"list the names of wheels it acts on: {', '.join(names)}",
-            )
-        values["wheels"] = tuple(chosen)
-    table.done()
-    try:
-        return kind(**values)
-    except InputError as fault:
-        raise fault.within(table.place) from None
 
 
 def _check_stands(robot: Robot) -> None:

@@ -12,9 +12,9 @@ from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 
 from slipmargin.checks import Array
-from slipmargin.diagnose.diagnosis import Diagnosis, Step, Trace3
+from slipmargin.diagnose.diagnosis import Diagnosis, Step, TrialTrajectories
 from slipmargin.diagnose.limits_change import LimitsChange
-from slipmargin.diagnose.where import CHANNELS
+from slipmargin.diagnose.residual_diagnostics import CHANNELS
 from slipmargin.plots.limits_change import limits_figure
 from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PALE, RED, styled
 from slipmargin.report.diagnosis_words import plain
@@ -101,7 +101,7 @@ def _symmetric_ticks(worst: float) -> list[float]:
     return [-v for v in reversed(steps)] + [0.0, *steps]
 
 
-def _white(trial: Trace3, predicted: Array, diagnosis: Diagnosis) -> Array:
+def _white(trial: TrialTrajectories, predicted: Array, diagnosis: Diagnosis) -> Array:
     return np.asarray((trial.measured - predicted) / diagnosis.noise)
 
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from slipmargin.diagnose.diagnosis import Diagnosis, Estimate, Finding, Score, Step, Trace3
+from slipmargin.diagnose.diagnosis import Diagnosis, Estimate, Finding, Score, Step, TrialTrajectories
 from slipmargin.diagnose.limits_change import Limits, LimitsChange
+from slipmargin.diagnose.residual_diagnostics import ResidualDependence
 from slipmargin.diagnose.separate import separating_trial
-from slipmargin.diagnose.where import Dependence
 from slipmargin.io.json_text import json_text
 
 SCHEMA = 1
@@ -145,7 +145,7 @@ def _step(step: Step) -> dict[str, Any]:
     }
 
 
-def _where(dependence: Dependence) -> dict[str, Any]:
+def _where(dependence: ResidualDependence) -> dict[str, Any]:
     return {
         "variable": dependence.variable,
         "channel": dependence.channel,
@@ -155,7 +155,7 @@ def _where(dependence: Dependence) -> dict[str, Any]:
     }
 
 
-def _trial(trial: Trace3, diagnosis: Diagnosis) -> Mapping[str, Any]:
+def _trial(trial: TrialTrajectories, diagnosis: Diagnosis) -> Mapping[str, Any]:
     return {
         "name": trial.name,
         "held_out": trial.held_out,
@@ -167,7 +167,9 @@ def _trial(trial: Trace3, diagnosis: Diagnosis) -> Mapping[str, Any]:
 
 
 def trial_chi(
-    trial: Trace3, predicted: np.ndarray[tuple[int, ...], np.dtype[np.float64]], diagnosis: Diagnosis
+    trial: TrialTrajectories,
+    predicted: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
+    diagnosis: Diagnosis,
 ) -> float:
     """Root mean square of (measured − predicted) / noise over one run; NaN where nothing was seen."""
     gap = (trial.measured - predicted) / diagnosis.noise

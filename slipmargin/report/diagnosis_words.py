@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 
 from slipmargin.diagnose.diagnosis import Diagnosis, Estimate, Finding, Score, Verdict
 from slipmargin.diagnose.limits_change import LimitsChange
@@ -58,8 +57,7 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
 def meaning(finding: Finding) -> str:
     """What an effect is, in one plain sentence."""
     if isinstance(finding.effect, Effect):
-        text = sys.modules[type(finding.effect).__module__].__doc__ or ""
-        return " ".join(text.split())
+        return finding.effect.summary
     return "An effect that no entry of the catalogue explains, added in a general form."
 
 

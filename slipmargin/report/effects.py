@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 
-from slipmargin.effects.effect import Effect
+from slipmargin.effects.effect import Effect, WheelEffect
 from slipmargin.report.text import columns
 
 HEAD = """# Effects
@@ -50,7 +49,7 @@ def effect_lines(effect: type[Effect]) -> list[str]:
 def page_lines(effects: Sequence[type[Effect]]) -> list[str]:
     """Lines of the page."""
     page = HEAD.splitlines()
-    page += [f"| [`{e.name}`](#{e.name}) | `{e.traced_to.value}` | {_cell(_sentence(e))} |" for e in effects]
+    page += [f"| [`{e.name}`](#{e.name}) | `{e.traced_to.value}` | {_cell(e.summary)} |" for e in effects]
     for effect in effects:
         page += _section(effect)
     return page
@@ -66,7 +65,7 @@ def _section(effect: type[Effect]) -> list[str]:
         "",
         f"## {effect.name}",
         "",
-        _sentence(effect),
+        effect.summary,
         "",
         "```text",
         *(line.strip() for line in law),
@@ -76,7 +75,7 @@ def _section(effect: type[Effect]) -> list[str]:
         "|---|---|---|---|---|",
         *rows,
         "",
-        f"Traced to `{effect.traced_to.value}`; rewrites `{effect.part.value}`.",
+        f"Traced to `{effect.traced_to.value}`; rewrites `{effect.part.value}`; {_wheels(effect)}.",
         "",
         f"Source: {effect.source}.",
         "",
@@ -84,10 +83,10 @@ def _section(effect: type[Effect]) -> list[str]:
     ]
 
 
-def _sentence(effect: type[Effect]) -> str:
-    """The first paragraph of the effect's own file, in plain words."""
-    text = (sys.modules[effect.__module__].__doc__ or "").strip().split("\n\n")[0]
-    return " ".join(text.split())
+def _wheels(effect: type[Effect]) -> str:
+    if issubclass(effect, WheelEffect):
+        return "acts on the wheels that `wheels` names, all by default"
+    return "acts on the whole robot"
 
 
 def _unit(unit: str) -> str:

@@ -4,8 +4,8 @@ With locked wheels a steady creep balances the pull: the friction law is the gra
 potential, so a creep exists exactly for pulls inside the wrench set (docs/theory.md, section 2).  The rope
 keeps its direction relative to the robot, as a hand that follows it would.  Near the limit a contact that
 slides at z = k u still lacks 1 − σ(z) of its friction, with σ the model's law and k its slope at that
-state, after every multiplier: two creeps z and z/2 on one slow ramp give the limit without what is lacking.  The
-contacts that slide are those whose slip doubled between them.
+state, after every multiplier: two creeps z and z/2 on one slow ramp give the limit without what is lacking.
+The contacts that slide are those whose slip doubled between them.
 
 Where the model has a stall torque, motors hold the wheels with no more than that; a wheel that is driven
 back gives way by rolling, not by sliding.

@@ -14,7 +14,6 @@ from __future__ import annotations
 import ast
 import inspect
 import itertools
-import sys
 from dataclasses import FrozenInstanceError, fields, replace
 from pathlib import Path
 from typing import Any
@@ -25,10 +24,14 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 from strategies import effects, four_wheels, kiwi, robots
 
 from slipmargin.diagnose.sense import measure
-from slipmargin.effects import Effect, Part, Recipe
+from slipmargin.diagnose.wheel_phase import matters_to
+from slipmargin.effects import Effect, GeneralEffect, Part, Recipe, WheelEffect
 from slipmargin.effects.catalogue import CATALOGUE, effect_class
 from slipmargin.effects.effect import Trace
+from slipmargin.effects.floor_tilt import FloorTilt
+from slipmargin.effects.motor_lag import MotorLag
 from slipmargin.effects.recipe import with_effects
+from slipmargin.effects.tether import Tether
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.io.robot_file import recipe_from_text
 from slipmargin.io.robot_text import write_recipe
@@ -38,6 +41,8 @@ from slipmargin.limits.motion_state import Contact
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.sweep import limit
 from slipmargin.model import Model, nominal_model
+from slipmargin.physics.terms import ForceTerm
+from slipmargin.physics.variables import Basis, Frame, Variable
 from slipmargin.robot import GripShape, LoadRule, Robot
 from slipmargin.sim.batch import Batch
 from slipmargin.sim.pack import pack
@@ -236,7 +241,7 @@ def test_furnished(kind: type[Effect]) -> None:
     assert len(kind.source) > 10 and len(kind.confirm) > 10
     assert isinstance(kind.traced_to, Trace) and isinstance(kind.part, Part)
     law = inspect.getdoc(kind) or ""
-    assert len(law) > 10 and (sys.modules[kind.__module__].__doc__ or "").endswith(".")
+    assert len(law) > 10 and len(kind.summary) > 10 and kind.summary.endswith((".", ".)"))
     assert kind.parameters
     for p in kind.parameters:
         assert p.unit and p.meaning and p.low <= p.null <= p.high and p.low < p.high and p.scale > 0.0
@@ -270,7 +275,7 @@ def test_a_robot_file_keeps_an_effect(kind: type[Effect], data: st.DataObject) -
     if possible(robot, effect) is None:
         return
     (read,) = recipe_from_text(write_recipe(Recipe(robot=robot, effects=(effect,)))).effects
-    assert type(read) is kind and read.wheels == effect.wheels
+    assert type(read) is kind and getattr(read, "wheels", ()) == getattr(effect, "wheels", ())
     np.testing.assert_array_equal(read.values(), effect.values())  # type: ignore[union-attr]
 
 
@@ -282,14 +287,170 @@ def test_values_outside_the_bounds_are_refused_by_name(kind: type[Effect]) -> No
             with pytest.raises(InputError, match=p.name):
                 kind.of(np.where(np.arange(len(null)) == i, bad, null))
     with pytest.raises((FrozenInstanceError, AttributeError, TypeError)):
-        kind.null().wheels = ("x",)  # type: ignore[misc]
+        setattr(kind.null(), kind.parameters[0].name, 1.0)
+
+
+# Which wheels ------------------------------------------------------------------------------------------
+
+
+def half_a_scale(kind: type[Effect]) -> np.ndarray:
+    """Parameters that do something, in their bounds; a dead time is that of all wheels and stays 0."""
+    inside = [p.starts[0] if p.starts else p.null + 0.5 * p.scale for p in kind.parameters]
+    return np.array([min(max(v, p.low), p.high) for p, v in zip(kind.parameters, inside, strict=True)])
+
+
+def per_wheel(part: Any, count: int, where: str = "") -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """Numbers of a part that each wheel has for itself, wheel first, and everything else."""
+    own: dict[str, np.ndarray] = {}
+    shared: dict[str, Any] = {}
+    for f in fields(part):
+        value = getattr(part, f.name)
+        if f.name == "multipliers":
+            for k, m in enumerate(value):
+                own[f"{where}multiplier {k}"] = m.wheels
+                shared[f"{where}multiplier {k}"] = replace(m, wheels=np.ones(count))
+        elif isinstance(value, np.ndarray) and value.ndim and len(value) == count:
+            own[where + f.name] = value
+        else:
+            shared[where + f.name] = value
+    return own, shared
 
 
 @EVERY
-def test_an_unknown_wheel_is_refused(kind: type[Effect]) -> None:
-    source = inspect.getsource(kind.rewrite)
-    if "self.mask" not in source:
-        pytest.skip("acts on the whole robot")
-    values = np.array([p.null + 0.5 * p.scale for p in kind.parameters])
+def test_an_effect_acts_on_the_named_wheel_only_or_has_no_wheels(kind: type[Effect]) -> None:
+    values = half_a_scale(kind)
+    if not issubclass(kind, WheelEffect):
+        assert "wheels" not in {f.name for f in fields(kind)}  # type: ignore[arg-type]
+        assert not hasattr(kind, "mask") and "wheels" not in inspect.signature(kind.of).parameters
+        with pytest.raises(TypeError):
+            kind.of(values, ("rear",))  # type: ignore[call-arg]
+        return
+    robot, field = replace(machine(), load_rule=LoadRule.STATIC), kind.part.field
+    nominal = nominal_model(robot, "paper")
+    part, changed = (getattr(m, field) for m in (nominal, build(robot, kind.of(values, ("rear",)))))
+    everywhere = getattr(build(robot, kind.of(values)), field)
+    rear, others = nominal.geometry.names.index("rear"), [0, 1]
+    assert nominal.geometry.names[rear] == "rear" and rear not in others
+    (before, rest), (after, kept), (full, _) = (per_wheel(p, 3) for p in (part, changed, everywhere))
+    moved = False
+    for name, now in after.items():
+        old = before.get(name, np.zeros_like(now))  # a new multiplier has no weight on any wheel before
+        np.testing.assert_array_equal(now[others], old[others], err_msg=f"{name} of wheels not named")
+        np.testing.assert_allclose(now[rear], full[name][rear], rtol=1e-15, err_msg=name)
+        moved = moved or not np.array_equal(now[rear], old[rear])
+    assert moved, "the named wheel is as it was"
+    for name, value in kept.items():
+        if name in rest:
+            assert same(value, rest[name]), f"{name} belongs to the whole robot"
+
+
+@EVERY
+def test_a_robot_file_names_wheels_only_where_they_mean_something(kind: type[Effect]) -> None:
+    text = write_recipe(Recipe(robot=machine())) + f'\n[[effect]]\nname = "{kind.name}"\n'
+    text += "".join(
+        f"{p.name} = {v!r}\n" for p, v in zip(kind.parameters, half_a_scale(kind).tolist(), strict=True)
+    )
+    text += 'wheels = ["rear"]\n'
+    if issubclass(kind, WheelEffect):
+        (effect,) = recipe_from_text(text).effects
+        assert isinstance(effect, WheelEffect) and effect.wheels == ("rear",)
+        return
+    with pytest.raises(InputError) as refusal:
+        recipe_from_text(text)
+    said = str(refusal.value)
+    assert said.startswith("effect[1].wheels:") and "not a known key" in said and "remove it" in said
+    assert "\n" not in said
+
+
+def test_a_dead_time_on_one_wheel_is_refused_where_it_is_given() -> None:
+    with pytest.raises(InputError, match="acts on every wheel"):
+        MotorLag(lag_s=0.1, delay_s=0.01, wheels=("rear",))
+
+
+@pytest.mark.parametrize("kind", [k for k in CATALOGUE if issubclass(k, WheelEffect)], ids=lambda k: k.name)
+def test_an_unknown_wheel_is_refused(kind: type[WheelEffect]) -> None:
     with pytest.raises(InputError, match="'nobody' is not a wheel"):
-        build(machine(), kind.of(values, ("nobody",)))
+        build(machine(), kind.of(half_a_scale(kind), ("nobody",)))
+
+
+# What an effect says of itself ---------------------------------------------------------------------------
+
+
+@EVERY
+def test_what_an_effect_says_of_its_fits_is_about_its_own_parameters(kind: type[Effect]) -> None:
+    known = {p.name: p for p in kind.parameters}
+    assert len({v.label for v in kind.variants}) == len(kind.variants)
+    for variant in kind.variants:
+        assert variant.free and set(variant.free) <= set(known)
+        assert set(variant.fixed) <= set(known) - set(variant.free)
+        assert all(known[n].low <= v <= known[n].high for n, v in variant.fixed.items())
+    for name, values in kind.scanned.items():
+        assert all(known[name].low <= v <= known[name].high for v in values)
+        assert all(name not in v.free for v in kind.variants)
+    assert not kind.parameters[0].idle, "the first parameter is the size of the effect"
+
+
+@EVERY
+def test_an_effect_says_truly_whether_it_depends_on_wheel_angles(kind: type[Effect]) -> None:
+    robot = replace(kiwi(rigid_fraction=0.0), surfaces=kiwi().surfaces)
+    assert not matters_to(build(robot))
+    assert matters_to(build(robot, kind.of(half_a_scale(kind)))) == kind.needs_wheel_phase
+
+
+@EVERY
+def test_an_effect_says_truly_whether_it_needs_commands(kind: type[Effect]) -> None:
+    effect = kind.of(half_a_scale(kind))
+    model, changed = build(machine()), build(machine(), effect)
+    measured = np.array_equal(ran(changed, commanded=False), ran(model, commanded=False))
+    assert measured == kind.needs_commands
+
+
+def test_the_catalogue_refuses_a_name_twice_and_forgets_what_was_registered() -> None:
+    before = tuple(CATALOGUE)
+    with pytest.raises(InputError, match="in the catalogue already"):
+        CATALOGUE.register(MotorLag)
+    CATALOGUE.remove(MotorLag)
+    assert effect_class("motor_lag") is None
+    with CATALOGUE.registered(MotorLag):
+        assert effect_class("motor_lag") is MotorLag and CATALOGUE[-1] is MotorLag
+    assert effect_class("motor_lag") is None
+    CATALOGUE._effects[:] = before
+
+
+# Slopes and heights ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("tilt", [(0.07, 0.0), (-0.2, 0.2), (0.0, 0.0)])
+def test_a_slope_pulls_with_the_sine_and_lightens_with_the_cosine(tilt: tuple[float, float]) -> None:
+    model = build(machine(), FloorTilt(tilt_x_rad=tilt[0], tilt_y_rad=tilt[1]))
+    (term,), weight, angle = model.external.terms, model.inertia.weight_N, float(np.hypot(*tilt))
+    pull = term.coefficients[:2, 0]
+    assert np.hypot(*pull) == pytest.approx(weight * np.sin(angle), rel=1e-14)
+    assert pull[0] * tilt[1] == pytest.approx(pull[1] * tilt[0], abs=1e-15) and pull @ tilt >= 0.0
+    assert term.lift_N == pytest.approx(weight * (1.0 - np.cos(angle)), rel=1e-12)
+    assert term.height_m is None and term.coefficients[2, 0] == 0.0
+
+
+def test_a_cable_pulls_at_its_height() -> None:
+    cable = Tether(stiffness_N_per_m=2.0, anchor_x_m=0.5, anchor_y_m=-0.1, height_m=0.3)
+    terms = build(machine(), cable).external.terms
+    assert [t.height_m for t in terms] == [0.3] * 3 and all(t.lift_N == 0.0 for t in terms)
+    low = Tether(stiffness_N_per_m=2.0, anchor_x_m=0.5, anchor_y_m=-0.1)
+    assert [t.height_m for t in build(machine(), low).external.terms] == [0.0] * 3
+
+
+def test_a_general_force_keeps_its_height_and_lift_in_a_robot_file() -> None:
+    for height in (None, 0.25, 0.0):
+        term = ForceTerm(
+            variable=Variable.UNITY,
+            basis=Basis.CONSTANT,
+            shape=np.ones(2),
+            frame=Frame.FLOOR,
+            coefficients=np.array([[0.1], [0.0], [0.0]]),
+            height_m=height,
+            lift_N=0.5,
+        )
+        effect = GeneralEffect(traced_to=Trace.CONSTANT_FORCE, part=Part.LOSSES, terms=(term,))
+        (read,) = recipe_from_text(write_recipe(Recipe(robot=machine(), effects=(effect,)))).effects
+        assert isinstance(read, GeneralEffect)
+        assert same(read.terms[0], term) and read.terms[0].height_m == height  # type: ignore[union-attr]

@@ -76,11 +76,11 @@ def test_no_tilt_is_found_where_there_is_none() -> None:
 def test_levelling_undoes_the_tilt() -> None:
     runs = made_up(noise=0.0)
     known = Calibration(scale=SCALE, rotation_rad=ROTATION, delay_s=DELAY, tilt_per_m=TILT, middle_m=MIDDLE)
-    again = calibrate(tuple(known.level(r) for r in runs), CONTACTS)
+    again = calibrate(tuple(known.rectified(r) for r in runs), CONTACTS)
     assert np.abs(again.tilt_per_m).max() < 5e-4
     assert again.scale == pytest.approx(SCALE, abs=5e-4)
     plain = Calibration(scale=1.0, rotation_rad=0.0, delay_s=0.0)
-    assert plain.level(runs[0]) is runs[0]
+    assert plain.rectified(runs[0]) is runs[0]
 
 
 def test_effects_are_of_the_measurement_kind_and_keep_the_signs() -> None:

@@ -11,10 +11,10 @@ from hypothesis import given, settings, strategies as st
 
 from slipmargin.checks import Array, Index
 from slipmargin.diagnose.candidate import Candidate
-from slipmargin.diagnose.evidence import intervals, luck
+from slipmargin.diagnose.evidence import intervals, permutation_p_value
 from slipmargin.diagnose.fit import build, evaluate, fit, shifted_by, tangents
 from slipmargin.diagnose.left_out import best_left_out, cross_validate, leave_one_out
-from slipmargin.diagnose.search import State, choose, judged_by, promise, state_of
+from slipmargin.diagnose.search import State, choose, judged_by, score_test_gain, state_of
 from slipmargin.effects import AnyEffect, Trace
 from slipmargin.effects.camera_rotation import CameraRotation
 from slipmargin.effects.camera_scale import CameraScale
@@ -87,7 +87,7 @@ def test_a_tangent_promises_what_a_linear_fit_gains() -> None:
     base = evaluate(problem, (), np.zeros(0), EVERY)
     (slope,) = tangents(problem, base, [candidate(CameraScale)])
     found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
-    assert promise(base.residual, slope) == pytest.approx(base.cost - found.cost, rel=1e-6)
+    assert score_test_gain(base.residual, slope) == pytest.approx(base.cost - found.cost, rel=1e-6)
 
 
 def test_a_tangent_beside_a_fit_is_what_the_fit_cannot_take_up() -> None:
@@ -102,18 +102,23 @@ def test_luck_is_rare_for_a_real_gain_and_common_for_none() -> None:
     random = np.random.default_rng(0)
     noise = random.standard_normal((TRIALS, 3 * 200))
     slopes = [random.standard_normal((TRIALS, 3 * 200, 2)) for _ in range(10)]
-    assert luck(2000.0, slopes, noise, 0.01, 1) == pytest.approx(0.001)
-    best = max(promise(noise, s) for s in slopes)
-    assert luck(best, slopes, noise, 0.01, 1) > 0.05
-    assert luck(0.0, slopes, noise, 0.01, 1) == 1.0
-    assert luck(5.0, slopes, noise, 0.01, 1) == luck(5.0, slopes, noise, 0.01, 1)
+    assert permutation_p_value(2000.0, slopes, noise, 0.01, 1) == pytest.approx(0.001)
+    best = max(score_test_gain(noise, s) for s in slopes)
+    assert permutation_p_value(best, slopes, noise, 0.01, 1) > 0.05
+    assert permutation_p_value(0.0, slopes, noise, 0.01, 1) == 1.0
+    assert permutation_p_value(5.0, slopes, noise, 0.01, 1) == permutation_p_value(
+        5.0, slopes, noise, 0.01, 1
+    )
 
 
 def test_luck_knows_how_many_were_tried() -> None:
     random = np.random.default_rng(0)
     noise = random.standard_normal((TRIALS, 3 * 200))
     slopes = [random.standard_normal((TRIALS, 3 * 200, 1)) for _ in range(30)]
-    few, many = luck(6.0, slopes[:1], noise, 0.01, 1), luck(6.0, slopes, noise, 0.01, 1)
+    few, many = (
+        permutation_p_value(6.0, slopes[:1], noise, 0.01, 1),
+        permutation_p_value(6.0, slopes, noise, 0.01, 1),
+    )
     assert few < 0.05 < 0.2 < many
 
 
@@ -187,11 +192,11 @@ def test_what_a_candidate_calls_nested_does_nothing_at_null() -> None:
     signal = linear(np.array([0.0, 0.5]), np.array([[0.0, 0.0, 0.0], [4.0, -3.0, 2.0]]))
     t = np.linspace(0.0, 0.5, 6)
     plain = simulate(nominal, signal, t).pose
-    for suspect in named_candidates(nominal.geometry.names, False, ()):
-        if suspect.trace is Trace.MEASUREMENT:
+    for candidate in named_candidates(nominal.geometry.names, False, ()):
+        if candidate.trace is Trace.MEASUREMENT:
             continue
-        same = simulate(with_effects(nominal, (suspect.build(suspect.null),)), signal, t).pose
-        assert np.allclose(same, plain, atol=1e-6) == suspect.nested, suspect.label
+        same = simulate(with_effects(nominal, (candidate.build(candidate.null),)), signal, t).pose
+        assert np.allclose(same, plain, atol=1e-6) == candidate.nested, candidate.label
 
 
 def test_a_belief_holds_still_what_no_trial_shows_and_nothing_else() -> None:

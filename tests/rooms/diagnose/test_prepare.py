@@ -9,8 +9,8 @@ from hypothesis import given, settings, strategies as st
 from slipmargin.checks import Array
 from slipmargin.data.record import Record
 from slipmargin.diagnose.prepare import clean, noise
+from slipmargin.diagnose.residual_diagnostics import dependences
 from slipmargin.diagnose.sense import is_ideal, measure
-from slipmargin.diagnose.where import dependences
 from slipmargin.errors import InputError
 from slipmargin.model.parts import MeasurementModel
 from slipmargin.physics.terms import PoseShift

@@ -72,6 +72,6 @@ def test_what_nobody_saw_does_not_count(problem: Problem) -> None:
 def test_turning_the_rotors_by_a_pitch_changes_nothing_by_half_a_pitch_does(problem: Problem) -> None:
     pitch = 2.0 * np.pi / problem.nominal.grip.rollers
     assert np.any(problem.nominal.grip.rigid_fraction > 0.0)
-    whole, half = (chi(problem.with_rotor(np.tile(f * pitch, (3, 1)))) for f in (1.0, 0.5))
+    whole, half = (chi(problem.with_wheel_phases(np.tile(f * pitch, (3, 1)))) for f in (1.0, 0.5))
     assert whole == pytest.approx(chi(problem), rel=1e-3)
     assert half > 1.5 * whole

@@ -39,7 +39,7 @@ def wandering(problem: Problem, seed: int, rate: float) -> Problem:
     return replace(problem, measured=problem.measured + np.cumsum(steps, axis=1))
 
 
-def suspect(problem: Problem) -> Candidate:
+def candidate(problem: Problem) -> Candidate:
     named = named_candidates(problem.nominal.geometry.names, False, ())
     return next(c for c in named if c.label == "wheel_loads")
 
@@ -49,7 +49,7 @@ def off(x: Array) -> float:
 
 
 def test_what_wanders_is_fitted_better_in_pieces(problem: Problem) -> None:
-    loads = suspect(problem)
+    loads = candidate(problem)
     whole, last = [], []
     for seed in range(10):
         astray = wandering(problem, seed, 6e-3)
@@ -61,7 +61,7 @@ def test_what_wanders_is_fitted_better_in_pieces(problem: Problem) -> None:
 
 
 def test_near_the_noise_whole_runs_are_fitted(problem: Problem) -> None:
-    loads = suspect(problem)
+    loads = candidate(problem)
     start = refitted(problem, base_state(problem, EVERY, problem.samples(EVERY)), (loads,), SHIFT, EVERY)
     assert start.chi < FAR
     again = refitted(problem, start, (loads,), SHIFT, EVERY)

@@ -12,8 +12,9 @@ from hypothesis import example, given, settings, strategies as st
 from robot_files import GOOD
 from strategies import robots
 
-from slipmargin.effects import Effect, GeneralEffect, Part, Recipe, Trace
+from slipmargin.effects import Effect, GeneralEffect, Part, Recipe, Trace, WheelEffect
 from slipmargin.effects.catalogue import CATALOGUE
+from slipmargin.effects.motor_lag import MotorLag
 from slipmargin.effects.rolling_resistance import RollingResistance
 from slipmargin.errors import InputError
 from slipmargin.io.robot_file import built_in_names, read_recipe, recipe_from_text
@@ -43,7 +44,11 @@ def same(a: object, b: object) -> bool:
 def effects(draw: st.DrawFn, names: tuple[str, ...]) -> Effect:
     kind = draw(st.sampled_from(CATALOGUE))
     values = [draw(st.floats(p.low, p.high)) for p in kind.parameters]
+    if not issubclass(kind, WheelEffect):
+        return kind.of(np.array(values))
     wheels = draw(st.lists(st.sampled_from(names), unique=True, max_size=len(names)))
+    if wheels and kind is MotorLag:  # a dead time is that of every wheel
+        values[-1] = 0.0
     return kind.of(np.array(values), tuple(wheels))
 
 

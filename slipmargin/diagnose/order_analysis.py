@@ -43,7 +43,7 @@ _HALVES = 0.5 * np.arange(1, 2 * _MOST + _NEAR)
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Recurrence:
+class Periodicity:
     """What is left comes round ``per_turn`` times a turn of ``wheels``, by chance with ``p_value``."""
 
     per_turn: int
@@ -51,7 +51,7 @@ class Recurrence:
     p_value: float
 
     @property
-    def told(self) -> str:
+    def sentence(self) -> str:
         """One sentence."""
         often = "once" if self.per_turn == 1 else f"{self.per_turn} times"
         like = "a wheel out of round does" if self.per_turn == 1 else "rollers and the gaps between them do"
@@ -62,20 +62,20 @@ class Recurrence:
         )
 
 
-def comes_round(problem: Problem, rates: Sequence[Array], seed: int) -> tuple[Recurrence, ...]:
-    """:func:`recurrences` of what is left of a problem's trials, ``rates`` as it gives them."""
+def order_analysis(problem: Problem, rates: Sequence[Array], seed: int) -> tuple[Periodicity, ...]:
+    """:func:`periodicities` of what is left of a problem's trials, ``rates`` as it gives them."""
     trials = problem.trials
     angles = [wheel_angles(t.t_s, t.record.theta, t.record.omega) for t in trials]
-    return recurrences([t.t_s for t in trials], rates, angles, problem.nominal.geometry.names, seed)
+    return periodicities([t.t_s for t in trials], rates, angles, problem.nominal.geometry.names, seed)
 
 
-def recurrences(
+def periodicities(
     clocks: Sequence[Array],
     rates: Sequence[Array],
     angles: Sequence[Array | None],
     wheels: tuple[str, ...],
     seed: int,
-) -> tuple[Recurrence, ...]:
+) -> tuple[Periodicity, ...]:
     """Counts a turn at which the residual rate repeats, most striking first.
 
     What one count explains is taken out before the next is looked for: wheels whose speeds have a
@@ -97,7 +97,7 @@ def recurrences(
     random = np.random.default_rng(seed)
     runs = [_Run.of(*trial) for trial in zip(clocks, rates, angles, strict=True)]
     runs = [run for run in runs if len(run.left)]
-    found: list[Recurrence] = []
+    found: list[Periodicity] = []
     while runs and len(found) < _AT_MOST:
         p, surprise = _against_chance(runs, random)
         index = int(np.argmax(surprise.max(axis=0)))
@@ -105,7 +105,7 @@ def recurrences(
         if not sure.any():
             break
         names = tuple(name for name, s in zip(wheels, sure, strict=True) if s)
-        found.append(Recurrence(per_turn=index + 1, wheels=names, p_value=float(p[sure, index].max())))
+        found.append(Periodicity(per_turn=index + 1, wheels=names, p_value=float(p[sure, index].max())))
         runs = [run.without(index + 1, np.flatnonzero(sure)) for run in runs]
     return tuple(found)
 

@@ -1,9 +1,9 @@
-"""Where the residual sits: against which measured variable does it grow?
+"""Residual diagnostics: on which measured variables the residual depends.
 
-Before any fit.  The residual is differentiated in time (what the robot did in this moment that the
-model did not), turned into the body frame and sorted into bins of each variable; the correlation
-ratio η² is the share of its variance that the bins explain.  Chance is judged by shifting the
-variable in time within each trial, which keeps both correlations in time.
+No fit is needed.  The residual is differentiated in time (the velocity that the model did not predict),
+rotated into the body frame and sorted into bins of each variable; the correlation ratio η² is the share
+of its variance that the bins explain.  The null distribution comes from shifting the variable in time
+within each trial, which keeps the autocorrelation of both.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.physics.frames import rotate_rows
 
 _BINS = 12
 _SHIFTS = 99
@@ -26,7 +27,7 @@ CHANNELS = ("right", "forward", "turn")
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Dependence:
+class ResidualDependence:
     """How much of one channel's residual rate a variable explains.
 
     ``share`` is η² less what chance explains; ``surprise`` is its distance from chance in standard
@@ -43,21 +44,17 @@ class Dependence:
 def residual_rate(t_s: Array, measured: Array, predicted: Array) -> Array:
     """Rate (T, 3) of measured − predicted in the body frame [m/s, m/s, rad/s]; NaN near gaps and ends."""
     gap = measured - predicted
-    phi = predicted[:, 2]
-    cos, sin = np.cos(phi), np.sin(phi)
     half = max(1, round(_SPAN_S / 2.0 / max(1e-9, float(np.median(np.diff(t_s))))))
     rate = np.full(gap.shape, np.nan)
     if len(t_s) <= 2 * half:
         return rate
     rate[half:-half] = (gap[2 * half :] - gap[: -2 * half]) / (t_s[2 * half :] - t_s[: -2 * half])[:, None]
-    return np.stack(
-        [cos * rate[:, 0] + sin * rate[:, 1], -sin * rate[:, 0] + cos * rate[:, 1], rate[:, 2]], axis=1
-    )
+    return rotate_rows(predicted[:, 2], rate, inverse=True)
 
 
 def dependences(
     rates: Sequence[Array], variables: Sequence[Mapping[str, Array]], seed: int
-) -> tuple[Dependence, ...]:
+) -> tuple[ResidualDependence, ...]:
     """The correlation ratio of every variable with every channel, strongest first.
 
     Parameters
@@ -89,7 +86,7 @@ def dependences(
             chance = np.array([_ratio(np.concatenate(s)[seen], rate[seen]) for s in shifted])
             deviation = float(chance.std()) or 1e-12
             found.append(
-                Dependence(
+                ResidualDependence(
                     variable=name,
                     channel=channel,
                     share=max(0.0, share - float(chance.mean())),
