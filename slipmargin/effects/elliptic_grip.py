@@ -22,7 +22,7 @@ class EllipticGrip(Effect):
     traced_to = Trace.SLIP_COUPLING
     part = Part.GRIP
     parameters = (STRENGTH,)
-    source = "theory, three grip sets (friction ellipse); 1 = elliptic"
+    source = "docs/theory.md, section 2, three grip sets (friction ellipse); 1 = elliptic"
     confirm = CONFIRM
 
     strength: float

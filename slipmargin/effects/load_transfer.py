@@ -40,7 +40,9 @@ class LoadTransfer(Effect):
         Variant(free=("com_height_m",), fixed={"com_share": 1.0}),
         Variant(free=("com_height_m",), label="with the centre of mass where stated"),
     )
-    source = "moment balance about the floor (theory, section 3); positive = the wheels behind carry more"
+    source = (
+        "moment balance about the floor (docs/theory.md, section 3); positive = the wheels behind carry more"
+    )
     confirm = "measure the height of the centre of mass: tip the robot on two wheels and balance it"
 
     com_height_m: float

@@ -22,7 +22,9 @@ class RollerCoupling(Effect):
     traced_to = Trace.SLIP_COUPLING
     part = Part.GRIP
     parameters = (STRENGTH,)
-    source = "theory, three grip sets (disc cut by the strip); 1 = a free roller on the floor"
+    source = (
+        "docs/theory.md, section 2, three grip sets (disc cut by the strip); 1 = a free roller on the floor"
+    )
     confirm = CONFIRM
 
     strength: float

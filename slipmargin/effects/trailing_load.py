@@ -37,7 +37,7 @@ class TrailingLoad(WheelEffect):
         ),
     )
     source = (
-        "moment balance about the floor (theory, section 3) with the lever of rolling resistance "
+        "moment balance about the floor (docs/theory.md, section 3) with the lever of rolling resistance "
         "(Johnson, Contact Mechanics, ch. 9); positive = leading wheels lighter"
     )
     confirm = (

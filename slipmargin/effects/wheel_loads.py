@@ -41,7 +41,7 @@ class WheelLoads(Effect):
         Variant(free=("shift_x_m", "shift_y_m"), fixed={"com_share": 1.0}),
         Variant(free=("shift_x_m", "shift_y_m"), label="with the centre of mass where stated"),
     )
-    source = "moment balance about the floor (theory, section 3); positive right, forwards"
+    source = "moment balance about the floor (docs/theory.md, section 3); positive right, forwards"
     confirm = "weigh the wheels: put each on a scale, the others level"
 
     shift_x_m: float

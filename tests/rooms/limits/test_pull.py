@@ -80,14 +80,15 @@ def test_pull_towards_the_heavy_side_holds_better() -> None:
 
 @pytest.mark.parametrize("shape", GripShape)
 def test_slope_adds_to_a_pull_downhill(shape: GripShape) -> None:
-    # The slope's pull is m g tilt along +x of the floor: a pull along +x has that much less to do,
-    # whatever the heading; one uphill that much more.
+    # The slope's pull is m g sin(tilt) along +x of the floor: a pull along +x has that much less to do,
+    # whatever the heading; one uphill that much more.  The wheels carry m g cos(tilt).
     tilt = 0.02
     slope = FloorTilt(tilt_x_rad=tilt, tilt_y_rad=0.0)
     model = Recipe(robot=kiwi(grip=shape), effects=(slope,)).build("paper")
-    level = limit(nominal_model(kiwi(grip=shape), "paper"), PHI, Pull())
-    np.testing.assert_allclose(limit(model, PHI, Pull()), level - tilt * WEIGHT, rtol=1e-7)
-    np.testing.assert_allclose(limit(model, PHI, Pull(direction_rad=np.pi)), level + tilt * WEIGHT, rtol=1e-7)
+    level = np.cos(tilt) * limit(nominal_model(kiwi(grip=shape), "paper"), PHI, Pull())
+    down, uphill = np.sin(tilt) * WEIGHT, Pull(direction_rad=np.pi)
+    np.testing.assert_allclose(limit(model, PHI, Pull()), level - down, rtol=1e-7)
+    np.testing.assert_allclose(limit(model, PHI, uphill), level + down, rtol=1e-7)
 
 
 @pytest.mark.parametrize("shape", GripShape)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from slipmargin.io.exports import bounds_table, plain_json
+from slipmargin.report.exports import bounds_table, plain_json
 from strategies import kiwi
 
 from slipmargin.errors import NoSolution
