@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from slipmargin.data.calibration import Calibration, calibrate
 from slipmargin.data.odometry import body_path
 from slipmargin.data.record import Record
-from slipmargin.diagnose.calibration import Calibration, calibrate
 from slipmargin.diagnose.prepare import clean
 from slipmargin.diagnose.sense import measure
 from slipmargin.diagnose.signals import wheel_signal

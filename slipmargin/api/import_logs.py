@@ -12,8 +12,8 @@ from slipmargin.api.robots import RobotLike, read_robot
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
+    from slipmargin.data.calibration import Calibration
     from slipmargin.data.data_set import DataSet
-    from slipmargin.diagnose.calibration import Calibration
     from slipmargin.io.importers.plug import Importer, Summary
 
 FORMATS = ("robotino", "csv", "ros")
@@ -135,8 +135,8 @@ def import_logs(
     >>> runs = sm.import_logs(["run1.txt"], "robotino", "robotino", calibrate=True)  # doctest: +SKIP
     >>> runs.write_folder("measured-runs")  # doctest: +SKIP
     """
+    from slipmargin.data.calibration import calibrate as calibrated
     from slipmargin.data.data_set import DataSet, WheelSignal
-    from slipmargin.diagnose.calibration import calibrate as calibrated
     from slipmargin.io.calibration_file import read_calibration
     from slipmargin.io.data_checks import check_data_set
     from slipmargin.io.importers.plug import import_files
@@ -195,7 +195,7 @@ def _importer(format: str, options: dict[str, Any]) -> Importer:
 
 
 def _delay(data_set: DataSet) -> float | None:
-    from slipmargin.diagnose.delay import estimate_delay
+    from slipmargin.data.delay import estimate_delay
 
     try:
         geometry = data_set.recipe.build(data_set.surface).geometry

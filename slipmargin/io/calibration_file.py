@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from slipmargin.diagnose.calibration import Calibration
+from slipmargin.data.calibration import Calibration
 from slipmargin.errors import InputError
 from slipmargin.io.source import read_text
 from slipmargin.io.toml_table import Table, parse_toml

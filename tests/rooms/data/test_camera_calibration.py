@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from real_logs import EXCERPT, WHOLE, logs, needs_whole
 
+from slipmargin.data.calibration import Calibration, calibrate
+from slipmargin.data.delay import estimate_delay
 from slipmargin.data.record import Record
-from slipmargin.diagnose.calibration import Calibration, calibrate
-from slipmargin.diagnose.delay import estimate_delay
 from slipmargin.errors import InputError
 from slipmargin.io.calibration_file import calibration_text, read_calibration
 from slipmargin.io.importers.plug import import_files

@@ -18,9 +18,9 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array, frozen, real
+from slipmargin.data.delay import estimate_delay
 from slipmargin.data.odometry import bridged, wheel_angles, wheel_path
 from slipmargin.data.record import Record
-from slipmargin.diagnose.delay import estimate_delay
 from slipmargin.effects import Effect
 from slipmargin.effects.camera import camera_effects
 from slipmargin.errors import InputError
