@@ -75,7 +75,9 @@ def test_saturated_forces_are_the_binding_rows_of_the_linear_program(model: Mode
             rows = pull_limit(model, float(PHI[m])).solution
             held = set(rows.binding(1e-5))
             names = {n.rsplit(" ≤", 1)[0].rsplit(" ≥", 1)[0] for n in held}
-            facet = found.per_coefficient_N[m] > 1e-4 * found.per_coefficient_N[m].max()
+            # A row's multiplier is dF/dμ times μ: a coefficient near zero has a small one.
+            multiplier = found.per_coefficient_N[m] * model.grip.roller
+            facet = multiplier > 1e-4 * multiplier.max()
             sure = {
                 f"{w} {p}"
                 for w, pair in zip(found.names, facet, strict=True)
