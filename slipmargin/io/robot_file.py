@@ -19,6 +19,7 @@ from slipmargin.io.source import read_text
 from slipmargin.io.toml_table import Table, nearest, parse_toml
 from slipmargin.robot import Body, FrictionLaw, Motor, Robot, Surface, Wheel
 from slipmargin.robot.fields import Kind, keys
+from slipmargin.robot.mistakes import refuse_impossible
 
 SCHEMA = 1
 T = TypeVar("T")
@@ -104,6 +105,7 @@ def recipe_from_text(text: str) -> Recipe:
         **loads,
         **_values(top, Robot),
     )
+    refuse_impossible(robot)
     _check_stands(robot)
     recipe = Recipe(
         robot=robot,

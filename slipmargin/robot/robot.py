@@ -15,7 +15,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
-from slipmargin.physics.frames import directions
+from slipmargin.physics.frames import directions, moment
 from slipmargin.physics.friction_laws import LAWS
 from slipmargin.physics.grips import GripShape
 from slipmargin.physics.kinematics import WheelGeometry
@@ -311,6 +311,14 @@ class Robot:
             raise InputError("wheel", "all wheels stand on one point", "give each wheel its own position_m")
         wrenches = geometry.wrench_maps(middle)[0] / [[1.0], [1.0], [reach]]
         if _flat(wrenches):
+            own, mirrored = (np.abs(lever) / reach for lever in roller_levers(self.wheels))
+            if np.max(own) < 1e-6 < np.max(mirrored):
+                raise InputError(
+                    "wheel",
+                    "the rollers' grip lines meet in one point, so the wheels cannot make Mz: "
+                    "rollers mounted the wrong way round?",
+                    "change the sign of every roller_angle_deg",
+                )
             raise InputError(
                 "wheel",
                 "the grip directions cannot make all of Fx, Fy and Mz",
@@ -346,6 +354,20 @@ class Robot:
         raise InputError(
             "surface", f"{name!r} is not described for robot {self.name!r}", f"use one of: {known}"
         )
+
+
+def roller_levers(wheels: tuple[Wheel, ...]) -> tuple[Array, Array]:
+    """Yaw levers (N,) of the grip lines about the wheels' mean position: as mounted, and mirrored [m].
+
+    Mirrored is every roller angle with the other sign.
+    """
+    place = np.array([w.position_m for w in wheels])
+    arm = place - place.mean(axis=0)
+    drive, roller = (
+        np.deg2rad([getattr(w, f) for w in wheels]) for f in ("drive_direction_deg", "roller_angle_deg")
+    )
+    one, two = (moment(*arm.T, *directions(drive + sign * roller).T) for sign in (1.0, -1.0))
+    return one, two
 
 
 def _geometry(wheels: tuple[Wheel, ...]) -> WheelGeometry:

@@ -6,13 +6,14 @@ import numpy as np
 
 from slipmargin.physics.grips import GripShape
 from slipmargin.physics.loads import LoadRule, load_centre, sharing_matrix
+from slipmargin.robot.mistakes import unlikely
 from slipmargin.robot.robot import Robot
 
 
 def warnings(robot: Robot) -> tuple[str, ...]:
-    """One sentence for each contradiction and for each key without effect; empty where all is well."""
+    """One sentence for each contradiction, key without effect and unlikely number; empty if there is none."""
     found = [contradiction(robot), _height_without_effect(robot)]
-    found += _coefficients_without_effect(robot)
+    found += [*_coefficients_without_effect(robot), *unlikely(robot)]
     return tuple(sentence for sentence in found if sentence is not None)
 
 
