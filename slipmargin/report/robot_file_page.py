@@ -30,13 +30,13 @@ Physics that the paper's model lacks, one table for each effect: `name` and the 
 A file is read, but the commands print a warning, where
 
 - the loads of `"equal"` or `"fixed"` contradict the centre of mass by more than 1 % of m g / N;
-- `com_height_m` is given but the load model is not `"quasi-static"`, so that accelerating shifts no load;
+- `com_height_m` is given but the stated load model is not `"quasi-static"` (how much load a m/s² shifts);
 - `roller` and `rigid` of a surface are alike, so that `rigid_fraction` and `rollers` have no effect there;
 - with the grip `"disc-strip"` a transverse coefficient exceeds the drive one, which then limits both;
 - the grip line of a mecanum wheel passes nearer to the wheels' middle than it would with the other sign of
   `roller_angle_deg`: rollers mounted the wrong way round;
-- wheel positions, wheel radius, height and radius of gyration √(inertia / mass) do not belong to one robot: a value
-  in millimetres or grams (what no robot can have is refused);
+- wheel positions, wheel radius, height and radius of gyration √(inertia / mass) do not belong to one robot: a
+  value in millimetres or grams (what no robot can have is refused);
 - a friction coefficient is above 1.5."""
 
 

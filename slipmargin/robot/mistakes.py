@@ -87,7 +87,7 @@ def _rollers(robot: Robot) -> list[str]:
     return [
         f"wheel {names}: rollers mounted the wrong way round? The grip line of {robot.wheels[worst].name} "
         f"passes {own[worst]:.3g} m from the wheels' middle, mirrored {mirrored[worst]:.3g} m, so the wheels "
-        "hold little yaw; change the sign of roller_angle_deg (seen from above, rollers on the floor make an O)"
+        "hold little yaw; change the sign of roller_angle_deg (from above, rollers on the floor make an O)"
     ]
 
 

@@ -152,6 +152,20 @@ def test_defaults_are_the_published_model() -> None:
     assert robot.friction.k_s_per_m == 1000.0
 
 
+def test_a_file_that_gives_a_height_gets_load_transfer_unless_it_says_otherwise() -> None:
+    tall = GOOD.replace("com_height_m = 0.0", "com_height_m = 0.05")
+    silent = tall.replace('[loads]\nmodel = "equal"\n', "")
+    recipe = recipe_from_text(silent)
+    assert recipe.robot.load_rule is LoadRule.QUASI_STATIC
+    assert recipe.build("paper").loads.follow_acceleration
+    assert recipe_from_text(silent.replace("[friction]", "[loads]\n[friction]")).robot.load_rule is (
+        LoadRule.QUASI_STATIC
+    )
+    assert recipe_from_text(tall).robot.load_rule is LoadRule.EQUAL
+    assert recipe_from_text(silent.replace("com_height_m = 0.05\n", "")).robot.load_rule is LoadRule.EQUAL
+    assert recipe_from_text(write_recipe(recipe)).robot.load_rule is LoadRule.QUASI_STATIC
+
+
 @pytest.mark.parametrize("name", built_in_names())
 def test_built_in_robots_build_on_every_surface(name: str) -> None:
     recipe = read_recipe(name)
