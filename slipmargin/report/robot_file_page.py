@@ -95,8 +95,5 @@ def _default(key: Key) -> str:
 
 def _meaning(key: Key, beside: dict[str, Key]) -> str:
     said = f"{key.meaning} ({key.reason})" if key.reason else key.meaning
-    if key.needs is not None:
-        other, word = key.needs
-        need = beside[other].name
-        said += f'; only with `{need} = "{word}"`' if word else f"; only with `{need}`"
-    return said
+    needed = [f'`{beside[o].name} = "{word}"`' if word else f"`{beside[o].name}`" for o, word in key.needs]
+    return f"{said}; only with {' and '.join(needed)}" if needed else said

@@ -63,9 +63,9 @@ class Key:
         The key as the file spells it; empty where the field has the same name.
     table : str
         The table it stands in where that is not the table of its dataclass.
-    needs : (str, str) or None
-        Another field and a word: without that word (or, with "", without that field) this key has no
-        effect, so it is refused.  Its default is None.
+    needs : tuple of (str, str)
+        Other fields, each with a word: without that word (or, with "", without that field) this key has
+        no effect, so it is refused.  Its default is None.
     vary : tuple of str
         The quantities by which ``--vary`` reaches it.
     required : bool
@@ -87,7 +87,7 @@ class Key:
     of: type | None = None
     name: str = ""
     table: str = ""
-    needs: tuple[str, str] | None = None
+    needs: tuple[tuple[str, str], ...] = ()
     vary: tuple[str, ...] = ()
     required: bool = True
     default: Any = None
@@ -210,8 +210,8 @@ def check(thing: Any) -> None:
                 raise fault.within(key.table) from None
             object.__setattr__(thing, field, clean)
     for field, key in found.items():
-        if key.needs is not None and getattr(thing, field) is not None:
-            _refuse_without(thing, found, key, *key.needs)
+        for needed, wanted in key.needs if getattr(thing, field) is not None else ():
+            _refuse_without(thing, found, key, needed, wanted)
 
 
 def _refuse_without(thing: Any, found: Mapping[str, Key], key: Key, needed: str, wanted: str) -> None:

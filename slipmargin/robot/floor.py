@@ -53,7 +53,7 @@ class Surface:
 class FrictionLaw:
     """μ(v) = μ_max σ(k v) by the law ``name`` (eq. 11: atan), and the set the force lies in.
 
-    A law with a key of its own adds a field here, ``needs=("name", LAW)``, default None.
+    A law with a key of its own adds a field here, ``needs=(("name", LAW),)``, default None.
     """
 
     name: str = field(

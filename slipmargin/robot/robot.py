@@ -151,7 +151,7 @@ class Robot:
             reason="one for each wheel, together 1",
             table="loads",
             name="fractions",
-            needs=("load_rule", "fixed"),
+            needs=(("load_rule", "fixed"),),
         ),
     )
     friction: FrictionLaw = field(default_factory=FrictionLaw)

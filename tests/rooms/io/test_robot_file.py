@@ -232,8 +232,26 @@ def test_every_key_refuses_what_is_no_value_of_it(section: Section, field: str, 
         assert len(str(caught.value)) < 400 and "\n" not in str(caught.value)
 
 
+def test_gear_and_supply_reach_the_model_at_the_wheel() -> None:
+    more = "gear_ratio = 19.2\nrotor_inertia_kg_m2 = 2e-6\nnominal_voltage_V = 12.0\nsupply_voltage_V = 10.8"
+    recipe = recipe_from_text(GOOD.replace("stall_torque_N_m = 0.9", f"stall_torque_N_m = 0.9\n{more}"))
+    drives = recipe.build("paper").drives
+    # 10.8 V of 12 V: nine tenths of speed and torque; the rotor turns 19.2 times as fast.
+    assert drives.max_speed_rad_s == pytest.approx(54.0, rel=1e-12)
+    assert drives.stall_torque_N_m == pytest.approx(0.81, rel=1e-12)
+    assert drives.wheel_inertia_kg_m2 == pytest.approx(2e-6 * 19.2**2, rel=1e-12)
+    assert same(recipe, recipe_from_text(write_recipe(recipe)))
+
+
 def test_a_key_without_effect_is_refused() -> None:
+    stall, rotor = "stall_torque_N_m = 0.9", "gear_ratio = 9.0\nrotor_inertia_kg_m2 = 1e-6"
     for old, new, says in (
+        (stall, f"{stall}\ngear_ratio = 9.0", "add rotor_inertia_kg_m2, or leave gear_ratio out"),
+        (stall, f"{stall}\nrotor_inertia_kg_m2 = 1e-6", "add gear_ratio, or leave"),
+        (stall, rotor, "add stall_torque_N_m, or leave"),
+        (stall, f"{stall}\n{rotor}\nreflected_inertia_kg_m2 = 1e-4", "leave one of the two out"),
+        (stall, f"{stall}\nsupply_voltage_V = 11.0", "add nominal_voltage_V, or leave"),
+        (stall, f"{stall}\nnominal_voltage_V = 11.0", "add supply_voltage_V, or leave"),
         ('model = "equal"', 'model = "static"\nfractions = [0.3, 0.3, 0.4]', 'add model = "fixed", or leave'),
         ('model = "equal"', 'model = "fixed"', "loads.fractions: is missing"),
         ("stall_torque_N_m = 0.9", "reflected_inertia_kg_m2 = 1e-4", "add stall_torque_N_m, or leave"),
