@@ -9,6 +9,8 @@ _HEAD = """# Robot file
 
 A robot file is TOML. Every value is in SI units and a key's name ends in its unit; keys that end in
 `_deg` are in degrees. The body frame has +X to the right and +Y forwards; angles are counter-clockwise.
+A friction coefficient may be uncertain: `"0.26 ± 0.02"` (one standard deviation) or the interval
+`[0.24, 0.28]`; every command uses the middle, and `sweep` says the chance of slip.
 A key that is not named here is an error, and so is a key that can have no effect beside the others. Ranges
 are wide: they are there to catch slips of unit and sign. The file starts with `schema = 1`.
 `slipmargin robots show ohio-kiwi` prints a whole file.
@@ -77,7 +79,8 @@ def _value(key: Key) -> str:
         many = "list of numbers" if key.count is None else f"list of {key.count} numbers"
         return f"{many}, each {key.range}"
     if key.kind in (Kind.NUMBER, Kind.WHOLE):
-        return f"{key.kind.value}, {key.range}"
+        spread = ', `"0.26 ± 0.02"` or `[0.24, 0.28]`' if key.uncertain else ""
+        return f"{key.kind.value}, {key.range}{spread}"
     return str(key.kind.value)
 
 

@@ -17,10 +17,18 @@ class Coefficients:
     """Friction coefficients along the grip (``drive``) and the roller direction (``transverse``)."""
 
     drive: float = field(
-        metadata=number("1", "friction coefficient along the grip direction", 0.0, 10.0, above=True)
+        metadata=number(
+            "1", "friction coefficient along the grip direction", 0.0, 10.0, above=True, uncertain=True
+        )
     )
     transverse: float = field(
-        metadata=number("1", "friction coefficient along the direction in which the rollers roll", 0.0, 10.0)
+        metadata=number(
+            "1",
+            "friction coefficient along the direction in which the rollers roll",
+            0.0,
+            10.0,
+            uncertain=True,
+        )
     )
 
     def __post_init__(self) -> None:

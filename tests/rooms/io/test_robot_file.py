@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 import re
 from dataclasses import fields, replace
 
@@ -22,7 +23,7 @@ from slipmargin.io.robot_text import write_recipe
 from slipmargin.physics.friction_laws import LAWS
 from slipmargin.physics.terms import ForceTerm, Multiplier
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
-from slipmargin.robot import Coefficients, GripShape, LoadRule, Robot, Surface
+from slipmargin.robot import Coefficients, GripShape, LoadRule, Robot, Surface, Uncertain
 from slipmargin.robot.fields import Key, Kind, keys
 from slipmargin.robot.sections import SECTIONS, Section
 
@@ -230,6 +231,34 @@ def test_every_key_refuses_what_is_no_value_of_it(section: Section, field: str, 
             recipe_from_text(text)
         assert caught.value.place.startswith(place), (value, str(caught.value))
         assert len(str(caught.value)) < 400 and "\n" not in str(caught.value)
+
+
+def test_uncertain_coefficients_read_back_and_count_with_their_middle() -> None:
+    for spelt, sd, ends in (
+        ('"0.26 ± 0.02"', 0.02, (0.26, 0.26)),
+        ('"0.26+-0.02"', 0.02, (0.26, 0.26)),
+        ('"0.26 +/- 2e-2"', 0.02, (0.26, 0.26)),
+        ("[0.25, 0.27]", None, (0.25, 0.27)),
+    ):
+        recipe = recipe_from_text(GOOD.replace("drive = 0.26", f"drive = {spelt}"))
+        for one in (recipe, recipe_from_text(write_recipe(recipe)), pickle.loads(pickle.dumps(recipe))):
+            found = one.robot.surfaces[0].roller.drive
+            assert isinstance(found, Uncertain) and found == pytest.approx(0.26, rel=1e-15)
+            assert found.sd == sd and found.ends == ends
+            assert one.build("paper").grip.roller[0, 0] == float(found)
+    for wrong in (
+        '"0.26 ± 0"',
+        '"0.26 ± 0.3"',
+        '"0 ± 0.1"',
+        '"± 0.1"',
+        '"0.26 ± x"',
+        "[0.3, 0.2]",
+        "[0.1]",
+        '"11 ± 1"',
+    ):
+        with pytest.raises(InputError) as caught:
+            recipe_from_text(GOOD.replace("drive = 0.26", f"drive = {wrong}"))
+        assert caught.value.place.startswith("surface.paper.roller.drive")
 
 
 def test_gear_and_supply_reach_the_model_at_the_wheel() -> None:
