@@ -2,8 +2,9 @@
 
 At an outward normal n of the wrench set the limit is F = h(n) / (−n·d), where the support h follows from
 the coefficients and loads without a solver (docs/theory.md, section 4).  The box has finitely many
-normals, whatever its coefficients.  A coupled grip has a curved set: its normals are taken from a few cone programs over
-the spread, so its limit is that of a set a little too large (by a fraction of a percent of F).
+normals, whatever its coefficients.  A coupled grip has a curved set: its
+normals are taken from a few cone programs over the spread, so its limit is that of a set a little too
+large (by a fraction of a percent of F).
 """
 
 from __future__ import annotations
