@@ -15,6 +15,7 @@ from .options import (
     OutOpt,
     PlotOpt,
     RobotArg,
+    SeedOpt,
     SurfaceOpt,
     check_outputs,
     deliver,
@@ -37,6 +38,10 @@ def sweep(
     margin: MarginOpt = 0.1,
     method: Annotated[str, typer.Option(metavar="M", help="facets, clarabel or cvxpy.")] = "facets",
     measured: Annotated[Path | None, typer.Option(metavar="PULLS.csv", help="Measured pulls.")] = None,
+    chance: Annotated[
+        float | None, typer.Option(metavar="P", help="Chance of slip for which a pull is wanted [0.01].")
+    ] = None,
+    seed: SeedOpt = 0,
     out: OutOpt = None,
     plot: PlotOpt = None,
     json: JsonOpt = None,
@@ -44,7 +49,8 @@ def sweep(
     """Pull before a wheel slips, F_emax, over the robot's orientation φ under a force along the floor's +x.
 
     The first four lines are the answer.  Angles on the command line are degrees, in files radians.  With
-    --measured every measured orientation gets a row with the mean, spread and residual of its pulls.
+    --measured every measured orientation gets a row with the mean, spread and residual of its pulls.  Where
+    the robot file gives coefficients with a spread ("0.26 ± 0.02"), the chance of slip is printed too.
     """
     import slipmargin as sm
 
@@ -59,6 +65,8 @@ def sweep(
         step_deg="--step",
         margin="--margin",
         measured="--measured",
+        chance="--chance",
+        seed="--seed",
     ):
         found = sm.sweep(
             sm.read_robot(robot, wheel_angle_deg=delta_deg, grip=grip),
@@ -69,5 +77,7 @@ def sweep(
             margin=margin,
             method=method,
             measured=measured,
+            chance=chance,
+            seed=seed,
         )
     deliver(found, out=out, plot=plot, json=json)

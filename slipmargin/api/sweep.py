@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
 from slipmargin.api.result import Result
-from slipmargin.api.robots import RobotLike, checked_margin, model_of
+from slipmargin.api.robots import RobotLike, checked_margin, model_of, read_robot
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.physics.constants import GRAVITY_M_S2
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from slipmargin.data.pulls import PullGroups
     from slipmargin.limits import Isotropic, Sweep
+    from slipmargin.limits.uncertainty import SlipChance
     from slipmargin.model import Model
 
 METHODS = ("facets", "clarabel", "cvxpy")
@@ -41,6 +42,7 @@ class SweepResult(Result):
     pulls: PullGroups | None
     outside: int  #: measured pulls outside the orientations swept
     warnings: tuple[str, ...]
+    slip_chance: SlipChance | None = None  #: None where no coefficient is uncertain
 
     @property
     def phi_rad(self) -> Array:
@@ -97,12 +99,14 @@ class SweepResult(Result):
 
     def lines(self) -> list[str]:
         """Four lines of answer, one of proof, one of measured pulls where there are any."""
-        from slipmargin.report.sweep import answer, measured_line, proof
+        from slipmargin.report.sweep import answer, chance_line, measured_line, proof
 
         lines = answer(
             self.sweep, self.limiting, self.isotropic, self.weight_N, self.recommended_N, self.margin
         )
         lines.append(proof(self.method, self.check))
+        if self.slip_chance is not None:
+            lines.append(chance_line(self.slip_chance, self.recommended_N))
         if self.pulls is not None:
             lines.append(
                 measured_line(self.measured()["residual_N"], int(self.pulls.count.sum()), self.outside)
@@ -149,6 +153,7 @@ class SweepResult(Result):
             "strongest": {"phi_rad": strong, "force_N": most},
             "isotropic": {"force_N": self.isotropic.force_N, "coefficient": self.isotropic.coefficient},
             "recommended": {"force_N": self.recommended_N, "margin": self.margin},
+            **({} if self.slip_chance is None else {"slip_chance": asdict(self.slip_chance)}),
             **self._curves(),
             "limiting": self.limiting,
             **self.measured(),
@@ -165,6 +170,8 @@ def sweep(
     margin: float = 0.1,
     method: str = "facets",
     measured: Path | str | None = None,
+    chance: float | None = None,
+    seed: int = 0,
 ) -> SweepResult:
     """The pull before a wheel slips, F_emax, over the orientation φ of a standing robot.
 
@@ -185,6 +192,11 @@ def sweep(
         ``facets`` (closed form), ``clarabel`` or ``cvxpy`` (solvers).
     measured : str or Path, optional
         A CSV of measured pulls (``phi_rad,force_N``, one row a pull).
+    chance : float, optional
+        Chance of slip for which a pull is wanted, 0.001 to 0.5; 0.01 where it is not given.  It needs a
+        friction coefficient with a spread (``"0.26 ± 0.02"`` in the robot file).
+    seed : int
+        Seed of the drawn coefficients, from 0.
 
     Returns
     -------
@@ -211,8 +223,19 @@ def sweep(
     from slipmargin.data.pulls import SAME_RAD
     from slipmargin.limits import isotropic, sweep as limit_sweep, wrench_set
     from slipmargin.limits.self_check import self_check
+    from slipmargin.limits.uncertainty import slip_chance, uncertain
 
-    model, warnings = model_of(robot, surface)
+    recipe = read_robot(robot)
+    model, warnings = model_of(recipe, surface)
+    floor = recipe.robot.surface(surface)
+    if seed < 0:
+        raise InputError("seed", f"is {seed}", "give a whole number from 0")
+    if chance is not None and not uncertain(floor):
+        raise InputError(
+            "chance",
+            f"has no effect: every coefficient of surface {surface!r} is exact",
+            'write a spread in the robot file, drive = "0.26 ± 0.02" or drive = [0.24, 0.28]',
+        )
     if method not in METHODS:
         raise InputError("method", f"is {method!r}", f"use one of: {', '.join(METHODS)}")
     phi = orientations(from_deg, to_deg, step_deg)
@@ -234,17 +257,27 @@ def sweep(
         if method in ("facets", "cones")
         else float(np.max(np.abs(found.f_max_N / by_facets.f_max_N - 1.0)))
     )
+    recommended, likely = found.recommended_N(margin), None
+    if uncertain(floor):
+        wanted = 0.01 if chance is None else chance
+        try:
+            likely = slip_chance(model, floor, phi, recommended, chance=wanted, seed=seed)
+        except InputError as fault:
+            if chance is not None:
+                raise
+            warnings = (*warnings, str(fault))
     return SweepResult(
         sweep=found,
         limiting=by_facets.limiting(),
         isotropic=isotropic(model),
-        recommended_N=found.recommended_N(margin),
+        recommended_N=recommended,
         margin=margin,
         method=method,
         check=check,
         pulls=pulls,
         outside=outside,
         warnings=warnings,
+        slip_chance=likely,
     )
 
 

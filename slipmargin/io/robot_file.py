@@ -17,8 +17,9 @@ from slipmargin.errors import InputError
 from slipmargin.io.effect_table import read_effect
 from slipmargin.io.source import read_text
 from slipmargin.io.toml_table import Table, nearest, parse_toml
-from slipmargin.robot import Body, FrictionLaw, Motor, Robot, Surface, Wheel
+from slipmargin.robot import Body, FrictionLaw, LoadRule, Motor, Robot, Surface, Wheel
 from slipmargin.robot.fields import Kind, keys
+from slipmargin.robot.mistakes import refuse_impossible
 
 SCHEMA = 1
 T = TypeVar("T")
@@ -90,6 +91,8 @@ def recipe_from_text(text: str) -> Recipe:
         raise InputError("schema", f"is {schema}", f"this program reads schema = {SCHEMA}")
     body = _part(top.table("body", "add a [body] table with mass_kg and inertia_kg_m2"), Body)
     loads = _values(top.table("loads", ""), Robot, "loads") if top.has("loads") else {}
+    if body.com_height_m > 0.0:
+        loads.setdefault("load_rule", LoadRule.QUASI_STATIC)
     friction = _part(top.table("friction", ""), FrictionLaw) if top.has("friction") else FrictionLaw()
     motor = _part(top.table("motor", ""), Motor) if top.has("motor") else None
     wheels = tuple(_part(table, Wheel) for table in top.tables("wheel"))
@@ -104,6 +107,7 @@ def recipe_from_text(text: str) -> Recipe:
         **loads,
         **_values(top, Robot),
     )
+    refuse_impossible(robot)
     _check_stands(robot)
     recipe = Recipe(
         robot=robot,

@@ -20,7 +20,7 @@ from slipmargin.model.parts import (
 from slipmargin.physics.friction_laws import law_number
 from slipmargin.physics.kinematics import WheelGeometry
 from slipmargin.physics.loads import Loads
-from slipmargin.robot import Robot
+from slipmargin.robot import Motor, Robot
 
 
 @final
@@ -65,7 +65,6 @@ def nominal_model(robot: Robot, surface_name: str) -> Model:
     """
     surface = robot.surface(surface_name)
     n = len(robot.wheels)
-    motor = robot.motor
     return Model(
         robot=robot.name,
         surface=surface_name,
@@ -87,13 +86,14 @@ def nominal_model(robot: Robot, surface_name: str) -> Model:
             shape=robot.friction.grip,
         ),
         external=ExternalWrench(),
-        drives=Drives()
-        if motor is None
-        else Drives(
-            max_speed_rad_s=motor.max_speed_rad_s,
-            stall_torque_N_m=motor.stall_torque_N_m,
-            wheel_inertia_kg_m2=motor.reflected_inertia_kg_m2,
-        ),
+        drives=_drives(robot.motor),
         actuators=ActuatorDynamics.none(n),
         measurement=MeasurementModel.ideal(),
     )
+
+
+def _drives(motor: Motor | None) -> Drives:
+    if motor is None:
+        return Drives()
+    speed, stall, inertia = motor.at_the_wheel()
+    return Drives(max_speed_rad_s=speed, stall_torque_N_m=stall, wheel_inertia_kg_m2=inertia)

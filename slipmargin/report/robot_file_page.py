@@ -9,6 +9,8 @@ _HEAD = """# Robot file
 
 A robot file is TOML. Every value is in SI units and a key's name ends in its unit; keys that end in
 `_deg` are in degrees. The body frame has +X to the right and +Y forwards; angles are counter-clockwise.
+A friction coefficient may be uncertain: `"0.26 ± 0.02"` (one standard deviation) or the interval
+`[0.24, 0.28]`; every command uses the middle, and `sweep` says the chance of slip.
 A key that is not named here is an error, and so is a key that can have no effect beside the others. Ranges
 are wide: they are there to catch slips of unit and sign. The file starts with `schema = 1`.
 `slipmargin robots show ohio-kiwi` prints a whole file.
@@ -30,9 +32,14 @@ Physics that the paper's model lacks, one table for each effect: `name` and the 
 A file is read, but the commands print a warning, where
 
 - the loads of `"equal"` or `"fixed"` contradict the centre of mass by more than 1 % of m g / N;
-- `com_height_m` is given but the load model is not `"quasi-static"`, so that accelerating shifts no load;
+- `com_height_m` is given but the stated load model is not `"quasi-static"` (how much load a m/s² shifts);
 - `roller` and `rigid` of a surface are alike, so that `rigid_fraction` and `rollers` have no effect there;
-- with the grip `"disc-strip"` a transverse coefficient exceeds the drive one, which then limits both."""
+- with the grip `"disc-strip"` a transverse coefficient exceeds the drive one, which then limits both;
+- the grip line of a mecanum wheel passes nearer to the wheels' middle than it would with the other sign of
+  `roller_angle_deg`: rollers mounted the wrong way round;
+- wheel positions, wheel radius, height and radius of gyration √(inertia / mass) do not belong to one robot: a
+  value in millimetres or grams (what no robot can have is refused);
+- a friction coefficient is above 1.5."""
 
 
 def robot_file_page() -> str:
@@ -72,7 +79,8 @@ def _value(key: Key) -> str:
         many = "list of numbers" if key.count is None else f"list of {key.count} numbers"
         return f"{many}, each {key.range}"
     if key.kind in (Kind.NUMBER, Kind.WHOLE):
-        return f"{key.kind.value}, {key.range}"
+        spread = ', `"0.26 ± 0.02"` or `[0.24, 0.28]`' if key.uncertain else ""
+        return f"{key.kind.value}, {key.range}{spread}"
     return str(key.kind.value)
 
 
@@ -90,8 +98,5 @@ def _default(key: Key) -> str:
 
 def _meaning(key: Key, beside: dict[str, Key]) -> str:
     said = f"{key.meaning} ({key.reason})" if key.reason else key.meaning
-    if key.needs is not None:
-        other, word = key.needs
-        need = beside[other].name
-        said += f'; only with `{need} = "{word}"`' if word else f"; only with `{need}`"
-    return said
+    needed = [f'`{beside[o].name} = "{word}"`' if word else f"`{beside[o].name}`" for o, word in key.needs]
+    return f"{said}; only with {' and '.join(needed)}" if needed else said

@@ -9,6 +9,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.limits import Isotropic, Sweep
+from slipmargin.limits.uncertainty import SlipChance
 from slipmargin.report.text import columns, degrees
 
 
@@ -45,6 +46,17 @@ def proof(method: str, difference: float) -> str:
     """How far two methods differ."""
     other = "the support function" if method in ("facets", "cones") else "facets"
     return f"self-check  {method} against {other}: {difference:.0e} relative"
+
+
+def chance_line(found: SlipChance, recommended_N: float) -> str:
+    """The chance of slip at the recommended pull, and the pull for the chosen chance."""
+    share = found.at_recommended
+    # No slip in n draws: with 95 % confidence the chance is below 3/n.
+    said = f"{100 * share:.3g} %" if share > 0.0 else f"below {300 / found.draws:.2g} %"
+    return (
+        f"chance      {said} of {found.draws} draws of the coefficients slip at {recommended_N:.2f} N; "
+        f"{100 * found.chance:g} % slip at {found.force_N:.2f} N"
+    )
 
 
 def measured_line(residual_N: Array, pulls: int, outside: int) -> str:

@@ -2,12 +2,11 @@
 
 from slipmargin.physics.grips import GripShape as GripShape
 from slipmargin.physics.loads import LoadRule as LoadRule
-from slipmargin.robot.robot import (
-    Body as Body,
+from slipmargin.robot.floor import (
     Coefficients as Coefficients,
     FrictionLaw as FrictionLaw,
-    Motor as Motor,
-    Robot as Robot,
     Surface as Surface,
-    Wheel as Wheel,
 )
+from slipmargin.robot.motor import Motor as Motor
+from slipmargin.robot.robot import Body as Body, Robot as Robot, Wheel as Wheel
+from slipmargin.robot.uncertain import Uncertain as Uncertain

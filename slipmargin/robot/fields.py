@@ -19,6 +19,7 @@ import numpy as np
 
 from slipmargin.checks import frozen, real, shown
 from slipmargin.errors import InputError
+from slipmargin.robot.uncertain import read as read_uncertain
 
 #: The metadata of a dataclass field that is a key of the file.
 Metadata = Mapping[str, "Key"]
@@ -63,9 +64,11 @@ class Key:
         The key as the file spells it; empty where the field has the same name.
     table : str
         The table it stands in where that is not the table of its dataclass.
-    needs : (str, str) or None
-        Another field and a word: without that word (or, with "", without that field) this key has no
-        effect, so it is refused.  Its default is None.
+    needs : tuple of (str, str)
+        Other fields, each with a word: without that word (or, with "", without that field) this key has
+        no effect, so it is refused.  Its default is None.
+    uncertain : bool
+        Whether the file may also give a NUMBER as ``"0.26 ± 0.02"`` or as an interval.
     vary : tuple of str
         The quantities by which ``--vary`` reaches it.
     required : bool
@@ -87,7 +90,8 @@ class Key:
     of: type | None = None
     name: str = ""
     table: str = ""
-    needs: tuple[str, str] | None = None
+    needs: tuple[tuple[str, str], ...] = ()
+    uncertain: bool = False
     vary: tuple[str, ...] = ()
     required: bool = True
     default: Any = None
@@ -115,7 +119,8 @@ class Key:
             return f"write {self.name} = {{ drive = 0.26, transverse = 0.09 }}"
         many = "a list of numbers" if self.count is None else f"{self.count} numbers"
         what = {Kind.NUMBER: "a number", Kind.WHOLE: "a whole number", Kind.LIST: many}[self.kind]
-        return f"give {what}, {self.range}" + (f" ({self.reason})" if self.reason else "")
+        spread = ', or "0.26 ± 0.02", or [0.24, 0.28]' if self.uncertain else ""
+        return f"give {what}, {self.range}" + (f" ({self.reason})" if self.reason else "") + spread
 
     def from_word(self, word: str) -> Any:
         """The value that a word of the file stands for."""
@@ -129,6 +134,8 @@ class Key:
         InputError
             Placed at the key: of another kind, out of range, not one of the words.
         """
+        if self.kind is Kind.NUMBER and self.uncertain:
+            return read_uncertain(self.name, value, self._number, self.cure)
         if self.kind is Kind.NUMBER:
             return self._number(self.name, value)
         if self.kind is Kind.LIST:
@@ -210,8 +217,8 @@ def check(thing: Any) -> None:
                 raise fault.within(key.table) from None
             object.__setattr__(thing, field, clean)
     for field, key in found.items():
-        if key.needs is not None and getattr(thing, field) is not None:
-            _refuse_without(thing, found, key, *key.needs)
+        for needed, wanted in key.needs if getattr(thing, field) is not None else ():
+            _refuse_without(thing, found, key, needed, wanted)
 
 
 def _refuse_without(thing: Any, found: Mapping[str, Key], key: Key, needed: str, wanted: str) -> None:

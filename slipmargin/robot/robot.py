@@ -15,12 +15,12 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
-from slipmargin.physics.frames import directions
-from slipmargin.physics.friction_laws import LAWS
-from slipmargin.physics.grips import GripShape
+from slipmargin.physics.frames import directions, moment
 from slipmargin.physics.kinematics import WheelGeometry
 from slipmargin.physics.loads import LoadRule
-from slipmargin.robot.fields import check, number, numbers, table, text, whole, word
+from slipmargin.robot.fields import check, number, numbers, text, whole, word
+from slipmargin.robot.floor import FrictionLaw, Surface
+from slipmargin.robot.motor import Motor
 
 
 @final
@@ -111,137 +111,6 @@ class Wheel:
 
 
 @final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Motor:
-    """Drive limits on the wheel side; a straight torque–speed line if both are given."""
-
-    max_speed_rad_s: float = field(
-        metadata=number(
-            "rad/s",
-            "top speed of a wheel without load",
-            0.0,
-            1e6,
-            above=True,
-            vary=("max_speed_rad_s",),
-        )
-    )
-    stall_torque_N_m: float | None = field(
-        default=None,
-        metadata=number(
-            "N m",
-            "torque on a wheel at standstill; it falls in a straight line to none at the top speed",
-            0.0,
-            1e6,
-            above=True,
-            vary=("stall_torque_N_m",),
-        ),
-    )
-    reflected_inertia_kg_m2: float | None = field(
-        default=None,
-        metadata=number(
-            "kg m²",
-            "inertia that a motor turns, at the wheel: wheel plus rotor times gear ratio squared",
-            0.0,
-            1e6,
-            above=True,
-            needs=("stall_torque_N_m", ""),
-            vary=("reflected_inertia_kg_m2",),
-        ),
-    )
-
-    def __post_init__(self) -> None:
-        check(self)
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Coefficients:
-    """Friction coefficients along the grip (``drive``) and the roller direction (``transverse``)."""
-
-    drive: float = field(
-        metadata=number("1", "friction coefficient along the grip direction", 0.0, 10.0, above=True)
-    )
-    transverse: float = field(
-        metadata=number("1", "friction coefficient along the direction in which the rollers roll", 0.0, 10.0)
-    )
-
-    def __post_init__(self) -> None:
-        check(self)
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Surface:
-    """A floor: coefficients of a wheel standing on a roller and on rigid material (Table I)."""
-
-    name: str
-    roller: Coefficients = field(
-        metadata=table(Coefficients, "a wheel standing on a roller", vary=("mu_drive", "mu_transverse"))
-    )
-    rigid: Coefficients = field(
-        metadata=table(
-            Coefficients, "a wheel standing on the rigid material between rollers", vary=("mu_rigid",)
-        )
-    )
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not self.name.strip():
-            raise InputError("", f"has the name {self.name!r}", "give the surface a name")
-        check(self)
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FrictionLaw:
-    """μ(v) = μ_max σ(k v) by the law ``name`` (eq. 11: atan), and the set the force lies in.
-
-    A law with a key of its own adds a field here, ``needs=("name", LAW)``, default None.
-    """
-
-    name: str = field(
-        default="atan",
-        metadata=word(
-            LAWS,
-            "how friction grows with slip speed v, with z = k v",
-            (
-                "(2/π) atan z, eq. (11) of the paper",
-                "tanh z, the usual regularised Coulomb law",
-                "z/√(1 + z²), a smoothed Coulomb law",
-            ),
-            name="law",
-            vary=("friction_law",),
-        ),
-    )
-    k_s_per_m: float = field(
-        default=1000.0,
-        metadata=number(
-            "s/m",
-            "slope of the friction law: a slip of 1/k already uses much of the grip",
-            0.0,
-            1e6,
-            above=True,
-            vary=("k_s_per_m",),
-        ),
-    )
-    grip: GripShape = field(
-        default=GripShape.BOX,
-        metadata=word(
-            GripShape,
-            "set in which a wheel's friction force lies",
-            (
-                "drive and transverse friction have each their own limit, eq. (17) of the paper",
-                "the whole force is within the drive limit and its transverse part within the transverse one",
-                "an ellipse over the two limits: a wheel that slides as a whole",
-            ),
-            vary=("grip",),
-        ),
-    )
-
-    def __post_init__(self) -> None:
-        check(self)
-
-
-@final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Robot:
     """The whole data sheet.
@@ -258,7 +127,8 @@ class Robot:
         default=LoadRule.EQUAL,
         metadata=word(
             LoadRule,
-            "how the weight is shared between the wheels",
+            "how the weight is shared between the wheels; left out of a file with `com_height_m` above 0 it "
+            'is "quasi-static"',
             (
                 "m g / N each, eq. (8) of the paper",
                 "by statics from the centre of mass, the same at rest and in motion",
@@ -281,10 +151,10 @@ class Robot:
             reason="one for each wheel, together 1",
             table="loads",
             name="fractions",
-            needs=("load_rule", "fixed"),
+            needs=(("load_rule", "fixed"),),
         ),
     )
-    friction: FrictionLaw = FrictionLaw()
+    friction: FrictionLaw = field(default_factory=FrictionLaw)
     motor: Motor | None = None
     geometry: WheelGeometry = field(init=False, repr=False)
 
@@ -311,6 +181,14 @@ class Robot:
             raise InputError("wheel", "all wheels stand on one point", "give each wheel its own position_m")
         wrenches = geometry.wrench_maps(middle)[0] / [[1.0], [1.0], [reach]]
         if _flat(wrenches):
+            own, mirrored = (np.abs(lever) / reach for lever in roller_levers(self.wheels))
+            if np.max(own) < 1e-6 < np.max(mirrored):
+                raise InputError(
+                    "wheel",
+                    "the rollers' grip lines meet in one point, so the wheels cannot make Mz: "
+                    "rollers mounted the wrong way round?",
+                    "change the sign of every roller_angle_deg",
+                )
             raise InputError(
                 "wheel",
                 "the grip directions cannot make all of Fx, Fy and Mz",
@@ -346,6 +224,20 @@ class Robot:
         raise InputError(
             "surface", f"{name!r} is not described for robot {self.name!r}", f"use one of: {known}"
         )
+
+
+def roller_levers(wheels: tuple[Wheel, ...]) -> tuple[Array, Array]:
+    """Yaw levers (N,) of the grip lines about the wheels' mean position: as mounted, and mirrored [m].
+
+    Mirrored is every roller angle with the other sign.
+    """
+    place = np.array([w.position_m for w in wheels])
+    arm = place - place.mean(axis=0)
+    drive, roller = (
+        np.deg2rad([getattr(w, f) for w in wheels]) for f in ("drive_direction_deg", "roller_angle_deg")
+    )
+    one, two = (moment(*arm.T, *directions(drive + sign * roller).T) for sign in (1.0, -1.0))
+    return one, two
 
 
 def _geometry(wheels: tuple[Wheel, ...]) -> WheelGeometry:

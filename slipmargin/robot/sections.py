@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
-from slipmargin.robot.robot import Body, FrictionLaw, Motor, Robot, Surface, Wheel
+from slipmargin.robot.floor import FrictionLaw, Surface
+from slipmargin.robot.motor import Motor
+from slipmargin.robot.robot import Body, Robot, Wheel
 
 
 @final
@@ -32,7 +34,7 @@ SECTIONS = (
         heading="[loads]",
         kind=Robot,
         table="loads",
-        meaning='How the weight is shared. Without this table the model is "equal".',
+        meaning="How the weight is shared.",
     ),
     Section(
         heading="[friction]",

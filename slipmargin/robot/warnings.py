@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from slipmargin.physics.constants import GRAVITY_M_S2
 from slipmargin.physics.grips import GripShape
-from slipmargin.physics.loads import LoadRule, load_centre, sharing_matrix
+from slipmargin.physics.loads import LoadRule, load_centre, sharing_matrix, transfer
+from slipmargin.robot.mistakes import unlikely
 from slipmargin.robot.robot import Robot
 
 
 def warnings(robot: Robot) -> tuple[str, ...]:
-    """One sentence for each contradiction and for each key without effect; empty where all is well."""
+    """One sentence for each contradiction, key without effect and unlikely number; empty if there is none."""
     found = [contradiction(robot), _height_without_effect(robot)]
-    found += _coefficients_without_effect(robot)
+    found += [*_coefficients_without_effect(robot), *unlikely(robot)]
     return tuple(sentence for sentence in found if sentence is not None)
 
 
@@ -47,9 +49,13 @@ def contradiction(robot: Robot) -> str | None:
 def _height_without_effect(robot: Robot) -> str | None:
     if robot.body.com_height_m == 0.0 or robot.load_rule is LoadRule.QUASI_STATIC:
         return None
+    shift = transfer(robot.geometry.position_m, robot.body.mass_kg, robot.body.com_height_m)
+    most = float(np.max(np.linalg.norm(shift, axis=1)))
+    share = most * len(robot.wheels) / (robot.body.mass_kg * GRAVITY_M_S2)
     return (
-        f"body.com_height_m: the {robot.load_rule.value} load model shifts no load when the robot "
-        f'accelerates, whatever the height ({robot.body.com_height_m:g} m); use model = "quasi-static"'
+        f"body.com_height_m: the {robot.load_rule.value} load model shifts no load with the acceleration, "
+        f"but at a height of {robot.body.com_height_m:g} m each 1 m/s² shifts up to {most:.3g} N "
+        f'({100 * share:.3g} % of m g / N) at a wheel; use model = "quasi-static"'
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 import re
 from dataclasses import fields, replace
 
@@ -22,7 +23,7 @@ from slipmargin.io.robot_text import write_recipe
 from slipmargin.physics.friction_laws import LAWS
 from slipmargin.physics.terms import ForceTerm, Multiplier
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
-from slipmargin.robot import Coefficients, GripShape, LoadRule, Robot, Surface
+from slipmargin.robot import Coefficients, GripShape, LoadRule, Robot, Surface, Uncertain
 from slipmargin.robot.fields import Key, Kind, keys
 from slipmargin.robot.sections import SECTIONS, Section
 
@@ -152,6 +153,20 @@ def test_defaults_are_the_published_model() -> None:
     assert robot.friction.k_s_per_m == 1000.0
 
 
+def test_a_file_that_gives_a_height_gets_load_transfer_unless_it_says_otherwise() -> None:
+    tall = GOOD.replace("com_height_m = 0.0", "com_height_m = 0.05")
+    silent = tall.replace('[loads]\nmodel = "equal"\n', "")
+    recipe = recipe_from_text(silent)
+    assert recipe.robot.load_rule is LoadRule.QUASI_STATIC
+    assert recipe.build("paper").loads.follow_acceleration
+    assert recipe_from_text(silent.replace("[friction]", "[loads]\n[friction]")).robot.load_rule is (
+        LoadRule.QUASI_STATIC
+    )
+    assert recipe_from_text(tall).robot.load_rule is LoadRule.EQUAL
+    assert recipe_from_text(silent.replace("com_height_m = 0.05\n", "")).robot.load_rule is LoadRule.EQUAL
+    assert recipe_from_text(write_recipe(recipe)).robot.load_rule is LoadRule.QUASI_STATIC
+
+
 @pytest.mark.parametrize("name", built_in_names())
 def test_built_in_robots_build_on_every_surface(name: str) -> None:
     recipe = read_recipe(name)
@@ -218,8 +233,54 @@ def test_every_key_refuses_what_is_no_value_of_it(section: Section, field: str, 
         assert len(str(caught.value)) < 400 and "\n" not in str(caught.value)
 
 
+def test_uncertain_coefficients_read_back_and_count_with_their_middle() -> None:
+    for spelt, sd, ends in (
+        ('"0.26 ± 0.02"', 0.02, (0.26, 0.26)),
+        ('"0.26+-0.02"', 0.02, (0.26, 0.26)),
+        ('"0.26 +/- 2e-2"', 0.02, (0.26, 0.26)),
+        ("[0.25, 0.27]", None, (0.25, 0.27)),
+    ):
+        recipe = recipe_from_text(GOOD.replace("drive = 0.26", f"drive = {spelt}"))
+        for one in (recipe, recipe_from_text(write_recipe(recipe)), pickle.loads(pickle.dumps(recipe))):
+            found = one.robot.surfaces[0].roller.drive
+            assert isinstance(found, Uncertain) and found == pytest.approx(0.26, rel=1e-15)
+            assert found.sd == sd and found.ends == ends
+            assert one.build("paper").grip.roller[0, 0] == float(found)
+    for wrong in (
+        '"0.26 ± 0"',
+        '"0.26 ± 0.3"',
+        '"0 ± 0.1"',
+        '"± 0.1"',
+        '"0.26 ± x"',
+        "[0.3, 0.2]",
+        "[0.1]",
+        '"11 ± 1"',
+    ):
+        with pytest.raises(InputError) as caught:
+            recipe_from_text(GOOD.replace("drive = 0.26", f"drive = {wrong}"))
+        assert caught.value.place.startswith("surface.paper.roller.drive")
+
+
+def test_gear_and_supply_reach_the_model_at_the_wheel() -> None:
+    more = "gear_ratio = 19.2\nrotor_inertia_kg_m2 = 2e-6\nnominal_voltage_V = 12.0\nsupply_voltage_V = 10.8"
+    recipe = recipe_from_text(GOOD.replace("stall_torque_N_m = 0.9", f"stall_torque_N_m = 0.9\n{more}"))
+    drives = recipe.build("paper").drives
+    # 10.8 V of 12 V: nine tenths of speed and torque; the rotor turns 19.2 times as fast.
+    assert drives.max_speed_rad_s == pytest.approx(54.0, rel=1e-12)
+    assert drives.stall_torque_N_m == pytest.approx(0.81, rel=1e-12)
+    assert drives.wheel_inertia_kg_m2 == pytest.approx(2e-6 * 19.2**2, rel=1e-12)
+    assert same(recipe, recipe_from_text(write_recipe(recipe)))
+
+
 def test_a_key_without_effect_is_refused() -> None:
+    stall, rotor = "stall_torque_N_m = 0.9", "gear_ratio = 9.0\nrotor_inertia_kg_m2 = 1e-6"
     for old, new, says in (
+        (stall, f"{stall}\ngear_ratio = 9.0", "add rotor_inertia_kg_m2, or leave gear_ratio out"),
+        (stall, f"{stall}\nrotor_inertia_kg_m2 = 1e-6", "add gear_ratio, or leave"),
+        (stall, rotor, "add stall_torque_N_m, or leave"),
+        (stall, f"{stall}\n{rotor}\nreflected_inertia_kg_m2 = 1e-4", "leave one of the two out"),
+        (stall, f"{stall}\nsupply_voltage_V = 11.0", "add nominal_voltage_V, or leave"),
+        (stall, f"{stall}\nnominal_voltage_V = 11.0", "add supply_voltage_V, or leave"),
         ('model = "equal"', 'model = "static"\nfractions = [0.3, 0.3, 0.4]', 'add model = "fixed", or leave'),
         ('model = "equal"', 'model = "fixed"', "loads.fractions: is missing"),
         ("stall_torque_N_m = 0.9", "reflected_inertia_kg_m2 = 1e-4", "add stall_torque_N_m, or leave"),

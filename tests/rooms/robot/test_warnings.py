@@ -29,6 +29,8 @@ def test_a_height_that_shifts_no_load() -> None:
             assert said == ()
         else:
             assert len(said) == 1 and "0.08 m" in said[0] and rule.value in said[0]
+            # A regular ring of three: 1 m/s² shifts m h a · 2/(3 R) = 3 · 0.08 · 2/(3 · 0.095) N at most.
+            assert "1 m/s² shifts up to 1.68 N (17.2 % of m g / N)" in said[0]
             assert not nominal_model(robot, "paper").loads.follow_acceleration  # the sentence is true
 
 
