@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -218,3 +219,18 @@ def test_strict_does_not_hide_bad_input(tmp_path: Path, capsys: pytest.CaptureFi
 def test_the_exit_status_is_in_the_help(capsys: pytest.CaptureFixture[str]) -> None:
     assert status(["check", "--help"]) == 0
     assert "with --strict 1 when not admissible" in " ".join(capsys.readouterr().out.split())
+
+
+def test_the_page_on_ci_shows_real_output(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = (Path(__file__).parents[3] / "docs" / "how-to" / "check-in-ci.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "auto.traj").write_bytes((TRAJECTORIES / "choreo-2025.traj").read_bytes())
+    (block,) = re.findall(r"```console\n(.*?)```", page, flags=re.DOTALL)
+    shown = re.split(r"^\$ slipmargin ", block, flags=re.MULTILINE)[1:]
+    codes = []
+    for command, _, expected in (part.partition("\n") for part in shown):
+        codes.append(status(command.split()))
+        assert capsys.readouterr().out.partition("\n\n")[0].strip() == expected.strip()
+    assert codes == [0, 1]
