@@ -7,6 +7,7 @@ forms (:mod:`~slipmargin.io.trajectory_json`).  Our CSV is in our own convention
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from slipmargin.errors import InputError
 from slipmargin.io.source import read_bytes, read_text
 from slipmargin.io.table import columns_from_text
 from slipmargin.io.trajectory_json import (
+    LARGEST,
     SAME_POSE,
     Claim,
     Samples,
@@ -118,13 +120,14 @@ def _from_bag(path: Path, topic: str | None) -> Samples:
         )
     for k, stamped in enumerate(poses):
         q = stamped.pose.orientation
-        if not abs(q.x**2 + q.y**2 + q.z**2 + q.w**2 - 1.0) < 0.1:
+        if not abs(math.hypot(q.x, q.y, q.z, q.w) - 1.0) < 0.1:
             raise InputError(f"{name}.poses[{k}]", "its orientation is no rotation", "give a unit quaternion")
     t_s = np.array([(stamp - stamps[0]) * 1e-9 for stamp in stamps])  # whole nanoseconds, then seconds
     pose = np.array([pose_of(stamped) for stamped in poses])
-    if not np.isfinite(pose).all():
-        row = int(np.argmin(np.isfinite(pose).all(axis=1)))
-        raise InputError(f"{name}.poses[{row}]", "is not finite", "give finite numbers")
+    usable = (np.abs(pose) < LARGEST).all(axis=1)
+    if not usable.all():
+        row = int(np.argmin(usable))
+        raise InputError(f"{name}.poses[{row}]", "is not finite", "give finite numbers below 1e12")
     pose[:, 2] = our_heading(pose[:, 2])
     (t_s, pose), notes = without_repetitions(f"{name}.poses", t_s, pose)
     if len(messages) > 1:

@@ -35,6 +35,8 @@ FORMS = (
 )
 #: Samples this close in time [s] and in pose [m, rad] repeat each other: the tools round to 5 decimals.
 SAME_TIME, SAME_POSE = 1e-3, 2e-5
+#: Numbers are below this: the powers of larger ones overflow in what follows.
+LARGEST = 1e12
 
 
 @final
@@ -245,7 +247,7 @@ def _number(holder: Mapping[str, Any], key: str, place: str) -> float:
         number = float(value)
     except OverflowError:
         number = math.inf
-    if not abs(number) < 1e12:  # squares of larger numbers overflow in what follows
+    if not abs(number) < LARGEST:
         raise InputError(at, f"is {_shown(value)}", "give a finite number below 1e12")
     return number
 

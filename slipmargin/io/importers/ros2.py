@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from sqlite3 import Error as SqlError
 from typing import Any, final
 
 import numpy as np
@@ -38,10 +37,7 @@ def bag_messages(path: Path, pick: Callable[[dict[str, str]], list[str]]) -> dic
             "install it: pip install 'slipmargin[ros]'",
             "command line",
         )
-    from rosbags.highlevel import AnyReader, AnyReaderError
-    from rosbags.rosbag1 import ReaderError as Ros1Error
-    from rosbags.rosbag2 import ReaderError as Ros2Error
-    from rosbags.serde import SerdeError
+    from rosbags.highlevel import AnyReader
     from rosbags.typesys import Stores, get_typestore
 
     if not path.exists():
@@ -52,7 +48,9 @@ def bag_messages(path: Path, pick: Callable[[dict[str, str]], list[str]]) -> dic
             found: dict[str, list[tuple[int, Any]]] = {topic: [] for topic in wanted}
             for connection, time, raw in bag.messages([c for c in bag.connections if c.topic in found]):
                 found[connection.topic].append((time, bag.deserialize(raw, connection.msgtype)))
-    except (AnyReaderError, Ros1Error, Ros2Error, SerdeError, SqlError, OSError) as fault:
+    except InputError:
+        raise
+    except Exception as fault:  # a damaged bag makes readers of SQLite, YAML and CDR fail in their own ways
         raise InputError(
             "",
             f"is no bag that can be read ({type(fault).__name__})",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -386,3 +387,26 @@ def test_any_value_in_a_sample_is_read_or_refused(value: Any, row: int, key: str
     file = tmp_path / "f.traj"
     file.write_text(spoilt(lambda samples: samples[row].update({key: value})))
     read_or_refused(file)
+
+
+def test_a_damaged_bag_is_read_or_refused(planned: Trajectory, tmp_path: Path) -> None:
+    """Flipped bytes in the database and in its description; readers fail in many ways of their own."""
+    rng = np.random.default_rng(14)
+    whole = as_bag(planned, tmp_path)
+    refused = 0
+    for k in range(60):
+        damaged = tmp_path / f"bag{k}"
+        shutil.copytree(whole, damaged)
+        (store,) = damaged.glob("*.db3")
+        file = damaged / "metadata.yaml" if k % 3 == 0 else store
+        content = bytearray(file.read_bytes())
+        start = content.find(b"map") if file == store and k % 2 else 0  # in the message, or anywhere
+        for at in rng.integers(start, min(start + 2000, len(content)), size=12):
+            content[at] = rng.integers(256)
+        file.write_bytes(content)
+        try:
+            read_trajectory(damaged)
+        except InputError as fault:
+            refused += 1
+            assert str(fault).startswith(str(damaged)) and "\n" not in str(fault)
+    assert refused > 20
