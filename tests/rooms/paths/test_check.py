@@ -102,6 +102,12 @@ def test_bad_trajectories_are_named() -> None:
     twice[7] = twice[6]
     with pytest.raises(InputError, match=r"row 8: is at .* not after"):
         check(KIWI, twice, np.zeros((20, 3)))
+    gap = t.copy()
+    gap[0] = -1e11  # beside steps of 0.05 s no digit of an acceleration is left
+    with pytest.raises(InputError, match=r"row 2: is 1e\+11 s after the row before and 0.0526316 s before"):
+        check(KIWI, gap, np.zeros((20, 3)))
+    gap[0] = -1e4  # a long rest is read
+    assert check(KIWI, gap, np.zeros((20, 3))).admissible
     with pytest.raises(InputError, match="finite"):
         check(KIWI, t, np.full((20, 3), np.nan))
     with pytest.raises(InputError, match="margin"):
