@@ -11,6 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
+from sqlite3 import Error as SqlError
+from struct import error as StructError
 from typing import Any, final
 
 import numpy as np
@@ -20,6 +22,9 @@ from slipmargin.data.record import Record
 from slipmargin.errors import InputError
 from slipmargin.io.importers.loose_table import increasing, runs_of
 from slipmargin.io.importers.plug import Dropped, Reading
+
+#: What readers of YAML and CDR stumble over in a damaged bag.
+DAMAGE = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, AssertionError, StructError)
 
 
 def bag_messages(path: Path, pick: Callable[[dict[str, str]], list[str]]) -> dict[str, list[tuple[int, Any]]]:
@@ -37,9 +42,14 @@ def bag_messages(path: Path, pick: Callable[[dict[str, str]], list[str]]) -> dic
             "install it: pip install 'slipmargin[ros]'",
             "command line",
         )
-    from rosbags.highlevel import AnyReader
+    from rosbags.highlevel import AnyReader, AnyReaderError
+    from rosbags.rosbag1 import ReaderError as Ros1Error
+    from rosbags.rosbag2 import ReaderError as Ros2Error
+    from rosbags.serde import SerdeError
     from rosbags.typesys import Stores, get_typestore
 
+    told: tuple[type[Exception], ...] = (AnyReaderError, Ros1Error, Ros2Error, SerdeError, OSError)
+    told += (*_database_errors(), *DAMAGE)
     if not path.exists():
         raise InputError("", "there is no such bag", "give a bag's folder or file", str(path))
     try:
@@ -48,9 +58,7 @@ def bag_messages(path: Path, pick: Callable[[dict[str, str]], list[str]]) -> dic
             found: dict[str, list[tuple[int, Any]]] = {topic: [] for topic in wanted}
             for connection, time, raw in bag.messages([c for c in bag.connections if c.topic in found]):
                 found[connection.topic].append((time, bag.deserialize(raw, connection.msgtype)))
-    except InputError:
-        raise
-    except Exception as fault:  # a damaged bag makes readers of SQLite, YAML and CDR fail in their own ways
+    except told as fault:
         raise InputError(
             "",
             f"is no bag that can be read ({type(fault).__name__})",
@@ -58,6 +66,15 @@ def bag_messages(path: Path, pick: Callable[[dict[str, str]], list[str]]) -> dic
             str(path),
         ) from None
     return found
+
+
+def _database_errors() -> tuple[type[Exception], ...]:
+    """The failures of the SQLite library that this version of rosbags reads with."""
+    if find_spec("apsw") is None:
+        return (SqlError,)
+    from apsw import Error
+
+    return (SqlError, Error)
 
 
 @final
