@@ -13,7 +13,14 @@ from .render import at_options
 
 def check(
     robot: RobotArg,
-    path: Annotated[Path, typer.Argument(metavar="TRAJ.csv", help="t_s,x_m,y_m,phi_rad at least.")],
+    path: Annotated[
+        Path,
+        typer.Argument(
+            metavar="TRAJ",
+            help="CSV (t_s,x_m,y_m,phi_rad at least), Choreo .traj, PathPlanner trajectory JSON, or a ROS "
+            "bag with a nav_msgs/Path.",
+        ),
+    ],
     surface: SurfaceOpt,
     margin: Annotated[
         float,
@@ -26,18 +33,30 @@ def check(
         bool,
         typer.Option("--robust", help=("Whichever wheels stand on rigid sectors (default: all on rollers).")),
     ] = False,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Exit status 1 when not admissible (default: 0), for CI.")
+    ] = False,
+    topic: Annotated[
+        str | None, typer.Option(metavar="T", help="Topic of the nav_msgs/Path, where a bag has several.")
+    ] = None,
     out: OutOpt = None,
     plot: PlotOpt = None,
     json: JsonOpt = None,
-) -> None:
+) -> int:
     """Audit anybody's trajectory: the share of each wheel's grip that it asks for, and the cure.
 
     Admissible means that no wheel uses more than 1 − margin of its grip, no motor more than it has, and no
     wheel lifts off.  The cure is one factor: stretch time by it.
+
+    The form of the file is told by its content.  Choreo, PathPlanner and ROS have the robot's front along
+    its x axis, ours is +Y: their headings are turned by -90 degrees, positions stay.
+
+    Exit status: 0 done, admissible or not; with --strict 1 when not admissible; 2 bad input or usage.
     """
     import slipmargin as sm
 
     check_outputs(out, json, plot=plot)
-    with at_options(surface="--surface", margin="--margin", smooth_s="--smooth"):
-        found = sm.check(robot, surface, path, margin=margin, smooth_s=smooth, robust=robust)
+    with at_options(surface="--surface", margin="--margin", smooth_s="--smooth", topic="--topic"):
+        found = sm.check(robot, surface, path, margin=margin, smooth_s=smooth, robust=robust, topic=topic)
     deliver(found, out=out, plot=plot, json=json)
+    return 1 if strict and not found.admissible else 0

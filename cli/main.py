@@ -12,8 +12,8 @@ subcommands names a ``typer.Typer`` application instead of a function.  Rules of
   never a print and an exit; for an option use ``refuse("--step", problem, cure)``;
 * a module that is not there yet leaves its command out of the list.
 
-Exit status: 0 done; 1 a defect of ours; 2 bad input or usage, said in one line on stderr;
-130 interrupted.
+Exit status: 0 done; 1 a defect of ours, or ``check --strict`` of a motion that is not admissible;
+2 bad input or usage, said in one line on stderr; 130 interrupted.
 """
 
 from __future__ import annotations
@@ -135,7 +135,8 @@ def _top(
     """How hard a wheeled omnidirectional robot can push, turn and accelerate before a wheel slips.
 
     Wherever a command takes ROBOT it takes a robot file or the name of a built-in robot (slipmargin
-    robots list).  Exit status: 0 done, 1 internal error, 2 bad input or usage, 130 interrupted.
+    robots list).  Exit status: 0 done, 1 internal error (with check --strict: not admissible), 2 bad input
+    or usage, 130 interrupted.
     """
     del version
 

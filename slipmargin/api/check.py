@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from slipmargin.model import Model
     from slipmargin.paths.check import Check
 
-NEEDED = ("t_s", "x_m", "y_m", "phi_rad")
-
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -32,6 +30,7 @@ class CheckResult(Result):
     check: Check
     pose: Array
     warnings: tuple[str, ...]
+    source_format: str
 
     @property
     def admissible(self) -> bool:
@@ -95,6 +94,7 @@ class CheckResult(Result):
             "wheels": self.model.geometry.names,
             "t_s": c.t_s,
             "use": c.use,
+            "source_format": self.source_format,
             "torque": c.torque,
             "wheel_speed": c.speed,
             "min_load_N": float(np.min(c.load_N)),
@@ -109,6 +109,7 @@ def check(
     margin: float = 0.0,
     smooth_s: float = 0.0,
     robust: bool = False,
+    topic: str | None = None,
 ) -> CheckResult:
     """The share of each wheel's grip that a trajectory asks for, and how much slower it must be.
 
@@ -122,14 +123,19 @@ def check(
     surface : str
         A surface of the robot file.
     trajectory : Trajectory, array (T, 4), or a file
-        A planned trajectory; rows of t [s], x [m], y [m], φ [rad]; or a CSV with at least the columns
-        ``t_s,x_m,y_m,phi_rad``.
+        A planned trajectory; rows of t [s], x [m], y [m], φ [rad]; or a file: a CSV with at least the
+        columns ``t_s,x_m,y_m,phi_rad``, a Choreo ``.traj``, a PathPlanner trajectory JSON, or a ROS bag
+        with a nav_msgs/Path.  Those three have the robot's front along its x axis; their headings θ become
+        φ = θ − π/2.  Velocities and accelerations that a file states are compared with its poses, which
+        are what is checked; a contradiction is a warning.
     margin : float
         Safety margin: 1 − grip utilisation, 0 to below 1.
     smooth_s : float
         Window over which derivatives of measured poses are taken [s].
     robust : bool
         True: whichever wheels stand on rigid sectors.  False: all wheels on rollers.
+    topic : str, optional
+        Topic of the nav_msgs/Path, where a ROS bag has more than one.
 
     Returns
     -------
@@ -150,21 +156,34 @@ def check(
     >>> rows = np.column_stack([t, 0.2 * t**2, still, still])  # 0.4 m/s² to the right
     >>> sm.check("ohio-kiwi", "paper", rows)
     <check of ohio-kiwi on paper: admissible: uses at most 0.9045 of a wheel's grip, 1 allowed>
+
+    The same drive as Choreo writes it, the robot's front along the field's +y:
+
+    >>> import json, pathlib, tempfile
+    >>> states = [{"t": a, "x": b, "y": 0.0, "heading": np.pi / 2} for a, b, _, _ in rows]
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = pathlib.Path(folder, "drive.traj")
+    ...     _ = file.write_text(json.dumps({"trajectory": {"samples": states}}))
+    ...     sm.check("ohio-kiwi", "paper", file)
+    <check of ohio-kiwi on paper: admissible: uses at most 0.9045 of a wheel's grip, 1 allowed>
     """
     from slipmargin.limits.motion_state import Contact
     from slipmargin.paths.check import check as path_check
 
     model, warnings = model_of(robot, surface)
     share = 1.0 - checked_margin(margin)
-    source = ""
+    source, form = "", "array"
+    if topic is not None and not isinstance(trajectory, Path | str):
+        raise InputError("topic", "is for ROS bags, and the trajectory is none", "leave it out")
     if isinstance(trajectory, Trajectory):
-        t_s, pose = trajectory.t_s, trajectory.pose
+        t_s, pose, form = trajectory.t_s, trajectory.pose, "Trajectory"
     elif isinstance(trajectory, Path | str):
-        from slipmargin.io.table import read_columns
+        from slipmargin.io.trajectory_file import read_trajectory
 
         source = str(trajectory)
-        columns = read_columns(Path(trajectory), required=NEEDED, known=None, empty=None, least=1)
-        t_s, pose = columns["t_s"], columns.stack(NEEDED[1:])
+        samples = read_trajectory(Path(trajectory), topic)
+        t_s, pose, form = samples.t_s, samples.pose, samples.form
+        warnings = (*warnings, *samples.notes)
     else:
         rows = np.asarray(trajectory, dtype=float)
         if rows.ndim != 2 or rows.shape[1] != 4:
@@ -183,4 +202,4 @@ def check(
         )
     except InputError as fault:
         raise fault.in_file(source) if source else fault from None
-    return CheckResult(model=model, check=found, pose=pose, warnings=warnings)
+    return CheckResult(model=model, check=found, pose=pose, warnings=warnings, source_format=form)

@@ -23,6 +23,8 @@ from slipmargin.physics.friction_laws import law_share
 
 #: Half the shortest window of a derivative [s]: below it rounded files make noise of accelerations.
 SHORTEST = 0.005
+#: Largest ratio of two neighbouring steps [1]: its square is what is left of the digits of an acceleration.
+MOST_UNEVEN = 1e7
 #: Share of the full drag below which it fades [1].
 FADING = 0.987
 #: Slowest time scaling tried [1].
@@ -171,6 +173,14 @@ def _checked(t_s: Array, pose: Array) -> tuple[Array, Array]:
             f"row {row}",
             f"is at {t_s[row - 1]:g} s, not after {t_s[row - 2]:g} s",
             "time must increase from row to row",
+        )
+    uneven = np.maximum(step[1:] / step[:-1], step[:-1] / step[1:])
+    if np.max(uneven) > MOST_UNEVEN:
+        row = int(np.argmax(uneven)) + 2
+        raise InputError(
+            f"row {row}",
+            f"is {step[row - 2]:g} s after the row before and {step[row - 1]:g} s before the next",
+            "give samples at similar steps",
         )
     pose[:, 2] = np.unwrap(pose[:, 2])
     return t_s, pose

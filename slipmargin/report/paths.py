@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -64,13 +64,32 @@ def check_lines(model: Model, c: Check) -> list[str]:
         f"worst       wheel {names[k]} at t = {t:.4g} s (x {x:.4g} m, y {y:.4g} m)",
     ]
     if math.isfinite(model.drives.stall_torque_N_m or math.inf):
-        lines.append(f"motors      at most {np.max(c.torque):.4f} of the torque they have")
+        most = float(np.max(c.torque))
+        if math.isinf(most):
+            lines.append(f"motors      have no torque left at their top speed: {_at(names, c, c.torque)}")
+        else:
+            lines.append(
+                f"motors      at most {most:.4f} of the torque they have{_excess(names, c, c.torque)}"
+            )
     if model.drives.max_speed_rad_s is not None:
-        lines.append(f"wheels      at most {np.max(c.speed):.4f} of their top speed")
+        lines.append(
+            f"wheels      at most {np.max(c.speed):.4f} of their top speed{_excess(names, c, c.speed)}"
+        )
     if np.min(c.load_N) < 0.0:
-        lines.append(f"tips        wheel {names[int(np.argmin(c.load_N.min(axis=0)))]} lifts off")
+        lines.append(f"tips        {_at(names, c, -c.load_N)}: it lifts off")
     if math.isinf(c.time_scale_needed):
         lines.append("cure        none by slowing down: constant speed itself needs too much grip somewhere")
     elif not c.admissible:
         lines.append(f"cure        stretch time by {c.time_scale_needed:.4f}")
     return lines
+
+
+def _excess(names: Sequence[str], c: Check, share: Array) -> str:
+    """Which wheel has the largest share (T, N), and when, where it is more than 1."""
+    return f": {_at(names, c, share)}" if np.max(share) > 1.0 + 1e-6 else ""
+
+
+def _at(names: Sequence[str], c: Check, values: Array) -> str:
+    """The wheel and the time of the largest of values (T, N)."""
+    i, k = np.unravel_index(int(np.argmax(values)), values.shape)
+    return f"wheel {names[int(k)]} at t = {c.t_s[i]:.4g} s"

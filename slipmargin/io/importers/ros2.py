@@ -7,10 +7,12 @@ else the bag's.  A record has one clock: rows stand at the pose's stamps, wheels
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from sqlite3 import Error as SqlError
+from struct import error as StructError
 from typing import Any, final
 
 import numpy as np
@@ -20,6 +22,59 @@ from slipmargin.data.record import Record
 from slipmargin.errors import InputError
 from slipmargin.io.importers.loose_table import increasing, runs_of
 from slipmargin.io.importers.plug import Dropped, Reading
+
+#: What readers of YAML and CDR stumble over in a damaged bag.
+DAMAGE = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, AssertionError, StructError)
+
+
+def bag_messages(path: Path, pick: Callable[[dict[str, str]], list[str]]) -> dict[str, list[tuple[int, Any]]]:
+    """Messages of a bag by topic, each with the bag's time [ns]; ``pick`` chooses among topic → type.
+
+    Raises
+    ------
+    InputError
+        Where ``rosbags`` is not installed, or it is no bag that can be read.
+    """
+    if find_spec("rosbags") is None:
+        raise InputError(
+            "ROS bag",
+            "the package rosbags is not installed",
+            "install it: pip install 'slipmargin[ros]'",
+            "command line",
+        )
+    from rosbags.highlevel import AnyReader, AnyReaderError
+    from rosbags.rosbag1 import ReaderError as Ros1Error
+    from rosbags.rosbag2 import ReaderError as Ros2Error
+    from rosbags.serde import SerdeError
+    from rosbags.typesys import Stores, get_typestore
+
+    told: tuple[type[Exception], ...] = (AnyReaderError, Ros1Error, Ros2Error, SerdeError, OSError)
+    told += (*_database_errors(), *DAMAGE)
+    if not path.exists():
+        raise InputError("", "there is no such bag", "give a bag's folder or file", str(path))
+    try:
+        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as bag:
+            wanted = pick({name: str(topic.msgtype) for name, topic in bag.topics.items()})
+            found: dict[str, list[tuple[int, Any]]] = {topic: [] for topic in wanted}
+            for connection, time, raw in bag.messages([c for c in bag.connections if c.topic in found]):
+                found[connection.topic].append((time, bag.deserialize(raw, connection.msgtype)))
+    except told as fault:
+        raise InputError(
+            "",
+            f"is no bag that can be read ({type(fault).__name__})",
+            "give a bag's folder or file",
+            str(path),
+        ) from None
+    return found
+
+
+def _database_errors() -> tuple[type[Exception], ...]:
+    """The failures of the SQLite library that this version of rosbags reads with."""
+    if find_spec("apsw") is None:
+        return (SqlError,)
+    from apsw import Error
+
+    return (SqlError, Error)
 
 
 @final
@@ -43,15 +98,8 @@ class RosImporter:
         InputError
             Where ``rosbags`` is not installed, it is no bag, or a topic or joint is missing.
         """
-        if find_spec("rosbags") is None:
-            raise InputError(
-                "import ros",
-                "the package rosbags is not installed",
-                "install it: pip install 'slipmargin[ros]'",
-                "command line",
-            )
         poses, joints = self._messages(path)
-        pose = np.array([_pose(m) for _, m in poses])
+        pose = np.array([pose_of(m) for _, m in poses])
         stamp = np.array([_stamp(bag, m) for bag, m in poses])
         keep, notes = increasing(stamp)
         t, pose = stamp[keep], pose[keep]
@@ -80,33 +128,14 @@ class RosImporter:
         )
 
     def _messages(self, path: Path) -> tuple[list[tuple[int, Any]], list[tuple[int, Any]]]:
-        from rosbags.highlevel import AnyReader, AnyReaderError
-        from rosbags.rosbag1 import ReaderError as Ros1Error
-        from rosbags.rosbag2 import ReaderError as Ros2Error
-        from rosbags.serde import SerdeError
-        from rosbags.typesys import Stores, get_typestore
+        def pick(types: dict[str, str]) -> list[str]:
+            for topic in (self.pose_topic, self.joint_topic):
+                if topic not in types:
+                    known = ", ".join(sorted(types))
+                    raise InputError(topic, "is not a topic of the bag", f"use one of: {known}", str(path))
+            return [self.pose_topic, self.joint_topic]
 
-        if not path.exists():
-            raise InputError("", "there is no such bag", "give a bag's folder or file", str(path))
-        found: dict[str, list[tuple[int, Any]]] = {self.pose_topic: [], self.joint_topic: []}
-        try:
-            with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as bag:
-                there = sorted(bag.topics)
-                for topic in found:
-                    if topic not in there:
-                        raise InputError(
-                            topic, "is not a topic of the bag", f"use one of: {', '.join(there)}", str(path)
-                        )
-                wanted = [c for c in bag.connections if c.topic in found]
-                for connection, time, raw in bag.messages(wanted):
-                    found[connection.topic].append((time, bag.deserialize(raw, connection.msgtype)))
-        except (AnyReaderError, Ros1Error, Ros2Error, SerdeError, SqlError, OSError) as fault:
-            raise InputError(
-                "",
-                f"is no bag that can be read ({type(fault).__name__})",
-                "give a bag's folder or file",
-                str(path),
-            ) from None
+        found = bag_messages(path, pick)
         return found[self.pose_topic], found[self.joint_topic]
 
     def _wheels(self, joints: list[tuple[int, Any]], t: Array) -> dict[str, Array]:
@@ -153,7 +182,7 @@ def _stamp(bag_ns: int, message: Any) -> float:
     return float(header.stamp.sec) + 1e-9 * float(header.stamp.nanosec)
 
 
-def _pose(message: Any) -> tuple[float, float, float]:
+def pose_of(message: Any) -> tuple[float, float, float]:
     """x, y, yaw of any of the pose messages; the quaternion's turn about +z."""
     inner = getattr(message, "pose", None) or getattr(message, "transform", None)
     if inner is None:

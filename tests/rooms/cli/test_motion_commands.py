@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -178,3 +179,58 @@ def test_bounds_refuses_before_it_writes(
     monkeypatch.chdir(tmp_path)
     assert status(["bounds", "ohio-kiwi", "--surface", "paper", *options]) == 2
     assert "error: " in capsys.readouterr().err and not list(tmp_path.iterdir())
+
+
+TRAJECTORIES = Path(__file__).parents[2] / "data" / "trajectories"
+
+
+@pytest.mark.parametrize("name", ["choreo-2025.traj", "choreo-2024.traj", "pathplanner.wpilib.json"])
+def test_strict_exits_1_when_not_admissible(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["check", "ohio-kiwi", str(TRAJECTORIES / name), "--surface", "paper"]
+    assert status([*arguments, "--strict"]) == 0
+    assert capsys.readouterr().out.startswith("admissible: uses at most 0.90")
+    tight = [*arguments, "--margin", "0.3"]
+    assert status(tight) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("not admissible: uses at most 0.90") and "of a wheel's grip, 0.7 allowed" in said
+    out = tmp_path / "full.csv"
+    assert status([*tight, "--strict", "--out", str(out)]) == 1
+    streams = capsys.readouterr()
+    assert streams.out.startswith(said) and out.exists()  # the same words, and the files are written
+    assert "error" not in streams.err
+    assert status([*tight, "--strict", "--json", "-"]) == 1
+    assert json.loads(capsys.readouterr().out)["admissible"] is False
+
+
+def test_strict_does_not_hide_bad_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "a.traj"
+    file.write_text("hello")
+    assert status(["check", "ohio-kiwi", str(file), "--surface", "paper", "--strict"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"error: {file}: is no trajectory of a known form, give a CSV with")
+    assert said.count("\n") == 1
+    sample = str(TRAJECTORIES / "choreo-2024.traj")
+    assert status(["check", "ohio-kiwi", sample, "--surface", "paper", "--topic", "/plan"]) == 2
+    assert capsys.readouterr().err.startswith("error: command line: --topic: is for ROS bags")
+
+
+def test_the_exit_status_is_in_the_help(capsys: pytest.CaptureFixture[str]) -> None:
+    assert status(["check", "--help"]) == 0
+    assert "with --strict 1 when not admissible" in " ".join(capsys.readouterr().out.split())
+
+
+def test_the_page_on_ci_shows_real_output(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = (Path(__file__).parents[3] / "docs" / "how-to" / "check-in-ci.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "auto.traj").write_bytes((TRAJECTORIES / "choreo-2025.traj").read_bytes())
+    (block,) = re.findall(r"```console\n(.*?)```", page, flags=re.DOTALL)
+    shown = re.split(r"^\$ slipmargin ", block, flags=re.MULTILINE)[1:]
+    codes = []
+    for command, _, expected in (part.partition("\n") for part in shown):
+        codes.append(status(command.split()))
+        assert capsys.readouterr().out.partition("\n\n")[0].strip() == expected.strip()
+    assert codes == [0, 1]

@@ -16,6 +16,7 @@ from slipmargin.paths.check import check, derivatives
 from slipmargin.paths.path import through
 from slipmargin.paths.plan import Request, plan
 from slipmargin.paths.sample import trajectory
+from slipmargin.report.paths import check_lines
 from slipmargin.robot import LoadRule, Motor
 
 KIWI = nominal_model(kiwi(), "paper")
@@ -101,6 +102,12 @@ def test_bad_trajectories_are_named() -> None:
     twice[7] = twice[6]
     with pytest.raises(InputError, match=r"row 8: is at .* not after"):
         check(KIWI, twice, np.zeros((20, 3)))
+    gap = t.copy()
+    gap[0] = -1e11  # beside steps of 0.05 s no digit of an acceleration is left
+    with pytest.raises(InputError, match=r"row 2: is 1e\+11 s after the row before and 0.0526316 s before"):
+        check(KIWI, gap, np.zeros((20, 3)))
+    gap[0] = -1e4  # a long rest is read
+    assert check(KIWI, gap, np.zeros((20, 3))).admissible
     with pytest.raises(InputError, match="finite"):
         check(KIWI, t, np.full((20, 3), np.nan))
     with pytest.raises(InputError, match="margin"):
@@ -113,3 +120,42 @@ def test_standing_still_needs_no_cure() -> None:
     t = np.linspace(0.0, 1.0, 20)
     found = check(KIWI, t, np.zeros((20, 3)))
     assert found.admissible and found.max_use == 0.0
+
+
+MOTORS = nominal_model(replace(kiwi(), motor=Motor(max_speed_rad_s=20.0, stall_torque_N_m=0.9)), "paper")
+
+
+@pytest.mark.parametrize("contact", list(Contact))
+@pytest.mark.parametrize("pose", [(0.0, 0.0, 0.0), (1.23456789, -2.3, 0.7), (1e6, 1e-9, 400.0)])
+def test_motors_at_a_standstill_need_nothing(pose: tuple[float, float, float], contact: Contact) -> None:
+    t = np.linspace(0.0, 1.0, 20)
+    with np.errstate(all="raise"):
+        found = check(MOTORS, t, np.tile(pose, (20, 1)), contact=contact)
+    assert found.admissible and found.max_use < 1e-9
+    assert np.max(found.torque) < 1e-6 and np.max(found.speed) < 1e-6
+    words = check_lines(MOTORS, found)
+    assert words[2:] == [
+        "motors      at most 0.0000 of the torque they have",
+        "wheels      at most 0.0000 of their top speed",
+    ]
+
+
+def test_no_torque_left_at_the_top_speed_is_said_in_words() -> None:
+    """The torque that is left at the top speed is none: a share of it has no number."""
+    t = np.linspace(0.0, 3.0, 200)
+    found = check(MOTORS, t, np.column_stack([0.6 * t, 0 * t, 0 * t]))  # 0.6/0.0254 = 23.6 rad/s
+    words = check_lines(MOTORS, found)
+    assert not any("inf" in line for line in words)
+    assert words[2].startswith("motors      have no torque left at their top speed: wheel rear at t = ")
+    assert words[3].startswith("wheels      at most 1.1811 of their top speed: wheel rear at t = ")
+
+
+def test_what_lifts_and_what_lacks_torque_is_named_with_its_time() -> None:
+    weak = nominal_model(replace(kiwi(), motor=Motor(max_speed_rad_s=60.0, stall_torque_N_m=0.02)), "paper")
+    t = np.linspace(0.0, 2.0, 100)
+    words = check_lines(weak, check(weak, t, bang(0.3, t)))
+    assert words[0].startswith("not admissible: uses at most") and ": wheel rear at t = " in words[2]
+    tall = nominal_model(four_wheels(load_rule=LoadRule.QUASI_STATIC, com_height_m=0.9), "paper")
+    words = check_lines(tall, check(tall, t, np.column_stack([0 * t, 1.5 * t**2, 0 * t])))
+    (tips,) = [line for line in words if line.startswith("tips")]
+    assert "wheel " in tips and " at t = " in tips and tips.endswith(": it lifts off")

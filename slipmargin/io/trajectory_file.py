@@ -1,0 +1,169 @@
+"""A trajectory from a file of any known form, told by its content: our CSV, Choreo, PathPlanner, a ROS bag.
+
+``nav_msgs/Path``: the poses' own header stamps are the time, and ROS has the body's x axis forward and y left
+(REP 103, "In relation to a body the standard is: x forward, y left, z up"), so φ = yaw − π/2 as for the JSON
+forms (:mod:`~slipmargin.io.trajectory_json`).  Our CSV is in our own convention and is taken as it is.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from slipmargin.errors import InputError
+from slipmargin.io.source import read_bytes, read_text
+from slipmargin.io.table import columns_from_text
+from slipmargin.io.trajectory_json import (
+    LARGEST,
+    SAME_POSE,
+    Claim,
+    Samples,
+    our_heading,
+    samples_from_json,
+    unknown_form,
+    without_repetitions,
+)
+
+#: Columns that a CSV must have; rates that it may have, each beside what it is the rate of.
+NEEDED = ("t_s", "x_m", "y_m", "phi_rad")
+RATES = (
+    ("velocity", "m/s", ("x_m", "y_m"), ("vx_m_s", "vy_m_s")),
+    ("angular velocity", "rad/s", ("phi_rad",), ("wz_rad_s",)),
+    ("acceleration", "m/s²", ("vx_m_s", "vy_m_s"), ("ax_m_s2", "ay_m_s2")),
+    ("angular acceleration", "rad/s²", ("wz_rad_s",), ("alpha_rad_s2",)),
+)
+#: First bytes of a bag in one file: ROS 1, MCAP, SQLite.
+BAGS = (b"#ROSBAG", b"\x89MCAP", b"SQLite format 3")
+#: Share of the largest stated rate that a rate may be off before it is a contradiction [1].
+AGREES = 0.02
+
+
+def read_trajectory(path: Path | str, topic: str | None = None) -> Samples:
+    """The trajectory in a file, in our convention.
+
+    Parameters
+    ----------
+    path : path or str
+        A CSV with at least ``t_s,x_m,y_m,phi_rad``, a Choreo ``.traj``, a PathPlanner trajectory JSON, or a
+        ROS bag (file or folder).
+    topic : str, optional
+        Topic of the nav_msgs/Path, where the bag has more than one.
+
+    Raises
+    ------
+    InputError
+        With the file and the place in it.
+    """
+    path = Path(path)
+    try:
+        is_bag = path.is_dir() or read_bytes(path).startswith(BAGS)
+        if is_bag:
+            return _from_bag(path, topic)
+        found = _with_contradictions(_from_text(read_text(path)))
+    except InputError as fault:
+        raise fault.in_file(fault.source or str(path)) from None
+    if topic is not None:
+        raise InputError("topic", f"is for ROS bags, and {path.name} is none", "leave it out")
+    return found
+
+
+def _from_text(text: str) -> Samples:
+    if text.lstrip().startswith(("{", "[")):
+        return samples_from_json(text)
+    header = text.lstrip("\r\n").partition("\n")[0]
+    if text.strip() and not any(name in header for name in NEEDED):
+        raise unknown_form()
+    columns = columns_from_text(text, required=NEEDED, known=None, empty=None, least=1)
+    names = set(columns.names)
+    claims = [
+        Claim(name=name, unit=unit, values=columns.stack(of), rate=columns.stack(rate))
+        for name, unit, of, rate in RATES
+        if names >= {*of, *rate}
+    ]
+    return Samples(
+        form="CSV",
+        t_s=columns["t_s"],
+        pose=columns.stack(NEEDED[1:]),
+        claims=tuple(c for c in claims if np.isfinite(c.rate).all() and np.isfinite(c.values).all()),
+    )
+
+
+def _from_bag(path: Path, topic: str | None) -> Samples:
+    from slipmargin.io.importers.ros2 import bag_messages, pose_of
+
+    def pick(types: dict[str, str]) -> list[str]:
+        paths = sorted(name for name, kind in types.items() if kind == "nav_msgs/msg/Path")
+        if topic is not None:
+            paths = [name for name in paths if name == topic]
+        if len(paths) != 1:
+            have = ", ".join(f"{name} ({kind})" for name, kind in sorted(types.items()))
+            problem = (
+                f"{len(paths)} topics are a nav_msgs/msg/Path" if paths else "no nav_msgs/msg/Path there"
+            )
+            raise InputError(topic or "", problem, f"name one with --topic (the bag has: {have[:300]})")
+        return paths
+
+    if path.is_dir() and not (path / "metadata.yaml").exists():
+        raise unknown_form()
+    ((name, messages),) = bag_messages(path, pick).items()
+    if not messages:
+        raise InputError(name, "holds no message", "record the path")
+    poses = messages[-1][1].poses
+    if not poses:
+        raise InputError(name, "its last message holds no pose", "record a whole path")
+    stamps = [p.header.stamp.sec * 10**9 + p.header.stamp.nanosec for p in poses]
+    if len(set(stamps)) == 1 and len(poses) > 1:
+        raise InputError(
+            name, "all poses carry the same stamp", "give each pose the time at which it is to be reached"
+        )
+    for k, stamped in enumerate(poses):
+        q = stamped.pose.orientation
+        if not abs(math.hypot(q.x, q.y, q.z, q.w) - 1.0) < 0.1:
+            raise InputError(f"{name}.poses[{k}]", "its orientation is no rotation", "give a unit quaternion")
+    t_s = np.array([(stamp - stamps[0]) * 1e-9 for stamp in stamps])  # whole nanoseconds, then seconds
+    pose = np.array([pose_of(stamped) for stamped in poses])
+    usable = (np.abs(pose) < LARGEST).all(axis=1)
+    if not usable.all():
+        row = int(np.argmin(usable))
+        raise InputError(f"{name}.poses[{row}]", "is not finite", "give finite numbers below 1e12")
+    pose[:, 2] = our_heading(pose[:, 2])
+    (t_s, pose), notes = without_repetitions(f"{name}.poses", t_s, pose)
+    if len(messages) > 1:
+        notes += (f"{name} holds {len(messages)} paths; the last one is read",)
+    return Samples(form="nav_msgs/Path", t_s=t_s, pose=pose, notes=notes)
+
+
+def _with_contradictions(found: Samples) -> Samples:
+    """The samples with a note for each stated rate that the values do not have.
+
+    Between two samples the mean rate lies between the two stated ones, but for the curvature of the rate, a
+    share of its largest value and the rounding of the file.
+    """
+    step = np.diff(found.t_s)[:, None]
+    if len(found.t_s) < 3 or np.min(step) <= 0.0:
+        return found  # the check names the row
+    notes = []
+    for claim in found.claims:
+        values = np.unwrap(claim.values, axis=0) if claim.unit == "rad/s" else claim.values
+        mean, rate = np.diff(values, axis=0) / step, claim.rate
+        low, high = np.minimum(rate[:-1], rate[1:]), np.maximum(rate[:-1], rate[1:])
+        bend = np.zeros_like(rate)
+        bend[1:-1] = np.abs(rate[2:] - 2.0 * rate[1:-1] + rate[:-2])
+        slack = 0.5 * np.maximum(bend[:-1], bend[1:]) + AGREES * np.max(np.abs(rate)) + SAME_POSE / step
+        excess = np.maximum(low - slack - mean, mean - high - slack)
+        i, k = np.unravel_index(int(np.argmax(excess)), excess.shape)
+        if excess[i, k] > 0.0:
+            notes.append(
+                f"the stated {claim.name} contradicts the samples between t = {found.t_s[i]:.4g} and "
+                f"{found.t_s[i + 1]:.4g} s: {rate[i, k]:.4g} and {rate[i + 1, k]:.4g} {claim.unit} stated, "
+                f"{mean[i, k]:.4g} {claim.unit} by the samples; the poses are checked"
+            )
+    return Samples(
+        form=found.form,
+        t_s=found.t_s,
+        pose=found.pose,
+        claims=found.claims,
+        notes=(*found.notes, *notes),
+    )
