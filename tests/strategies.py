@@ -128,6 +128,28 @@ def four_wheels(
     )
 
 
+def narrow(grip: GripShape = GripShape.BOX) -> Robot:
+    """Three omni wheels, two driving along nearly the same line, whose rollers hardly grip across."""
+    rows = ((0.1679, -0.1059, 44.8), (-0.0311, 0.2554, -166.08), (-0.0299, -0.2459, -33.79))
+    wheels = tuple(
+        Wheel(name=f"w{i}", position_m=np.array([x, y]), drive_direction_deg=turn, radius_m=0.05)
+        for i, (x, y, turn) in enumerate(rows, 1)
+    )
+    floor = Surface(
+        name="floor",
+        roller=Coefficients(drive=0.4685, transverse=0.005),
+        rigid=Coefficients(drive=0.5, transverse=0.5),
+    )
+    return Robot(
+        name="narrow",
+        wheels=wheels,
+        surfaces=(floor,),
+        load_rule=LoadRule.EQUAL,
+        body=Body(mass_kg=10.0, inertia_kg_m2=0.3, com_m=np.mean([w.position_m for w in wheels], axis=0)),
+        friction=FrictionLaw(grip=grip),
+    )
+
+
 def reals(low: float, high: float) -> st.SearchStrategy[float]:
     """Finite floats between two bounds, on a grid of a millionth of the span (no denormals)."""
     return st.integers(0, 1_000_000).map(lambda k: low + (high - low) * k / 1_000_000)

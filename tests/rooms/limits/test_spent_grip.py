@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from slipmargin.report.exports import bounds_table, plain_json
 from strategies import kiwi
 
 from slipmargin.errors import NoSolution
@@ -19,6 +18,7 @@ from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model, nominal_model
 from slipmargin.physics.friction_laws import law_share
 from slipmargin.physics.grips import GripShape
+from slipmargin.report.exports import bounds_table, plain_json
 
 ROUND = headings(5.0)
 
