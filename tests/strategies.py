@@ -128,20 +128,46 @@ def four_wheels(
     )
 
 
-def narrow(grip: GripShape = GripShape.BOX) -> Robot:
-    """Three omni wheels, two driving along nearly the same line, whose rollers hardly grip across."""
-    rows = ((0.1679, -0.1059, 44.8), (-0.0311, 0.2554, -166.08), (-0.0299, -0.2459, -33.79))
+#: Wheels whose grips are nearly parallel: x, y [m], drive direction, roller angle [deg]; then μ_W.
+NARROW = {
+    "omni": (
+        ((0.1679, -0.1059, 44.8, 0), (-0.0311, 0.2554, -166.08, 0), (-0.0299, -0.2459, -33.79, 0)),
+        0.4685,
+    ),
+    "mecanum": (
+        (
+            (0.2153, -0.0044, -76.44, 30),
+            (0.1967, 0.2196, -95.67, 45),
+            (-0.1404, 0.2053, -92.9, 45),
+            (-0.1814, -0.0301, 9.14, -60),
+            (-0.125, -0.1433, -72.14, 30),
+            (0.0816, -0.1767, 0.57, -60),
+        ),
+        0.7977,
+    ),
+}
+
+
+def narrow(kind: str, grip: GripShape = GripShape.BOX) -> Robot:
+    """A robot of :data:`NARROW`: all grips nearly parallel, μ_T = 0.005."""
+    rows, mu = NARROW[kind]
     wheels = tuple(
-        Wheel(name=f"w{i}", position_m=np.array([x, y]), drive_direction_deg=turn, radius_m=0.05)
-        for i, (x, y, turn) in enumerate(rows, 1)
+        Wheel(
+            name=f"w{i}",
+            position_m=np.array([x, y]),
+            drive_direction_deg=drive,
+            radius_m=0.05,
+            roller_angle_deg=float(roller),
+        )
+        for i, (x, y, drive, roller) in enumerate(rows, 1)
     )
     floor = Surface(
         name="floor",
-        roller=Coefficients(drive=0.4685, transverse=0.005),
+        roller=Coefficients(drive=mu, transverse=0.005),
         rigid=Coefficients(drive=0.5, transverse=0.5),
     )
     return Robot(
-        name="narrow",
+        name=f"narrow-{kind}",
         wheels=wheels,
         surfaces=(floor,),
         load_rule=LoadRule.EQUAL,
