@@ -18,9 +18,9 @@ from slipmargin.checks import Array
 from slipmargin.io.json_text import json_text
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.model import Model
+from slipmargin.study.batch import batches
 from slipmargin.study.columns import static_columns
-from slipmargin.study.fleet import fleets
-from slipmargin.study.machine import Machine
+from slipmargin.study.robot_on_surface import RobotOnSurface
 from slipmargin.study.statics import headings, on_rollers
 from slipmargin.study.vary import applied, parse_vary, product
 
@@ -29,9 +29,9 @@ GRIDS = ("surface=paper,carpet", "delta_deg=0:60:0.5")
 PROMISED_S = 0.1
 
 
-def designs() -> list[Machine]:
+def designs() -> list[RobotOnSurface]:
     """242 machines: 121 angles on two surfaces."""
-    start = Machine(recipe=read_recipe("ohio-kiwi"), surface="paper")
+    start = RobotOnSurface(recipe=read_recipe("ohio-kiwi"), surface="paper")
     grids = [parse_vary(text) for text in GRIDS]
     return [applied(start, [g.quantity for g in grids], values) for values in product(start, grids)]
 
@@ -39,8 +39,8 @@ def designs() -> list[Machine]:
 def vectorised() -> Array:
     """F_emax / (m g) of every design at 721 headings, (242, 721): from the grids to the numbers."""
     machines = designs()
-    (fleet,), _ = fleets(machines)
-    return on_rollers(fleet, headings(), machines).force
+    (batch,), _ = batches(machines)
+    return on_rollers(batch, headings(), machines).force
 
 
 def every_static_column() -> float:

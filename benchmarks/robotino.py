@@ -46,7 +46,7 @@ from slipmargin.io.writes import write_text
 
 LAW = "slip_ratio_friction"
 ACROSS = f"{LAW} with its own constants across"
-#: Rows of the table: suspects of the loop, by label.
+#: Rows of the table: candidates of the loop, by label.
 ROWS = {
     f"+ {LAW}": (LAW,),
     "+ its own constants across the wheels": (ACROSS,),
@@ -71,12 +71,12 @@ def rescaled(campaign: Campaign) -> Recipe:
 
 
 def fitted(runs: Runs, recipe: Recipe, labels: tuple[str, ...], which: Index, start: dict[str, float]) -> Fit:
-    """These suspects of the loop fitted to the runs ``which``, piece by piece, from where ``start`` says."""
+    """These candidates of the loop fitted to the runs ``which``, piece by piece, from ``start``."""
     records = tuple(runs.trials[i] for i in which)
     sigma = noise(records)
     problem = Problem.of(recipe, "gray", tuple(clean(r, sigma) for r in records), sigma, False)
-    suspects = {c.label: c for c in named_candidates(problem.nominal.geometry.names, False, ())}
-    structure = tuple(suspects[label] for label in labels)
+    candidates = {c.label: c for c in named_candidates(problem.nominal.geometry.names, False, ())}
+    structure = tuple(candidates[label] for label in labels)
     first = [
         start.get(f"{c.name}.{k}", s) for c in structure for k, s in zip(c.keys, c.starts[0], strict=True)
     ]

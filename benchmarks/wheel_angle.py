@@ -15,10 +15,10 @@ import numpy as np
 from slipmargin.io.json_text import json_text
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.study.laps import lap_time
-from slipmargin.study.machine import Machine
 from slipmargin.study.objectives import BY_NAME, Kind, objective
 from slipmargin.study.optimum import optimum
-from slipmargin.study.study import Question, Study, study
+from slipmargin.study.robot_on_surface import RobotOnSurface
+from slipmargin.study.study import DesignProblem, Study, study
 from slipmargin.study.vary import applied, parse_vary, quantity_of
 
 SHOWN = (
@@ -45,10 +45,12 @@ LAP_ANGLES = (0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0)
 
 def angle_study(surface: str, loads: str) -> Study:
     """δ from 0° to 60° in half degrees on one surface under one load model."""
-    machine = Machine(recipe=read_recipe("ohio-kiwi"), surface=surface)
-    machine = applied(machine, [quantity_of("load_model")], [loads])
+    design = RobotOnSurface(recipe=read_recipe("ohio-kiwi"), surface=surface)
+    design = applied(design, [quantity_of("load_model")], [loads])
     return study(
-        Question(machine=machine, grids=(parse_vary("delta_deg=0:60:0.5"),), kinds=(Kind.STATIC, Kind.MOTION))
+        DesignProblem(
+            base=design, grids=(parse_vary("delta_deg=0:60:0.5"),), kinds=(Kind.STATIC, Kind.MOTION)
+        )
     )
 
 
@@ -86,10 +88,10 @@ def angle_rows(surface: str, loads: str) -> list[dict[str, object]]:
 
 def lap_rows(surface: str, loads: str) -> dict[float, float]:
     """Time over the benchmark paths by δ [s]; infinite where one of them must slip."""
-    machine = applied(
-        Machine(recipe=read_recipe("ohio-kiwi"), surface=surface), [quantity_of("load_model")], [loads]
+    design = applied(
+        RobotOnSurface(recipe=read_recipe("ohio-kiwi"), surface=surface), [quantity_of("load_model")], [loads]
     )
-    return {d: lap_time(applied(machine, [quantity_of("delta_deg")], [d]).build()) for d in LAP_ANGLES}
+    return {d: lap_time(applied(design, [quantity_of("delta_deg")], [d]).build()) for d in LAP_ANGLES}
 
 
 def wheel_rows() -> list[dict[str, object]]:
@@ -97,15 +99,15 @@ def wheel_rows() -> list[dict[str, object]]:
 
     ``ring``: wheels round the body, drives tangential; ``rows``: a mecanum car on the same circle.
     """
-    start = Machine(recipe=read_recipe("omni4"), surface="floor")
+    start = RobotOnSurface(recipe=read_recipe("omni4"), surface="floor")
     cases = [("omni ring", ("wheels", "roller_angle_deg"), (n, 0.0)) for n in (3, 4, 5, 6)]
     cases += [("mecanum ring", ("wheels", "roller_angle_deg"), (n, 45.0)) for n in (3, 4, 5, 6)]
     cases += [("mecanum rows", ("wheels_in_rows", "roller_angle_deg"), (n, 45.0)) for n in (4, 6)]
     rows = []
     for kind, keys, values in cases:
-        machine = applied(start, [quantity_of(k) for k in (*keys, "circle_radius_m")], (*values, 0.2))
+        design = applied(start, [quantity_of(k) for k in (*keys, "circle_radius_m")], (*values, 0.2))
         found = study(
-            Question(machine=machine, grids=(parse_vary("surface=floor"),), kinds=(Kind.STATIC, Kind.MOTION))
+            DesignProblem(base=design, grids=(parse_vary("surface=floor"),), kinds=(Kind.STATIC, Kind.MOTION))
         )
         rows.append({"layout": kind, "wheels": values[0], **found.own})
     return rows

@@ -76,14 +76,14 @@ found, figures = result.diagnosis, result.figures()
 display(figures["residual"])
 
 # %% [markdown]
-# ## Cause: what the residual depends on, and which suspects explain it
+# ## Cause: what the residual depends on, and which candidates explain it
 #
-# The residual is traced to measured variables, then every suspect (named effects, and a general form for each
-# variable) is fitted on some runs and judged on others.
+# The residual is traced to measured variables, then every candidate (named effects, and a general form for
+# each variable) is fitted on some runs and judged on others.
 
 # %%
 display(figures["where"])
-display(figures["suspects"])
+display(figures["candidates"])
 (finding,) = found.findings
 values = {p.name: p for p in finding.parameters}
 fraction, coefficient = values["rigid_fraction"], values["rigid_coefficient"]

@@ -62,8 +62,9 @@ print(f"lost at 0.1 m/s: {100 * lost_by_speed[0]:.1f} %, at 0.2 m/s: {100 * lost
 # %% [markdown]
 # It depends on the direction and hardly on the speed. Eq. (11), F = μ N (2/π) atan(k u), cannot say that: the
 # sliding speed u that a force needs is the same at any driving speed, so the lost share would halve at
-# twice the speed. First suspect: creep, u over driving speed (`slip_ratio_friction`). A force that depends on
-# the direction: drag of the rollers (the law's own constants across the wheels), loads (`wheel_loads`). A run
+# twice the speed. First candidate: creep, u over driving speed (`slip_ratio_friction`). A force that depends
+# on the direction: drag of the
+# rollers (the law's own constants across the wheels), loads (`wheel_loads`). A run
 # and its reverse differ by as much as 3 %: wheels that lead are lighter (`trailing_load`). With all 36 runs
 # `slipmargin diagnose` finds the same three by itself.
 #

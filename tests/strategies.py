@@ -128,6 +128,54 @@ def four_wheels(
     )
 
 
+#: Wheels whose grips are nearly parallel: x, y [m], drive direction, roller angle [deg]; then μ_W.
+NARROW = {
+    "omni": (
+        ((0.1679, -0.1059, 44.8, 0), (-0.0311, 0.2554, -166.08, 0), (-0.0299, -0.2459, -33.79, 0)),
+        0.4685,
+    ),
+    "mecanum": (
+        (
+            (0.2153, -0.0044, -76.44, 30),
+            (0.1967, 0.2196, -95.67, 45),
+            (-0.1404, 0.2053, -92.9, 45),
+            (-0.1814, -0.0301, 9.14, -60),
+            (-0.125, -0.1433, -72.14, 30),
+            (0.0816, -0.1767, 0.57, -60),
+        ),
+        0.7977,
+    ),
+}
+
+
+def narrow(kind: str, grip: GripShape = GripShape.BOX) -> Robot:
+    """A robot of :data:`NARROW`: all grips nearly parallel, μ_T = 0.005."""
+    rows, mu = NARROW[kind]
+    wheels = tuple(
+        Wheel(
+            name=f"w{i}",
+            position_m=np.array([x, y]),
+            drive_direction_deg=drive,
+            radius_m=0.05,
+            roller_angle_deg=float(roller),
+        )
+        for i, (x, y, drive, roller) in enumerate(rows, 1)
+    )
+    floor = Surface(
+        name="floor",
+        roller=Coefficients(drive=mu, transverse=0.005),
+        rigid=Coefficients(drive=0.5, transverse=0.5),
+    )
+    return Robot(
+        name=f"narrow-{kind}",
+        wheels=wheels,
+        surfaces=(floor,),
+        load_rule=LoadRule.EQUAL,
+        body=Body(mass_kg=10.0, inertia_kg_m2=0.3, com_m=np.mean([w.position_m for w in wheels], axis=0)),
+        friction=FrictionLaw(grip=grip),
+    )
+
+
 def reals(low: float, high: float) -> st.SearchStrategy[float]:
     """Finite floats between two bounds, on a grid of a millionth of the span (no denormals)."""
     return st.integers(0, 1_000_000).map(lambda k: low + (high - low) * k / 1_000_000)

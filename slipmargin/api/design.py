@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from slipmargin.study.optimum import Optimum
     from slipmargin.study.reason import Reason
     from slipmargin.study.robust import Interval, Robust
-    from slipmargin.study.study import Question, Study
+    from slipmargin.study.study import DesignProblem, Study
     from slipmargin.study.vary import Vary
 
 #: Seconds that a design takes by kind (roughly), and from which total on every core is used.
@@ -49,8 +49,8 @@ class DesignResult(Result):
         """The best design and its objective with its unit."""
         from slipmargin.report.design import best_sentence
 
-        machine = self.study.question.machine
-        return f"design of {machine.robot.name} on {machine.surface}: best {best_sentence(self.study)}"
+        design = self.study.problem.base
+        return f"design of {design.robot.name} on {design.surface}: best {best_sentence(self.study)}"
 
     def labelled(self) -> list[tuple[str, str]]:
         """The answer as labelled sentences."""
@@ -211,22 +211,22 @@ def design(
     from slipmargin.study.influence import influences
     from slipmargin.study.objectives import Kind
     from slipmargin.study.optimum import optimum
-    from slipmargin.study.pieces import Workshop
+    from slipmargin.study.pieces import Executor
     from slipmargin.study.reason import reason
     from slipmargin.study.robust import robust
     from slipmargin.study.study import study
     from slipmargin.study.vary import product
 
-    question = _question(robot, surface, _several(vary), objective, static, laps)
-    intervals = _intervals(_several(uncertain), question.grids)
-    names = _front(front, question)
-    count = len(product(question.machine, question.grids)) + 1
-    slow = [kind for kind in question.needed() if kind is not Kind.STATIC]
+    problem = _problem(robot, surface, _several(vary), objective, static, laps)
+    intervals = _intervals(_several(uncertain), problem.grids)
+    names = _front(front, problem)
+    count = len(product(problem.base, problem.grids)) + 1
+    slow = [kind for kind in problem.needed() if kind is not Kind.STATIC]
     if jobs is None:
         jobs = -1 if count * sum(COST_S[kind.name.lower()] for kind in slow) > MANY_S else 1
     folder = None if resume is None else Path(resume)
     with _placed("jobs"):
-        workshop = Workshop(folder=folder, jobs=jobs, scheduler=scheduler)
+        executor = Executor(folder=folder, jobs=jobs, scheduler=scheduler)
     done = 0
 
     def advance(steps: int) -> None:
@@ -235,20 +235,20 @@ def design(
         progress("designs", done / count)
 
     with _placed("scheduler"):
-        found = study(question, workshop=workshop, advance=advance)
+        found = study(problem, executor=executor, advance=advance)
     with _placed("vary"):
-        goal, best = question.objective, found.best()
-    machine = found.machine(best)
-    numeric = any(grid.numeric and len(grid.values) > 1 for grid in question.grids)
+        goal, best = problem.objective, found.best()
+    design = found.design(best)
+    numeric = any(grid.numeric and len(grid.values) > 1 for grid in problem.grids)
     with _placed("uncertain"):
-        sure = robust(found.machines, goal, intervals) if intervals else None
+        sure = robust(found.designs, goal, intervals) if intervals else None
     return DesignResult(
         study=found,
-        why=reason(machine, goal),
+        why=reason(design, goal),
         front=names,
         optimum=optimum(found) if numeric else None,
         robust=sure,
-        influences=influences(machine, goal) if goal.kind is not Kind.LAPS else (),
+        influences=influences(design, goal) if goal.kind is not Kind.LAPS else (),
         work_folder=folder,
     )
 
@@ -257,26 +257,26 @@ def _several(texts: Sequence[str] | str) -> tuple[str, ...]:
     return (texts,) if isinstance(texts, str) else tuple(texts)
 
 
-def _question(
+def _problem(
     robot: RobotLike, surface: str, vary: Sequence[str], goal_name: str, static: bool, laps: bool
-) -> Question:
+) -> DesignProblem:
     from slipmargin.io.toml_table import one_of
-    from slipmargin.study.machine import Machine
     from slipmargin.study.objectives import Kind, objective
-    from slipmargin.study.study import Question
+    from slipmargin.study.robot_on_surface import RobotOnSurface
+    from slipmargin.study.study import DesignProblem
     from slipmargin.study.vary import parse_vary, product
 
     recipe = read_robot(robot)
     one_of("surface", surface, [s.name for s in recipe.robot.surfaces])
-    machine = Machine(recipe=recipe, surface=surface)
+    design = RobotOnSurface(recipe=recipe, surface=surface)
     with _placed("vary"):
         grids = tuple(parse_vary(text) for text in vary)
-        product(machine, grids)
+        product(design, grids)
     with _placed("objective"):
         goal = objective(goal_name)
     kinds = (Kind.STATIC,) if static else (Kind.STATIC, Kind.MOTION)
-    return Question(
-        machine=machine, grids=grids, objective=goal, kinds=(*kinds, Kind.LAPS) if laps else kinds
+    return DesignProblem(
+        base=design, grids=grids, objective=goal, kinds=(*kinds, Kind.LAPS) if laps else kinds
     )
 
 
@@ -291,13 +291,13 @@ def _intervals(texts: Sequence[str], grids: Sequence[Vary]) -> tuple[Interval, .
     return intervals
 
 
-def _front(front: Sequence[str] | str, question: Question) -> tuple[str, ...]:
+def _front(front: Sequence[str] | str, problem: DesignProblem) -> tuple[str, ...]:
     from slipmargin.study.objectives import objective
 
     names = front.split(",") if isinstance(front, str) else front
     with _placed("front"):
         goals = [objective(name.strip()) for name in names]
-    there, goal = question.needed(), question.objective
+    there, goal = problem.needed(), problem.objective
     found = tuple(g.name for g in goals if g.kind in there)
     if len(found) < 2:
         return (goal.name, "f_mean" if goal.name != "f_mean" else "f_worst")

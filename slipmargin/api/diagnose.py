@@ -56,7 +56,7 @@ class DiagnosisResult(Result):
         return report(self.diagnosis, self.change)
 
     def figures(self) -> dict[str, Figure]:
-        """Every figure by name: residual, where, suspects, held-out, limits; empty ones are left out."""
+        """Every figure by name: residual, where, candidates, held-out, limits; empty ones are left out."""
         from slipmargin.plots.diagnosis import figures
 
         return figures(self.diagnosis, self.change)

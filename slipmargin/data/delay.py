@@ -1,4 +1,4 @@
-"""The constant delay between camera and encoders, by how the two tell the start of a run."""
+"""The constant delay between camera and encoders, estimated from the start of a run, which both record."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from slipmargin.errors import InputError
 from slipmargin.physics.kinematics import WheelGeometry
 
 _GRID_S = np.arange(-0.4, 0.4001, 0.005)
-_EARLY_S = 2.5  #: the start tells the delay; later motion is a straight line that tells none
+_EARLY_S = 2.5  #: only the start determines the delay: later motion is a straight line
 
 
 @final
@@ -42,7 +42,7 @@ def estimate_delay(records: tuple[Record, ...], contacts: WheelGeometry) -> Dela
         raise InputError(
             "trials",
             "no run starts from rest with wheel angles and pose",
-            "the delay is told by a start; give runs that begin at rest",
+            "a delay can only be estimated from a start; give runs that begin at rest",
         )
     values = np.array(found)
     spread = 1.4826 * float(np.median(np.abs(values - np.median(values))))

@@ -1,4 +1,4 @@
-"""The verdict and everything it rests on: frozen values that a report renders."""
+"""The result of a diagnosis: the verdict and the figures that support it, as frozen values."""
 
 from __future__ import annotations
 

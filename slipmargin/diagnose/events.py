@@ -1,4 +1,4 @@
-"""Single events in a run: a bump, a lifted wheel, a camera that jumped.  They are reported, not explained.
+"""Single events in a run: a bump, a lifted wheel, a camera that jumped.  No effect is meant to explain them.
 
 A run is cut at its events and each part is predicted from its own start, so that no effect is fitted to them.
 """

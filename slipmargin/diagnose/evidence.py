@@ -1,8 +1,8 @@
-"""How sure: significance against noise, parameter intervals, how well the data excite the model.
+"""Significance against noise, parameter intervals, and how well the data excite the model.
 
 Many effects have their null on the edge of their range, where χ² tables do not hold (Protassov et
-al., ApJ 571, 545, 2002), and the best of many candidates is good by luck.  So the gain of the chosen
-effect is compared with the largest gain that *any* candidate takes from surrogate noise.
+al., ApJ 571, 545, 2002), and the best of many candidates gains something even from noise.  So the
+gain of the chosen effect is compared with the largest gain that *any* candidate takes from surrogate noise.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ def _disagreement(found: Fit, scale: Array) -> Array:
     One trial may weigh as much as all others together; the jackknife then hardly sees that they
     disagree.  The variance between trials is estimated from what every trial would move the
     parameters by alone (R. DerSimonian and N. Laird, Controlled Clinical Trials 7, 177, 1986), in the
-    combinations of them that the trials together tell apart, and reaches the joint fit with the
+    combinations of them that the trials together determine, and reaches the joint fit with the
     weights that the trials have in it.
     """
     tangents = found.jacobian * scale

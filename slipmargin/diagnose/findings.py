@@ -1,4 +1,4 @@
-"""From a fitted structure to findings: parameters with intervals, evidence, rivals."""
+"""The findings of a fitted structure: parameters with intervals, evidence, effects that fit as well."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ from slipmargin.effects import AnyEffect
 _STEP = 0.05
 _ITERATIONS = 12
 _ENOUGH = 1e-4  #: relative decrease of the cost at which a fit has converged
-_FAIR = 2  #: steps that a fit is given before it may be called hopeless
+_FAIR = 2  #: steps that a fit is given before it may be given up
 
 
 class Residuals(Protocol):
@@ -178,8 +178,8 @@ def fit(
         x, new, damping, tried = better
         spent += tried + len(x)
         left = float(np.sum(new**2)) / cost
-        hopeless = step >= _FAIR and cost * left ** (iterations - step) > give_up_above
-        if hopeless or 1.0 - left < _ENOUGH:
+        given_up = step >= _FAIR and cost * left ** (iterations - step) > give_up_above
+        if given_up or 1.0 - left < _ENOUGH:
             iterations = step + 1  # one last Jacobian where it stands
         residual, jacobian = _linearise(problem, structure, x, trials, new)
         if step + 1 >= iterations:

@@ -1,4 +1,4 @@
-"""How a general form is made: free coefficients of friction, force or measurement terms.
+"""The building blocks of a general form: free coefficients of friction, force or measurement terms.
 
 General forms find effects that are not in the catalogue, and they check named ones: if the general form
 over the same variable fits clearly better, the named effect is not reported.

@@ -1,4 +1,4 @@
-"""Each trial predicted with parameters that have not seen it: what a search compares candidates by."""
+"""Leave-one-out predictions: each trial predicted with parameters fitted to the others."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the found effects change: pull, acceleration and plan, before and after."""
+"""Limits before and after the found effects are added: pull, acceleration and plan."""
 
 from __future__ import annotations
 

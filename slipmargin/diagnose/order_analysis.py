@@ -1,11 +1,13 @@
-"""What comes round with a wheel: a residual that repeats a whole number of times a turn.
+"""Order analysis: residuals that are periodic in a wheel's angle, a whole number of times a turn.
 
-Many encoders begin at 0 in every run, so that nobody knows where a wheel stood.  A residual that
-comes round with the wheel shows all the same: each trial is compared with cos nθ and sin nθ in a phase of
-its own.  Chance is judged by the same trials at counts half-way between the whole numbers, where nothing
-that is fixed to a wheel can repeat: if nothing comes round, a trial's power at a whole count is a draw like
-that at any of the half counts near it.  Trials in which the wheel turns at one pace share one draw, since
-what repeats in time comes at the same count in all of them; so it takes three paces to name anything.
+Many encoders begin at 0 in every run, so the angle at which a wheel stood is not known.  A residual that is
+periodic in the wheel angle is found all the same: each trial is compared with cos nθ and sin nθ, with its
+own phase.
+The null distribution comes from the same trials at counts half-way between the whole numbers, where
+nothing that is fixed to a wheel can repeat: without periodicity, a trial's power at a whole count has the
+distribution of its power at the half counts near it.  Trials in which the wheel turns at one pace
+share one draw, since what repeats in time appears at the same count in all of them; so at least three paces
+are needed.
 """
 
 from __future__ import annotations
@@ -25,14 +27,14 @@ from slipmargin.diagnose.problem import Problem
 _MOST = 24
 #: Half counts near each whole one that it is compared with.
 _NEAR = 6
-#: A trial in which a wheel turns less does not tell neighbouring counts apart [turns].
+#: A trial in which a wheel turns less cannot distinguish neighbouring counts [turns].
 _LEAST_TURNS = 2.0
-#: A count that comes round by more than this between two samples is not seen [periods].
+#: A count that advances by more than this between two samples is not seen [periods].
 _FASTEST = 0.2
 #: Nor is anything in a trial with fewer samples.
 _LEAST_SAMPLES = 100
 _DRAWS = 999
-#: Chance of naming anything where nothing comes round.
+#: Probability of a finding where nothing is periodic.
 _SURE = 0.01
 #: Trials whose wheel turns at paces within this factor are drawn together.
 _ONE_PACE = 1.05
@@ -44,7 +46,7 @@ _HALVES = 0.5 * np.arange(1, 2 * _MOST + _NEAR)
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Periodicity:
-    """What is left comes round ``per_turn`` times a turn of ``wheels``, by chance with ``p_value``."""
+    """The residual repeats ``per_turn`` times a turn of ``wheels``; ``p_value`` by permutation."""
 
     per_turn: int
     wheels: tuple[str, ...]
@@ -57,8 +59,9 @@ class Periodicity:
         like = "a wheel out of round does" if self.per_turn == 1 else "rollers and the gaps between them do"
         plural = "s" if len(self.wheels) > 1 else ""
         return (
-            f"What is left comes round {often} a turn of wheel{plural} {', '.join(self.wheels)} "
-            f"(by chance: p ≤ {self.p_value:.3f}), as {like}."
+            f"The residual is periodic in the wheel angle: it repeats {often} a turn of wheel{plural} "
+            f"{', '.join(self.wheels)} "
+            f"(permutation p ≤ {self.p_value:.3f}), as {like}."
         )
 
 
@@ -92,14 +95,14 @@ def periodicities(
     wheels : tuple of str
         Names of the N wheels.
     seed : int
-        Seed of the draws that chance is judged by.
+        Seed of the draws of the null distribution.
     """
     random = np.random.default_rng(seed)
     runs = [_Run.of(*trial) for trial in zip(clocks, rates, angles, strict=True)]
     runs = [run for run in runs if len(run.left)]
     found: list[Periodicity] = []
     while runs and len(found) < _AT_MOST:
-        p, surprise = _against_chance(runs, random)
+        p, surprise = _against_null(runs, random)
         index = int(np.argmax(surprise.max(axis=0)))
         sure = p[:, index] <= _SURE
         if not sure.any():
@@ -145,28 +148,28 @@ def _without(values: Array, basis: Array) -> Array:
     return np.asarray(left / np.maximum(left.std(axis=0), 1e-300))
 
 
-def _against_chance(runs: Sequence[_Run], random: np.random.Generator) -> tuple[Array, Array]:
-    """p among all wheels and counts, and standard deviations above chance, both (N, M)."""
-    observed, chance = _pooled([_power(run) for run in runs], np.array([run.pace for run in runs]), random)
-    mean, spread = chance.mean(axis=0), chance.std(axis=0)
+def _against_null(runs: Sequence[_Run], random: np.random.Generator) -> tuple[Array, Array]:
+    """p among all wheels and counts, and standard deviations above the null mean, both (N, M)."""
+    observed, null = _pooled([_power(run) for run in runs], np.array([run.pace for run in runs]), random)
+    mean, spread = null.mean(axis=0), null.std(axis=0)
     scale = np.where(spread > 0.0, spread, np.inf)
     surprise = (observed - mean) / scale
-    luckiest = np.max((chance - mean) / scale, axis=(1, 2))
-    return (1 + np.sum(luckiest[:, None, None] >= surprise, axis=0)) / (1 + _DRAWS), surprise
+    largest = np.max((null - mean) / scale, axis=(1, 2))
+    return (1 + np.sum(largest[:, None, None] >= surprise, axis=0)) / (1 + _DRAWS), surprise
 
 
 def _power(run: _Run) -> tuple[Array, NDArray[np.bool_]]:
-    """Power (N, F) of a run at whole and half counts, all channels; the whole ones (N, M) it tells of."""
+    """Power (N, F) of a run at whole and half counts, all channels; the whole counts (N, M) it resolves."""
     wheels = run.angle.shape[1]
-    power, tells = np.zeros((wheels, len(_HALVES))), np.zeros((wheels, _MOST), dtype=bool)
+    power, resolved = np.zeros((wheels, len(_HALVES))), np.zeros((wheels, _MOST), dtype=bool)
     for wheel, angle in enumerate(run.angle.T):
         if np.ptp(angle) < 2.0 * np.pi * _LEAST_TURNS:
             continue
         advance = float(np.quantile(np.abs(np.diff(angle)), 0.9)) / (2.0 * np.pi)
-        tells[wheel] = np.arange(1, _MOST + 1) * advance <= _FASTEST
+        resolved[wheel] = np.arange(1, _MOST + 1) * advance <= _FASTEST
         wave = np.exp(-1j * angle[:, None] * _HALVES)
         power[wheel] = np.sum(np.abs(run.left.T @ wave) ** 2, axis=0) / len(angle)
-    return power, tells
+    return power, resolved
 
 
 def _pooled(
@@ -178,12 +181,12 @@ def _pooled(
     near = halves[np.argsort(np.abs(halves - whole[:, None]), axis=1, kind="stable")[:, :_NEAR]]
     places = np.column_stack([whole, near])  # (M, 1 + near)
     drawn = random.integers(places.shape[1], size=(_DRAWS, len(waves)))
-    observed = np.sum([power[:, whole] * tells for power, tells in waves], axis=0)
-    chance = np.zeros((_DRAWS, *observed.shape))
+    observed = np.sum([power[:, whole] * resolved for power, resolved in waves], axis=0)
+    null = np.zeros((_DRAWS, *observed.shape))
     for wheel in range(len(observed)):
-        for (power, tells), group in zip(waves, _alike(pace[:, wheel]), strict=True):
-            chance[:, wheel] += power[wheel, places[:, drawn[:, group]]].T * tells[wheel]
-    return observed, chance
+        for (power, resolved), group in zip(waves, _alike(pace[:, wheel]), strict=True):
+            null[:, wheel] += power[wheel, places[:, drawn[:, group]]].T * resolved[wheel]
+    return observed, null
 
 
 def _alike(pace: Array) -> NDArray[np.int64]:

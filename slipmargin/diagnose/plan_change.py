@@ -1,4 +1,4 @@
-"""One standard move planned with the believed and with the corrected model: was the old plan safe?"""
+"""A standard move planned with the believed and with the corrected model, and whether the old plan slips."""
 
 from __future__ import annotations
 

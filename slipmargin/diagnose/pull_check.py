@@ -1,7 +1,7 @@
 """Pull tests beside a diagnosis: measured forces that nothing was fitted to, predicted before and after.
 
 They are another experiment, with the wheels locked: where the corrected robot predicts them better
-too, the effects found on moving runs are more than a good fit.
+too, they confirm the effects found on moving runs.
 """
 
 from __future__ import annotations

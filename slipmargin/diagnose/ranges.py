@@ -1,4 +1,4 @@
-"""How far the data reach, and the variables of each sample: read off the measured motion."""
+"""The variables of each sample and their ranges, computed from the measured motion."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ CHANNELS = ("right", "forward", "turn")
 class ResidualDependence:
     """How much of one channel's residual rate a variable explains.
 
-    ``share`` is η² less what chance explains; ``surprise`` is its distance from chance in standard
+    ``share`` is η² less its mean under the null; ``surprise`` is its distance from that mean in standard
     deviations; ``p_value`` the share of shifted variables that explain as much.
     """
 
@@ -83,15 +83,15 @@ def dependences(
             rate = np.concatenate([r[:, axis] for r in rates])
             seen = np.isfinite(rate)
             share = _ratio(np.concatenate(bins)[seen], rate[seen])
-            chance = np.array([_ratio(np.concatenate(s)[seen], rate[seen]) for s in shifted])
-            deviation = float(chance.std()) or 1e-12
+            null = np.array([_ratio(np.concatenate(s)[seen], rate[seen]) for s in shifted])
+            deviation = float(null.std()) or 1e-12
             found.append(
                 ResidualDependence(
                     variable=name,
                     channel=channel,
-                    share=max(0.0, share - float(chance.mean())),
-                    surprise=(share - float(chance.mean())) / deviation,
-                    p_value=float((1 + np.sum(chance >= share)) / (1 + _SHIFTS)),
+                    share=max(0.0, share - float(null.mean())),
+                    surprise=(share - float(null.mean())) / deviation,
+                    p_value=float((1 + np.sum(null >= share)) / (1 + _SHIFTS)),
                 )
             )
     return tuple(sorted(found, key=lambda d: -d.share))

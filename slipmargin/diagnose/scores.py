@@ -1,4 +1,4 @@
-"""How well trials are predicted by parameters that come from other trials: the evidence of a diagnosis."""
+"""Prediction errors on trials with parameters fitted to other trials."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
-"""Find what is missing: try every candidate, let trials it has not seen decide, add the best, repeat.
+"""Forward search: fit every candidate, compare on trials it has not seen, add the best, repeat.
 
 A candidate's score is the geometric mean of two sums of squares: each trial fitted with the others, and
 predicted with parameters fitted to the others alone.  A named effect is preferred to a general form
-that explains no more, and a simple one to a complicated one; a general form that explains clearly
-more denies the name.
+that explains no more, and a simple one to a complicated one; if a general form fits
+clearly better than the named effect, the named effect is not reported.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ AS_GOOD_FACTOR, AS_GOOD_OFFSET = 1.06, 0.02
 FINALISTS = 6
 #: A candidate with more parameters than this whose short fit costs so many times the best one's gets
 #: no full fit.
-_CHEAP, _HOPELESS = 4, 6.0
+_CHEAP, _FAR_BEHIND = 4, 6.0
 #: A fit that cannot come within this factor of the best one's cost is not finished.
 _OUT_OF_REACH = 1.3
 #: From so many trials on, first short fits use every other one.
@@ -87,7 +87,7 @@ class Round:
     taken: bool
 
     def rivals(self) -> list[State]:
-        """States that these trials cannot tell from the best one."""
+        """States that these trials cannot distinguish from the best one."""
         best = self.best
         if best is None:
             return []
@@ -148,7 +148,7 @@ def extend(
     candidates : list of Candidate
         What to add, one at a time.
     progress : callable
-        Told of each fit.
+        Called after each fit.
     finalists : int
         How many get the full fit.
     enough : float
@@ -163,7 +163,9 @@ def extend(
     short = short_fits(problem, before, candidates, some_of(trials), progress)
     states: list[State] = []
     worth = [
-        f for f in short[:finalists] if f.structure[-1].size <= _CHEAP or f.cost <= _HOPELESS * short[0].cost
+        f
+        for f in short[:finalists]
+        if f.structure[-1].size <= _CHEAP or f.cost <= _FAR_BEHIND * short[0].cost
     ]
     for i, found in enumerate(worth):
         progress(f"fitting {found.structure[-1].label}", i / finalists)
@@ -231,7 +233,7 @@ def _price(state: State) -> float:
 
 
 def indistinguishable(one: State, other: State) -> bool:
-    """Whether trial by trial neither is better than the other beyond chance (and chi hardly differs)."""
+    """Whether trial by trial neither is significantly better than the other (and chi hardly differs)."""
     gap = one.scores - other.scores
     spread = float(np.std(gap, ddof=1)) * np.sqrt(len(gap)) if len(gap) > 1 else np.inf
     close = abs(one.chi - other.chi) <= 0.01 * other.chi + 0.005

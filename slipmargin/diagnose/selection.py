@@ -111,8 +111,8 @@ def take_step(
         slopes = tangents(view, look.fit, fresh)
         gains = [score_test_gain(look.fit.residual, slope) for slope in slopes]
         reachable = float(np.sqrt(max(0.0, look.chi**2 - max(gains) / look.samples)))
-        hopeless = (look.chi < AT_NOISE or bool(before.structure)) and not worthwhile(look, reachable)
-        if hopeless or not worthwhile(before, _FLOOR):
+        no_gain = (look.chi < AT_NOISE or bool(before.structure)) and not worthwhile(look, reachable)
+        if no_gain or not worthwhile(before, _FLOOR):
             return Round(
                 before=look,
                 candidates=tuple(fresh),

@@ -1,4 +1,4 @@
-"""From the true pose to the measured one, as a model's measurement part says."""
+"""The measured pose as a function of the true one, by the measurement model."""
 
 from __future__ import annotations
 

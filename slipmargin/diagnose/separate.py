@@ -1,4 +1,4 @@
-"""Two candidates that the trials cannot tell apart: the trial that would."""
+"""The trial that would distinguish two candidates which the present trials cannot."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""What is worth a fit: from all candidates to the few states that are compared in earnest.
+"""The shortlist: the few states out of all candidates that are fitted to the end and compared.
 
-Names come first; where they leave something, general forms; where these do, pairs of names.
+Named effects come first; if they leave a residual, general forms; if these do too, pairs of named effects.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Wheel phases that no log holds: where each wheel stood at the start of a trial.
+"""Wheel phases that are not in the log: the angle of each wheel at the start of a trial.
 
 Where only wheel speeds are logged, a wheel's angle is known but for a constant, its phase.  It matters
 only to models that depend on the wheel angle, and only within one roller's pitch.  On trials that a search

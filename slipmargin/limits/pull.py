@@ -30,12 +30,16 @@ class Pull:
         Height of the point above the floor [m]; the pull then shifts load: Σ N_i p_i moves by height × F.
     moment_m : float
         A moment that comes with the force, per newton [N m / N].
+    pure_moment : float
+        +1 or −1: a pure moment instead of a force, counter-clockwise or clockwise; limits are then in N m.
+        0 (the default): a force.
     """
 
     direction_rad: float = 0.0
     point_m: Array | None = None
     height_m: float = 0.0
     moment_m: float = 0.0
+    pure_moment: float = 0.0
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -47,6 +51,8 @@ class Pull:
 
     def rays(self, model: Model, phi_rad: Array) -> Array:
         """(M, 3) wrench on the body per newton of pull at headings φ (M,), about the centre of mass."""
+        if self.pure_moment:
+            return np.tile([0.0, 0.0, np.sign(self.pure_moment)], (len(phi_rad), 1))
         x, y = to_body(phi_rad, np.cos(self.direction_rad), np.sin(self.direction_rad))
         arm = np.zeros(2) if self.point_m is None else self.point_m - model.inertia.com_m
         return np.stack([x, y, moment(arm[0], arm[1], x, y) + self.moment_m], axis=-1)

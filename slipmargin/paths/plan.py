@@ -14,9 +14,9 @@ from slipmargin.model import Model
 from slipmargin.paths import core
 from slipmargin.paths.along import FASTER, SLOWER, Caps, Rows, assume, rows_along
 from slipmargin.paths.audit import FINER, Audit, audit
-from slipmargin.paths.blame import stuck, too_fast
 from slipmargin.paths.geometry import Geometry
 from slipmargin.paths.grid import Grid, grid_of
+from slipmargin.paths.infeasibility import stuck, too_fast
 from slipmargin.paths.path import Path
 
 #: Passes with fixed shares before the dense check begins: the drag has then settled.

@@ -1,4 +1,4 @@
-"""What a diagnosis looks like: the residual, where it sits, the suspects, the held-out runs."""
+"""Figures of a diagnosis: the residual, the variables it depends on, the candidates, the held-out runs."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from slipmargin.plots.limits_change import limits_figure
 from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PALE, RED, styled
 from slipmargin.report.diagnosis_words import plain
 
-#: Samples of a run in the heat map; suspects, variables and runs that a figure has room for.
-_COLUMNS, _SUSPECTS, _VARIABLES, _RUNS = 240, 12, 10, 4
-#: Suspects that make the error this much larger are counted, not drawn [1].
+#: Samples of a run in the heat map; candidates, variables and runs that a figure has room for.
+_COLUMNS, _CANDIDATES, _VARIABLES, _RUNS = 240, 12, 10, 4
+#: Candidates that make the error this much larger are counted, not drawn [1].
 _HARMFUL = 1.15
 _LONGEST = 46  # characters of a label
 _SIGNS = ("x", "y", "heading")
@@ -33,7 +33,7 @@ def figures(diagnosis: Diagnosis, change: LimitsChange) -> dict[str, Figure]:
     drawn = {
         "residual": residual_figure(diagnosis),
         "where": where_figure(diagnosis) if diagnosis.where else None,
-        "suspects": suspects_figure(diagnosis) if diagnosis.steps else None,
+        "candidates": candidates_figure(diagnosis) if diagnosis.steps else None,
         "held-out": held_out_figure(diagnosis),
         "limits": limits_figure(change) if diagnosis.findings and change.moved else None,
     }
@@ -133,7 +133,9 @@ def where_figure(diagnosis: Diagnosis) -> Figure:
     words = {"right": "sideways", "forward": "forwards", "turn": "turning"}
     marks = [Line2D([], [], marker="s", ls="none", color=colours[c], label=words[c]) for c in CHANNELS]
     marks.append(
-        Line2D([], [], marker="s", ls="none", mfc="none", mec=GREY, label="hollow: may be chance (p > 0.05)")
+        Line2D(
+            [], [], marker="s", ls="none", mfc="none", mec=GREY, label="hollow: not significant (p > 0.05)"
+        )
     )
     axes.legend(handles=marks, loc="lower right", title="residual motion", alignment="left")
     axes.set_yticks(range(len(names)), [plain(name) for name in names])
@@ -148,16 +150,16 @@ def where_figure(diagnosis: Diagnosis) -> Figure:
 
 
 @styled
-def suspects_figure(diagnosis: Diagnosis) -> Figure:
-    """Every suspect of every round by its error on runs it was not fitted to; the chosen one in orange."""
+def candidates_figure(diagnosis: Diagnosis) -> Figure:
+    """Every candidate of every round by its error on runs it was not fitted to; the chosen one in orange."""
     steps = diagnosis.steps
-    rows = [max(3, min(_SUSPECTS, len(s.tried))) for s in steps] or [3]
+    rows = [max(3, min(_CANDIDATES, len(s.tried))) for s in steps] or [3]
     figure = Figure(figsize=(9.0, 1.0 + sum(0.25 * r + 0.85 for r in rows)), layout="constrained")
     grid = figure.subplots(
         max(1, len(steps)), 1, squeeze=False, gridspec_kw={"height_ratios": [r + 2 for r in rows]}
     )
     for number, (axes, step) in enumerate(zip(grid[:, 0], steps, strict=False), 1):
-        _suspects(axes, step, number, steps[number - 2].taken if number > 1 else None)
+        _candidates(axes, step, number, steps[number - 2].taken if number > 1 else None)
     if not steps:
         grid[0, 0].text(0.5, 0.5, "nothing was tried", ha="center", va="center", color=GREY)
         grid[0, 0].set_axis_off()
@@ -173,9 +175,9 @@ def suspects_figure(diagnosis: Diagnosis) -> Figure:
     return figure
 
 
-def _suspects(axes: Axes, step: Step, number: int, already: str | None) -> None:
+def _candidates(axes: Axes, step: Step, number: int, already: str | None) -> None:
     found = sorted((t for t in step.tried if math.isfinite(t.chi)), key=lambda t: t.chi)
-    shown = [t for t in found if t.chi <= _HARMFUL * step.chi_before][:_SUSPECTS] or found[:1]
+    shown = [t for t in found if t.chi <= _HARMFUL * step.chi_before][:_CANDIDATES] or found[:1]
     for row, tried in enumerate(shown):
         taken = tried.label == step.taken
         colour = ORANGE if taken else INK
@@ -198,7 +200,7 @@ def _suspects(axes: Axes, step: Step, number: int, already: str | None) -> None:
 
 
 def _short(label: str, already: str | None) -> str:
-    """A suspect's label without what is in the model already, and no longer than fits beside the axes."""
+    """A candidate's label without what is in the model already, and no longer than fits beside the axes."""
     if already and label.startswith(f"{already} + "):
         label = label.removeprefix(f"{already} + ")
     text = " + ".join(plain(part) for part in label.split(" + "))
@@ -208,7 +210,7 @@ def _short(label: str, already: str | None) -> str:
 
 
 def _scale(values: list[float], axes: Axes, before: float) -> None:
-    """Logarithmic where suspects differ by factors; never so fine that hundredths of chi look large."""
+    """Logarithmic where candidates differ by factors; never so fine that hundredths of chi look large."""
     low, high = min(values), max(values)
     if high <= 1.1 * low:
         axes.set_xlim(0.9 * before, 1.1 * before)

@@ -23,9 +23,9 @@ def study_figure(study: Study, front: Sequence[str], robust: Robust | None = Non
     """Four panels: the objective over what was varied, limits in motion, polar pulls, the front."""
     figure = Figure(figsize=(11.5, 8.6), layout="constrained")
     grid = figure.add_gridspec(2, 2)
-    two = [k for k, axis in enumerate(study.question.grids) if axis.numeric and len(axis.values) > 1]
+    two = [k for k, axis in enumerate(study.problem.grids) if axis.numeric and len(axis.values) > 1]
     if len(two) > 1:
-        draw_heat(figure.add_subplot(grid[0, 0]), study, study.question.objective.name)
+        draw_heat(figure.add_subplot(grid[0, 0]), study, study.problem.objective.name)
         second = "start_worst_m_s2" if "start_worst_m_s2" in study.columns else "f_mean"
         draw_heat(figure.add_subplot(grid[0, 1]), study, second)
     else:
@@ -33,8 +33,8 @@ def study_figure(study: Study, front: Sequence[str], robust: Robust | None = Non
         draw_second(figure.add_subplot(grid[0, 1]), study)
     draw_polar_family(polar_axes(figure, grid[1, 0]), study)
     draw_front(figure.add_subplot(grid[1, 1]), study, front)
-    machine = study.question.machine
-    figure.suptitle(f"Design study of {machine.robot.name}, surface “{machine.surface}”", x=0.01, ha="left")
+    design = study.problem.base
+    figure.suptitle(f"Design study of {design.robot.name}, surface “{design.surface}”", x=0.01, ha="left")
     return figure
 
 
@@ -43,7 +43,7 @@ def draw_curves(axes: Axes, study: Study, robust: Robust | None = None) -> Axes:
 
     With one quantity and a pull as objective: worst, mean and best pull, and the worst under static loads.
     """
-    goal = study.question.objective
+    goal = study.problem.objective
     if len(study.keys) == 1 and goal.name.startswith("f_"):
         for name, label, colour, style in (
             ("f_best", "best heading", SKY, "-"),
@@ -91,12 +91,12 @@ def draw_second(axes: Axes, study: Study) -> Axes:
 
 def draw_heat(axes: Axes, study: Study, name: str) -> Axes:
     """A column over the first two numeric quantities, the others as in the best design."""
-    first, second = [k for k, g in enumerate(study.question.grids) if g.numeric and len(g.values) > 1][:2]
+    first, second = [k for k, g in enumerate(study.problem.grids) if g.numeric and len(g.values) > 1][:2]
     best, goal = study.best(name), BY_NAME[name]
     table = study.shaped(name)
     index = np.unravel_index(best, table.shape)
     pick = tuple(slice(None) if k in (first, second) else index[k] for k in range(table.ndim))
-    x, y = (np.array(study.question.grids[k].values, dtype=float) for k in (first, second))
+    x, y = (np.array(study.problem.grids[k].values, dtype=float) for k in (first, second))
     x_edges, y_edges = _edges(x), _edges(y)
     image = axes.pcolormesh(
         x_edges, y_edges, table[pick].T, cmap="viridis" if goal.sign > 0 else "viridis_r", rasterized=True
@@ -147,7 +147,7 @@ def draw_heat(axes: Axes, study: Study, name: str) -> Axes:
 def _families(axes: Axes, study: Study, goal: Objective) -> None:
     main = _main(study)
     table = np.moveaxis(study.shaped(goal.name), main, 0)
-    rest = [g for k, g in enumerate(study.question.grids) if k != main]
+    rest = [g for k, g in enumerate(study.problem.grids) if k != main]
     flat = table.reshape(table.shape[0], -1)
     shown = np.unique(np.linspace(0, flat.shape[1] - 1, min(len(COLOURS), flat.shape[1])).round().astype(int))
     for colour, column in zip(COLOURS, shown.tolist(), strict=False):
@@ -170,14 +170,14 @@ def _line(axes: Axes, study: Study, values: Array, label: str, colour: str, styl
 
 def _mark_best(axes: Axes, study: Study, goal: Objective) -> None:
     best = study.best()
-    index = np.unravel_index(best, [len(g.values) for g in study.question.grids])
+    index = np.unravel_index(best, [len(g.values) for g in study.problem.grids])
     at, value = _positions(study)[int(index[_main(study)])], float(study.columns[goal.name][best])
     axes.plot([at], [value], marker="*", ms=14, mfc="white", mec=INK, ls="none", zorder=6, label="best")
 
 
 def _finish(axes: Axes, study: Study) -> None:
     main = _main(study)
-    grid, own = study.question.grids[main], study.own_values[main]
+    grid, own = study.problem.grids[main], study.own_values[main]
     if grid.numeric:
         if isinstance(own, float | int) and min(grid.values) <= own <= max(grid.values):  # type: ignore[operator]
             axes.axvline(own, color=RED, lw=1.0, ls=(0, (5, 3)), label="the file’s own")
@@ -191,12 +191,12 @@ def _main(study: Study) -> int:
     """The axis drawn to the right: the numeric one with most values, else the longest."""
     return max(
         range(len(study.keys)),
-        key=lambda k: (study.question.grids[k].numeric, len(study.question.grids[k].values), -k),
+        key=lambda k: (study.problem.grids[k].numeric, len(study.problem.grids[k].values), -k),
     )
 
 
 def _positions(study: Study) -> Array:
-    grid = study.question.grids[_main(study)]
+    grid = study.problem.grids[_main(study)]
     return np.array(grid.values if grid.numeric else range(len(grid.values)), dtype=float)
 
 
@@ -207,5 +207,5 @@ def _edges(values: Array) -> Array:
 
 
 def _axis(study: Study, k: int) -> str:
-    quantity = study.question.grids[k].quantity
+    quantity = study.problem.grids[k].quantity
     return f"{quantity.meaning} [{quantity.unit}]" if quantity.unit not in ("", "1") else quantity.meaning

@@ -14,9 +14,9 @@ from matplotlib.ticker import MaxNLocator
 from slipmargin.checks import Array
 from slipmargin.plots.polar import forwards_up, of_pull
 from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY
-from slipmargin.study.fleet import fleets
-from slipmargin.study.machine import Machine
+from slipmargin.study.batch import batches
 from slipmargin.study.objectives import BY_NAME, Objective
+from slipmargin.study.robot_on_surface import RobotOnSurface
 from slipmargin.study.statics import headings, on_rollers
 from slipmargin.study.study import Study
 
@@ -28,7 +28,7 @@ FAMILY = 5
 def draw_polar_family(axes: PolarAxes, study: Study) -> PolarAxes:
     """F_emax / (m g) all round for designs spread over the study, the best one thick."""
     rows = _spread(study)
-    chosen = [study.machine(r) for r in rows]
+    chosen = [study.design(r) for r in rows]
     best, phi, others = study.best(), headings(721), itertools.cycle(COLOURS[1:])
     for row, force in zip(rows, _round(chosen, phi), strict=True):
         colour = BLUE if row == best else next(others)
@@ -105,17 +105,17 @@ def not_too_low(axes: Axes) -> None:
 
 
 def _spread(study: Study) -> list[int]:
-    possible = [i for i in range(len(study.values)) if i not in study.problems]
+    possible = [i for i in range(len(study.values)) if i not in study.impossible]
     steps = np.unique(np.linspace(0, len(possible) - 1, min(FAMILY, len(possible))).round().astype(int))
     return sorted({possible[int(k)] for k in steps} | {study.best()})
 
 
-def _round(machines: Sequence[Machine], phi: Array) -> list[Array]:
+def _round(designs: Sequence[RobotOnSurface], phi: Array) -> list[Array]:
     out: dict[int, Array] = {}
-    for fleet in fleets(machines)[0]:
-        for row, force in zip(fleet.index.tolist(), on_rollers(fleet, phi, machines).force, strict=True):
+    for batch in batches(designs)[0]:
+        for row, force in zip(batch.index.tolist(), on_rollers(batch, phi, designs).force, strict=True):
             out[row] = force
-    return [out[i] for i in range(len(machines))]
+    return [out[i] for i in range(len(designs))]
 
 
 def label_of(goal: Objective) -> str:

@@ -32,7 +32,7 @@ SHOWN = (
 
 def best_sentence(study: Study) -> str:
     """``delta_deg = 35: f_worst 0.1829 (…)``."""
-    goal, best = study.question.objective, study.best()
+    goal, best = study.problem.objective, study.best()
     value = float(study.columns[goal.name][best])
     return f"{named(study.keys, study.values[best])}: {goal.name} {_with_unit(value, goal)} ({goal.meaning})"
 
@@ -46,7 +46,7 @@ def summary(
     influences: Sequence[Influence],
 ) -> list[tuple[str, str]]:
     """The answer as labelled sentences."""
-    goal = study.question.objective
+    goal = study.problem.objective
     best = study.best()
     value = float(study.columns[goal.name][best])
     out = [
@@ -83,7 +83,7 @@ def summary(
         )
     if influences:
         out.append(("influence", ", ".join(_influence(i) for i in influences[:4])))
-    possible = len(study.values) - len(study.problems)
+    possible = len(study.values) - len(study.impossible)
     kept = f", {study.resumed} of {study.pieces} pieces from an earlier run" if study.resumed else ""
     on = int(study.front(front).sum())
     out.append(
@@ -155,7 +155,7 @@ def designs(study: Study, front: Sequence[str]) -> list[str]:
         [
             *(_plain(v) for v in values),
             *(_digits(float(study.columns[n][i])) for n in shown),
-            study.problems.get(i, "*" if on[i] else ""),
+            study.impossible.get(i, "*" if on[i] else ""),
         ]
         for i, values in enumerate(study.values)
     ]

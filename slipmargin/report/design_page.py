@@ -36,7 +36,7 @@ def design_page(
     image: Image,
 ) -> str:
     """The page's text (UTF-8), the same for the same study."""
-    goal, best, machine = study.question.objective, study.best(), study.question.machine
+    goal, best, design = study.problem.objective, study.best(), study.problem.base
     value, own = float(study.columns[goal.name][best]), study.own[goal.name]
     at = _design(study, best)
     facts = [
@@ -74,8 +74,8 @@ def design_page(
     sections.append(Section(heading="Designs", blocks=(_designs(study, front, robust),)))
     return html(
         Page(
-            title=f"Design study of {machine.robot.name}",
-            lead=f"On {machine.surface}: {at} is best for {goal.name} ({goal.meaning}).",
+            title=f"Design study of {design.robot.name}",
+            lead=f"On {design.surface}: {at} is best for {goal.name} ({goal.meaning}).",
             sections=tuple(sections),
             foot="Pulls are shares of m g. Limits in motion: full drag, on rollers unless named "
             "otherwise; they are not the static pull divided by the mass.",
@@ -129,7 +129,7 @@ def _designs(study: Study, front: Sequence[str], robust: Robust | None) -> Fold 
             _design(study, i),
             *(_number(float(study.columns[n][i])) for n in names),
             *(() if robust is None else (_number(float(robust.value[i])),)),
-            study.problems.get(i, "on the front" if on[i] else ""),
+            study.impossible.get(i, "on the front" if on[i] else ""),
         )
         for i in range(len(study.values))
     )

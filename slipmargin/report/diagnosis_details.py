@@ -55,7 +55,7 @@ def limits(change: LimitsChange, images: Mapping[str, Image]) -> tuple[Block, ..
 
 
 def details(d: Diagnosis) -> tuple[Block, ...]:
-    """Every run, every suspect, how well the runs excite the parameters, remarks."""
+    """Every run, every candidate, how well the runs excite the parameters, remarks."""
     runs = Table(
         caption="Error over noise (chi) of every run",
         head=("run", "seen by the fit", "before", "after"),
@@ -76,11 +76,11 @@ def details(d: Diagnosis) -> tuple[Block, ...]:
         )
         blocks.append(
             Fold(
-                summary=f"Every suspect of round {number}",
+                summary=f"Every candidate of round {number}",
                 blocks=(
                     Table(
                         caption=f"Without any of them chi is {step.chi_before:.4g}",
-                        head=("suspect", "variable", "parameters", "chi"),
+                        head=("candidate", "variable", "parameters", "chi"),
                         rows=rows,
                     ),
                 ),

@@ -42,7 +42,7 @@ def evidence(d: Diagnosis) -> tuple[Block, ...]:
             f"`{f.name}`",
             f"{f.chi_without:.3g}",
             f"{f.chi_with:.3g}",
-            words.chance(f.p_value),
+            words.p_words(f.p_value),
             str(f.candidates_tried),
         )
         for f in d.findings
@@ -50,35 +50,35 @@ def evidence(d: Diagnosis) -> tuple[Block, ...]:
     blocks.append(
         Table(
             caption="Each effect on its own: chi with the others in the model, without and with this one",
-            head=("effect", "chi without", "chi with", "by luck", "suspects tried"),
+            head=("effect", "chi without", "chi with", "p-value", "candidates tried"),
             rows=tests,
         )
     )
     blocks.append(
         Text(
-            text="“By luck” is the chance that the best of all the suspects tried would gain as much from "
-            "noise alone, counted over surrogate noise: the number of suspects is already in it."
+            text="The p-value is that of a permutation test: the probability that the best of all candidates "
+            "tried gains as much from surrogate noise alone. The number of candidates is already counted in."
         )
     )
     rivals = tuple(_rival(f, name) for f in d.findings for name in f.confused_with)
     if rivals:
         blocks.append(
             Text(
-                text="These runs cannot tell some effects apart. Either may be the true one until a run "
+                text="These runs cannot distinguish some effects. Either may be the true one until a run "
                 "separates them:"
             )
         )
         blocks.append(Bullets(items=rivals))
     else:
-        blocks.append(Text(text="No other suspect explains these runs as well."))
+        blocks.append(Text(text="No other candidate explains these runs as well."))
     if d.after.chi > NOTICEABLE:
         sure = [w for w in d.where_after if w.p_value <= 0.05]
         follows = max(sure, key=lambda w: w.share) if sure else None
         rest = (
-            f"follows most closely {words.plain(follows.variable)} ({100 * follows.share:.0f} % of its "
+            f"depends most on {words.plain(follows.variable)} ({100 * follows.share:.0f} % of its "
             f"{words.CHANNEL_WORDS[follows.channel]} part)"
             if follows
-            else "follows no measured variable more than chance would"
+            else "depends significantly on no measured variable"
         )
         blocks.append(Text(text=f"What remains (chi {d.after.chi:.3g}) {rest}."))
     return tuple(blocks)
@@ -120,7 +120,7 @@ def parameters(d: Diagnosis) -> tuple[Block, ...]:
 
 
 def next_steps(d: Diagnosis) -> tuple[Block, ...]:
-    """Advice: confirm, separate, use; or that there is nothing to do; or what was ruled out."""
+    """Advice: what to confirm, what to separate, how to use the correction; or what was ruled out."""
     if d.verdict is Verdict.NO_MISSING_EFFECT:
         return (
             Text(

@@ -1,4 +1,4 @@
-"""A diagnosis as the ``report.json`` that the contract promises, and more under its own keys."""
+"""A diagnosis as plain data: the content of ``report.json``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``report.html``: a diagnosis for somebody who has five minutes."""
+"""``report.html``: the page that shows a diagnosis."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from slipmargin.diagnose.diagnosis import Diagnosis, Verdict
 from slipmargin.diagnose.limits_change import LimitsChange
+from slipmargin.diagnose.selection import SIGNIFICANCE
 from slipmargin.report import diagnosis_words as words
 from slipmargin.report.diagnosis_details import details, limits
 from slipmargin.report.diagnosis_evidence import evidence, next_steps, parameters
@@ -44,7 +45,7 @@ def page(diagnosis: Diagnosis, change: LimitsChange, images: Mapping[str, Image]
             heading="What did not fit" if d.verdict is not Verdict.NO_MISSING_EFFECT else "How it fits",
             blocks=_misfit(d, images),
         ),
-        Section(heading="Why: the suspects", blocks=_suspects(d, images)),
+        Section(heading="Why: the candidates", blocks=_candidates(d, images)),
         Section(
             heading="The evidence: runs that no fit has seen", blocks=(*evidence(d), _held_out(d, images))
         ),
@@ -171,34 +172,35 @@ def _misfit(d: Diagnosis, images: Mapping[str, Image]) -> tuple[Block, ...]:
 def _follows(d: Diagnosis) -> str:
     sure = [w for w in d.where if w.p_value <= 0.05]
     if not sure:
-        return "The residual follows no measured variable more than chance would."
+        return "The residual depends significantly on no measured variable."
     best = max(sure, key=lambda w: w.share)
     return (
-        f"The residual follows most closely: {words.plain(best.variable)} ({100 * best.share:.0f} % of its "
+        f"The residual depends most on: {words.plain(best.variable)} ({100 * best.share:.0f} % of its "
         f"{words.CHANNEL_WORDS[best.channel]} part)."
     )
 
 
-def _suspects(d: Diagnosis, images: Mapping[str, Image]) -> tuple[Block, ...]:
+def _candidates(d: Diagnosis, images: Mapping[str, Image]) -> tuple[Block, ...]:
     if not d.steps:
-        return (Text(text="No suspect was tried."),)
+        return (Text(text="No candidate was tried."),)
     tried = max([*(len(s.tried) for s in d.steps), *(f.candidates_tried for f in d.findings)])
     text = (
-        f"{tried} suspects were fitted in turn by simulation: effects with a name, and for every "
+        f"{tried} candidates were fitted in turn by simulation: effects with a name, and for every "
         f"measured variable "
-        "a general form with free coefficients. Each is judged on runs that it was not fitted to, so more "
-        "parameters are no advantage. The best is taken if its gain is beyond luck for that many suspects; "
+        "a general form with free coefficients. Each is compared on runs that it was not fitted to, so more "
+        "parameters are no advantage. The best is taken if it makes the error clearly smaller and its "
+        f"permutation p-value, which counts all candidates, is at most {SIGNIFICANCE:g}; "
         "then the search starts again with it in the model."
     )
     return (
         Text(text=text),
         Picture(
-            name="suspects",
-            image=images["suspects"],
-            alt="Dots: error of every suspect on runs it was not fitted to",
-            caption="Error that remains with each suspect added (further left is better). Filled: an effect "
-            "with a name; open: a general form over one variable; orange: taken. Suspects that a first, "
-            "short fit leaves far behind are not fitted to the end.",
+            name="candidates",
+            image=images["candidates"],
+            alt="Dots: error of every candidate on runs it was not fitted to",
+            caption="Error that remains with each candidate added (further left is better). Filled: an "
+            "effect with a name; open: a general form over one variable; orange: taken. Candidates that a "
+            "first, short fit leaves far behind are not fitted to the end.",
         ),
     )
 

@@ -1,4 +1,4 @@
-"""A diagnosis in plain sentences, for the page and the command line.  No matplotlib here."""
+"""The sentences of a diagnosis, for the page and the command line."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     if d.verdict is Verdict.UNEXPLAINED:
         return (
             f"Unexplained: the model misses something (chi {d.before.chi:.3g} on held-out runs; 1 is pure "
-            "noise), but no suspect explains it beyond chance."
+            "noise), but no candidate explains it significantly (permutation test)."
         )
     names = _and([f"{f.name} (depends on {VARIABLES[f.traced_to]})" for f in d.findings])
     return (
@@ -91,13 +91,13 @@ def edge(estimate: Estimate) -> str:
     return ", at the edge of its range" if estimate.at_bound else ""
 
 
-def chance(p_value: float) -> str:
-    """A probability as words a reader can weigh."""
+def p_words(p_value: float) -> str:
+    """A p-value, with no more digits than the permutations support."""
     return f"p ≤ {p_value:.1g}" if p_value <= 0.01 else f"p = {p_value:.2g}"
 
 
 def plain(label: str) -> str:
-    """A suspect's label or a variable's name for people: underscores are for files."""
+    """A candidate's label or a variable's name without underscores."""
     return label.removeprefix("unnamed_").replace("_", " ")
 
 
@@ -120,7 +120,7 @@ def percent(before: float, after: float) -> str:
 
 
 def plan_sentence(change: PlanChange) -> str:
-    """What became of the standard move."""
+    """The duration of the standard move before and after, and whether the old plan slips."""
     move = "A standard move (1 m diagonally with a quarter turn, a tenth of the grip in reserve)"
     if change.before_s is None or change.use_believed is None:
         return f"{move} has no plan without slip in the model as believed."
@@ -140,7 +140,7 @@ def plan_sentence(change: PlanChange) -> str:
 
 
 def pulls_sentence(check: PullCheck) -> str:
-    """What pull tests, which nothing was fitted to, say of the corrected robot."""
+    """Whether pull tests, to which nothing was fitted, confirm the corrected robot."""
     one, two = check.rms_before_N, check.rms_after_N
     said = "confirm it" if two < 0.8 * one else "do not decide" if two <= 1.2 * one else "speak against it"
     return (
@@ -162,11 +162,11 @@ def summary_lines(d: Diagnosis, change: LimitsChange) -> list[str]:
         values = ", ".join(interval(e) for e in f.parameters[:4])
         more = f", and {len(f.parameters) - 4} more" if len(f.parameters) > 4 else ""
         lines.append(
-            f"found    {f.name} (traced to {f.traced_to.value}; {chance(f.p_value)} among "
-            f"{f.candidates_tried} suspects): {values}{more}"
+            f"found    {f.name} (traced to {f.traced_to.value}; {p_words(f.p_value)} among "
+            f"{f.candidates_tried} candidates): {values}{more}"
         )
         lines += [
-            f"         not told apart from {name}: {separating_trial(f.name, f.traced_to, name)}"
+            f"         cannot be distinguished from {name}: {separating_trial(f.name, f.traced_to, name)}"
             for name in f.confused_with
         ]
     lines.append(

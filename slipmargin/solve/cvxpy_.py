@@ -1,10 +1,11 @@
-"""cvxpy with Clarabel: a second road to every answer, written from the statement of the problem.
+"""Cone programs solved through cvxpy: a second computation of every answer, written independently.
 
 Diamond and Boyd, "CVXPY: A Python-embedded modeling language for convex optimization", JMLR 17 (2016).
 """
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import cvxpy
@@ -16,8 +17,9 @@ from slipmargin.solve.program import ConeKind, ConeProgram, Solution
 
 cp: Any = cvxpy  # its functions are not declared to type checkers
 
-#: Relative gap and feasibility asked of the solver [1]; second-order cones stall below 1e-9.
-TOLERANCE, CONE_TOLERANCE = 1e-10, 1e-9
+#: Relative gaps and feasibilities asked of the solver [1]; the next is tried where the solver stalls.
+#: Second-order cones stall below 1e-9, and at 1e-9 where the grips of all wheels are nearly parallel.
+TOLERANCES, CONE_TOLERANCES = (1e-10,), (1e-9, 1e-8)
 
 
 def solve(program: ConeProgram) -> Solution:
@@ -41,7 +43,7 @@ def solve(program: ConeProgram) -> Solution:
             constraints.append(cp.SOC(part[0], part[1:]))
     problem = cp.Problem(cp.Minimize(program.c @ x), constraints)
     round_ = any(block.kind is ConeKind.SECOND_ORDER for block in program.blocks)
-    _run(problem, program.what, CONE_TOLERANCE if round_ else TOLERANCE)
+    _run(problem, program.what, CONE_TOLERANCES if round_ else TOLERANCES)
     s = program.b - program.a @ x.value
     z = np.zeros(len(program.b))
     for (block, at), constraint in zip(program.slices(), constraints, strict=True):
@@ -113,11 +115,20 @@ def block_cone(maps: Array, radii: Array, strips: Array, rays: Array) -> Array:
         if strips[i] < radii[i, 1]:
             constraints.append(cp.abs(share[1]) <= strips[i] / radii[i, 1])
     constraints.append(balance == 0)
-    _run(cp.Problem(cp.Maximize(cp.sum(reach)), constraints), f"{count} pulls as one problem", CONE_TOLERANCE)
+    _run(
+        cp.Problem(cp.Maximize(cp.sum(reach)), constraints), f"{count} pulls as one problem", CONE_TOLERANCES
+    )
     return np.asarray(reach.value[0] * unit)
 
 
-def _run(problem: Any, what: str, tolerance: float = TOLERANCE) -> None:
-    problem.solve(solver=cp.CLARABEL, tol_gap_abs=tolerance, tol_gap_rel=tolerance, tol_feas=tolerance)
-    if problem.status != cp.OPTIMAL:
-        raise NoSolution(what, f"cvxpy found it {problem.status}", "relax a bound", problem)
+def _run(problem: Any, what: str, tolerances: tuple[float, ...] = TOLERANCES) -> None:
+    for tolerance in tolerances:
+        with warnings.catch_warnings():
+            # The status says the same as cvxpy's warning, and is judged below.
+            warnings.filterwarnings("ignore", message="Solution may be inaccurate")
+            problem.solve(
+                solver=cp.CLARABEL, tol_gap_abs=tolerance, tol_gap_rel=tolerance, tol_feas=tolerance
+            )
+        if problem.status == cp.OPTIMAL:
+            return
+    raise NoSolution(what, f"cvxpy found it {problem.status}", "relax a bound", problem)

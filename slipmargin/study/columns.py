@@ -1,4 +1,4 @@
-"""The columns of a study: static ones for all designs at once, moving ones design by design."""
+"""The columns of a study: static limits for all designs at once, limits in motion design by design."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from slipmargin.limits.bounds import cornering, directions, headings, spin
 from slipmargin.limits.motion_state import Contact
 from slipmargin.physics.loads import LoadRule
 from slipmargin.study import statics
-from slipmargin.study.fleet import Fleet, fleets
-from slipmargin.study.machine import Machine
+from slipmargin.study.batch import Batch, batches
 from slipmargin.study.objectives import Kind, names_of
+from slipmargin.study.robot_on_surface import RobotOnSurface
 
 #: Directions of motion that limits in motion are taken over [deg], and for cornering.
 STEP_DEG, CORNER_STEP_DEG = 1.0, 5.0
@@ -28,17 +28,17 @@ WORST_AT = "worst_phi_rad"
 
 
 def static_columns(
-    machines: Sequence[Machine | None], phi_rad: Array | None = None
+    designs: Sequence[RobotOnSurface | None], phi_rad: Array | None = None
 ) -> tuple[dict[str, Array], dict[int, str]]:
     """Static columns (D,) of all designs and the reason of each that is impossible (its columns are NaN)."""
     phi = statics.headings() if phi_rad is None else phi_rad
     names = [*names_of(Kind.STATIC), WORST_AT]
-    table = {name: np.full(len(machines), np.nan) for name in names}
-    found, refused = fleets(machines)
-    for fleet in found:
-        rollers = statics.on_rollers(fleet, phi, machines)
+    table = {name: np.full(len(designs), np.nan) for name in names}
+    found, refused = batches(designs)
+    for batch in found:
+        rollers = statics.on_rollers(batch, phi, designs)
         force = rollers.force
-        rows = fleet.index
+        rows = batch.index
         worst, best = force.min(axis=1), force.max(axis=1)
         with np.errstate(invalid="ignore", divide="ignore"):
             isotropy = np.where(best > 0.0, worst / best, 0.0)
@@ -47,12 +47,12 @@ def static_columns(
             ("f_mean", force[:, :-1].mean(axis=1)),
             ("f_best", best),
             ("isotropy", isotropy),
-            ("f_low_worst", statics.lowest(fleet, phi, machines).min(axis=1)),
-            ("f_rigid_worst", statics.on_rigid(fleet, phi, machines).force.min(axis=1)),
-            ("f_worst_equal", _under(fleet, phi, machines, LoadRule.EQUAL, worst)),
-            ("f_worst_static", _under(fleet, phi, machines, LoadRule.STATIC, worst)),
-            ("yaw_moment_N_m", rollers.moment_m * fleet.weight_N),
-            ("load_least", fleet.rest.min(axis=1)),
+            ("f_low_worst", statics.lowest(batch, phi, designs).min(axis=1)),
+            ("f_rigid_worst", statics.on_rigid(batch, phi, designs).force.min(axis=1)),
+            ("f_worst_equal", _under(batch, phi, designs, LoadRule.EQUAL, worst)),
+            ("f_worst_static", _under(batch, phi, designs, LoadRule.STATIC, worst)),
+            ("yaw_moment_N_m", rollers.moment_m * batch.weight_N),
+            ("load_least", statics.least_loads(batch, phi, designs)),
             (WORST_AT, phi[np.argmin(force, axis=1)]),
         ):
             table[name][rows] = values
@@ -61,16 +61,18 @@ def static_columns(
     return table, refused
 
 
-def _under(fleet: Fleet, phi: Array, machines: Sequence[Machine | None], rule: LoadRule, own: Array) -> Array:
-    loads = statics.loads_by(fleet, rule)
-    if np.all(fleet.plain) and np.array_equal(loads, fleet.rest):
+def _under(
+    batch: Batch, phi: Array, designs: Sequence[RobotOnSurface | None], rule: LoadRule, own: Array
+) -> Array:
+    loads = statics.loads_by(batch, rule)
+    if np.all(batch.plain) and np.array_equal(loads, batch.rest):
         return own
-    return np.asarray(statics.on_rollers(fleet, phi, machines, rule).force.min(axis=1))
+    return np.asarray(statics.on_rollers(batch, phi, designs, rule).force.min(axis=1))
 
 
-def moving_columns(machine: Machine) -> dict[str, float]:
+def moving_columns(design: RobotOnSurface) -> dict[str, float]:
     """The objectives of :attr:`Kind.MOTION` of one design."""
-    model = machine.build()
+    model = design.build()
     way = headings(STEP_DEG)
     ahead = directions(model, way)
     unknown = ahead
@@ -94,14 +96,14 @@ def moving_columns(machine: Machine) -> dict[str, float]:
     return dict(zip(names_of(Kind.MOTION), values, strict=True))
 
 
-def lap_columns(machine: Machine) -> dict[str, float]:
+def lap_columns(design: RobotOnSurface) -> dict[str, float]:
     """The objectives of :attr:`Kind.LAPS` of one design; infinite where a path has no admissible motion."""
     from slipmargin.study.laps import lap_time
 
-    return {"laps_s": lap_time(machine.build())}
+    return {"laps_s": lap_time(design.build())}
 
 
-def slow_columns(machine: Machine, kinds: tuple[Kind, ...]) -> dict[str, float]:
+def slow_columns(design: RobotOnSurface, kinds: tuple[Kind, ...]) -> dict[str, float]:
     """Everything of one design that cannot be computed for all at once; NaN where it has none.
 
     That is so where the design cannot be built, or where a motion has no limit because it slips anyway.
@@ -110,9 +112,9 @@ def slow_columns(machine: Machine, kinds: tuple[Kind, ...]) -> dict[str, float]:
     try:
         out: dict[str, float] = {}
         if Kind.MOTION in kinds:
-            out |= moving_columns(machine)
+            out |= moving_columns(design)
         if Kind.LAPS in kinds:
-            out |= lap_columns(machine)
+            out |= lap_columns(design)
         return {name: value if math.isfinite(value) else math.nan for name, value in out.items()}
     except (InputError, NoSolution):
         return dict.fromkeys(names, math.nan)

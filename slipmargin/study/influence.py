@@ -1,4 +1,4 @@
-"""What would make a design better: the change of an objective by each number of the robot file."""
+"""Sensitivities: the change of an objective by each number of the robot file."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import final
 
 from slipmargin.errors import InputError
-from slipmargin.study.judge import judge
-from slipmargin.study.machine import Machine
+from slipmargin.study.evaluate import evaluate
 from slipmargin.study.objectives import Objective
 from slipmargin.study.quantities import QUANTITIES, Quantity, own_value
+from slipmargin.study.robot_on_surface import RobotOnSurface
 
 #: Step of a central difference: share of the value, and what to use where the value is zero, by unit.
 STEP = 0.01
@@ -54,18 +54,18 @@ class Influence:
         return size / abs(self.here) if self.here else math.inf if size else 0.0
 
 
-def influences(machine: Machine, goal: Objective) -> tuple[Influence, ...]:
-    """Every number that has any influence, the strongest first; one step is 1 % of the value."""
+def influences(design: RobotOnSurface, goal: Objective) -> tuple[Influence, ...]:
+    """Return the influence of each number that has any, the strongest first; a step is 1 % of the value."""
     rows: list[tuple[Quantity, float, float]] = []
     for quantity in QUANTITIES:
-        value = None if quantity.words or quantity.whole else own_value(quantity, machine)
+        value = None if quantity.words or quantity.whole else own_value(quantity, design)
         if isinstance(value, float | int):
             step = STEP * abs(value) if value else AT_ZERO.get(quantity.unit, 1e-3)
             rows.append((quantity, float(value), step))
-    tried: list[Machine | None] = [machine]
+    tried: list[RobotOnSurface | None] = [design]
     for quantity, value, step in rows:
-        tried += [_moved(machine, quantity, value + side * step) for side in (-1.0, 1.0)]
-    found = judge(tried, goal)
+        tried += [_moved(design, quantity, value + side * step) for side in (-1.0, 1.0)]
+    found = evaluate(tried, goal)
     out = [
         Influence(
             key=q.key,
@@ -81,8 +81,8 @@ def influences(machine: Machine, goal: Objective) -> tuple[Influence, ...]:
     return tuple(sorted((i for i in out if i.swing > 1e-9), key=lambda i: -i.swing))
 
 
-def _moved(machine: Machine, quantity: Quantity, value: float) -> Machine | None:
+def _moved(design: RobotOnSurface, quantity: Quantity, value: float) -> RobotOnSurface | None:
     try:
-        return quantity.put(machine, value)
+        return quantity.put(design, value)
     except InputError:
         return None

@@ -1,4 +1,4 @@
-"""What a design is judged by, as data: name, unit, which way is better, what it means.
+"""The objectives of a design study: name, unit, direction of improvement, meaning.
 
 Forces are per m g and on rollers unless the name says otherwise; directions of motion are in the body
 frame.  "Must slip": constant speed in that direction needs more drive force than the floor gives.
@@ -16,7 +16,7 @@ from slipmargin.errors import InputError
 
 @final
 class Kind(Enum):
-    """What it takes to compute an objective."""
+    """How an objective is computed, which decides its cost."""
 
     STATIC = "all designs at once"
     MOTION = "a model each, milliseconds"
@@ -26,7 +26,7 @@ class Kind(Enum):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Objective:
-    """One column of a study that can be best somewhere; ``sign`` +1: more is better, −1: less is."""
+    """One column of a study that can be optimised; ``sign`` +1: more is better, −1: less is better."""
 
     name: str
     unit: str
@@ -52,8 +52,10 @@ OBJECTIVES: tuple[Objective, ...] = (
     _more("f_rigid_worst", "m g", Kind.STATIC, "least F_emax with every wheel on rigid material"),
     _more("f_worst_equal", "m g", Kind.STATIC, "f_worst under equal loads m g / N"),
     _more("f_worst_static", "m g", Kind.STATIC, "f_worst under the loads of statics"),
-    _more("yaw_moment_N_m", "N m", Kind.STATIC, "largest pure yaw moment"),
-    _more("load_least", "m g", Kind.STATIC, "load of the lightest wheel"),
+    _more(
+        "yaw_moment_N_m", "N m", Kind.STATIC, "largest pure yaw moment held in both senses at every heading"
+    ),
+    _more("load_least", "m g", Kind.STATIC, "load of the lightest wheel at any heading"),
     _more("start_worst_m_s2", "m/s²", Kind.MOTION, "least speeding up along the motion, any direction"),
     _more("start_mean_m_s2", "m/s²", Kind.MOTION, "mean speeding up over directions"),
     _more("brake_worst_m_s2", "m/s²", Kind.MOTION, "least braking, any direction"),

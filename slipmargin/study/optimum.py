@@ -1,8 +1,8 @@
-"""The best design between the grid's points, with its proof that no point of the grid is better.
+"""The best design between the grid's points; it is never worse than the best point of the grid.
 
-The objectives are the least of smooth pieces: kinks, no gradients to trust.  From each of the grid's best
-local maxima the search goes on inside the neighbouring cells: by golden section and parabolas in one
-variable (Brent), by the Nelder–Mead simplex in more.
+The objectives are minima of smooth pieces, so gradients jump at kinks and are not used.  From
+each of the grid's best local maxima the search continues inside the neighbouring cells: by golden section and
+parabolas in one variable (Brent), by the Nelder–Mead simplex in more.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from slipmargin.limits.motion import needed_share
 from slipmargin.limits.motion_state import Motion
 from slipmargin.limits.self_check import self_check
 from slipmargin.study.columns import STEP_DEG
-from slipmargin.study.judge import judge
-from slipmargin.study.machine import Machine
+from slipmargin.study.evaluate import evaluate
 from slipmargin.study.objectives import Kind, Objective
+from slipmargin.study.robot_on_surface import RobotOnSurface
 from slipmargin.study.study import Study
 from slipmargin.study.vary import applied
 
@@ -40,12 +40,12 @@ class Optimum:
 
     ``values`` of the varied quantities; ``value`` of the objective there, ``grid_value`` at the grid's
     best row ``grid_row``; ``gain`` ≥ 0 the improvement in the sense of the objective; ``check`` relative
-    difference of ``value`` to a second road (NaN where there is none); ``evaluations``.
+    difference of ``value`` to an independent computation (NaN where there is none); ``evaluations``.
     """
 
     goal: Objective
     values: tuple[Any, ...]
-    machine: Machine
+    design: RobotOnSurface
     value: float
     grid_value: float
     grid_row: int
@@ -66,8 +66,8 @@ def optimum(study: Study, goal: Objective | None = None) -> Optimum:
     InputError
         If no varied quantity is a number that may vary continuously, or no design is possible.
     """
-    goal = goal or study.question.objective
-    free = [k for k, grid in enumerate(study.question.grids) if grid.numeric and len(grid.values) > 1]
+    goal = goal or study.problem.objective
+    free = [k for k, grid in enumerate(study.problem.grids) if grid.numeric and len(grid.values) > 1]
     if not free:
         raise InputError("optimum", "has nothing to vary continuously", "vary a number over a range")
     row = study.best(goal.name)
@@ -78,16 +78,16 @@ def optimum(study: Study, goal: Objective | None = None) -> Optimum:
         spent += search.count
         if score > best + NOISE * abs(best):
             best, at = score, values
-    machine = applied(study.question.machine, [g.quantity for g in study.question.grids], at)
+    design = applied(study.problem.base, [g.quantity for g in study.problem.grids], at)
     return Optimum(
         goal=goal,
         values=tuple(at),
-        machine=machine,
+        design=design,
         value=goal.sign * best,
         grid_value=float(study.columns[goal.name][row]),
         grid_row=row,
         evaluations=spent,
-        check=second_road(machine, goal, goal.sign * best),
+        check=checked_again(design, goal, goal.sign * best),
     )
 
 
@@ -108,22 +108,22 @@ def _starts(study: Study, goal: Objective, free: Sequence[int]) -> list[int]:
 
 
 class _Search:
-    """One local search; remembers how often it asked."""
+    """One local search, with the count of its evaluations."""
 
     def __init__(self, study: Study, goal: Objective, row: int, free: Sequence[int]) -> None:
         self.study, self.goal, self.free, self.count = study, goal, list(free), 0
         self.start = list(study.values[row])
-        self.bounds = [_cell(study.question.grids[k].values, study.values[row][k]) for k in free]
+        self.bounds = [_cell(study.problem.grids[k].values, study.values[row][k]) for k in free]
 
     def score(self, x: Array) -> float:
         """Minus the objective in its sense, large where the design is impossible."""
         self.count += 1
         try:
-            quantities = [g.quantity for g in self.study.question.grids]
-            machine = applied(self.study.question.machine, quantities, self.at(x))
+            quantities = [g.quantity for g in self.study.problem.grids]
+            design = applied(self.study.problem.base, quantities, self.at(x))
         except InputError:
             return 1e300
-        value = float(judge([machine], self.goal)[0])
+        value = float(evaluate([design], self.goal)[0])
         return 1e300 if math.isnan(value) else -self.goal.sign * value
 
     def at(self, x: Array) -> tuple[Any, ...]:
@@ -180,18 +180,18 @@ def _cell(values: Sequence[Any], at: Any) -> tuple[float, float]:
     return ordered[max(k - 1, 0)], ordered[min(k + 1, len(ordered) - 1)]
 
 
-def second_road(machine: Machine, goal: Objective, value: float) -> float:
-    """Relative difference of an objective to a computation that shares no code with it; NaN where none is.
+def checked_again(design: RobotOnSurface, goal: Objective, value: float) -> float:
+    """Return the relative difference of an objective to an independent computation [1]; NaN if there is none.
 
-    Pulls: the support function's own minimum at the worst heading.  Starting: the share of the grip that
-    the acceleration needs must be exactly 1.
+    The least pull is compared with the support function's minimum at the worst heading.  For the least
+    acceleration the grip utilisation that it needs must be exactly 1.
     """
     from slipmargin.limits.bounds import directions, headings
     from slipmargin.study.columns import static_columns
 
-    model = machine.build()
+    model = design.build()
     if goal.name == "f_worst":
-        phi = static_columns([machine])[0]["worst_phi_rad"]
+        phi = static_columns([design])[0]["worst_phi_rad"]
         return self_check(model, phi, np.array([value * model.inertia.weight_N]))
     if goal.name == "start_worst_m_s2":
         way = headings(STEP_DEG)

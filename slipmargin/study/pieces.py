@@ -1,8 +1,8 @@
-"""Long work in pieces: parallel, resumable, the same result whoever did it and however often it was killed.
+"""Long computations in pieces: parallel and resumable, with the same result for any split and interruption.
 
 Each finished piece is one file in a work folder, written whole or not at all and named by a hash of its own
-question (what is computed, on which machine, by which version).  A later run takes the pieces that are
-there and computes the rest; numbers are kept to the last bit.  joblib spreads the pieces over the cores,
+input (what is computed, for which designs, by which version).  A later run reads the pieces that exist
+and computes the rest; numbers are kept to the last bit.  joblib spreads the pieces over the cores,
 or, through its Dask backend, over a cluster.
 """
 
@@ -35,8 +35,8 @@ _NAME = re.compile(r"piece-[0-9a-f]{32}\.json")
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Workshop:
-    """How the work is done.
+class Executor:
+    """Where finished pieces are kept and which processes compute.
 
     ``folder`` keeps finished pieces (None: nothing is kept); ``jobs`` processes, −1 for every core;
     ``scheduler`` a Dask scheduler's address, which replaces ``jobs``.
@@ -65,9 +65,9 @@ def in_pieces(
     work: Callable[[Any], dict[str, float]],
     items: Sequence[Any],
     *,
-    question: Any,
+    key: Any,
     size: int,
-    workshop: Workshop,
+    executor: Executor,
     advance: Callable[[int], None] = lambda steps: None,
 ) -> Done:
     """Apply ``work`` to every item.
@@ -76,12 +76,12 @@ def in_pieces(
     ----------
     work : callable
         A module's function (processes must find it), item → row.
-    question : data
+    key : data
         Everything besides the items that the rows depend on; part of each piece's name.
     size : int
         Items a piece.
     advance : callable
-        Told the number of items whenever a piece is there.
+        Called with the number of items of each finished piece.
 
     Raises
     ------
@@ -89,20 +89,20 @@ def in_pieces(
         Where the work folder cannot be written, or the scheduler cannot be reached.
     """
     pieces = [list(items[i : i + size]) for i in range(0, len(items), size)]
-    names = [piece_name(question, piece) for piece in pieces]
+    names = [piece_name(key, piece) for piece in pieces]
     rows: list[Rows | None] = [
-        _kept(workshop.folder, name, len(piece)) for name, piece in zip(names, pieces, strict=True)
+        _kept(executor.folder, name, len(piece)) for name, piece in zip(names, pieces, strict=True)
     ]
     resumed = sum(row is not None for row in rows)
     for row in rows:
         advance(len(row) if row else 0)
     missing = [k for k, row in enumerate(rows) if row is None]
-    if missing and workshop.folder is not None:
-        make_folder(workshop.folder)
-    with contextlib.closing(_computed(work, [(k, pieces[k]) for k in missing], workshop)) as answers:
+    if missing and executor.folder is not None:
+        make_folder(executor.folder)
+    with contextlib.closing(_computed(work, [(k, pieces[k]) for k in missing], executor)) as answers:
         for k, found in answers:
-            if workshop.folder is not None:
-                write_text(workshop.folder / names[k], _text(found))
+            if executor.folder is not None:
+                write_text(executor.folder / names[k], _text(found))
             rows[k] = found
             advance(len(found))
     return Done(
@@ -123,9 +123,9 @@ def clear(folder: Path | None) -> None:
         remove_files(folder, _NAME)
 
 
-def piece_name(question: Any, items: Sequence[Any]) -> str:
-    """The file name of a piece: a hash of the question, the items and the program's version."""
-    text = json.dumps([SCHEMA, __version__, canonical(question), canonical(list(items))], ensure_ascii=True)
+def piece_name(key: Any, items: Sequence[Any]) -> str:
+    """The file name of a piece: a hash of the key, the items and the program's version."""
+    text = json.dumps([SCHEMA, __version__, canonical(key), canonical(list(items))], ensure_ascii=True)
     return f"piece-{hashlib.sha256(text.encode()).hexdigest()[:32]}.json"
 
 
@@ -149,24 +149,24 @@ def canonical(value: Any) -> Any:
 
 
 def one_piece(work: Callable[[Any], dict[str, float]], number: int, items: Sequence[Any]) -> tuple[int, Rows]:
-    """What a process does: every item of one piece."""
+    """Return a piece's number and the rows of its items (module level: other processes must find it)."""
     return number, [work(item) for item in items]
 
 
 def _computed(
-    work: Callable[[Any], dict[str, float]], missing: list[tuple[int, list[Any]]], workshop: Workshop
+    work: Callable[[Any], dict[str, float]], missing: list[tuple[int, list[Any]]], executor: Executor
 ) -> Generator[tuple[int, Rows], None, None]:
     if not missing:
         return
-    if workshop.scheduler is None and (workshop.jobs == 1 or len(missing) == 1):
+    if executor.scheduler is None and (executor.jobs == 1 or len(missing) == 1):
         for k, items in missing:
             yield one_piece(work, k, items)
         return
     from joblib import Parallel, delayed
 
-    with _backend(workshop.scheduler):
+    with _backend(executor.scheduler):
         run = Parallel(
-            n_jobs=workshop.jobs if workshop.scheduler is None else -1,
+            n_jobs=executor.jobs if executor.scheduler is None else -1,
             batch_size=1,
             pre_dispatch="all",
             return_as="generator_unordered",

@@ -1,8 +1,8 @@
-"""What a study may vary: every quantity of a robot file by name, as data.
+"""The quantities that a study may vary, by name.
 
-A quantity knows how to read itself off a machine and how to make the machine with another value.
-A key of the robot file that ``--vary`` sets directly is read off its :class:`~slipmargin.robot.fields.Key`;
-what stands here is what acts on several keys at once.
+A quantity has a function that reads it from a design and one that returns the design with another value.
+A key of the robot file that ``--vary`` sets directly is described by its
+:class:`~slipmargin.robot.fields.Key`; this file lists those that act on several keys at once.
 
 Quantities are applied in the order of :data:`QUANTITIES` whatever the order they are asked in: layouts
 first, so that a circle radius or a roller angle acts on the wheels that are finally there.
@@ -23,7 +23,7 @@ from slipmargin.robot.fields import Key, Kind, keys
 from slipmargin.robot.layout import wheel_angle_deg, with_wheel_angle
 from slipmargin.robot.sections import SECTIONS, Section
 from slipmargin.study.layouts import circle_radius_m, ring, rows, scaled
-from slipmargin.study.machine import Machine
+from slipmargin.study.robot_on_surface import RobotOnSurface
 
 #: A number, or a word where the quantity is a choice.
 Value = float | str
@@ -34,36 +34,36 @@ Value = float | str
 class Quantity:
     """One thing to vary.
 
-    ``get`` raises or returns None where the machine has no such value; ``words`` are the values of a
+    ``get`` raises or returns None where the design has no such value; ``words`` are the values of a
     choice (empty: a number); ``whole`` marks counts.
     """
 
     key: str
     unit: str
     meaning: str
-    put: Callable[[Machine, Any], Machine]
-    get: Callable[[Machine], Value | None]
+    put: Callable[[RobotOnSurface, Any], RobotOnSurface]
+    get: Callable[[RobotOnSurface], Value | None]
     words: tuple[str, ...] = ()
     whole: bool = False
 
 
-def own_value(quantity: Quantity, machine: Machine) -> Value | None:
-    """The machine's present value; None where it has none (δ of a four-wheeled robot)."""
+def own_value(quantity: Quantity, design: RobotOnSurface) -> Value | None:
+    """The design's present value; None where it has none (δ of a four-wheeled robot)."""
     try:
-        return quantity.get(machine)
+        return quantity.get(design)
     except InputError:
         return None
 
 
-def _robot(change: Callable[[Robot, Any], Robot]) -> Callable[[Machine, Any], Machine]:
-    return lambda machine, value: machine.with_robot(change(machine.robot, value))
+def _robot(change: Callable[[Robot, Any], Robot]) -> Callable[[RobotOnSurface, Any], RobotOnSurface]:
+    return lambda design, value: design.with_robot(change(design.robot, value))
 
 
-def _surfaces(change: Callable[[Surface, Any], Surface]) -> Callable[[Machine, Any], Machine]:
+def _surfaces(change: Callable[[Surface, Any], Surface]) -> Callable[[RobotOnSurface, Any], RobotOnSurface]:
     return _robot(lambda r, v: replace(r, surfaces=tuple(change(s, v) for s in r.surfaces)))
 
 
-def _com(axis: int) -> Callable[[Machine, Any], Machine]:
+def _com(axis: int) -> Callable[[RobotOnSurface, Any], RobotOnSurface]:
     def change(robot: Robot, value: float) -> Robot:
         com = np.array(robot.body.com_m)
         com[axis] = value
@@ -76,8 +76,8 @@ def _loads(robot: Robot, word: str) -> Robot:
     return replace(robot, load_rule=LoadRule(word), load_fractions=None)
 
 
-def _floor(machine: Machine) -> Surface:
-    return machine.robot.surface(machine.surface)
+def _floor(design: RobotOnSurface) -> Surface:
+    return design.robot.surface(design.surface)
 
 
 def _pair(s: Surface, **change: float) -> Surface:
@@ -90,7 +90,7 @@ def _roller_angles(robot: Robot, size: float) -> Robot:
     return replace(robot, wheels=tuple(replace(w, roller_angle_deg=sign * size) for w, sign in pairs))
 
 
-def _mean_size(field: str) -> Callable[[Machine], Value]:
+def _mean_size(field: str) -> Callable[[RobotOnSurface], Value]:
     return lambda m: float(np.mean([abs(getattr(w, field)) for w in m.robot.wheels]))
 
 
@@ -113,8 +113,8 @@ def _from_file(section: Section, field: str, key: Key, name: str) -> Quantity:
         change: dict[str, Any] = {section.path: new}
         return replace(robot, **change)
 
-    def get(machine: Machine) -> Value | None:
-        part = getattr(machine.robot, section.path)
+    def get(design: RobotOnSurface) -> Value | None:
+        part = getattr(design.robot, section.path)
         if isinstance(part, tuple):
             return float(np.mean([getattr(p, field) for p in part]))
         value: Value | Enum | None = getattr(part, field) if part is not None else None

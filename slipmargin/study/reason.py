@@ -1,4 +1,4 @@
-"""Why a design is as good as it is and no better: the heading, and the wheels that give way there."""
+"""What limits a design: the heading of its least limit, and the friction limits that bind there."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from slipmargin.limits.wrench_set import wrench_set
 from slipmargin.model import Model
 from slipmargin.physics.loads import LoadRule
 from slipmargin.study.columns import STEP_DEG
-from slipmargin.study.machine import Machine
 from slipmargin.study.objectives import Kind, Objective
+from slipmargin.study.robot_on_surface import RobotOnSurface
 from slipmargin.study.statics import headings as all_round
 
 
@@ -38,7 +38,7 @@ class Reason:
         return f"{self.where}: {', '.join(self.what)}" if self.what else self.where
 
 
-def reason(machine: Machine, goal: Objective) -> Reason:
+def reason(design: RobotOnSurface, goal: Objective) -> Reason:
     """What limits ``goal`` on this design.
 
     Raises
@@ -47,12 +47,12 @@ def reason(machine: Machine, goal: Objective) -> Reason:
         If the design cannot be built.
     """
     if goal.kind is Kind.LAPS:
-        return _laps(machine.build())
+        return _laps(design.build())
     if goal.kind is Kind.MOTION:
-        return _moving(machine.build(), goal.name)
+        return _moving(design.build(), goal.name)
     if goal.name in _RULES:
-        machine = machine.with_robot(replace(machine.robot, load_rule=_RULES[goal.name], load_fractions=None))
-    return _static(machine.build(), goal.name)
+        design = design.with_robot(replace(design.robot, load_rule=_RULES[goal.name], load_fractions=None))
+    return _static(design.build(), goal.name)
 
 
 _RULES = {"f_worst_equal": LoadRule.EQUAL, "f_worst_static": LoadRule.STATIC}

@@ -1,4 +1,4 @@
-"""The best design when the floor is not known: the worst over intervals and over what the wheels stand on.
+"""The design with the best worst case over intervals of unknown numbers and over roller/rigid states.
 
 Static limits and accelerations are the least of rows that are linear in the coefficients, so they are
 concave in them: over a box of coefficients (the same for all wheels) the worst is at a corner, and trying
@@ -17,10 +17,10 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
-from slipmargin.study.judge import judge
-from slipmargin.study.machine import Machine
+from slipmargin.study.evaluate import evaluate
 from slipmargin.study.objectives import BY_NAME, Objective
 from slipmargin.study.quantities import Quantity
+from slipmargin.study.robot_on_surface import RobotOnSurface
 from slipmargin.study.vary import applied, quantity_of
 
 #: The objective that takes the worst contact state, where there is one.
@@ -84,7 +84,9 @@ def parse_interval(text: str) -> Interval:
     return Interval(quantity=quantity, low=low, high=high)
 
 
-def robust(machines: Sequence[Machine | None], goal: Objective, intervals: Sequence[Interval]) -> Robust:
+def robust(
+    designs: Sequence[RobotOnSurface | None], goal: Objective, intervals: Sequence[Interval]
+) -> Robust:
     """The design whose worst case is best.
 
     Parameters
@@ -102,8 +104,8 @@ def robust(machines: Sequence[Machine | None], goal: Objective, intervals: Seque
         raise InputError(keys[0], "is given twice", "give one interval for each quantity")
     goal = BY_NAME[UNKNOWN.get(goal.name, goal.name)]
     corners = list(itertools.product(*({i.low, i.high} for i in intervals)))
-    everyone = [_moved(m, intervals, corner) for corner in corners for m in machines]
-    score = goal.sign * judge(everyone, goal).reshape(len(corners), len(machines))
+    everyone = [_moved(m, intervals, corner) for corner in corners for m in designs]
+    score = goal.sign * evaluate(everyone, goal).reshape(len(corners), len(designs))
     worst = np.min(score, axis=0)  # NaN where a corner is impossible
     if np.all(np.isnan(worst)):
         raise InputError(
@@ -121,10 +123,12 @@ def robust(machines: Sequence[Machine | None], goal: Objective, intervals: Seque
     )
 
 
-def _moved(machine: Machine | None, intervals: Sequence[Interval], corner: Sequence[float]) -> Machine | None:
-    if machine is None:
+def _moved(
+    design: RobotOnSurface | None, intervals: Sequence[Interval], corner: Sequence[float]
+) -> RobotOnSurface | None:
+    if design is None:
         return None
     try:
-        return applied(machine, [i.quantity for i in intervals], corner)
+        return applied(design, [i.quantity for i in intervals], corner)
     except InputError:
         return None

@@ -15,18 +15,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array
-from slipmargin.errors import NoSolution
 from slipmargin.limits.band import band
-from slipmargin.limits.friction import Extreme
+from slipmargin.limits.bias import loads_at_rest
 from slipmargin.limits.pull import Pull
-from slipmargin.limits.sweep import limit
-from slipmargin.limits.wrench_set import wrench_set
+from slipmargin.limits.sweep import limit_or_zero
 from slipmargin.model import Model
 from slipmargin.physics.frames import to_body
 from slipmargin.physics.loads import LoadRule
+from slipmargin.physics.variables import Target
 from slipmargin.sets.facets import batch_ray_exit
-from slipmargin.study.fleet import Fleet
-from slipmargin.study.machine import Machine
+from slipmargin.study.batch import Batch
+from slipmargin.study.robot_on_surface import RobotOnSurface
 
 #: Headings of a sweep all round; the last repeats the first.
 HEADINGS = 721
@@ -50,8 +49,8 @@ class Forces:
     moment_m: Array
 
 
-def forces(fleet: Fleet, mu: Array, load: Array, phi_rad: Array) -> Forces:
-    """Limits of a fleet by zonotopes; valid where ``fleet.plain``.
+def forces(batch: Batch, mu: Array, load: Array, phi_rad: Array) -> Forces:
+    """Limits of a batch by zonotopes; valid where ``batch.plain``.
 
     Parameters
     ----------
@@ -59,48 +58,49 @@ def forces(fleet: Fleet, mu: Array, load: Array, phi_rad: Array) -> Forces:
         Coefficients and loads [shares of m g].
     phi_rad : (M,)
     """
-    generators = (fleet.maps * (mu * load[..., None])[:, None]).reshape(len(mu), 3, -1)
+    generators = (batch.maps * (mu * load[..., None])[:, None]).reshape(len(mu), 3, -1)
     # A centrally symmetric set: the sign of the pull does not matter.
     along = np.column_stack([*to_body(phi_rad, 1.0, 0.0), np.zeros_like(phi_rad)])
     rays = np.vstack([along, [0.0, 0.0, 1.0]])
-    pairs = fleet.wheels * (2 * fleet.wheels - 1)
+    pairs = batch.wheels * (2 * batch.wheels - 1)
     block = max(1, _BLOCK // (pairs * len(rays)))
     out = np.concatenate([batch_ray_exit(generators[i : i + block], rays) for i in range(0, len(mu), block)])
     return Forces(force=out[:, :-1], moment_m=out[:, -1])
 
 
 def on_rollers(
-    fleet: Fleet, phi_rad: Array, machines: Sequence[Machine | None], rule: LoadRule | None = None
+    batch: Batch, phi_rad: Array, designs: Sequence[RobotOnSurface | None], rule: LoadRule | None = None
 ) -> Forces:
-    """All wheels on rollers; designs that no zonotope describes are solved one by one (0: slips unpulled).
+    """All wheels on rollers; designs that no zonotope describes are solved one by one.
 
+    The force is 0 where the robot slips without any pull.
     ``rule`` EQUAL or STATIC replaces the designs' own load model.
     """
-    own = fleet.rest if rule is None else loads_by(fleet, rule)
-    return _corrected(fleet, forces(fleet, fleet.roller, own, phi_rad), phi_rad, machines, None, rule)
+    own = batch.rest if rule is None else loads_by(batch, rule)
+    return _corrected(batch, forces(batch, batch.roller, own, phi_rad), phi_rad, designs, None, rule)
 
 
-def on_rigid(fleet: Fleet, phi_rad: Array, machines: Sequence[Machine | None]) -> Forces:
+def on_rigid(batch: Batch, phi_rad: Array, designs: Sequence[RobotOnSurface | None]) -> Forces:
     """All wheels on rigid material, whatever its share."""
-    found = forces(fleet, fleet.rigid, fleet.rest, phi_rad)
-    return _corrected(fleet, found, phi_rad, machines, np.ones(fleet.wheels), None)
+    found = forces(batch, batch.rigid, batch.rest, phi_rad)
+    return _corrected(batch, found, phi_rad, designs, np.ones(batch.wheels), None)
 
 
-def lowest(fleet: Fleet, phi_rad: Array, machines: Sequence[Machine | None]) -> Array:
+def lowest(batch: Batch, phi_rad: Array, designs: Sequence[RobotOnSurface | None]) -> Array:
     """(D, M) lowest F_emax / (m g) over the 2^N roller/rigid states (see :mod:`slipmargin.limits.band`)."""
-    worst = np.full((len(fleet.index), len(phi_rad)), np.inf)
-    for state in _states(fleet):
-        mu = np.where(state[..., None], fleet.rigid, fleet.roller)
-        worst = np.minimum(worst, forces(fleet, mu, fleet.rest, phi_rad).force)
-    for d in np.flatnonzero(~fleet.plain).tolist():
-        worst[d] = band(_model(machines, fleet, d), phi_rad, Pull())[0] / fleet.weight_N[d]
+    worst = np.full((len(batch.index), len(phi_rad)), np.inf)
+    for state in _states(batch):
+        mu = np.where(state[..., None], batch.rigid, batch.roller)
+        worst = np.minimum(worst, forces(batch, mu, batch.rest, phi_rad).force)
+    for d in np.flatnonzero(~batch.plain).tolist():
+        worst[d] = band(_model(designs, batch, d), phi_rad, Pull())[0] / batch.weight_N[d]
     return worst
 
 
-def _states(fleet: Fleet) -> list[NDArray[np.bool_]]:
+def _states(batch: Batch) -> list[NDArray[np.bool_]]:
     """Contact states (D, N) that hold the lowest; only wheels whose coefficients cross need two."""
-    lower, higher = np.all(fleet.rigid <= fleet.roller, axis=2), np.all(fleet.rigid >= fleet.roller, axis=2)
-    some, all_rigid = fleet.rigid_fraction > 0.0, fleet.rigid_fraction >= 1.0
+    lower, higher = np.all(batch.rigid <= batch.roller, axis=2), np.all(batch.rigid >= batch.roller, axis=2)
+    some, all_rigid = batch.rigid_fraction > 0.0, batch.rigid_fraction >= 1.0
     base = (some & lower & ~higher) | all_rigid
     crossing = some & ~all_rigid & ~lower & ~higher
     columns = np.flatnonzero(crossing.any(axis=0))
@@ -114,56 +114,48 @@ def _states(fleet: Fleet) -> list[NDArray[np.bool_]]:
 
 
 def _corrected(
-    fleet: Fleet,
+    batch: Batch,
     found: Forces,
     phi_rad: Array,
-    machines: Sequence[Machine | None],
+    designs: Sequence[RobotOnSurface | None],
     rigid: Array | None,
     rule: LoadRule | None,
 ) -> Forces:
     force, moment = found.force, found.moment_m
-    for d in np.flatnonzero(~fleet.plain).tolist():
-        model = _model(machines, fleet, d, rule)
-        try:
-            force[d] = limit(model, phi_rad, Pull(), rigid) / fleet.weight_N[d]
-        except NoSolution:
-            force[d] = 0.0
-        moment[d] = _moment(model, rigid) / fleet.weight_N[d]
+    for d in np.flatnonzero(~batch.plain).tolist():
+        model = _model(designs, batch, d, rule)
+        force[d] = limit_or_zero(model, phi_rad, Pull(), rigid) / batch.weight_N[d]
+        moment[d] = _moment(model, phi_rad, rigid) / batch.weight_N[d]
     return Forces(force=force, moment_m=moment)
 
 
-def _moment(model: Model, rigid: Array | None) -> float:
-    """Largest pure moment of a grip without facets: the support function's least ratio, by a search [N m]."""
-    from scipy.optimize import minimize
-
-    wrenches = wrench_set(model, rigid, extreme=Extreme.NEUTRAL)
-
-    def height(xy: Array) -> float:
-        return float(wrenches.support(np.array([xy[0], xy[1], 1.0])))
-
-    reach = float(np.max(np.abs(wrenches.maps[2])))
-    found = minimize(
-        height,
-        np.zeros(2),
-        method="Nelder-Mead",
-        options={
-            "xatol": 1e-9 * reach,
-            "fatol": 1e-12,
-            "maxiter": 2000,
-            "initial_simplex": reach * np.array([[0.0, 0.0], [0.3, 0.0], [0.0, 0.3]]),
-        },
+def _moment(model: Model, phi_rad: Array, rigid: Array | None) -> float:
+    """Largest pure moment held in both senses at every heading [N m]; 0 where the robot slips unpulled."""
+    if not model.external.terms and not any(t.target is not Target.STIFFNESS for t in model.grip.multipliers):
+        phi_rad = phi_rad[:1]  # nothing depends on the heading
+    return min(
+        float(np.min(limit_or_zero(model, phi_rad, Pull(pure_moment=sense), rigid))) for sense in (1.0, -1.0)
     )
-    return float(found.fun)
 
 
-def loads_by(fleet: Fleet, rule: LoadRule) -> Array:
-    """(D, N) loads of the fleet under a rule [shares of m g]."""
-    return np.full_like(fleet.rest, 1.0 / fleet.wheels) if rule is LoadRule.EQUAL else fleet.static
+def loads_by(batch: Batch, rule: LoadRule) -> Array:
+    """(D, N) loads of the batch under a rule [shares of m g]."""
+    return np.full_like(batch.rest, 1.0 / batch.wheels) if rule is LoadRule.EQUAL else batch.static
 
 
-def _model(machines: Sequence[Machine | None], fleet: Fleet, d: int, rule: LoadRule | None = None) -> Model:
-    machine = machines[int(fleet.index[d])]
-    assert machine is not None
+def least_loads(batch: Batch, phi_rad: Array, designs: Sequence[RobotOnSurface | None]) -> Array:
+    """(D,) load of the lightest wheel, the least over headings [shares of m g]."""
+    out = np.array(np.min(batch.rest, axis=1))
+    for d in np.flatnonzero(~batch.plain).tolist():
+        out[d] = float(np.min(loads_at_rest(_model(designs, batch, d), phi_rad))) / batch.weight_N[d]
+    return out
+
+
+def _model(
+    designs: Sequence[RobotOnSurface | None], batch: Batch, d: int, rule: LoadRule | None = None
+) -> Model:
+    design = designs[int(batch.index[d])]
+    assert design is not None
     if rule is not None:
-        machine = machine.with_robot(replace(machine.robot, load_rule=rule, load_fractions=None))
-    return machine.build()
+        design = design.with_robot(replace(design.robot, load_rule=rule, load_fractions=None))
+    return design.build()

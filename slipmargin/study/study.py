@@ -1,4 +1,4 @@
-"""A study: many designs, every column, the best one, the front between two objectives."""
+"""A design study: every limit of many designs, the best design, the Pareto front of several objectives."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.study.columns import static_columns
-from slipmargin.study.machine import Machine
 from slipmargin.study.objectives import BY_NAME, Kind, Objective, names_of, objective
 from slipmargin.study.pareto import front
-from slipmargin.study.pieces import Workshop, in_pieces
+from slipmargin.study.pieces import Executor, in_pieces
 from slipmargin.study.quantities import Value, own_value
-from slipmargin.study.slow import Slow
+from slipmargin.study.robot_on_surface import RobotOnSurface
+from slipmargin.study.task import Task
 from slipmargin.study.vary import Vary, applied, product
 
 #: Designs that count as equally good within this share; the mean pull then decides.
@@ -28,13 +28,13 @@ PIECE = {Kind.MOTION: 8, Kind.LAPS: 1}
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Question:
-    """What is studied.
+class DesignProblem:
+    """What a study computes: the grids over one base design, the objective and the columns.
 
-    ``kinds`` says which columns to compute; STATIC ones always are.
+    ``kinds`` are the columns to compute; those of kind STATIC are always computed.
     """
 
-    machine: Machine
+    base: RobotOnSurface
     grids: tuple[Vary, ...]
     objective: Objective = BY_NAME["f_worst"]
     kinds: tuple[Kind, ...] = (Kind.STATIC, Kind.MOTION)
@@ -51,14 +51,15 @@ class Study:
     """One row a design, in the order of the grids, the last changing fastest.
 
     ``values`` (D tuples) of the varied quantities; ``columns`` name → (D,), NaN where a design is impossible;
-    ``machines`` and ``problems`` are the designs and why some are none; ``own`` is the file's own design.
+    ``designs`` are the designs, None where one is impossible; ``impossible`` maps its row to the reason.
+    ``own`` are the columns of the file's own design.
     """
 
-    question: Question
+    problem: DesignProblem
     values: tuple[tuple[Value, ...], ...]
-    machines: tuple[Machine | None, ...]
+    designs: tuple[RobotOnSurface | None, ...]
     columns: Mapping[str, Array]
-    problems: Mapping[int, str]
+    impossible: Mapping[int, str]
     own: Mapping[str, float]
     own_problem: str | None = None
     pieces: int = 0
@@ -67,24 +68,24 @@ class Study:
     @property
     def keys(self) -> tuple[str, ...]:
         """The varied quantities."""
-        return tuple(grid.key for grid in self.question.grids)
+        return tuple(grid.key for grid in self.problem.grids)
 
     @property
     def own_values(self) -> tuple[Value | None, ...]:
         """The file's own values of the varied quantities; None where it has none."""
-        return tuple(own_value(grid.quantity, self.question.machine) for grid in self.question.grids)
+        return tuple(own_value(grid.quantity, self.problem.base) for grid in self.problem.grids)
 
     def best(self, name: str | None = None) -> int:
-        """The row that is best in an objective (the question's by default); ties go to the greater mean pull.
+        """The row that is best in an objective (the problem's by default); ties go to the greater mean pull.
 
         Raises
         ------
         InputError
             If no design is possible, with the first one's problem.
         """
-        goal = self.question.objective if name is None else objective(name)
+        goal = self.problem.objective if name is None else objective(name)
         if np.all(np.isnan(self.columns[goal.name])):
-            why = self.problems.get(0, f"{goal.name} cannot be computed")
+            why = self.impossible.get(0, f"{goal.name} cannot be computed")
             raise InputError(
                 "vary", f"holds no possible design; the first: {why}", "vary within other bounds"
             )
@@ -97,9 +98,9 @@ class Study:
         top = float(np.nanmax(score))
         return np.flatnonzero(score >= top - TIE * max(1.0, abs(top)))
 
-    def machine(self, row: int) -> Machine:
+    def design(self, row: int) -> RobotOnSurface:
         """The design of a row that is possible."""
-        found = self.machines[row]
+        found = self.designs[row]
         assert found is not None
         return found
 
@@ -110,57 +111,57 @@ class Study:
 
     def axis(self, key: str) -> tuple[Value, ...]:
         """The values of one varied quantity."""
-        return self.question.grids[self.keys.index(key)].values
+        return self.problem.grids[self.keys.index(key)].values
 
     def shaped(self, name: str) -> Array:
         """A column with one axis for each grid."""
-        return self.columns[name].reshape([len(grid.values) for grid in self.question.grids])
+        return self.columns[name].reshape([len(grid.values) for grid in self.problem.grids])
 
 
 def study(
-    question: Question,
+    problem: DesignProblem,
     *,
-    workshop: Workshop | None = None,
+    executor: Executor | None = None,
     advance: Callable[[int], None] = lambda steps: None,
 ) -> Study:
-    """Compute every column of every design; the static ones at once, the others in pieces.
+    """Return every column of every design; static columns for all designs at once, the others in pieces.
 
     Parameters
     ----------
-    workshop : Workshop, optional
-        Where pieces are kept and who computes them; by default here and now.
+    executor : Executor, optional
+        Where finished pieces are kept and which processes compute; by default this process, keeping nothing.
     advance : callable
-        Told the number of designs finished in the long work.
+        Called with the number of designs that a finished piece holds.
 
     Raises
     ------
     InputError
         For grids that make no sense.  A single impossible design is no error: its row says why.
     """
-    quantities = [grid.quantity for grid in question.grids]
-    values = product(question.machine, question.grids)
-    machines: list[Machine | None] = []
-    problems: dict[int, str] = {}
+    quantities = [grid.quantity for grid in problem.grids]
+    values = product(problem.base, problem.grids)
+    designs: list[RobotOnSurface | None] = []
+    impossible: dict[int, str] = {}
     for i, row in enumerate(values):
         try:
-            machines.append(applied(question.machine, quantities, row))
+            designs.append(applied(problem.base, quantities, row))
         except InputError as fault:
-            machines.append(None)
-            problems[i] = str(fault)
-    everyone = [*machines, question.machine]
+            designs.append(None)
+            impossible[i] = str(fault)
+    everyone = [*designs, problem.base]
     columns, refused = static_columns(everyone)
-    problems |= refused
-    everyone = [None if i in problems else m for i, m in enumerate(everyone)]
-    kinds = tuple(kind for kind in question.needed() if kind is not Kind.STATIC)
+    impossible |= refused
+    everyone = [None if i in impossible else m for i, m in enumerate(everyone)]
+    kinds = tuple(kind for kind in problem.needed() if kind is not Kind.STATIC)
     done = None
     if kinds:
         rows = [i for i, m in enumerate(everyone) if m is not None]
-        work = Slow(kinds=kinds)
+        work = Task(kinds=kinds)
         done = in_pieces(
             work,
             [everyone[i] for i in rows],
-            question=work,
-            workshop=workshop or Workshop(),
+            key=work,
+            executor=executor or Executor(),
             size=min(PIECE[kind] for kind in kinds),
             advance=advance,
         )
@@ -168,13 +169,13 @@ def study(
             columns[name] = np.full(len(everyone), np.nan)
             columns[name][rows] = [row[name] for row in done.rows]
     own = {name: float(column[-1]) for name, column in columns.items()}
-    own_problem = problems.pop(len(values), None)
+    own_problem = impossible.pop(len(values), None)
     return Study(
-        question=question,
+        problem=problem,
         values=tuple(values),
-        machines=tuple(everyone[:-1]),
+        designs=tuple(everyone[:-1]),
         columns={name: _frozen(column[:-1]) for name, column in columns.items()},
-        problems=problems,
+        impossible=impossible,
         own=own,
         own_problem=own_problem,
         pieces=done.pieces if done else 0,

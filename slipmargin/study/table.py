@@ -19,24 +19,24 @@ def table_text(study: Study, front_of: Sequence[str]) -> str:
     A cell is empty where a design is impossible or a motion has no limit.
     """
     columns: dict[str, Array | Sequence[float] | Sequence[str]] = {}
-    for k, grid in enumerate(study.question.grids):
+    for k, grid in enumerate(study.problem.grids):
         column: list[Any] = [row[k] for row in study.values]
         columns[grid.key] = [str(v) for v in column] if grid.quantity.words else np.array(column, dtype=float)
     columns |= study.columns
     columns["front"] = study.front(front_of).astype(float)
-    columns["problem"] = [study.problems.get(i, "").replace(",", ";") for i in range(len(study.values))]
+    columns["problem"] = [study.impossible.get(i, "").replace(",", ";") for i in range(len(study.values))]
     return columns_text(columns)
 
 
 def study_data(study: Study) -> dict[str, Any]:
     """Everything as plain data: SI, columns as lists."""
-    goal = study.question.objective
+    goal = study.problem.objective
     best = study.best()
     return {
         "schema": 1,
-        "robot": study.question.machine.robot.name,
-        "surface": study.question.machine.surface,
-        "vary": {grid.key: list(grid.values) for grid in study.question.grids},
+        "robot": study.problem.base.robot.name,
+        "surface": study.problem.base.surface,
+        "vary": {grid.key: list(grid.values) for grid in study.problem.grids},
         "objective": {
             "name": goal.name,
             "unit": goal.unit,
@@ -56,7 +56,7 @@ def study_data(study: Study) -> dict[str, Any]:
         "best_by_objective": {name: _best_of(study, name) for name in study.columns if name in BY_NAME},
         "designs": [dict(zip(study.keys, row, strict=True)) for row in study.values],
         "columns": dict(study.columns),
-        "problems": {str(i): text for i, text in study.problems.items()},
+        "problems": {str(i): text for i, text in study.impossible.items()},
     }
 
 

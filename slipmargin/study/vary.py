@@ -17,8 +17,8 @@ from typing import Any, final
 from slipmargin.errors import InputError
 from slipmargin.robot import Wheel
 from slipmargin.robot.fields import Kind, keys
-from slipmargin.study.machine import Machine
 from slipmargin.study.quantities import QUANTITIES, Quantity, Value
+from slipmargin.study.robot_on_surface import RobotOnSurface
 
 #: The most designs that one study may hold.
 MOST = 1_000_000
@@ -88,7 +88,7 @@ def quantity_of(key: str) -> Quantity:
     )
 
 
-def product(machine: Machine, grids: Sequence[Vary]) -> list[tuple[Value, ...]]:
+def product(design: RobotOnSurface, grids: Sequence[Vary]) -> list[tuple[Value, ...]]:
     """Every combination of the grids' values, the last one changing fastest.
 
     Raises
@@ -109,7 +109,7 @@ def product(machine: Machine, grids: Sequence[Vary]) -> list[tuple[Value, ...]]:
         raise InputError(keys[0], f"and the other grids make {count} designs", f"make at most {MOST}")
     for grid in grids:
         if grid.key == "surface":
-            names = [s.name for s in machine.robot.surfaces]
+            names = [s.name for s in design.robot.surfaces]
             wrong = next((v for v in grid.values if v not in names), None)
             if wrong is not None:
                 raise InputError(
@@ -118,8 +118,10 @@ def product(machine: Machine, grids: Sequence[Vary]) -> list[tuple[Value, ...]]:
     return list(itertools.product(*(g.values for g in grids)))
 
 
-def applied(machine: Machine, quantities: Sequence[Quantity], values: Sequence[Value]) -> Machine:
-    """The machine with each quantity set, in the order of the catalogue.
+def applied(
+    design: RobotOnSurface, quantities: Sequence[Quantity], values: Sequence[Value]
+) -> RobotOnSurface:
+    """The design with each quantity set, in the order of the catalogue.
 
     Raises
     ------
@@ -130,11 +132,11 @@ def applied(machine: Machine, quantities: Sequence[Quantity], values: Sequence[V
     pairs = sorted(zip(quantities, values, strict=True), key=lambda p: order.get(p[0].key, len(order)))
     for quantity, value in pairs:
         try:
-            machine = quantity.put(machine, value)
+            design = quantity.put(design, value)
         except InputError as fault:
             place = fault.place or quantity.key
             raise InputError(quantity.key, f"= {value}: {place} {fault.problem}", fault.cure) from None
-    return machine
+    return design
 
 
 def _range(key: str, text: str) -> tuple[Value, ...]:
@@ -185,11 +187,11 @@ def _placed(key: str, kind: str, which: str, field: str) -> Quantity:
             key, f"{field!r} is not a number of a wheel", f"use one of: {', '.join(_WHEEL_FIELDS)}"
         )
 
-    def find(machine: Machine) -> int:
+    def find(design: RobotOnSurface) -> int:
         names = (
-            [w.name for w in machine.robot.wheels]
+            [w.name for w in design.robot.wheels]
             if kind == "wheel"
-            else [e.name for e in machine.recipe.effects]
+            else [e.name for e in design.recipe.effects]
         )
         if which in names:
             return names.index(which)
@@ -201,16 +203,16 @@ def _placed(key: str, kind: str, which: str, field: str) -> Quantity:
             f"use 1 to {len(names)} or a name: {', '.join(names) or 'the file lists none'}",
         )
 
-    def put(machine: Machine, value: Any) -> Machine:
-        at = find(machine)
+    def put(design: RobotOnSurface, value: Any) -> RobotOnSurface:
+        at = find(design)
         if kind == "wheel":
-            wheels = list(machine.robot.wheels)
+            wheels = list(design.robot.wheels)
             wheels[at] = replace(wheels[at], **{field: value})
-            return machine.with_robot(replace(machine.robot, wheels=tuple(wheels)))
-        effects: list[Any] = list(machine.recipe.effects)
+            return design.with_robot(replace(design.robot, wheels=tuple(wheels)))
+        effects: list[Any] = list(design.recipe.effects)
         check(effects[at])
         effects[at] = replace(effects[at], **{field: value})
-        return replace(machine, recipe=replace(machine.recipe, effects=tuple(effects)))
+        return replace(design, recipe=replace(design.recipe, effects=tuple(effects)))
 
     def check(effect: Any) -> None:
         names = [p.name for p in getattr(effect, "parameters", ())]
@@ -221,11 +223,11 @@ def _placed(key: str, kind: str, which: str, field: str) -> Quantity:
                 f"use one of: {', '.join(names) or 'none can be varied'}",
             )
 
-    def get(machine: Machine) -> Value | None:
-        at = find(machine)
+    def get(design: RobotOnSurface) -> Value | None:
+        at = find(design)
         if kind == "wheel":
-            return float(getattr(machine.robot.wheels[at], field))
-        check(machine.recipe.effects[at])
-        return float(getattr(machine.recipe.effects[at], field))
+            return float(getattr(design.robot.wheels[at], field))
+        check(design.recipe.effects[at])
+        return float(getattr(design.recipe.effects[at], field))
 
     return Quantity(key=key, unit="", meaning=f"{field} of {kind} {which}", put=put, get=get)

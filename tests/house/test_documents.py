@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import doctest
+import json
 import re
 import shlex
 import subprocess
@@ -15,6 +17,7 @@ ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 SOURCES = sorted([*(ROOT / "slipmargin").rglob("*.py"), *(ROOT / "cli").rglob("*.py")])
 LONGEST = 400
+PYTHON = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
 CONSOLE = re.findall(r"```console\n(.*?)```", README, flags=re.DOTALL)
 
 
@@ -107,3 +110,22 @@ def test_the_readme_shows_real_output(
             assert printed[: len(head)] == head and (not tail or printed[-len(tail) :] == tail)
         else:
             assert printed == wanted
+
+
+@pytest.mark.parametrize("block", PYTHON, ids=range(len(PYTHON)))
+def test_the_readme_shows_real_answers(
+    block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    test = doctest.DocTestParser().get_doctest(block, {}, "README.md", "README.md", 0)
+    done = doctest.DocTestRunner(verbose=False).run(test)
+    assert done.attempted > 0 and done.failed == 0, capsys.readouterr().out
+
+
+def test_the_readme_says_what_the_engine_with_rollers_showed() -> None:
+    rows = json.loads((ROOT / "benchmarks/results/rollers.json").read_text(encoding="utf-8"))
+    starts = [row["slips"] for row in rows if "slips" in row]
+    loads = [row[floor]["worst_percent"] for row in rows if "level" in row for floor in ("level", "slope")]
+    assert all(not slips["0.95"] and slips["1.05"] for slips in starts)
+    assert f"all {len(starts)} (`rollers.json`)" in README
+    assert f"within {max(loads):.1f} % of m g / N (`rollers.json`)" in README

@@ -33,7 +33,7 @@ FILES = {
     "corrected.toml",
     "residual.png",
     "where.png",
-    "suspects.png",
+    "candidates.png",
     "held-out.png",
 }
 
@@ -95,7 +95,7 @@ def test_the_corrected_robot_is_accepted_by_other_commands(
     names = [e["name"] for e in tomllib.loads(corrected.read_text(encoding="utf-8"))["effect"]]
     assert names == ["wheel_loads", "unnamed_position"]
     said = capsys.readouterr().out
-    assert "not told apart from floor_nap" in said
+    assert "cannot be distinguished from floor_nap" in said
     assert status(["sweep", str(corrected), "--surface", "paper", "--step", "5", "--json", "-"]) == 0
     swept = json.loads(capsys.readouterr().out)
     report = json.loads((tmp_path / "out" / "report.json").read_text(encoding="utf-8"))

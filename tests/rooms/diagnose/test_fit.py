@@ -98,7 +98,7 @@ def test_a_tangent_beside_a_fit_is_what_the_fit_cannot_take_up() -> None:
     assert np.abs(own.T @ slope.reshape(-1)).max() < 1e-9
 
 
-def test_luck_is_rare_for_a_real_gain_and_common_for_none() -> None:
+def test_the_p_value_is_small_for_a_real_gain_and_large_for_none() -> None:
     random = np.random.default_rng(0)
     noise = random.standard_normal((TRIALS, 3 * 200))
     slopes = [random.standard_normal((TRIALS, 3 * 200, 2)) for _ in range(10)]
@@ -111,7 +111,7 @@ def test_luck_is_rare_for_a_real_gain_and_common_for_none() -> None:
     )
 
 
-def test_luck_knows_how_many_were_tried() -> None:
+def test_the_p_value_counts_the_candidates_tried() -> None:
     random = np.random.default_rng(0)
     noise = random.standard_normal((TRIALS, 3 * 200))
     slopes = [random.standard_normal((TRIALS, 3 * 200, 1)) for _ in range(30)]
@@ -161,7 +161,7 @@ def test_a_parameter_on_its_bound_leaves_the_shift_to_the_others() -> None:
     assert free[1] == pytest.approx(0.1, abs=1e-6)
 
 
-def test_a_suspect_stands_for_a_variable() -> None:
+def test_a_candidate_stands_for_a_variable() -> None:
     assert candidate(CameraScale).trace is Trace.MEASUREMENT
     assert candidate(CameraScale).size == 2
 

@@ -1,4 +1,4 @@
-"""What comes round with a wheel is found whatever angle its encoder began at, and nothing else is named."""
+"""A residual that is periodic in a wheel angle is found whatever angle its encoder began at."""
 
 import numpy as np
 import pytest
@@ -85,5 +85,5 @@ def test_runs_without_angles_or_with_hardly_a_turn_tell_nothing():
 def test_it_is_told_in_a_sentence():
     once = Periodicity(per_turn=1, wheels=("left",), p_value=0.001).sentence
     often = Periodicity(per_turn=6, wheels=("1", "2"), p_value=0.004).sentence
-    assert "once a turn of wheel left (by chance: p ≤ 0.001), as a wheel out of round" in once
-    assert "6 times a turn of wheels 1, 2 (by chance: p ≤ 0.004), as rollers" in often
+    assert "once a turn of wheel left (permutation p ≤ 0.001), as a wheel out of round" in once
+    assert "6 times a turn of wheels 1, 2 (permutation p ≤ 0.004), as rollers" in often

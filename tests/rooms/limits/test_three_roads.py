@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from strategies import four_wheels, kiwi, models, reals
+from strategies import NARROW, four_wheels, kiwi, models, narrow, reals
 
 from slipmargin.limits import Pull, pull_limit, sweep, wrench_set
 from slipmargin.limits.cones import cone_limits, limit_program
@@ -51,6 +51,17 @@ def test_facets_and_cvxpy_block(model: Model) -> None:
 @settings(max_examples=25, deadline=None)
 @given(models(shapes=(GripShape.DISC_STRIP, GripShape.ELLIPSE)))
 def test_coupled_grips_by_cvxpy_block(model: Model) -> None:
+    _same_by_cvxpy_block(model)
+
+
+@pytest.mark.parametrize("kind", NARROW)
+@pytest.mark.parametrize("shape", (GripShape.DISC_STRIP, GripShape.ELLIPSE))
+def test_nearly_parallel_coupled_grips_by_cvxpy_block(shape: GripShape, kind: str) -> None:
+    # Clarabel stalls short of a tolerance of 1e-9 for the mecanum wheels with disc-strip grips.
+    _same_by_cvxpy_block(nominal_model(narrow(kind, shape), "floor"))
+
+
+def _same_by_cvxpy_block(model: Model) -> None:
     set_ = wrench_set(model)
     reach = set_.coefficients[..., 1] * set_.load_N[:, None]
     if model.grip.shape is GripShape.ELLIPSE:

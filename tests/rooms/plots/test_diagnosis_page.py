@@ -23,7 +23,7 @@ from slipmargin.diagnose.separate import TRIALS, separating_trial, trace_of
 from slipmargin.effects import Trace
 from slipmargin.effects.camera_delay import CameraDelay
 from slipmargin.effects.catalogue import CATALOGUE
-from slipmargin.plots.diagnosis import suspects_figure
+from slipmargin.plots.diagnosis import candidates_figure
 from slipmargin.plots.style import image
 from slipmargin.report import diagnosis_words as words
 from slipmargin.report.diagnosis_evidence import evidence
@@ -140,7 +140,7 @@ def test_page_tells_the_whole_story(rich: str) -> None:
         "The answer in numbers",
         "What was measured",
         "What did not fit",
-        "Why: the suspects",
+        "Why: the candidates",
         "The evidence: runs that no fit has seen",
         "What was found",
         "What it changes",
@@ -187,7 +187,7 @@ def test_unexplained_says_what_was_ruled_out() -> None:
     assert words.VARIABLES[Trace.CONSTANT_FORCE] in said and "Do not trust the limits" in said
     nothing = diagnosis(Verdict.UNEXPLAINED, steps=(), where=(), events=(), excitation=())
     bare = " ".join(read(text_of(nothing)).text)
-    assert "Nothing could be ruled out" in bare and "No suspect was tried" in bare
+    assert "Nothing could be ruled out" in bare and "No candidate was tried" in bare
 
 
 def test_what_remains_is_named_by_its_variable() -> None:
@@ -196,9 +196,9 @@ def test_what_remains_is_named_by_its_variable() -> None:
 
     left = diagnosis(after=Score(rmse_position_m=2e-3, rmse_heading_rad=5e-3, chi=1.6))
     strong = replace(left, where_after=left.where)
-    assert "What remains (chi 1.6) follows most closely wheel load" in said(strong)
+    assert "What remains (chi 1.6) depends most on wheel load" in said(strong)
     chance = tuple(replace(w, p_value=0.4) for w in left.where)
-    assert "follows no measured variable more than chance would" in said(replace(left, where_after=chance))
+    assert "depends significantly on no measured variable" in said(replace(left, where_after=chance))
     assert "What remains" not in said(diagnosis())
 
 
@@ -222,11 +222,11 @@ def test_odd_data_is_drawn() -> None:
 
 
 def test_long_labels_leave_room_for_the_dots() -> None:
-    """Joint suspects of a later round are shown without what the model holds already."""
+    """Joint candidates of a later round are shown without what the model holds already."""
     first, last = diagnosis().steps
     long = "wheel_loads with the centre of mass where stated + wheel_radius[left]"
     tried = tuple(replace(t, label=f"{long} + {t.label}") for t in last.tried)
-    figure = suspects_figure(diagnosis(steps=(replace(first, taken=long), replace(last, tried=tried))))
+    figure = candidates_figure(diagnosis(steps=(replace(first, taken=long), replace(last, tried=tried))))
     figure.canvas.draw()  # a collapsed layout would warn, and warnings are errors
     labels = [text.get_text() for text in figure.axes[1].get_yticklabels()]
     assert labels[0] == "floor tilt  (2)" and all(len(text) < 55 for text in labels)
@@ -248,7 +248,7 @@ def test_same_diagnosis_same_page_and_no_settings_left_behind(rich: str) -> None
 def test_pictures_are_the_page_s_own() -> None:
     d = diagnosis()
     files = {name: data for name, data in files_of(d).items() if name.endswith(".png")}
-    assert set(files) == {"residual.png", "where.png", "suspects.png", "held-out.png", "limits.png"}
+    assert set(files) == {"residual.png", "where.png", "candidates.png", "held-out.png", "limits.png"}
     assert all(data.startswith(b"\x89PNG") for data in files.values())
 
 

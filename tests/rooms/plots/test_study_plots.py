@@ -11,25 +11,25 @@ from slipmargin.effects import Recipe
 from slipmargin.plots.study import study_figure
 from slipmargin.plots.style import image
 from slipmargin.report.design_page import design_page
-from slipmargin.study.machine import Machine
 from slipmargin.study.objectives import BY_NAME, Kind
+from slipmargin.study.robot_on_surface import RobotOnSurface
 from slipmargin.study.robust import parse_interval, robust
-from slipmargin.study.study import Question, Study, study
+from slipmargin.study.study import DesignProblem, Study, study
 from slipmargin.study.vary import parse_vary
 
 
 def made(*texts: str, kinds: tuple[Kind, ...] = (Kind.STATIC,), name: str = "f_worst") -> Study:
-    machine = Machine(recipe=Recipe(robot=kiwi()), surface="paper")
+    design = RobotOnSurface(recipe=Recipe(robot=kiwi()), surface="paper")
     return study(
-        Question(
-            machine=machine, grids=tuple(parse_vary(t) for t in texts), kinds=kinds, objective=BY_NAME[name]
+        DesignProblem(
+            base=design, grids=tuple(parse_vary(t) for t in texts), kinds=kinds, objective=BY_NAME[name]
         )
     )
 
 
 def test_curves_are_the_columns() -> None:
     found = made("delta_deg=0:60:10", kinds=(Kind.MOTION,))
-    sure = robust(found.machines, BY_NAME["f_worst"], [parse_interval("mu_drive=0.2:0.3")])
+    sure = robust(found.designs, BY_NAME["f_worst"], [parse_interval("mu_drive=0.2:0.3")])
     curves, motion, polar, front = study_figure(found, ("f_worst", "start_worst_m_s2"), sure).axes
     lines = {
         str(line.get_label()): np.asarray(line.get_ydata())

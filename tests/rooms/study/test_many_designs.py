@@ -14,12 +14,14 @@ from slipmargin.effects.floor_tilt import FloorTilt
 from slipmargin.effects.rigid_sector import RigidSector
 from slipmargin.effects.wheel_loads import WheelLoads
 from slipmargin.limits import Pull, pull_limit, sweep, wrench_set
-from slipmargin.limits.sweep import limit
+from slipmargin.limits.bias import bias_wrench
+from slipmargin.limits.self_check import least_support
+from slipmargin.limits.sweep import limit, limit_or_zero
 from slipmargin.robot import GripShape, LoadRule, Robot
 from slipmargin.study import statics
+from slipmargin.study.batch import batches
 from slipmargin.study.columns import moving_columns, static_columns
-from slipmargin.study.fleet import fleets
-from slipmargin.study.machine import Machine
+from slipmargin.study.robot_on_surface import RobotOnSurface
 
 # Birth certificate: docs/theory.md, section 2, golden table: F_emax / (m g), equal loads, five decimals.
 HEADINGS = np.deg2rad([0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0])
@@ -32,26 +34,26 @@ TABLE = {
 }
 
 
-def on(robot: Robot, surface: str = "paper", *effects: object) -> Machine:
-    return Machine(recipe=Recipe(robot=robot, effects=tuple(effects)), surface=surface)  # type: ignore[arg-type]
+def on(robot: Robot, surface: str = "paper", *effects: object) -> RobotOnSurface:
+    return RobotOnSurface(recipe=Recipe(robot=robot, effects=tuple(effects)), surface=surface)  # type: ignore[arg-type]
 
 
 def test_table_of_section_2_in_one_batch() -> None:
-    machines = [on(kiwi(delta), surface) for surface, _, delta in TABLE]
-    (fleet,), refused = fleets(machines)
+    designs = [on(kiwi(delta), surface) for surface, _, delta in TABLE]
+    (batch,), refused = batches(designs)
     assert not refused
-    rollers = statics.on_rollers(fleet, HEADINGS, machines).force
-    rigid = statics.on_rigid(fleet, HEADINGS, machines).force
+    rollers = statics.on_rollers(batch, HEADINGS, designs).force
+    rigid = statics.on_rigid(batch, HEADINGS, designs).force
     for row, (key, wanted) in enumerate(TABLE.items()):
         np.testing.assert_allclose((rigid if key[1] else rollers)[row], wanted, rtol=0.0, atol=0.5e-5)
 
 
 def test_loads_of_section_3() -> None:
     """docs/theory.md, section 3: δ = 15°, statics gives N_3 = 0.2056 m g and N_1 = N_2 = 0.3972 m g."""
-    (fleet,), _ = fleets([on(kiwi(15.0, load_rule=LoadRule.STATIC)), on(kiwi(15.0))])
-    np.testing.assert_allclose(fleet.rest[0], [0.3972, 0.3972, 0.2056], rtol=0.0, atol=0.5e-4)
-    np.testing.assert_allclose(fleet.rest[1], 1.0 / 3.0)
-    np.testing.assert_allclose(fleet.static[1], fleet.rest[0])
+    (batch,), _ = batches([on(kiwi(15.0, load_rule=LoadRule.STATIC)), on(kiwi(15.0))])
+    np.testing.assert_allclose(batch.rest[0], [0.3972, 0.3972, 0.2056], rtol=0.0, atol=0.5e-4)
+    np.testing.assert_allclose(batch.rest[1], 1.0 / 3.0)
+    np.testing.assert_allclose(batch.static[1], batch.rest[0])
 
 
 def test_limits_in_motion_of_section_4() -> None:
@@ -64,20 +66,20 @@ def test_limits_in_motion_of_section_4() -> None:
 
 @settings(max_examples=25, deadline=None)
 @given(drawn=st.lists(robots(), min_size=1, max_size=4))
-def test_a_fleet_is_its_models(drawn: list[Robot]) -> None:
+def test_a_batch_equals_its_models(drawn: list[Robot]) -> None:
     """Arrays read off the data sheets equal those of models built one by one."""
-    machines = [on(robot, robot.surfaces[0].name) for robot in drawn]
-    found, refused = fleets(machines)
+    designs = [on(robot, robot.surfaces[0].name) for robot in drawn]
+    found, refused = batches(designs)
     phi = np.linspace(0.0, 6.0, 9)
-    for fleet in found:
-        force = statics.on_rollers(fleet, phi, machines).force
-        low = statics.lowest(fleet, phi, machines)
-        for d, i in enumerate(fleet.index.tolist()):
+    for batch in found:
+        force = statics.on_rollers(batch, phi, designs).force
+        low = statics.lowest(batch, phi, designs)
+        for d, i in enumerate(batch.index.tolist()):
             if i in refused:
                 continue
-            model = machines[i].build()
+            model = designs[i].build()
             np.testing.assert_allclose(
-                fleet.rest[d] * model.inertia.weight_N,
+                batch.rest[d] * model.inertia.weight_N,
                 model.loads.rest_N,
                 rtol=1e-9,
                 atol=1e-9 * model.inertia.weight_N,
@@ -93,10 +95,10 @@ def test_a_fleet_is_its_models(drawn: list[Robot]) -> None:
     ids=["rigid_sector", "floor_tilt"],
 )
 def test_designs_with_effects_are_their_models(effect: object) -> None:
-    machines = [on(kiwi(20.0), "paper", effect), on(kiwi(20.0))]
-    (fleet,), _ = fleets(machines)
-    found = statics.on_rollers(fleet, HEADINGS, machines).force
-    model = machines[0].build()
+    designs = [on(kiwi(20.0), "paper", effect), on(kiwi(20.0))]
+    (batch,), _ = batches(designs)
+    found = statics.on_rollers(batch, HEADINGS, designs).force
+    model = designs[0].build()
     np.testing.assert_allclose(found[0] * model.inertia.weight_N, limit(model, HEADINGS, Pull()), rtol=1e-12)
 
 
@@ -126,12 +128,12 @@ def test_a_coupled_grip_is_solved_not_boxed(shape: GripShape) -> None:
 
 def test_the_worst_pull_in_closed_form() -> None:
     """Over every direction, not a grid: min_k h_k / |(n_kx, n_ky)|, from the facets of each model."""
-    machines = [on(kiwi(delta)) for delta in (0.0, 13.0, 30.0, 47.0)] + [on(four_wheels())]
-    table, _ = static_columns(machines)
-    for machine, worst in zip(machines, table["f_worst"], strict=True):
-        wrenches = wrench_set(machine.build())
+    designs = [on(kiwi(delta)) for delta in (0.0, 13.0, 30.0, 47.0)] + [on(four_wheels())]
+    table, _ = static_columns(designs)
+    for design, worst in zip(designs, table["f_worst"], strict=True):
+        wrenches = wrench_set(design.build())
         flat = np.hypot(wrenches.normals[:, 0], wrenches.normals[:, 1])
-        exact = np.min(wrenches.offsets[flat > 1e-9] / flat[flat > 1e-9]) / machine.build().inertia.weight_N
+        exact = np.min(wrenches.offsets[flat > 1e-9] / flat[flat > 1e-9]) / design.build().inertia.weight_N
         assert exact * (1.0 - 1e-12) <= worst <= exact * (1.0 + 1e-5)  # half a degree apart
 
 
@@ -150,3 +152,32 @@ def test_static_and_equal_loads_side_by_side() -> None:
     table, _ = static_columns([equal, static])
     assert table["f_worst"][0] == table["f_worst_equal"][0] == pytest.approx(table["f_worst_equal"][1])
     assert table["f_worst"][1] == table["f_worst_static"][1] == pytest.approx(table["f_worst_static"][0])
+
+
+@pytest.mark.parametrize("shape", [GripShape.BOX, GripShape.ELLIPSE])
+def test_a_slope_counts_at_every_heading_in_the_yaw_moment_and_the_loads(shape: GripShape) -> None:
+    flat = kiwi(15.0, com_height_m=0.08, load_rule=LoadRule.STATIC, grip=shape)
+    tilt = FloorTilt(tilt_x_rad=0.02, tilt_y_rad=0.05)
+    phi = np.linspace(0.0, 2.0 * np.pi, 25)
+    table, _ = static_columns([on(flat, "paper", tilt), on(flat)], phi)
+    model = on(flat, "paper", tilt).build()
+    bias, moments, loads = bias_wrench(model, phi), [], []
+    for at, wrench in zip(phi, bias, strict=True):
+        # The largest moment by the support function: h(n) ≥ −n·(w_b + (0, 0, ±M)) for every n.
+        wrenches = wrench_set(model, phi_rad=float(at))
+        loads.append(np.min(wrenches.load_N) / model.inertia.weight_N)
+        for sense in (1.0, -1.0):
+            moments.append(least_support(wrenches, np.array([0.0, 0.0, sense]), wrench))
+    assert table["yaw_moment_N_m"][0] == pytest.approx(min(moments), rel=1e-7)
+    assert table["load_least"][0] == pytest.approx(min(loads), rel=1e-12)
+    assert table["yaw_moment_N_m"][0] < 0.95 * table["yaw_moment_N_m"][1]
+    assert table["load_least"][0] < 0.95 * table["load_least"][1]
+
+
+def test_a_slope_that_makes_it_slip_at_some_headings_leaves_the_others_their_pull() -> None:
+    steep = on(kiwi(15.0), "paper", FloorTilt(tilt_x_rad=0.19, tilt_y_rad=0.0))
+    phi = np.linspace(0.0, 2.0 * np.pi, 25)
+    table, _ = static_columns([steep], phi)
+    alone = limit_or_zero(steep.build(), phi, Pull()) / steep.build().inertia.weight_N
+    assert np.min(alone) == 0.0 < np.max(alone)
+    assert table["f_best"][0] == pytest.approx(np.max(alone), rel=1e-12)

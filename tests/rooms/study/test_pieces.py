@@ -18,10 +18,10 @@ from strategies import kiwi
 
 from slipmargin.effects import Recipe
 from slipmargin.errors import InputError
-from slipmargin.study.machine import Machine
 from slipmargin.study.objectives import Kind
-from slipmargin.study.pieces import Workshop, canonical, clear, in_pieces, piece_name, work_folder
-from slipmargin.study.study import Question, study
+from slipmargin.study.pieces import Executor, canonical, clear, in_pieces, piece_name, work_folder
+from slipmargin.study.robot_on_surface import RobotOnSurface
+from slipmargin.study.study import DesignProblem, study
 from slipmargin.study.vary import parse_vary
 
 COUNTED: list[float] = []
@@ -35,7 +35,7 @@ def square(x: float) -> dict[str, float]:
 def do(items: list[float], folder: Path | None, **changes: object) -> list[dict[str, float]]:
     COUNTED.clear()
     return list(
-        in_pieces(square, items, question="squares", size=2, workshop=Workshop(folder=folder, **changes)).rows
+        in_pieces(square, items, key="squares", size=2, executor=Executor(folder=folder, **changes)).rows
     )  # type: ignore[arg-type]
 
 
@@ -79,9 +79,9 @@ def test_progress_counts_items(tmp_path: Path) -> None:
         in_pieces(
             square,
             [1.0, 2.0, 3.0],
-            question=0,
+            key=0,
             size=2,
-            workshop=Workshop(folder=tmp_path / "w"),
+            executor=Executor(folder=tmp_path / "w"),
             advance=steps.append,
         )
     assert sum(steps) == 6
@@ -100,10 +100,10 @@ def test_clearing_leaves_what_is_not_ours(tmp_path: Path) -> None:
     assert not folder.exists() and work_folder(None) is None
 
 
-def test_the_name_of_a_piece_is_its_question() -> None:
-    """Every number of a machine counts, to the last bit; nothing else does."""
-    start = Machine(recipe=Recipe(robot=kiwi()), surface="paper")
-    same = Machine(recipe=Recipe(robot=kiwi()), surface="paper")
+def test_the_name_of_a_piece_is_its_problem() -> None:
+    """Every number of a design counts, to the last bit; nothing else does."""
+    start = RobotOnSurface(recipe=Recipe(robot=kiwi()), surface="paper")
+    same = RobotOnSurface(recipe=Recipe(robot=kiwi()), surface="paper")
     names = {
         piece_name("q", [m])
         for m in (
@@ -123,7 +123,7 @@ def test_the_name_of_a_piece_is_its_question() -> None:
 @pytest.mark.parametrize("jobs", [0, -2])
 def test_jobs_that_are_none(jobs: int) -> None:
     with pytest.raises(InputError, match="number of processes"):
-        Workshop(jobs=jobs)
+        Executor(jobs=jobs)
 
 
 def test_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
@@ -132,13 +132,13 @@ def test_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
         do([1.0], tmp_path / "file" / "work")
 
 
-def question() -> Question:
-    machine = Machine(recipe=Recipe(robot=kiwi()), surface="paper")
-    return Question(machine=machine, grids=(parse_vary("delta_deg=10:40:2"),), kinds=(Kind.MOTION,))
+def problem() -> DesignProblem:
+    design = RobotOnSurface(recipe=Recipe(robot=kiwi()), surface="paper")
+    return DesignProblem(base=design, grids=(parse_vary("delta_deg=10:40:2"),), kinds=(Kind.MOTION,))
 
 
 def test_other_processes_find_the_same_numbers() -> None:
-    alone, spread = study(question()), study(question(), workshop=Workshop(jobs=2))
+    alone, spread = study(problem()), study(problem(), executor=Executor(jobs=2))
     for name, column in alone.columns.items():
         assert np.array_equal(column, spread.columns[name], equal_nan=True), name
 
@@ -173,9 +173,9 @@ def scheduler() -> Iterator[str]:
 @pytest.mark.filterwarnings("ignore")  # the cluster's own
 def test_a_cluster_finds_the_same_numbers(scheduler: str) -> None:
     assert scheduler.startswith("tcp://127.0.0.1:")
-    alone = study(question())
+    alone = study(problem())
     start = time.monotonic()
-    spread = study(question(), workshop=Workshop(scheduler=scheduler))
+    spread = study(problem(), executor=Executor(scheduler=scheduler))
     assert time.monotonic() - start < 60.0
     for name, column in alone.columns.items():
         assert np.array_equal(column, spread.columns[name], equal_nan=True), name
@@ -187,7 +187,7 @@ def test_a_scheduler_that_is_not_there(address: str) -> None:
     if find_spec("distributed") is None:
         pytest.skip("distributed is not installed")
     with pytest.raises(InputError, match="cannot be reached"):
-        study(question(), workshop=Workshop(scheduler=address))
+        study(problem(), executor=Executor(scheduler=address))
 
 
 def test_a_cluster_needs_its_packages(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -195,4 +195,4 @@ def test_a_cluster_needs_its_packages(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(pieces, "find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"slipmargin\[cluster\]"):
-        study(question(), workshop=Workshop(scheduler="tcp://127.0.0.1:9"))
+        study(problem(), executor=Executor(scheduler="tcp://127.0.0.1:9"))

@@ -16,33 +16,33 @@ from slipmargin.limits import Pull
 from slipmargin.limits.bounds import directions, headings
 from slipmargin.limits.sweep import limit
 from slipmargin.robot import LoadRule
+from slipmargin.study.evaluate import evaluate
 from slipmargin.study.influence import influences
-from slipmargin.study.judge import judge
 from slipmargin.study.laps import benchmark_paths, lap_times
-from slipmargin.study.machine import Machine
 from slipmargin.study.objectives import BY_NAME, OBJECTIVES, Kind, objective
 from slipmargin.study.optimum import optimum
 from slipmargin.study.pareto import front
 from slipmargin.study.reason import reason
+from slipmargin.study.robot_on_surface import RobotOnSurface
 from slipmargin.study.robust import parse_interval, robust
-from slipmargin.study.study import Question, Study, study
+from slipmargin.study.study import DesignProblem, Study, study
 from slipmargin.study.table import study_data, table_text
 from slipmargin.study.vary import applied, parse_vary, quantity_of
 
 
-def machine(**changes: object) -> Machine:
-    return Machine(recipe=Recipe(robot=kiwi(**changes)), surface="paper")  # type: ignore[arg-type]
+def design(**changes: object) -> RobotOnSurface:
+    return RobotOnSurface(recipe=Recipe(robot=kiwi(**changes)), surface="paper")  # type: ignore[arg-type]
 
 
 def ask(
     texts: Sequence[str],
     kinds: tuple[Kind, ...] = (Kind.STATIC,),
     name: str = "f_worst",
-    start: Machine | None = None,
+    start: RobotOnSurface | None = None,
 ) -> Study:
     return study(
-        Question(
-            machine=start or machine(),
+        DesignProblem(
+            base=start or design(),
             grids=tuple(parse_vary(t) for t in texts),
             kinds=kinds,
             objective=objective(name),
@@ -75,17 +75,17 @@ def test_the_file_s_own_design_stands_beside(angles: Study) -> None:
 def test_every_objective_has_a_reason(angles: Study) -> None:
     for goal in OBJECTIVES:
         if goal.kind is not Kind.LAPS:
-            assert str(reason(angles.machine(angles.best(goal.name)), goal))
+            assert str(reason(angles.design(angles.best(goal.name)), goal))
 
 
 def test_reasons_name_the_wheels_that_a_model_names(angles: Study) -> None:
     """At δ = 15° along +x the rear wheel's drive force saturates (docs/theory.md, section 4: 0.531)."""
-    own = angles.question.machine
+    own = angles.problem.base
     assert reason(own, BY_NAME["f_worst"]).what == ("right transverse", "left transverse", "rear drive")
     assert reason(own, BY_NAME["start_worst_m_s2"]).what == ("rear",)
     assert reason(own, BY_NAME["f_worst"]).where.startswith("weakest at φ = 0°")
     assert reason(own, BY_NAME["f_best"]).where.startswith("strongest at φ = 90°")  # section 2: 0.21296
-    static = reason(machine(load_rule=LoadRule.STATIC), BY_NAME["load_least"])
+    static = reason(design(load_rule=LoadRule.STATIC), BY_NAME["load_least"])
     assert static.what == ("rear",)
     assert "every wheel on rigid" in reason(own, BY_NAME["f_rigid_worst"]).where
 
@@ -98,8 +98,8 @@ def test_ties_go_to_the_greater_mean() -> None:
 
 def test_an_impossible_design_is_a_row_with_a_reason() -> None:
     found = ask(["com_y_m=-0.2,0", "delta_deg=10,20,90"])
-    assert sorted(found.problems) == [0, 1, 2, 5]
-    assert "falls over" in found.problems[0] and "delta_deg" in found.problems[5]
+    assert sorted(found.impossible) == [0, 1, 2, 5]
+    assert "falls over" in found.impossible[0] and "delta_deg" in found.impossible[5]
     assert np.isnan(found.columns["f_worst"][[0, 1, 2, 5]]).all()
     assert found.best() in (3, 4)
     rows = table_text(found, ("f_worst", "f_mean")).splitlines()
@@ -109,9 +109,9 @@ def test_an_impossible_design_is_a_row_with_a_reason() -> None:
 
 
 def test_the_file_s_own_design_may_be_impossible() -> None:
-    found = ask(["com_y_m=0,0.01"], start=machine(com_m=(0.0, 0.5)))
+    found = ask(["com_y_m=0,0.01"], start=design(com_m=(0.0, 0.5)))
     assert found.own_problem is not None and "falls over" in found.own_problem
-    assert math.isnan(found.own["f_worst"]) and not found.problems
+    assert math.isnan(found.own["f_worst"]) and not found.impossible
 
 
 def test_an_objective_that_is_none_lists_the_known() -> None:
@@ -145,8 +145,8 @@ def test_the_robust_design_is_the_best_of_the_worst() -> None:
     """Against brute force over a fine grid of coefficients and all 2^N contact states, model by model."""
     found = ask(["delta_deg=10,25,30,45"])
     sure = robust(
-        found.machines,
-        found.question.objective,
+        found.designs,
+        found.problem.objective,
         [parse_interval("mu_drive=0.2:0.3"), parse_interval("mu_transverse=0.05:0.2")],
     )
     assert sure.exact and sure.goal.name == "f_low_worst"
@@ -156,7 +156,7 @@ def test_the_robust_design_is_the_best_of_the_worst() -> None:
         for drive in np.linspace(0.2, 0.3, 4):
             for across in np.linspace(0.05, 0.2, 4):
                 keys = [quantity_of(k) for k in ("delta_deg", "mu_drive", "mu_transverse")]
-                model = applied(machine(), keys, (values[0], drive, across)).build()
+                model = applied(design(), keys, (values[0], drive, across)).build()
                 for state in np.ndindex(2, 2, 2):
                     force = limit(model, phi, Pull(), np.array(state, dtype=bool))
                     worst = min(worst, float(np.min(force)) / model.inertia.weight_N)
@@ -169,7 +169,7 @@ def test_the_robust_design_is_the_best_of_the_worst() -> None:
 def test_starting_is_concave_in_the_coefficients() -> None:
     """The claim that makes trying corners exact: inside the box no value is below the worst corner."""
     sure = robust(
-        [machine()],
+        [design()],
         BY_NAME["start_mean_m_s2"],
         [parse_interval("mu_drive=0.2:0.3"), parse_interval("mu_transverse=0.02:0.2")],
     )
@@ -177,7 +177,7 @@ def test_starting_is_concave_in_the_coefficients() -> None:
     rng = np.random.default_rng(5)
     for drive, across in zip(rng.uniform(0.2, 0.3, 12), rng.uniform(0.02, 0.2, 12), strict=True):
         model = applied(
-            machine(), [quantity_of("mu_drive"), quantity_of("mu_transverse")], (drive, across)
+            design(), [quantity_of("mu_drive"), quantity_of("mu_transverse")], (drive, across)
         ).build()
         inside.append(np.mean(directions(model, headings(1.0)).starting_m_s2))
     assert float(sure.value[0]) <= min(inside) + 1e-12
@@ -186,13 +186,13 @@ def test_starting_is_concave_in_the_coefficients() -> None:
 def test_robustness_refuses_nonsense() -> None:
     one = parse_interval("mu_drive=0.2:0.3")
     with pytest.raises(InputError, match="given twice"):
-        robust([machine()], BY_NAME["f_worst"], [one, one])
+        robust([design()], BY_NAME["f_worst"], [one, one])
     with pytest.raises(InputError, match="no design that is possible"):
-        robust([machine()], BY_NAME["f_worst"], [parse_interval("com_y_m=0:0.5")])
+        robust([design()], BY_NAME["f_worst"], [parse_interval("com_y_m=0:0.5")])
 
 
 def test_other_intervals_claim_corners_only() -> None:
-    sure = robust([machine(), None], BY_NAME["f_worst"], [parse_interval("com_y_m=-0.01:0.01")])
+    sure = robust([design(), None], BY_NAME["f_worst"], [parse_interval("com_y_m=-0.01:0.01")])
     assert not sure.exact and math.isnan(sure.value[1]) and sure.best == 0
 
 
@@ -200,7 +200,7 @@ def test_no_point_of_the_grid_beats_the_optimum(angles: Study) -> None:
     for name in ("f_worst", "isotropy", "start_worst_m_s2"):
         best = optimum(angles, objective(name))
         assert best.gain >= 0.0
-        again = judge([best.machine], objective(name))[0]
+        again = evaluate([best.design], objective(name))[0]
         assert again == pytest.approx(best.value, rel=1e-12)
     worst = optimum(angles, objective("f_worst"))
     assert worst.gain > 1e-5 and worst.values[0] == pytest.approx(35.72, abs=0.01) and worst.check < 1e-9
@@ -218,7 +218,7 @@ def test_the_optimum_in_two_variables_beats_a_finer_grid() -> None:
 
 def test_rounding_is_no_improvement() -> None:
     """At δ = 30° the centre of mass belongs at the centre, exactly: the grid's point is the answer."""
-    best = optimum(ask(["com_y_m=-0.05:0.05:0.025", "com_height_m=0,0.1"], start=machine(delta_deg=30.0)))
+    best = optimum(ask(["com_y_m=-0.05:0.05:0.025", "com_height_m=0,0.1"], start=design(delta_deg=30.0)))
     assert best.values[0] == 0.0 and best.gain == 0.0
 
 
@@ -229,36 +229,36 @@ def test_an_optimum_needs_something_continuous() -> None:
 
 def test_an_optimum_steps_round_impossible_designs() -> None:
     found = ask(["com_y_m=-0.09:0.03:0.06", "com_x_m=-0.08:0.08:0.08"])
-    assert found.problems and optimum(found).gain >= 0.0
+    assert found.impossible and optimum(found).gain >= 0.0
 
 
 def test_influence_is_the_derivative() -> None:
     """More μ by 1 % on both coefficients is 1 % more pull: the shares add up to one (Euler)."""
-    rows = {i.key: i for i in influences(machine(), BY_NAME["f_worst"])}
+    rows = {i.key: i for i in influences(design(), BY_NAME["f_worst"])}
     shares = [rows[k].slope * rows[k].value / rows[k].here for k in ("mu_drive", "mu_transverse")]
     assert sum(shares) == pytest.approx(1.0, rel=1e-6)
     assert "mass_kg" not in rows and "inertia_kg_m2" not in rows
     assert not rows["mu_drive"].peak
-    assert next(i for i in influences(machine(delta_deg=35.0), BY_NAME["f_worst"]) if i.key == "com_x_m").peak
+    assert next(i for i in influences(design(delta_deg=35.0), BY_NAME["f_worst"]) if i.key == "com_x_m").peak
 
 
 def test_influence_at_the_edge_is_one_sided() -> None:
-    rows = {i.key: i for i in influences(machine(rigid_fraction=0.0), BY_NAME["slip_share_unknown"])}
+    rows = {i.key: i for i in influences(design(rigid_fraction=0.0), BY_NAME["slip_share_unknown"])}
     assert math.isnan(rows["rigid_fraction"].below) and math.isfinite(rows["rigid_fraction"].slope)
 
 
 def test_laps_take_longest_where_grip_is_least() -> None:
     paths = {name: path for name, path in benchmark_paths().items() if name in ("forwards", "right")}
-    fifteen, thirty = (lap_times(machine(delta_deg=d).build(), paths) for d in (15.0, 30.0))
+    fifteen, thirty = (lap_times(design(delta_deg=d).build(), paths) for d in (15.0, 30.0))
     assert fifteen["right"] > thirty["right"] and fifteen["forwards"] < thirty["forwards"]
-    slips = applied(machine(), [quantity_of("mu_transverse")], (0.26,)).build()
+    slips = applied(design(), [quantity_of("mu_transverse")], (0.26,)).build()
     assert math.isinf(lap_times(slips, paths)["right"])
     assert "no admissible motion" in str(
-        reason(applied(machine(), [quantity_of("mu_transverse")], (0.26,)), BY_NAME["laps_s"])
+        reason(applied(design(), [quantity_of("mu_transverse")], (0.26,)), BY_NAME["laps_s"])
     )
 
 
 def test_laps_are_a_column() -> None:
     found = ask(["mu_transverse=0.09,0.26"], (Kind.LAPS,), "laps_s")
     assert np.isnan(found.columns["laps_s"]).tolist() == [False, True] and found.best() == 0
-    assert "seconds by path" in str(reason(found.machine(0), BY_NAME["laps_s"]))
+    assert "seconds by path" in str(reason(found.design(0), BY_NAME["laps_s"]))

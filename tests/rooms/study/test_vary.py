@@ -13,14 +13,14 @@ from slipmargin.robot import LoadRule, Motor
 from slipmargin.robot.fields import keys
 from slipmargin.robot.sections import SECTIONS
 from slipmargin.study.layouts import ring, rows
-from slipmargin.study.machine import Machine
 from slipmargin.study.quantities import QUANTITIES, own_value
+from slipmargin.study.robot_on_surface import RobotOnSurface
 from slipmargin.study.robust import parse_interval
 from slipmargin.study.vary import applied, parse_vary, product, quantity_of
 
 
-def machine(**changes: object) -> Machine:
-    return Machine(recipe=Recipe(robot=kiwi(**changes)), surface="paper")  # type: ignore[arg-type]
+def design(**changes: object) -> RobotOnSurface:
+    return RobotOnSurface(recipe=Recipe(robot=kiwi(**changes)), surface="paper")  # type: ignore[arg-type]
 
 
 def test_a_range_holds_both_ends_and_means_what_it_prints() -> None:
@@ -34,7 +34,7 @@ def test_a_range_holds_both_ends_and_means_what_it_prints() -> None:
 
 def test_the_product_changes_the_last_fastest() -> None:
     grids = [parse_vary("delta_deg=10,20"), parse_vary("mass_kg=1,2,3")]
-    assert product(machine(), grids)[:4] == [(10.0, 1.0), (10.0, 2.0), (10.0, 3.0), (20.0, 1.0)]
+    assert product(design(), grids)[:4] == [(10.0, 1.0), (10.0, 2.0), (10.0, 3.0), (20.0, 1.0)]
 
 
 @pytest.mark.parametrize(
@@ -83,12 +83,12 @@ def test_an_unknown_key_lists_every_known_one() -> None:
 )
 def test_a_product_that_makes_no_sense_is_refused(texts: list[str], says: str) -> None:
     with pytest.raises(InputError, match=says):
-        product(machine(), [parse_vary(t) for t in texts])
+        product(design(), [parse_vary(t) for t in texts])
 
 
 def test_each_number_reads_back_as_it_was_put() -> None:
     """A quantity whose get does not see its put would compare designs with the wrong own value."""
-    start = Machine(recipe=Recipe(robot=kiwi(load_rule=LoadRule.STATIC)), surface="carpet")
+    start = RobotOnSurface(recipe=Recipe(robot=kiwi(load_rule=LoadRule.STATIC)), surface="carpet")
     values = {
         "surface": "paper",
         "wheels": 5,
@@ -107,7 +107,7 @@ def test_each_number_reads_back_as_it_was_put() -> None:
 
 
 def test_a_roller_angle_keeps_each_wheel_s_sign() -> None:
-    car = Machine(recipe=Recipe(robot=four_wheels()), surface="paper")
+    car = RobotOnSurface(recipe=Recipe(robot=four_wheels()), surface="paper")
     turned = quantity_of("roller_angle_deg").put(car, 30.0).robot
     assert [w.roller_angle_deg for w in turned.wheels] == [30.0, -30.0, 30.0, -30.0]
 
@@ -121,7 +121,7 @@ def test_what_the_file_says_may_be_varied_is_a_quantity() -> None:
 
 def test_a_friction_law_is_varied_by_name() -> None:
     grid = parse_vary("friction_law=atan,tanh,rational")
-    made = [applied(machine(), [grid.quantity], (value,)) for value in grid.values]
+    made = [applied(design(), [grid.quantity], (value,)) for value in grid.values]
     assert [m.robot.friction.name for m in made] == ["atan", "tanh", "rational"]
     assert [m.build().grip.law for m in made] == [0, 1, 2]
     with pytest.raises(InputError, match="use: atan, tanh, rational"):
@@ -131,8 +131,8 @@ def test_a_friction_law_is_varied_by_name() -> None:
 def test_a_motor_needs_a_speed_before_a_torque() -> None:
     torque, inertia = quantity_of("stall_torque_N_m"), quantity_of("reflected_inertia_kg_m2")
     with pytest.raises(InputError, match="vary max_speed_rad_s"):
-        torque.put(machine(), 0.5)
-    fast = quantity_of("max_speed_rad_s").put(machine(), 40.0)
+        torque.put(design(), 0.5)
+    fast = quantity_of("max_speed_rad_s").put(design(), 40.0)
     assert torque.put(fast, 0.5).robot.motor == Motor(max_speed_rad_s=40.0, stall_torque_N_m=0.5)
     with pytest.raises(InputError, match="add stall_torque_N_m"):
         inertia.put(fast, 1e-3)
@@ -142,8 +142,8 @@ def test_a_motor_needs_a_speed_before_a_torque() -> None:
 
 def test_the_order_asked_in_does_not_matter() -> None:
     keys = [quantity_of("circle_radius_m"), quantity_of("wheels")]
-    one = applied(machine(), keys, (0.2, 5)).robot
-    two = applied(machine(), keys[::-1], (5, 0.2)).robot
+    one = applied(design(), keys, (0.2, 5)).robot
+    two = applied(design(), keys[::-1], (5, 0.2)).robot
     for a, b in zip(one.wheels, two.wheels, strict=True):
         assert np.array_equal(a.position_m, b.position_m)
         assert np.hypot(*a.position_m) == pytest.approx(0.2)
@@ -151,22 +151,22 @@ def test_the_order_asked_in_does_not_matter() -> None:
 
 def test_an_impossible_value_names_its_quantity() -> None:
     with pytest.raises(InputError, match="rigid_fraction: = 2"):
-        applied(machine(), [quantity_of("rigid_fraction")], (2.0,))
+        applied(design(), [quantity_of("rigid_fraction")], (2.0,))
 
 
 def test_a_place_in_the_file() -> None:
     by_name, by_number = quantity_of("wheel[rear].radius_m"), quantity_of("wheel[3].radius_m")
     for quantity in (by_name, by_number):
-        robot = quantity.put(machine(), 0.03).robot
+        robot = quantity.put(design(), 0.03).robot
         assert [w.radius_m for w in robot.wheels] == [0.0254, 0.0254, 0.03]
-        assert own_value(quantity, machine()) == 0.0254
+        assert own_value(quantity, design()) == 0.0254
     with pytest.raises(InputError, match="no wheel '4'"):
-        quantity_of("wheel[4].radius_m").put(machine(), 0.03)
+        quantity_of("wheel[4].radius_m").put(design(), 0.03)
 
 
 def test_a_place_in_an_effect() -> None:
     recipe = Recipe(robot=kiwi(), effects=(RigidSector(rigid_fraction=0.2),))
-    start = Machine(recipe=recipe, surface="paper")
+    start = RobotOnSurface(recipe=recipe, surface="paper")
     quantity = quantity_of("effect[rigid_sector].rigid_fraction")
     moved = quantity.put(start, 0.3)
     assert (own_value(quantity, start), own_value(quantity, moved)) == (0.2, 0.3)
@@ -174,7 +174,7 @@ def test_a_place_in_an_effect() -> None:
     with pytest.raises(InputError, match="has no number 'mass'"):
         quantity_of("effect[1].mass").put(start, 1.0)
     with pytest.raises(InputError, match="the file lists none"):
-        quantity_of("effect[1].mass").put(machine(), 1.0)
+        quantity_of("effect[1].mass").put(design(), 1.0)
 
 
 def test_a_ring_of_three_is_the_symmetric_robot() -> None:

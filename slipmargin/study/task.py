@@ -1,4 +1,4 @@
-"""The long work of one design, as a value that other processes can be handed."""
+"""The computation of one design's slow columns, as a value that can be sent to other processes."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from dataclasses import dataclass
 from typing import final
 
 from slipmargin.study.columns import slow_columns
-from slipmargin.study.machine import Machine
 from slipmargin.study.objectives import Kind
+from slipmargin.study.robot_on_surface import RobotOnSurface
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Slow:
+class Task:
     """Computes the columns of some kinds, design by design."""
 
     kinds: tuple[Kind, ...]
 
-    def __call__(self, machine: Machine) -> dict[str, float]:
+    def __call__(self, design: RobotOnSurface) -> dict[str, float]:
         """One design's row; NaN where it cannot be built."""
-        return slow_columns(machine, self.kinds)
+        return slow_columns(design, self.kinds)

@@ -1,7 +1,7 @@
-"""Many designs as arrays, so that everything static is computed for all of them at once.
+"""Many designs as arrays, so that static limits are computed for all of them at once.
 
-Machines without effects are read straight off their data sheets (the same equations as
-:mod:`slipmargin.model`, one array for all designs); machines with effects are built, one model each.
+Designs without effects are read straight off their data sheets (the same equations as
+:mod:`slipmargin.model`, one array for all designs); designs with effects are built, one model each.
 Loads are shares of m g and forces come out per m g.
 """
 
@@ -23,7 +23,7 @@ from slipmargin.physics.grips import polyhedral
 from slipmargin.physics.loads import sharing_matrix
 from slipmargin.physics.variables import Target
 from slipmargin.robot import GripShape, LoadRule, Robot
-from slipmargin.study.machine import Machine
+from slipmargin.study.robot_on_surface import RobotOnSurface
 
 #: A load below minus this share of m g is a wheel off the floor [1].
 _OFF = 1e-9
@@ -31,7 +31,7 @@ _OFF = 1e-9
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Fleet:
+class Batch:
     """D designs with N wheels each.
 
     ``index`` (D,) places of these designs in the study; ``maps`` (D, 3, N, 2) wrench per unit force along ĝ
@@ -58,37 +58,37 @@ class Fleet:
         return int(self.maps.shape[2])
 
 
-def fleets(machines: Sequence[Machine | None]) -> tuple[list[Fleet], dict[int, str]]:
+def batches(designs: Sequence[RobotOnSurface | None]) -> tuple[list[Batch], dict[int, str]]:
     """Designs grouped by wheel count, and for each design that cannot be built the reason.
 
     ``None`` stands for a design that was refused earlier; it is left out.
     """
-    groups: dict[int, list[tuple[int, Machine]]] = {}
+    groups: dict[int, list[tuple[int, RobotOnSurface]]] = {}
     refused: dict[int, str] = {}
     built: dict[int, Model] = {}
-    for i, machine in enumerate(machines):
-        if machine is None:
+    for i, design in enumerate(designs):
+        if design is None:
             continue
-        if machine.recipe.effects:
+        if design.recipe.effects:
             try:
-                built[i] = machine.build()
+                built[i] = design.build()
             except InputError as fault:
                 refused[i] = str(fault)
                 continue
-        groups.setdefault(len(machine.robot.wheels), []).append((i, machine))
-    out = [_fleet(rows, built) for _, rows in sorted(groups.items())]
-    for fleet in out:
-        for d in np.flatnonzero(~fleet.level | np.any(fleet.rest < -_OFF, axis=1)).tolist():
-            worst = int(np.argmin(fleet.rest[d]))
-            refused[int(fleet.index[d])] = (
+        groups.setdefault(len(design.robot.wheels), []).append((i, design))
+    out = [_batch(rows, built) for _, rows in sorted(groups.items())]
+    for batch in out:
+        for d in np.flatnonzero(~batch.level | np.any(batch.rest < -_OFF, axis=1)).tolist():
+            worst = int(np.argmin(batch.rest[d]))
+            refused[int(batch.index[d])] = (
                 "the centre of mass is outside the wheels' polygon: the robot falls over"
-                if not fleet.level[d]
-                else f"wheel {worst + 1} would carry {fleet.rest[d, worst]:.3g} m g"
+                if not batch.level[d]
+                else f"wheel {worst + 1} would carry {batch.rest[d, worst]:.3g} m g"
             )
     return out, refused
 
 
-def _fleet(rows: list[tuple[int, Machine]], built: dict[int, Model]) -> Fleet:
+def _batch(rows: list[tuple[int, RobotOnSurface]], built: dict[int, Model]) -> Batch:
     data = _from_robots([m for _, m in rows])
     for d, (i, _) in enumerate(rows):
         if i in built:
@@ -98,16 +98,16 @@ def _fleet(rows: list[tuple[int, Machine]], built: dict[int, Model]) -> Fleet:
     angle = np.sort(np.arctan2(arm[..., 1], arm[..., 0]), axis=1)
     gap = np.diff(np.concatenate([angle, angle[:, :1] + 2.0 * np.pi], axis=1), axis=1)
     data.pop("com")
-    return Fleet(index=np.array([i for i, _ in rows]), level=np.max(gap, axis=1) <= np.pi + 1e-9, **data)
+    return Batch(index=np.array([i for i, _ in rows]), level=np.max(gap, axis=1) <= np.pi + 1e-9, **data)
 
 
-def _from_robots(machines: list[Machine]) -> dict[str, Any]:
-    robots = [m.robot for m in machines]
+def _from_robots(designs: list[RobotOnSurface]) -> dict[str, Any]:
+    robots = [m.robot for m in designs]
     n = len(robots[0].wheels)
     place = np.array([[w.position_m for w in r.wheels] for r in robots])
     turn = np.deg2rad([[w.drive_direction_deg + w.roller_angle_deg for w in r.wheels] for r in robots])
     com = np.array([r.body.com_m for r in robots])
-    floor = [r.surface(m.surface) for r, m in zip(robots, machines, strict=True)]
+    floor = [r.surface(m.surface) for r, m in zip(robots, designs, strict=True)]
     static = _static(place, com)
     return {
         "place": place,

@@ -1,4 +1,4 @@
-"""A design: one machine on one floor, the unit that every study varies and judges."""
+"""A design: a robot with its effects on one surface.  A study varies it and computes its limits."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from slipmargin.robot import Robot
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Machine:
+class RobotOnSurface:
     """A recipe (robot and effects) on a named surface."""
 
     recipe: Recipe
@@ -23,7 +23,7 @@ class Machine:
         """The robot as its data sheet says."""
         return self.recipe.robot
 
-    def with_robot(self, robot: Robot) -> Machine:
+    def with_robot(self, robot: Robot) -> RobotOnSurface:
         """The same effects and floor on another robot."""
         return replace(self, recipe=replace(self.recipe, robot=robot))
 
