@@ -72,13 +72,22 @@ def _compiled(function: F, **more: Any) -> F:
 
 
 def inner(function: F) -> F:
-    """A compiled function that only compiled functions call: Python cannot, and it compiles faster."""
-    return _compiled(function, no_cpython_wrapper=True)
+    """A compiled function that only compiled functions call: Python cannot, and it compiles faster.
+
+    It creates no arrays; so it counts no references to those it is given, which would cost more time than
+    all the rest of the simulator.
+    """
+    return _compiled(function, no_cpython_wrapper=True, _nrt=False)
 
 
 def fast(function: F) -> F:
-    """A compiled function that Python calls, in several threads at once."""
+    """A compiled function that Python calls, in several threads at once; it may create arrays."""
     return _compiled(function, nogil=True)
+
+
+def kernel(function: F) -> F:
+    """A :func:`fast` function that creates no arrays and counts no references."""
+    return _compiled(function, nogil=True, _nrt=False)
 
 
 @cache

@@ -18,13 +18,15 @@ from slipmargin.errors import InputError
 from slipmargin.physics.frames import to_body, to_floor, velocity_at
 from slipmargin.physics.grips import GripShape, drive_left
 from slipmargin.sim import layout as at
-from slipmargin.sim.motion import TASK, TOLD, run
+from slipmargin.sim.motion import TASK, TOLD, run, workspace
 from slipmargin.sim.signal import WheelSignal
 from slipmargin.sim.wheels import breakpoints, follow
 
 RTOL = 1e-6
 MAX_STEPS = 2_000_000
 _THREADS = os.cpu_count() or 1
+#: Fewer runs than this are over sooner than threads are handed their work.
+_FEW = 4
 #: A transverse force that leaves less of the drive grip than this share counts as leaving it.
 _LEAST_LEFT = 1e-9
 
@@ -206,7 +208,8 @@ class Batch:
             if row[at.LAGGED] > 0.0:
                 knots, coef = follow(row, knots, coef, spin)
             stops = breakpoints(row, knots, coef, push)
-            run(row, knots, coef, stops, push, times, tasks[r], out[r, :count])
+            tables = workspace(n, row[at.DRIVEN] > 0.0)
+            run(row, knots, coef, stops, push, times, tasks[r], tables, out[r, :count])
             out[r, count:] = out[r, count - 1]
 
         _spread(work, runs)
@@ -264,8 +267,8 @@ def _given(signal: WheelSignal, times: Array, push: Push | None, first: float) -
 
 
 def _spread(work: Callable[[int], None], runs: int) -> None:
-    """All runs over the threads; the compiled code holds no lock."""
-    if runs == 1 or _THREADS == 1:
+    """All runs: over the threads, for compiled code holds no lock, or in turn where they are few."""
+    if runs < _FEW or _THREADS == 1:
         _several(work, 0, runs)
         return
     parts = min(runs, 4 * _THREADS)

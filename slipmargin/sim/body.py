@@ -26,9 +26,9 @@ _LAW, _K, _SHAPE, _COUPLING = at.LAW, at.STEEPNESS, at.SHAPE, at.COUPLING
 _CW, _CT, _LIFTED = at.VISCOUS_W, at.VISCOUS_T, at.LIFTED
 _MODS, _MODS_AT, _FORCES, _FORCES_AT = at.MODULATIONS, at.MODULATIONS_AT, at.FORCES, at.FORCES_AT
 _FOLLOWS, _ITERATES, _SHARE = at.LOAD_FOLLOWS, at.LOAD_ITERATES, at.SHARE
-_AX, _AY, _DX, _DY = at.ARM_X, at.ARM_Y, at.DRIVE_X, at.DRIVE_Y
-_GX, _GY, _FX, _FY = at.GRIP_X, at.GRIP_Y, at.FREE_X, at.FREE_Y
-_RHO, _REST, _LX, _LY, _RW, _GW = at.RADIUS, at.REST, at.LOAD_X, at.LOAD_Y, at.ROLLER_W, at.RIGID_W
+_AX, _AY, _GX, _GY, _GM, _GR = at.ARM_X, at.ARM_Y, at.GRIP_X, at.GRIP_Y, at.GRIP_MOMENT, at.GRIP_ROLLS
+_FX, _FY, _FM, _FR = at.FREE_X, at.FREE_Y, at.FREE_MOMENT, at.FREE_ROLLS
+_RHO, _REST, _LX, _LY, _MU = at.RADIUS, at.REST, at.LOAD_X, at.LOAD_Y, at.ROLLER_W
 _TX, _TY, _NSX = at.TILT_X, at.TILT_Y, at.NO_SLIP_X
 
 #: Columns of the contact table C (N, CONTACT): what is known of each wheel at one instant.
@@ -36,9 +36,9 @@ OMEGA, THETA, ALPHA, RIGID = 0, 1, 2, 3  #: ω [rad/s], θ [rad], ω̇ [rad/s²]
 SLIP_W, SLIP_T = 4, 5  #: sliding velocity along ĝ, f̂ [m/s]
 FORCE_W, FORCE_T = 6, 7  #: f_W, f_T per unit of load [1]
 LOAD, STILL = 8, 9  #: the load, and what it would be without acceleration [N]
-WW, WT, TW, TT = 10, 11, 12, 13  #: slopes of the law [s/m]
-MU_W, MU_T, K_W, K_T = 14, 15, 16, 17  #: coefficients [1] and slopes of the law [s/m] in force now
-TORQUE = 18  #: that the wheel delivers to the floor [N m]
+WW, WT, TT = 10, 11, 12  #: slopes of the law, f_W over u_T being that of f_T over u_W [s/m]
+MU_W, MU_T, K_W, K_T = 13, 14, 15, 16  #: coefficients [1] and slopes of the law [s/m] in force now
+RISE_W, RISE_T = 17, 18  #: derivatives of the force [N] along ĝ, f̂, while slopes are taken
 BY_TORQUE, BY_SPEED = 19, 20  #: derivatives of a driven wheel's acceleration
 CONTACT = 21
 #: Entries of the body table B: external push in the floor frame (3) and its height, inverse of the mass
@@ -49,7 +49,6 @@ BODY = 22
 
 _contact, _basis, _basis_slope = twin(contacts.contact), twin(terms.basis_function), twin(terms.basis_slope)
 _to_body, _to_floor, _velocity_at = twin(frames.to_body), twin(frames.to_floor), twin(frames.velocity_at)
-_moment = twin(frames.moment)
 
 
 @inner
@@ -101,7 +100,7 @@ def _wheel_variable(P: Any, code: int, i: int, direction: int, y: Any, C: Any) -
     if code == 5:
         return math.atan2(abs(C[i, SLIP_T]), abs(C[i, SLIP_W]))
     if code == 18:
-        d = q + _GX + 2 * direction
+        d = q + (_FX if direction == 1 else _GX)
         return float(y[2] + math.atan2(P[d + 1], P[d]) + (math.pi if u < 0.0 else 0.0))
     vx, vy = _velocity_at(y[3], y[4], y[5], P[q + _AX], P[q + _AY])
     hub = math.hypot(vx, vy)
@@ -156,7 +155,9 @@ def _factors(P: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
 @inner
 def _external(P: Any, t: float, y: Any, C: Any, B: Any) -> None:
     """Push and force terms as one wrench in the body frame about the centre of mass, its moment and lift."""
-    fx, fy = _to_body(y[2], B[PUSH], B[PUSH + 1])
+    fx, fy = B[PUSH], B[PUSH + 1]
+    if fx != 0.0 or fy != 0.0:
+        fx, fy = _to_body(y[2], fx, fy)
     mz, hx, hy, lift = B[PUSH + 2], B[PUSH + 3] * fx, B[PUSH + 3] * fy, 0.0
     q = int(P[_FORCES_AT])
     for _ in range(int(P[_FORCES])):
@@ -194,62 +195,50 @@ def evaluate(P: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None:
 
     Reads ω, θ, ω̇ and the sector of each wheel from C and the push from B.
     """
-    n = int(P[_COUNT])
     _external(P, t, y, C, B)
-    left = 1.0 - B[LIFT] / P[_LIFTED]
-    for i in range(n):
-        q = _H + i * _W
-        r = P[q + _RHO] * C[i, OMEGA]
-        hx, hy = _velocity_at(y[3], y[4], y[5], P[q + _AX], P[q + _AY])
-        ux, uy = hx + r * P[q + _DX], hy + r * P[q + _DY]
-        C[i, SLIP_W] = ux * P[q + _GX] + uy * P[q + _GY]
-        C[i, SLIP_T] = ux * P[q + _FX] + uy * P[q + _FY]
-        still = left * P[q + _REST] + P[q + _TX] * B[TILTING] + P[q + _TY] * B[TILTING + 1]
-        C[i, STILL], C[i, LOAD] = still, still
-    mass, modulated, follows = P[_MASS], P[_MODS] > 0, P[_FOLLOWS] > 0
-    law, shape = int(P[_LAW]), int(P[_SHAPE])
-    rounds = 60 if P[_ITERATES] > 0 else 1
-    for turn in range(rounds):
+    n, vx, vy, vw = int(P[_COUNT]), y[3], y[4], y[5]
+    left, hx, hy = 1.0 - B[LIFT] / P[_LIFTED], B[TILTING], B[TILTING + 1]
+    law, shape, coupling, cw, ct = int(P[_LAW]), int(P[_SHAPE]), P[_COUPLING], P[_CW], P[_CT]
+    modulated, follows = P[_MODS] > 0.0, P[_FOLLOWS] > 0.0
+    for turn in range(60 if P[_ITERATES] > 0.0 else 1):
         fx, fy, mz = B[WRENCH], B[WRENCH + 1], B[WRENCH + 2]
-        mxx, mxy, myx, myy, lx, ly = mass, 0.0, 0.0, mass, 0.0, 0.0
+        mxx, mxy, myx, myy, lx, ly = P[_MASS], 0.0, 0.0, P[_MASS], 0.0, 0.0
         for i in range(n):
-            q = _H + i * _W
-            z = q + (_GW if C[i, RIGID] > 0.0 else _RW)
+            q, om = _H + i * _W, C[i, OMEGA]
+            gx, gy, gm, ex, ey, em = P[q + _GX], P[q + _GY], P[q + _GM], P[q + _FX], P[q + _FY], P[q + _FM]
+            uw, ut = (
+                gx * vx + gy * vy + gm * vw + P[q + _GR] * om,
+                ex * vx + ey * vy + em * vw + P[q + _FR] * om,
+            )
+            still = left * P[q + _REST] + P[q + _TX] * hx + P[q + _TY] * hy
+            C[i, SLIP_W], C[i, SLIP_T], C[i, STILL] = uw, ut, still
+            if turn == 0:
+                C[i, LOAD] = still
+            z = q + _MU + 2 * int(C[i, RIGID])
             mw, mt, kw, kt = P[z], P[z + 1], P[_K], P[_K]
             if modulated:
                 _factors(P, i, t, y, C, B)
                 mw, mt = mw * B[FACTORS], mt * B[FACTORS + 1]
                 kw, kt = kw * B[FACTORS + 2], kt * B[FACTORS + 3]
-            uw, ut = C[i, SLIP_W], C[i, SLIP_T]
-            f, g, ww, wt, tw, tt = _contact(law, shape, P[_COUPLING], uw, ut, mw, mt, kw, kt)
-            C[i, FORCE_W], C[i, FORCE_T] = f, g
-            C[i, WT], C[i, TW] = wt, tw
+            f, g, ww, wt, _, tt = _contact(law, shape, coupling, uw, ut, mw, mt, kw, kt)
             if modulated:
                 ww, tt = ww + f * B[FACTORS + 4], tt + g * B[FACTORS + 5]
-            C[i, WW], C[i, TT] = ww, tt
+            C[i, FORCE_W], C[i, FORCE_T], C[i, WW], C[i, WT], C[i, TT] = f, g, ww, wt, tt
             C[i, MU_W], C[i, MU_T], C[i, K_W], C[i, K_T] = mw, mt, kw, kt
-            a, b = C[i, STILL] * f + P[_CW] * uw, C[i, STILL] * g + P[_CT] * ut
-            x = -(a * P[q + _GX] + b * P[q + _FX])
-            v = -(a * P[q + _GY] + b * P[q + _FY])
-            fx += x
-            fy += v
-            mz += _moment(P[q + _AX], P[q + _AY], x, v)
+            a, b = still * f + cw * uw, still * g + ct * ut
+            fx -= a * gx + b * ex
+            fy -= a * gy + b * ey
+            mz -= a * gm + b * em
             if follows:
-                x = -(f * P[q + _GX] + g * P[q + _FX])
-                v = -(f * P[q + _GY] + g * P[q + _FY])
-                m = _moment(P[q + _AX], P[q + _AY], x, v)
-                mxx -= x * P[q + _LX]
-                mxy -= x * P[q + _LY]
-                myx -= v * P[q + _LX]
-                myy -= v * P[q + _LY]
-                lx += m * P[q + _LX]
-                ly += m * P[q + _LY]
+                px, py = P[q + _LX], P[q + _LY]
+                x, v, m = f * gx + g * ex, f * gy + g * ey, f * gm + g * em
+                mxx, mxy, myx, myy = mxx + x * px, mxy + x * py, myx + v * px, myy + v * py
+                lx, ly = lx - m * px, ly - m * py
         det = 1.0 / (mxx * myy - mxy * myx)
-        B[INVERSE], B[INVERSE + 1] = myy * det, -mxy * det
-        B[INVERSE + 2], B[INVERSE + 3] = -myx * det, mxx * det
+        mxx, mxy, myx, myy = myy * det, -mxy * det, -myx * det, mxx * det
+        B[INVERSE], B[INVERSE + 1], B[INVERSE + 2], B[INVERSE + 3] = mxx, mxy, myx, myy
         B[LEVER], B[LEVER + 1] = lx, ly
-        ax = B[INVERSE] * fx + B[INVERSE + 1] * fy
-        ay = B[INVERSE + 2] * fx + B[INVERSE + 3] * fy
+        ax, ay = mxx * fx + mxy * fy, myx * fx + myy * fy
         change = abs(ax - acc[0]) + abs(ay - acc[1])
         acc[0], acc[1], acc[2] = ax, ay, (mz + lx * ax + ly * ay) / P[_INERTIA]
         if follows:
@@ -268,18 +257,13 @@ def wheel_rate(P: Any, i: int, asked: float, rising: float, C: Any) -> float:
     :data:`LEAST_LAG_S`.  The motor's torque T + J ω̇ keeps to the line ± stall (1 ∓ ω/max_speed).
     """
     q = _H + i * _W
-    along = (C[i, LOAD] * C[i, FORCE_W] + P[_CW] * C[i, SLIP_W]) * (
-        P[q + _GX] * P[q + _DX] + P[q + _GY] * P[q + _DY]
-    )
-    along += (C[i, LOAD] * C[i, FORCE_T] + P[_CT] * C[i, SLIP_T]) * (
-        P[q + _FX] * P[q + _DX] + P[q + _FY] * P[q + _DY]
-    )
-    torque = P[q + _RHO] * along
+    torque = (C[i, LOAD] * C[i, FORCE_W] + P[_CW] * C[i, SLIP_W]) * P[q + _GR]
+    torque += (C[i, LOAD] * C[i, FORCE_T] + P[_CT] * C[i, SLIP_T]) * P[q + _FR]
     lag, omega = max(P[q + at.LAG], LEAST_LAG_S), C[i, OMEGA]
     rate = (asked - P[q + at.DROOP] * torque - omega) / lag
     if P[q + at.LAG] == 0.0:
         rate += rising
-    C[i, TORQUE], C[i, BY_TORQUE], C[i, BY_SPEED] = torque, -P[q + at.DROOP] / lag, -1.0 / lag
+    C[i, BY_TORQUE], C[i, BY_SPEED] = -P[q + at.DROOP] / lag, -1.0 / lag
     stall = P[at.STALL_TORQUE]
     if stall > 0.0:
         inertia, slowing = P[q + at.INERTIA_OF_WHEEL], stall * P[at.SLOWING]
@@ -301,54 +285,35 @@ def slopes(P: Any, y: Any, C: Any, B: Any, J: Any, speeds: int) -> None:
     """Analytic derivatives of the body's (and driven wheels') accelerations, after :func:`evaluate`.
 
     Into J (3 or 3 + N rows): column 3 + k over velocity k (v_x, v_y, ω and, where there are ``speeds`` = N,
-    the wheel speeds), the last column over time through prescribed wheel speeds; others become zero.
+    the wheel speeds); without speeds the last column over time, through prescribed wheel speeds.
     """
-    n, last = int(P[_COUNT]), J.shape[1] - 1
-    for r in range(J.shape[0]):
-        for k in range(J.shape[1]):
-            J[r, k] = 0.0
-    for column in range(3, last + 1):
-        k = column - 3
-        if (column == last and speeds > 0) or (3 + speeds <= k and column < last):
-            continue
+    n = int(P[_COUNT])
+    for k in range(3 + max(speeds, 1)):
         fx, fy, mz = 0.0, 0.0, 0.0
-        for own in range(2):  # first the body, then the wheels, whose torques follow its loads
-            ax = B[INVERSE] * fx + B[INVERSE + 1] * fy
-            ay = B[INVERSE + 2] * fx + B[INVERSE + 3] * fy
-            if own == 1:
-                J[0, column], J[1, column] = ax, ay
-                J[2, column] = (mz + B[LEVER] * ax + B[LEVER + 1] * ay) / P[_INERTIA]
-                if speeds == 0:
-                    break
-            for i in range(n):
-                if column < last and k >= 3 and k - 3 != i and own == 0:
-                    continue
-                q = _H + i * _W
-                ux, uy = 0.0, 0.0
-                if column == last:
-                    ux, uy = P[q + _DX] * P[q + _RHO] * C[i, ALPHA], P[q + _DY] * P[q + _RHO] * C[i, ALPHA]
-                elif k == 0:
-                    ux = 1.0
-                elif k == 1:
-                    uy = 1.0
-                elif k == 2:
-                    ux, uy = -P[q + _AY], P[q + _AX]
-                elif k - 3 == i:
-                    ux, uy = P[q + _DX] * P[q + _RHO], P[q + _DY] * P[q + _RHO]
-                w, v = ux * P[q + _GX] + uy * P[q + _GY], ux * P[q + _FX] + uy * P[q + _FY]
-                a = C[i, LOAD] * (C[i, WW] * w + C[i, WT] * v) + P[_CW] * w
-                b = C[i, LOAD] * (C[i, TW] * w + C[i, TT] * v) + P[_CT] * v
-                if own == 1:
-                    load = P[q + _LX] * ax + P[q + _LY] * ay
-                    a, b = a + C[i, FORCE_W] * load, b + C[i, FORCE_T] * load
-                x, z = a * P[q + _GX] + b * P[q + _FX], a * P[q + _GY] + b * P[q + _FY]
-                if own == 0:
-                    fx -= x
-                    fy -= z
-                    mz -= _moment(P[q + _AX], P[q + _AY], x, z)
-                else:
-                    torque = P[q + _RHO] * (x * P[q + _DX] + z * P[q + _DY])
-                    J[3 + i, column] = C[i, BY_TORQUE] * torque + (C[i, BY_SPEED] if k - 3 == i else 0.0)
+        for i in range(n):
+            q, rolls = _H + i * _W, C[i, ALPHA]
+            w, v = P[q + _GX + min(k, 3)], P[q + _FX + min(k, 3)]
+            if k >= 3:
+                if speeds > 0:
+                    rolls = 1.0 if i == k - 3 else 0.0
+                w, v = w * rolls, v * rolls
+            load, wt = C[i, LOAD], C[i, WT]
+            a = load * (C[i, WW] * w + wt * v) + P[_CW] * w
+            b = load * (wt * w + C[i, TT] * v) + P[_CT] * v
+            C[i, RISE_W], C[i, RISE_T] = a, b
+            fx -= a * P[q + _GX] + b * P[q + _FX]
+            fy -= a * P[q + _GY] + b * P[q + _FY]
+            mz -= a * P[q + _GM] + b * P[q + _FM]
+        ax, ay = B[INVERSE] * fx + B[INVERSE + 1] * fy, B[INVERSE + 2] * fx + B[INVERSE + 3] * fy
+        column = 3 + k if k < 3 or speeds > 0 else J.shape[1] - 1
+        J[0, column], J[1, column] = ax, ay
+        J[2, column] = (mz + B[LEVER] * ax + B[LEVER + 1] * ay) / P[_INERTIA]
+        for i in range(speeds):  # torques follow the loads, which follow the body
+            q = _H + i * _W
+            load = P[q + _LX] * ax + P[q + _LY] * ay
+            torque = (C[i, RISE_W] + C[i, FORCE_W] * load) * P[q + _GR]
+            torque += (C[i, RISE_T] + C[i, FORCE_T] * load) * P[q + _FR]
+            J[3 + i, column] = C[i, BY_TORQUE] * torque + (C[i, BY_SPEED] if k - 3 == i else 0.0)
     # v̇ = a − ω × v
     J[0, 4] += y[5]
     J[0, 5] += y[4]

@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from slipmargin.checks import Array
 from slipmargin.physics import sectors
-from slipmargin.physics.compiled import fast, inner, twin
+from slipmargin.physics.compiled import inner, kernel, twin
 from slipmargin.sim import layout as at
 from slipmargin.sim.body import (
     ALPHA,
@@ -132,20 +133,37 @@ def _tell(P: Any, y: Any, C: Any, out: Any) -> None:
             out[q + 8], out[q + 9] = C[i, K_W], C[i, K_T]
 
 
-@fast
-def run(P: Any, knots: Any, coef: Any, stops: Any, push: Any, times: Any, task: Any, out: Any) -> None:
+def workspace(wheels: int, driven: bool) -> tuple[Array, ...]:
+    """Tables, all zero, that a run works on: wheels, vectors, stages, Jacobian, matrix, columns of probes."""
+    speeds = wheels if driven else 0
+    m = 6 + 2 * speeds
+    shapes = (
+        (wheels, CONTACT),
+        (9, max(m, BODY)),
+        (6, m),
+        (3 + speeds, m + 1),
+        (3 + speeds, 3 + speeds),
+        (m + 1, 1),
+    )
+    return tuple(np.zeros(shape) for shape in shapes)
+
+
+@kernel
+def run(
+    P: Any, knots: Any, coef: Any, stops: Any, push: Any, times: Any, task: Any, tables: Any, out: Any
+) -> None:
     """Integrate one run and write a row at each of ``times``.
 
     P packed model; knots (K+1), coef (K, N, 5) pieces of what the wheels do or, where they are driven, are
     asked for; stops (M, 2) breakpoints and whether they are hard (:func:`slipmargin.sim.wheels.breakpoints`);
     push (Q, 5) time, force on the centre of mass in the floor frame and its height (Q = 0: none);
-    task (:data:`TASK`); out (T, 6) receives states, out (T, 6 + 10 N) also the wheels.
+    task (:data:`TASK`); tables that it works on (:func:`workspace`); out (T, 6) receives states,
+    out (T, 6 + 10 N) also the wheels.
     """
     n, driven, pushed = int(P[_COUNT]), P[_DRIVEN] > 0.0, len(push) > 0
     speeds = n if driven else 0
     m = 6 + 2 * speeds
-    C, S, K = np.zeros((n, CONTACT)), np.zeros((9, max(m, BODY))), np.zeros((6, m))
-    J, M = np.zeros((3 + speeds, m + 1)), np.zeros((3 + speeds, 3 + speeds))
+    C, S, K, J, M, columns = tables
     y, z, f, rhs, rate, B, acc, away, E = S[0], S[1], S[2], S[3], S[4], S[5], S[6], S[7], S[8]
     rtol, atol, most = task[RTOL], task[ATOL], task[MOST]
     for r in range(6):
@@ -158,7 +176,7 @@ def run(P: Any, knots: Any, coef: Any, stops: Any, push: Any, times: Any, task: 
     by_time = P[at.BY_TIME] > 0.0 or by_velocity or pushed or driven
     by_angle = driven and P[at.BY_ANGLE] > 0.0
     pose = heading or P[at.BY_POSITION] > 0.0 or by_angle
-    columns, probes = np.zeros((m + 1, 1)), 0
+    probes = 0
     for k in range(m + 1):
         velocity = 3 <= k < 6 + speeds
         asked = (k == 2 and heading) or (k < 2 and P[at.BY_POSITION] > 0.0) or (velocity and by_velocity)

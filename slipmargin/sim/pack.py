@@ -11,6 +11,7 @@ from slipmargin.errors import InputError
 from slipmargin.model import Model
 from slipmargin.physics import sectors
 from slipmargin.physics.contact import BOX, DISC_STRIP, ELLIPSE
+from slipmargin.physics.frames import moment
 from slipmargin.physics.grips import GripShape
 from slipmargin.physics.terms import ForceTerm, Multiplier
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
@@ -133,10 +134,12 @@ def _fill(head: Array, model: Model) -> None:
 def _wheels(model: Model) -> Array:
     c, grip, n = model.geometry, model.grip, model.count
     rows = np.zeros((n, at.WHEEL))
-    rows[:, [at.ARM_X, at.ARM_Y]] = c.position_m - model.inertia.com_m
-    rows[:, [at.DRIVE_X, at.DRIVE_Y]] = c.drive
-    rows[:, [at.GRIP_X, at.GRIP_Y]] = c.grip
-    rows[:, [at.FREE_X, at.FREE_Y]] = c.free
+    arm = c.position_m - model.inertia.com_m
+    for first, along in ((at.GRIP_X, c.grip), (at.FREE_X, c.free)):
+        rows[:, [first, first + 1]] = along
+        rows[:, first + 2] = moment(arm[:, 0], arm[:, 1], along[:, 0], along[:, 1])
+        rows[:, first + 3] = c.radius_m * np.sum(c.drive * along, axis=1)
+    rows[:, [at.ARM_X, at.ARM_Y]] = arm
     rows[:, at.RADIUS] = c.radius_m
     rows[:, at.REST] = model.loads.rest_N
     rows[:, [at.LOAD_X, at.LOAD_Y]] = model.loads.per_acceleration_kg

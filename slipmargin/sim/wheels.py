@@ -215,8 +215,7 @@ def _crossings(
 
 
 @inner
-def _switches(P: Any, knots: Any, coef: Any, out: Any, count: int) -> int:
-    cuts = np.empty(8)
+def _switches(P: Any, knots: Any, coef: Any, cuts: Any, out: Any, count: int) -> int:
     for i in range(int(P[_COUNT])):
         q = _H + i * _W
         pitch, lag = P[q + _PITCH], P[q + _LAG]
@@ -256,13 +255,13 @@ def breakpoints(P: Any, knots: Any, coef: Any, push: Any) -> Any:
     force.  Knots at which wheel speeds are continuous are soft.
     """
     n = int(P[_COUNT])
-    none = np.empty(0)
-    size = _term_edges(P, none, _switches(P, knots, coef, none, len(push)))
+    none, cuts = np.empty(0), np.empty(8)
+    size = _term_edges(P, none, _switches(P, knots, coef, cuts, none, len(push)))
     others = np.empty(size)
     for k in range(len(push)):
         others[k] = push[k, 0]
     if size > 0:
-        _term_edges(P, others, _switches(P, knots, coef, others, len(push)))
+        _term_edges(P, others, _switches(P, knots, coef, cuts, others, len(push)))
     _sort(others, size)
     out = np.empty((len(knots) + size, 2))
     m, j = 0, 0

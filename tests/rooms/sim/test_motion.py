@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from manoeuvres import driven, no_slip_rates
+from numba import njit
 from strategies import PAPER, four_wheels, kiwi
 
 from slipmargin.errors import MotionStopped
 from slipmargin.model import nominal_model
 from slipmargin.paper.published import command, paper_model
-from slipmargin.physics.compiled import fast
 from slipmargin.physics.terms import Multiplier
 from slipmargin.physics.variables import Basis, Target, Variable
 from slipmargin.robot import Body, GripShape, LoadRule, Robot, Wheel
@@ -73,7 +73,7 @@ def test_turning_points_of_an_exponential_on_a_parabola():
     lag, h = 0.3, 3.0
     c = np.array([0.0, 2.0, -1.5, 1.0 / 3.0, -3.0])
     cuts = np.empty(8)
-    count = fast(lambda *given: turning_points(*given))(c, lag, h, cuts)
+    count = njit(lambda *given: turning_points(*given))(c, lag, h, cuts)
     x = np.linspace(0.0, h, 200001)
     omega = c[1] + 2 * c[2] * x + 3 * c[3] * x**2 + c[4] * np.exp(-x / lag)
     want = x[:-1][omega[:-1] * omega[1:] < 0.0]

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, assume, given, settings, strategies as st
 from manoeuvres import driven, force, modulation, wheel_motion, with_terms
+from numba import njit
 from oracles.plain_simulator import acceleration, reference_motion
 from strategies import four_wheels, kiwi, models, reals
 
 from slipmargin.errors import MotionStopped
 from slipmargin.model import nominal_model
 from slipmargin.model.parts import ActuatorDynamics, Drives
-from slipmargin.physics.compiled import fast
 from slipmargin.physics.friction_laws import LAWS
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.robot import GripShape, LoadRule
@@ -37,7 +37,7 @@ from slipmargin.sim.simulate import simulate
 SHAPES = tuple(GripShape)
 
 
-@fast
+@njit(error_model="numpy")  # not kept on disk: numba would not see the kernel change
 def instant(P, t, y, C, B, acc, J, driven, rate):
     """Everything the kernel knows of one instant, for Python."""
     evaluate(P, t, y, C, B, acc)
