@@ -36,6 +36,8 @@ from slipmargin.physics.kinematics import com_acceleration
 
 #: Directions of translation and yaw rates (times speed over arm) that the sets must be safe for.
 HEADINGS, YAW = 72, (-1.0, 0.0, 1.0)
+#: How far beside a turning point of a drag [rad].
+BESIDE = 1e-5
 #: Share of the spinning limit kept for yaw by default: corrections of the heading while driving straight [1].
 YAW_SHARE = 0.1
 #: Rounds in which a set is drawn in, how close to the share it ends [1], and directions of its ends.
@@ -279,9 +281,23 @@ def _value(variable: Any) -> Array:
 
 def _all_motions(model: Model) -> Motion:
     arm = float(np.mean(np.hypot(*(model.geometry.position_m - model.inertia.com_m).T)))
-    ahead = directions(2.0 * np.pi * np.arange(HEADINGS) / HEADINGS)
-    moves = [np.column_stack([ahead, np.full(HEADINGS, y / arm)]) for y in YAW]
+    even = 2.0 * np.pi * np.arange(HEADINGS) / HEADINGS
+    moves = []
+    for yaw in YAW:
+        ahead = directions(np.concatenate([even, _turning_points(model, yaw / arm)]))
+        moves.append(np.column_stack([ahead, np.full(len(ahead), yaw / arm)]))
     return Motion.full_drag(np.vstack([*moves, [[0.0, 0.0, 1.0 / arm], [0.0, 0.0, -1.0 / arm]]]))
+
+
+def _turning_points(model: Model, yaw: float) -> Array:
+    """Headings on both sides of where a wheel's drag turns round: between them no sign changes."""
+    rows = model.geometry.lateral_rows()
+    with np.errstate(divide="ignore", invalid="ignore"):
+        off = np.arccos(-rows[:, 2] * yaw / np.hypot(rows[:, 0], rows[:, 1]))
+    at = np.arctan2(rows[:, 1], rows[:, 0])
+    turn = np.concatenate([at + off, at - off])
+    turn = turn[np.isfinite(turn)]
+    return np.concatenate([turn + BESIDE, turn - BESIDE])
 
 
 def _tightest(A: Array, b: Array, sign: Array) -> tuple[Array, Array, Array]:

@@ -440,7 +440,7 @@ def realised_limit(
 
 
 def realised_share(model: Model, friction: Friction, external: External, acceleration: Array) -> Array:
-    """Largest realised share (R, M) of any wheel at accelerations (R, M, 3) of the centre of mass, full drag."""
+    """Largest realised share (R, M) of any wheel at accelerations (R, M, 3) of the mass, full drag."""
     worst = np.zeros(acceleration.shape[:2])
     k = _repeated(friction.drive_stiffness / np.mean(friction.drive_stiffness), acceleration.shape[:2])
     along = np.ascontiguousarray(model.wrench_maps()[0])

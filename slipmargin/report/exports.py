@@ -66,8 +66,8 @@ def _stated(found: Bounds) -> str:
     """The one set that every export comes from, in words."""
     yaw = _sets(found).yaw_rad_s2
     return (
-        f"safe in every direction of motion, with {yaw:.4g} rad/s^2 of yaw acceleration at once: the largest box "
-        "for tools with a number an axis, the largest circle for tools with one number"
+        f"safe in every direction of motion, with {yaw:.4g} rad/s^2 of yaw acceleration at once: the largest "
+        "box for tools with a number an axis, the largest circle for tools with one number"
     )
 
 
