@@ -168,7 +168,8 @@ def _safe(
             return found
         at = ends(*found, np.sign(motion.velocity))  # (R, M, 3), accelerations of the origin
         friction, external = prepare(model, motion, share, contact)[1:]
-        at_com = com_acceleration(model.inertia.com_m, np.zeros_like(at), at)
+        flat = at.reshape(-1, 3)
+        at_com = com_acceleration(model.inertia.com_m, np.zeros_like(flat), flat).reshape(at.shape)
         use = realised_share(model, friction, external, at_com).max(axis=0)
         if np.max(use) <= share + CLOSE:
             return found
@@ -265,7 +266,14 @@ def _once(rows: Array) -> Array:
 
 
 def _solve(problem: Any, what: str) -> None:
-    problem.solve(solver="CLARABEL")
+    import cvxpy
+
+    try:
+        problem.solve(solver="CLARABEL")
+    except cvxpy.error.SolverError as fault:
+        raise NoSolution(
+            f"largest {what}", "the solver failed", "check the margin and the robot's friction", problem
+        ) from fault
     if problem.status != "optimal":
         raise NoSolution(
             f"largest {what}",

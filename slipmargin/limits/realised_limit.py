@@ -108,7 +108,7 @@ def _solve(H: Array, b: Array, x: Array) -> None:
 
 @inner
 def _miss(out: Array, scale: Array) -> float:
-    return abs(out[0]) / scale[0] + abs(out[1]) / scale[1] + abs(out[2]) / scale[2]
+    return float(abs(out[0]) / scale[0] + abs(out[1]) / scale[1] + abs(out[2]) / scale[2])
 
 
 @inner
@@ -164,7 +164,7 @@ def _at(
     if not miss <= 1e-8:
         x[:] = 0.0
         return math.inf
-    return abs(z[_worst(z)])
+    return float(abs(z[_worst(z)]))
 
 
 @inner
