@@ -33,6 +33,13 @@ def bounds(
         bool,
         typer.Option("--robust", help=("Whichever wheels stand on rigid sectors (default: all on rollers).")),
     ] = False,
+    yaw: Annotated[
+        float | None,
+        typer.Option(
+            metavar="RAD/S²",
+            help="Yaw acceleration that the exported sets keep in reserve (default: a tenth of spinning).",
+        ),
+    ] = None,
     export: Annotated[
         tuple[str, Path] | None,
         typer.Option(
@@ -57,6 +64,7 @@ def bounds(
         grip="--grip",
         wheel_angle_deg="--delta-deg",
         step_deg="--step",
+        yaw_rad_s2="--yaw",
         margin="--margin",
         export="--export",
     ):
@@ -67,6 +75,7 @@ def bounds(
             step_deg=step,
             robust=robust,
             export=tool,
+            yaw_rad_s2=yaw,
         )
     texts: dict[Path | str, str | bytes] = {}
     if tool is not None and file is not None:

@@ -105,6 +105,7 @@ def bounds(
     step_deg: float = 1.0,
     robust: bool = False,
     export: str | None = None,
+    yaw_rad_s2: float | None = None,
 ) -> BoundsResult:
     """Acceleration limits in motion by direction: speeding up, turning, braking, cornering, spinning.
 
@@ -125,6 +126,9 @@ def bounds(
         True: safe whichever wheels stand on rigid sectors.  False: all wheels on rollers.
     export : str, optional
         A tool for which the limits will be exported; it is checked before any work is done.
+    yaw_rad_s2 : float, optional
+        Yaw acceleration that the safe box and circle (and so every export) keep in reserve [rad/s²]; by
+        default a tenth of what spinning on the spot allows, enough to correct the heading on a straight line.
 
     Returns
     -------
@@ -154,10 +158,13 @@ def bounds(
 
         if export not in TOOLS:
             raise InputError("export", f"is {export!r}", f"use one of: {', '.join(TOOLS)}")
+    if yaw_rad_s2 is not None and not (math.isfinite(yaw_rad_s2) and yaw_rad_s2 >= 0.0):
+        raise InputError("yaw_rad_s2", f"is {yaw_rad_s2:g}", "give a yaw acceleration [rad/s²], 0 for none")
     found = limit_bounds(
         model,
         margin=checked_margin(margin),
         step_deg=step_deg,
         contact=Contact.UNKNOWN if robust else Contact.ROLLERS,
+        yaw_rad_s2=yaw_rad_s2,
     )
     return BoundsResult(bounds=found, warnings=warnings)

@@ -13,7 +13,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array, real
-from slipmargin.limits.motion import AccelerationLimit, acceleration_limit, along, needed_share
+from slipmargin.limits.motion import AccelerationLimit, acceleration_limit, along, along_each, needed_share
 from slipmargin.limits.motion_rows import acceleration_rows
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
@@ -89,7 +89,8 @@ def directions(
     rows = acceleration_rows(model, motion, share=share, contact=contact, motor=motor)
     none = com_acceleration(model.inertia.com_m, motion.velocity, np.zeros_like(ahead))
     left = np.stack([-ahead[:, 1], ahead[:, 0], ahead[:, 2]], axis=1)
-    up, down, one, two = (along(model, rows, none, d) for d in (ahead, -ahead, left, -left))
+    ways = np.stack([ahead, -ahead, left, -left])
+    up, down, one, two = along_each(model, rows, np.broadcast_to(none, ways.shape), ways)
     return Directions(
         heading_rad=np.asarray(heading_rad),
         starting_m_s2=up.value,
@@ -152,7 +153,8 @@ def _corner(
     per_square = com_acceleration(model.inertia.com_m, twist, across)  # per v², centripetal part included
     limit = along(model, rows, np.zeros_like(per_square), per_square)
     speed = np.sqrt(np.maximum(limit.value, 0.0))
-    speed[needed_share(model, motion, contact=contact) > share] = 0.0
+    crawl = Motion.full_drag(twist)  # without the centripetal force, which the limit counts
+    speed[needed_share(model, crawl, contact=contact) > share] = 0.0
     top = model.drives.max_speed_rad_s
     if top is not None:
         rate = np.max(np.abs(model.geometry.wheel_speeds(twist)), axis=1)

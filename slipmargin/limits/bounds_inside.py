@@ -4,30 +4,44 @@ Tools that take one number an axis need a box.  Which accelerations are admissib
 direction of motion (drag helps to brake and hinders speeding up), so the box has a speeding-up and a
 slowing-down side for each axis: component j may lie between −slow_j and +fast_j along sign(v_j).  Both
 sets come from convex programs (S. Boyd and L. Vandenberghe, Convex Optimization, section 8.4) in
-cvxpy, solved by Clarabel:
+cvxpy, solved by Clarabel, j over the two axes of translation and r the yaw acceleration in reserve:
 
-    box         max Σ log fast_j + Σ log slow_j   s.t.  Σ_j (A_j s_j)⁺ fast_j + (A_j s_j)⁻ slow_j ≤ b
-    ellipsoid   max log det E                     s.t.  ‖E A_k‖ ≤ b_k
+    box         max Σ log fast_j + Σ log slow_j  s.t.  Σ_j (A_j s_j)⁺ fast_j + (A_j s_j)⁻ slow_j ≤ b − |A_α| r
+    ellipsoid   max log det E                    s.t.  ‖E A_k‖ ≤ b_k
+
+With four wheels and more the rows only say that some distribution of forces holds.  So the ends of each set
+are driven as motions, and the rows drawn in until the realised distribution keeps the share too.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product
 from typing import Any, final
 
 import numpy as np
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, real
 from slipmargin.errors import NoSolution
+from slipmargin.limits.bounds import spin
+from slipmargin.limits.margin import sphere
 from slipmargin.limits.motion import needed_share
-from slipmargin.limits.motion_rows import acceleration_rows
+from slipmargin.limits.motion_rows import acceleration_rows, prepare
 from slipmargin.limits.motion_state import Contact, Motion
+from slipmargin.limits.realised_limit import decided_by_creep, realised_share
 from slipmargin.model import Model
 from slipmargin.physics.frames import directions
 from slipmargin.physics.kinematics import com_acceleration
 
 #: Directions of translation and yaw rates (times speed over arm) that the sets must be safe for.
 HEADINGS, YAW = 72, (-1.0, 0.0, 1.0)
+#: How far beside a turning point of a drag [rad].
+BESIDE = 1e-5
+#: Share of the spinning limit kept for yaw by default: corrections of the heading while driving straight [1].
+YAW_SHARE = 0.1
+#: Rounds in which a set is drawn in, how close to the share it ends [1], and directions of its ends.
+ROUNDS, CLOSE, ROUND = 12, 1e-3, 24
 
 
 @final
@@ -37,8 +51,9 @@ class Inside:
 
     ``fast`` and ``slow`` (3,): how much each axis may speed up and slow down at once [m/s², m/s², rad/s²];
     ``even`` (3,): the largest box with equal sides, for tools with one number an axis.
-    ``ellipsoid`` (3, 3): accelerations E u, ‖u‖ ≤ 1; ``circle_m_s2``: the largest acceleration in any
-    direction without yaw acceleration.
+    ``circle_m_s2``: the largest acceleration in any direction.  All of them keep ``yaw_rad_s2`` of yaw
+    acceleration in reserve, at once with what they say.  ``ellipsoid`` (3, 3): accelerations E u, ‖u‖ ≤ 1,
+    which trades yaw against translation and keeps no reserve.
     """
 
     fast: Array
@@ -46,12 +61,15 @@ class Inside:
     even: Array
     ellipsoid: Array
     circle_m_s2: float
+    yaw_rad_s2: float
 
 
 def safe_rows(
-    model: Model, *, share: float = 1.0, contact: Contact = Contact.ROLLERS
+    model: Model, *, share: Array | float = 1.0, contact: Contact = Contact.ROLLERS
 ) -> tuple[Array, Array, Array]:
     """Rows A (R, 3) a ≤ b (R,) on the origin's acceleration for every motion, and sign(v) (R, 3).
+
+    ``share`` is one number or one for each of the motions.
 
     Raises
     ------
@@ -60,7 +78,7 @@ def safe_rows(
     """
     motion = _all_motions(model)
     need = needed_share(model, motion, contact=contact)
-    if float(np.max(need)) >= share:
+    if np.any(need >= share):
         v = motion.velocity[int(np.argmax(need))]
         way = f"along {np.rad2deg(np.arctan2(v[1], v[0])) % 360.0:.0f}°" + (" while turning" if v[2] else "")
         worst = float(np.max(need))
@@ -85,41 +103,151 @@ def safe_rows(
     return _tightest(A.reshape(-1, 3), b.ravel(), sign.reshape(-1, 3))
 
 
-def inside(model: Model, *, share: float = 1.0, contact: Contact = Contact.ROLLERS) -> Inside:
-    """The largest safe box and ellipsoid; see the module for the programs."""
-    A, b, sign = safe_rows(model, share=share, contact=contact)
-    scale = np.min(
-        b / np.maximum(np.abs(A), 1e-12 * np.max(np.abs(A)))[np.arange(len(b))[:, None], np.arange(3)].T,
-        axis=1,
-    )
-    scaled = A * scale / b[:, None]
+def inside(
+    model: Model, *, share: float = 1.0, contact: Contact = Contact.ROLLERS, yaw_rad_s2: float | None = None
+) -> Inside:
+    """The largest safe box, circle and ellipsoid; see the module for the programs.
+
+    Parameters
+    ----------
+    yaw_rad_s2 : float, optional
+        Yaw acceleration that box and circle keep in reserve, by default :data:`YAW_SHARE` of what spinning
+        on the spot allows.
+
+    Raises
+    ------
+    NoSolution
+        If no acceleration is safe in every motion, or none beside that yaw acceleration.
+    """
+    if yaw_rad_s2 is None:
+        turn = spin(model, share=share, contact=contact)
+        yaw_rad_s2 = YAW_SHARE * max(0.0, min(turn.starting_rad_s2, turn.braking_rad_s2))
+    yaw = real("yaw", yaw_rad_s2, low=0.0, cure="give a yaw acceleration [rad/s²], 0 for none")
+
+    def circle(A: Array, b: Array, sign: Array) -> tuple[Array, ...]:
+        left = b - np.abs(A[:, 2]) * yaw
+        if np.min(left) <= 0.0:
+            raise _too_much(yaw)
+        return (np.array([np.min(left / np.maximum(np.hypot(A[:, 0], A[:, 1]), 1e-300)), yaw]),)
+
+    def ellipsoid(A: Array, b: Array, sign: Array) -> tuple[Array, ...]:
+        scale = _sizes(A, b)
+        return (_ellipsoid(A * scale / b[:, None], scale),)
+
+    def safe(largest: Callable[..., tuple[Array, ...]], ends: Callable[..., Array]) -> tuple[Array, ...]:
+        return _safe(model, largest, ends, share, contact)
+
+    sided = safe(lambda A, b, sign: _boxes(A, b, sign, yaw)[:2], _sided_corners)
+    even = safe(lambda A, b, sign: _boxes(A, b, sign, yaw)[2:], _even_corners)
     return Inside(
-        **_boxes(scaled, sign, scale),
-        ellipsoid=_ellipsoid(scaled, scale),
-        circle_m_s2=float(np.min(b / np.maximum(np.hypot(A[:, 0], A[:, 1]), 1e-300))),
+        fast=sided[0],
+        slow=sided[1],
+        even=even[0],
+        ellipsoid=safe(ellipsoid, _ellipsoid_ends)[0],
+        circle_m_s2=float(safe(circle, _circle_ends)[0][0]),
+        yaw_rad_s2=yaw,
     )
 
 
-def _boxes(A: Array, sign: Array, scale: Array) -> dict[str, Array]:
+def _safe(
+    model: Model,
+    largest: Callable[..., tuple[Array, ...]],
+    ends: Callable[..., Array],
+    share: float,
+    contact: Contact,
+) -> tuple[Array, ...]:
+    """The largest set whose every end, driven as a motion, keeps each wheel's realised share.
+
+    Each motion's rows are drawn in by the ratio in which an end of the set exceeds the share in it.
+    """
+    motion = _all_motions(model)
+    part = np.full(motion.count, share)
+    for _ in range(ROUNDS):
+        found = largest(*safe_rows(model, share=part, contact=contact))
+        if not decided_by_creep(model, share):
+            return found
+        at = ends(*found, np.sign(motion.velocity))  # (R, M, 3), accelerations of the origin
+        friction, external = prepare(model, motion, share, contact)[1:]
+        flat = at.reshape(-1, 3)
+        at_com = com_acceleration(model.inertia.com_m, np.zeros_like(flat), flat).reshape(at.shape)
+        use = realised_share(model, friction, external, at_com).max(axis=0)
+        if np.max(use) <= share + CLOSE:
+            return found
+        part = part * np.where(use > share, (share - 0.5 * CLOSE) / use, 1.0)
+    raise NoSolution(
+        "safe accelerations",
+        "no set was found in which the creep of the wheels keeps the margin",
+        "use a larger margin or a smaller yaw reserve",
+    )
+
+
+def _sided_corners(fast: Array, slow: Array, sign: Array) -> Array:
+    """(8, M, 3): each axis speeds up or slows down; where it stands, it starts either way."""
+    return np.stack(
+        [
+            np.where(sign == 0.0, way * fast, sign * np.where(way > 0.0, fast, -slow))
+            for way in np.array(list(product((1.0, -1.0), repeat=3)))
+        ]
+    )
+
+
+def _even_corners(even: Array, sign: Array) -> Array:
+    ways = np.array(list(product((1.0, -1.0), repeat=3)))
+    return np.broadcast_to((ways * even)[:, None], (8, *sign.shape))
+
+
+def _circle_ends(circle: Array, sign: Array) -> Array:
+    ahead = directions(2.0 * np.pi * np.arange(ROUND) / ROUND)
+    ends = [np.column_stack([circle[0] * ahead, np.full(ROUND, y)]) for y in (circle[1], -circle[1])]
+    return np.broadcast_to(np.vstack(ends)[:, None], (2 * ROUND, *sign.shape))
+
+
+def _ellipsoid_ends(E: Array, sign: Array) -> Array:
+    return np.broadcast_to((sphere(2 * ROUND) @ E.T)[:, None], (2 * ROUND, *sign.shape))
+
+
+def _sizes(A: Array, b: Array) -> Array:
+    """How far each axis alone goes, so that programs see numbers of one size."""
+    least = 1e-12 * np.max(np.abs(A))
+    return np.asarray(np.min(b[:, None] / np.maximum(np.abs(A), least), axis=0))
+
+
+def _too_much(yaw: float) -> NoSolution:
+    return NoSolution(
+        "safe accelerations",
+        f"a yaw acceleration of {yaw:.4g} rad/s² leaves no grip to translate in some motion",
+        "reserve less for yaw",
+    )
+
+
+def _boxes(A: Array, b: Array, sign: Array, yaw: float) -> tuple[Array, Array, Array]:
+    """Sides (3,) of the largest box, speeding up and slowing down, and of the largest even one."""
     import cvxpy
 
     cp: Any = cvxpy
 
+    left = b - np.abs(A[:, 2]) * yaw
+    if np.min(left) <= 0.0:
+        raise _too_much(yaw)
+    flat, sign = A[:, :2], sign[:, :2]
+    scale = _sizes(flat, left)
+    flat = flat * scale / left[:, None]
     # Where v_j = 0 either side may come: the row must hold for both.
-    with_v, against = np.zeros_like(A), np.zeros_like(A)
+    with_v, against = np.zeros_like(flat), np.zeros_like(flat)
     still = sign == 0.0
-    along = A * sign
+    along = flat * sign
     with_v[~still], against[~still] = np.maximum(along, 0.0)[~still], np.maximum(-along, 0.0)[~still]
-    with_v[still] = np.abs(A)[still]  # from rest an axis can only speed up
-    fast, slow, even = cp.Variable(3, pos=True), cp.Variable(3, pos=True), cp.Variable(3, pos=True)
+    with_v[still] = np.abs(flat)[still]  # from rest an axis can only speed up
+    fast, slow, even = cp.Variable(2, pos=True), cp.Variable(2, pos=True), cp.Variable(2, pos=True)
     pair = cp.Problem(
         cp.Maximize(cp.sum(cp.log(fast)) + cp.sum(cp.log(slow))),
         [_once(np.hstack([with_v, against])) @ cp.hstack([fast, slow]) <= 1.0],
     )
-    one = cp.Problem(cp.Maximize(cp.sum(cp.log(even))), [_once(np.abs(A)) @ even <= 1.0])
+    one = cp.Problem(cp.Maximize(cp.sum(cp.log(even))), [_once(np.abs(flat)) @ even <= 1.0])
     _solve(pair, "box")
     _solve(one, "box")
-    return {"fast": _value(fast) * scale, "slow": _value(slow) * scale, "even": _value(even) * scale}
+    fast, slow, even = (np.append(_value(v) * scale, yaw) for v in (fast, slow, even))
+    return fast, slow, even
 
 
 def _ellipsoid(A: Array, scale: Array) -> Array:
@@ -138,7 +266,14 @@ def _once(rows: Array) -> Array:
 
 
 def _solve(problem: Any, what: str) -> None:
-    problem.solve(solver="CLARABEL")
+    import cvxpy
+
+    try:
+        problem.solve(solver="CLARABEL")
+    except cvxpy.error.SolverError as fault:
+        raise NoSolution(
+            f"largest {what}", "the solver failed", "check the margin and the robot's friction", problem
+        ) from fault
     if problem.status != "optimal":
         raise NoSolution(
             f"largest {what}",
@@ -154,9 +289,23 @@ def _value(variable: Any) -> Array:
 
 def _all_motions(model: Model) -> Motion:
     arm = float(np.mean(np.hypot(*(model.geometry.position_m - model.inertia.com_m).T)))
-    ahead = directions(2.0 * np.pi * np.arange(HEADINGS) / HEADINGS)
-    moves = [np.column_stack([ahead, np.full(HEADINGS, y / arm)]) for y in YAW]
+    even = 2.0 * np.pi * np.arange(HEADINGS) / HEADINGS
+    moves = []
+    for yaw in YAW:
+        ahead = directions(np.concatenate([even, _turning_points(model, yaw / arm)]))
+        moves.append(np.column_stack([ahead, np.full(len(ahead), yaw / arm)]))
     return Motion.full_drag(np.vstack([*moves, [[0.0, 0.0, 1.0 / arm], [0.0, 0.0, -1.0 / arm]]]))
+
+
+def _turning_points(model: Model, yaw: float) -> Array:
+    """Headings on both sides of where a wheel's drag turns round: between them no sign changes."""
+    rows = model.geometry.lateral_rows()
+    with np.errstate(divide="ignore", invalid="ignore"):
+        off = np.arccos(-rows[:, 2] * yaw / np.hypot(rows[:, 0], rows[:, 1]))
+    at = np.arctan2(rows[:, 1], rows[:, 0])
+    turn = np.concatenate([at + off, at - off])
+    turn = turn[np.isfinite(turn)]
+    return np.concatenate([turn + BESIDE, turn - BESIDE])
 
 
 def _tightest(A: Array, b: Array, sign: Array) -> tuple[Array, Array, Array]:

@@ -94,6 +94,7 @@ def bounds(
     step_deg: float = 1.0,
     contact: Contact = Contact.ROLLERS,
     sets: bool = True,
+    yaw_rad_s2: float | None = None,
 ) -> Bounds:
     """All motion limits of a model.
 
@@ -107,13 +108,15 @@ def bounds(
         What the wheels stand on (UNKNOWN: the worst of rollers and rigid sectors).
     sets : bool
         Also find the largest box and ellipsoid (about a second, mostly to load the solver).
+    yaw_rad_s2 : float, optional
+        Yaw acceleration that the sets keep in reserve (:func:`~slipmargin.limits.bounds_inside.inside`).
     """
     heading, share = headings(step_deg), 1.0 - margin
     full = directions(model, heading, contact=contact, motor=False)
     found, why = None, ""
     if sets:
         try:
-            found = inside(model, share=share, contact=contact)
+            found = inside(model, share=share, contact=contact, yaw_rad_s2=yaw_rad_s2)
         except NoSolution as fault:
             why = str(fault)
     return Bounds(

@@ -6,7 +6,7 @@ their friction is drag (docs/theory.md, section 4).  Directions and velocities a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -18,13 +18,16 @@ from slipmargin.limits.motion_external import least_product
 from slipmargin.limits.motion_friction import material_states
 from slipmargin.limits.motion_rows import (
     CAUSES,
+    GRIP,
     SPENT,
+    TIPS,
     AccelerationRows,
     acceleration_rows,
     even_distribution,
     prepare,
 )
 from slipmargin.limits.motion_state import Contact, Motion
+from slipmargin.limits.realised_limit import decided_by_creep, realised_limit
 from slipmargin.model import Model
 from slipmargin.physics.kinematics import com_acceleration
 
@@ -46,7 +49,7 @@ class AccelerationLimit:
 
     @property
     def cause(self) -> tuple[str, ...]:
-        """What limits each state: grip, tip-over, motor torque, or a drag that uses the whole grip."""
+        """What limits each state: grip, tips, motor torque, or a drag that uses the whole grip."""
         return tuple(
             SPENT if spent else CAUSES[self.rows.cause[k]]
             for k, spent in zip(self.row, self._spent, strict=True)
@@ -104,10 +107,49 @@ def acceleration_limit(
 
 
 def along(model: Model, rows: AccelerationRows, start: Array, direction: Array) -> AccelerationLimit:
-    """Largest t with A (start + t direction) ≤ b, all (M, …), about the centre of mass.
+    """Largest t with which start + t direction (M, 3) is admissible, about the centre of mass.
 
     Negative where ``start`` itself is not admissible for want of grip along the direction; −∞ where no t is,
     or what coasting does where a drag leaves no grip to drive.
+    """
+    return along_each(model, rows, start[None], direction[None])[0]
+
+
+def along_each(
+    model: Model, rows: AccelerationRows, start: Array, direction: Array
+) -> list[AccelerationLimit]:
+    """:func:`along` for R rays (R, M, 3) at every state.
+
+    With four wheels and more and a share below 1 the wheels' forces are those that their common creep gives
+    (:mod:`~slipmargin.limits.realised_limit`): what binds is then a single wheel.
+    """
+    ranges = [_range(rows, s, d) for s, d in zip(start, direction, strict=True)]
+    low, value, best = (np.stack(each) for each in zip(*ranges, strict=True))
+    if isinstance(rows.share, float) and decided_by_creep(model, rows.share):
+        found, limiting = realised_limit(
+            model, rows.friction, rows.external, start, direction, low, value, share=rows.share
+        )
+        binds = np.any(limiting, axis=2)
+        if np.any(binds):
+            table, which = np.unique(limiting[binds], axis=0, return_inverse=True)
+            best[binds] = len(rows.cause) + which.ravel()
+            rows = replace(
+                rows,
+                wheels=np.concatenate([rows.wheels, table]),
+                cause=np.concatenate([rows.cause, np.full(len(table), GRIP)]),
+            )
+        value = found
+    return [
+        AccelerationLimit(value=_coasted(rows, s, d, v, least), row=b, rows=rows, names=model.geometry.names)
+        for s, d, v, b, least in zip(start, direction, value, best, low, strict=True)
+    ]
+
+
+def _range(rows: AccelerationRows, start: Array, direction: Array) -> tuple[Array, Array, NDArray[np.int64]]:
+    """Least and largest t (M,) with A (start + t direction) ≤ b, and the row that ends it.
+
+    Where no t is, the least is infinite and the largest −∞, or negative where the rows against the direction
+    say how far the robot is from holding.
     """
     room = rows.b - np.einsum("mrc,mc->mr", rows.A, start)
     slope = np.einsum("mrc,mc->mr", rows.A, direction)
@@ -119,14 +161,22 @@ def along(model: Model, rows: AccelerationRows, start: Array, direction: Array) 
     never = np.any((np.abs(slope) <= tiny) & (room < -1e-9 * scale), axis=1)
     best = np.argmin(t, axis=1)
     value = t[np.arange(len(t)), best]
+    tips = np.flatnonzero(rows.cause == TIPS)
+    if len(tips):  # where a wheel lifts its grip ends too: it tips
+        first = tips[np.argmin(t[:, tips], axis=1)]
+        best = np.where(t[np.arange(len(t)), first] <= value + 1e-9 * np.abs(value), first, best)
     never |= least > value + 1e-9 * np.abs(value)
-    value = np.where(never & (value > 0.0), -np.inf, value)
-    spent = never & np.any(rows.spent, axis=1)
-    if np.any(spent):
-        away = np.einsum("mc,mc->m", rows.coasting - start, direction)
-        away[np.abs(away) < 1e-12 * np.sum(np.abs(rows.coasting), axis=1)] = 0.0
-        value = np.where(spent, away / np.einsum("mc,mc->m", direction, direction), value)
-    return AccelerationLimit(value=value, row=best, rows=rows, names=model.geometry.names)
+    return np.where(never, np.inf, least), np.where(never & (value > 0.0), -np.inf, value), best
+
+
+def _coasted(rows: AccelerationRows, start: Array, direction: Array, value: Array, least: Array) -> Array:
+    """``value``, or what drag alone does where no multiple is admissible as drag leaves no grip to drive."""
+    spent = np.isposinf(least) & np.any(rows.spent, axis=1)
+    if not np.any(spent):
+        return value
+    away = np.einsum("mc,mc->m", rows.coasting - start, direction)
+    away[np.abs(away) < 1e-12 * np.sum(np.abs(rows.coasting), axis=1)] = 0.0
+    return np.where(spent, away / np.einsum("mc,mc->m", direction, direction), value)
 
 
 def needed_share(model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS) -> Array:

@@ -4,7 +4,7 @@ Drive forces are free within λ μ_W N, the transverse forces are drag.  For a f
 zonotope of B_W's columns b_i (with t_i the columns of B_T):
 
     n·M a − n·w ≤ Σ_i κ_i N_i(a),   κ_i = λ μ_W |n·b_i| − max_D (n·t_i) D_i,
-    N_i(a) = rest_i + P_i·a + S_i·Σ h F ≥ 0                       (tip-over)
+    N_i(a) = rest_i + P_i·a + S_i·Σ h F ≥ (1 − λ) N_i(0)          (tipping: λ of what lifts the wheel)
     ±T_i(a) ≤ what the motor gives at its speed                   (torque–speed line)
 
 a = (a_x, a_y, α): body-frame acceleration of the centre of mass and yaw acceleration; w: the external
@@ -13,7 +13,7 @@ wrench, the worst of what is unknown, with the loads that the same forces make b
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import final
 
 import numpy as np
@@ -60,6 +60,7 @@ class AccelerationRows:
     ``wheels`` (R, N) are the wheels a row is about (a facet saturates several); ``cause`` (R,) indexes
     :data:`CAUSES`.  ``spent`` (M, N): wheels whose drag uses the whole of a coupled grip, so that none is
     left to drive; ``coasting`` (M, 3): the acceleration without any drive force (zero where none is spent).
+    ``share`` is λ, ``friction`` and ``external`` what the rows are made of.
     """
 
     A: Array
@@ -68,10 +69,14 @@ class AccelerationRows:
     cause: NDArray[np.int64]
     spent: NDArray[np.bool_]
     coasting: Array
+    share: Array | float = field(repr=False)
+    friction: Friction = field(repr=False)
+    external: External = field(repr=False)
 
 
 #: What a row stands for, and what is said where there is no grip left to drive.
-CAUSES = ("grip", "tip-over", "motor torque")
+CAUSES = ("grip", "tips", "motor torque")
+GRIP, TIPS, MOTOR = range(3)
 SPENT = "drag uses the whole grip"
 
 
@@ -88,7 +93,8 @@ def acceleration_rows(
     Parameters
     ----------
     share : float or (M,)
-        λ: the share of each wheel's drive grip that may be used.
+        λ: the share of each wheel's drive grip that may be used, and of the acceleration that lifts a wheel:
+        every wheel keeps 1 − λ of the load that it has without acceleration.
     motor : bool
         Whether the motor's torque–speed line counts.
     """
@@ -102,7 +108,7 @@ def acceleration_rows(
         tip = np.zeros((motion.count, n, 3))
         tip[..., :2] = -model.loads.per_acceleration_kg
         rows.append(tip)
-        bounds.append(external.standing_N())
+        bounds.append(np.reshape(share, (-1, 1)) * external.standing_N())
         causes += [1] * n
         wheels.append(np.eye(n, dtype=bool))
     if motor and model.drives.stall_torque_N_m is not None:
@@ -120,6 +126,9 @@ def acceleration_rows(
         cause=np.array(causes),
         spent=spent,
         coasting=_coasting(model, friction, external) if np.any(spent) else np.zeros((motion.count, 3)),
+        share=share,
+        friction=friction,
+        external=external,
     )
 
 

@@ -9,6 +9,7 @@ from matplotlib.projections.polar import PolarAxes
 
 from slipmargin.checks import Array
 from slipmargin.limits.bounds_summary import Bounds
+from slipmargin.limits.motion_rows import CAUSES, TIPS
 from slipmargin.plots.polar import forwards_up, from_forwards, polar_axes
 from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, RED, SKY, styled
 
@@ -33,7 +34,8 @@ def draw_limits(axes: PolarAxes, found: Bounds) -> PolarAxes:
         (full.turning_m_s2, ORANGE, "turning at speed"),
         (full.starting_m_s2, BLUE, "speeding up"),
     ):
-        axes.plot(angle, _shut(np.maximum(values, 0.0)), color=colour, label=label)
+        held = np.where(np.isfinite(values), np.maximum(values, 0.0), np.nan)  # no spokes where it must slip
+        axes.plot(angle, _shut(held), color=colour, label=label)
     axes.fill(
         angle,
         _shut(np.maximum(found.safe.starting_m_s2, 0.0)),
@@ -42,6 +44,13 @@ def draw_limits(axes: PolarAxes, found: Bounds) -> PolarAxes:
         lw=0,
         label=f"speeding up with margin {found.margin:g}",
     )
+    tips = np.array([cause == CAUSES[TIPS] for cause in full.starting.cause])
+    if np.any(tips):
+        on = np.where(tips, np.maximum(full.starting_m_s2, 0.0), np.nan)
+        axes.plot(angle, _shut(on), color=RED, lw=3.0, alpha=0.6, label="tips")
+    must_slip = full.steady_use > 1.0
+    if np.any(must_slip):
+        axes.set_xlabel(f"must slip at constant speed in {np.sum(must_slip)} of {len(must_slip)} directions")
     axes.set_title(
         f"{found.model.robot} on “{found.model.surface}”:\nacceleration limit [m/s²] by direction of motion",
         pad=18,

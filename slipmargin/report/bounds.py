@@ -7,8 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from slipmargin.checks import Array
 from slipmargin.limits.bounds_summary import Bounds
+from slipmargin.limits.motion_rows import CAUSES, TIPS
 from slipmargin.report.text import columns, degrees
+
+#: A strongest direction whose neighbours hold less than this part of it is called narrow [1].
+NEEDLE = 0.9
 
 
 def answer(b: Bounds) -> list[str]:
@@ -17,9 +22,9 @@ def answer(b: Bounds) -> list[str]:
     weak, strong = int(np.argmin(full.starting_m_s2)), int(np.argmax(full.starting_m_s2))
     lines.append(
         f"traction    {b.traction_m_s2:.4g} m/s² in the weakest direction "
-        f"({degrees(full.heading_rad[weak])}; {', '.join(full.starting.wheels[weak])}), "
+        f"({degrees(full.heading_rad[weak])}; {_tips(b, weak)}{', '.join(full.starting.wheels[weak])}), "
         f"{full.starting_m_s2[strong]:.4g} m/s² in the "
-        f"strongest ({degrees(full.heading_rad[strong])})"
+        f"strongest ({degrees(full.heading_rad[strong])}{_narrow(b, strong)})"
     )
     lines.append(
         "motor       "
@@ -32,16 +37,37 @@ def answer(b: Bounds) -> list[str]:
     )
     lines.append(_isotropic(b))
     lines.append(f"recommended {b.recommended_m_s2:.4g} m/s² in any direction, slip margin {b.margin:g}")
-    lines.append(
-        f"braking     {np.min(full.braking_m_s2):.4g} to {np.max(full.braking_m_s2):.4g} m/s²; turning at "
-        f"speed {np.min(full.turning_m_s2):.4g} to {np.max(full.turning_m_s2):.4g} m/s²"
-    )
+    lines.append(f"braking     {_span(full.braking_m_s2)}; turning at speed {_span(full.turning_m_s2)}")
     lines.append(
         f"spinning    up {b.spin.starting_rad_s2:.4g} rad/s², down {b.spin.braking_rad_s2:.4g} rad/s² "
         "(with the margin)"
     )
     lines.append(_steady(b))
     return lines + _sets(b)
+
+
+def _tips(b: Bounds, at: int) -> str:
+    return "tips at " if b.full.starting.cause[at] == CAUSES[TIPS] else ""
+
+
+def _narrow(b: Bounds, at: int) -> str:
+    """How wide the strongest direction is, where both its neighbours fall off steeply: a needle."""
+    values = b.full.starting_m_s2
+    beside = max(values[at - 1], values[(at + 1) % len(values)])
+    if len(values) < 4 or beside >= NEEDLE * values[at]:
+        return ""
+    step = np.rad2deg(b.full.heading_rad[1] - b.full.heading_rad[0])
+    return f" only, {beside:.4g} m/s² {step:.3g}° beside it"
+
+
+def _span(values: Array) -> str:
+    """From the least to the largest; what must slip is said, not printed as −∞."""
+    held = values[np.isfinite(values)]
+    slips = len(values) - len(held)
+    if not len(held):
+        return "none, it must slip in every direction"
+    found = f"{np.min(held):.4g} to {np.max(held):.4g} m/s²"
+    return found + (f" (it must slip in {slips} of {len(values)} directions)" if slips else "")
 
 
 def _isotropic(b: Bounds) -> str:
@@ -83,7 +109,8 @@ def _sets(b: Bounds) -> list[str]:
     return [
         f"box         speed up {_three(s.fast)}, slow down {_three(s.slow)}"
         " (right, forward m/s², yaw rad/s²)",
-        f"ellipsoid   {s.circle_m_s2:.4g} m/s² in any direction of motion and of acceleration",
+        f"circle      {s.circle_m_s2:.4g} m/s² in any direction of motion and of acceleration",
+        f"reserved    {s.yaw_rad_s2:.4g} rad/s² of yaw acceleration at once, in box, circle and exports",
     ]
 
 

@@ -57,8 +57,18 @@ def _head(found: Bounds, tool: str, comment: str) -> list[str]:
     return [
         f"{comment} {tool} limits of {model.robot} on {model.surface}, slip margin {found.margin:g} "
         "(slipmargin)",
-        f"{comment} safe in every direction of motion; x forward, y left",
+        f"{comment} {_stated(found)}",
+        f"{comment} x forward, y left",
     ]
+
+
+def _stated(found: Bounds) -> str:
+    """The one set that every export comes from, in words."""
+    yaw = _sets(found).yaw_rad_s2
+    return (
+        f"safe in every direction of motion, with {yaw:.4g} rad/s^2 of yaw acceleration at once: the largest "
+        "box for tools with a number an axis, the largest circle for tools with one number"
+    )
 
 
 def nav2(found: Bounds) -> str:
@@ -94,7 +104,7 @@ def roadrunner(found: Bounds) -> str:
     """Java fields of MecanumDrive.Params: inches and radians."""
     sets = _sets(found)
     fast, slow = _forward(sets.fast), _forward(sets.slow)
-    up, down = min(fast[:2]), min(slow[:2])
+    up = down = sets.circle_m_s2
     lines = [*_head(found, "Road Runner", "//"), "// path profile parameters (in inches)"]
     top = found.model.drives.max_speed_rad_s
     if top is not None:
@@ -116,12 +126,13 @@ def pathplanner(found: Bounds) -> str:
     sets, model = _sets(found), found.model
     ahead, side, turn = _speeds(found)
     table: dict[str, Any] = {
+        "comment": _stated(found),
         "holonomicMode": True,
         "robotMass": model.inertia.mass_kg,
         "robotMOI": model.inertia.inertia_kg_m2,
         "driveWheelRadius": float(np.mean(model.geometry.radius_m)),
         "wheelCOF": _effective(found),
-        "defaultMaxAccel": min(sets.circle_m_s2, float(np.min(sets.even[:2]))),
+        "defaultMaxAccel": sets.circle_m_s2,
         "defaultMaxAngAccel": math.degrees(float(sets.even[2])),
     }
     if ahead is not None and side is not None and turn is not None:
@@ -151,7 +162,7 @@ def choreo(found: Bounds) -> str:
         for name, (value, unit) in values.items()
         if value is not None
     }
-    return json_text({"config": config})
+    return json_text({"comment": _stated(found), "config": config})
 
 
 def plain_json(found: Bounds) -> str:
@@ -204,6 +215,7 @@ def bounds_table(found: Bounds) -> dict[str, Any]:
             "box": sets.even,
             "ellipsoid": sets.ellipsoid,
             "circle_m_s2": sets.circle_m_s2,
+            "yaw_reserved_rad_s2": sets.yaw_rad_s2,
         },
         "inside_why_not": found.why_not,
     }

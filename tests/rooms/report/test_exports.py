@@ -43,7 +43,7 @@ def test_nav2_has_its_own_names_order_and_signs(found: Bounds) -> None:
 def test_road_runner_speaks_inches(found: Bounds) -> None:
     text = export_text("roadrunner", found)
     values = dict(re.findall(r"public double (\w+) = (-?[\d.]+);", text))
-    assert float(values["maxProfileAccel"]) == pytest.approx(min(found.inside.fast[:2]) / 0.0254, abs=1e-2)
+    assert float(values["maxProfileAccel"]) == pytest.approx(found.inside.circle_m_s2 / 0.0254, abs=1e-2)
     assert float(values["minProfileAccel"]) < 0.0
     assert float(values["maxWheelVel"]) == pytest.approx(60.0, abs=1e-2)  # 60 rad/s × 1 inch
     assert {"maxAngVel", "maxAngAccel"} <= values.keys()
@@ -52,6 +52,7 @@ def test_road_runner_speaks_inches(found: Bounds) -> None:
 def test_pathplanner_and_choreo_take_a_coefficient(found: Bounds) -> None:
     table = json.loads(export_text("pathplanner", found))
     assert table["wheelCOF"] * 9.81 == pytest.approx(found.inside.circle_m_s2)
+    assert table["defaultMaxAccel"] == pytest.approx(found.inside.circle_m_s2)
     assert table["defaultMaxAngAccel"] == pytest.approx(np.rad2deg(found.inside.even[2]))
     assert table["robotMass"] == 3.0 and "robotMOI" in table and "maxDriveSpeed" in table
     config = json.loads(export_text("choreo", found))["config"]
