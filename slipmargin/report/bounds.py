@@ -82,6 +82,14 @@ def _isotropic(b: Bounds) -> str:
 
 
 def _steady(b: Bounds) -> str:
+    slips = int(np.count_nonzero(b.full.steady_use > 1.0))
+    if slips and np.all(np.isfinite(b.full.steady_use)):
+        where = (
+            "every direction"
+            if slips == len(b.full.steady_use)
+            else f"{slips} of {len(b.full.steady_use)} directions"
+        )
+        return f"steady      it must slip at constant speed in {where} (with --robust: on rigid sectors)"
     spent = int(np.count_nonzero(np.isinf(b.full.steady_use)))
     if spent:
         return (
