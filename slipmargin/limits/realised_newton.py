@@ -129,10 +129,12 @@ def _at(
             size *= 0.5
         if size <= 1e-9:
             break
-        x[:] = trial
+        for r in range(3):
+            x[r] = trial[r]
         miss = less
     if not miss <= 1e-8:
-        x[:] = 0.0
+        for r in range(3):
+            x[r] = 0.0
         return math.inf
     return float(abs(z[_worst(z)]))
 
