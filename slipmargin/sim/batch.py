@@ -18,6 +18,7 @@ from slipmargin.errors import InputError
 from slipmargin.physics.frames import to_body, to_floor, velocity_at
 from slipmargin.physics.grips import GripShape, drive_left
 from slipmargin.sim import layout as at
+from slipmargin.sim.cold import warm_up
 from slipmargin.sim.motion import TASK, TOLD, run, workspace
 from slipmargin.sim.signal import WheelSignal
 from slipmargin.sim.wheels import breakpoints, follow
@@ -179,6 +180,7 @@ class Batch:
         -------
         Outcome
         """
+        warm_up()
         models = np.atleast_2d(models)
         n, longest = self.wheels, self.longest
         if int(models[0, at.COUNT]) != n:
