@@ -23,6 +23,7 @@ from slipmargin.sim import body, motion, rodas, wheels
 # Types, not their names: numba keeps what it compiled under the very object it was asked with.
 _N, _INT, _BOOL = types.float64, types.int64, types.boolean
 _ROW, _TABLE, _CUBE = (types.Array(types.float64, k, "C") for k in (1, 2, 3))
+_SIX = types.UniTuple(_TABLE, 6)  # type: ignore[no-untyped-call]
 #: What the second process compiles, and for which arguments.
 _APART: tuple[tuple[Any, tuple[Any, ...]], ...] = (
     (body._factors, (_ROW, _INT, _N, _ROW, _TABLE, _ROW)),
@@ -34,7 +35,7 @@ _APART: tuple[tuple[Any, tuple[Any, ...]], ...] = (
     (motion._first_switch, (_ROW, _ROW, _ROW, _TABLE)),
     (wheels.breakpoints, (_ROW, _ROW, _CUBE, _TABLE)),
 )
-_KERNEL = (_ROW, _ROW, _CUBE, _TABLE, _TABLE, _ROW, _ROW, types.UniTuple(_TABLE, 6), _TABLE)
+_KERNEL = (_ROW, _ROW, _CUBE, _TABLE, _TABLE, _ROW, _ROW, _SIX, _TABLE)
 #: Longest wait for the second process [s]: it takes about as long as this one, some seconds.
 _PATIENCE_S = 60.0
 
