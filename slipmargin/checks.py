@@ -50,8 +50,8 @@ def real(
     return number
 
 
-def frozen(place: str, value: Any, shape: tuple[int | None, ...]) -> Array:
-    """A read-only float copy of ``value`` with the given shape (``None``: any length), all finite."""
+def shaped(place: str, value: Any, shape: tuple[int | None, ...]) -> Array:
+    """A float copy of ``value`` with the given shape (``None``: any length)."""
     array = np.array(value, dtype=np.float64)
     fits = array.ndim == len(shape) and all(
         want is None or want == got for want, got in zip(shape, array.shape, strict=True)
@@ -59,6 +59,12 @@ def frozen(place: str, value: Any, shape: tuple[int | None, ...]) -> Array:
     if not fits:
         wanted = "×".join("any" if n is None else str(n) for n in shape)
         raise InputError(place, f"has shape {array.shape}", f"give an array of shape {wanted}")
+    return array
+
+
+def frozen(place: str, value: Any, shape: tuple[int | None, ...]) -> Array:
+    """A read-only float copy of ``value`` with the given shape (``None``: any length), all finite."""
+    array = shaped(place, value, shape)
     if not np.all(np.isfinite(array)):
         raise InputError(place, "holds a value that is not finite", "give finite numbers")
     array.setflags(write=False)

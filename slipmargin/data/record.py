@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, shaped
 from slipmargin.errors import InputError
 
 #: The signals of the wheels that a record may hold: field name → meaning.
@@ -95,13 +95,7 @@ class Record:
 
 def _signal(place: str, value: object, shape: tuple[int | None, ...]) -> Array:
     """A read-only copy in which NaN stands for a missing sample; infinity is refused."""
-    array = np.array(value, dtype=np.float64)
-    fits = array.ndim == len(shape) and all(
-        want is None or want == got for want, got in zip(shape, array.shape, strict=True)
-    )
-    if not fits:
-        wanted = "×".join("any" if n is None else str(n) for n in shape)
-        raise InputError(place, f"has shape {array.shape}", f"give an array of shape {wanted}")
+    array = shaped(place, value, shape)
     if np.isinf(array).any():
         raise InputError(place, "holds an infinite value", "leave a missing sample empty")
     array.setflags(write=False)
