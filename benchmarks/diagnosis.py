@@ -27,8 +27,8 @@ from kept import Keeper, collected
 from planting import Plant, commanded, planted, smooth_kiwi
 
 from slipmargin.data.data_set import DataSet
-from slipmargin.diagnose.diagnosis import Diagnosis
-from slipmargin.diagnose.loop import diagnose
+from slipmargin.diagnosis.loop import diagnose
+from slipmargin.diagnosis.result import Diagnosis
 from slipmargin.effects import Effect, WheelEffect
 from slipmargin.effects.catalogue import CATALOGUE, effect_class
 from slipmargin.io.data_set import read_data_set

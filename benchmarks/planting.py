@@ -10,7 +10,7 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.data.data_set import DataSet, WheelSignal
 from slipmargin.data.record import Record
-from slipmargin.diagnose.sense import measure
+from slipmargin.diagnosis.sense import measure
 from slipmargin.effects import AnyEffect, Recipe, Trace
 from slipmargin.effects.recipe import with_effects
 from slipmargin.io.robot_file import read_recipe

@@ -29,15 +29,15 @@ from scipy.optimize import minimize_scalar
 
 from slipmargin.checks import Index
 from slipmargin.data.data_set import DataSet, WheelSignal
-from slipmargin.diagnose.candidate import named_candidates
-from slipmargin.diagnose.diagnosis import Diagnosis
-from slipmargin.diagnose.evidence import intervals
-from slipmargin.diagnose.fit import Fit, build, fit, limits_of
-from slipmargin.diagnose.left_out import leave_one_out
-from slipmargin.diagnose.loop import diagnose
-from slipmargin.diagnose.prepare import clean, noise
-from slipmargin.diagnose.problem import Problem
-from slipmargin.diagnose.selection import LONG_PIECE_S
+from slipmargin.diagnosis.candidate import named_candidates
+from slipmargin.diagnosis.evidence import intervals
+from slipmargin.diagnosis.fit import Fit, build, fit, limits_of
+from slipmargin.diagnosis.left_out import leave_one_out
+from slipmargin.diagnosis.loop import diagnose
+from slipmargin.diagnosis.prepare import clean, noise
+from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.result import Diagnosis
+from slipmargin.diagnosis.selection import LONG_PIECE_S
 from slipmargin.effects import Recipe
 from slipmargin.effects.camera_scale import CameraScale
 from slipmargin.effects.slip_ratio_friction import SlipRatioFriction

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from slipmargin.data.calibration import Calibration, calibrate
 from slipmargin.data.odometry import body_path
 from slipmargin.data.record import Record
-from slipmargin.diagnose.prepare import clean
-from slipmargin.diagnose.sense import measure
-from slipmargin.diagnose.signals import wheel_signal
+from slipmargin.diagnosis.prepare import clean
+from slipmargin.diagnosis.sense import measure
+from slipmargin.diagnosis.signals import wheel_signal
 from slipmargin.effects import Recipe
 from slipmargin.io.importers.plug import import_files
 from slipmargin.io.importers.robotino import RobotinoImporter

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from robotino_campaign import SIGMA, Campaign, Runs
 
-from slipmargin.diagnose.order_analysis import order_analysis
-from slipmargin.diagnose.prepare import clean
-from slipmargin.diagnose.problem import Problem
+from slipmargin.diagnosis.order_analysis import order_analysis
+from slipmargin.diagnosis.prepare import clean
+from slipmargin.diagnosis.problem import Problem
 from slipmargin.effects import Recipe
 from slipmargin.limits.bounds import directions
 from slipmargin.limits.pull import Pull

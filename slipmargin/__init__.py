@@ -15,8 +15,6 @@ no window, prints nothing, and opens files only in :mod:`slipmargin.io`.
 from __future__ import annotations
 
 import importlib
-import sys
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
@@ -69,14 +67,3 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return ["__version__", *_CONTENTS]
-
-
-class _Door(ModuleType):
-    """A module whose public functions are not replaced by a room of the same name (``diagnose``)."""
-
-    def __setattr__(self, name: str, value: object) -> None:
-        if not (name in _CONTENTS and isinstance(value, ModuleType)):
-            super().__setattr__(name, value)
-
-
-sys.modules[__name__].__class__ = _Door

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from strategies import kiwi
 
-from slipmargin.diagnose.diagnosis import (
+from slipmargin.diagnosis.residual_diagnostics import ResidualDependence
+from slipmargin.diagnosis.result import (
     Diagnosis,
     Estimate,
     Event,
@@ -16,7 +17,6 @@ from slipmargin.diagnose.diagnosis import (
     Tried,
     Verdict,
 )
-from slipmargin.diagnose.residual_diagnostics import ResidualDependence
 from slipmargin.effects import AnyEffect, GeneralEffect, Part, Recipe, Trace
 from slipmargin.effects.wheel_loads import WheelLoads
 from slipmargin.physics.terms import Multiplier

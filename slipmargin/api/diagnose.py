@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from slipmargin.data.data_set import DataSet
-    from slipmargin.diagnose.diagnosis import Diagnosis
-    from slipmargin.diagnose.limits_change import LimitsChange
+    from slipmargin.diagnosis.limits_change import LimitsChange
+    from slipmargin.diagnosis.result import Diagnosis
     from slipmargin.effects import Recipe
 
 
@@ -157,8 +157,8 @@ def diagnose(
     >>> found = sm.diagnose("measured-runs")  # doctest: +SKIP
     >>> sm.sweep(found.corrected, "paper")  # doctest: +SKIP
     """
-    from slipmargin.diagnose.limits_change import limits_change
-    from slipmargin.diagnose.loop import diagnose as search
+    from slipmargin.diagnosis.limits_change import limits_change
+    from slipmargin.diagnosis.loop import diagnose as search
 
     if seed < 0:
         raise InputError("seed", f"is {seed}", "give a whole number from 0")

@@ -12,9 +12,9 @@ from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 
 from slipmargin.checks import Array
-from slipmargin.diagnose.diagnosis import Diagnosis, Step, TrialTrajectories
-from slipmargin.diagnose.limits_change import LimitsChange
-from slipmargin.diagnose.residual_diagnostics import CHANNELS
+from slipmargin.diagnosis.limits_change import LimitsChange
+from slipmargin.diagnosis.residual_diagnostics import CHANNELS
+from slipmargin.diagnosis.result import Diagnosis, Step, TrialTrajectories
 from slipmargin.plots.limits_change import limits_figure
 from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PALE, RED, styled
 from slipmargin.report.diagnosis_words import plain

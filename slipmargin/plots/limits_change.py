@@ -11,7 +11,7 @@ from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
 from slipmargin.checks import Array
-from slipmargin.diagnose.limits_change import LimitsChange
+from slipmargin.diagnosis.limits_change import LimitsChange
 from slipmargin.plots.polar import forwards_up, from_forwards, of_pull, polar_axes
 from slipmargin.plots.style import BLUE, RED, SKY, styled
 

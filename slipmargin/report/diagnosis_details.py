@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from slipmargin.diagnose.diagnosis import Diagnosis
-from slipmargin.diagnose.limits_change import LimitsChange
+from slipmargin.diagnosis.limits_change import LimitsChange
+from slipmargin.diagnosis.result import Diagnosis
 from slipmargin.report import diagnosis_words as words
 from slipmargin.report.diagnosis_json import trial_chi
 from slipmargin.report.page import Block, Bullets, Fold, Image, Picture, Table, Text

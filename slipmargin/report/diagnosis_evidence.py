@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from slipmargin.diagnose.diagnosis import Diagnosis, Finding, Verdict
-from slipmargin.diagnose.separate import separating_trial
+from slipmargin.diagnosis.result import Diagnosis, Finding, Verdict
+from slipmargin.diagnosis.separate import separating_trial
 from slipmargin.io.robot_text import effect_text
 from slipmargin.report import diagnosis_words as words
 from slipmargin.report.page import Block, Bullets, Code, Fold, Table, Text

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from slipmargin.diagnose.diagnosis import Diagnosis, Estimate, Finding, Score, Step, TrialTrajectories
-from slipmargin.diagnose.limits_change import Limits, LimitsChange
-from slipmargin.diagnose.residual_diagnostics import ResidualDependence
-from slipmargin.diagnose.separate import separating_trial
+from slipmargin.diagnosis.limits_change import Limits, LimitsChange
+from slipmargin.diagnosis.residual_diagnostics import ResidualDependence
+from slipmargin.diagnosis.result import Diagnosis, Estimate, Finding, Score, Step, TrialTrajectories
+from slipmargin.diagnosis.separate import separating_trial
 from slipmargin.io.json_text import json_text
 
 SCHEMA = 1

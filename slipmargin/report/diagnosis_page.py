@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from slipmargin.diagnose.diagnosis import Diagnosis, Verdict
-from slipmargin.diagnose.limits_change import LimitsChange
-from slipmargin.diagnose.selection import SIGNIFICANCE
+from slipmargin.diagnosis.limits_change import LimitsChange
+from slipmargin.diagnosis.result import Diagnosis, Verdict
+from slipmargin.diagnosis.selection import SIGNIFICANCE
 from slipmargin.report import diagnosis_words as words
 from slipmargin.report.diagnosis_details import details, limits
 from slipmargin.report.diagnosis_evidence import evidence, next_steps, parameters

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from slipmargin.diagnose.diagnosis import Diagnosis, Estimate, Finding, Score, Verdict
-from slipmargin.diagnose.limits_change import LimitsChange
-from slipmargin.diagnose.plan_change import PlanChange
-from slipmargin.diagnose.pull_check import PullCheck
-from slipmargin.diagnose.separate import separating_trial
+from slipmargin.diagnosis.limits_change import LimitsChange
+from slipmargin.diagnosis.plan_change import PlanChange
+from slipmargin.diagnosis.pull_check import PullCheck
+from slipmargin.diagnosis.result import Diagnosis, Estimate, Finding, Score, Verdict
+from slipmargin.diagnosis.separate import separating_trial
 from slipmargin.effects import Effect, Trace
 
 #: The variable of a trace as a reader would say it.

@@ -23,8 +23,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 from strategies import effects, four_wheels, kiwi, robots
 
-from slipmargin.diagnose.sense import measure
-from slipmargin.diagnose.wheel_phase import matters_to
+from slipmargin.diagnosis.sense import measure
+from slipmargin.diagnosis.wheel_phase import matters_to
 from slipmargin.effects import Effect, GeneralEffect, Part, Recipe, WheelEffect
 from slipmargin.effects.catalogue import CATALOGUE, effect_class
 from slipmargin.effects.effect import Trace

@@ -20,8 +20,8 @@ from slipmargin_cli.main import status
 from strategies import kiwi
 
 from slipmargin.checks import Array
-from slipmargin.diagnose import loop
-from slipmargin.diagnose.diagnosis import Diagnosis, Verdict
+from slipmargin.diagnosis import loop
+from slipmargin.diagnosis.result import Diagnosis, Verdict
 from slipmargin.effects import Recipe
 from slipmargin.errors import InputError
 from slipmargin.io.folder import check_folder, write_folder
@@ -218,7 +218,7 @@ def test_interrupted_process_leaves_nothing(data: Path, tmp_path: Path) -> None:
     # a shell that runs this suite in the background has it ignore Ctrl-C, and its children too
     code = (
         "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-        "import time, sys\nfrom slipmargin.diagnose import loop\n"
+        "import time, sys\nfrom slipmargin.diagnosis import loop\n"
         "def engine(*a, **b):\n    print('in', flush=True)\n    time.sleep(30)\n"
         "loop.diagnose = engine\n"
         "from slipmargin_cli.main import status\n"

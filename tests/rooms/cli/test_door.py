@@ -47,7 +47,7 @@ def test_the_directory_is_the_table_of_contents() -> None:
 
 
 def test_a_room_of_the_same_name_does_not_take_a_function_s_place() -> None:
-    code = "import slipmargin.diagnose.loop, slipmargin as sm; assert callable(sm.diagnose), sm.diagnose"
+    code = "import slipmargin.diagnosis.loop, slipmargin as sm; assert callable(sm.diagnose), sm.diagnose"
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
 
 

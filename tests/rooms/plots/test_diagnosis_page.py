@@ -16,10 +16,10 @@ from diagnoses import diagnosis, trials, unnamed, wheel_loads
 from matplotlib.figure import Figure
 
 from slipmargin.api.diagnose import DiagnosisResult
-from slipmargin.diagnose.diagnosis import Diagnosis, Estimate, Score, Verdict
-from slipmargin.diagnose.limits_change import limits_change
-from slipmargin.diagnose.plan_change import PlanChange
-from slipmargin.diagnose.separate import TRIALS, separating_trial, trace_of
+from slipmargin.diagnosis.limits_change import limits_change
+from slipmargin.diagnosis.plan_change import PlanChange
+from slipmargin.diagnosis.result import Diagnosis, Estimate, Score, Verdict
+from slipmargin.diagnosis.separate import TRIALS, separating_trial, trace_of
 from slipmargin.effects import Trace
 from slipmargin.effects.camera_delay import CameraDelay
 from slipmargin.effects.catalogue import CATALOGUE

@@ -12,8 +12,8 @@ import pytest
 from diagnoses import diagnosis, unnamed, wheel_loads
 from hypothesis import given, settings, strategies as st
 
-from slipmargin.diagnose.diagnosis import Diagnosis, Estimate, Verdict
-from slipmargin.diagnose.limits_change import limits_change
+from slipmargin.diagnosis.limits_change import limits_change
+from slipmargin.diagnosis.result import Diagnosis, Estimate, Verdict
 from slipmargin.effects import Trace
 from slipmargin.report.diagnosis_json import report_text, trial_chi
 

@@ -1,0 +1,118 @@
+"""Single events in a run: a bump, a lifted wheel, a camera that jumped.  No effect is meant to explain them.
+
+A run is cut at its events and each part is predicted from its own start, so that no effect is fitted to them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from slipmargin.checks import Array, Index
+from slipmargin.data.record import WHEEL_SIGNALS, Record
+from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.result import Event
+
+#: Within how long an event happens [s].
+_SPAN_S = 0.1
+#: A jump of the residual must exceed both: so many standard deviations, and so many times the
+#: largest ordinary jump (99th percentile over the other trials).
+_SIGMAS, _ORDINARY = 16.0, 8.0
+_CHANNELS = ("x", "y", "phi")
+#: A part of a cut run is kept if it is as long as this [s].
+_LEAST_S = 0.4
+
+
+def find_events(problem: Problem, predicted: Array, ordinary: Index) -> tuple[Event, ...]:
+    """Jumps of the residual that are far larger than in the other trials, largest first.
+
+    Parameters
+    ----------
+    problem : Problem
+        The trials.
+    predicted : array (R, T, 3)
+        Their poses by the final model.
+    ordinary : array of int
+        The trials whose jumps say what is ordinary.
+    """
+    jumps = []
+    for trial, pose in zip(problem.trials, predicted, strict=True):
+        gap = (trial.pose - pose[: len(trial.t_s)]) / problem.sigma
+        half = max(2, round(_SPAN_S / max(1e-9, float(np.median(np.diff(trial.t_s))))))
+        jumps.append(_jumps(gap, half))
+    found = []
+    for number, (trial, jump) in enumerate(zip(problem.trials, jumps, strict=True)):
+        usual = _ordinary([jumps[i] for i in ordinary if i != number] or jumps)
+        for axis, channel in enumerate(_CHANNELS):
+            size = np.nan_to_num(np.abs(jump[:, axis]))
+            at = int(np.argmax(size))
+            if size[at] > max(_SIGMAS, _ORDINARY * float(usual[axis])):
+                found.append(
+                    Event(
+                        trial=trial.name,
+                        t_s=float(trial.t_s[at]),
+                        channel=channel,
+                        size_sigma=float(size[at]),
+                    )
+                )
+    return tuple(sorted(found, key=lambda e: -e.size_sigma))
+
+
+def _ordinary(jumps: list[Array]) -> Array:
+    pooled = np.concatenate([np.abs(j) for j in jumps])
+    return np.nanquantile(pooled, 0.99, axis=0) if np.isfinite(pooled).any() else np.zeros(3)
+
+
+def _jumps(gap: Array, half: int) -> Array:
+    """Mean of the next ``half`` samples minus mean of the last ``half``, (T, C), NaN at the ends."""
+    out = np.full(gap.shape, np.nan)
+    if len(gap) < 2 * half + 1:
+        return out
+    total = np.cumsum(np.vstack([np.zeros((1, gap.shape[1])), np.nan_to_num(gap)]), axis=0)
+    count = np.cumsum(np.vstack([np.zeros((1, gap.shape[1])), np.isfinite(gap)]), axis=0)
+    mean = (total[half:] - total[:-half]) / np.maximum(1.0, count[half:] - count[:-half])
+    out[half:-half] = (mean[half:] - mean[:-half])[1:]
+    return out
+
+
+def cut_apart(
+    records: Sequence[Record], events: Sequence[Event]
+) -> tuple[tuple[Record, ...], tuple[int, ...]]:
+    """The runs cut at their events, and of each part the number of the run it comes from."""
+    parts: list[Record] = []
+    runs: list[int] = []
+    for number, record in enumerate(records):
+        times = sorted(e.t_s for e in events if e.trial == record.name)
+        for part in _parts(record, times) if times else (record,):
+            parts.append(part)
+            runs.append(number)
+    return tuple(parts), tuple(runs)
+
+
+def with_measured_velocity(problem: Problem, runs: Sequence[int]) -> Problem:
+    """With the measured velocity at the start of each part after an event, where the wheels may slip."""
+    twists = problem.twists.copy()
+    for row, (trial, run) in enumerate(zip(problem.trials, runs, strict=True)):
+        if row == 0 or runs[row - 1] != run:
+            continue
+        early = (trial.t_s <= trial.t_s[0] + _SPAN_S) & np.isfinite(trial.pose).all(axis=1)
+        if early.sum() >= 4:
+            line = np.polyfit(trial.t_s[early] - trial.t_s[0], trial.pose[early], 1)
+            twists[row] = line[0]
+    return replace(problem, twists=twists)
+
+
+def _parts(record: Record, times: list[float]) -> list[Record]:
+    starts = [-np.inf, *(t + _SPAN_S for t in times)]
+    ends = [*(t - _SPAN_S for t in times), np.inf]
+    parts = []
+    for start, end in zip(starts, ends, strict=True):
+        rows = (record.t_s >= start) & (record.t_s <= end)
+        if rows.sum() < 2 or np.ptp(record.t_s[rows]) < _LEAST_S or not record.seen[rows].any():
+            continue
+        signals = {f: None if (v := getattr(record, f)) is None else v[rows] for f in WHEEL_SIGNALS}
+        name = f"{record.name} ({record.t_s[rows][0]:.2f}–{record.t_s[rows][-1]:.2f} s)"
+        parts.append(replace(record, name=name, t_s=record.t_s[rows], pose=record.pose[rows], **signals))
+    return parts

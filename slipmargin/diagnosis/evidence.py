@@ -1,0 +1,159 @@
+"""Significance against noise, parameter intervals, and how well the data excite the model.
+
+Many effects have their null on the edge of their range, where χ² tables do not hold (Protassov et
+al., ApJ 571, 545, 2002), and the best of many candidates gains something even from noise.  So the
+gain of the chosen effect is compared with the largest gain that *any* candidate takes from surrogate noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.diagnosis.fit import Fit
+
+SURROGATES = 999
+#: Length of the runs of samples that surrogate noise keeps together [s]: longer than the
+#: correlation of what a wrong wheel log leaves behind.
+_BLOCK_S = 0.25
+#: Coverage of the intervals.
+_SURE = 0.95
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Intervals:
+    """Intervals of the parameters: ``low`` and ``high`` (P,), ``deviation`` (P,) 1 s.d.
+
+    ``excitation`` (P,) are the singular values of the whitened Jacobian per unit of scale: a small
+    one is a direction in which these trials say nothing.
+    """
+
+    low: Array
+    high: Array
+    deviation: Array
+    excitation: Array
+
+
+def intervals(
+    found: Fit, leave_one_out: Array, scale: Array, log_shift: Array, *, together: bool = True
+) -> Intervals:
+    """Intervals from whole trials, which may be correlated inside and disagree among themselves.
+
+    The larger of the jackknife over trials, √((R−1)/R Σ (x₋ᵢ − x̄)²), and the inverse normal matrix
+    times the reduced χ², widened by what trials scatter beyond their noise (:func:`_disagreement`);
+    Student's t with R − 1 degrees of freedom, 95 %.
+
+    Parameters
+    ----------
+    found : Fit
+        The fit on R trials.
+    leave_one_out : array (R, P)
+        Parameters fitted without each trial.
+    scale : array (P,)
+        Units of the parameters.
+    log_shift : array (P,)
+        How far they move when the wheels' motion between samples is rebuilt another way.
+    together : bool
+        Whether the intervals hold for all P parameters at once (Šidák), or each for itself.
+    """
+    from scipy.special import stdtrit
+
+    count, size = leave_one_out.shape
+    flat = found.jacobian.reshape(-1, size) * scale
+    seen = int(np.count_nonzero(found.residual))
+    reduced = max(1.0, found.cost / max(1, seen - size))
+    covariance = np.linalg.pinv(flat.T @ flat) * reduced
+    formal = np.sqrt(np.maximum(np.diag(covariance), 0.0)) * scale
+    spread = leave_one_out - leave_one_out.mean(axis=0)
+    jackknife = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0)) if count > 1 else formal
+    apart = _disagreement(found, scale)
+    deviation = np.sqrt(np.maximum(np.maximum(formal, jackknife) ** 2, formal**2 + apart**2) + log_shift**2)
+    sure = _SURE ** (1.0 / size) if together else _SURE
+    quantile = float(stdtrit(max(1, count - 1), 0.5 * (1.0 + sure)))
+    return Intervals(
+        low=found.x - quantile * deviation,
+        high=found.x + quantile * deviation,
+        deviation=deviation,
+        excitation=np.asarray(np.linalg.svd(flat, compute_uv=False)),
+    )
+
+
+def _disagreement(found: Fit, scale: Array) -> Array:
+    """What trials that each have a parameter of their own add to its standard deviation (P,).
+
+    One trial may weigh as much as all others together; the jackknife then hardly sees that they
+    disagree.  The variance between trials is estimated from what every trial would move the
+    parameters by alone (R. DerSimonian and N. Laird, Controlled Clinical Trials 7, 177, 1986), in the
+    combinations of them that the trials together determine, and reaches the joint fit with the
+    weights that the trials have in it.
+    """
+    tangents = found.jacobian * scale
+    normal = np.einsum("rkp,rkq->rpq", tangents, tangents)
+    size, axes = np.linalg.eigh(normal.sum(axis=0))
+    known = size > 1e-12 * size[-1]
+    basis = axes[:, known] / np.sqrt(size[known])  # whitens the sum: its columns are the combinations
+    weight = np.einsum("pz,rpq,qy->rzy", basis, normal, basis)  # adds up to the unit matrix
+    pull = np.einsum("pz,rkp,rk->rz", basis, tangents, found.residual)
+    own = np.maximum(np.einsum("rzz->rz", weight), 1e-300)
+    beyond = np.sum(pull**2 / own, axis=0) - (len(own) - 1)
+    between = np.maximum(0.0, beyond) / np.maximum(1.0 - np.sum(own**2, axis=0), 1e-300)
+    covariance = np.einsum("rzy,y,rxy->zx", weight, between, weight)
+    return np.asarray(np.sqrt(np.maximum(np.einsum("pz,zx,px->p", basis, covariance, basis), 0.0)) * scale)
+
+
+def permutation_p_value(
+    gain: float, tangents: Sequence[Array], noise: Array, step_s: float, seed: int
+) -> float:
+    """Probability that the best of all candidates gains as much from noise alone.
+
+    Parameters
+    ----------
+    gain : float
+        Decrease of the sum of squares by the chosen effect.
+    tangents : sequence of arrays (R, K, P_c)
+        Derivative of the residual by each candidate's parameters at null.
+    noise : array (R, K)
+        Residual of the final model, three channels of K / 3 samples each.
+    step_s : float
+        Typical time between samples [s].
+    seed : int
+        Seed of the surrogates.
+
+    Returns
+    -------
+    float
+        (1 + number of surrogates whose best candidate gains at least ``gain``) / (1 + surrogates).
+        Surrogates flip the sign of whole blocks of the noise, so its size and correlation stay.
+    """
+    bases = [b for b in (_orthonormal(t) for t in tangents) if b.shape[1]]
+    if not bases:
+        return 1.0
+    trials, samples = noise.shape
+    per_channel = samples // 3
+    block = max(1, round(_BLOCK_S / max(step_s, 1e-6)))
+    blocks = -(-per_channel // block)
+    random = np.random.default_rng(seed)
+    beaten = 0
+    for start in range(0, SURROGATES, 111):
+        many = min(111, SURROGATES - start)
+        flips = random.choice([-1.0, 1.0], size=(many, trials, 3, blocks))
+        signs = np.repeat(flips, block, axis=-1)[..., :per_channel].reshape(many, -1)
+        drawn = signs * noise.reshape(1, -1)
+        best = np.max([np.sum((drawn @ basis) ** 2, axis=1) for basis in bases], axis=0)
+        beaten += int(np.sum(best >= gain))
+    return (1 + beaten) / (1 + SURROGATES)
+
+
+def _orthonormal(tangent: Array) -> Array:
+    flat = tangent.reshape(-1, tangent.shape[-1])
+    size = np.linalg.norm(flat, axis=0)
+    flat = flat[:, size > 1e-9 * max(1.0, float(size.max(initial=0.0)))]
+    if not flat.shape[1]:
+        return flat
+    left, singular, _ = np.linalg.svd(flat / np.linalg.norm(flat, axis=0), full_matrices=False)
+    return np.asarray(left[:, singular > 1e-6 * singular[0]])

@@ -1,0 +1,173 @@
+"""The findings of a fitted structure: parameters with intervals, evidence, effects that fit as well."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.evidence import Intervals, intervals
+from slipmargin.diagnosis.fit import Fit, build, limits_of, shifted_by, steps_inside
+from slipmargin.diagnosis.left_out import leave_one_out
+from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.result import Estimate, Finding
+from slipmargin.diagnosis.search import Round, State
+from slipmargin.diagnosis.signals import InterpolationScheme
+from slipmargin.effects import Effect, Quantity
+
+_GENERAL_CONFIRM = (
+    "vary this one variable, keep everything else as it was, and see whether the residual follows"
+)
+
+
+def findings(
+    problem: Problem, state: State, useful: list[float], rounds: list[Round], final: Fit, tried: int
+) -> tuple[Finding, ...]:
+    """One finding an effect of ``state``.
+
+    Parameters
+    ----------
+    problem : Problem
+        The trials.
+    state : State
+        The structure chosen on the trials that were not held out.
+    useful : list of float
+        What chi would be without each of its effects.
+    rounds : list of Round
+        How it was found.
+    final : Fit
+        The same structure fitted to all trials: the parameters to report.
+    tried : int
+        Number of candidates.
+    """
+    if not len(final.x):
+        return ()
+    low, high, scale = limits_of(final.structure)
+    spread = intervals(
+        final, leave_one_out(final), scale, shifted_by(problem.rebuilt(InterpolationScheme.OTHER), final)
+    )
+    spread = replace(spread, low=np.maximum(spread.low, low), high=np.minimum(spread.high, high))
+    stuck = final.at_bound()
+    found = []
+    at = 0
+    for index, (candidate, effect) in enumerate(zip(final.structure, final.effects, strict=True)):
+        span = slice(at, at + candidate.size)
+        at += candidate.size
+        taken = next(
+            (
+                r
+                for r in rounds
+                if r.taken
+                and r.best is not None
+                and any(c.label == candidate.label for c in r.best.structure)
+            ),
+            rounds[0],
+        )
+        found.append(
+            Finding(
+                effect=effect,
+                name=candidate.name,
+                label=candidate.label,
+                traced_to=candidate.trace,
+                wheels=candidate.wheels or problem.nominal.geometry.names,
+                parameters=tuple(
+                    Estimate(
+                        name=key,
+                        value=float(value),
+                        low=float(low),
+                        high=float(high),
+                        unit=unit,
+                        at_bound=f"{candidate.name}.{key}" in stuck,
+                    )
+                    for key, unit, value, low, high in zip(
+                        candidate.keys,
+                        candidate.units,
+                        final.x[span],
+                        spread.low[span],
+                        spread.high[span],
+                        strict=True,
+                    )
+                ),
+                derived=_derived(problem, final, spread, index),
+                chi_without=useful[index],
+                chi_with=state.chi,
+                p_value=taken.p_value,
+                candidates_tried=tried,
+                confused_with=_rivals(taken, candidate),
+                confirm=effect.confirm if isinstance(effect, Effect) else _GENERAL_CONFIRM,
+                equation=_equation(candidate, effect),
+            )
+        )
+    return tuple(found)
+
+
+def _equation(candidate: Candidate, effect: object) -> str:
+    if isinstance(effect, Effect):
+        return " ".join((type(effect).__doc__ or "").split())
+    return f"free coefficients over {candidate.trace.value} ({candidate.label.split(': ')[-1]})"
+
+
+def _rivals(taken: Round, candidate: Candidate) -> tuple[str, ...]:
+    """Names in states that are as good as the best one and do not hold this effect."""
+    best = taken.best
+    names = (
+        []
+        if best is None
+        else [
+            c.label
+            for s in taken.rivals()
+            for c in s.structure
+            if candidate.name not in {k.name for k in s.structure}
+            and c.name not in {k.name for k in best.structure}
+        ]
+    )
+    return tuple(dict.fromkeys(names))
+
+
+def _derived(problem: Problem, final: Fit, spread: Intervals, index: int) -> tuple[Estimate, ...]:
+    """What follows from an effect's parameters and can be checked by hand."""
+    effect = final.effects[index]
+    if not isinstance(effect, Effect):
+        return ()
+    return (*_quantities(problem, final, spread, index), *_scanned(problem, final, index, effect))
+
+
+def _scanned(problem: Problem, final: Fit, index: int, effect: Effect) -> list[Estimate]:
+    """Parameters that no fit varied, each at the value that predicts best with all else as fitted."""
+    units = {p.name: p.unit for p in effect.parameters}
+    found = []
+    for name, values in effect.scanned.items():
+        sets = [
+            (*final.effects[:index], replace(effect, **{name: value}), *final.effects[index + 1 :])  # type: ignore[type-var]
+            for value in values
+        ]
+        costs = [float(np.sum(r**2)) for r in problem.residuals(sets, [final.trials] * len(sets))]
+        best = values[int(np.argmin(costs))]
+        found.append(Estimate(name=name, value=best, low=best, high=best, unit=units[name]))
+    return found
+
+
+def _quantities(problem: Problem, final: Fit, spread: Intervals, index: int) -> list[Estimate]:
+    """What the effect derives from the model, with the parameters' intervals carried over linearly."""
+
+    def derived(x: Array) -> tuple[Quantity, ...]:
+        effects = build(final.structure, x)
+        effect = effects[index]
+        return effect.derived(problem.model(effects)) if isinstance(effect, Effect) else ()
+
+    def values(x: Array) -> Array:
+        return np.array([q.value for q in derived(x)])
+
+    quantities, value = derived(final.x), values(final.x)
+    if not quantities:
+        return []
+    steps = steps_inside(final.structure, final.x, 1e-3)
+    slope = [(values(final.x + d) - value) / d.sum() for d in np.diag(steps)]
+    half = 0.5 * (spread.high - spread.low)
+    reach = np.sqrt(np.square(slope).T @ half**2)
+    return [
+        Estimate(name=q.name, value=q.value, low=q.value - float(r), high=q.value + float(r), unit=q.unit)
+        for q, r in zip(quantities, reach, strict=True)
+    ]

@@ -1,0 +1,292 @@
+"""Fit the parameters of candidates by simulation: bounded, damped Gauss–Newton.
+
+The residual of a trial is whitened and freed of its unknown start pose before it gets here; the
+Jacobian is a forward difference over whole simulations, all of them in one parallel batch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol, final
+
+import numpy as np
+
+from slipmargin.checks import Array, Index
+from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.effects import AnyEffect
+
+#: Forward-difference step in units of a parameter's scale: large against the integrator's error.
+_STEP = 0.05
+_ITERATIONS = 12
+_ENOUGH = 1e-4  #: relative decrease of the cost at which a fit has converged
+_FAIR = 2  #: steps that a fit is given before it may be given up
+
+
+class Residuals(Protocol):
+    """What the fit needs of a problem."""
+
+    def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
+        """For each set of effects, its residual on its trials: (R_k, K), zero where nothing was seen."""
+        ...
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Fit:
+    """A structure with its best parameters.
+
+    ``x`` (P,), ``residual`` (R, K), ``jacobian`` (R, K, P) on ``trials`` (R,); ``cost`` is the sum
+    of squares.
+    """
+
+    structure: tuple[Candidate, ...]
+    x: Array
+    trials: Index
+    residual: Array
+    jacobian: Array
+    evaluations: int
+
+    @property
+    def cost(self) -> float:
+        """Sum of squares over all trials."""
+        return float(np.sum(self.residual**2))
+
+    @property
+    def effects(self) -> tuple[AnyEffect, ...]:
+        """The fitted effects."""
+        return build(self.structure, self.x)
+
+    def at_bound(self) -> list[str]:
+        """Parameters that ended on the edge of their range."""
+        low, high, scale = limits_of(self.structure)
+        keys = [f"{c.name}.{key}" for c in self.structure for key in c.keys]
+        null = np.concatenate([c.null for c in self.structure]) if self.structure else np.zeros(0)
+        stuck = ((self.x <= low + 1e-6 * scale) | (self.x >= high - 1e-6 * scale)) & (self.x != null)
+        return [key for key, at in zip(keys, stuck, strict=True) if at]
+
+
+def build(structure: Sequence[Candidate], x: Array) -> tuple[AnyEffect, ...]:
+    """The effects of a structure at parameters ``x``."""
+    made: list[AnyEffect] = []
+    at = 0
+    for candidate in structure:
+        made.append(candidate.build(x[at : at + candidate.size]))
+        at += candidate.size
+    return tuple(made)
+
+
+def limits_of(structure: Sequence[Candidate]) -> tuple[Array, Array, Array]:
+    """Lower and upper bounds and scales (P,) of a structure's parameters."""
+    if not structure:
+        return np.zeros(0), np.zeros(0), np.ones(0)
+    return (
+        np.concatenate([c.low for c in structure]),
+        np.concatenate([c.high for c in structure]),
+        np.concatenate([c.scale for c in structure]),
+    )
+
+
+def steps_inside(structure: Sequence[Candidate], x: Array, size: float) -> Array:
+    """Steps (P,) of ``size`` scales for difference quotients at ``x``: down where up is out of range."""
+    _, high, scale = limits_of(structure)
+    return np.asarray(np.where(x + size * scale <= high, size, -size) * scale)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GaussianPrior:
+    """A Gaussian prior on a structure's parameters: precision (P, P) per scale², mean ``null`` (P,).
+
+    It has the weight of one sample of the present misfit, so it only matters for parameters that the
+    trials do not constrain.
+    """
+
+    precision: Array
+    null: Array
+
+    @staticmethod
+    def of(structure: Sequence[Candidate], residual: Array) -> GaussianPrior:
+        """The prior of a structure's parameters where ``residual`` (R, K) is left."""
+        size = sum(c.size for c in structure)
+        precision = np.zeros((size, size))
+        at = 0
+        for candidate in structure:
+            span = slice(at, at + candidate.size)
+            precision[span, span] = candidate.prior.T @ candidate.prior
+            at += candidate.size
+        misfit = float(np.sum(residual**2) / max(1, int(np.count_nonzero(residual))))
+        return GaussianPrior(
+            precision=max(1.0, misfit) * precision,
+            null=np.concatenate([np.zeros(0), *(c.null for c in structure)]),
+        )
+
+    def cost(self, x: Array, scale: Array) -> float:
+        """Minus twice its log density at ``x``, up to a constant."""
+        z = (x - self.null) / scale
+        return float(z @ self.precision @ z)
+
+
+def evaluate(problem: Residuals, structure: tuple[Candidate, ...], x: Array, trials: Index) -> Fit:
+    """Residual and Jacobian at ``x``, without moving it."""
+    residual, jacobian = _linearise(problem, structure, x, trials)
+    return Fit(
+        structure=structure, x=x, trials=trials, residual=residual, jacobian=jacobian, evaluations=1 + len(x)
+    )
+
+
+def fit(
+    problem: Residuals,
+    structure: tuple[Candidate, ...],
+    start: Array,
+    trials: Index,
+    iterations: int = _ITERATIONS,
+    give_up_above: float = np.inf,
+) -> Fit:
+    """Least squares from one start.
+
+    Parameters
+    ----------
+    problem : Residuals
+        Gives residuals of effects.
+    structure : tuple of Candidate
+        What may be missing.
+    start : array (P,)
+        Where to begin.
+    trials : array (R,) of int
+        The trials to fit.
+    iterations : int
+        At most so many Gauss–Newton steps.
+    give_up_above : float
+        Stop where the cost would stay above this even if every step left took off as much as the last.
+
+    Returns
+    -------
+    Fit
+    """
+    low, high, _ = limits_of(structure)
+    x = np.clip(start, low, high)
+    residual, jacobian = _linearise(problem, structure, x, trials)
+    prior = GaussianPrior.of(structure, residual)
+    spent = 1 + len(x)
+    damping = 1e-3
+    for step in range(iterations if len(x) else 0):
+        cost = float(np.sum(residual**2))
+        better = _improve(problem, structure, x, residual, jacobian, damping, trials, prior)
+        if better is None:
+            break
+        x, new, damping, tried = better
+        spent += tried + len(x)
+        left = float(np.sum(new**2)) / cost
+        given_up = step >= _FAIR and cost * left ** (iterations - step) > give_up_above
+        if given_up or 1.0 - left < _ENOUGH:
+            iterations = step + 1  # one last Jacobian where it stands
+        residual, jacobian = _linearise(problem, structure, x, trials, new)
+        if step + 1 >= iterations:
+            break
+    return Fit(
+        structure=structure, x=x, trials=trials, residual=residual, jacobian=jacobian, evaluations=spent
+    )
+
+
+#: Dampings tried when the first step goes uphill, as multiples of the current one.
+_LADDER = (1e2, 1e4, 1e6)
+
+
+def _improve(
+    problem: Residuals,
+    structure: tuple[Candidate, ...],
+    x: Array,
+    residual: Array,
+    jacobian: Array,
+    damping: float,
+    trials: Index,
+    prior: GaussianPrior,
+) -> tuple[Array, Array, float, int] | None:
+    """A damped step downhill: new point, its residual, next damping, simulations; None where none is."""
+    low, high, scale = limits_of(structure)
+    flat = jacobian.reshape(-1, len(x)) * scale
+    normal = flat.T @ flat + prior.precision
+    gradient = flat.T @ residual.ravel() + prior.precision @ ((x - prior.null) / scale)
+    free = ~(((x <= low) & (gradient > 0)) | ((x >= high) & (gradient < 0)))
+    if not free.any():
+        return None
+    cost = float(np.sum(residual**2)) + prior.cost(x, scale)
+
+    def point(factor: float) -> Array:
+        lift = np.diag(damping * factor * (np.diag(normal)[free] + 1e-9 * np.trace(normal) + 1e-12))
+        step = np.zeros(len(x))
+        step[free] = np.linalg.lstsq(normal[np.ix_(free, free)] + lift, -gradient[free], rcond=None)[0]
+        return np.asarray(np.clip(x + step * scale, low, high))
+
+    first = point(1.0)
+    found = problem.residuals([build(structure, first)], [trials])[0]
+    if float(np.sum(found**2)) + prior.cost(first, scale) < cost:
+        return first, found, max(damping / 10.0, 1e-6), 1
+    points = [point(factor) for factor in _LADDER]
+    ladder = problem.residuals([build(structure, p) for p in points], [trials] * len(points))
+    costs = [float(np.sum(r**2)) + prior.cost(p, scale) for r, p in zip(ladder, points, strict=True)]
+    best = int(np.argmin(costs))
+    if not costs[best] < cost:
+        return None
+    return points[best], ladder[best], damping * _LADDER[best], 1 + len(points)
+
+
+def _linearise(
+    problem: Residuals, structure: tuple[Candidate, ...], x: Array, trials: Index, known: Array | None = None
+) -> tuple[Array, Array]:
+    """Residual (R, K), simulated unless ``known``, and forward-difference Jacobian (R, K, P)."""
+    steps = steps_inside(structure, x, _STEP)
+    points = [x + step * unit for step, unit in zip(steps, np.eye(len(x)), strict=True)]
+    if known is None:
+        points = [x, *points]
+    found = problem.residuals([build(structure, p) for p in points], [trials] * len(points)) if points else []
+    base = found.pop(0) if known is None else known
+    if not len(x):
+        return base, np.zeros((*base.shape, 0))
+    jacobian = np.stack([(r - base) / step for r, step in zip(found, steps, strict=True)], axis=-1)
+    return base, jacobian
+
+
+def shifted_by(other: Residuals, found: Fit) -> Array:
+    """How far (P,) the parameters move, by one Gauss–Newton step in bounds, if ``other`` is right."""
+    from scipy.optimize import lsq_linear
+
+    low, high, scale = limits_of(found.structure)
+    residual = other.residuals([found.effects], [found.trials])[0]
+    flat = found.jacobian.reshape(-1, len(found.x)) * scale
+    room = (low - found.x) / scale, (high - found.x) / scale
+    open_ = room[0] < room[1]
+    step = np.zeros(len(found.x))
+    step[open_] = lsq_linear(
+        flat[:, open_], (found.residual - residual).ravel(), bounds=(room[0][open_], room[1][open_])
+    ).x
+    return np.asarray(step * scale)
+
+
+def tangents(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> list[Array]:
+    """Derivative (R, K, P) of the residual by each candidate's parameters at its null, beside ``base``.
+
+    The part that ``base``'s own parameters could take up is removed.
+    """
+    points: list[tuple[AnyEffect, ...]] = []
+    steps: list[float] = []
+    for candidate in candidates:
+        for at, unit in enumerate(np.eye(candidate.size)):
+            step = _STEP * candidate.scale[at]
+            step = step if candidate.null[at] + step <= candidate.high[at] else -step
+            points.append((*base.effects, candidate.build(candidate.null + step * unit)))
+            steps.append(step)
+    found = problem.residuals(points, [base.trials] * len(points))
+    columns = [(r - base.residual) / step for r, step in zip(found, steps, strict=True)]
+    keep = np.zeros((base.residual.size, 0))
+    if len(base.x):
+        keep = np.linalg.qr(base.jacobian.reshape(-1, len(base.x)))[0]
+    out = []
+    at = 0
+    for candidate in candidates:
+        flat = np.stack([c.ravel() for c in columns[at : at + candidate.size]], axis=1)
+        flat = flat - keep @ (keep.T @ flat)
+        out.append(flat.reshape(*base.residual.shape, candidate.size))
+        at += candidate.size
+    return out

@@ -1,0 +1,234 @@
+"""Predict every trial with any set of effects, and compare: the whitened residual.
+
+The unknown start pose of a trial is three nuisance parameters.  They are removed linearly: the residual
+is projected off the change that a small shift and rotation of the start makes to the whole run.
+
+Where the prediction is far off, a wrong heading early in a run changes everything after it, and a fit of
+whole runs has many local minima.  A problem *in pieces* moves and rotates every short piece of a predicted
+run onto the measured one first, so that the residual is that of the motion within the piece.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipmargin.checks import Array, Index
+from slipmargin.diagnosis.prepare import Trial
+from slipmargin.diagnosis.residual_diagnostics import residual_rate
+from slipmargin.diagnosis.sense import is_ideal, measure
+from slipmargin.diagnosis.signals import InterpolationScheme, rolling_twist, wheel_signal, with_phases
+from slipmargin.effects import AnyEffect, Recipe
+from slipmargin.effects.recipe import with_effects
+from slipmargin.errors import InputError
+from slipmargin.model import Model, nominal_model
+from slipmargin.physics.frames import rotated
+from slipmargin.sim.batch import Batch
+from slipmargin.sim.pack import pack, stack
+
+#: Residuals are clipped here [σ]: one diverging run must not outweigh all the others.
+_WILD = 1e4
+#: Integration tolerance: its error stays below a hundredth of any camera's noise.
+_RTOL = 1e-4
+_FINE_RTOL = 1e-6
+#: Steps after which a run counts as diverged (an ordinary one takes a few hundred a second of motion).
+_MOST_STEPS = 40_000
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Problem:
+    """Cleaned trials on one surface, the recipe to compare them with, and the compiled simulator.
+
+    ``measured`` (R, T, 3) and ``seen`` (R, T, 3) are padded to the longest trial; ``wheel_phases`` (R, N)
+    are added to the wheel angles [rad]; ``piece`` is the number of samples a piece, None for whole runs.
+    """
+
+    recipe: Recipe
+    surface: str
+    nominal: Model
+    trials: tuple[Trial, ...]
+    sigma: Array
+    batch: Batch
+    measured: Array
+    seen: NDArray[np.bool_]
+    starts: Array
+    twists: Array
+    commanded: bool
+    wheel_phases: Array
+    scheme: InterpolationScheme = InterpolationScheme.THIN
+    rtol: float = _RTOL
+    piece: int | None = None
+
+    @staticmethod
+    def of(recipe: Recipe, surface: str, trials: tuple[Trial, ...], sigma: Array, commanded: bool) -> Problem:
+        """Pad the trials and compile their wheel signals."""
+        nominal = nominal_model(recipe.robot, surface)
+        signals = tuple(wheel_signal(t, commanded) for t in trials)
+        batch = Batch(signals, [t.t_s for t in trials], commanded=commanded)
+        longest = max(len(t.t_s) for t in trials)
+        measured = np.full((len(trials), longest, 3), np.nan)
+        for row, trial in zip(measured, trials, strict=True):
+            row[: len(trial.t_s)] = trial.pose
+        seen = np.isfinite(measured)
+        return Problem(
+            recipe=recipe,
+            surface=surface,
+            nominal=nominal,
+            trials=trials,
+            sigma=sigma,
+            batch=batch,
+            measured=np.where(seen, measured, 0.0),
+            seen=seen,
+            commanded=commanded,
+            wheel_phases=np.zeros((len(trials), nominal.count)),
+            starts=np.array([t.start for t in trials]),
+            twists=np.array([rolling_twist(nominal, t, s) for t, s in zip(trials, signals, strict=True)]),
+        )
+
+    def model(self, effects: Sequence[AnyEffect]) -> Model:
+        """The recipe's model with these effects on top."""
+        return with_effects(self.nominal, (*self.recipe.effects, *effects))
+
+    def predict(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
+        """Measured pose as each set of effects predicts it on its trials: (R_k, T, 3), start fitted."""
+        return [pose for pose, _ in self._compare(effects, trials)]
+
+    def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
+        """Whitened residual (R_k, 3 T) of each set of effects on its trials; 0 where nothing was seen."""
+        return [gap.transpose(0, 2, 1).reshape(len(gap), -1) for _, gap in self._compare(effects, trials)]
+
+    def _compare(
+        self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]
+    ) -> list[tuple[Array, Array]]:
+        built = [self._possible(e) for e in effects]
+        models = [self.nominal if m is None else m for m in built]
+        which = np.repeat(np.arange(len(models)), [len(t) for t in trials])
+        runs = np.concatenate([np.asarray(t, dtype=np.int64) for t in trials])
+        pose = self.batch.run(
+            stack([pack(m) for m in models]),
+            self.starts[runs],
+            start_twist=self.twists[runs],
+            which=which,
+            signal=runs,
+            rtol=self.rtol,
+            max_steps=_MOST_STEPS,
+        ).pose
+        for k, model in enumerate(models):
+            if is_ideal(model.measurement):
+                continue
+            for row in np.flatnonzero(which == k):
+                clock = self.trials[runs[row]].t_s
+                pose[row, : len(clock)] = measure(model.measurement, clock, pose[row, : len(clock)])
+        seen = self.seen[runs]
+        if self.piece is None:
+            pose, gap = _fitted(pose, self.measured[runs], seen, self.sigma)
+        else:
+            cut = [_cut(array, self.piece) for array in (pose, self.measured[runs], seen)]
+            fitted = _fitted(_aligned(*cut), cut[1], cut[2], self.sigma)
+            pose, gap = (a.reshape(len(runs), -1, 3)[:, : pose.shape[1]] for a in fitted)
+        impossible = np.array([m is None for m in built])[which]
+        gap = np.where(seen & impossible[:, None, None], _WILD, gap)
+        parts = np.split(np.arange(len(runs)), np.cumsum([len(t) for t in trials])[:-1])
+        return [(pose[part], gap[part]) for part in parts]
+
+    def _possible(self, effects: Sequence[AnyEffect]) -> Model | None:
+        """The model, or None where no machine is like that (a wheel would lift)."""
+        try:
+            return self.model(effects)
+        except InputError:
+            return None
+
+    def residual_rates(self, predicted: Array) -> list[Array]:
+        """Rate (T, 3) of measured − ``predicted`` (R, T, 3) of each trial, body frame [m/s, m/s, rad/s]."""
+        return [
+            residual_rate(t.t_s, t.pose, p[: len(t.t_s)]) for t, p in zip(self.trials, predicted, strict=True)
+        ]
+
+    def rebuilt(self, scheme: InterpolationScheme) -> Problem:
+        """The same problem with the wheels' motion interpolated differently, and integrated finely."""
+        return replace(self, batch=self._batch(scheme, self.wheel_phases), scheme=scheme, rtol=_FINE_RTOL)
+
+    def with_wheel_phases(self, phases: Array) -> Problem:
+        """The same problem with other angles (R, N) added to the wheels' [rad]."""
+        return replace(self, batch=self._batch(self.scheme, phases), wheel_phases=phases)
+
+    def seen_after(self, t_s: Array) -> Problem:
+        """The same problem with only those samples of each trial that come after its time ``t_s`` (R,)."""
+        late = np.zeros(self.seen.shape[:2], dtype=bool)
+        for row, trial, start in zip(late, self.trials, t_s, strict=True):
+            row[: len(trial.t_s)] = trial.t_s > start
+        return replace(self, seen=self.seen & late[..., None])
+
+    def _batch(self, scheme: InterpolationScheme, phases: Array) -> Batch:
+        signals = [
+            with_phases(wheel_signal(t, self.commanded, scheme), row)
+            for t, row in zip(self.trials, phases, strict=True)
+        ]
+        return Batch(signals, [t.t_s for t in self.trials], commanded=self.commanded)
+
+    def in_pieces(self, duration_s: float) -> Problem:
+        """The same problem compared piece by piece, each with a start pose of its own."""
+        step_s = float(np.median(np.concatenate([np.diff(t.t_s) for t in self.trials])))
+        return replace(self, piece=max(4, round(duration_s / step_s)))
+
+    def samples(self, trials: Index) -> float:
+        """Number of measured values in these trials."""
+        return float(np.count_nonzero(self.seen[trials]))
+
+
+def _cut(array: NDArray[Any], piece: int) -> NDArray[Any]:
+    """(M, T, 3) into pieces (M W, piece, 3); the last is filled up with zeros, which count as not seen."""
+    fill = -array.shape[1] % piece
+    return np.pad(array, ((0, 0), (0, fill), (0, 0))).reshape(-1, piece, 3)
+
+
+def _aligned(pose: Array, measured: Array, seen: NDArray[np.bool_]) -> Array:
+    """Each piece rotated about its first point by the mean difference of heading, then moved likewise."""
+    known = seen[..., 2]
+    off = np.sum(np.where(known, measured[..., 2] - pose[..., 2], 0.0), axis=1)
+    off = off / np.maximum(1, known.sum(axis=1))
+    arm = pose[..., :2] - pose[:, :1, :2]
+    place = np.stack(rotated(off[:, None], arm[..., 0], arm[..., 1]), axis=-1)
+    middle = np.sum(np.where(seen[..., :2], measured[..., :2] - place, 0.0), axis=1) / np.maximum(
+        1, seen[..., :2].sum(axis=1)
+    )
+    return np.concatenate([place + middle[:, None], pose[..., 2:] + off[:, None, None]], axis=-1)
+
+
+def _fitted(pose: Array, measured: Array, seen: NDArray[np.bool_], sigma: Array) -> tuple[Array, Array]:
+    """Predicted poses (M, T, 3) moved to where their start fits best, and the whitened gap that is left."""
+    gap = np.where(seen, measured - pose, 0.0)
+    gap = np.where(np.isfinite(gap), gap, _WILD * sigma)
+    shift = _start_shift(pose, gap, seen, sigma)
+    return pose + shift, np.where(seen, (gap - shift) / sigma, 0.0).clip(-_WILD, _WILD)
+
+
+def _start_shift(pose: Array, gap: Array, seen: NDArray[np.bool_], sigma: Array) -> Array:
+    """The change (M, T, 3) of each prediction by the start shift and turn that fit it best.
+
+    The tangents of a shift are (1, 0, 0) and (0, 1, 0), that of a turn is (−b, a, 1) at (a, b) from
+    the start; the 3 × 3 normal equations are written out.
+    """
+    first = np.where(np.isfinite(pose[:, :1, :2]), pose[:, :1, :2], 0.0)
+    arm = np.where(np.isfinite(pose[..., :2]), pose[..., :2], 0.0) - first
+    a, b = arm[..., 0], arm[..., 1]
+    wx, wy, wt = (seen[..., i] / sigma[i] ** 2 for i in range(3))
+    xb, ya = wx * b, wy * a
+    normal = np.zeros((len(pose), 3, 3))
+    normal[:, 0, 0], normal[:, 1, 1] = wx.sum(axis=1), wy.sum(axis=1)
+    normal[:, 0, 2] = normal[:, 2, 0] = -xb.sum(axis=1)
+    normal[:, 1, 2] = normal[:, 2, 1] = ya.sum(axis=1)
+    normal[:, 2, 2] = (xb * b + ya * a + wt).sum(axis=1)
+    gx, gy, gt = gap[..., 0], gap[..., 1], gap[..., 2]
+    right = np.stack(
+        [(wx * gx).sum(axis=1), (wy * gy).sum(axis=1), (ya * gy - xb * gx + wt * gt).sum(axis=1)], axis=1
+    )
+    normal += (1e-12 * np.trace(normal, axis1=1, axis2=2) + 1e-30)[:, None, None] * np.eye(3)
+    shift = np.linalg.solve(normal, right[..., None])
+    turn = shift[:, 2]
+    return np.stack([shift[:, 0] - turn * b, shift[:, 1] + turn * a, np.broadcast_to(turn, a.shape)], axis=-1)

@@ -1,0 +1,130 @@
+"""The wheels' motion of a trial, interpolated between the samples of its log."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from enum import Enum
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.data.odometry import bridged
+from slipmargin.diagnosis.prepare import Trial
+from slipmargin.errors import InputError
+from slipmargin.model import Model
+from slipmargin.physics.frames import rotate_rows
+from slipmargin.sim.signal import WheelSignal, angles, held, hermite, linear
+
+
+class InterpolationScheme(Enum):
+    """How the wheels' motion between samples is interpolated; the log does not say which one is right."""
+
+    THIN = "cubic through as few samples as reproduce the others: for searching"
+    FULL = "cubic through every sample: for the final numbers"
+    OTHER = "angles alone, or speeds held from row to row: to see how much the choice matters"
+
+
+def wheel_signal(
+    trial: Trial, commanded: bool, scheme: InterpolationScheme = InterpolationScheme.THIN
+) -> WheelSignal:
+    """Wheel angles over time: cubic between samples where angle and speed are known.
+
+    Missing samples are interpolated.  Without logged angles the wheel angles start at zero, which matters
+    only to effects of the wheel angle (:mod:`~slipmargin.diagnosis.wheel_phase`).
+    """
+    record = trial.record
+    t = record.t_s
+    if commanded:
+        if record.omega_cmd is None:
+            raise InputError(trial.name, "has no commanded wheel speeds", "add omega{i}_cmd_rad_s")
+        return _by_speed(t, bridged(t, record.omega_cmd), scheme)
+    if record.theta is not None and np.isfinite(record.theta).any(axis=0).all():
+        theta = bridged(t, record.theta)
+        if (
+            scheme is not InterpolationScheme.OTHER
+            and record.omega is not None
+            and np.isfinite(record.omega).any(axis=0).all()
+        ):
+            omega = bridged(t, record.omega)
+            return (
+                _thinned(t, theta, omega) if scheme is InterpolationScheme.THIN else hermite(t, theta, omega)
+            )
+        return angles(t, theta)
+    if record.omega is None:
+        raise InputError(trial.name, "has no measured wheel speeds", "add omega{i}_rad_s or theta{i}_rad")
+    return _by_speed(t, bridged(t, record.omega), scheme)
+
+
+def with_phases(signal: WheelSignal, phase: Array) -> WheelSignal:
+    """The same motion with ``phase`` (N,) added to the wheel angles [rad]."""
+    if not phase.any():
+        return signal
+    pieces = signal.pieces.copy()
+    pieces[:, :, 0] += phase
+    return replace(signal, pieces=pieces)
+
+
+def _by_speed(t: Array, omega: Array, scheme: InterpolationScheme) -> WheelSignal:
+    return held(t, omega) if scheme is InterpolationScheme.OTHER else linear(t, omega)
+
+
+#: A sample is left out where the cubic through its neighbours meets it this closely [rad], [rad/s] …
+_SAME = (2e-5, 4e-3)
+#: … or as closely as angles and speeds agree with themselves, but never less closely than this.
+_LOOSEST = (2e-3, 0.1)
+_LONGEST = 32
+
+
+def _thinned(t: Array, theta: Array, omega: Array) -> WheelSignal:
+    """The cubic through as few samples as reproduce all the others: the integrator stops at each."""
+    same = _trust(t, theta, omega)
+    keep = [0]
+    last = len(t) - 1
+    while keep[-1] < last:
+        start, span = keep[-1], 1
+        while start + 2 * span <= last and span < _LONGEST:
+            inside = slice(start, start + 2 * span + 1)
+            angle, speed = _misses(t[inside], theta[inside], omega[inside])
+            if np.max(np.abs(angle)) >= same[0] or np.max(np.abs(speed)) >= same[1]:
+                break
+            span *= 2
+        keep.append(min(start + span, last))
+    return hermite(t[keep], theta[keep], omega[keep])
+
+
+def _trust(t: Array, theta: Array, omega: Array) -> tuple[float, float]:
+    """How closely angles [rad] and speeds [rad/s] are to be met: to three times their own noise.
+
+    The noise is what a sample misses the cubic through its neighbours by, where that changes from one
+    sample to the next: in a smooth motion, however fast, it does not.
+    """
+    if len(t) < 5:
+        return _SAME
+    misses = [_misses(t[k : k + 3], theta[k : k + 3], omega[k : k + 3]) for k in range(len(t) - 2)]
+    found = []
+    for axis in range(2):
+        change = np.diff(np.concatenate([m[axis] for m in misses]), n=2, axis=0)
+        noise = 1.5 * float(np.median(np.max(np.abs(change), axis=1)))
+        found.append(min(max(_SAME[axis], 3.0 * noise), _LOOSEST[axis]))
+    return found[0], found[1]
+
+
+def _misses(t: Array, theta: Array, omega: Array) -> tuple[Array, Array]:
+    """What the cubic from the first to the last sample misses those between by: (T − 2, N) each."""
+    h = t[-1] - t[0]
+    u = ((t[1:-1] - t[0]) / h)[:, None]
+    th0, th1, w0, w1 = theta[0], theta[-1], omega[0] * h, omega[-1] * h
+    angle = (
+        (1 + 2 * u) * (1 - u) ** 2 * th0
+        + u * (1 - u) ** 2 * w0
+        + u**2 * (3 - 2 * u) * th1
+        + u**2 * (u - 1) * w1
+    )
+    speed = (6 * u * (u - 1) * (th0 - th1) + (3 * u - 1) * (u - 1) * w0 + u * (3 * u - 2) * w1) / h
+    return angle - theta[1:-1], speed - omega[1:-1]
+
+
+def rolling_twist(model: Model, trial: Trial, signal: WheelSignal) -> Array:
+    """Floor-frame velocity (3,) that the wheels' first speeds make without slip [m/s, m/s, rad/s]."""
+    body = model.geometry.no_slip_map() @ signal.pieces[0, :, 1]
+    return rotate_rows(trial.start[2], body)

@@ -1,0 +1,171 @@
+"""Wheel phases that are not in the log: the angle of each wheel at the start of a trial.
+
+Where only wheel speeds are logged, a wheel's angle is known but for a constant, its phase.  It matters
+only to models that depend on the wheel angle, and only within one roller's pitch.  On trials that a search
+may see, phases are fitted to the whole trial.  On a trial that is to be predicted they are fitted to its
+first part alone, with parameters that come from other trials; the score is then that of the rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from slipmargin.checks import Array, Index
+from slipmargin.data.odometry import bridged, wheel_angles
+from slipmargin.data.record import WHEEL_SIGNALS, Record
+from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.fit import Fit, evaluate, fit
+from slipmargin.diagnosis.prepare import clean
+from slipmargin.diagnosis.problem import Problem
+from slipmargin.effects import AnyEffect
+from slipmargin.model import Model
+from slipmargin.physics.sectors import pitch
+from slipmargin.physics.variables import Variable
+
+#: Share of the way its wheels turn in a trial after which its first part ends.
+FIRST_PART = 0.5
+#: The first part has at least this many samples.
+_LEAST_SAMPLES = 8
+#: Phases tried, in pitches: over the whole pitch; then ever closer around the best one.
+_AROUND = np.arange(1, 20) / 20.0
+_CLOSE = np.array([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0])
+_FINER = (60.0, 60.0, 120.0, 240.0)
+#: Runs are compared in pieces this long [s]: a wrong phase early on must not spoil what follows.
+_PIECE_S = 0.3
+
+
+def is_unknown(problem: Problem) -> bool:
+    """Whether no trial's log holds wheel angles."""
+    return all(trial.record.theta is None for trial in problem.trials)
+
+
+def matters_to(model: Model) -> bool:
+    """Whether the friction of a model depends on where its wheels stand."""
+    grip = model.grip
+    sectors = (grip.rigid_fraction > 0.0) & np.any(grip.rigid != grip.roller, axis=1)
+    return bool(sectors.any()) or any(m.variable is Variable.WHEEL_ANGLE for m in grip.multipliers)
+
+
+def guessed(problem: Problem, trials: Index, candidates: Sequence[Candidate]) -> Problem:
+    """With the phases that suit the model as it stands, or else the best candidate that depends on them.
+
+    Only ``trials`` get phases; the others keep what they have.
+    """
+    if matters_to(problem.model(())):
+        problem = _swept(problem, [()], trials, _AROUND)
+        return _swept(problem, [()], trials, _CLOSE / _FINER[0])
+    fullest: dict[str, Candidate] = {}
+    for candidate in candidates:
+        if candidate.named and candidate.wheel_phase:
+            known = fullest.get(candidate.name)
+            fullest[candidate.name] = candidate if known is None or candidate.size > known.size else known
+    tried = []
+    for candidate in fullest.values():
+        found = evaluate(problem, (candidate,), candidate.starts[0], trials)
+        tried.append(refined(_swept(problem, [found.effects], trials, _AROUND), found))
+    return min(tried, key=lambda pair: pair[1].cost)[0] if tried else problem
+
+
+def refined(problem: Problem, found: Fit) -> tuple[Problem, Fit]:
+    """Phases and parameters of a fit on its trials, each found in turn with the other as it stands."""
+    for fineness in _FINER:
+        problem = _swept(problem, [found.effects], found.trials, _CLOSE / fineness)
+        found = fit(problem.in_pieces(_PIECE_S), found.structure, found.x, found.trials)
+    return problem, found
+
+
+def first_part(record: Record) -> Record:
+    """A trial until its wheels have turned :data:`FIRST_PART` of the way that they turn in all."""
+    count = int(np.count_nonzero(record.t_s <= _end_of_first_part(record)))
+    signals: dict[str, Any] = {
+        f: None if (v := getattr(record, f)) is None else v[:count] for f in WHEEL_SIGNALS
+    }
+    return replace(record, t_s=record.t_s[:count], pose=record.pose[:count], **signals)
+
+
+def from_first_parts(
+    problem: Problem, rows: Index, runs: Sequence[Record], effects: Sequence[tuple[AnyEffect, ...]]
+) -> tuple[Problem, Array]:
+    """With phases of trials ``rows`` fitted to the first parts of their runs, and the times these end (R,).
+
+    Nothing that was measured of the motion after these times has any influence.  Trials in other rows keep
+    their phases and end before they begin.
+
+    Parameters
+    ----------
+    problem : Problem
+        The trials.
+    rows : array (K,) of int
+        Which of them.
+    runs : sequence of K Record
+        The run that each of them is, or is cut from.
+    effects : sequence of K tuples of effects
+        The effects to assume on each.
+    """
+    parts = tuple(clean(first_part(run), problem.sigma) for run in runs)
+    early = Problem.of(problem.recipe, problem.surface, parts, problem.sigma, problem.commanded)
+    everyone = np.arange(len(parts), dtype=np.int64)
+    same = all(e == effects[0] for e in effects)
+    for steps in (_AROUND, *(_CLOSE / fineness for fineness in _FINER)):
+        early = _swept(early, effects[:1] if same else effects, everyone, steps)
+    phases = problem.wheel_phases.copy()
+    ends = np.full(len(problem.trials), -np.inf)
+    for row, run, phase in zip(rows, runs, early.wheel_phases, strict=True):
+        phases[row] = phase + _turned_before(run, float(problem.trials[row].t_s[0]), problem.commanded)
+        ends[row] = _end_of_first_part(run)
+    return problem.with_wheel_phases(phases), ends
+
+
+def _speeds(run: Record, commanded: bool) -> Array:
+    speeds = run.omega_cmd if commanded or run.omega is None else run.omega
+    assert speeds is not None, f"{run.name} has no wheel speeds"
+    return bridged(run.t_s, speeds)
+
+
+def _turned_before(run: Record, t_s: float, commanded: bool) -> Array:
+    """Angle (N,) by which the wheels have turned at a time of a run [rad]."""
+    angles = wheel_angles(run.t_s, None, _speeds(run, commanded))
+    assert angles is not None
+    return np.array([np.interp(t_s, run.t_s, column) for column in angles.T])
+
+
+def _end_of_first_part(run: Record) -> float:
+    rate = np.mean(np.abs(_speeds(run, run.omega is None)), axis=1)
+    turned = np.append(0.0, np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(run.t_s)))
+    last = int(np.searchsorted(turned, FIRST_PART * turned[-1], side="right")) - 1
+    return float(run.t_s[min(max(last, _LEAST_SAMPLES - 1), len(run.t_s) - 1)])
+
+
+def _swept(
+    problem: Problem, effects: Sequence[tuple[AnyEffect, ...]], trials: Index, steps: Array
+) -> Problem:
+    """The problem with the phases that fit each of some trials best, one wheel after the other, twice.
+
+    ``effects`` are one set for all ``trials`` or one for each.
+    """
+    turn = pitch(problem.nominal.grip.rollers)
+    best = problem.wheel_phases.copy()
+    view = problem.in_pieces(_PIECE_S)
+    cost = _costs(view, best, effects, trials)
+    for wheel in (*range(best.shape[1]),) * 2:
+        start = best.copy()
+        for step in steps:
+            tried = start.copy()
+            tried[:, wheel] += step * turn[wheel]
+            found = _costs(view, tried, effects, trials)
+            better = found < cost
+            best[trials[better], wheel] = tried[trials[better], wheel]
+            cost = np.where(better, found, cost)
+    best[trials] = best[trials] % turn
+    return problem.with_wheel_phases(best)
+
+
+def _costs(problem: Problem, phases: Array, effects: Sequence[tuple[AnyEffect, ...]], trials: Index) -> Array:
+    """Sum of squares of each trial with these phases."""
+    rows = [trials] if len(effects) == 1 else [trials[i : i + 1] for i in range(len(trials))]
+    residual = problem.with_wheel_phases(phases).residuals(effects, rows)
+    return np.concatenate([np.sum(r**2, axis=1) for r in residual])

@@ -1,0 +1,65 @@
+"""A kick in one run is an event: told, cut out, and never given the name of an effect."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from planting import planted, smooth_kiwi
+
+from slipmargin.data.data_set import DataSet
+from slipmargin.data.record import Record
+from slipmargin.diagnosis.events import cut_apart
+from slipmargin.diagnosis.loop import diagnose
+from slipmargin.diagnosis.result import Event, Verdict
+
+
+def kicked(record: Record, at_s: float) -> Record:
+    """Within 0.05 s the robot is moved 4 cm and turned 0.15 rad; then it goes on as before."""
+    pose = np.array(record.pose)
+    first = int(np.searchsorted(record.t_s, at_s))
+    share = np.clip((record.t_s - at_s) / 0.05, 0.0, 1.0)
+    c, s = np.cos(0.15 * share), np.sin(0.15 * share)
+    arm = pose[:, :2] - pose[first, :2]
+    pose[:, 0] = pose[first, 0] + c * arm[:, 0] - s * arm[:, 1] + 0.04 * share
+    pose[:, 1] = pose[first, 1] + s * arm[:, 0] + c * arm[:, 1]
+    pose[:, 2] += 0.15 * share
+    return replace(record, pose=pose)
+
+
+@pytest.fixture(scope="module")
+def data() -> DataSet:
+    return planted(smooth_kiwi(), None, seed=77, count=6, duration_s=2.5, rate_hz=100.0)
+
+
+def test_a_kick_is_told_and_explains_nothing(data: DataSet) -> None:
+    trials = (*data.trials[:3], kicked(data.trials[3], 1.2), *data.trials[4:])
+    found = diagnose(replace(data, trials=trials), seed=1)
+    assert found.verdict is Verdict.NO_MISSING_EFFECT and found.findings == ()
+    assert {e.trial for e in found.events} == {"trial03"}
+    assert all(e.t_s == pytest.approx(1.2, abs=0.15) for e in found.events)
+    assert found.before.chi == pytest.approx(1.0, abs=0.08)
+
+
+def test_nothing_happened_where_nothing_did(data: DataSet) -> None:
+    assert diagnose(data, seed=1).events == ()
+
+
+def test_a_run_is_cut_where_something_happened(data: DataSet) -> None:
+    event = Event(trial="trial02", t_s=1.0, channel="x", size_sigma=50.0)
+    parts, runs = cut_apart(data.trials, [event])
+    assert runs == (0, 1, 2, 2, 3, 4, 5)
+    before, after = parts[2], parts[3]
+    assert before.t_s[-1] <= 0.9 + 1e-9 and after.t_s[0] >= 1.1 - 1e-9
+    whole = data.trials[2]
+    np.testing.assert_array_equal(before.pose, whole.pose[: len(before.t_s)])
+    np.testing.assert_array_equal(after.theta, whole.theta[-len(after.t_s) :])
+    assert before.name != after.name and before.name.startswith("trial02")
+
+
+def test_a_part_too_short_to_tell_anything_is_dropped(data: DataSet) -> None:
+    event = Event(trial="trial00", t_s=0.2, channel="x", size_sigma=50.0)
+    parts, runs = cut_apart(data.trials, [event])
+    assert len(parts) == 6 and runs == (0, 1, 2, 3, 4, 5)
+    assert 0.29 < parts[0].t_s[0] < 0.32

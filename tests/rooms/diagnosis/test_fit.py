@@ -1,0 +1,275 @@
+"""Fitting and cross-validation on a problem whose answer is known in closed form."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from slipmargin.checks import Array, Index
+from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.evidence import intervals, permutation_p_value
+from slipmargin.diagnosis.fit import build, evaluate, fit, shifted_by, tangents
+from slipmargin.diagnosis.left_out import best_left_out, cross_validate, leave_one_out
+from slipmargin.diagnosis.search import State, choose, judged_by, score_test_gain, state_of
+from slipmargin.effects import AnyEffect, Trace
+from slipmargin.effects.camera_rotation import CameraRotation
+from slipmargin.effects.camera_scale import CameraScale
+
+TRIALS, SAMPLES = 6, 30
+
+
+class Line:
+    """Residual y − (a u + b v²) per trial: the scale effect carries a, b; a rotation carries c sin u."""
+
+    def __init__(self, truth: tuple[float, float], noise: float, seed: int) -> None:
+        random = np.random.default_rng(seed)
+        self.u = random.uniform(-1.0, 1.0, (TRIALS, SAMPLES))
+        self.v = random.uniform(-1.0, 1.0, (TRIALS, SAMPLES))
+        self.y = truth[0] * self.u + truth[1] * self.v + noise * random.standard_normal(self.u.shape)
+
+    def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
+        out = []
+        for made, rows in zip(effects, trials, strict=True):
+            model = np.zeros((len(rows), SAMPLES))
+            for effect in made:
+                if isinstance(effect, CameraScale):
+                    model += (effect.scale_x - 1.0) * self.u[rows] + (effect.scale_y - 1.0) * self.v[rows]
+                elif isinstance(effect, CameraRotation):
+                    model += effect.rotation_rad * np.sin(3.0 * self.u[rows])
+            out.append(self.y[rows] - model)
+        return out
+
+
+def candidate(kind: type[CameraScale] | type[CameraRotation]) -> Candidate:
+    from slipmargin.diagnosis.candidate import named_candidate
+
+    return named_candidate(kind)
+
+
+EVERY = np.arange(TRIALS)
+
+
+@settings(deadline=None, max_examples=25)
+@given(a=st.floats(-0.3, 0.3), b=st.floats(-0.3, 0.3))
+def test_a_linear_fit_is_least_squares(a: float, b: float) -> None:
+    problem = Line((a, b), 0.01, 3)
+    found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+    design = np.stack([problem.u.ravel(), problem.v.ravel()], axis=1)
+    wanted = np.linalg.lstsq(design, problem.y.ravel(), rcond=None)[0]
+    np.testing.assert_allclose(found.x - 1.0, wanted, atol=1e-6)
+
+
+def test_bounds_hold_and_are_said() -> None:
+    problem = Line((3.0, 0.1), 0.0, 1)  # scale_x ends at 2
+    found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+    assert found.x[0] == 2.0
+    assert found.at_bound() == ["camera_scale.scale_x"]
+
+
+def test_cross_validation_leaves_the_trial_out() -> None:
+    problem = Line((0.2, -0.1), 0.05, 5)
+    found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+    for i, x in enumerate(leave_one_out(found)):
+        rest = np.delete(EVERY, i)
+        alone = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), rest)
+        np.testing.assert_allclose(x, alone.x, atol=1e-5)
+    scores = cross_validate(problem, found)
+    assert scores.shape == (TRIALS,)
+    assert scores.sum() > found.cost  # unseen trials are predicted worse than seen ones
+
+
+def test_a_tangent_promises_what_a_linear_fit_gains() -> None:
+    problem = Line((0.2, -0.1), 0.05, 7)
+    base = evaluate(problem, (), np.zeros(0), EVERY)
+    (slope,) = tangents(problem, base, [candidate(CameraScale)])
+    found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+    assert score_test_gain(base.residual, slope) == pytest.approx(base.cost - found.cost, rel=1e-6)
+
+
+def test_a_tangent_beside_a_fit_is_what_the_fit_cannot_take_up() -> None:
+    problem = Line((0.2, -0.1), 0.05, 7)
+    found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+    (slope,) = tangents(problem, found, [candidate(CameraRotation)])
+    own = found.jacobian.reshape(-1, 2)
+    assert np.abs(own.T @ slope.reshape(-1)).max() < 1e-9
+
+
+def test_the_p_value_is_small_for_a_real_gain_and_large_for_none() -> None:
+    random = np.random.default_rng(0)
+    noise = random.standard_normal((TRIALS, 3 * 200))
+    slopes = [random.standard_normal((TRIALS, 3 * 200, 2)) for _ in range(10)]
+    assert permutation_p_value(2000.0, slopes, noise, 0.01, 1) == pytest.approx(0.001)
+    best = max(score_test_gain(noise, s) for s in slopes)
+    assert permutation_p_value(best, slopes, noise, 0.01, 1) > 0.05
+    assert permutation_p_value(0.0, slopes, noise, 0.01, 1) == 1.0
+    assert permutation_p_value(5.0, slopes, noise, 0.01, 1) == permutation_p_value(
+        5.0, slopes, noise, 0.01, 1
+    )
+
+
+def test_the_p_value_counts_the_candidates_tried() -> None:
+    random = np.random.default_rng(0)
+    noise = random.standard_normal((TRIALS, 3 * 200))
+    slopes = [random.standard_normal((TRIALS, 3 * 200, 1)) for _ in range(30)]
+    few, many = (
+        permutation_p_value(6.0, slopes[:1], noise, 0.01, 1),
+        permutation_p_value(6.0, slopes, noise, 0.01, 1),
+    )
+    assert few < 0.05 < 0.2 < many
+
+
+def test_intervals_cover_the_truth_about_as_often_as_they_say() -> None:
+    inside = 0
+    for seed in range(60):
+        problem = Line((0.2, -0.1), 0.05, 100 + seed)
+        found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+        spread = intervals(found, leave_one_out(found), found.structure[0].scale, np.zeros(2))
+        inside += int(np.all((spread.low <= [1.2, 0.9]) & (spread.high >= [1.2, 0.9])))
+    assert inside >= 50  # two parameters at 95 % each, conservative with six trials
+
+
+def test_trials_that_disagree_widen_the_interval() -> None:
+    """Each trial has its own slope, and the first outweighs the others, so that a jackknife is too sure."""
+    inside = narrow = 0
+    for seed in range(100):
+        problem, random = Line((0.2, -0.1), 0.0, 300 + seed), np.random.default_rng(900 + seed)
+        own, noise = random.normal(scale=0.02, size=(TRIALS, 1)), random.standard_normal(problem.u.shape)
+        problem.u, problem.v = 500.0 * problem.u, 500.0 * problem.v
+        problem.u[0] *= 8.0
+        problem.y = (0.2 + own) * problem.u - 0.1 * problem.v + noise
+        found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+        spread = intervals(found, leave_one_out(found), found.structure[0].scale, np.zeros(2), together=False)
+        inside += int(spread.low[0] <= 1.2 <= spread.high[0])
+        narrow += int(spread.high[0] - spread.low[0] < 0.2)
+    assert inside >= 95
+    assert narrow >= 95  # and does not cover by saying nothing
+
+
+def test_a_parameter_on_its_bound_leaves_the_shift_to_the_others() -> None:
+    """The other log moves both slopes, but the second may not go on: the first takes what it can."""
+    problem, other = Line((0.2, -0.1), 0.0, 5), Line((0.2, -0.1), 0.0, 5)
+    other.y = other.y + 0.1 * other.v
+    floor = replace(candidate(CameraScale), high=np.array([2.0, 0.9]))
+    found = fit(problem, (floor,), np.array([1.0, 0.9]), EVERY)
+    moved = shifted_by(other, found)
+    assert moved[1] == pytest.approx(0.0, abs=1e-6)
+    free = shifted_by(other, fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY))
+    assert free[1] == pytest.approx(0.1, abs=1e-6)
+
+
+def test_a_candidate_stands_for_a_variable() -> None:
+    assert candidate(CameraScale).trace is Trace.MEASUREMENT
+    assert candidate(CameraScale).size == 2
+
+
+def test_an_idle_parameter_stands_where_a_fit_would_start() -> None:
+    # With rigid material believed to be as slippery as the rollers, a step of the fraction alone says
+    # nothing unless the coefficient already stands where it would matter.
+    from slipmargin.diagnosis.candidate import named_candidates
+
+    found = {c.label: c for c in named_candidates(("1", "2", "3"), False, ())}
+    assert found["rigid_sector with its coefficient"].null.tolist() == [0.0, 0.5]
+    assert found["stribeck"].null.tolist() == [1.0, 0.03]
+
+
+def test_what_a_candidate_calls_nested_does_nothing_at_null() -> None:
+    """Force histories of the null effect and of none agree; a law that takes another's place says so."""
+    from planting import smooth_kiwi
+
+    from slipmargin.diagnosis.candidate import named_candidates
+    from slipmargin.effects.recipe import with_effects
+    from slipmargin.robot import LoadRule
+    from slipmargin.sim.signal import linear
+    from slipmargin.sim.simulate import simulate
+
+    smooth = smooth_kiwi()
+    static = replace(smooth, robot=replace(smooth.robot, load_rule=LoadRule.STATIC))
+    nominal = static.build("paper")
+    signal = linear(np.array([0.0, 0.5]), np.array([[0.0, 0.0, 0.0], [4.0, -3.0, 2.0]]))
+    t = np.linspace(0.0, 0.5, 6)
+    plain = simulate(nominal, signal, t).pose
+    for candidate in named_candidates(nominal.geometry.names, False, ()):
+        if candidate.trace is Trace.MEASUREMENT:
+            continue
+        same = simulate(with_effects(nominal, (candidate.build(candidate.null),)), signal, t).pose
+        assert np.allclose(same, plain, atol=1e-6) == candidate.nested, candidate.label
+
+
+def test_a_belief_holds_still_what_no_trial_shows_and_nothing_else() -> None:
+    problem = Line((0.2, 0.1), 0.01, 3)
+    problem.v[:] = 0.0  # nothing depends on the second parameter
+    problem.y -= 0.1 * problem.v
+    plain = candidate(CameraScale)
+    same = replace(plain, prior=np.array([[1.0, -1.0]]))  # believed: both are much the same
+    start = np.array([1.0, 1.0])
+    seen = fit(problem, (plain,), start, EVERY).x[0]
+    held = fit(problem, (same,), start, EVERY)
+    assert held.x[0] == pytest.approx(seen, abs=1e-3)
+    assert held.x[1] == pytest.approx(held.x[0], abs=1e-3)
+    np.testing.assert_allclose(leave_one_out(held)[:, 1], held.x[1], atol=0.02)
+
+
+class Bent(Line):
+    """The same line in the sine of the parameter: a tangent near the crest is far too long."""
+
+    def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
+        sines = [
+            tuple(replace(e, scale_x=1.0 + 0.4 * np.sin(8.0 * (e.scale_x - 1.0))) for e in made)
+            for made in effects
+        ]
+        return super().residuals(sines, trials)
+
+
+def test_a_left_out_trial_is_not_judged_by_a_tangent_that_is_too_long() -> None:
+    problem = Bent((0.39, 0.0), 0.01, 2)
+    found = evaluate(problem, (candidate(CameraScale),), np.array([1.19, 1.0]), EVERY)
+    naive = leave_one_out(found)
+    chosen = best_left_out(problem, found, [naive, leave_one_out(found, 10.0)])
+    for i, (one, other) in enumerate(zip(naive, chosen, strict=True)):
+        others = np.delete(EVERY, i)
+        cost = [
+            float(np.sum(problem.residuals([build(found.structure, x)], [others])[0] ** 2))
+            for x in (found.x, one, other)
+        ]
+        assert cost[1] > cost[0]  # the tangent leads astray
+        assert cost[2] <= min(cost)
+
+
+def test_of_equal_explanations_the_simple_one_is_chosen() -> None:
+    problem = Line((0.2, 0.0), 0.01, 3)
+
+    def state(structure: tuple[Candidate, ...], chi: float) -> State:
+        found = evaluate(problem, structure, np.concatenate([c.null for c in structure]), EVERY)
+        return State(fit=found, scores=np.full(TRIALS, chi**2 * SAMPLES), samples=float(TRIALS * SAMPLES))
+
+    one, other = candidate(CameraRotation), candidate(CameraScale)
+    unnamed = replace(one, named=False)
+    assert choose([state((one, other), 1.00), state((one,), 1.01)]).structure == (one,)
+    assert choose([state((unnamed,), 1.00), state((one,), 1.01)]).structure == (one,)
+    assert choose([state((one, other), 1.00), state((unnamed,), 1.00)]).structure == (unnamed,)
+    assert choose([state((unnamed,), 1.00), state((one,), 1.20)]).structure == (unnamed,)
+
+
+def test_a_fit_is_judged_by_another_view_as_by_its_own_where_they_are_one() -> None:
+    problem = Line((0.2, -0.1), 0.05, 5)
+    found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+    own, other = state_of(problem, found, 100.0), judged_by(problem, found, 100.0)
+    assert other.scores == pytest.approx(own.scores, rel=1e-9)
+
+
+def test_a_fit_judged_by_another_view_keeps_its_parameters_and_takes_that_views_residual() -> None:
+    here, there = Line((0.2, -0.1), 0.05, 5), Line((0.25, -0.1), 0.05, 6)
+    found = fit(here, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+    judged = judged_by(there, found, 100.0)
+    assert judged.fit is found
+    inside = np.sum(there.residuals([found.effects], [EVERY])[0] ** 2)
+    alone = [
+        there.residuals([build(found.structure, x)], [EVERY[i : i + 1]])[0]
+        for i, x in enumerate(leave_one_out(found))
+    ]
+    outside = sum(np.sum(a**2) for a in alone)
+    assert judged.scores.sum() == pytest.approx(np.sqrt(inside * outside), rel=1e-9)

@@ -1,0 +1,119 @@
+"""Noise, outliers and start poses read from the pose alone; what a sensor reports of a motion."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from slipmargin.checks import Array
+from slipmargin.data.record import Record
+from slipmargin.diagnosis.prepare import clean, noise
+from slipmargin.diagnosis.residual_diagnostics import dependences
+from slipmargin.diagnosis.sense import is_ideal, measure
+from slipmargin.errors import InputError
+from slipmargin.model.parts import MeasurementModel
+from slipmargin.physics.terms import PoseShift
+from slipmargin.physics.variables import Basis, Variable
+
+T = np.arange(0.0, 3.0, 0.01)
+SIGMA = np.array([0.0005, 0.0007, 0.002])
+
+
+def smooth() -> Array:
+    ramp = np.clip(T - 0.3, 0.0, None)
+    return np.stack([0.3 * ramp**2, 0.1 * np.sin(ramp), 0.5 * ramp], axis=1)
+
+
+def record(seed: int, sigma: Array = SIGMA) -> Record:
+    random = np.random.default_rng(seed)
+    return Record(name="one", t_s=T, pose=smooth() + sigma * random.standard_normal((len(T), 3)))
+
+
+@settings(deadline=None, max_examples=10)
+@given(size=st.floats(0.3, 20.0), seed=st.integers(0, 1000))
+def test_noise_is_estimated_whatever_the_motion(size: float, seed: int) -> None:
+    found = noise(tuple(record(seed + k, size * SIGMA) for k in range(20)))
+    np.testing.assert_allclose(found, size * SIGMA, rtol=0.15)
+
+
+def test_outliers_are_dropped_and_nothing_else() -> None:
+    pose = np.array(record(1).pose)
+    pose[100, 0] += 0.05
+    pose[200, 2] -= 0.3
+    trial = clean(Record(name="two", t_s=T, pose=pose), SIGMA)
+    assert trial.dropped == 2
+    assert np.isnan(trial.pose[100, 0]) and np.isnan(trial.pose[200, 2])
+    assert np.isfinite(trial.pose).sum() == pose.size - 2
+    assert clean(record(2), SIGMA).dropped == 0
+
+
+def test_the_start_pose_is_the_mean_while_it_stands() -> None:
+    starts = np.array([clean(record(k), SIGMA).start for k in range(20)])
+    assert np.all(np.abs(starts.mean(axis=0)) < 0.5 * SIGMA)
+    assert np.all(starts.std(axis=0) < 0.5 * SIGMA)  # a single sample would scatter by SIGMA
+
+
+def test_an_ideal_sensor_changes_nothing() -> None:
+    pose = smooth()
+    assert is_ideal(MeasurementModel.ideal())
+    assert measure(MeasurementModel.ideal(), T, pose) is pose
+
+
+def test_a_faulty_sensor_by_hand() -> None:
+    pose = np.array([[1.0, 2.0, 0.5], [2.0, 2.0, 1.5]])
+    t = np.array([0.0, 1.0])
+
+    def sensing(**changed: object) -> MeasurementModel:
+        values: dict[str, object] = {
+            "scale": np.ones(2),
+            "rotation_rad": 0.0,
+            "heading_gain": 1.0,
+            "delay_s": 0.0,
+            "marker_m": np.zeros(2),
+        }
+        return MeasurementModel(**(values | changed))  # type: ignore[arg-type]
+
+    np.testing.assert_allclose(measure(sensing(scale=np.array([1.1, 1.0])), t, pose)[1], [2.1, 2.0, 1.5])
+    np.testing.assert_allclose(
+        measure(sensing(rotation_rad=np.pi / 2), t, pose)[1], [1.0, 3.0, 1.5], atol=1e-15
+    )
+    np.testing.assert_allclose(measure(sensing(heading_gain=2.0), t, pose)[1], [2.0, 2.0, 2.5])
+    late = measure(sensing(delay_s=0.5), t, pose)
+    np.testing.assert_allclose(late, [[1.0, 2.0, 0.5], [1.5, 2.0, 1.0]])
+    turned = measure(sensing(marker_m=np.array([0.1, 0.0])), t, pose)
+    want = 1.0 + 1.0 + 0.1 * (np.cos(1.5) - np.cos(0.5))
+    assert turned[1, 0] == pytest.approx(want)
+    warp = PoseShift(
+        variable=Variable.TIME,
+        basis=Basis.POLYNOMIAL,
+        coefficients=np.array([[0.0], [0.0], [0.2]]),
+        shape=np.array([1.0, 0.0]),
+    )
+    np.testing.assert_allclose(measure(sensing(warps=(warp,)), t, pose)[1], [2.0, 2.0, 1.7])
+
+
+def test_a_sensor_knows_no_wheel_speed() -> None:
+    warp = PoseShift(
+        variable=Variable.SLIP_SPEED, basis=Basis.CONSTANT, coefficients=np.zeros((3, 1)), shape=np.ones(2)
+    )
+    faulty = MeasurementModel(
+        scale=np.ones(2), rotation_rad=0.0, heading_gain=1.0, delay_s=0.0, marker_m=np.zeros(2), warps=(warp,)
+    )
+    with pytest.raises(InputError, match="cannot depend on slip_speed"):
+        measure(faulty, T, smooth())
+
+
+def test_a_dependence_is_seen_and_a_bystander_is_not() -> None:
+    random = np.random.default_rng(0)
+    rates, variables = [], []
+    for _ in range(5):
+        angle = np.cumsum(random.uniform(0.0, 0.2, 400)) % 1.0
+        other = np.cumsum(random.standard_normal(400))
+        rate = np.stack([np.sin(2 * np.pi * angle), np.zeros(400), np.zeros(400)], axis=1)
+        rates.append(rate + 0.5 * random.standard_normal((400, 3)))
+        variables.append({"wheel angle": angle, "bystander": other})
+    first, *others = dependences(rates, variables, seed=0)
+    assert (first.variable, first.channel) == ("wheel angle", "right")
+    assert first.share > 0.4 and first.p_value <= 0.01
+    assert all(d.share < 0.1 for d in others)

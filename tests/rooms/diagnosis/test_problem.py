@@ -1,0 +1,77 @@
+"""Comparing whole runs and pieces of them: what moves with the start is no residual, the rest is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from planting import planted
+
+from slipmargin.checks import Array
+from slipmargin.diagnosis.prepare import clean
+from slipmargin.diagnosis.problem import Problem
+from slipmargin.io.robot_file import read_recipe
+
+PIECE_S = 0.4
+
+
+@pytest.fixture(scope="module")
+def problem() -> Problem:
+    data = planted(read_recipe("ohio-kiwi"), None, seed=2, count=3, duration_s=2.0, rate_hz=50.0)
+    trials = tuple(clean(record, np.array([5e-4, 5e-4, 2e-3])) for record in data.trials)
+    return Problem.of(data.recipe, data.surface, trials, np.array([5e-4, 5e-4, 2e-3]), False)
+
+
+def predicted(problem: Problem) -> Array:
+    return problem.predict([()], [np.arange(len(problem.trials))])[0]
+
+
+def chi(problem: Problem) -> float:
+    residual = problem.residuals([()], [np.arange(len(problem.trials))])[0]
+    return float(np.sqrt(np.sum(residual**2) / problem.samples(np.arange(len(problem.trials)))))
+
+
+def moved(pose: Array, turn: float, shift: tuple[float, float]) -> Array:
+    """The poses turned about the floor's origin and shifted."""
+    c, s = np.cos(turn), np.sin(turn)
+    x, y = pose[..., 0], pose[..., 1]
+    return np.stack([c * x - s * y + shift[0], s * x + c * y + shift[1], pose[..., 2] + turn], axis=-1)
+
+
+def test_a_start_elsewhere_is_no_residual(problem: Problem) -> None:
+    exact = replace(problem, measured=predicted(problem))
+    assert chi(exact) < 1e-2
+    assert chi(replace(exact, measured=moved(exact.measured, 1e-4, (0.02, -0.01)))) < 0.05
+    twisted = exact.measured + np.array([0.0, 0.0, 0.1])  # another heading, the same path
+    assert chi(replace(exact, measured=twisted)) > 5.0
+
+
+def test_each_piece_may_lie_elsewhere_and_nothing_within_it(problem: Problem) -> None:
+    exact = replace(problem, measured=predicted(problem))
+    cut = exact.in_pieces(PIECE_S)
+    assert cut.piece == 20
+    broken = exact.measured.copy()
+    for k, start in enumerate(range(0, broken.shape[1], 20)):
+        part = broken[:, start : start + 20]
+        broken[:, start : start + 20] = moved(part, 0.7 * np.sin(k + 1.0), (0.3 * k, -0.2))
+    assert chi(replace(exact, measured=broken)) > 100.0
+    assert chi(replace(cut, measured=broken)) < 0.05
+    bent = exact.measured + 0.02 * np.sin(np.arange(broken.shape[1]))[:, None] * [1.0, 0.0, 0.0]
+    assert chi(replace(cut, measured=bent)) > 5.0
+
+
+def test_what_nobody_saw_does_not_count(problem: Problem) -> None:
+    seen = problem.seen.copy()
+    seen[:, 30:60] = False
+    measured = np.where(seen, problem.measured, 1e3)
+    for view in (problem, problem.in_pieces(PIECE_S)):
+        assert chi(replace(view, seen=seen, measured=measured)) == pytest.approx(1.0, abs=0.15)
+
+
+def test_turning_the_rotors_by_a_pitch_changes_nothing_by_half_a_pitch_does(problem: Problem) -> None:
+    pitch = 2.0 * np.pi / problem.nominal.grip.rollers
+    assert np.any(problem.nominal.grip.rigid_fraction > 0.0)
+    whole, half = (chi(problem.with_wheel_phases(np.tile(f * pitch, (3, 1)))) for f in (1.0, 0.5))
+    assert whole == pytest.approx(chi(problem), rel=1e-3)
+    assert half > 1.5 * whole

@@ -1,0 +1,69 @@
+"""The last fit of what stays far above the noise: in pieces, since what a model lacks adds up along a run."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from planting import Plant, planted, smooth_kiwi
+
+from slipmargin.checks import Array
+from slipmargin.diagnosis.candidate import Candidate, named_candidates
+from slipmargin.diagnosis.fit import fit
+from slipmargin.diagnosis.prepare import clean
+from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.search import FAR, base_state
+from slipmargin.diagnosis.selection import refitted
+from slipmargin.effects import Trace
+from slipmargin.effects.wheel_loads import WheelLoads
+
+SIGMA = np.array([5e-4, 5e-4, 2e-3])
+SHIFT = np.array([0.012, -0.008])
+EVERY = np.arange(6)
+
+
+@pytest.fixture(scope="module")
+def problem() -> Problem:
+    truth = WheelLoads(shift_x_m=SHIFT[0], shift_y_m=SHIFT[1], com_share=1.0)
+    plant = Plant(name="loads", traces=(Trace.WHEEL_LOAD,), effects=(truth,))
+    data = planted(smooth_kiwi(), plant, seed=2, count=6, duration_s=15.0, rate_hz=50.0)
+    trials = tuple(clean(record, SIGMA) for record in data.trials)
+    return Problem.of(data.recipe, data.surface, trials, SIGMA, False)
+
+
+def wandering(problem: Problem, seed: int, rate: float) -> Problem:
+    """Each run pushed about by what no model holds: a random walk of ``rate`` metres a root second."""
+    random = np.random.default_rng(seed)
+    steps = rate * np.sqrt(0.02) * random.normal(size=problem.measured.shape) * np.array([1.0, 1.0, 3.0])
+    return replace(problem, measured=problem.measured + np.cumsum(steps, axis=1))
+
+
+def candidate(problem: Problem) -> Candidate:
+    named = named_candidates(problem.nominal.geometry.names, False, ())
+    return next(c for c in named if c.label == "wheel_loads")
+
+
+def off(x: Array) -> float:
+    return float(np.hypot(*(x - SHIFT)))
+
+
+def test_what_wanders_is_fitted_better_in_pieces(problem: Problem) -> None:
+    loads = candidate(problem)
+    whole, last = [], []
+    for seed in range(10):
+        astray = wandering(problem, seed, 6e-3)
+        before = base_state(astray, EVERY, astray.samples(EVERY))
+        assert before.chi > FAR
+        whole.append(off(fit(astray, (loads,), SHIFT, EVERY).x))
+        last.append(off(refitted(astray, before, (loads,), SHIFT, EVERY).fit.x))
+    assert np.sqrt(np.mean(np.square(last))) < 0.5 * np.sqrt(np.mean(np.square(whole)))
+
+
+def test_near_the_noise_whole_runs_are_fitted(problem: Problem) -> None:
+    loads = candidate(problem)
+    start = refitted(problem, base_state(problem, EVERY, problem.samples(EVERY)), (loads,), SHIFT, EVERY)
+    assert start.chi < FAR
+    again = refitted(problem, start, (loads,), SHIFT, EVERY)
+    assert again.fit.x == pytest.approx(fit(problem, (loads,), SHIFT, EVERY).x)
+    assert again.chi == pytest.approx(1.0, abs=0.1)
