@@ -1,4 +1,4 @@
-"""Pages of the site that are made from the program itself while the site is built: help texts and the Python API."""
+"""Pages of the site that are made from the program while it is built: help texts and the Python API."""
 
 from __future__ import annotations
 
