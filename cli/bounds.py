@@ -53,7 +53,8 @@ def bounds(
     """Acceleration limits in motion by direction: speeding up, turning, braking, cornering, spinning.
 
     In motion the rollers turn and their friction is drag, so the pull limit divided by the mass is not an
-    acceleration limit.  Directions are the robot's own: 0° to the right, 90° forward.
+    acceleration limit.  Directions are counted from the body's +x (convention "paper": 0° to the right, 90°
+    forward; "ros": 0° forward, 90° to the left).
     """
     import slipmargin as sm
 

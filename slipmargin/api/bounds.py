@@ -121,7 +121,7 @@ def bounds(
     margin : float
         Safety margin: the share of the grip kept in reserve, 0 to below 1.
     step_deg : float
-        Step of the directions, above 0 and up to 90 [deg]; 0° is to the robot's right, 90° forward.
+        Step of the directions, above 0 and up to 90 [deg]; 0° is the body's +x.
     robust : bool
         True: safe whichever wheels stand on rigid sectors.  False: all wheels on rollers.
     export : str, optional

@@ -116,7 +116,7 @@ def _sets(b: Bounds) -> list[str]:
         return [f"box         none: {b.why_not}"]
     return [
         f"box         speed up {_three(s.fast)}, slow down {_three(s.slow)}"
-        " (right, forward m/s², yaw rad/s²)",
+        f" ({', '.join(b.model.convention.short_axes)} m/s², yaw rad/s²)",
         f"circle      {s.circle_m_s2:.4g} m/s² in any direction of motion and of acceleration",
         f"reserved    {s.yaw_rad_s2:.4g} rad/s² of yaw acceleration at once, in box, circle and exports",
     ]

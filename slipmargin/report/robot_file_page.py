@@ -8,7 +8,9 @@ from slipmargin.robot.sections import SECTIONS, Section
 _HEAD = """# Robot file
 
 A robot file is TOML. Every value is in SI units and a key's name ends in its unit; keys that end in
-`_deg` are in degrees. The body frame has +X to the right and +Y forwards; angles are counter-clockwise.
+`_deg` are in degrees. Angles are counter-clockwise. Which body
+axis is the front, and which way a positive wheel speed drives, says `convention`; every number, column,
+picture and export of a command is in the convention of its robot file, so nothing is converted by hand.
 A friction coefficient may be uncertain: `"0.26 ± 0.02"` (one standard deviation) or the interval
 `[0.24, 0.28]`; every command uses the middle, and `sweep` says the chance of slip.
 A key that is not named here is an error, and so is a key that can have no effect beside the others. Ranges

@@ -1,5 +1,6 @@
 """The machine as its maker describes it: data-sheet values, no physics."""
 
+from slipmargin.physics.convention import Convention as Convention
 from slipmargin.physics.grips import GripShape as GripShape
 from slipmargin.physics.loads import LoadRule as LoadRule
 from slipmargin.robot.floor import (

@@ -1,6 +1,7 @@
 """A robot as a data sheet: body, wheels, motor, surfaces.
 
-Body frame {M}: +Y is the front, +X points right, +Z up; angles are counter-clockwise positive.
+Body frame {M}: +Z up, angles counter-clockwise positive; which axis is the front says the robot's
+``convention`` (:mod:`slipmargin.physics.convention`; by default +Y is the front and +X points right).
 Every value is SI; a key's name ends in its unit.  What each field means, which values it takes and how
 the robot file spells it stands in its metadata (:mod:`slipmargin.robot.fields`).
 """
@@ -15,6 +16,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
+from slipmargin.physics.convention import Convention
 from slipmargin.physics.frames import directions, moment
 from slipmargin.physics.kinematics import WheelGeometry
 from slipmargin.physics.loads import LoadRule
@@ -38,7 +40,7 @@ class Body:
         default_factory=lambda: np.zeros(2),
         metadata=numbers(
             "m",
-            "centre of mass, to the right and forwards of the body frame's origin",
+            "centre of mass from the body frame's origin, along the body's x and y",
             2,
             -1e3,
             1e3,
@@ -63,19 +65,20 @@ class Wheel:
     """One omni (roller angle 0) or mecanum (±45°) wheel.
 
     ``drive_direction_deg`` is the direction of ŝ in the body frame; the axle is perpendicular.
-    A positive ``theta`` rate moves the contact point of the wheel along +ŝ (eq. 3).
+    In the paper's convention a positive ``theta`` rate moves the contact point along it (eq. 3), in that of
+    ROS it drives the robot along it.
     """
 
     name: str = field(metadata=text("name of the wheel, another for each"))
     position_m: Array = field(
         metadata=numbers(
-            "m", "wheel centre, to the right and forwards of the body frame's origin", 2, -1e3, 1e3
+            "m", "wheel centre from the body frame's origin, along the body's x and y", 2, -1e3, 1e3
         )
     )
     drive_direction_deg: float = field(
         metadata=number(
             "deg",
-            "direction in which the wheel drives, counter-clockwise from +X; the axle is perpendicular",
+            "direction in which the wheel drives, counter-clockwise from +x; the axle is perpendicular",
             -3600.0,
             3600.0,
         )
@@ -120,6 +123,20 @@ class Robot:
     """
 
     name: str = field(metadata=text("name of the robot"))
+    convention: Convention = field(
+        default=Convention.PAPER,
+        metadata=word(
+            Convention,
+            "axes and signs of this file and of everything that is read and written with it",
+            (
+                "+y is the robot's front, +x its right, φ = 0 faces the floor's +y; a positive wheel speed "
+                "moves the contact point along the drive direction, so the robot goes the other way (Fig. 3 "
+                "and eq. 3 of the paper)",
+                "+x is the robot's front, +y its left, φ = 0 faces the floor's +x (REP 103); a positive "
+                "wheel speed drives the robot along the wheel's drive direction",
+            ),
+        ),
+    )
     body: Body
     wheels: tuple[Wheel, ...]
     surfaces: tuple[Surface, ...]
@@ -168,7 +185,7 @@ class Robot:
         if not self.surfaces:
             raise InputError("surface", "no surface is described", "add a [surface.NAME] table")
         _unique("surface", [s.name for s in self.surfaces])
-        object.__setattr__(self, "geometry", _geometry(self.wheels))
+        object.__setattr__(self, "geometry", _geometry(self.wheels, self.convention))
         self._check_rank()
         self._check_fractions()
 
@@ -240,13 +257,13 @@ def roller_levers(wheels: tuple[Wheel, ...]) -> tuple[Array, Array]:
     return one, two
 
 
-def _geometry(wheels: tuple[Wheel, ...]) -> WheelGeometry:
+def _geometry(wheels: tuple[Wheel, ...], convention: Convention) -> WheelGeometry:
     drive = np.deg2rad([w.drive_direction_deg for w in wheels])
     grip = drive + np.deg2rad([w.roller_angle_deg for w in wheels])
     return WheelGeometry(
         names=tuple(w.name for w in wheels),
         position_m=np.array([w.position_m for w in wheels]),
-        drive=directions(drive),
+        drive=convention.contact_sign * directions(drive),  # the contact's way where θ̇ > 0
         grip=directions(grip),
         free=directions(grip - np.pi / 2),  # ŝ = ẑ × r̂
         radius_m=np.array([w.radius_m for w in wheels]),
