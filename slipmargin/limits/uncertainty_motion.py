@@ -115,7 +115,8 @@ class _Sampled:
         inertia, normals = self.model.inertia, self.facets.normals
         force = inertia.mass_kg * drawn.mass[:, None] * acceleration[..., :2]
         turn = inertia.inertia_kg_m2 * drawn.inertia * acceleration[..., 2]
-        turn = turn + moment(*drawn.com_shift_m.T, force[..., 0], force[..., 1])
+        aside, ahead = drawn.com_shift_m.T
+        turn = turn + moment(aside, ahead, force[..., 0], force[..., 1])
         return np.asarray(np.concatenate([force, turn[..., None]], axis=-1) @ normals.T)
 
 
