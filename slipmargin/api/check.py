@@ -171,7 +171,7 @@ def check(
     from slipmargin.limits.motion_state import Contact
     from slipmargin.paths.check import check as path_check
 
-    model, warnings = model_of(robot, surface)
+    model, warnings = model_of(robot, surface, band=True)
     share = 1.0 - checked_margin(margin)
     source, form = "", "array"
     if topic is not None and not isinstance(trajectory, Path | str):

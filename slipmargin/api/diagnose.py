@@ -33,6 +33,14 @@ class DiagnosisResult(Result):
         return self.diagnosis.verdict.value
 
     @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the robot file says and a diagnosis does not use."""
+        from slipmargin.robot.warnings import unused
+
+        d = self.diagnosis
+        return unused(d.recipe.robot, d.surface, spread=False, band=False)
+
+    @property
     def corrected(self) -> Recipe:
         """The robot with the effects that were found: every other function accepts it."""
         return self.diagnosis.corrected

@@ -16,8 +16,11 @@ import numpy as np
 
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.io.json_text import json_text
+from slipmargin.limits.bounds import Directions
 from slipmargin.limits.bounds_inside import Inside
 from slipmargin.limits.bounds_summary import Bounds
+from slipmargin.limits.uncertainty import SlipChance
+from slipmargin.model import Model
 
 _INCH = 0.0254
 
@@ -170,7 +173,12 @@ def plain_json(found: Bounds) -> str:
     return json_text(bounds_table(found))
 
 
-def bounds_table(found: Bounds) -> dict[str, Any]:
+def _load_band(model: Model, even: Directions) -> dict[str, Any]:
+    """Shifts of the wheels' loads at the band's corners, and the limits on an even floor."""
+    return {"shifts_N": model.loads.shifts()[1:], "even_floor_starting_m_s2": even.starting_m_s2}
+
+
+def bounds_table(found: Bounds, likely: SlipChance | None = None) -> dict[str, Any]:
     """Everything as numbers; axes are the robot file's."""
     full, safe, corner, sets = found.full, found.safe, found.cornering, found.inside
     return {
@@ -183,6 +191,8 @@ def bounds_table(found: Bounds) -> dict[str, Any]:
         "smaller": found.smaller,
         "recommended_m_s2": found.recommended_m_s2,
         "isotropic_m_s2": found.isotropic_m_s2,
+        **({} if likely is None else {"slip_chance": likely.table("acceleration_m_s2")}),
+        **({} if found.even is None else {"load_band": _load_band(found.model, found.even)}),
         "heading_rad": full.heading_rad,
         "starting_m_s2": full.starting_m_s2,
         "turning_m_s2": full.turning_m_s2,

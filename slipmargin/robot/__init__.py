@@ -10,4 +10,4 @@ from slipmargin.robot.floor import (
 )
 from slipmargin.robot.motor import Motor as Motor
 from slipmargin.robot.robot import Body as Body, Robot as Robot, Wheel as Wheel
-from slipmargin.robot.uncertain import Uncertain as Uncertain
+from slipmargin.robot.uncertain import Uncertain as Uncertain, UncertainArray as UncertainArray

@@ -31,10 +31,19 @@ class Body:
     """Rigid body: mass, yaw inertia, place of the centre of mass."""
 
     mass_kg: float = field(
-        metadata=number("kg", "mass of the robot with everything on it", 1e-3, 1e6, vary=("mass_kg",))
+        metadata=number(
+            "kg", "mass of the robot with everything on it", 1e-3, 1e6, uncertain=True, vary=("mass_kg",)
+        )
     )
     inertia_kg_m2: float = field(
-        metadata=number("kg m²", "yaw inertia about the centre of mass", 1e-9, 1e9, vary=("inertia_kg_m2",))
+        metadata=number(
+            "kg m²",
+            "yaw inertia about the centre of mass",
+            1e-9,
+            1e9,
+            uncertain=True,
+            vary=("inertia_kg_m2",),
+        )
     )
     com_m: Array = field(
         default_factory=lambda: np.zeros(2),
@@ -45,13 +54,19 @@ class Body:
             -1e3,
             1e3,
             reason="between the wheels, else the robot falls over",
+            uncertain=True,
             vary=("com_x_m", "com_y_m"),
         ),
     )
     com_height_m: float = field(
         default=0.0,
         metadata=number(
-            "m", "height of the centre of mass above the floor", 0.0, 1e3, vary=("com_height_m",)
+            "m",
+            "height of the centre of mass above the floor",
+            0.0,
+            1e3,
+            uncertain=True,
+            vary=("com_height_m",),
         ),
     )
 
@@ -166,9 +181,36 @@ class Robot:
             0.0,
             1.0,
             reason="one for each wheel, together 1",
+            uncertain=True,
             table="loads",
             name="fractions",
             needs=(("load_rule", "fixed"),),
+        ),
+    )
+    suspension_N_per_mm: float | None = field(
+        default=None,
+        metadata=number(
+            "N/mm",
+            "stiffness between each wheel's contact and the body: suspension, frame and tread in series",
+            0.0,
+            1e6,
+            above=True,
+            reason="four wheels and more",
+            table="loads",
+            needs=(("unevenness_mm", ""),),
+        ),
+    )
+    unevenness_mm: float | None = field(
+        default=None,
+        metadata=number(
+            "mm",
+            "how far a wheel's contact may lie above or below the plane of the others, of floor and frame",
+            0.0,
+            100.0,
+            above=True,
+            reason="what a feeler gauge shows under the wheel that hangs",
+            table="loads",
+            needs=(("suspension_N_per_mm", ""),),
         ),
     )
     friction: FrictionLaw = field(default_factory=FrictionLaw)
@@ -188,6 +230,12 @@ class Robot:
         object.__setattr__(self, "geometry", _geometry(self.wheels, self.convention))
         self._check_rank()
         self._check_fractions()
+        if len(self.wheels) == 3 and self.suspension_N_per_mm is not None:
+            raise InputError(
+                "loads.suspension_N_per_mm",
+                "has no effect on three wheels: statics alone decides their loads, whatever the floor",
+                "leave suspension_N_per_mm and unevenness_mm out",
+            )
 
     def _check_rank(self) -> None:
         geometry = self.geometry
