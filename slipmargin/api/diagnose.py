@@ -188,7 +188,7 @@ def _read(data_set: DataSet | Path | str) -> tuple[DataSet, str]:
 
 def _check_sense(data_set: DataSet, source: str) -> None:
     """Refuse data whose fault is not the robot's: wrong units, swapped wheels, a mirrored frame."""
-    from slipmargin.io.data_checks import check_data_set
+    from slipmargin.data.checks import check_data_set
 
     for fault in check_data_set(data_set):
         raise InputError(fault.place, fault.problem, f"likely cause: {fault.cause}", source)
