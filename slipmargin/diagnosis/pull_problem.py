@@ -106,7 +106,12 @@ def _states(rigid: Array) -> list[tuple[bool, ...]]:
     may = rigid.max(axis=0) > 0.0
     must = rigid.min(axis=0) >= 1.0
     return list(
-        product(*[(True,) if sure else (False, True) if can else (False,) for can, sure in zip(may, must, strict=True)])
+        product(
+            *[
+                (True,) if sure else (False, True) if can else (False,)
+                for can, sure in zip(may, must, strict=True)
+            ]
+        )
     )
 
 
@@ -191,13 +196,15 @@ class PullProblem:
         there = rows >= 0
         which, theta = np.nonzero(there)[0], self.pulls.theta_rad
         out = np.zeros((*rows.shape, 2))
+        out[there] = _WILD
+        angles = None if theta is None else theta[rows[there]]
         try:
-            found = expectation(
-                self.model(effects), self.settings[groups], which, None if theta is None else theta[rows[there]]
-            )
-            out[there] = deviance(self.pulls.force_N[rows[there]], found, self.sigma_N)
+            with np.errstate(divide="ignore", invalid="ignore"):  # a fit may try a wheel without friction
+                found = expectation(self.model(effects), self.settings[groups], which, angles)
         except (InputError, NoSolution):
-            out[there] = _WILD
+            return out.reshape(len(groups), -1)
+        if np.all(np.isfinite(found.force_N)):
+            out[there] = deviance(self.pulls.force_N[rows[there]], found, self.sigma_N)
         return out.reshape(len(groups), -1)
 
 

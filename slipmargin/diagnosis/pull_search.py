@@ -7,6 +7,7 @@ likelihood of whole settings that were left out of the fit.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
@@ -20,8 +21,8 @@ from slipmargin.diagnosis.fit import Fit, GaussianPrior, build, evaluate, fit, l
 from slipmargin.diagnosis.forms import Ranges
 from slipmargin.diagnosis.general_forms import general_candidates
 from slipmargin.diagnosis.pull_problem import PullProblem, expectation
+from slipmargin.diagnosis.search import score_test_gain
 from slipmargin.errors import InputError, NoSolution
-from slipmargin.model import Model
 from slipmargin.physics.variables import Frame, Variable
 
 #: An effect is taken only if luck gives as much, among all candidates, no more often than this [1].
@@ -29,7 +30,7 @@ SIGNIFICANCE = 0.01
 #: At most so many effects.
 MOST_EFFECTS = 3
 #: So many candidates, by the likelihood of what they were fitted to, are scored without it.
-_SHORTLIST = 10
+_SHORTLIST = 8
 #: Parts into which settings are divided to be left out in turn.
 _FOLDS = 8
 _SURROGATES = 999
@@ -38,6 +39,9 @@ _NEAR_NOISE, _FIRSTS = 1.7, 4
 #: A state counts as no worse than the best one while its score is within this many standard errors of the
 #: difference, setting by setting, or within this much: one parameter costs about 1 of noise alone.
 _ERRORS, _ALIKE = 1.0, 2.0
+#: Root mean square over typical difference [1] beyond which repeats are no single Gaussian: 24 pairs of one
+#: reach 1.5 by chance once in a hundred.
+_SCATTERS = 1.5
 #: What moves a limit by less than this share of it at a start value moves nothing.
 _MOVES = 1e-6
 #: What a robot at rest shows nothing of: a pull does not say where, when or at which wheel angle it was.
@@ -70,6 +74,11 @@ class PullState:
         """Sum over groups."""
         return float(self.scores.sum())
 
+    @property
+    def off(self) -> float:
+        """Sum of squares beside the contact states that the pulls make probable, as fitted."""
+        return float(np.sum(beside(self.fit.residual)))
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -89,11 +98,17 @@ class PullRound:
         return [s for s in self.tried if s is not self.best and no_worse(s, self.best)]
 
 
-def noise_N(pulls: Pulls, nominal: Model) -> tuple[float, float, bool]:
+def beside(residual: Array) -> Array:
+    """(R,) sums over groups of a², a in σ: how far pulls are beside the contact states they make probable."""
+    return np.asarray(np.sum(residual[:, ::2] ** 2, axis=1))
+
+
+def noise_N(pulls: Pulls) -> tuple[float, float, bool]:
     """Repeatability σ [N] of a pull, its degrees of freedom, and whether repeated pulls showed it.
 
-    Repeats scatter by noise, and by what the wheels stand on where that is not known: then the median
-    of the differences counts, which jumps between contact states hardly move.  Without repeats the
+    Repeats scatter by noise, and by what the wheels happen to stand on: where the root mean square is
+    much larger than the median of the differences says, the median counts, which jumps hardly move.
+    Without repeats the
     differences from the line between neighbouring orientations stand in for it.
 
     Raises
@@ -109,12 +124,11 @@ def noise_N(pulls: Pulls, nominal: Model) -> tuple[float, float, bool]:
     groups = [pulls.force_N[which == g] for g in range(len(settings))]
     freedom = float(sum(len(g) - 1 for g in groups))
     if freedom >= 4.0:
-        blurred = pulls.theta_rad is None or bool(np.any(nominal.grip.rigid_fraction > 0.0))
-        if blurred:
-            pairs = np.concatenate([np.abs(g - np.roll(g, 1))[: len(g) - (len(g) < 3)] for g in groups if len(g) > 1])
-            spread = float(np.median(pairs)) / (0.6745 * np.sqrt(2.0))
-        else:
-            spread = float(np.sqrt(sum(float(np.sum((g - g.mean()) ** 2)) for g in groups) / freedom))
+        spread = math.sqrt(sum(float(np.sum((g - g.mean()) ** 2)) for g in groups) / freedom)
+        pairs = np.concatenate([np.abs(g - np.roll(g, 1))[len(g) == 2 :] for g in groups if len(g) > 1])
+        typical = float(np.median(pairs)) / (0.6745 * math.sqrt(2.0))
+        if spread > _SCATTERS * typical:  # repeats stood on different material
+            spread = typical
         least = 1e-4 * float(np.mean(pulls.force_N))
         return max(spread, least), freedom, True
     means = np.array([g.mean() for g in groups])
@@ -157,7 +171,9 @@ def pull_candidates(problem: PullProblem) -> list[Candidate]:
 
 
 def _equal(one: Array, other: Array) -> bool:
-    return one.shape == other.shape and bool(np.allclose(one, other, rtol=0.0, atol=_MOVES * np.abs(one).max()))
+    return one.shape == other.shape and bool(
+        np.allclose(one, other, rtol=0.0, atol=_MOVES * np.abs(one).max())
+    )
 
 
 def _moves(problem: PullProblem, candidate: Candidate) -> Array | None:
@@ -188,10 +204,12 @@ def _moves(problem: PullProblem, candidate: Candidate) -> Array | None:
 def unseen(problem: PullProblem, candidate: Candidate, x: Array) -> bool:
     """Whether a candidate depends on a variable that a pull does not know."""
     base, changed = problem.model(()), problem.model((candidate.build(x),))
-    terms = [*changed.grip.multipliers[len(base.grip.multipliers) :]]
-    forces = [*changed.external.terms[len(base.external.terms) :]]
-    return any(t.variable in _UNKNOWN for t in (*terms, *forces)) or any(
-        f.frame is Frame.AGAINST_MOTION for f in forces
+    factors = changed.grip.multipliers[len(base.grip.multipliers) :]
+    forces = changed.external.terms[len(base.external.terms) :]
+    return (
+        any(factor.variable in _UNKNOWN for factor in factors)
+        or any(force.variable in _UNKNOWN for force in forces)
+        or any(force.frame is Frame.AGAINST_MOTION for force in forces)
     )
 
 
@@ -232,7 +250,8 @@ def parts(count: int) -> list[Index]:
 def no_worse(state: PullState, best: PullState) -> bool:
     """Whether a state's score is within chance of the best one's."""
     gap = state.scores - best.scores
-    return float(gap.sum()) <= max(_ALIKE, _ERRORS * float(np.std(gap)) * np.sqrt(len(gap)))
+    chance = _ERRORS * float(np.std(gap)) * math.sqrt(len(gap))
+    return float(gap.sum()) <= max(_ALIKE, chance)
 
 
 def search(
@@ -256,28 +275,45 @@ def _take_step(
     groups = before.fit.trials
     taken = {c.name for c in before.structure}
     room = problem.count(groups) - len(before.fit.x)
-    fresh = [c for c in candidates if c.name not in taken and c.size < room // 2 and _possible(problem, before, c)]
-    fits = sorted((_fitted(problem, before, (c,)) for c in fresh), key=lambda f: f.cost)
-    tried = sorted((state_of(problem, f) for f in fits[:_SHORTLIST]), key=lambda s: s.score)
+    fresh = [
+        c for c in candidates if c.name not in taken and c.size < room // 2 and _possible(problem, before, c)
+    ]
+    slopes = tangents(problem, before.fit, fresh)
+    worth = _promising(before, fresh, slopes) if before.structure else fresh
+    tried = _scored(problem, [_short(problem, before, (c,)) for c in worth], _SHORTLIST)
     if not tried:
         return PullRound(before=before, tried=(), best=None, p_value=1.0, taken=False)
-    if not before.structure and (tried[0].score > _NEAR_NOISE * problem.count(groups) or _unnamed(tried[0])):
-        firsts = [f.structure[-1] for f in fits if f.structure[-1].named][:_FIRSTS]
+    if not before.structure and (tried[0].off > _NEAR_NOISE * problem.count(groups) or _unnamed(tried[0])):
+        firsts = [s.structure[-1] for s in tried if s.structure[-1].named][:_FIRSTS]
         tried = sorted([*tried, *_pairs(problem, before, firsts, fresh)], key=lambda s: s.score)
     best = _simplest([s for s in tried if no_worse(s, tried[0])])
-    p_value = luck(problem, before, best, fresh, seed)
+    p_value = luck(problem, before, best, slopes, seed)
     taken_now = p_value <= SIGNIFICANCE and best.score < before.score and not no_worse(before, best)
     return PullRound(before=before, tried=tuple(tried), best=best, p_value=p_value, taken=taken_now)
 
 
-def _fitted(problem: PullProblem, before: PullState, added: tuple[Candidate, ...]) -> Fit:
-    """The best fit, from every start of the last candidate, of what is known with candidates added."""
+def _promising(before: PullState, candidates: list[Candidate], slopes: list[Array]) -> list[Candidate]:
+    """Those whose tangents promise most, and those that have none where they do nothing."""
+    gains = [score_test_gain(before.fit.residual, slope) for slope in slopes]
+    best = set(np.argsort(gains)[::-1][:_SHORTLIST].tolist())
+    return [c for i, c in enumerate(candidates) if i in best or not np.any(slopes[i])]
+
+
+def _short(problem: PullProblem, before: PullState, added: tuple[Candidate, ...]) -> Fit:
+    """The best of short fits, from every start of the last candidate, of what is known with others added."""
     structure = (*before.structure, *added)
     known = [before.fit.x, *(c.starts[0] for c in added[:-1])]
     starts = np.unique(np.stack([added[-1].null, *added[-1].starts]), axis=0)
     groups = before.fit.trials
-    fits = [fit(problem, structure, np.concatenate([*known, s]), groups, iterations=8) for s in starts]
+    fits = [fit(problem, structure, np.concatenate([*known, s]), groups, iterations=2) for s in starts]
     return min(fits, key=lambda f: f.cost)
+
+
+def _scored(problem: PullProblem, short: list[Fit], many: int) -> list[PullState]:
+    """The best few of short fits, fitted to the end and scored; best first."""
+    best = sorted(short, key=lambda f: f.cost)[:many]
+    ended = [fit(problem, f.structure, f.x, f.trials, iterations=8) for f in best]
+    return sorted((state_of(problem, f) for f in ended), key=lambda s: s.score)
 
 
 def _pairs(
@@ -290,9 +326,8 @@ def _pairs(
         for second in named:
             key = frozenset((first.label, second.label))
             if second.name != first.name and key not in pairs and _stand(problem, (first, second)):
-                pairs[key] = _fitted(problem, before, (first, second))
-    best = sorted(pairs.values(), key=lambda f: f.cost)[:_FIRSTS]
-    return [state_of(problem, f) for f in best]
+                pairs[key] = _short(problem, before, (first, second))
+    return _scored(problem, list(pairs.values()), _FIRSTS)
 
 
 def _stand(problem: PullProblem, pair: tuple[Candidate, ...]) -> bool:
@@ -322,18 +357,19 @@ def _possible(problem: PullProblem, before: PullState, candidate: Candidate) -> 
 
 
 def luck(
-    problem: PullProblem, before: PullState, best: PullState, candidates: Sequence[Candidate], seed: int
+    problem: PullProblem, before: PullState, best: PullState, slopes: Sequence[Array], seed: int
 ) -> float:
     """Probability that the best of all candidates gains as much from noise alone.
 
     The noise is what the chosen effect leaves, each setting's with one random sign and made larger for the
-    parameters that were fitted; what a candidate gains from it is its projection on the candidate's tangent.
+    parameters that were fitted; what a candidate gains from it is its projection on the candidate's tangent
+    (``slopes``, one (R, 2 K, P) each).
     """
     gain = before.fit.cost - best.fit.cost
     pulls = problem.count(best.fit.trials)
     size = max(float(np.sqrt(pulls / max(1, pulls - len(best.fit.x)))), 1.0)
     left = size * best.fit.residual
-    bases = [_orthonormal(t) for t in tangents(problem, before.fit, candidates)]
+    bases = [_orthonormal(t) for t in slopes]
     signs = np.random.default_rng(seed).choice([-1.0, 1.0], size=(_SURROGATES, len(left)))
     drawn = (signs[:, :, None] * left).reshape(_SURROGATES, -1)
     most = np.max([np.sum((drawn @ basis) ** 2, axis=1) for basis in bases], axis=0)

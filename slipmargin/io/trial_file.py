@@ -88,9 +88,13 @@ def read_pulls(path: Path, wheels: int) -> Pulls:
 
     try:
         for name in ("phi_rad", "direction_rad"):
-            _check_cells(table, name, np.abs(_column(table, name)) > _MOST_TURNED_RAD, "divide degrees by 57.296")
+            _check_cells(
+                table, name, np.abs(_column(table, name)) > _MOST_TURNED_RAD, "divide degrees by 57.296"
+            )
         _check_cells(table, "force_N", table["force_N"] <= 0.0, "give the size of the pull [N]")
-        _check_cells(table, "height_m", _column(table, "height_m") < 0.0, "give the height above the floor [m]")
+        _check_cells(
+            table, "height_m", _column(table, "height_m") < 0.0, "give the height above the floor [m]"
+        )
     except InputError as fault:
         raise fault.in_file(str(path)) from None
     direction, height = columns("direction_rad"), columns("height_m")
