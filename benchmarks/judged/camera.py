@@ -105,5 +105,3 @@ def noisy(rng: np.random.Generator, tool: Instrument, pose: Array) -> Array:
     elif tool.kind == "camera_repeated":
         out = out[np.arange(rows) // int(numbers["rows_per_frame"]) * int(numbers["rows_per_frame"])]
     return np.asarray(out)
-
-

@@ -300,7 +300,9 @@ def _lag(d: Draw) -> Apply:
         def tables(run: RunPlan) -> Tables:
             return lagging_tables(run.command, run.sub * run.every, run.h, run.theta0, lag, late)
 
-        return Planted(machine=d.machine, tables=tables if s > 0.0 else None, parameters={"lag_s": lag, "delay_s": late})
+        return Planted(
+            machine=d.machine, tables=tables if s > 0.0 else None, parameters={"lag_s": lag, "delay_s": late}
+        )
 
     return apply
 
@@ -310,9 +312,7 @@ def _droop(d: Draw) -> Apply:
         m = d.machine
         torque = float(np.mean(m.mu_drive * m.rest * m.radius))
         droop = float(0.25 * s / float(np.mean(m.radius)) / torque)
-        return Planted(
-            machine=m, physics=Physics(droop=droop), parameters={"droop_rad_s_per_N_m": droop}
-        )
+        return Planted(machine=m, physics=Physics(droop=droop), parameters={"droop_rad_s_per_N_m": droop})
 
     return apply
 
@@ -403,9 +403,7 @@ def _patch(d: Draw) -> Apply:
     def apply(s: float) -> Planted:
         change = float(0.8 * s if more else -0.75 * s)
         told = {"x_m": float(place[0]), "y_m": float(place[1]), "radius_m": radius, "relative_change": change}
-        physics = Physics(
-            patch_x=told["x_m"], patch_y=told["y_m"], patch_radius=radius, patch_change=change
-        )
+        physics = Physics(patch_x=told["x_m"], patch_y=told["y_m"], patch_radius=radius, patch_change=change)
         return Planted(machine=d.machine, physics=physics, parameters=told)
 
     return apply

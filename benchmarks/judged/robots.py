@@ -70,7 +70,9 @@ def draw_robot(rng: np.random.Generator, wishes: Wishes) -> Robot:
     k = float(np.round(np.exp(rng.uniform(np.log(250.0), np.log(1200.0)))))
     law = int(rng.choice([0, 0, 1, 2]))
     shape = 0 if wishes.box else int(rng.choice([0, 0, 0, 0, 1, 2]))
-    fraction = 0.0 if wishes.no_rigid else float(rng.choice([0.0, 0.0, 0.0, np.round(rng.uniform(0.04, 0.15), 3)]))
+    fraction = (
+        0.0 if wishes.no_rigid else float(rng.choice([0.0, 0.0, 0.0, np.round(rng.uniform(0.04, 0.15), 3)]))
+    )
     rule = "equal" if wishes.plain_loads else str(rng.choice(["equal", "equal", "static", "quasi-static"]))
     com, height = np.zeros(2), 0.0
     if rule in ("static", "quasi-static"):

@@ -195,7 +195,16 @@ def _coefficients(
 
 @_compiled
 def _friction(
-    m: Machine, p: Physics, i: int, phi: float, gx: float, gy: float, ux: float, uy: float, mw: float, mt: float
+    m: Machine,
+    p: Physics,
+    i: int,
+    phi: float,
+    gx: float,
+    gy: float,
+    ux: float,
+    uy: float,
+    mw: float,
+    mt: float,
 ) -> tuple[float, float]:
     """Friction per load (along ĝ, along f̂) at contact velocity (ux, uy), body frame; (gx, gy) is ĝ."""
     uw, ut = ux * gx + uy * gy, -ux * gy + uy * gx
@@ -278,7 +287,9 @@ def _rates(
         ex -= size * vx
         ey -= size * vy
         rim = w * reach
-        ez -= p.roll_yaw * reach * rim * (p.roll_coulomb * weight / np.sqrt(rim * rim + 1e-6) + p.roll_viscous)
+        ez -= (
+            p.roll_yaw * reach * rim * (p.roll_coulomb * weight / np.sqrt(rim * rim + 1e-6) + p.roll_viscous)
+        )
     if p.castor != 0.0:
         px, py = p.castor_x - m.com[0], p.castor_y - m.com[1]
         cx, cy = vx - w * py, vy + w * px
@@ -413,7 +424,10 @@ def _march(
 def step_of(machine: Machine) -> float:
     """The longest step [s] at which the creep of this robot's contacts is followed well."""
     slope = float(np.max(machine.k)) * (2.0 / np.pi if machine.law == 0 else 1.0)
-    mu = max(float(np.max(machine.mu_drive)), float(np.max(machine.mu_rigid * (machine.rigid_fraction[:, None] > 0))))
+    mu = max(
+        float(np.max(machine.mu_drive)),
+        float(np.max(machine.mu_rigid * (machine.rigid_fraction[:, None] > 0))),
+    )
     reach = float(np.mean(np.sum((machine.position - machine.com) ** 2, axis=1)))
     rate = slope * mu * GRAVITY * max(1.0, machine.mass * reach / machine.inertia)
     return min(2.5e-4, 1.2 / rate)
