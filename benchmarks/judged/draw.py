@@ -15,7 +15,9 @@ import json
 import sys
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import nullcontext
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -103,7 +105,14 @@ def size_for(apply: Apply, runs: Sequence[RunPlan], sigma: Array, wanted: float)
 
 
 def _scene(
-    rng: np.random.Generator, wishes: Wishes, *, commanded: bool, spread: bool, theta: bool, hardest: float
+    rng: np.random.Generator,
+    wishes: Wishes,
+    *,
+    commanded: bool,
+    spread: bool,
+    theta: bool,
+    hardest: float,
+    most: int = 20,
 ) -> tuple[Robot, list[RunPlan], int, str]:
     robot = draw_robot(rng, wishes)
     rate = int(rng.choice(RATES_HZ))
@@ -115,7 +124,7 @@ def _scene(
         if rate < 60 or (wheels == "speeds" and (hidden or rate < 200)):
             wheels = "both"
     spread = spread or bool(rng.random() < 0.5)
-    count = int(rng.integers(6, 21))
+    count = min(most, int(rng.integers(6, 21)))
     runs = [
         draw_run(rng, robot.machine, rate, spread=spread, commanded=commanded, hardest=hardest)
         for _ in range(count)
@@ -172,20 +181,20 @@ def _finish(
 
 
 def effect_set(
-    seed: Sequence[int], family: Family, *, white: bool = False
+    seed: Sequence[int], family: Family, *, white: bool = False, most: int = 20
 ) -> tuple[dict[str, str], dict[str, Any]]:
-    """The files and the truth of a set with one effect of a family."""
+    """The files and the truth of a set with one effect of a family; ``most``: of so many runs at most."""
     for again in range(_TRIES):
         rng = np.random.default_rng([*seed, again])
         try:
-            return _one_effect(rng, family, white=white)
+            return _one_effect(rng, family, white=white, most=most)
         except _AgainError:
             continue
     raise RuntimeError(f"{family.name}: {_TRIES} draws in a row were of no use")
 
 
 def _one_effect(
-    rng: np.random.Generator, family: Family, *, white: bool
+    rng: np.random.Generator, family: Family, *, white: bool, most: int
 ) -> tuple[dict[str, str], dict[str, Any]]:
     robot, runs, rate, wheels = _scene(
         rng,
@@ -194,6 +203,7 @@ def _one_effect(
         spread=family.spread,
         theta=family.theta,
         hardest=family.hardest,
+        most=most,
     )
     sigma = _sigma(rng)
     kind = "white" if white or rng.random() < 0.75 else str(rng.choice(BESIDE_WHITE))
@@ -222,7 +232,7 @@ def _one_effect(
     return files, truth
 
 
-def null_set(seed: Sequence[int], kind: str) -> tuple[dict[str, str], dict[str, Any]]:
+def null_set(seed: Sequence[int], kind: str, *, most: int = 20) -> tuple[dict[str, str], dict[str, Any]]:
     """The files and the truth of a set whose robot file declares everything."""
     for again in range(_TRIES):
         rng = np.random.default_rng([*seed, again])
@@ -230,7 +240,13 @@ def null_set(seed: Sequence[int], kind: str) -> tuple[dict[str, str], dict[str, 
         wishes = Wishes(no_motor=commanded, no_rigid=commanded)
         try:
             robot, runs, rate, wheels = _scene(
-                rng, wishes, commanded=commanded, spread=False, theta=kind == "clock_rate_all", hardest=1.0
+                rng,
+                wishes,
+                commanded=commanded,
+                spread=False,
+                theta=kind == "clock_rate_all",
+                hardest=1.0,
+                most=most,
             )
             if kind.startswith("camera_") and rate == 30:
                 continue
@@ -320,10 +336,10 @@ def main(words: Sequence[str] | None = None) -> int:
     effects, nulls = (given.count, 0) if given.kind == "coverage" else (given.effects, given.nulls)
     jobs = jobs_of(given.kind, given.seed, effects, nulls)
     truth: dict[str, Any] = {}
-    with ProcessPoolExecutor(given.jobs) as pool:
-        waiting = [pool.submit(make, job, given.kind, given.out) for job in jobs]
-        for done, future in enumerate(waiting, 1):
-            name, truth[name] = future.result()
+    task = partial(make, kind=given.kind, out=given.out)
+    with ProcessPoolExecutor(given.jobs) if given.jobs > 1 else nullcontext() as pool:
+        for done, (name, true) in enumerate(pool.map(task, jobs) if pool else map(task, jobs), 1):
+            truth[name] = true
             print(
                 f"\r{100 * done // len(jobs):3d} %  {done} of {len(jobs)}",
                 end="",

@@ -115,7 +115,7 @@ class Family:
     spread: bool = False
     theta: bool = False
     hardest: float = 1.0
-    wishes: Wishes = Wishes()
+    wishes: Wishes = field(default_factory=Wishes)
 
 
 def _put(a: Array, i: int, value: float) -> Array:

@@ -245,8 +245,8 @@ def _rates(
 ) -> None:
     """Time derivative of the state.
 
-    State: centre of mass x, y, φ, their velocities, bend of the chassis (2) and its rate (2), sag of the battery,
-    then the way that each wheel has slid.  ``out`` gets the smallest load.
+    State: centre of mass x, y, φ, their velocities, bend of the chassis (2) and its rate (2), sag of
+    the battery, then the way that each wheel has slid.  ``out`` gets the smallest load.
     """
     n = len(m.radius)
     c, s = np.cos(y[2]), np.sin(y[2])
