@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from judged.simulator import GRAVITY, GRIPS, LAWS, Array, Machine, sharing
+from judged.simulator import GRAVITY, GRIPS, LAWS, Array, Machine, sharing, transfer
 
 KINDS = ("three", "four", "mecanum")
 
@@ -73,10 +73,12 @@ def draw_robot(rng: np.random.Generator, wishes: Wishes) -> Robot:
     fraction = (
         0.0 if wishes.no_rigid else float(rng.choice([0.0, 0.0, 0.0, np.round(rng.uniform(0.04, 0.15), 3)]))
     )
-    rule = "equal" if wishes.plain_loads else str(rng.choice(["equal", "equal", "static"]))
+    rule = "equal" if wishes.plain_loads else str(rng.choice(["equal", "equal", "static", "quasi-static"]))
     com, height = np.zeros(2), 0.0
-    if rule == "static":
+    if rule != "equal":
         com = np.round(rng.uniform(-0.12, 0.12, size=2) * reach, 4)
+    if rule == "quasi-static":
+        height = float(np.round(rng.uniform(0.2, 0.7) * reach, 3))
     motor = not wishes.no_motor and bool(rng.random() < 0.4)
     share = sharing(position)
     s, g = np.radians(direction), np.radians(direction + roller)
@@ -104,6 +106,8 @@ def draw_robot(rng: np.random.Generator, wishes: Wishes) -> Robot:
         per_acceleration=np.zeros((n, 2)),
         per_moment=np.ascontiguousarray(share[:, 1:]),
     )
+    if height > 0.0:
+        machine = machine._replace(per_acceleration=transfer(machine, height))
     lines = [
         "schema = 1",
         f'name = "{kind}"',
