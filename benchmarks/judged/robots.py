@@ -75,7 +75,7 @@ def draw_robot(rng: np.random.Generator, wishes: Wishes) -> Robot:
     )
     rule = "equal" if wishes.plain_loads else str(rng.choice(["equal", "equal", "static", "quasi-static"]))
     com, height = np.zeros(2), 0.0
-    if rule in ("static", "quasi-static"):
+    if rule != "equal":
         com = np.round(rng.uniform(-0.12, 0.12, size=2) * reach, 4)
     if rule == "quasi-static":
         height = float(np.round(rng.uniform(0.2, 0.7) * reach, 3))

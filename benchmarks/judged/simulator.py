@@ -16,7 +16,7 @@ from numba import njit
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 F = TypeVar("F", bound=Callable[..., Any])
-GRAVITY = 9.80665  #: [m/s²]
+GRAVITY = 9.81  #: [m/s²], as robot files are meant (slipmargin.physics.constants)
 LAWS = ("atan", "tanh", "rational")
 GRIPS = ("box", "disc-strip", "ellipse")
 
