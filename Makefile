@@ -38,7 +38,7 @@ bench: .venv/installed-bench
 	touch $@
 
 .venv/installed-test: .venv/installed
-	$(PIP) --editable '.[test,ros]'
+	$(PIP) --editable '.[test,ros,urdf]'
 	touch $@
 
 .venv/installed-bench: .venv/installed-test
