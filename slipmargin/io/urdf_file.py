@@ -26,6 +26,8 @@ from slipmargin.errors import InputError
 from slipmargin.io.source import read_text
 from slipmargin.physics.frames import moment
 
+#: What the libraries stumble over in a damaged file.
+DAMAGE = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, AssertionError, NameError)
 #: An axis this far from level belongs to no wheel that stands on the floor [1].
 _LEVEL = 0.1
 #: Links that stand on the floor by ROS's custom (REP 105 and REP 120).
@@ -84,11 +86,14 @@ def _expanded(path: Path, arguments: Mapping[str, str] | None) -> str:
         return read_text(path)
     read_text(path)  # whether it is there and is text
     _need("xacrodoc")
+    from xml.parsers.expat import ExpatError
+
+    from xacro import XacroException
     from xacrodoc import XacroDoc
 
     try:
         return str(XacroDoc.from_file(str(path), subargs=dict(arguments or {})).to_urdf_string())
-    except Exception as fault:  # xacro evaluates Python expressions: anything can come out of them
+    except (XacroException, ExpatError, OSError, *DAMAGE) as fault:
         raise InputError(
             "",
             f"xacro cannot expand it ({' '.join(str(fault).split())[:200]})",
@@ -115,7 +120,7 @@ def _parsed(text: str) -> Any:
             model = yourdfpy.URDF.load(
                 io.BytesIO(ElementTree.tostring(root)), build_scene_graph=False, load_meshes=False
             )
-    except Exception as fault:  # the library raises what its parser's attributes raise
+    except DAMAGE as fault:
         raise InputError(
             "",
             f"is no URDF that can be read ({type(fault).__name__}: {' '.join(str(fault).split())[:120]})",
