@@ -49,7 +49,7 @@ bench: .venv/installed-bench
 	touch $@
 
 .venv/installed-test: .venv/installed
-	$(PIP) --editable '.[test,ros,docs]'
+	$(PIP) --editable '.[test,ros,urdf,docs]'
 	touch $@
 
 .venv/installed-bench: .venv/installed-test
