@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import doctest
+import json
 import os
 import re
 import shlex
@@ -33,7 +34,7 @@ def blocks(language: str) -> list[tuple[Path, str]]:
         parts = re.findall(
             rf"^```{language}\n(.*?)^```", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE
         )
-        if parts and page.name not in RUN_ELSEWHERE:
+        if parts and page.name not in RUN_ELSEWHERE and (page.name, language) != ("README.md", "console"):
             found.append((page, "".join(parts)))
     return found
 
@@ -142,13 +143,57 @@ def test_console_blocks_show_real_output(
             printed = capsys.readouterr().out.splitlines()
         else:
             continue
-        wanted = expected.rstrip("\n").splitlines()
-        if "…" in wanted:
-            head = wanted[: wanted.index("…")]
-            tail = wanted[wanted.index("…") + 1 :]
-            assert printed[: len(head)] == head and (not tail or printed[-len(tail) :] == tail)
-        else:
-            assert printed == wanted
+        assert shows(expected, printed)
+
+
+def shows(expected: str, printed: list[str]) -> bool:
+    """Whether lines were printed as a page shows them; a line ``…`` stands for any number of lines."""
+    parts = re.split(r"^…$", expected.strip("\n"), flags=re.MULTILINE)
+    pattern = r"(?:.*\n)*?".join(
+        re.escape(part.strip("\n") + "\n" if part.strip("\n") else "") for part in parts
+    )
+    return re.fullmatch(pattern, "".join(f"{line}\n" for line in printed)) is not None
+
+
+def test_the_first_lines_of_the_readme_work_as_printed(tmp_path: Path) -> None:
+    """From a fresh copy, in a shell, with nothing on the path but what the lines themselves put there."""
+    activate = Path(sys.prefix) / "bin" / "activate"
+    if not activate.is_file():
+        pytest.skip("not in a virtual environment")
+    copy = tmp_path / "slipmargin"
+    for file in tracked():
+        target = copy / file.relative_to(ROOT)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(file, target)
+    (copy / ".venv").mkdir()
+    (copy / ".venv" / "bin").symlink_to(activate.parent)
+    (copy / ".venv" / "installed").touch()  # what `make install` makes, after half a minute of downloads
+    text = "".join(re.findall(r"^```console\n(.*?)^```", README, flags=re.DOTALL | re.MULTILINE))
+    shown = [part.partition("\n") for part in re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]]
+    mark = "---8<---"
+    script = "set -e\n" + "".join(f"echo '{mark}'\n{command}\n" for command, _, _ in shown)
+    environment = {"PATH": "/usr/bin:/bin", "HOME": str(tmp_path), "COLUMNS": "80", "LANG": "C.UTF-8"}
+    done = subprocess.run(
+        ["bash", "-c", script],
+        cwd=copy,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    for (command, _, expected), printed in zip(shown, done.stdout.split(f"{mark}\n")[1:], strict=True):
+        assert command.startswith("make ") or shows(expected, printed.splitlines()), f"{command}\n{printed}"
+
+
+def test_the_readme_is_short_and_its_figures_are_measured() -> None:
+    prose = re.sub(r"^```.*?^```", "", README, flags=re.DOTALL | re.MULTILINE)
+    assert len(prose.split()) < 900
+    rows = json.loads((ROOT / "benchmarks/results/robotino.json").read_text(encoding="utf-8"))["rows"]
+    errors = {row["model"]: 100 * row["errors"]["held out"]["displacement"] for row in rows}
+    first, last = rows[0]["model"], rows[-1]["model"]
+    assert f"{errors[first]:.0f} % of the distance" in README and f"{errors[last]:.1f} % off" in README
 
 
 @pytest.mark.parametrize(("page", "block"), blocks("python"), ids=page_id)
