@@ -65,7 +65,9 @@ def pack(model: Model) -> Array:
     ):
         head[count], head[start] = len(blocks), place
         place += sum(len(b) for b in blocks)
-    flat = np.concatenate([head, wheels.ravel(), *mods, *forces, *commands])
+    edges = _edges(model)
+    head[at.EDGES], head[at.EDGES_AT] = len(edges), place
+    flat = np.concatenate([head, wheels.ravel(), *mods, *forces, *commands, edges])
     if not np.all(np.isfinite(flat)):
         raise InputError("model", "holds a number that is not finite", "give finite parameters")
     flat.setflags(write=False)
@@ -183,6 +185,16 @@ def _force(f: ForceTerm, model: Model) -> Array:
             coefficients.ravel(),
         ]
     )
+
+
+def _edges(model: Model) -> Array:
+    """Instants at which a friction multiplier or a force over time jumps or kinks [s]."""
+    found = [np.empty(0)]
+    for term in (*model.grip.multipliers, *model.external.terms):
+        if term.variable is Variable.TIME and term.basis in (Basis.WINDOW, Basis.HATS):
+            knots = 2 if term.basis is Basis.WINDOW else max(term.coefficients.shape[-1], 2)
+            found.append(np.linspace(*term.shape, knots))
+    return np.concatenate(found)
 
 
 def _merged(basis: Basis, coefficients: Array) -> Array:
