@@ -99,8 +99,8 @@ def csv(
         typer.Option(
             "--wheel",
             metavar="COLUMN:UNIT",
-            help="A wheel's speed (rpm, rad/s, deg/s) or angle (rad, deg, turn, ticks=4096) [rad/s]; once a wheel, "
-            "in the robot file's order.",
+            help="A wheel's speed (rpm, rad/s, deg/s) or angle (rad, deg, turn, ticks=4096) [rad/s]; once a "
+            "wheel, in the robot file's order.",
         ),
     ] = None,
     separator: Annotated[str | None, typer.Option(metavar="C", help="Between cells: , ; | [,].")] = None,
@@ -157,8 +157,8 @@ def ros(
         typer.Option(
             "--joint",
             metavar="NAME",
-            help="Joint of each wheel in the robot file's order; -NAME where it turns the other way. Give the "
-            "option once a wheel (default: by the wheels' names).",
+            help="Joint of each wheel in the robot file's order; -NAME where it turns the other way. Give "
+            "the option once a wheel (default: by the wheels' names).",
         ),
     ] = None,
     rotation: Annotated[
