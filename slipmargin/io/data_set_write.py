@@ -55,6 +55,21 @@ def check_data_set_place(folder: Path) -> None:
         raise InputError("--out", "its parent folder does not exist", "create it first", str(folder))
 
 
+def check_new(folder: Path) -> None:
+    """Refuse a place where a data set stands already.
+
+    Raises
+    ------
+    InputError
+        Placed at ``--out``, with the cure.
+    """
+    check_data_set_place(folder)
+    if (folder / "dataset.toml").is_file():
+        raise InputError(
+            "--out", "holds a data set already", "give a new folder, or replace it with --force", str(folder)
+        )
+
+
 def write_data_set(
     folder: Path, data_set: DataSet, extra: Mapping[str, str] | None = None, comment: str = ""
 ) -> None:

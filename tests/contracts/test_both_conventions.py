@@ -43,7 +43,7 @@ def drawn(draw: st.DrawFn) -> Robot:
 
 
 @settings(deadline=None, max_examples=12)
-@given(drawn(), st.data())
+@given(robots(max_wheels=4), st.data())
 def test_static_limits_and_the_wrench_polytope_are_turned(robot: Robot, data: st.DataObject) -> None:
     effect = data.draw(effects([c for c in CATALOGUE if c.name not in ("rigid_sector",)], reach=0.5))
     try:
@@ -79,6 +79,16 @@ def test_limits_in_motion_are_turned(robot: Robot) -> None:
     turned = directions(two.build("floor"), way - QUARTER)
     for name in ("starting_m_s2", "turning_m_s2", "braking_m_s2", "steady_use"):
         np.testing.assert_allclose(getattr(turned, name), getattr(paper, name), rtol=1e-6, atol=1e-7)
+
+
+@pytest.mark.parametrize("shape", [GripShape.DISC_STRIP, GripShape.ELLIPSE])
+def test_coupled_grips_are_turned(shape: GripShape) -> None:
+    for robot in (kiwi(grip=shape), four_wheels(grip=shape)):
+        one, two = pair(robot)
+        paper = sm.sweep(one, "paper", step_deg=15.0)
+        turned = sm.sweep(two, "paper", from_deg=90.0, to_deg=180.0, step_deg=15.0)
+        np.testing.assert_allclose(turned.f_max_N, paper.f_max_N, rtol=1e-6)
+        np.testing.assert_allclose(turned.f_low_N, paper.f_low_N, rtol=1e-6)
 
 
 @pytest.mark.parametrize("robot", [kiwi(), four_wheels()], ids=["kiwi", "mecanum"])
