@@ -175,9 +175,9 @@ def _blocks(record: Record) -> tuple[Array, Array] | None:
     if not (np.isfinite(record.theta).any(axis=0).all() and np.isfinite(record.omega).any(axis=0).all()):
         return None
     t, theta, omega = record.t_s, bridged(record.t_s, record.theta), bridged(record.t_s, record.omega)
-    turned = np.vstack(
-        [np.zeros(omega.shape[1]), np.cumsum(0.5 * (omega[1:] + omega[:-1]) * np.diff(t)[:, None], axis=0)]
-    )
+    from scipy.interpolate import CubicSpline
+
+    turned = CubicSpline(t, omega).antiderivative()(t)
     count = max(1, int(record.duration_s / _BLOCK_S))
     edges = np.unique(np.searchsorted(t, np.linspace(t[0], t[-1], count + 1)).clip(0, len(t) - 1))
     return np.diff(turned[edges], axis=0), np.diff(theta[edges], axis=0)

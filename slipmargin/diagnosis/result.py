@@ -7,6 +7,7 @@ from enum import Enum
 from typing import final
 
 from slipmargin.checks import Array
+from slipmargin.data.repair import Repair
 from slipmargin.diagnosis.order_analysis import Periodicity
 from slipmargin.diagnosis.residual_diagnostics import ResidualDependence
 from slipmargin.effects import AnyEffect, Recipe, Trace
@@ -136,3 +137,4 @@ class Diagnosis:
     recipe: Recipe
     corrected: Recipe
     remarks: tuple[str, ...]
+    repairs: tuple[Repair, ...] = ()
