@@ -154,9 +154,19 @@ def jitter(data_set: DataSet, random: Random, sd_s: float = 0.002) -> DataSet:
     return each(data_set, change)
 
 
-def camera_clock(data_set: DataSet, factor: float = 1.02) -> DataSet:
+def camera_clock(data_set: DataSet, random: Random, factor: float = 1.02) -> DataSet:
     """The camera's clock runs slow: what it says at t was at ``factor`` t."""
-    return each(data_set, lambda r: replace(r, pose=sampled(r, factor * r.t_s)[: len(r.t_s)]))
+    assert data_set.sigma is not None
+    sigma = data_set.sigma
+
+    def change(record: Record) -> Record:
+        clean = replace(record, pose=np.column_stack([_smoothed(c) for c in record.pose.T]))
+        at = factor * record.t_s
+        pose = sampled(clean, at) + sigma * random.standard_normal(record.pose.shape)
+        pose[at > record.t_s[-1]] = np.nan
+        return replace(record, pose=pose)
+
+    return each(data_set, change)
 
 
 def all_clocks(data_set: DataSet, factor: float = 1.02) -> DataSet:
@@ -167,6 +177,14 @@ def all_clocks(data_set: DataSet, factor: float = 1.02) -> DataSet:
 def wrapped(values: Array) -> Array:
     """Angles within ±π."""
     return np.asarray((values + np.pi) % (2.0 * np.pi) - np.pi)
+
+
+def heading_turned(record: Record) -> Record:
+    """The same run on a floor frame turned so that the heading starts at 179°, with headings within ±π."""
+    turn = np.deg2rad(179.0) - record.pose[0, 2]
+    c, s = np.cos(turn), np.sin(turn)
+    x, y, phi = record.pose.T
+    return replace(record, pose=np.column_stack([c * x - s * y, s * x + c * y, wrapped(phi + turn)]))
 
 
 def wheel(record: Record, **change: Callable[[Array], Array]) -> Record:

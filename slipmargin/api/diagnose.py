@@ -132,7 +132,7 @@ def diagnose(
     ------
     InputError
         For a fault in the data set, also where its runs show wrong units, swapped wheels or a mirrored
-        frame.
+        frame.  What the data show how to mend is mended and reported (``diagnosis.repairs``).
 
     Examples
     --------
@@ -140,16 +140,19 @@ def diagnose(
     >>> found = sm.diagnose("measured-runs")  # doctest: +SKIP
     >>> sm.sweep(found.corrected, "paper")  # doctest: +SKIP
     """
+    from slipmargin.data.clean_up import repaired
     from slipmargin.diagnosis.limits_change import limits_change
     from slipmargin.diagnosis.loop import diagnose as search
 
     if seed < 0:
         raise InputError("seed", f"is {seed}", "give a whole number from 0")
     data, source = _read(data_set)
-    _check_sense(data, source)
     if not data.trials:
+        _check_sense(data, source)
         return _pulls(data, source, seed, progress)
-    diagnosis = search(data, seed=seed, progress=progress)
+    mended = repaired(data)
+    _check_sense(mended.data_set, source)
+    diagnosis = search(mended.data_set, seed=seed, progress=progress, repairs=mended.repairs)
     progress("limits before and after", 0.2)
     change = limits_change(diagnosis.recipe, diagnosis.corrected, diagnosis.surface, data.pulls)
     return DiagnosisResult(diagnosis=diagnosis, change=change)

@@ -146,9 +146,10 @@ def import_logs(
     >>> runs.write_folder("measured-runs")  # doctest: +SKIP
     """
     from slipmargin.data.calibration import calibrate as calibrated
+    from slipmargin.data.checks import check_data_set
+    from slipmargin.data.clean_up import repaired
     from slipmargin.data.data_set import DataSet, WheelSignal
     from slipmargin.io.calibration_file import read_calibration
-    from slipmargin.data.checks import check_data_set
     from slipmargin.io.importers.plug import import_files
 
     if calibrate and calibration is not None:
@@ -173,7 +174,7 @@ def import_logs(
         calibration=held,
         calibration_given=calibration is not None,
         delay_s=_delay(data_set),
-        warnings=tuple(str(finding) for finding in check_data_set(data_set)),
+        warnings=tuple(str(finding) for finding in check_data_set(repaired(data_set).data_set)),
     )
 
 

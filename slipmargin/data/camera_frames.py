@@ -30,6 +30,8 @@ _ACCELERATION_M_S2 = 12.0
 _LEVER_M = 0.05
 #: The robot is back from a mistaken marker within this time [s]; otherwise the jump is an event.
 _BACK_WITHIN_S = 0.6
+#: At the ends of a run, where it is not seen to come back, at most so many frames are off.
+_MOST_AT_ENDS = 3
 #: The velocity before a jump is that of so many frames.
 _FRAMES = 6
 
@@ -193,11 +195,14 @@ def _jumps(t: Array, pose: Array, sigma: Array) -> bool:
 
 def _off(t: Array, pose: Array, sigma: Array) -> Flags:
     """Which frames are off: those between a jump and the first frame to which the robot can have come."""
+    return _forwards(t, pose, sigma, _good_start(t, pose, sigma))
+
+
+def _forwards(t: Array, pose: Array, sigma: Array, start: int) -> Flags:
     gone = np.zeros(len(t), dtype=bool)
-    kept = list(range(_good_start(t, pose, sigma), len(t)))
-    gone[: kept[0]] = True
-    last = [kept[0]]
-    k = kept[0] + 1
+    gone[:start] = True
+    last = [start]
+    k = start + 1
     while k < len(t):
         reachable = _reachable(t, pose, sigma, last, k)
         if not reachable:
@@ -207,7 +212,9 @@ def _off(t: Array, pose: Array, sigma: Array) -> Flags:
                     break
                 back += 1
             ends = back >= len(t)
-            if (back < len(t) and t[back] - t[last[-1]] <= _BACK_WITHIN_S) or (ends and len(t) - k <= 3):
+            if (back < len(t) and t[back] - t[last[-1]] <= _BACK_WITHIN_S) or (
+                ends and len(t) - k <= _MOST_AT_ENDS
+            ):
                 gone[k:back] = True
                 if ends:
                     break
@@ -218,13 +225,12 @@ def _off(t: Array, pose: Array, sigma: Array) -> Flags:
 
 
 def _good_start(t: Array, pose: Array, sigma: Array) -> int:
-    """The first frame that is near the middle of the first few: a run may begin with one that is off."""
-    head = pose[: 2 * _FRAMES - 1]
-    middle = np.median(head, axis=0)
-    span = t[len(head) - 1] - t[0]
-    reach = np.median(np.abs(head - middle), axis=0) * 4.0 + _allowed(sigma, span, 0.0)
-    near = np.all(np.abs(head - middle) <= reach, axis=1)
-    return int(np.argmax(near)) if near.any() else 0
+    """The first frame that is not off, as seen backwards from those after it."""
+    head = slice(4 * _FRAMES, None, -1) if len(t) > 4 * _FRAMES else slice(None, None, -1)
+    if len(t[head]) < 2 * _FRAMES:
+        return 0
+    gone = _forwards(-t[head], pose[head], sigma, 0)[::-1]
+    return int(np.argmin(gone[:_MOST_AT_ENDS])) if not gone[:_MOST_AT_ENDS].all() else _MOST_AT_ENDS
 
 
 def _allowed(sigma: Array, gap: float, back: float) -> Array:

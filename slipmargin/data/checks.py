@@ -26,6 +26,8 @@ CLEARLY = 0.5
 MISSES = 0.3
 #: Among arrangements that match about as well the one with fewest faults is named.
 _AS_GOOD = 1.1
+#: A channel is dead where its motion is this share of the other's (of the squares: a ten-thousandth).
+_DEAD = 1e-8
 #: Slip and a worn wheel change how far a robot goes for what its wheels roll by less than this factor.
 _SLIP_LEAST, _SLIP_MOST = 0.13, 1.6
 #: A factor is that of a unit if it is at most this share below it (slip takes half) or above it (a worn wheel).
@@ -90,8 +92,8 @@ def _clock(trial: Record) -> list[Finding]:
 def _motion(pieces: Pieces, contacts: WheelGeometry) -> list[Finding]:
     rolled = float(np.sum((pieces.turned @ contacts.no_slip_map().T) ** 2))
     power = float(np.sum(pieces.seen[0] ** 2))
-    if rolled == 0.0 or power == 0.0:
-        still = "wheels" if rolled == 0.0 else "pose"
+    if min(rolled, power) <= _DEAD * max(rolled, power):
+        still = "wheels" if rolled < power else "pose"
         if max(rolled, power) < 1e-6:
             return []
         return [

@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array, frozen
+from slipmargin.data.noise import LastingNoise
 from slipmargin.data.pulls import Pulls
 from slipmargin.data.record import Record
 from slipmargin.effects.recipe import Recipe
@@ -43,6 +44,8 @@ class DataSet:
         Measurement noise (one standard deviation) of x [m], y [m], φ [rad], where stated.
     pulls : Pulls or None
         Measured breakaway pulls.
+    lasting : LastingNoise or None
+        The part of the noise that lasts from sample to sample; None where it is white.
     """
 
     name: str
@@ -52,6 +55,7 @@ class DataSet:
     trials: tuple[Record, ...]
     sigma: Array | None = None
     pulls: Pulls | None = None
+    lasting: LastingNoise | None = None
 
     def __post_init__(self) -> None:
         self.recipe.robot.surface(self.surface)

@@ -10,7 +10,7 @@ from slipmargin.checks import Array
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.odometry import bridged
 from slipmargin.data.record import Record
-from slipmargin.data.repair import Repair, in_runs, run_by_run
+from slipmargin.data.repair import Repair, run_by_run
 
 _TURN = 2.0 * np.pi
 #: What wheel speeds may be given in instead of rad/s: the factor that makes them rad/s.
@@ -175,9 +175,9 @@ def _blocks(record: Record) -> tuple[Array, Array] | None:
     if not (np.isfinite(record.theta).any(axis=0).all() and np.isfinite(record.omega).any(axis=0).all()):
         return None
     t, theta, omega = record.t_s, bridged(record.t_s, record.theta), bridged(record.t_s, record.omega)
-    turned = np.vstack(
-        [np.zeros(omega.shape[1]), np.cumsum(0.5 * (omega[1:] + omega[:-1]) * np.diff(t)[:, None], axis=0)]
-    )
+    from scipy.interpolate import CubicSpline
+
+    turned = CubicSpline(t, omega).antiderivative()(t)
     count = max(1, int(record.duration_s / _BLOCK_S))
     edges = np.unique(np.searchsorted(t, np.linspace(t[0], t[-1], count + 1)).clip(0, len(t) - 1))
     return np.diff(turned[edges], axis=0), np.diff(theta[edges], axis=0)
