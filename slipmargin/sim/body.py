@@ -29,6 +29,7 @@ _FOLLOWS, _ITERATES, _SHARE = at.LOAD_FOLLOWS, at.LOAD_ITERATES, at.SHARE
 _AX, _AY, _GX, _GY, _GM, _GR = at.ARM_X, at.ARM_Y, at.GRIP_X, at.GRIP_Y, at.GRIP_MOMENT, at.GRIP_ROLLS
 _FX, _FY, _FM, _FR = at.FREE_X, at.FREE_Y, at.FREE_MOMENT, at.FREE_ROLLS
 _RHO, _REST, _LX, _LY, _MU = at.RADIUS, at.REST, at.LOAD_X, at.LOAD_Y, at.ROLLER_W
+_PLACE = at.PLACE
 _TX, _TY, _NSX = at.TILT_X, at.TILT_Y, at.NO_SLIP_X
 
 #: Columns of the contact table C (N, CONTACT): what is known of each wheel at one instant.
@@ -48,6 +49,7 @@ PUSH, INVERSE, LEVER, FACTORS, WRENCH, TILTING, LIFT = 0, 4, 8, 10, 16, 19, 21
 BODY = 22
 
 _contact, _basis, _basis_slope = twin(contacts.contact), twin(terms.basis_function), twin(terms.basis_slope)
+_place_variable = twin(terms.place_variable)
 _to_body, _to_floor, _velocity_at = twin(frames.to_body), twin(frames.to_floor), twin(frames.velocity_at)
 
 
@@ -88,8 +90,12 @@ def _body_variable(P: Any, code: int, t: float, y: Any, C: Any) -> float:
 
 
 @inner
-def _wheel_variable(P: Any, code: int, i: int, direction: int, y: Any, C: Any) -> float:
+def _wheel_variable(P: Any, code: int, i: int, direction: int, m: int, y: Any, C: Any) -> float:
     q = _H + i * _W
+    if code >= 22:  # measured from the place of the modulation at m
+        px, py = _to_floor(y[2], P[q + _AX], P[q + _AY])
+        m += _PLACE
+        return float(_place_variable(code == 23, P[m], P[m + 1], P[m + 2], y[0] + px, y[1] + py))
     u = C[i, SLIP_W + direction]
     if code == 1:
         return float(C[i, THETA])
@@ -128,7 +134,7 @@ def _factors(P: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
     q = int(P[_MODS_AT])
     for _ in range(int(P[_MODS])):
         code, basis, target, count = int(P[q]), int(P[q + 1]), int(P[q + 2]), int(P[q + 3])
-        a, b, weight, place = P[q + 4], P[q + 5], P[q + _TERM + i], q + _TERM + n
+        a, b, weight, place, m = P[q + 4], P[q + 5], P[q + _TERM + i], q + _TERM + n, q
         q = place + count
         if weight == 0.0:
             continue
@@ -140,7 +146,7 @@ def _factors(P: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
             if target in (1 - side, 5 - side):
                 continue
             if side == 0 or sided or target in (1, 5):
-                v = _wheel_variable(P, code, i, side, y, C) if own else _body_variable(P, code, t, y, C)
+                v = _wheel_variable(P, code, i, side, m, y, C) if own else _body_variable(P, code, t, y, C)
                 first = max(0.0, 1.0 + weight * series(P, place, count, basis, a, b, v))
                 if code == 3 and first > 0.0:
                     slope = 0.0
