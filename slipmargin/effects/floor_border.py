@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.effects.effect import Effect, Part, Trace, parameter
-from slipmargin.effects.places import EDGE_M, PLACE_DIRECTION, PLACE_X
+from slipmargin.effects.places import EDGE_M, PLACE_DIRECTION
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.terms import Multiplier
@@ -20,7 +20,7 @@ from slipmargin.physics.variables import Basis, Target, Variable
 class FloorBorder(Effect):
     """μ_i ← factor μ_i for contacts beyond a straight line: n·x_i > offset, n at ``direction_rad``.
 
-    The border is 5 mm wide: 1 + (factor − 1)(1 + tanh((n·x_i − offset)/2w))/2 with w = 5 mm.
+    1 + (factor − 1)(1 + tanh((n·x_i − offset)/2w))/2 with w = 0.5 mm.
     """
 
     name = "floor_border"
@@ -40,9 +40,9 @@ class FloorBorder(Effect):
             "offset_m",
             "m",
             (-100.0, 0.0, 100.0),
-            0.05,
+            0.02,
             "distance of the border from the floor's origin along its normal",
-            starts=tuple(0.0 for _ in PLACE_X),
+            starts=(0.0,),
             idle=True,
             along="position",
         ),

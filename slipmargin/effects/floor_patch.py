@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.effects.effect import Effect, Part, Trace, parameter
-from slipmargin.effects.places import EDGE_M, PLACE_X, PLACE_Y
+from slipmargin.effects.places import EDGE_M, PLACE_RADIUS, PLACE_X, PLACE_Y
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.terms import Multiplier
@@ -20,7 +20,7 @@ from slipmargin.physics.variables import Basis, Target, Variable
 class FloorPatch(Effect):
     """μ_i ← μ_i [1 + (factor − 1) s(d_i)], d_i from contact to centre; s is 1 inside the radius, else 0.
 
-    s(d) = (1 − tanh((d − radius)/2w))/2 with an edge of w = 5 mm.
+    s(d) = (1 − tanh((d − radius)/2w))/2 with an edge of width w.
     """
 
     name = "floor_patch"
@@ -37,7 +37,7 @@ class FloorPatch(Effect):
             "centre_x_m",
             "m",
             (-100.0, 0.0, 100.0),
-            0.05,
+            0.02,
             "centre of the patch on the floor, x",
             starts=PLACE_X,
             idle=True,
@@ -47,7 +47,7 @@ class FloorPatch(Effect):
             "centre_y_m",
             "m",
             (-100.0, 0.0, 100.0),
-            0.05,
+            0.02,
             "centre of the patch on the floor, y",
             starts=PLACE_Y,
             idle=True,
@@ -57,11 +57,20 @@ class FloorPatch(Effect):
             "radius_m",
             "m",
             (0.0, 0.2, 10.0),
-            0.05,
+            0.02,
             "radius of the patch",
-            starts=(0.35,),
+            starts=PLACE_RADIUS,
             idle=True,
             along="position",
+        ),
+        parameter(
+            "edge_m",
+            "m",
+            (EDGE_M, EDGE_M, 1.0),
+            0.005,
+            "width of the patch's edge; a sharp one is as wide as a contact",
+            starts=(0.01,),
+            idle=True,
         ),
     )
     source = "friction of a floor that is not everywhere the same; factor below 1 = slicker than the rest"
@@ -71,6 +80,7 @@ class FloorPatch(Effect):
     centre_x_m: float = 0.0
     centre_y_m: float = 0.0
     radius_m: float = 0.2
+    edge_m: float = EDGE_M
 
     def rewrite(self, part: Grip, nominal: Model) -> Grip:
         """Grip that changes where a contact stands on the patch."""
@@ -78,7 +88,7 @@ class FloorPatch(Effect):
             variable=Variable.FROM_PLACE,
             basis=Basis.STEP,
             target=Target.BOTH,
-            shape=np.array([self.radius_m, EDGE_M]),
+            shape=np.array([self.radius_m, self.edge_m]),
             coefficients=np.array([self.factor - 1.0]),
             wheels=np.ones(nominal.count),
             place=np.array([self.centre_x_m, self.centre_y_m, 0.0]),
