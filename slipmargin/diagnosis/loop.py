@@ -79,9 +79,11 @@ def searched(data_set: DataSet, seed: int, progress: Progress = no_progress) -> 
     seen = np.flatnonzero(np.isin(runs, seen_runs))
     known = tuple(effect.name for effect in data_set.recipe.effects)
     model, commanded = problem.model(()), problem.commanded
+    covered = ranges(tuple(problem.trials[i] for i in seen))
+    reach = {"position": covered.position_m, "time": covered.duration_s}
     candidates = [
-        *named_candidates(model.geometry.names, commanded, known),
-        *general_candidates(model, ranges(tuple(problem.trials[i] for i in seen)), commanded),
+        *named_candidates(model.geometry.names, commanded, known, reach),
+        *general_candidates(model, covered, commanded),
     ]
     progress("comparing the residual with measured variables", 0.0)
     some = seen[np.unique(np.linspace(0, len(seen) - 1, _SEARCHED).round().astype(int))]

@@ -161,7 +161,8 @@ def _values(
         least, most = external.load_change_N
         return load_probes(model, external.standing_N(), most - least)
     across = target in (Target.TRANSVERSE, Target.STIFFNESS_TRANSVERSE)
-    return probes(model, motion, slide, creep, term.variable, term.basis, term.shape, transverse=across)
+    asked = term.variable, term.basis, term.shape
+    return probes(model, motion, slide, creep, *asked, transverse=across, place=term.place)
 
 
 def _possible(grip: Grip, motion: Motion, contact: Contact) -> Mask:

@@ -35,6 +35,9 @@ class Variable(IntEnum):
     COMMAND_SPEED = 19  #: |ω_cmd,i| [rad/s], per wheel; only for transients
     HUB_SPEED = 20  #: |hub velocity| [m/s], per wheel: how fast the floor passes under it
     LEAD = 21  #: hub velocity · outward direction / (HUB_SPEED + 1 mm/s) [1], per wheel: 1 leads, −1 trails
+    FROM_PLACE = 22  #: distance of the contact from the term's place on the floor [m], per wheel
+    BEFORE_LINE = 23  #: how far the contact lies before the line through the term's place, whose normal
+    #: points ``place[2]`` [rad] [m], per wheel; negative beyond it
 
 
 class Basis(IntEnum):
@@ -48,6 +51,7 @@ class Basis(IntEnum):
     RECIPROCAL = 5  #: a/(v + b) − 1
     WINDOW = 6  #: 1 for a ≤ v < b, else 0
     ODD = 7  #: (2/π) atan(v/a), then v|v|^(j−1) for j = 1, 2, …; a: speed scale
+    STEP = 8  #: 1 far below a, 0 far above: (1 − tanh((v − a)/2b))/2; b: width of the edge
 
 
 class Target(IntEnum):

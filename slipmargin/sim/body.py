@@ -30,6 +30,7 @@ _FOLLOWS, _ITERATES, _SHARE = at.LOAD_FOLLOWS, at.LOAD_ITERATES, at.SHARE
 _AX, _AY, _GX, _GY, _GM, _GR = at.ARM_X, at.ARM_Y, at.GRIP_X, at.GRIP_Y, at.GRIP_MOMENT, at.GRIP_ROLLS
 _FX, _FY, _FM, _FR = at.FREE_X, at.FREE_Y, at.FREE_MOMENT, at.FREE_ROLLS
 _RHO, _REST, _LX, _LY, _MU = at.RADIUS, at.REST, at.LOAD_X, at.LOAD_Y, at.ROLLER_W
+_PLACE = at.PLACE
 _TX, _TY, _NSX = at.TILT_X, at.TILT_Y, at.NO_SLIP_X
 
 #: Columns of the contact table C (N, CONTACT): what is known of each wheel at one instant.
@@ -49,6 +50,7 @@ PUSH, INVERSE, LEVER, FACTORS, WRENCH, TILTING, LIFT = 0, 4, 8, 10, 16, 19, 21
 BODY = 22
 
 _contact, _basis, _basis_slope = twin(contacts.contact), twin(terms.basis_function), twin(terms.basis_slope)
+_place_variable = twin(terms.place_variable)
 _to_body, _to_floor, _velocity_at = twin(frames.to_body), twin(frames.to_floor), twin(frames.velocity_at)
 
 
@@ -89,7 +91,11 @@ def _body_variable(P: Any, W: Any, code: int, t: float, y: Any, C: Any) -> float
 
 
 @inner
-def _wheel_variable(P: Any, w: Any, c: Any, code: int, direction: int, y: Any) -> float:
+def _wheel_variable(P: Any, w: Any, c: Any, code: int, direction: int, m: int, y: Any) -> float:
+    if code >= 22:  # measured from the place of the modulation at m
+        px, py = _to_floor(y[2], w[_AX], w[_AY])
+        m += _PLACE
+        return float(_place_variable(code == 23, P[m], P[m + 1], P[m + 2], y[0] + px, y[1] + py))
     u = c[SLIP_W + direction]
     if code == 1:
         return float(c[THETA])
@@ -127,6 +133,7 @@ def _factors(P: Any, W: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
     n = len(W)
     q = int(P[_MODS_AT])
     for _ in range(int(P[_MODS])):
+        m = q
         code, basis = int(P[q]), int(P[q + 1])
         target, count = int(P[q + 2]), int(P[q + 3])
         a, b, weight = P[q + 4], P[q + 5], P[q + _TERM + i]
@@ -143,7 +150,7 @@ def _factors(P: Any, W: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
                 continue
             if side == 0 or sided or target in (1, 5):
                 v = (
-                    _wheel_variable(P, W[i], C[i], code, side, y)
+                    _wheel_variable(P, W[i], C[i], code, side, m, y)
                     if own
                     else _body_variable(P, W, code, t, y, C)
                 )

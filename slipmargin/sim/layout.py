@@ -77,7 +77,8 @@ INERTIA_OF_WHEEL = 28  #: of the wheel with its motor, at the wheel [kg m²]
 WHEEL = 29
 
 # --- a term -----------------------------------------------------------------------------------
-#: A modulation: variable, basis, target, count, shape a, shape b, N weights, count coefficients.
-TERM = 6
+#: A modulation: variable, basis, target, count, shape a, shape b, place (3), N weights, count coefficients.
+PLACE = 6
+TERM = 9
 #: A force: variable, basis, frame, count, shape a, shape b, height [m], lift [N], 3 × count coefficients.
 FORCE = 8

@@ -13,15 +13,15 @@ from slipmargin.physics import sectors
 from slipmargin.physics.contact import BOX, DISC_STRIP, ELLIPSE
 from slipmargin.physics.frames import moment
 from slipmargin.physics.grips import GripShape
-from slipmargin.physics.terms import ForceTerm, Multiplier
+from slipmargin.physics.terms import OF_PLACE, ForceTerm, Multiplier
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.sim import layout as at
 
 _SHAPES = {GripShape.BOX: BOX, GripShape.DISC_STRIP: DISC_STRIP, GripShape.ELLIPSE: ELLIPSE}
 
 #: Variables of the pose: forces that depend on them give the motion a pose Jacobian.
-_HEADING = frozenset({Variable.HEADING, Variable.SLIP_HEADING})
-_PLACE = frozenset({Variable.POSITION_X, Variable.POSITION_Y})
+_HEADING = frozenset({Variable.HEADING, Variable.SLIP_HEADING}) | OF_PLACE
+_PLACE = frozenset({Variable.POSITION_X, Variable.POSITION_Y}) | OF_PLACE
 #: Variables known in time alone where wheel speeds are prescribed.
 _TIME = frozenset(
     {
@@ -35,7 +35,7 @@ _TIME = frozenset(
 #: Variables that leave the velocity derivative analytic.
 _CALM = _TIME | _HEADING | _PLACE | {Variable.UNITY}
 #: The bases whose coefficients all stand for one and the same function.
-_SINGLE = frozenset({Basis.CONSTANT, Basis.DECAY, Basis.RECIPROCAL, Basis.WINDOW})
+_SINGLE = frozenset({Basis.CONSTANT, Basis.DECAY, Basis.RECIPROCAL, Basis.WINDOW, Basis.STEP})
 
 
 def pack(model: Model) -> Array:
@@ -168,6 +168,7 @@ def _modulation(m: Multiplier, n: int) -> Array:
         [
             [float(m.variable), float(m.basis), float(m.target), float(len(coefficients))],
             m.shape,
+            m.place,
             m.wheels,
             coefficients,
         ]

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-
 from planted_pulls import FULL, QUARTER, data_set, planted, pulled, robot
+
 from slipmargin.data.pulls import Pulls
 from slipmargin.diagnosis.pull_diagnosis import diagnose_pulls
 from slipmargin.diagnosis.pull_problem import PullProblem, deviance, expectation
