@@ -100,7 +100,7 @@ class FrictionLaw:
         default=GripShape.BOX,
         metadata=word(
             GripShape,
-            "set in which a wheel's friction force lies",
+            "set in which a wheel's friction force lies; for a new file take disc-strip",
             (
                 "drive and transverse friction have each their own limit, eq. (17) of the paper",
                 "the whole force is within the drive limit and its transverse part within the transverse one",

@@ -27,8 +27,8 @@ DRAWS, DRAWS_CONES = 200, 40
 RANGE = (1e-3, 5.0)
 #: The ends of an interval [1].
 LOW, HIGH = 0.025, 0.975
-#: Coefficients whose joint change by a part changes the forces by less than this share of it are not measured,
-#: and the part by which they are changed to see it [1].
+#: Coefficients whose joint change by a part changes the forces by less than this share of it are not
+#: measured, and the part by which they are changed to see it [1].
 UNSEEN, PART = 3e-3, 0.03
 
 
@@ -129,17 +129,18 @@ def measure(model: Model, roller_angle_deg: Array, pulls: Pulls, *, seed: int = 
 def _refuse_undecided(
     names: tuple[str, ...], best: Array, at: Array, predicted: Callable[[Array], Array]
 ) -> None:
-    """Refuse pulls that leave a combination of coefficients open: the least singular value of their slopes."""
+    """Refuse pulls that leave a combination of coefficients open: by the least singular value."""
     step = np.eye(len(best)) * PART
     slope = np.stack([(predicted(best * (1.0 + s)) - at) / (PART * np.max(at)) for s in step], axis=1)
-    left = np.linalg.svd(slope / np.sqrt(len(at)))
-    if left[1][-1] >= UNSEEN:
+    _, size, ways = np.linalg.svd(slope / np.sqrt(len(at)))
+    if len(size) == len(best) and size[-1] >= UNSEEN:
         return
-    open_ = np.abs(left[2][-1]) > 0.1
+    open_ = np.abs(ways[-1]) > 0.1
     said = [f"{way} of {name}" for name in names for way in ("drive", "transverse")]
     which = " and ".join(one for one, on in zip(said, open_, strict=True) if on)
     raise InputError(
         "pulls",
-        f"do not decide {which}: " + ("only their sum acts" if open_.sum() > 1 else "no pull depends on it"),
+        f"do not decide {which}: "
+        + ("only together do they act" if open_.sum() > 1 else "no pull depends on it"),
         "pull in more directions, every 15 to 30 degrees; for mecanum wheels use the grip disc-strip",
     )

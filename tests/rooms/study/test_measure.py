@@ -64,7 +64,7 @@ def test_pulls_that_do_not_decide_are_refused() -> None:
         measure(model, np.zeros(3), along)
     # Four locked mecanum wheels of the box hold (μ_W + μ_T) in every direction: the two cannot be told apart.
     mecanum = nominal_model(four_wheels(), "paper")
-    with pytest.raises(InputError, match="only their sum acts"):
+    with pytest.raises(InputError, match="only together do they act"):
         measure(mecanum, np.full(4, 45.0), pulled(mecanum, 0.42, 0.11, 0.02, 0))
 
 
