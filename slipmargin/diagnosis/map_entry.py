@@ -16,7 +16,7 @@ SILENT = {
     Trace.SLIP_RATIO: "slip below the camera's noise cannot be told from rolling",
     Trace.COEFFICIENT: "coefficients change what happens at every value of every variable",
     Trace.ACTUATION: "measured wheel speeds already show what the motors did",
-    Trace.MEASUREMENT: "where only commands are logged, a late camera cannot be told from late wheels",
+    Trace.MEASUREMENT: "a camera that is late or off scale resembles a force unless it explains nearly all",
 }
 
 

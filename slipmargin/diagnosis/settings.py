@@ -48,6 +48,9 @@ class SearchSettings:
     map_knot_s: float = 0.15
     #: [1] Cells along each side of the floor: a fifth of the way that the runs reach.
     map_cells: int = 6
+    #: [1] Share of the residual beyond the noise that a fault of the camera or of unlogged motors must
+    #: explain to be on the map: such a fault is linear, a force that it resembles is not.
+    map_signal_share: float = 0.5
     #: [draws] Permutations of the runs: they resolve p = 0.005.
     map_permutations: int = 199
 

@@ -50,11 +50,11 @@ def test_a_push_at_one_time_is_traced_to_time() -> None:
 def test_a_wheel_out_of_round_is_traced_to_the_wheel_angle() -> None:
     data = planted(smooth_kiwi(), None, seed=4, **SMALL)
     trials = []
-    for record in data.trials:  # the log of a wheel whose radius varies by 4 % as it turns
+    for record in data.trials:  # the log of a wheel whose radius varies by 8 % as it turns
         assert record.theta is not None and record.omega is not None
         theta, omega = record.theta.copy(), record.omega.copy()
-        theta[:, 1] += 0.04 * np.sin(record.theta[:, 1])
-        omega[:, 1] *= 1.0 + 0.04 * np.cos(record.theta[:, 1])
+        theta[:, 1] += 0.08 * np.sin(record.theta[:, 1])
+        omega[:, 1] *= 1.0 + 0.08 * np.cos(record.theta[:, 1])
         trials.append(replace(record, theta=theta, omega=omega))
     first = mapped(replace(data, trials=tuple(trials)))[0]
     assert first.traced_to is Trace.WHEEL_ANGLE and first.supported
