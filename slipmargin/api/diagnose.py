@@ -127,6 +127,7 @@ def diagnose(
     *,
     seed: int = 0,
     progress: Callable[[str, float], None] = lambda stage, share: None,
+    budget_s: float | None = None,
 ) -> DiagnosisResult:
     """What the model lacks, proved on runs that no fit has seen, with a corrected robot.
 
@@ -138,6 +139,8 @@ def diagnose(
         Seed of everything random, from 0; the same data and seed give the same result.
     progress : callable
         Called with the name of each stage and the share of it that is done (0 to 1).
+    budget_s : float, optional
+        Seconds after which the search stops and the best answer so far is given as such.
 
     Returns
     -------
@@ -164,7 +167,7 @@ def diagnose(
         raise InputError("seed", f"is {seed}", "give a whole number from 0")
     data, source = _read(data_set)
     _check_sense(data, source)
-    diagnosis = search(data, seed=seed, progress=progress)
+    diagnosis = search(data, seed=seed, progress=progress, budget_s=budget_s)
     progress("limits before and after", 0.2)
     change = limits_change(diagnosis.recipe, diagnosis.corrected, diagnosis.surface, data.pulls)
     return DiagnosisResult(diagnosis=diagnosis, change=change)

@@ -25,11 +25,12 @@ from slipmargin.diagnosis.held_out import (
 )
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Rejected
-from slipmargin.diagnosis.search import Progress, Round, State
+from slipmargin.diagnosis.search import Round, State
 from slipmargin.diagnosis.selection import last_view, nothing_sure, refitted, without
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.verdict import Judgement, RunErrors, judge
+from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect
 
 
@@ -109,7 +110,7 @@ class Court:
         return judge(before, after, unseen, self.seed)
 
 
-def check(court: Court, proposed: State, rounds: list[Round], progress: Progress) -> Checked:
+def check(court: Court, proposed: State, rounds: list[Round], progress: Watch) -> Checked:
     """The largest part of what was proposed that the runs bear out, or another candidate, or nothing."""
     rejected: list[Rejected] = []
     proposals: list[State] = []
@@ -117,7 +118,9 @@ def check(court: Court, proposed: State, rounds: list[Round], progress: Progress
     while state.structure:
         proposals.append(state)
         state = without(court.problem, state, len(state.structure) - 1)
-    for number, now in enumerate(_with_others(court, proposals, proposed, rounds)):
+    if not progress.expired:
+        proposals += _others(court, proposed, rounds)
+    for number, now in enumerate(proposals):
         progress("predicting runs with parameters fitted to others", min(0.9, 0.2 * number))
         found = _put(court, now, rejected)
         if found is not None:
@@ -166,14 +169,14 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
     )
 
 
-def _with_others(court: Court, proposals: list[State], proposed: State, rounds: list[Round]) -> list[State]:
-    """The proposals, then the best single candidates over other variables as the search scored them."""
+def _others(court: Court, proposed: State, rounds: list[Round]) -> list[State]:
+    """The best single candidates over other variables, as the search scored them."""
     asked = {c.trace for c in proposed.structure}
     others: list[State] = []
-    for state in rounds[0].tried if rounds else ():
+    for state in rounds[0].tried if proposed.structure else ():
         if len(others) >= SETTINGS.others:
             break
         if len(state.structure) == 1 and state.last.trace not in asked and state.chi < rounds[0].before.chi:
             asked.add(state.last.trace)
             others.append(refitted(court.problem, state, state.structure, state.fit.x, court.seen))
-    return [*proposals, *others]
+    return others

@@ -8,7 +8,6 @@ clearly better than the named effect, the named effect is not reported.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
 
@@ -18,6 +17,7 @@ from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit, Residuals, evaluate, fit
 from slipmargin.diagnosis.left_out import cross_validate, each_by_its_own, leave_one_out
+from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
 
 #: A candidate is as good as the best one if its chi is within this factor and offset.
@@ -35,8 +35,6 @@ MANY_TRIALS = 6
 AT_NOISE = 1.06
 #: Above this chi, runs are compared piece by piece: whole ones bend too much with the parameters.
 FAR = 5.0
-
-Progress = Callable[[str, float], None]
 
 
 @final
@@ -99,11 +97,6 @@ def by_chi(state: State) -> float:
     return state.chi
 
 
-def staged(progress: Progress, stage: str) -> Progress:
-    """Progress whose texts begin with the stage."""
-    return lambda text, share: progress(f"{stage}: {text}", share)
-
-
 def state_of(problem: Residuals, found: Fit, samples: float) -> State:
     """A fit with its scores."""
     inside, outside = np.sum(found.residual**2, axis=1), cross_validate(problem, found)
@@ -133,7 +126,7 @@ def extend(
     problem: Residuals,
     before: State,
     candidates: list[Candidate],
-    progress: Progress,
+    progress: Watch,
     finalists: int = FINALISTS,
     enough: float = 0.0,
 ) -> list[State]:
@@ -147,8 +140,8 @@ def extend(
         What is known already.
     candidates : list of Candidate
         What to add, one at a time.
-    progress : callable
-        Called after each fit.
+    progress : Watch
+        Called after each fit; when it has expired, what was fitted so far is compared.
     finalists : int
         How many get the full fit.
     enough : float
@@ -172,7 +165,7 @@ def extend(
         best = min((s.fit.cost for s in states), default=np.inf)
         full = fit(problem, found.structure, found.x, trials, give_up_above=_OUT_OF_REACH * best)
         states.append(state_of(problem, full, before.samples))
-        if states[-1].chi <= enough and i >= 2:
+        if (states[-1].chi <= enough and i >= 2) or progress.expired:
             break
     return sorted(states, key=by_chi)
 
@@ -183,7 +176,7 @@ def some_of(trials: Index) -> Index:
 
 
 def short_fits(
-    problem: Residuals, before: State, candidates: list[Candidate], trials: Index, progress: Progress
+    problem: Residuals, before: State, candidates: list[Candidate], trials: Index, progress: Watch
 ) -> list[Fit]:
     """Two Gauss–Newton steps from each start of each candidate beside ``before``; lowest cost first."""
     short: list[Fit] = []
@@ -195,6 +188,8 @@ def short_fits(
             for start in candidate.starts
         ]
         short.append(min(fits, key=lambda f: f.cost))
+        if progress.expired:
+            break
     return sorted(short, key=lambda f: f.cost)
 
 

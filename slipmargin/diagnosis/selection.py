@@ -18,7 +18,6 @@ from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.search import (
     AT_NOISE,
     FAR,
-    Progress,
     Round,
     State,
     base_state,
@@ -27,10 +26,10 @@ from slipmargin.diagnosis.search import (
     judged_by,
     score_test_gain,
     some_of,
-    staged,
     state_of,
 )
 from slipmargin.diagnosis.shortlist import contenders, possible, try_all
+from slipmargin.diagnosis.watch import Watch
 
 #: An effect is taken only if it is significant at this level …
 SIGNIFICANCE = 0.01
@@ -54,7 +53,7 @@ _WITHIN_REACH = 3.0
 
 
 def search(
-    problem: Problem, trials: Index, seen: Index, candidates: list[Candidate], seed: int, progress: Progress
+    problem: Problem, trials: Index, seen: Index, candidates: list[Candidate], seed: int, progress: Watch
 ) -> tuple[Problem, State, list[Round]]:
     """What the model lacks, judged on ``trials``, and the rounds in which it was found.
 
@@ -68,9 +67,9 @@ def search(
     state = base_state(problem, trials, problem.samples(trials))
     rounds: list[Round] = []
     for number in range(MOST_EFFECTS):
-        if number and not worthwhile(state, _FLOOR):
+        if number and (progress.expired or not worthwhile(state, _FLOOR)):
             break
-        stage = staged(progress, f"round {number + 1}")
+        stage = progress.staged(f"round {number + 1}")
         step = take_step(problem, state, candidates, seed, stage, pairs=number == 0)
         rounds.append(step)
         if not step.taken or step.best is None:
@@ -87,7 +86,7 @@ def search(
 
 
 def take_step(
-    problem: Problem, before: State, candidates: list[Candidate], seed: int, progress: Progress, pairs: bool
+    problem: Problem, before: State, candidates: list[Candidate], seed: int, progress: Watch, pairs: bool
 ) -> Round:
     """The best addition to ``before``, and whether it is significant and worth its parameters."""
     inside = {c.label for c in before.structure}

@@ -14,7 +14,6 @@ from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.search import (
     AT_NOISE,
     FAR,
-    Progress,
     State,
     by_chi,
     choose,
@@ -22,9 +21,9 @@ from slipmargin.diagnosis.search import (
     score_test_gain,
     short_fits,
     some_of,
-    staged,
     state_of,
 )
+from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
 from slipmargin.errors import InputError
 
@@ -43,7 +42,7 @@ def try_all(
     before: State,
     fresh: list[Candidate],
     slopes: list[Array],
-    progress: Progress,
+    progress: Watch,
     pairs: bool,
 ) -> tuple[list[State], list[Array]]:
     """Named effects; where they leave something, general forms; where these do, pairs of names.
@@ -56,7 +55,7 @@ def try_all(
     later = bool(before.structure)
     named = _promising(before, names, slopes)[: _NAMED // 2 if later else _NAMED]
     tried = extend(view, before, named, progress, enough=AT_NOISE)
-    if tried and tried[0].chi <= AT_NOISE:
+    if tried and (tried[0].chi <= AT_NOISE or progress.expired):
         return tried, slopes
     singles, forms = list(tried), fresh[len(names) :]
     if len(slopes) == len(names):
@@ -64,7 +63,7 @@ def try_all(
     general = _promising(before, forms, slopes[len(names) :])
     general = general[: _GENERAL // 2] if later else _of_every_variable(general)
     tried = sorted([*tried, *extend(view, before, general, progress, enough=AT_NOISE)], key=by_chi)
-    if pairs and (tried[0].chi > NEAR_NOISE or before.chi > FAR):
+    if pairs and not progress.expired and (tried[0].chi > NEAR_NOISE or before.chi > FAR):
         tried = sorted([*tried, *_pairs(view, singles, names, progress)], key=by_chi)
     return tried, slopes
 
@@ -102,7 +101,7 @@ def possible(problem: Problem, before: State, candidate: Candidate) -> bool:
     return True
 
 
-def _pairs(problem: Problem, singles: list[State], plain: list[Candidate], progress: Progress) -> list[State]:
+def _pairs(problem: Problem, singles: list[State], plain: list[Candidate], progress: Watch) -> list[State]:
     """Two named effects at once: where two are missing, neither alone need look good.
 
     Each of the best singles is joined, on some of the trials, by the named effects whose tangents
@@ -114,7 +113,7 @@ def _pairs(problem: Problem, singles: list[State], plain: list[Candidate], progr
     some = some_of(trials)
     short = []
     for first in singles[:_FIRSTS]:
-        stage = staged(progress, f"{first.last.label} and")
+        stage = progress.staged(f"{first.last.label} and")
         alone = evaluate(problem, first.structure, first.fit.x, some)
         others = [c for c in plain if c.name != first.last.name and possible(problem, first, c)]
         slopes = tangents(problem, alone, others)
@@ -125,6 +124,6 @@ def _pairs(problem: Problem, singles: list[State], plain: list[Candidate], progr
     for found in short[:_PAIRS]:
         progress("fitting " + " and ".join(c.label for c in found.structure), 0.9)
         states.append(state_of(problem, fit(problem, found.structure, found.x, trials), singles[0].samples))
-        if states[-1].chi <= AT_NOISE:
+        if states[-1].chi <= AT_NOISE or progress.expired:
             break
     return states
