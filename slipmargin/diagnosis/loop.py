@@ -27,7 +27,7 @@ from slipmargin.diagnosis.ranges import ranges, variables_of
 from slipmargin.diagnosis.residual_diagnostics import dependences
 from slipmargin.diagnosis.residual_map import residual_map
 from slipmargin.diagnosis.result import Diagnosis, Event, Finding, Step, TrialTrajectories, Tried, Verdict
-from slipmargin.diagnosis.search import FAR, Round, State
+from slipmargin.diagnosis.search import Round, State
 from slipmargin.diagnosis.selection import last_view, needed, refitted, search, without
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
@@ -97,7 +97,7 @@ def searched(data_set: DataSet, seed: int, progress: Watch | None = None) -> Sea
     progress("comparing the residual with measured variables", 0.0)
     some = seen[np.unique(np.linspace(0, len(seen) - 1, _SEARCHED).round().astype(int))]
     problem, state, rounds = search(problem, some, seen, candidates, seed, progress)
-    if state.structure and (len(some) < len(seen) or state.chi > FAR):
+    if state.structure and (len(some) < len(seen) or state.chi > SETTINGS.far_chi):
         progress("fitting all trials that are not held out", 0.0)
         state = refitted(problem, state, state.structure, state.fit.x, seen)
     return Searched(

@@ -17,24 +17,15 @@ from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit, Residuals, evaluate, fit
 from slipmargin.diagnosis.left_out import cross_validate, each_by_its_own, leave_one_out
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
 
-#: A candidate is as good as the best one if its chi is within this factor and offset.
-AS_GOOD_FACTOR, AS_GOOD_OFFSET = 1.06, 0.02
-#: How many candidates go from the first, short fit to the full one.
-FINALISTS = 6
 #: A candidate with more parameters than this whose short fit costs so many times the best one's gets
 #: no full fit.
 _CHEAP, _FAR_BEHIND = 4, 6.0
 #: A fit that cannot come within this factor of the best one's cost is not finished.
 _OUT_OF_REACH = 1.3
-#: From so many trials on, first short fits use every other one.
-MANY_TRIALS = 6
-#: A chi this close to 1 leaves nothing for another form to explain.
-AT_NOISE = 1.06
-#: Above this chi, runs are compared piece by piece: whole ones bend too much with the parameters.
-FAR = 5.0
 
 
 @final
@@ -127,7 +118,7 @@ def extend(
     before: State,
     candidates: list[Candidate],
     progress: Watch,
-    finalists: int = FINALISTS,
+    finalists: int = SETTINGS.finalists,
     enough: float = 0.0,
 ) -> list[State]:
     """Each candidate added to ``before``: a short fit from each start, a full one for the best.
@@ -172,7 +163,7 @@ def extend(
 
 def some_of(trials: Index) -> Index:
     """Every other trial where there are many: enough to see who is promising."""
-    return trials[::2] if len(trials) >= MANY_TRIALS else trials
+    return trials[::2] if len(trials) >= SETTINGS.many_runs else trials
 
 
 def short_fits(
@@ -206,24 +197,19 @@ def score_test_gain(residual: Array, slope: Array) -> float:
 
 def choose(tried: list[State]) -> State:
     """The best candidate: of those as good as the best score allows, the one that is simple for its chi."""
-    bar = AS_GOOD_FACTOR * tried[0].chi + AS_GOOD_OFFSET
+    bar = SETTINGS.as_good_factor * tried[0].chi + SETTINGS.as_good_offset
     good = [s for s in tried if s.chi <= bar]
     return min(good, key=lambda s: s.chi * (1.0 + _price(s)))
-
-
-#: By what share of chi a parameter, one that is stuck at a bound, an effect, and the lack of a name
-#: must pay for themselves.
-_PARAMETER, _STUCK, _EFFECT, _UNNAMED = 0.004, 0.03, 0.03, 0.03
 
 
 def _price(state: State) -> float:
     """What a simpler explanation has less of."""
     unnamed = sum(not c.named for c in state.structure)
     return (
-        _PARAMETER * len(state.fit.x)
-        + _STUCK * len(state.fit.at_bound())
-        + _EFFECT * len(state.structure)
-        + _UNNAMED * unnamed
+        SETTINGS.parameter_price * len(state.fit.x)
+        + SETTINGS.stuck_price * len(state.fit.at_bound())
+        + SETTINGS.effect_price * len(state.structure)
+        + SETTINGS.unnamed_price * unnamed
     )
 
 
@@ -233,7 +219,8 @@ def indistinguishable(one: State, other: State) -> bool:
     spread = float(np.std(gap, ddof=1)) * np.sqrt(len(gap)) if len(gap) > 1 else np.inf
     close = abs(one.chi - other.chi) <= 0.01 * other.chi + 0.005
     return close or (
-        abs(float(gap.sum())) < 2.0 * spread and one.chi <= AS_GOOD_FACTOR * other.chi + AS_GOOD_OFFSET
+        abs(float(gap.sum())) < 2.0 * spread
+        and one.chi <= SETTINGS.as_good_factor * other.chi + SETTINGS.as_good_offset
     )
 
 
