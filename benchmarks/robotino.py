@@ -37,7 +37,7 @@ from slipmargin.diagnosis.loop import diagnose
 from slipmargin.diagnosis.prepare import clean, noise
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Diagnosis
-from slipmargin.diagnosis.selection import LONG_PIECE_S
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import Recipe
 from slipmargin.effects.camera_scale import CameraScale
 from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
@@ -81,7 +81,7 @@ def fitted(runs: Runs, recipe: Recipe, labels: tuple[str, ...], which: Index, st
         start.get(f"{c.name}.{k}", s) for c in structure for k, s in zip(c.keys, c.starts[0], strict=True)
     ]
     trials = np.arange(len(records), dtype=np.int64)
-    return fit(problem.in_pieces(LONG_PIECE_S), structure, np.array(first), trials)
+    return fit(problem.in_pieces(SETTINGS.long_piece_s), structure, np.array(first), trials)
 
 
 def values(found: Fit) -> dict[str, float]:

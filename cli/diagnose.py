@@ -11,11 +11,18 @@ from .options import JsonOpt, SeedOpt, check_outputs, deliver
 from .render import at_options, stages
 
 _Folder = typer.Argument(metavar="DATASET", help="Folder with dataset.toml, the robot file and trials/.")
+_Budget = typer.Option(
+    "--budget", metavar="SECONDS", help="Stop the search after this time and report the best answer so far."
+)
 _Out = typer.Option("--out", metavar="DIR", help="Folder for the report; made if it is not there.")
 
 
 def diagnose(
-    dataset: Annotated[Path, _Folder], out: Annotated[Path, _Out], seed: SeedOpt = 0, json: JsonOpt = None
+    dataset: Annotated[Path, _Folder],
+    out: Annotated[Path, _Out],
+    seed: SeedOpt = 0,
+    budget: Annotated[float | None, _Budget] = None,
+    json: JsonOpt = None,
 ) -> None:
     """Find what the model lacks, prove it on runs no fit has seen, hand back a corrected robot file.
 
@@ -25,8 +32,8 @@ def diagnose(
     import slipmargin as sm
 
     check_outputs(json, folder=out)
-    with stages() as progress, at_options(seed="--seed"):
-        found = sm.diagnose(dataset, seed=seed, progress=progress)
+    with stages() as progress, at_options(seed="--seed", budget_s="--budget"):
+        found = sm.diagnose(dataset, seed=seed, progress=progress, budget_s=budget)
         progress("drawing", 0.5)
         written = found.write_folder(out)
     deliver(found, json=json, written=[out / name for name in written])

@@ -109,6 +109,7 @@ def diagnose(
     *,
     seed: int = 0,
     progress: Callable[[str, float], None] = lambda stage, share: None,
+    budget_s: float | None = None,
 ) -> DiagnosisResult | PullDiagnosisResult:
     """What the model lacks, proved on runs (or, without runs, on pulls) that no fit has seen.
 
@@ -121,6 +122,8 @@ def diagnose(
         Seed of everything random, from 0; the same data and seed give the same result.
     progress : callable
         Called with the name of each stage and the share of it that is done (0 to 1).
+    budget_s : float, optional
+        Seconds after which the search stops and the best answer so far is given as such.
 
     Returns
     -------
@@ -152,7 +155,9 @@ def diagnose(
         return _pulls(data, source, seed, progress)
     mended = repaired(data)
     _check_sense(mended.data_set, source)
-    diagnosis = search(mended.data_set, seed=seed, progress=progress, repairs=mended.repairs)
+    diagnosis = search(
+        mended.data_set, seed=seed, progress=progress, repairs=mended.repairs, budget_s=budget_s
+    )
     progress("limits before and after", 0.2)
     change = limits_change(diagnosis.recipe, diagnosis.corrected, diagnosis.surface, data.pulls)
     return DiagnosisResult(diagnosis=diagnosis, change=change)

@@ -42,11 +42,14 @@ class Intervals:
 def intervals(
     found: Fit, leave_one_out: Array, scale: Array, log_shift: Array, *, together: bool = True
 ) -> Intervals:
-    """Intervals from whole trials, which may be correlated inside and disagree among themselves.
+    """Intervals from whole trials, 95 %.
 
-    The larger of the jackknife over trials, √((R−1)/R Σ (x₋ᵢ − x̄)²), and the inverse normal matrix
-    times the reduced χ², widened by what trials scatter beyond their noise (:func:`_disagreement`);
-    Student's t with R − 1 degrees of freedom, 95 %.
+    Where the trials agree with one another as closely as their noise says, the inverse normal matrix (times
+    the reduced χ² where that is above 1) is right, and nothing is added to it.  Whether they agree is
+    tested (:func:`_disagreement`): noise that is stated wrong or correlated in time, a form that is only
+    approximate, or trials that differ make them scatter more.  Then the larger of that and the jackknife
+    over trials, √((R−1)/R Σ (x₋ᵢ − x̄)²), is taken, widened by what the trials scatter beyond their noise,
+    with Student's t of R − 1 degrees of freedom.
 
     Parameters
     ----------
@@ -57,24 +60,27 @@ def intervals(
     scale : array (P,)
         Units of the parameters.
     log_shift : array (P,)
-        How far they move when the wheels' motion between samples is rebuilt another way.
+        How far they move when the wheels' motion between samples is rebuilt another way that may be right.
     together : bool
         Whether the intervals hold for all P parameters at once (Šidák), or each for itself.
     """
-    from scipy.special import stdtrit
+    from scipy.special import ndtri, stdtrit
 
     count, size = leave_one_out.shape
     flat = found.jacobian.reshape(-1, size) * scale
     seen = int(np.count_nonzero(found.residual))
     reduced = max(1.0, found.cost / max(1, seen - size))
     covariance = np.linalg.pinv(flat.T @ flat) * reduced
-    formal = np.sqrt(np.maximum(np.diag(covariance), 0.0)) * scale
-    spread = leave_one_out - leave_one_out.mean(axis=0)
-    jackknife = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0)) if count > 1 else formal
-    apart = _disagreement(found, scale)
-    deviation = np.sqrt(np.maximum(np.maximum(formal, jackknife) ** 2, formal**2 + apart**2) + log_shift**2)
-    sure = _SURE ** (1.0 / size) if together else _SURE
-    quantile = float(stdtrit(max(1, count - 1), 0.5 * (1.0 + sure)))
+    deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0)) * scale
+    sure = 0.5 * (1.0 + (_SURE ** (1.0 / size) if together else _SURE))
+    quantile = float(ndtri(sure))
+    apart, agree = _disagreement(found, scale)
+    if not agree and count > 1:
+        spread = leave_one_out - leave_one_out.mean(axis=0)
+        jackknife = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0))
+        deviation = np.sqrt(np.maximum(np.maximum(deviation, jackknife) ** 2, deviation**2 + apart**2))
+        quantile = float(stdtrit(count - 1, sure))
+    deviation = np.sqrt(deviation**2 + log_shift**2)
     return Intervals(
         low=found.x - quantile * deviation,
         high=found.x + quantile * deviation,
@@ -83,15 +89,18 @@ def intervals(
     )
 
 
-def _disagreement(found: Fit, scale: Array) -> Array:
-    """What trials that each have a parameter of their own add to its standard deviation (P,).
+def _disagreement(found: Fit, scale: Array) -> tuple[Array, bool]:
+    """What trials that each have a parameter of their own add to its standard deviation (P,), if they do.
 
     One trial may weigh as much as all others together; the jackknife then hardly sees that they
     disagree.  The variance between trials is estimated from what every trial would move the
     parameters by alone (R. DerSimonian and N. Laird, Controlled Clinical Trials 7, 177, 1986), in the
     combinations of them that the trials together determine, and reaches the joint fit with the
-    weights that the trials have in it.
+    weights that the trials have in it.  The sum of their Q, which is χ² with P (R − 1) degrees of freedom
+    where the trials agree within the noise, says whether they agree (5 %).
     """
+    from scipy.special import chdtri
+
     tangents = found.jacobian * scale
     normal = np.einsum("rkp,rkq->rpq", tangents, tangents)
     size, axes = np.linalg.eigh(normal.sum(axis=0))
@@ -100,10 +109,13 @@ def _disagreement(found: Fit, scale: Array) -> Array:
     weight = np.einsum("pz,rpq,qy->rzy", basis, normal, basis)  # adds up to the unit matrix
     pull = np.einsum("pz,rkp,rk->rz", basis, tangents, found.residual)
     own = np.maximum(np.einsum("rzz->rz", weight), 1e-300)
-    beyond = np.sum(pull**2 / own, axis=0) - (len(own) - 1)
-    between = np.maximum(0.0, beyond) / np.maximum(1.0 - np.sum(own**2, axis=0), 1e-300)
+    scatter = np.sum(pull**2 / own, axis=0)
+    freedom = len(own) - 1
+    agree = bool(freedom < 1 or scatter.sum() <= chdtri(freedom * len(scatter), 1.0 - _SURE))
+    between = np.maximum(0.0, scatter - freedom) / np.maximum(1.0 - np.sum(own**2, axis=0), 1e-300)
     covariance = np.einsum("rzy,y,rxy->zx", weight, between, weight)
-    return np.asarray(np.sqrt(np.maximum(np.einsum("pz,zx,px->p", basis, covariance, basis), 0.0)) * scale)
+    apart = np.sqrt(np.maximum(np.einsum("pz,zx,px->p", basis, covariance, basis), 0.0)) * scale
+    return np.asarray(apart), agree
 
 
 def permutation_p_value(

@@ -56,9 +56,7 @@ def findings(
     if not len(final.x):
         return ()
     low, high, scale = limits_of(final.structure)
-    spread = intervals(
-        final, leave_one_out(final), scale, shifted_by(problem.rebuilt(InterpolationScheme.OTHER), final)
-    )
+    spread = intervals(final, leave_one_out(final), scale, _other_log(problem, final))
     spread = replace(spread, low=np.maximum(spread.low, low), high=np.minimum(spread.high, high))
     stuck = final.at_bound()
     found = []
@@ -115,6 +113,17 @@ def findings(
             )
         )
     return tuple(found)
+
+
+def _other_log(problem: Problem, final: Fit) -> Array:
+    """How far (P,) the parameters move if the wheels' motion between samples was another one.
+
+    Angles and speeds together determine it: nothing then.  From speeds alone, or angles alone, it is a guess.
+    """
+    records = [t.record for t in problem.trials]
+    if not problem.commanded and all(r.theta is not None and r.omega is not None for r in records):
+        return np.zeros(len(final.x))
+    return shifted_by(problem.rebuilt(InterpolationScheme.OTHER), final)
 
 
 def _doubts(candidate: Candidate, x: Array, low: Array, high: Array, stuck: Sequence[str]) -> tuple[str, ...]:

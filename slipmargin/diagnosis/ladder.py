@@ -7,6 +7,7 @@ is left, the best single candidates over other variables are asked, and if these
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import final
 
@@ -25,11 +26,12 @@ from slipmargin.diagnosis.held_out import (
 )
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Rejected
-from slipmargin.diagnosis.search import Progress, Round, State
+from slipmargin.diagnosis.search import Round, State
 from slipmargin.diagnosis.selection import last_view, nothing_sure, refitted, without
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.verdict import Judgement, RunErrors, judge
+from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect
 
 
@@ -109,17 +111,12 @@ class Court:
         return judge(before, after, unseen, self.seed)
 
 
-def check(court: Court, proposed: State, rounds: list[Round], progress: Progress) -> Checked:
+def check(court: Court, proposed: State, rounds: list[Round], progress: Watch) -> Checked:
     """The largest part of what was proposed that the runs bear out, or another candidate, or nothing."""
     rejected: list[Rejected] = []
-    proposals: list[State] = []
-    state = proposed
-    while state.structure:
-        proposals.append(state)
-        state = without(court.problem, state, len(state.structure) - 1)
-    for number, now in enumerate(_with_others(court, proposals, proposed, rounds)):
+    for number, state in enumerate(_in_turn(court, proposed, rounds, progress)):
         progress("predicting runs with parameters fitted to others", min(0.9, 0.2 * number))
-        found = _put(court, now, rejected)
+        found = _put(court, state, rejected)
         if found is not None:
             return found
     plain = court.believed(None)
@@ -166,14 +163,18 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
     )
 
 
-def _with_others(court: Court, proposals: list[State], proposed: State, rounds: list[Round]) -> list[State]:
-    """The proposals, then the best single candidates over other variables as the search scored them."""
+def _in_turn(court: Court, proposed: State, rounds: list[Round], progress: Watch) -> Iterator[State]:
+    """What was proposed, less its last effect, less its last two …; then single ones over other variables."""
+    state = proposed
+    while state.structure:
+        yield state
+        state = without(court.problem, state, len(state.structure) - 1)
     asked = {c.trace for c in proposed.structure}
-    others: list[State] = []
-    for state in rounds[0].tried if rounds else ():
-        if len(others) >= SETTINGS.others:
-            break
-        if len(state.structure) == 1 and state.last.trace not in asked and state.chi < rounds[0].before.chi:
-            asked.add(state.last.trace)
-            others.append(refitted(court.problem, state, state.structure, state.fit.x, court.seen))
-    return [*proposals, *others]
+    left = SETTINGS.others
+    for other in rounds[0].tried if rounds and asked else ():
+        if not left or progress.expired:
+            return
+        if len(other.structure) == 1 and other.last.trace not in asked and other.chi < rounds[0].before.chi:
+            asked.add(other.last.trace)
+            left -= 1
+            yield refitted(court.problem, other, other.structure, other.fit.x, court.seen)

@@ -8,7 +8,7 @@ from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import Periodicity
 from slipmargin.diagnosis.result import Lead, LeadSource, Rejected
 from slipmargin.diagnosis.search import Round
-from slipmargin.diagnosis.separate import TRIALS, trace_of
+from slipmargin.diagnosis.separate import TRIALS
 from slipmargin.effects import Trace
 
 #: At most so many leads are listed.
@@ -29,7 +29,7 @@ def leads(
     First what the map supports, then what repeats with a wheel's angle, then what fits the searched runs
     best.  What was ``found`` already is no lead.
     """
-    fits = _fits(rounds)
+    fits = _fits(rounds, len(found))
     refused = {label: r for r in rejected for label in r.labels}
     made: list[Lead] = []
 
@@ -80,13 +80,13 @@ def leads(
     return tuple(made[:_MOST])
 
 
-def _fits(rounds: Sequence[Round]) -> dict[Trace, tuple[str, float]]:
-    """The best single candidate of the last round for every variable, and by what share chi falls with it."""
-    found: dict[Trace, tuple[str, float]] = {}
-    for done in rounds[-1:]:
+def _fits(rounds: Sequence[Round], found: int) -> dict[Trace, tuple[str, float]]:
+    """The best single addition to what was found, for every variable, and by what share chi falls with it."""
+    best: dict[Trace, tuple[str, float]] = {}
+    for done in rounds[found : found + 1]:
         for state in done.tried:
             drop = 1.0 - state.chi / done.before.chi
-            for candidate in state.structure[len(done.before.structure) :]:
-                if trace_of(candidate.name) is not None:
-                    found.setdefault(candidate.trace, (candidate.label, drop))
-    return found
+            added = state.structure[len(done.before.structure) :]
+            if len(added) == 1:
+                best.setdefault(added[0].trace, (added[0].label, drop))
+    return best

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import final
+from typing import TypeVar, final
 
 import numpy as np
 
@@ -20,6 +21,9 @@ from slipmargin.limits.sweep import limit_or_zero
 from slipmargin.model import Model
 from slipmargin.physics.convention import Convention
 
+_T = TypeVar("_T")
+_PULLS = ("f_max_N", "f_low_N", "f_high_N")
+_ACCELERATIONS = ("start_m_s2", "brake_m_s2", "start_worst_m_s2", "brake_worst_m_s2")
 #: Orientations of the pull and directions of motion, one degree and five degrees apart.
 _ORIENTATIONS, _DIRECTIONS = 360, 72
 
@@ -33,7 +37,8 @@ class Limits:
     ----------
     f_max_N, f_low_N, f_high_N : (360,)
         F_emax at every degree of orientation, all wheels on rollers, and lowest and highest over what
-        the wheels may stand on [N]; 0 where the robot slips without any pull.
+        the wheels may stand on [N]; 0 where the robot slips without any pull, not a number where it could
+        not be computed.
     start_m_s2, brake_m_s2, start_worst_m_s2, brake_worst_m_s2 : (72,)
         Greatest acceleration, and deceleration, along a direction of motion every five degrees
         (counted from the body's +x) without turning, all wheels on rollers, and in the worst
@@ -49,10 +54,10 @@ class Limits:
     brake_worst_m_s2: Array
 
     def __post_init__(self) -> None:
-        for name in ("f_max_N", "f_low_N", "f_high_N"):
-            object.__setattr__(self, name, frozen(name, getattr(self, name), (_ORIENTATIONS,)))
-        for name in ("start_m_s2", "brake_m_s2", "start_worst_m_s2", "brake_worst_m_s2"):
-            object.__setattr__(self, name, frozen(name, getattr(self, name), (_DIRECTIONS,)))
+        for name in _PULLS:
+            object.__setattr__(self, name, _gapped(name, getattr(self, name), _ORIENTATIONS))
+        for name in _ACCELERATIONS:
+            object.__setattr__(self, name, _gapped(name, getattr(self, name), _DIRECTIONS))
 
     @property
     def f_max_min_N(self) -> float:
@@ -68,21 +73,26 @@ class Limits:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LimitsChange:
-    """The same limits of the believed model and of the corrected one; measured pulls beside both."""
+    """The same limits of the believed model and of the corrected one; measured pulls beside both.
+
+    ``missing`` says in sentences what could not be computed; the values concerned are not numbers, and
+    ``plan`` is None where it is the plan.
+    """
 
     phi_rad: Array
     direction_rad: Array
     before: Limits
     after: Limits
-    plan: PlanChange
+    plan: PlanChange | None
     pulls: PullCheck | None = None
     convention: Convention = Convention.PAPER
+    missing: tuple[str, ...] = ()
 
     @property
     def moved(self) -> bool:
         """Whether anything differs by more than a part in a million."""
         pairs = [(getattr(self.before, n), getattr(self.after, n)) for n in Limits.__slots__]
-        return not all(np.allclose(one, two, rtol=1e-6, atol=1e-9) for one, two in pairs)
+        return not all(np.allclose(one, two, rtol=1e-6, atol=1e-9, equal_nan=True) for one, two in pairs)
 
 
 def limits_change(before: Recipe, after: Recipe, surface: str, pulls: Pulls | None = None) -> LimitsChange:
@@ -98,24 +108,50 @@ def limits_change(before: Recipe, after: Recipe, surface: str, pulls: Pulls | No
     phi = np.deg2rad(np.arange(_ORIENTATIONS, dtype=float))
     direction = np.linspace(0.0, 2.0 * np.pi, _DIRECTIONS, endpoint=False)
     believed, corrected = before.build(surface), after.build(surface)
+    missing: list[str] = []
+    old = _limits(believed, phi, direction, "the robot as believed", missing)
+    new = _limits(corrected, phi, direction, "the corrected robot", missing)
     return LimitsChange(
         phi_rad=phi,
         direction_rad=direction,
-        before=_limits(believed, phi, direction),
-        after=_limits(corrected, phi, direction),
-        plan=plan_change(believed, corrected),
-        pulls=None if pulls is None else pull_check(believed, corrected, pulls),
+        before=old,
+        after=new,
+        plan=_tried("the plan before and after", missing, lambda: plan_change(believed, corrected)),
+        pulls=None
+        if pulls is None
+        else _tried("the comparison with pulls", missing, lambda: pull_check(believed, corrected, pulls)),
+        missing=tuple(missing),
         convention=believed.convention,
     )
 
 
-def _limits(model: Model, phi: Array, direction: Array) -> Limits:
+def _tried(what: str, missing: list[str], made: Callable[[], _T]) -> _T | None:
+    """What ``made`` gives; None, and a sentence in ``missing``, where it fails: no extra costs a finding."""
+    try:
+        return made()
+    except Exception as problem:
+        reason = " ".join(str(problem).split()) or type(problem).__name__
+        missing.append(f"Could not be computed: {what} ({reason}).")
+        return None
+
+
+def _limits(model: Model, phi: Array, direction: Array, whose: str, missing: list[str]) -> Limits:
     pull = Pull()
-    low, high = band(model, phi, pull)
-    start, brake = _along(model, direction, Contact.ROLLERS)
-    start_worst, brake_worst = _along(model, direction, Contact.UNKNOWN)
+
+    def asked(what: str, size: int, made: Callable[[], tuple[Array, ...]], count: int) -> tuple[Array, ...]:
+        found = _tried(f"{what} of {whose}", missing, made)
+        return tuple(np.full(size, np.nan) for _ in range(count)) if found is None else found
+
+    (highest,) = asked("the pull limits", _ORIENTATIONS, lambda: (limit_or_zero(model, phi, pull),), 1)
+    low, high = asked("the band of pull limits", _ORIENTATIONS, lambda: tuple(band(model, phi, pull)), 2)
+    start, brake = asked(
+        "the acceleration limits", _DIRECTIONS, lambda: _along(model, direction, Contact.ROLLERS), 2
+    )
+    start_worst, brake_worst = asked(
+        "the worst acceleration limits", _DIRECTIONS, lambda: _along(model, direction, Contact.UNKNOWN), 2
+    )
     return Limits(
-        f_max_N=limit_or_zero(model, phi, pull),
+        f_max_N=highest,
         f_low_N=low,
         f_high_N=high,
         start_m_s2=start,
@@ -123,6 +159,15 @@ def _limits(model: Model, phi: Array, direction: Array) -> Limits:
         start_worst_m_s2=start_worst,
         brake_worst_m_s2=brake_worst,
     )
+
+
+def _gapped(name: str, values: Array, size: int) -> Array:
+    """``values`` read-only; all of them not numbers where they could not be computed."""
+    if np.isnan(values).all():
+        values = np.full(size, np.nan)
+        values.setflags(write=False)
+        return values
+    return frozen(name, values, (size,))
 
 
 def _along(model: Model, direction: Array, contact: Contact) -> tuple[Array, Array]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
 
@@ -26,9 +27,11 @@ from slipmargin.diagnosis.ranges import ranges, variables_of
 from slipmargin.diagnosis.residual_diagnostics import dependences
 from slipmargin.diagnosis.residual_map import residual_map
 from slipmargin.diagnosis.result import Diagnosis, Event, Finding, Step, TrialTrajectories, Tried, Verdict
-from slipmargin.diagnosis.search import FAR, Progress, Round, State
+from slipmargin.diagnosis.search import Round, State
 from slipmargin.diagnosis.selection import last_view, needed, refitted, search, without
 from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.signals import InterpolationScheme
+from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect
 
 #: With at least so many trials some are held out altogether; with fewer all are cross-validated.
@@ -38,6 +41,10 @@ _HELD_OUT_SHARE = 0.2
 _SEARCHED = 12
 #: Steps of the last fit, which starts where the search ended.
 _FINAL_STEPS = 6
+_FINE_STEPS = 1
+
+
+Progress = Callable[[str, float], None]
 
 
 def no_progress(stage: str, share: float) -> None:
@@ -64,8 +71,9 @@ class Searched:
     rounds: list[Round]
 
 
-def searched(data_set: DataSet, seed: int, progress: Progress = no_progress) -> Searched:
+def searched(data_set: DataSet, seed: int, progress: Watch | None = None) -> Searched:
     """Noise, cuts, ranges, wheel phases and effects, all from the trials that are not held out."""
+    progress = progress or Watch(report=no_progress)
     progress("reading the noise", 0.0)
     every_run = np.arange(len(data_set.trials))
     held_runs = _held_out(len(every_run), seed)
@@ -88,7 +96,7 @@ def searched(data_set: DataSet, seed: int, progress: Progress = no_progress) -> 
     progress("comparing the residual with measured variables", 0.0)
     some = seen[np.unique(np.linspace(0, len(seen) - 1, _SEARCHED).round().astype(int))]
     problem, state, rounds = search(problem, some, seen, candidates, seed, progress)
-    if state.structure and (len(some) < len(seen) or state.chi > FAR):
+    if state.structure and (len(some) < len(seen) or state.chi > SETTINGS.far_chi):
         progress("fitting all trials that are not held out", 0.0)
         state = refitted(problem, state, state.structure, state.fit.x, seen)
     return Searched(
@@ -110,6 +118,7 @@ def diagnose(
     seed: int = 0,
     progress: Progress = no_progress,
     repairs: tuple[Repair, ...] | None = None,
+    budget_s: float | None = None,
 ) -> Diagnosis:
     """Find what the model of a data set lacks, and test it on trials that were held out of the search.
 
@@ -123,21 +132,26 @@ def diagnose(
         Called with what is being done and how far it is (0 … 1).
     repairs : tuple of Repair, optional
         What was mended in the data set already; by default it is mended here.
+    budget_s : float, optional
+        Seconds after which the search stops and the best answer so far is judged and reported, which takes
+        a few seconds more.  Without it the same seed gives the same answer on any machine.
 
     Returns
     -------
     Diagnosis
     """
-    progress("mending the data", 0.0)
+    watch = Watch.of(progress, budget_s)
+    watch("mending the data", 0.0)
     conditions = ready(data_set, repairs)
     data_set = conditions.data_set
-    s = searched(data_set, seed, progress)
+    s = searched(data_set, seed, watch)
+    cut_short = watch.expired
     held, trials = s.held, s.problem.trials
     everyone = np.arange(len(trials), dtype=np.int64)
     court = Court(
         problem=s.problem, runs=s.runs, held=held, seen=s.seen, records=tuple(data_set.trials), seed=seed
     )
-    checked = check(court, s.state, s.rounds, progress)
+    checked = check(court, s.state, s.rounds, watch)
     problem, state = checked.problem, checked.state
     fresh = np.flatnonzero(court.unseen) if len(held) else np.arange(len(checked.before.squares))
     before, after = (score(e, fresh, problem.sigma) for e in (checked.before, checked.after))
@@ -198,7 +212,10 @@ def diagnose(
         recipe=data_set.recipe,
         corrected=data_set.recipe.with_effects(*(() if final is None else final.effects)),
         repairs=conditions.repairs,
-        remarks=_remarks(final, events, turns, phased=checked.phased, held=len(held) > 0),
+        remarks=(
+            *(_cut_short(budget_s) if cut_short else ()),
+            *_remarks(final, events, turns, phased=checked.phased, held=len(held) > 0),
+        ),
     )
 
 
@@ -214,6 +231,10 @@ def _reported(
     fitted = s.seen if checked.phased and len(s.held) else everyone
     view = last_view(checked.problem, state)
     final = fit(view, state.structure, state.fit.x, fitted, iterations=_FINAL_STEPS)
+    # The last step takes every sample of the log and integrates finely: the numbers to report.
+    final = fit(
+        view.rebuilt(InterpolationScheme.FULL), state.structure, final.x, fitted, iterations=_FINE_STEPS
+    )
     useful = [without(s.problem, state, index).chi for index in range(len(state.structure))]
     return findings(view, state, useful, s.rounds, final, s.candidates, entries), final
 
@@ -275,6 +296,13 @@ def _excitation(final: Fit | None) -> tuple[float, ...]:
     scale = np.concatenate([c.scale for c in final.structure])
     flat = final.jacobian.reshape(-1, len(final.x)) * scale
     return tuple(float(v) for v in np.linalg.svd(flat, compute_uv=False))
+
+
+def _cut_short(budget_s: float | None) -> tuple[str, ...]:
+    return (
+        f"The time budget of {budget_s:g} s ended the search: this is the best answer until then; candidates "
+        "that were not reached, and further effects, were not tried.",
+    )
 
 
 def _remarks(

@@ -15,8 +15,8 @@ SILENT = {
     Trace.SLIP_COUPLING: "slip below the camera's noise cannot be told from rolling",
     Trace.SLIP_RATIO: "slip below the camera's noise cannot be told from rolling",
     Trace.COEFFICIENT: "coefficients change what happens at every value of every variable",
-    Trace.ACTUATION: "without measured wheel speeds the map cannot tell motors from friction",
-    Trace.MEASUREMENT: "a fault of the camera has no force",
+    Trace.ACTUATION: "measured wheel speeds already show what the motors did",
+    Trace.MEASUREMENT: "a camera that is late or off scale resembles a force unless it explains nearly all",
 }
 
 

@@ -9,7 +9,8 @@ have caught the robot again, so features of forces are low-passed.
 The share of the residual that a variable explains is that on runs left out in turn.  Its significance
 comes from permuting whole runs: each run's residual is set beside another run's variables.  A variable
 that is the same in every run, time, has no such null; there whole runs change their sign instead.  The
-probability is that of the best of all variables, so their number is counted in.
+probability is that of the largest share of all variables, each over the mean and spread of its own null,
+so their number is counted in.
 """
 
 from __future__ import annotations
@@ -28,13 +29,14 @@ from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import Trace
 from slipmargin.model import Model
-from slipmargin.physics.frames import to_body
+from slipmargin.physics.frames import to_body, to_floor
 from slipmargin.physics.sectors import pitch
 from slipmargin.physics.terms import basis_values
 from slipmargin.physics.variables import Basis
 
 #: Ridge of the regression, as a share of the mean square of a feature over all runs.
 _RIDGE = 0.02
+_SIGNALS = frozenset({Trace.MEASUREMENT, Trace.ACTUATION})
 
 
 @final
@@ -74,9 +76,8 @@ def residual_map(problem: Problem, predicted: Array, runs: Sequence[int], seed: 
         for t, p in zip(problem.trials, predicted, strict=True)
     ]
     arm = float(np.sqrt(model.inertia.inertia_kg_m2 / model.inertia.mass_kg))
-    groups = [
-        (trace, form, features) for trace, form, features in _features(motions, model) if features[0].shape[2]
-    ]
+    asked = _features(motions, model, problem.commanded)
+    groups = [(trace, form, features) for trace, form, features in asked if features[0].shape[2]]
     order, signs = _permutations(len(motions), seed)
     left = _weighted(motions, arm)
     real, null = [], []
@@ -85,18 +86,29 @@ def residual_map(problem: Problem, predicted: Array, runs: Sequence[int], seed: 
         shares = _shares(weighted, left, runs, order, signs if trace is Trace.TIME else None)
         real.append(shares[0])
         null.append(shares[1:])
-    highest = np.max(null, axis=0)
+    # Each share over the mean and the spread of its own null, so that no group sets another's bar.
+    drawn = np.array(null)
+    mean, spread = drawn.mean(axis=1), np.maximum(drawn.std(axis=1), 1e-9)
+    highest = np.max((drawn - mean[:, None]) / spread[:, None], axis=0)
     entries = [
         MapEntry(
             traced_to=trace,
             form=form,
             share=float(share),
-            p_value=float((1 + np.sum(highest >= share)) / (1 + len(highest))),
+            p_value=float((1 + np.sum(highest >= (share - m) / d)) / (1 + len(highest))),
         )
-        for (trace, form, _), share in zip(groups, real, strict=True)
+        for (trace, form, _), share, m, d in zip(groups, real, mean, spread, strict=True)
+    ]
+    # A fault of the camera, or of motors that only commands are known of, is linear to the last: it is
+    # meant only where it explains most of what is beyond the noise.  Else it stands in for a force.
+    noise = _noise_share(motions, arm)
+    entries = [
+        e
+        for e in entries
+        if e.traced_to not in _SIGNALS or e.share >= SETTINGS.map_signal_share * max(1.0 - noise, 0.0) > 0.0
     ]
     best: dict[Trace, MapEntry] = {}
-    for entry in sorted(entries, key=lambda e: -e.share):
+    for entry in sorted(entries, key=lambda e: (not e.supported, -e.share)):
         best.setdefault(entry.traced_to, entry)
     return tuple(best.values())
 
@@ -121,9 +133,12 @@ def motion(trial: Trial, predicted: Array, model: Model, sigma: Array, commanded
     ends = np.isfinite(trial.pose[low]).all(axis=1) & np.isfinite(trial.pose[high]).all(axis=1)
     left[~(ends & np.isfinite(left).all(axis=1))] = 0.0
     record = trial.record
-    speeds = record.omega_cmd if commanded or record.omega is None else record.omega
-    assert speeds is not None, f"{trial.name} has no wheel speeds"
-    omega = bridged(t, speeds)
+    speeds = record.omega_cmd if commanded else record.omega
+    if speeds is None and record.theta is not None:
+        omega = np.gradient(bridged(t, record.theta), t, axis=0)
+    else:
+        assert speeds is not None, f"{trial.name} has no wheel speeds"
+        omega = bridged(t, speeds)
     twist = omega @ model.geometry.no_slip_map().T
     angle = wheel_angles(t, record.theta, record.omega)
     return Motion(
@@ -139,7 +154,7 @@ def motion(trial: Trial, predicted: Array, model: Model, sigma: Array, commanded
     )
 
 
-def _features(motions: list[Motion], model: Model) -> list[tuple[Trace, str, list[Array]]]:
+def _features(motions: list[Motion], model: Model, commanded: bool) -> list[tuple[Trace, str, list[Array]]]:
     """Groups of features: variable, form, and of each trial (T, 3, P) velocities."""
     place = np.concatenate([m.pose[:, :2] for m in motions])
     corner, reach = place.min(axis=0), np.maximum(np.ptp(place, axis=0), 1e-3)
@@ -149,10 +164,24 @@ def _features(motions: list[Motion], model: Model) -> list[tuple[Trace, str, lis
     period = pitch(np.asarray(model.grip.rollers, dtype=float))
     top = np.maximum(1e-6, np.max([np.quantile(np.abs(m.twist), 0.98, axis=0) for m in motions], axis=0))
 
-    def cells(m: Motion) -> Array:
-        z = (m.pose[:, :2] - corner) / reach
+    def cells(m: Motion, out: Array | float = 0.0) -> Array:
+        z = (m.pose[:, :2] + out - corner) / reach
         x, y = (basis_values(Basis.HATS, np.array([0.0, 1.0]), SETTINGS.map_cells, z[:, i]) for i in (0, 1))
         return np.asarray(np.einsum("ti,tj->tij", x, y).reshape(len(z), -1))
+
+    drive = model.geometry.wrench_maps(model.inertia.com_m)[0]
+    mass = np.array([model.inertia.mass_kg, model.inertia.mass_kg, model.inertia.inertia_kg_m2])
+    share = np.linalg.pinv(drive) * mass  # force of each wheel from the acceleration asked for
+
+    def wheels_on_cells(m: Motion) -> Array:
+        """Velocity lost where the force asked of a wheel is missed by the share φ of where it stands."""
+        asked = m.asked @ share.T
+        lost = np.zeros((len(m.t_s), 3, SETTINGS.map_cells**2))
+        for i, (x, y) in enumerate(model.geometry.position_m):
+            out = np.stack(to_floor(m.pose[:, 2], x, y), axis=1)
+            phi = cells(m, out)
+            lost += np.einsum("c,t,tp->tcp", drive[:, i] / mass, asked[:, i], phi)
+        return _low_passed(lost, m.step_s)
 
     def heading(m: Motion) -> Array:
         return basis_values(Basis.FOURIER, np.array([2.0 * np.pi, 0.0]), 4, m.pose[:, 2])
@@ -186,12 +215,31 @@ def _features(motions: list[Motion], model: Model) -> list[tuple[Trace, str, lis
         ]
         return np.concatenate([_deficit(m, wave) for wave in waves], axis=2)
 
+    def late(m: Motion) -> Array:
+        """What comes later, and what is measured on another scale or turned."""
+        flat, none = m.twist[:, :2], np.zeros(len(m.t_s))
+        rows = [
+            m.asked,
+            np.stack([flat[:, 0], flat[:, 1], none], axis=1),
+            np.stack([-flat[:, 1], flat[:, 0], none], axis=1),
+            np.stack([none, none, m.twist[:, 2]], axis=1),
+        ]
+        return np.stack(rows, axis=2)
+
+    def following(m: Motion) -> Array:
+        """What wheels that follow their commands late or too slowly do."""
+        return np.stack([m.asked, m.twist, m.twist * np.abs(m.twist / top)], axis=2)
+
+    sensed = (Trace.MEASUREMENT, "delay, scale, turn of the camera", [late(m) for m in motions])
+    driven = (Trace.ACTUATION, "wheels late or slower than asked", [following(m) for m in motions])
     full_turn = np.full(len(period), 2.0 * np.pi)
     return [
-        (Trace.POSITION, "friction over the place", [_deficit(m, cells(m)) for m in motions]),
+        driven if commanded else sensed,
+        (Trace.POSITION, "friction over the place", [wheels_on_cells(m) for m in motions]),
         (Trace.POSITION, "force over the place", [_floor_force(m, cells(m)) for m in motions]),
         (Trace.TIME, "force over time", [_floor_force(m, time(m)) for m in motions]),
         (Trace.TIME, "force over time, fixed to the robot", [_body_force(m, time(m)) for m in motions]),
+        (Trace.TIME, "friction over time", [_deficit(m, time(m)) for m in motions]),
         (Trace.HEADING, "force over heading", [_floor_force(m, heading(m)) for m in motions]),
         (Trace.HEADING, "friction over heading", [_deficit(m, heading(m)) for m in motions]),
         (
@@ -260,6 +308,14 @@ def _weights(m: Motion, arm: float) -> tuple[Array, float]:
     return unit, float(1.0 / np.sqrt(size + noise))
 
 
+def _noise_share(motions: list[Motion], arm: float) -> float:
+    """Share of the weighted residual's mean square that the noise of the camera alone would have."""
+    unit = np.array([1.0, 1.0, arm])
+    noise = [np.mean(np.square(m.scale * unit)) * _weights(m, arm)[1] ** 2 for m in motions]
+    total = [np.mean(np.square(left)) for left in _weighted(motions, arm)]
+    return float(np.sum(noise) / max(float(np.sum(total)), 1e-300))
+
+
 def _weighted(motions: list[Motion], arm: float) -> list[Array]:
     out = []
     for m in motions:
@@ -312,5 +368,5 @@ def _shares(
         found = np.linalg.solve(normal[rest].sum(axis=0) + ridge, pulls[:, rest].sum(axis=1).T).T
         for at in own:
             missed += total[:, at] - 2.0 * np.einsum("dp,dp->d", found, pulls[:, at])
-            missed += np.einsum("dp,pq,dq->d", found, normal[at], found)
+            missed += np.sum((found @ normal[at]) * found, axis=1)
     return np.asarray(1.0 - missed / np.maximum(total.sum(axis=1), 1e-300))

@@ -8,7 +8,6 @@ clearly better than the named effect, the named effect is not reported.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
 
@@ -18,27 +17,17 @@ from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit, Residuals, build, evaluate, fit
 from slipmargin.diagnosis.left_out import cross_validate, each_by_its_own, leave_one_out
+from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
 
-#: A candidate is as good as the best one if its chi is within this factor and offset.
-AS_GOOD_FACTOR, AS_GOOD_OFFSET = 1.06, 0.02
 #: So many starts of a candidate get a short fit.
 _STARTS = 3
-#: How many candidates go from the first, short fit to the full one.
-FINALISTS = 6
 #: A candidate with more parameters than this whose short fit costs so many times the best one's gets
 #: no full fit.
 _CHEAP, _FAR_BEHIND = 4, 6.0
 #: A fit that cannot come within this factor of the best one's cost is not finished.
 _OUT_OF_REACH = 1.3
-#: From so many trials on, first short fits use every other one.
-MANY_TRIALS = 6
-#: A chi this close to 1 leaves nothing for another form to explain.
-AT_NOISE = 1.06
-#: Above this chi, runs are compared piece by piece: whole ones bend too much with the parameters.
-FAR = 5.0
-
-Progress = Callable[[str, float], None]
 
 
 @final
@@ -101,11 +90,6 @@ def by_chi(state: State) -> float:
     return state.chi
 
 
-def staged(progress: Progress, stage: str) -> Progress:
-    """Progress whose texts begin with the stage."""
-    return lambda text, share: progress(f"{stage}: {text}", share)
-
-
 def state_of(problem: Residuals, found: Fit, samples: float) -> State:
     """A fit with its scores."""
     inside, outside = np.sum(found.residual**2, axis=1), cross_validate(problem, found)
@@ -135,8 +119,8 @@ def extend(
     problem: Residuals,
     before: State,
     candidates: list[Candidate],
-    progress: Progress,
-    finalists: int = FINALISTS,
+    progress: Watch,
+    finalists: int = SETTINGS.finalists,
     enough: float = 0.0,
 ) -> list[State]:
     """Each candidate added to ``before``: a short fit from each start, a full one for the best.
@@ -149,8 +133,8 @@ def extend(
         What is known already.
     candidates : list of Candidate
         What to add, one at a time.
-    progress : callable
-        Called after each fit.
+    progress : Watch
+        Called after each fit; when it has expired, what was fitted so far is compared.
     finalists : int
         How many get the full fit.
     enough : float
@@ -174,18 +158,18 @@ def extend(
         best = min((s.fit.cost for s in states), default=np.inf)
         full = fit(problem, found.structure, found.x, trials, give_up_above=_OUT_OF_REACH * best)
         states.append(state_of(problem, full, before.samples))
-        if states[-1].chi <= enough and i >= 2:
+        if (states[-1].chi <= enough and i >= 2) or progress.expired:
             break
     return sorted(states, key=by_chi)
 
 
 def some_of(trials: Index) -> Index:
     """Every other trial where there are many: enough to see who is promising."""
-    return trials[::2] if len(trials) >= MANY_TRIALS else trials
+    return trials[::2] if len(trials) >= SETTINGS.many_runs else trials
 
 
 def short_fits(
-    problem: Residuals, before: State, candidates: list[Candidate], trials: Index, progress: Progress
+    problem: Residuals, before: State, candidates: list[Candidate], trials: Index, progress: Watch
 ) -> list[Fit]:
     """Two Gauss–Newton steps from each start of each candidate beside ``before``; lowest cost first."""
     short: list[Fit] = []
@@ -199,6 +183,8 @@ def short_fits(
             starts = [starts[k] for k in order[:_STARTS]]
         fits = [fit(problem, structure, start, trials, iterations=2) for start in starts]
         short.append(min(fits, key=lambda f: f.cost))
+        if progress.expired:
+            break
     return sorted(short, key=lambda f: f.cost)
 
 
@@ -215,24 +201,19 @@ def score_test_gain(residual: Array, slope: Array) -> float:
 
 def choose(tried: list[State]) -> State:
     """The best candidate: of those as good as the best score allows, the one that is simple for its chi."""
-    bar = AS_GOOD_FACTOR * tried[0].chi + AS_GOOD_OFFSET
+    bar = SETTINGS.as_good_factor * tried[0].chi + SETTINGS.as_good_offset
     good = [s for s in tried if s.chi <= bar]
     return min(good, key=lambda s: s.chi * (1.0 + _price(s)))
-
-
-#: By what share of chi a parameter, one that is stuck at a bound, an effect, and the lack of a name
-#: must pay for themselves.
-_PARAMETER, _STUCK, _EFFECT, _UNNAMED = 0.004, 0.03, 0.03, 0.03
 
 
 def _price(state: State) -> float:
     """What a simpler explanation has less of."""
     unnamed = sum(not c.named for c in state.structure)
     return (
-        _PARAMETER * len(state.fit.x)
-        + _STUCK * len(state.fit.at_bound())
-        + _EFFECT * len(state.structure)
-        + _UNNAMED * unnamed
+        SETTINGS.parameter_price * len(state.fit.x)
+        + SETTINGS.stuck_price * len(state.fit.at_bound())
+        + SETTINGS.effect_price * len(state.structure)
+        + SETTINGS.unnamed_price * unnamed
     )
 
 
@@ -242,7 +223,8 @@ def indistinguishable(one: State, other: State) -> bool:
     spread = float(np.std(gap, ddof=1)) * np.sqrt(len(gap)) if len(gap) > 1 else np.inf
     close = abs(one.chi - other.chi) <= 0.01 * other.chi + 0.005
     return close or (
-        abs(float(gap.sum())) < 2.0 * spread and one.chi <= AS_GOOD_FACTOR * other.chi + AS_GOOD_OFFSET
+        abs(float(gap.sum())) < 2.0 * spread
+        and one.chi <= SETTINGS.as_good_factor * other.chi + SETTINGS.as_good_offset
     )
 
 

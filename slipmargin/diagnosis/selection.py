@@ -16,9 +16,6 @@ from slipmargin.diagnosis.fit import evaluate, fit, tangents
 from slipmargin.diagnosis.left_out import leave_one_out
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.search import (
-    AT_NOISE,
-    FAR,
-    Progress,
     Round,
     State,
     base_state,
@@ -27,34 +24,15 @@ from slipmargin.diagnosis.search import (
     judged_by,
     score_test_gain,
     some_of,
-    staged,
     state_of,
 )
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.shortlist import contenders, possible, try_all
-
-#: An effect is taken only if it is significant at this level …
-SIGNIFICANCE = 0.01
-#: … and chi falls by at least this share and this much: less than that is within
-#: what the reconstruction of the wheels' motion from the log leaves behind.
-LEAST_SHARE, LEAST_CHI = 0.02, 0.02
-#: A further effect must take off more: what the first ones leave is also the fault of their form.
-LATER_SHARE = 0.1
-#: Where one of two effects has no name, the second must bring chi to this share: a general form is only
-#: approximate, so what it leaves must not be given names, nor does it name what a near miss leaves.
-WITH_UNNAMED = 0.5
-#: No model predicts better than this.
-_FLOOR = 0.97
-#: At most so many effects.
-MOST_EFFECTS = 4
-#: Length of a piece while searching [s], and of one in the last fits of what stays far above the noise:
-#: long enough that the camera's noise is small beside what a model lacks.
-PIECE_S, LONG_PIECE_S = 0.5, 2.0
-#: A fit to whole runs seldom takes more than this factor off the chi at which the pieces put them.
-_WITHIN_REACH = 3.0
+from slipmargin.diagnosis.watch import Watch
 
 
 def search(
-    problem: Problem, trials: Index, seen: Index, candidates: list[Candidate], seed: int, progress: Progress
+    problem: Problem, trials: Index, seen: Index, candidates: list[Candidate], seed: int, progress: Watch
 ) -> tuple[Problem, State, list[Round]]:
     """What the model lacks, judged on ``trials``, and the rounds in which it was found.
 
@@ -67,10 +45,10 @@ def search(
         problem = wheel_phase.guessed(problem, seen, candidates)
     state = base_state(problem, trials, problem.samples(trials))
     rounds: list[Round] = []
-    for number in range(MOST_EFFECTS):
-        if number and not worthwhile(state, _FLOOR):
+    for number in range(SETTINGS.most_effects):
+        if number and (progress.expired or not worthwhile(state, SETTINGS.floor_chi)):
             break
-        stage = staged(progress, f"round {number + 1}")
+        stage = progress.staged(f"round {number + 1}")
         step = take_step(problem, state, candidates, seed, stage, pairs=number == 0)
         rounds.append(step)
         if not step.taken or step.best is None:
@@ -81,23 +59,23 @@ def search(
                 problem, evaluate(problem, state.structure, state.fit.x, seen)
             )
             state = state_of(problem, fit(problem, state.structure, better.x, trials), state.samples)
-        if len(state.structure) >= MOST_EFFECTS:
+        if len(state.structure) >= SETTINGS.most_effects:
             break
     return problem, state, rounds
 
 
 def take_step(
-    problem: Problem, before: State, candidates: list[Candidate], seed: int, progress: Progress, pairs: bool
+    problem: Problem, before: State, candidates: list[Candidate], seed: int, progress: Watch, pairs: bool
 ) -> Round:
     """The best addition to ``before``, and whether it is significant and worth its parameters."""
     inside = {c.label for c in before.structure}
     fresh = [s for s in candidates if s.label not in inside and possible(problem, before, s)]
     fresh.sort(key=lambda s: not s.named)
     progress("comparing with every candidate", 0.0)
-    far = before.chi > FAR
+    far = before.chi > SETTINGS.far_chi
     view, start = problem, before
     if far:
-        view = problem.in_pieces(PIECE_S)
+        view = problem.in_pieces(SETTINGS.piece_s)
         pieces = evaluate(view, before.structure, before.fit.x, before.fit.trials)
         start = state_of(view, pieces, before.samples)
     step_s = float(np.median(np.concatenate([np.diff(t.t_s) for t in problem.trials])))
@@ -111,8 +89,10 @@ def take_step(
         slopes = tangents(view, look.fit, fresh)
         gains = [score_test_gain(look.fit.residual, slope) for slope in slopes]
         reachable = float(np.sqrt(max(0.0, look.chi**2 - max(gains) / look.samples)))
-        no_gain = (look.chi < AT_NOISE or bool(before.structure)) and not worthwhile(look, reachable)
-        if no_gain or not worthwhile(before, _FLOOR):
+        no_gain = (look.chi < SETTINGS.at_noise_chi or bool(before.structure)) and not worthwhile(
+            look, reachable
+        )
+        if no_gain or not worthwhile(before, SETTINGS.floor_chi):
             return Round(
                 before=look,
                 candidates=tuple(fresh),
@@ -132,7 +112,7 @@ def take_step(
         whole = [(s, _whole(problem, s)) for s in contenders(tried)]
         tried = sorted((w for _, w in whole), key=by_chi)
     best = choose(tried)
-    if far and best.chi > FAR:  # whole runs are too bent to choose by: the pieces do
+    if far and best.chi > SETTINGS.far_chi:  # whole runs are too bent to choose by: the pieces do
         best = next(w for s, w in whole if s is first)
     return Round(
         before=before,
@@ -141,17 +121,17 @@ def take_step(
         tried=tuple(tried),
         best=best,
         p_value=p_value,
-        taken=p_value <= SIGNIFICANCE and worthwhile(before, best.chi, best.last.named),
+        taken=p_value <= SETTINGS.significance and worthwhile(before, best.chi, best.last.named),
     )
 
 
 def _whole(problem: Problem, found: State) -> State:
     """A state found piece by piece, fitted to whole runs if these come near the noise; judged by them."""
     judged = judged_by(problem, found.fit, found.samples)
-    if judged.chi > _WITHIN_REACH * FAR:
+    if judged.chi > SETTINGS.within_reach * SETTINGS.far_chi:
         return judged
     whole = state_of(problem, fit(problem, found.structure, found.fit.x, found.fit.trials), found.samples)
-    return judged if whole.chi > FAR else whole
+    return judged if whole.chi > SETTINGS.far_chi else whole
 
 
 def last_view(problem: Problem, found: State) -> Problem:
@@ -159,7 +139,7 @@ def last_view(problem: Problem, found: State) -> Problem:
 
     What a model lacks adds up along a run, so that a run that went astray early outweighs the others.
     """
-    return problem.in_pieces(LONG_PIECE_S) if found.chi > FAR else problem
+    return problem.in_pieces(SETTINGS.long_piece_s) if found.chi > SETTINGS.far_chi else problem
 
 
 def refitted(
@@ -176,9 +156,9 @@ def worthwhile(before: State, chi: float, named: bool = True) -> bool:
     if before.chi <= chi:
         return False
     if before.structure and not (named and all(c.named for c in before.structure)):
-        return chi <= WITH_UNNAMED * before.chi
-    share = LATER_SHARE if before.structure else LEAST_SHARE
-    return before.chi - chi >= max(LEAST_CHI, share * before.chi)
+        return chi <= SETTINGS.with_unnamed * before.chi
+    share = SETTINGS.later_effect if before.structure else SETTINGS.first_effect
+    return before.chi - chi >= max(SETTINGS.least_chi, share * before.chi)
 
 
 def without(problem: Problem, state: State, index: int) -> State:

@@ -38,6 +38,43 @@ class SearchSettings:
     #: [candidates] So many single candidates over other variables are asked once a proposal has failed:
     #: each is one more look at the held-out runs.
     others: int = 2
+    #: [1] Level of the permutation test of a proposal against surrogate noise.
+    significance: float = 0.01
+    #: [1] Share of chi that a first effect must take off: as least_chi, for sets far above the noise.
+    first_effect: float = 0.02
+    #: [1] Share of chi that a further effect must take off: what the first leaves is also its form's fault.
+    later_effect: float = 0.1
+    #: [1] To this share a further effect must bring chi where one of the two has no name: a general form is
+    #: only approximate, and what it leaves must not be given names.
+    with_unnamed: float = 0.5
+    #: [effects] More than this many were never borne out by ten runs.
+    most_effects: int = 4
+    #: [chi] No model predicts better than this: the noise is known to 3 %.
+    floor_chi: float = 0.97
+    #: [s] Length of a piece while searching far above the noise: the camera's noise is small beside what a
+    #: model lacks, and the heading has not yet gone astray.
+    piece_s: float = 0.5
+    #: [s] The same in the last fits, which start near the answer.
+    long_piece_s: float = 2.0
+    #: [chi] Above this runs are compared in pieces: whole ones bend too much with the parameters.
+    far_chi: float = 5.0
+    #: [1] A fit to whole runs seldom takes more than this factor off the chi at which pieces put them.
+    within_reach: float = 3.0
+    #: [1], [chi] A candidate is as good as the best if its chi is within this factor and this offset.
+    as_good_factor: float = 1.06
+    as_good_offset: float = 0.02
+    #: [chi] This close to 1 nothing is left for another form to explain.
+    at_noise_chi: float = 1.06
+    #: [candidates] How many go from the first, short fit to the full one.
+    finalists: int = 6
+    #: [runs] From so many on, first short fits use every other one.
+    many_runs: int = 6
+    #: [1] By what share of chi a parameter, one stuck at a bound, an effect, and the lack of a name must pay
+    #: for themselves when candidates are as good as each other.
+    parameter_price: float = 0.004
+    stuck_price: float = 0.03
+    effect_price: float = 0.03
+    unnamed_price: float = 0.03
     #: [s] Over how long the map differentiates poses: at 0.5 mm of noise a velocity is then known to 1 cm/s.
     map_span_s: float = 0.08
     #: [s] Time between the map's instants: a third of its span, closer ones say the same again.
@@ -48,6 +85,9 @@ class SearchSettings:
     map_knot_s: float = 0.15
     #: [1] Cells along each side of the floor: a fifth of the way that the runs reach.
     map_cells: int = 6
+    #: [1] Share of the residual beyond the noise that a fault of the camera or of unlogged motors must
+    #: explain to be on the map: such a fault is linear, a force that it resembles is not.
+    map_signal_share: float = 0.5
     #: [draws] Permutations of the runs: they resolve p = 0.005.
     map_permutations: int = 199
 

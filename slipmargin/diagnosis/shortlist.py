@@ -12,9 +12,6 @@ from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import evaluate, fit, tangents
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.search import (
-    AT_NOISE,
-    FAR,
-    Progress,
     State,
     by_chi,
     choose,
@@ -22,14 +19,13 @@ from slipmargin.diagnosis.search import (
     score_test_gain,
     short_fits,
     some_of,
-    staged,
     state_of,
 )
+from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
 from slipmargin.errors import InputError
 
-#: A general form that leaves less than this is good enough not to look for pairs of names.
-NEAR_NOISE = 1.3
 #: How many of what was found piece by piece are fitted to whole runs, and how far behind the best one.
 _CONTENDERS, _BEHIND = 3, 3.0
 #: How many named effects and general forms are fitted, by the gain their tangent promises.
@@ -43,7 +39,7 @@ def try_all(
     before: State,
     fresh: list[Candidate],
     slopes: list[Array],
-    progress: Progress,
+    progress: Watch,
     pairs: bool,
 ) -> tuple[list[State], list[Array]]:
     """Named effects; where they leave something, general forms; where these do, pairs of names.
@@ -55,16 +51,22 @@ def try_all(
     slopes = slopes or tangents(view, before.fit, names)
     later = bool(before.structure)
     named = _promising(before, names, slopes)[: _NAMED // 2 if later else _NAMED]
-    tried = extend(view, before, named, progress, enough=AT_NOISE)
-    if tried and tried[0].chi <= AT_NOISE:
+    tried = extend(view, before, named, progress, enough=SETTINGS.at_noise_chi)
+    if tried and (tried[0].chi <= SETTINGS.at_noise_chi or progress.expired):
         return tried, slopes
     singles, forms = list(tried), fresh[len(names) :]
     if len(slopes) == len(names):
         slopes = [*slopes, *tangents(view, before.fit, forms)]
     general = _promising(before, forms, slopes[len(names) :])
     general = general[: _GENERAL // 2] if later else _of_every_variable(general)
-    tried = sorted([*tried, *extend(view, before, general, progress, enough=AT_NOISE)], key=by_chi)
-    if pairs and (tried[0].chi > NEAR_NOISE or before.chi > FAR):
+    tried = sorted(
+        [*tried, *extend(view, before, general, progress, enough=SETTINGS.at_noise_chi)], key=by_chi
+    )
+    if (
+        pairs
+        and not progress.expired
+        and (tried[0].chi > SETTINGS.noise_chi or before.chi > SETTINGS.far_chi)
+    ):
         tried = sorted([*tried, *_pairs(view, singles, names, progress)], key=by_chi)
     return tried, slopes
 
@@ -102,7 +104,7 @@ def possible(problem: Problem, before: State, candidate: Candidate) -> bool:
     return True
 
 
-def _pairs(problem: Problem, singles: list[State], plain: list[Candidate], progress: Progress) -> list[State]:
+def _pairs(problem: Problem, singles: list[State], plain: list[Candidate], progress: Watch) -> list[State]:
     """Two named effects at once: where two are missing, neither alone need look good.
 
     Each of the best singles is joined, on some of the trials, by the named effects whose tangents
@@ -114,7 +116,7 @@ def _pairs(problem: Problem, singles: list[State], plain: list[Candidate], progr
     some = some_of(trials)
     short = []
     for first in singles[:_FIRSTS]:
-        stage = staged(progress, f"{first.last.label} and")
+        stage = progress.staged(f"{first.last.label} and")
         alone = evaluate(problem, first.structure, first.fit.x, some)
         others = [c for c in plain if c.name != first.last.name and possible(problem, first, c)]
         slopes = tangents(problem, alone, others)
@@ -125,6 +127,6 @@ def _pairs(problem: Problem, singles: list[State], plain: list[Candidate], progr
     for found in short[:_PAIRS]:
         progress("fitting " + " and ".join(c.label for c in found.structure), 0.9)
         states.append(state_of(problem, fit(problem, found.structure, found.x, trials), singles[0].samples))
-        if states[-1].chi <= AT_NOISE:
+        if states[-1].chi <= SETTINGS.at_noise_chi or progress.expired:
             break
     return states

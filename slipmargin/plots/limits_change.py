@@ -69,7 +69,7 @@ def _polar(
         axes.fill_between(ring, closed(after[1]), closed(after[2]), color=SKY, alpha=0.3, lw=0)
     axes.plot(ring, closed(before[0]), color=BEFORE, ls=(0, (4, 2)), lw=1.5)
     axes.plot(ring, closed(after[0]), color=AFTER)
-    top = 1.08 * max(float(after[2].max()), float(before[0].max()), 1e-6)
+    top = 1.08 * float(np.nanmax([*after[2], *before[0], 1e-6]))
     axes.set_ylim(0.0, top)
     forwards_up(axes)
     axes.set_yticks([v for v in MaxNLocator(4).tick_values(0.0, top) if 0.0 < v < 0.97 * top])

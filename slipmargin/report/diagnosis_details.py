@@ -35,15 +35,16 @@ def limits(change: LimitsChange, images: Mapping[str, Image]) -> tuple[Block, ..
         caption="Limits of the machine as believed and as corrected",
         head=("limit", "believed", "corrected", "change"),
         rows=tuple(
-            (name, f"{one:.3g} {unit}", f"{two:.3g} {unit}", words.percent(one, two))
+            (name, words.value(one, unit), words.value(two, unit), words.percent(one, two))
             for name, one, two, unit in rows
         ),
     )
     pulls = () if change.pulls is None else (Text(text=words.pulls_sentence(change.pulls)),)
     return (
         table,
-        Text(text=words.plan_sentence(change.plan)),
+        *(() if change.plan is None else (Text(text=words.plan_sentence(change.plan)),)),
         *pulls,
+        *(Text(text=sentence) for sentence in change.missing),
         Picture(
             name="limits",
             image=images["limits"],

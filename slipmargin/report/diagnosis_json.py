@@ -55,11 +55,9 @@ def report(diagnosis: Diagnosis, change: LimitsChange) -> dict[str, Any]:
         "limit_curves": _curves(change),
         "plan": {
             "move": "1 m diagonally with a quarter turn, slip margin 0.1",
-            "duration_before_s": change.plan.before_s,
-            "duration_after_s": change.plan.after_s,
-            "use_before_believed": change.plan.use_believed,
-            "use_before_corrected": change.plan.use_real,
+            **_plan(change),
         },
+        "not_computed": change.missing,
         "pulls": None if change.pulls is None else asdict(change.pulls),
         "steps": [_step(s) for s in d.steps],
         "where": [_where(w) for w in d.where],
@@ -74,6 +72,16 @@ def report(diagnosis: Diagnosis, change: LimitsChange) -> dict[str, Any]:
         "data_repairs": [asdict(r) for r in d.repairs],
         "trials": [_trial(t, d) for t in d.trials],
         "remarks": d.remarks,
+    }
+
+
+def _plan(change: LimitsChange) -> dict[str, float | None]:
+    plan = change.plan
+    return {
+        "duration_before_s": None if plan is None else plan.before_s,
+        "duration_after_s": None if plan is None else plan.after_s,
+        "use_before_believed": None if plan is None else plan.use_believed,
+        "use_before_corrected": None if plan is None else plan.use_real,
     }
 
 

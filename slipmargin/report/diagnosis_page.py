@@ -8,7 +8,7 @@ import numpy as np
 
 from slipmargin.diagnosis.limits_change import LimitsChange
 from slipmargin.diagnosis.result import Diagnosis, Verdict
-from slipmargin.diagnosis.selection import SIGNIFICANCE
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.report import diagnosis_words as words
 from slipmargin.report.diagnosis_details import details, limits
 from slipmargin.report.diagnosis_evidence import evidence, next_steps, parameters, residual_map
@@ -185,7 +185,7 @@ def _candidates(d: Diagnosis, images: Mapping[str, Image]) -> tuple[Block, ...]:
         f"measured variable "
         "a general form with free coefficients. The search compares them by the error on the runs they are "
         "fitted to and on runs left out of the fit, half and half. The best is proposed if it makes that "
-        f"error clearly smaller and its permutation p-value is at most {SIGNIFICANCE:g}; "
+        f"error clearly smaller and its permutation p-value is at most {SETTINGS.significance:g}; "
         "then the search starts again with it in the model. Whether a proposal is claimed is decided "
         "below, by runs that it has not seen."
     )

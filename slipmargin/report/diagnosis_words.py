@@ -154,6 +154,8 @@ def _and(parts: list[str]) -> str:
 
 def percent(before: float, after: float) -> str:
     """``−38 %``."""
+    if math.isnan(before) or math.isnan(after):
+        return ""
     if not before > 0.0:
         return "unchanged" if after == before else ""
     share = 100.0 * (after / before - 1.0)
@@ -195,7 +197,14 @@ def pulls_sentence(check: PullCheck) -> str:
 
 def arrow(before: float, after: float, unit: str) -> str:
     """``4.92 → 4.6 N (−6.5 %)``."""
+    if math.isnan(before) or math.isnan(after):
+        return f"{value(before, unit)} → {value(after, unit)}"
     return f"{before:.3g} → {after:.3g} {unit} ({percent(before, after) or 'new'})"
+
+
+def value(number: float, unit: str) -> str:
+    """``4.92 N``, or that it could not be computed."""
+    return "not computed" if math.isnan(number) else f"{number:.3g} {unit}"
 
 
 def summary_lines(d: Diagnosis, change: LimitsChange) -> list[str]:
@@ -234,5 +243,5 @@ def summary_lines(d: Diagnosis, change: LimitsChange) -> list[str]:
     if change.moved and change.pulls is not None:
         lines.append(f"pulls    {pulls_sentence(change.pulls)}")
     lines += [f"data     {repair.sentence}" for repair in d.repairs]
-    lines += [f"note     {remark}" for remark in d.remarks]
+    lines += [f"note     {remark}" for remark in (*change.missing, *d.remarks)]
     return lines

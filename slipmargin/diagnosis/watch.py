@@ -1,0 +1,49 @@
+"""Progress that is reported, and the time at which a search stops with the best answer so far."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import final
+
+from slipmargin.checks import real
+from slipmargin.errors import InputError
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Watch:
+    """Reports progress; ``until_s`` is when time runs out on the process's monotonic clock, None: never."""
+
+    report: Callable[[str, float], None]
+    until_s: float | None = None
+    prefix: str = ""
+
+    @staticmethod
+    def of(report: Callable[[str, float], None], budget_s: float | None) -> Watch:
+        """A watch that starts now.
+
+        Raises
+        ------
+        InputError
+            If the budget is not a positive number of seconds.
+        """
+        if budget_s is None:
+            return Watch(report=report)
+        cure = "give the seconds that the search may take, above 0"
+        if real("budget_s", budget_s, cure=cure) <= 0.0:
+            raise InputError("budget_s", f"is {budget_s:g}", cure)
+        return Watch(report=report, until_s=time.monotonic() + budget_s)
+
+    def __call__(self, stage: str, share: float) -> None:
+        self.report(self.prefix + stage, share)
+
+    @property
+    def expired(self) -> bool:
+        """Whether the time is over."""
+        return self.until_s is not None and time.monotonic() >= self.until_s
+
+    def staged(self, stage: str) -> Watch:
+        """The same watch with texts that begin with the stage."""
+        return replace(self, prefix=f"{self.prefix}{stage}: ")

@@ -1,0 +1,87 @@
+"""What the search proposes and what may be claimed: the largest part that unseen runs bear out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from planting import Plant, planted, smooth_kiwi
+
+from slipmargin.diagnosis.candidate import Candidate, named_candidates
+from slipmargin.diagnosis.fit import fit
+from slipmargin.diagnosis.held_out import folds
+from slipmargin.diagnosis.ladder import Checked, Court, check
+from slipmargin.diagnosis.loop import no_progress
+from slipmargin.diagnosis.prepare import clean
+from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.search import State, state_of
+from slipmargin.diagnosis.watch import Watch
+from slipmargin.effects import Trace
+from slipmargin.effects.wheel_loads import WheelLoads
+
+SIGMA = np.array([5e-4, 5e-4, 2e-3])
+COUNT = 8
+SEEN = np.arange(6)
+
+
+@pytest.fixture(scope="module")
+def court() -> Court:
+    truth = WheelLoads(shift_x_m=0.012, shift_y_m=-0.008, com_share=1.0)
+    plant = Plant(name="loads", traces=(Trace.WHEEL_LOAD,), effects=(truth,))
+    data = planted(smooth_kiwi(), plant, seed=2, count=COUNT, duration_s=2.0, rate_hz=50.0)
+    trials = tuple(clean(record, SIGMA) for record in data.trials)
+    return Court(
+        problem=Problem.of(data.recipe, data.surface, trials, SIGMA, False),
+        runs=tuple(range(COUNT)),
+        held=np.array([6, 7]),
+        seen=SEEN,
+        records=data.trials,
+        seed=0,
+    )
+
+
+def proposed(court: Court, *labels: str) -> State:
+    named = {c.label: c for c in named_candidates(court.problem.nominal.geometry.names, False, ())}
+    structure: tuple[Candidate, ...] = tuple(named[label] for label in labels)
+    found = fit(court.problem, structure, np.concatenate([c.starts[0] for c in structure]), SEEN)
+    return state_of(court.problem, found, court.problem.samples(SEEN))
+
+
+def checked(court: Court, *labels: str) -> Checked:
+    return check(court, proposed(court, *labels), [], Watch(report=no_progress))
+
+
+def labels_of(found: Checked) -> list[str]:
+    return [] if found.state is None else [c.label for c in found.state.structure]
+
+
+def test_the_truth_holds(court: Court) -> None:
+    found = checked(court, "wheel_loads")
+    assert labels_of(found) == ["wheel_loads"] and not found.rejected
+    assert found.judgement is not None and found.judgement.holds
+    assert found.before.chi() > 3.0 and found.after.chi() < 1.15
+    assert len(found.before.squares) == COUNT
+
+
+def test_a_superfluous_last_effect_is_dropped(court: Court) -> None:
+    found = checked(court, "wheel_loads", "camera_delay")
+    assert labels_of(found) == ["wheel_loads"]
+    (no,) = found.rejected
+    assert no.labels == ("wheel_loads", "camera_delay")
+    assert "contains the value that does nothing" in no.failures[0]
+
+
+def test_what_does_not_hold_is_not_claimed(court: Court) -> None:
+    found = checked(court, "camera_scale")
+    assert found.state is None and found.judgement is None
+    assert found.after is found.before
+    assert found.rejected[0].labels == ("camera_scale",) and found.rejected[0].failures
+
+
+def test_folds_hold_whole_runs_and_every_trial_once() -> None:
+    runs = [0, 0, 1, 2, 3, 3, 4, 5]
+    parts = folds(runs, 4)
+    assert sorted(np.concatenate(parts).tolist()) == list(range(8))
+    for part in parts:
+        inside = {runs[i] for i in part}
+        assert all(i in part for i, run in enumerate(runs) if run in inside)
+    assert len(folds([0, 1, 2], 4)) == 3

@@ -1,0 +1,74 @@
+"""The residual map on planted sets: the variable comes first, and nothing where nothing is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from inventions import force
+from planting import Plant, planted, smooth_kiwi
+
+from slipmargin.data.data_set import DataSet
+from slipmargin.diagnosis.map_entry import MapEntry
+from slipmargin.diagnosis.prepare import clean
+from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.residual_map import residual_map
+from slipmargin.effects import Trace
+from slipmargin.effects.wheel_radius import WheelRadius
+from slipmargin.physics.variables import Frame, Variable
+
+SMALL = {"count": 8, "duration_s": 2.5, "rate_hz": 100.0}
+SIGMA = np.array([5e-4, 5e-4, 2e-3])
+
+
+def mapped(data: DataSet, seed: int = 0) -> tuple[MapEntry, ...]:
+    sigma = SIGMA if data.sigma is None else data.sigma
+    trials = tuple(clean(record, sigma) for record in data.trials)
+    problem = Problem.of(data.recipe, data.surface, trials, sigma, False)
+    everyone = np.arange(len(trials))
+    return residual_map(problem, problem.predict([()], [everyone])[0], everyone.tolist(), seed)
+
+
+def test_where_nothing_is_missing_no_variable_is_supported() -> None:
+    wrong = 0
+    for seed in range(10):
+        entries = mapped(planted(smooth_kiwi(), None, seed=seed, **SMALL), seed)
+        wrong += any(e.supported for e in entries)
+    assert wrong <= 3  # each of ten at the level of one in twenty
+
+
+def test_a_push_at_one_time_is_traced_to_time() -> None:
+    bump = force(
+        Trace.TIME, Variable.TIME, 0, lambda t: 7.0 * ((t > 1.2) & (t < 1.27)), 0.0, 2.5, Frame.FLOOR
+    )
+    plant = Plant(name="push", traces=(Trace.TIME,), effects=(bump,))
+    first = mapped(planted(smooth_kiwi(), plant, seed=3, **SMALL))[0]
+    assert first.traced_to is Trace.TIME and first.supported
+
+
+def test_a_wheel_out_of_round_is_traced_to_the_wheel_angle() -> None:
+    data = planted(smooth_kiwi(), None, seed=4, **SMALL)
+    trials = []
+    for record in data.trials:  # the log of a wheel whose radius varies by 8 % as it turns
+        assert record.theta is not None and record.omega is not None
+        theta, omega = record.theta.copy(), record.omega.copy()
+        theta[:, 1] += 0.08 * np.sin(record.theta[:, 1])
+        omega[:, 1] *= 1.0 + 0.08 * np.cos(record.theta[:, 1])
+        trials.append(replace(record, theta=theta, omega=omega))
+    first = mapped(replace(data, trials=tuple(trials)))[0]
+    assert first.traced_to is Trace.WHEEL_ANGLE and first.supported
+
+
+def test_a_wrong_radius_is_traced_to_the_wheel() -> None:
+    name = smooth_kiwi().robot.wheels[0].name
+    effect = WheelRadius(radius_factor=1.03, wheels=(name,))
+    plant = Plant(name="radius", traces=(Trace.WHEEL,), effects=(effect,))
+    first = mapped(planted(smooth_kiwi(), plant, seed=5, **SMALL))[0]
+    assert first.traced_to is Trace.WHEEL and first.supported
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_the_same_seed_gives_the_same_map(seed: int) -> None:
+    data = planted(smooth_kiwi(), None, seed=2, count=3, duration_s=1.5, rate_hz=50.0)
+    assert mapped(data, seed) == mapped(data, seed)

@@ -1,0 +1,38 @@
+"""A time budget: when it is over, loops finish what they began and the best so far is kept."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from planting import Plant, planted, smooth_kiwi
+
+from slipmargin.diagnosis.loop import diagnose
+from slipmargin.diagnosis.watch import Watch
+from slipmargin.effects import Trace
+from slipmargin.effects.wheel_loads import WheelLoads
+from slipmargin.errors import InputError
+
+
+def test_texts_begin_with_their_stage_and_time_runs_out() -> None:
+    told: list[str] = []
+    watch = Watch.of(lambda text, share: told.append(text), None)
+    watch.staged("round 1").staged("pairs")("fitting", 0.5)
+    assert told == ["round 1: pairs: fitting"] and not watch.expired
+    assert Watch.of(lambda *_: None, 1e-9).staged("x").expired
+    assert not Watch.of(lambda *_: None, 1e9).expired
+
+
+@pytest.mark.parametrize("budget", [0.0, -1.0, np.nan])
+def test_a_budget_is_a_positive_time(budget: float) -> None:
+    with pytest.raises(InputError, match="budget_s"):
+        Watch.of(lambda *_: None, budget)
+
+
+def test_a_search_out_of_time_gives_its_best_answer_and_says_so() -> None:
+    truth = WheelLoads(shift_x_m=0.012, shift_y_m=-0.008, com_share=1.0)
+    plant = Plant(name="loads", traces=(Trace.WHEEL_LOAD,), effects=(truth,))
+    data = planted(smooth_kiwi(), plant, seed=2, count=3, duration_s=1.0, rate_hz=50.0)
+    tried: list[str] = []
+    found = diagnose(data, seed=1, budget_s=1e-6, progress=lambda text, share: tried.append(text))
+    assert any("time budget" in remark for remark in found.remarks)
+    assert sum(": trying " in text for text in tried) <= 3  # one of each kind instead of some hundred
