@@ -21,8 +21,8 @@ from slipmargin.limits.bounds import (
     starting_by_motor,
     top_speed,
 )
-from slipmargin.limits.bounds_inside import Inside, inside
-from slipmargin.limits.motion import needed_share
+from slipmargin.limits.bounds_inside import PACE, Inside, inside
+from slipmargin.limits.motion import steady_share
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.physics.constants import GRAVITY_M_S2
@@ -37,7 +37,7 @@ class Bounds:
     """The motion limits of a model.
 
     ``full`` uses all of the grip and asks no motor; ``safe``, ``spin``, ``cornering`` and ``inside`` use
-    1 − margin of it.
+    1 − margin of it, and of the motors' torque at half their top speed.
     ``rigid`` is the share of the grip that constant speed needs in the worst roller/rigid state; above 1 even
     constant speed must slip.  ``motor_m_s2`` and ``top_m_s`` (H,) are the motors' limits (infinite: none).
     ``inside`` is None where ``why_not`` says so.
@@ -72,9 +72,27 @@ class Bounds:
 
     @property
     def recommended_m_s2(self) -> float:
-        """Speeding up that is safe in every direction of motion with the margin [m/s²]."""
-        by_motor = (1.0 - self.margin) * self.motor_limit_m_s2
-        return float(max(0.0, min(np.min(self.safe.starting_m_s2), by_motor)))
+        """Speeding up that is safe in every direction of motion with the margin [m/s²].
+
+        Up to half of the motors' top speed.
+        """
+        return float(max(0.0, np.min(self.safe.starting_m_s2)))
+
+    @property
+    def speeds(self) -> tuple[float, float, float, float]:
+        """Speeds at which the safe sets are there: forward, sideways, any way [m/s] and turning [rad/s].
+
+        Each alone, infinite where nothing limits it.
+        """
+        if self.inside is None or self.inside.pace is None:
+            turn = np.inf if self.inside is None else self.inside.yaw_rate_rad_s
+            return np.inf, np.inf, np.inf, turn
+        top = self.inside.pace * self.top_m_s
+        ahead, side = (
+            float(np.interp(a, self.full.heading_rad, top, period=2.0 * np.pi)) for a in (0.5 * np.pi, 0.0)
+        )
+        turn = min(self.inside.pace * self.spin.top_rad_s, self.inside.yaw_rate_rad_s)
+        return ahead, side, float(np.min(top)), turn
 
     @property
     def isotropic_m_s2(self) -> float:
@@ -123,10 +141,10 @@ def bounds(
         model=model,
         margin=margin,
         full=full,
-        safe=directions(model, heading, share=share, contact=contact),
+        safe=directions(model, heading, share=share, contact=contact, pace=PACE),
         spin=spin(model, share=share, contact=contact),
         cornering=cornering(model, CURVATURES, heading, share=share, contact=contact),
-        rigid_use=needed_share(model, Motion.full_drag(ahead_of(heading)), contact=Contact.UNKNOWN),
+        rigid_use=steady_share(model, Motion.full_drag(ahead_of(heading)), contact=Contact.UNKNOWN),
         motor_m_s2=starting_by_motor(model, heading),
         top_m_s=top_speed(model, heading),
         inside=found,
