@@ -18,6 +18,14 @@ JsonOpt = Annotated[
     str | None, typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for stdout.")
 ]
 SeedOpt = Annotated[int, typer.Option("--seed", metavar="N", help="Seed of everything random.")]
+ChanceOpt = Annotated[
+    float | None,
+    typer.Option(
+        "--chance",
+        metavar="P",
+        help="Chance of slip for which a number is wanted; the robot file must give spreads.",
+    ),
+]
 MarginOpt = Annotated[
     float,
     typer.Option(

@@ -138,7 +138,7 @@ def import_logs(
     from slipmargin.data.calibration import calibrate as calibrated
     from slipmargin.data.data_set import DataSet, WheelSignal
     from slipmargin.io.calibration_file import read_calibration
-    from slipmargin.io.data_checks import check_data_set
+    from slipmargin.data.checks import check_data_set
     from slipmargin.io.importers.plug import import_files
 
     if calibrate and calibration is not None:

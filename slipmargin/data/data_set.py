@@ -25,7 +25,7 @@ class WheelSignal(Enum):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DataSet:
-    """A robot as its user believes it to be, and its measured runs on one floor.
+    """A robot as its user believes it to be, and its measured runs, pulls or both on one floor.
 
     Parameters
     ----------
@@ -55,8 +55,12 @@ class DataSet:
 
     def __post_init__(self) -> None:
         self.recipe.robot.surface(self.surface)
-        if not self.trials:
-            raise InputError("trials", "there is no trial", "put one CSV a run into the folder trials")
+        if not self.trials and self.pulls is None:
+            raise InputError(
+                "trials",
+                "there is no trial and no pulls.csv",
+                "put one CSV a run into the folder trials, or add pulls.csv",
+            )
         if self.sigma is not None:
             sigma = frozen("sigma", self.sigma, (3,))
             if sigma.min() <= 0.0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,11 +12,13 @@ from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.evidence import Intervals, intervals
 from slipmargin.diagnosis.fit import Fit, build, limits_of, shifted_by, steps_inside
 from slipmargin.diagnosis.left_out import leave_one_out
+from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Estimate, Finding
 from slipmargin.diagnosis.search import Round, State
 from slipmargin.diagnosis.signals import InterpolationScheme
-from slipmargin.effects import Effect, Quantity
+from slipmargin.effects import Effect, Quantity, Trace
+from slipmargin.effects.general import PREFIX
 
 _GENERAL_CONFIRM = (
     "vary this one variable, keep everything else as it was, and see whether the residual follows"
@@ -23,7 +26,13 @@ _GENERAL_CONFIRM = (
 
 
 def findings(
-    problem: Problem, state: State, useful: list[float], rounds: list[Round], final: Fit, tried: int
+    problem: Problem,
+    state: State,
+    useful: list[float],
+    rounds: list[Round],
+    final: Fit,
+    tried: int,
+    entries: Sequence[MapEntry] = (),
 ) -> tuple[Finding, ...]:
     """One finding an effect of ``state``.
 
@@ -41,6 +50,8 @@ def findings(
         The same structure fitted to all trials: the parameters to report.
     tried : int
         Number of candidates.
+    entries : sequence of MapEntry
+        The residual map of the model as believed.
     """
     if not len(final.x):
         return ()
@@ -55,6 +66,7 @@ def findings(
     for index, (candidate, effect) in enumerate(zip(final.structure, final.effects, strict=True)):
         span = slice(at, at + candidate.size)
         at += candidate.size
+        doubts = _doubts(candidate, final.x[span], spread.low[span], spread.high[span], stuck)
         taken = next(
             (
                 r
@@ -68,7 +80,7 @@ def findings(
         found.append(
             Finding(
                 effect=effect,
-                name=candidate.name,
+                name=f"{PREFIX}{candidate.trace.value}" if doubts else candidate.name,
                 label=candidate.label,
                 traced_to=candidate.trace,
                 wheels=candidate.wheels or problem.nominal.geometry.names,
@@ -98,9 +110,29 @@ def findings(
                 confused_with=_rivals(taken, candidate),
                 confirm=effect.confirm if isinstance(effect, Effect) else _GENERAL_CONFIRM,
                 equation=_equation(candidate, effect),
+                doubts=doubts,
+                mapped=_mapped(candidate.trace, entries),
             )
         )
     return tuple(found)
+
+
+def _doubts(candidate: Candidate, x: Array, low: Array, high: Array, stuck: Sequence[str]) -> tuple[str, ...]:
+    """Why the effect's own evidence does not carry its name; empty where it does."""
+    if not candidate.named:
+        return ()
+    found = [
+        f"{candidate.name}.{key} ended at {value:.3g}, the edge of what makes sense"
+        for key, value in zip(candidate.keys, x, strict=True)
+        if f"{candidate.name}.{key}" in stuck
+    ]
+    if candidate.nested and np.all((low <= candidate.null) & (candidate.null <= high)):
+        found.append("the interval of every parameter contains the value that does nothing")
+    return tuple(found)
+
+
+def _mapped(trace: Trace, entries: Sequence[MapEntry]) -> bool | None:
+    return next((e.supported for e in entries if e.traced_to is trace), None)
 
 
 def _equation(candidate: Candidate, effect: object) -> str:

@@ -18,6 +18,7 @@ from slipmargin.limits.motion_state import Contact
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.sweep import limit_or_zero
 from slipmargin.model import Model
+from slipmargin.physics.convention import Convention
 
 #: Orientations of the pull and directions of motion, one degree and five degrees apart.
 _ORIENTATIONS, _DIRECTIONS = 360, 72
@@ -35,7 +36,7 @@ class Limits:
         the wheels may stand on [N]; 0 where the robot slips without any pull.
     start_m_s2, brake_m_s2, start_worst_m_s2, brake_worst_m_s2 : (72,)
         Greatest acceleration, and deceleration, along a direction of motion every five degrees
-        (0 = to the right, 90° = forwards) without turning, all wheels on rollers, and in the worst
+        (counted from the body's +x) without turning, all wheels on rollers, and in the worst
         state of what they may stand on; 0 where even steady motion slips [m/s²].
     """
 
@@ -75,6 +76,7 @@ class LimitsChange:
     after: Limits
     plan: PlanChange
     pulls: PullCheck | None = None
+    convention: Convention = Convention.PAPER
 
     @property
     def moved(self) -> bool:
@@ -103,6 +105,7 @@ def limits_change(before: Recipe, after: Recipe, surface: str, pulls: Pulls | No
         after=_limits(corrected, phi, direction),
         plan=plan_change(believed, corrected),
         pulls=None if pulls is None else pull_check(believed, corrected, pulls),
+        convention=believed.convention,
     )
 
 

@@ -15,16 +15,20 @@ from slipmargin.diagnosis.events import cut_apart, find_events, with_measured_ve
 from slipmargin.diagnosis.findings import findings
 from slipmargin.diagnosis.fit import Fit, fit
 from slipmargin.diagnosis.general_forms import general_candidates
+from slipmargin.diagnosis.held_out import score
+from slipmargin.diagnosis.ladder import Checked, Court, check
+from slipmargin.diagnosis.leads import leads
+from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import Periodicity, order_analysis
 from slipmargin.diagnosis.prepare import clean, noise
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.ranges import ranges, variables_of
 from slipmargin.diagnosis.residual_diagnostics import dependences
+from slipmargin.diagnosis.residual_map import residual_map
 from slipmargin.diagnosis.result import Diagnosis, Event, Finding, Step, TrialTrajectories, Tried, Verdict
-from slipmargin.diagnosis.scores import scores
 from slipmargin.diagnosis.search import FAR, Progress, Round, State
 from slipmargin.diagnosis.selection import last_view, needed, refitted, search, without
-from slipmargin.diagnosis.signals import InterpolationScheme
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import AnyEffect
 
 #: With at least so many trials some are held out altogether; with fewer all are cross-validated.
@@ -34,8 +38,6 @@ _HELD_OUT_SHARE = 0.2
 _SEARCHED = 12
 #: Steps of the last fit, which starts where the search ended.
 _FINAL_STEPS = 6
-#: Above this chi, a residual that no candidate explains is reported as unexplained.
-_UNEXPLAINED_CHI = 1.3
 
 
 def no_progress(stage: str, share: float) -> None:
@@ -120,43 +122,52 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = no_progre
     Diagnosis
     """
     s = searched(data_set, seed, progress)
-    state, held, trials = s.state, s.held, s.problem.trials
+    held, trials = s.held, s.problem.trials
     everyone = np.arange(len(trials), dtype=np.int64)
-    judged = held if len(held) else everyone
-    cross_validated = not len(held)
-    progress("predicting the held-out trials", 0.0)
-    full = s.problem.rebuilt(InterpolationScheme.FULL)
-    records = [data_set.trials[s.runs[i]] for i in judged]
-    score = scores(full, state, judged, records, cross_validated)
-    problem = score.problem
-    progress("fitting the parameters to report", 0.0)
-    # With phases from their first parts alone, held-out trials are no match for the others in a fit.
-    fitted = s.seen if score.phased and len(held) else everyone
-    view = last_view(problem, state)
-    final = fit(view, state.structure, state.fit.x, fitted, iterations=_FINAL_STEPS)
-    progress("computing intervals", 0.0)
-    useful = [without(s.problem, state, index).chi for index in range(len(state.structure))]
-    found = findings(view, state, useful, s.rounds, final, s.candidates)
-    drawn_before, drawn_after = (problem.predict([e], [everyone])[0] for e in ((), state.fit.effects))
+    court = Court(
+        problem=s.problem, runs=s.runs, held=held, seen=s.seen, records=tuple(data_set.trials), seed=seed
+    )
+    checked = check(court, s.state, s.rounds, progress)
+    problem, state = checked.problem, checked.state
+    fresh = np.flatnonzero(court.unseen) if len(held) else np.arange(len(checked.before.squares))
+    before, after = (score(e, fresh, problem.sigma) for e in (checked.before, checked.after))
+    progress("what is left", 0.0)
+    fitted = () if state is None else state.fit.effects
+    drawn_before, drawn_after = (problem.predict([e], [everyone])[0] for e in ((), fitted))
     uncut = s.uncut
     if len(uncut.trials) == len(trials):
         uncut = uncut.with_wheel_phases(problem.wheel_phases)
-    events = _events(uncut, state.fit.effects, s.seen_runs)
+    events = _events(uncut, fitted, s.seen_runs)
     rates_before, rates_after = (problem.residual_rates(p) for p in (drawn_before, drawn_after))
     variables = [variables_of(t, problem.model(())) for t in trials]
     turns = order_analysis(problem, rates_after, seed)
+    progress("which variables the residual follows", 0.0)
+    entries = residual_map(problem, drawn_before, s.runs, seed)
+    found, final = _reported(s, checked, entries)
+    remaining = entries if state is None else residual_map(problem, drawn_after, s.runs, seed)
+    verdict = _verdict(checked)
+    following = (
+        ()
+        if after.chi <= SETTINGS.noise_chi and verdict is not Verdict.UNEXPLAINED
+        else leads(remaining, turns, s.rounds, checked.rejected, [f.traced_to for f in found])
+    )
     return Diagnosis(
         data_set=data_set.name,
         surface=data_set.surface,
-        verdict=_verdict(state, s.rounds),
+        verdict=verdict,
         noise=problem.sigma,
         noise_estimated=data_set.sigma is None,
         held_out=tuple(trials[i].name for i in held),
-        cross_validated=cross_validated,
-        before=score.before,
-        after=score.after if found else score.before,
+        cross_validated=not len(held),
+        before=before,
+        after=after,
+        judgement=checked.judgement,
+        rejected=checked.rejected,
         findings=found,
         steps=tuple(_step(r) for r in s.rounds),
+        map=entries,
+        map_after=remaining,
+        leads=following,
         where=dependences(rates_before, variables, seed),
         where_after=dependences(rates_after, variables, seed),
         turns=turns,
@@ -175,9 +186,25 @@ def diagnose(data_set: DataSet, *, seed: int = 0, progress: Progress = no_progre
             for i, t in enumerate(trials)
         ),
         recipe=data_set.recipe,
-        corrected=data_set.recipe.with_effects(*final.effects),
-        remarks=_remarks(state, found, final, events, turns, phased=score.phased, held=len(held) > 0),
+        corrected=data_set.recipe.with_effects(*(() if final is None else final.effects)),
+        remarks=_remarks(final, events, turns, phased=checked.phased, held=len(held) > 0),
     )
+
+
+def _reported(
+    s: Searched, checked: Checked, entries: tuple[MapEntry, ...]
+) -> tuple[tuple[Finding, ...], Fit | None]:
+    """The findings with the parameters to report, fitted to every trial that may be used."""
+    state = checked.state
+    if state is None:
+        return (), None
+    # With phases from their first parts alone, held-out trials are no match for the others in a fit.
+    everyone = np.arange(len(s.problem.trials), dtype=np.int64)
+    fitted = s.seen if checked.phased and len(s.held) else everyone
+    view = last_view(checked.problem, state)
+    final = fit(view, state.structure, state.fit.x, fitted, iterations=_FINAL_STEPS)
+    useful = [without(s.problem, state, index).chi for index in range(len(state.structure))]
+    return findings(view, state, useful, s.rounds, final, s.candidates, entries), final
 
 
 def _problem(data_set: DataSet, records: tuple[Record, ...], sigma: Array) -> Problem:
@@ -199,10 +226,11 @@ def _held_out(count: int, seed: int) -> Index:
     return np.sort(np.random.default_rng(seed).choice(count, size=many, replace=False)).astype(np.int64)
 
 
-def _verdict(state: State, rounds: list[Round]) -> Verdict:
-    if state.structure:
+def _verdict(checked: Checked) -> Verdict:
+    if checked.state is not None:
         return Verdict.EFFECT_FOUND
-    return Verdict.UNEXPLAINED if rounds[0].before.chi > _UNEXPLAINED_CHI else Verdict.NO_MISSING_EFFECT
+    explained = checked.before.chi() <= SETTINGS.noise_chi
+    return Verdict.NO_MISSING_EFFECT if explained else Verdict.UNEXPLAINED
 
 
 def _step(done: Round) -> Step:
@@ -236,8 +264,8 @@ def _step(done: Round) -> Step:
     return Step(chi_before=done.before.chi, tried=tuple(rows), taken=taken)
 
 
-def _excitation(final: Fit) -> tuple[float, ...]:
-    if not len(final.x):
+def _excitation(final: Fit | None) -> tuple[float, ...]:
+    if final is None or not len(final.x):
         return ()
     scale = np.concatenate([c.scale for c in final.structure])
     flat = final.jacobian.reshape(-1, len(final.x)) * scale
@@ -245,9 +273,7 @@ def _excitation(final: Fit) -> tuple[float, ...]:
 
 
 def _remarks(
-    state: State,
-    found: tuple[Finding, ...],
-    final: Fit,
+    final: Fit | None,
     events: tuple[Event, ...],
     turns: tuple[Periodicity, ...],
     *,
@@ -262,12 +288,7 @@ def _remarks(
             "from the first half of the way they turn, with parameters fitted to other runs; the errors "
             "reported are those of the rest of the run."
         )
-    if found and state.chi > _UNEXPLAINED_CHI:
-        said.append(
-            f"The effects found leave a residual of {state.chi:.2f} times the noise: something is still "
-            "missing, or a form is only approximate."
-        )
-    if final.at_bound():
+    if final is not None and final.at_bound():
         said.append("Stuck at the edge of its range: " + ", ".join(final.at_bound()) + ".")
     if events:
         said.append(

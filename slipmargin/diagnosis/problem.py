@@ -146,7 +146,8 @@ class Problem:
     def residual_rates(self, predicted: Array) -> list[Array]:
         """Rate (T, 3) of measured − ``predicted`` (R, T, 3) of each trial, body frame [m/s, m/s, rad/s]."""
         return [
-            residual_rate(t.t_s, t.pose, p[: len(t.t_s)]) for t, p in zip(self.trials, predicted, strict=True)
+            residual_rate(t.t_s, t.pose, p[: len(t.t_s)], self.nominal.convention)
+            for t, p in zip(self.trials, predicted, strict=True)
         ]
 
     def rebuilt(self, scheme: InterpolationScheme) -> Problem:

@@ -7,8 +7,10 @@ from enum import Enum
 from typing import final
 
 from slipmargin.checks import Array
+from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import Periodicity
 from slipmargin.diagnosis.residual_diagnostics import ResidualDependence
+from slipmargin.diagnosis.verdict import Judgement
 from slipmargin.effects import AnyEffect, Recipe, Trace
 
 
@@ -46,7 +48,12 @@ class Estimate:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Finding:
-    """One effect the model lacked, and the evidence for it."""
+    """One effect the model lacked, and the evidence for it.
+
+    ``name`` is that of an effect of the catalogue only if its own evidence carries it; otherwise it is
+    ``unnamed_<variable>``, ``label`` still says which form was fitted, and ``doubts`` say why.  ``mapped``
+    says whether the residual map supports the variable; None where the map can say nothing of it.
+    """
 
     effect: AnyEffect
     name: str
@@ -62,6 +69,46 @@ class Finding:
     confused_with: tuple[str, ...]
     confirm: str
     equation: str
+    doubts: tuple[str, ...] = ()
+    mapped: bool | None = None
+
+
+class LeadSource(Enum):
+    """What supports a lead."""
+
+    MAP = "map"  #: the residual follows the variable, by permutation of whole runs
+    ORDER = "order"  #: the residual is periodic in a wheel's angle
+    FIT = "fit"  #: a candidate over the variable fits the searched runs best, nothing more
+    REJECTED = "rejected"  #: it was fitted and not borne out by runs that it had not seen
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lead:
+    """A variable that the residual may follow: a hint, not a claim.
+
+    ``share`` and ``p_value`` are those of its source where that has them; ``candidate`` is the label of what
+    fits best over it; ``next_run`` the run to drive to confirm or refute it.
+    """
+
+    traced_to: Trace
+    source: LeadSource
+    why: str
+    next_run: str
+    share: float | None = None
+    p_value: float | None = None
+    candidate: str | None = None
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rejected:
+    """A structure that was proposed and is not claimed: its labels, why, and chi without and with it."""
+
+    labels: tuple[str, ...]
+    failures: tuple[str, ...]
+    chi_before: float
+    chi_after: float
 
 
 @final
@@ -124,8 +171,13 @@ class Diagnosis:
     cross_validated: bool
     before: Score
     after: Score
+    judgement: Judgement | None
+    rejected: tuple[Rejected, ...]
     findings: tuple[Finding, ...]
     steps: tuple[Step, ...]
+    map: tuple[MapEntry, ...]
+    map_after: tuple[MapEntry, ...]
+    leads: tuple[Lead, ...]
     where: tuple[ResidualDependence, ...]
     where_after: tuple[ResidualDependence, ...]
     turns: tuple[Periodicity, ...]

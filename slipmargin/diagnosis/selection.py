@@ -197,7 +197,7 @@ def needed(problem: Problem, state: State) -> State:
     """
     while len(state.structure) > 1:
         fewer = [without(problem, state, index) for index in range(len(state.structure))]
-        idle = _nothing_sure(state)
+        idle = nothing_sure(state)
         least = min(range(len(fewer)), key=lambda i: (not idle[i], fewer[i].chi))
         if not idle[least] and worthwhile(fewer[least], state.chi, state.structure[least].named):
             break
@@ -205,7 +205,7 @@ def needed(problem: Problem, state: State) -> State:
     return state
 
 
-def _nothing_sure(state: State) -> list[bool]:
+def nothing_sure(state: State) -> list[bool]:
     """For each effect, whether it is a named one and every interval of its parameters holds the null."""
     sizes = [c.size for c in state.structure]
     scale = np.concatenate([c.scale for c in state.structure])

@@ -17,7 +17,11 @@ from slipmargin.physics.variables import Basis, Frame, Variable
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RollingResistance(Effect):
-    """F ← F − (c m g + b |v|) v/|v|, and the matching yaw moment at the wheels’ mean radius."""
+    """F ← F − (c m g + b |v|) v/|v|, and the matching yaw moment at the wheels’ mean distance.
+
+    The force acts at the height ρ of the axles: a floor that gives way carries a wheel c ρ ahead of its
+    centre, which is a force through the axle.  So the wheels behind are pressed down.
+    """
 
     name = "rolling_resistance"
     summary = "Something resists motion whatever the wheels do: bearings, soft carpet, air."
@@ -47,6 +51,7 @@ class RollingResistance(Effect):
             frame=Frame.AGAINST_MOTION,
             shape=np.array([1e-3, 0.0]),
             coefficients=np.array([[coulomb, viscous], none, none]),
+            height_m=float(np.mean(nominal.geometry.radius_m)),
         )
         turn = ForceTerm(
             variable=Variable.YAW_RATE,

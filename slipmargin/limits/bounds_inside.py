@@ -391,12 +391,12 @@ def _all_motions(model: Model) -> Motion:
     even = 2.0 * np.pi * np.arange(HEADINGS) / HEADINGS
     moves = []
     for yaw in YAW:
-        ahead = directions(np.concatenate([even, _turning_points(model, yaw / arm)]))
+        ahead = directions(np.concatenate([even, turning_points(model, yaw / arm)]))
         moves.append(np.column_stack([ahead, np.full(len(ahead), yaw / arm)]))
     return Motion.full_drag(np.vstack([*moves, [[0.0, 0.0, 1.0 / arm], [0.0, 0.0, -1.0 / arm]]]))
 
 
-def _turning_points(model: Model, yaw: float) -> Array:
+def turning_points(model: Model, yaw: float) -> Array:
     """Headings on both sides of where a wheel's drag turns round: between them no sign changes."""
     rows = model.geometry.lateral_rows()
     with np.errstate(divide="ignore", invalid="ignore"):

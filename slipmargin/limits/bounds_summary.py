@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -21,7 +21,7 @@ from slipmargin.limits.bounds import (
     starting_by_motor,
     top_speed,
 )
-from slipmargin.limits.bounds_inside import PACE, Inside, inside
+from slipmargin.limits.bounds_inside import PACE, Inside, inside, turning_points
 from slipmargin.limits.motion import steady_share
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
@@ -40,7 +40,10 @@ class Bounds:
     1 − margin of it, and of the motors' torque at half their top speed.
     ``rigid`` is the share of the grip that constant speed needs in the worst roller/rigid state; above 1 even
     constant speed must slip.  ``motor_m_s2`` and ``top_m_s`` (H,) are the motors' limits (infinite: none).
-    ``inside`` is None where ``why_not`` says so.
+    ``weakest_m_s2`` is the least safe speeding up over directions every degree and on both sides of those in
+    which a wheel's drag turns round.  ``inside`` is None where ``why_not`` says so.  On an uneven floor all
+    of them are the worst of the loads'
+    band, and ``even`` says what an even floor allows with all of the grip.
     """
 
     model: Model
@@ -52,8 +55,10 @@ class Bounds:
     rigid_use: Array
     motor_m_s2: Array
     top_m_s: Array
+    weakest_m_s2: float
     inside: Inside | None
     why_not: str
+    even: Directions | None = None
 
     @property
     def traction_m_s2(self) -> float:
@@ -76,7 +81,7 @@ class Bounds:
 
         Up to half of the motors' top speed.
         """
-        return float(max(0.0, np.min(self.safe.starting_m_s2)))
+        return max(0.0, min(self.weakest_m_s2, float(np.min(self.safe.starting_m_s2))))
 
     @property
     def speeds(self) -> tuple[float, float, float, float]:
@@ -87,9 +92,10 @@ class Bounds:
         if self.inside is None or self.inside.pace is None:
             turn = np.inf if self.inside is None else self.inside.yaw_rate_rad_s
             return np.inf, np.inf, np.inf, turn
-        top = self.inside.pace * self.top_m_s
+        top, front = self.inside.pace * self.top_m_s, self.model.convention.front_rad
         ahead, side = (
-            float(np.interp(a, self.full.heading_rad, top, period=2.0 * np.pi)) for a in (0.5 * np.pi, 0.0)
+            float(np.interp(front - a, self.full.heading_rad, top, period=2.0 * np.pi))
+            for a in (0.0, 0.5 * np.pi)
         )
         turn = min(self.inside.pace * self.spin.top_rad_s, self.inside.yaw_rate_rad_s)
         return ahead, side, float(np.min(top)), turn
@@ -130,6 +136,10 @@ def bounds(
         Yaw acceleration that the sets keep in reserve (:func:`~slipmargin.limits.bounds_inside.inside`).
     """
     heading, share = headings(step_deg), 1.0 - margin
+    even = None
+    if len(model.loads.uneven_N):
+        level = replace(model, loads=replace(model.loads, uneven_N=np.zeros((0, model.count))))
+        even = directions(level, heading, contact=contact, motor=False)
     full = directions(model, heading, contact=contact, motor=False)
     found, why = None, ""
     if sets:
@@ -137,6 +147,8 @@ def bounds(
             found = inside(model, share=share, contact=contact, yaw_rad_s2=yaw_rad_s2)
         except NoSolution as fault:
             why = str(fault)
+    fine = np.concatenate([headings(1.0), turning_points(model, 0.0) % (2.0 * np.pi)])
+    weakest = directions(model, np.sort(fine), share=share, contact=contact, pace=PACE).starting_m_s2
     return Bounds(
         model=model,
         margin=margin,
@@ -147,6 +159,8 @@ def bounds(
         rigid_use=steady_share(model, Motion.full_drag(ahead_of(heading)), contact=Contact.UNKNOWN),
         motor_m_s2=starting_by_motor(model, heading),
         top_m_s=top_speed(model, heading),
+        weakest_m_s2=float(np.min(weakest)),
         inside=found,
         why_not=why,
+        even=even,
     )

@@ -93,7 +93,8 @@ def _by_load(term: Multiplier, model: Model, phi_rad: Array, extreme: Extreme) -
         loads += [loads[0] + low + part * (high - low) for part in np.linspace(0.0, 1.0, 9)]
     n, pick = model.count, np.max if extreme is Extreme.HIGH else np.min
     scale = n / model.inertia.weight_N
-    return np.asarray(pick([_factors(term, (x * scale - 1.0)[..., None, None], n) for x in loads], axis=0))
+    factors = [_factors(term, (x * scale - 1.0)[..., None, None], n) for x in loads]
+    return np.asarray(pick(np.stack(np.broadcast_arrays(*factors)), axis=0))
 
 
 def _factors(term: Multiplier, v: Array, n: int) -> Array:

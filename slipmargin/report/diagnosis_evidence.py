@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from slipmargin.diagnosis.map_entry import SILENT
 from slipmargin.diagnosis.result import Diagnosis, Finding, Verdict
 from slipmargin.diagnosis.separate import separating_trial
+from slipmargin.diagnosis.verdict import Judgement
 from slipmargin.io.robot_text import effect_text
 from slipmargin.report import diagnosis_words as words
 from slipmargin.report.page import Block, Bullets, Code, Fold, Table, Text
@@ -31,12 +33,14 @@ def evidence(d: Diagnosis) -> tuple[Block, ...]:
         table = Table(
             caption="Error on held-out runs", head=("error", "value"), rows=tuple(r[:2] for r in rows)
         )
-        return (table,)
+        return (table, *_rejected(d))
     blocks: list[Block] = [
         Table(
             caption="Error on held-out runs", head=("error", "as believed", "corrected", "change"), rows=rows
         )
     ]
+    if d.judgement is not None:
+        blocks.append(Text(text=_judged(d.judgement)))
     tests = tuple(
         (
             f"`{f.name}`",
@@ -56,10 +60,15 @@ def evidence(d: Diagnosis) -> tuple[Block, ...]:
     )
     blocks.append(
         Text(
-            text="The p-value is that of a permutation test: the probability that the best of all candidates "
-            "tried gains as much from surrogate noise alone. The number of candidates is already counted in."
+            text="The p-value is that of a permutation test on the searched runs: the probability that "
+            "the best of the candidates compared gains as much from surrogate noise alone."
         )
     )
+    blocks += [Text(text=f"`{f.label}`: {_traced(f)}") for f in d.findings]
+    blocks += [
+        Text(text=f"The name `{f.label}` is not claimed: {doubt}.") for f in d.findings for doubt in f.doubts
+    ]
+    blocks += _rejected(d)
     rivals = tuple(_rival(f, name) for f in d.findings for name in f.confused_with)
     if rivals:
         blocks.append(
@@ -72,16 +81,70 @@ def evidence(d: Diagnosis) -> tuple[Block, ...]:
     else:
         blocks.append(Text(text="No other candidate explains these runs as well."))
     if d.after.chi > NOTICEABLE:
-        sure = [w for w in d.where_after if w.p_value <= 0.05]
-        follows = max(sure, key=lambda w: w.share) if sure else None
+        sure = [e for e in d.map_after if e.supported]
         rest = (
-            f"depends most on {words.plain(follows.variable)} ({100 * follows.share:.0f} % of its "
-            f"{words.CHANNEL_WORDS[follows.channel]} part)"
-            if follows
-            else "depends significantly on no measured variable"
+            f"follows {words.VARIABLES[sure[0].traced_to]} ({sure[0].form}: "
+            f"{100 * sure[0].share:.2g} % of the velocity residual of runs left out, "
+            f"p = {sure[0].p_value:.2g})"
+            if sure
+            else "follows none of the variables of the residual map significantly"
         )
         blocks.append(Text(text=f"What remains (chi {d.after.chi:.3g}) {rest}."))
     return tuple(blocks)
+
+
+def residual_map(d: Diagnosis) -> list[Block]:
+    """The residual map as a table, and the variables of which it says nothing."""
+    if not d.map:
+        return []
+    rows = tuple(
+        (
+            words.VARIABLES[e.traced_to],
+            e.form,
+            f"{100 * e.share:.2g} %".replace("-", "−"),
+            f"{e.p_value:.2g}",
+        )
+        for e in d.map
+    )
+    silent = "; ".join(f"{words.VARIABLES[trace]}: {why}" for trace, why in SILENT.items())
+    return [
+        Table(
+            caption="The residual map: share of the velocity residual that each variable explains on runs "
+            "left out, and its significance by permutation of whole runs among all variables",
+            head=("variable", "form", "share", "p-value"),
+            rows=rows,
+        ),
+        Fold(summary="Of these variables the map can say nothing", blocks=(Text(text=silent + "."),)),
+    ]
+
+
+def _judged(j: Judgement) -> str:
+    return (
+        "Judged on every run, each predicted with parameters that were fitted to others: chi falls from "
+        f"{j.chi_before:.3g} to {j.chi_after:.3g}; of {j.runs} runs whose error changes by more than noise "
+        f"{j.better} get better (paired permutation over runs, {words.p_words(j.p_value)}), {j.worse} "
+        f"clearly worse. On the runs that nothing has seen {100 * j.explained:.0f} % of the mean square "
+        "beyond the noise is explained."
+    )
+
+
+def _traced(f: Finding) -> str:
+    variable = words.VARIABLES[f.traced_to]
+    if f.mapped is None:
+        return f"it depends on {variable}, of which the residual map can say nothing: this rests on the fit."
+    if f.mapped:
+        return f"it is traced to {variable}, and the residual map supports this."
+    return f"it depends on {variable}, which the residual map does not support: this rests on the fit."
+
+
+def _rejected(d: Diagnosis) -> list[Block]:
+    """What was proposed and not claimed, with the first reason."""
+    if not d.rejected:
+        return []
+    return [
+        Text(text="Proposed by the search, and not claimed:"),
+        Bullets(items=tuple(f"`{' + '.join(r.labels)}`: {'; '.join(r.failures)}." for r in d.rejected)),
+    ]
 
 
 def _rival(finding: Finding, name: str) -> str:
@@ -134,10 +197,15 @@ def next_steps(d: Diagnosis) -> tuple[Block, ...]:
         ruled = sorted({t.traced_to for s in d.steps for t in s.tried}, key=lambda trace: trace.value)
         names = ", ".join(words.VARIABLES[t] for t in ruled)
         items = [
+            f"{words.VARIABLES[lead.traced_to][0].upper()}{words.VARIABLES[lead.traced_to][1:]}: {lead.why}. "
+            f"To confirm or refute it, {lead.next_run}."
+            for lead in d.leads
+        ]
+        items += [
             "Do not trust the limits of this model beyond the error shown above.",
-            f"Ruled out as the whole explanation, in a general form each: {names}."
+            f"Tried in a general form each, and not borne out by unseen runs: {names}."
             if names
-            else "Nothing could be ruled out.",
+            else "Nothing could be tried.",
             "Check the log first: the same clock for camera and wheels, wheel numbers in the robot "
             "file's order, "
             "signs of the wheel speeds, the units.",

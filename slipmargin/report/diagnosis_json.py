@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from slipmargin.diagnosis.limits_change import Limits, LimitsChange
+from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.residual_diagnostics import ResidualDependence
-from slipmargin.diagnosis.result import Diagnosis, Estimate, Finding, Score, Step, TrialTrajectories
+from slipmargin.diagnosis.result import Diagnosis, Estimate, Finding, Lead, Score, Step, TrialTrajectories
 from slipmargin.diagnosis.separate import separating_trial
 from slipmargin.io.json_text import json_text
 
@@ -45,6 +46,11 @@ def report(diagnosis: Diagnosis, change: LimitsChange) -> dict[str, Any]:
         "before": _score(d.before),
         "after": _score(d.after),
         "effects": [_effect(f, wheels) for f in d.findings],
+        "evidence": None if d.judgement is None else asdict(d.judgement),
+        "rejected": [asdict(r) for r in d.rejected],
+        "leads": [_lead(x) for x in d.leads],
+        "map": [_entry(e) for e in d.map],
+        "map_after": [_entry(e) for e in d.map_after],
         "limits": {"before": _limits(change.before), "after": _limits(change.after)},
         "limit_curves": _curves(change),
         "plan": {
@@ -95,6 +101,8 @@ def _effect(finding: Finding, wheels: tuple[str, ...]) -> dict[str, Any]:
             "confused_with": rivals,
             "separated_by": {r: separating_trial(finding.name, finding.traced_to, r) for r in rivals},
         },
+        "name_doubts": finding.doubts,
+        "map_supports": finding.mapped,
         "at_bound": [e.name for e in finding.parameters if e.at_bound],
         "equation": finding.equation,
         "confirm": finding.confirm,
@@ -105,6 +113,26 @@ def _estimates(estimates: tuple[Estimate, ...]) -> dict[str, Any]:
     return {
         e.name: {"value": e.value, "low": e.low, "high": e.high, "unit": e.unit, "at_bound": e.at_bound}
         for e in estimates
+    }
+
+
+def _lead(lead: Lead) -> dict[str, Any]:
+    return {
+        "traced_to": lead.traced_to.value,
+        "name": lead.candidate,
+        "source": lead.source.value,
+        "evidence": {"share": lead.share, "p_value": lead.p_value, "why": lead.why},
+        "next_run": lead.next_run,
+    }
+
+
+def _entry(entry: MapEntry) -> dict[str, Any]:
+    return {
+        "traced_to": entry.traced_to.value,
+        "form": entry.form,
+        "share": entry.share,
+        "p_value": entry.p_value,
+        "supported": entry.supported,
     }
 
 

@@ -11,7 +11,7 @@ from slipmargin.diagnosis.result import Diagnosis, Verdict
 from slipmargin.diagnosis.selection import SIGNIFICANCE
 from slipmargin.report import diagnosis_words as words
 from slipmargin.report.diagnosis_details import details, limits
-from slipmargin.report.diagnosis_evidence import evidence, next_steps, parameters
+from slipmargin.report.diagnosis_evidence import evidence, next_steps, parameters, residual_map
 from slipmargin.report.diagnosis_json import trial_chi
 from slipmargin.report.page import (
     Block,
@@ -24,8 +24,6 @@ from slipmargin.report.page import (
     Section,
     Text,
 )
-
-_KIND = {Verdict.EFFECT_FOUND: "good", Verdict.NO_MISSING_EFFECT: "good", Verdict.UNEXPLAINED: "attention"}
 
 
 def page(diagnosis: Diagnosis, change: LimitsChange, images: Mapping[str, Image]) -> Page:
@@ -58,7 +56,7 @@ def page(diagnosis: Diagnosis, change: LimitsChange, images: Mapping[str, Image]
     return Page(
         title=f"Diagnosis of {d.recipe.robot.name} on {d.surface}: data set {d.data_set}",
         lead=words.verdict_sentence(d),
-        lead_kind=_KIND[d.verdict],
+        lead_kind="good" if words.certain(d) else "attention",
         sections=tuple(sections),
         foot="Written by slipmargin diagnose. chi is the root mean square of (measured − predicted) / "
         "noise over "
@@ -154,30 +152,19 @@ def _misfit(d: Diagnosis, images: Mapping[str, Image]) -> tuple[Block, ...]:
             "noise; grey was not measured. The colour scale is linear up to 3 σ, logarithmic beyond.",
         ),
     ]
+    blocks += residual_map(d)
     if d.where:
         blocks += [
-            Text(text=_follows(d)),
             Picture(
                 name="where",
                 image=images["where"],
                 alt="Bars: share of the residual explained by each variable and channel",
-                caption="How much of the unexplained motion each measured variable accounts for, seen from "
-                "the robot (sideways, forwards, turning). Variables go together (a robot that "
-                "accelerates also slips), so this is a hint; the fits below decide.",
+                caption="How much of the unexplained motion each measured variable accounts for by itself, "
+                "seen from the robot (sideways, forwards, turning). Variables go together (a robot that "
+                "accelerates also slips): a hint, nothing is decided by it.",
             ),
         ]
     return tuple(blocks)
-
-
-def _follows(d: Diagnosis) -> str:
-    sure = [w for w in d.where if w.p_value <= 0.05]
-    if not sure:
-        return "The residual depends significantly on no measured variable."
-    best = max(sure, key=lambda w: w.share)
-    return (
-        f"The residual depends most on: {words.plain(best.variable)} ({100 * best.share:.0f} % of its "
-        f"{words.CHANNEL_WORDS[best.channel]} part)."
-    )
 
 
 def _candidates(d: Diagnosis, images: Mapping[str, Image]) -> tuple[Block, ...]:
@@ -187,10 +174,11 @@ def _candidates(d: Diagnosis, images: Mapping[str, Image]) -> tuple[Block, ...]:
     text = (
         f"{tried} candidates were fitted in turn by simulation: effects with a name, and for every "
         f"measured variable "
-        "a general form with free coefficients. Each is compared on runs that it was not fitted to, so more "
-        "parameters are no advantage. The best is taken if it makes the error clearly smaller and its "
-        f"permutation p-value, which counts all candidates, is at most {SIGNIFICANCE:g}; "
-        "then the search starts again with it in the model."
+        "a general form with free coefficients. The search compares them by the error on the runs they are "
+        "fitted to and on runs left out of the fit, half and half. The best is proposed if it makes that "
+        f"error clearly smaller and its permutation p-value is at most {SIGNIFICANCE:g}; "
+        "then the search starts again with it in the model. Whether a proposal is claimed is decided "
+        "below, by runs that it has not seen."
     )
     return (
         Text(text=text),

@@ -7,8 +7,9 @@ import math
 from slipmargin.diagnosis.limits_change import LimitsChange
 from slipmargin.diagnosis.plan_change import PlanChange
 from slipmargin.diagnosis.pull_check import PullCheck
-from slipmargin.diagnosis.result import Diagnosis, Estimate, Finding, Score, Verdict
+from slipmargin.diagnosis.result import Diagnosis, Estimate, Finding, LeadSource, Score, Verdict
 from slipmargin.diagnosis.separate import separating_trial
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import Effect, Trace
 
 #: The variable of a trace as a reader would say it.
@@ -35,7 +36,7 @@ CHANNEL_WORDS = {"right": "sideways", "forward": "forwards", "turn": "turning"}
 
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
-    """The answer in one sentence."""
+    """The answer in one sentence, or two where more must be said with it."""
     d = diagnosis
     if d.verdict is Verdict.NO_MISSING_EFFECT:
         return (
@@ -45,13 +46,55 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     if d.verdict is Verdict.UNEXPLAINED:
         return (
             f"Unexplained: the model misses something (chi {d.before.chi:.3g} on held-out runs; 1 is pure "
-            "noise), but no candidate explains it significantly (permutation test)."
+            f"noise), but no correction holds on runs that it has not seen. {_first_lead(d)}"
         )
-    names = _and([f"{f.name} (depends on {VARIABLES[f.traced_to]})" for f in d.findings])
-    return (
-        f"The model lacks {names}; with {'it' if len(d.findings) == 1 else 'them'} the error on held-out "
-        f"runs falls from {error(d.before)} to {error(d.after)}."
+    names = _and([_named(f) for f in d.findings])
+    falls = (
+        f"the error on held-out runs falls from {error(d.before)} to {error(d.after)}"
+        if d.after.chi < d.before.chi
+        else f"the error on held-out runs stays at {error(d.after)}"
     )
+    sentence = f"The model lacks {names}; with {'it' if len(d.findings) == 1 else 'them'} {falls}."
+    if in_part(d):
+        sentence = (
+            f"Found in part: {sentence[0].lower()}{sentence[1:]} What remains is still {d.after.chi:.3g} "
+            "times the noise, so something else is missing or the form is only approximate."
+        )
+    return sentence
+
+
+def in_part(diagnosis: Diagnosis) -> bool:
+    """Whether something was found and what it leaves on held-out runs is well above the noise."""
+    return diagnosis.verdict is Verdict.EFFECT_FOUND and diagnosis.after.chi > SETTINGS.noise_chi
+
+
+def certain(diagnosis: Diagnosis) -> bool:
+    """Whether the answer needs no second look: nothing left, no other name as good."""
+    d = diagnosis
+    unsure = in_part(d) or any(f.confused_with or f.doubts for f in d.findings)
+    return d.verdict is not Verdict.UNEXPLAINED and not unsure
+
+
+def _named(finding: Finding) -> str:
+    names = [finding.name, *(_short(label) for label in finding.confused_with)]
+    either = " or ".join(dict.fromkeys(names))
+    if len(set(names)) > 1:
+        return f"{either} (these runs cannot tell them apart)"
+    return f"{finding.name} (depends on {VARIABLES[finding.traced_to]})"
+
+
+def _short(label: str) -> str:
+    """A candidate's label without the form of a general one."""
+    return label.split(":", 1)[0]
+
+
+def _first_lead(d: Diagnosis) -> str:
+    if not d.leads:
+        return "The residual follows no measured variable significantly."
+    first = d.leads[0]
+    if first.source in (LeadSource.MAP, LeadSource.ORDER):
+        return f"The residual follows {VARIABLES[first.traced_to]}: look there first."
+    return f"First to look at, without proof: {VARIABLES[first.traced_to]}."
 
 
 def meaning(finding: Finding) -> str:
@@ -168,6 +211,11 @@ def summary_lines(d: Diagnosis, change: LimitsChange) -> list[str]:
         lines += [
             f"         cannot be distinguished from {name}: {separating_trial(f.name, f.traced_to, name)}"
             for name in f.confused_with
+        ]
+        lines += [f"         doubt: {doubt}" for doubt in f.doubts]
+    if not d.findings:
+        lines += [
+            f"lead {i}   {VARIABLES[lead.traced_to]}: {lead.why}" for i, lead in enumerate(d.leads[:3], 1)
         ]
     lines.append(
         f"error    {error(d.before)}" + (f" → {error(d.after)}" if d.findings else "") + " on held-out runs"

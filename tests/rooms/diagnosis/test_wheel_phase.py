@@ -12,9 +12,9 @@ from slipmargin.data.data_set import DataSet
 from slipmargin.data.odometry import wheel_angles
 from slipmargin.data.record import Record
 from slipmargin.diagnosis import loop
+from slipmargin.diagnosis.held_out import phases_matter, predicted
 from slipmargin.diagnosis.loop import diagnose, searched
 from slipmargin.diagnosis.result import Verdict
-from slipmargin.diagnosis.scores import scores
 from slipmargin.diagnosis.wheel_phase import first_part, matters_to
 from slipmargin.effects import Trace
 from slipmargin.effects.rigid_sector import RigidSector
@@ -81,7 +81,10 @@ def test_what_a_held_out_run_did_later_reaches_neither_parameters_nor_its_phases
     phases = []
     for data, found in ((plain, one), (spoilt(plain, run, end), other)):
         records = [data.trials[found.runs[i]] for i in found.held]
-        judged = scores(found.problem, found.state, found.held, records, cross_validated=False)
+        judged = predicted(
+            found.problem, found.held, records, [found.state.fit.effects] * len(found.held), phased=True
+        )
+        assert phases_matter(found.problem, found.state.fit.effects)
         assert judged.phased
         first = int(found.held[0])  # where the run was cut, its phase is that of the part's start
         angles = wheel_angles(records[0].t_s, None, records[0].omega)

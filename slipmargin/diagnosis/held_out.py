@@ -1,0 +1,124 @@
+"""Errors of runs predicted with parameters that were fitted to other runs.
+
+A run that was held out of the search is predicted with what was fitted to the searched ones.  The
+searched runs are left out in turn, a fold at a time, and the parameters fitted again to the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array, Index
+from slipmargin.data.record import Record
+from slipmargin.diagnosis import wheel_phase
+from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.fit import build, fit
+from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.result import Score
+from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.verdict import RunErrors
+from slipmargin.effects import AnyEffect
+
+Effects = tuple[AnyEffect, ...]
+#: A run that diverges counts with this many times the noise, so that sums stay finite.
+_WILD = 1e4
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Prediction:
+    """Errors of some trials, a row each, and whether wheel phases came from their first parts.
+
+    ``problem`` has these phases.
+    """
+
+    errors: RunErrors
+    problem: Problem
+    phased: bool
+
+
+def folds(runs: Sequence[int], count: int) -> list[Index]:
+    """Trials in ``count`` folds of whole runs, every fold spread over the order of the runs.
+
+    ``runs`` is the run that each trial is, or is cut from; there are as many folds as runs at most.
+    """
+    different = np.unique(runs)
+    place = {int(run): i % min(count, len(different)) for i, run in enumerate(different)}
+    fold = np.array([place[int(run)] for run in runs])
+    return [np.flatnonzero(fold == i).astype(np.int64) for i in range(min(count, len(different)))]
+
+
+def left_out_parameters(
+    view: Problem, structure: tuple[Candidate, ...], x: Array, trials: Index, runs: Sequence[int]
+) -> Array:
+    """Parameters (R, P) for each of ``trials``, fitted again without the runs of its fold."""
+    out = np.tile(np.asarray(x, dtype=float), (len(trials), 1))
+    parts = folds(runs, SETTINGS.folds)
+    if len(parts) < 2 or not len(x):
+        return out
+    for part in parts:
+        others = np.delete(trials, part)
+        out[part] = fit(view, structure, x, others, iterations=SETTINGS.fold_steps).x
+    return out
+
+
+def predicted(
+    problem: Problem, trials: Index, records: Sequence[Record], effects: Sequence[Effects], phased: bool
+) -> Prediction:
+    """Errors of ``trials``, each predicted with its own set of effects.
+
+    Where wheel phases are unknown and matter (``phased``), they are estimated from the first part of each
+    run, and only the rest of it is scored.
+    """
+    view, scored = problem, problem
+    if phased:
+        view, ends = wheel_phase.from_first_parts(problem, trials, records, effects)
+        scored = view.seen_after(ends)
+    if all(e is effects[0] for e in effects):
+        pose = scored.predict([effects[0]], [trials])[0]
+    else:
+        pose = np.concatenate(scored.predict(effects, [trials[i : i + 1] for i in range(len(trials))]))
+    return Prediction(errors=_errors(scored, trials, pose), problem=view, phased=phased)
+
+
+def sets_of_effects(structure: tuple[Candidate, ...], xs: Array) -> list[Effects]:
+    """The effects at each row of parameters."""
+    return [build(structure, x) for x in xs]
+
+
+def phases_matter(problem: Problem, effects: Effects) -> bool:
+    """Whether wheel phases are unknown and the model, before or after, depends on them."""
+    return wheel_phase.is_unknown(problem) and any(
+        wheel_phase.matters_to(problem.model(e)) for e in ((), effects)
+    )
+
+
+def by_run(errors: RunErrors, runs: Sequence[int]) -> RunErrors:
+    """Errors of trials added up for each run that they are cut from, in the order of the runs."""
+    different, row = np.unique(runs, return_inverse=True)
+    squares, counts = np.zeros((len(different), 3)), np.zeros((len(different), 3))
+    np.add.at(squares, row, errors.squares)
+    np.add.at(counts, row, errors.counts)
+    return RunErrors(squares=squares, counts=counts)
+
+
+def score(errors: RunErrors, runs: Index, sigma: Array) -> Score:
+    """Root mean square errors and chi of some runs."""
+    squares = errors.squares[runs].sum(axis=0) * np.asarray(sigma) ** 2
+    counts = np.maximum(1.0, errors.counts[runs].sum(axis=0))
+    return Score(
+        rmse_position_m=float(np.sqrt(squares[0] / counts[0] + squares[1] / counts[1])),
+        rmse_heading_rad=float(np.sqrt(squares[2] / counts[2])),
+        chi=errors.chi(runs),
+    )
+
+
+def _errors(problem: Problem, trials: Index, pose: Array) -> RunErrors:
+    seen = problem.seen[trials]
+    gap = np.where(seen, problem.measured[trials] - pose, 0.0) / problem.sigma
+    gap = np.where(np.isfinite(gap), gap, _WILD).clip(-_WILD, _WILD)
+    return RunErrors(squares=np.sum(gap**2, axis=1), counts=seen.sum(axis=1).astype(float))

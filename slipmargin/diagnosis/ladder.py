@@ -1,0 +1,179 @@
+"""From what the search proposes to what may be claimed: the largest structure that unseen runs bear out.
+
+Every proposal is first judged on the searched runs, each predicted without its own fold; only what holds
+there is put to the runs that nothing has seen.  A proposal that fails loses its last effect.  If nothing
+is left, the best single candidates over other variables are asked, and if these fail too, nothing is found.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipmargin.checks import Index
+from slipmargin.data.record import Record
+from slipmargin.diagnosis.held_out import (
+    Prediction,
+    by_run,
+    left_out_parameters,
+    phases_matter,
+    predicted,
+    sets_of_effects,
+)
+from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.result import Rejected
+from slipmargin.diagnosis.search import Progress, Round, State
+from slipmargin.diagnosis.selection import last_view, nothing_sure, refitted, without
+from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.signals import InterpolationScheme
+from slipmargin.diagnosis.verdict import Judgement, RunErrors, judge
+from slipmargin.effects import AnyEffect
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Checked:
+    """The structure that holds (None: none does), errors (a row each run) before and after, and the rest.
+
+    ``problem`` has the wheel phases with which the runs were judged; ``judgement`` is that of ``state``.
+    """
+
+    state: State | None
+    before: RunErrors
+    after: RunErrors
+    judgement: Judgement | None
+    problem: Problem
+    phased: bool
+    rejected: tuple[Rejected, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Court:
+    """The runs before which structures are judged.
+
+    ``runs`` (R,) is the run each trial is, or is cut from; ``held`` are the trials that the search has not
+    seen, ``seen`` the others; ``records`` are the uncut runs.
+    """
+
+    problem: Problem
+    runs: tuple[int, ...]
+    held: Index
+    seen: Index
+    records: tuple[Record, ...]
+    seed: int
+
+    @property
+    def unseen(self) -> NDArray[np.bool_]:
+        """Which runs (in order) the search has not seen."""
+        return np.isin(np.unique(self.runs), [self.runs[i] for i in self.held])
+
+    def errors(self, state: State | None) -> Prediction:
+        """Errors of every trial, predicted with parameters that were fitted to others."""
+        count = len(self.problem.trials)
+        everyone = np.arange(count, dtype=np.int64)
+        effects = [() if state is None else state.fit.effects] * count
+        if state is not None:
+            seen_runs = [self.runs[i] for i in self.seen]
+            view = last_view(self.problem, state)
+            xs = left_out_parameters(view, state.structure, state.fit.x, self.seen, seen_runs)
+            for i, own in zip(self.seen, sets_of_effects(state.structure, xs), strict=True):
+                effects[i] = own
+        return self._predicted(everyone, effects, state)
+
+    def believed(self, like: State | None) -> Prediction:
+        """Errors of every trial without any effect, scored as those of ``like`` are."""
+        count = len(self.problem.trials)
+        return self._predicted(np.arange(count, dtype=np.int64), [()] * count, like)
+
+    def _predicted(
+        self, trials: Index, effects: list[tuple[AnyEffect, ...]], like: State | None
+    ) -> Prediction:
+        phased = phases_matter(self.problem, () if like is None else like.fit.effects)
+        full = self.problem.rebuilt(InterpolationScheme.FULL)
+        records = [self.records[self.runs[i]] for i in trials]
+        return predicted(full, trials, records, effects, phased)
+
+    def verdict(self, before: RunErrors, after: RunErrors) -> Judgement:
+        """The judgement by the searched runs if these already speak against it, else by all."""
+        unseen = self.unseen
+        if unseen.any() and not unseen.all():
+            rows = np.flatnonzero(~unseen)
+            one, two = (RunErrors(squares=e.squares[rows], counts=e.counts[rows]) for e in (before, after))
+            early = judge(one, two, np.zeros(len(rows), dtype=bool), self.seed)
+            if not early.holds:
+                return early
+        return judge(before, after, unseen, self.seed)
+
+
+def check(court: Court, proposed: State, rounds: list[Round], progress: Progress) -> Checked:
+    """The largest part of what was proposed that the runs bear out, or another candidate, or nothing."""
+    rejected: list[Rejected] = []
+    proposals: list[State] = []
+    state = proposed
+    while state.structure:
+        proposals.append(state)
+        state = without(court.problem, state, len(state.structure) - 1)
+    for number, now in enumerate(_with_others(court, proposals, proposed, rounds)):
+        progress("predicting runs with parameters fitted to others", min(0.9, 0.2 * number))
+        found = _put(court, now, rejected)
+        if found is not None:
+            return found
+    plain = court.believed(None)
+    errors = by_run(plain.errors, court.runs)
+    return Checked(
+        state=None,
+        before=errors,
+        after=errors,
+        judgement=None,
+        problem=plain.problem,
+        phased=plain.phased,
+        rejected=tuple(rejected),
+    )
+
+
+def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None:
+    labels = tuple(c.label for c in state.structure)
+    after = court.errors(state)
+    before = court.believed(state)
+    one, two = by_run(before.errors, court.runs), by_run(after.errors, court.runs)
+    judgement = court.verdict(one, two)
+    idle = [c.label for c, none in zip(state.structure, nothing_sure(state), strict=True) if none]
+    failures = judgement.failures + tuple(
+        f"every interval of the parameters of {label} contains the value that does nothing" for label in idle
+    )
+    if failures:
+        rejected.append(
+            Rejected(
+                labels=labels,
+                failures=failures,
+                chi_before=judgement.chi_before,
+                chi_after=judgement.chi_after,
+            )
+        )
+        return None
+    return Checked(
+        state=state,
+        before=one,
+        after=two,
+        judgement=judgement,
+        problem=after.problem,
+        phased=after.phased,
+        rejected=tuple(rejected),
+    )
+
+
+def _with_others(court: Court, proposals: list[State], proposed: State, rounds: list[Round]) -> list[State]:
+    """The proposals, then the best single candidates over other variables as the search scored them."""
+    asked = {c.trace for c in proposed.structure}
+    others: list[State] = []
+    for state in rounds[0].tried if rounds else ():
+        if len(others) >= SETTINGS.others:
+            break
+        if len(state.structure) == 1 and state.last.trace not in asked and state.chi < rounds[0].before.chi:
+            asked.add(state.last.trace)
+            others.append(refitted(court.problem, state, state.structure, state.fit.x, court.seen))
+    return [*proposals, *others]

@@ -1,0 +1,195 @@
+"""The verdict: whether a correction may be called found, judged by runs that its fit has not seen.
+
+Nothing here knows a model.  What goes in are sums of squares of each run, predicted before and after
+the correction; what comes out is yes or no, with every reason for a no and the figures behind it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipmargin.checks import Array, Index, frozen
+from slipmargin.diagnosis.settings import SETTINGS, SearchSettings
+
+#: Up to so many runs every pattern of signs is tried; beyond, this many are drawn.
+_EXACT, _DRAWN = 12, 4095
+_POSITION, _HEADING = (0, 1), (2,)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RunErrors:
+    """Errors of R runs: sums of (gap / noise)² ``squares`` (R, 3) in x, y, φ of ``counts`` (R, 3)."""
+
+    squares: Array
+    counts: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "squares", frozen("squares", self.squares, (None, 3)))
+        object.__setattr__(self, "counts", frozen("counts", self.counts, (len(self.squares), 3)))
+
+    def chi(self, runs: Index | None = None, channels: tuple[int, ...] = (0, 1, 2)) -> float:
+        """Root mean square of gap over noise of some runs (all by default) in some channels."""
+        rows = np.arange(len(self.squares)) if runs is None else runs
+        part = np.ix_(rows, np.array(channels))
+        return float(np.sqrt(self.squares[part].sum() / max(1.0, self.counts[part].sum())))
+
+    def of_runs(self) -> Array:
+        """Chi (R,) of each run."""
+        return np.asarray(np.sqrt(self.squares.sum(axis=1) / np.maximum(1.0, self.counts.sum(axis=1))))
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Judgement:
+    """Whether a correction holds on runs that it has not seen.
+
+    Parameters
+    ----------
+    failures : tuple of str
+        Every condition that it misses, in words; empty where it holds.
+    explained : float
+        Share of the mean square beyond the noise that it removes on the runs that nothing has seen.
+    p_value : float
+        Probability that the runs favour it as clearly by chance: the signs of the runs' changes flipped.
+    runs : int
+        Number of runs whose error changes by more than noise.
+    better, worse : int
+        How many of them get better, and how many clearly worse.
+    chi_before, chi_after : float
+        On all runs, each predicted with parameters that have not seen it.
+    partial : bool
+        Whether what it leaves is well above the noise.
+    """
+
+    failures: tuple[str, ...]
+    explained: float
+    p_value: float
+    runs: int
+    better: int
+    worse: int
+    chi_before: float
+    chi_after: float
+    partial: bool
+
+    @property
+    def holds(self) -> bool:
+        """Whether it may be called found."""
+        return not self.failures
+
+
+def judge(
+    before: RunErrors,
+    after: RunErrors,
+    unseen: NDArray[np.bool_],
+    seed: int = 0,
+    settings: SearchSettings = SETTINGS,
+) -> Judgement:
+    """Judge a correction by R runs, each predicted with parameters that have not seen it.
+
+    Parameters
+    ----------
+    before, after : RunErrors
+        The runs predicted without and with the correction.
+    unseen : array (R,) of bool
+        Runs that nothing has seen, neither parameters nor the choice of the correction; where there are
+        none, all runs are judged alike.
+    seed : int
+        Draws the signs where there are too many patterns to try all.
+    """
+    s = settings
+    everyone = np.arange(len(before.squares))
+    fresh = np.flatnonzero(unseen) if np.any(unseen) else everyone
+    failures = []
+    explained = explained_share(before.chi(fresh), after.chi(fresh))
+    least = min(s.least_chi, before.chi(fresh))
+    if explained < s.explained_share or before.chi(fresh) - after.chi(fresh) < least:
+        failures.append(
+            f"on runs that nothing has seen chi goes from {before.chi(fresh):.3g} to {after.chi(fresh):.3g}, "
+            f"which is {100.0 * explained:.0f} % of the mean square beyond the noise; "
+            f"{100.0 * s.explained_share:.0f} % are asked for"
+        )
+    for word, channels in (("position", _POSITION), ("heading", _HEADING)):
+        for rows, whose in ((fresh, "on runs that nothing has seen"), (everyone, "over all runs")):
+            one, two = before.chi(rows, channels), after.chi(rows, channels)
+            if clearly_worse(one, two, s):
+                failures.append(f"{whose} the {word} gets worse (chi {one:.3g} to {two:.3g})")
+                break
+    change = np.log(np.maximum(before.squares.sum(axis=1), 1e-12))
+    change -= np.log(np.maximum(after.squares.sum(axis=1), 1e-12))
+    tell = np.abs(change) > s.noise_deviations * np.sqrt(2.0 / np.maximum(1.0, after.counts.sum(axis=1)))
+    better = int(np.count_nonzero(change[tell] > 0.0))
+    p_value = sign_flip_p_value(change[tell], seed)
+    runs = int(np.count_nonzero(tell))
+    every_one = better == runs >= min(s.fewest_runs, len(everyone))
+    if p_value > s.level and not every_one:
+        failures.append(
+            f"{better} of the {runs} runs whose error changes at all get better, which may be chance "
+            f"(paired permutation p = {p_value:.2g})"
+        )
+    ones, twos = before.of_runs(), after.of_runs()
+    worse = int(sum(clearly_worse(one, two, s) for one, two in zip(ones, twos, strict=True)))
+    if worse > s.worse_share * len(everyone):
+        failures.append(f"{worse} of {len(everyone)} runs get clearly worse")
+    for rows in groups(len(everyone)):
+        one, two = before.chi(rows), after.chi(rows)
+        if clearly_worse(one, two, s):
+            failures.append(
+                f"runs {rows[0] + 1} to {rows[-1] + 1} as a group get worse (chi {one:.3g} to {two:.3g})"
+            )
+    return Judgement(
+        failures=tuple(failures),
+        explained=explained,
+        p_value=p_value,
+        runs=runs,
+        better=better,
+        worse=worse,
+        chi_before=before.chi(),
+        chi_after=after.chi(),
+        partial=after.chi(fresh) > s.noise_chi,
+    )
+
+
+def explained_share(before: float, after: float) -> float:
+    """Share of the mean square beyond the noise, chi² − 1, that falls away; negative where it grows."""
+    beyond = before**2 - 1.0
+    if beyond <= 0.0:
+        return 0.0
+    return float(np.clip(1.0 - max(0.0, after**2 - 1.0) / beyond, -99.0, 1.0))
+
+
+def clearly_worse(before: float, after: float, settings: SearchSettings = SETTINGS) -> bool:
+    """Whether a chi grows by more than a share of itself and more than the log's reconstruction leaves."""
+    return not after <= before * (1.0 + settings.worse_factor) + settings.least_chi
+
+
+def groups(count: int) -> list[Index]:
+    """The runs in the order of the files, a quarter of them (two at least) in each group."""
+    size = max(2, -(-count // 4))
+    found = [np.arange(at, min(at + size, count), dtype=np.int64) for at in range(0, count, size)]
+    if len(found) > 1 and len(found[-1]) < 2:
+        found[-2:] = [np.concatenate(found[-2:])]
+    return found
+
+
+def sign_flip_p_value(change: Array, seed: int = 0) -> float:
+    """Probability that a sum of changes is as large if each might as well have the other sign.
+
+    All patterns of signs are tried for up to twelve changes, beyond that 4095 are drawn (the one at hand
+    counts as one of them).  Without any change it is 1.
+    """
+    count = len(change)
+    if not count:
+        return 1.0
+    total = float(np.sum(change))
+    slack = 1e-12 * float(np.sum(np.abs(change)))
+    if count <= _EXACT:
+        signs = np.array(list(product((-1.0, 1.0), repeat=count)))
+        return float(np.mean(signs @ change >= total - slack))
+    signs = np.random.default_rng(seed).choice([-1.0, 1.0], size=(_DRAWN, count))
+    return float((1 + np.sum(signs @ change >= total - slack)) / (1 + _DRAWN))

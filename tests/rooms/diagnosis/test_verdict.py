@@ -1,0 +1,145 @@
+"""The verdict on constructed errors: what falls, what grows, what is chance, what only some runs show."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from slipmargin.diagnosis.verdict import (
+    Judgement,
+    RunErrors,
+    clearly_worse,
+    explained_share,
+    groups,
+    judge,
+    sign_flip_p_value,
+)
+from slipmargin.errors import InputError
+
+SAMPLES = 300.0
+NONE = np.zeros(10, dtype=bool)
+LAST_TWO = np.arange(10) >= 8
+
+
+def errors(position: object, heading: object = None, runs: int = 10) -> RunErrors:
+    """Runs with this chi in position and in heading (the same by default)."""
+    place = np.broadcast_to(np.asarray(position, dtype=float), runs)
+    turn = place if heading is None else np.broadcast_to(np.asarray(heading, dtype=float), runs)
+    squares = SAMPLES * np.stack([place, place, turn], axis=1) ** 2
+    return RunErrors(squares=squares, counts=np.full((runs, 3), SAMPLES))
+
+
+def judged(before: RunErrors, after: RunErrors, unseen: object = LAST_TWO) -> Judgement:
+    return judge(before, after, np.asarray(unseen))
+
+
+def test_a_correction_that_brings_every_run_to_the_noise_holds() -> None:
+    found = judged(errors(9.0), errors(1.05))
+    assert found.holds and not found.partial
+    assert found.p_value == pytest.approx(2.0**-10)
+    assert found.explained == pytest.approx(1.0 - (1.05**2 - 1.0) / 80.0)
+    assert (found.runs, found.better, found.worse) == (10, 10, 0)
+
+
+@pytest.mark.parametrize(("before", "after"), [(29.8, 33.2), (2.8, 27.6), (52.0, 55.1), (184.0, 274.0)])
+def test_nothing_is_found_where_the_error_on_held_out_runs_grows(before: float, after: float) -> None:
+    seen_gets_better = np.where(LAST_TWO, after, 0.5 * before)
+    found = judged(errors(before), errors(seen_gets_better))
+    assert not found.holds
+    assert f"chi goes from {before:.3g} to {after:.3g}" in found.failures[0]
+
+
+def test_a_run_that_diverges_is_not_outweighed_by_the_others() -> None:
+    after = np.ones(10)
+    after[[2, 3]] = 1e4
+    found = judged(errors(9.0), errors(after))
+    assert any("2 of 10 runs get clearly worse" in f for f in found.failures)
+    assert any("as a group" in f for f in found.failures)
+
+
+def test_not_a_number_is_never_better() -> None:
+    assert clearly_worse(2.0, float("nan"))
+    with pytest.raises(InputError, match="not finite"):
+        errors([1.0, np.inf, 1.0], runs=3)
+
+
+def test_too_small_a_share_is_no_finding_however_significant() -> None:
+    found = judged(errors(50.0), errors(47.0))
+    assert found.p_value < 0.01 and not found.holds
+    assert "12 % of the mean square beyond the noise" in found.failures[0]
+
+
+def test_a_small_effect_near_the_noise_is_found() -> None:
+    assert judged(errors(1.25), errors(1.03)).holds
+
+
+def test_what_moves_within_the_reconstruction_is_no_finding() -> None:
+    assert not judged(errors(1.05), errors(1.035)).holds
+
+
+def test_heading_may_not_pay_for_position_nor_position_for_heading() -> None:
+    worse = judged(errors(9.0, 2.0), errors(1.0, 3.0))
+    assert len(worse.failures) == 1 and "the heading gets worse (chi 2 to 3)" in worse.failures[0]
+    worse = judged(errors(2.0, 9.0), errors(3.0, 1.0))
+    assert len(worse.failures) == 1 and "the position gets worse" in worse.failures[0]
+
+
+def test_what_some_runs_gain_and_others_lose_is_chance() -> None:
+    after = np.where(np.arange(10) % 2 == 0, 3.0, 5.2)
+    found = judged(errors(5.0), errors(after), NONE)
+    assert found.better == 5 and found.p_value > 0.01
+    assert not judged(errors(5.0), errors(np.where(np.arange(10) % 3 == 0, 1.0, 5.3)), NONE).holds
+
+
+def test_an_effect_that_only_three_runs_show_is_found_if_the_others_stay() -> None:
+    before = np.ones(10)
+    before[[1, 5, 9]] = 9.0
+    found = judged(errors(before), errors(1.0))
+    assert found.holds and found.runs == 3 and found.p_value == pytest.approx(0.125)
+    before[1] = 1.0
+    assert not judged(errors(before), errors(1.0)).holds  # two runs are too few
+
+
+def test_runs_on_another_floor_as_a_group_stop_it() -> None:
+    after = np.ones(12)
+    after[9:] = [4.0, 4.0, 4.0]
+    found = judge(errors(3.0, runs=12), errors(after, runs=12), np.zeros(12, dtype=bool))
+    assert any("runs 10 to 12 as a group get worse" in f for f in found.failures)
+
+
+def test_three_runs_suffice_only_together() -> None:
+    none = np.zeros(3, dtype=bool)
+    assert judge(errors(9.0, runs=3), errors(1.0, runs=3), none).holds
+    assert not judge(errors(9.0, runs=3), errors([1.0, 1.0, 12.0], runs=3), none).holds
+
+
+def test_a_finding_that_leaves_much_is_in_part() -> None:
+    found = judged(errors(15.7), errors(10.0))
+    assert found.holds and found.partial
+
+
+def test_noise_stated_too_large_explains_nothing() -> None:
+    assert explained_share(0.4, 0.3) == 0.0
+    assert not judged(errors(0.4), errors(0.3)).holds
+
+
+def test_explained_share() -> None:
+    assert explained_share(3.0, 1.0) == 1.0 and explained_share(3.0, 0.9) == 1.0
+    assert explained_share(3.0, 2.0) == pytest.approx(1.0 - 3.0 / 8.0)
+    assert explained_share(3.0, 4.0) < 0.0
+
+
+def test_signs_are_tried_one_and_all_or_drawn() -> None:
+    assert sign_flip_p_value(np.array([1.0, 2.0])) == 0.25
+    assert sign_flip_p_value(np.zeros(0)) == 1.0
+    assert sign_flip_p_value(np.ones(20)) == pytest.approx(1 / 4096)
+    random = np.random.default_rng(3)
+    p = [sign_flip_p_value(random.normal(size=9)) for _ in range(400)]
+    assert np.mean(np.array(p) <= 0.05) == pytest.approx(0.05, abs=0.03)
+
+
+def test_groups_hold_every_run_once() -> None:
+    for count in (1, 2, 3, 5, 9, 10, 13, 36):
+        found = groups(count)
+        assert np.concatenate(found).tolist() == list(range(count))
+        assert min(len(g) for g in found) >= min(2, count)
