@@ -146,7 +146,7 @@ def _at_rows(record: Record) -> tuple[Array, float, float] | None:
         number = again
     late = at - (first + period * number)
     late -= late.min()
-    # A regular camera frame is late by less than a row; equal lateness is a delay, not a fault.
+    # A regular camera's frames are late by less than a row; equal lateness is the camera's delay, not a fault.
     if period < 1.3 * row or late.max() > 1.15 * row or late.max() < 0.1 * row:
         return None
     from scipy.interpolate import CubicSpline
@@ -212,13 +212,17 @@ def _forwards(t: Array, pose: Array, sigma: Array, start: int) -> Flags:
                     break
                 back += 1
             ends = back >= len(t)
-            if (back < len(t) and t[back] - t[last[-1]] <= _BACK_WITHIN_S) or (
-                ends and len(t) - k <= _MOST_AT_ENDS
-            ):
+            if ends and len(t) - k <= _MOST_AT_ENDS:
+                gone[k:] = True
+                break
+            inside = list(range(max(k, back - _FRAMES), back))
+            # Frames that lead on to the one where the robot is believed to be back show where it really is.
+            leads_on = not ends and len(inside) >= 3 and _reachable(t, pose, sigma, inside, back)
+            if not ends and not leads_on and t[back] - t[last[-1]] <= _BACK_WITHIN_S:
                 gone[k:back] = True
-                if ends:
-                    break
                 k = back
+            else:  # it stays there: an event, after which the last frames say nothing
+                last = []
         last = [*last[-(_FRAMES - 1) :], k]
         k += 1
     return gone

@@ -7,6 +7,7 @@ what was found without them.  The verdict follows from these predictions.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
 
