@@ -65,14 +65,12 @@ def _grip(b: Bounds) -> list[str]:
     """How much less rollers hold that turn freely, where the grip is the box and that is worth a line."""
     if b.rolling_m_s2 is None or b.rolling_m_s2 > (1.0 - WORTH_SAYING) * b.traction_m_s2:
         return []
+    free = "rollers that turn freely (disc-strip)"
     if b.rolling_m_s2 <= 0.0:
-        return [
-            "grip        box; rollers that turn freely (disc-strip) slip at constant speed in some direction"
-        ]
+        return [f"grip        box; {free} slip at constant speed in some direction"]
     less = 100.0 * (1.0 - b.rolling_m_s2 / b.traction_m_s2)
     return [
-        f"grip        box; rollers that turn freely (disc-strip) hold {b.rolling_m_s2:.4g} m/s² in the weakest "
-        f"direction, {less:.0f} % less"
+        f"grip        box; {free} hold {b.rolling_m_s2:.4g} m/s² in the weakest direction, {less:.0f} % less"
     ]
 
 
