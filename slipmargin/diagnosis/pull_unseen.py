@@ -56,6 +56,15 @@ class Unseen:
     def of(
         problem: PullProblem, split: list[Index], without: list[PullState], freedom: float, seed: int
     ) -> Unseen:
+        """Scores of the model as believed and of what was found without each part of the settings.
+
+        Parameters
+        ----------
+        split, without
+            The parts, and the state that a search found without each.
+        freedom
+            Degrees of freedom of the noise σ.
+        """
         everyone, measured = problem.everyone, problem.pulls.force_N
         before_N = problem.expected(()).mean_N
         after_N = np.empty(len(measured))
