@@ -13,9 +13,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.data.pulls import Pulls
-from slipmargin.limits.band import band
-from slipmargin.limits.pull import Pull
-from slipmargin.limits.sweep import limit_or_zero
+from slipmargin.diagnosis.pull_problem import setting_bands, setting_limits
 from slipmargin.model import Model
 from slipmargin.physics.sectors import on_rigid, pitch
 
@@ -57,12 +55,13 @@ def predicted(model: Model, pulls: Pulls) -> Array:
 
     Where the angles are not known, that of the band which is nearest to the measured force.
     """
+    settings, which = pulls.settings()
     if pulls.theta_rad is None:
-        low, high = band(model, pulls.phi_rad, Pull())
-        return np.clip(pulls.force_N, low, high)
+        low, high = setting_bands(model, settings)
+        return np.clip(pulls.force_N, low[which], high[which])
     rigid = on_rigid(pulls.theta_rad, pitch(model.grip.rollers), model.grip.rigid_fraction)
     found = np.empty(len(pulls.phi_rad))
     for state in np.unique(rigid, axis=0):
         rows = np.all(rigid == state, axis=1)
-        found[rows] = limit_or_zero(model, pulls.phi_rad[rows], Pull(), state)
+        found[rows] = setting_limits(model, settings, state)[which[rows]]
     return found

@@ -6,7 +6,6 @@ what was found without them.  The verdict follows from these predictions.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
@@ -28,38 +27,16 @@ from slipmargin.diagnosis.pull_search import (
     pull_candidates,
     search,
 )
+from slipmargin.diagnosis.pull_unseen import LEAST_SHARE, WORSE, PullScore, Unseen
 from slipmargin.diagnosis.result import Estimate, Finding, Step, Tried, Verdict
 from slipmargin.effects import Effect, Quantity, Recipe, Trace
 from slipmargin.errors import InputError
 
-#: chi on settings left out must fall by this share at least [1], and the error in newtons must not grow …
-_LEAST_SHARE = 0.1
-#: … luck must give as much no more often than this [1], by random signs …
-_BY_LUCK = 0.05
-#: … and no setting's sum of squares may grow by more than the square of this [σ].
-_WORSE = 4.0
-#: Above the scatter of repeats with less than this probability, what is left is no noise [1].
-_NO_NOISE = 0.01
 #: Parts of the settings that are left out of the whole search in turn.
 _FOLDS = 5
-_FLIPS = 4999
 #: Coverage of the intervals.
 _SURE = 0.95
 _GENERAL_CONFIRM = "pull in further directions, at other points of the body, and see whether it holds"
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PullScore:
-    """How well pulls are predicted: rms and mean of measured minus expected [N], and chi [1].
-
-    ``chi`` is the root mean square of residual over noise: 1 is pure noise.  Where wheels may stand on a
-    roller or on rigid material the residual is that beside the states which the pull makes probable.
-    """
-
-    rms_N: float
-    mean_N: float
-    chi: float
 
 
 @final
@@ -136,7 +113,7 @@ def diagnose_pulls(
     progress("searching in all pulls", 0.0)
     state, rounds = search(problem, problem.everyone, candidates, seed)
     scatter = _scatter(problem, state.fit)
-    if pulls.sigma_N is None and scatter < (1.0 - _LEAST_SHARE) * sigma:
+    if pulls.sigma_N is None and scatter < (1.0 - LEAST_SHARE) * sigma:
         # What the wheels stood on is part of the scatter of repeats; the model found says how large a part.
         sigma = scatter
         problem = PullProblem.of(data_set.recipe, data_set.surface, pulls, sigma)
@@ -147,7 +124,7 @@ def diagnose_pulls(
         progress("searching without some of the orientations", number / len(split))
         others = np.setdiff1d(problem.everyone, part).astype(np.int64)
         without.append(search(problem, others, candidates, seed)[0])
-    unseen = _Unseen.of(problem, split, without, freedom, seed)
+    unseen = Unseen.of(problem, split, without, freedom, seed)
     names = [{c.name for c in s.structure} for s in without]
     own = {c.name for c in state.structure}
     verdict = unseen.verdict(bool(state.structure))
@@ -195,81 +172,6 @@ def _scatter(problem: PullProblem, found: Fit) -> float:
 def _parts(count: int, seed: int) -> list[Index]:
     order = np.random.default_rng(seed).permutation(count)
     return [np.sort(order[k :: min(_FOLDS, count)]).astype(np.int64) for k in range(min(_FOLDS, count))]
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Unseen:
-    """Predictions of pulls by what was found without their setting."""
-
-    before_N: Array
-    after_N: Array
-    before: PullScore
-    after: PullScore
-    p_value: float
-    worst: float  #: root of what the worst setting's sum of squares grows by [σ]
-    misfit_before: bool  #: whether the residual is more than noise
-    misfit_after: bool
-
-    @staticmethod
-    def of(
-        problem: PullProblem, split: list[Index], without: list[PullState], freedom: float, seed: int
-    ) -> _Unseen:
-        everyone, measured = problem.everyone, problem.pulls.force_N
-        before_N = problem.expected(()).mean_N
-        after_N = np.empty(len(measured))
-        old = problem.residuals([()], [everyone])[0]
-        new = np.empty_like(old)
-        for part, state in zip(split, without, strict=True):
-            rows = problem.rows[part]
-            own = rows[rows >= 0]
-            after_N[own] = problem.expected(state.fit.effects).mean_N[own]
-            new[part] = problem.residuals([state.fit.effects], [part])[0]
-        gain = old**2 - new**2
-        # Pulls of one setting share what the model lacks there, but not what their wheels stood on.
-        states = bool(np.any(old[:, 1::2]) or np.any(new[:, 1::2]))
-        units = gain.reshape(-1, 2).sum(axis=1) if states else gain.sum(axis=1)
-        return _Unseen(
-            before_N=before_N,
-            after_N=after_N,
-            before=_score(measured - before_N, beside(old)),
-            after=_score(measured - after_N, beside(new)),
-            p_value=_by_signs(units, seed),
-            worst=math.sqrt(max(0.0, -float(gain.sum(axis=1).min()))),
-            misfit_before=_misfit(beside(old), len(measured), freedom),
-            misfit_after=_misfit(beside(new), len(measured), freedom),
-        )
-
-    def verdict(self, any_found: bool) -> Verdict:
-        """What the held-out predictions allow to say."""
-        better = self.after.chi <= (1.0 - _LEAST_SHARE) * self.before.chi
-        better = better and self.after.rms_N < self.before.rms_N
-        if any_found and better and self.p_value <= _BY_LUCK and self.worst <= _WORSE:
-            return Verdict.EFFECT_FOUND
-        return Verdict.UNEXPLAINED if self.misfit_before else Verdict.NO_MISSING_EFFECT
-
-
-def _score(off_N: Array, squares: Array) -> PullScore:
-    return PullScore(
-        rms_N=float(np.sqrt(np.mean(off_N**2))),
-        mean_N=float(np.mean(off_N)),
-        chi=float(np.sqrt(squares.sum() / len(off_N))),
-    )
-
-
-def _by_signs(gain: Array, seed: int) -> float:
-    """Probability that settings whose gains have random signs add up to as much."""
-    signs = np.random.default_rng(seed).choice([-1.0, 1.0], size=(_FLIPS, len(gain)))
-    return float(1 + np.count_nonzero(signs @ gain >= gain.sum())) / (1 + _FLIPS)
-
-
-def _misfit(squares: Array, pulls: int, freedom: float) -> bool:
-    """Whether squared residuals over noise are more than noise of so many degrees of freedom explains."""
-    from scipy.special import chdtrc, fdtrc
-
-    total = float(squares.sum())
-    p = chdtrc(pulls, total) if np.isinf(freedom) else fdtrc(pulls, max(freedom, 1.0), total / pulls)
-    return bool(p <= _NO_NOISE)
 
 
 def _rivals(state: PullState, rounds: list[PullRound], names: list[set[str]]) -> tuple[str, ...]:
@@ -352,7 +254,7 @@ def _findings(
     rounds: list[PullRound],
     rivals: tuple[str, ...],
     tried: int,
-    unseen: _Unseen,
+    unseen: Unseen,
 ) -> tuple[Finding, ...]:
     from scipy.special import stdtrit
 
@@ -397,7 +299,7 @@ def _findings(
     return tuple(out)
 
 
-def _without(problem: PullProblem, state: PullState, index: int, unseen: _Unseen) -> float:
+def _without(problem: PullProblem, state: PullState, index: int, unseen: Unseen) -> float:
     """chi on settings left out with the other effects alone, fitted again."""
     from slipmargin.diagnosis.fit import fit
     from slipmargin.diagnosis.pull_search import state_of
@@ -441,7 +343,7 @@ def _derived(problem: PullProblem, found: Fit, half: Array, index: int) -> tuple
 
 
 def _remarks(
-    problem: PullProblem, state: PullState, unseen: _Unseen, repeated: bool, *, taken: bool
+    problem: PullProblem, state: PullState, unseen: Unseen, repeated: bool, *, taken: bool
 ) -> tuple[str, ...]:
     said = []
     if taken and unseen.misfit_after:
@@ -453,7 +355,7 @@ def _remarks(
         names = " + ".join(c.label for c in state.structure)
         why = (
             f"one orientation, left out, is then predicted worse by {unseen.worst:.1f} times the noise"
-            if unseen.worst > _WORSE
+            if unseen.worst > WORSE
             else f"orientations left out of the search gain too little (chi {unseen.before.chi:.3g} → "
             f"{unseen.after.chi:.3g}, p = {unseen.p_value:.2g})"
         )

@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.effects.effect import Effect, Part, Trace, parameter
-from slipmargin.effects.places import EDGE_M, PLACE_DIRECTION
+from slipmargin.effects.places import EDGE, EDGE_M, LINE_DIRECTION, LINE_OFFSET
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.terms import Multiplier
@@ -20,7 +20,7 @@ from slipmargin.physics.variables import Basis, Target, Variable
 class FloorBorder(Effect):
     """μ_i ← factor μ_i for contacts beyond a straight line: n·x_i > offset, n at ``direction_rad``.
 
-    1 + (factor − 1)(1 + tanh((n·x_i − offset)/2w))/2 with w = 0.5 mm.
+    1 + (factor − 1)(1 + tanh((n·x_i − offset)/2w))/2 with an edge of width w.
     """
 
     name = "floor_border"
@@ -42,7 +42,7 @@ class FloorBorder(Effect):
             (-100.0, 0.0, 100.0),
             0.02,
             "distance of the border from the floor's origin along its normal",
-            starts=(0.0,),
+            starts=LINE_OFFSET,
             idle=True,
             along="position",
         ),
@@ -52,9 +52,10 @@ class FloorBorder(Effect):
             (-7.0, 0.0, 7.0),
             0.2,
             "direction of the normal, which points beyond the border",
-            starts=PLACE_DIRECTION,
+            starts=LINE_DIRECTION,
             idle=True,
         ),
+        EDGE,
     )
     source = "two floors that meet at a line; factor below 1 = slicker beyond it"
     confirm = "repeat one manoeuvre wholly on either side of the line"
@@ -62,6 +63,7 @@ class FloorBorder(Effect):
     factor: float
     offset_m: float = 0.0
     direction_rad: float = 0.0
+    edge_m: float = EDGE_M
 
     def rewrite(self, part: Grip, nominal: Model) -> Grip:
         """Grip that changes beyond the border."""
@@ -70,7 +72,7 @@ class FloorBorder(Effect):
             variable=Variable.BEFORE_LINE,
             basis=Basis.STEP,
             target=Target.BOTH,
-            shape=np.array([0.0, EDGE_M]),
+            shape=np.array([0.0, self.edge_m]),
             coefficients=np.array([self.factor - 1.0]),
             wheels=np.ones(nominal.count),
             place=np.array([*(self.offset_m * normal), self.direction_rad]),

@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.effects.effect import Effect, Part, Trace, parameter
-from slipmargin.effects.places import EDGE_M, PLACE_RADIUS, PLACE_X, PLACE_Y
+from slipmargin.effects.places import EDGE, EDGE_M, PLACE_RADIUS, PLACE_X, PLACE_Y
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.terms import Multiplier
@@ -63,15 +63,7 @@ class FloorPatch(Effect):
             idle=True,
             along="position",
         ),
-        parameter(
-            "edge_m",
-            "m",
-            (EDGE_M, EDGE_M, 1.0),
-            0.005,
-            "width of the patch's edge; a sharp one is as wide as a contact",
-            starts=(0.01,),
-            idle=True,
-        ),
+        EDGE,
     )
     source = "friction of a floor that is not everywhere the same; factor below 1 = slicker than the rest"
     confirm = "wipe the place clean, or drag a locked wheel across it and read the force"

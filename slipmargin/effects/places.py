@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from slipmargin.effects.effect import parameter
+
 #: Starts of a place: the middle and two rings of six, in shares of how far the runs reach from the origin …
 _RINGS = (0.2, 0.55)
 _ANGLES = tuple(k * math.pi / 3.0 for k in range(6))
@@ -13,7 +15,18 @@ _Y = (0.0, *(ring * math.sin(angle) for ring in _RINGS for angle in _ANGLES))
 _RADII = (0.15, 0.35, 0.65)
 PLACE_RADIUS = tuple(radius for radius in _RADII for _ in _X)
 PLACE_X, PLACE_Y = _X * len(_RADII), _Y * len(_RADII)
-#: Starts of a direction, all around [rad].
-PLACE_DIRECTION = tuple(k * math.pi / 4.0 for k in range(8))
+#: Starts of a line: normals all around [rad], through the origin and some way out, in the same shares.
+LINE_DIRECTION = tuple(k * math.pi / 4.0 for k in range(8)) * 2
+LINE_OFFSET = (0.0,) * 8 + (0.3,) * 8
 #: Width w of an edge [m]: from 10 to 90 % it is 4.4 w wide, the two millimetres that a contact is long.
 EDGE_M = 0.0005
+#: What everything that has an edge says of it; a fit from a wide one reaches places from farther away.
+EDGE = parameter(
+    "edge_m",
+    "m",
+    (EDGE_M, EDGE_M, 1.0),
+    0.005,
+    "width of the edge; a sharp one is as wide as a contact",
+    starts=(0.01,),
+    idle=True,
+)

@@ -15,6 +15,7 @@ from slipmargin.checks import Array
 from slipmargin.diagnosis.limits_change import LimitsChange
 from slipmargin.diagnosis.residual_diagnostics import CHANNELS
 from slipmargin.diagnosis.result import Diagnosis, Step, TrialTrajectories
+from slipmargin.plots.floor import floor_figure, floor_terms
 from slipmargin.plots.limits_change import limits_figure
 from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PALE, RED, styled
 from slipmargin.report.diagnosis_words import plain
@@ -36,6 +37,7 @@ def figures(diagnosis: Diagnosis, change: LimitsChange) -> dict[str, Figure]:
         "candidates": candidates_figure(diagnosis) if diagnosis.steps else None,
         "held-out": held_out_figure(diagnosis),
         "limits": limits_figure(change) if diagnosis.findings and change.moved else None,
+        "floor": floor_figure(diagnosis) if diagnosis.findings and floor_terms(diagnosis) else None,
     }
     return {name: figure for name, figure in drawn.items() if figure is not None}
 

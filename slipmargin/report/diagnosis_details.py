@@ -39,11 +39,22 @@ def limits(change: LimitsChange, images: Mapping[str, Image]) -> tuple[Block, ..
             for name, one, two, unit in rows
         ),
     )
+    floor: tuple[Block, ...] = ()
+    if "floor" in images:
+        floor = (
+            Picture(
+                name="floor",
+                image=images["floor"],
+                alt="Map of the floor: where friction differs, with the paths of the runs",
+                caption="Seen from above: red is slicker than elsewhere, blue grips more; grey: the runs.",
+            ),
+        )
     pulls = () if change.pulls is None else (Text(text=words.pulls_sentence(change.pulls)),)
     return (
         table,
         *(() if change.plan is None else (Text(text=words.plan_sentence(change.plan)),)),
         *pulls,
+        *floor,
         *(Text(text=sentence) for sentence in change.missing),
         Picture(
             name="limits",

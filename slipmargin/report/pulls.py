@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from slipmargin.diagnosis.limits_change import LimitsChange
-from slipmargin.diagnosis.pull_diagnosis import PullDiagnosis, PullScore
+from slipmargin.diagnosis.pull_diagnosis import PullDiagnosis
 from slipmargin.diagnosis.pull_next import NextPull
+from slipmargin.diagnosis.pull_unseen import PullScore
 from slipmargin.diagnosis.result import Verdict
 from slipmargin.report import diagnosis_json as plain, diagnosis_words as words
 from slipmargin.report.diagnosis_details import limits

@@ -55,7 +55,13 @@ CONE = 1e-6
 EVERY = pytest.mark.parametrize("kind", CATALOGUE, ids=lambda k: k.name)
 PHI = np.deg2rad(np.arange(3.0, 360.0, 60.0))
 #: How a unit is spelled in a key's ending where it is not plain (contract: `m_s2`, `s_per_m`).
-UNIT_WORDS = {"m/s": "m_s", "rad/s": "rad_s", "rad/(s N m)": "rad_s_per_N_m", "N s/m": "N_s_per_m"}
+UNIT_WORDS = {
+    "m/s": "m_s",
+    "rad/s": "rad_s",
+    "rad/(s N m)": "rad_s_per_N_m",
+    "N s/m": "N_s_per_m",
+    "N m": "N_m",
+}
 UNSEEN = (Part.SENSING, Part.TRANSIENTS)
 SLOW = settings(deadline=None, max_examples=4, suppress_health_check=[HealthCheck.too_slow])
 

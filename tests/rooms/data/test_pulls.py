@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from slipmargin.data.pulls import SAME_RAD, PullGroups, gather_pulls
+from slipmargin.data.pulls import SAME_RAD, PullGroups, Pulls, gather_pulls
 from slipmargin.errors import InputError
 
 
@@ -37,3 +37,20 @@ def test_no_pull_is_lost(rows: list[tuple[float, float]]) -> None:
     assert groups.count.sum() == len(rows)
     assert np.sum(groups.mean_N * groups.count) == pytest.approx(force.sum())
     assert np.all(np.diff(groups.phi_rad) > 0)
+
+
+def test_settings_gather_what_was_pulled_alike() -> None:
+    pulls = Pulls(
+        phi_rad=np.array([0.0, 2.0 * np.pi, 1.0, 0.001, 1.0]),
+        force_N=np.ones(5),
+        direction_rad=np.array([0.0, 0.0, 0.0, 0.0, np.pi]),
+    )
+    settings, which = pulls.settings()
+    assert len(settings) == 3 and which[0] == which[1] == which[3] and which[2] != which[4]
+
+
+@pytest.mark.parametrize(("key", "value"), [("height_m", [-0.1]), ("sigma_N", 0.0), ("point_m", [[1.0]])])
+def test_pulls_that_cannot_be_are_refused(key: str, value: object) -> None:
+    one = np.array([1.0])
+    with pytest.raises(InputError, match=key):
+        Pulls(phi_rad=one, force_N=one, **{key: np.array(value) if key != "sigma_N" else value})  # type: ignore[arg-type]

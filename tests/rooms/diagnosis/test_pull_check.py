@@ -63,3 +63,16 @@ def test_pulls_of_the_corrected_robot_confirm_it_and_others_do_not(
     check = pull_check(believed.build("paper"), corrected.build("paper"), against)
     assert check.rms_before_N < 1e-9 and "speak against" in pulls_sentence(check)
     assert check.mean_after_N == pytest.approx(np.mean(against.force_N - real))
+
+
+def test_a_pull_is_compared_with_the_limit_of_its_own_direction_and_height(believed: Recipe) -> None:
+    model, one = believed.build("paper"), np.ones(len(PHI))
+    pulls = Pulls(
+        phi_rad=PHI,
+        force_N=one,
+        theta_rad=np.zeros((len(PHI), 3)),
+        direction_rad=0.5 * np.pi * one,
+        height_m=0.05 * one,
+    )
+    wanted = limit(model, PHI, Pull(direction_rad=0.5 * np.pi, height_m=0.05))
+    np.testing.assert_allclose(predicted(model, pulls), wanted, rtol=1e-9)

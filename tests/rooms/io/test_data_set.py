@@ -274,3 +274,41 @@ def test_a_recipe_with_effects_is_kept(tmp_path: Path) -> None:
     write_data_set(tmp_path / "s", given)
     (effect,) = read_data_set(tmp_path / "s").recipe.effects
     assert (effect.name, effect.scale_y) == ("camera_scale", 0.91)  # type: ignore[union-attr]
+
+
+def test_a_data_set_may_hold_pulls_alone(tmp_path: Path) -> None:
+    """No runs, no wheel_signal; noise of a pull under [sigma]; every optional column comes back."""
+    rows = "phi_rad,force_N,direction_rad,point_x_m,point_y_m,height_m\n0.5,4.5,1,0.1,0,0.2\n1,5,0,0,0,0\n"
+    head = HEAD.replace('wheel_signal = "measured"\n', "") + "[sigma]\nforce_N = 0.05\n"
+    read = read_data_set(folder(tmp_path, head, None, pulls=rows))
+    assert not read.trials and read.sigma is None and read.pulls is not None
+    assert read.pulls.sigma_N == 0.05 and read.pulls.height_m is not None
+    write_data_set(tmp_path / "copy", read)
+    again = read_data_set(tmp_path / "copy").pulls
+    assert again is not None and again.sigma_N == 0.05
+    for key in ("phi_rad", "force_N", "direction_rad", "point_m", "height_m"):
+        np.testing.assert_array_equal(getattr(again, key), getattr(read.pulls, key))
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ("phi_rad,force_N\n90,4.5\n", "2:1: phi_rad is 90, divide degrees"),
+        ("phi_rad,force_N\n0.1,-4.5\n", "2:2: force_N is -4.5"),
+        ("phi_rad,force_N,height_m\n0.1,4.5,-1\n", "2:3: height_m is -1"),
+        ("phi_rad,force_N,point_x_m\n0.1,4.5,0\n", "'point_y_m' is missing"),
+    ],
+)
+def test_pulls_that_cannot_be_are_refused_by_their_cell(tmp_path: Path, rows: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        read_data_set(folder(tmp_path, pulls=rows))
+
+
+def test_runs_need_to_say_what_their_wheel_columns_are(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="wheel_signal: is missing"):
+        read_data_set(folder(tmp_path, HEAD.replace('wheel_signal = "measured"\n', "")))
+
+
+def test_noise_of_pulls_without_pulls_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="given without pulls"):
+        read_data_set(folder(tmp_path, HEAD + "[sigma]\nforce_N = 0.05\n"))
