@@ -1,7 +1,8 @@
 # make fig8   the paper's Fig. 8 from nothing but Python: environment, installation, tables and pictures
 # make test   everything that must hold
 # make test-seeds  the tests with drawn examples under twenty random seeds (SEEDS=1-20)
-# make bench  the figures that the README quotes
+# make docs   the documentation site, in site/
+# make bench  the figures that the README and the site quote
 # Versions are pinned in requirements.lock.  PYTHON=python3.12 make … uses another interpreter.
 
 PYTHON ?= python3
@@ -10,7 +11,10 @@ SEEDS ?= 1-20
 BIN := .venv/bin
 PIP := PIP_CONSTRAINT="$(CURDIR)/requirements.lock" PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet
 
-.PHONY: fig8 test test-seeds lint types bench clean
+.PHONY: install fig8 test test-seeds lint types docs bench clean
+
+install: .venv/installed
+
 
 fig8: .venv/installed
 	mkdir -p $(OUT)
@@ -29,6 +33,13 @@ lint: .venv/installed-test
 types: .venv/installed-test
 	$(BIN)/mypy
 
+docs: .venv/installed-test $(patsubst notebooks/%.py,docs/notebooks/%.ipynb,$(wildcard notebooks/*.py))
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
+
+docs/notebooks/%.ipynb: notebooks/%.py .venv/installed-test
+	mkdir -p docs/notebooks
+	$(BIN)/jupytext --quiet --to ipynb --execute --output $@ $<
+
 bench: .venv/installed-bench
 	for script in $$(grep -l __main__ benchmarks/*.py); do $(BIN)/python $$script || exit 1; done
 
@@ -38,7 +49,7 @@ bench: .venv/installed-bench
 	touch $@
 
 .venv/installed-test: .venv/installed
-	$(PIP) --editable '.[test,ros]'
+	$(PIP) --editable '.[test,ros,urdf,docs]'
 	touch $@
 
 .venv/installed-bench: .venv/installed-test
@@ -46,7 +57,7 @@ bench: .venv/installed-bench
 	touch $@
 
 clean:
-	rm -rf .venv build dist $(OUT) *.egg-info
+	rm -rf .venv build dist site docs/notebooks $(OUT) *.egg-info
 
 # The README's picture, drawn by the package.
 docs/ohio-kiwi-polar.png: .venv/installed

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from .options import (
+    ChanceOpt,
     DeltaOpt,
     GripOpt,
     JsonOpt,
@@ -15,6 +16,7 @@ from .options import (
     OutOpt,
     PlotOpt,
     RobotArg,
+    SeedOpt,
     SurfaceOpt,
     check_outputs,
     deliver,
@@ -46,6 +48,8 @@ def bounds(
             metavar="TOOL FILE", help=("Write the limits as nav2, roadrunner, pathplanner, choreo or json.")
         ),
     ] = None,
+    chance: ChanceOpt = None,
+    seed: SeedOpt = 0,
     out: OutOpt = None,
     plot: PlotOpt = None,
     json: JsonOpt = None,
@@ -53,7 +57,9 @@ def bounds(
     """Acceleration limits in motion by direction: speeding up, turning, braking, cornering, spinning.
 
     In motion the rollers turn and their friction is drag, so the pull limit divided by the mass is not an
-    acceleration limit.  Directions are the robot's own: 0° to the right, 90° forward.
+    acceleration limit.  Directions are counted from the body's +x (convention "paper": 0° to the right, 90°
+    forward; "ros": 0° forward, 90° to the left).
+    Where the robot file gives numbers with a spread ("12 ± 0.5"), the chance of slip is printed too.
     """
     import slipmargin as sm
 
@@ -65,6 +71,8 @@ def bounds(
         wheel_angle_deg="--delta-deg",
         step_deg="--step",
         yaw_rad_s2="--yaw",
+        chance="--chance",
+        seed="--seed",
         margin="--margin",
         export="--export",
     ):
@@ -76,6 +84,8 @@ def bounds(
             robust=robust,
             export=tool,
             yaw_rad_s2=yaw,
+            chance=chance,
+            seed=seed,
         )
     texts: dict[Path | str, str | bytes] = {}
     if tool is not None and file is not None:

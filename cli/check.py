@@ -48,8 +48,9 @@ def check(
     Admissible means that no wheel uses more than 1 − margin of its grip, no motor more than it has, and no
     wheel lifts off.  The cure is one factor: stretch time by it.
 
-    The form of the file is told by its content.  Choreo, PathPlanner and ROS have the robot's front along
-    its x axis, ours is +Y: their headings are turned by -90 degrees, positions stay.
+    The form of the file is told by its content.  Choreo, PathPlanner and ROS give the heading of
+    the robot's front: it stays for a robot file in the convention of ROS and is turned by -90 degrees for
+    the paper's, whose front is +Y; positions stay.
 
     Exit status: 0 done, admissible or not; with --strict 1 when not admissible; 2 bad input or usage.
     """

@@ -36,6 +36,7 @@ Calibration = Annotated[
         "--calibration", metavar="FILE", help="A calibration.toml of another floor, to be held fixed."
     ),
 ]
+ForceOpt = Annotated[bool, typer.Option("--force", help="Replace a data set that is there.")]
 Sign = Annotated[bool, typer.Option("--commanded", help="The wheel speeds are commanded, not measured.")]
 
 
@@ -59,6 +60,7 @@ def robotino(
             "time stamps tremble by a bus cycle); 0 for none.",
         ),
     ] = 0.2,
+    force: ForceOpt = False,
     json: JsonOpt = None,
 ) -> None:
     """Logs of the Festo Robotino 2 slip measurements (BrOleg5/research-wheel-slippage)."""
@@ -71,6 +73,7 @@ def robotino(
         calibrate,
         calibration,
         json,
+        force,
         ticks_per_turn=ticks_per_turn,
         smooth_s=smooth,
     )
@@ -80,15 +83,38 @@ def robotino(
 def csv(
     files: Files,
     out: Out,
-    columns: Annotated[Path, typer.Option("--map", metavar="MAP.toml", help="Which column is what.")],
     robot: Believed,
+    columns: Annotated[
+        Path | None, typer.Option("--map", metavar="MAP.toml", help="Which column is what, as a file.")
+    ] = None,
+    time: Annotated[str | None, typer.Option(metavar="COLUMN:UNIT", help="Time; s, ms, us, ns [s].")] = None,
+    x: Annotated[str | None, typer.Option(metavar="COLUMN:UNIT", help="Position; m, cm, mm, in [m].")] = None,
+    y: Annotated[str | None, typer.Option(metavar="COLUMN:UNIT", help="Position.")] = None,
+    heading: Annotated[
+        str | None,
+        typer.Option(metavar="COLUMN:UNIT", help="φ of the robot's convention; rad, deg, turn [rad]."),
+    ] = None,
+    wheels: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--wheel",
+            metavar="COLUMN:UNIT",
+            help="A wheel's speed (rpm, rad/s, deg/s) or angle (rad, deg, turn, ticks=4096) [rad/s]; once a "
+            "wheel, in the robot file's order.",
+        ),
+    ] = None,
+    separator: Annotated[str | None, typer.Option(metavar="C", help="Between cells: , ; | [,].")] = None,
     surface: Floor = None,
     calibrate: Calibrate = False,
     calibration: Calibration = None,
     commanded: Sign = False,
+    force: ForceOpt = False,
     json: JsonOpt = None,
 ) -> None:
-    """Any CSV, with a map of its columns in TOML (see slipmargin.io.importers.csv_map)."""
+    """Any CSV: name its columns here, or in a map (TOML, see slipmargin.io.importers.csv_map).
+
+    A leading - turns a column's sign: --y -py:mm --wheel -fl:rpm.
+    """
     run_import(
         "csv",
         files,
@@ -98,8 +124,15 @@ def csv(
         calibrate,
         calibration,
         json,
+        force,
         commanded=commanded,
         columns=columns,
+        time=time,
+        x=x,
+        y=y,
+        heading=heading,
+        wheels=wheels,
+        separator=separator,
     )
 
 
@@ -108,23 +141,47 @@ def ros(
     files: Files,
     out: Out,
     robot: Believed,
-    pose: Annotated[str, typer.Option("--pose-topic", metavar="TOPIC", help="PoseStamped or Odometry.")],
-    joints: Annotated[str, typer.Option("--joint-topic", metavar="TOPIC", help="JointState.")],
+    pose: Annotated[
+        str | None,
+        typer.Option(
+            "--pose-topic",
+            metavar="TOPIC",
+            help="Pose, Odometry or TF (default: by type).",
+        ),
+    ] = None,
+    joints: Annotated[
+        str | None, typer.Option("--joint-topic", metavar="TOPIC", help="JointState (default: by type).")
+    ] = None,
     names: Annotated[
-        list[str],
+        list[str] | None,
         typer.Option(
             "--joint",
             metavar="NAME",
-            help="Joint of each wheel in the robot file's order; -NAME where it "
-            "turns the other way. Give the option once a wheel.",
+            help="Joint of each wheel in the robot file's order; -NAME where it turns the other way. Give "
+            "the option once a wheel (default: by the wheels' names).",
         ),
-    ],
+    ] = None,
+    rotation: Annotated[
+        float,
+        typer.Option(
+            "--pose-rotation",
+            metavar="DEG",
+            help="Angle from the robot's front to the x axis of the body whose pose is logged, "
+            "counter-clockwise [deg]; 0 by REP 103.",
+        ),
+    ] = 0.0,
     surface: Floor = None,
     calibrate: Calibrate = False,
     calibration: Calibration = None,
+    force: ForceOpt = False,
     json: JsonOpt = None,
 ) -> None:
-    """ROS 1 and ROS 2 bags (needs the extra: pip install 'slipmargin[ros]')."""
+    """ROS 1 and ROS 2 bags (needs the extra: pip install 'slipmargin[ros]').
+
+    Yaw is the heading of the robot's front (REP 103) and becomes the φ of the robot file's convention: the
+    same for "ros", less 90 degrees for "paper".  Topics and joints that are not named are found by type and
+    name, and said.  Joints keep their signs: a robot file from the same URDF needs no conversion.
+    """
     run_import(
         "ros",
         files,
@@ -134,6 +191,8 @@ def ros(
         calibrate,
         calibration,
         json,
+        force,
+        pose_rotation_deg=rotation,
         pose_topic=pose,
         joint_topic=joints,
         joints=names,
@@ -149,13 +208,20 @@ def run_import(
     calibrate: bool,
     calibration: Path | None,
     json: str | None,
+    force: bool = False,
     **options: Any,
 ) -> None:
     """Read the logs, write the data set, and say what was read: what every format does."""
     import slipmargin as sm
 
-    check_outputs(json, data_set=out)
-    with at_options(calibrate="--calibrate"):
+    check_outputs(json, data_set=out, replace=force)
+    with at_options(
+        calibrate="--calibrate",
+        joints="--joint",
+        pose_rotation_deg="--pose-rotation",
+        columns="--map",
+        wheels="--wheel",
+    ):
         found = sm.import_logs(
             files,
             format,
@@ -166,5 +232,5 @@ def run_import(
             name=out.name,
             **options,
         )
-    found.write_folder(out)
+    found.write_folder(out, force=force)
     deliver(found, json=json, written=[out])

@@ -45,7 +45,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "diagnose": ("slipmargin_cli.diagnose:diagnose", "What physics is missing, judged by measured runs."),
     "import": ("slipmargin_cli.import_logs:app", "Turn raw logs into a data set."),
     "reproduce": ("slipmargin_cli.reproduce:reproduce", "Every published number beside ours."),
-    "robots": ("slipmargin_cli.robots:app", "The built-in robots: list, show."),
+    "robots": ("slipmargin_cli.robots:app", "Robot files: list, show, new, from-urdf, check."),
     "effects": ("slipmargin_cli.effects:app", "The effects a robot file may hold: list, show."),
 }
 

@@ -18,6 +18,14 @@ JsonOpt = Annotated[
     str | None, typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for stdout.")
 ]
 SeedOpt = Annotated[int, typer.Option("--seed", metavar="N", help="Seed of everything random.")]
+ChanceOpt = Annotated[
+    float | None,
+    typer.Option(
+        "--chance",
+        metavar="P",
+        help="Chance of slip for which a number is wanted; the robot file must give spreads.",
+    ),
+]
 MarginOpt = Annotated[
     float,
     typer.Option(
@@ -38,8 +46,11 @@ def check_outputs(
     plot: Path | None = None,
     folder: Path | None = None,
     data_set: Path | None = None,
+    replace: bool = False,
 ) -> None:
     """Refuse an output that cannot be written, or a picture of no known kind, before any work is done.
+
+    A data set that stands there already is refused unless it may be replaced.
 
     Raises
     ------
@@ -53,9 +64,9 @@ def check_outputs(
 
         check_folder(folder)
     if data_set is not None:
-        from slipmargin.io.data_set_write import check_data_set_place
+        from slipmargin.io.data_set_write import check_data_set_place, check_new
 
-        check_data_set_place(data_set)
+        (check_data_set_place if replace else check_new)(data_set)
     check_writable(*files, plot)
     if plot is not None:
         check_format(plot)

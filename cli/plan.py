@@ -7,7 +7,18 @@ from typing import Annotated
 
 import typer
 
-from .options import JsonOpt, MarginOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, check_outputs, deliver
+from .options import (
+    ChanceOpt,
+    JsonOpt,
+    MarginOpt,
+    OutOpt,
+    PlotOpt,
+    RobotArg,
+    SeedOpt,
+    SurfaceOpt,
+    check_outputs,
+    deliver,
+)
 from .render import at_options, refuse
 
 WayArg = Annotated[Path, typer.Argument(metavar="PATH.csv", help="Waypoints x_m,y_m,phi_rad.")]
@@ -52,11 +63,14 @@ def plan(
     points: PointsOpt = 400,
     step: TimeStepOpt = 0.005,
     verify: VerifyOpt = False,
+    chance: ChanceOpt = None,
+    seed: SeedOpt = 0,
 ) -> None:
     """The fastest motion along waypoints that keeps every wheel below 1 − margin of its grip.
 
     The table holds pose, velocity and acceleration in the floor frame, wheel speeds that roll without
-    slip and the share of each wheel's grip (0 to 1).
+    slip and the share of each wheel's grip (0 to 1).  Where the robot file gives numbers with a spread, the
+    chance of slip is printed too, and with --chance the margin for it.
     """
     import slipmargin as sm
 
@@ -71,6 +85,8 @@ def plan(
         blend_m="--blend",
         max_speed_m_s="--max-speed",
         max_yaw_rate_rad_s="--max-yaw-rate",
+        chance="--chance",
+        seed="--seed",
     ):
         found = sm.plan(
             robot,
@@ -87,5 +103,7 @@ def plan(
             points=points,
             step_s=step,
             verify=verify,
+            chance=chance,
+            seed=seed,
         )
     deliver(found, out=out, plot=plot, json=json)

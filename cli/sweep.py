@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from .options import (
+    ChanceOpt,
     DeltaOpt,
     GripOpt,
     JsonOpt,
@@ -38,9 +39,7 @@ def sweep(
     margin: MarginOpt = 0.1,
     method: Annotated[str, typer.Option(metavar="M", help="facets, clarabel or cvxpy.")] = "facets",
     measured: Annotated[Path | None, typer.Option(metavar="PULLS.csv", help="Measured pulls.")] = None,
-    chance: Annotated[
-        float | None, typer.Option(metavar="P", help="Chance of slip for which a pull is wanted [0.01].")
-    ] = None,
+    chance: ChanceOpt = None,
     seed: SeedOpt = 0,
     out: OutOpt = None,
     plot: PlotOpt = None,
@@ -50,7 +49,7 @@ def sweep(
 
     The first four lines are the answer.  Angles on the command line are degrees, in files radians.  With
     --measured every measured orientation gets a row with the mean, spread and residual of its pulls.  Where
-    the robot file gives coefficients with a spread ("0.26 ± 0.02"), the chance of slip is printed too.
+    the robot file gives numbers with a spread ("0.26 ± 0.02"), the chance of slip is printed too.
     """
     import slipmargin as sm
 

@@ -58,7 +58,7 @@ display(sm.bounds(robot, "paper").plot())
 #
 # The simulator knows nothing of limits: eq. (11), three wheels, an integrator.  The wheels are told to speed
 # the robot up along +X, from rest, asking each drive force for at most the share λ of its grip.  Friction of
-# eq. (11) is never quite without slip; below the limit it creeps by at most tan(πλ/2)/k.
+# eq. (11) is never quite without slip; a wheel that really uses λ creeps by tan(πλ/2)/k.
 
 
 # %%

@@ -24,16 +24,19 @@ _CONTENTS = {
     "bounds": "slipmargin.api.bounds",
     "built_in_robots": "slipmargin.api.robots",
     "check": "slipmargin.api.check",
+    "check_robot": "slipmargin.api.robot_files",
     "describe_effect": "slipmargin.api.effects",
     "describe_robot": "slipmargin.api.robots",
     "design": "slipmargin.api.design",
     "diagnose": "slipmargin.api.diagnose",
     "import_logs": "slipmargin.api.import_logs",
     "known_effects": "slipmargin.api.effects",
+    "new_robot": "slipmargin.api.robot_files",
     "plan": "slipmargin.api.plan",
     "polytope": "slipmargin.api.polytope",
     "read_robot": "slipmargin.api.robots",
     "reproduce": "slipmargin.api.reproduce",
+    "robot_from_urdf": "slipmargin.api.robot_files",
     "simulate": "slipmargin.api.simulate",
     "sweep": "slipmargin.api.sweep",
 }
@@ -48,6 +51,11 @@ if TYPE_CHECKING:
     from slipmargin.api.plan import plan as plan
     from slipmargin.api.polytope import polytope as polytope
     from slipmargin.api.reproduce import reproduce as reproduce
+    from slipmargin.api.robot_files import (
+        check_robot as check_robot,
+        new_robot as new_robot,
+        robot_from_urdf as robot_from_urdf,
+    )
     from slipmargin.api.robots import (
         built_in_robots as built_in_robots,
         describe_robot as describe_robot,

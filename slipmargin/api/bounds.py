@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, final
 
 from slipmargin.api.result import Result
-from slipmargin.api.robots import RobotLike, checked_margin, model_of
+from slipmargin.api.robots import Drawing, RobotLike, checked_margin, model_of, read_robot
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from slipmargin.limits.bounds_summary import Bounds
+    from slipmargin.limits.uncertainty import SlipChance
 
 
 @final
@@ -23,6 +24,7 @@ class BoundsResult(Result):
 
     bounds: Bounds
     warnings: tuple[str, ...]
+    slip_chance: SlipChance | None = None  #: None where no number of the robot is uncertain
 
     @property
     def recommended_m_s2(self) -> float:
@@ -41,7 +43,7 @@ class BoundsResult(Result):
         """The answer; the first four lines are traction, motor, isotropic and recommended."""
         from slipmargin.report.bounds import answer
 
-        return answer(self.bounds)
+        return answer(self.bounds, self.slip_chance)
 
     def table_lines(self) -> list[str]:
         """Limits by direction and cornering speeds by curvature."""
@@ -59,13 +61,13 @@ class BoundsResult(Result):
         """Everything as numbers."""
         from slipmargin.report.exports import bounds_table
 
-        return bounds_table(self.bounds)
+        return bounds_table(self.bounds, self.slip_chance)
 
     def table_text(self) -> str:
         """A row a direction."""
         from slipmargin.io.table import columns_text
 
-        full, safe = self.bounds.full, self.bounds.safe
+        full, safe, even = self.bounds.full, self.bounds.safe, self.bounds.even
         return columns_text(
             {
                 "heading_rad": full.heading_rad,
@@ -79,6 +81,7 @@ class BoundsResult(Result):
                 "steady_use_rigid": self.bounds.rigid_use,
                 "limiting": ["+".join(w) for w in full.starting.wheels],
                 "cause": list(full.starting.cause),
+                **({} if even is None else {"even_floor_starting_m_s2": even.starting_m_s2}),
             }
         )
 
@@ -106,6 +109,8 @@ def bounds(
     robust: bool = False,
     export: str | None = None,
     yaw_rad_s2: float | None = None,
+    chance: float | None = None,
+    seed: int = 0,
 ) -> BoundsResult:
     """Acceleration limits in motion by direction: speeding up, turning, braking, cornering, spinning.
 
@@ -121,7 +126,7 @@ def bounds(
     margin : float
         Safety margin: the share of the grip kept in reserve, 0 to below 1.
     step_deg : float
-        Step of the directions, above 0 and up to 90 [deg]; 0° is to the robot's right, 90° forward.
+        Step of the directions, above 0 and up to 90 [deg]; 0° is the body's +x.
     robust : bool
         True: safe whichever wheels stand on rigid sectors.  False: all wheels on rollers.
     export : str, optional
@@ -129,6 +134,12 @@ def bounds(
     yaw_rad_s2 : float, optional
         Yaw acceleration that the safe box and circle (and so every export) keep in reserve [rad/s²]; by
         default a tenth of what spinning on the spot allows, enough to correct the heading on a straight line.
+
+    chance : float, optional
+        Chance of slip for which an acceleration is wanted, 0.001 to 0.5; 0.01 where it is not given.  It
+        needs a number with a spread (``"0.26 ± 0.02"`` in the robot file).
+    seed : int
+        Seed of the drawn numbers, from 0.
 
     Returns
     -------
@@ -150,7 +161,9 @@ def bounds(
     from slipmargin.limits.bounds_summary import bounds as limit_bounds
     from slipmargin.limits.motion_state import Contact
 
-    model, warnings = model_of(robot, surface)
+    recipe = read_robot(robot)
+    model, warnings = model_of(recipe, surface, spread=True, band=True)
+    drawing = Drawing.of(recipe, surface, chance, seed)
     if not (math.isfinite(step_deg) and 0.0 < step_deg <= 90.0):
         raise InputError("step_deg", f"is {step_deg:g}", "give a step up to 90 degrees")
     if export is not None:
@@ -160,11 +173,20 @@ def bounds(
             raise InputError("export", f"is {export!r}", f"use one of: {', '.join(TOOLS)}")
     if yaw_rad_s2 is not None and not (math.isfinite(yaw_rad_s2) and yaw_rad_s2 >= 0.0):
         raise InputError("yaw_rad_s2", f"is {yaw_rad_s2:g}", "give a yaw acceleration [rad/s²], 0 for none")
+    contact = Contact.UNKNOWN if robust else Contact.ROLLERS
     found = limit_bounds(
         model,
         margin=checked_margin(margin),
         step_deg=step_deg,
-        contact=Contact.UNKNOWN if robust else Contact.ROLLERS,
+        contact=contact,
         yaw_rad_s2=yaw_rad_s2,
     )
-    return BoundsResult(bounds=found, warnings=warnings)
+    likely = None
+    if drawing is not None:
+        from slipmargin.limits.uncertainty_motion import lowest_starts
+
+        likely, more = drawing.counted(
+            model, lambda drawn: lowest_starts(model, drawn, contact), found.recommended_m_s2
+        )
+        warnings = (*warnings, *more)
+    return BoundsResult(bounds=found, warnings=warnings, slip_chance=likely)

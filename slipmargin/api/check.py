@@ -125,9 +125,10 @@ def check(
     trajectory : Trajectory, array (T, 4), or a file
         A planned trajectory; rows of t [s], x [m], y [m], φ [rad]; or a file: a CSV with at least the
         columns ``t_s,x_m,y_m,phi_rad``, a Choreo ``.traj``, a PathPlanner trajectory JSON, or a ROS bag
-        with a nav_msgs/Path.  Those three have the robot's front along its x axis; their headings θ become
-        φ = θ − π/2.  Velocities and accelerations that a file states are compared with its poses, which
-        are what is checked; a contradiction is a warning.
+        with a nav_msgs/Path.  Those three give the heading θ of the robot's front; it becomes φ = θ − π/2
+        for a robot file in the paper's convention and φ = θ in that of ROS.  Velocities and accelerations
+        that a file states are compared with its poses, which are what is checked; a contradiction is a
+        warning.
     margin : float
         Safety margin: 1 − grip utilisation, 0 to below 1.
     smooth_s : float
@@ -170,7 +171,7 @@ def check(
     from slipmargin.limits.motion_state import Contact
     from slipmargin.paths.check import check as path_check
 
-    model, warnings = model_of(robot, surface)
+    model, warnings = model_of(robot, surface, band=True)
     share = 1.0 - checked_margin(margin)
     source, form = "", "array"
     if topic is not None and not isinstance(trajectory, Path | str):
@@ -181,7 +182,7 @@ def check(
         from slipmargin.io.trajectory_file import read_trajectory
 
         source = str(trajectory)
-        samples = read_trajectory(Path(trajectory), topic)
+        samples = read_trajectory(Path(trajectory), topic, model.convention)
         t_s, pose, form = samples.t_s, samples.pose, samples.form
         warnings = (*warnings, *samples.notes)
     else:

@@ -41,6 +41,14 @@ class DesignResult(Result):
     work_folder: Path | None
 
     @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the robot file says and a study of designs does not use."""
+        from slipmargin.robot.warnings import unused
+
+        base = self.study.problem.base
+        return unused(base.robot, base.surface, spread=False, band=False)
+
+    @property
     def best(self) -> dict[str, Any]:
         """The best design: quantity → value."""
         return dict(zip(self.study.keys, self.study.values[self.study.best()], strict=True))

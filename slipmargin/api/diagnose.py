@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
-from slipmargin.api.result import Result
+from slipmargin.api.diagnosed import Diagnosed
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from slipmargin.api.diagnose_pulls import PullDiagnosisResult
     from slipmargin.data.data_set import DataSet
     from slipmargin.diagnosis.limits_change import LimitsChange
     from slipmargin.diagnosis.result import Diagnosis
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class DiagnosisResult(Result):
+class DiagnosisResult(Diagnosed):
     """What the model lacks, the evidence, and the limits before and after."""
 
     diagnosis: Diagnosis
@@ -31,6 +32,14 @@ class DiagnosisResult(Result):
     def verdict(self) -> str:
         """``effect-found``, ``no-missing-effect`` or ``unexplained``."""
         return self.diagnosis.verdict.value
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the robot file says and a diagnosis does not use."""
+        from slipmargin.robot.warnings import unused
+
+        d = self.diagnosis
+        return unused(d.recipe.robot, d.surface, spread=False, band=False)
 
     @property
     def corrected(self) -> Recipe:
@@ -94,33 +103,6 @@ class DiagnosisResult(Result):
             **dict(sorted(pictures(built).items())),
         }
 
-    def write(self, path: Path | str) -> None:
-        """Write ``.toml`` (the corrected robot), ``.json`` (the report) or a picture.
-
-        Raises
-        ------
-        InputError
-            For another ending, or where the file cannot be written.
-        """
-        if Path(path).suffix.lower() == ".toml":
-            self.write_files(texts={path: self.corrected_text()})
-        else:
-            Result.write(self, path)
-
-    def write_folder(self, folder: Path | str) -> list[str]:
-        """Write :meth:`files` into a folder, all or none, and return their names.
-
-        Raises
-        ------
-        InputError
-            Where the folder cannot be written; then nothing has changed.
-        """
-        from slipmargin.io.folder import write_folder
-
-        files = self.files()
-        write_folder(folder, files)
-        return list(files)
-
 
 def diagnose(
     data_set: DataSet | Path | str,
@@ -128,13 +110,14 @@ def diagnose(
     seed: int = 0,
     progress: Callable[[str, float], None] = lambda stage, share: None,
     budget_s: float | None = None,
-) -> DiagnosisResult:
-    """What the model lacks, proved on runs that no fit has seen, with a corrected robot.
+) -> DiagnosisResult | PullDiagnosisResult:
+    """What the model lacks, proved on runs (or, without runs, on pulls) that no fit has seen.
 
     Parameters
     ----------
     data_set : DataSet, str or Path
-        A data set, or the folder of one (``dataset.toml``, the robot file, ``trials/*.csv``).
+        A data set, or the folder of one (``dataset.toml``, the robot file, ``trials/*.csv``, ``pulls.csv``
+        or both).
     seed : int
         Seed of everything random, from 0; the same data and seed give the same result.
     progress : callable
@@ -144,7 +127,7 @@ def diagnose(
 
     Returns
     -------
-    DiagnosisResult
+    DiagnosisResult, or PullDiagnosisResult where there are pulls alone
         ``verdict``, ``diagnosis.findings``, ``corrected`` (a robot for all other functions), ``change``
         (limits before and after).
 
@@ -152,7 +135,7 @@ def diagnose(
     ------
     InputError
         For a fault in the data set, also where its runs show wrong units, swapped wheels or a mirrored
-        frame.
+        frame.  What the data show how to mend is mended and reported (``diagnosis.repairs``).
 
     Examples
     --------
@@ -160,17 +143,40 @@ def diagnose(
     >>> found = sm.diagnose("measured-runs")  # doctest: +SKIP
     >>> sm.sweep(found.corrected, "paper")  # doctest: +SKIP
     """
+    from slipmargin.data.clean_up import repaired
     from slipmargin.diagnosis.limits_change import limits_change
     from slipmargin.diagnosis.loop import diagnose as search
 
     if seed < 0:
         raise InputError("seed", f"is {seed}", "give a whole number from 0")
     data, source = _read(data_set)
-    _check_sense(data, source)
-    diagnosis = search(data, seed=seed, progress=progress, budget_s=budget_s)
+    if not data.trials:
+        _check_sense(data, source)
+        return _pulls(data, source, seed, progress)
+    mended = repaired(data)
+    _check_sense(mended.data_set, source)
+    diagnosis = search(
+        mended.data_set, seed=seed, progress=progress, repairs=mended.repairs, budget_s=budget_s
+    )
     progress("limits before and after", 0.2)
     change = limits_change(diagnosis.recipe, diagnosis.corrected, diagnosis.surface, data.pulls)
     return DiagnosisResult(diagnosis=diagnosis, change=change)
+
+
+def _pulls(
+    data: DataSet, source: str, seed: int, progress: Callable[[str, float], None]
+) -> PullDiagnosisResult:
+    from slipmargin.api.diagnose_pulls import PullDiagnosisResult
+    from slipmargin.diagnosis.limits_change import limits_change
+    from slipmargin.diagnosis.pull_diagnosis import diagnose_pulls
+
+    try:
+        found = diagnose_pulls(data, seed=seed, progress=progress)
+    except InputError as fault:
+        raise fault if fault.source else fault.in_file(source) from None
+    progress("limits before and after", 0.2)
+    change = limits_change(found.recipe, found.corrected, found.surface)
+    return PullDiagnosisResult(diagnosis=found, change=change)
 
 
 def _read(data_set: DataSet | Path | str) -> tuple[DataSet, str]:
@@ -183,7 +189,7 @@ def _read(data_set: DataSet | Path | str) -> tuple[DataSet, str]:
 
 def _check_sense(data_set: DataSet, source: str) -> None:
     """Refuse data whose fault is not the robot's: wrong units, swapped wheels, a mirrored frame."""
-    from slipmargin.io.data_checks import check_data_set
+    from slipmargin.data.checks import check_data_set
 
     for fault in check_data_set(data_set):
         raise InputError(fault.place, fault.problem, f"likely cause: {fault.cause}", source)

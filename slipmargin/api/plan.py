@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
 from slipmargin.api.result import Result
-from slipmargin.api.robots import RobotLike, checked_margin, model_of
+from slipmargin.api.robots import Drawing, RobotLike, checked_margin, model_of, read_robot
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from slipmargin.model import Model
+    from slipmargin.paths.chance import PlanChance
     from slipmargin.paths.path import Path as Way
     from slipmargin.paths.plan import Plan
     from slipmargin.paths.trajectory import Trajectory
@@ -35,6 +36,7 @@ class PlanResult(Result):
     trajectory: Trajectory
     simulated: dict[str, Verified]
     warnings: tuple[str, ...]
+    plan_chance: PlanChance | None = None  #: None where no number of the robot is uncertain
 
     @property
     def duration_s(self) -> float:
@@ -84,7 +86,7 @@ class PlanResult(Result):
         """Duration, grip, what limits the pace, and each simulation."""
         from slipmargin.report.paths import plan_lines
 
-        return plan_lines(self.plan, self.trajectory, self.simulated)
+        return plan_lines(self.plan, self.trajectory, self.simulated, self.plan_chance)
 
     def plot(self) -> Figure:
         """The path by limiting wheel, the speed under its limit curve, the grip utilisation of each wheel."""
@@ -113,6 +115,7 @@ class PlanResult(Result):
             "duration_s": p.duration_s,
             "length_m": p.path.length,
             "max_use": p.max_use,
+            **({} if self.plan_chance is None else {"slip_chance": asdict(self.plan_chance)}),
             "grid_points": len(p.x),
             "s_m": p.grid.s,
             "speed_m_s": np.sqrt(p.x),
@@ -149,6 +152,8 @@ def plan(
     points: int = 400,
     step_s: float = 0.005,
     verify: bool = False,
+    chance: float | None = None,
+    seed: int = 0,
 ) -> PlanResult:
     """The fastest motion along waypoints that keeps every wheel below 1 − margin of its grip.
 
@@ -179,6 +184,11 @@ def plan(
         Time step of the table [s].
     verify : bool
         Also simulate the planned wheel speeds, open loop.
+    chance : float, optional
+        Chance of slip for which a margin is wanted, 0.001 to 0.5.  It needs a number with a spread
+        (``"0.26 ± 0.02"`` in the robot file); the plan itself keeps ``margin``.
+    seed : int
+        Seed of the drawn numbers, from 0.
 
     Returns
     -------
@@ -205,7 +215,9 @@ def plan(
     from slipmargin.paths.sample import trajectory
     from slipmargin.paths.verify import on_rollers, verify as simulated
 
-    model, warnings = model_of(robot, surface)
+    recipe = read_robot(robot)
+    model, warnings = model_of(recipe, surface, spread=True, band=True)
+    drawing = Drawing.of(recipe, surface, chance, seed)
     for name, cap in (("max_speed_m_s", max_speed_m_s), ("max_yaw_rate_rad_s", max_yaw_rate_rad_s)):
         if cap is not None and not 0.0 < cap < np.inf:
             raise InputError(name, f"is {cap:g}", "give a positive number, or leave it out")
@@ -225,7 +237,8 @@ def plan(
     )
     source = str(waypoints) if isinstance(waypoints, Path | str) else ""
     try:
-        found = path_plan(model, _way(model, waypoints, closed, blend_m), request)
+        way = _way(model, waypoints, closed, blend_m)
+        found = path_plan(model, way, request)
     except InputError as fault:
         raise fault if fault.source or not source else fault.in_file(source) from None
     rows = trajectory(found, step_s=step_s)
@@ -234,7 +247,19 @@ def plan(
         proofs["on rollers"] = simulated(on_rollers(model), rows)
         if np.any(model.grip.rigid_fraction > 0.0):
             proofs["with its rigid sectors"] = simulated(model, rows)
-    return PlanResult(plan=found, trajectory=rows, simulated=proofs, warnings=warnings)
+    likely = None
+    if drawing is not None:
+        from slipmargin.paths.chance import plan_chance
+
+        try:
+            likely = plan_chance(
+                model, way, request, rows, drawing.drawn(model), chance=chance, seed=seed, step_s=step_s
+            )
+        except InputError as fault:
+            if chance is not None:
+                raise
+            warnings = (*warnings, str(fault))
+    return PlanResult(plan=found, trajectory=rows, simulated=proofs, warnings=warnings, plan_chance=likely)
 
 
 def _way(

@@ -64,7 +64,7 @@ class PolytopeResult(Result):
         from slipmargin.plots.polytope import polytope_figure
 
         title = f"Wrenches without slip: {self.model.robot}, surface “{self.model.surface}”"
-        return polytope_figure(self.wrenches, title)
+        return polytope_figure(self.wrenches, title, self.model.convention)
 
     def to_dict(self) -> dict[str, Any]:
         """Vertices, facets, volume and generators."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
@@ -14,8 +15,12 @@ from slipmargin.robot import GripShape, Robot
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from slipmargin.checks import Array
+    from slipmargin.limits.uncertainty import Draws, SlipChance
     from slipmargin.model import Model
 
+#: The chance for which a number is printed where none is asked for [1].
+USUAL_CHANCE = 0.01
 #: What every function takes as a robot: a file or built-in name, a recipe, or a bare robot.
 RobotLike = Recipe | Robot | Path | str
 
@@ -90,8 +95,13 @@ def read_robot(
     return replace(recipe, robot=machine)
 
 
-def model_of(robot: RobotLike, surface: str) -> tuple[Model, tuple[str, ...]]:
+def model_of(
+    robot: RobotLike, surface: str, *, spread: bool = False, band: bool = False
+) -> tuple[Model, tuple[str, ...]]:
     """The model of a robot on a surface, and the warnings that it deserves.
+
+    ``spread`` and ``band`` say whether the caller uses uncertain numbers and the band of loads; what it does
+    not use is a warning too.
 
     Raises
     ------
@@ -99,11 +109,12 @@ def model_of(robot: RobotLike, surface: str) -> tuple[Model, tuple[str, ...]]:
         Placed in the robot's file, or at ``surface`` where the robot has none of that name.
     """
     from slipmargin.io.toml_table import one_of
-    from slipmargin.robot.warnings import warnings
+    from slipmargin.robot.warnings import unused, warnings
 
     recipe = read_robot(robot)
     one_of("surface", surface, [s.name for s in recipe.robot.surfaces])
-    return recipe.build(surface), warnings(recipe.robot)
+    ignored = unused(recipe.robot, surface, spread=spread, band=band)
+    return recipe.build(surface), (*warnings(recipe.robot), *ignored)
 
 
 def checked_margin(margin: float) -> float:
@@ -117,6 +128,67 @@ def checked_margin(margin: float) -> float:
     if not 0.0 <= margin < 1.0:
         raise InputError("margin", f"is {margin:g}", "give a share of the grip from 0 to below 1")
     return float(margin)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Drawing:
+    """What a command that draws from a robot's spreads was asked: a chance, or None, and a seed."""
+
+    recipe: Recipe
+    chance: float | None
+    seed: int
+
+    @staticmethod
+    def of(recipe: Recipe, surface: str, chance: float | None, seed: int) -> Drawing | None:
+        """None where no number of the robot on this surface has a spread.
+
+        Raises
+        ------
+        InputError
+            For a seed below 0, or a chance out of range or without a spread.
+        """
+        from slipmargin.limits.uncertainty import checked_chance
+        from slipmargin.robot.warnings import uncertain_keys
+
+        if seed < 0:
+            raise InputError("seed", f"is {seed}", "give a whole number from 0")
+        if not uncertain_keys(recipe.robot, surface):
+            if chance is None:
+                return None
+            raise InputError(
+                "chance",
+                f"has no effect: every number of the robot on surface {surface!r} is exact",
+                'write a spread in the robot file, drive = "0.26 ± 0.02" or drive = [0.24, 0.28]',
+            )
+        return Drawing(recipe=recipe, chance=None if chance is None else checked_chance(chance), seed=seed)
+
+    def drawn(self, model: Model) -> Draws:
+        """The draws, around a model of the recipe."""
+        from slipmargin.limits.uncertainty import DRAWS, draws
+
+        return draws(self.recipe.robot, model, DRAWS, self.seed)
+
+    def counted(
+        self, model: Model, lowest: Callable[[Draws], Array], recommended: float
+    ) -> tuple[SlipChance | None, tuple[str, ...]]:
+        """The chance of slip by the draws' own limits, or None and why it is not computed.
+
+        Raises
+        ------
+        InputError
+            Where it is not computed although a chance was asked for.
+        """
+        from slipmargin.limits.uncertainty import counted
+
+        try:
+            limits = lowest(self.drawn(model))
+        except InputError as fault:
+            if self.chance is not None:
+                raise
+            return None, (str(fault),)
+        chance = USUAL_CHANCE if self.chance is None else self.chance
+        return counted(limits, recommended, chance=chance, seed=self.seed), ()
 
 
 def built_in_robots() -> dict[str, str]:

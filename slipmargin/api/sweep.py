@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
 from slipmargin.api.result import Result
-from slipmargin.api.robots import RobotLike, checked_margin, model_of, read_robot
+from slipmargin.api.robots import Drawing, RobotLike, checked_margin, model_of, read_robot
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.physics.constants import GRAVITY_M_S2
@@ -42,7 +42,7 @@ class SweepResult(Result):
     pulls: PullGroups | None
     outside: int  #: measured pulls outside the orientations swept
     warnings: tuple[str, ...]
-    slip_chance: SlipChance | None = None  #: None where no coefficient is uncertain
+    slip_chance: SlipChance | None = None  #: None where no number of the robot is uncertain
 
     @property
     def phi_rad(self) -> Array:
@@ -106,7 +106,7 @@ class SweepResult(Result):
         )
         lines.append(proof(self.method, self.check))
         if self.slip_chance is not None:
-            lines.append(chance_line(self.slip_chance, self.recommended_N))
+            lines.append(chance_line(self.slip_chance, f"{self.recommended_N:.2f}", "N"))
         if self.pulls is not None:
             lines.append(
                 measured_line(self.measured()["residual_N"], int(self.pulls.count.sum()), self.outside)
@@ -153,7 +153,7 @@ class SweepResult(Result):
             "strongest": {"phi_rad": strong, "force_N": most},
             "isotropic": {"force_N": self.isotropic.force_N, "coefficient": self.isotropic.coefficient},
             "recommended": {"force_N": self.recommended_N, "margin": self.margin},
-            **({} if self.slip_chance is None else {"slip_chance": asdict(self.slip_chance)}),
+            **({} if self.slip_chance is None else {"slip_chance": self.slip_chance.table("force_N")}),
             **self._curves(),
             "limiting": self.limiting,
             **self.measured(),
@@ -194,9 +194,9 @@ def sweep(
         A CSV of measured pulls (``phi_rad,force_N``, one row a pull).
     chance : float, optional
         Chance of slip for which a pull is wanted, 0.001 to 0.5; 0.01 where it is not given.  It needs a
-        friction coefficient with a spread (``"0.26 ± 0.02"`` in the robot file).
+        number with a spread (``"0.26 ± 0.02"`` in the robot file).
     seed : int
-        Seed of the drawn coefficients, from 0.
+        Seed of the drawn numbers, from 0.
 
     Returns
     -------
@@ -223,19 +223,11 @@ def sweep(
     from slipmargin.data.pulls import SAME_RAD
     from slipmargin.limits import isotropic, sweep as limit_sweep, wrench_set
     from slipmargin.limits.self_check import self_check
-    from slipmargin.limits.uncertainty import slip_chance, uncertain
+    from slipmargin.limits.uncertainty import lowest_pulls
 
     recipe = read_robot(robot)
-    model, warnings = model_of(recipe, surface)
-    floor = recipe.robot.surface(surface)
-    if seed < 0:
-        raise InputError("seed", f"is {seed}", "give a whole number from 0")
-    if chance is not None and not uncertain(floor):
-        raise InputError(
-            "chance",
-            f"has no effect: every coefficient of surface {surface!r} is exact",
-            'write a spread in the robot file, drive = "0.26 ± 0.02" or drive = [0.24, 0.28]',
-        )
+    model, warnings = model_of(recipe, surface, spread=True, band=True)
+    drawing = Drawing.of(recipe, surface, chance, seed)
     if method not in METHODS:
         raise InputError("method", f"is {method!r}", f"use one of: {', '.join(METHODS)}")
     phi = orientations(from_deg, to_deg, step_deg)
@@ -258,14 +250,9 @@ def sweep(
         else float(np.max(np.abs(found.f_max_N / by_facets.f_max_N - 1.0)))
     )
     recommended, likely = found.recommended_N(margin), None
-    if uncertain(floor):
-        wanted = 0.01 if chance is None else chance
-        try:
-            likely = slip_chance(model, floor, phi, recommended, chance=wanted, seed=seed)
-        except InputError as fault:
-            if chance is not None:
-                raise
-            warnings = (*warnings, str(fault))
+    if drawing is not None:
+        likely, more = drawing.counted(model, lambda drawn: lowest_pulls(model, phi, drawn), recommended)
+        warnings = (*warnings, *more)
     return SweepResult(
         sweep=found,
         limiting=by_facets.limiting(),

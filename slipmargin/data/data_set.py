@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array, frozen
+from slipmargin.data.noise import LastingNoise
 from slipmargin.data.pulls import Pulls
 from slipmargin.data.record import Record
 from slipmargin.effects.recipe import Recipe
@@ -25,7 +26,7 @@ class WheelSignal(Enum):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DataSet:
-    """A robot as its user believes it to be, and its measured runs on one floor.
+    """A robot as its user believes it to be, and its measured runs, pulls or both on one floor.
 
     Parameters
     ----------
@@ -43,6 +44,8 @@ class DataSet:
         Measurement noise (one standard deviation) of x [m], y [m], φ [rad], where stated.
     pulls : Pulls or None
         Measured breakaway pulls.
+    lasting : LastingNoise or None
+        The part of the noise that lasts from sample to sample; None where it is white.
     """
 
     name: str
@@ -52,11 +55,16 @@ class DataSet:
     trials: tuple[Record, ...]
     sigma: Array | None = None
     pulls: Pulls | None = None
+    lasting: LastingNoise | None = None
 
     def __post_init__(self) -> None:
         self.recipe.robot.surface(self.surface)
-        if not self.trials:
-            raise InputError("trials", "there is no trial", "put one CSV a run into the folder trials")
+        if not self.trials and self.pulls is None:
+            raise InputError(
+                "trials",
+                "there is no trial and no pulls.csv",
+                "put one CSV a run into the folder trials, or add pulls.csv",
+            )
         if self.sigma is not None:
             sigma = frozen("sigma", self.sigma, (3,))
             if sigma.min() <= 0.0:

@@ -7,27 +7,88 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array, frozen
+from slipmargin.checks import Array, Index, frozen, real
+from slipmargin.errors import InputError
 
 #: Pulls closer together than this belong to one orientation [rad] (a fifth of a degree).
 SAME_RAD = 3.5e-3
+#: Points of pull closer together than this are one [m].
+SAME_M = 1e-3
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Pulls:
-    """Measured breakaway pulls: direction (P,) [rad], force (P,) [N], rotor angles (P, N) [rad] or None."""
+    """Measured breakaway pulls: orientation (P,) [rad], force (P,) [N], and what else is known of each.
+
+    Parameters
+    ----------
+    phi_rad, force_N : (P,)
+        Orientation of the robot [rad] and the pull at which it broke away [N].
+    theta_rad : (P, N), optional
+        Wheel angles [rad].
+    direction_rad : (P,), optional
+        Direction of the pull in the floor frame [rad]; along +x where not given.
+    point_m : (P, 2), optional
+        Where it pulls, in the body frame [m]; the centre of mass where not given.
+    height_m : (P,), optional
+        Height of that point above the floor [m]; 0 where not given.
+    sigma_N : float, optional
+        Repeatability of the measurement, one standard deviation [N].
+    """
 
     phi_rad: Array
     force_N: Array
     theta_rad: Array | None = None
+    direction_rad: Array | None = None
+    point_m: Array | None = None
+    height_m: Array | None = None
+    sigma_N: float | None = None
 
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "phi_rad", frozen("phi_rad", self.phi_rad, (None,)))
-        put(self, "force_N", frozen("force_N", self.force_N, (len(self.phi_rad),)))
-        if self.theta_rad is not None:
-            put(self, "theta_rad", frozen("theta", self.theta_rad, (len(self.phi_rad), None)))
+        count = len(self.phi_rad)
+        for key, shape in (
+            ("force_N", (count,)),
+            ("theta_rad", (count, None)),
+            ("direction_rad", (count,)),
+            ("point_m", (count, 2)),
+            ("height_m", (count,)),
+        ):
+            value = getattr(self, key)
+            if value is not None:
+                put(self, key, frozen(key, value, shape))
+        if self.height_m is not None and np.any(self.height_m < 0.0):
+            raise InputError("height_m", f"is {self.height_m.min():g}", "give heights above the floor [m]")
+        if self.sigma_N is not None:
+            put(self, "sigma_N", real("sigma_N", self.sigma_N, above=0.0, cure="noise is positive"))
+
+    def settings(self) -> tuple[Array, Index]:
+        """What was pulled how: settings (G, 5), and which of them each pull (P,) is.
+
+        A setting is orientation [rad], direction [rad], point x, y [m] (NaN: the centre of mass) and
+        height [m].  Orientations that agree to :data:`SAME_RAD`, a full turn apart or not, are one.
+        """
+        count = len(self.phi_rad)
+        direction = np.zeros(count) if self.direction_rad is None else self.direction_rad
+        point = np.full((count, 2), np.nan) if self.point_m is None else self.point_m
+        height = np.zeros(count) if self.height_m is None else self.height_m
+        found: list[Array] = []
+        which = np.empty(count, dtype=np.int64)
+        rows = np.column_stack([self.phi_rad, direction, point, height])
+        for at in np.lexsort((np.mod(self.phi_rad + 0.5 * SAME_RAD, 2.0 * np.pi),)):
+            which[at] = next((g for g, one in enumerate(found) if _same(one, rows[at])), len(found))
+            if which[at] == len(found):
+                found.append(rows[at])
+        return np.array(found), which
+
+
+def _same(one: Array, other: Array) -> bool:
+    turned = np.abs(np.mod(one[:2] - other[:2] + np.pi, 2.0 * np.pi) - np.pi)
+    return bool(np.all(turned <= SAME_RAD)) and bool(
+        np.all(np.nan_to_num(np.abs(one[2:] - other[2:])) <= SAME_M)
+    )
 
 
 @final

@@ -35,6 +35,8 @@ class Record:
     omega, theta, omega_cmd, current : array (T, N) or None
         Wheel speed [rad/s], angle [rad], commanded speed [rad/s], motor current [A].  A wheel that
         has no such channel is a column of NaN; ``None`` where no wheel has.
+    commands_held : bool
+        Whether each commanded speed holds until the next row; else commands run straight from row to row.
     """
 
     name: str
@@ -44,6 +46,7 @@ class Record:
     theta: Array | None = None
     omega_cmd: Array | None = None
     current: Array | None = None
+    commands_held: bool = False
 
     def __post_init__(self) -> None:
         time = _signal("t_s", self.t_s, (None,))

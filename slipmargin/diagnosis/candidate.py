@@ -6,8 +6,9 @@ variable it traces.  Both build effects, and the null vector builds one that doe
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import final
 
 import numpy as np
@@ -84,12 +85,16 @@ class Candidate:
 
 
 def named_candidate(
-    effect: type[Effect], variant: Variant | None = None, wheels: tuple[str, ...] = ()
+    effect: type[Effect],
+    variant: Variant | None = None,
+    wheels: tuple[str, ...] = (),
+    reach: Mapping[str, float] = MappingProxyType({}),
 ) -> Candidate:
     """The candidate for one variant of an effect: all parameters free where none is given.
 
     Parameters that have no influence at null stand at their first start value there, so that a step of
-    the effect's first parameter shows what the effect can do.
+    the effect's first parameter shows what the effect can do.  ``reach`` says how far the runs cover
+    "position" [m] and "time" [s]: starts of parameters along these are shares of it.
     """
     variant = variant or Variant(free=tuple(p.name for p in effect.parameters))
     rows = [p for p in effect.parameters if p.name in variant.free]
@@ -100,7 +105,7 @@ def named_candidate(
         vector = np.array([chosen[p.name] for p in effect.parameters])
         return effect.of(vector, wheels) if issubclass(effect, WheelEffect) else effect.of(vector)
 
-    sets = [p.starts or (p.null + p.scale,) for p in rows]
+    sets = [tuple(s * reach.get(p.along, 1.0) for s in p.starts) or (p.null + p.scale,) for p in rows]
     count = max(len(s) for s in sets)
     starts = np.array([[s[min(i, len(s) - 1)] for s in sets] for i in range(count)])
     return Candidate(
@@ -112,7 +117,7 @@ def named_candidate(
         named=True,
         keys=tuple(p.name for p in rows),
         units=tuple(p.unit for p in rows),
-        null=np.array([p.starts[0] if p.idle and p.starts else p.null for p in rows]),
+        null=np.array([s[0] if p.idle and p.starts else p.null for p, s in zip(rows, sets, strict=True)]),
         scale=np.array([p.scale for p in rows]),
         low=np.array([p.low for p in rows]),
         high=np.array([p.high for p in rows]),
@@ -124,7 +129,12 @@ def named_candidate(
     )
 
 
-def named_candidates(wheels: tuple[str, ...], commanded: bool, known: tuple[str, ...]) -> list[Candidate]:
+def named_candidates(
+    wheels: tuple[str, ...],
+    commanded: bool,
+    known: tuple[str, ...],
+    reach: Mapping[str, float] = MappingProxyType({}),
+) -> list[Candidate]:
     """Every effect of the catalogue that these data could show.
 
     Parameters
@@ -135,6 +145,8 @@ def named_candidates(wheels: tuple[str, ...], commanded: bool, known: tuple[str,
         Whether only commanded wheel speeds are known.
     known : tuple of str
         Effects already in the robot file; they are not proposed again.
+    reach : mapping
+        How far the runs cover "position" [m] and "time" [s], for starts that are spread over them.
     """
     found: list[Candidate] = []
     for effect in CATALOGUE:
@@ -143,6 +155,7 @@ def named_candidates(wheels: tuple[str, ...], commanded: bool, known: tuple[str,
         single = issubclass(effect, WheelEffect) and effect.one_wheel
         for variant in effect.variants or (None,):
             found += [
-                named_candidate(effect, variant, on) for on in ([(w,) for w in wheels] if single else [()])
+                named_candidate(effect, variant, on, reach)
+                for on in ([(w,) for w in wheels] if single else [()])
             ]
     return found

@@ -19,6 +19,7 @@ from slipmargin.limits.motion_state import Contact
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.sweep import limit_or_zero
 from slipmargin.model import Model
+from slipmargin.physics.convention import Convention
 
 _T = TypeVar("_T")
 _PULLS = ("f_max_N", "f_low_N", "f_high_N")
@@ -40,7 +41,7 @@ class Limits:
         not be computed.
     start_m_s2, brake_m_s2, start_worst_m_s2, brake_worst_m_s2 : (72,)
         Greatest acceleration, and deceleration, along a direction of motion every five degrees
-        (0 = to the right, 90° = forwards) without turning, all wheels on rollers, and in the worst
+        (counted from the body's +x) without turning, all wheels on rollers, and in the worst
         state of what they may stand on; 0 where even steady motion slips [m/s²].
     """
 
@@ -85,6 +86,7 @@ class LimitsChange:
     plan: PlanChange | None
     pulls: PullCheck | None = None
     missing: tuple[str, ...] = ()
+    convention: Convention = Convention.PAPER
 
     @property
     def moved(self) -> bool:
@@ -119,6 +121,7 @@ def limits_change(before: Recipe, after: Recipe, surface: str, pulls: Pulls | No
         if pulls is None
         else _tried("the comparison with pulls", missing, lambda: pull_check(believed, corrected, pulls)),
         missing=tuple(missing),
+        convention=believed.convention,
     )
 
 

@@ -8,10 +8,11 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array, Index
-from slipmargin.data.data_set import DataSet, WheelSignal
-from slipmargin.data.record import Record
+from slipmargin.checks import Index
+from slipmargin.data.data_set import DataSet
+from slipmargin.data.repair import Repair
 from slipmargin.diagnosis.candidate import named_candidates
+from slipmargin.diagnosis.conditions import problem_of, ready
 from slipmargin.diagnosis.events import cut_apart, find_events, with_measured_velocity
 from slipmargin.diagnosis.findings import findings
 from slipmargin.diagnosis.fit import Fit, fit
@@ -21,7 +22,6 @@ from slipmargin.diagnosis.ladder import Checked, Court, check
 from slipmargin.diagnosis.leads import leads
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import Periodicity, order_analysis
-from slipmargin.diagnosis.prepare import clean, noise
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.ranges import ranges, variables_of
 from slipmargin.diagnosis.residual_diagnostics import dependences
@@ -78,21 +78,20 @@ def searched(data_set: DataSet, seed: int, progress: Watch | None = None) -> Sea
     every_run = np.arange(len(data_set.trials))
     held_runs = _held_out(len(every_run), seed)
     seen_runs = np.setdiff1d(every_run, held_runs).astype(np.int64)
-    sigma = data_set.sigma
-    if sigma is None:
-        sigma = noise(tuple(data_set.trials[i] for i in seen_runs))
-    uncut = problem = _problem(data_set, data_set.trials, sigma)
+    uncut = problem = problem_of(data_set)
     runs: tuple[int, ...] = tuple(range(len(every_run)))
     if events := _events(uncut, (), seen_runs):
         records, runs = cut_apart(data_set.trials, events)
-        problem = with_measured_velocity(_problem(data_set, records, sigma), runs)
+        problem = with_measured_velocity(problem_of(data_set, records), runs)
     held = np.flatnonzero(np.isin(runs, held_runs))
     seen = np.flatnonzero(np.isin(runs, seen_runs))
     known = tuple(effect.name for effect in data_set.recipe.effects)
     model, commanded = problem.model(()), problem.commanded
+    covered = ranges(tuple(problem.trials[i] for i in seen))
+    reach = {"position": covered.position_m, "time": covered.duration_s}
     candidates = [
-        *named_candidates(model.geometry.names, commanded, known),
-        *general_candidates(model, ranges(tuple(problem.trials[i] for i in seen)), commanded),
+        *named_candidates(model.geometry.names, commanded, known, reach),
+        *general_candidates(model, covered, commanded),
     ]
     progress("comparing the residual with measured variables", 0.0)
     some = seen[np.unique(np.linspace(0, len(seen) - 1, _SEARCHED).round().astype(int))]
@@ -114,7 +113,12 @@ def searched(data_set: DataSet, seed: int, progress: Watch | None = None) -> Sea
 
 
 def diagnose(
-    data_set: DataSet, *, seed: int = 0, progress: Progress = no_progress, budget_s: float | None = None
+    data_set: DataSet,
+    *,
+    seed: int = 0,
+    progress: Progress = no_progress,
+    repairs: tuple[Repair, ...] | None = None,
+    budget_s: float | None = None,
 ) -> Diagnosis:
     """Find what the model of a data set lacks, and test it on trials that were held out of the search.
 
@@ -126,6 +130,8 @@ def diagnose(
         Draws the held-out trials and the surrogate noise; the same seed gives the same answer.
     progress : callable (stage, share)
         Called with what is being done and how far it is (0 … 1).
+    repairs : tuple of Repair, optional
+        What was mended in the data set already; by default it is mended here.
     budget_s : float, optional
         Seconds after which the search stops and the best answer so far is judged and reported, which takes
         a few seconds more.  Without it the same seed gives the same answer on any machine.
@@ -135,6 +141,9 @@ def diagnose(
     Diagnosis
     """
     watch = Watch.of(progress, budget_s)
+    progress("mending the data", 0.0)
+    conditions = ready(data_set, repairs)
+    data_set = conditions.data_set
     s = searched(data_set, seed, watch)
     cut_short = watch.expired
     held, trials = s.held, s.problem.trials
@@ -171,7 +180,7 @@ def diagnose(
         surface=data_set.surface,
         verdict=verdict,
         noise=problem.sigma,
-        noise_estimated=data_set.sigma is None,
+        noise_estimated=conditions.noise_estimated,
         held_out=tuple(trials[i].name for i in held),
         cross_validated=not len(held),
         before=before,
@@ -202,6 +211,7 @@ def diagnose(
         ),
         recipe=data_set.recipe,
         corrected=data_set.recipe.with_effects(*(() if final is None else final.effects)),
+        repairs=conditions.repairs,
         remarks=(
             *(_cut_short(budget_s) if cut_short else ()),
             *_remarks(final, events, turns, phased=checked.phased, held=len(held) > 0),
@@ -227,12 +237,6 @@ def _reported(
     )
     useful = [without(s.problem, state, index).chi for index in range(len(state.structure))]
     return findings(view, state, useful, s.rounds, final, s.candidates, entries), final
-
-
-def _problem(data_set: DataSet, records: tuple[Record, ...], sigma: Array) -> Problem:
-    trials = tuple(clean(record, sigma) for record in records)
-    commanded = data_set.wheel_signal is WheelSignal.COMMANDED
-    return Problem.of(data_set.recipe, data_set.surface, trials, sigma, commanded)
 
 
 def _events(problem: Problem, effects: tuple[AnyEffect, ...], ordinary: Index) -> tuple[Event, ...]:

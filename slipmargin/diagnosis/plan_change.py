@@ -14,7 +14,8 @@ from slipmargin.paths.pieces import line
 from slipmargin.paths.plan import Plan, Request, plan
 from slipmargin.paths.sample import trajectory, use_along
 
-#: The move: one metre diagonally, with a quarter turn; a tenth of the grip kept in reserve.
+#: The move: one metre diagonally, to the right and forwards at once, with a quarter turn; a tenth of the
+#: grip kept in reserve.
 MOVE = (np.sqrt(0.5), np.sqrt(0.5), np.pi / 2.0)
 MARGIN = 0.1
 _POINTS = 150
@@ -43,7 +44,8 @@ class PlanChange:
 def plan_change(believed: Model, corrected: Model) -> PlanChange:
     """Plan the move with both models and ask the corrected one about the believed one's plan."""
     arm = float(np.max(np.hypot(*(believed.geometry.position_m - believed.inertia.com_m).T)))
-    path = Path(pieces=(line(np.zeros(3), np.array(MOVE), arm),))
+    goal = np.array([*believed.convention.from_right_forward(*MOVE[:2]), MOVE[2]])
+    path = Path(pieces=(line(np.zeros(3), goal, arm),))
     old, new = _plan(believed, path), _plan(corrected, path)
     return PlanChange(
         before_s=None if old is None else old.duration_s,

@@ -18,10 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array, Index
+from slipmargin.data.noise import LastingNoise
 from slipmargin.diagnosis.prepare import Trial
 from slipmargin.diagnosis.residual_diagnostics import residual_rate
 from slipmargin.diagnosis.sense import is_ideal, measure
 from slipmargin.diagnosis.signals import InterpolationScheme, rolling_twist, wheel_signal, with_phases
+from slipmargin.diagnosis.whitening import whitened
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.effects.recipe import with_effects
 from slipmargin.errors import InputError
@@ -45,7 +47,8 @@ class Problem:
     """Cleaned trials on one surface, the recipe to compare them with, and the compiled simulator.
 
     ``measured`` (R, T, 3) and ``seen`` (R, T, 3) are padded to the longest trial; ``wheel_phases`` (R, N)
-    are added to the wheel angles [rad]; ``piece`` is the number of samples a piece, None for whole runs.
+    are added to the wheel angles [rad]; ``piece`` is the number of samples a piece, None for whole runs;
+    ``lasting`` is the part of the noise that lasts, None where it is white.
     """
 
     recipe: Recipe
@@ -63,6 +66,7 @@ class Problem:
     scheme: InterpolationScheme = InterpolationScheme.THIN
     rtol: float = _RTOL
     piece: int | None = None
+    lasting: LastingNoise | None = None
 
     @staticmethod
     def of(recipe: Recipe, surface: str, trials: tuple[Trial, ...], sigma: Array, commanded: bool) -> Problem:
@@ -126,15 +130,26 @@ class Problem:
                 pose[row, : len(clock)] = measure(model.measurement, clock, pose[row, : len(clock)])
         seen = self.seen[runs]
         if self.piece is None:
-            pose, gap = _fitted(pose, self.measured[runs], seen, self.sigma)
+            pose, gap = self._fitted(pose, self.measured[runs], seen)
         else:
             cut = [_cut(array, self.piece) for array in (pose, self.measured[runs], seen)]
-            fitted = _fitted(_aligned(*cut), cut[1], cut[2], self.sigma)
+            fitted = self._fitted(_aligned(*cut), cut[1], cut[2])
             pose, gap = (a.reshape(len(runs), -1, 3)[:, : pose.shape[1]] for a in fitted)
         impossible = np.array([m is None for m in built])[which]
         gap = np.where(seen & impossible[:, None, None], _WILD, gap)
         parts = np.split(np.arange(len(runs)), np.cumsum([len(t) for t in trials])[:-1])
         return [(pose[part], gap[part]) for part in parts]
+
+    def _fitted(self, pose: Array, measured: Array, seen: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """Predicted poses (M, T, 3) moved to where their start fits best, and the whitened gap that is left."""
+        if self.lasting is None:
+            return _fitted(pose, measured, seen, self.sigma)
+        return _fitted_to_lasting(pose, measured, seen, self.sigma, self.lasting, self.step_s)
+
+    @property
+    def step_s(self) -> float:
+        """The usual time from sample to sample [s]."""
+        return float(np.median(np.concatenate([np.diff(t.t_s) for t in self.trials])))
 
     def _possible(self, effects: Sequence[AnyEffect]) -> Model | None:
         """The model, or None where no machine is like that (a wheel would lift)."""
@@ -146,7 +161,8 @@ class Problem:
     def residual_rates(self, predicted: Array) -> list[Array]:
         """Rate (T, 3) of measured − ``predicted`` (R, T, 3) of each trial, body frame [m/s, m/s, rad/s]."""
         return [
-            residual_rate(t.t_s, t.pose, p[: len(t.t_s)]) for t, p in zip(self.trials, predicted, strict=True)
+            residual_rate(t.t_s, t.pose, p[: len(t.t_s)], self.nominal.convention)
+            for t, p in zip(self.trials, predicted, strict=True)
         ]
 
     def rebuilt(self, scheme: InterpolationScheme) -> Problem:
@@ -206,6 +222,41 @@ def _fitted(pose: Array, measured: Array, seen: NDArray[np.bool_], sigma: Array)
     gap = np.where(np.isfinite(gap), gap, _WILD * sigma)
     shift = _start_shift(pose, gap, seen, sigma)
     return pose + shift, np.where(seen, (gap - shift) / sigma, 0.0).clip(-_WILD, _WILD)
+
+
+def _fitted_to_lasting(
+    pose: Array,
+    measured: Array,
+    seen: NDArray[np.bool_],
+    sigma: Array,
+    lasting: LastingNoise,
+    step_s: float,
+) -> tuple[Array, Array]:
+    """As :func:`_fitted` where part of the noise lasts: gap and start tangents pass through one filter."""
+    gap = np.where(seen, measured - pose, 0.0)
+    gap = np.where(np.isfinite(gap), gap, _WILD * sigma)
+    first = np.where(np.isfinite(pose[:, :1, :2]), pose[:, :1, :2], 0.0)
+    arm = np.where(np.isfinite(pose[..., :2]), pose[..., :2], 0.0) - first
+    one = np.ones(seen.shape[:2])
+    turning = (-arm[..., 1], arm[..., 0], one)
+
+    def white(values: Array, axis: int) -> Array:
+        return whitened(values, seen[..., axis], float(sigma[axis]), lasting, axis, step_s)
+
+    left = np.stack([white(gap[..., axis], axis) for axis in range(3)], axis=-1)
+    tangents = np.zeros((*left.shape, 3))
+    for axis in range(3):
+        tangents[..., axis, 2] = white(turning[axis], axis)
+        if axis < 2:
+            tangents[..., axis, axis] = white(one, axis)
+    rows = tangents.reshape(len(pose), -1, 3)
+    normal = np.einsum("mri,mrj->mij", rows, rows)
+    normal += (1e-12 * np.trace(normal, axis1=1, axis2=2) + 1e-30)[:, None, None] * np.eye(3)
+    right = np.einsum("mri,mr->mi", rows, left.reshape(len(pose), -1))
+    x, y, turn = np.linalg.solve(normal, right[..., None])[..., 0].T[..., None]
+    shift = np.stack([x + turn * turning[0], y + turn * turning[1], turn * one], axis=-1)
+    left = left - np.einsum("mtai,mi->mta", tangents, np.concatenate([x, y, turn], axis=1))
+    return pose + shift, np.where(seen, left, 0.0).clip(-_WILD, _WILD)
 
 
 def _start_shift(pose: Array, gap: Array, seen: NDArray[np.bool_], sigma: Array) -> Array:

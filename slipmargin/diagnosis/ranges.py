@@ -9,6 +9,7 @@ from slipmargin.data.odometry import bridged
 from slipmargin.diagnosis.forms import Ranges
 from slipmargin.diagnosis.prepare import Trial
 from slipmargin.model import Model
+from slipmargin.physics.convention import Convention
 from slipmargin.physics.frames import to_body
 from slipmargin.physics.sectors import pitch
 
@@ -16,15 +17,15 @@ from slipmargin.physics.sectors import pitch
 _SPAN_S = 0.08
 
 
-def motion_of(trial: Trial) -> dict[str, Array]:
+def motion_of(trial: Trial, convention: Convention = Convention.PAPER) -> dict[str, Array]:
     """Measured pose without gaps, velocity and acceleration in the body frame, each (T,)."""
     t = trial.t_s
     pose = _filled(t, trial.pose)
     velocity = _slope(t, pose)
     phi = pose[:, 2]
-    right, forward = to_body(phi, velocity[:, 0], velocity[:, 1])
+    right, forward = convention.right_forward(*to_body(phi, velocity[:, 0], velocity[:, 1]))
     change = _slope(t, velocity)
-    push_right, push_forward = to_body(phi, change[:, 0], change[:, 1])
+    push_right, push_forward = convention.right_forward(*to_body(phi, change[:, 0], change[:, 1]))
     return {
         "time": t - t[0],
         "position x": pose[:, 0],
@@ -41,7 +42,7 @@ def motion_of(trial: Trial) -> dict[str, Array]:
 
 def variables_of(trial: Trial, model: Model) -> dict[str, Array]:
     """Every variable a residual is compared with: the motion's and each wheel's, each (T,)."""
-    found = motion_of(trial)
+    found = motion_of(trial, model.convention)
     record = trial.record
     speeds = record.omega if record.omega is not None else record.omega_cmd
     for i, name in enumerate(model.geometry.names):

@@ -15,6 +15,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.physics.convention import Convention
 from slipmargin.physics.frames import rotate_rows
 
 _BINS = 12
@@ -41,15 +42,21 @@ class ResidualDependence:
     p_value: float
 
 
-def residual_rate(t_s: Array, measured: Array, predicted: Array) -> Array:
-    """Rate (T, 3) of measured − predicted in the body frame [m/s, m/s, rad/s]; NaN near gaps and ends."""
+def residual_rate(
+    t_s: Array, measured: Array, predicted: Array, convention: Convention = Convention.PAPER
+) -> Array:
+    """Rate (T, 3) of measured − predicted to the robot's right, forwards and turning [m/s, m/s, rad/s].
+
+    NaN near gaps and ends.
+    """
     gap = measured - predicted
     half = max(1, round(_SPAN_S / 2.0 / max(1e-9, float(np.median(np.diff(t_s))))))
     rate = np.full(gap.shape, np.nan)
     if len(t_s) <= 2 * half:
         return rate
     rate[half:-half] = (gap[2 * half :] - gap[: -2 * half]) / (t_s[2 * half :] - t_s[: -2 * half])[:, None]
-    return rotate_rows(predicted[:, 2], rate, inverse=True)
+    body = rotate_rows(predicted[:, 2], rate, inverse=True)
+    return np.stack([*convention.right_forward(body[:, 0], body[:, 1]), body[:, 2]], axis=1)
 
 
 def dependences(

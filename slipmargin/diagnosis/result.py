@@ -7,6 +7,7 @@ from enum import Enum
 from typing import final
 
 from slipmargin.checks import Array
+from slipmargin.data.repair import Repair
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import Periodicity
 from slipmargin.diagnosis.residual_diagnostics import ResidualDependence
@@ -188,3 +189,4 @@ class Diagnosis:
     recipe: Recipe
     corrected: Recipe
     remarks: tuple[str, ...]
+    repairs: tuple[Repair, ...] = ()

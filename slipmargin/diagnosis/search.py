@@ -15,12 +15,14 @@ import numpy as np
 
 from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.fit import Fit, Residuals, evaluate, fit
+from slipmargin.diagnosis.fit import Fit, Residuals, build, evaluate, fit
 from slipmargin.diagnosis.left_out import cross_validate, each_by_its_own, leave_one_out
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
 
+#: So many starts of a candidate get a short fit.
+_STARTS = 3
 #: A candidate with more parameters than this whose short fit costs so many times the best one's gets
 #: no full fit.
 _CHEAP, _FAR_BEHIND = 4, 6.0
@@ -174,10 +176,12 @@ def short_fits(
     for i, candidate in enumerate(candidates):
         progress(f"trying {candidate.label}", i / len(candidates))
         structure = (*before.structure, candidate)
-        fits = [
-            fit(problem, structure, np.concatenate([before.fit.x, start]), trials, iterations=2)
-            for start in candidate.starts
-        ]
+        starts = [np.concatenate([before.fit.x, start]) for start in candidate.starts]
+        if len(starts) > _STARTS:  # places and times: only the best of those spread over the runs are fitted
+            found = problem.residuals([build(structure, x) for x in starts], [trials] * len(starts))
+            order = np.argsort([float(np.sum(r**2)) for r in found], kind="stable")
+            starts = [starts[k] for k in order[:_STARTS]]
+        fits = [fit(problem, structure, start, trials, iterations=2) for start in starts]
         short.append(min(fits, key=lambda f: f.cost))
         if progress.expired:
             break

@@ -37,7 +37,7 @@ def wheel_signal(
     if commanded:
         if record.omega_cmd is None:
             raise InputError(trial.name, "has no commanded wheel speeds", "add omega{i}_cmd_rad_s")
-        return _by_speed(t, bridged(t, record.omega_cmd), scheme)
+        return _by_speed(t, bridged(t, record.omega_cmd), scheme, record.commands_held)
     if record.theta is not None and np.isfinite(record.theta).any(axis=0).all():
         theta = bridged(t, record.theta)
         if (
@@ -52,7 +52,7 @@ def wheel_signal(
         return angles(t, theta)
     if record.omega is None:
         raise InputError(trial.name, "has no measured wheel speeds", "add omega{i}_rad_s or theta{i}_rad")
-    return _by_speed(t, bridged(t, record.omega), scheme)
+    return _by_speed(t, bridged(t, record.omega), scheme, False)
 
 
 def with_phases(signal: WheelSignal, phase: Array) -> WheelSignal:
@@ -64,8 +64,9 @@ def with_phases(signal: WheelSignal, phase: Array) -> WheelSignal:
     return replace(signal, pieces=pieces)
 
 
-def _by_speed(t: Array, omega: Array, scheme: InterpolationScheme) -> WheelSignal:
-    return held(t, omega) if scheme is InterpolationScheme.OTHER else linear(t, omega)
+def _by_speed(t: Array, omega: Array, scheme: InterpolationScheme, hold: bool) -> WheelSignal:
+    other = scheme is InterpolationScheme.OTHER
+    return held(t, omega) if hold != other else linear(t, omega)
 
 
 #: A sample is left out where the cubic through its neighbours meets it this closely [rad], [rad/s] …

@@ -11,7 +11,9 @@ from slipmargin.effects.camera_rotation import CameraRotation
 from slipmargin.effects.camera_scale import CameraScale
 from slipmargin.effects.effect import Effect
 from slipmargin.effects.elliptic_grip import EllipticGrip
+from slipmargin.effects.floor_border import FloorBorder
 from slipmargin.effects.floor_nap import FloorNap
+from slipmargin.effects.floor_patch import FloorPatch
 from slipmargin.effects.floor_tilt import FloorTilt
 from slipmargin.effects.friction_coefficients import FrictionCoefficients
 from slipmargin.effects.general import PREFIX
@@ -19,6 +21,7 @@ from slipmargin.effects.heading_gain import HeadingGain
 from slipmargin.effects.load_transfer import LoadTransfer
 from slipmargin.effects.marker_offset import MarkerOffset
 from slipmargin.effects.motor_lag import MotorLag
+from slipmargin.effects.push import Push
 from slipmargin.effects.rigid_sector import RigidSector
 from slipmargin.effects.roller_coupling import RollerCoupling
 from slipmargin.effects.rolling_resistance import RollingResistance
@@ -94,6 +97,9 @@ CATALOGUE = Catalogue(
         RollingResistance,
         FloorTilt,
         FloorNap,
+        FloorPatch,
+        FloorBorder,
+        Push,
         Tether,
         WheelRadius,
         WheelToe,

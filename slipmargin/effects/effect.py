@@ -79,6 +79,7 @@ class Parameter:
     meaning: str
     starts: tuple[float, ...] = ()  #: where fits start; empty: one scale above null
     idle: bool = False  #: whether it has no influence while the effect's first parameter is at null
+    along: str = ""  #: "position" or "time": starts are shares of what the runs cover of it
 
 
 def parameter(
@@ -90,6 +91,7 @@ def parameter(
     *,
     starts: tuple[float, ...] = (),
     idle: bool = False,
+    along: str = "",
 ) -> Parameter:
     """A :class:`Parameter` in one line; ``span`` is (lowest, null, highest) value."""
     low, null, high = span
@@ -103,6 +105,7 @@ def parameter(
         meaning=meaning,
         starts=starts,
         idle=idle,
+        along=along,
     )
 
 

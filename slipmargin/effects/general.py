@@ -75,6 +75,7 @@ def _row(term: Term) -> dict[str, Any]:
             "target": term.target.name.lower(),
             "wheel_weights": term.wheels.tolist(),
             "coefficients": term.coefficients.tolist(),
+            **({"place": term.place.tolist()} if np.any(term.place) else {}),
         }
     if isinstance(term, ForceTerm):
         row["frame"] = term.frame.name.lower()
@@ -122,7 +123,7 @@ def _term(place: str, kind: type, row: Mapping[str, Any]) -> Term:
         keys = _COMMON | {"target", "coefficients", "wheel_weights"}
     else:
         keys = _COMMON | set(_TRIPLE[kind]) | ({"frame"} if kind is ForceTerm else set())
-    _only(place, row, keys, _OPTIONAL if kind is ForceTerm else set())
+    _only(place, row, keys, _OPTIONAL if kind is ForceTerm else {"place"} if kind is Multiplier else set())
     try:
         common: dict[str, Any] = {
             "variable": _word(Variable, "variable", row["variable"]),
@@ -136,6 +137,7 @@ def _term(place: str, kind: type, row: Mapping[str, Any]) -> Term:
                 target=target,
                 coefficients=_numbers("coefficients", row),
                 wheels=_numbers("wheel_weights", row),
+                place=_numbers("place", row) if "place" in row else np.zeros(3),
             )
         triple = [_numbers(key, row) for key in _TRIPLE[kind]]
         if len({len(numbers) for numbers in triple}) != 1:

@@ -22,8 +22,8 @@ class MarkerOffset(Effect):
     traced_to = Trace.MEASUREMENT
     part = Part.SENSING
     parameters = (
-        parameter("marker_x_m", "m", (-1.0, 0.0, 1.0), 0.005, "marker to the right of the origin"),
-        parameter("marker_y_m", "m", (-1.0, 0.0, 1.0), 0.005, "marker ahead of the origin"),
+        parameter("marker_x_m", "m", (-1.0, 0.0, 1.0), 0.005, "marker from the origin along the body's x"),
+        parameter("marker_y_m", "m", (-1.0, 0.0, 1.0), 0.005, "marker from the origin along the body's y"),
     )
     source = "calibration of the pose measurement; see MeasurementModel for signs"
     confirm = "spin the robot on the spot: an offset marker draws a circle"

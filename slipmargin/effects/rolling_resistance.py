@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Effect, Part, Trace, parameter
+from slipmargin.effects.effect import Effect, Part, Trace, Variant, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
 from slipmargin.physics.terms import ForceTerm
@@ -17,7 +17,11 @@ from slipmargin.physics.variables import Basis, Frame, Variable
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RollingResistance(Effect):
-    """F ← F − (c m g + b |v|) v/|v|, and the matching yaw moment at the wheels’ mean radius."""
+    """F ← F − (c m g + b |v|) v/|v|, and a share of the matching yaw moment at the wheels’ mean radius.
+
+    The force acts at the height ρ of the axles: a floor that gives way carries a wheel c ρ ahead of its
+    centre, which is a force through the axle.  So the wheels behind are pressed down.
+    """
 
     name = "rolling_resistance"
     summary = "Something resists motion whatever the wheels do: bearings, soft carpet, air."
@@ -28,12 +32,25 @@ class RollingResistance(Effect):
             "coefficient", "1", (-0.05, 0.0, 1.0), 0.01, "resistance over weight, independent of speed"
         ),
         parameter("viscous_N_s_per_m", "N s/m", (-5.0, 0.0, 200.0), 1.0, "resistance per speed"),
+        parameter(
+            "yaw_share",
+            "1",
+            (0.0, 1.0, 5.0),
+            0.2,
+            "resistance to turning, over that of everything at the wheels' mean radius",
+            idle=True,
+        ),
+    )
+    variants = (
+        Variant(free=("coefficient", "viscous_N_s_per_m")),
+        Variant(free=("coefficient", "viscous_N_s_per_m", "yaw_share"), label="with its share of yaw"),
     )
     source = "rolling resistance coefficient, ISO 28580 sense; positive = against the motion"
     confirm = "tow the robot with the wheels lifted off their drive and read the force at two speeds"
 
     coefficient: float
     viscous_N_s_per_m: float = 0.0
+    yaw_share: float = 1.0
 
     def rewrite(self, part: ExternalWrench, nominal: Model) -> ExternalWrench:
         """ExternalWrench with a force against the motion."""
@@ -47,12 +64,13 @@ class RollingResistance(Effect):
             frame=Frame.AGAINST_MOTION,
             shape=np.array([1e-3, 0.0]),
             coefficients=np.array([[coulomb, viscous], none, none]),
+            height_m=float(np.mean(nominal.geometry.radius_m)),
         )
         turn = ForceTerm(
             variable=Variable.YAW_RATE,
             basis=Basis.ODD,
             frame=Frame.BODY,
             shape=np.array([1e-3 / arm, 0.0]),
-            coefficients=np.array([none, none, [-coulomb * arm, -viscous * arm**2]]),
+            coefficients=self.yaw_share * np.array([none, none, [-coulomb * arm, -viscous * arm**2]]),
         )
         return replace(part, terms=(*part.terms, push, turn))

@@ -27,8 +27,8 @@ class WheelLoads(Effect):
     traced_to = Trace.WHEEL_LOAD
     part = Part.LOADS
     parameters = (
-        parameter("shift_x_m", "m", (-0.5, 0.0, 0.5), 0.005, "shift of the load centre to the right"),
-        parameter("shift_y_m", "m", (-0.5, 0.0, 0.5), 0.005, "shift of the load centre forwards"),
+        parameter("shift_x_m", "m", (-0.5, 0.0, 0.5), 0.005, "shift of the load centre along the body's x"),
+        parameter("shift_y_m", "m", (-0.5, 0.0, 0.5), 0.005, "shift of the load centre along the body's y"),
         parameter(
             "com_share",
             "1",
@@ -41,7 +41,7 @@ class WheelLoads(Effect):
         Variant(free=("shift_x_m", "shift_y_m"), fixed={"com_share": 1.0}),
         Variant(free=("shift_x_m", "shift_y_m"), label="with the centre of mass where stated"),
     )
-    source = "moment balance about the floor (docs/theory.md, section 3); positive right, forwards"
+    source = "moment balance about the floor (docs/theory.md, section 3); positive along the body's x, y"
     confirm = "weigh the wheels: put each on a scale, the others level"
 
     shift_x_m: float

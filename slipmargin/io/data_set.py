@@ -1,10 +1,11 @@
 """Reading a data set: the folder that holds what somebody believes of a robot and what it really did.
 
-``robot.toml``, ``dataset.toml``, ``trials/*.csv`` and, optionally, ``pulls.csv``.
+``robot.toml``, ``dataset.toml``, and ``trials/*.csv``, ``pulls.csv`` or both.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -36,42 +37,52 @@ def read_data_set(folder: Path | str) -> DataSet:
             str(folder),
         )
     try:
-        robot, surface, signal, sigma = _head(Table("", parse_toml(read_text(path))))
+        robot, surface, signal, sigma, sigma_N = _head(Table("", parse_toml(read_text(path))))
     except InputError as fault:
         raise fault if fault.source else fault.in_file(str(path)) from None
     recipe = read_recipe(folder / robot)
     count = len(recipe.robot.wheels)
     trials = tuple(read_trial(file, count) for file in sorted((folder / "trials").glob("*.csv")))
-    pulls = folder / "pulls.csv"
+    file = folder / "pulls.csv"
+    pulls = replace(read_pulls(file, count), sigma_N=sigma_N) if file.exists() else None
     try:
+        if signal is None and trials:
+            raise InputError("wheel_signal", "is missing", 'write wheel_signal = "measured" or "commanded"')
+        if pulls is None and sigma_N is not None:
+            raise InputError("sigma.force_N", "is given without pulls.csv", "remove it or add pulls.csv")
         return DataSet(
             name=folder.resolve().name,
             recipe=recipe,
             surface=surface,
-            wheel_signal=signal,
+            wheel_signal=signal or WheelSignal.MEASURED,  # without runs nothing depends on it
             trials=trials,
             sigma=sigma,
-            pulls=read_pulls(pulls, count) if pulls.exists() else None,
+            pulls=pulls,
         )
     except InputError as fault:
         raise fault if fault.source else fault.in_file(str(path)) from None
 
 
-def _head(table: Table) -> tuple[str, str, WheelSignal, Array | None]:
+def _head(table: Table) -> tuple[str, str, WheelSignal | None, Array | None, float | None]:
+    """Robot file, surface, what the wheel columns are, noise of the pose (3,) and of pulls [N]."""
     if table.whole("schema") != 1:
         raise InputError("schema", "is another version", "this program reads schema = 1")
     robot, surface = table.text("robot"), table.text("surface")
-    signal = WheelSignal(table.word("wheel_signal", [s.value for s in WheelSignal]))
-    sigma = None
+    signal = None
+    if table.has("wheel_signal"):
+        signal = WheelSignal(table.word("wheel_signal", [s.value for s in WheelSignal]))
+    sigma, sigma_N = None, None
     if table.has("sigma"):
         inner = table.table("sigma", "give x_m, y_m and phi_rad")
-        units = {"x_m": "m", "y_m": "m", "phi_rad": "rad"}
-        sigma = np.array(
-            [
-                real(inner.at(key), inner.number(key, unit), above=0.0, cure="noise is positive")
-                for key, unit in units.items()
-            ]
-        )
+        units = {"x_m": "m", "y_m": "m", "phi_rad": "rad", "force_N": "N"}
+
+        def noise(key: str) -> float:
+            return real(inner.at(key), inner.number(key, units[key]), above=0.0, cure="noise is positive")
+
+        if inner.has("force_N"):
+            sigma_N = noise("force_N")
+        if sigma_N is None or any(inner.has(key) for key in ("x_m", "y_m", "phi_rad")):
+            sigma = np.array([noise(key) for key in ("x_m", "y_m", "phi_rad")])
         inner.done()
     table.done()
-    return robot, surface, signal, sigma
+    return robot, surface, signal, sigma, sigma_N

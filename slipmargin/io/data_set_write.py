@@ -23,14 +23,18 @@ def data_set_files(data_set: DataSet, comment: str = "") -> dict[str, str]:
         f'surface = "{data_set.surface}"',
         f'wheel_signal = "{data_set.wheel_signal.value}"',
     ]
+    pulls = data_set.pulls
+    if data_set.sigma is not None or (pulls is not None and pulls.sigma_N is not None):
+        head += ["", "[sigma]"]
     if data_set.sigma is not None:
         names = ("x_m", "y_m", "phi_rad")
-        head += ["", "[sigma]"]
         head += [f"{n} = {v!r}" for n, v in zip(names, data_set.sigma.tolist(), strict=True)]
+    if pulls is not None and pulls.sigma_N is not None:
+        head.append(f"force_N = {pulls.sigma_N!r}")
     files = {"robot.toml": write_recipe(data_set.recipe), "dataset.toml": "\n".join(head) + "\n"}
     files |= {f"trials/{trial.name}.csv": trial_text(trial) for trial in data_set.trials}
-    if data_set.pulls is not None:
-        files["pulls.csv"] = pulls_text(data_set.pulls)
+    if pulls is not None:
+        files["pulls.csv"] = pulls_text(pulls)
     return files
 
 
@@ -49,6 +53,21 @@ def check_data_set_place(folder: Path) -> None:
         raise InputError("--out", "is a file", "give a new folder", str(folder))
     elif not folder.resolve().parent.is_dir():
         raise InputError("--out", "its parent folder does not exist", "create it first", str(folder))
+
+
+def check_new(folder: Path) -> None:
+    """Refuse a place where a data set stands already.
+
+    Raises
+    ------
+    InputError
+        Placed at ``--out``, with the cure.
+    """
+    check_data_set_place(folder)
+    if (folder / "dataset.toml").is_file():
+        raise InputError(
+            "--out", "holds a data set already", "give a new folder, or replace it with --force", str(folder)
+        )
 
 
 def write_data_set(

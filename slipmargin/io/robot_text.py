@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from slipmargin.effects import AnyEffect, Recipe
-from slipmargin.robot import Surface, Uncertain
+from slipmargin.robot import Surface, Uncertain, UncertainArray
 from slipmargin.robot.fields import Kind, keys
 from slipmargin.robot.sections import SECTIONS
 
@@ -80,6 +80,8 @@ def _key(key: str) -> str:
 def _value(value: Any) -> str:
     if isinstance(value, Uncertain):
         value = value.written()
+    if isinstance(value, UncertainArray):
+        value = list(value.each)
     if isinstance(value, Enum):
         value = value.value
     if isinstance(value, str):

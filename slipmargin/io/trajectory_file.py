@@ -1,13 +1,14 @@
 """A trajectory from a file of any known form, told by its content: our CSV, Choreo, PathPlanner, a ROS bag.
 
 ``nav_msgs/Path``: the poses' own header stamps are the time, and ROS has the body's x axis forward and y left
-(REP 103, "In relation to a body the standard is: x forward, y left, z up"), so φ = yaw − π/2 as for the JSON
-forms (:mod:`~slipmargin.io.trajectory_json`).  Our CSV is in our own convention and is taken as it is.
+(REP 103, "In relation to a body the standard is: x forward, y left, z up"), as for the JSON forms
+(:mod:`~slipmargin.io.trajectory_json`).  Our CSV is in the robot file's convention and is taken as it is.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,12 +21,14 @@ from slipmargin.io.trajectory_json import (
     SAME_POSE,
     Claim,
     Samples,
-    our_heading,
     samples_from_json,
     unknown_form,
     without_repetitions,
 )
+from slipmargin.physics.convention import Convention
 
+#: What our own form is called.
+CSV = "CSV"
 #: Columns that a CSV must have; rates that it may have, each beside what it is the rate of.
 NEEDED = ("t_s", "x_m", "y_m", "phi_rad")
 RATES = (
@@ -40,8 +43,10 @@ BAGS = (b"#ROSBAG", b"\x89MCAP", b"SQLite format 3")
 AGREES = 0.02
 
 
-def read_trajectory(path: Path | str, topic: str | None = None) -> Samples:
-    """The trajectory in a file, in our convention.
+def read_trajectory(
+    path: Path | str, topic: str | None = None, convention: Convention = Convention.PAPER
+) -> Samples:
+    """The trajectory in a file, in the robot's convention.
 
     Parameters
     ----------
@@ -50,6 +55,8 @@ def read_trajectory(path: Path | str, topic: str | None = None) -> Samples:
         ROS bag (file or folder).
     topic : str, optional
         Topic of the nav_msgs/Path, where the bag has more than one.
+    convention : Convention
+        The robot file's.
 
     Raises
     ------
@@ -60,13 +67,21 @@ def read_trajectory(path: Path | str, topic: str | None = None) -> Samples:
     try:
         is_bag = path.is_dir() or read_bytes(path).startswith(BAGS)
         if is_bag:
-            return _from_bag(path, topic)
-        found = _with_contradictions(_from_text(read_text(path)))
+            return _turned(_from_bag(path, topic), convention)
+        found = _turned(_with_contradictions(_from_text(read_text(path))), convention)
     except InputError as fault:
         raise fault.in_file(fault.source or str(path)) from None
     if topic is not None:
         raise InputError("topic", f"is for ROS bags, and {path.name} is none", "leave it out")
     return found
+
+
+def _turned(found: Samples, convention: Convention) -> Samples:
+    """Headings of the front, as the other tools count them, as φ of the robot file's convention."""
+    if found.form == CSV:
+        return found
+    phi = convention.phi_of_yaw(np.unwrap(found.pose[:, 2]))
+    return replace(found, pose=np.column_stack([found.pose[:, :2], phi]))
 
 
 def _from_text(text: str) -> Samples:
@@ -83,7 +98,7 @@ def _from_text(text: str) -> Samples:
         if names >= {*of, *rate}
     ]
     return Samples(
-        form="CSV",
+        form=CSV,
         t_s=columns["t_s"],
         pose=columns.stack(NEEDED[1:]),
         claims=tuple(c for c in claims if np.isfinite(c.rate).all() and np.isfinite(c.values).all()),
@@ -128,7 +143,7 @@ def _from_bag(path: Path, topic: str | None) -> Samples:
     if not usable.all():
         row = int(np.argmin(usable))
         raise InputError(f"{name}.poses[{row}]", "is not finite", "give finite numbers below 1e12")
-    pose[:, 2] = our_heading(pose[:, 2])
+    pose[:, 2] = np.unwrap(pose[:, 2])
     (t_s, pose), notes = without_repetitions(f"{name}.poses", t_s, pose)
     if len(messages) > 1:
         notes += (f"{name} holds {len(messages)} paths; the last one is read",)

@@ -1,10 +1,9 @@
-"""Trajectories as Choreo and PathPlanner write them, in JSON, turned into our frame.
+"""Trajectories as Choreo and PathPlanner write them, in JSON; headings are those of the robot's front.
 
 Both tools have the robot's front along its x axis and its left along y, and measure the heading θ from the
 field's x axis, anticlockwise: "the positive X axis points ahead, the positive Y axis points left"
-(docs.wpilib.org, Coordinate System).  Here the front is +Y and φ = 0 has the body axes along the floor's.  A
-robot with heading θ faces (cos θ, sin θ), ours with φ faces (−sin φ, cos φ), so φ = θ − π/2.  Positions and
-velocities stay as they are: the floor frame is the tool's field frame.
+(docs.wpilib.org, Coordinate System).  :func:`~slipmargin.io.trajectory_file.read_trajectory` turns θ into
+φ.  Positions and velocities stay: the floor frame is the tool's field frame.
 
 Choreo: ``trajectory.samples`` of ``t, x, y, heading`` [s, m, m, rad] and ``vx, vy, omega, ax, ay, alpha``
 in the field frame (choreolib ``SwerveSample``), or, up to 2024, ``samples`` of
@@ -53,7 +52,7 @@ class Claim:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Samples:
-    """A trajectory from a file: t [s] (T,), x [m], y [m], φ [rad] (T, 3) in our convention.
+    """A trajectory from a file: t [s] (T,), x [m], y [m], φ or θ [rad] (T, 3).
 
     ``form`` names what the file is, ``claims`` are velocities and accelerations that it states, ``notes``
     what a user must know about the reading.
@@ -98,11 +97,6 @@ def unknown_form() -> InputError:
     return InputError("", "is no trajectory of a known form", f"give {FORMS}")
 
 
-def our_heading(theta: Array) -> Array:
-    """φ = θ − π/2 [rad], without jumps, of headings θ of a robot whose front is its x axis."""
-    return np.unwrap(theta) - 0.5 * math.pi
-
-
 def without_repetitions(
     place: str, t_s: Array, pose: Array, *rest: Array
 ) -> tuple[list[Array], tuple[str, ...]]:
@@ -139,7 +133,7 @@ def _choreo(holder: Mapping[str, Any], prefix: str) -> Samples:
     groups = [g for g in (rates, ("ax", "ay", "alpha")) if any(key in rows[0] for key in g)]
     names = [time, "x", "y", "heading", *(key for group in groups for key in group)]
     table = np.array([[_number(r, key, f"{place}[{i}]") for key in names] for i, r in enumerate(rows)])
-    pose = np.column_stack([table[:, 1:3], our_heading(table[:, 3])])
+    pose = np.column_stack([table[:, 1:3], np.unwrap(table[:, 3])])
     (t_s, pose, table), notes = without_repetitions(place, table[:, 0], pose, table)
     claims, of = [], pose
     for k, group in enumerate(groups):
@@ -172,7 +166,7 @@ def _pathplanner(states: Any, prefix: str) -> Samples:
     turned = "holonomicRotation" in first
     optional = [k for k in ("velocity", "acceleration", "holonomicAngularVelocity") if k in first]
     table = np.array([_state(row, time, turned, optional, f"{prefix}[{i}]") for i, row in enumerate(rows)])
-    pose = np.column_stack([table[:, 1:3], our_heading(table[:, 3])])
+    pose = np.column_stack([table[:, 1:3], np.unwrap(table[:, 3])])
     (t_s, pose, table), notes = without_repetitions(prefix, table[:, 0], pose, table)
     if not turned:
         notes += (

@@ -5,12 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.data.pulls import Pulls
 from slipmargin.data.record import Record
 from slipmargin.errors import InputError
-from slipmargin.io.table import columns_text, read_columns
+from slipmargin.io.table import Columns, columns_text, read_columns
 
 _POSE = ("x_m", "y_m", "phi_rad")
 #: Field of a record → the column's name for wheel i.
@@ -56,19 +57,67 @@ def read_trial(path: Path, wheels: int) -> Record:
         raise fault.in_file(str(path)) from None
 
 
+#: Columns of pulls.csv that need not be there, besides the wheel angles.
+_PULL_EXTRA = ("direction_rad", "point_x_m", "point_y_m", "height_m")
+#: A robot is not turned further than this before a pull; degrees read as radians are [rad].
+_MOST_TURNED_RAD = 8.0 * np.pi
+
+
 def read_pulls(path: Path, wheels: int) -> Pulls:
-    """The pulls of a data set: ``phi_rad,force_N`` and ``theta{i}_rad`` where rotor angles are known."""
+    """The pulls of a data set, one row each.
+
+    ``phi_rad,force_N``, and where known ``theta{i}_rad`` (wheel angles), ``direction_rad`` (of the pull, in
+    the floor frame), ``point_x_m,point_y_m`` (where it pulls, in the body frame) and ``height_m``.
+
+    Raises
+    ------
+    InputError
+        If a column is unknown or missing, a cell is no number, a force is not positive, or an angle can
+        only be in degrees.
+    """
     theta = [f"theta{i + 1}_rad" for i in range(wheels)]
-    table = read_columns(path, required=("phi_rad", "force_N"), known=theta, empty=())
-    given = [name for name in theta if name in table.names]
-    if given and len(given) < wheels:
-        lacks = next(name for name in theta if name not in table.names)
-        raise InputError(
-            "1:1", f"the column {lacks!r} is missing", "give the angle of every wheel or of none", str(path)
+    table = read_columns(path, required=("phi_rad", "force_N"), known=[*theta, *_PULL_EXTRA], empty=())
+    for names, cure in ((theta, "give the angle of every wheel or of none"), (_PULL_EXTRA[1:3], "give both")):
+        given = [name for name in names if name in table.names]
+        if given and len(given) < len(names):
+            lacks = next(name for name in names if name not in table.names)
+            raise InputError("1:1", f"the column {lacks!r} is missing", cure, str(path))
+
+    def columns(*names: str) -> Array | None:
+        return table.stack(names) if names[0] in table.names else None
+
+    try:
+        for name in ("phi_rad", "direction_rad"):
+            _check_cells(
+                table, name, np.abs(_column(table, name)) > _MOST_TURNED_RAD, "divide degrees by 57.296"
+            )
+        _check_cells(table, "force_N", table["force_N"] <= 0.0, "give the size of the pull [N]")
+        _check_cells(
+            table, "height_m", _column(table, "height_m") < 0.0, "give the height above the floor [m]"
         )
+    except InputError as fault:
+        raise fault.in_file(str(path)) from None
+    direction, height = columns("direction_rad"), columns("height_m")
     return Pulls(
-        phi_rad=table["phi_rad"], force_N=table["force_N"], theta_rad=table.stack(theta) if given else None
+        phi_rad=table["phi_rad"],
+        force_N=table["force_N"],
+        theta_rad=columns(*theta),
+        direction_rad=None if direction is None else direction[:, 0],
+        point_m=columns("point_x_m", "point_y_m"),
+        height_m=None if height is None else height[:, 0],
     )
+
+
+def _column(table: Columns, name: str) -> Array:
+    return table[name] if name in table.names else np.zeros(len(table.values))
+
+
+def _check_cells(table: Columns, name: str, wrong: NDArray[np.bool_], cure: str) -> None:
+    """Refuse the first cell of a column that is wrong, by its place in the file."""
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        place = f"{table.lines[row]}:{table.names.index(name) + 1}"
+        raise InputError(place, f"{name} is {table[name][row]:g}", cure)
 
 
 def trial_text(record: Record) -> str:
@@ -90,4 +139,10 @@ def pulls_text(pulls: Pulls) -> str:
     columns = {"phi_rad": pulls.phi_rad, "force_N": pulls.force_N}
     if pulls.theta_rad is not None:
         columns |= {f"theta{i + 1}_rad": angle for i, angle in enumerate(pulls.theta_rad.T)}
+    if pulls.direction_rad is not None:
+        columns["direction_rad"] = pulls.direction_rad
+    if pulls.point_m is not None:
+        columns |= {"point_x_m": pulls.point_m[:, 0], "point_y_m": pulls.point_m[:, 1]}
+    if pulls.height_m is not None:
+        columns["height_m"] = pulls.height_m
     return columns_text(columns)

@@ -3,10 +3,15 @@
 F_emax never falls when a coefficient rises.  A wheel whose rigid coefficients are both at least its
 roller's therefore stands on a roller in the lowest state and on rigid material in the highest, and
 only wheels where they cross need trying both ways: the band is exact without 2^N sweeps.
+
+On an uneven floor the loads of four wheels and more are a band too.  F_emax is concave in the loads (they
+stand on the right-hand side of a linear or cone program), so its least value is at a corner; its greatest
+value is taken over the corners and the even floor.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -42,7 +47,22 @@ def states(model: Model, extreme: Extreme) -> list[Array]:
 
 
 def band(model: Model, phi_rad: Array, pull: Pull) -> tuple[Array, Array]:
-    """Lowest and highest F_emax (M,) over contact states and unknown variables [N]."""
+    """Lowest and highest F_emax (M,) over contact states, unknown variables and the loads' band [N]."""
+    ends = [_even_band(at, phi_rad, pull) for at in load_corners(model)]
+    return np.min([low for low, _ in ends], axis=0), np.max([high for _, high in ends], axis=0)
+
+
+def load_corners(model: Model) -> list[Model]:
+    """The model on an even floor, and with its loads at each corner of their band."""
+    loads = model.loads
+    none = np.zeros((0, model.count))
+    return [
+        replace(model, loads=replace(loads, rest_N=np.maximum(loads.rest_N + shift, 0.0), uneven_N=none))
+        for shift in loads.shifts()
+    ]
+
+
+def _even_band(model: Model, phi_rad: Array, pull: Pull) -> tuple[Array, Array]:
     if polyhedral(model.grip.shape, model.grip.coupling):
         geometry = pull_geometry(model, phi_rad, pull)
 

@@ -3,8 +3,8 @@
 Tools that take one number an axis need a box.  Which accelerations are admissible depends on the
 direction of motion (drag helps to brake and hinders speeding up), so the box has a speeding-up and a
 slowing-down side for each axis: component j may lie between −slow_j and +fast_j along sign(v_j).  Both
-sets come from convex programs (S. Boyd and L. Vandenberghe, Convex Optimization, section 8.4) in
-cvxpy, solved by Clarabel, j over the two axes of translation and r the yaw acceleration in reserve:
+sets come from convex programs (:mod:`~slipmargin.sets.inscribed`), j over the two axes of translation and
+r the yaw acceleration in reserve:
 
     box         max Σ log fast_j + Σ log slow_j  s.t.  Σ_j (A_j s_j)⁺ fast_j + (A_j s_j)⁻ slow_j ≤ b − |A_α| r
     ellipsoid   max log det E                    s.t.  ‖E A_k‖ ≤ b_k
@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
-from typing import Any, final
+from typing import final
 
 import numpy as np
 
@@ -33,6 +33,7 @@ from slipmargin.limits.realised_limit import decided_by_creep, realised_share
 from slipmargin.model import Model
 from slipmargin.physics.frames import directions
 from slipmargin.physics.kinematics import com_acceleration
+from slipmargin.sets.inscribed import largest_box, largest_ellipsoid
 
 #: Directions of translation and yaw rates (times speed over arm) that the sets must be safe for.
 HEADINGS, YAW = 72, (-1.0, 0.0, 1.0)
@@ -132,7 +133,7 @@ def inside(
 
     def ellipsoid(A: Array, b: Array, sign: Array) -> tuple[Array, ...]:
         scale = _sizes(A, b)
-        return (_ellipsoid(A * scale / b[:, None], scale),)
+        return (scale[:, None] * largest_ellipsoid(_once(A * scale / b[:, None])),)
 
     def safe(largest: Callable[..., tuple[Array, ...]], ends: Callable[..., Array]) -> tuple[Array, ...]:
         return _safe(model, largest, ends, share, contact)
@@ -222,10 +223,6 @@ def _too_much(yaw: float) -> NoSolution:
 
 def _boxes(A: Array, b: Array, sign: Array, yaw: float) -> tuple[Array, Array, Array]:
     """Sides (3,) of the largest box, speeding up and slowing down, and of the largest even one."""
-    import cvxpy
-
-    cp: Any = cvxpy
-
     left = b - np.abs(A[:, 2]) * yaw
     if np.min(left) <= 0.0:
         raise _too_much(yaw)
@@ -238,53 +235,14 @@ def _boxes(A: Array, b: Array, sign: Array, yaw: float) -> tuple[Array, Array, A
     along = flat * sign
     with_v[~still], against[~still] = np.maximum(along, 0.0)[~still], np.maximum(-along, 0.0)[~still]
     with_v[still] = np.abs(flat)[still]  # from rest an axis can only speed up
-    fast, slow, even = cp.Variable(2, pos=True), cp.Variable(2, pos=True), cp.Variable(2, pos=True)
-    pair = cp.Problem(
-        cp.Maximize(cp.sum(cp.log(fast)) + cp.sum(cp.log(slow))),
-        [_once(np.hstack([with_v, against])) @ cp.hstack([fast, slow]) <= 1.0],
-    )
-    one = cp.Problem(cp.Maximize(cp.sum(cp.log(even))), [_once(np.abs(flat)) @ even <= 1.0])
-    _solve(pair, "box")
-    _solve(one, "box")
-    fast, slow, even = (np.append(_value(v) * scale, yaw) for v in (fast, slow, even))
+    pair = largest_box(_once(np.hstack([with_v, against])))
+    even = largest_box(_once(np.abs(flat)))
+    fast, slow, even = (np.append(v * scale, yaw) for v in (pair[:2], pair[2:], even))
     return fast, slow, even
-
-
-def _ellipsoid(A: Array, scale: Array) -> Array:
-    import cvxpy
-
-    cp: Any = cvxpy
-
-    E = cp.Variable((3, 3), PSD=True)
-    problem = cp.Problem(cp.Maximize(cp.log_det(E)), [cp.norm(_once(A) @ E, axis=1) <= 1.0])
-    _solve(problem, "ellipsoid")
-    return np.asarray(scale[:, None] * _value(E))
 
 
 def _once(rows: Array) -> Array:
     return np.unique(np.round(rows, 9), axis=0)
-
-
-def _solve(problem: Any, what: str) -> None:
-    import cvxpy
-
-    try:
-        problem.solve(solver="CLARABEL")
-    except cvxpy.error.SolverError as fault:
-        raise NoSolution(
-            f"largest {what}", "the solver failed", "check the margin and the robot's friction", problem
-        ) from fault
-    if problem.status != "optimal":
-        raise NoSolution(
-            f"largest {what}",
-            f"the solver ended as {problem.status}",
-            "check the margin and the robot's friction",
-            problem,
-        )
-
-
-def _value(variable: Any) -> Array:
-    return np.asarray(variable.value, dtype=np.float64)
 
 
 def _all_motions(model: Model) -> Motion:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -40,7 +40,8 @@ class Bounds:
     1 − margin of it.
     ``rigid`` is the share of the grip that constant speed needs in the worst roller/rigid state; above 1 even
     constant speed must slip.  ``motor_m_s2`` and ``top_m_s`` (H,) are the motors' limits (infinite: none).
-    ``inside`` is None where ``why_not`` says so.
+    ``inside`` is None where ``why_not`` says so.  On an uneven floor all of them are the worst of the loads'
+    band, and ``even`` says what an even floor allows with all of the grip.
     """
 
     model: Model
@@ -54,6 +55,7 @@ class Bounds:
     top_m_s: Array
     inside: Inside | None
     why_not: str
+    even: Directions | None = None
 
     @property
     def traction_m_s2(self) -> float:
@@ -112,6 +114,10 @@ def bounds(
         Yaw acceleration that the sets keep in reserve (:func:`~slipmargin.limits.bounds_inside.inside`).
     """
     heading, share = headings(step_deg), 1.0 - margin
+    even = None
+    if len(model.loads.uneven_N):
+        level = replace(model, loads=replace(model.loads, uneven_N=np.zeros((0, model.count))))
+        even = directions(level, heading, contact=contact, motor=False)
     full = directions(model, heading, contact=contact, motor=False)
     found, why = None, ""
     if sets:
@@ -131,4 +137,5 @@ def bounds(
         top_m_s=top_speed(model, heading),
         inside=found,
         why_not=why,
+        even=even,
     )

@@ -17,7 +17,7 @@ from slipmargin.checks import Array
 from slipmargin.limits.bias import load_extremes, loads_at_rest
 from slipmargin.limits.ranges import span
 from slipmargin.model import Model
-from slipmargin.physics.terms import Multiplier, basis_values
+from slipmargin.physics.terms import OF_PLACE, Multiplier, basis_values, place_variable
 from slipmargin.physics.variables import Target, Variable
 
 _UNKNOWN = (
@@ -26,6 +26,7 @@ _UNKNOWN = (
     Variable.POSITION_X,
     Variable.POSITION_Y,
     Variable.TIME,
+    *sorted(OF_PLACE),
 )
 _COLUMNS = {Target.DRIVE: (0,), Target.TRANSVERSE: (1,), Target.BOTH: (0, 1)}
 
@@ -63,8 +64,9 @@ def coefficients(model: Model, rigid: Array, phi_rad: Array, extreme: Extreme = 
             out = out * _known(term, model, phi_rad, extreme)
     for variable in _UNKNOWN:
         same = [t for t in terms if t.variable is variable]
-        if same:
-            out = out * _interval(same, variable, model.count, extreme)
+        # Terms over one variable move together; those measured from places of their own do not.
+        for together in [[t] for t in same] if variable in OF_PLACE else [same] if same else []:
+            out = out * _interval(together, variable, model.count, extreme)
     return out
 
 
@@ -93,7 +95,8 @@ def _by_load(term: Multiplier, model: Model, phi_rad: Array, extreme: Extreme) -
         loads += [loads[0] + low + part * (high - low) for part in np.linspace(0.0, 1.0, 9)]
     n, pick = model.count, np.max if extreme is Extreme.HIGH else np.min
     scale = n / model.inertia.weight_N
-    return np.asarray(pick([_factors(term, (x * scale - 1.0)[..., None, None], n) for x in loads], axis=0))
+    factors = [_factors(term, (x * scale - 1.0)[..., None, None], n) for x in loads]
+    return np.asarray(pick(np.stack(np.broadcast_arrays(*factors)), axis=0))
 
 
 def _factors(term: Multiplier, v: Array, n: int) -> Array:
@@ -105,10 +108,17 @@ def _factors(term: Multiplier, v: Array, n: int) -> Array:
     return full
 
 
+def _at_origin(term: Multiplier, variable: Variable) -> float:
+    """v where nothing else is known: zero, or at the floor's origin."""
+    line = variable is Variable.BEFORE_LINE
+    x, y, direction = term.place
+    return float(place_variable(line, x, y, direction, 0.0, 0.0)) if variable in OF_PLACE else 0.0
+
+
 def _interval(terms: list[Multiplier], variable: Variable, n: int, extreme: Extreme) -> Array:
-    # Terms over one variable move together: their product is searched, not each alone.
+    # The product of terms that move together is searched, not each alone.
     grid = (
-        np.zeros(1)
+        np.array([_at_origin(terms[0], variable)])
         if extreme is Extreme.NEUTRAL
         else np.unique(np.concatenate([np.zeros(1), *(span(t.basis, t.shape, variable) for t in terms)]))
     )

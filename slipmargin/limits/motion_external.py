@@ -57,8 +57,9 @@ class External:
 
         A force with a height stands at a corner of its box, so that loads and wrench belong together: what
         is linear in both takes its extremes there.  ``acceleration`` is (2,), and the loads (N,) where no
-        force has a height, or (M, 2 or more).
+        force has a height, or (M, 2 or more).  On an uneven floor every corner of the loads' band is a case.
         """
+        shifts = self.loads.shifts()
         corners: list[list[tuple[Array, Array]]] = []
         for height, low, high in zip(self.height_m, self.low, self.high, strict=True):
             if height == 0.0 or np.array_equal(low[:, :2], high[:, :2]):
@@ -70,15 +71,17 @@ class External:
                 corners[-1].append((np.hstack([*force, low[:, 2:]]), np.hstack([*force, high[:, 2:]])))
         for chosen in product(*corners):
             low, high = (np.sum([box[side] for box in chosen], axis=0) for side in (0, 1))
-            yield low, high, self._loads(acceleration, [box[0] for box in chosen])
+            load = self._loads(acceleration, [box[0] for box in chosen])
+            for shift in shifts:
+                yield low, high, load + shift
 
     def middle(self, acceleration: Array) -> tuple[Array, Array]:
-        """The boxes' middle (M, 3) and the loads (M, N) under it at an acceleration of the mass."""
+        """The boxes' middle (M, 3) and the loads (M, N) under it at an acceleration, on an even floor."""
         middle = 0.5 * (self.low + self.high)
         return np.asarray(middle.sum(axis=0)), self._loads(acceleration, list(middle))
 
     def standing_N(self) -> Array:
-        """Least loads (M, N) at zero acceleration."""
+        """Least loads (M, N) at zero acceleration on an even floor: one wheel in the air is no tipping."""
         return np.asarray(self.loads.at(np.zeros(2), lift_N=self.lift_N) + self.load_change_N[0])
 
     @property

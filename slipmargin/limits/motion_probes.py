@@ -6,8 +6,11 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.limits.motion_state import Motion
+from slipmargin.limits.ranges import span
 from slipmargin.model import Model
 from slipmargin.physics.constants import CRAWL_M_S, GRAVITY_M_S2
+from slipmargin.physics.frames import to_floor
+from slipmargin.physics.terms import OF_PLACE, place_variable
 from slipmargin.physics.variables import Basis, Variable
 
 #: Probes over an unknown variable.
@@ -30,6 +33,7 @@ def probes(
     shape: Array,
     *,
     transverse: bool = False,
+    place: Array | None = None,
 ) -> Array:
     """Values (P, M, N) or (P, M, 1) that ``variable`` may take; wheel loads: :func:`load_probes`.
 
@@ -42,6 +46,8 @@ def probes(
     basis, shape
         The family of functions over the variable: an unknown variable is probed over its period or
         knots.
+    place : (3,), optional
+        Where on the floor FROM_PLACE and BEFORE_LINE are measured from.
     transverse : bool
         Whether the transverse component is asked for (slip variables).
     """
@@ -54,6 +60,8 @@ def probes(
     if variable in _PLACE:
         known = None if motion.position is None else motion.position[:, _PLACE[variable]]
         return _known_or_range(known, basis, shape)
+    if variable in OF_PLACE and place is not None:
+        return _of_place(model, motion, variable, shape, place)
     if variable is Variable.HEADING:
         return _heading(motion)
     if variable is Variable.TIME:
@@ -114,6 +122,16 @@ def _known_or_range(known: Array | None, basis: Basis, shape: Array) -> Array:
         else (0.0 if basis is Basis.FOURIER else -abs(float(shape[0])), abs(float(shape[0])))
     )
     return np.linspace(low, high, PROBES)[:, None, None]
+
+
+def _of_place(model: Model, motion: Motion, variable: Variable, shape: Array, place: Array) -> Array:
+    """Where contacts are, seen from a place; the whole range where position or heading is not known."""
+    if motion.position is None or motion.heading is None:
+        return span(Basis.STEP, shape, variable)[:, None, None]
+    turned = to_floor(motion.heading[:, None], *model.geometry.position_m.T)
+    x, y = (motion.position[:, k, None] + turned[k] for k in (0, 1))
+    at_x, at_y, direction = place
+    return np.asarray(place_variable(variable is Variable.BEFORE_LINE, at_x, at_y, direction, x, y)[None])
 
 
 def _acceleration(model: Model, motion: Motion, column: int) -> Array:

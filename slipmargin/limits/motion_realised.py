@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 from typing import final
 
 import numpy as np
@@ -111,11 +112,11 @@ def _at_com(model: Model, motion: Motion) -> Array:
 def _balances(
     model: Model, motion: Motion, contact: Contact, share: float, open_loop: bool
 ) -> Iterator[Balance]:
-    """What the states ask of the wheels, for every combination of materials they may stand on."""
+    """What the states ask of the wheels, for every material they may stand on and corner of their loads."""
     friction = friction_in_motion(model, motion, contact=contact, share=share)
     at_com = _at_com(model, motion)
     wrench, load = external_in_motion(model, motion).middle(at_com)
-    pressed = np.maximum(load, LIGHTEST * model.inertia.weight_N / model.count)
+    lightest = LIGHTEST * model.inertia.weight_N / model.count
     carried = np.zeros((motion.count, 4))
     if open_loop:
         carried[:, 0], carried[:, 3] = model.inertia.mass_kg, motion.velocity[:, 2]
@@ -123,7 +124,8 @@ def _balances(
     along, across = model.wrench_maps()
     lever = float(np.max(np.abs(along[2]))) or 1.0
     scale = model.inertia.weight_N * float(np.max(model.grip.roller[:, 0])) * np.array([1.0, 1.0, lever])
-    for on_rigid in material_states(friction.possible):
+    for on_rigid, shift in product(material_states(friction.possible), model.loads.shifts()):
+        pressed = np.maximum(load + shift, lightest)
         yield Balance(
             law=model.grip.law,
             along=along,

@@ -8,7 +8,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.model.parts import Inertia
-from slipmargin.physics.loads import Loads, load_centre, wheel_loads
+from slipmargin.physics.loads import Loads, load_centre, uneven_shifts, wheel_loads
 from slipmargin.robot import Robot
 
 
@@ -31,12 +31,16 @@ def tagged(rule: str, tag: str) -> str:
 
 
 def nominal_loads(robot: Robot) -> Loads:
-    """The loads of a robot by the rule its file names."""
+    """The loads of a robot by the rule its file names, with the band of an uneven floor if it gives one."""
+    place, uneven = np.array([w.position_m for w in robot.wheels]), None
+    if robot.suspension_N_per_mm is not None and robot.unevenness_mm is not None:
+        uneven = uneven_shifts(place, 1e3 * robot.suspension_N_per_mm, 1e-3 * robot.unevenness_mm)
     return wheel_loads(
         robot.load_rule,
-        np.array([w.position_m for w in robot.wheels]),
+        place,
         mass_kg=robot.body.mass_kg,
         com_m=robot.body.com_m,
         com_height_m=robot.body.com_height_m,
         fractions=robot.load_fractions,
+        uneven_N=uneven,
     )

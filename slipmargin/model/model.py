@@ -20,7 +20,7 @@ from slipmargin.model.parts import (
 from slipmargin.physics.friction_laws import law_number
 from slipmargin.physics.kinematics import WheelGeometry
 from slipmargin.physics.loads import Loads
-from slipmargin.robot import Motor, Robot
+from slipmargin.robot import Convention, Motor, Robot
 
 
 @final
@@ -41,6 +41,7 @@ class Model:
     drives: Drives
     actuators: ActuatorDynamics
     measurement: MeasurementModel
+    convention: Convention = Convention.PAPER  #: for words and pictures; no equation needs it
 
     @property
     def count(self) -> int:
@@ -89,6 +90,7 @@ def nominal_model(robot: Robot, surface_name: str) -> Model:
         drives=_drives(robot.motor),
         actuators=ActuatorDynamics.none(n),
         measurement=MeasurementModel.ideal(),
+        convention=robot.convention,
     )
 
 

@@ -80,6 +80,11 @@ def inner(function: F) -> F:
     return _compiled(function, no_cpython_wrapper=True, _nrt=False)
 
 
+def spliced(function: F) -> F:
+    """An :func:`inner` function whose code is copied to where it is called: for few calls and speed."""
+    return _compiled(function, no_cpython_wrapper=True, _nrt=False, forceinline=True)
+
+
 def fast(function: F) -> F:
     """A compiled function that Python calls, in several threads at once; it may create arrays."""
     return _compiled(function, nogil=True)

@@ -1,5 +1,6 @@
-"""Frames: floor {0}, body {M} (+X right, +Y forward, angles counter-clockwise), and points of the body.
+"""Frames: floor {0}, body {M} (angles counter-clockwise), and points of the body.
 
+Which axis is the robot's front no function needs to know (:mod:`slipmargin.physics.convention`).
 Every function takes numbers or arrays that broadcast.
 """
 

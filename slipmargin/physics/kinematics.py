@@ -31,7 +31,8 @@ class WheelGeometry:
     position_m : (N, 2)
         Wheel centres p [m].
     drive, grip, free : (N, 2)
-        Unit vectors ŝ, ĝ, f̂ (omni: ĝ = ŝ, f̂ = r̂; mecanum: both turned by the roller angle).
+        Unit vectors ŝ, ĝ, f̂ (omni: ĝ = ŝ, f̂ = r̂; mecanum: both turned by the roller angle).  In the
+        convention of ROS ŝ is the negative of the file's drive direction, ĝ and f̂ belong to the latter.
     radius_m : (N,)
         ρ [m].
     """

@@ -8,12 +8,14 @@ m a − Σ F_k, gives
 
 Accelerating forwards presses the rear wheels down; a force forwards above the floor, the front ones.
 For three wheels this decides the loads, N = S (Σ N, Σ N p); for more (they are hyperstatic) S is the
-minimum-norm solution: equal suspension stiffness.
+minimum-norm solution: equal suspension stiffness.  There a contact that lies δ out of the plane of the
+others shifts N by c Π δ e_i, with the stiffness c of each wheel and the projector Π on the loads
+that have neither resultant nor moment (docs/theory.md, section 3): the loads are a band.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import final
 
@@ -53,6 +55,9 @@ class Loads:
         resultant acts: on a level floor the two are one point.
     raised_m : float
         How much higher the centre of mass is than the file says [m].
+    uneven_N : (V, N)
+        Corners of the band of load shifts on an uneven floor, each without resultant or moment; none
+        where the floor is even.
     """
 
     rest_N: Array
@@ -61,9 +66,11 @@ class Loads:
     rule: str
     centred: float = 0.0
     raised_m: float = 0.0
+    uneven_N: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
     def __post_init__(self) -> None:
         n, put = len(np.asarray(self.rest_N)), object.__setattr__
+        put(self, "uneven_N", frozen("uneven_N", np.reshape(self.uneven_N, (-1, n)), (None, n)))
         put(self, "rest_N", frozen("rest_N", self.rest_N, (n,)))
         put(self, "per_acceleration_kg", frozen("per_acceleration_kg", self.per_acceleration_kg, (n, 2)))
         put(self, "per_moment_1_per_m", frozen("per_moment_1_per_m", self.per_moment_1_per_m, (n, 2)))
@@ -79,6 +86,18 @@ class Loads:
     def follow_acceleration(self) -> bool:
         """Whether accelerating shifts load."""
         return bool(np.any(self.per_acceleration_kg))
+
+    def shifts(self) -> Array:
+        """(1 + V, N) shifts of the loads [N]: none first, then the band's corners.
+
+        A corner ends where the first wheel hangs in the air at rest: more unevenness shifts no more.
+        """
+        if not len(self.uneven_N):
+            return np.zeros((1, len(self.rest_N)))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            part = np.where(self.uneven_N < 0.0, self.rest_N / -self.uneven_N, np.inf)
+        held = np.clip(np.min(part, axis=1, keepdims=True), 0.0, 1.0)
+        return np.vstack([np.zeros((1, len(self.rest_N))), held * self.uneven_N])
 
     def at(self, acceleration: Array, tilting: Array | float = 0.0, lift_N: Array | float = 0.0) -> Array:
         """Loads (..., N) [N].
@@ -109,6 +128,22 @@ def sharing_matrix(position_m: Array) -> Array:
     return np.asarray(np.linalg.pinv(moments), dtype=np.float64)
 
 
+def uneven_shifts(position_m: Array, stiffness_N_per_m: float, unevenness_m: float) -> Array:
+    """(V, N) load shifts [N] where one wheel's contact lies above or below the plane of the others.
+
+    Springs of equal stiffness under a rigid body: a contact raised by δ_i lifts the body by the plane that
+    fits the heights best, and what is left presses, N ← N + c (1 − A A⁺) δ with A = [1, x, y].  Corners that
+    lie within others are left out: four wheels have two.
+    """
+    plane = np.column_stack([np.ones(len(position_m)), position_m])
+    left = np.eye(len(plane)) - plane @ np.linalg.pinv(plane)
+
+    if len(plane) == 4:  # one pattern (+, −, +, −): the wheel that shifts most is the band's end
+        left = left[:, [int(np.argmax(np.round(np.diag(left), 9)))]]
+    corners = stiffness_N_per_m * unevenness_m * left.T
+    return np.vstack([corners, -corners])
+
+
 def load_centre(position_m: Array, rest_N: Array) -> Array:
     """The point (2,) at which the loads' resultant acts [m]."""
     return np.asarray(position_m.T @ rest_N / rest_N.sum(), dtype=np.float64)
@@ -122,6 +157,7 @@ def wheel_loads(
     com_m: Array,
     com_height_m: float,
     fractions: Array | None = None,
+    uneven_N: Array | None = None,
 ) -> Loads:
     """The loads of a robot by a rule.
 
@@ -131,6 +167,8 @@ def wheel_loads(
         Wheel centres [m].
     fractions : (N,), optional
         Shares of m g; given exactly for the rule FIXED.
+    uneven_N : (V, N), optional
+        Load shifts on an uneven floor (:func:`uneven_shifts`).
     """
     n, weight, share = len(position_m), mass_kg * GRAVITY_M_S2, sharing_matrix(position_m)
     shift, statics = np.zeros((n, 2)), "statics" if n == 3 else "statics with equal suspension stiffness"
@@ -143,7 +181,13 @@ def wheel_loads(
         rest, words = share @ (weight * np.array([1.0, *com_m])), statics
     if rule is LoadRule.QUASI_STATIC:
         shift, words = transfer(position_m, mass_kg, com_height_m), statics + ", plus load transfer"
-    return Loads(rest_N=rest, per_acceleration_kg=shift, per_moment_1_per_m=share[:, 1:], rule=words)
+    return Loads(
+        rest_N=rest,
+        per_acceleration_kg=shift,
+        per_moment_1_per_m=share[:, 1:],
+        rule=words,
+        uneven_N=np.zeros((0, n)) if uneven_N is None else uneven_N,
+    )
 
 
 def transfer(position_m: Array, mass_kg: float, height_m: float) -> Array:

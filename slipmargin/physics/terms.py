@@ -6,7 +6,7 @@ Force term:                               w   ← w + Σ_b C[:, b] φ_b(v)   in 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, final
 
 import numpy as np
@@ -16,7 +16,7 @@ from slipmargin.errors import InputError
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
 
 #: The families as plain numbers, for code that is compiled.
-CONSTANT, POLYNOMIAL, FOURIER, HATS, DECAY, RECIPROCAL, WINDOW, ODD = (int(basis) for basis in Basis)
+CONSTANT, POLYNOMIAL, FOURIER, HATS, DECAY, RECIPROCAL, WINDOW, ODD, STEP = (int(basis) for basis in Basis)
 
 #: Variables that differ from wheel to wheel; forces, which act on the body, cannot use them.
 PER_WHEEL = frozenset(
@@ -31,8 +31,20 @@ PER_WHEEL = frozenset(
         Variable.COMMAND_SPEED,
         Variable.HUB_SPEED,
         Variable.LEAD,
+        Variable.FROM_PLACE,
+        Variable.BEFORE_LINE,
     }
 )
+#: Variables of a wheel that are measured from the place of a term.
+OF_PLACE = frozenset({Variable.FROM_PLACE, Variable.BEFORE_LINE})
+
+
+def place_variable(before_line: Any, at_x: Any, at_y: Any, direction: Any, x: Any, y: Any) -> Any:
+    """BEFORE_LINE or FROM_PLACE of contacts at (x, y) [m], seen from a place and its direction [rad]."""
+    dx, dy = x - at_x, y - at_y
+    if before_line:
+        return -dx * np.cos(direction) - dy * np.sin(direction)
+    return np.sqrt(dx * dx + dy * dy)
 
 
 def basis_function(basis: int, j: int, count: int, a: float, b: float, v: Any) -> Any:
@@ -53,6 +65,8 @@ def basis_function(basis: int, j: int, count: int, a: float, b: float, v: Any) -
         return 1.0 * ((v >= a) & (v < b))
     if basis == ODD:
         return 2.0 / np.pi * np.arctan(v / a) if j == 0 else v * np.abs(v) ** (j - 1.0)
+    if basis == STEP:
+        return 0.5 - 0.5 * np.tanh((v - a) / (2.0 * b))
     return 1.0 + 0.0 * v
 
 
@@ -74,6 +88,8 @@ def basis_slope(basis: int, j: int, count: int, a: float, b: float, v: Any) -> A
         return -a / (v + b) ** 2
     if basis == ODD:
         return 2.0 / np.pi * a / (a * a + v * v) if j == 0 else j * np.abs(v) ** (j - 1.0)
+    if basis == STEP:
+        return 0.25 / b * (np.tanh((v - a) / (2.0 * b)) ** 2 - 1.0)
     return 0.0 * v
 
 
@@ -92,7 +108,8 @@ class Multiplier:
     """A factor on friction: ``coefficients`` (B,) in ``basis`` over ``variable``.
 
     ``wheels`` (N,) are the weights w_i: 1 where the modulation applies in full, 0 where not at all;
-    ``shape`` (2,) are the constants of the basis.
+    ``shape`` (2,) are the constants of the basis; ``place`` (3,) is where on the floor the variable is
+    measured from: x, y [m] and a direction [rad].
     """
 
     variable: Variable
@@ -101,9 +118,11 @@ class Multiplier:
     shape: Array
     wheels: Array
     target: Target = Target.BOTH
+    place: Array = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:
         put = object.__setattr__
+        put(self, "place", frozen("place", self.place, (3,)))
         put(self, "coefficients", frozen("coefficients", self.coefficients, (None,)))
         put(self, "shape", frozen("shape", self.shape, (2,)))
         put(self, "wheels", frozen("wheels", self.wheels, (None,)))

@@ -19,12 +19,12 @@ class Variable(IntEnum):
     SLIP_RATIO = 4  #: SLIP_SPEED / (ROLLING_SPEED + 1 mm/s) [1], per wheel
     SLIP_ANGLE = 5  #: atan2(|u_i·f̂_i|, |u_i·ĝ_i|) [rad], per wheel: 0 pure drive slip, π/2 pure transverse
     ROLLING_SPEED = 6  #: max(|hub velocity|, |ρ_i θ̇_i|) [m/s], per wheel
-    VELOCITY_X = 7  #: body-frame velocity of the origin, right [m/s]
-    VELOCITY_Y = 8  #: body-frame velocity of the origin, forward [m/s]
+    VELOCITY_X = 7  #: body-frame velocity of the origin along the body's x [m/s]
+    VELOCITY_Y = 8  #: body-frame velocity of the origin along the body's y [m/s]
     YAW_RATE = 9  #: φ̇ [rad/s]
     SPEED = 10  #: |velocity of the origin| [m/s]
-    ACCELERATION_X = 11  #: no-slip body acceleration asked by the wheels, right [m/s²]
-    ACCELERATION_Y = 12  #: no-slip body acceleration asked by the wheels, forward [m/s²]
+    ACCELERATION_X = 11  #: no-slip body acceleration asked by the wheels along x [m/s²]
+    ACCELERATION_Y = 12  #: no-slip body acceleration asked by the wheels along y [m/s²]
     YAW_ACCELERATION = 13  #: no-slip yaw acceleration asked by the wheels [rad/s²]
     HEADING = 14  #: φ [rad]
     POSITION_X = 15  #: x in the floor frame [m]
@@ -35,6 +35,9 @@ class Variable(IntEnum):
     COMMAND_SPEED = 19  #: |ω_cmd,i| [rad/s], per wheel; only for transients
     HUB_SPEED = 20  #: |hub velocity| [m/s], per wheel: how fast the floor passes under it
     LEAD = 21  #: hub velocity · outward direction / (HUB_SPEED + 1 mm/s) [1], per wheel: 1 leads, −1 trails
+    FROM_PLACE = 22  #: distance of the contact from the term's place on the floor [m], per wheel
+    BEFORE_LINE = 23  #: how far the contact lies before the line through the term's place, whose normal
+    #: points ``place[2]`` [rad] [m], per wheel; negative beyond it
 
 
 class Basis(IntEnum):
@@ -48,6 +51,7 @@ class Basis(IntEnum):
     RECIPROCAL = 5  #: a/(v + b) − 1
     WINDOW = 6  #: 1 for a ≤ v < b, else 0
     ODD = 7  #: (2/π) atan(v/a), then v|v|^(j−1) for j = 1, 2, …; a: speed scale
+    STEP = 8  #: 1 far below a, 0 far above: (1 − tanh((v − a)/2b))/2; b: width of the edge
 
 
 class Target(IntEnum):
@@ -64,6 +68,6 @@ class Target(IntEnum):
 class Frame(IntEnum):
     """Where the axes of a force point."""
 
-    BODY = 0  #: right, forward, yaw moment
+    BODY = 0  #: body x, body y, yaw moment
     FLOOR = 1  #: floor x, floor y, yaw moment
     AGAINST_MOTION = 2  #: against the velocity, to the left of it, against the yaw rate

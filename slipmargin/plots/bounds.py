@@ -10,7 +10,7 @@ from matplotlib.projections.polar import PolarAxes
 from slipmargin.checks import Array
 from slipmargin.limits.bounds_summary import Bounds
 from slipmargin.limits.motion_rows import CAUSES, TIPS
-from slipmargin.plots.polar import forwards_up, from_forwards, polar_axes
+from slipmargin.plots.polar import forwards_up, polar_axes
 from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, RED, SKY, styled
 
 
@@ -28,7 +28,7 @@ def bounds_figure(found: Bounds) -> Figure:
 def draw_limits(axes: PolarAxes, found: Bounds) -> PolarAxes:
     """Speeding up, turning and braking [m/s²] over the direction of motion."""
     full = found.full
-    angle = from_forwards(_round(full.heading_rad))
+    angle = found.model.convention.from_front(_round(full.heading_rad))
     for values, colour, label in (
         (full.braking_m_s2, GREEN, "braking"),
         (full.turning_m_s2, ORANGE, "turning at speed"),
@@ -63,7 +63,7 @@ def draw_limits(axes: PolarAxes, found: Bounds) -> PolarAxes:
 
 def draw_steady(axes: PolarAxes, found: Bounds) -> PolarAxes:
     """Share of the grip that constant speed needs: on rollers and in the worst state of rigid sectors."""
-    angle, rigid = from_forwards(_round(found.full.heading_rad)), found.rigid_use
+    angle, rigid = found.model.convention.from_front(_round(found.full.heading_rad)), found.rigid_use
     both = np.concatenate([rigid, found.full.steady_use])
     top = 1.15 * float(np.max(both, where=np.isfinite(both), initial=1.0))
     axes.fill_between(angle, np.ones_like(angle), top, color=RED, alpha=0.10, lw=0, label="must slip")

@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from slipmargin.checks import Array
 from slipmargin.diagnosis.limits_change import LimitsChange
-from slipmargin.plots.polar import forwards_up, from_forwards, of_pull, polar_axes
+from slipmargin.plots.polar import forwards_up, of_pull, polar_axes
 from slipmargin.plots.style import BLUE, RED, SKY, styled
 
 BEFORE, AFTER = RED, BLUE
@@ -25,12 +25,12 @@ def limits_figure(change: LimitsChange) -> Figure:
     grid = figure.add_gridspec(1, 3)
     before, after = change.before, change.after
     pull = (
-        of_pull(change.phi_rad),
+        of_pull(change.phi_rad, change.convention),
         "Pull before a wheel slips [N]",
         (before.f_max_N, before.f_low_N, before.f_high_N),
         (after.f_max_N, after.f_low_N, after.f_high_N),
     )
-    way = from_forwards(change.direction_rad)
+    way = change.convention.from_front(change.direction_rad)
     start = (
         way,
         "Speeding up without slip [m/s²]",

@@ -9,7 +9,15 @@ from matplotlib.patches import Polygon
 
 from slipmargin.checks import Array
 from slipmargin.model import Model
+from slipmargin.physics.convention import Convention
+from slipmargin.physics.frames import moment
 from slipmargin.plots.style import BLUE, GREY, INK, ORANGE, PALE, styled
+
+#: What the arrow at a wheel means.
+_ARROW = {
+    Convention.PAPER: "drive direction ŝ: the contact’s way when θ̇ > 0",
+    Convention.ROS: "drive direction: the robot’s way when θ̇ > 0",
+}
 
 
 @styled
@@ -18,9 +26,9 @@ def machine_figure(model: Model) -> Figure:
     figure = Figure(figsize=(5.6, 5.6), layout="constrained")
     axes = figure.add_subplot()
     draw_machine(axes, model)
-    contacts, reach = model.geometry, _reach(model)
+    contacts, reach, convention = model.geometry, _reach(model), model.convention
     for number, (name, place, drive) in enumerate(
-        zip(contacts.names, contacts.position_m, contacts.drive, strict=True), 1
+        zip(contacts.names, contacts.position_m, convention.contact_sign * contacts.drive, strict=True), 1
     ):
         axes.annotate(
             "",
@@ -39,16 +47,16 @@ def machine_figure(model: Model) -> Figure:
         )
     axes.plot(*model.inertia.com_m, marker="o", ms=7, mfc="white", mec=INK, ls="none", zorder=5)
     axes.plot(*model.inertia.com_m, marker="+", ms=7, color=INK, ls="none", zorder=6, label="centre of mass")
-    axes.plot([], [], color=BLUE, marker=">", label="drive direction ŝ: the contact’s way when θ̇ > 0")
-    if np.any(np.abs(contacts.grip - contacts.drive) > 1e-9):
+    axes.plot([], [], color=BLUE, marker=">", label=_ARROW[convention])
+    if np.any(np.abs(moment(*contacts.grip.T, *contacts.drive.T)) > 1e-9):
         axes.plot([], [], color=GREY, lw=1.4, label="axle of the roller on the floor (white)")
     mid, far = contacts.position_m.mean(axis=0), 1.9 * reach
     axes.set(
         xlim=(mid[0] - far, mid[0] + far),
         ylim=(mid[1] - far, mid[1] + far),
         aspect="equal",
-        xlabel="x, to the right [m]",
-        ylabel="y, forwards [m]",
+        xlabel=f"x, {convention.axes[0]} [m]",
+        ylabel=f"y, {convention.axes[1]} [m]",
         title=model.robot,
     )
     axes.legend(loc="lower left")
@@ -62,7 +70,9 @@ def draw_machine(axes: Axes, model: Model, *, numbers: bool = False) -> Axes:
     arm = contacts.position_m - mid
     order = np.argsort(np.arctan2(arm[:, 1], arm[:, 0]))
     axes.add_patch(Polygon(contacts.position_m[order], closed=True, fc=PALE, ec=GREY, lw=1.0, alpha=0.6))
-    wedge = mid + reach * np.array([[-0.13, 0.22], [0.13, 0.22], [0.0, 0.48]])
+    wedge = mid + reach * np.array(
+        [model.convention.from_right_forward(*p) for p in ((-0.13, 0.22), (0.13, 0.22), (0.0, 0.48))]
+    )
     axes.add_patch(Polygon(wedge, closed=True, fc=ORANGE, ec="none"))
     for number, (place, drive, grip) in enumerate(
         zip(contacts.position_m, contacts.drive, contacts.grip, strict=True), 1

@@ -13,6 +13,8 @@ from slipmargin.model import Model
 from slipmargin.paths.check import Check
 from slipmargin.paths.plan import Plan
 from slipmargin.paths.trajectory import Trajectory
+from slipmargin.physics.convention import Convention
+from slipmargin.physics.frames import directions
 from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PALE, PURPLE, RED, SKY, styled
 
 #: One colour a wheel; more than six wheels repeat them with another dash.
@@ -33,6 +35,7 @@ def plan_figure(plan: Plan, rows: Trajectory) -> Figure:
         rows,
         share,
         f"{plan.model.robot} on “{plan.model.surface}”: {plan.duration_s:.3f} s",
+        plan.model.convention,
     )
     _profile(figure.add_subplot(grid[0, 1]), plan)
     _use(figure.add_subplot(grid[1, 1]), rows, share, "Grip that each wheel uses")
@@ -46,7 +49,7 @@ def check_figure(model: Model, found: Check, rows: Trajectory) -> Figure:
     grid = figure.add_gridspec(1, 2, width_ratios=(1.0, 1.3))
     verdict = "admissible" if found.admissible else "not admissible"
     axes = figure.add_subplot(grid[0])
-    _path(axes, rows, found.share, f"{model.robot} on “{model.surface}”: {verdict}")
+    _path(axes, rows, found.share, f"{model.robot} on “{model.surface}”: {verdict}", model.convention)
     t, x, y, k = found.worst
     axes.plot([x], [y], marker="o", ms=9, mfc="none", mec=RED, mew=1.6, ls="none", zorder=5)
     axes.annotate(
@@ -71,7 +74,7 @@ def check_figure(model: Model, found: Check, rows: Trajectory) -> Figure:
     return figure
 
 
-def _path(axes: Axes, rows: Trajectory, share: float, title: str) -> None:
+def _path(axes: Axes, rows: Trajectory, share: float, title: str, convention: Convention) -> None:
     who = limiting(rows, share)
     points = rows.pose[:, :2]
     segments = np.stack([points[:-1], points[1:]], axis=1)
@@ -79,7 +82,7 @@ def _path(axes: Axes, rows: Trajectory, share: float, title: str) -> None:
     axes.add_collection(LineCollection(list(segments), colors=colours, linewidths=3.2, capstyle="round"))
     span = max(float(np.ptp(points[:, 0])), float(np.ptp(points[:, 1])), 1e-3)
     at = np.linspace(0, len(points) - 1, 13).astype(int)
-    front = np.stack([-np.sin(rows.pose[at, 2]), np.cos(rows.pose[at, 2])], axis=1)
+    front = directions(convention.yaw_of_phi(rows.pose[at, 2]))
     axes.quiver(
         points[at, 0],
         points[at, 1],

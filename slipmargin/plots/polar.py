@@ -8,6 +8,7 @@ from matplotlib.gridspec import SubplotSpec
 from matplotlib.projections.polar import PolarAxes
 
 from slipmargin.checks import Array
+from slipmargin.physics.convention import Convention
 
 
 def polar_axes(figure: Figure, place: SubplotSpec | None = None) -> PolarAxes:
@@ -31,14 +32,9 @@ def forwards_up(axes: PolarAxes) -> None:
     axes.spines["polar"].set_visible(False)
 
 
-def from_forwards(direction_rad: Array) -> Array:
-    """Directions counted from the body's +X (to the right) as angles from forwards [rad]."""
-    return np.asarray(direction_rad - np.pi / 2.0)
-
-
-def of_pull(phi_rad: Array) -> Array:
+def of_pull(phi_rad: Array, convention: Convention) -> Array:
     """Orientations φ under a pull along the floor's +x as the pull's direction from forwards [rad].
 
-    The pull points along −φ from body +X.
+    The pull points along −φ from the body's +x.
     """
-    return from_forwards(-np.asarray(phi_rad))
+    return convention.from_front(-np.asarray(phi_rad))

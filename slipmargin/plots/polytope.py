@@ -10,12 +10,13 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from slipmargin.checks import Array
 from slipmargin.limits import WrenchSet
+from slipmargin.physics.convention import Convention
 from slipmargin.plots.style import BLUE, GREY, INK, ORANGE, SKY, styled
 from slipmargin.sets.zonotope import Zonotope
 
 
 @styled
-def polytope_figure(wrenches: WrenchSet, title: str) -> Figure:
+def polytope_figure(wrenches: WrenchSet, title: str, convention: Convention = Convention.PAPER) -> Figure:
     """All wrenches (Fx, Fy, Mz) on the left, the pure forces (Mz = 0) on the right.
 
     A coupled grip has no facets; the box set that contains it is drawn in space, the set itself in
@@ -28,7 +29,7 @@ def polytope_figure(wrenches: WrenchSet, title: str) -> Figure:
     zonotope = wrenches.zonotope()
     draw_polytope(space, zonotope)
     space.set_title(title)
-    draw_section(figure.add_subplot(grid[1]), zonotope)
+    draw_section(figure.add_subplot(grid[1]), zonotope, convention)
     return figure
 
 
@@ -63,7 +64,7 @@ def draw_polytope(axes: Axes3D, zonotope: Zonotope) -> Axes3D:
     return axes
 
 
-def draw_section(axes: Axes, zonotope: Zonotope) -> Axes:
+def draw_section(axes: Axes, zonotope: Zonotope, convention: Convention = Convention.PAPER) -> Axes:
     """The forces that come without a moment: the section of the polytope at Mz = 0."""
     ring = section(zonotope)
     axes.fill(*ring.T, fc=SKY, alpha=0.3, ec="none")
@@ -91,8 +92,8 @@ def draw_section(axes: Axes, zonotope: Zonotope) -> Axes:
         xlim=(-far, far),
         ylim=(-far, far),
         aspect="equal",
-        xlabel="Fx, to the right [N]",
-        ylabel="Fy, forwards [N]",
+        xlabel=f"Fx, {convention.axes[0]} [N]",
+        ylabel=f"Fy, {convention.axes[1]} [N]",
         title="Pure forces on the body (Mz = 0)",
     )
     axes.legend(loc="upper right")

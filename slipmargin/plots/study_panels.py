@@ -34,7 +34,7 @@ def draw_polar_family(axes: PolarAxes, study: Study) -> PolarAxes:
         colour = BLUE if row == best else next(others)
         name = ", ".join(short(v) for v in study.values[row])
         axes.plot(
-            of_pull(phi),
+            of_pull(phi, chosen[0].robot.convention),
             force,
             color=colour,
             lw=2.8 if row == best else 1.2,

@@ -90,7 +90,7 @@ def draw_polar(
 
     ``alone``: with a legend for everything, not only for what the plot beside it does not explain.
     """
-    angle = of_pull(circle.phi_rad)
+    angle = of_pull(circle.phi_rad, circle.model.convention)
     if np.any(circle.f_high_N > circle.f_low_N * (1 + 1e-9)):
         axes.fill_between(
             angle,
@@ -104,7 +104,7 @@ def draw_polar(
     axes.plot(angle, circle.f_max_N, color=BLUE, label="all wheels on rollers")
     phi, force = circle.weakest
     weakest = axes.plot(
-        [float(of_pull(np.array(phi)))],
+        [float(of_pull(np.array(phi), circle.model.convention))],
         [force],
         marker="o",
         ms=5,
@@ -115,7 +115,7 @@ def draw_polar(
         label=f"weakest: {force:.3g} N",
     )
     if pulls is not None:
-        _scatter(axes, of_pull(pulls.phi_rad), pulls)
+        _scatter(axes, of_pull(pulls.phi_rad, circle.model.convention), pulls)
     if alone:
         axes.legend(loc="upper left", bbox_to_anchor=(-0.12, -0.07), ncols=3)
     else:

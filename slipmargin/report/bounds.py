@@ -10,13 +10,15 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.limits.bounds_summary import Bounds
 from slipmargin.limits.motion_rows import CAUSES, TIPS
+from slipmargin.limits.uncertainty import SlipChance
+from slipmargin.report.sweep import chance_line
 from slipmargin.report.text import columns, degrees
 
 #: A strongest direction whose neighbours hold less than this part of it is called narrow [1].
 NEEDLE = 0.9
 
 
-def answer(b: Bounds) -> list[str]:
+def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:
     """Lines of the answer; the first four are traction, motor, isotropic and recommended."""
     full, lines = b.full, []
     weak, strong = int(np.argmin(full.starting_m_s2)), int(np.argmax(full.starting_m_s2))
@@ -43,6 +45,14 @@ def answer(b: Bounds) -> list[str]:
         "(with the margin)"
     )
     lines.append(_steady(b))
+    if likely is not None:
+        lines.append(chance_line(likely, f"{b.recommended_m_s2:.4g}", "m/s²"))
+    if b.even is not None:
+        most = np.max(np.abs(b.model.loads.shifts()))
+        lines.append(
+            f"loads       uneven by up to {most:.3g} N at a wheel; these are the worst limits of that band, "
+            f"an even floor holds {np.min(b.even.starting_m_s2):.4g} m/s² in the weakest direction"
+        )
     return lines + _sets(b)
 
 
@@ -116,7 +126,7 @@ def _sets(b: Bounds) -> list[str]:
         return [f"box         none: {b.why_not}"]
     return [
         f"box         speed up {_three(s.fast)}, slow down {_three(s.slow)}"
-        " (right, forward m/s², yaw rad/s²)",
+        f" ({', '.join(b.model.convention.short_axes)} m/s², yaw rad/s²)",
         f"circle      {s.circle_m_s2:.4g} m/s² in any direction of motion and of acceleration",
         f"reserved    {s.yaw_rad_s2:.4g} rad/s² of yaw acceleration at once, in box, circle and exports",
     ]

@@ -69,6 +69,7 @@ def report(diagnosis: Diagnosis, change: LimitsChange) -> dict[str, Any]:
             for e in d.events
         ],
         "outliers": d.outliers,
+        "data_repairs": [asdict(r) for r in d.repairs],
         "trials": [_trial(t, d) for t in d.trials],
         "remarks": d.remarks,
     }

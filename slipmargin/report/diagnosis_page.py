@@ -39,6 +39,7 @@ def page(diagnosis: Diagnosis, change: LimitsChange, images: Mapping[str, Image]
     sections = [
         Section(heading="The answer in numbers", blocks=(_facts(d, change),)),
         Section(heading="What was measured", blocks=_measured(d)),
+        *_mended(d),
         Section(
             heading="What did not fit" if d.verdict is not Verdict.NO_MISSING_EFFECT else "How it fits",
             blocks=_misfit(d, images),
@@ -97,7 +98,7 @@ def _facts(d: Diagnosis, change: LimitsChange) -> Facts:
 def _measured(d: Diagnosis) -> tuple[Block, ...]:
     spans = np.array([t.t_s[-1] - t.t_s[0] for t in d.trials])
     step = float(np.median(np.concatenate([np.diff(t.t_s) for t in d.trials])))
-    sigma = "estimated from the data" if d.noise_estimated else "as stated with the data"
+    sigma = "as the data show it" if d.noise_estimated else "as stated with the data"
     x, y, phi = (float(v) for v in 1e3 * d.noise)
     held = (
         f"Each run was predicted with parameters fitted to the others (cross-validation over {len(d.trials)} "
@@ -120,6 +121,14 @@ def _measured(d: Diagnosis) -> tuple[Block, ...]:
     if known:
         items.append(f"The robot file already holds: {', '.join(f'`{name}`' for name in known)}.")
     return (Bullets(items=tuple(items)),)
+
+
+def _mended(d: Diagnosis) -> tuple[Section, ...]:
+    """What was mended in the data, a line each; no section where nothing was."""
+    if not d.repairs:
+        return ()
+    items = tuple(r.sentence for r in d.repairs)
+    return (Section(heading="What was mended in the data", blocks=(Bullets(items=items),)),)
 
 
 def _range(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> str:

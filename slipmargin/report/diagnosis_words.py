@@ -242,5 +242,6 @@ def summary_lines(d: Diagnosis, change: LimitsChange) -> list[str]:
         lines.append(f"limits   unchanged: weakest pull {b.f_max_min_N:.3g} N, mean {b.f_max_mean_N:.3g} N")
     if change.moved and change.pulls is not None:
         lines.append(f"pulls    {pulls_sentence(change.pulls)}")
+    lines += [f"data     {repair.sentence}" for repair in d.repairs]
     lines += [f"note     {remark}" for remark in (*change.missing, *d.remarks)]
     return lines

@@ -1,7 +1,7 @@
 """Motion limits under other tools' own parameter names and units, as text.
 
-Frames: this package has +Y forward and +X to the right; ROS (REP 103), Road Runner, PathPlanner and
-Choreo have +x forward and +y to the left.  Sources of the names: nav2_velocity_smoother and
+Frames: the limits are in the axes of the robot file (its ``convention``); ROS (REP 103), Road Runner,
+PathPlanner and Choreo have +x forward and +y to the left.  Sources of the names: nav2_velocity_smoother and
 nav2_mppi_controller (Nav2), MecanumDrive.Params (Road Runner 1.0 quickstart; inches and radians),
 settings.json (PathPlanner 2025; metres and degrees), the ``config`` of a .chor file (Choreo 2025).
 """
@@ -16,8 +16,11 @@ import numpy as np
 
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.io.json_text import json_text
+from slipmargin.limits.bounds import Directions
 from slipmargin.limits.bounds_inside import Inside
 from slipmargin.limits.bounds_summary import Bounds
+from slipmargin.limits.uncertainty import SlipChance
+from slipmargin.model import Model
 
 _INCH = 0.0254
 
@@ -47,7 +50,7 @@ def _speeds(found: Bounds) -> tuple[float | None, float | None, float | None]:
     """Top speed forward, to the side [m/s] and turning [rad/s]; None where no motor limits it."""
     ahead, side = (
         float(np.interp(a, found.full.heading_rad, found.top_m_s, period=2.0 * np.pi))
-        for a in (0.5 * np.pi, 0.0)
+        for a in (found.model.convention.front_rad, found.model.convention.front_rad - 0.5 * np.pi)
     )
     return tuple(v if math.isfinite(v) else None for v in (ahead, side, found.spin.top_rad_s))  # type: ignore
 
@@ -74,7 +77,7 @@ def _stated(found: Bounds) -> str:
 def nav2(found: Bounds) -> str:
     """YAML for the velocity smoother and the MPPI controller [m/s, m/s², rad/s, rad/s²]."""
     sets = _sets(found)
-    fast, slow, even = (_forward(v) for v in (sets.fast, sets.slow, sets.even))
+    fast, slow, even = (_forward(found, v) for v in (sets.fast, sets.slow, sets.even))
     speeds = _speeds(found)
     lines = [*_head(found, "Nav2", "#"), "velocity_smoother:", "  ros__parameters:"]
     if all(v is not None for v in speeds):
@@ -103,7 +106,7 @@ def nav2(found: Bounds) -> str:
 def roadrunner(found: Bounds) -> str:
     """Java fields of MecanumDrive.Params: inches and radians."""
     sets = _sets(found)
-    fast, slow = _forward(sets.fast), _forward(sets.slow)
+    fast, slow = _forward(found, sets.fast), _forward(found, sets.slow)
     up = down = sets.circle_m_s2
     lines = [*_head(found, "Road Runner", "//"), "// path profile parameters (in inches)"]
     top = found.model.drives.max_speed_rad_s
@@ -170,8 +173,13 @@ def plain_json(found: Bounds) -> str:
     return json_text(bounds_table(found))
 
 
-def bounds_table(found: Bounds) -> dict[str, Any]:
-    """Everything as numbers; axes are the robot's (x right, y forward)."""
+def _load_band(model: Model, even: Directions) -> dict[str, Any]:
+    """Shifts of the wheels' loads at the band's corners, and the limits on an even floor."""
+    return {"shifts_N": model.loads.shifts()[1:], "even_floor_starting_m_s2": even.starting_m_s2}
+
+
+def bounds_table(found: Bounds, likely: SlipChance | None = None) -> dict[str, Any]:
+    """Everything as numbers; axes are the robot file's."""
     full, safe, corner, sets = found.full, found.safe, found.cornering, found.inside
     return {
         "schema": 1,
@@ -183,6 +191,8 @@ def bounds_table(found: Bounds) -> dict[str, Any]:
         "smaller": found.smaller,
         "recommended_m_s2": found.recommended_m_s2,
         "isotropic_m_s2": found.isotropic_m_s2,
+        **({} if likely is None else {"slip_chance": likely.table("acceleration_m_s2")}),
+        **({} if found.even is None else {"load_band": _load_band(found.model, found.even)}),
         "heading_rad": full.heading_rad,
         "starting_m_s2": full.starting_m_s2,
         "turning_m_s2": full.turning_m_s2,
@@ -226,9 +236,10 @@ def _effective(found: Bounds) -> float:
     return _sets(found).circle_m_s2 / 9.81
 
 
-def _forward(box: Any) -> list[float]:
-    """(right, forward, yaw) → (forward, left, yaw): half sizes, so the sign does not matter."""
-    return [float(box[1]), float(box[0]), float(box[2])]
+def _forward(found: Bounds, box: Any) -> list[float]:
+    """(x, y, yaw) → (forward, left, yaw): half sizes, so the sign does not matter."""
+    side, ahead = found.model.convention.right_forward(float(box[0]), float(box[1]))
+    return [abs(ahead), abs(side), float(box[2])]
 
 
 def _list(values: Any) -> str:

@@ -9,13 +9,16 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.model import Model
+from slipmargin.paths.chance import PlanChance
 from slipmargin.paths.check import Check
 from slipmargin.paths.plan import Plan
 from slipmargin.paths.trajectory import Trajectory
 from slipmargin.paths.verify import Verified
 
 
-def plan_lines(p: Plan, rows: Trajectory, proofs: Mapping[str, Verified]) -> list[str]:
+def plan_lines(
+    p: Plan, rows: Trajectory, proofs: Mapping[str, Verified], likely: PlanChance | None = None
+) -> list[str]:
     """Duration, grip, what limits the pace, and each simulation; the first line is the answer."""
     share = p.request.share
     i, j, k = p.audit.worst
@@ -27,6 +30,8 @@ def plan_lines(p: Plan, rows: Trajectory, proofs: Mapping[str, Verified]) -> lis
         f"t = {p.audit.time_s[i, j]:.3f} s",
         f"limited by  {_limited(p)}",
     ]
+    if likely is not None:
+        lines.append(_chance(likely))
     for name, proof in proofs.items():
         words = "slips" if proof.slips else "does not slip"
         lines.append(
@@ -35,6 +40,18 @@ def plan_lines(p: Plan, rows: Trajectory, proofs: Mapping[str, Verified]) -> lis
             f"{1e3 * proof.drift_m:.3g} mm and {np.rad2deg(proof.drift_rad):.3g}° away"
         )
     return lines
+
+
+def _chance(found: PlanChance) -> str:
+    """The chance of slip of the plan, and the margin for the chosen chance."""
+    share = found.at_plan
+    said = f"{100 * share:.3g} %" if share > 0.0 else f"below {300 / found.draws:.2g} %"
+    line = f"chance      {said} of {found.draws} draws of the uncertain numbers slip somewhere on this plan"
+    if found.chance is None:
+        return line
+    if found.margin is None:
+        return f"{line}; no margin brings {100 * found.chance:g} %"
+    return f"{line}; {100 * found.chance:g} % with --margin {found.margin:.3f}, {found.duration_s:.4f} s"
 
 
 def _limited(p: Plan) -> str:

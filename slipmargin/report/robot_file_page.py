@@ -8,9 +8,13 @@ from slipmargin.robot.sections import SECTIONS, Section
 _HEAD = """# Robot file
 
 A robot file is TOML. Every value is in SI units and a key's name ends in its unit; keys that end in
-`_deg` are in degrees. The body frame has +X to the right and +Y forwards; angles are counter-clockwise.
-A friction coefficient may be uncertain: `"0.26 ± 0.02"` (one standard deviation) or the interval
-`[0.24, 0.28]`; every command uses the middle, and `sweep` says the chance of slip.
+`_deg` are in degrees. Angles are counter-clockwise. Which body
+axis is the front, and which way a positive wheel speed drives, says `convention`; every number, column,
+picture and export of a command is in the convention of its robot file, so nothing is converted by hand.
+Masses, centre of mass, load fractions and friction coefficients may be uncertain: `"0.26 ± 0.02"` (normal,
+one standard deviation) or the interval `[0.24, 0.28]` (uniform), as marked below. `bounds`, `sweep` and
+`plan` draw from the spreads and print the chance of slip; every other command uses the middle and says so.
+A key that is not marked refuses a spread.
 A key that is not named here is an error, and so is a key that can have no effect beside the others. Ranges
 are wide: they are there to catch slips of unit and sign. The file starts with `schema = 1`.
 `slipmargin robots show ohio-kiwi` prints a whole file.
@@ -77,7 +81,8 @@ def _value(key: Key) -> str:
         return " or ".join(f'`"{w}"`' for w in key.choices)
     if key.kind is Kind.LIST:
         many = "list of numbers" if key.count is None else f"list of {key.count} numbers"
-        return f"{many}, each {key.range}"
+        spread = ', each also `"0.01 ± 0.005"` or `[0.0, 0.02]`' if key.uncertain else ""
+        return f"{many}, each {key.range}{spread}"
     if key.kind in (Kind.NUMBER, Kind.WHOLE):
         spread = ', `"0.26 ± 0.02"` or `[0.24, 0.28]`' if key.uncertain else ""
         return f"{key.kind.value}, {key.range}{spread}"

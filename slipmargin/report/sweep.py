@@ -31,8 +31,12 @@ def answer(
         f"strongest   {most:.2f} N ({most / weight_N:.4f} m g) at φ = {degrees(strong)}",
         f"isotropic   {claim.force_N:.2f} N (μ m g with μ = {claim.coefficient:.3g}), {_too_much(excess)}",
         f"recommended {recommended_N:.2f} N: a margin of {100 * margin:g} % below "
-        f"{float(np.min(sweep.f_low_N)):.2f} N, the lowest over roller and rigid",
+        f"{float(np.min(sweep.f_low_N)):.2f} N, the lowest over roller and rigid{_and_loads(sweep)}",
     ]
+
+
+def _and_loads(sweep: Sweep) -> str:
+    return " and over the loads of an uneven floor" if len(sweep.model.loads.uneven_N) else ""
 
 
 def _too_much(excess: float) -> str:
@@ -48,14 +52,14 @@ def proof(method: str, difference: float) -> str:
     return f"self-check  {method} against {other}: {difference:.0e} relative"
 
 
-def chance_line(found: SlipChance, recommended_N: float) -> str:
-    """The chance of slip at the recommended pull, and the pull for the chosen chance."""
-    share = found.at_recommended
+def chance_line(found: SlipChance, recommended: str, unit: str) -> str:
+    """The chance of slip at the recommended number, and the number for the chosen chance."""
+    share, form = found.at_recommended, ".2f" if unit == "N" else ".4g"
     # No slip in n draws: with 95 % confidence the chance is below 3/n.
     said = f"{100 * share:.3g} %" if share > 0.0 else f"below {300 / found.draws:.2g} %"
     return (
-        f"chance      {said} of {found.draws} draws of the coefficients slip at {recommended_N:.2f} N; "
-        f"{100 * found.chance:g} % slip at {found.force_N:.2f} N"
+        f"chance      {said} of {found.draws} draws of the uncertain numbers slip at {recommended} {unit}; "
+        f"{100 * found.chance:g} % slip at {found.value:{form}} {unit}"
     )
 
 

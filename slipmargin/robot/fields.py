@@ -19,7 +19,7 @@ import numpy as np
 
 from slipmargin.checks import frozen, real, shown
 from slipmargin.errors import InputError
-from slipmargin.robot.uncertain import read as read_uncertain
+from slipmargin.robot.uncertain import UncertainArray, looks_uncertain, read as read_uncertain, spread
 
 #: The metadata of a dataclass field that is a key of the file.
 Metadata = Mapping[str, "Key"]
@@ -68,7 +68,7 @@ class Key:
         Other fields, each with a word: without that word (or, with "", without that field) this key has
         no effect, so it is refused.  Its default is None.
     uncertain : bool
-        Whether the file may also give a NUMBER as ``"0.26 ± 0.02"`` or as an interval.
+        Whether the file may also give a NUMBER, or numbers of a LIST, as ``"0.26 ± 0.02"`` or as an interval.
     vary : tuple of str
         The quantities by which ``--vary`` reaches it.
     required : bool
@@ -134,14 +134,16 @@ class Key:
         InputError
             Placed at the key: of another kind, out of range, not one of the words.
         """
-        if self.kind is Kind.NUMBER and self.uncertain:
-            return read_uncertain(self.name, value, self._number, self.cure)
         if self.kind is Kind.NUMBER:
-            return self._number(self.name, value)
+            return self._perhaps_uncertain(self.name, value)
+        if isinstance(value, UncertainArray) and self.uncertain:
+            value = value.each
         if self.kind is Kind.LIST:
             if not isinstance(value, list | tuple | np.ndarray) or self.count not in (None, len(value)):
                 raise InputError(self.name, f"is {shown(value)}", self.cure)
-            cells = [self._number(f"{self.name}[{i}]", v) for i, v in enumerate(value, 1)]
+            cells = [self._perhaps_uncertain(f"{self.name}[{i}]", v) for i, v in enumerate(value, 1)]
+            if any(spread(v) for v in cells):
+                return UncertainArray(tuple(cells))
             return frozen(self.name, cells, (self.count,))
         if not self._fits(value):
             raise InputError(self.name, f"is {shown(value)}", self.cure)
@@ -155,6 +157,13 @@ class Key:
         if self.kind is Kind.WORD:
             return value in self.words if isinstance(self.words, tuple) else isinstance(value, self.words)
         return self.of is not None and isinstance(value, self.of)
+
+    def _perhaps_uncertain(self, place: str, value: Any) -> float:
+        if self.uncertain:
+            return read_uncertain(place, value, self._number, self.cure, (self.low, self.high))
+        if looks_uncertain(value):
+            raise InputError(place, f"is {shown(value)}, but takes no spread", "give one number")
+        return self._number(place, value)
 
     def _number(self, place: str, value: Any) -> float:
         above = self.low if self.above else None

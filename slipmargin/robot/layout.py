@@ -17,25 +17,26 @@ _OFF = 0.02
 
 
 def with_wheel_angle(robot: Robot, delta_deg: float) -> Robot:
-    """The same robot with its two front wheels' axles at (±cos δ, sin δ), drive lines at δ from +Y.
+    """The same robot with its two front wheels' axles at (±cos δ, sin δ) to the right and forwards.
 
-    Each front wheel keeps its distance from the origin, its own turn against its axle and its sense;
-    the rear wheel stays.  δ = 15° is the paper's robot, δ = 30° the symmetric one.
+    Their drive lines then stand at δ from straight ahead.  Each front wheel keeps its distance from the
+    origin, its own turn against its axle and its sense; the rear wheel stays.  δ = 15° is the paper's robot,
+    δ = 30° the symmetric one.
 
     Raises
     ------
     InputError
-        If the robot is not one rear wheel on −Y and two front wheels mirrored about Y, or δ is not
+        If the robot is not one wheel at the rear and two front wheels mirrored, or δ is not
         within −60° … 85°.
     """
     delta = real("delta_deg", delta_deg, low=-60.0, high=85.0, cure="give δ between -60 and 85 degrees")
     rear = _rear(robot)
-    wheels = tuple(w if w is rear else _turned(w, math.radians(delta)) for w in robot.wheels)
+    wheels = tuple(w if w is rear else _turned(robot, w, math.radians(delta)) for w in robot.wheels)
     return replace(robot, wheels=wheels)
 
 
 def wheel_angle_deg(robot: Robot) -> float:
-    """The robot's δ: the angle of the front wheels' places above the x axis [deg].
+    """The robot's δ: the angle of the front wheels' places ahead of the line across the robot [deg].
 
     Raises
     ------
@@ -43,31 +44,39 @@ def wheel_angle_deg(robot: Robot) -> float:
         If the robot has not the layout.
     """
     rear = _rear(robot)
-    right = max((w for w in robot.wheels if w is not rear), key=lambda w: float(w.position_m[0]))
-    return math.degrees(math.atan2(right.position_m[1], right.position_m[0]))
+    right, ahead = max(_place(robot, w) for w in robot.wheels if w is not rear)
+    return math.degrees(math.atan2(ahead, right))
 
 
 def _rear(robot: Robot) -> Wheel:
     if len(robot.wheels) == 3:
-        rear = min(robot.wheels, key=lambda w: float(w.position_m[1]))
-        one, two = (w.position_m for w in robot.wheels if w is not rear)
-        size = float(np.hypot(*rear.position_m))
-        mirrored = float(np.hypot(one[0] + two[0], one[1] - two[1])) <= _OFF * float(np.hypot(*one))
-        if abs(rear.position_m[0]) <= _OFF * size and rear.position_m[1] < 0.0 and mirrored:
+        rear = min(robot.wheels, key=lambda w: _place(robot, w)[1])
+        one, two = (_place(robot, w) for w in robot.wheels if w is not rear)
+        right, ahead = _place(robot, rear)
+        mirrored = math.hypot(one[0] + two[0], one[1] - two[1]) <= _OFF * math.hypot(*one)
+        if abs(right) <= _OFF * math.hypot(right, ahead) and ahead < 0.0 and mirrored:
             return rear
     raise InputError(
         "delta_deg",
         f"means nothing for robot {robot.name!r}",
-        "give a robot with a rear wheel on −Y and two front wheels mirrored about Y",
+        "give a robot with one wheel at the rear and two front wheels mirrored about the line ahead",
     )
 
 
-def _turned(wheel: Wheel, delta: float) -> Wheel:
-    old = math.atan2(wheel.position_m[1], wheel.position_m[0])
-    new = delta if wheel.position_m[0] > 0.0 else math.pi - delta
+def _place(robot: Robot, wheel: Wheel) -> tuple[float, float]:
+    """Where a wheel stands: to the right and forwards [m]."""
+    right, ahead = robot.convention.right_forward(*wheel.position_m)
+    return float(right), float(ahead)
+
+
+def _turned(robot: Robot, wheel: Wheel, delta: float) -> Wheel:
+    right, ahead = _place(robot, wheel)
+    old = math.atan2(ahead, right)
+    new = delta if right > 0.0 else math.pi - delta
+    place = np.array(robot.convention.from_right_forward(*directions(new)))
     drive = wheel.drive_direction_deg + math.degrees(new - old)
     return replace(
         wheel,
-        position_m=float(np.hypot(*wheel.position_m)) * directions(new),
+        position_m=math.hypot(right, ahead) * place,
         drive_direction_deg=math.remainder(drive, 360.0),
     )

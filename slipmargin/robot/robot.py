@@ -1,6 +1,7 @@
 """A robot as a data sheet: body, wheels, motor, surfaces.
 
-Body frame {M}: +Y is the front, +X points right, +Z up; angles are counter-clockwise positive.
+Body frame {M}: +Z up, angles counter-clockwise positive; which axis is the front says the robot's
+``convention`` (:mod:`slipmargin.physics.convention`; by default +Y is the front and +X points right).
 Every value is SI; a key's name ends in its unit.  What each field means, which values it takes and how
 the robot file spells it stands in its metadata (:mod:`slipmargin.robot.fields`).
 """
@@ -15,6 +16,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
+from slipmargin.physics.convention import Convention
 from slipmargin.physics.frames import directions, moment
 from slipmargin.physics.kinematics import WheelGeometry
 from slipmargin.physics.loads import LoadRule
@@ -29,27 +31,42 @@ class Body:
     """Rigid body: mass, yaw inertia, place of the centre of mass."""
 
     mass_kg: float = field(
-        metadata=number("kg", "mass of the robot with everything on it", 1e-3, 1e6, vary=("mass_kg",))
+        metadata=number(
+            "kg", "mass of the robot with everything on it", 1e-3, 1e6, uncertain=True, vary=("mass_kg",)
+        )
     )
     inertia_kg_m2: float = field(
-        metadata=number("kg m²", "yaw inertia about the centre of mass", 1e-9, 1e9, vary=("inertia_kg_m2",))
+        metadata=number(
+            "kg m²",
+            "yaw inertia about the centre of mass",
+            1e-9,
+            1e9,
+            uncertain=True,
+            vary=("inertia_kg_m2",),
+        )
     )
     com_m: Array = field(
         default_factory=lambda: np.zeros(2),
         metadata=numbers(
             "m",
-            "centre of mass, to the right and forwards of the body frame's origin",
+            "centre of mass from the body frame's origin, along the body's x and y",
             2,
             -1e3,
             1e3,
             reason="between the wheels, else the robot falls over",
+            uncertain=True,
             vary=("com_x_m", "com_y_m"),
         ),
     )
     com_height_m: float = field(
         default=0.0,
         metadata=number(
-            "m", "height of the centre of mass above the floor", 0.0, 1e3, vary=("com_height_m",)
+            "m",
+            "height of the centre of mass above the floor",
+            0.0,
+            1e3,
+            uncertain=True,
+            vary=("com_height_m",),
         ),
     )
 
@@ -63,19 +80,20 @@ class Wheel:
     """One omni (roller angle 0) or mecanum (±45°) wheel.
 
     ``drive_direction_deg`` is the direction of ŝ in the body frame; the axle is perpendicular.
-    A positive ``theta`` rate moves the contact point of the wheel along +ŝ (eq. 3).
+    In the paper's convention a positive ``theta`` rate moves the contact point along it (eq. 3), in that of
+    ROS it drives the robot along it.
     """
 
     name: str = field(metadata=text("name of the wheel, another for each"))
     position_m: Array = field(
         metadata=numbers(
-            "m", "wheel centre, to the right and forwards of the body frame's origin", 2, -1e3, 1e3
+            "m", "wheel centre from the body frame's origin, along the body's x and y", 2, -1e3, 1e3
         )
     )
     drive_direction_deg: float = field(
         metadata=number(
             "deg",
-            "direction in which the wheel drives, counter-clockwise from +X; the axle is perpendicular",
+            "direction in which the wheel drives, counter-clockwise from +x; the axle is perpendicular",
             -3600.0,
             3600.0,
         )
@@ -120,6 +138,20 @@ class Robot:
     """
 
     name: str = field(metadata=text("name of the robot"))
+    convention: Convention = field(
+        default=Convention.PAPER,
+        metadata=word(
+            Convention,
+            "axes and signs of this file and of everything that is read and written with it",
+            (
+                "+y is the robot's front, +x its right, φ = 0 faces the floor's +y; a positive wheel speed "
+                "moves the contact point along the drive direction, so the robot goes the other way (Fig. 3 "
+                "and eq. 3 of the paper)",
+                "+x is the robot's front, +y its left, φ = 0 faces the floor's +x (REP 103); a positive "
+                "wheel speed drives the robot along the wheel's drive direction",
+            ),
+        ),
+    )
     body: Body
     wheels: tuple[Wheel, ...]
     surfaces: tuple[Surface, ...]
@@ -149,9 +181,36 @@ class Robot:
             0.0,
             1.0,
             reason="one for each wheel, together 1",
+            uncertain=True,
             table="loads",
             name="fractions",
             needs=(("load_rule", "fixed"),),
+        ),
+    )
+    suspension_N_per_mm: float | None = field(
+        default=None,
+        metadata=number(
+            "N/mm",
+            "stiffness between each wheel's contact and the body: suspension, frame and tread in series",
+            0.0,
+            1e6,
+            above=True,
+            reason="four wheels and more",
+            table="loads",
+            needs=(("unevenness_mm", ""),),
+        ),
+    )
+    unevenness_mm: float | None = field(
+        default=None,
+        metadata=number(
+            "mm",
+            "how far a wheel's contact may lie above or below the plane of the others, of floor and frame",
+            0.0,
+            100.0,
+            above=True,
+            reason="what a feeler gauge shows under the wheel that hangs",
+            table="loads",
+            needs=(("suspension_N_per_mm", ""),),
         ),
     )
     friction: FrictionLaw = field(default_factory=FrictionLaw)
@@ -168,9 +227,15 @@ class Robot:
         if not self.surfaces:
             raise InputError("surface", "no surface is described", "add a [surface.NAME] table")
         _unique("surface", [s.name for s in self.surfaces])
-        object.__setattr__(self, "geometry", _geometry(self.wheels))
+        object.__setattr__(self, "geometry", _geometry(self.wheels, self.convention))
         self._check_rank()
         self._check_fractions()
+        if len(self.wheels) == 3 and self.suspension_N_per_mm is not None:
+            raise InputError(
+                "loads.suspension_N_per_mm",
+                "has no effect on three wheels: statics alone decides their loads, whatever the floor",
+                "leave suspension_N_per_mm and unevenness_mm out",
+            )
 
     def _check_rank(self) -> None:
         geometry = self.geometry
@@ -240,13 +305,13 @@ def roller_levers(wheels: tuple[Wheel, ...]) -> tuple[Array, Array]:
     return one, two
 
 
-def _geometry(wheels: tuple[Wheel, ...]) -> WheelGeometry:
+def _geometry(wheels: tuple[Wheel, ...], convention: Convention) -> WheelGeometry:
     drive = np.deg2rad([w.drive_direction_deg for w in wheels])
     grip = drive + np.deg2rad([w.roller_angle_deg for w in wheels])
     return WheelGeometry(
         names=tuple(w.name for w in wheels),
         position_m=np.array([w.position_m for w in wheels]),
-        drive=directions(drive),
+        drive=convention.contact_sign * directions(drive),  # the contact's way where θ̇ > 0
         grip=directions(grip),
         free=directions(grip - np.pi / 2),  # ŝ = ẑ × r̂
         radius_m=np.array([w.radius_m for w in wheels]),

@@ -9,6 +9,7 @@ from slipmargin.physics.grips import GripShape
 from slipmargin.physics.loads import LoadRule, load_centre, sharing_matrix, transfer
 from slipmargin.robot.mistakes import unlikely
 from slipmargin.robot.robot import Robot
+from slipmargin.robot.uncertain import spread
 
 
 def warnings(robot: Robot) -> tuple[str, ...]:
@@ -16,6 +17,43 @@ def warnings(robot: Robot) -> tuple[str, ...]:
     found = [contradiction(robot), _height_without_effect(robot)]
     found += [*_coefficients_without_effect(robot), *unlikely(robot)]
     return tuple(sentence for sentence in found if sentence is not None)
+
+
+def uncertain_keys(robot: Robot, surface: str) -> tuple[str, ...]:
+    """The keys of the robot file that have a spread, on one of its surfaces."""
+    body, floor = robot.body, robot.surface(surface)
+    found = {
+        **{f"body.{k}": getattr(body, k) for k in ("mass_kg", "inertia_kg_m2", "com_m", "com_height_m")},
+        "loads.fractions": robot.load_fractions,
+        **{
+            f"surface.{surface}.{material}.{k}": getattr(getattr(floor, material), k)
+            for material in ("roller", "rigid")
+            for k in ("drive", "transverse")
+        },
+    }
+    return tuple(key for key, value in found.items() if spread(value))
+
+
+def unused(robot: Robot, surface: str, *, spread: bool, band: bool) -> tuple[str, ...]:
+    """A sentence for what the file says of its own uncertainty and a command does not use.
+
+    Parameters
+    ----------
+    spread, band : bool
+        Whether the command draws from the spreads, and whether it counts the band of loads.
+    """
+    found = []
+    names = uncertain_keys(robot, surface)
+    if names and not spread:
+        found.append(
+            f"{', '.join(names)}: taken at the middle; the spread counts in bounds, sweep and plan only"
+        )
+    if robot.unevenness_mm is not None and not band:
+        found.append(
+            "loads.unevenness_mm: taken as an even floor; the band of loads counts in bounds, sweep, plan "
+            "and check only"
+        )
+    return tuple(found)
 
 
 def contradiction(robot: Robot) -> str | None:

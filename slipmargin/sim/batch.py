@@ -19,9 +19,9 @@ from slipmargin.physics.frames import to_body, to_floor, velocity_at
 from slipmargin.physics.grips import GripShape, drive_left
 from slipmargin.sim import layout as at
 from slipmargin.sim.cold import warm_up
-from slipmargin.sim.motion import TASK, TOLD, run, workspace
+from slipmargin.sim.motion import TASK, TOLD, probed, run, workspace
 from slipmargin.sim.signal import WheelSignal
-from slipmargin.sim.wheels import breakpoints, follow
+from slipmargin.sim.wheels import follow
 
 RTOL = 1e-6
 MAX_STEPS = 2_000_000
@@ -209,9 +209,13 @@ class Batch:
             tasks[r, TASK:] = spin
             if row[at.LAGGED] > 0.0:
                 knots, coef = follow(row, knots, coef, spin)
-            stops = breakpoints(row, knots, coef, push)
+            columns, wheels = probed(row, len(push) > 0), row[at.HEAD : at.HEAD + n * at.WHEEL]
+            first = int(row[at.EDGES_AT])
+            edges = np.sort(np.concatenate([push[:, 0], row[first : first + int(row[at.EDGES])]]))
             tables = workspace(n, row[at.DRIVEN] > 0.0)
-            run(row, knots, coef, stops, push, times, tasks[r], tables, out[r, :count])
+            place = np.array([-1, 0, 0])
+            given = row, wheels.reshape(n, at.WHEEL), knots, coef, push, edges, columns, place, times
+            run(*given, tasks[r], tables, out[r, :count])
             out[r, count:] = out[r, count - 1]
 
         _spread(work, runs)

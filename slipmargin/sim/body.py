@@ -16,12 +16,13 @@ import math
 from typing import Any
 
 from slipmargin.physics import contact as contacts, frames, terms
-from slipmargin.physics.compiled import inner, twin
+from slipmargin.physics.compiled import inner, spliced, twin
 from slipmargin.physics.constants import CRAWL_M_S, SLOW_M_S, SLOW_RAD_S
 from slipmargin.sim import layout as at
 
-_H, _W, _TERM, _FORCE = at.HEAD, at.WHEEL, at.TERM, at.FORCE
-_COUNT, _MASS, _INERTIA, _COM_X, _COM_Y = at.COUNT, at.MASS, at.INERTIA, at.COM_X, at.COM_Y
+_TERM, _FORCE, _MASS, _INERTIA = at.TERM, at.FORCE, at.MASS, at.INERTIA
+_COM_X, _COM_Y, _LAG, _DROOP = at.COM_X, at.COM_Y, at.LAG, at.DROOP
+_STALL, _SLOWING, _WHEEL_INERTIA = at.STALL_TORQUE, at.SLOWING, at.INERTIA_OF_WHEEL
 _LAW, _K, _SHAPE, _COUPLING = at.LAW, at.STEEPNESS, at.SHAPE, at.COUPLING
 _CW, _CT, _LIFTED = at.VISCOUS_W, at.VISCOUS_T, at.LIFTED
 _MODS, _MODS_AT, _FORCES, _FORCES_AT = at.MODULATIONS, at.MODULATIONS_AT, at.FORCES, at.FORCES_AT
@@ -29,6 +30,7 @@ _FOLLOWS, _ITERATES, _SHARE = at.LOAD_FOLLOWS, at.LOAD_ITERATES, at.SHARE
 _AX, _AY, _GX, _GY, _GM, _GR = at.ARM_X, at.ARM_Y, at.GRIP_X, at.GRIP_Y, at.GRIP_MOMENT, at.GRIP_ROLLS
 _FX, _FY, _FM, _FR = at.FREE_X, at.FREE_Y, at.FREE_MOMENT, at.FREE_ROLLS
 _RHO, _REST, _LX, _LY, _MU = at.RADIUS, at.REST, at.LOAD_X, at.LOAD_Y, at.ROLLER_W
+_PLACE = at.PLACE
 _TX, _TY, _NSX = at.TILT_X, at.TILT_Y, at.NO_SLIP_X
 
 #: Columns of the contact table C (N, CONTACT): what is known of each wheel at one instant.
@@ -48,6 +50,7 @@ PUSH, INVERSE, LEVER, FACTORS, WRENCH, TILTING, LIFT = 0, 4, 8, 10, 16, 19, 21
 BODY = 22
 
 _contact, _basis, _basis_slope = twin(contacts.contact), twin(terms.basis_function), twin(terms.basis_slope)
+_place_variable = twin(terms.place_variable)
 _to_body, _to_floor, _velocity_at = twin(frames.to_body), twin(frames.to_floor), twin(frames.velocity_at)
 
 
@@ -61,7 +64,7 @@ def series(P: Any, place: int, count: int, basis: int, a: float, b: float, v: fl
 
 
 @inner
-def _body_variable(P: Any, code: int, t: float, y: Any, C: Any) -> float:
+def _body_variable(P: Any, W: Any, code: int, t: float, y: Any, C: Any) -> float:
     w, phi = y[5], y[2]
     vx, vy = _velocity_at(y[3], y[4], w, -P[_COM_X], -P[_COM_Y])
     value = t
@@ -77,8 +80,8 @@ def _body_variable(P: Any, code: int, t: float, y: Any, C: Any) -> float:
         value = math.hypot(vx, vy)
     elif code <= 13:  # no-slip acceleration that the wheels ask for
         value = 0.0
-        for i in range(int(P[_COUNT])):
-            value += P[_H + i * _W + _NSX + code - 11] * C[i, ALPHA]
+        for i in range(len(W)):
+            value += W[i, _NSX + code - 11] * C[i, ALPHA]
     elif code == 14:
         value = phi
     elif code <= 16:
@@ -88,47 +91,53 @@ def _body_variable(P: Any, code: int, t: float, y: Any, C: Any) -> float:
 
 
 @inner
-def _wheel_variable(P: Any, code: int, i: int, direction: int, y: Any, C: Any) -> float:
-    q = _H + i * _W
-    u = C[i, SLIP_W + direction]
+def _wheel_variable(P: Any, w: Any, c: Any, code: int, direction: int, m: int, y: Any) -> float:
+    if code >= 22:  # measured from the place of the modulation at m
+        px, py = _to_floor(y[2], w[_AX], w[_AY])
+        m += _PLACE
+        return float(_place_variable(code == 23, P[m], P[m + 1], P[m + 2], y[0] + px, y[1] + py))
+    u = c[SLIP_W + direction]
     if code == 1:
-        return float(C[i, THETA])
+        return float(c[THETA])
     if code == 2:
-        return float(C[i, LOAD] / P[_SHARE] - 1.0)
+        return float(c[LOAD] / P[_SHARE] - 1.0)
     if code == 3:
         return abs(float(u))
     if code == 5:
-        return math.atan2(abs(C[i, SLIP_T]), abs(C[i, SLIP_W]))
+        return math.atan2(abs(c[SLIP_T]), abs(c[SLIP_W]))
     if code == 18:
-        d = q + (_FX if direction == 1 else _GX)
-        return float(y[2] + math.atan2(P[d + 1], P[d]) + (math.pi if u < 0.0 else 0.0))
-    vx, vy = _velocity_at(y[3], y[4], y[5], P[q + _AX], P[q + _AY])
+        d = _FX if direction == 1 else _GX
+        return float(y[2] + math.atan2(w[d + 1], w[d]) + (math.pi if u < 0.0 else 0.0))
+    vx, vy = _velocity_at(y[3], y[4], y[5], w[_AX], w[_AY])
     hub = math.hypot(vx, vy)
     if code == 20:
         return hub
     if code == 21:
-        reach = math.hypot(P[q + _AX], P[q + _AY])
-        out = y[3] * P[q + _AX] + y[4] * P[q + _AY]
+        reach = math.hypot(w[_AX], w[_AY])
+        out = y[3] * w[_AX] + y[4] * w[_AY]
         return float(out / (reach * (hub + CRAWL_M_S))) if reach > 0.0 else 0.0
-    roll = max(hub, abs(P[q + _RHO] * C[i, OMEGA]))
+    roll = max(hub, abs(w[_RHO] * c[OMEGA]))
     if code == 6:
         return float(roll)
     return float(abs(u) / (roll + CRAWL_M_S))
 
 
 @inner
-def _factors(P: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
+def _factors(P: Any, W: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
     """What all modulations make of (μ_W, μ_T, k_W, k_T) of wheel i, into B[FACTORS:FACTORS + 4].
 
     The next two: relative slopes of μ_W over u_W and μ_T over u_T that come from the slip speed.
     """
     for r in range(6):
         B[FACTORS + r] = 1.0 if r < 4 else 0.0
-    n = int(P[_COUNT])
+    n = len(W)
     q = int(P[_MODS_AT])
     for _ in range(int(P[_MODS])):
-        code, basis, target, count = int(P[q]), int(P[q + 1]), int(P[q + 2]), int(P[q + 3])
-        a, b, weight, place = P[q + 4], P[q + 5], P[q + _TERM + i], q + _TERM + n
+        m = q
+        code, basis = int(P[q]), int(P[q + 1])
+        target, count = int(P[q + 2]), int(P[q + 3])
+        a, b, weight = P[q + 4], P[q + 5], P[q + _TERM + i]
+        place = q + _TERM + n
         q = place + count
         if weight == 0.0:
             continue
@@ -140,7 +149,11 @@ def _factors(P: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
             if target in (1 - side, 5 - side):
                 continue
             if side == 0 or sided or target in (1, 5):
-                v = _wheel_variable(P, code, i, side, y, C) if own else _body_variable(P, code, t, y, C)
+                v = (
+                    _wheel_variable(P, W[i], C[i], code, side, m, y)
+                    if own
+                    else _body_variable(P, W, code, t, y, C)
+                )
                 first = max(0.0, 1.0 + weight * series(P, place, count, basis, a, b, v))
                 if code == 3 and first > 0.0:
                     slope = 0.0
@@ -153,17 +166,19 @@ def _factors(P: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
 
 
 @inner
-def _external(P: Any, t: float, y: Any, C: Any, B: Any) -> None:
+def _external(P: Any, W: Any, t: float, y: Any, C: Any, B: Any) -> None:
     """Push and force terms as one wrench in the body frame about the centre of mass, its moment and lift."""
     fx, fy = B[PUSH], B[PUSH + 1]
     if fx != 0.0 or fy != 0.0:
         fx, fy = _to_body(y[2], fx, fy)
-    mz, hx, hy, lift = B[PUSH + 2], B[PUSH + 3] * fx, B[PUSH + 3] * fy, 0.0
+    mz, lift = B[PUSH + 2], 0.0
+    hx, hy = B[PUSH + 3] * fx, B[PUSH + 3] * fy
     q = int(P[_FORCES_AT])
     for _ in range(int(P[_FORCES])):
-        code, basis, frame, count = int(P[q]), int(P[q + 1]), int(P[q + 2]), int(P[q + 3])
+        code, basis = int(P[q]), int(P[q + 1])
+        frame, count = int(P[q + 2]), int(P[q + 3])
         a, b, place = P[q + 4], P[q + 5], q + _FORCE
-        v = _body_variable(P, code, t, y, C)
+        v = _body_variable(P, W, code, t, y, C)
         x, z, m = 0.0, 0.0, 0.0
         for j in range(count):
             part = _basis(basis, j, count, a, b, v)
@@ -189,89 +204,91 @@ def _external(P: Any, t: float, y: Any, C: Any, B: Any) -> None:
     B[TILTING], B[TILTING + 1], B[LIFT] = hx, hy, lift
 
 
-@inner
-def evaluate(P: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None:
+@spliced
+def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None:
     """Acceleration acc (3) = (a, ω̇) in body axes; fills the rest of C and B.
 
     Reads ω, θ, ω̇ and the sector of each wheel from C and the push from B.
     """
-    _external(P, t, y, C, B)
-    n, vx, vy, vw = int(P[_COUNT]), y[3], y[4], y[5]
+    _external(P, W, t, y, C, B)
+    vx, vy, vw = y[3], y[4], y[5]
     left, hx, hy = 1.0 - B[LIFT] / P[_LIFTED], B[TILTING], B[TILTING + 1]
-    law, shape, coupling, cw, ct = int(P[_LAW]), int(P[_SHAPE]), P[_COUPLING], P[_CW], P[_CT]
-    modulated, follows = P[_MODS] > 0.0, P[_FOLLOWS] > 0.0
+    law, shape, coupling = int(P[_LAW]), int(P[_SHAPE]), P[_COUPLING]
+    k, cw, ct = P[_K], P[_CW], P[_CT]
+    modulated, follows, mass = P[_MODS] > 0.0, P[_FOLLOWS] > 0.0, P[_MASS]
     for turn in range(60 if P[_ITERATES] > 0.0 else 1):
         fx, fy, mz = B[WRENCH], B[WRENCH + 1], B[WRENCH + 2]
-        mxx, mxy, myx, myy, lx, ly = P[_MASS], 0.0, 0.0, P[_MASS], 0.0, 0.0
-        for i in range(n):
-            q, om = _H + i * _W, C[i, OMEGA]
-            gx, gy, gm, ex, ey, em = P[q + _GX], P[q + _GY], P[q + _GM], P[q + _FX], P[q + _FY], P[q + _FM]
-            uw, ut = (
-                gx * vx + gy * vy + gm * vw + P[q + _GR] * om,
-                ex * vx + ey * vy + em * vw + P[q + _FR] * om,
-            )
-            still = left * P[q + _REST] + P[q + _TX] * hx + P[q + _TY] * hy
-            C[i, SLIP_W], C[i, SLIP_T], C[i, STILL] = uw, ut, still
+        mxx, mxy, lx = mass, 0.0, 0.0
+        myx, myy, ly = 0.0, mass, 0.0
+        for i in range(len(W)):
+            w, c = W[i], C[i]
+            gx, gy, gm = w[_GX], w[_GY], w[_GM]
+            ex, ey, em = w[_FX], w[_FY], w[_FM]
+            uw = gx * vx + gy * vy + gm * vw + w[_GR] * c[OMEGA]
+            ut = ex * vx + ey * vy + em * vw + w[_FR] * c[OMEGA]
+            still = left * w[_REST] + w[_TX] * hx + w[_TY] * hy
+            c[SLIP_W], c[SLIP_T], c[STILL] = uw, ut, still
             if turn == 0:
-                C[i, LOAD] = still
-            z = q + _MU + 2 * int(C[i, RIGID])
-            mw, mt, kw, kt = P[z], P[z + 1], P[_K], P[_K]
+                c[LOAD] = still
+            z = _MU + 2 * int(c[RIGID])
+            mw, mt = w[z], w[z + 1]
+            kw, kt = k, k
             if modulated:
-                _factors(P, i, t, y, C, B)
+                _factors(P, W, i, t, y, C, B)
                 mw, mt = mw * B[FACTORS], mt * B[FACTORS + 1]
                 kw, kt = kw * B[FACTORS + 2], kt * B[FACTORS + 3]
             f, g, ww, wt, _, tt = _contact(law, shape, coupling, uw, ut, mw, mt, kw, kt)
             if modulated:
                 ww, tt = ww + f * B[FACTORS + 4], tt + g * B[FACTORS + 5]
-            C[i, FORCE_W], C[i, FORCE_T], C[i, WW], C[i, WT], C[i, TT] = f, g, ww, wt, tt
-            C[i, MU_W], C[i, MU_T], C[i, K_W], C[i, K_T] = mw, mt, kw, kt
+            c[FORCE_W], c[FORCE_T] = f, g
+            c[WW], c[WT], c[TT] = ww, wt, tt
+            c[MU_W], c[MU_T] = mw, mt
+            c[K_W], c[K_T] = kw, kt
             a, b = still * f + cw * uw, still * g + ct * ut
             fx -= a * gx + b * ex
             fy -= a * gy + b * ey
             mz -= a * gm + b * em
             if follows:
-                px, py = P[q + _LX], P[q + _LY]
+                px, py = w[_LX], w[_LY]
                 x, v, m = f * gx + g * ex, f * gy + g * ey, f * gm + g * em
-                mxx, mxy, myx, myy = mxx + x * px, mxy + x * py, myx + v * px, myy + v * py
+                mxx, mxy = mxx + x * px, mxy + x * py
+                myx, myy = myx + v * px, myy + v * py
                 lx, ly = lx - m * px, ly - m * py
         det = 1.0 / (mxx * myy - mxy * myx)
-        mxx, mxy, myx, myy = myy * det, -mxy * det, -myx * det, mxx * det
-        B[INVERSE], B[INVERSE + 1], B[INVERSE + 2], B[INVERSE + 3] = mxx, mxy, myx, myy
+        ax, ay = (myy * fx - mxy * fy) * det, (mxx * fy - myx * fx) * det
+        B[INVERSE], B[INVERSE + 1] = myy * det, -mxy * det
+        B[INVERSE + 2], B[INVERSE + 3] = -myx * det, mxx * det
         B[LEVER], B[LEVER + 1] = lx, ly
-        ax, ay = mxx * fx + mxy * fy, myx * fx + myy * fy
         change = abs(ax - acc[0]) + abs(ay - acc[1])
         acc[0], acc[1], acc[2] = ax, ay, (mz + lx * ax + ly * ay) / P[_INERTIA]
         if follows:
-            for i in range(n):
-                q = _H + i * _W
-                C[i, LOAD] = C[i, STILL] + P[q + _LX] * ax + P[q + _LY] * ay
+            for i in range(len(W)):
+                C[i, LOAD] = C[i, STILL] + W[i, _LX] * ax + W[i, _LY] * ay
         if turn > 0 and change <= 1e-14 * (1.0 + abs(ax) + abs(ay)):
             break
 
 
 @inner
-def wheel_rate(P: Any, i: int, asked: float, rising: float, C: Any) -> float:
+def wheel_rate(P: Any, w: Any, c: Any, asked: float, rising: float) -> float:
     """ω̇ of a driven wheel whose loop is asked for a speed and its derivative, from what evaluate left in C.
 
     The loop asks τ ω̇ = ω_ref − droop T − ω; a wheel without lag follows ω̇_ref as well, with τ =
     :data:`LEAST_LAG_S`.  The motor's torque T + J ω̇ keeps to the line ± stall (1 ∓ ω/max_speed).
     """
-    q = _H + i * _W
-    torque = (C[i, LOAD] * C[i, FORCE_W] + P[_CW] * C[i, SLIP_W]) * P[q + _GR]
-    torque += (C[i, LOAD] * C[i, FORCE_T] + P[_CT] * C[i, SLIP_T]) * P[q + _FR]
-    lag, omega = max(P[q + at.LAG], LEAST_LAG_S), C[i, OMEGA]
-    rate = (asked - P[q + at.DROOP] * torque - omega) / lag
-    if P[q + at.LAG] == 0.0:
+    torque = (c[LOAD] * c[FORCE_W] + P[_CW] * c[SLIP_W]) * w[_GR]
+    torque += (c[LOAD] * c[FORCE_T] + P[_CT] * c[SLIP_T]) * w[_FR]
+    lag, omega, droop = max(w[_LAG], LEAST_LAG_S), c[OMEGA], w[_DROOP]
+    rate = (asked - droop * torque - omega) / lag
+    if w[_LAG] == 0.0:
         rate += rising
-    C[i, BY_TORQUE], C[i, BY_SPEED] = -P[q + at.DROOP] / lag, -1.0 / lag
-    stall = P[at.STALL_TORQUE]
+    c[BY_TORQUE], c[BY_SPEED] = -droop / lag, -1.0 / lag
+    stall = P[_STALL]
     if stall > 0.0:
-        inertia, slowing = P[q + at.INERTIA_OF_WHEEL], stall * P[at.SLOWING]
-        most, least = stall - slowing * omega, -stall - slowing * omega
-        wanted = torque + inertia * rate
-        if wanted > most or wanted < least:
-            rate = ((most if wanted > most else least) - torque) / inertia
-            C[i, BY_TORQUE], C[i, BY_SPEED] = -1.0 / inertia, -slowing / inertia
+        inertia, slowing = w[_WHEEL_INERTIA], stall * P[_SLOWING]
+        wanted = torque + inertia * rate + slowing * omega
+        if abs(wanted) > stall:
+            rate = (math.copysign(stall, wanted) - slowing * omega - torque) / inertia
+            c[BY_TORQUE], c[BY_SPEED] = -1.0 / inertia, -slowing / inertia
     return float(rate)
 
 
@@ -281,39 +298,39 @@ LEAST_LAG_S = 1e-4
 
 
 @inner
-def slopes(P: Any, y: Any, C: Any, B: Any, J: Any, speeds: int) -> None:
+def slopes(P: Any, W: Any, y: Any, C: Any, B: Any, J: Any, speeds: int) -> None:
     """Analytic derivatives of the body's (and driven wheels') accelerations, after :func:`evaluate`.
 
     Into J (3 or 3 + N rows): column 3 + k over velocity k (v_x, v_y, ω and, where there are ``speeds`` = N,
     the wheel speeds); without speeds the last column over time, through prescribed wheel speeds.
     """
-    n = int(P[_COUNT])
     for k in range(3 + max(speeds, 1)):
         fx, fy, mz = 0.0, 0.0, 0.0
-        for i in range(n):
-            q, rolls = _H + i * _W, C[i, ALPHA]
-            w, v = P[q + _GX + min(k, 3)], P[q + _FX + min(k, 3)]
+        for i in range(len(W)):
+            row, c = W[i], C[i]
+            w, v = row[_GX + min(k, 3)], row[_FX + min(k, 3)]
             if k >= 3:
+                rolls = c[ALPHA]
                 if speeds > 0:
                     rolls = 1.0 if i == k - 3 else 0.0
                 w, v = w * rolls, v * rolls
-            load, wt = C[i, LOAD], C[i, WT]
-            a = load * (C[i, WW] * w + wt * v) + P[_CW] * w
-            b = load * (wt * w + C[i, TT] * v) + P[_CT] * v
-            C[i, RISE_W], C[i, RISE_T] = a, b
-            fx -= a * P[q + _GX] + b * P[q + _FX]
-            fy -= a * P[q + _GY] + b * P[q + _FY]
-            mz -= a * P[q + _GM] + b * P[q + _FM]
+            load, wt = c[LOAD], c[WT]
+            a = load * (c[WW] * w + wt * v) + P[_CW] * w
+            b = load * (wt * w + c[TT] * v) + P[_CT] * v
+            c[RISE_W], c[RISE_T] = a, b
+            fx -= a * row[_GX] + b * row[_FX]
+            fy -= a * row[_GY] + b * row[_FY]
+            mz -= a * row[_GM] + b * row[_FM]
         ax, ay = B[INVERSE] * fx + B[INVERSE + 1] * fy, B[INVERSE + 2] * fx + B[INVERSE + 3] * fy
         column = 3 + k if k < 3 or speeds > 0 else J.shape[1] - 1
         J[0, column], J[1, column] = ax, ay
         J[2, column] = (mz + B[LEVER] * ax + B[LEVER + 1] * ay) / P[_INERTIA]
         for i in range(speeds):  # torques follow the loads, which follow the body
-            q = _H + i * _W
-            load = P[q + _LX] * ax + P[q + _LY] * ay
-            torque = (C[i, RISE_W] + C[i, FORCE_W] * load) * P[q + _GR]
-            torque += (C[i, RISE_T] + C[i, FORCE_T] * load) * P[q + _FR]
-            J[3 + i, column] = C[i, BY_TORQUE] * torque + (C[i, BY_SPEED] if k - 3 == i else 0.0)
+            row, c = W[i], C[i]
+            load = row[_LX] * ax + row[_LY] * ay
+            torque = (c[RISE_W] + c[FORCE_W] * load) * row[_GR]
+            torque += (c[RISE_T] + c[FORCE_T] * load) * row[_FR]
+            J[3 + i, column] = c[BY_TORQUE] * torque + (c[BY_SPEED] if k - 3 == i else 0.0)
     # v̇ = a − ω × v
     J[0, 4] += y[5]
     J[0, 5] += y[4]

@@ -18,24 +18,28 @@ from numba import types
 
 from slipmargin.physics.compiled import twin
 from slipmargin.physics.contact import contact
-from slipmargin.sim import body, motion, rodas, wheels
+from slipmargin.sim import body, motion, rodas
 
 # Types, not their names: numba keeps what it compiled under the very object it was asked with.
 _N, _INT, _BOOL = types.float64, types.int64, types.boolean
 _ROW, _TABLE, _CUBE = (types.Array(types.float64, k, "C") for k in (1, 2, 3))
-_SIX = types.UniTuple(_TABLE, 6)  # type: ignore[no-untyped-call]
+_COUNTS = types.Array(types.int64, 1, "C")
+_FIVE = types.UniTuple(_TABLE, 5)  # type: ignore[no-untyped-call]
 #: What the second process compiles, and for which arguments.
 _APART: tuple[tuple[Any, tuple[Any, ...]], ...] = (
-    (body._factors, (_ROW, _INT, _N, _ROW, _TABLE, _ROW)),
     (twin(contact), (_INT, _INT, *(_N,) * 7)),
-    (body.wheel_rate, (_ROW, _INT, _N, _N, _TABLE)),
-    (body.slopes, (_ROW, _ROW, _TABLE, _ROW, _TABLE, _INT)),
+    (body._factors, (_ROW, _TABLE, _INT, _N, _ROW, _TABLE, _ROW)),
+    (motion.first_switch, (_TABLE, _TABLE, _N, _ROW, _ROW, _TABLE, _N)),
+    (rodas.solve, (_TABLE, _TABLE, _ROW, _N, _N, _BOOL, _ROW, _ROW, _ROW)),
     (rodas.factor, (_TABLE, _ROW, _N, _TABLE, _ROW)),
-    (rodas.solve, (_TABLE, _TABLE, _ROW, _N, _BOOL, _ROW, _ROW)),
-    (motion._first_switch, (_ROW, _ROW, _ROW, _TABLE)),
-    (wheels.breakpoints, (_ROW, _ROW, _CUBE, _TABLE)),
+    (rodas.end, (_ROW, _TABLE, _N, _N, _N, _ROW)),
+    (rodas.begin, (_ROW, _TABLE, _INT, _N, _ROW, _ROW)),
+    (body.slopes, (_ROW, _TABLE, _ROW, _TABLE, _ROW, _TABLE, _INT)),
+    (body.wheel_rate, (_ROW, _ROW, _ROW, _N, _N)),
+    (motion.next_stop, (_TABLE, _ROW, _CUBE, _TABLE, _ROW, _N, _COUNTS)),
+    (motion.tell, (_ROW, _ROW, _TABLE, _ROW)),
 )
-_KERNEL = (_ROW, _ROW, _CUBE, _TABLE, _TABLE, _ROW, _ROW, _SIX, _TABLE)
+_KERNEL = (_ROW, _TABLE, _ROW, _CUBE, _TABLE, _ROW, _COUNTS, _COUNTS, _ROW, _ROW, _FIVE, _TABLE)
 #: Longest wait for the second process [s]: it takes about as long as this one, some seconds.
 _PATIENCE_S = 60.0
 

@@ -39,7 +39,9 @@ STALL_TORQUE = 27  #: [N m], 0 where unknown
 LAGGED = 28  #: 1 where a command is not followed at once (lag, gain, delay, modulations)
 LAW = 29  #: the friction law's number (physics/friction_laws.py)
 LIFTED = 30  #: Σ of the loads at rest [N]
-HEAD = 31
+EDGES = 31  #: how many instants at which a term over time jumps or kinks
+EDGES_AT = 32
+HEAD = 33
 
 # --- a wheel ----------------------------------------------------------------------------------
 #: Sliding velocity along ĝ = the next four · (v_x, v_y, ω, wheel speed), of the centre of mass; likewise f̂.
@@ -75,7 +77,8 @@ INERTIA_OF_WHEEL = 28  #: of the wheel with its motor, at the wheel [kg m²]
 WHEEL = 29
 
 # --- a term -----------------------------------------------------------------------------------
-#: A modulation: variable, basis, target, count, shape a, shape b, N weights, count coefficients.
-TERM = 6
+#: A modulation: variable, basis, target, count, shape a, shape b, place (3), N weights, count coefficients.
+PLACE = 6
+TERM = 9
 #: A force: variable, basis, frame, count, shape a, shape b, height [m], lift [N], 3 × count coefficients.
 FORCE = 8

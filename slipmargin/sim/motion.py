@@ -1,8 +1,8 @@
 """One run from start to end: adaptive steps from breakpoint to breakpoint (compiled).
 
 States are X, Y, φ, v_x, v_y, ω and, where wheels are driven through their motors, the N wheel speeds and
-the N wheel angles; otherwise the wheels' motion is known in time.  Sectors of known wheels change at
-breakpoints (:mod:`slipmargin.sim.wheels`); those of driven wheels are found on the dense output.
+the N wheel angles; otherwise the wheels' motion is known in time.  A step ends where a wheel changes its
+sector: known wheels are followed ahead, driven ones on the dense output of a step that was tried.
 """
 
 from __future__ import annotations
@@ -11,10 +11,11 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.physics import sectors
-from slipmargin.physics.compiled import inner, kernel, twin
+from slipmargin.physics.compiled import inner, kernel, spliced, twin
 from slipmargin.sim import layout as at
 from slipmargin.sim.body import (
     ALPHA,
@@ -38,11 +39,12 @@ from slipmargin.sim.body import (
     slopes,
     wheel_rate,
 )
-from slipmargin.sim.rodas import GAMMA, MIX, STAGE, TIME, WHEN, dense, factor, solve
+from slipmargin.sim.rodas import GAMMA, TIME, WHEN, begin, dense, end, factor, solve
 from slipmargin.sim.wheels import turn
 
-_H, _W, _COUNT, _LAG, _PITCH, _SHARE = at.HEAD, at.WHEEL, at.COUNT, at.LAG, at.PITCH, at.RIGID_SHARE
-_CW, _CT, _DRIVEN = at.VISCOUS_W, at.VISCOUS_T, at.DRIVEN
+_LAG, _PITCH, _SHARE, _RADIUS = at.LAG, at.PITCH, at.RIGID_SHARE, at.RADIUS
+_ROLLER, _RIGID, _DRIVEN, _LEAST = at.ROLLER_W, at.RIGID_W, at.DRIVEN, at.SHARE
+_CW, _CT = at.VISCOUS_W, at.VISCOUS_T
 _on_rigid = twin(sectors.on_rigid)
 
 #: How a run ended.
@@ -52,89 +54,187 @@ TOLD = 10
 #: Entries of a run's task: state at the start (6), relative and absolute error, most steps; and of what
 #: comes back in their place: status, time reached, steps taken and rejected.
 START, RTOL, ATOL, MOST, TASK = 0, 6, 7, 8, 9
-#: Velocities may err by this many times the tolerance of poses: friction damps them within milliseconds.
-LOOSER = 10.0
-#: A driven wheel this near an edge of a sector counts as past it in the direction it turns [rad]; a step
+#: Instants nearer than this are one [s].
+SAME_S = 1e-12
+#: A wheel this near an edge of a sector counts as past it in the direction it turns [rad]; a stretch
 #: starts with more of it than the search for the next edge uses, so that an edge is not found twice.
 _NUDGE = 1e-9
 _START = 4.0
-_PROBES = 8
+#: Between two looks for an edge a wheel turns by no more than this share of its shortest sector, and a
+#: stretch is looked at so many times at least; where the wheel reverses in between, there as well.
+_LOOK, _LOOKS = 0.5, 8
+#: Halvings after which an instant is known to the last digit.
+_HALVINGS = 52
 
 
-@inner
+@spliced
 def rates(
-    P: Any, t: float, y: Any, coef: Any, knot: float, push: Any, k: int, C: Any, B: Any, acc: Any, out: Any
+    P: Any,
+    W: Any,
+    t: float,
+    y: Any,
+    coef: Any,
+    knot: float,
+    push: Any,
+    k: int,
+    C: Any,
+    B: Any,
+    acc: Any,
+    out: Any,
 ) -> None:
     """ẏ of all states into ``out``; coef (N, 5) is the wheels' piece since ``knot``, push[k:k+2] the push."""
-    n, driven = int(P[_COUNT]), P[_DRIVEN] > 0.0
+    n, driven = len(W), P[_DRIVEN] > 0.0
     for i in range(n):
-        C[i, THETA], C[i, OMEGA], C[i, ALPHA] = turn(coef[i], P[_H + i * _W + _LAG], t - knot)
-    if driven:
-        for i in range(n):
-            out[6 + i], C[i, OMEGA], C[i, THETA] = C[i, OMEGA], y[6 + i], y[6 + n + i]
+        c = C[i]
+        c[THETA], c[OMEGA], c[ALPHA] = turn(coef[i], W[i, _LAG], t - knot)
+        if driven:
+            out[6 + i], c[OMEGA], c[THETA] = c[OMEGA], y[6 + i], y[6 + n + i]
             out[6 + n + i] = y[6 + i]
     if len(push) > 0:
         part = min(max((t - push[k, 0]) / (push[k + 1, 0] - push[k, 0]), 0.0), 1.0)
         for r in range(4):
             B[PUSH + r] = push[k, 1 + r] + part * (push[k + 1, 1 + r] - push[k, 1 + r])
-    evaluate(P, t, y, C, B, acc)
+    evaluate(P, W, t, y, C, B, acc)
     out[0], out[1] = _to_floor(y[2], y[3], y[4])
     out[2], out[5] = y[5], acc[2]
     out[3], out[4] = acc[0] + y[5] * y[4], acc[1] - y[5] * y[3]
     if driven:
         for i in range(n):
-            out[6 + i] = wheel_rate(P, i, out[6 + i], C[i, ALPHA], C)
+            out[6 + i] = wheel_rate(P, W[i], C[i], out[6 + i], C[i, ALPHA])
 
 
-@inner
-def _sector(P: Any, i: int, theta: float, omega: float, nudge: float) -> float:
+@spliced
+def _sector(w: Any, theta: float, omega: float, nudge: float) -> float:
     """Number of the sector a wheel stands in, odd on rigid material; on an edge the way it turns decides."""
-    q = _H + i * _W
     angle = theta + (nudge if omega >= 0.0 else -nudge)
-    number = 2.0 * math.floor(angle / P[q + _PITCH])
-    return float(number + (1.0 if _on_rigid(angle, P[q + _PITCH], P[q + _SHARE]) else 0.0))
+    number = 2.0 * math.floor(angle / w[_PITCH])
+    return float(number + (1.0 if _on_rigid(angle, w[_PITCH], w[_SHARE]) else 0.0))
 
 
 @inner
-def _first_switch(P: Any, y: Any, z: Any, K: Any) -> float:
-    """Share of the step at which the first driven wheel changes sector; 2 where none does."""
-    n, found = int(P[_COUNT]), 2.0
-    for i in range(n):
-        share = P[_H + i * _W + _SHARE]
-        if share <= 0.0 or share >= 1.0:
+def _switching(w: Any) -> bool:
+    """Whether it matters which sector a wheel stands in."""
+    share = w[_SHARE]
+    same = w[_ROLLER] == w[_RIGID] and w[_ROLLER + 1] == w[_RIGID + 1]
+    return bool(share > 0.0 and share < 1.0 and not same)
+
+
+@spliced
+def _wheel(i: int, coef: Any, lag: float, since: float, y: Any, z: Any, K: Any, x: float, span: float) -> Any:
+    """(θ, ω) of wheel i at the share x of a stretch: from the dense output of a step, or as known in time."""
+    m = K.shape[1]
+    if m > 6:
+        n = (m - 6) // 2
+        return dense(y, z, K, 6 + n + i, x), dense(y, z, K, 6 + i, x)
+    theta, omega, _ = turn(coef[i], lag, since + x * span)
+    return theta, omega
+
+
+@inner
+def first_switch(W: Any, coef: Any, since: float, y: Any, z: Any, K: Any, span: float) -> float:
+    """Share of a stretch of ``span`` seconds at which the first wheel changes sector; 2 where none does.
+
+    Known wheels move by coef (N, 5), ``since`` seconds into the piece; driven ones from y to z.
+    """
+    found = 2.0
+    for i in range(len(W)):
+        w = W[i]
+        if not _switching(w):
             continue
-        here = _sector(P, i, y[6 + n + i], y[6 + i], _START * _NUDGE)
-        low, high, halving = 0.0, 1.0 / _PROBES, 0
-        while high <= 1.0 and low < found and halving < 60:
-            theta, omega = dense(y, z, K, 6 + n + i, high), dense(y, z, K, 6 + i, high)
-            if _sector(P, i, theta, omega, _NUDGE) != here:  # between low and high: halve
-                found, halving = min(found, high), halving + 1
-                high = 0.5 * (low + high)
-            elif halving > 0:
-                low, halving = high, halving + 1
-                high = 0.5 * (low + found)
-            else:
-                low, high = high, high + 1.0 / _PROBES
+        lag = w[_LAG]
+        theta, omega = _wheel(i, coef, lag, since, y, z, K, 0.0, span)
+        here, fastest = _sector(w, theta, omega, _START * _NUDGE), abs(omega)
+        for k in range(1, 5):
+            fastest = max(fastest, abs(_wheel(i, coef, lag, since, y, z, K, 0.25 * k, span)[1]))
+        pitch, switch = w[_PITCH], (1.0 - w[_SHARE]) * w[_PITCH]
+        ahead = min(_LOOK * min(switch, pitch - switch) / max(fastest * span, 1e-300), 1.0 / _LOOKS)
+        x, before = 0.0, omega
+        while x < min(found, 1.0):
+            within = theta - pitch * math.floor(theta / pitch)  # no edge is nearer than this:
+            room = min(within, abs(within - switch), pitch - within)
+            low, x = x, min(1.0, x + max(ahead, 0.5 * room / max(fastest * span, 1e-300)))
+            high, was = x, theta
+            theta, omega = _wheel(i, coef, lag, since, y, z, K, x, span)
+            there, end = _sector(w, theta, omega, _NUDGE), theta
+            if there == here and omega * before < 0.0:  # it turned back in between: look there as well
+                for _ in range(_HALVINGS):
+                    mid = 0.5 * (low + high)
+                    end, speed = _wheel(i, coef, lag, since, y, z, K, mid, span)
+                    if speed * before > 0.0:
+                        low = mid
+                    else:
+                        high = mid
+                there, low = _sector(w, end, before, _NUDGE), 0.0
+            if there != here:
+                whole = math.floor(0.5 * here)
+                edge = whole * pitch + (switch if (here > 2.0 * whole) != (end > was) else 0.0)
+                if here > 2.0 * whole and end > was:
+                    edge += pitch
+                mid = 0.5 * (low + high)
+                for _ in range(_HALVINGS):  # Newton's steps, halving where one leaves the bracket
+                    end, speed = _wheel(i, coef, lag, since, y, z, K, mid, span)
+                    if _sector(w, end, speed, _NUDGE) != here:
+                        high = mid
+                        if abs(end - edge) < 0.1 * _NUDGE:
+                            break
+                    else:
+                        low = mid
+                    mid += (edge - end) / (speed * span)
+                    if not (low < mid and mid < high):
+                        mid = 0.5 * (low + high)
+                found = min(found, high)
+                break
+            before = omega
     return found
 
 
 @inner
-def _tell(P: Any, y: Any, C: Any, out: Any) -> None:
+def next_stop(
+    W: Any, knots: Any, coef: Any, push: Any, edges: Any, t: float, place: Any
+) -> tuple[float, bool]:
+    """When the next knot or edge comes after t, and whether a wheel's speed, a force or friction jumps at t.
+
+    ``place`` holds the numbers of the wheels' piece, of the push's and of the first edge to come (−1, 0, 0
+    before the first call) and receives those from t on.
+    """
+    last, was, pk, edge = len(knots) - 2, place[0], place[1], place[2]
+    piece, jumps = max(was, 0), was < 0
+    while piece < last and knots[piece + 1] <= t + SAME_S:
+        piece += 1
+    if 0 <= was < piece:
+        for i in range(len(W)):
+            before = turn(coef[piece - 1, i], W[i, _LAG], knots[piece] - knots[piece - 1])[1]
+            after = coef[piece, i, 1] + coef[piece, i, 4]
+            jumps = jumps or abs(after - before) > 1e-9 * (1.0 + abs(after))
+    while pk < len(push) - 2 and push[pk + 1, 0] <= t + SAME_S:
+        pk += 1
+    stop = knots[piece + 1]
+    while edge < len(edges) and edges[edge] <= t + SAME_S:
+        jumps = jumps or edges[edge] >= t - SAME_S
+        edge += 1
+    if edge < len(edges):
+        stop = min(stop, edges[edge])
+    place[0], place[1], place[2] = piece, pk, edge
+    return stop, jumps
+
+
+@spliced
+def tell(P: Any, y: Any, C: Any, out: Any) -> None:
     """A row of the output: six states, then what is known of each wheel where the row has room for it."""
     for r in range(6):
         out[r] = y[r]
     if len(out) > 6:
-        for i in range(int(P[_COUNT])):
-            q, n = 6 + i * TOLD, C[i, LOAD]
-            out[q], out[q + 1], out[q + 2] = C[i, THETA], C[i, SLIP_W], C[i, SLIP_T]
-            out[q + 3] = -n * C[i, FORCE_W] - P[_CW] * C[i, SLIP_W]
-            out[q + 4] = -n * C[i, FORCE_T] - P[_CT] * C[i, SLIP_T]
-            out[q + 5], out[q + 6], out[q + 7] = n, C[i, MU_W], C[i, MU_T]
-            out[q + 8], out[q + 9] = C[i, K_W], C[i, K_T]
+        for i in range(len(C)):
+            c, q, n = C[i], 6 + i * TOLD, C[i, LOAD]
+            out[q], out[q + 1], out[q + 2] = c[THETA], c[SLIP_W], c[SLIP_T]
+            out[q + 3] = -n * c[FORCE_W] - P[_CW] * c[SLIP_W]
+            out[q + 4] = -n * c[FORCE_T] - P[_CT] * c[SLIP_T]
+            out[q + 5], out[q + 6], out[q + 7] = n, c[MU_W], c[MU_T]
+            out[q + 8], out[q + 9] = c[K_W], c[K_T]
 
 
 def workspace(wheels: int, driven: bool) -> tuple[Array, ...]:
-    """Tables, all zero, that a run works on: wheels, vectors, stages, Jacobian, matrix, columns of probes."""
+    """Tables, all zero, that a run works on: wheels, vectors, stages, Jacobian, matrix."""
     speeds = wheels if driven else 0
     m = 6 + 2 * speeds
     shapes = (
@@ -143,164 +243,168 @@ def workspace(wheels: int, driven: bool) -> tuple[Array, ...]:
         (6, m),
         (3 + speeds, m + 1),
         (3 + speeds, 3 + speeds),
-        (m + 1, 1),
     )
     return tuple(np.zeros(shape) for shape in shapes)
 
 
+def probed(P: Array, pushed: bool) -> NDArray[np.int64]:
+    """Columns of the Jacobian that are taken by differences: the pose's, time's, the velocities'."""
+    wheels, driven, iterates = int(P[at.COUNT]), P[_DRIVEN] > 0.0, P[at.LOAD_ITERATES] > 0.0
+    first = 6 + (wheels if driven else 0)
+    m = first + (wheels if driven else 0)
+    by_velocity = iterates or P[at.BY_VELOCITY] > 0.0
+    columns: list[int] = []
+    if P[at.BY_POSITION] > 0.0:
+        columns += [0, 1]
+    if pushed or P[at.BY_HEADING] > 0.0:
+        columns += [2]
+    if driven and P[at.BY_ANGLE] > 0.0:
+        columns += range(first, m)
+    if pushed or driven or by_velocity or P[at.BY_TIME] > 0.0:
+        columns += [m]
+    if by_velocity:
+        columns += range(3, first)
+    return np.array(columns, dtype=np.int64)
+
+
 @kernel
 def run(
-    P: Any, knots: Any, coef: Any, stops: Any, push: Any, times: Any, task: Any, tables: Any, out: Any
+    P: Any,
+    W: Any,
+    knots: Any,
+    coef: Any,
+    push: Any,
+    edges: Any,
+    columns: Any,
+    place: Any,
+    times: Any,
+    task: Any,
+    tables: Any,
+    out: Any,
 ) -> None:
     """Integrate one run and write a row at each of ``times``.
 
-    P packed model; knots (K+1), coef (K, N, 5) pieces of what the wheels do or, where they are driven, are
-    asked for; stops (M, 2) breakpoints and whether they are hard (:func:`slipmargin.sim.wheels.breakpoints`);
-    push (Q, 5) time, force on the centre of mass in the floor frame and its height (Q = 0: none);
-    task (:data:`TASK`); tables that it works on (:func:`workspace`); out (T, 6) receives states,
-    out (T, 6 + 10 N) also the wheels.
+    P packed model and W (N, WHEEL) its wheels; knots (K+1), coef (K, N, 5) pieces of what the wheels do or,
+    where they are driven, are asked for; push (Q, 5) time, force on the centre of mass in the floor frame and
+    its height (Q = 0: none); edges (E) instants at which a force or friction jumps or kinks; columns
+    (:func:`probed`); place (:func:`next_stop`); task (:data:`TASK`); tables that it works on
+    (:func:`workspace`); out (T, 6) receives
+    states, out (T, 6 + 10 N) also the wheels.
     """
-    n, driven, pushed = int(P[_COUNT]), P[_DRIVEN] > 0.0, len(push) > 0
+    n, driven = len(W), P[_DRIVEN] > 0.0
     speeds = n if driven else 0
-    m = 6 + 2 * speeds
-    C, S, K, J, M, columns = tables
-    y, z, f, rhs, rate, B, acc, away, E = S[0], S[1], S[2], S[3], S[4], S[5], S[6], S[7], S[8]
+    moving = 6 + speeds
+    m = moving + speeds
+    C, S, K, J, M = tables
+    y, z, f = S[0], S[1], S[2]
+    rhs, rate, B = S[3], S[4], S[5]
+    acc, away, E = S[6], S[7], S[8]
     rtol, atol, most = task[RTOL], task[ATOL], task[MOST]
     for r in range(6):
         y[r] = task[START + r]
     for i in range(speeds):
-        y[6 + i], y[6 + n + i] = task[TASK + i], coef[0, i, 0]
-    # Columns of the Jacobian that are taken by differences: the place, the heading, velocities, time.
-    heading = P[at.BY_HEADING] > 0.0 or pushed
-    by_velocity = P[at.BY_VELOCITY] > 0.0 or P[at.LOAD_ITERATES] > 0.0
-    by_time = P[at.BY_TIME] > 0.0 or by_velocity or pushed or driven
-    by_angle = driven and P[at.BY_ANGLE] > 0.0
-    pose = heading or P[at.BY_POSITION] > 0.0 or by_angle
-    probes = 0
-    for k in range(m + 1):
-        velocity = 3 <= k < 6 + speeds
-        asked = (k == 2 and heading) or (k < 2 and P[at.BY_POSITION] > 0.0) or (velocity and by_velocity)
-        if asked or (k == m and by_time) or (6 + speeds <= k < m and by_angle):
-            columns[probes, 0] = k
-            probes += 1
-    status, steps, rejected, piece, pk, row, total = DONE, 0, 0, 0, 0, 0, len(times)
-    last, least = len(knots) - 2, -1e-9 * P[at.SHARE]
-    h, restart, t = 1e-4, 1e-4, stops[0, 0]
-    for seg in range(len(stops) - 1):
-        stop = stops[seg + 1, 0]
-        mid = 0.5 * (t + stop)
-        while piece < last and knots[piece + 1] <= mid:
-            piece += 1
-        while pk < len(push) - 2 and push[pk + 1, 0] <= mid:
-            pk += 1
-        c, k0 = coef[piece], knots[piece]
-        for i in range(n):
-            angle = turn(c[i], P[_H + i * _W + _LAG], mid - k0)[0]
-            C[i, RIGID] = _sector(P, i, angle, 1.0, 0.0) % 2.0
-        first, fresh = stops[seg, 1] > 0.0, True
-        if first:
-            h = min(h, restart)
-        while t < stop and row < total:
-            if fresh:
-                for i in range(speeds):
-                    C[i, RIGID] = _sector(P, i, y[6 + n + i], y[6 + i], _START * _NUDGE) % 2.0
-                rates(P, t, y, c, k0, push, pk, C, B, acc, f)
-                low = C[0, LOAD]
-                for i in range(1, n):
-                    low = min(low, C[i, LOAD])
-                if low < least:
-                    status = TIPS
-                    break
-                while row < total and times[row] <= t:
-                    _tell(P, y, C, out[row])
-                    row += 1
-                slopes(P, y, C, B, J, speeds)
-                for probe in range(probes):
-                    k = int(columns[probe, 0])
-                    for r in range(m):
-                        z[r] = y[r]
-                    d = 1e-7 if k == m or k < 3 or k >= 6 + speeds else 1e-9
-                    if k < m:
-                        z[k] = y[k] + d
-                        d = z[k] - y[k]
-                    rates(P, t + d if k == m else t, z, c, k0, push, pk, C, B, away, rate)
-                    for r in range(3 + speeds):
-                        J[r, k] = (rate[3 + r] - f[3 + r]) / d
-                fresh = False
-            step = stop - t if stop - t < 1.01 * h else h
-            if steps + rejected >= most or t + step <= t:
-                status = TOO_LONG if steps + rejected >= most else STUCK
-                break
-            error = 1e300
-            for again in range(
-                2
-            ):  # a second time, shorter, where a driven wheel changes its sector on the way
-                gh, per = GAMMA * step, 1.0 / step
-                factor(J, y, gh, M, E)
-                for stage in range(6):
-                    x = t + WHEN[stage] * step
-                    if stage > 0:
-                        for r in range(m):
-                            total_a, total_m = y[r], 0.0
-                            for j in range(stage):
-                                total_a += STAGE[stage, j] * K[j, r]
-                                total_m += MIX[stage, j] * K[j, r]
-                            z[r], rhs[r] = total_a, total_m * per
-                        rates(P, x, z, c, k0, push, pk, C, B, away, rate)
-                        for r in range(m):
-                            rhs[r] += rate[r]
-                    else:
-                        for r in range(m):
-                            rhs[r] = f[r]
-                    for r in range(3 + speeds):
-                        rhs[3 + r] += TIME[stage] * step * J[r, m]
-                    solve(J, M, E, gh, pose, rhs, K[stage])
-                error = 0.0
-                for r in range(m):
-                    z[r] += K[5, r]
-                    scale = atol + rtol * max(abs(y[r]), abs(z[r]))
-                    loose = 1.0 if r < 3 else (LOOSER if r < 6 else LOOSER / P[_H + at.RADIUS])
-                    miss = K[5, r] / (loose * scale)
-                    error += miss * miss
-                error = math.sqrt(error / m)
-                if again == 1 or speeds == 0 or not error <= 1.0:
-                    break
-                share = _first_switch(P, y, z, K)
-                if share > 1.0 or share * step < 1e-13:
-                    break
-                step *= share
-            if not error <= 1.0:
-                rejected += 1
-                h = step * (max(1.0 / 6.0, 0.9 * error**-0.25) if error < 1e30 else 0.1)
-                if h < 1e-14:
-                    status = STUCK if error < 1e30 else NOT_FINITE
-                    break
-                continue
-            steps += 1
-            grow = min(5.0, 0.9 * error**-0.25) if error > 1e-4 else 5.0
-            while row < total and times[row] < t + step:
-                for r in range(m):
-                    rhs[r] = dense(y, z, K, r, (times[row] - t) / step)
-                if out.shape[1] > 6:
-                    rates(P, times[row], rhs, c, k0, push, pk, C, B, away, rate)
-                _tell(P, rhs, C, out[row])
-                row += 1
-            t = stop if step == stop - t else t + step
-            for r in range(m):
-                y[r] = z[r]
-            if first and step == h:
-                restart, first = grow * step, False
-            # A step cut short at a breakpoint says nothing against the longer one.
-            h = max(h, grow * step) if step < h else grow * step
+        y[6 + i], y[moving + i] = task[TASK + i], coef[0, i, 0]
+    pose = len(columns) > 0 and (columns[0] < 3 or (columns[0] >= moving and columns[0] < m))
+    status, steps, rejected = DONE, 0, 0
+    row, total, pk = 0, len(times), 0
+    least, h, restart, t = -1e-9 * P[_LEAST], 1e-4, 1e-4, knots[0]
+    stop, until, first, fresh, switched = t, knots[len(knots) - 1], True, True, True
+    c, k0 = coef[0], t
+    while True:
+        if t >= stop and t < until:  # a new stretch: to where something next jumps or a wheel switches
+            stop, jumps = next_stop(W, knots, coef, push, edges, t, place)
+            c, k0, pk = coef[place[0]], knots[place[0]], place[1]
+            first = jumps or switched
+            if first:
+                h = min(h, restart)
+            if not driven:
+                for i in range(n):
+                    theta, omega, alpha = turn(c[i], W[i, _LAG], t - k0)
+                    omega = omega if omega != 0.0 else alpha
+                    C[i, RIGID] = _sector(W[i], theta, omega, _START * _NUDGE) % 2.0
+                share = first_switch(W, c, t - k0, y, z, K, stop - t)
+                switched = share <= 1.0 and share * (stop - t) > SAME_S
+                if switched:
+                    stop = t + share * (stop - t)
             fresh = True
-        if status != DONE:
+        if fresh:
+            for i in range(speeds):
+                C[i, RIGID] = _sector(W[i], y[moving + i], y[6 + i], _START * _NUDGE) % 2.0
+            rates(P, W, t, y, c, k0, push, pk, C, B, acc, f)
+            for i in range(n):
+                if C[i, LOAD] < least:
+                    status = TIPS
+            if status != DONE:
+                break
+            while row < total and times[row] <= t:
+                tell(P, y, C, out[row])
+                row += 1
+            if row >= total or t >= until:
+                break
+            slopes(P, W, y, C, B, J, speeds)
+            for k in columns:
+                for r in range(m):
+                    z[r] = y[r]
+                d = 1e-9 if k >= 3 and k < moving else 1e-7
+                at_time = t
+                if k < m:
+                    z[k] = y[k] + d
+                    d = z[k] - y[k]
+                else:
+                    at_time = t + d
+                rates(P, W, at_time, z, c, k0, push, pk, C, B, away, rate)
+                for r in range(3 + speeds):
+                    J[r, k] = (rate[3 + r] - f[3 + r]) / d
+            fresh = False
+        step = stop - t if stop - t < 1.01 * h else h
+        if steps + rejected >= most or t + step <= t:
+            status = TOO_LONG if steps + rejected >= most else STUCK
             break
-    if status == DONE and row < total:
-        rates(P, t, y, coef[last], knots[last], push, pk, C, B, acc, f)
-    for k in range(row, total):  # the end; after a stop everything stays as it was, at rest
-        _tell(P, y, C, out[k])
-        if status != DONE:
-            for r in range(3, out.shape[1]):
-                if r < 6 or (r - 6) % TOLD > 0:
-                    out[k, r] = 0.0
-    task[0], task[1], task[2], task[3] = status, t, steps, rejected
+        error = 1e300
+        for again in range(2):  # again, shorter, where a driven wheel changes its sector on the way
+            factor(J, y, GAMMA * step, M, E)
+            for stage in range(6):
+                begin(y, K, stage, step, z, rhs)
+                slope = f
+                if stage > 0:
+                    rates(P, W, t + WHEN[stage] * step, z, c, k0, push, pk, C, B, away, rate)
+                    slope = rate
+                solve(J, M, E, GAMMA * step, TIME[stage] * step, pose, slope, rhs, K[stage])
+            error = end(y, K, rtol, atol, W[0, _RADIUS], z)
+            if again == 1 or not driven or not error <= 1.0:
+                break
+            share = first_switch(W, c, t - k0, y, z, K, step)
+            if share > 1.0 or share * step < 1e-13:
+                break
+            step *= share
+        if not error <= 1.0:
+            rejected += 1
+            h = step * (max(1.0 / 6.0, 0.9 * error**-0.25) if error < 1e30 else 0.1)
+            if h < 1e-14:
+                status = STUCK if error < 1e30 else NOT_FINITE
+                break
+            continue
+        steps += 1
+        grow = min(5.0, 0.9 * error**-0.25) if error > 1e-4 else 5.0
+        while row < total and times[row] < t + step:
+            for r in range(m):
+                rhs[r] = dense(y, z, K, r, (times[row] - t) / step)
+            if out.shape[1] > 6:
+                rates(P, W, times[row], rhs, c, k0, push, pk, C, B, away, rate)
+            tell(P, rhs, C, out[row])
+            row += 1
+        t = stop if step == stop - t else t + step
+        for r in range(m):
+            y[r] = z[r]
+        if first and step == h:
+            restart, first = grow * step, False
+        # A step cut short at a stop says nothing against the longer one.
+        h = max(h, grow * step) if step < h else grow * step
+        fresh = True
+    for k in range(row, total):  # after a stop everything stays as it was, at rest
+        tell(P, y, C, out[k])
+        for r in range(3, out.shape[1]):
+            if status != DONE and (r < 6 or (r - 6) % TOLD > 0):
+                out[k, r] = 0.0
+    task[0], task[1] = status, t
+    task[2], task[3] = steps, rejected

@@ -13,15 +13,15 @@ from slipmargin.physics import sectors
 from slipmargin.physics.contact import BOX, DISC_STRIP, ELLIPSE
 from slipmargin.physics.frames import moment
 from slipmargin.physics.grips import GripShape
-from slipmargin.physics.terms import ForceTerm, Multiplier
+from slipmargin.physics.terms import OF_PLACE, ForceTerm, Multiplier
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.sim import layout as at
 
 _SHAPES = {GripShape.BOX: BOX, GripShape.DISC_STRIP: DISC_STRIP, GripShape.ELLIPSE: ELLIPSE}
 
 #: Variables of the pose: forces that depend on them give the motion a pose Jacobian.
-_HEADING = frozenset({Variable.HEADING, Variable.SLIP_HEADING})
-_PLACE = frozenset({Variable.POSITION_X, Variable.POSITION_Y})
+_HEADING = frozenset({Variable.HEADING, Variable.SLIP_HEADING}) | OF_PLACE
+_PLACE = frozenset({Variable.POSITION_X, Variable.POSITION_Y}) | OF_PLACE
 #: Variables known in time alone where wheel speeds are prescribed.
 _TIME = frozenset(
     {
@@ -35,7 +35,7 @@ _TIME = frozenset(
 #: Variables that leave the velocity derivative analytic.
 _CALM = _TIME | _HEADING | _PLACE | {Variable.UNITY}
 #: The bases whose coefficients all stand for one and the same function.
-_SINGLE = frozenset({Basis.CONSTANT, Basis.DECAY, Basis.RECIPROCAL, Basis.WINDOW})
+_SINGLE = frozenset({Basis.CONSTANT, Basis.DECAY, Basis.RECIPROCAL, Basis.WINDOW, Basis.STEP})
 
 
 def pack(model: Model) -> Array:
@@ -65,7 +65,9 @@ def pack(model: Model) -> Array:
     ):
         head[count], head[start] = len(blocks), place
         place += sum(len(b) for b in blocks)
-    flat = np.concatenate([head, wheels.ravel(), *mods, *forces, *commands])
+    edges = _edges(model)
+    head[at.EDGES], head[at.EDGES_AT] = len(edges), place
+    flat = np.concatenate([head, wheels.ravel(), *mods, *forces, *commands, edges])
     if not np.all(np.isfinite(flat)):
         raise InputError("model", "holds a number that is not finite", "give finite parameters")
     flat.setflags(write=False)
@@ -166,6 +168,7 @@ def _modulation(m: Multiplier, n: int) -> Array:
         [
             [float(m.variable), float(m.basis), float(m.target), float(len(coefficients))],
             m.shape,
+            m.place,
             m.wheels,
             coefficients,
         ]
@@ -183,6 +186,16 @@ def _force(f: ForceTerm, model: Model) -> Array:
             coefficients.ravel(),
         ]
     )
+
+
+def _edges(model: Model) -> Array:
+    """Instants at which a friction multiplier or a force over time jumps or kinks [s]."""
+    found = [np.empty(0)]
+    for term in (*model.grip.multipliers, *model.external.terms):
+        if term.variable is Variable.TIME and term.basis in (Basis.WINDOW, Basis.HATS):
+            knots = 2 if term.basis is Basis.WINDOW else max(term.coefficients.shape[-1], 2)
+            found.append(np.linspace(*term.shape, knots))
+    return np.concatenate(found)
 
 
 def _merged(basis: Basis, coefficients: Array) -> Array:

@@ -12,9 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from slipmargin.physics.compiled import inner
+from slipmargin.physics.compiled import inner, spliced
 
 GAMMA = 0.25
+#: Velocities may err by this many times the tolerance of poses: friction damps them within milliseconds.
+LOOSER = 10.0
 #: Stage i starts at y + Σ_j STAGE[i, j] k_j; its right-hand side gets Σ_j MIX[i, j] k_j / h.
 STAGE = np.array(
     [
@@ -48,7 +50,7 @@ DENSE = np.array(
 )
 
 
-@inner
+@spliced
 def factor(J: Any, y: Any, gh: float, M: Any, E: Any) -> None:
     """Invert the velocities' matrix, positions eliminated, into M; E (4): ∂ẋ/∂φ, ∂ẏ/∂φ, cos φ, sin φ.
 
@@ -80,10 +82,14 @@ def factor(J: Any, y: Any, gh: float, M: Any, E: Any) -> None:
                     M[r, j] -= share * M[k, j]
 
 
-@inner
-def solve(J: Any, M: Any, E: Any, gh: float, pose: bool, r: Any, k: Any) -> None:
-    """Stage k with (1/(γh) − ∂ẏ/∂y) k = r; r is overwritten."""
+@spliced
+def solve(J: Any, M: Any, E: Any, gh: float, ahead: float, pose: bool, f: Any, r: Any, k: Any) -> None:
+    """Stage k with (1/(γh) − ∂ẏ/∂y) k = r + f + ``ahead``·∂f/∂t; r is overwritten."""
     n, speeds = M.shape[0], M.shape[0] - 3
+    for i in range(len(k)):
+        r[i] += f[i]
+    for i in range(n):
+        r[3 + i] += ahead * J[i, J.shape[1] - 1]
     if pose:
         turned = gh * r[2]
         x, z = gh * (r[0] + E[0] * turned), gh * (r[1] + E[1] * turned)
@@ -101,6 +107,29 @@ def solve(J: Any, M: Any, E: Any, gh: float, pose: bool, r: Any, k: Any) -> None
     k[1] = gh * (r[1] + E[1] * k[2] + E[3] * k[3] + E[2] * k[4])
     for j in range(speeds):
         k[3 + n + j] = gh * (r[3 + n + j] + k[6 + j])
+
+
+@spliced
+def begin(y: Any, K: Any, stage: int, step: float, z: Any, rhs: Any) -> None:
+    """Where a stage looks at the right-hand side, into z, and what the stages before add to it, into rhs."""
+    for r in range(K.shape[1]):
+        at, add = y[r], 0.0
+        for j in range(stage):
+            at += STAGE[stage, j] * K[j, r]
+            add += MIX[stage, j] * K[j, r]
+        z[r], rhs[r] = at, add / step
+
+
+@spliced
+def end(y: Any, K: Any, rtol: float, atol: float, radius: float, z: Any) -> float:
+    """State at the end of the step, into z, and its error [1]: a step is good up to 1."""
+    error, m = 0.0, K.shape[1]
+    for r in range(m):
+        z[r] += K[5, r]
+        loose = 1.0 if r < 3 else (LOOSER if r < 6 else LOOSER / radius)
+        miss = K[5, r] / (loose * (atol + rtol * max(abs(y[r]), abs(z[r]))))
+        error += miss * miss
+    return math.sqrt(error / m)
 
 
 @inner

@@ -15,13 +15,14 @@ from slipmargin.errors import NoSolution
 from slipmargin.model import Model
 from slipmargin.paths.path import Path, corners, through
 from slipmargin.paths.plan import Request, plan
+from slipmargin.physics.convention import Convention
 
 #: Share of the grip that a plan may use, and grid points of each path.
 SHARE, POINTS = 0.9, 100
 
 
-def benchmark_paths() -> dict[str, Path]:
-    """The paths by name."""
+def benchmark_paths(convention: Convention = Convention.PAPER) -> dict[str, Path]:
+    """The paths by name, forwards where the robot's front is at φ = 0."""
     slant = math.sqrt(0.5)
     straight = {
         "forwards": (0.0, 1.0),
@@ -29,19 +30,22 @@ def benchmark_paths() -> dict[str, Path]:
         "right": (1.0, 0.0),
         "slanting": (slant, slant),
     }
-    paths = {name: corners(np.array([[0.0, 0.0, 0.0], [x, y, 0.0]])) for name, (x, y) in straight.items()}
+    turned = convention.from_right_forward
+    paths = {
+        name: corners(np.array([[0.0, 0.0, 0.0], [*turned(x, y), 0.0]])) for name, (x, y) in straight.items()
+    }
     square = np.array([[0.0, 0.0], [0.5, 0.0], [0.5, 1.0], [-0.5, 1.0], [-0.5, 0.0], [0.0, 0.0]])
-    paths["square"] = corners(np.column_stack([square, np.zeros(len(square))]), blend_m=0.2)
+    paths["square"] = corners(np.column_stack([*turned(*square.T), np.zeros(len(square))]), blend_m=0.2)
     t = np.linspace(0.0, 2.0 * math.pi, 17)[:-1] + math.pi / 16.0
     x, y = 0.5 * np.sin(t), 0.25 * np.sin(2.0 * t)
     way = np.unwrap(np.arctan2(0.5 * np.cos(2.0 * t), 0.5 * np.cos(t)))
-    paths["eight"] = through(np.column_stack([x, y, way - way[0]]), closed=True)
+    paths["eight"] = through(np.column_stack([*turned(x, y), way - way[0]]), closed=True)
     return paths
 
 
 def lap_times(model: Model, paths: dict[str, Path] | None = None) -> dict[str, float]:
     """Time for each path [s]; infinite where no admissible motion exists."""
-    return {name: _time(model, path) for name, path in (paths or benchmark_paths()).items()}
+    return {name: _time(model, path) for name, path in (paths or benchmark_paths(model.convention)).items()}
 
 
 def lap_time(model: Model, paths: dict[str, Path] | None = None) -> float:

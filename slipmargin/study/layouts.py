@@ -35,7 +35,7 @@ def ring(robot: Robot, count: int) -> Robot:
     """
     _check("wheels", robot, count)
     first, radius = robot.wheels[0], circle_radius_m(robot)
-    start = -90.0 if count % 2 else -90.0 + 180.0 / count
+    start = math.degrees(robot.convention.front_rad) - 180.0 + (0.0 if count % 2 else 180.0 / count)
     angles = start + 360.0 / count * np.arange(count)
     wheels = (
         replace(
@@ -63,14 +63,14 @@ def rows(robot: Robot, count: int) -> Robot:
         raise InputError("wheels_in_rows", f"is {count}", "give an even number of wheels, 4 or more")
     _check("wheels_in_rows", robot, count)
     place = np.array([w.position_m for w in robot.wheels])
-    half = np.max(np.abs(place), axis=0)
+    half = np.abs(robot.convention.right_forward(*np.max(np.abs(place), axis=0)))
     angle = abs(robot.wheels[0].roller_angle_deg) or 45.0
     wheels = (
         replace(
             robot.wheels[0],
             name=f"{name}-{k + 1}",
-            position_m=np.array([side * half[0], y]),
-            drive_direction_deg=90.0,
+            position_m=np.array(robot.convention.from_right_forward(side * half[0], y)),
+            drive_direction_deg=math.degrees(robot.convention.front_rad),
             roller_angle_deg=side * angle * (-1.0) ** k,
         )
         for side, name in ((1.0, "right"), (-1.0, "left"))

@@ -177,14 +177,14 @@ _COMBINED = (
     Quantity(
         key="com_x_m",
         unit="m",
-        meaning="centre of mass, to the right",
+        meaning="centre of mass along the body's x",
         put=_com(0),
         get=lambda m: float(m.robot.body.com_m[0]),
     ),
     Quantity(
         key="com_y_m",
         unit="m",
-        meaning="centre of mass, forwards",
+        meaning="centre of mass along the body's y",
         put=_com(1),
         get=lambda m: float(m.robot.body.com_m[1]),
     ),

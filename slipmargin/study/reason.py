@@ -103,21 +103,21 @@ def _moving(model: Model, name: str) -> Reason:
         at = int(np.argmax(found.steady_use))
         return Reason(
             where=f"steady motion needs most, {found.steady_use[at]:.3g} of the drive grip, "
-            f"{_towards(way[at])}",
+            f"{_towards(model, way[at])}",
             what=found.starting.wheels[at],
         )
     if name.startswith("brake"):
         at = int(np.argmin(found.braking_m_s2))
-        return Reason(where=f"weakest when moving {_towards(way[at])}", what=())
+        return Reason(where=f"weakest when moving {_towards(model, way[at])}", what=())
     at = int(np.argmin(found.starting_m_s2))
     return Reason(
-        where=f"weakest when moving {_towards(way[at])}, limited by {found.starting.cause[at]} of",
+        where=f"weakest when moving {_towards(model, way[at])}, limited by {found.starting.cause[at]} of",
         what=found.starting.wheels[at],
     )
 
 
-def _towards(way_rad: float) -> str:
-    return f"towards {math.degrees(way_rad):.0f}° (0° is right, 90° forwards)"
+def _towards(model: Model, way_rad: float) -> str:
+    return f"towards {math.degrees(way_rad):.0f}° ({model.convention.compass})"
 
 
 def _laps(model: Model) -> Reason:

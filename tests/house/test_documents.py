@@ -5,9 +5,12 @@ from __future__ import annotations
 import ast
 import doctest
 import json
+import os
 import re
 import shlex
+import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -15,10 +18,29 @@ from slipmargin_cli.main import COMMANDS, status
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+#: The README and every page of the site that is kept in the repository.
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 SOURCES = sorted([*(ROOT / "slipmargin").rglob("*.py"), *(ROOT / "cli").rglob("*.py")])
 LONGEST = 400
-PYTHON = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
-CONSOLE = re.findall(r"```console\n(.*?)```", README, flags=re.DOTALL)
+#: Pages whose examples a test of their own runs: the theory is one session, the other needs a file.
+RUN_ELSEWHERE = {"theory.md", "check-in-ci.md"}
+LINK = re.compile(r"\]\((?!https?:|#|mailto:)([^)#]+)(?:#[^)]*)?\)")
+
+
+def blocks(language: str) -> list[tuple[Path, str]]:
+    """Each page with all its blocks in a language, one after the other: they run as one session."""
+    found = []
+    for page in PAGES:
+        parts = re.findall(
+            rf"^```{language}\n(.*?)^```", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE
+        )
+        if parts and page.name not in RUN_ELSEWHERE and (page.name, language) != ("README.md", "console"):
+            found.append((page, "".join(parts)))
+    return found
+
+
+def page_id(value: object) -> str:
+    return name_of(value) if isinstance(value, Path) else ""
 
 
 def tracked() -> list[Path]:
@@ -77,55 +99,162 @@ def test_no_path_of_a_machine_is_in_the_tree() -> None:
     assert not broken, "; ".join(broken)
 
 
-def test_the_readme_names_every_command() -> None:
-    missing = [name for name in COMMANDS if f"slipmargin {name}" not in README]
-    assert not missing, f"not in the README: {', '.join(missing)}"
+@pytest.mark.parametrize("page", PAGES, ids=page_id)
+def test_links_lead_somewhere(page: Path) -> None:
+    links = LINK.findall(page.read_text(encoding="utf-8"))
+    made = {"ipynb": "py"}  # notebooks of the site are made from the scripts
+    broken = []
+    for link in links:
+        target = (page.parent / link).resolve()
+        if target.suffix == ".ipynb":
+            target = ROOT / "notebooks" / f"{target.stem}.{made['ipynb']}"
+        if not target.exists() and link not in {"help.md", "python.md", "reference/python.md"}:
+            broken.append(link)
+    assert not broken, broken
 
 
-@pytest.mark.parametrize("link", sorted(set(re.findall(r"\]\((?!https?:|#)([^)]+)\)", README))))
-def test_links_of_the_readme_lead_somewhere(link: str) -> None:
-    assert (ROOT / link).exists()
+def test_the_page_of_commands_names_every_command() -> None:
+    page = (ROOT / "docs" / "reference" / "commands.md").read_text(encoding="utf-8")
+    missing = [name for name in COMMANDS if f"slipmargin {name}" not in page]
+    assert not missing, f"not on the page: {', '.join(missing)}"
 
 
-@pytest.mark.parametrize("block", CONSOLE, ids=range(len(CONSOLE)))
-def test_the_readme_shows_real_output(
-    block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(("page", "block"), blocks("console"), ids=page_id)
+def test_console_blocks_show_real_output(
+    page: Path,
+    block: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """Each ``$ slipmargin`` of a console block prints what stands below it; a line ``…`` stands for more."""
+    """Each ``$ slipmargin`` of a page prints what stands below it; a line ``…`` stands for more."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
     for shown in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
         command, _, expected = shown.partition("\n")
         words = shlex.split(command, comments=True)
-        if words[0] == "printf":  # how the reader makes an input file
-            subprocess.run(command, shell=True, cwd=tmp_path, check=True, timeout=60)
-        if words[0] != "slipmargin":
-            continue
-        assert status(words[1:]) == 0, command
-        printed = capsys.readouterr().out.splitlines()
-        wanted = expected.rstrip("\n").splitlines()
-        if "…" in wanted:
-            head = wanted[: wanted.index("…")]
-            tail = wanted[wanted.index("…") + 1 :]
-            assert printed[: len(head)] == head and (not tail or printed[-len(tail) :] == tail)
+        if words[0] in {"printf", "cat"}:  # how the reader makes an input file, and looks at an output
+            done = subprocess.run(
+                command, shell=True, cwd=tmp_path, check=True, timeout=60, capture_output=True, text=True
+            )
+            printed = done.stdout.splitlines()
+        elif words[0] == "slipmargin":
+            assert status(words[1:]) == 0, command
+            printed = capsys.readouterr().out.splitlines()
         else:
-            assert printed == wanted
+            continue
+        assert shows(expected, printed)
 
 
-@pytest.mark.parametrize("block", PYTHON, ids=range(len(PYTHON)))
-def test_the_readme_shows_real_answers(
-    block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def shows(expected: str, printed: list[str]) -> bool:
+    """Whether lines were printed as a page shows them; a line ``…`` stands for any number of lines."""
+    parts = re.split(r"^…$", expected.strip("\n"), flags=re.MULTILINE)
+    pattern = r"(?:.*\n)*?".join(
+        re.escape(part.strip("\n") + "\n" if part.strip("\n") else "") for part in parts
+    )
+    return re.fullmatch(pattern, "".join(f"{line}\n" for line in printed)) is not None
+
+
+def test_the_first_lines_of_the_readme_work_as_printed(tmp_path: Path) -> None:
+    """From a fresh copy, in a shell, with nothing on the path but what the lines themselves put there."""
+    activate = Path(sys.prefix) / "bin" / "activate"
+    if not activate.is_file():
+        pytest.skip("not in a virtual environment")
+    copy = tmp_path / "slipmargin"
+    for file in tracked():
+        target = copy / file.relative_to(ROOT)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(file, target)
+    (copy / ".venv").mkdir()
+    (copy / ".venv" / "bin").symlink_to(activate.parent)
+    (copy / ".venv" / "installed").touch()  # what `make install` makes, after half a minute of downloads
+    text = "".join(re.findall(r"^```console\n(.*?)^```", README, flags=re.DOTALL | re.MULTILINE))
+    shown = [part.partition("\n") for part in re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]]
+    mark = "---8<---"
+    script = "set -e\n" + "".join(f"echo '{mark}'\n{command}\n" for command, _, _ in shown)
+    environment = {"PATH": "/usr/bin:/bin", "HOME": str(tmp_path), "COLUMNS": "80", "LANG": "C.UTF-8"}
+    done = subprocess.run(
+        ["bash", "-c", script],
+        cwd=copy,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    for (command, _, expected), printed in zip(shown, done.stdout.split(f"{mark}\n")[1:], strict=True):
+        assert command.startswith("make ") or shows(expected, printed.splitlines()), f"{command}\n{printed}"
+
+
+def test_the_readme_is_short_and_its_figures_are_measured() -> None:
+    prose = re.sub(r"^```.*?^```", "", README, flags=re.DOTALL | re.MULTILINE)
+    assert len(prose.split()) < 900
+    rows = json.loads((ROOT / "benchmarks/results/robotino.json").read_text(encoding="utf-8"))["rows"]
+    errors = {row["model"]: 100 * row["errors"]["held out"]["displacement"] for row in rows}
+    first, last = rows[0]["model"], rows[-1]["model"]
+    assert f"{errors[first]:.0f} % of the distance" in README and f"{errors[last]:.1f} % off" in README
+
+
+@pytest.mark.parametrize(("page", "block"), blocks("python"), ids=page_id)
+def test_python_blocks_show_real_answers(
+    page: Path,
+    block: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    test = doctest.DocTestParser().get_doctest(block, {}, "README.md", "README.md", 0)
+    test = doctest.DocTestParser().get_doctest(block, {}, page.name, str(page), 0)
     done = doctest.DocTestRunner(verbose=False).run(test)
     assert done.attempted > 0 and done.failed == 0, capsys.readouterr().out
 
 
-def test_the_readme_says_what_the_engine_with_rollers_showed() -> None:
-    rows = json.loads((ROOT / "benchmarks/results/rollers.json").read_text(encoding="utf-8"))
-    starts = [row["slips"] for row in rows if "slips" in row]
-    loads = [row[floor]["worst_percent"] for row in rows if "level" in row for floor in ("level", "slope")]
-    assert all(not slips["0.95"] and slips["1.05"] for slips in starts)
-    assert f"all {len(starts)} (`rollers.json`)" in README
-    assert f"within {max(loads):.1f} % of m g / N (`rollers.json`)" in README
+def test_the_page_of_benchmarks_is_what_its_script_makes() -> None:
+    done = subprocess.run(
+        [sys.executable, "benchmarks/page.py"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    )
+    assert done.stdout == (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
+
+
+def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
+    """As ``make docs`` does, with notebooks that were not run."""
+    pytest.importorskip("mkdocs")
+    shutil.copy(ROOT / "mkdocs.yml", tmp_path)
+    shutil.copytree(ROOT / "docs", tmp_path / "docs", ignore=shutil.ignore_patterns("notebooks"))
+    (tmp_path / "docs" / "notebooks").mkdir()
+    for notebook in sorted((ROOT / "notebooks").glob("*.py")):
+        target = tmp_path / "docs" / "notebooks" / f"{notebook.stem}.ipynb"
+        make = [
+            sys.executable,
+            "-m",
+            "jupytext",
+            "--quiet",
+            "--to",
+            "ipynb",
+            "--output",
+            str(target),
+            str(notebook),
+        ]
+        subprocess.run(make, check=True, timeout=60, capture_output=True)
+    build = [sys.executable, "-m", "mkdocs", "build", "--quiet"]
+    environment = {**os.environ, "NO_MKDOCS_2_WARNING": "1", "PYTHONWARNINGS": "ignore"}
+    done = subprocess.run(
+        build, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300, env=environment
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    pages = list((tmp_path / "site").rglob("*.html"))
+    assert len(pages) > 20
+    other_hosts = [
+        f"{page.name}: {link}"
+        for page in pages
+        for link in re.findall(
+            r'<(?:script|link|img)[^>]+(?:src|href)="(https?://[^"]+)"', page.read_text("utf-8")
+        )
+    ]
+    assert not other_hosts, other_hosts

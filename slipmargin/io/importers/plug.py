@@ -13,6 +13,7 @@ from typing import Protocol, final
 
 import numpy as np
 
+from slipmargin.checks import Array
 from slipmargin.data.record import Record
 from slipmargin.errors import InputError
 
@@ -137,7 +138,8 @@ class Summary:
 def import_files(importer: Importer, files: Sequence[Path]) -> Summary:
     """Read every log; one that holds nothing usable is named, the others are kept.
 
-    Two logs of one name get their folder's name in front, so no trial hides another.
+    The same log twice is used once, whatever its name.  Two logs of one name get their folder's name in
+    front, so no trial hides another.
 
     Raises
     ------
@@ -150,7 +152,11 @@ def import_files(importer: Importer, files: Sequence[Path]) -> Summary:
     refused: list[tuple[str, InputError]] = []
     for path in files:
         try:
-            readings.append(importer.read(Path(path)))
+            read = importer.read(Path(path))
+            twin = next((r for r in readings if same_run(r.record, read.record)), None)
+            if twin is not None:
+                raise InputError("", f"is the same log as {twin.source}", "give each run once", str(path))
+            readings.append(read)
         except InputError as fault:
             refused.append((str(path), fault if fault.source else fault.in_file(str(path))))
     if not readings:
@@ -160,6 +166,18 @@ def import_files(importer: Importer, files: Sequence[Path]) -> Summary:
         readings=tuple(_named_apart(readings)),
         refused=tuple((source, str(fault)) for source, fault in refused),
     )
+
+
+def same_run(one: Record, two: Record) -> bool:
+    """Whether two records hold the same numbers."""
+    fields = ("t_s", "pose", "theta", "omega", "omega_cmd", "current")
+    return all(_same(getattr(one, field), getattr(two, field)) for field in fields)
+
+
+def _same(one: Array | None, two: Array | None) -> bool:
+    if one is None or two is None:
+        return one is two
+    return one.shape == two.shape and bool(np.array_equal(one, two, equal_nan=True))
 
 
 def _named_apart(readings: Sequence[Reading]) -> Iterable[Reading]:

@@ -1,8 +1,11 @@
 """ROS bags (ROS 1 and 2) through the ``rosbags`` package, which needs no ROS: the extra ``[ros]``.
 
-Pose from ``geometry_msgs/PoseStamped``, ``PoseWithCovarianceStamped``, ``TransformStamped`` or
-``nav_msgs/Odometry``; wheels from ``sensor_msgs/JointState``.  Stamps are the headers' where given,
-else the bag's.  A record has one clock: rows stand at the pose's stamps, wheels interpolated there.
+Pose from ``geometry_msgs/PoseStamped``, ``PoseWithCovarianceStamped``, ``TransformStamped``,
+``nav_msgs/Odometry`` or ``tf2_msgs/TFMessage``; wheels from ``sensor_msgs/JointState``.  Stamps are the
+headers' where given, else the bag's.  A record has one clock: rows stand at the pose's stamps, wheels
+interpolated there.  The yaw of a pose is that of the robot's front (REP 103, "In relation to a body the
+standard is: x forward, y left, z up"), so φ is the robot file's convention of it; wheels keep their signs.
+Topics and joints that are not named are guessed from types and names, and the reading says which.
 """
 
 from __future__ import annotations
@@ -22,7 +25,13 @@ from slipmargin.data.record import Record
 from slipmargin.errors import InputError
 from slipmargin.io.importers.loose_table import increasing, runs_of
 from slipmargin.io.importers.plug import Dropped, Reading
+from slipmargin.io.importers.ros_names import guessed_topic, joints_of_wheels
+from slipmargin.physics.convention import Convention
 
+#: A topic and its messages, each with the bag's time [ns].
+_Topic = tuple[str, list[tuple[int, Any]]]
+#: Frames of a robot's base (REP 105, REP 120).
+BASES = ("base_link", "base_footprint")
 #: What readers of YAML and CDR stumble over in a damaged bag.
 DAMAGE = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, AssertionError, StructError)
 
@@ -82,12 +91,17 @@ def _database_errors() -> tuple[type[Exception], ...]:
 class RosImporter:
     """Bags of one robot: where its pose and its wheels are published.
 
-    ``joints`` (N,) names in the order of the robot file's wheels; a leading ``-`` turns the sign.
+    ``joints`` (N,) names in the order of the robot file's wheels; a leading ``-`` turns the sign.  Without
+    them they are found by the names of the ``wheels``.  ``pose_rotation_rad`` is the angle from the robot's
+    front to the x axis of the body whose pose is logged, counter-clockwise.
     """
 
-    pose_topic: str
-    joint_topic: str
-    joints: tuple[str, ...]
+    pose_topic: str | None = None
+    joint_topic: str | None = None
+    joints: tuple[str, ...] | None = None
+    wheels: tuple[str, ...] = ()
+    convention: Convention = Convention.PAPER
+    pose_rotation_rad: float = 0.0
     name: str = "ros"
 
     def read(self, path: Path) -> Reading:
@@ -98,19 +112,21 @@ class RosImporter:
         InputError
             Where ``rosbags`` is not installed, it is no bag, or a topic or joint is missing.
         """
-        poses, joints = self._messages(path)
+        (pose_topic, poses), (joint_topic, joints), notes = self._messages(path)
+        names = self._joints(joint_topic, joints, notes)
         pose = np.array([pose_of(m) for _, m in poses])
         stamp = np.array([_stamp(bag, m) for bag, m in poses])
-        keep, notes = increasing(stamp)
+        keep, order = increasing(stamp)
+        notes += order
         t, pose = stamp[keep], pose[keep]
         bad = np.setdiff1d(np.arange(len(stamp)), keep)
         why = "its stamp does not come after the one before"
         dropped = [Dropped(line=int(i[0]) + 1, count=len(i), why=why) for i in runs_of(bad)]
         seen = np.isfinite(pose).all(axis=1)
         if len(t) < 2 or not seen.any():
-            raise InputError(self.pose_topic, f"holds {int(seen.sum())} poses", "record a whole run")
-        pose[seen, 2] = np.unwrap(pose[seen, 2])
-        wheels = self._wheels(joints, t)
+            raise InputError(pose_topic, f"holds {int(seen.sum())} poses", "record a whole run")
+        pose[seen, 2] = self.convention.phi_of_yaw(np.unwrap(pose[seen, 2]) - self.pose_rotation_rad)
+        wheels = self._wheels(joint_topic, names, joints, t)
         record = Record(
             name=path.stem,
             t_s=t - t[0],
@@ -127,30 +143,49 @@ class RosImporter:
             notes=tuple(notes),
         )
 
-    def _messages(self, path: Path) -> tuple[list[tuple[int, Any]], list[tuple[int, Any]]]:
+    def _messages(self, path: Path) -> tuple[_Topic, _Topic, list[str]]:
+        notes: list[str] = []
+        picked: list[str] = []
+
         def pick(types: dict[str, str]) -> list[str]:
-            for topic in (self.pose_topic, self.joint_topic):
-                if topic not in types:
+            for topic, option in ((self.pose_topic, "--pose-topic"), (self.joint_topic, "--joint-topic")):
+                if topic is None:
+                    topic, note = guessed_topic(types, option)
+                    notes.append(note)
+                elif topic not in types:
                     known = ", ".join(sorted(types))
                     raise InputError(topic, "is not a topic of the bag", f"use one of: {known}", str(path))
-            return [self.pose_topic, self.joint_topic]
+                picked.append(topic)
+            return picked
 
         found = bag_messages(path, pick)
-        return found[self.pose_topic], found[self.joint_topic]
+        pose, joints = picked
+        return (pose, _transforms(pose, found[pose])), (joints, found[joints]), notes
 
-    def _wheels(self, joints: list[tuple[int, Any]], t: Array) -> dict[str, Array]:
+    def _joints(self, topic: str, joints: list[tuple[int, Any]], notes: list[str]) -> tuple[str, ...]:
+        if self.joints is not None:
+            return self.joints
+        there = sorted({str(n) for _, m in joints for n in m.name})
+        found = joints_of_wheels(self.wheels, there, topic)
+        pairs = ", ".join(f"{w} = {j}" for w, j in zip(self.wheels, found, strict=True))
+        notes.append(f"joints of the wheels by their names: {pairs}")
+        return found
+
+    def _wheels(
+        self, topic: str, names: tuple[str, ...], joints: list[tuple[int, Any]], t: Array
+    ) -> dict[str, Array]:
         stamp = np.array([_stamp(bag, m) for bag, m in joints])
         if not len(stamp):
-            raise InputError(self.joint_topic, "holds no message", "record the wheels too")
+            raise InputError(topic, "holds no message", "record the wheels too")
         out: dict[str, Array] = {}
         order = np.argsort(stamp, kind="stable")
         for field in ("position", "velocity"):
-            columns = [self._joint(joints, name, field)[order] for name in self.joints]
+            columns = [self._joint(joints, name, field)[order] for name in names]
             if all(np.isfinite(c).any() for c in columns):
                 out[field] = np.stack([_at(t, stamp[order], c) for c in columns], axis=1)
         if not out:
             raise InputError(
-                self.joint_topic,
+                topic,
                 "holds neither position nor velocity of these joints",
                 "publish wheel positions",
             )
@@ -167,6 +202,21 @@ class RosImporter:
             known = sorted({n for _, m in joints for n in m.name})
             raise InputError("--joint", f"{name!r} is not a joint", f"use some of: {', '.join(known)}")
         return values
+
+
+def _transforms(topic: str, messages: list[tuple[int, Any]]) -> list[tuple[int, Any]]:
+    """The robot's base in the messages of TF; others as they are."""
+    if not messages or not hasattr(messages[0][1], "transforms"):
+        return messages
+    found = [(at, t) for at, m in messages for t in m.transforms if t.child_frame_id.strip("/") in BASES]
+    frames = sorted({f"{t.header.frame_id} to {t.child_frame_id}" for _, t in found})
+    if len(frames) != 1:
+        raise InputError(
+            topic,
+            f"holds {len(frames)} transforms to {' or '.join(BASES)}: {', '.join(frames) or 'none'}",
+            "record the pose as a topic of its own and name it with --pose-topic",
+        )
+    return found
 
 
 def _at(t: Array, stamp: Array, values: Array) -> Array:
@@ -189,7 +239,7 @@ def pose_of(message: Any) -> tuple[float, float, float]:
         raise InputError(
             "--pose-topic",
             f"holds {type(message).__name__}",
-            "give PoseStamped, Odometry or TransformStamped",
+            "give PoseStamped, Odometry, TransformStamped or TFMessage",
         )
     inner = getattr(inner, "pose", inner)
     place = getattr(inner, "position", None) or inner.translation

@@ -213,8 +213,15 @@ def test_logs_of_one_name_do_not_hide_each_other() -> None:
     twice = [EXCERPT / "gray_0.1" / "heading_005.csv", EXCERPT / "table_0.1" / "heading_005.csv"]
     names = [r.name for r in import_files(RobotinoImporter(), twice).records]
     assert names == ["gray_0.1_heading_005", "table_0.1_heading_005"]
-    same = import_files(RobotinoImporter(), [twice[0], twice[0]]).records
-    assert same[0].name != same[1].name
+
+
+def test_the_same_log_twice_is_used_once(tmp_path: Path) -> None:
+    log = EXCERPT / "gray_0.1" / "heading_005.csv"
+    copy = tmp_path / "another-name.csv"
+    copy.write_bytes(log.read_bytes())
+    found = import_files(RobotinoImporter(), [log, copy])
+    assert len(found.records) == 1
+    assert found.lines()[-1].startswith(f"{copy}: not used") and f"same log as {log}" in found.lines()[-1]
 
 
 def test_smoothing_takes_the_tremble_and_leaves_the_motion() -> None:

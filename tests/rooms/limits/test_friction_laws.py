@@ -11,7 +11,7 @@ from strategies import four_wheels, kiwi
 
 from slipmargin.limits.bounds import directions
 from slipmargin.limits.creep import continued_share
-from slipmargin.limits.motion_friction import creep_bound, friction_in_motion
+from slipmargin.limits.motion_friction import ROOM, creep_bound, friction_in_motion
 from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_state import Motion
 from slipmargin.limits.pull import Pull
@@ -109,7 +109,7 @@ def test_the_creep_bound_takes_the_slope_that_the_multipliers_leave(law: int, st
     term = multiplier(Target.STIFFNESS, Variable.UNITY, Basis.CONSTANT, steepness - 1.0, 1.0)
     changed = replace(model, grip=replace(model.grip, multipliers=(term,)))
     motion = Motion(velocity=np.array([[0.3, 0.0, 0.0]]))
-    bound = creep_bound(changed, motion, 0.9)
+    bound = creep_bound(changed, motion, 0.9 - ROOM)
     assert bound == pytest.approx(np.full((1, 3), AT_NINE_TENTHS[law] / (1000.0 * steepness)), rel=1e-12)
     if law == ATAN and steepness == 0.05:
         assert bound[0, 0] == pytest.approx(0.126, abs=3e-4)
@@ -122,7 +122,7 @@ def test_friction_that_falls_with_slip_is_taken_at_the_slips_that_a_soft_law_all
     soft = multiplier(Target.STIFFNESS_DRIVE, Variable.UNITY, Basis.CONSTANT, -0.95, 1.0)
     grip = replace(model.grip, multipliers=(falls, soft))
     motion = Motion(velocity=np.array([[0.3, 0.0, 0.0]]))
-    drive = friction_in_motion(replace(model, grip=grip), motion, share=0.9).drive[0, 0]
+    drive = friction_in_motion(replace(model, grip=grip), motion, share=0.9 - ROOM).drive[0, 0]
     creep = np.tan(0.45 * np.pi) / 50.0
     assert drive == pytest.approx(np.full(3, 0.26 * (0.5 + 0.5 * np.exp(-creep / 0.05))), rel=1e-12)
 
@@ -132,6 +132,6 @@ def test_a_slope_that_falls_with_the_slip_is_followed_to_the_slip_it_leads_to() 
     term = multiplier(Target.STIFFNESS_DRIVE, Variable.SLIP_SPEED, Basis.DECAY, 0.5, 0.01)
     motion = Motion(velocity=np.array([[0.3, 0.0, 0.0]]))
     changed = replace(model, grip=replace(model.grip, multipliers=(term,)))
-    bound = creep_bound(changed, motion, 0.9)[0, 0]
+    bound = creep_bound(changed, motion, 0.9 - ROOM)[0, 0]
     k = 1000.0 * (0.5 + 0.5 * np.exp(-bound / 0.01))
     assert bound == pytest.approx(np.tan(0.45 * np.pi) / k, rel=1e-3)

@@ -1,4 +1,4 @@
-"""The chance of slip, sampled in closed form, is that of sweeps with each draw's coefficients."""
+"""The chance of slip, sampled in closed form, is that of limits with each draw's numbers."""
 
 from __future__ import annotations
 
@@ -15,49 +15,156 @@ from slipmargin.effects import Recipe
 from slipmargin.effects.floor_tilt import FloorTilt
 from slipmargin.errors import InputError
 from slipmargin.limits import sweep
-from slipmargin.limits.uncertainty import draws, lowest_pulls, slip_chance
+from slipmargin.limits.bounds import directions
+from slipmargin.limits.motion import needed_share
+from slipmargin.limits.motion_state import Contact, Motion
+from slipmargin.limits.uncertainty import Draws, counted, draws, lowest_pulls
+from slipmargin.limits.uncertainty_motion import DIRECTIONS, lowest_starts, needed_shares
 from slipmargin.model import nominal_model
-from slipmargin.robot import Coefficients, GripShape, Robot, Surface, Uncertain
+from slipmargin.robot import (
+    Body,
+    Coefficients,
+    GripShape,
+    LoadRule,
+    Robot,
+    Surface,
+    Uncertain,
+    UncertainArray,
+)
 
 PHI = np.deg2rad(np.arange(0.0, 360.0, 5.0))
 ROLLER = Coefficients(drive=Uncertain((0.26, 0.26), 0.02), transverse=Uncertain((0.06, 0.12)))
 FLOOR = Surface(name="paper", roller=ROLLER, rigid=PAPER.rigid)
+#: A body of which nothing is known exactly.
+UNSURE = Body(
+    mass_kg=Uncertain((12.0, 12.0), 0.5),
+    inertia_kg_m2=Uncertain((0.3, 0.5)),
+    com_m=UncertainArray((Uncertain((-0.01, 0.02)), Uncertain((0.0, 0.0), 0.005, (-1.0, 1.0)))),
+    com_height_m=Uncertain((0.02, 0.05)),
+)
 
 
 def on(robot: Robot, floor: Surface = FLOOR) -> Robot:
     return replace(robot, surfaces=(floor,))
 
 
-def with_factors(floor: Surface, roller: np.ndarray, rigid: np.ndarray) -> Surface:
-    pairs = {
-        key: Coefficients(drive=float(pair.drive * f[0]), transverse=float(pair.transverse * f[1]))
-        for key, pair, f in (("roller", floor.roller, roller), ("rigid", floor.rigid, rigid))
-    }
-    return replace(floor, **pairs)  # type: ignore[arg-type]
+def unsure(robot: Robot, shape: GripShape = GripShape.BOX, rule: LoadRule = LoadRule.QUASI_STATIC) -> Robot:
+    return on(replace(robot, body=UNSURE, load_rule=rule, friction=replace(robot.friction, grip=shape)))
+
+
+def drawn_from(robot: Robot, count: int = 400, seed: int = 3) -> Draws:
+    return draws(robot, nominal_model(robot, "paper"), count, seed)
 
 
 @pytest.mark.parametrize("shape", tuple(GripShape))
 @pytest.mark.parametrize("robot", [kiwi(15.0), four_wheels()], ids=["kiwi", "mecanum"])
 def test_each_draw_is_its_own_sweep(robot: Robot, shape: GripShape) -> None:
-    robot = on(replace(robot, friction=replace(robot.friction, grip=shape)))
-    drawn = draws(FLOOR, 400, 3)
-    fast = lowest_pulls(nominal_model(robot, "paper"), PHI, drawn)
+    robot = unsure(robot, shape)
+    model, drawn = nominal_model(robot, "paper"), drawn_from(robot)
+    fast = lowest_pulls(model, PHI, drawn)
     for d in range(4):
-        exact = on(robot, with_factors(FLOOR, drawn.roller[d], drawn.rigid[d]))
-        slow = float(np.min(sweep(nominal_model(exact, "paper"), PHI).f_low_N))
+        slow = float(np.min(sweep(drawn.model(model, d), PHI).f_low_N))
         if shape is GripShape.BOX:
             assert fast[d] == pytest.approx(slow, rel=1e-9)
         else:  # too large by what its finitely many normals leave out
-            assert slow * (1.0 - 1e-6) <= fast[d] <= slow * 1.005
+            assert slow * (1.0 - 1e-6) <= fast[d] <= slow * 1.01
+
+
+@pytest.mark.parametrize("rule", [LoadRule.EQUAL, LoadRule.STATIC, LoadRule.QUASI_STATIC])
+def test_a_draw_is_the_robot_that_its_numbers_describe(rule: LoadRule) -> None:
+    robot = unsure(four_wheels(), rule=rule)
+    model, drawn = nominal_model(robot, "paper"), drawn_from(robot)
+    for d in range(3):
+        made = drawn.model(model, d)
+        body = Body(
+            mass_kg=float(robot.body.mass_kg * drawn.mass[d]),
+            inertia_kg_m2=float(robot.body.inertia_kg_m2 * drawn.inertia[d]),
+            com_m=np.asarray(robot.body.com_m) + drawn.com_shift_m[d],
+            com_height_m=0.0,
+        )
+        plain = nominal_model(replace(robot, body=body), "paper")
+        np.testing.assert_allclose(made.loads.rest_N, plain.loads.rest_N, rtol=1e-12)
+        np.testing.assert_allclose(made.wrench_maps()[0], plain.wrench_maps()[0], atol=1e-12)
+    # The height is drawn with the rest: P = −m h S, so P over m lies between the ends of the height.
+    ratio = drawn.per_acceleration_kg[:, 0, 1] / (
+        drawn.mass * nominal_model(unsure(four_wheels()), "paper").loads.per_acceleration_kg[0, 1]
+    )
+    middle = float(UNSURE.com_height_m)
+    if rule is LoadRule.QUASI_STATIC:
+        assert 0.02 / middle <= ratio.min() < 0.65 and 1.35 < ratio.max() <= 0.05 / middle
+    else:
+        assert not np.any(ratio)
+
+
+@pytest.mark.parametrize("contact", [Contact.ROLLERS, Contact.UNKNOWN])
+@pytest.mark.parametrize("shape", tuple(GripShape))
+@pytest.mark.parametrize("robot", [kiwi(15.0), four_wheels()], ids=["kiwi", "mecanum"])
+def test_each_draw_is_its_own_start_and_its_own_motion(
+    robot: Robot, shape: GripShape, contact: Contact
+) -> None:
+    robot = unsure(robot, shape)
+    model, drawn = nominal_model(robot, "paper"), drawn_from(robot, 200)
+    fast = lowest_starts(model, drawn, contact)
+    rng = np.random.default_rng(0)
+    motion = Motion(velocity=rng.normal(size=(40, 3)), acceleration=0.5 * rng.normal(size=(40, 3)))
+    need = needed_shares(model, drawn, motion, contact)
+    heading = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    for d in range(4):
+        own = drawn.model(model, d)
+        slow = np.min(directions(own, heading, contact=contact, motor=False).starting_m_s2)
+        assert fast[d] == pytest.approx(max(0.0, slow), rel=1e-9, abs=1e-12)
+        assert need[d] == pytest.approx(np.max(needed_share(own, motion, contact=contact)), rel=1e-9)
+
+
+def test_a_draw_that_lifts_a_wheel_counts_as_slipping() -> None:
+    tall = replace(UNSURE, com_height_m=Uncertain((2.0, 2.5)))
+    robot = replace(unsure(four_wheels()), body=tall)
+    model, drawn = nominal_model(robot, "paper"), drawn_from(robot, 20)
+    heading = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    for d in range(4):
+        slow = directions(drawn.model(model, d), heading, motor=False).starting
+        assert "tips" in slow.cause
+        assert lowest_starts(model, drawn)[d] == pytest.approx(np.min(slow.value), rel=1e-9)
+    hard = Motion(velocity=np.array([[0.1, 0.0, 0.0]]), acceleration=np.array([[5.0, 0.0, 0.0]]))
+    assert np.all(np.isinf(needed_shares(model, drawn, hard)))
+
+
+def test_the_load_band_counts_in_the_chance() -> None:
+    robot = replace(unsure(four_wheels()), suspension_N_per_mm=20.0, unevenness_mm=0.5)
+    model, drawn = nominal_model(robot, "paper"), drawn_from(robot, 50)
+    level = nominal_model(unsure(four_wheels()), "paper")
+    assert np.all(lowest_starts(model, drawn) < lowest_starts(level, drawn))
+    assert np.all(lowest_pulls(model, PHI, drawn) < lowest_pulls(level, PHI, drawn))
+    for d in range(3):
+        own = drawn.model(model, d)
+        assert lowest_pulls(model, PHI, drawn)[d] == pytest.approx(np.min(sweep(own, PHI).f_low_N), rel=1e-9)
+
+
+def test_fractions_are_drawn_and_add_up() -> None:
+    robot = replace(
+        on(kiwi(30.0)),
+        load_rule=LoadRule.FIXED,
+        load_fractions=UncertainArray((Uncertain((0.3, 0.3), 0.02), Uncertain((0.3, 0.4)), 0.35)),
+    )
+    drawn = drawn_from(robot)
+    share = drawn.rest_N / (robot.body.mass_kg * 9.81)
+    np.testing.assert_allclose(share.sum(axis=1), 1.0, rtol=1e-12)
+    assert np.ptp(share[:, 0]) > 0.05
 
 
 def test_draws_with_a_slope_are_their_own_sweeps() -> None:
-    robot, drawn = on(kiwi(30.0)), draws(FLOOR, 3, 5)
+    robot = on(kiwi(30.0))
     tilt = FloorTilt.of(np.array([0.02, 0.01]))
-    fast = lowest_pulls(Recipe(robot=robot, effects=(tilt,)).build("paper"), PHI, drawn)
+    model = Recipe(robot=robot, effects=(tilt,)).build("paper")
+    drawn = draws(robot, model, 3, 5)
+    fast = lowest_pulls(model, PHI, drawn)
     for d in range(3):
-        exact = Recipe(robot=on(robot, with_factors(FLOOR, drawn.roller[d], drawn.rigid[d])), effects=(tilt,))
-        assert fast[d] == pytest.approx(np.min(sweep(exact.build("paper"), PHI).f_low_N), rel=1e-9)
+        assert fast[d] == pytest.approx(np.min(sweep(drawn.model(model, d), PHI).f_low_N), rel=1e-9)
+    fast = lowest_starts(model, drawn)
+    heading = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    for d in range(3):
+        slow = np.min(directions(drawn.model(model, d), heading, motor=False).starting_m_s2)
+        assert fast[d] == pytest.approx(slow, rel=1e-9)
 
 
 def test_one_spread_is_the_normal_distribution() -> None:
@@ -68,30 +175,54 @@ def test_one_spread_is_the_normal_distribution() -> None:
         roller=Coefficients(drive=Uncertain((0.3, 0.3), 0.03), transverse=0.0),
         rigid=PAPER.rigid,
     )
-    found = sm.sweep(on(kiwi(30.0), floor), "paper", to_deg=120.0, chance=0.05)
-    assert found.slip_chance is not None
-    wanted = NormalDist().cdf(-1.0)
-    assert found.slip_chance.at_recommended == pytest.approx(wanted, abs=4.0 * np.sqrt(wanted / 10_000))
-    limit = found.recommended_N / 0.9
-    assert found.slip_chance.force_N == pytest.approx(
-        limit * (1.0 + 0.1 * NormalDist().inv_cdf(0.05)), rel=0.01
+    robot = replace(
+        on(kiwi(30.0), floor), wheels=tuple(replace(w, rigid_fraction=0.0) for w in kiwi(30.0).wheels)
     )
-    assert found.lines()[:4] == sm.sweep(on(kiwi(30.0), floor), "paper", to_deg=120.0).lines()[:4]
-    assert "of 10000 draws of the coefficients slip at" in found.lines()[5]
-    assert found.to_dict()["slip_chance"]["chance"] == 0.05
+    pull = sm.sweep(robot, "paper", to_deg=120.0, chance=0.05)
+    start = sm.bounds(robot, "paper", step_deg=5.0, chance=0.05)
+    wanted = NormalDist().cdf(-1.0)
+    for found, recommended in ((pull, pull.recommended_N), (start, start.recommended_m_s2)):
+        likely = found.slip_chance
+        assert likely is not None
+        assert likely.at_recommended == pytest.approx(wanted, abs=4.0 * np.sqrt(wanted / 10_000))
+        assert likely.value == pytest.approx(
+            recommended / 0.9 * (1.0 + 0.1 * NormalDist().inv_cdf(0.05)), rel=0.01
+        )
+    assert pull.lines()[:4] == sm.sweep(robot, "paper", to_deg=120.0).lines()[:4]
+    assert "of 10000 draws of the uncertain numbers slip at" in pull.lines()[5]
+    assert any("of 10000 draws of the uncertain numbers slip at" in line for line in start.lines())
+    assert pull.to_dict()["slip_chance"]["force_N"] == pull.slip_chance.value  # type: ignore[union-attr]
+    assert start.to_dict()["slip_chance"]["chance"] == 0.05
+
+
+def test_a_plan_says_its_chance_and_the_margin_for_another() -> None:
+    robot, way = unsure(four_wheels()), [[0.0, 0.0, 0.0], [0.6, 0.3, 0.0]]
+    found = sm.plan(robot, "paper", way, points=60, chance=0.02)
+    likely = found.plan_chance
+    assert likely is not None and likely.margin is not None and likely.duration_s is not None
+    assert likely.at_plan > 0.02 and likely.margin > 0.1 and likely.duration_s > found.duration_s
+    again = sm.plan(robot, "paper", way, points=60, margin=likely.margin).plan_chance
+    assert again is not None and 0.01 < again.at_plan <= 0.02 and again.chance is None
+    assert "2 % with --margin" in "\n".join(found.lines())
+    assert found.to_dict()["slip_chance"]["margin"] == likely.margin
 
 
 def test_the_same_seed_draws_the_same() -> None:
-    model = nominal_model(on(kiwi(30.0)), "paper")
-    one, two, other = (slip_chance(model, FLOOR, PHI, 4.0, seed=s) for s in (1, 1, 2))
+    robot = on(kiwi(30.0))
+    model = nominal_model(robot, "paper")
+    one, two, other = (
+        counted(lowest_pulls(model, PHI, drawn_from(robot, 1000, s)), 4.0, chance=0.01, seed=s)
+        for s in (1, 1, 2)
+    )
     assert one == two != other
 
 
 def test_a_chance_without_a_spread_is_refused() -> None:
-    with pytest.raises(InputError, match="every coefficient of surface 'paper' is exact"):
-        sm.sweep(kiwi(30.0), "paper", chance=0.01)
-    with pytest.raises(InputError, match="chance from"):
-        sm.sweep(on(kiwi(30.0)), "paper", chance=1e-5)
+    for command in (sm.sweep, sm.bounds):
+        with pytest.raises(InputError, match="every number of the robot on surface 'paper' is exact"):
+            command(kiwi(30.0), "paper", chance=0.01)
+        with pytest.raises(InputError, match="chance from"):
+            command(on(kiwi(30.0)), "paper", chance=1e-5)
     assert sm.sweep(kiwi(30.0), "paper", step_deg=30.0).slip_chance is None
 
 
@@ -104,10 +235,29 @@ def test_a_chance_that_is_not_computed_is_said() -> None:
     )
     with pytest.raises(InputError, match="not computed"):
         sm.sweep(recipe, "paper", step_deg=45.0, chance=0.01)
+    heavy = Recipe(robot=unsure(kiwi(30.0)), effects=(FloorTilt.of(np.array([0.02, 0.01])),))
+    assert "uncertain mass" in sm.bounds(heavy, "paper", step_deg=45.0).warnings[-1]
 
 
-def test_ten_thousand_draws_take_less_than_a_second() -> None:
-    model = nominal_model(on(four_wheels()), "paper")
+def test_commands_that_use_no_spread_say_so() -> None:
+    robot = replace(unsure(four_wheels()), suspension_N_per_mm=20.0, unevenness_mm=0.5)
+    said = sm.polytope(robot, "paper").warnings
+    assert any(s.startswith("body.mass_kg, body.inertia_kg_m2, body.com_m") for s in said)
+    assert any(s.startswith("loads.unevenness_mm: taken as an even floor") for s in said)
+    design = sm.design(robot, "paper", "mass_kg=11,12", static=True).warnings
+    assert design == said[-2:]
+    for used in (sm.sweep(robot, "paper", step_deg=45.0), sm.bounds(robot, "paper", step_deg=45.0)):
+        assert not any("middle" in s or "even floor" in s for s in used.warnings)
+
+
+@pytest.mark.parametrize("shape", [GripShape.BOX, GripShape.DISC_STRIP])
+def test_ten_thousand_draws_take_less_than_a_second(shape: GripShape) -> None:
+    robot = unsure(four_wheels(), shape)
+    model = nominal_model(robot, "paper")
     start = time.process_time()
-    slip_chance(model, FLOOR, PHI, 4.0)
+    counted(lowest_starts(model, draws(robot, model, 10_000, 0)), 1.0, chance=0.01, seed=0)
     assert time.process_time() - start < 1.0
+    if shape is GripShape.BOX:
+        start = time.process_time()
+        lowest_pulls(model, PHI, draws(robot, model, 10_000, 0))
+        assert time.process_time() - start < 1.0

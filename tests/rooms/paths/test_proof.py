@@ -40,7 +40,7 @@ def test_the_papers_robot_uses_the_share_it_was_given(share: float) -> None:
     run = verify(model, rows)
     assert run.peak == pytest.approx(share, abs=0.02)
     assert not run.slips
-    # docs/theory.md, section 4: the creep bound tan(π λ/2)/k
+    # docs/theory.md, section 4: a wheel that uses λ creeps by tan(π λ/2)/k
     assert law_share(ATAN, 1000.0 * np.max(run.slip_m_s)) <= share + 0.02
 
 

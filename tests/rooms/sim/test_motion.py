@@ -14,14 +14,16 @@ from strategies import PAPER, four_wheels, kiwi
 from slipmargin.errors import MotionStopped
 from slipmargin.model import nominal_model
 from slipmargin.paper.published import command, paper_model
+from slipmargin.physics.sectors import on_rigid
 from slipmargin.physics.terms import Multiplier
 from slipmargin.physics.variables import Basis, Target, Variable
 from slipmargin.robot import Body, GripShape, LoadRule, Robot, Wheel
+from slipmargin.sim import layout as at
 from slipmargin.sim.batch import Batch
+from slipmargin.sim.motion import first_switch
 from slipmargin.sim.pack import pack
 from slipmargin.sim.signal import held, hermite, linear
 from slipmargin.sim.simulate import simulate
-from slipmargin.sim.wheels import breakpoints, turning_points
 
 STILL = [HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large]
 
@@ -54,31 +56,59 @@ def test_error_falls_with_the_fourth_power_of_the_steps(case):
     assert order > 3.5
 
 
+def switches(packed, coef, until):
+    """Instants at which wheels change sector on one piece of their motion."""
+    wheels = packed[at.HEAD : at.HEAD + 3 * at.WHEEL].reshape(3, at.WHEEL).copy()
+    none, table = np.zeros(6), np.zeros((6, 6))
+    found, t = [], 0.0
+    while True:
+        share = next_switch(wheels, coef, t, none, none, table, until - t)
+        if share > 1.0:
+            return np.array(found)
+        t += share * (until - t)
+        found.append(t)
+
+
+@njit
+def next_switch(W, coef, since, y, z, K, span):
+    return first_switch(W, coef, since, y, z, K, span)
+
+
 def test_switches_are_where_the_angle_says():
     """θ = 1.8 t + 0.05 and pitch 2π/8, rigid from 0.9 of it on: the times are known in closed form."""
     model = paper_model("paper", improved=True)
-    signal = held(np.array([0.0, 2.0]), np.tile([1.8, 0.0, -1.8], (2, 1)), theta0=np.array([0.05, 0.1, 0.05]))
-    coef = np.concatenate([signal.pieces, np.zeros((1, 3, 1))], axis=2)
-    stops, hard = breakpoints(pack(model), signal.knots_s, coef, np.empty((0, 5))).T
+    signal = held(np.array([0.0, 2.0]), np.tile([1.8, 0.0, -1.8], (2, 1)), theta0=np.array([0.05, 0.1, 0.06]))
+    coef = np.concatenate([signal.pieces, np.zeros((1, 3, 1))], axis=2)[0]
     pitch = np.pi / 4.0
     edges = np.concatenate([pitch * np.arange(-8, 8), pitch * (np.arange(-8, 8) + 0.9)])
-    forth, back = (edges - 0.05) / 1.8, (0.05 - edges) / 1.8
+    forth, back = (edges - 0.05) / 1.8, (0.06 - edges) / 1.8
     want = np.sort([t for t in (*forth, *back) if 0.0 < t < 2.0])
-    np.testing.assert_allclose(stops[1:-1], want, atol=1e-13)
-    assert np.all(hard[:-1] == 1.0)
+    np.testing.assert_allclose(switches(pack(model), coef, 2.0), want, atol=1e-9)
 
 
-def test_turning_points_of_an_exponential_on_a_parabola():
-    """ω = c1 + 2 c2 τ + 3 c3 τ² + c4 e^(−τ/T) may cross zero three times; all are found."""
-    lag, h = 0.3, 3.0
-    c = np.array([0.0, 2.0, -1.5, 1.0 / 3.0, -3.0])
-    cuts = np.empty(8)
-    count = njit(lambda *given: turning_points(*given))(c, lag, h, cuts)
-    x = np.linspace(0.0, h, 200001)
-    omega = c[1] + 2 * c[2] * x + 3 * c[3] * x**2 + c[4] * np.exp(-x / lag)
-    want = x[:-1][omega[:-1] * omega[1:] < 0.0]
-    assert count == len(want) == 3
-    np.testing.assert_allclose(cuts[:count], want, atol=3e-5)
+def test_a_wheel_that_turns_back_just_past_an_edge_switches_twice():
+    """θ = edge + 1e-6 − (t − 0.37)²: past the edge for 2 ms, between two looks for it."""
+    model = paper_model("paper", improved=True)
+    coef = np.zeros((3, 5))
+    coef[0, :3] = 0.9 * np.pi / 4.0 + 1e-6 - 0.37**2, 2.0 * 0.37, -1.0
+    found = switches(pack(model), coef, 1.0)
+    near = found[np.abs(found - 0.37) < 0.01]
+    np.testing.assert_allclose(near, [0.369, 0.371], atol=1e-6)
+
+
+def test_all_switches_of_an_exponential_on_a_parabola():
+    """ω = c1 + 2 c2 τ + 3 c3 τ² + c4 e^(−τ/T) crosses zero three times; all switches are found."""
+    packed, lag, h = pack(paper_model("paper", improved=True)).copy(), 0.3, 3.0
+    packed[at.HEAD + at.LAG] = lag
+    coef = np.zeros((3, 5))
+    c = coef[0] = np.array([0.05, 4.0, -3.0, 2.0 / 3.0, -6.0])
+    x = np.linspace(0.0, h, 2_000_001)
+    theta = c[0] + x * (c[1] + x * (c[2] + x * c[3])) + c[4] * lag * (1.0 - np.exp(-x / lag))
+    pitch = np.pi / 4.0
+    number = np.floor(theta / pitch) * 2 + on_rigid(theta, pitch, 0.1)
+    want = x[1:][np.diff(number) != 0.0]
+    assert len(want) > 3
+    np.testing.assert_allclose(switches(packed, coef, h), want, atol=3e-6)
 
 
 @given(driven(shapes=tuple(GripShape)))

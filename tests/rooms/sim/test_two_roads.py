@@ -18,6 +18,7 @@ from slipmargin.model.parts import ActuatorDynamics, Drives
 from slipmargin.physics.friction_laws import LAWS
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.robot import GripShape, LoadRule
+from slipmargin.sim import layout as at
 from slipmargin.sim.body import (
     ALPHA,
     BODY,
@@ -40,10 +41,11 @@ SHAPES = tuple(GripShape)
 @njit(error_model="numpy")  # not kept on disk: numba would not see the kernel change
 def instant(P, t, y, C, B, acc, J, driven, rate):
     """Everything the kernel knows of one instant, for Python."""
-    evaluate(P, t, y, C, B, acc)
+    W = P[at.HEAD : at.HEAD + len(C) * at.WHEEL].reshape(len(C), at.WHEEL)
+    evaluate(P, W, t, y, C, B, acc)
     for i in range(driven):
-        rate[i] = wheel_rate(P, i, 3.0, 0.0, C)
-    slopes(P, y, C, B, J, driven)
+        rate[i] = wheel_rate(P, W[i], C[i], 3.0, 0.0)
+    slopes(P, W, y, C, B, J, driven)
 
 
 def compiled(model, t, y, wheels, rigid, push):

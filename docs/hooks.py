@@ -1,0 +1,58 @@
+"""Pages of the site that are made from the program while it is built: help texts and the Python API."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import re
+from typing import Any
+
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files
+
+os.environ["COLUMNS"] = "100"
+os.environ["TERM"] = "dumb"
+
+
+def help_text(words: list[str]) -> str:
+    """What a command prints for ``--help``, without colours and frames' trailing spaces."""
+    from slipmargin_cli.main import status
+
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        status([*words, "--help"])
+    plain = re.sub(r"\x1b\[[0-9;]*m", "", printed.getvalue())
+    return "\n".join(line.rstrip() for line in plain.splitlines()).strip()
+
+
+def help_page() -> str:
+    """The ``--help`` of every command and subcommand, as the terminal shows it."""
+    import typer
+    from slipmargin_cli.main import COMMANDS, application
+
+    parts = ["# Options of every command\n", "What `slipmargin COMMAND --help` prints.\n"]
+    for name in COMMANDS:
+        group = typer.main.get_command(application([name]))
+        command = getattr(group, "commands", {}).get(name, group)
+        inner = [[name, sub] for sub in getattr(command, "commands", {})]
+        for words in ([name], *inner):
+            parts.append(f"{'#' * (1 + len(words))} {' '.join(words)}\n\n```text\n{help_text(words)}\n```\n")
+    return "\n".join(parts)
+
+
+def python_page() -> str:
+    """The front door: every public function with its docstring."""
+    import slipmargin
+
+    names = [name for name in dir(slipmargin) if not name.startswith("_")]
+    modules = slipmargin._CONTENTS
+    blocks = [f"::: {modules[name]}.{name}\n" for name in names]
+    return "# Python\n\n`import slipmargin as sm`: every command is a function.\n\n" + "\n".join(blocks)
+
+
+def on_files(files: Files, config: MkDocsConfig, **_: Any) -> Files:
+    """Add the generated pages."""
+    for path, text in {"reference/help.md": help_page(), "reference/python.md": python_page()}.items():
+        files.append(File.generated(config, path, content=text))
+    return files

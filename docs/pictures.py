@@ -1,0 +1,121 @@
+"""Draw the pictures of the README and the site into docs/pictures.
+
+    python docs/pictures.py [limits] [diagnosis]       all of them, or those that are named
+
+``diagnosis`` makes ten runs of a robot with rigid rims, diagnoses them and takes about half a minute.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import slipmargin as sm
+from slipmargin.plots.machine import draw_machine
+from slipmargin.plots.polar import forwards_up, from_forwards, polar_axes
+from slipmargin.plots.style import BLUE, INK, RED, SKY, save, styled
+
+FOLDER = Path(__file__).resolve().parent / "pictures"
+
+
+@styled
+def limits_picture(robot: str = "mecanum4", surface: str = "carpet"):
+    """How hard a robot may accelerate by direction, with numbers, beside a drawing of the robot."""
+    from matplotlib.figure import Figure
+
+    found = sm.bounds(robot, surface).bounds
+    heading = np.append(found.safe.heading_rad, found.safe.heading_rad[0] + 2.0 * np.pi)
+    figure = Figure(figsize=(9.0, 4.4), layout="constrained")
+    grid = figure.add_gridspec(1, 2, width_ratios=(1.0, 1.25))
+    machine = figure.add_subplot(grid[0])
+    draw_machine(machine, found.model)
+    machine.set_axis_off()
+    machine.set_title("A robot …")
+    axes = polar_axes(figure, grid[1])
+    edge = np.append(found.full.starting_m_s2, found.full.starting_m_s2[0])
+    safe = np.append(found.safe.starting_m_s2, found.safe.starting_m_s2[0])
+    axes.fill(
+        from_forwards(heading), safe, color=SKY, alpha=0.45, lw=0, label="safe: 10 % of the grip in reserve"
+    )
+    axes.plot(from_forwards(heading), edge, color=BLUE, label="a wheel begins to slip")
+    for degrees, beside_deg in ((90.0, 104.0), (45.0, 45.0), (0.0, 0.0)):
+        apart = np.abs(np.angle(np.exp(1j * (found.safe.heading_rad - np.deg2rad(degrees)))))
+        near = apart < np.deg2rad(3.0)  # not the tip of a needle
+        axes.annotate(
+            f"{np.min(found.safe.starting_m_s2[near]):.1f}",
+            (
+                float(from_forwards(np.deg2rad(beside_deg))),
+                float(np.min(found.full.starting_m_s2[near])) + 0.45,
+            ),
+            ha="center",
+            va="center",
+            color=INK,
+            fontsize=13,
+            fontweight="bold",
+        )
+    forwards_up(axes)
+    axes.set_yticklabels([])
+    axes.set_title("… and how hard it can accelerate [m/s²]", pad=16)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.08), ncols=1)
+    return figure
+
+
+@styled
+def diagnosis_picture():
+    """A run that no fit has seen, predicted without and with the effect that ``diagnose`` found."""
+    from matplotlib.figure import Figure
+
+    sys.path.insert(0, str(FOLDER.parents[1] / "benchmarks"))
+    from planting import Plant, planted, smooth_kiwi
+
+    from slipmargin.effects import Trace
+    from slipmargin.effects.rigid_sector import RigidSector
+
+    plant = Plant(name="rims", traces=(Trace.WHEEL_ANGLE,), effects=(RigidSector(rigid_fraction=0.1),))
+    found = sm.diagnose(planted(smooth_kiwi(), plant, seed=11, count=8, duration_s=3.0)).diagnosis
+    run = max(
+        (t for t in found.trials if t.held_out),
+        key=lambda t: np.max(np.hypot(*(t.measured - t.before).T[:2])),
+    )
+    figure = Figure(figsize=(9.0, 3.3), layout="constrained")
+    for axes, predicted, colour, score, title in zip(
+        figure.subplots(1, 2, sharex=True, sharey=True),
+        (run.before, run.after),
+        (RED, BLUE),
+        (found.before, found.after),
+        ("Model without the effect", f"With what was found: {found.findings[0].effect.name}"),
+        strict=True,
+    ):
+        axes.plot(
+            1e3 * run.measured[::8, 0],
+            1e3 * run.measured[::8, 1],
+            "o",
+            ms=3,
+            color=INK,
+            alpha=0.5,
+            label="measured",
+        )
+        axes.plot(1e3 * predicted[:, 0], 1e3 * predicted[:, 1], color=colour, label="predicted")
+        axes.set(
+            title=f"{title}\n{1e3 * score.rmse_position_m:.2g} mm off",
+            xlabel="x [mm]",
+            aspect="equal",
+        )
+        axes.legend(loc="best")
+    figure.axes[0].set_ylabel("y [mm]")
+    return figure
+
+
+def main(names: list[str]) -> None:
+    """Draw what is asked for."""
+    FOLDER.mkdir(exist_ok=True)
+    if not names or "limits" in names:
+        save(limits_picture(), FOLDER / "limits.png")
+    if not names or "diagnosis" in names:
+        save(diagnosis_picture(), FOLDER / "diagnosis.png")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

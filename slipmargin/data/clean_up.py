@@ -1,0 +1,51 @@
+"""Measured data as people have them, made ready: every fault that can be mended is, and each is reported.
+
+Each stage decides by one test with a stated unit, takes a data set and returns it mended.  The order
+matters: times and angles first, then single frames, then what only wheels and camera together show.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+from slipmargin.data.camera_frames import without_excursions, without_repeats, without_zeros
+from slipmargin.data.clocks import from_zero, regular
+from slipmargin.data.data_set import DataSet
+from slipmargin.data.repair import Repair, Stage
+from slipmargin.data.run_arrangement import alike
+from slipmargin.data.wheel_signals import fine_angles, speeds_agree, unwrapped
+
+STAGES: tuple[Stage, ...] = (
+    from_zero,
+    without_zeros,
+    unwrapped,
+    regular,
+    speeds_agree,
+    fine_angles,
+    without_repeats,
+    without_excursions,
+    alike,
+)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Repaired:
+    """A data set after the repairs, and what they were."""
+
+    data_set: DataSet
+    repairs: tuple[Repair, ...]
+
+
+def repaired(data_set: DataSet) -> Repaired:
+    """The data set with every fault mended that the data tell of themselves.
+
+    Faults of all runs that the data cannot tell how to mend (units, mirrored frames, columns of wrong
+    wheels) are left for :func:`~slipmargin.data.checks.check_data_set`.
+    """
+    done: list[Repair] = []
+    for stage in STAGES:
+        data_set, repairs = stage(data_set)
+        done += repairs
+    return Repaired(data_set=data_set, repairs=tuple(done))

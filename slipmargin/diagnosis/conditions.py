@@ -1,0 +1,391 @@
+"""What the base model shows of the data before any effect is searched: clocks, noise, runs of another floor.
+
+Faults that the data tell of themselves are mended first (:mod:`slipmargin.data.clean_up`).  The base model
+then predicts every run once.  Whether camera and wheels keep the same time, how large the noise is and how
+long it lasts, and whether some runs took place on another floor is read from what it misses.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array, Index
+from slipmargin.data.clean_up import repaired
+from slipmargin.data.clocks import at_times
+from slipmargin.data.data_set import DataSet, WheelSignal
+from slipmargin.data.noise import LastingNoise, lasting_noise, white_noise
+from slipmargin.data.record import Record
+from slipmargin.data.repair import Repair, in_runs
+from slipmargin.diagnosis.prepare import clean
+from slipmargin.diagnosis.problem import Problem
+from slipmargin.effects import GeneralEffect, Part, Trace
+from slipmargin.physics.terms import Multiplier
+from slipmargin.physics.variables import Basis, Variable
+
+#: Stated noise is replaced where the measured one is this many times larger or smaller.
+_STATED_WRONG = 1.5
+#: … or this many times, where part of it lasts: whitening needs the sizes of both parts.
+_STATED_WRONG_LASTING = 1.1
+#: Noise is called smaller than stated where the whole residual is at most this share of the stated noise.
+_UNDERSTOOD = 0.75
+#: A sample is a lone outlier if it is so many times the white noise from the middle of the residuals around it …
+_LONE_SIGMA = 5.0
+#: … which are so many on either side.
+_AROUND = 3
+#: Commands hold from row to row if this leaves at most this share of the squared residual.
+_HELD_LEAVES = 0.8
+#: A camera's clock is off if this leaves at most this share of the squared residual …
+_CLOCK_LEAVES = 0.5
+#: … by at least this [1], and the runs agree on it to this share of it.
+_CLOCK_LEAST, _CLOCK_AGREE = 0.002, 0.3
+_CLOCK_MOST = 0.1
+#: Runs on another floor: at most this share of all; two floors leave at most this share of one floor's squared residual …
+_OTHERS, _TWO_LEAVE = 0.4, 0.2
+#: … their frictions differ by this factor at least, and each such run gains this factor.
+_FLOORS_DIFFER, _RUN_GAINS = 1.1, 3.0
+#: Below this chi no run differs from the others.
+_DIFFERS_CHI = 1.5
+_FRICTIONS = np.geomspace(0.45, 1.8, 8)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Ready:
+    """A data set to search in, with its noise, and everything that was mended or left out on the way."""
+
+    data_set: DataSet
+    noise_estimated: bool
+    repairs: tuple[Repair, ...]
+
+
+def ready(data_set: DataSet, repairs: tuple[Repair, ...] | None = None) -> Ready:
+    """The data set mended, with the noise that it has, and without runs from another floor.
+
+    Parameters
+    ----------
+    data_set : DataSet
+        As it was read; with ``repairs`` as :func:`slipmargin.data.clean_up.repaired` returned it.
+    repairs : tuple of Repair, optional
+        What was mended already; by default it is done here.
+    """
+    if repairs is None:
+        fixed = repaired(data_set)
+        data_set, repairs = fixed.data_set, fixed.repairs
+    done = [*repairs]
+    data_set, more = _commands(data_set)
+    done += more
+    data_set, more = _one_clock(data_set)
+    done += more
+    if more:  # how the wheels move from row to row shows once the camera keeps their time
+        data_set, held = _commands(data_set)
+        done += held
+    data_set, more = _one_floor(data_set)
+    done += more
+    stated = data_set.sigma
+    data_set, more = _measured_noise(data_set)
+    estimated = stated is None or data_set.sigma is not stated
+    return Ready(data_set=data_set, noise_estimated=estimated, repairs=(*done, *more))
+
+
+def problem_of(data_set: DataSet, records: tuple[Record, ...] | None = None) -> Problem:
+    """The trials of a data set, or others, cleaned, with its noise."""
+    records = data_set.trials if records is None else records
+    sigma = white_noise(records) if data_set.sigma is None else data_set.sigma
+    trials = tuple(clean(record, sigma) for record in records)
+    commanded = data_set.wheel_signal is WheelSignal.COMMANDED
+    built = Problem.of(data_set.recipe, data_set.surface, trials, sigma, commanded)
+    return replace(built, lasting=data_set.lasting)
+
+
+def _commands(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
+    """With commands that hold from row to row where the base model predicts that better than straight lines."""
+    if data_set.wheel_signal is not WheelSignal.COMMANDED or data_set.trials[0].commands_held:
+        return data_set, ()
+    holding = replace(data_set, trials=tuple(replace(t, commands_held=True) for t in data_set.trials))
+    everyone = np.arange(len(data_set.trials), dtype=np.int64)
+    straight, held = (
+        float(np.mean(problem_of(d).residuals([()], [everyone])[0] ** 2)) for d in (data_set, holding)
+    )
+    if held > _HELD_LEAVES * straight:
+        return data_set, ()
+    return holding, (
+        Repair(
+            kind="held_commands",
+            runs=tuple(t.name for t in data_set.trials),
+            size=float(np.sqrt(held / straight)),
+            unit="1",
+            sentence="Each commanded speed holds until the next row: the model's error is then "
+            f"{np.sqrt(held / straight):.2f} times that with commands that run straight from row to row.",
+        ),
+    )
+
+
+def _one_clock(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
+    """With the camera's poses at their times on the wheels' clock, where its own clock runs faster or slower."""
+    problem = problem_of(data_set)
+    everyone = np.arange(len(problem.trials), dtype=np.int64)
+    predicted = problem.predict([()], [everyone])[0]
+    found = [
+        _rate(t.t_s, t.pose, p[: len(t.t_s)], problem.sigma)
+        for t, p in zip(problem.trials, predicted, strict=True)
+    ]
+    known = np.array([f for f in found if f is not None])
+    if len(known) < 3:
+        return data_set, ()
+    each, weight, without, with_rate = known.T
+    order = np.argsort(each)
+    rate = float(each[order][np.searchsorted(np.cumsum(weight[order]), 0.5 * weight.sum())])
+    spread = 1.4826 * float(np.median(np.abs(each - rate)))
+    if not _CLOCK_LEAST < abs(rate) < _CLOCK_MOST or spread > _CLOCK_AGREE * abs(rate):
+        return data_set, ()
+    if with_rate.sum() > _CLOCK_LEAVES * without.sum():
+        return data_set, ()
+    trials = tuple(_on_wheel_clock(t, 1.0 + rate) for t in data_set.trials)
+    return replace(data_set, trials=trials), (
+        Repair(
+            kind="camera_clock",
+            runs=tuple(t.name for t in data_set.trials),
+            size=rate,
+            unit="1",
+            sentence=f"What the camera stamps at t the wheels stamp at {1.0 + rate:.4g} t: its clock runs "
+            f"{-100.0 * rate / (1.0 + rate):+.2g} % off. Its poses were brought to the wheels' times.",
+        ),
+    )
+
+
+def _rate(t: Array, pose: Array, predicted: Array, sigma: Array) -> tuple[float, float, float, float] | None:
+    """How much faster the camera sees a run pass, its weight, and the squared residual without and with that.
+
+    The start pose and a constant delay are fitted with it, since neither is a matter of the clock's rate.
+    """
+    seen = np.isfinite(pose).all(axis=1)
+    if seen.sum() < 20:
+        return None
+    since, rate, late = t - t[0], 0.0, 0.0
+    without = with_rate = precision = 0.0
+    for step in range(5):
+        at = t + late + rate * since
+        moved = np.column_stack([np.interp(at, t, c) for c in predicted.T])
+        speed = np.gradient(moved, t, axis=0)
+        arm = moved[:, :2] - moved[0, :2]
+        columns = np.zeros((len(t), 3, 5))
+        columns[:, 0, 0] = columns[:, 1, 1] = columns[:, 2, 2] = 1.0
+        columns[:, 0, 2], columns[:, 1, 2] = -arm[:, 1], arm[:, 0]
+        columns[:, :, 3], columns[:, :, 4] = speed, speed * since[:, None]
+        rows = (columns / sigma[:, None])[seen].reshape(-1, 5)
+        gap = ((pose - moved) / sigma)[seen].ravel()
+        if step == 0:
+            only = np.linalg.lstsq(rows[:, :4], gap, rcond=1e-9)[0]
+            without = float(np.sum((gap - rows[:, :4] @ only) ** 2))
+        found = np.linalg.lstsq(rows, gap, rcond=1e-9)[0]
+        with_rate = float(np.sum((gap - rows @ found) ** 2))
+        late += float(np.clip(found[3], -0.1, 0.1))
+        rate += float(np.clip(found[4], -0.05, 0.05))
+        free = rows[:, 4] - rows[:, :4] @ np.linalg.lstsq(rows[:, :4], rows[:, 4], rcond=1e-9)[0]
+        precision = float(np.sum(free**2))
+    return rate, np.sqrt(precision), without, with_rate
+
+
+def _on_wheel_clock(record: Record, factor: float) -> Record:
+    """The run at the wheels' times of its poses: what the camera saw at t, the wheels did at ``factor`` t."""
+    at = record.t_s[0] + factor * (record.t_s - record.t_s[0])
+    inside = at <= record.t_s[-1]
+    return at_times(record, at[inside], record.pose[inside])
+
+
+def _one_floor(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
+    """Without the few runs that fit another friction than the others."""
+    problem = problem_of(data_set)
+    many = len(problem.trials)
+    everyone = np.arange(many, dtype=np.int64)
+    if many < 4 or np.sqrt(_cost(problem, (1.0,), everyone).max()) < _DIFFERS_CHI:
+        return data_set, ()
+    costs = _cost(problem, tuple(_FRICTIONS), everyone)
+    best = _two(costs)
+    if best is None or best[2] > 2.5 * _TWO_LEAVE:
+        return data_set, ()
+    near = np.geomspace(0.91, 1.1, 7)
+    finer = np.unique(np.concatenate([_FRICTIONS[best[0]] * near, _FRICTIONS[best[1]] * near]))
+    costs = _cost(problem, tuple(finer), everyone)
+    best = _two(costs)
+    if best is None or best[2] > _TWO_LEAVE:
+        return data_set, ()
+    usual, other = float(finer[best[0]]), float(finer[best[1]])
+    apart = costs[best[1]] * _RUN_GAINS < costs[best[0]]
+    factor = other / usual
+    if not 0 < apart.sum() <= _OTHERS * many or not (
+        factor > _FLOORS_DIFFER or factor < 1.0 / _FLOORS_DIFFER
+    ):
+        return data_set, ()
+    names = tuple(data_set.trials[i].name for i in np.flatnonzero(apart))
+    kept = tuple(t for t, out in zip(data_set.trials, apart, strict=True) if not out)
+    return replace(data_set, trials=kept), (
+        Repair(
+            kind="other_floor",
+            runs=names,
+            size=factor,
+            unit="1",
+            sentence=f"The wheels grip {factor:.2f} times as well {in_runs(names, many)} as in the others, as on another floor: "
+            "these were left out. Diagnose them as a data set of their own.",
+        ),
+    )
+
+
+def _cost(problem: Problem, frictions: tuple[float, ...], runs: Index) -> Array:
+    """Mean squared residual (F, R) of each run with friction times each of these."""
+    ones = np.ones(problem.nominal.count)
+
+    def floor(factor: float) -> GeneralEffect:
+        term = Multiplier(
+            variable=Variable.UNITY,
+            basis=Basis.CONSTANT,
+            coefficients=np.array([factor - 1.0]),
+            shape=np.zeros(2),
+            wheels=ones,
+        )
+        return GeneralEffect(traced_to=Trace.COEFFICIENT, part=Part.GRIP, terms=(term,))
+
+    found = problem.residuals([(floor(f),) for f in frictions], [runs] * len(frictions))
+    return np.array([np.mean(r**2, axis=1) for r in found])
+
+
+def _two(costs: Array) -> tuple[int, int, float] | None:
+    """The frictions of most runs and of the others, and what two leave of what one leaves."""
+    one = float(costs.sum(axis=1).min())
+    most = costs.shape[1] * (1.0 - _OTHERS)
+    best: tuple[int, int, float] | None = None
+    for usual in range(len(costs)):
+        for other in range(len(costs)):
+            left = float(np.minimum(costs[usual], costs[other]).sum()) / one
+            mine = np.count_nonzero(costs[usual] <= costs[other])
+            if other != usual and mine >= most and (best is None or left < best[2]):
+                best = usual, other, left
+    return best
+
+
+def _measured_noise(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
+    """With the noise that the data have: its size where it is not stated or stated wrong, and the part that lasts."""
+    problem = problem_of(data_set)
+    everyone = np.arange(len(problem.trials), dtype=np.int64)
+    predicted = problem.predict([()], [everyone])[0]
+    residuals = [(t.t_s, t.pose - p[: len(t.t_s)]) for t, p in zip(problem.trials, predicted, strict=True)]
+    data_set, said = _without_lone(data_set, residuals)
+    whole, lasting = lasting_noise(residuals, data_set.sigma)
+    white = white_noise(data_set.trials)
+    lasts = np.zeros(3, dtype=bool) if lasting is None else lasting.share > 0.0
+    sigma = np.where(lasts & (whole > 0.0), whole, white)
+    sigma = sigma * np.where(lasts, 1.0, _tails(residuals, sigma))
+    every = tuple(t.name for t in data_set.trials)
+    if data_set.sigma is not None:
+        # Noise is called smaller than stated only where nothing else is in the residual.
+        understood = np.sqrt(
+            [np.nanmean(np.concatenate([r[:, i] for _, r in residuals]) ** 2) for i in range(3)]
+        )
+        sigma = np.where(
+            (sigma < data_set.sigma) & (understood > _UNDERSTOOD * data_set.sigma), data_set.sigma, sigma
+        )
+        ratio = sigma / data_set.sigma
+        limit = np.where(lasts, _STATED_WRONG_LASTING, _STATED_WRONG)
+        wrong = (ratio > limit) | (ratio < 1.0 / limit)
+        if wrong.any():
+            worst = int(np.argmax(np.abs(np.log(ratio))))
+            said.append(_stated_wrong(data_set.sigma, sigma, worst, every))
+        sigma = np.where(wrong, sigma, data_set.sigma) if wrong.any() else data_set.sigma
+    if lasting is not None:
+        said.append(_lasts(lasting, every))
+    return replace(data_set, sigma=sigma, lasting=lasting), tuple(said)
+
+
+def _without_lone(data_set: DataSet, residuals: list[tuple[Array, Array]]) -> tuple[DataSet, list[Repair]]:
+    """Without samples far from the residuals around them; these are also taken out of ``residuals``."""
+    sigma = white_noise(data_set.trials)
+    trials, names, count = [], [], 0
+    for trial, (_, residual) in zip(data_set.trials, residuals, strict=True):
+        lone = np.zeros(residual.shape, dtype=bool)
+        for axis in range(3):
+            known = np.flatnonzero(np.isfinite(residual[:, axis]))
+            if len(known) <= 2 * _AROUND:
+                continue
+            values = np.pad(residual[known, axis], _AROUND, mode="edge")
+            windows = np.lib.stride_tricks.sliding_window_view(values, 2 * _AROUND + 1)
+            middle = np.median(windows, axis=1)
+            # Where the residual runs away, its own change from sample to sample is no outlier.
+            runs = np.median(np.abs(np.diff(windows, axis=1)), axis=1)
+            off = np.abs(residual[known, axis] - middle)
+            lone[
+                known[off > _LONE_SIGMA * sigma[axis] + _AROUND * np.maximum(0.0, runs - 2.0 * sigma[axis])],
+                axis,
+            ] = True
+        pose = np.where(lone, np.nan, trial.pose)
+        if lone.any() and np.isfinite(pose).all(axis=1).any():
+            count += int(lone.any(axis=1).sum())
+            names.append(trial.name)
+            residual[lone] = np.nan
+            trial = replace(trial, pose=pose)
+        trials.append(trial)
+    if not count:
+        return data_set, []
+    runs_said = in_runs(tuple(names), len(trials))
+    return replace(data_set, trials=tuple(trials)), [
+        Repair(
+            kind="lone_outliers",
+            runs=tuple(names),
+            size=float(count),
+            unit="1",
+            sentence=f"{count} poses are more than {_LONE_SIGMA:g} times the noise from those around them, {runs_said}: what was off "
+            "in them was taken as missing.",
+        )
+    ]
+
+
+#: The noise has heavy tails if its root mean square is this many times what its middle half says.
+_HEAVY = 1.07
+_TAILS_END = 8.0  #: samples farther than this are outliers, no tail [sigma]
+
+
+def _tails(residuals: list[tuple[Array, Array]], sigma: Array) -> Array:
+    """What the noise's root mean square is over its size by the middle half (3,): 1 but for heavy tails."""
+    out = np.ones(3)
+    for axis in range(3):
+        jumps = []
+        for _, residual in residuals:
+            known = residual[np.isfinite(residual[:, axis]), axis]
+            jumps.append((known[2:] - 2.0 * known[1:-1] + known[:-2]) / np.sqrt(6.0) / sigma[axis])
+        values = np.concatenate(jumps)
+        values = values[np.abs(values) < _TAILS_END]
+        if len(values) > 100:
+            # The middle half of the same values: what is not noise in them is in both.
+            middle = 1.4826 * float(np.median(np.abs(values)))
+            ratio = float(np.sqrt(np.mean(values**2))) / max(middle, 1e-12)
+            out[axis] = ratio if ratio > _HEAVY and 0.7 < middle < 1.4 else 1.0
+    return out
+
+
+_CHANNELS = (("x", 1e3, "mm"), ("y", 1e3, "mm"), ("heading", 1e3, "mrad"))
+
+
+def _stated_wrong(stated: Array, found: Array, worst: int, every: tuple[str, ...]) -> Repair:
+    name, factor, unit = _CHANNELS[worst]
+    return Repair(
+        kind="stated_noise",
+        runs=every,
+        size=float(found[worst] / stated[worst]),
+        unit="1",
+        sentence=f"The noise is stated as {factor * stated[worst]:.2g} {unit} in {name}, the data have "
+        f"{factor * found[worst]:.2g} {unit}: that was used.",
+    )
+
+
+def _lasts(lasting: LastingNoise, every: tuple[str, ...]) -> Repair:
+    worst = int(np.argmax(lasting.share))
+    return Repair(
+        kind="lasting_noise",
+        runs=every,
+        size=float(lasting.time_s[worst]),
+        unit="s",
+        sentence=f"The noise is not white: {100.0 * lasting.share[worst]:.0f} % of its variance in {_CHANNELS[worst][0]} lasts "
+        f"{lasting.time_s[worst]:.2g} s. Residuals were whitened by that.",
+    )

@@ -1,0 +1,475 @@
+"""The diagnosis of a data set that holds pulls alone: what the model lacks, proved on settings left out.
+
+The whole search is repeated without each part of the settings, and the pulls of that part are predicted with
+what was found without them.  The verdict follows from these predictions.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array, Index
+from slipmargin.data.data_set import DataSet
+from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.fit import Fit, build, limits_of, steps_inside
+from slipmargin.diagnosis.pull_next import NextPull, next_pulls
+from slipmargin.diagnosis.pull_problem import PullProblem
+from slipmargin.diagnosis.pull_search import (
+    PullRound,
+    PullState,
+    beside,
+    left_out,
+    noise_N,
+    pull_candidates,
+    search,
+)
+from slipmargin.diagnosis.result import Estimate, Finding, Step, Tried, Verdict
+from slipmargin.diagnosis.search import Progress
+from slipmargin.effects import Effect, Quantity, Recipe, Trace
+from slipmargin.errors import InputError
+
+#: chi on settings left out must fall by this share at least [1], and the error in newtons must not grow …
+_LEAST_SHARE = 0.1
+#: … luck must give as much no more often than this [1], by random signs …
+_BY_LUCK = 0.05
+#: … and no setting's sum of squares may grow by more than the square of this [σ].
+_WORSE = 4.0
+#: Above the scatter of repeats with less than this probability, what is left is no noise [1].
+_NO_NOISE = 0.01
+#: Parts of the settings that are left out of the whole search in turn.
+_FOLDS = 5
+_FLIPS = 4999
+#: Coverage of the intervals.
+_SURE = 0.95
+_GENERAL_CONFIRM = "pull in further directions, at other points of the body, and see whether it holds"
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PullScore:
+    """How well pulls are predicted: rms and mean of measured minus expected [N], and chi [1].
+
+    ``chi`` is the root mean square of residual over noise: 1 is pure noise.  Where wheels may stand on a
+    roller or on rigid material the residual is that beside the states which the pull makes probable.
+    """
+
+    rms_N: float
+    mean_N: float
+    chi: float
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PullLead:
+    """Something the pulls may follow: a variable, the best candidate over it and its evidence."""
+
+    traced_to: Trace
+    label: str
+    named: bool
+    chi: float
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PullDiagnosis:
+    """Verdict, findings and evidence of a data set of pulls.
+
+    ``phi_rad``, ``force_N``, ``before_N`` and ``after_N`` (P,): each pull as measured, and as expected by the
+    model as believed and by models found without its setting.  ``found_in`` of ``folds`` searches without a
+    part of the settings found the same names.
+    """
+
+    data_set: str
+    surface: str
+    verdict: Verdict
+    sigma_N: float
+    noise_from: str
+    before: PullScore
+    after: PullScore
+    p_value: float
+    findings: tuple[Finding, ...]
+    leads: tuple[PullLead, ...]
+    steps: tuple[Step, ...]
+    settings: int
+    folds: int
+    found_in: int
+    phi_rad: Array
+    force_N: Array
+    before_N: Array
+    after_N: Array
+    next_pulls: tuple[NextPull, ...]
+    recipe: Recipe
+    corrected: Recipe
+    remarks: tuple[str, ...]
+
+
+def diagnose_pulls(
+    data_set: DataSet, *, seed: int = 0, progress: Progress = lambda stage, share: None
+) -> PullDiagnosis:
+    """Find what the model of a data set lacks from its pulls alone.
+
+    Parameters
+    ----------
+    data_set : DataSet
+        The robot as its file describes it, with pulls.
+    seed : int
+        Draws the parts that are left out and the surrogate noise; the same seed gives the same answer.
+    progress : callable (stage, share)
+        Called with what is being done and how far it is (0 … 1).
+
+    Raises
+    ------
+    InputError
+        Without pulls, or with pulls in fewer than four settings.
+    """
+    pulls = data_set.pulls
+    if pulls is None:
+        raise InputError("pulls.csv", "is not there", "add it", data_set.name)
+    progress("reading the noise", 0.0)
+    sigma, freedom, repeated = noise_N(pulls)
+    problem = PullProblem.of(data_set.recipe, data_set.surface, pulls, sigma)
+    candidates = pull_candidates(problem)
+    progress("searching in all pulls", 0.0)
+    state, rounds = search(problem, problem.everyone, candidates, seed)
+    scatter = _scatter(problem, state.fit)
+    if pulls.sigma_N is None and scatter < (1.0 - _LEAST_SHARE) * sigma:
+        # What the wheels stood on is part of the scatter of repeats; the model found says how large a part.
+        sigma = scatter
+        problem = PullProblem.of(data_set.recipe, data_set.surface, pulls, sigma)
+        state, rounds = search(problem, problem.everyone, candidates, seed)
+    split = _parts(len(problem.rows), seed)
+    without: list[PullState] = []
+    for number, part in enumerate(split):
+        progress("searching without some of the orientations", number / len(split))
+        others = np.setdiff1d(problem.everyone, part).astype(np.int64)
+        without.append(search(problem, others, candidates, seed)[0])
+    unseen = _Unseen.of(problem, split, without, freedom, seed)
+    names = [{c.name for c in s.structure} for s in without]
+    own = {c.name for c in state.structure}
+    verdict = unseen.verdict(bool(state.structure))
+    taken = verdict is Verdict.EFFECT_FOUND
+    rivals = _rivals(state, rounds, names) if taken else ()
+    findings = _findings(problem, state, rounds, rivals, len(candidates), unseen) if taken else ()
+    progress("choosing the next pulls", 0.5)
+    confused = [s for r in rounds if r.taken for s in r.rivals()]
+    leads = _leads(problem, rounds)
+    ahead = next_pulls(
+        problem, state.fit if taken else rounds[0].before.fit, _competing(rounds, taken, confused)
+    )
+    return PullDiagnosis(
+        data_set=data_set.name,
+        surface=data_set.surface,
+        verdict=verdict,
+        sigma_N=sigma,
+        noise_from="stated" if pulls.sigma_N is not None else "repeats" if repeated else "neighbours",
+        before=unseen.before,
+        after=unseen.after if taken else unseen.before,
+        p_value=unseen.p_value,
+        findings=findings,
+        leads=leads,
+        steps=tuple(_step(problem, r) for r in rounds),
+        settings=len(problem.rows),
+        folds=len(split),
+        found_in=sum(n == own for n in names),
+        phi_rad=pulls.phi_rad,
+        force_N=pulls.force_N,
+        before_N=unseen.before_N,
+        after_N=unseen.after_N if taken else unseen.before_N,
+        next_pulls=ahead,
+        recipe=data_set.recipe,
+        corrected=data_set.recipe.with_effects(*state.fit.effects) if taken else data_set.recipe,
+        remarks=_remarks(problem, state, unseen, repeated, taken=taken),
+    )
+
+
+def _scatter(problem: PullProblem, found: Fit) -> float:
+    """Root mean square [N] of what a fit leaves of each pull beside its probable contact state."""
+    freedom = problem.count(found.trials) - len(found.x)
+    return problem.sigma_N * float(np.sqrt(np.sum(beside(found.residual)) / max(1, freedom)))
+
+
+def _parts(count: int, seed: int) -> list[Index]:
+    order = np.random.default_rng(seed).permutation(count)
+    return [np.sort(order[k :: min(_FOLDS, count)]).astype(np.int64) for k in range(min(_FOLDS, count))]
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Unseen:
+    """Predictions of pulls by what was found without their setting."""
+
+    before_N: Array
+    after_N: Array
+    before: PullScore
+    after: PullScore
+    p_value: float
+    worst: float  #: root of what the worst setting's sum of squares grows by [σ]
+    misfit_before: bool  #: whether the residual is more than noise
+    misfit_after: bool
+
+    @staticmethod
+    def of(
+        problem: PullProblem, split: list[Index], without: list[PullState], freedom: float, seed: int
+    ) -> _Unseen:
+        everyone, measured = problem.everyone, problem.pulls.force_N
+        before_N = problem.expected(()).mean_N
+        after_N = np.empty(len(measured))
+        old = problem.residuals([()], [everyone])[0]
+        new = np.empty_like(old)
+        for part, state in zip(split, without, strict=True):
+            rows = problem.rows[part]
+            own = rows[rows >= 0]
+            after_N[own] = problem.expected(state.fit.effects).mean_N[own]
+            new[part] = problem.residuals([state.fit.effects], [part])[0]
+        gain = old**2 - new**2
+        # Pulls of one setting share what the model lacks there, but not what their wheels stood on.
+        states = bool(np.any(old[:, 1::2]) or np.any(new[:, 1::2]))
+        units = gain.reshape(-1, 2).sum(axis=1) if states else gain.sum(axis=1)
+        return _Unseen(
+            before_N=before_N,
+            after_N=after_N,
+            before=_score(measured - before_N, beside(old)),
+            after=_score(measured - after_N, beside(new)),
+            p_value=_by_signs(units, seed),
+            worst=math.sqrt(max(0.0, -float(gain.sum(axis=1).min()))),
+            misfit_before=_misfit(beside(old), len(measured), freedom),
+            misfit_after=_misfit(beside(new), len(measured), freedom),
+        )
+
+    def verdict(self, any_found: bool) -> Verdict:
+        """What the held-out predictions allow to say."""
+        better = self.after.chi <= (1.0 - _LEAST_SHARE) * self.before.chi
+        better = better and self.after.rms_N < self.before.rms_N
+        if any_found and better and self.p_value <= _BY_LUCK and self.worst <= _WORSE:
+            return Verdict.EFFECT_FOUND
+        return Verdict.UNEXPLAINED if self.misfit_before else Verdict.NO_MISSING_EFFECT
+
+
+def _score(off_N: Array, squares: Array) -> PullScore:
+    return PullScore(
+        rms_N=float(np.sqrt(np.mean(off_N**2))),
+        mean_N=float(np.mean(off_N)),
+        chi=float(np.sqrt(squares.sum() / len(off_N))),
+    )
+
+
+def _by_signs(gain: Array, seed: int) -> float:
+    """Probability that settings whose gains have random signs add up to as much."""
+    signs = np.random.default_rng(seed).choice([-1.0, 1.0], size=(_FLIPS, len(gain)))
+    return float(1 + np.count_nonzero(signs @ gain >= gain.sum())) / (1 + _FLIPS)
+
+
+def _misfit(squares: Array, pulls: int, freedom: float) -> bool:
+    """Whether squared residuals over noise are more than noise of so many degrees of freedom explains."""
+    from scipy.special import chdtrc, fdtrc
+
+    total = float(squares.sum())
+    p = chdtrc(pulls, total) if np.isinf(freedom) else fdtrc(pulls, max(freedom, 1.0), total / pulls)
+    return bool(p <= _NO_NOISE)
+
+
+def _rivals(state: PullState, rounds: list[PullRound], names: list[set[str]]) -> tuple[str, ...]:
+    """Effects, not among those chosen, of states that are as good and of searches without a part."""
+    own = {c.name for c in state.structure}
+    equal = [
+        c
+        for r in rounds
+        if r.taken
+        for s in r.rivals()
+        for c in s.structure
+        if not own <= {k.name for k in s.structure}
+    ]
+    found = [c.label for c in equal if c.name not in own]
+    found += [name for chosen in names for name in sorted(chosen - own) if own - chosen]
+    return tuple(dict.fromkeys(found))
+
+
+def _competing(rounds: list[PullRound], taken: bool, confused: list[PullState]) -> list[Fit]:
+    """Fits that further pulls should tell from the model that stands."""
+    if taken:
+        return [s.fit for s in confused]
+    return [s.fit for s in rounds[0].tried[:3]]
+
+
+def _leads(problem: PullProblem, rounds: list[PullRound]) -> tuple[PullLead, ...]:
+    """The best single candidate of each variable, best first."""
+    best: dict[Trace, PullState] = {}
+    for s in rounds[0].tried:
+        if len(s.structure) == 1:
+            best.setdefault(s.structure[0].trace, s)
+    pulls = len(problem.pulls.force_N)
+    return tuple(
+        PullLead(
+            traced_to=trace, label=s.structure[0].label, named=s.structure[0].named, chi=_chi(s.score, pulls)
+        )
+        for trace, s in best.items()
+        if s.score < rounds[0].before.score
+    )
+
+
+def _chi(squares: float, pulls: int) -> float:
+    return float(np.sqrt(squares / pulls))
+
+
+def _step(problem: PullProblem, done: PullRound) -> Step:
+    pulls = problem.count(done.before.fit.trials)
+    rows = tuple(
+        Tried(
+            label=" + ".join(c.label for c in s.structure),
+            traced_to=s.structure[-1].trace,
+            named=s.structure[-1].named,
+            parameters=len(s.fit.x),
+            chi=_chi(s.score, pulls),
+        )
+        for s in done.tried
+    )
+    best = done.best
+    taken = " + ".join(c.label for c in best.structure) if done.taken and best is not None else None
+    return Step(chi_before=_chi(done.before.score, pulls), tried=rows, taken=taken)
+
+
+def deviations(problem: PullProblem, found: Fit) -> Array:
+    """Standard deviation (P,) of parameters: the larger of jackknife over settings and normal matrix."""
+    _, _, scale = limits_of(found.structure)
+    flat = found.jacobian.reshape(-1, len(found.x)) * scale
+    pulls = problem.count(found.trials)
+    reduced = max(1.0, found.cost / max(1, pulls - len(found.x)))
+    formal = np.sqrt(np.maximum(np.diag(np.linalg.pinv(flat.T @ flat)) * reduced, 0.0)) * scale
+    each = np.array(left_out(found, [np.array([g]) for g in range(len(found.trials))]))
+    spread = each - each.mean(axis=0)
+    count = len(each)
+    jackknife = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0))
+    return np.asarray(np.maximum(formal, jackknife))
+
+
+def _findings(
+    problem: PullProblem,
+    state: PullState,
+    rounds: list[PullRound],
+    rivals: tuple[str, ...],
+    tried: int,
+    unseen: _Unseen,
+) -> tuple[Finding, ...]:
+    from scipy.special import stdtrit
+
+    found = state.fit
+    low, high, _ = limits_of(found.structure)
+    half = float(stdtrit(max(1, len(found.trials) - 1), 0.5 * (1.0 + _SURE))) * deviations(problem, found)
+    bottom, top = np.maximum(found.x - half, low), np.minimum(found.x + half, high)
+    stuck = found.at_bound()
+    out, at = [], 0
+    for index, (candidate, effect) in enumerate(zip(found.structure, found.effects, strict=True)):
+        span = range(at, at + candidate.size)
+        at += candidate.size
+        p_value = next(r.p_value for r in rounds if r.best is not None and candidate in r.best.structure)
+        out.append(
+            Finding(
+                effect=effect,
+                name=candidate.name,
+                label=candidate.label,
+                traced_to=candidate.trace,
+                wheels=candidate.wheels or problem.nominal.geometry.names,
+                parameters=tuple(
+                    Estimate(
+                        name=key,
+                        value=float(found.x[i]),
+                        low=float(bottom[i]),
+                        high=float(top[i]),
+                        unit=unit,
+                        at_bound=f"{candidate.name}.{key}" in stuck,
+                    )
+                    for key, unit, i in zip(candidate.keys, candidate.units, span, strict=True)
+                ),
+                derived=_derived(problem, found, half, index),
+                chi_without=_without(problem, state, index, unseen),
+                chi_with=unseen.after.chi,
+                p_value=p_value,
+                candidates_tried=tried,
+                confused_with=rivals,
+                confirm=effect.confirm if isinstance(effect, Effect) else _GENERAL_CONFIRM,
+                equation=_equation(candidate, effect),
+            )
+        )
+    return tuple(out)
+
+
+def _without(problem: PullProblem, state: PullState, index: int, unseen: _Unseen) -> float:
+    """chi on settings left out with the other effects alone, fitted again."""
+    from slipmargin.diagnosis.fit import fit
+    from slipmargin.diagnosis.pull_search import state_of
+
+    kept = [i for i in range(len(state.structure)) if i != index]
+    if not kept:
+        return unseen.before.chi
+    ends = np.cumsum([0, *(c.size for c in state.structure)])
+    x = np.concatenate([state.fit.x[ends[i] : ends[i + 1]] for i in kept])
+    rest = fit(problem, tuple(state.structure[i] for i in kept), x, state.fit.trials)
+    return _chi(state_of(problem, rest).score, problem.count(state.fit.trials))
+
+
+def _equation(candidate: Candidate, effect: object) -> str:
+    if isinstance(effect, Effect):
+        return " ".join((type(effect).__doc__ or "").split())
+    return f"free coefficients over {candidate.trace.value} ({candidate.label.split(': ')[-1]})"
+
+
+def _derived(problem: PullProblem, found: Fit, half: Array, index: int) -> tuple[Estimate, ...]:
+    """What follows from an effect and can be checked by hand, with the intervals carried over linearly."""
+
+    def quantities(x: Array) -> tuple[Quantity, ...]:
+        effects = build(found.structure, x)
+        effect = effects[index]
+        return effect.derived(problem.model(effects)) if isinstance(effect, Effect) else ()
+
+    def values(x: Array) -> Array:
+        return np.array([q.value for q in quantities(x)])
+
+    named, value = quantities(found.x), values(found.x)
+    if not named:
+        return ()
+    steps = steps_inside(found.structure, found.x, 1e-3)
+    slope = np.array([(values(found.x + d) - value) / d.sum() for d in np.diag(steps)])
+    reach = np.sqrt((slope**2).T @ half**2)
+    return tuple(
+        Estimate(name=q.name, value=q.value, low=q.value - float(r), high=q.value + float(r), unit=q.unit)
+        for q, r in zip(named, reach, strict=True)
+    )
+
+
+def _remarks(
+    problem: PullProblem, state: PullState, unseen: _Unseen, repeated: bool, *, taken: bool
+) -> tuple[str, ...]:
+    said = []
+    if taken and unseen.misfit_after:
+        said.append(
+            f"What was found leaves a residual of {unseen.after.chi:.2f} times the noise on orientations "
+            "left out: something is still missing, or a form is only approximate."
+        )
+    if state.structure and not taken:
+        names = " + ".join(c.label for c in state.structure)
+        why = (
+            f"one orientation, left out, is then predicted worse by {unseen.worst:.1f} times the noise"
+            if unseen.worst > _WORSE
+            else f"orientations left out of the search gain too little (chi {unseen.before.chi:.3g} → "
+            f"{unseen.after.chi:.3g}, p = {unseen.p_value:.2g})"
+        )
+        said.append(f"Fitted to all pulls, {names} would be taken, but {why}.")
+    if problem.pulls.sigma_N is None and not repeated:
+        said.append(
+            "No orientation was pulled often enough to show the noise; differences between neighbouring "
+            "orientations stand in for it and may be too large. Pull each orientation twice, or state "
+            "force_N under [sigma]."
+        )
+    if problem.pulls.theta_rad is None and np.any(problem.model(state.fit.effects).grip.rigid_fraction > 0.0):
+        said.append(
+            "The wheel angles are not given: each wheel is taken to stand on rigid material as often as its "
+            "share of the circumference. With theta1_rad … every pull says much more."
+        )
+    stuck = state.fit.at_bound() if taken else []
+    if stuck:
+        said.append("At the edge of its range: " + ", ".join(stuck) + ".")
+    return tuple(said)

@@ -1,0 +1,221 @@
+"""Pulls compared with what a model predicts: residuals that the fit of candidates can use, no simulation.
+
+A wheel stands on a roller or on rigid material, so a pull of one setting meets one of several contact
+states s, each with its limit F_s and its probability w_s: near 0 or 1 where wheel angles were measured, the
+share of rigid material where they were not.  With noise σ minus twice the log likelihood of a pull F is, up
+to a constant, −2 log Σ_s w_s exp(−(F − F_s)² / 2σ²) = a² + b².  The residual is (a, b): a is F minus the mean
+of F_s over the states that F makes probable, in σ; b is what is left of the sum, and zero with one state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array, Index
+from slipmargin.data.pulls import Pulls
+from slipmargin.effects import AnyEffect, Recipe
+from slipmargin.effects.recipe import with_effects
+from slipmargin.errors import InputError, NoSolution
+from slipmargin.limits.band import band
+from slipmargin.limits.pull import Pull
+from slipmargin.limits.sweep import limit_or_zero
+from slipmargin.model import Model, nominal_model
+from slipmargin.physics.sectors import pitch
+
+#: How sharply a measured wheel angle says what the wheel stands on [pitches], one standard deviation: a
+#: contact some millimetre long leaves a roller while its middle is that near the edge.
+_EDGE = 0.02
+#: Contact states rarer than this at every pull are left out [1].
+_RARE = 1e-6
+#: Residuals of a model that cannot stand (a wheel lifts, the robot slips by itself) [σ].
+_WILD = 1e3
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Expectation:
+    """What a model expects of pulls: forces (S, P) of contact states, their probabilities (P, S)."""
+
+    force_N: Array
+    share: Array
+
+    @property
+    def mean_N(self) -> Array:
+        """(P,) expected force [N], known before the pull."""
+        return np.asarray(np.sum(self.share * self.force_N.T, axis=1))
+
+
+def expectation(model: Model, settings: Array, which: Index, theta_rad: Array | None) -> Expectation:
+    """Limits of every contact state that a model thinks possible in each pull.
+
+    Parameters
+    ----------
+    settings : (G, 5), which : (P,)
+        What was pulled how (:meth:`~slipmargin.data.pulls.Pulls.settings`).
+    theta_rad : (P, N) or None
+        Wheel angles, where known.
+
+    Raises
+    ------
+    NoSolution
+        Where the model cannot stand: a wheel lifts without any pull.
+    """
+    rigid = _rigid(model, theta_rad, len(which))
+    states = np.array(_states(rigid), dtype=bool)
+    share = np.prod(np.where(states, rigid[:, None, :], 1.0 - rigid[:, None, :]), axis=2)
+    kept = np.flatnonzero(share.max(axis=0) > _RARE)
+    forces = np.stack([setting_limits(model, settings, state)[which] for state in states[kept]])
+    return Expectation(force_N=forces, share=share[:, kept] / share[:, kept].sum(axis=1, keepdims=True))
+
+
+def setting_limits(model: Model, settings: Array, rigid: Array | None = None) -> Array:
+    """F_emax (G,) [N] of settings (:meth:`~slipmargin.data.pulls.Pulls.settings`) in one contact state."""
+    found = np.empty(len(settings))
+    for pull, rows in _alike(settings):
+        found[rows] = limit_or_zero(model, settings[rows, 0], pull, rigid)
+    return found
+
+
+def setting_bands(model: Model, settings: Array) -> tuple[Array, Array]:
+    """Lowest and highest F_emax (G,) [N] of settings over contact states."""
+    found = np.empty((2, len(settings)))
+    for pull, rows in _alike(settings):
+        found[:, rows] = band(model, settings[rows, 0], pull)
+    return found[0], found[1]
+
+
+def _alike(settings: Array) -> list[tuple[Pull, Index]]:
+    """Settings that differ in orientation alone, gathered: the pull and its rows."""
+    rest = np.nan_to_num(settings[:, 1:], nan=np.inf)
+    kinds, kind = np.unique(rest, axis=0, return_inverse=True)
+    found = []
+    for number, (direction, x, y, height) in enumerate(kinds):
+        point = None if np.isinf(x) else np.array([x, y])
+        pull = Pull(direction_rad=float(direction), point_m=point, height_m=float(height))
+        found.append((pull, np.flatnonzero(kind.ravel() == number)))
+    return found
+
+
+def _states(rigid: Array) -> list[tuple[bool, ...]]:
+    """Contact states of wheels that may stand on rigid material in some pull; True: on rigid material."""
+    may = rigid.max(axis=0) > 0.0
+    must = rigid.min(axis=0) >= 1.0
+    return list(
+        product(
+            *[
+                (True,) if sure else (False, True) if can else (False,)
+                for can, sure in zip(may, must, strict=True)
+            ]
+        )
+    )
+
+
+def _rigid(model: Model, theta_rad: Array | None, pulls: int) -> Array:
+    """Probability (P, N) that a wheel stands on rigid material."""
+    part = model.grip.rigid_fraction
+    if theta_rad is None:
+        return np.tile(part, (pulls, 1))
+    from scipy.special import ndtr
+
+    phase = np.mod(theta_rad / pitch(model.grip.rollers), 1.0)
+    around = np.zeros(phase.shape)
+    for turn in (-1.0, 0.0, 1.0):  # the rigid part is [1 − c, 1) of every pitch
+        around += ndtr((1.0 + turn - phase) / _EDGE) - ndtr((1.0 + turn - part - phase) / _EDGE)
+    return np.clip(np.where(part <= 0.0, 0.0, np.where(part >= 1.0, 1.0, around)), 0.0, 1.0)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PullProblem:
+    """Pulls of one robot on one surface, as the fits of :mod:`slipmargin.diagnosis.fit` want them.
+
+    A *group* is what was pulled in one setting; where a fit says trial it is meant.  ``rows`` (G, K) are
+    the pulls of each group, −1 where it has fewer than K.
+    """
+
+    recipe: Recipe
+    surface: str
+    pulls: Pulls
+    sigma_N: float
+    nominal: Model
+    settings: Array
+    which: Index
+    rows: Index
+
+    @staticmethod
+    def of(recipe: Recipe, surface: str, pulls: Pulls, sigma_N: float) -> PullProblem:
+        """The problem of these pulls, with the noise σ [N] of one."""
+        settings, which = pulls.settings()
+        most = int(np.bincount(which).max())
+        rows = np.full((len(settings), most), -1, dtype=np.int64)
+        for group in range(len(settings)):
+            own = np.flatnonzero(which == group)
+            rows[group, : len(own)] = own
+        return PullProblem(
+            recipe=recipe,
+            surface=surface,
+            pulls=pulls,
+            sigma_N=sigma_N,
+            nominal=nominal_model(recipe.robot, surface),
+            settings=settings,
+            which=which,
+            rows=rows,
+        )
+
+    @property
+    def everyone(self) -> Index:
+        """Every group."""
+        return np.arange(len(self.rows), dtype=np.int64)
+
+    def count(self, groups: Index) -> int:
+        """Number of pulls in these groups."""
+        return int(np.count_nonzero(self.rows[groups] >= 0))
+
+    def model(self, effects: tuple[AnyEffect, ...]) -> Model:
+        """The model with these effects on top of those that the robot file lists."""
+        return with_effects(self.nominal, (*self.recipe.effects, *effects))
+
+    def expected(self, effects: tuple[AnyEffect, ...]) -> Expectation:
+        """What the model with these effects expects of every pull."""
+        return expectation(self.model(effects), self.settings, self.which, self.pulls.theta_rad)
+
+    def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
+        """For each set of effects, the residuals (R_k, 2 K) of its groups, zero where there is no pull.
+
+        They are :data:`_WILD` where the model cannot stand.
+        """
+        return [self._residual(e, groups) for e, groups in zip(effects, trials, strict=True)]
+
+    def _residual(self, effects: tuple[AnyEffect, ...], groups: Index) -> Array:
+        rows = self.rows[groups]
+        there = rows >= 0
+        which, theta = np.nonzero(there)[0], self.pulls.theta_rad
+        out = np.zeros((*rows.shape, 2))
+        out[there] = _WILD
+        angles = None if theta is None else theta[rows[there]]
+        try:
+            with np.errstate(divide="ignore", invalid="ignore"):  # a fit may try a wheel without friction
+                found = expectation(self.model(effects), self.settings[groups], which, angles)
+        except (InputError, NoSolution):
+            return out.reshape(len(groups), -1)
+        if np.all(np.isfinite(found.force_N)):
+            out[there] = deviance(self.pulls.force_N[rows[there]], found, self.sigma_N)
+        return out.reshape(len(groups), -1)
+
+
+def deviance(force_N: Array, found: Expectation, sigma_N: float) -> Array:
+    """(P, 2) residuals (a, b) of pulls."""
+    gap = np.clip((force_N[:, None] - found.force_N.T) / sigma_N, -_WILD, _WILD)
+    with np.errstate(divide="ignore"):  # a state that is impossible in one pull
+        power = np.log(found.share) - 0.5 * gap**2
+    top = power.max(axis=1, keepdims=True)
+    weight = np.exp(power - top)
+    total = weight.sum(axis=1)
+    a = np.sum(weight * gap, axis=1) / total
+    rest = -2.0 * (top[:, 0] + np.log(total)) - a**2
+    return np.stack([a, np.sqrt(np.maximum(rest, 0.0))], axis=1)

@@ -1,0 +1,382 @@
+"""Forward search over candidates with pulls, judged by orientations that a fit has not seen.
+
+The candidates are all effects of the catalogue and all general forms that move the static limit of these
+pulls; which ones do is found by trying.  Each is fitted to all pulls, and scored by minus twice the log
+likelihood of whole settings that were left out of the fit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array, Index
+from slipmargin.data.pulls import Pulls
+from slipmargin.diagnosis.candidate import Candidate, named_candidates
+from slipmargin.diagnosis.fit import Fit, GaussianPrior, build, evaluate, fit, limits_of, tangents
+from slipmargin.diagnosis.forms import Ranges
+from slipmargin.diagnosis.general_forms import general_candidates
+from slipmargin.diagnosis.pull_problem import PullProblem, expectation
+from slipmargin.diagnosis.search import score_test_gain
+from slipmargin.errors import InputError, NoSolution
+from slipmargin.physics.variables import Frame, Variable
+
+#: An effect is taken only if luck gives as much, among all candidates, no more often than this [1].
+SIGNIFICANCE = 0.01
+#: At most so many effects.
+MOST_EFFECTS = 3
+#: So many candidates, by the likelihood of what they were fitted to, are scored without it.
+_SHORTLIST = 8
+#: Parts into which settings are divided to be left out in turn.
+_FOLDS = 8
+_SURROGATES = 999
+#: A squared residual per pull above this asks for pairs of named effects, of so many first ones.
+_NEAR_NOISE, _FIRSTS = 1.7, 4
+#: A state counts as no worse than the best one while its score is within this many standard errors of the
+#: difference, setting by setting, or within this much: one parameter costs about 1 of noise alone.
+_ERRORS, _ALIKE = 1.0, 2.0
+#: Root mean square over typical difference [1] beyond which repeats are no single Gaussian: 24 pairs of one
+#: reach 1.5 by chance once in a hundred.
+_SCATTERS = 1.5
+#: What moves a limit by less than this share of it at a start value moves nothing.
+_MOVES = 1e-6
+#: What a robot at rest shows nothing of: a pull does not say where, when or at which wheel angle it was.
+_UNKNOWN = frozenset(
+    {
+        Variable.WHEEL_ANGLE,
+        Variable.SLIP_ANGLE,
+        Variable.POSITION_X,
+        Variable.POSITION_Y,
+        Variable.TIME,
+    }
+)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PullState:
+    """Effects fitted to groups of pulls; ``scores`` (R,) are the groups' sums of squares, each left out."""
+
+    fit: Fit
+    scores: Array
+
+    @property
+    def structure(self) -> tuple[Candidate, ...]:
+        """The candidates in it."""
+        return self.fit.structure
+
+    @property
+    def score(self) -> float:
+        """Sum over groups."""
+        return float(self.scores.sum())
+
+    @property
+    def off(self) -> float:
+        """Sum of squares beside the contact states that the pulls make probable, as fitted."""
+        return float(np.sum(beside(self.fit.residual)))
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PullRound:
+    """One step: where it started, what was scored (best first), what was chosen, and whether it was taken."""
+
+    before: PullState
+    tried: tuple[PullState, ...]
+    best: PullState | None
+    p_value: float
+    taken: bool
+
+    def rivals(self) -> list[PullState]:
+        """States that these pulls cannot tell from the best one."""
+        if self.best is None:
+            return []
+        return [s for s in self.tried if s is not self.best and no_worse(s, self.best)]
+
+
+def beside(residual: Array) -> Array:
+    """(R,) sums over groups of a², a in σ: how far pulls are beside the contact states they make probable."""
+    return np.asarray(np.sum(residual[:, ::2] ** 2, axis=1))
+
+
+def noise_N(pulls: Pulls) -> tuple[float, float, bool]:
+    """Repeatability σ [N] of a pull, its degrees of freedom, and whether repeated pulls showed it.
+
+    Repeats scatter by noise, and by what the wheels happen to stand on: where the root mean square is
+    much larger than the median of the differences says, the median counts, which jumps hardly move.
+    Without repeats the
+    differences from the line between neighbouring orientations stand in for it.
+
+    Raises
+    ------
+    InputError
+        With fewer than four orientations.
+    """
+    settings, which = pulls.settings()
+    if len(settings) < 4:
+        raise InputError("pulls.csv", f"holds {len(settings)} settings", "pull in at least four orientations")
+    if pulls.sigma_N is not None:
+        return pulls.sigma_N, np.inf, False
+    groups = [pulls.force_N[which == g] for g in range(len(settings))]
+    freedom = float(sum(len(g) - 1 for g in groups))
+    if freedom >= 4.0:
+        spread = math.sqrt(sum(float(np.sum((g - g.mean()) ** 2)) for g in groups) / freedom)
+        pairs = np.concatenate([np.abs(g - np.roll(g, 1))[len(g) == 2 :] for g in groups if len(g) > 1])
+        typical = float(np.median(pairs)) / (0.6745 * math.sqrt(2.0))
+        if spread > _SCATTERS * typical:  # repeats stood on different material
+            spread = typical
+        least = 1e-4 * float(np.mean(pulls.force_N))
+        return max(spread, least), freedom, True
+    means = np.array([g.mean() for g in groups])
+    order = np.argsort(np.mod(settings[:, 0], 2.0 * np.pi))
+    phi, mean = np.mod(settings[order, 0], 2.0 * np.pi), means[order]
+    w = (phi[1:-1] - phi[:-2]) / np.maximum(phi[2:] - phi[:-2], 1e-9)
+    apart = (mean[1:-1] - (mean[:-2] * (1.0 - w) + mean[2:] * w)) / np.sqrt(1.0 + w**2 + (1.0 - w) ** 2)
+    return max(float(np.median(np.abs(apart))) / 0.6745, 1e-4 * float(mean.mean())), float(len(apart)), False
+
+
+def pull_candidates(problem: PullProblem) -> list[Candidate]:
+    """Named effects and general forms that these pulls can show, each with a different prediction.
+
+    One that depends on what a pull does not know (place, time, wheel angle other than by sectors), one
+    of whose parameters moves no limit, and a second form of an effect that predicts the same, are left out.
+    """
+    known = tuple(effect.name for effect in problem.recipe.effects)
+    model = problem.model(())
+    still = Ranges(  # no motion: these only scale forms that a robot at rest does not show
+        speed_m_s=1.0,
+        slip_m_s=1.0,
+        acceleration_m_s2=1.0,
+        yaw_rate_rad_s=1.0,
+        position_m=1.0,
+        duration_s=1.0,
+        command_rad_s=1.0,
+    )
+    found: list[Candidate] = []
+    shown: list[tuple[str, Array]] = []
+    for candidate in [
+        *named_candidates(model.geometry.names, False, known),
+        *general_candidates(model, still, False),
+    ]:
+        moves = _moves(problem, candidate)
+        if moves is None or any(name == candidate.name and _equal(moves, other) for name, other in shown):
+            continue
+        shown.append((candidate.name, moves))
+        found.append(candidate)
+    return found
+
+
+def _equal(one: Array, other: Array) -> bool:
+    return one.shape == other.shape and bool(
+        np.allclose(one, other, rtol=0.0, atol=_MOVES * np.abs(one).max())
+    )
+
+
+def _moves(problem: PullProblem, candidate: Candidate) -> Array | None:
+    """How far (P, G) each parameter moves what pulls are expected to need; None where one moves nothing.
+
+    The contact state is taken as unknown, so that shares of rigid material count wherever wheels stand.
+    """
+
+    def mean(x: Array) -> Array:
+        model = problem.model((candidate.build(x),))
+        return expectation(model, problem.settings, problem.everyone, None).mean_N
+
+    for start in candidate.starts:
+        x = np.where(start == candidate.null, start + 0.5 * candidate.scale, start)
+        x = np.clip(x, candidate.low, candidate.high)
+        step = np.where(x + candidate.scale <= candidate.high, candidate.scale, -candidate.scale)
+        try:
+            if unseen(problem, candidate, x):
+                return None
+            there = mean(x)
+            moved = np.array([mean(x + own) - there for own in np.diag(step)])
+        except (InputError, NoSolution):
+            continue
+        return moved if bool(np.all(np.abs(moved).max(axis=1) > _MOVES * np.abs(there).max())) else None
+    return None
+
+
+def unseen(problem: PullProblem, candidate: Candidate, x: Array) -> bool:
+    """Whether a candidate depends on a variable that a pull does not know."""
+    base, changed = problem.model(()), problem.model((candidate.build(x),))
+    factors = changed.grip.multipliers[len(base.grip.multipliers) :]
+    forces = changed.external.terms[len(base.external.terms) :]
+    return (
+        any(factor.variable in _UNKNOWN for factor in factors)
+        or any(force.variable in _UNKNOWN for force in forces)
+        or any(force.frame is Frame.AGAINST_MOTION for force in forces)
+    )
+
+
+def state_of(problem: PullProblem, found: Fit) -> PullState:
+    """A fit with its scores: each part of its groups is predicted with parameters fitted to the others."""
+    groups, split = found.trials, parts(len(found.trials))
+    scores = np.sum(found.residual**2, axis=1)
+    if len(found.x):
+        effects = [build(found.structure, x) for x in left_out(found, split)]
+        left = problem.residuals(effects, [groups[part] for part in split])
+        for part, residual in zip(split, left, strict=True):
+            scores[part] = np.sum(residual**2, axis=1)
+    return PullState(fit=found, scores=scores)
+
+
+def left_out(found: Fit, split: Sequence[Index]) -> list[Array]:
+    """Parameters fitted without each part of the groups: one Gauss–Newton step from the fit to all."""
+    low, high, scale = limits_of(found.structure)
+    tangent = found.jacobian * scale
+    prior = GaussianPrior.of(found.structure, found.residual)
+    rows = []
+    for part in split:
+        kept = np.delete(np.arange(len(found.trials)), part)
+        flat = tangent[kept].reshape(-1, len(found.x))
+        normal = flat.T @ flat + prior.precision
+        normal += 1e-9 * (np.trace(normal) + 1e-12) * np.eye(len(found.x))
+        slope = flat.T @ found.residual[kept].ravel() + prior.precision @ ((found.x - prior.null) / scale)
+        rows.append(np.clip(found.x - np.linalg.solve(normal, slope) * scale, low, high))
+    return rows
+
+
+def parts(count: int) -> list[Index]:
+    """Indices 0 … count − 1 in at most :data:`_FOLDS` parts, neighbours apart."""
+    many = min(_FOLDS, count)
+    return [np.arange(k, count, many, dtype=np.int64) for k in range(many)]
+
+
+def no_worse(state: PullState, best: PullState) -> bool:
+    """Whether a state's score is within chance of the best one's."""
+    gap = state.scores - best.scores
+    chance = _ERRORS * float(np.std(gap)) * math.sqrt(len(gap))
+    return float(gap.sum()) <= max(_ALIKE, chance)
+
+
+def search(
+    problem: PullProblem, groups: Index, candidates: Sequence[Candidate], seed: int
+) -> tuple[PullState, list[PullRound]]:
+    """The effects that these groups of pulls ask for, and the rounds in which they were found."""
+    state = state_of(problem, evaluate(problem, (), np.zeros(0), groups))
+    rounds: list[PullRound] = []
+    while len(state.structure) < MOST_EFFECTS:
+        step = _take_step(problem, state, candidates, seed)
+        rounds.append(step)
+        if not step.taken or step.best is None:
+            break
+        state = step.best
+    return state, rounds
+
+
+def _take_step(
+    problem: PullProblem, before: PullState, candidates: Sequence[Candidate], seed: int
+) -> PullRound:
+    groups = before.fit.trials
+    taken = {c.name for c in before.structure}
+    room = problem.count(groups) - len(before.fit.x)
+    fresh = [
+        c for c in candidates if c.name not in taken and c.size < room // 2 and _possible(problem, before, c)
+    ]
+    slopes = tangents(problem, before.fit, fresh)
+    worth = _promising(before, fresh, slopes) if before.structure else fresh
+    tried = _scored(problem, [_short(problem, before, (c,)) for c in worth], _SHORTLIST)
+    if not tried:
+        return PullRound(before=before, tried=(), best=None, p_value=1.0, taken=False)
+    if not before.structure and (tried[0].off > _NEAR_NOISE * problem.count(groups) or _unnamed(tried[0])):
+        firsts = [s.structure[-1] for s in tried if s.structure[-1].named][:_FIRSTS]
+        tried = sorted([*tried, *_pairs(problem, before, firsts, fresh)], key=lambda s: s.score)
+    best = _simplest([s for s in tried if no_worse(s, tried[0])])
+    p_value = luck(problem, before, best, slopes, seed)
+    taken_now = p_value <= SIGNIFICANCE and best.score < before.score and not no_worse(before, best)
+    return PullRound(before=before, tried=tuple(tried), best=best, p_value=p_value, taken=taken_now)
+
+
+def _promising(before: PullState, candidates: list[Candidate], slopes: list[Array]) -> list[Candidate]:
+    """Those whose tangents promise most, and those that have none where they do nothing."""
+    gains = [score_test_gain(before.fit.residual, slope) for slope in slopes]
+    best = set(np.argsort(gains)[::-1][:_SHORTLIST].tolist())
+    return [c for i, c in enumerate(candidates) if i in best or not np.any(slopes[i])]
+
+
+def _short(problem: PullProblem, before: PullState, added: tuple[Candidate, ...]) -> Fit:
+    """The best of short fits, from every start of the last candidate, of what is known with others added."""
+    structure = (*before.structure, *added)
+    known = [before.fit.x, *(c.starts[0] for c in added[:-1])]
+    starts = np.unique(np.stack([added[-1].null, *added[-1].starts]), axis=0)
+    groups = before.fit.trials
+    fits = [fit(problem, structure, np.concatenate([*known, s]), groups, iterations=2) for s in starts]
+    return min(fits, key=lambda f: f.cost)
+
+
+def _scored(problem: PullProblem, short: list[Fit], many: int) -> list[PullState]:
+    """The best few of short fits, fitted to the end and scored; best first."""
+    best = sorted(short, key=lambda f: f.cost)[:many]
+    ended = [fit(problem, f.structure, f.x, f.trials, iterations=8) for f in best]
+    return sorted((state_of(problem, f) for f in ended), key=lambda s: s.score)
+
+
+def _pairs(
+    problem: PullProblem, before: PullState, firsts: list[Candidate], candidates: Sequence[Candidate]
+) -> list[PullState]:
+    """Two named effects at once: where two are missing, neither alone need look good."""
+    named = [c for c in candidates if c.named]
+    pairs: dict[frozenset[str], Fit] = {}
+    for first in firsts:
+        for second in named:
+            key = frozenset((first.label, second.label))
+            if second.name != first.name and key not in pairs and _stand(problem, (first, second)):
+                pairs[key] = _short(problem, before, (first, second))
+    return _scored(problem, list(pairs.values()), _FIRSTS)
+
+
+def _stand(problem: PullProblem, pair: tuple[Candidate, ...]) -> bool:
+    try:
+        problem.model(tuple(c.build(c.starts[0]) for c in pair))
+    except InputError:
+        return False
+    return True
+
+
+def _unnamed(state: PullState) -> bool:
+    return any(not c.named for c in state.structure)
+
+
+def _simplest(good: list[PullState]) -> PullState:
+    """Of states that are equally good: those with names, then fewest parameters, then the best score."""
+    return min(good, key=lambda s: (_unnamed(s), len(s.fit.x), s.score))
+
+
+def _possible(problem: PullProblem, before: PullState, candidate: Candidate) -> bool:
+    """Whether the candidate can stand beside what is known: two laws for one thing refuse each other."""
+    try:
+        problem.model((*before.fit.effects, candidate.build(candidate.starts[0])))
+    except InputError:
+        return False
+    return True
+
+
+def luck(
+    problem: PullProblem, before: PullState, best: PullState, slopes: Sequence[Array], seed: int
+) -> float:
+    """Probability that the best of all candidates gains as much from noise alone.
+
+    The noise is what the chosen effect leaves, each setting's with one random sign and made larger for the
+    parameters that were fitted; what a candidate gains from it is its projection on the candidate's tangent
+    (``slopes``, one (R, 2 K, P) each).
+    """
+    gain = before.fit.cost - best.fit.cost
+    pulls = problem.count(best.fit.trials)
+    size = max(float(np.sqrt(pulls / max(1, pulls - len(best.fit.x)))), 1.0)
+    left = size * best.fit.residual
+    bases = [_orthonormal(t) for t in slopes]
+    signs = np.random.default_rng(seed).choice([-1.0, 1.0], size=(_SURROGATES, len(left)))
+    drawn = (signs[:, :, None] * left).reshape(_SURROGATES, -1)
+    most = np.max([np.sum((drawn @ basis) ** 2, axis=1) for basis in bases], axis=0)
+    return float(1 + np.count_nonzero(most >= gain)) / (1 + _SURROGATES)
+
+
+def _orthonormal(tangent: Array) -> Array:
+    flat = tangent.reshape(-1, tangent.shape[-1])
+    left, singular, _ = np.linalg.svd(flat, full_matrices=False)
+    return np.asarray(left[:, singular > 1e-9 * max(1e-300, float(singular.max(initial=0.0)))])

@@ -1,0 +1,19 @@
+"""Where fits of effects at a place of the floor, or at a time, start: spread over what the runs cover."""
+
+from __future__ import annotations
+
+import math
+
+#: Starts of a place: the middle and two rings of six, in shares of how far the runs reach from the origin …
+_RINGS = (0.2, 0.55)
+_ANGLES = tuple(k * math.pi / 3.0 for k in range(6))
+_X = (0.0, *(ring * math.cos(angle) for ring in _RINGS for angle in _ANGLES))
+_Y = (0.0, *(ring * math.sin(angle) for ring in _RINGS for angle in _ANGLES))
+#: … each with three radii, in the same shares.
+_RADII = (0.15, 0.35, 0.65)
+PLACE_RADIUS = tuple(radius for radius in _RADII for _ in _X)
+PLACE_X, PLACE_Y = _X * len(_RADII), _Y * len(_RADII)
+#: Starts of a direction, all around [rad].
+PLACE_DIRECTION = tuple(k * math.pi / 4.0 for k in range(8))
+#: Width w of an edge [m]: from 10 to 90 % it is 4.4 w wide, the two millimetres that a contact is long.
+EDGE_M = 0.0005

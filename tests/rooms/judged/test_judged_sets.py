@@ -1,0 +1,191 @@
+"""The judged collections: drawn alike from a seed, readable, silent about their truth, and right."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from judged import draw, score
+from judged.camera import NULL_KINDS
+from judged.families import CATALOGUE_FAMILIES, FAMILIES, INVENTIONS, Draw, Family, Planted
+from judged.motions import draw_run
+from judged.robots import KINDS, Wishes, draw_robot
+
+from slipmargin.effects.catalogue import effect_class
+from slipmargin.io.data_set import read_data_set
+from slipmargin.io.robot_file import read_recipe
+from slipmargin.sim.signal import held, hermite
+from slipmargin.sim.simulate import simulate
+
+
+def written(files: dict[str, str], folder: Path) -> Path:
+    for name, text in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return folder
+
+
+def test_there_are_enough_families() -> None:
+    assert len(FAMILIES) >= 12 and len(INVENTIONS) >= 5
+    assert len({family.name for family in FAMILIES}) == len(FAMILIES)
+    for family in CATALOGUE_FAMILIES:
+        effect = effect_class(family.catalogue or "")
+        assert effect is not None and effect.traced_to.value == family.variable, family.name
+    for family in INVENTIONS:
+        assert family.catalogue is None and effect_class(family.name) is None
+
+
+def test_development_never_sees_what_is_held_back() -> None:
+    held_back = {family.name for family in INVENTIONS if family.held_back}
+    quiet = {name for name, (held_out, _) in NULL_KINDS.items() if held_out}
+    assert len(held_back) >= 4 and len(quiet) >= 2
+    drawn = {what for _, _, what, _ in draw.jobs_of("dev", 3, 300, 100)}
+    assert not drawn & (held_back | quiet)
+    assert {what for _, _, what, _ in draw.jobs_of("test", 3, 100, 100)} >= held_back | quiet
+
+
+def test_a_seed_draws_the_same_bytes() -> None:
+    family = next(f for f in FAMILIES if f.name == "slick_patch")
+    first = draw.effect_set([4, 0, 7], family, most=2)
+    assert first == draw.effect_set([4, 0, 7], family, most=2)
+    assert first[0] != draw.effect_set([5, 0, 7], family, most=2)[0]
+    assert draw.null_set([4, 0, 8], "coloured", most=2) == draw.null_set([4, 0, 8], "coloured", most=2)
+
+
+@pytest.mark.parametrize("family", FAMILIES, ids=lambda f: f.name)
+def test_every_family_is_read_as_a_data_set(family: Family, tmp_path: Path) -> None:
+    files, truth = draw.effect_set([11, 1, 2], family, most=2)
+    data = read_data_set(written(files, tmp_path))
+    assert len(data.trials) == truth["runs"] == 2
+    assert 1.5 < truth["chi"] < 1.6 * draw.CHI_HIGH and truth["variable"] == family.variable
+
+
+@pytest.mark.parametrize("kind", NULL_KINDS)
+def test_every_kind_of_null_is_read_as_a_data_set(kind: str, tmp_path: Path) -> None:
+    files, truth = draw.null_set([11, 2, 3], kind, most=2)
+    assert len(read_data_set(written(files, tmp_path)).trials) == 2
+    assert truth["noise"] == kind and not truth["planted"]
+
+
+def test_the_truth_is_not_in_the_folder(tmp_path: Path) -> None:
+    out = tmp_path / "drawn"
+    words = ["--seed", "20", "--out", str(out), "--effects", "2", "--nulls", "1"]
+    assert draw.main(words) == 0
+    truth = json.loads((out / "truth.json").read_text(encoding="utf-8"))["sets"]
+    assert set(truth) == {path.name for path in (out / "sets").iterdir()} and len(truth) == 3
+    for name, true in truth.items():
+        inside = [path for path in (out / "sets" / name).rglob("*") if path.is_file()]
+        assert {p.name for p in inside if p.suffix != ".csv"} == {"robot.toml", "dataset.toml"}
+        assert all(path.parent.name == "trials" for path in inside if path.suffix == ".csv")
+        for path in inside:
+            assert true["family"] not in path.read_text(encoding="utf-8")
+        assert true["family"] not in name and "effect" not in (out / "sets" / name / "robot.toml").read_text()
+    assert draw.main(words) == 2  # never over what is there
+
+
+def _off(files: dict[str, str], folder: Path, planted: Planted, run: Any, effects: tuple[Any, ...]) -> float:
+    """The largest distance [m] between this simulator's track and the package's."""
+    written(files, folder)
+    recipe = read_recipe(folder / "robot.toml").with_effects(*effects)
+    commanded = planted.tables is not None
+    rows = run.rows_s
+    signal = held(rows, run.command) if commanded else hermite(rows, run.log_theta, run.log_omega)
+    theirs = simulate(recipe.build("floor"), signal, rows, commanded=commanded, start_pose=run.start)
+    mine = draw.tracks(planted, [run])[0]
+    return float(np.abs(np.asarray(theirs.pose) - mine)[:, :2].max())
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_simulator_agrees_with_the_packages(kind: str, tmp_path: Path) -> None:
+    """The two share no code: without any effect their tracks differ by less than a micrometre."""
+    shapes = set()
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        robot = draw_robot(rng, Wishes())
+        if robot.kind != kind or robot.machine.shape in shapes or robot.machine.rigid_fraction[0] > 0.0:
+            continue
+        shapes.add(robot.machine.shape)
+        run = draw_run(rng, robot.machine, 200, spread=True, commanded=False, hardest=1.0)
+        off = _off({"robot.toml": robot.text}, tmp_path, Planted(machine=robot.machine), run, ())
+        assert off < 1e-6, (seed, off)
+    assert len(shapes) >= 2
+
+
+#: Effects of the camera are no part of the package's simulation.
+IN_MOTION = [f for f in CATALOGUE_FAMILIES if f.covered and f.variable != "measurement"]
+
+
+@pytest.mark.parametrize("family", IN_MOTION, ids=lambda f: f.name)
+def test_a_planted_effect_is_the_catalogues(family: Family, tmp_path: Path) -> None:
+    """Sets that judge intervals hold the catalogue's very law: tracks agree with the effect, not without."""
+    rng = np.random.default_rng(6)
+    robot = draw_robot(rng, Wishes(plain_loads=True, box=True, no_rigid=True, no_motor=True))
+    run = draw_run(rng, robot.machine, 200, spread=True, commanded=family.commanded, hardest=2.5)
+    planted = family.draws(Draw(rng=rng, machine=robot.machine, runs=[run]))(0.4)
+    words: dict[str, Any] = dict(planted.parameters)
+    if planted.wheels:
+        words["wheels"] = tuple(str(i) for i in planted.wheels)
+    effect = effect_class(family.name)
+    assert effect is not None
+    if family.commanded and planted.tables is None:
+        planted = Planted(machine=planted.machine, physics=planted.physics, tables=lambda r: r.tables)
+    files = {"robot.toml": robot.text}
+    off = _off(files, tmp_path, planted, run, (effect(**words),))
+    without = _off(files, tmp_path, planted, run, ())
+    assert without > 5e-4 and off < 0.05 * without, (off, without)
+
+
+def _answer(verdict: str, name: str, traced_to: str, after: float, leads: list[str]) -> dict[str, Any]:
+    effects = [
+        {"name": name, "traced_to": traced_to, "parameters": {"gain": [1.1, 1.05, 1.2]}, "confused_with": []}
+    ]
+    errors = {"rmse_position_m": 0.01, "rmse_heading_rad": 0.01}
+    return {
+        "verdict": verdict,
+        "before": errors | {"chi": 5.0},
+        "after": errors | {"chi": after},
+        "effects": effects if verdict == "effect-found" else [],
+        "leads": [{"traced_to": lead, "name": None} for lead in leads],
+        "seconds": 1.0,
+    }
+
+
+def test_the_score_counts_what_the_reports_say() -> None:
+    real = {"planted": True, "also": [], "wheels": [], "parameters": {"gain": 1.0}}
+    null = {"planted": False}
+    truth = {
+        "sets": {
+            "a": real | {"family": "heading_gain", "catalogue": "heading_gain", "variable": "measurement"},
+            "b": real | {"family": "heading_gain", "catalogue": "heading_gain", "variable": "measurement"},
+            "c": real | {"family": "slick_patch", "catalogue": None, "variable": "position"},
+            "d": null | {"family": "white", "instrument_at_fault": False},
+            "e": null | {"family": "camera_absent", "instrument_at_fault": True},
+            "f": null | {"family": "camera_absent", "instrument_at_fault": True},
+        }
+    }
+    results = {
+        "sets": {
+            "a": _answer("effect-found", "heading_gain", "measurement", 1.0, []),
+            "b": _answer("effect-found", "tether", "position", 9.0, []),
+            "c": _answer("unexplained", "", "", 5.0, ["position", "time"]),
+            "d": _answer("effect-found", "camera_delay", "measurement", 1.0, []),
+            "e": _answer("effect-found", "camera_delay", "measurement", 1.0, []),
+            "f": _answer("effect-found", "stribeck", "slip_speed", 1.0, []),
+        }
+    }
+    out = score.scored(results, truth)
+    assert out["names"] == [1, 2] and out["variables_catalogue"] == [1, 2]
+    assert out["variables_inventions"] == [0, 1] and out["variable_or_first_lead_inventions"] == [1, 1]
+    assert out["found_and_error_grew"] == ["b"]
+    assert out["false_alarms"] == [2, 3]
+    assert out["false_alarms_by_kind"] == {"white": [1, 1], "camera_absent": [1, 2]}
+    assert out["coverage"] == {
+        "sets": 1,
+        "intervals": 1,
+        "coverage": 0.0,
+        "median_error_over_half_width": pytest.approx(1.3333, abs=1e-4),
+    }
