@@ -46,6 +46,8 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "import": ("slipmargin_cli.import_logs:app", "Turn raw logs into a data set."),
     "reproduce": ("slipmargin_cli.reproduce:reproduce", "Every published number beside ours."),
     "robots": ("slipmargin_cli.robots:app", "Robot files: list, show, new, from-urdf, check."),
+    "surfaces": ("slipmargin_cli.surfaces:app", "Published friction coefficients: list, show."),
+    "measure": ("slipmargin_cli.measure:measure", "Friction coefficients from pulls with a luggage scale."),
     "effects": ("slipmargin_cli.effects:app", "The effects a robot file may hold: list, show."),
 }
 

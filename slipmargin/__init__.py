@@ -27,11 +27,14 @@ _CONTENTS = {
     "check_robot": "slipmargin.api.robot_files",
     "describe_effect": "slipmargin.api.effects",
     "describe_robot": "slipmargin.api.robots",
+    "describe_surface": "slipmargin.api.surfaces",
     "design": "slipmargin.api.design",
     "diagnose": "slipmargin.api.diagnose",
     "import_logs": "slipmargin.api.import_logs",
     "known_effects": "slipmargin.api.effects",
     "new_robot": "slipmargin.api.robot_files",
+    "known_surfaces": "slipmargin.api.surfaces",
+    "measure": "slipmargin.api.measure",
     "plan": "slipmargin.api.plan",
     "polytope": "slipmargin.api.polytope",
     "read_robot": "slipmargin.api.robots",
@@ -48,6 +51,7 @@ if TYPE_CHECKING:
     from slipmargin.api.diagnose import diagnose as diagnose
     from slipmargin.api.effects import describe_effect as describe_effect, known_effects as known_effects
     from slipmargin.api.import_logs import import_logs as import_logs
+    from slipmargin.api.measure import measure as measure
     from slipmargin.api.plan import plan as plan
     from slipmargin.api.polytope import polytope as polytope
     from slipmargin.api.reproduce import reproduce as reproduce
@@ -62,6 +66,7 @@ if TYPE_CHECKING:
         read_robot as read_robot,
     )
     from slipmargin.api.simulate import simulate as simulate
+    from slipmargin.api.surfaces import describe_surface as describe_surface, known_surfaces as known_surfaces
     from slipmargin.api.sweep import sweep as sweep
 
 

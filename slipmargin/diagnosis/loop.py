@@ -141,7 +141,7 @@ def diagnose(
     Diagnosis
     """
     watch = Watch.of(progress, budget_s)
-    progress("mending the data", 0.0)
+    watch("mending the data", 0.0)
     conditions = ready(data_set, repairs)
     data_set = conditions.data_set
     s = searched(data_set, seed, watch)

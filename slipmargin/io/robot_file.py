@@ -16,9 +16,10 @@ from slipmargin.effects import Recipe
 from slipmargin.errors import InputError
 from slipmargin.io.effect_table import read_effect
 from slipmargin.io.source import read_text
-from slipmargin.io.toml_table import Table, nearest, parse_toml
+from slipmargin.io.toml_table import Table, nearest, one_of, parse_toml
 from slipmargin.robot import Body, FrictionLaw, LoadRule, Motor, Robot, Surface, Wheel
 from slipmargin.robot.fields import Kind, keys
+from slipmargin.robot.library import LIBRARY, published
 from slipmargin.robot.mistakes import refuse_impossible
 
 SCHEMA = 1
@@ -96,7 +97,7 @@ def recipe_from_text(text: str) -> Recipe:
     friction = _part(top.table("friction", ""), FrictionLaw) if top.has("friction") else FrictionLaw()
     motor = _part(top.table("motor", ""), Motor) if top.has("motor") else None
     wheels = tuple(_part(table, Wheel) for table in top.tables("wheel"))
-    surfaces = _surfaces(top)
+    surfaces = _surfaces(top, any(w.rigid_fraction > 0.0 for w in wheels))
     effect_tables = top.tables("effect")
     robot = Robot(
         body=body,
@@ -150,13 +151,44 @@ def _values(table: Table, kind: type, section: str = "") -> dict[str, Any]:
     return found
 
 
-def _surfaces(top: Table) -> tuple[Surface, ...]:
+def _surfaces(top: Table, sectors: bool) -> tuple[Surface, ...]:
     cure = "add a [surface.NAME] table with roller and rigid"
     found = top.table("surface", cure).raw()
     if not found:
         raise InputError("surface", "no surface is described", cure)
-    tables = {name: Table(f"surface.{name}", value) for name, value in found.items()}
+    tables = {
+        name: Table(f"surface.{name}", _from_library(f"surface.{name}", value, sectors))
+        for name, value in found.items()
+    }
     return tuple(_part(table, Surface, name=name) for name, table in tables.items())
+
+
+def _from_library(place: str, raw: Any, sectors: bool) -> Any:
+    """A surface's table with what its published surface gives, under what the table itself gives.
+
+    Without rigid sectors nothing asks for coefficients of rigid material: those of the roller stand there.
+    """
+    if not isinstance(raw, dict) or "library" not in raw:
+        return raw
+    names = [entry.name for entry in LIBRARY]
+    entry = published(one_of(f"{place}.library", raw["library"], names))
+    assert entry is not None
+    own = {key: value for key, value in raw.items() if isinstance(value, dict)}
+    made = {key: {**entry.tables().get(key, {}), **own.get(key, {})} for key in ("roller", "rigid")}
+    for name in entry.missing:
+        if name not in made["roller"]:
+            raise InputError(
+                f"{place}.roller.{name}",
+                f"is not published for {entry.name!r}",
+                f"measure it and write roller = {{ {name} = … }} (docs/how-to/measure-friction.md)",
+            )
+    if not made["rigid"] and sectors:
+        raise InputError(
+            f"{place}.rigid",
+            f"is not published for {entry.name!r}, but a wheel has rigid sectors",
+            "write rigid = { drive = …, transverse = … }, or set rigid_fraction = 0",
+        )
+    return {**raw, **made, "rigid": made["rigid"] or made["roller"]}
 
 
 def _check_stands(robot: Robot) -> None:

@@ -26,6 +26,7 @@ from slipmargin.limits.motion import needed_share
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.physics.constants import GRAVITY_M_S2
+from slipmargin.physics.grips import GripShape
 
 #: Curvatures of the cornering table [1/m].
 CURVATURES = np.array([0.2, 0.5, 1.0, 2.0, 5.0])
@@ -41,7 +42,8 @@ class Bounds:
     ``rigid`` is the share of the grip that constant speed needs in the worst roller/rigid state; above 1 even
     constant speed must slip.  ``motor_m_s2`` and ``top_m_s`` (H,) are the motors' limits (infinite: none).
     ``inside`` is None where ``why_not`` says so.  On an uneven floor all of them are the worst of the loads'
-    band, and ``even`` says what an even floor allows with all of the grip.
+    band, and ``even`` says what an even floor allows with all of the grip.  ``rolling_m_s2`` is the traction
+    limit of rollers that turn freely (disc-strip), where the grip is the box.
     """
 
     model: Model
@@ -56,6 +58,7 @@ class Bounds:
     inside: Inside | None
     why_not: str
     even: Directions | None = None
+    rolling_m_s2: float | None = None
 
     @property
     def traction_m_s2(self) -> float:
@@ -138,4 +141,13 @@ def bounds(
         inside=found,
         why_not=why,
         even=even,
+        rolling_m_s2=_rolling(model, heading, contact),
     )
+
+
+def _rolling(model: Model, heading: Array, contact: Contact) -> float | None:
+    """Weakest starting limit with the grip disc-strip [m/s²]; None where the grip is not the box."""
+    if model.grip.shape is not GripShape.BOX:
+        return None
+    free = replace(model, grip=replace(model.grip, shape=GripShape.DISC_STRIP))
+    return float(np.min(directions(free, heading, contact=contact, motor=False).starting_m_s2))

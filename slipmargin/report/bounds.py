@@ -14,6 +14,8 @@ from slipmargin.limits.uncertainty import SlipChance
 from slipmargin.report.sweep import chance_line
 from slipmargin.report.text import columns, degrees
 
+#: A disc-strip limit that is lower by this part is worth a line [1].
+WORTH_SAYING = 0.005
 #: A strongest direction whose neighbours hold less than this part of it is called narrow [1].
 NEEDLE = 0.9
 
@@ -45,6 +47,7 @@ def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:
         "(with the margin)"
     )
     lines.append(_steady(b))
+    lines += _grip(b)
     if likely is not None:
         lines.append(chance_line(likely, f"{b.recommended_m_s2:.4g}", "m/s²"))
     if b.even is not None:
@@ -54,6 +57,21 @@ def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:
             f"an even floor holds {np.min(b.even.starting_m_s2):.4g} m/s² in the weakest direction"
         )
     return lines + _sets(b)
+
+
+def _grip(b: Bounds) -> list[str]:
+    """How much less rollers hold that turn freely, where the grip is the box and that is worth a line."""
+    if b.rolling_m_s2 is None or b.rolling_m_s2 > (1.0 - WORTH_SAYING) * b.traction_m_s2:
+        return []
+    if b.rolling_m_s2 <= 0.0:
+        return [
+            "grip        box; rollers that turn freely (disc-strip) slip at constant speed in some direction"
+        ]
+    less = 100.0 * (1.0 - b.rolling_m_s2 / b.traction_m_s2)
+    return [
+        f"grip        box; rollers that turn freely (disc-strip) hold {b.rolling_m_s2:.4g} m/s² in the weakest "
+        f"direction, {less:.0f} % less"
+    ]
 
 
 def _tips(b: Bounds, at: int) -> str:

@@ -14,7 +14,8 @@ picture and export of a command is in the convention of its robot file, so nothi
 Masses, centre of mass, load fractions and friction coefficients may be uncertain: `"0.26 ± 0.02"` (normal,
 one standard deviation) or the interval `[0.24, 0.28]` (uniform), as marked below. `bounds`, `sweep` and
 `plan` draw from the spreads and print the chance of slip; every other command uses the middle and says so.
-A key that is not marked refuses a spread.
+A key that is not marked refuses a spread. Published coefficients can be used by name (`library`, see
+`slipmargin surfaces list`); [measure yours in ten minutes](how-to/measure-friction.md).
 A key that is not named here is an error, and so is a key that can have no effect beside the others. Ranges
 are wide: they are there to catch slips of unit and sign. The file starts with `schema = 1`.
 `slipmargin robots show ohio-kiwi` prints a whole file.
@@ -43,7 +44,8 @@ A file is read, but the commands print a warning, where
   `roller_angle_deg`: rollers mounted the wrong way round;
 - wheel positions, wheel radius, height and radius of gyration √(inertia / mass) do not belong to one robot: a
   value in millimetres or grams (what no robot can have is refused);
-- a friction coefficient is above 1.5."""
+- a friction coefficient is above 1.5;
+- a command does not use what the file says of its own uncertainty (a spread, or the band of loads)."""
 
 
 def robot_file_page() -> str:

@@ -8,7 +8,7 @@ from typing import final
 from slipmargin.errors import InputError
 from slipmargin.physics.friction_laws import LAWS
 from slipmargin.physics.grips import GripShape
-from slipmargin.robot.fields import check, number, table, word
+from slipmargin.robot.fields import check, number, table, text, word
 
 
 @final
@@ -41,6 +41,13 @@ class Surface:
     """A floor: coefficients of a wheel standing on a roller and on rigid material (Table I)."""
 
     name: str
+    library: str | None = field(
+        default=None,
+        metadata=text(
+            "name of a published surface (`slipmargin surfaces list`) whose coefficients are used where "
+            "`roller` and `rigid` do not give them"
+        ),
+    )
     roller: Coefficients = field(
         metadata=table(Coefficients, "a wheel standing on a roller", vary=("mu_drive", "mu_transverse"))
     )
@@ -93,7 +100,7 @@ class FrictionLaw:
         default=GripShape.BOX,
         metadata=word(
             GripShape,
-            "set in which a wheel's friction force lies",
+            "set in which a wheel's friction force lies; for a new file take disc-strip",
             (
                 "drive and transverse friction have each their own limit, eq. (17) of the paper",
                 "the whole force is within the drive limit and its transverse part within the transverse one",

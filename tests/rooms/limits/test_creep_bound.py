@@ -61,3 +61,14 @@ def test_the_page_quotes_the_few_rollers() -> None:
     assert f"wheels of 9 rollers creeps by {100 * creep['9']['0.9']:.1f} %" in page
     assert f"on wheels of 18 by {100 * creep['18']['0.9']:.1f} %" in page
     assert creep["18"]["0.9"] < found["slips_above"] == 0.015 < creep["9"]["0.9"]
+
+
+def test_the_page_quotes_how_much_more_the_box_promises() -> None:
+    rows = json.loads((ROOT / "benchmarks/results/rollers.json").read_text(encoding="utf-8"))
+    more = [
+        100.0 * (r["limit_of_the_box_m_s2"] / r["limit_m_s2"] - 1.0)
+        for r in rows
+        if "limit_of_the_box_m_s2" in r
+    ]
+    page = " ".join((ROOT / "docs/theory.md").read_text(encoding="utf-8").split())
+    assert f"from {min(more):.1f} to {max(more):.0f} % for the three robots there" in page

@@ -112,3 +112,13 @@ def test_a_plan_on_an_uneven_floor_keeps_its_margin_at_every_corner() -> None:
     robot = uneven(replace(four_wheels(), load_rule=LoadRule.QUASI_STATIC), 10.0)
     found = sm.plan(robot, "paper", [[0.0, 0.0, 0.0], [0.6, 0.3, 0.2]], points=60)
     assert found.plan.max_use == pytest.approx(0.9, abs=2e-3)
+
+
+def test_a_box_is_told_what_rollers_that_turn_freely_hold() -> None:
+    box = sm.bounds("ohio-kiwi-symmetric", "paper", step_deg=15.0)
+    free = sm.bounds(sm.read_robot("ohio-kiwi-symmetric", grip="disc-strip"), "paper", step_deg=15.0)
+    assert box.bounds.rolling_m_s2 == pytest.approx(free.bounds.traction_m_s2, rel=1e-12)
+    (line,) = [s for s in box.lines() if s.startswith("grip ")]
+    assert f"{free.bounds.traction_m_s2:.4g} m/s²" in line and "% less" in line
+    assert not any(s.startswith("grip ") for s in free.lines())
+    assert box.to_dict()["traction_limit_disc_strip_m_s2"] == box.bounds.rolling_m_s2
