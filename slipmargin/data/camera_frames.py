@@ -212,13 +212,17 @@ def _forwards(t: Array, pose: Array, sigma: Array, start: int) -> Flags:
                     break
                 back += 1
             ends = back >= len(t)
-            if (back < len(t) and t[back] - t[last[-1]] <= _BACK_WITHIN_S) or (
-                ends and len(t) - k <= _MOST_AT_ENDS
-            ):
+            if ends and len(t) - k <= _MOST_AT_ENDS:
+                gone[k:] = True
+                break
+            inside = list(range(max(k, back - _FRAMES), back))
+            # Frames that lead on to the one where the robot is believed to be back show where it really is.
+            leads_on = not ends and len(inside) >= 3 and _reachable(t, pose, sigma, inside, back)
+            if not ends and not leads_on and t[back] - t[last[-1]] <= _BACK_WITHIN_S:
                 gone[k:back] = True
-                if ends:
-                    break
                 k = back
+            else:  # it stays there: an event, after which the last frames say nothing
+                last = []
         last = [*last[-(_FRAMES - 1) :], k]
         k += 1
     return gone

@@ -98,8 +98,8 @@ _LASTS, _NOT_STEEP = 25.0, 4.0
 _NOT_STEEP_FAR = 16.0
 #: Fits within this of the best are as good [chi²].
 _AS_GOOD = 1.0
-#: Least share of the variance that is called lasting.
-_LEAST_SHARE = 0.15
+#: Least correlation of the noise from sample to sample that is called lasting.
+_LEAST_CORRELATION = 0.15
 #: Long windows are read where the residual is less than this many times the white noise (root mean square): else a
 #: model lacks something whose motion reaches into their lines.
 _NEARLY_NOISE = 2.5
@@ -129,24 +129,46 @@ def lasting_noise(
     happens.
     """
     sigma, share, time = np.zeros(3), np.zeros(3), np.full(3, 1.0)
+    scale = np.array([_roughness(residuals, axis) for axis in range(3)])
+    residuals = [(t, r / scale) for t, r in residuals]
     for axes in ((0, 1), (2,)):
         spectra = [s for size in _WINDOWS if (s := _spectrum(residuals, axes, size)) is not None]
         if not spectra:
+            sigma[list(axes)] = scale[list(axes)]
             continue
         pooled = np.concatenate([r[:, axes].ravel() for _, r in residuals])
         size, flat = float(np.sqrt(np.nanmean(pooled**2))), float(np.median(spectra[0][1]))
-        as_stated = stated is not None and size < _AS_STATED * float(stated[axes[0]])
+        as_stated = stated is not None and size < _AS_STATED * float(np.mean(stated[list(axes)] / scale[list(axes)]))
         near = size < _NEARLY_NOISE * np.sqrt(flat) or as_stated
         # One camera sees both: noise that lasts in x and y is expected to last in the heading.
         apart = _NOT_STEEP if near or share.any() else _NOT_STEEP_FAR
         shortest, *longer = [_first_order(*s, apart) for s in (spectra if near else spectra[:1])]
         good = [fit for fit in longer if fit[3] < _GOOD_FIT and fit[1] > 0.0]
         white, part, fades, _ = good[-1] if good else shortest
+        if near and part > 0.0:
+            white, part, fades = _as_large(white, part, fades, size)
         for axis in axes:
-            sigma[axis], share[axis], time[axis] = np.sqrt(white / (1.0 - part)), part, fades
+            sigma[axis], share[axis], time[axis] = scale[axis] * np.sqrt(white / (1.0 - part)), part, fades
     if not share.any():
         return sigma, None
     return sigma, LastingNoise(share=share, time_s=time)
+
+
+def _as_large(white: float, part: float, fades: float, size: float) -> tuple[float, float, float]:
+    """White variance, lasting share and time of the noise with the same spectrum that is as large as a residual.
+
+    A spectrum down to its first line tells the ratio of variance and time, not how large both are.
+    """
+    lasting = white * part / (1.0 - part)
+    whole = max(lasting, size**2 - white)
+    return white, whole / (white + whole), fades * whole / lasting
+
+
+def _roughness(residuals: list[tuple[Array, Array]], axis: int) -> float:
+    """About the size of one channel's white noise: what samples miss the middle of their neighbours by."""
+    known = [r[np.isfinite(r[:, axis]), axis] for _, r in residuals]
+    misses = np.concatenate([np.diff(values, n=2) for values in known])
+    return max(1.4826 * float(np.median(np.abs(misses))) / np.sqrt(6.0), 1e-12) if len(misses) else 1.0
 
 
 def _spectrum(
@@ -216,6 +238,6 @@ def _first_order(
     odd = float(odds[at[0], at[1], 0])
     white = float(np.exp(np.mean(level - np.log(1.0 + odd * lasting[at[0], 0]))))
     part = odd / (1.0 + odd)
-    if part < _LEAST_SHARE:
+    if part * np.exp(-step_s / times[at[0]]) < _LEAST_CORRELATION:
         return float(np.exp(level.mean())), 0.0, float(times[0]), flat / len(line)
     return white, part, float(times[at[0]]), found / len(line)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from slipmargin.data.checks import CLEARLY, MISSES
+from slipmargin.data.checks import CLEARLY
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.odometry_match import Arrangement, all_pieces, arrangements, joined, mismatch
 from slipmargin.data.record import WHEEL_SIGNALS, Record
@@ -49,7 +49,9 @@ def alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     right = [p for t, p in zip(data_set.trials, pieces, strict=True) if p is not None and t.name not in wrong]
     if not taken or 2 * len(wrong) >= len(known):  # no majority says what is right
         return data_set, ()
-    if mismatch(joined(right), None, geometry) > MISSES * (1.0 + CLEARLY):
+    whole = joined(right)
+    stated = mismatch(whole, None, geometry)
+    if not all(stated < CLEARLY * mismatch(whole, a, geometry) for a, _ in taken.values()):
         return data_set, ()
     repairs = tuple(
         Repair(

@@ -13,13 +13,16 @@ from slipmargin.data.record import Record
 from slipmargin.data.repair import Repair, run_by_run
 
 _TURN = 2.0 * np.pi
+#: Angles are wrapped if at least this share of their large steps are whole turns.
+_WHOLE = 0.8
 #: What wheel speeds may be given in instead of rad/s: the factor that makes them rad/s.
 _SPEED_UNITS = {"turns a minute": _TURN / 60.0, "degrees a second": np.pi / 180.0, "turns a second": _TURN}
 #: A factor between angles and speeds is that of a unit if it is as near as this [1].
 _UNIT_WITHIN = 0.02
 #: Speeds that differ from the rate of the angles by more than this share are no measurement of it.
 _NO_SPEED = 0.1
-#: A clock is wrong if speeds and angles differ by more than this share [1] (an encoder is a count and a controller's
+#: A clock is wrong if speeds and angles differ by more than this share [1] (an encoder is a count and a
+#: controller's
 #: clock a quartz; both are far better) …
 _CLOCK_LEAST = 0.003
 #: … and by so many standard errors.
@@ -28,8 +31,12 @@ _CLOCK_ERRORS = 5.0
 _BLOCK_S = 0.25
 #: Encoders of fewer ticks a turn than this are smoothed.
 _FINE_TICKS = 1500.0
-#: Angles agree with integrated speeds if the difference has at most this share of a tick (rms; rounding makes 0.29).
+#: Angles agree with integrated speeds if the difference has at most this share of a tick (rms; rounding
+#: makes 0.29).
 _WITHIN_TICK = 0.45
+#: Speeds are no differences of the counts if the third differences of the way they add up to stay below this share of
+#: a tick while the wheel turns (three quarters of them; differences of counts come in quarters of a tick).
+_OWN_SPEED = 0.15
 
 
 def unwrapped(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
@@ -96,7 +103,9 @@ def _unwrap(angle: Array, expected: Array) -> tuple[Array, int]:
     if np.max(np.abs(way)) > 0.5 * period and period != _TURN:
         return angle, 0
     turns = np.round((step - way) / period)
-    if not turns.any():
+    left = np.abs(step - period * turns - way)[turns != 0.0]
+    # A step of a whole turn is that and little else; one of a marker mistaken for another is anything.
+    if not len(left) or np.mean(left < 0.1 * period + 4.0 * np.median(np.abs(step - way))) < _WHOLE:
         return angle, 0
     out = np.array(angle)
     out[known] = values - period * np.append(0.0, np.cumsum(turns))
@@ -236,7 +245,10 @@ def _smoothed(t: Array, angle: Array, speed: Array | None, step: float) -> tuple
         rate = bridged(t, speed[:, None])[:, 0]
         way = np.append(0.0, np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(t)))
         offset = angle[known] - way[known]
-        if float(np.std(offset)) < _WITHIN_TICK * step:
+        moving = np.abs(rate[3:]) > 0.1 * np.abs(rate).max()
+        rough = np.abs(np.diff(way, n=3))[moving]
+        own = len(rough) > 0 and float(np.quantile(rough, 0.75)) < _OWN_SPEED * step
+        if own and float(np.std(offset)) < _WITHIN_TICK * step:
             return way + float(np.mean(offset)), rate
     from scipy.interpolate import make_smoothing_spline
 

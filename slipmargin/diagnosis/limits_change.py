@@ -85,13 +85,8 @@ class LimitsChange:
     after: Limits
     plan: PlanChange | None
     pulls: PullCheck | None = None
-<<<<<<< HEAD
-    missing: tuple[str, ...] = ()
-    convention: Convention = Convention.PAPER
-=======
     convention: Convention = Convention.PAPER
     missing: tuple[str, ...] = ()
->>>>>>> main
 
     @property
     def moved(self) -> bool:

@@ -7,6 +7,7 @@ what was found without them.  The verdict follows from these predictions.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
 
@@ -28,7 +29,6 @@ from slipmargin.diagnosis.pull_search import (
     search,
 )
 from slipmargin.diagnosis.result import Estimate, Finding, Step, Tried, Verdict
-from slipmargin.diagnosis.search import Progress
 from slipmargin.effects import Effect, Quantity, Recipe, Trace
 from slipmargin.errors import InputError
 
@@ -108,7 +108,7 @@ class PullDiagnosis:
 
 
 def diagnose_pulls(
-    data_set: DataSet, *, seed: int = 0, progress: Progress = lambda stage, share: None
+    data_set: DataSet, *, seed: int = 0, progress: Callable[[str, float], None] = lambda stage, share: None
 ) -> PullDiagnosis:
     """Find what the model of a data set lacks from its pulls alone.
 
