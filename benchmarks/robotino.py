@@ -29,12 +29,13 @@ from scipy.optimize import minimize_scalar
 
 from slipmargin.checks import Index
 from slipmargin.data.data_set import DataSet, WheelSignal
+from slipmargin.data.noise import white_noise
 from slipmargin.diagnosis.candidate import named_candidates
 from slipmargin.diagnosis.evidence import intervals
 from slipmargin.diagnosis.fit import Fit, build, fit, limits_of
 from slipmargin.diagnosis.left_out import leave_one_out
 from slipmargin.diagnosis.loop import diagnose
-from slipmargin.diagnosis.prepare import clean, noise
+from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Diagnosis
 from slipmargin.diagnosis.settings import SETTINGS
@@ -73,7 +74,7 @@ def rescaled(campaign: Campaign) -> Recipe:
 def fitted(runs: Runs, recipe: Recipe, labels: tuple[str, ...], which: Index, start: dict[str, float]) -> Fit:
     """These candidates of the loop fitted to the runs ``which``, piece by piece, from ``start``."""
     records = tuple(runs.trials[i] for i in which)
-    sigma = noise(records)
+    sigma = white_noise(records)
     problem = Problem.of(recipe, "gray", tuple(clean(r, sigma) for r in records), sigma, False)
     candidates = {c.label: c for c in named_candidates(problem.nominal.geometry.names, False, ())}
     structure = tuple(candidates[label] for label in labels)

@@ -45,8 +45,10 @@ def check(
 ) -> int:
     """Audit anybody's trajectory: the share of each wheel's grip that it asks for, and the cure.
 
-    Admissible means that no wheel uses more than 1 − margin of its grip, no motor more than it has, and no
-    wheel lifts off.  The cure is one factor: stretch time by it.
+    Admissible means that no wheel uses more than 1 − margin of its grip, loses more than that of its load
+    (at 1
+    it lifts off), and no motor gives more than that of its torque.  The cure is one factor: stretch time by
+    it.
 
     The form of the file is told by its content.  Choreo, PathPlanner and ROS give the heading of
     the robot's front: it stays for a robot file in the convention of ROS and is turned by -90 degrees for

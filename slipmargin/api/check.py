@@ -34,7 +34,7 @@ class CheckResult(Result):
 
     @property
     def admissible(self) -> bool:
-        """Whether no wheel exceeds 1 − margin of its grip, no motor its torque, and none lifts off."""
+        """Whether grip, torque and tipping stay within 1 − margin, and wheels within their top speed."""
         return self.check.admissible
 
     @property
@@ -98,6 +98,8 @@ class CheckResult(Result):
             "torque": c.torque,
             "wheel_speed": c.speed,
             "min_load_N": float(np.min(c.load_N)),
+            "tipping": c.tipping,
+            "max_tipping": float(np.max(c.tipping)),
         }
 
 
@@ -113,8 +115,10 @@ def check(
 ) -> CheckResult:
     """The share of each wheel's grip that a trajectory asks for, and how much slower it must be.
 
-    Admissible means that no wheel uses more than 1 − margin of its grip, no motor more than it has, and no
-    wheel lifts off.  The cure is one factor: stretch time by it.
+    Admissible means that no wheel uses more than 1 − margin of its grip, loses more than that of its load
+    (at 1
+    it lifts off), and no motor gives more than that of its torque.  The cure is one factor: stretch time by
+    it.
 
     Parameters
     ----------

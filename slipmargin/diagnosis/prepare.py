@@ -1,4 +1,4 @@
-"""Make measured trials ready to compare: noise, outliers, start pose.
+"""Make measured trials ready to compare: outliers, start pose.
 
 Nothing here knows a model; it only reads the pose as measured.
 """
@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array, frozen
 from slipmargin.data.record import Record
@@ -37,48 +38,14 @@ class Trial:
         object.__setattr__(self, "start", frozen("start", self.start, (3,)))
 
 
-def noise(records: tuple[Record, ...]) -> Array:
-    """Standard deviation (3,) of x [m], y [m], φ [rad], from neighbours that smooth motion cannot explain.
-
-    Each sample is compared with the straight line between its neighbours; the spread of that
-    difference is σ √(1 + w² + (1 − w)²), w the neighbour's weight.  The median makes it robust
-    against outliers and against short hard accelerations.
-    """
-    parts = [np.abs(_against_neighbours(r.t_s, r.pose)) for r in records]
-    found = np.empty(3)
-    for axis in range(3):
-        values = np.concatenate([p[:, axis] for p in parts])
-        values = values[np.isfinite(values)]
-        if not len(values):
-            found[axis] = 1e-3
-            continue
-        spread = 1.4826 * float(np.median(values))
-        if spread == 0.0:  # a coarse sensor repeats its value: its step is the noise
-            steps = values[values > 0.0]
-            spread = float(np.min(steps)) if len(steps) else 1e-6
-        found[axis] = max(spread, 1e-9)
-    return found
-
-
-def _against_neighbours(t: Array, pose: Array) -> Array:
-    """Each inner sample minus the line between its neighbours, per √(1 + w² + (1 − w)²)."""
-    w = ((t[1:-1] - t[:-2]) / (t[2:] - t[:-2]))[:, None]
-    line = pose[:-2] * (1.0 - w) + pose[2:] * w
-    return np.asarray((pose[1:-1] - line) / np.sqrt(1.0 + w**2 + (1.0 - w) ** 2))
-
-
 def clean(record: Record, sigma: Array) -> Trial:
     """A run without its outliers, and where it started."""
     pose = np.array(record.pose)
-    lone = np.abs(_against_neighbours(record.t_s, pose)) > OUTLIER_SIGMA * sigma
-    padded = np.pad(pose, ((2, 2), (0, 0)), mode="edge")
-    windows = np.lib.stride_tricks.sliding_window_view(padded, 5, axis=0)
-    middle = np.nanmedian(np.where(np.isfinite(windows), windows, np.nan), axis=-1) if len(pose) > 2 else pose
-    travel = np.abs(np.gradient(middle, record.t_s, axis=0)) * np.median(np.diff(record.t_s))
-    far = np.abs(pose - middle) > OUTLIER_SIGMA * sigma + 2.0 * np.nan_to_num(travel)
     bad = np.zeros(pose.shape, dtype=bool)
-    bad[1:-1] = lone
-    bad &= far
+    for axis in range(3):
+        known = np.flatnonzero(np.isfinite(pose[:, axis]))
+        if len(known) > 2:
+            bad[known, axis] = _outlying(record.t_s[known], pose[known, axis], float(sigma[axis]))
     pose[bad] = np.nan
     pose.setflags(write=False)
     return Trial(
@@ -89,6 +56,18 @@ def clean(record: Record, sigma: Array) -> Trial:
         dropped=int(bad.sum()),
         record=record,
     )
+
+
+def _outlying(t: Array, values: Array, sigma: float) -> NDArray[np.bool_]:
+    """Which samples (T,) are far both from the line between their neighbours and from the middle of five."""
+    w = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
+    line = values[:-2] * (1.0 - w) + values[2:] * w
+    lone = np.zeros(len(values), dtype=bool)
+    lone[1:-1] = np.abs(values[1:-1] - line) > OUTLIER_SIGMA * sigma * np.sqrt(1.0 + w**2 + (1.0 - w) ** 2)
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(values, 2, mode="edge"), 5)
+    middle = np.median(windows, axis=1)
+    travel = np.abs(np.gradient(middle, t)) * np.median(np.diff(t))
+    return np.asarray(lone & (np.abs(values - middle) > OUTLIER_SIGMA * sigma + 2.0 * travel))
 
 
 def _start(record: Record, pose: Array, sigma: Array) -> Array:

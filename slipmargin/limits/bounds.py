@@ -13,7 +13,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array, real
-from slipmargin.limits.motion import AccelerationLimit, acceleration_limit, along, along_each, needed_share
+from slipmargin.limits.motion import AccelerationLimit, acceleration_limit, along, along_each, steady_share
 from slipmargin.limits.motion_rows import acceleration_rows
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
@@ -26,7 +26,8 @@ from slipmargin.physics.kinematics import com_acceleration
 class Directions:
     """Acceleration limits (H,) [m/s²] by direction of motion ``heading_rad`` (H,).
 
-    ``steady_use`` is the share of the grip that constant speed needs; where it exceeds the share that
+    ``steady_use`` is the share of the grip that the most loaded wheel uses at constant speed; where it
+    exceeds the share that
     may be used, ``starting`` is negative: the robot slips without accelerating.  It is infinite where the
     drag of a coupled grip leaves nothing to drive; the limits are then those of coasting.
     """
@@ -73,6 +74,7 @@ def directions(
     contact: Contact = Contact.ROLLERS,
     motor: bool = True,
     speed_m_s: float | None = None,
+    pace: float = 0.0,
 ) -> Directions:
     """Limits by direction of motion.
 
@@ -82,11 +84,12 @@ def directions(
         Direction of motion in the body frame.
     speed_m_s : float, optional
         Speed at which drag, losses and motors are taken.  Without it the drag is full and nothing else
-        depends on the speed (the published limit; motors at their stall torque).
+        depends on the speed (the published limit; motors at their stall torque, or at ``pace`` of their top
+        speed).
     """
     ahead = ahead_of(heading_rad)
     motion = _moving(ahead, speed_m_s)
-    rows = acceleration_rows(model, motion, share=share, contact=contact, motor=motor)
+    rows = acceleration_rows(model, motion, share=share, contact=contact, motor=motor, pace=pace)
     none = com_acceleration(model.inertia.com_m, motion.velocity, np.zeros_like(ahead))
     left = np.stack([-ahead[:, 1], ahead[:, 0], ahead[:, 2]], axis=1)
     ways = np.stack([ahead, -ahead, left, -left])
@@ -96,7 +99,7 @@ def directions(
         starting_m_s2=up.value,
         braking_m_s2=down.value,
         turning_m_s2=np.minimum(one.value, two.value),
-        steady_use=needed_share(model, motion, contact=contact),
+        steady_use=steady_share(model, motion, contact=contact),
         starting=up,
     )
 
@@ -114,7 +117,7 @@ def spin(model: Model, *, share: float = 1.0, contact: Contact = Contact.ROLLERS
     return Spin(
         starting_rad_s2=float(np.min(limits[0].value)),
         braking_rad_s2=float(np.min(limits[1].value)),
-        steady_use=float(np.max(needed_share(model, motion, contact=contact))),
+        steady_use=float(np.max(steady_share(model, motion, contact=contact))),
         top_rad_s=np.inf if top is None else float(top / np.max(rate)),
     )
 
@@ -154,7 +157,7 @@ def _corner(
     limit = along(model, rows, np.zeros_like(per_square), per_square)
     speed = np.sqrt(np.maximum(limit.value, 0.0))
     crawl = Motion.full_drag(twist)  # without the centripetal force, which the limit counts
-    speed[needed_share(model, crawl, contact=contact) > share] = 0.0
+    speed[steady_share(model, crawl, contact=contact) > share] = 0.0
     top = model.drives.max_speed_rad_s
     if top is not None:
         rate = np.max(np.abs(model.geometry.wheel_speeds(twist)), axis=1)

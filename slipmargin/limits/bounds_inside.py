@@ -10,7 +10,8 @@ r the yaw acceleration in reserve:
     ellipsoid   max log det E                    s.t.  ‖E A_k‖ ≤ b_k
 
 With four wheels and more the rows only say that some distribution of forces holds.  So the ends of each set
-are driven as motions, and the rows drawn in until the realised distribution keeps the share too.
+are driven as motions, and the rows drawn in until the realised distribution keeps the share too, of the grip
+and of the motors' torque.
 """
 
 from __future__ import annotations
@@ -25,11 +26,11 @@ import numpy as np
 from slipmargin.checks import Array, real
 from slipmargin.errors import NoSolution
 from slipmargin.limits.bounds import spin
+from slipmargin.limits.effort import Effort, efforts
 from slipmargin.limits.margin import sphere
-from slipmargin.limits.motion import needed_share
-from slipmargin.limits.motion_rows import acceleration_rows, prepare
+from slipmargin.limits.motion import along, needed_share, steady_share
+from slipmargin.limits.motion_rows import MOTOR, acceleration_rows, at_pace, prepare, torque_limit
 from slipmargin.limits.motion_state import Contact, Motion
-from slipmargin.limits.realised_limit import decided_by_creep, realised_share
 from slipmargin.model import Model
 from slipmargin.physics.frames import directions
 from slipmargin.physics.kinematics import com_acceleration
@@ -41,8 +42,12 @@ HEADINGS, YAW = 72, (-1.0, 0.0, 1.0)
 BESIDE = 1e-5
 #: Share of the spinning limit kept for yaw by default: corrections of the heading while driving straight [1].
 YAW_SHARE = 0.1
+#: Share of the motors' top speed up to which the sets hold at least: there a motor's power is greatest [1].
+PACE = 0.5
 #: Rounds in which a set is drawn in, how close to the share it ends [1], and directions of its ends.
 ROUNDS, CLOSE, ROUND = 12, 1e-3, 24
+#: Rows that the ellipsoid reaches to this part of are driven where it does [1].
+TOUCHING = 0.95
 
 
 @final
@@ -55,6 +60,14 @@ class Inside:
     ``circle_m_s2``: the largest acceleration in any direction.  All of them keep ``yaw_rad_s2`` of yaw
     acceleration in reserve, at once with what they say.  ``ellipsoid`` (3, 3): accelerations E u, ‖u‖ ≤ 1,
     which trades yaw against translation and keeps no reserve.
+    ``coefficient``: the largest friction coefficient [1] of swerve modules in the wheels' places, each
+    pushing
+    any way with up to μ m g / N, all of whose accelerations are safe: the robot that Choreo and PathPlanner
+    plan for.
+
+    ``pace``: the share of the motors' top speed up to which all this is there with the same share of the
+    torque; None without motors.  ``yaw_rate_rad_s``: the fastest turn on the spot in which the mass, where it
+    is off the middle, leaves the reserved yaw acceleration; infinite where nothing limits it but the motors.
     """
 
     fast: Array
@@ -63,45 +76,70 @@ class Inside:
     ellipsoid: Array
     circle_m_s2: float
     yaw_rad_s2: float
+    coefficient: float
+    pace: float | None
+    yaw_rate_rad_s: float
 
 
 def safe_rows(
-    model: Model, *, share: Array | float = 1.0, contact: Contact = Contact.ROLLERS
+    model: Model,
+    *,
+    share: Array | float = 1.0,
+    contact: Contact = Contact.ROLLERS,
+    torque_share: Array | float | None = None,
 ) -> tuple[Array, Array, Array]:
     """Rows A (R, 3) a ≤ b (R,) on the origin's acceleration for every motion, and sign(v) (R, 3).
 
-    ``share`` is one number or one for each of the motions.
+    ``share`` and ``torque_share`` (by default the same) are one number or one for each of the motions.
 
     Raises
     ------
     NoSolution
-        If some motion must slip even at constant speed.
+        If some motion must slip even at constant speed, or needs more torque than the motors have.
     """
     motion = _all_motions(model)
-    need = needed_share(model, motion, contact=contact)
-    if np.any(need >= share):
-        v = motion.velocity[int(np.argmax(need))]
-        way = f"along {np.rad2deg(np.arctan2(v[1], v[0])) % 360.0:.0f}°" + (" while turning" if v[2] else "")
-        worst = float(np.max(need))
-        if np.isinf(worst):
-            raise NoSolution(
-                "safe accelerations",
-                f"in steady motion {way} drag uses the whole grip of a wheel and leaves none to drive",
-                "use the grip disc-strip for rollers that spin freely, or lower the transverse friction",
-            )
-        cure = (
-            f"use a margin below {np.floor(100.0 * (1.0 - worst)) / 100.0:g}"
-            if worst < 1.0
-            else "plan for rollers only, or lower the transverse friction"
-        )
+    if isinstance(share, float):
+        _refuse_steady(model, motion, share, contact)
+    rows = acceleration_rows(
+        model, motion, share=share, contact=contact, torque_share=torque_share, pace=PACE
+    )
+    motor = rows.cause == MOTOR
+    if np.any(motor) and np.min(rows.b[:, motor]) <= 0.0:
+        at = int(np.argmin(rows.b[:, motor].min(axis=1)))
         raise NoSolution(
-            "safe accelerations", f"steady motion {way} already needs {worst:.3g} of the grip", cure
+            "safe accelerations",
+            f"steady motion {_way(motion.velocity[at])} at {PACE:g} of the top speed needs all the torque "
+            "that the margin leaves of a motor",
+            "use stronger motors or a smaller margin",
         )
-    rows = acceleration_rows(model, motion, share=share, contact=contact)
     shift = com_acceleration(model.inertia.com_m, np.zeros((3, 3)), np.eye(3)).T
     A, b = rows.A @ shift, rows.b
     sign = np.broadcast_to(np.sign(motion.velocity)[:, None], A.shape)
     return _tightest(A.reshape(-1, 3), b.ravel(), sign.reshape(-1, 3))
+
+
+def _refuse_steady(model: Model, motion: Motion, share: float, contact: Contact) -> None:
+    need = steady_share(model, motion, contact=contact)
+    if np.all(need < share - CLOSE):
+        return
+    way, worst = _way(motion.velocity[int(np.argmax(need))]), float(np.max(need))
+    if np.isinf(worst):
+        raise NoSolution(
+            "safe accelerations",
+            f"in steady motion {way} drag uses the whole grip of a wheel and leaves none to drive",
+            "use the grip disc-strip for rollers that spin freely, or lower the transverse friction",
+        )
+    cure = (
+        f"use a margin below {np.floor(100.0 * (1.0 - worst)) / 100.0:g}"
+        if worst < 0.99
+        else "plan for rollers only, or lower the transverse friction"
+    )
+    raise NoSolution("safe accelerations", f"steady motion {way} already needs {worst:.3g} of the grip", cure)
+
+
+def _way(velocity: Array) -> str:
+    angle = np.rad2deg(np.arctan2(velocity[1], velocity[0])) % 360.0
+    return f"along {angle:.0f}°" + (" while turning" if velocity[2] else "")
 
 
 def inside(
@@ -133,20 +171,49 @@ def inside(
 
     def ellipsoid(A: Array, b: Array, sign: Array) -> tuple[Array, ...]:
         scale = _sizes(A, b)
-        return (scale[:, None] * largest_ellipsoid(_once(A * scale / b[:, None])),)
+        E = scale[:, None] * largest_ellipsoid(_once(A * scale / b[:, None]))
+        seen = A @ E / b[:, None]
+        reach = np.linalg.norm(seen, axis=1)
+        touching = np.unique(np.round(seen[reach > TOUCHING] / reach[reach > TOUCHING, None], 2), axis=0)
+        return E, touching / np.linalg.norm(touching, axis=1, keepdims=True)
 
-    def safe(largest: Callable[..., tuple[Array, ...]], ends: Callable[..., Array]) -> tuple[Array, ...]:
-        return _safe(model, largest, ends, share, contact)
+    modules = _modules(model)
+
+    def swerve(A: Array, b: Array, sign: Array) -> tuple[Array, ...]:
+        reach = np.linalg.norm(np.einsum("ka,nac->knc", A, modules), axis=2).sum(axis=1)
+        return (np.array([np.min(b / reach)]),)
+
+    def swerve_ends(coefficient: Array, sign: Array) -> Array:
+        size = np.sqrt(np.einsum("nac,nac->a", modules, modules))
+        seen = np.einsum("ra,nac->rnc", sphere(4 * ROUND) / size, modules)
+        push = seen / np.linalg.norm(seen, axis=2, keepdims=True)
+        ends = coefficient[0] * np.einsum("rnc,nac->ra", push, modules)
+        return np.broadcast_to(ends[:, None], (len(ends), *sign.shape))
+
+    asked: list[Array] = []
+
+    def safe(
+        largest: Callable[..., tuple[Array, ...]], ends: Callable[..., Array], counts: bool = True
+    ) -> tuple[Array, ...]:
+        found, torque = _safe(model, largest, ends, share, contact)
+        if counts:
+            asked.append(torque)
+        return found
 
     sided = safe(lambda A, b, sign: _boxes(A, b, sign, yaw)[:2], _sided_corners)
     even = safe(lambda A, b, sign: _boxes(A, b, sign, yaw)[2:], _even_corners)
+    ball = safe(circle, _circle_ends)
+    grip = safe(swerve, swerve_ends)
     return Inside(
         fast=sided[0],
         slow=sided[1],
         even=even[0],
-        ellipsoid=safe(ellipsoid, _ellipsoid_ends)[0],
-        circle_m_s2=float(safe(circle, _circle_ends)[0][0]),
+        ellipsoid=safe(ellipsoid, _ellipsoid_ends, counts=False)[0],
+        circle_m_s2=float(ball[0][0]),
         yaw_rad_s2=yaw,
+        coefficient=float(grip[0][0]),
+        pace=_pace(model, np.max(asked, axis=0), share),
+        yaw_rate_rad_s=_yaw_rate(model, yaw, share, contact),
     )
 
 
@@ -156,30 +223,103 @@ def _safe(
     ends: Callable[..., Array],
     share: float,
     contact: Contact,
-) -> tuple[Array, ...]:
-    """The largest set whose every end, driven as a motion, keeps each wheel's realised share.
+) -> tuple[tuple[Array, ...], Array]:
+    """The largest set whose every end, driven as a motion, keeps each wheel's realised share and torque.
 
-    Each motion's rows are drawn in by the ratio in which an end of the set exceeds the share in it.
+    Each motion's rows are drawn in by the ratio in which an end of the set exceeds the share in it, counted
+    from what constant speed uses already.  Also the greatest torques (2, M, N) of the ends.
     """
     motion = _all_motions(model)
-    part = np.full(motion.count, share)
-    for _ in range(ROUNDS):
-        found = largest(*safe_rows(model, share=part, contact=contact))
-        if not decided_by_creep(model, share):
-            return found
-        at = ends(*found, np.sign(motion.velocity))  # (R, M, 3), accelerations of the origin
-        friction, external = prepare(model, motion, share, contact)[1:]
+    friction, external = prepare(model, motion, share, contact)[1:]
+    stall = model.drives.stall_torque_N_m
+    limit = np.full((2, motion.count, model.count), np.inf)
+    if stall is not None:
+        limit = torque_limit(model, at_pace(model, motion.velocity, PACE))
+
+    def effort(at: Array) -> Effort:
         flat = at.reshape(-1, 3)
         at_com = com_acceleration(model.inertia.com_m, np.zeros_like(flat), flat).reshape(at.shape)
-        use = realised_share(model, friction, external, at_com).max(axis=0)
-        if np.max(use) <= share + CLOSE:
-            return found
-        part = part * np.where(use > share, (share - 0.5 * CLOSE) / use, 1.0)
+        return efforts(model, friction, external, at_com)
+
+    still = effort(np.zeros((1, motion.count, 3)))
+    least = np.stack([needed_share(model, motion, contact=contact), still.of_motors(limit)[0]])
+    steady = np.stack([still.use[0], least[1]])
+    part, aim = np.full(steady.shape, share), share - 0.5 * CLOSE
+    for _ in range(ROUNDS):
+        found = largest(
+            *safe_rows(
+                model,
+                share=share if np.all(part == share) else part[0],
+                torque_share=part[1],
+                contact=contact,
+            )
+        )
+        seen = effort(ends(*found, np.sign(motion.velocity)))  # (R, M, 3), accelerations of the origin
+        used = np.stack([seen.use.max(axis=0), seen.of_motors(limit).max(axis=0)])
+        if share == 1.0 or model.count == 3:  # the rows are exact for the grip
+            used[0] = 0.0
+        if np.max(used) <= share + CLOSE:
+            return found, seen.torque_N_m.max(axis=1)
+        over = used > share
+        drawn = np.where(over, (aim - steady) / np.where(over, used - steady, 1.0), 1.0)
+        part = least + (part - least) * np.clip(drawn, 0.1, 1.0)
     raise NoSolution(
         "safe accelerations",
         "no set was found in which the creep of the wheels keeps the margin",
         "use a larger margin or a smaller yaw reserve",
     )
+
+
+def _modules(model: Model) -> Array:
+    """(N, 3, 2) accelerations of the origin by a module's force in each wheel's place, per coefficient."""
+    body = model.inertia
+    arm = model.geometry.position_m - body.com_m
+    load = body.weight_N / model.count
+    spinning = np.stack([-arm[:, 1], arm[:, 0]], axis=1) / body.inertia_kg_m2
+    moving = np.broadcast_to(np.eye(2) / body.mass_kg, (model.count, 2, 2))
+    # a = a_com − α ẑ × c
+    moving = moving + np.array([body.com_m[1], -body.com_m[0]])[:, None] * spinning[:, None]
+    return np.asarray(load * np.concatenate([moving, spinning[:, None]], axis=1))
+
+
+def _pace(model: Model, torque_N_m: Array, share: float) -> float | None:
+    """Share of the top speed up to which a share of the motors' torque is what (2, M, N) asks for."""
+    stall, top = model.drives.stall_torque_N_m, model.drives.max_speed_rad_s
+    if top is None:
+        return None
+    if stall is None:
+        return share
+    speed = at_pace(model, _all_motions(model).velocity, 1.0) / top
+    driving = np.where(speed > 0.0, torque_N_m[0], torque_N_m[1])
+    left = 1.0 - np.maximum(driving, 0.0) / (share * stall)
+    return float(np.clip(np.min(left / np.maximum(np.abs(speed), 1e-9)), 0.0, share))
+
+
+def _yaw_rate(model: Model, yaw_rad_s2: float, share: float, contact: Contact) -> float:
+    """Fastest turn on the spot [rad/s] at which the centripetal force leaves a yaw acceleration."""
+    turn = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
+    still, motion = np.zeros_like(turn), Motion.full_drag(turn)
+    inward = com_acceleration(model.inertia.com_m, turn, still)
+    if np.allclose(inward, 0.0, atol=1e-12):
+        return np.inf
+    rows = acceleration_rows(model, motion, share=share, contact=contact, motor=False)
+    ways = np.stack([way * yaw_rad_s2 * turn for way in (1.0, -1.0)])
+    starts = np.stack([com_acceleration(model.inertia.com_m, still, way) for way in ways])
+    squared = min(float(np.min(along(model, rows, start, inward).value)) for start in starts)
+    high = np.sqrt(max(0.0, squared))
+    if model.drives.stall_torque_N_m is None:
+        return float(high)
+
+    def there(rate: float) -> bool:
+        asked = efforts(model, rows.friction, rows.external, starts + rate**2 * inward)
+        limit = share * torque_limit(model, model.geometry.wheel_speeds(rate * turn))
+        return bool(np.max(asked.of_motors(limit)) <= 1.0)
+
+    low = 0.0
+    for _ in range(40 if not there(high) else 0):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if there(middle) else (low, middle)
+    return float(high if low == 0.0 else low)
 
 
 def _sided_corners(fast: Array, slow: Array, sign: Array) -> Array:
@@ -203,8 +343,9 @@ def _circle_ends(circle: Array, sign: Array) -> Array:
     return np.broadcast_to(np.vstack(ends)[:, None], (2 * ROUND, *sign.shape))
 
 
-def _ellipsoid_ends(E: Array, sign: Array) -> Array:
-    return np.broadcast_to((sphere(2 * ROUND) @ E.T)[:, None], (2 * ROUND, *sign.shape))
+def _ellipsoid_ends(E: Array, touching: Array, sign: Array) -> Array:
+    ways = np.vstack([touching, sphere(4 * ROUND)])
+    return np.broadcast_to((ways @ E.T)[:, None], (len(ways), *sign.shape))
 
 
 def _sizes(A: Array, b: Array) -> Array:
@@ -250,12 +391,12 @@ def _all_motions(model: Model) -> Motion:
     even = 2.0 * np.pi * np.arange(HEADINGS) / HEADINGS
     moves = []
     for yaw in YAW:
-        ahead = directions(np.concatenate([even, _turning_points(model, yaw / arm)]))
+        ahead = directions(np.concatenate([even, turning_points(model, yaw / arm)]))
         moves.append(np.column_stack([ahead, np.full(len(ahead), yaw / arm)]))
     return Motion.full_drag(np.vstack([*moves, [[0.0, 0.0, 1.0 / arm], [0.0, 0.0, -1.0 / arm]]]))
 
 
-def _turning_points(model: Model, yaw: float) -> Array:
+def turning_points(model: Model, yaw: float) -> Array:
     """Headings on both sides of where a wheel's drag turns round: between them no sign changes."""
     rows = model.geometry.lateral_rows()
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -21,8 +21,8 @@ from slipmargin.limits.bounds import (
     starting_by_motor,
     top_speed,
 )
-from slipmargin.limits.bounds_inside import Inside, inside
-from slipmargin.limits.motion import needed_share
+from slipmargin.limits.bounds_inside import PACE, Inside, inside, turning_points
+from slipmargin.limits.motion import steady_share
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.physics.constants import GRAVITY_M_S2
@@ -38,9 +38,11 @@ class Bounds:
     """The motion limits of a model.
 
     ``full`` uses all of the grip and asks no motor; ``safe``, ``spin``, ``cornering`` and ``inside`` use
-    1 − margin of it.
+    1 − margin of it, and of the motors' torque at half their top speed.
     ``rigid`` is the share of the grip that constant speed needs in the worst roller/rigid state; above 1 even
     constant speed must slip.  ``motor_m_s2`` and ``top_m_s`` (H,) are the motors' limits (infinite: none).
+    ``weakest_m_s2`` is the least safe speeding up over directions every degree and on both sides of those in
+    which a wheel's drag turns round.
     ``inside`` is None where ``why_not`` says so.  On an uneven floor all of them are the worst of the loads'
     band, and ``even`` says what an even floor allows with all of the grip.  ``rolling_m_s2`` is the traction
     limit of rollers that turn freely (disc-strip), where the grip is the box.
@@ -55,6 +57,7 @@ class Bounds:
     rigid_use: Array
     motor_m_s2: Array
     top_m_s: Array
+    weakest_m_s2: float
     inside: Inside | None
     why_not: str
     even: Directions | None = None
@@ -77,9 +80,28 @@ class Bounds:
 
     @property
     def recommended_m_s2(self) -> float:
-        """Speeding up that is safe in every direction of motion with the margin [m/s²]."""
-        by_motor = (1.0 - self.margin) * self.motor_limit_m_s2
-        return float(max(0.0, min(np.min(self.safe.starting_m_s2), by_motor)))
+        """Speeding up that is safe in every direction of motion with the margin [m/s²].
+
+        Up to half of the motors' top speed.
+        """
+        return max(0.0, min(self.weakest_m_s2, float(np.min(self.safe.starting_m_s2))))
+
+    @property
+    def speeds(self) -> tuple[float, float, float, float]:
+        """Speeds at which the safe sets are there: forward, sideways, any way [m/s] and turning [rad/s].
+
+        Each alone, infinite where nothing limits it.
+        """
+        if self.inside is None or self.inside.pace is None:
+            turn = np.inf if self.inside is None else self.inside.yaw_rate_rad_s
+            return np.inf, np.inf, np.inf, turn
+        top, front = self.inside.pace * self.top_m_s, self.model.convention.front_rad
+        ahead, side = (
+            float(np.interp(front - a, self.full.heading_rad, top, period=2.0 * np.pi))
+            for a in (0.0, 0.5 * np.pi)
+        )
+        turn = min(self.inside.pace * self.spin.top_rad_s, self.inside.yaw_rate_rad_s)
+        return ahead, side, float(np.min(top)), turn
 
     @property
     def isotropic_m_s2(self) -> float:
@@ -128,16 +150,19 @@ def bounds(
             found = inside(model, share=share, contact=contact, yaw_rad_s2=yaw_rad_s2)
         except NoSolution as fault:
             why = str(fault)
+    fine = np.concatenate([headings(1.0), turning_points(model, 0.0) % (2.0 * np.pi)])
+    weakest = directions(model, np.sort(fine), share=share, contact=contact, pace=PACE).starting_m_s2
     return Bounds(
         model=model,
         margin=margin,
         full=full,
-        safe=directions(model, heading, share=share, contact=contact),
+        safe=directions(model, heading, share=share, contact=contact, pace=PACE),
         spin=spin(model, share=share, contact=contact),
         cornering=cornering(model, CURVATURES, heading, share=share, contact=contact),
-        rigid_use=needed_share(model, Motion.full_drag(ahead_of(heading)), contact=Contact.UNKNOWN),
+        rigid_use=steady_share(model, Motion.full_drag(ahead_of(heading)), contact=Contact.UNKNOWN),
         motor_m_s2=starting_by_motor(model, heading),
         top_m_s=top_speed(model, heading),
+        weakest_m_s2=float(np.min(weakest)),
         inside=found,
         why_not=why,
         even=even,

@@ -22,13 +22,13 @@ and below 0.98 nothing is changed.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
 from slipmargin.checks import Array, Index
-from slipmargin.physics.compiled import fast, inner, twin
+from slipmargin.physics.compiled import inner, kernel, spliced, twin
 from slipmargin.physics.friction_laws import law_inverse, law_share, law_slope
 
 #: Share up to which the friction law is used as it stands [1].
@@ -45,81 +45,125 @@ STEP, GROWTH = 0.2, 1.1
 GAMMA = 1.0 - math.sqrt(0.5)
 #: Use of a wheel where no steady creep is found: far outside the wrench set, or the creep runs away [1].
 RUNAWAY = 1.5
-_law_share, _law_slope, _law_inverse = twin(law_share), twin(law_slope), twin(law_inverse)
+#: Newton's method ends at this size of the residual, as a share of the wrench to compare with; a creep whose
+#: residual is above the second has not been found [1].
+EXACT, FOUND = 1e-11, 1e-8
+#: Share of the largest slope that stands in for none: a creep that no wheel resists then stays small [1].
+UNRESISTED = 1e-12
+#: Columns of a wheel: c, k along ĝ, d, k along f̂, u_T0, and k b_i·ε where it was last looked at.  What the
+#: wheels are asked for: M a − w_loss (3), (m, v_x, v_y, ω) and a wrench to compare with (3).  Tables that
+#: compiled code works on: it compiles twice as fast where it creates none.
+GRIP, STEEP, DRAG, STEEP_ACROSS, SLIDE, SLIP, WHEEL = range(7)
+NEED, CARRIED, SCALE, ASKED = 0, 3, 7, 10
+TABLES = (5, 3, 3)
+_law_share, _law_slope = twin(law_share), twin(law_slope)
 
 
-@inner
-def _share(law: int, z: float) -> tuple[float, float]:
-    """Continued σ(z) and its slope."""
-    knee = _law_inverse(law, FAITHFUL)
+@spliced
+def continued(law: int, knee: float, z: float) -> tuple[float, float]:
+    """σ(z), beyond ``knee`` = σ⁻¹(0.98) continued by a straight line, and its slope."""
     if abs(z) <= knee:
         return _law_share(law, z), _law_slope(law, z)
     return math.copysign(FAITHFUL + BEYOND * (abs(z) - knee), z), BEYOND
 
 
+@spliced
+def slip(A: Array, k: float, eps: Array, i: int) -> float:
+    """k b_i·ε of wheel i."""
+    return float(k * (A[0, i] * eps[0] + A[1, i] * eps[1] + A[2, i] * eps[2]))
+
+
 @inner
-def _residual(
-    law: int,
-    eps: Array,
-    W: Array,
-    T: Array,
-    c: Array,
-    kw: Array,
-    d: Array,
-    kt: Array,
-    slide: Array,
-    need: Array,
-    carried: Array,
-    scale: Array,
-    out: Array,
-    H: Array,
+def residual(
+    law: int, knee: float, A: Array, wheels: Array, ask: Array, eps: Array, out: Array, H: Array
 ) -> float:
-    """Residual and its Jacobian; ``carried`` is (m, v_x, v_y, ω), m = 0 where the pose is held."""
-    n = W.shape[1]
-    m, vx, vy, w = carried[0], carried[1] + eps[0], carried[2] + eps[1], carried[3] + eps[2]
-    out[0] = need[0] - m * (w * vy - carried[3] * carried[2])
-    out[1] = need[1] + m * (w * vx - carried[3] * carried[1])
-    out[2] = need[2]
-    H[:, :] = 0.0
-    H[0, 1], H[0, 2], H[1, 0], H[1, 2] = -m * w, -m * vy, m * w, m * vx
-    for i in range(n):
-        g = W[0, i] * eps[0] + W[1, i] * eps[1] + W[2, i] * eps[2]
-        f = slide[i] + T[0, i] * eps[0] + T[1, i] * eps[1] + T[2, i] * eps[2]
-        sw, hw = _share(law, kw[i] * g)
-        z = kt[i] * f
-        st, ht = _law_share(law, z), _law_slope(law, z)
-        for r in range(3):
-            out[r] += W[r, i] * c[i] * sw + T[r, i] * d[i] * st
-            for q in range(3):
-                H[r, q] += W[r, i] * W[q, i] * c[i] * kw[i] * hw + T[r, i] * T[q, i] * d[i] * kt[i] * ht
-    return math.sqrt((out[0] / scale[0]) ** 2 + (out[1] / scale[1]) ** 2 + (out[2] / scale[2]) ** 2)
+    """r(ε) and its Jacobian; returns the size of r as a share of the wrench to compare with.
+
+    A (6, N): wrench of a unit force along ĝ, then along f̂; wheels (N, WHEEL); ask (ASKED).
+    """
+    m, w = ask[CARRIED], ask[CARRIED + 3] + eps[2]
+    vx, vy = ask[CARRIED + 1] + eps[0], ask[CARRIED + 2] + eps[1]
+    r0 = ask[NEED] - m * (w * vy - ask[CARRIED + 3] * ask[CARRIED + 2])
+    r1 = ask[NEED + 1] + m * (w * vx - ask[CARRIED + 3] * ask[CARRIED + 1])
+    r2 = ask[NEED + 2]
+    h00, h01, h02 = 0.0, 0.0, 0.0
+    h11, h12, h22 = 0.0, 0.0, 0.0
+    for i in range(len(wheels)):
+        wheel = wheels[i]
+        wheel[SLIP] = slip(A, wheel[STEEP], eps, i)
+        for side in range(2):
+            size, k = wheel[2 * side], wheel[2 * side + 1]
+            if size == 0.0:
+                continue
+            a, b, c = A[3 * side, i], A[3 * side + 1, i], A[3 * side + 2, i]
+            z = wheel[SLIP] if side == 0 else k * (wheel[SLIDE] + a * eps[0] + b * eps[1] + c * eps[2])
+            share, slope = continued(law, knee if side == 0 else math.inf, z)
+            f, h = size * share, size * k * slope
+            r0, r1, r2 = r0 + a * f, r1 + b * f, r2 + c * f
+            ha, hb = h * a, h * b
+            h00, h01, h02 = h00 + ha * a, h01 + ha * b, h02 + ha * c
+            h11, h12, h22 = h11 + hb * b, h12 + hb * c, h22 + h * c * c
+    out[0], out[1], out[2] = r0, r1, r2
+    H[0, 0], H[0, 1], H[0, 2] = h00, h01 - m * w, h02 - m * vy
+    H[1, 0], H[1, 1], H[1, 2] = h01 + m * w, h11, h12 + m * vx
+    H[2, 0], H[2, 1], H[2, 2] = h02, h12, h22
+    x, y, turn = out[0] / ask[SCALE], out[1] / ask[SCALE + 1], out[2] / ask[SCALE + 2]
+    return math.sqrt(x * x + y * y + turn * turn)
 
 
-@inner
-def _solve3(H: Array, b: Array, x: Array) -> None:
-    """x = H⁻¹ b by elimination; H is positive definite but for the turning of the frame."""
-    p, q = H[1, 0] / H[0, 0], H[2, 0] / H[0, 0]
-    h11, h12, b1 = H[1, 1] - p * H[0, 1], H[1, 2] - p * H[0, 2], b[1] - p * b[0]
-    h21, h22, b2 = H[2, 1] - q * H[0, 1], H[2, 2] - q * H[0, 2], b[2] - q * b[0]
+@spliced
+def solve3(H: Array, b: Array, x: Array) -> None:
+    """x = H⁻¹ b by elimination; H is positive semidefinite but for the turning of the frame.
+
+    Along a creep that no wheel resists H is singular: the least of slopes stands in (:data:`UNRESISTED`).
+    """
+    least0 = UNRESISTED * (H[0, 0] + H[1, 1]) + 1e-300
+    h00, h22 = H[0, 0] + least0, H[2, 2] * (1.0 + UNRESISTED) + 1e-300
+    p, q = H[1, 0] / h00, H[2, 0] / h00
+    h11, h12, b1 = H[1, 1] + least0 - p * H[0, 1], H[1, 2] - p * H[0, 2], b[1] - p * b[0]
+    h21, h22, b2 = H[2, 1] - q * H[0, 1], h22 - q * H[0, 2], b[2] - q * b[0]
     r = h21 / h11
     x[2] = (b2 - r * b1) / (h22 - r * h12)
     x[1] = (b1 - h12 * x[2]) / h11
-    x[0] = (b[0] - H[0, 1] * x[1] - H[0, 2] * x[2]) / H[0, 0]
+    x[0] = (b[0] - H[0, 1] * x[1] - H[0, 2] * x[2]) / h00
 
 
-@fast
+@inner
+def balance(law: int, knee: float, A: Array, wheels: Array, ask: Array, eps: Array, tables: Array) -> float:
+    """The creep at which r(ε) = 0, by damped Newton from ``eps``, in place; returns the size of r there."""
+    H, other, rows = tables[0], tables[1], tables[2]
+    out, step, trial = rows[0], rows[1], rows[2]
+    miss = residual(law, knee, A, wheels, ask, eps, out, H)
+    for _ in range(100):
+        if miss <= EXACT:
+            break
+        solve3(H, out, step)
+        size, less = 1.0, math.inf
+        while size > 1e-9:
+            for r in range(3):
+                trial[r] = eps[r] - size * step[r]
+            less = residual(law, knee, A, wheels, ask, trial, out, other)
+            if less < (1.0 - 1e-4 * size) * miss:
+                break
+            size *= 0.5
+        if size <= 1e-9:
+            break
+        for r in range(3):
+            eps[r] = trial[r]
+            for q in range(3):
+                H[r, q] = other[r, q]
+        miss = less
+    return miss
+
+
+@kernel
 def _creep(
     law: int,
-    W: Array,
-    T: Array,
-    c: Array,
-    kw: Array,
-    d: Array,
-    kt: Array,
-    slide: Array,
-    need: Array,
-    carried: Array,
-    scale: Array,
+    knee: float,
+    A: Array,
+    wheels: Array,
+    asks: Array,
+    tables: Array,
     twist: Array,
     use: Array,
 ) -> None:
@@ -127,59 +171,27 @@ def _creep(
 
     Samples not found get the use ``RUNAWAY`` on the wheel that was worst.
     """
-    samples, n = c.shape
-    eps, step, trial = np.zeros(3), np.zeros(3), np.zeros(3)
-    out, new, H, other = np.zeros(3), np.zeros(3), np.zeros((3, 3)), np.zeros((3, 3))
-    for m in range(samples):
+    eps = tables[3, 0]
+    for m in range(len(wheels)):
+        miss = math.inf
         for attempt in range(2):
             if attempt == 1 or not math.isfinite(eps[0] + eps[1] + eps[2]):
-                eps[:] = 0.0
-            miss = _residual(
-                law, eps, W, T, c[m], kw[m], d[m], kt[m], slide[m], need[m], carried[m], scale, out, H
-            )
-            for _ in range(100):
-                if miss <= 1e-11:
-                    break
-                _solve3(H, out, step)
-                size = 1.0
-                while size > 1e-9:
-                    for r in range(3):
-                        trial[r] = eps[r] - size * step[r]
-                    less = _residual(
-                        law,
-                        trial,
-                        W,
-                        T,
-                        c[m],
-                        kw[m],
-                        d[m],
-                        kt[m],
-                        slide[m],
-                        need[m],
-                        carried[m],
-                        scale,
-                        new,
-                        other,
-                    )
-                    if less < (1.0 - 1e-4 * size) * miss:
-                        break
-                    size *= 0.5
-                if size <= 1e-9:
-                    break
-                eps[:], out[:], H[:, :], miss = trial, new, other, less
-            if miss <= 1e-8:
+                for r in range(3):
+                    eps[r] = 0.0
+            miss = balance(law, knee, A, wheels[m], asks[m], eps, tables)
+            if miss <= FOUND:
                 break
-        twist[m] = eps
         worst = 0
-        for i in range(n):
-            use[m, i] = abs(
-                _share(law, kw[m, i] * (W[0, i] * eps[0] + W[1, i] * eps[1] + W[2, i] * eps[2]))[0]
-            )
+        for i in range(wheels.shape[1]):
+            use[m, i] = abs(continued(law, knee, slip(A, wheels[m, i, STEEP], eps, i))[0])
             if use[m, i] > use[m, worst]:
                 worst = i
-        if not miss <= 1e-8:
+        if not miss <= FOUND:
             use[m, worst] = max(use[m, worst], RUNAWAY)
-            eps[:] = 0.0
+        for r in range(3):
+            twist[m, r] = eps[r]
+            if not miss <= FOUND:
+                eps[r] = 0.0
 
 
 @inner
@@ -191,22 +203,17 @@ def _fastest(H: Array, mass: Array) -> float:
         for q in range(3):
             row += abs(H[r, q]) / math.sqrt(mass[r] * mass[q])
         rate = max(rate, row)
-    return 1.0 / rate
+    return 1.0 / max(rate, 1e-300)
 
 
-@fast
+@kernel
 def _settle(
     law: int,
-    W: Array,
-    T: Array,
-    c: Array,
-    kw: Array,
-    d: Array,
-    kt: Array,
-    slide: Array,
-    need: Array,
-    carried: Array,
-    scale: Array,
+    knee: float,
+    A: Array,
+    wheels: Array,
+    asks: Array,
+    tables: Array,
     mass: Array,
     start: Array,
     finish: Array,
@@ -219,35 +226,33 @@ def _settle(
     method ROS2 (Verwer et al., SIAM J. Sci. Comput. 20, 1999): loaded wheels are forty times slower than
     idle ones.  Steps grow as the fast part fades.
     """
-    n = c.shape[1]
-    H, other, lhs = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3))
-    eps, at, out, one, two = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+    H, other, lhs = tables[0], tables[1], tables[2]
+    eps, at, out = tables[3, 0], tables[3, 1], tables[3, 2]
+    one, two = tables[4, 0], tables[4, 1]
     for m in jumps:
-        eps[:] = start[m]
         h = 0.0
+        for r in range(3):
+            eps[r] = start[m, r]
         for _ in range(SETTLING_STEPS):
             off = 0.0
-            for i in range(n):
-                g = W[0, i] * eps[0] + W[1, i] * eps[1] + W[2, i] * eps[2]
-                share = _share(law, kw[m, i] * g)[0]
+            for i in range(wheels.shape[1]):
+                share = continued(law, knee, slip(A, wheels[m, i, STEEP], eps, i))[0]
                 peak[m, i] = max(peak[m, i], abs(share))
                 off = max(off, abs(share - finish[m, i]))
             if off <= SETTLED:
                 break
-            _residual(law, eps, W, T, c[m], kw[m], d[m], kt[m], slide[m], need[m], carried[m], scale, out, H)
+            residual(law, knee, A, wheels[m], asks[m], eps, out, H)
             h = STEP * _fastest(H, mass) if h == 0.0 else GROWTH * h
             for r in range(3):
                 for q in range(3):
                     lhs[r, q] = GAMMA * h * H[r, q] + (mass[r] if r == q else 0.0)
-            _solve3(lhs, out, one)
+            solve3(lhs, out, one)
             for r in range(3):
                 at[r] = eps[r] - h * one[r]
-            _residual(
-                law, at, W, T, c[m], kw[m], d[m], kt[m], slide[m], need[m], carried[m], scale, out, other
-            )
+            residual(law, knee, A, wheels[m], asks[m], at, out, other)
             for r in range(3):
                 out[r] -= 2.0 * mass[r] * one[r]
-            _solve3(lhs, out, two)
+            solve3(lhs, out, two)
             for r in range(3):
                 eps[r] -= h * (1.5 * one[r] + 0.5 * two[r])
 
@@ -275,29 +280,10 @@ class Balance:
     carried: Array
     scale: Array
 
-    def __post_init__(self) -> None:
-        for one in fields(self):
-            if one.name != "law":
-                object.__setattr__(self, one.name, np.ascontiguousarray(getattr(self, one.name)))
-
     def rest(self) -> tuple[Array, Array]:
         """Creep twist ε (M, 3) [m/s, m/s, rad/s] at which r(ε) = 0, and the use (M, N) there."""
         twist, use = np.empty((len(self.grip), 3)), np.empty(self.grip.shape)
-        _creep(
-            self.law,
-            self.along,
-            self.across,
-            self.grip,
-            self.steep,
-            self.drag,
-            self.steep_across,
-            self.slide,
-            self.need,
-            self.carried,
-            self.scale,
-            twist,
-            use,
-        )
+        _creep(*self._packed(), twist, use)
         return twist, use
 
     def settling(self, start: Array, mass: Array) -> Array:
@@ -306,29 +292,26 @@ class Balance:
         begin, finish = (continued_share(self.law, self.steep * (twist @ self.along)) for twist in twists)
         peak = np.maximum(np.abs(begin), np.abs(finish))
         jumps = np.flatnonzero(np.max(np.abs(finish - begin), axis=1) >= NO_JUMP)
-        _settle(
-            self.law,
-            self.along,
-            self.across,
-            self.grip,
-            self.steep,
-            self.drag,
-            self.steep_across,
-            self.slide,
-            self.need,
-            self.carried,
-            self.scale,
-            mass,
-            start,
-            finish,
-            jumps,
-            peak,
-        )
+        _settle(*self._packed(), np.array(mass), np.ascontiguousarray(start), finish, jumps, peak)
         return peak
+
+    def _packed(self) -> tuple[int, float, Array, Array, Array, Array]:
+        """Law, knee, wrenches of unit forces (6, N), wheels (M, N, WHEEL), what they are asked, tables."""
+        columns = [self.grip, self.steep, self.drag, self.steep_across, self.slide, np.zeros(self.grip.shape)]
+        wheels = np.stack(columns, axis=2)
+        scale = np.broadcast_to(self.scale, (len(wheels), 3))
+        asks = np.concatenate([self.need, self.carried, scale], axis=1)
+        forces = np.concatenate([self.along, self.across])
+        return self.law, knee(self.law), forces, wheels, asks, np.zeros(TABLES)
+
+
+def knee(law: int) -> float:
+    """k u above which a law is continued by a straight line."""
+    return float(law_inverse(law, FAITHFUL))
 
 
 def continued_share(law: int, z: Array) -> Array:
     """σ(z), above the share 0.98 continued by a straight line."""
-    knee = law_inverse(law, FAITHFUL)
-    beyond = np.copysign(FAITHFUL + BEYOND * (np.abs(z) - knee), z)
-    return np.asarray(np.where(np.abs(z) <= knee, law_share(law, z), beyond))
+    top = knee(law)
+    beyond = np.copysign(FAITHFUL + BEYOND * (np.abs(z) - top), z)
+    return np.asarray(np.where(np.abs(z) <= top, law_share(law, z), beyond))

@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.errors import NoSolution
+from slipmargin.limits.effort import efforts
 from slipmargin.limits.motion_external import least_product
 from slipmargin.limits.motion_friction import material_states
 from slipmargin.limits.motion_rows import (
     CAUSES,
     GRIP,
+    MOTOR,
     SPENT,
     TIPS,
     AccelerationRows,
@@ -30,6 +32,9 @@ from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.limits.realised_limit import decided_by_creep, realised_limit
 from slipmargin.model import Model
 from slipmargin.physics.kinematics import com_acceleration
+
+#: Halvings with which the acceleration is found whose torques the motors have.
+TORQUE_ROUNDS = 30
 
 
 @final
@@ -91,6 +96,7 @@ def acceleration_limit(
         Body-frame acceleration of the origin and yaw acceleration per unit of t.
     share : float
         λ, the share of the drive grip that may be used.
+        The same share of each motor's torque may be used, and of the acceleration that lifts a wheel.
     motor : bool
         Whether the torque–speed line of the motor counts.
 
@@ -139,10 +145,50 @@ def along_each(
                 cause=np.concatenate([rows.cause, np.full(len(table), GRIP)]),
             )
         value = found
+    if rows.torque_N_m is not None and model.count > 3:
+        value, best = _within_torque(model, rows, start, direction, low, value, best)
     return [
         AccelerationLimit(value=_coasted(rows, s, d, v, least), row=b, rows=rows, names=model.geometry.names)
         for s, d, v, b, least in zip(start, direction, value, best, low, strict=True)
     ]
+
+
+def _within_torque(
+    model: Model,
+    rows: AccelerationRows,
+    start: Array,
+    direction: Array,
+    low: Array,
+    value: Array,
+    best: NDArray[np.int64],
+) -> tuple[Array, NDArray[np.int64]]:
+    """``value`` (R, M) lowered until the torques of the realised distribution are there, and what binds.
+
+    The rows of motors take the even distribution, which is a first estimate.
+    """
+    limit = rows.torque_N_m
+    assert limit is not None
+    none = ~np.isfinite(value)
+
+    def asked(t: Array) -> Array:
+        at = start + np.where(none, 0.0, t)[..., None] * direction
+        return efforts(model, rows.friction, rows.external, at).of_motors(limit)
+
+    over = ~none & (asked(value) > 1.0 + 1e-9)
+    if not np.any(over):
+        return value, best
+    below = np.where(np.isfinite(low), np.maximum(low, np.minimum(0.0, value)), np.minimum(0.0, value))
+    above, fits = value.copy(), asked(below) <= 1.0
+    for _ in range(TORQUE_ROUNDS):
+        middle = 0.5 * (below + above)
+        holds = asked(middle) <= 1.0
+        below, above = np.where(holds, middle, below), np.where(holds, above, middle)
+    motors = int(np.flatnonzero(rows.cause == MOTOR)[0])
+    at = start + np.where(none, 0.0, below)[..., None] * direction
+    torque = efforts(model, rows.friction, rows.external, at).torque_N_m
+    wheel = np.argmax((torque / np.maximum(limit[:, None], 1e-300)).max(axis=0), axis=2)
+    found = np.where(fits, below, -np.inf)
+    return np.where(over, found, value), np.where(over, motors + wheel, best)
 
 
 def _range(rows: AccelerationRows, start: Array, direction: Array) -> tuple[Array, Array, NDArray[np.int64]]:
@@ -199,6 +245,20 @@ def needed_share(model: Model, motion: Motion, *, contact: Contact = Contact.ROL
             top = top + (lost @ load[:, :, None])[..., 0]
             need = np.maximum(need, np.max(_ratio(top, (held @ load[:, :, None])[..., 0]), axis=1))
     return need
+
+
+def steady_share(model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS) -> Array:
+    """Share (M,) of the grip that the most loaded wheel uses at constant speed, at full drag.
+
+    With four wheels and more that of the realised distribution, which uses more than the best one.  Above 1
+    no distribution holds constant speed; infinite where drag leaves no grip to drive.
+    """
+    need = needed_share(model, motion, contact=contact)
+    if model.count == 3:
+        return need
+    _, friction, external = prepare(model, motion, 1.0, contact)
+    use = efforts(model, friction, external, np.zeros((1, motion.count, 3))).use[0]
+    return np.where(need < 1.0, np.clip(use, need, 1.0), need)
 
 
 def _ratio(asked: Array, held: Array) -> Array:

@@ -96,6 +96,16 @@ class External:
         return self.loads.at(acceleration, tilting, self.lift_N)
 
 
+def tipping(model: Model, motion: Motion, load_N: Array) -> Array:
+    """Share (M, N) of its load at constant speed that a wheel with the load ``load_N`` loses; 1 lifts it."""
+    if not model.loads.follow_acceleration:
+        return np.zeros_like(load_N)
+    standing = external_in_motion(model, motion).middle(np.zeros((motion.count, 2)))[1]
+    return np.asarray(
+        np.maximum(standing - load_N, 0.0) / np.maximum(standing, 1e-12 * model.inertia.weight_N)
+    )
+
+
 def least_product(normals: Array, low: Array, high: Array) -> Array:
     """(M, K) least n·w over boxes of wrenches (M, 3), normals (K, 3)."""
     return np.asarray(low @ np.maximum(normals, 0.0).T + high @ np.minimum(normals, 0.0).T)

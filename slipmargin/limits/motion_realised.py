@@ -122,8 +122,6 @@ def _balances(
         carried[:, 0], carried[:, 3] = model.inertia.mass_kg, motion.velocity[:, 2]
         carried[:, 1], carried[:, 2] = velocity_at(*motion.velocity.T, *model.inertia.com_m)
     along, across = model.wrench_maps()
-    lever = float(np.max(np.abs(along[2]))) or 1.0
-    scale = model.inertia.weight_N * float(np.max(model.grip.roller[:, 0])) * np.array([1.0, 1.0, lever])
     for on_rigid, shift in product(material_states(friction.possible), model.loads.shifts()):
         pressed = np.maximum(load + shift, lightest)
         yield Balance(
@@ -137,8 +135,15 @@ def _balances(
             slide=friction.slide,
             need=at_com * model.inertia.diagonal - wrench,
             carried=carried,
-            scale=scale,
+            scale=comparable(model),
         )
+
+
+def comparable(model: Model) -> Array:
+    """A wrench (3,) to compare others with: weight times the largest coefficient, at the longest lever."""
+    lever = float(np.max(np.abs(model.wrench_maps()[0][2]))) or 1.0
+    most = float(max(np.max(model.grip.roller[:, 0]), np.max(model.grip.rigid[:, 0]))) or 1.0
+    return model.inertia.weight_N * most * np.array([1.0, 1.0, lever])
 
 
 def _torque(model: Model, balance: Balance, twist: Array) -> Array:

@@ -5,7 +5,7 @@ zonotope of B_W's columns b_i (with t_i the columns of B_T):
 
     n·M a − n·w ≤ Σ_i κ_i N_i(a),   κ_i = λ μ_W |n·b_i| − max_D (n·t_i) D_i,
     N_i(a) = rest_i + P_i·a + S_i·Σ h F ≥ (1 − λ) N_i(0)          (tipping: λ of what lifts the wheel)
-    ±T_i(a) ≤ what the motor gives at its speed                   (torque–speed line)
+    ±T_i(a) ≤ λ of what the motor gives at its speed              (torque–speed line)
 
 a = (a_x, a_y, α): body-frame acceleration of the centre of mass and yaw acceleration; w: the external
 wrench, the worst of what is unknown, with the loads that the same forces make by their heights h.
@@ -60,7 +60,9 @@ class AccelerationRows:
     ``wheels`` (R, N) are the wheels a row is about (a facet saturates several); ``cause`` (R,) indexes
     :data:`CAUSES`.  ``spent`` (M, N): wheels whose drag uses the whole of a coupled grip, so that none is
     left to drive; ``coasting`` (M, 3): the acceleration without any drive force (zero where none is spent).
-    ``share`` is λ, ``friction`` and ``external`` what the rows are made of.
+    ``share`` is λ, ``friction`` and ``external`` what the rows are made of, ``torque_N_m`` (2, M, N) the
+    torque
+    that may be used along and against each wheel's axle, None where motors do not count.
     """
 
     A: Array
@@ -72,12 +74,16 @@ class AccelerationRows:
     share: Array | float = field(repr=False)
     friction: Friction = field(repr=False)
     external: External = field(repr=False)
+    torque_N_m: Array | None = field(repr=False)
 
 
 #: What a row stands for, and what is said where there is no grip left to drive.
 CAUSES = ("grip", "tips", "motor torque")
 GRIP, TIPS, MOTOR = range(3)
 SPENT = "drag uses the whole grip"
+#: A torque below this share of the stall torque is none: rounding at the top speed, where no torque is left
+#: [1].
+NO_TORQUE = 1e-9
 
 
 def acceleration_rows(
@@ -87,6 +93,8 @@ def acceleration_rows(
     share: Array | float = 1.0,
     contact: Contact = Contact.ROLLERS,
     motor: bool = True,
+    torque_share: Array | float | None = None,
+    pace: float = 0.0,
 ) -> AccelerationRows:
     """Rows on the acceleration of the centre of mass at each sample.
 
@@ -97,12 +105,18 @@ def acceleration_rows(
         every wheel keeps 1 − λ of the load that it has without acceleration.
     motor : bool
         Whether the motor's torque–speed line counts.
+    torque_share : float or (M,), optional
+        Share of the motors' torque that may be used, by default λ.
+    pace : float
+        Where above 0, torques are those of motions in which the fastest wheel turns at this share of the
+        motors' top speed.
     """
     facets, friction, external = prepare(model, motion, share, contact)
     refuse_lifting(model, external.standing_N(), "loads", external)
     kappa = facet_coefficients(facets, friction, share)
     A, b = facet_rows(model, facets, kappa, external)
     n, rows, bounds = model.count, [A], [b]
+    may: Array | None = None
     causes, wheels = [0] * len(facets.normals), [facets.pushing != 0.0]
     if model.loads.follow_acceleration:
         tip = np.zeros((motion.count, n, 3))
@@ -113,9 +127,10 @@ def acceleration_rows(
         wheels.append(np.eye(n, dtype=bool))
     if motor and model.drives.stall_torque_N_m is not None:
         torque = torque_rows(model, friction, external)
-        limit = torque_limit(model, model.geometry.wheel_speeds(motion.velocity)) + torque.b
+        part = np.reshape(share if torque_share is None else torque_share, (-1, 1))
+        may = part * torque_limit(model, at_pace(model, motion.velocity, pace))
         rows += list(torque.A)
-        bounds += list(limit)
+        bounds += list(may + torque.b)
         causes += [2] * (2 * n)
         wheels += [np.eye(n, dtype=bool)] * 2
     spent = np.any(friction.possible & (friction.drive <= 0.0), axis=0)
@@ -129,7 +144,17 @@ def acceleration_rows(
         share=share,
         friction=friction,
         external=external,
+        torque_N_m=may,
     )
+
+
+def at_pace(model: Model, velocity: Array, pace: float) -> Array:
+    """Wheel speeds (M, N) [rad/s]; for ``pace`` > 0 of motions as fast as :func:`acceleration_rows` says."""
+    speed = model.geometry.wheel_speeds(velocity)
+    if not pace or model.drives.max_speed_rad_s is None:
+        return np.asarray(speed)
+    fastest = np.max(np.abs(speed), axis=1, keepdims=True)
+    return np.asarray(speed / np.where(fastest > 0.0, fastest, 1.0) * pace * model.drives.max_speed_rad_s)
 
 
 def _coasting(model: Model, friction: Friction, external: External) -> Array:
@@ -223,8 +248,13 @@ def torque_limit(model: Model, speed: Array) -> Array:
 
 
 def torque_use(model: Model, torque_N_m: Array, speed: Array) -> Array:
-    """Share (M, N) of what the motors give at wheel speeds (M, N) that torques (M, N) need."""
-    limit = torque_limit(model, speed)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.where(torque_N_m >= 0.0, torque_N_m / limit[0], -torque_N_m / limit[1])
-    return np.asarray(np.nan_to_num(share, nan=0.0, posinf=np.inf))
+    """Share (M, N) of what the motors give at wheel speeds (M, N) that torques (M, N) need.
+
+    Infinite where a torque is asked for at the top speed, at which a motor has none.
+    """
+    forwards, backwards = torque_limit(model, speed)
+    limit = np.where(torque_N_m >= 0.0, forwards, backwards)
+    asked = np.abs(torque_N_m)
+    share = np.where(asked > NO_TORQUE * (model.drives.stall_torque_N_m or np.inf), np.inf, 0.0)
+    np.divide(asked, limit, out=share, where=limit > 0.0)
+    return share

@@ -21,10 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array
-from slipmargin.limits.creep import BEYOND, FAITHFUL, Balance
+from slipmargin.limits.creep import BEYOND, FAITHFUL, SCALE, TABLES, WHEEL, Balance, knee
 from slipmargin.limits.motion_external import External
 from slipmargin.limits.motion_friction import Friction, material_states
-from slipmargin.limits.motion_realised import LIGHTEST
+from slipmargin.limits.motion_realised import LIGHTEST, comparable
 from slipmargin.limits.realised_newton import leave_share
 from slipmargin.model import Model
 from slipmargin.physics.friction_laws import law_inverse
@@ -39,7 +39,7 @@ def slip_at(law: int, share: float) -> float:
     """k u at which a wheel uses a share of its grip, as an audit counts it (continued above 0.98)."""
     if share <= FAITHFUL:
         return float(law_inverse(law, share))
-    return float(law_inverse(law, FAITHFUL)) + (share - FAITHFUL) / BEYOND
+    return knee(law) + (share - FAITHFUL) / BEYOND
 
 
 def realised_limit(
@@ -71,20 +71,12 @@ def realised_limit(
     best, wheels = high.ravel().copy(), np.zeros(flat, dtype=np.int64)
     k = _repeated(friction.drive_stiffness / np.mean(friction.drive_stiffness), low.shape)
     t, code = np.empty(flat), np.empty(flat, dtype=np.int64)
-    for case in _cases(model, friction, external, start, direction):
-        leave_share(
-            law,
-            float(law_inverse(law, FAITHFUL)),
-            slip_at(law, share),
-            np.ascontiguousarray(model.wrench_maps()[0]),
-            k,
-            *case,
-            _scale(model),
-            low.ravel(),
-            best,
-            t,
-            code,
-        )
+    forces = np.ascontiguousarray(np.concatenate(model.wrench_maps()))
+    work = np.zeros((n, WHEEL)), np.append(np.zeros(SCALE), comparable(model)), np.zeros(TABLES)
+    for c0, c1, light, w0, w1 in _cases(model, friction, external, start, direction):
+        rays, wrench = np.stack([k, c0, c1, light], axis=2), np.concatenate([w0, w1], axis=1)
+        given = forces, rays, wrench, *work, low.ravel(), best
+        leave_share(law, knee(law), slip_at(law, share), *given, t, code)
         less = t < best
         best[less], wheels[less] = t[less], code[less]
     bits = (wheels[:, None] >> np.minimum(np.arange(n), 62)) & 1
@@ -109,7 +101,7 @@ def realised_share(model: Model, friction: Friction, external: External, acceler
             slide=none,
             need=w0,
             carried=np.zeros((len(w0), 4)),
-            scale=_scale(model),
+            scale=comparable(model),
         )
         worst = np.maximum(worst, balance.rest()[1].max(axis=1).reshape(worst.shape))
     return worst
@@ -155,12 +147,6 @@ def _corners(low: Array, high: Array) -> Iterator[Array]:
             if up:
                 corner[:, j] = high[:, j]
         yield corner
-
-
-def _scale(model: Model) -> Array:
-    """A wrench to compare with."""
-    lever = float(np.max(np.abs(model.wrench_maps()[0][2]))) or 1.0
-    return model.inertia.weight_N * float(np.max(model.grip.roller[:, 0])) * np.array([1.0, 1.0, lever])
 
 
 def _repeated(values: Array, shape: tuple[int, ...]) -> Array:

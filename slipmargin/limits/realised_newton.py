@@ -8,135 +8,78 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array
-from slipmargin.limits.creep import BEYOND, FAITHFUL
-from slipmargin.physics.compiled import fast, inner, twin
-from slipmargin.physics.friction_laws import law_share, law_slope
+from slipmargin.limits.creep import (
+    FOUND,
+    GRIP,
+    NEED,
+    SLIP,
+    STEEP,
+    balance,
+    continued,
+    residual,
+    slip,
+    solve3,
+)
+from slipmargin.physics.compiled import inner, kernel
 
 #: Points of the search over t where no neighbour's solution helps.
 SCAN = 33
 #: Wheels within this of the limiting slip limit as well [1].
 TIED = 1e-6
-_law_share, _law_slope = twin(law_share), twin(law_slope)
+#: Size of the residual at which a limit is found [1].
+CLOSE = 1e-10
+#: Columns of a wheel on a ray: slope k, grip c₀ + t c₁ and its least.
+SLOPE, GRIP_0, GRIP_1, LEAST, RAY = range(5)
 
 
 @inner
-def _look(
-    law: int,
-    knee: float,
-    B: Array,
-    k: Array,
-    c0: Array,
-    c1: Array,
-    light: Array,
-    w0: Array,
-    w1: Array,
-    x: Array,
-    t: float,
-    out: Array,
-    H: Array,
-    by_t: Array,
-    z: Array,
-) -> None:
-    """Residual, its Jacobian by ε and by t, and the slips k_i b_i·ε."""
-    r0, r1, r2 = w0[0] + t * w1[0], w0[1] + t * w1[1], w0[2] + t * w1[2]
-    f0, f1, f2 = w1[0], w1[1], w1[2]
-    h00, h01, h02, h11, h12, h22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for i in range(B.shape[1]):
-        a, b, m = B[0, i], B[1, i], B[2, i]
-        s = k[i] * (a * x[0] + b * x[1] + m * x[2])
-        z[i] = s
-        if abs(s) <= knee:
-            share, slope = _law_share(law, s), _law_slope(law, s)
-        else:
-            share, slope = math.copysign(FAITHFUL + BEYOND * (abs(s) - knee), s), BEYOND
-        c, more = c0[i] + t * c1[i], c1[i]
-        if c < light[i]:
-            c, more = light[i], 0.0
-        f = c * share
-        r0, r1, r2 = r0 + a * f, r1 + b * f, r2 + m * f
-        f = more * share
-        f0, f1, f2 = f0 + a * f, f1 + b * f, f2 + m * f
-        h = c * k[i] * slope
-        h00, h01, h02 = h00 + h * a * a, h01 + h * a * b, h02 + h * a * m
-        h11, h12, h22 = h11 + h * b * b, h12 + h * b * m, h22 + h * m * m
-    out[0], out[1], out[2] = r0, r1, r2
-    by_t[0], by_t[1], by_t[2] = f0, f1, f2
-    H[0], H[1], H[2], H[3], H[4], H[5] = h00, h01, h02, h11, h12, h22
+def _copy(source: Array, target: Array) -> None:
+    for r in range(3):
+        target[r] = source[r]
 
 
 @inner
-def _solve(H: Array, b: Array, x: Array) -> None:
-    """x = H⁻¹ b, H symmetric and positive definite."""
-    p, q = H[1] / H[0], H[2] / H[0]
-    h11, h12, b1 = H[3] - p * H[1], H[4] - p * H[2], b[1] - p * b[0]
-    h22, b2 = H[5] - q * H[2], b[2] - q * b[0]
-    r = h12 / h11
-    x[2] = (b2 - r * b1) / (h22 - r * h12)
-    x[1] = (b1 - h12 * x[2]) / h11
-    x[0] = (b[0] - H[1] * x[1] - H[2] * x[2]) / H[0]
+def _put(rays: Array, wrench: Array, t: float, wheels: Array, ask: Array) -> None:
+    """What the wheels have and are asked for at t."""
+    for i in range(len(rays)):
+        ray = rays[i]
+        wheels[i, STEEP], wheels[i, GRIP] = ray[SLOPE], max(ray[GRIP_0] + t * ray[GRIP_1], ray[LEAST])
+    for r in range(3):
+        ask[NEED + r] = wrench[r] + t * wrench[3 + r]
 
 
 @inner
-def _miss(out: Array, scale: Array) -> float:
-    return float(abs(out[0]) / scale[0] + abs(out[1]) / scale[1] + abs(out[2]) / scale[2])
-
-
-@inner
-def _worst(z: Array) -> int:
+def _worst(wheels: Array) -> int:
+    """The wheel that slips fastest."""
     worst = 0
-    for i in range(1, len(z)):
-        if abs(z[i]) > abs(z[worst]):
+    for i in range(1, len(wheels)):
+        if abs(wheels[i, SLIP]) > abs(wheels[worst, SLIP]):
             worst = i
     return worst
 
 
 @inner
-def _at(
+def _fastest(
     law: int,
     knee: float,
-    B: Array,
-    k: Array,
-    c0: Array,
-    c1: Array,
-    light: Array,
-    w0: Array,
-    w1: Array,
-    scale: Array,
+    A: Array,
+    rays: Array,
+    wrench: Array,
+    wheels: Array,
+    ask: Array,
     x: Array,
     t: float,
-    out: Array,
-    H: Array,
-    by_t: Array,
-    z: Array,
-    one: Array,
-    trial: Array,
+    tables: Array,
 ) -> float:
-    """Creep at a given t by damped Newton, in place; returns the fastest slip, infinite if not found."""
-    _look(law, knee, B, k, c0, c1, light, w0, w1, x, t, out, H, by_t, z)
-    miss = _miss(out, scale)
-    for _ in range(100):
-        if miss <= 1e-11:
-            break
-        _solve(H, out, one)
-        size = 1.0
-        while size > 1e-9:
-            for r in range(3):
-                trial[r] = x[r] - size * one[r]
-            _look(law, knee, B, k, c0, c1, light, w0, w1, trial, t, out, H, by_t, z)
-            less = _miss(out, scale)
-            if less < (1.0 - 1e-4 * size) * miss:
-                break
-            size *= 0.5
-        if size <= 1e-9:
-            break
-        for r in range(3):
-            x[r] = trial[r]
-        miss = less
-    if not miss <= 1e-8:
+    """The fastest slip at t, with its creep in ``x``, where Newton's method begins; infinite if not found."""
+    _put(rays, wrench, t, wheels, ask)
+    if not balance(law, knee, A, wheels, ask, x, tables) <= FOUND:
         for r in range(3):
             x[r] = 0.0
         return math.inf
-    return float(abs(z[_worst(z)]))
+    for i in range(len(wheels)):
+        wheels[i, SLIP] = slip(A, wheels[i, STEEP], x, i)
+    return float(abs(wheels[_worst(wheels), SLIP]))
 
 
 @inner
@@ -144,62 +87,59 @@ def _leave(
     law: int,
     knee: float,
     most: float,
-    B: Array,
-    k: Array,
-    c0: Array,
-    c1: Array,
-    light: Array,
-    w0: Array,
-    w1: Array,
-    scale: Array,
+    A: Array,
+    rays: Array,
+    wrench: Array,
+    wheels: Array,
+    ask: Array,
     x: Array,
     t: float,
-    out: Array,
-    H: Array,
-    by_t: Array,
-    z: Array,
-    one: Array,
-    two: Array,
+    tables: Array,
 ) -> float:
     """t at which the share is left, by Newton from (x, t); NaN where it does not get there."""
-    _look(law, knee, B, k, c0, c1, light, w0, w1, x, t, out, H, by_t, z)
-    j = _worst(z)
-    sign = math.copysign(1.0, z[j])
-    for _ in range(25):
-        _solve(H, out, one)
-        _solve(H, by_t, two)
-        here = (
-            sign * k[j] * (B[0, j] * (x[0] - one[0]) + B[1, j] * (x[1] - one[1]) + B[2, j] * (x[2] - one[2]))
-        )
-        slope = sign * k[j] * (B[0, j] * two[0] + B[1, j] * two[1] + B[2, j] * two[2])
+    H, rows, more = tables[0], tables[1], tables[2]
+    out, by_t, one, two = rows[0], rows[1], more[0], more[1]
+    j, sign = -1, 1.0
+    for _ in range(26):
+        _put(rays, wrench, t, wheels, ask)
+        miss = residual(law, knee, A, wheels, ask, x, out, H)
+        worst = _worst(wheels)
+        top = wheels[worst, SLIP]
+        if j >= 0 and miss <= CLOSE and abs(top) <= most * (1.0 + 1e-9):
+            return t
+        if j < 0 or miss <= CLOSE:
+            j, sign = worst, math.copysign(1.0, top)
+        for r in range(3):
+            by_t[r] = wrench[3 + r]
+        for i in range(len(rays)):
+            if wheels[i, GRIP] > rays[i, LEAST]:
+                share = rays[i, GRIP_1] * continued(law, knee, wheels[i, SLIP])[0]
+                for r in range(3):
+                    by_t[r] += share * A[r, i]
+        solve3(H, out, one)
+        solve3(H, by_t, two)
+        k = wheels[j, STEEP]
+        slope = sign * slip(A, k, two, j)
         if not slope < 0.0:  # more acceleration must mean more slip here
             return math.nan
-        dt = (here - most) / slope
+        dt = (sign * (wheels[j, SLIP] - slip(A, k, one, j)) - most) / slope
         for r in range(3):
             x[r] -= one[r] + dt * two[r]
         t += dt
-        _look(law, knee, B, k, c0, c1, light, w0, w1, x, t, out, H, by_t, z)
-        if _miss(out, scale) <= 1e-10:
-            worst = _worst(z)
-            if abs(z[worst]) <= most * (1.0 + 1e-9):
-                return t
-            j, sign = worst, math.copysign(1.0, z[worst])
     return math.nan
 
 
-@fast
+@kernel
 def leave_share(
     law: int,
     knee: float,
     most: float,
-    B: Array,
-    k: Array,
-    c0: Array,
-    c1: Array,
-    light: Array,
-    w0: Array,
-    w1: Array,
-    scale: Array,
+    A: Array,
+    rays: Array,
+    wrench: Array,
+    wheels: Array,
+    ask: Array,
+    tables: Array,
     low: Array,
     high: Array,
     t: Array,
@@ -207,70 +147,27 @@ def leave_share(
 ) -> None:
     """For every ray the largest t in [low, high] within the share; −∞ where none is found.
 
-    ``code`` gets a bit for every limiting wheel, 0 where ``high`` is within the share.
+    ``rays`` (M, N, RAY), ``wrench`` (M, 6): w₀ and w₁; wheels (N, WHEEL), ask (ASKED) with the wrench to
+    compare with, and tables, else all zero, to work on.  ``code`` gets a bit for every limiting wheel, 0
+    where ``high`` is within the share.
     """
-    out, H, by_t, z = np.zeros(3), np.zeros(6), np.zeros(3), np.zeros(B.shape[1])
-    one, two, x, near = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+    n, x, near = rays.shape[1], tables[3, 0], tables[3, 1]
+    nothing = tables[3, 2]
     warm, last = False, 0.0
     for m in range(len(low)):
         code[m] = 0
         if not (math.isfinite(low[m]) and math.isfinite(high[m])):
             t[m], warm = high[m], False
             continue
-        found = math.nan
+        found, ray, w = math.nan, rays[m], wrench[m]
         if warm:
-            near[:] = x
-            found = _leave(
-                law,
-                knee,
-                most,
-                B,
-                k[m],
-                c0[m],
-                c1[m],
-                light[m],
-                w0[m],
-                w1[m],
-                scale,
-                x,
-                last,
-                out,
-                H,
-                by_t,
-                z,
-                one,
-                two,
-            )
-            if not low[m] <= found:
-                found = math.nan
-        if math.isnan(found):  # search from the top for the first t within the share, then bisect
-            x[:] = 0.0
+            found = _leave(law, knee, most, A, ray, w, wheels, ask, x, last, tables)
+        if not low[m] <= found:  # search from the top for the first t within the share, then bisect
+            _copy(nothing, x)
             above, below, step = high[m], -math.inf, (high[m] - low[m]) / (SCAN - 1)
             for s in range(SCAN):
                 here = high[m] - s * step
-                if (
-                    _at(
-                        law,
-                        knee,
-                        B,
-                        k[m],
-                        c0[m],
-                        c1[m],
-                        light[m],
-                        w0[m],
-                        w1[m],
-                        scale,
-                        x,
-                        here,
-                        out,
-                        H,
-                        by_t,
-                        z,
-                        one,
-                        two,
-                    )
-                    <= most
-                ):
+                if _fastest(law, knee, A, ray, w, wheels, ask, x, here, tables) <= most:
                     below = here
                     break
                 above = here
@@ -278,85 +175,24 @@ def leave_share(
                 t[m], warm = below, False
                 continue
             for s in range(60):
-                near[:] = x
+                _copy(x, near)
                 if s > 3:
-                    found = _leave(
-                        law,
-                        knee,
-                        most,
-                        B,
-                        k[m],
-                        c0[m],
-                        c1[m],
-                        light[m],
-                        w0[m],
-                        w1[m],
-                        scale,
-                        x,
-                        below,
-                        out,
-                        H,
-                        by_t,
-                        z,
-                        one,
-                        two,
-                    )
+                    found = _leave(law, knee, most, A, ray, w, wheels, ask, x, below, tables)
                     if below <= found <= above:
                         break
-                    x[:] = near
+                    _copy(near, x)
                 found = below
                 here = 0.5 * (below + above)
-                if (
-                    _at(
-                        law,
-                        knee,
-                        B,
-                        k[m],
-                        c0[m],
-                        c1[m],
-                        light[m],
-                        w0[m],
-                        w1[m],
-                        scale,
-                        x,
-                        here,
-                        out,
-                        H,
-                        by_t,
-                        z,
-                        one,
-                        two,
-                    )
-                    <= most
-                ):
+                if _fastest(law, knee, A, ray, w, wheels, ask, x, here, tables) <= most:
                     below = here
                 else:
                     above = here
-                    x[:] = near
-            _at(
-                law,
-                knee,
-                B,
-                k[m],
-                c0[m],
-                c1[m],
-                light[m],
-                w0[m],
-                w1[m],
-                scale,
-                x,
-                found,
-                out,
-                H,
-                by_t,
-                z,
-                one,
-                two,
-            )
+                    _copy(near, x)
+            _fastest(law, knee, A, ray, w, wheels, ask, x, found, tables)
         warm, last = True, found
         t[m] = min(found, high[m])
         if found < high[m]:
-            top = abs(z[_worst(z)])
-            for i in range(min(len(z), 62)):
-                if abs(z[i]) >= top * (1.0 - TIED):
+            top = abs(wheels[_worst(wheels), SLIP])
+            for i in range(min(n, 62)):
+                if abs(wheels[i, SLIP]) >= top * (1.0 - TIED):
                     code[m] |= 1 << i

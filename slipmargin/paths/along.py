@@ -109,6 +109,7 @@ def rows_along(
     torque_share: Array,
     caps: Caps,
     cap_share: Array,
+    load_share: Array,
     guess: Array | None,
 ) -> Rows:
     """Rows of every interval.
@@ -119,6 +120,8 @@ def rows_along(
         Samples whose first and last fraction are 0 and 1.
     share, torque_share, cap_share : (n,)
         Shares of the grip, the motor's torque and the speed caps that may be used.
+    load_share : (n, 1)
+        Share of its load at constant speed that a wheel may lose.
     guess : (n + 1,), optional
         ṡ² of a profile: where the torque–speed line is touched (√x ≤ ½ (√x̄ + x/√x̄), a tangent from
         above, so that the row is safe whatever the guess).
@@ -138,10 +141,10 @@ def rows_along(
             (
                 [-geometry.push[:, e, :2] @ per.T for e in ends],
                 [-geometry.bend[:, e, :2] @ per.T for e in ends],
-                [assumed.external.standing_N()] * 2,
+                [load_share * assumed.external.standing_N()] * 2,
             )
         )
-        names += ["tip-over"] * model.count
+        names += ["tipping"] * model.count
         wheels.append(np.eye(model.count, dtype=bool))
     if model.drives.stall_torque_N_m is not None:
         blocks.append(_motor(model, geometry, assumed, torque_share, guess))

@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.limits.motion_external import tipping
 from slipmargin.limits.motion_realised import realised, settling
 from slipmargin.limits.motion_rows import torque_use
 from slipmargin.limits.motion_state import Contact
@@ -26,7 +27,8 @@ class Audit:
 
     ``use`` (n, F, N) share of each wheel's grip in the realised distribution, pose held or open loop,
     whichever is more; ``torque`` (n, F, N) share
-    of the motor's torque; ``speed`` (n, F) share of the tightest speed cap; ``load_N`` (n, F, N).
+    of the motor's torque; ``speed`` (n, F) share of the tightest speed cap; ``load_N`` (n, F, N);
+    ``tipping`` (n, F, N) share of its load at constant speed that a wheel loses: at 1 it lifts.
     ``settling`` (n, N) is the largest use within the milliseconds after each interval's acceleration
     sets in (the first interval's does not follow another).
     """
@@ -36,6 +38,7 @@ class Audit:
     torque: Array
     speed: Array
     load_N: Array
+    tipping: Array
     time_s: Array
 
     @property
@@ -83,5 +86,6 @@ def audit(
         torque=torque.reshape(shape),
         speed=speed,
         load_N=forces.load_N.reshape(shape),
+        tipping=tipping(model, motion, forces.load_N).reshape(shape),
         time_s=time,
     )

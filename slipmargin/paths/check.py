@@ -13,6 +13,7 @@ from numba import njit
 
 from slipmargin.checks import Array, frozen, real
 from slipmargin.errors import InputError
+from slipmargin.limits.motion_external import tipping
 from slipmargin.limits.motion_friction import friction_in_motion
 from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_rows import torque_use
@@ -37,7 +38,9 @@ class Check:
     """What a trajectory asks of the wheels at its T samples.
 
     ``use`` (T, N) and ``torque`` (T, N) shares of each wheel's grip and motor torque, ``speed`` (T, N) share
-    of its top speed.  ``worst`` is (time, x, y, wheel index).
+    of its top speed; ``tipping`` (T, N) share of its load at constant speed that a wheel loses (it lifts at
+    1).
+    ``worst`` is (time, x, y, wheel index).
     ``time_scale_needed``: stretch time by this factor and every share is within ``share``; 1 where it already
     is, infinite where no slowing down helps.
     """
@@ -50,6 +53,7 @@ class Check:
     torque: Array
     speed: Array
     load_N: Array
+    tipping: Array
     max_use: float
     worst: tuple[float, float, float, int]
     share: float
@@ -57,7 +61,7 @@ class Check:
 
     @property
     def admissible(self) -> bool:
-        """Whether no wheel uses more than the share, no motor too much, and no wheel lifts."""
+        """Whether grip, motors' torque and tipping keep the share, and wheels their top speed."""
         return self.time_scale_needed <= 1.0
 
 
@@ -90,7 +94,7 @@ def check(
     pose : (T, 3)
         x [m], y [m], φ [rad]; φ may jump by whole turns.
     share : float
-        λ: the share of the grip that may be used.
+        λ: the share of the grip, of the motors' torque and of what lifts a wheel that may be used.
     smooth_s : float
         Window [s] over which derivatives are fitted: 0 for a planned trajectory, more for a measured one.
 
@@ -103,7 +107,7 @@ def check(
     share = real("margin", share, above=0.0, high=1.0, cure="give a slip margin from 0 to below 1")
     smooth_s = real("smooth", smooth_s, low=0.0, cure="give a window [s], 0 for none")
     course = _Course(t_s, pose, *derivatives(t_s, pose, smooth_s))
-    use, torque, speed, load = _shares(model, course, contact, 1.0)
+    use, torque, speed, load, lost = _shares(model, course, contact, 1.0)
     i, k = np.unravel_index(int(np.argmax(use)), use.shape)
     return Check(
         t_s=t_s,
@@ -114,6 +118,7 @@ def check(
         torque=torque,
         speed=speed,
         load_N=load,
+        tipping=lost,
         max_use=float(np.max(use)),
         worst=(float(t_s[i]), float(pose[i, 0]), float(pose[i, 1]), int(k)),
         share=share,
@@ -188,8 +193,8 @@ def _checked(t_s: Array, pose: Array) -> tuple[Array, Array]:
 
 def _shares(
     model: Model, course: _Course, contact: Contact, stretch: float
-) -> tuple[Array, Array, Array, Array]:
-    """Use, torque and speed shares and loads (M, N) with time stretched."""
+) -> tuple[Array, Array, Array, Array, Array]:
+    """Use, torque and speed shares, loads and tipping (M, N) with time stretched."""
     phi = course.pose[:, 2]
     motion = Motion(
         velocity=rotate_rows(phi, course.velocity, inverse=True) / stretch,
@@ -202,7 +207,7 @@ def _shares(
     omega = model.geometry.wheel_speeds(motion.velocity)
     torque = torque_use(model, forces.torque_N_m, omega)
     top = model.drives.max_speed_rad_s or np.inf
-    return forces.use, torque, np.abs(omega) / top, forces.load_N
+    return forces.use, torque, np.abs(omega) / top, forces.load_N, tipping(model, motion, forces.load_N)
 
 
 def _time_scale(model: Model, course: _Course, share: float, contact: Contact) -> float:
@@ -213,10 +218,11 @@ def _time_scale(model: Model, course: _Course, share: float, contact: Contact) -
     """
 
     def fits(stretch: float) -> bool:
-        use, torque, speed, load = _shares(model, course, contact, stretch)
+        use, torque, speed, load, lost = _shares(model, course, contact, stretch)
         return bool(
             np.max(use) <= share * (1.0 + 1e-6)
-            and np.max(torque) <= 1.0 + 1e-6
+            and np.max(torque) <= share * (1.0 + 1e-6)
+            and np.max(lost) <= share * (1.0 + 1e-6)
             and np.max(speed) <= 1.0 + 1e-6
             and np.min(load) >= 0.0
         )

@@ -34,7 +34,8 @@ HASTE, COARSEST = 1.25, 3e-3
 class Request:
     """What a plan has to obey.
 
-    ``share`` λ = 1 − margin of every wheel's grip; ``start_m_s`` and ``end_m_s`` are ṡ at the ends;
+    ``share`` λ = 1 − margin of every wheel's grip, of every motor's torque and of what lifts a wheel;
+    ``start_m_s`` and ``end_m_s`` are ṡ at the ends;
     ``contact`` what the wheels stand on (UNKNOWN: robust), ``theta_rad`` (N,) the wheel angles at the start
     where the contact follows from them (ANGLE).
     """
@@ -145,7 +146,7 @@ class _Work:
     def __init__(self, model: Model, request: Request, grid: Grid, coarse: Geometry, fine: Geometry) -> None:
         self.model, self.request, self.grid, self.coarse, self.fine = model, request, grid, coarse, fine
         n = len(grid.step)
-        self.grip, self.torque, self.speed = np.ones(n), np.ones(n), np.ones(n)
+        self.grip, self.torque, self.speed, self.load = np.ones((4, n))
         self.x, self.u, self.highest = np.zeros(n + 1), np.zeros(n), np.zeros(n + 1)
         self.binding = np.zeros(n, dtype=np.int64)
         self.passes = 0
@@ -176,7 +177,8 @@ class _Work:
             self.coarse,
             assumed,
             share=r.share * self.grip,
-            torque_share=self.torque,
+            torque_share=r.share * self.torque,
+            load_share=r.share * self.load[:, None],
             caps=r.caps,
             cap_share=self.speed,
             guess=self.x if self.passes else None,
@@ -229,7 +231,8 @@ class _Work:
         found = False
         for kept, used, limit in (
             (self.grip, seen.most.max(axis=1), self.request.share),
-            (self.torque, seen.torque.max(axis=(1, 2)), 1.0),
+            (self.torque, seen.torque.max(axis=(1, 2)), self.request.share),
+            (self.load, seen.tipping.max(axis=(1, 2)), self.request.share),
             (self.speed, seen.speed.max(axis=1), 1.0),
         ):
             over = used > limit * (1.0 + 2.0 * AIM)

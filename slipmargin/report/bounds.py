@@ -29,6 +29,8 @@ def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:
         f"({degrees(full.heading_rad[weak])}; {_tips(b, weak)}{', '.join(full.starting.wheels[weak])}), "
         f"{full.starting_m_s2[strong]:.4g} m/s² in the "
         f"strongest ({degrees(full.heading_rad[strong])}{_narrow(b, strong)})"
+        if b.traction_m_s2 > 0.0
+        else f"traction    none: {_slipping(b)}"
     )
     lines.append(
         "motor       "
@@ -63,15 +65,27 @@ def _grip(b: Bounds) -> list[str]:
     """How much less rollers hold that turn freely, where the grip is the box and that is worth a line."""
     if b.rolling_m_s2 is None or b.rolling_m_s2 > (1.0 - WORTH_SAYING) * b.traction_m_s2:
         return []
+    free = "rollers that turn freely (disc-strip)"
     if b.rolling_m_s2 <= 0.0:
-        return [
-            "grip        box; rollers that turn freely (disc-strip) slip at constant speed in some direction"
-        ]
+        return [f"grip        box; {free} slip at constant speed in some direction"]
     less = 100.0 * (1.0 - b.rolling_m_s2 / b.traction_m_s2)
     return [
-        f"grip        box; rollers that turn freely (disc-strip) hold {b.rolling_m_s2:.4g} m/s² in the weakest "
-        f"direction, {less:.0f} % less"
+        f"grip        box; {free} hold {b.rolling_m_s2:.4g} m/s² in the weakest direction, {less:.0f} % less"
     ]
+
+
+def _slipping(b: Bounds) -> str:
+    """Where the robot slips without accelerating, and what is left elsewhere."""
+    held = b.full.starting_m_s2 > 0.0
+    wheels = ", ".join(b.full.starting.wheels[int(np.argmin(b.full.starting_m_s2))])
+    if not np.any(held):
+        return f"it must slip at constant speed in every direction (wheel {wheels} first)"
+    strong = int(np.argmax(b.full.starting_m_s2))
+    return (
+        f"it must slip at constant speed in {np.count_nonzero(~held)} of {len(held)} directions (wheel "
+        f"{wheels} first); {b.full.starting_m_s2[strong]:.4g} m/s² in the strongest "
+        f"({degrees(b.full.heading_rad[strong])}{_narrow(b, strong)})"
+    )
 
 
 def _tips(b: Bounds, at: int) -> str:
@@ -89,8 +103,8 @@ def _narrow(b: Bounds, at: int) -> str:
 
 
 def _span(values: Array) -> str:
-    """From the least to the largest; what must slip is said, not printed as −∞."""
-    held = values[np.isfinite(values)]
+    """From the least to the largest; what must slip is said, not printed as a negative number."""
+    held = values[values > 0.0]
     slips = len(values) - len(held)
     if not len(held):
         return "none, it must slip in every direction"
@@ -147,6 +161,29 @@ def _sets(b: Bounds) -> list[str]:
         f" ({', '.join(b.model.convention.short_axes)} m/s², yaw rad/s²)",
         f"circle      {s.circle_m_s2:.4g} m/s² in any direction of motion and of acceleration",
         f"reserved    {s.yaw_rad_s2:.4g} rad/s² of yaw acceleration at once, in box, circle and exports",
+        *_speeds(b),
+    ]
+
+
+def _speeds(b: Bounds) -> list[str]:
+    """Up to which speeds the sets are there; nothing where no motor and no offset mass limits them."""
+    ahead, side, _, turn = b.speeds
+    each = [
+        f"{v:.4g} {unit} {word}"
+        for v, unit, word in (
+            (ahead, "m/s", "forward"),
+            (side, "m/s", "sideways"),
+            (turn, "rad/s", "turning"),
+        )
+        if math.isfinite(v)
+    ]
+    if not each:
+        return []
+    motors = f" of the motors' {'torque' if b.model.drives.stall_torque_N_m else 'top speed'}"
+    reserve = f" with {b.margin:.3g}{motors} in reserve" if math.isfinite(ahead) else ""
+    return [
+        f"speeds      up to {', '.join(each)}, each alone: box, circle and exports are available there"
+        + reserve
     ]
 
 
@@ -157,10 +194,8 @@ def tables(b: Bounds) -> list[str]:
     rows = [
         [
             degrees(b.full.heading_rad[k]),
-            f"{b.full.starting_m_s2[k]:.4f}",
-            f"{b.full.turning_m_s2[k]:.4f}",
-            f"{b.full.braking_m_s2[k]:.4f}",
-            f"{b.full.steady_use[k]:.3f}",
+            *(_held(v[k]) for v in (b.full.starting_m_s2, b.full.turning_m_s2, b.full.braking_m_s2)),
+            f"{b.full.steady_use[k]:.3f}" if math.isfinite(b.full.steady_use[k]) else "slips",
             f"{b.full.starting.cause[k]}: {'+'.join(b.full.starting.wheels[k])}",
         ]
         for k in pick
@@ -175,6 +210,11 @@ def tables(b: Bounds) -> list[str]:
         ],
     )
     return [*columns(head, rows), "", *corner]
+
+
+def _held(value: float) -> str:
+    """A limit, or that the robot slips without accelerating."""
+    return f"{value:.4f}" if value > 0.0 else "slips"
 
 
 def _three(values: Any) -> str:

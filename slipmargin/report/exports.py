@@ -4,6 +4,10 @@ Frames: the limits are in the axes of the robot file (its ``convention``); ROS (
 PathPlanner and Choreo have +x forward and +y to the left.  Sources of the names: nav2_velocity_smoother and
 nav2_mppi_controller (Nav2), MecanumDrive.Params (Road Runner 1.0 quickstart; inches and radians),
 settings.json (PathPlanner 2025; metres and degrees), the ``config`` of a .chor file (Choreo 2025).
+
+JSON has no comments, so the two JSON files say in a key ``comment`` what they hold.  Both tools pass over
+keys that they do not know and drop them when they save: PathPlanner's editor and library ask for their keys
+one by one (project_page.dart, RobotConfig.java), Choreo's structs do not deny unknown fields (project.rs).
 """
 
 from __future__ import annotations
@@ -46,13 +50,9 @@ def _sets(found: Bounds) -> Inside:
     return found.inside
 
 
-def _speeds(found: Bounds) -> tuple[float | None, float | None, float | None]:
-    """Top speed forward, to the side [m/s] and turning [rad/s]; None where no motor limits it."""
-    ahead, side = (
-        float(np.interp(a, found.full.heading_rad, found.top_m_s, period=2.0 * np.pi))
-        for a in (found.model.convention.front_rad, found.model.convention.front_rad - 0.5 * np.pi)
-    )
-    return tuple(v if math.isfinite(v) else None for v in (ahead, side, found.spin.top_rad_s))  # type: ignore
+def _speeds(found: Bounds) -> list[float | None]:
+    """Speed forward, to the side, any way [m/s] and turning [rad/s]; None where no motor limits it."""
+    return [v if math.isfinite(v) else None for v in found.speeds]
 
 
 def _head(found: Bounds, tool: str, comment: str) -> list[str]:
@@ -60,29 +60,37 @@ def _head(found: Bounds, tool: str, comment: str) -> list[str]:
     return [
         f"{comment} {tool} limits of {model.robot} on {model.surface}, slip margin {found.margin:g} "
         "(slipmargin)",
-        f"{comment} {_stated(found)}",
+        *(f"{comment} {line}" for line in _stated(found)),
         f"{comment} x forward, y left",
     ]
 
 
-def _stated(found: Bounds) -> str:
+def _stated(found: Bounds) -> list[str]:
     """The one set that every export comes from, in words."""
-    yaw = _sets(found).yaw_rad_s2
-    return (
-        f"safe in every direction of motion, with {yaw:.4g} rad/s^2 of yaw acceleration at once: the largest "
-        "box for tools with a number an axis, the largest circle for tools with one number"
-    )
+    sets = _sets(found)
+    lines = [
+        f"accelerations: safe in every direction of motion, with {sets.yaw_rad_s2:.4g} rad/s^2 of yaw "
+        "acceleration at once",
+        "the largest box for tools with a number an axis, the largest circle for tools with one number",
+    ]
+    if sets.pace is not None:
+        lines.append(
+            f"speeds: {100.0 * sets.pace:.3g} % of the wheels' top speed, each axis alone; up to there these "
+            f"accelerations take at most {100.0 * (1.0 - found.margin):.3g} % of the motors"
+        )
+    return lines
 
 
 def nav2(found: Bounds) -> str:
     """YAML for the velocity smoother and the MPPI controller [m/s, m/s², rad/s, rad/s²]."""
     sets = _sets(found)
     fast, slow, even = (_forward(found, v) for v in (sets.fast, sets.slow, sets.even))
-    speeds = _speeds(found)
+    ahead, side, _, turn = _speeds(found)
+    speeds = (ahead, side, turn)
     lines = [*_head(found, "Nav2", "#"), "velocity_smoother:", "  ros__parameters:"]
     if all(v is not None for v in speeds):
         lines += [
-            f"    max_velocity: {_list(speeds)}  # [m/s, m/s, rad/s] wheel speed, one axis at a time",
+            f"    max_velocity: {_list(speeds)}  # [m/s, m/s, rad/s], each axis alone",
             f"    min_velocity: {_list([-v for v in speeds if v is not None])}",
         ]
     lines += [
@@ -105,67 +113,75 @@ def nav2(found: Bounds) -> str:
 
 def roadrunner(found: Bounds) -> str:
     """Java fields of MecanumDrive.Params: inches and radians."""
-    sets = _sets(found)
-    fast, slow = _forward(found, sets.fast), _forward(found, sets.slow)
-    up = down = sets.circle_m_s2
+    sets, drives = _sets(found), found.model.drives
     lines = [*_head(found, "Road Runner", "//"), "// path profile parameters (in inches)"]
-    top = found.model.drives.max_speed_rad_s
-    if top is not None:
-        wheel = top * float(np.min(found.model.geometry.radius_m))
+    if drives.max_speed_rad_s is not None and sets.pace is not None:
+        wheel = sets.pace * drives.max_speed_rad_s * float(np.min(found.model.geometry.radius_m))
         lines.append(f"public double maxWheelVel = {wheel / _INCH:.3f};")
     lines += [
-        f"public double minProfileAccel = {-down / _INCH:.3f};",
-        f"public double maxProfileAccel = {up / _INCH:.3f};",
+        f"public double minProfileAccel = {-sets.circle_m_s2 / _INCH:.3f};",
+        f"public double maxProfileAccel = {sets.circle_m_s2 / _INCH:.3f};",
         "// turn profile parameters (in radians)",
     ]
-    if math.isfinite(found.spin.top_rad_s):
-        lines.append(f"public double maxAngVel = {found.spin.top_rad_s:.4f};")
-    lines.append(f"public double maxAngAccel = {min(fast[2], slow[2]):.4f};")
+    turn = _speeds(found)[3]
+    if turn is not None:
+        lines.append(f"public double maxAngVel = {turn:.4f};")
+    lines.append(f"public double maxAngAccel = {sets.yaw_rad_s2:.4f};")
     return "\n".join(lines) + "\n"
 
 
 def pathplanner(found: Bounds) -> str:
     """Keys of PathPlanner's settings.json: metres, kilograms and degrees."""
     sets, model = _sets(found), found.model
-    ahead, side, turn = _speeds(found)
+    speed, turn = _speeds(found)[2:]
     table: dict[str, Any] = {
-        "comment": _stated(found),
+        "comment": "; ".join([*_stated(found), _swerve(found)]),
         "holonomicMode": True,
         "robotMass": model.inertia.mass_kg,
         "robotMOI": model.inertia.inertia_kg_m2,
         "driveWheelRadius": float(np.mean(model.geometry.radius_m)),
-        "wheelCOF": _effective(found),
+        "wheelCOF": sets.coefficient,
         "defaultMaxAccel": sets.circle_m_s2,
-        "defaultMaxAngAccel": math.degrees(float(sets.even[2])),
+        "defaultMaxAngAccel": math.degrees(sets.yaw_rad_s2),
     }
-    if ahead is not None and side is not None and turn is not None:
-        table |= {
-            "defaultMaxVel": min(ahead, side),
-            "maxDriveSpeed": min(ahead, side),
-            "defaultMaxAngVel": math.degrees(turn),
-        }
+    if speed is not None:
+        table |= {"defaultMaxVel": speed, "maxDriveSpeed": speed}
+    if turn is not None:
+        table["defaultMaxAngVel"] = math.degrees(turn)
     return json_text(table)
 
 
 def choreo(found: Bounds) -> str:
-    """The ``config`` of a .chor file; ``cof`` is the coefficient whose μ g is safe in every direction."""
-    model = found.model
-    drives = model.drives
+    """The ``config`` of a .chor file; its torque is what is left of the motors at its speed."""
+    model, sets = found.model, _sets(found)
+    stall, top = model.drives.stall_torque_N_m, model.drives.max_speed_rad_s
+    vmax = None if top is None or sets.pace is None else sets.pace * top
+    tmax = None
+    if stall is not None and sets.pace is not None:
+        tmax = (1.0 - found.margin) * stall * (1.0 - sets.pace)
     values: dict[str, tuple[float | None, str]] = {
         "mass": (model.inertia.mass_kg, "kg"),
         "inertia": (model.inertia.inertia_kg_m2, "kg m ^ 2"),
         "gearing": (1.0, ""),
         "radius": (float(np.mean(model.geometry.radius_m)), "m"),
-        "vmax": (drives.max_speed_rad_s, "rad / s"),
-        "tmax": (drives.stall_torque_N_m, "N * m"),
-        "cof": (_effective(found), ""),
+        "vmax": (vmax, "rad / s"),
+        "tmax": (tmax, "N * m"),
+        "cof": (sets.coefficient, ""),
     }
     config = {
         name: {"exp": f"{value:.6g} {unit}".strip(), "val": value}
         for name, (value, unit) in values.items()
         if value is not None
     }
-    return json_text({"comment": _stated(found), "config": config})
+    return json_text({"comment": "; ".join([*_stated(found), _swerve(found)]), "config": config})
+
+
+def _swerve(found: Bounds) -> str:
+    """What the friction coefficient of a tool for swerve drives stands for."""
+    return (
+        f"friction: with {_sets(found).coefficient:.4g}, all that modules in the wheels' places do is safe "
+        "for this robot, turning included"
+    )
 
 
 def plain_json(found: Bounds) -> str:
@@ -227,14 +243,15 @@ def bounds_table(found: Bounds, likely: SlipChance | None = None) -> dict[str, A
             "ellipsoid": sets.ellipsoid,
             "circle_m_s2": sets.circle_m_s2,
             "yaw_reserved_rad_s2": sets.yaw_rad_s2,
+            "module_coefficient": sets.coefficient,
+            "share_of_top_speed": sets.pace,
+            "speed_m_s": dict(
+                zip(("forward", "sideways", "any_way"), [_finite(v) for v in found.speeds[:3]], strict=True)
+            ),
+            "yaw_rate_rad_s": _finite(found.speeds[3]),
         },
         "inside_why_not": found.why_not,
     }
-
-
-def _effective(found: Bounds) -> float:
-    """The friction coefficient whose μ g is the acceleration that is safe in every direction of motion."""
-    return _sets(found).circle_m_s2 / 9.81
 
 
 def _forward(found: Bounds, box: Any) -> list[float]:

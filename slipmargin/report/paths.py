@@ -30,6 +30,13 @@ def plan_lines(
         f"t = {p.audit.time_s[i, j]:.3f} s",
         f"limited by  {_limited(p)}",
     ]
+    if p.model.loads.follow_acceleration:
+        lost = p.audit.tipping
+        i, j, k = (int(n) for n in np.unravel_index(int(np.argmax(lost)), lost.shape))
+        lines.append(
+            f"tipping     at most {np.max(lost):.4f} of what lifts a wheel, {share:g} allowed; highest: "
+            f"wheel {p.model.geometry.names[k]} at t = {p.audit.time_s[i, j]:.3f} s"
+        )
     if likely is not None:
         lines.append(_chance(likely))
     for name, proof in proofs.items():
@@ -58,7 +65,8 @@ def _limited(p: Plan) -> str:
     """Share of the time that each wheel's grip (or a motor, a cap) sets the pace."""
     spent = np.diff(p.audit.time_s[:, [0, -1]], axis=1).ravel()
     who = limiting_wheel(p)
-    names = [*p.model.geometry.names, "caps or motors"]
+    others = "caps, motors or tipping" if p.model.loads.follow_acceleration else "caps or motors"
+    names = [*p.model.geometry.names, others]
     shares = [(float(np.sum(spent[who == k])) / p.duration_s, name) for k, name in enumerate(names)]
     return ", ".join(
         f"{name} {100 * part:.0f} %" for part, name in sorted(shares, reverse=True) if part > 0.005
@@ -86,14 +94,15 @@ def check_lines(model: Model, c: Check) -> list[str]:
             lines.append(f"motors      have no torque left at their top speed: {_at(names, c, c.torque)}")
         else:
             lines.append(
-                f"motors      at most {most:.4f} of the torque they have{_excess(names, c, c.torque)}"
+                f"motors      at most {most:.4f} of the torque they have"
+                f"{_excess(names, c, c.torque, c.share)}"
             )
     if model.drives.max_speed_rad_s is not None:
         lines.append(
-            f"wheels      at most {np.max(c.speed):.4f} of their top speed{_excess(names, c, c.speed)}"
+            f"wheels      at most {np.max(c.speed):.4f} of their top speed{_excess(names, c, c.speed, 1.0)}"
         )
-    if np.min(c.load_N) < 0.0:
-        lines.append(f"tips        {_at(names, c, -c.load_N)}: it lifts off")
+    if model.loads.follow_acceleration:
+        lines.append(_tipping(names, c))
     if math.isinf(c.time_scale_needed):
         lines.append("cure        none by slowing down: constant speed itself needs too much grip somewhere")
     elif not c.admissible:
@@ -101,9 +110,17 @@ def check_lines(model: Model, c: Check) -> list[str]:
     return lines
 
 
-def _excess(names: Sequence[str], c: Check, share: Array) -> str:
-    """Which wheel has the largest share (T, N), and when, where it is more than 1."""
-    return f": {_at(names, c, share)}" if np.max(share) > 1.0 + 1e-6 else ""
+def _tipping(names: Sequence[str], c: Check) -> str:
+    """The share of its load that a wheel loses; where that is all of it, that it lifts off."""
+    most = f"{np.max(c.tipping):.4f} of what lifts a wheel, {c.share:g} allowed"
+    if np.min(c.load_N) < 0.0:
+        return f"tips        {most}; {_at(names, c, -c.load_N)}: it lifts off"
+    return f"tipping     at most {most}{_excess(names, c, c.tipping, c.share)}"
+
+
+def _excess(names: Sequence[str], c: Check, share: Array, allowed: float) -> str:
+    """Which wheel has the largest share (T, N), and when, where it is more than what is allowed."""
+    return f": {_at(names, c, share)}" if np.max(share) > allowed * (1.0 + 1e-6) else ""
 
 
 def _at(names: Sequence[str], c: Check, values: Array) -> str:

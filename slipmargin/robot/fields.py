@@ -120,6 +120,8 @@ class Key:
         many = "a list of numbers" if self.count is None else f"{self.count} numbers"
         what = {Kind.NUMBER: "a number", Kind.WHOLE: "a whole number", Kind.LIST: many}[self.kind]
         spread = ', or "0.26 ± 0.02", or [0.24, 0.28]' if self.uncertain else ""
+        if spread and self.kind is Kind.LIST:
+            spread = ', each also "0.26 ± 0.02" or [0.24, 0.28]'
         return f"give {what}, {self.range}" + (f" ({self.reason})" if self.reason else "") + spread
 
     def from_word(self, word: str) -> Any:

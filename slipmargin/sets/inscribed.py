@@ -53,6 +53,11 @@ def largest_ellipsoid(rows: Array) -> Array:
     The rows must span all dimensions.
     """
     d = rows.shape[1]
+    value, turn = np.linalg.eigh(rows.T @ rows / len(rows))
+    frame = turn / np.sqrt(
+        value
+    )  # the largest ellipsoid does not depend on the axes: in these it is no needle
+    rows = rows @ frame
     i, j = np.triu_indices(d)
     basis = np.zeros((len(i), d, d))
     basis[np.arange(len(i)), i, j] = basis[np.arange(len(i)), j, i] = 1.0
@@ -69,7 +74,7 @@ def largest_ellipsoid(rows: Array) -> Array:
 
     start = np.where(i == j, 0.5 / (d * np.max(rows**2, axis=0)[i]), 0.0)
     x = _maximise(volume, np.einsum("ka,nab,kb->kn", rows, basis, rows), start)
-    value, turn = np.linalg.eigh(np.tensordot(x, basis, 1))
+    value, turn = np.linalg.eigh(frame @ np.tensordot(x, basis, 1) @ frame.T)
     return np.asarray((turn * np.sqrt(value)) @ turn.T)
 
 
@@ -91,7 +96,9 @@ def _centre(objective: _Objective, rows: Array, x: Array, weight: float) -> Arra
     for _ in range(_STEPS):
         slope = gradient - weight * (rows / room[:, None]).sum(axis=0)
         scaled = rows / room[:, None]
-        step = -np.linalg.solve(hessian - weight * scaled.T @ scaled, slope)
+        curved = weight * scaled.T @ scaled - hessian
+        size_of = 1.0 / np.sqrt(np.diag(curved))
+        step = size_of * np.linalg.solve(size_of[:, None] * curved * size_of, size_of * slope)
         gain = float(slope @ step)
         if gain <= 2.0 * _CENTRED * max(weight, GAP):
             break

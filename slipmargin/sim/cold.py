@@ -18,7 +18,7 @@ from numba import types
 
 from slipmargin.physics.compiled import twin
 from slipmargin.physics.contact import contact
-from slipmargin.sim import body, motion, rodas
+from slipmargin.sim import body, motion, rodas, stops
 
 # Types, not their names: numba keeps what it compiled under the very object it was asked with.
 _N, _INT, _BOOL = types.float64, types.int64, types.boolean
@@ -29,14 +29,14 @@ _FIVE = types.UniTuple(_TABLE, 5)  # type: ignore[no-untyped-call]
 _APART: tuple[tuple[Any, tuple[Any, ...]], ...] = (
     (twin(contact), (_INT, _INT, *(_N,) * 7)),
     (body._factors, (_ROW, _TABLE, _INT, _N, _ROW, _TABLE, _ROW)),
-    (motion.first_switch, (_TABLE, _TABLE, _N, _ROW, _ROW, _TABLE, _N)),
+    (stops.first_switch, (_TABLE, _TABLE, _N, _ROW, _ROW, _TABLE, _N)),
     (rodas.solve, (_TABLE, _TABLE, _ROW, _N, _N, _BOOL, _ROW, _ROW, _ROW)),
     (rodas.factor, (_TABLE, _ROW, _N, _TABLE, _ROW)),
     (rodas.end, (_ROW, _TABLE, _N, _N, _N, _ROW)),
     (rodas.begin, (_ROW, _TABLE, _INT, _N, _ROW, _ROW)),
     (body.slopes, (_ROW, _TABLE, _ROW, _TABLE, _ROW, _TABLE, _INT)),
     (body.wheel_rate, (_ROW, _ROW, _ROW, _N, _N)),
-    (motion.next_stop, (_TABLE, _ROW, _CUBE, _TABLE, _ROW, _N, _COUNTS)),
+    (stops.next_stop, (_TABLE, _ROW, _CUBE, _TABLE, _ROW, _N, _COUNTS)),
     (motion.tell, (_ROW, _ROW, _TABLE, _ROW)),
 )
 _KERNEL = (_ROW, _TABLE, _ROW, _CUBE, _TABLE, _ROW, _COUNTS, _COUNTS, _ROW, _ROW, _FIVE, _TABLE)

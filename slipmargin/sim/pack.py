@@ -191,10 +191,11 @@ def _force(f: ForceTerm, model: Model) -> Array:
 def _edges(model: Model) -> Array:
     """Instants at which a friction multiplier or a force over time jumps or kinks [s]."""
     found = [np.empty(0)]
-    for term in (*model.grip.multipliers, *model.external.terms):
+    terms: tuple[Multiplier | ForceTerm, ...] = (*model.grip.multipliers, *model.external.terms)
+    for term in terms:
         if term.variable is Variable.TIME and term.basis in (Basis.WINDOW, Basis.HATS):
             knots = 2 if term.basis is Basis.WINDOW else max(term.coefficients.shape[-1], 2)
-            found.append(np.linspace(*term.shape, knots))
+            found.append(np.linspace(float(term.shape[0]), float(term.shape[1]), knots))
     return np.concatenate(found)
 
 

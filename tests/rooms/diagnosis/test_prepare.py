@@ -1,14 +1,13 @@
-"""Noise, outliers and start poses read from the pose alone; what a sensor reports of a motion."""
+"""Outliers and start poses read from the pose alone; what a sensor reports of a motion."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
 
 from slipmargin.checks import Array
 from slipmargin.data.record import Record
-from slipmargin.diagnosis.prepare import clean, noise
+from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.residual_diagnostics import dependences
 from slipmargin.diagnosis.sense import is_ideal, measure
 from slipmargin.errors import InputError
@@ -28,13 +27,6 @@ def smooth() -> Array:
 def record(seed: int, sigma: Array = SIGMA) -> Record:
     random = np.random.default_rng(seed)
     return Record(name="one", t_s=T, pose=smooth() + sigma * random.standard_normal((len(T), 3)))
-
-
-@settings(deadline=None, max_examples=10)
-@given(size=st.floats(0.3, 20.0), seed=st.integers(0, 1000))
-def test_noise_is_estimated_whatever_the_motion(size: float, seed: int) -> None:
-    found = noise(tuple(record(seed + k, size * SIGMA) for k in range(20)))
-    np.testing.assert_allclose(found, size * SIGMA, rtol=0.15)
 
 
 def test_outliers_are_dropped_and_nothing_else() -> None:

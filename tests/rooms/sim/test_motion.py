@@ -20,10 +20,10 @@ from slipmargin.physics.variables import Basis, Target, Variable
 from slipmargin.robot import Body, GripShape, LoadRule, Robot, Wheel
 from slipmargin.sim import layout as at
 from slipmargin.sim.batch import Batch
-from slipmargin.sim.motion import first_switch
 from slipmargin.sim.pack import pack
 from slipmargin.sim.signal import held, hermite, linear
 from slipmargin.sim.simulate import simulate
+from slipmargin.sim.stops import first_switch
 
 STILL = [HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large]
 

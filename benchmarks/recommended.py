@@ -1,0 +1,334 @@
+"""Recommended accelerations, safe sets and exported files of drawn robots, driven as motions.
+
+    python benchmarks/recommended.py [COUNT] [--seed 1] [--json FILE] [--part 1/2]     a line a robot
+    python benchmarks/recommended.py table FILE… [--out SUMMARY]                        what kept rows come to
+
+Every robot has draws of its own: robot 17 is the same however many are asked for.  A motion of constant
+acceleration passes ``check`` with the margin if no wheel's grip, no motor's torque and no wheel's load goes
+above 1 − margin + ALLOWED.  Grip is checked where drag is full, torque at the exported speeds.  At 1.08 of
+the unscaled limit the simulator, which knows nothing of limits, must see the named wheel slip or lift: with a
+steep friction law, as creep that nobody corrects turns the robot, and with its heading the limit.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from kept import Keeper, collected
+
+from slipmargin.errors import InputError
+from slipmargin.io.writes import write_text
+from slipmargin.limits.bounds import ahead_of, directions
+from slipmargin.limits.bounds_summary import Bounds, bounds
+from slipmargin.limits.motion_rows import CAUSES, SPENT, TIPS
+from slipmargin.model import Model, nominal_model
+from slipmargin.model.parts import Drives
+from slipmargin.paths.check import check
+from slipmargin.paths.trajectory import Trajectory
+from slipmargin.paths.verify import GROSS, on_rollers, verify
+from slipmargin.physics.loads import sharing_matrix
+from slipmargin.report.exports import export_text
+from slipmargin.robot import (
+    Body,
+    Coefficients,
+    FrictionLaw,
+    GripShape,
+    LoadRule,
+    Motor,
+    Robot,
+    Surface,
+    Wheel,
+)
+from slipmargin.sim.batch import Ending
+
+MARGIN, ALLOWED, BEYOND = 0.1, 0.002, 1.08
+#: A speed at which the drag of every wheel that slides at all is full [m/s], and how long a motion lasts [s].
+FLAT_OUT, BRIEF = 1e4, 1e-3
+#: Regularisation slope of the runs beyond the limit [s/m]; limits do not depend on it.
+STEEP = 5e4
+#: Drawn ends of the safe sets a robot, and directions driven beyond the limit.
+ENDS, DIRECTIONS = 60, 3
+
+
+def drawn_robot(rng: np.random.Generator) -> Model:
+    """Three to six wheels, omni, mecanum or both, any grip and load rule, mass off centre and raised."""
+    while True:
+        n, size = int(rng.integers(3, 7)), rng.uniform(0.08, 0.4)
+        kind = rng.choice(("omni", "mecanum", "mixed"))
+        at = 2.0 * np.pi * (np.arange(n) + rng.uniform(-0.25, 0.25, n)) / n
+        place = size * rng.uniform(0.7, 1.0, n)[:, None] * np.column_stack([np.cos(at), np.sin(at)])
+        mecanum = (rng.random(n) < 0.5) if kind == "mixed" else np.full(n, kind == "mecanum")
+        aim = np.where(mecanum, 90.0, np.rad2deg(at) + 90.0 + rng.uniform(-25.0, 25.0, n))
+        turn = np.where(mecanum, np.where(np.arange(n) % 2 == 0, 45.0, -45.0), 0.0)
+        radius = rng.uniform(0.025, 0.08)
+        wheels = tuple(
+            Wheel(
+                name=f"w{i + 1}",
+                position_m=place[i],
+                drive_direction_deg=float(aim[i]),
+                radius_m=radius,
+                roller_angle_deg=float(turn[i]),
+            )
+            for i in range(n)
+        )
+        rule = LoadRule(rng.choice([r.value for r in LoadRule]))
+        way = rng.uniform(-np.pi, np.pi)
+        lean = np.array([np.cos(way), np.sin(way)])
+        reach = 1.0 / (n * -np.min(sharing_matrix(place)[:, 1:] @ lean))  # where a wheel would carry nothing
+        com = place.mean(axis=0) + rng.uniform(0.0, 0.5) * reach * lean
+        fractions = sharing_matrix(place) @ np.array([1.0, *com])
+        mass, drive = rng.uniform(1.0, 40.0), rng.uniform(0.2, 0.9)
+        motor = None
+        if rng.random() < 0.5:
+            top = rng.uniform(1.0, 4.0) / radius
+            stall = (
+                rng.uniform(0.4, 3.0) * drive * mass * 9.81 / n * radius
+            )  # from weak to slipping at standstill
+            motor = Motor(max_speed_rad_s=top, stall_torque_N_m=stall if rng.random() < 0.8 else None)
+        floor = Surface(
+            name="floor",
+            roller=Coefficients(drive=drive, transverse=drive * rng.uniform(0.03, 0.3)),
+            rigid=Coefficients(drive=drive, transverse=drive),
+        )
+        try:
+            robot = Robot(
+                name=f"drawn-{kind}-{n}",
+                wheels=wheels,
+                surfaces=(floor,),
+                load_rule=rule,
+                load_fractions=fractions / fractions.sum() if rule is LoadRule.FIXED else None,
+                body=Body(
+                    mass_kg=mass,
+                    inertia_kg_m2=mass * (rng.uniform(0.5, 0.9) * size) ** 2,
+                    com_m=com,
+                    com_height_m=size * rng.uniform(0.0, 0.8),
+                ),
+                friction=FrictionLaw(grip=GripShape(rng.choice([g.value for g in GripShape]))),
+                motor=motor,
+            )
+            model = nominal_model(robot, "floor")
+        except InputError:
+            continue
+        along = model.wrench_maps()[0] / np.array([[1.0], [1.0], [size]])
+        if np.linalg.svd(along, compute_uv=False)[-1] > 0.3:
+            return model
+
+
+def used(model: Model, velocity: np.ndarray, acceleration: np.ndarray) -> dict[str, float]:
+    """What ``check`` says of a brief motion (3,), (3,): shares of grip, tipping, torque and top speed."""
+    t = BRIEF * np.linspace(-0.5, 0.5, 7)
+    pose = np.outer(t, velocity) + 0.5 * np.outer(t**2, acceleration)
+    found = check(model, t, pose, share=1.0)
+    middle = slice(2, 5)  # the robot has not turned there
+    return {
+        "grip": float(np.max(found.use[middle])),
+        "tipping": float(np.max(found.tipping[middle])),
+        "torque": float(np.max(found.torque[middle])),
+        "speed": float(np.max(found.speed[middle])),
+    }
+
+
+def ends(rng: np.random.Generator, found: Bounds, ahead: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+    """A drawn end of each safe set, for a motion along ``ahead`` (3,)."""
+    sets = found.inside
+    assert sets is not None
+    way = rng.choice((-1.0, 1.0), 3)
+    yield "box", way * np.where(way > 0.0, sets.fast, sets.slow) * np.where(ahead < 0.0, -1.0, 1.0)
+    yield "even box", way * sets.even
+    angle = rng.uniform(-np.pi, np.pi)
+    yield (
+        "circle",
+        np.array(
+            [sets.circle_m_s2 * np.cos(angle), sets.circle_m_s2 * np.sin(angle), way[2] * sets.yaw_rad_s2]
+        ),
+    )
+    turn = rng.normal(size=3)
+    yield "ellipsoid", sets.ellipsoid @ (turn / np.linalg.norm(turn))
+    yield "modules", modules_end(found.model, sets.coefficient, rng.normal(size=3))
+
+
+def modules_end(model: Model, coefficient: float, way: np.ndarray) -> np.ndarray:
+    """What modules in the wheels' places do when all push as hard as they can along a wrench ``way`` (3,)."""
+    body = model.inertia
+    arm = model.geometry.position_m - body.com_m
+    size = np.sqrt(body.inertia_kg_m2 / body.mass_kg)
+    push = way[:2] + way[2] / size * np.column_stack([-arm[:, 1], arm[:, 0]])
+    force = coefficient * body.weight_N / model.count * push / np.linalg.norm(push, axis=1, keepdims=True)
+    spin = np.sum(arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]) / body.inertia_kg_m2
+    at_com = force.sum(axis=0) / body.mass_kg
+    return np.array([*(at_com + spin * np.array([body.com_m[1], -body.com_m[0]])), spin])
+
+
+def drawn(seed: int, k: int) -> dict[str, Any]:
+    """Robot ``k``: the largest shares of everything recommended, and what happens beyond the limit."""
+    rng, refused = np.random.default_rng([seed, k]), []
+    while True:
+        model = drawn_robot(rng)
+        found = bounds(model, margin=MARGIN, step_deg=15.0)
+        if found.inside is not None and found.recommended_m_s2 > 0.0:
+            break
+        refused.append(found.why_not or "nothing recommended")
+    bare = replace(model, drives=Drives(max_speed_rad_s=None, stall_torque_N_m=None))
+    worst = dict.fromkeys(("recommended", "box", "even box", "circle", "ellipsoid", "modules"), 0.0)
+    torque, speed = dict.fromkeys([*worst, "turning"], 0.0), 0.0
+    halt = 0.5 * found.top_m_s
+    for h, heading in enumerate(found.full.heading_rad + rng.uniform(0.01, 0.02)):
+        ahead = ahead_of(np.array([heading]))[0]
+        wanted = found.recommended_m_s2 * ahead
+        grip = used(bare, FLAT_OUT * ahead, wanted)
+        worst["recommended"] = max(worst["recommended"], grip["grip"], grip["tipping"])
+        if np.isfinite(halt[h]):
+            slow = float(np.interp(heading, found.full.heading_rad, halt, period=2.0 * np.pi))
+            torque["recommended"] = max(
+                torque["recommended"], used(model, 0.99 * slow * ahead, wanted)["torque"]
+            )
+    forward, side, any_way, turn = found.speeds
+    for _ in range(ENDS // 5):
+        heading = rng.uniform(-np.pi, np.pi)
+        ahead = ahead_of(np.array([heading]))[0]
+        for name, end in ends(rng, found, ahead):
+            grip = used(bare, FLAT_OUT * ahead, end)
+            worst[name] = max(worst[name], grip["grip"], grip["tipping"])
+            if name == "ellipsoid" or not np.isfinite(any_way):
+                continue
+            for fast, v in (
+                (any_way, ahead),
+                (forward, np.array([0.0, 1.0, 0.0])),
+                (side, np.array([1.0, 0.0, 0.0])),
+            ):
+                if name != "box" or v is ahead:
+                    there = used(model, fast * v, end)
+                    torque[name], speed = max(torque[name], there["torque"]), max(speed, there["speed"])
+    if np.isfinite(turn):
+        for way in (1.0, -1.0):
+            there = used(
+                model, np.array([0.0, 0.0, turn]), np.array([0.0, 0.0, way * found.inside.yaw_rad_s2])
+            )
+            torque["turning"] = max(torque["turning"], there["torque"])
+            worst["turning"] = max(worst.get("turning", 0.0), there["grip"], there["tipping"])
+            speed = max(speed, there["speed"])
+    for tool in ("nav2", "roadrunner", "pathplanner", "choreo"):
+        assert export_text(tool, found)
+    return {
+        "robot": model.robot,
+        "grip": model.grip.shape.value,
+        "loads": model.loads.rule,
+        "motors": model.drives.max_speed_rad_s is not None,
+        "refused": refused,
+        "recommended_m_s2": found.recommended_m_s2,
+        "used": worst,
+        "torque": torque if model.drives.stall_torque_N_m is not None else {},
+        "top_speed": speed,
+        "beyond": beyond(rng, bare),
+    }
+
+
+def beyond(rng: np.random.Generator, model: Model) -> list[dict[str, Any]]:
+    """What the simulator does at 1.08 of the unscaled limit, in some directions.
+
+    Drawn directions: where a wheel does not slide sideways at all, drag counts as none in the limit, but the
+    wheel's sideways creep helps.
+    """
+    full, out = directions(model, rng.uniform(-np.pi, np.pi, 8 * DIRECTIONS), motor=False), []
+    for h, (a, cause) in enumerate(zip(full.starting_m_s2, full.starting.cause, strict=True)):
+        if a < 0.05 or cause == SPENT or not np.isfinite(full.steady_use[h]):
+            continue
+        named = full.starting.wheels[h]
+        out.append(driven_beyond(on_rollers(model), float(full.heading_rad[h]), float(a), cause, named))
+        if len(out) == DIRECTIONS:
+            break
+    return out
+
+
+def driven_beyond(
+    model: Model, heading: float, limit: float, cause: str, named: tuple[str, ...]
+) -> dict[str, Any]:
+    """One direction, from a speed at which drag is full, until a wheel has had the time to slip."""
+    ahead, a, v = ahead_of(np.array([heading]))[0], BEYOND * limit, 3.0
+    model = replace(model, grip=replace(model.grip, k_s_per_m=STEEP))
+    t = np.linspace(0.0, 0.5, 200)
+    velocity = (v + a * t)[:, None] * ahead
+    planned = Trajectory(
+        t_s=t,
+        pose=(v * t + 0.5 * a * t**2)[:, None] * ahead,
+        velocity=velocity,
+        acceleration=np.broadcast_to(a * ahead, velocity.shape),
+        omega=model.geometry.wheel_speeds(velocity),
+        use=np.zeros((len(t), model.count)),
+        wheels=model.geometry.names,
+    )
+    run = verify(model, planned)
+    tips = run.ending is Ending.TIPS
+    over = run.share > GROSS
+    first = run.wheels[int(np.argmax(run.share[int(np.argmax(over.any(axis=1)))]))] if np.any(over) else ""
+    return {
+        "heading_rad": heading,
+        "cause": cause,
+        "named": list(named),
+        "ending": run.ending.name,
+        "first": first,
+        "holds": not tips and not first,
+        "as_named": tips if cause == CAUSES[TIPS] else first in named,
+    }
+
+
+def shown(seed: int, k: int) -> dict[str, Any]:
+    """A robot's row, printed."""
+    row = drawn(seed, k)
+    most = max(row["used"], key=lambda name: row["used"][name])
+    motor = max(row["torque"].values(), default=0.0)
+    words = ", ".join(
+        "as named" if b["as_named"] else "holds" if b["holds"] else "other" for b in row["beyond"]
+    )
+    print(
+        f"{k:4d}  {row['robot']:16s} {row['grip']:10s} uses {row['used'][most]:.4f} ({most})  "
+        f"torque {motor:.4f}  at {BEYOND}: {words}",
+        flush=True,
+    )
+    return row
+
+
+def summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """What the rows come to."""
+    allowed = 1.0 - MARGIN + ALLOWED
+    kinds = sorted({name for r in rows for name in r["used"]})
+    runs = [b for r in rows for b in r["beyond"]]
+    return {
+        "robots": len(rows),
+        "with_motors": sum(r["motors"] for r in rows),
+        "drawn_again": sum(len(r["refused"]) for r in rows),
+        "margin": MARGIN,
+        "largest_share": {name: max(r["used"].get(name, 0.0) for r in rows) for name in kinds},
+        "largest_torque": max((v for r in rows for v in r["torque"].values()), default=0.0),
+        "robots_above": sum(max([*r["used"].values(), *r["torque"].values()]) > allowed for r in rows),
+        "driven_beyond": len(runs),
+        "slips_or_tips": sum(not b["holds"] for b in runs),
+        "as_named": sum(b["as_named"] for b in runs),
+    }
+
+
+def main(words: list[str]) -> None:
+    """Drive, or sum up what was driven."""
+    keeper, words = Keeper.of(words)
+    out = words[words.index("--out") + 1] if "--out" in words else ""
+    if words[:1] == ["table"]:
+        found = summary(collected([w for w in words[1:] if w not in ("--out", out)]))
+    else:
+        seed = int(words[words.index("--seed") + 1]) if "--seed" in words else 1
+        count = int(words[0]) if words[:1] and words[0].isdigit() else 500
+        found = summary(keeper.run([(f"robot {k}", partial(shown, seed, k)) for k in range(count)]))
+    text = json.dumps(found, indent=1) + "\n"
+    if out:
+        write_text(Path(out), text)
+    print(text, end="")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,90 @@
+"""What accelerations at full drag ask of wheels and motors: realised shares of the grip, and torques."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.limits.creep import Balance, continued_share
+from slipmargin.limits.motion_external import External
+from slipmargin.limits.motion_friction import Friction, material_states
+from slipmargin.limits.motion_realised import LIGHTEST
+from slipmargin.model import Model
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Effort:
+    """Largest realised share ``use`` (R, M) of any wheel's grip, and its torques.
+
+    ``torque_N_m`` (2, R, M, N): the greatest motor torque T = −ρ F·ŝ of each wheel and the greatest −T.
+    """
+
+    use: Array
+    torque_N_m: Array
+
+    def of_motors(self, limit_N_m: Array) -> Array:
+        """Largest share (R, M) of a motor's torque, where motors give ``limit_N_m`` (2, M, N)."""
+        limit = limit_N_m[:, None]
+        share = np.full(self.torque_N_m.shape, np.inf)
+        np.divide(self.torque_N_m, limit, out=share, where=limit > 0.0)
+        return np.asarray(np.where(self.torque_N_m > 0.0, share, 0.0).max(axis=(0, 3)))
+
+
+def efforts(model: Model, friction: Friction, external: External, acceleration: Array) -> Effort:
+    """What accelerations (R, M, 3) of the centre of mass and in yaw ask for in each of M states.
+
+    The worst over the materials that the wheels may stand on and over external wrenches that are not known.
+    """
+    c, shape = model.geometry, acceleration.shape[:2]
+    along, across = (np.ascontiguousarray(b) for b in model.wrench_maps())
+    lever = float(np.max(np.abs(along[2]))) or 1.0
+    scale = model.inertia.weight_N * float(np.max(model.grip.roller[:, 0])) * np.array([1.0, 1.0, lever])
+    lightest = LIGHTEST * model.inertia.weight_N / model.count
+    on_drive, on_side = (-c.radius_m * np.sum(c.drive * axis, axis=1) for axis in (c.grip, c.free))
+    moved = acceleration[..., :2] @ model.loads.per_acceleration_kg.T
+    steep = np.broadcast_to(friction.drive_stiffness, moved.shape).reshape(-1, model.count)
+    middle = 0.5 * (friction.drag_low + friction.drag_high)
+    none = np.zeros_like(steep)
+    use, torque = np.zeros(shape), np.zeros((2, *moved.shape))
+    for pick in material_states(friction.possible):
+        mu = np.where(pick, friction.drive[1], friction.drive[0])
+        drag = np.where(pick, middle[1], middle[0])
+        for low, high, load in external.cases(np.zeros(2)):
+            for wrench in _corners(low, high):
+                side = -drag * (load + moved)
+                balance = Balance(
+                    law=model.grip.law,
+                    along=along,
+                    across=along,
+                    grip=(mu * np.maximum(load + moved, lightest)).reshape(steep.shape),
+                    drag=none,
+                    steep=steep,
+                    steep_across=steep,
+                    slide=none,
+                    need=(acceleration * model.inertia.diagonal - wrench - side @ across.T).reshape(-1, 3),
+                    carried=np.zeros((len(steep), 4)),
+                    scale=scale,
+                )
+                twist, share = balance.rest()
+                np.maximum(use, share.max(axis=1).reshape(shape), out=use)
+                drive = -balance.grip * continued_share(balance.law, steep * (twist @ along))
+                each = on_drive * drive.reshape(moved.shape) + on_side * side
+                np.maximum(torque, np.stack([each, -each]), out=torque)
+    return Effort(use=use, torque_N_m=torque)
+
+
+def _corners(low: Array, high: Array) -> Iterator[Array]:
+    """The corners of boxes of wrenches (M, 3): one where nothing is unknown."""
+    unknown = [j for j in range(3) if np.any(low[:, j] < high[:, j])]
+    for sides in product((False, True), repeat=len(unknown)):
+        corner = low.copy()
+        for j, up in zip(unknown, sides, strict=True):
+            if up:
+                corner[:, j] = high[:, j]
+        yield corner

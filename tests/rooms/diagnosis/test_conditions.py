@@ -1,0 +1,108 @@
+"""What the base model shows of the data before any search: clocks, floors, noise; good data are left alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from inventions import force
+from planting import Plant, commanded, planted, smooth_kiwi
+from spoilt import camera_clock, coloured, good, heavy_tails, noise_stated, other_floor, random_walk
+
+from slipmargin.data.data_set import DataSet
+from slipmargin.diagnosis.conditions import Ready, problem_of, ready
+from slipmargin.effects import Trace
+from slipmargin.physics.variables import Frame, Variable
+
+RANDOM = np.random.default_rng
+
+
+def kinds(found: Ready) -> list[str]:
+    return [r.kind for r in found.repairs]
+
+
+def chi(data_set: DataSet) -> float:
+    """Root mean square of the base model's whitened residual."""
+    problem = problem_of(data_set)
+    residual = problem.residuals([()], [np.arange(len(problem.trials))])[0]
+    return float(np.sqrt(np.sum(residual**2) / problem.seen.sum()))
+
+
+@pytest.mark.parametrize("seed", [3, 4, 5])
+def test_good_data_are_left_alone(seed: int) -> None:
+    data = good(seed)
+    found = ready(data)
+    assert found.repairs == () and not found.noise_estimated
+    assert found.data_set.sigma is data.sigma and found.data_set.lasting is None
+    assert chi(found.data_set) == pytest.approx(1.0, abs=0.05)
+
+
+def test_noise_that_nobody_states_is_measured() -> None:
+    found = ready(replace(good(), sigma=None))
+    assert found.noise_estimated and found.repairs == ()
+    np.testing.assert_allclose(found.data_set.sigma, good().sigma, rtol=0.08)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("factor", [0.2, 5.0])
+def test_noise_stated_wrong_is_replaced(factor: float) -> None:
+    found = ready(noise_stated(good(), factor))
+    assert kinds(found) == ["stated_noise"] and found.noise_estimated
+    np.testing.assert_allclose(found.data_set.sigma, good().sigma, rtol=0.08)  # type: ignore[arg-type]
+    assert found.repairs[0].size == pytest.approx(1.0 / factor, rel=0.1)
+
+
+def test_heavy_tails_make_the_noise_larger_and_nothing_else() -> None:
+    found = ready(heavy_tails(good(), RANDOM(0)))
+    assert set(kinds(found)) == {"lone_outliers", "stated_noise"}
+    assert chi(found.data_set) < 1.12
+
+
+@pytest.mark.parametrize("factor", [0.985, 1.02])
+def test_a_camera_with_a_clock_of_its_own(factor: float) -> None:
+    found = ready(camera_clock(good(), RANDOM(0), factor))
+    assert kinds(found)[0] == "camera_clock"
+    assert found.repairs[0].size == pytest.approx(factor - 1.0, abs=0.002)
+    assert chi(found.data_set) < 1.12
+
+
+def test_two_runs_on_another_floor_are_left_out_by_name() -> None:
+    found = ready(other_floor(good(), {1, 4}))
+    assert kinds(found) == ["other_floor"]
+    assert found.repairs[0].runs == ("trial01", "trial04")
+    assert found.repairs[0].size == pytest.approx(0.7, abs=0.03)
+    assert len(found.data_set.trials) == 6 and chi(found.data_set) < 1.1
+
+
+@pytest.mark.parametrize("seed", [4, 5])
+@pytest.mark.parametrize(("sd", "time_s"), [(2.0, 0.05), (2.0, 0.3)])
+def test_noise_that_lasts_is_whitened(seed: int, sd: float, time_s: float) -> None:
+    data = good(seed)
+    assert data.sigma is not None
+    found = ready(coloured(data, RANDOM(seed), sd * data.sigma, time_s))
+    assert "lasting_noise" in kinds(found) and found.data_set.lasting is not None
+    assert chi(found.data_set) == pytest.approx(1.0, abs=0.1)
+    np.testing.assert_allclose(found.data_set.sigma, np.sqrt(1.0 + sd**2) * data.sigma, rtol=0.3)
+
+
+@pytest.mark.parametrize("seed", [4, 5, 6])
+def test_a_random_walk_is_noise(seed: int) -> None:
+    found = ready(random_walk(good(seed), RANDOM(seed), np.array([0.002, 0.002, 0.004])))
+    assert "lasting_noise" in kinds(found)
+    assert chi(found.data_set) < 1.25
+
+
+def test_a_missing_force_is_no_fault_of_the_data() -> None:
+    drag = force(Trace.VELOCITY, Variable.VELOCITY_Y, 1, lambda v: -2.0 * v, -1.0, 1.0, Frame.BODY)
+    data = planted(
+        smooth_kiwi(), Plant(name="drag", traces=(Trace.VELOCITY,), effects=(drag,)), 3, count=8,
+        duration_s=2.5, rate_hz=100.0,
+    )  # fmt: skip
+    assert chi(data) > 3.0
+    found = ready(data)
+    assert found.repairs == () and found.data_set.sigma is data.sigma
+
+
+def test_commands_hold_from_row_to_row_where_that_is_what_was_done() -> None:
+    data = commanded(smooth_kiwi(), Plant(name="none", traces=()), 3, count=4, duration_s=2.0, rate_hz=30.0)
+    assert not ready(data).data_set.trials[0].commands_held  # these ran straight from row to row
