@@ -2,7 +2,7 @@
 
 Every proposal is first judged on the searched runs, each predicted without its own fold; only what holds
 there is put to the runs that nothing has seen.  A proposal that fails loses its last effect.  If nothing
-is left, the best single candidates over other variables are asked, and if these fail too, nothing is found.
+is left, the best single candidates of other kinds are asked, and if these fail too, nothing is found.
 """
 
 from __future__ import annotations
@@ -164,17 +164,21 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
 
 
 def _in_turn(court: Court, proposed: State, rounds: list[Round], progress: Watch) -> Iterator[State]:
-    """What was proposed, less its last effect, less its last two …; then single ones over other variables."""
+    """What was proposed, less its last effect, less its last two …; then the best single ones of other kinds."""
     state = proposed
     while state.structure:
         yield state
         state = without(court.problem, state, len(state.structure) - 1)
-    asked = {c.trace for c in proposed.structure}
+    if not rounds or (not proposed.structure and rounds[0].before.chi <= SETTINGS.noise_chi):
+        return
+    # A name that fails does not speak against free coefficients over its variable, nor the reverse.
+    asked = {(c.trace, c.named) for c in proposed.structure}
     left = SETTINGS.others
-    for other in rounds[0].tried if rounds and asked else ():
+    for other in rounds[0].tried:
         if not left or progress.expired:
             return
-        if len(other.structure) == 1 and other.last.trace not in asked and other.chi < rounds[0].before.chi:
-            asked.add(other.last.trace)
+        kind = (other.last.trace, other.last.named)
+        if len(other.structure) == 1 and kind not in asked and other.chi < rounds[0].before.chi:
+            asked.add(kind)
             left -= 1
             yield refitted(court.problem, other, other.structure, other.fit.x, court.seen)

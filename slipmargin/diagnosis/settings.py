@@ -35,9 +35,9 @@ class SearchSettings:
     folds: int = 4
     #: [steps] Gauss–Newton steps without a fold; the fit starts where all searched runs put it.
     fold_steps: int = 4
-    #: [candidates] So many single candidates over other variables are asked once a proposal has failed:
-    #: each is one more look at the held-out runs.
-    others: int = 2
+    #: [candidates] So many single candidates (over another variable, or free instead of named) are asked
+    #: once a proposal has failed: each is one more look at the held-out runs.
+    others: int = 3
     #: [1] Level of the permutation test of a proposal against surrogate noise.
     significance: float = 0.01
     #: [1] Share of chi that a first effect must take off: as least_chi, for sets far above the noise.

@@ -13,7 +13,7 @@ from slipmargin.diagnosis.ladder import Checked, Court, check
 from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.search import State, state_of
+from slipmargin.diagnosis.search import Round, State, base_state, state_of
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
 from slipmargin.effects.wheel_loads import WheelLoads
@@ -75,6 +75,16 @@ def test_what_does_not_hold_is_not_claimed(court: Court) -> None:
     assert found.state is None and found.judgement is None
     assert found.after is found.before
     assert found.rejected[0].labels == ("camera_scale",) and found.rejected[0].failures
+
+
+def test_another_candidate_is_asked_where_the_proposal_fails(court: Court) -> None:
+    wrong, right = proposed(court, "camera_scale"), proposed(court, "wheel_loads")
+    before = base_state(court.problem, SEEN, court.problem.samples(SEEN))
+    done = Round(
+        before=before, candidates=(), gains=(), tried=(right, wrong), best=wrong, p_value=0.001, taken=True
+    )
+    found = check(court, wrong, [done], Watch(report=no_progress))
+    assert labels_of(found) == ["wheel_loads"] and found.rejected[0].labels == ("camera_scale",)
 
 
 def test_folds_hold_whole_runs_and_every_trial_once() -> None:
