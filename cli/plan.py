@@ -7,7 +7,18 @@ from typing import Annotated
 
 import typer
 
-from .options import JsonOpt, MarginOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, check_outputs, deliver
+from .options import (
+    JsonOpt,
+    MarginOpt,
+    OutOpt,
+    PlotOpt,
+    RobotArg,
+    SurfaceOpt,
+    TrajectoryOpt,
+    check_outputs,
+    deliver,
+    exported,
+)
 from .render import at_options, refuse
 
 WayArg = Annotated[Path, typer.Argument(metavar="PATH.csv", help="Waypoints x_m,y_m,phi_rad.")]
@@ -52,6 +63,7 @@ def plan(
     points: PointsOpt = 400,
     step: TimeStepOpt = 0.005,
     verify: VerifyOpt = False,
+    export: TrajectoryOpt = None,
 ) -> None:
     """The fastest motion along waypoints that keeps every wheel below 1 − margin of its grip.
 
@@ -88,4 +100,4 @@ def plan(
             step_s=step,
             verify=verify,
         )
-    deliver(found, out=out, plot=plot, json=json)
+    deliver(found, out=out, plot=plot, json=json, written=exported(found, export))

@@ -29,6 +29,7 @@ _CONTENTS = {
     "describe_robot": "slipmargin.api.robots",
     "design": "slipmargin.api.design",
     "diagnose": "slipmargin.api.diagnose",
+    "export_trajectory": "slipmargin.api.trajectories",
     "import_logs": "slipmargin.api.import_logs",
     "known_effects": "slipmargin.api.effects",
     "new_robot": "slipmargin.api.robot_files",
@@ -63,6 +64,7 @@ if TYPE_CHECKING:
     )
     from slipmargin.api.simulate import simulate as simulate
     from slipmargin.api.sweep import sweep as sweep
+    from slipmargin.api.trajectories import export_trajectory as export_trajectory
 
 
 def __getattr__(name: str) -> Any:

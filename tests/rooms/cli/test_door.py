@@ -29,6 +29,7 @@ CONTENTS = [
     "describe_robot",
     "design",
     "diagnose",
+    "export_trajectory",
     "import_logs",
     "known_effects",
     "new_robot",
