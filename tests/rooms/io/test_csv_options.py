@@ -37,7 +37,9 @@ def test_columns_units_and_signs(mark: str, tmp_path: Path, robot: str) -> None:
     assert status([*words, "--separator", mark]) == 0
     (trial,) = read_data_set(out).trials
     np.testing.assert_allclose(trial.t_s[:3], [0.0, 0.05, 0.1])
-    np.testing.assert_allclose(trial.pose[1], [0.01, 0.005, math.radians(1.0)], atol=1e-9)  # as the file rounds
+    np.testing.assert_allclose(
+        trial.pose[1], [0.01, 0.005, math.radians(1.0)], atol=1e-9
+    )  # as the file rounds
     assert trial.omega is not None and trial.theta is not None
     np.testing.assert_allclose(trial.omega[1, :2], [2 * math.pi, 2 * math.pi])
     np.testing.assert_allclose(trial.theta[1, 2:], [2 * math.pi, 0.1])
