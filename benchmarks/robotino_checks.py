@@ -26,6 +26,7 @@ def currents(groups: list[Runs], recipe: Recipe) -> dict[str, float]:
     """
     model = recipe.build("gray")
     weight, radius = model.inertia.weight_N, model.geometry.radius_m
+    along = np.sign(np.sum(model.geometry.drive * model.geometry.grip, axis=1))  # forces are along ĝ
     rows: list[list[tuple[float, float, float]]] = [[] for _ in model.geometry.names]
     for runs in groups:
         force = runs.batch.run(pack(model), runs.starts, tell=True, rtol=1e-4).force
@@ -34,7 +35,7 @@ def currents(groups: list[Runs], recipe: Recipe) -> dict[str, float]:
             assert record.current is not None and record.omega is not None
             late = np.flatnonzero(record.t_s > 2.0)
             rate = np.nanmean(record.omega[late], axis=0)
-            speed, drives = np.abs(rate) * radius, -np.sign(rate)  # θ̇ > 0 pushes the robot along −ŝ
+            speed, drives = np.abs(rate) * radius, -np.sign(rate) * along  # θ̇ > 0 pushes the robot along −ŝ
             for i in np.flatnonzero(speed > 0.005):  # a current at a standing wheel holds, it drives nothing
                 rows[i].append(
                     (

@@ -40,6 +40,13 @@ DeltaOpt = Annotated[
     float | None, typer.Option("--delta-deg", metavar="D", help="Wheel angle δ of a three-wheel robot [deg].")
 ]
 
+TrajectoryOpt = Annotated[
+    tuple[str, Path] | None,
+    typer.Option(
+        "--export", metavar="TOOL FILE", help="Write the motion for choreo, pathplanner or ros-path (a bag)."
+    ),
+]
+
 
 def check_outputs(
     *files: Path | str | None,
@@ -91,3 +98,16 @@ def deliver(
     table = found.table_lines() if out is None else []
     named = [path for path in (out, plot, *(texts or ()), *written) if path]
     return say(*found.lines(), *(["", *table] if table else []), *(f"written: {path}" for path in named))
+
+
+def exported(found: Any, export: tuple[str, Path] | None) -> list[Path | str]:
+    """Write a motion for another tool where that is asked for; what was written."""
+    import slipmargin as sm
+
+    from .render import at_options
+
+    if export is None:
+        return []
+    with at_options(tool="--export"):
+        sm.export_trajectory(found, *export)
+    return [export[1]]

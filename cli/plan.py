@@ -16,8 +16,10 @@ from .options import (
     RobotArg,
     SeedOpt,
     SurfaceOpt,
+    TrajectoryOpt,
     check_outputs,
     deliver,
+    exported,
 )
 from .render import at_options, refuse
 
@@ -65,6 +67,7 @@ def plan(
     verify: VerifyOpt = False,
     chance: ChanceOpt = None,
     seed: SeedOpt = 0,
+    export: TrajectoryOpt = None,
 ) -> None:
     """The fastest motion along waypoints that keeps every wheel below 1 − margin of its grip.
 
@@ -106,4 +109,4 @@ def plan(
             chance=chance,
             seed=seed,
         )
-    deliver(found, out=out, plot=plot, json=json)
+    deliver(found, out=out, plot=plot, json=json, written=exported(found, export))

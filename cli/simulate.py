@@ -7,7 +7,17 @@ from typing import Annotated
 
 import typer
 
-from .options import JsonOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, check_outputs, deliver
+from .options import (
+    JsonOpt,
+    OutOpt,
+    PlotOpt,
+    RobotArg,
+    SurfaceOpt,
+    TrajectoryOpt,
+    check_outputs,
+    deliver,
+    exported,
+)
 from .render import at_options, refuse, stages
 
 CommandsArg = Annotated[
@@ -39,6 +49,7 @@ def simulate(
     until: UntilOpt = None,
     push: PushOpt = None,
     rtol: RtolOpt = 1e-7,
+    export: TrajectoryOpt = None,
     plot: PlotOpt = None,
     json: JsonOpt = None,
 ) -> None:
@@ -72,7 +83,7 @@ def simulate(
             push=_numbers("--push", push, 3),
             relative_error=rtol,
         )
-    deliver(found, out=out, plot=plot, json=json)
+    deliver(found, out=out, plot=plot, json=json, written=exported(found, export))
 
 
 def _numbers(option: str, text: str | None, count: int) -> list[float] | None:

@@ -30,6 +30,7 @@ _CONTENTS = {
     "describe_surface": "slipmargin.api.surfaces",
     "design": "slipmargin.api.design",
     "diagnose": "slipmargin.api.diagnose",
+    "export_trajectory": "slipmargin.api.trajectories",
     "import_logs": "slipmargin.api.import_logs",
     "known_effects": "slipmargin.api.effects",
     "new_robot": "slipmargin.api.robot_files",
@@ -68,6 +69,7 @@ if TYPE_CHECKING:
     from slipmargin.api.simulate import simulate as simulate
     from slipmargin.api.surfaces import describe_surface as describe_surface, known_surfaces as known_surfaces
     from slipmargin.api.sweep import sweep as sweep
+    from slipmargin.api.trajectories import export_trajectory as export_trajectory
 
 
 def __getattr__(name: str) -> Any:

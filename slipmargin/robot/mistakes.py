@@ -24,6 +24,8 @@ _GYRATION, _NO_GYRATION = (0.1, 4.0), (0.005, 200.0)
 _TALL, _TOO_TALL = 4.0, 200.0
 #: Above this a friction coefficient is more than dry rubber has on a rough floor [1].
 _STICKY = 1.5
+#: Cosine of the angle to straight ahead below which a wheel drives to the side: within 6° [1].
+_SIDEWAYS = 0.1
 #: A roller whose grip line passes nearer to the centre than this share of its mirror image's [1].
 _SHORT_LEVER = 0.9
 
@@ -74,7 +76,21 @@ def refuse_impossible(robot: Robot) -> None:
 
 def unlikely(robot: Robot) -> list[str]:
     """One sentence for each number that a robot hardly has."""
-    return [*_rollers(robot), *_sizes(robot), *_mass(robot), *_sticky(robot)]
+    return [*_sideways(robot), *_rollers(robot), *_sizes(robot), *_mass(robot), *_sticky(robot)]
+
+
+def _sideways(robot: Robot) -> list[str]:
+    """A car whose mecanum wheels all drive to the side: its axes are those of the other convention."""
+    front = math.degrees(robot.convention.front_rad)
+    ahead = [math.cos(math.radians(w.drive_direction_deg - front)) for w in robot.wheels]
+    if any(w.roller_angle_deg == 0.0 for w in robot.wheels) or max(map(abs, ahead)) > _SIDEWAYS:
+        return []
+    x, y = robot.convention.axes
+    other = next(c for c in type(robot.convention) if c is not robot.convention)
+    return [
+        f'wheel: every mecanum wheel drives to the side, as convention = "{robot.convention.value}" has '
+        f'+x {x} and +y {y}; write convention = "{other.value}" if +x is {other.axes[0]} in this file'
+    ]
 
 
 def _rollers(robot: Robot) -> list[str]:

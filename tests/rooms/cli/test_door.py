@@ -30,6 +30,7 @@ CONTENTS = [
     "describe_surface",
     "design",
     "diagnose",
+    "export_trajectory",
     "import_logs",
     "known_effects",
     "known_surfaces",

@@ -42,8 +42,8 @@ def made_up(
         along = np.maximum(0.0, t - 0.5)
         body = np.stack([0.1 * along, 0.0 * along, turn * along], axis=1)
         arm = CONTACTS.position_m
-        grip = CONTACTS.grip
-        rows = np.column_stack([grip, arm[:, 0] * grip[:, 1] - arm[:, 1] * grip[:, 0]])
+        drive = CONTACTS.drive  # omni wheels: the contact moves along ŝ where θ̇ > 0
+        rows = np.column_stack([drive, arm[:, 0] * drive[:, 1] - arm[:, 1] * drive[:, 0]])
         theta = -(body @ rows.T) / CONTACTS.radius_m
         true = pose(t - DELAY)
         c, s = np.cos(ROTATION), np.sin(ROTATION)

@@ -242,3 +242,46 @@ def in_paper(data: Path, out: Path) -> None:
     )
     assert 'convention = "paper"' in write_recipe(recipe)
     write_data_set(out, replace(kept, recipe=recipe, trials=trials))
+
+
+def test_damaged_bags_are_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A bag cut or overwritten anywhere is read or refused with one line, never with a traceback."""
+    robot, t = rover(tmp_path), np.linspace(0.0, 1.0, 11)
+    pose = np.column_stack([0.1 * t, 0.0 * t, 0.0 * t])
+    bag = write_bag(tmp_path / "run", t, pose, np.outer(t, np.ones(4)), np.ones((11, 4)))
+    files = sorted(p for p in bag.iterdir() if p.is_file())
+    random = np.random.default_rng(3)
+    for k in range(25):
+        file = files[k % len(files)]
+        whole = file.read_bytes()
+        at = int(random.integers(1, len(whole)))
+        file.write_bytes(
+            whole[:at] if k % 2 else whole[:at] + bytes(random.integers(0, 256, 60)) + whole[at + 60 :]
+        )
+        out = tmp_path / f"set{k}"
+        code = status(["import", "ros", str(bag), "--robot", str(robot), "--out", str(out)])
+        told = capsys.readouterr().err
+        file.write_bytes(whole)
+        assert code in (0, 2), (k, told)
+        if code == 2:
+            assert told.startswith("error: ") and told.count("\n") == 1 and not out.exists()
+
+
+def test_a_log_without_pose_or_with_unknown_joints_says_what_is_missing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    robot, t = rover(tmp_path), np.linspace(0.0, 1.0, 11)
+    pose = np.column_stack([0.1 * t, 0.0 * t, 0.0 * t])
+    bag = write_bag(
+        tmp_path / "run", t, pose, np.outer(t, np.ones(4)), np.ones((11, 4)), names=("a", "b", "c", "d")
+    )
+    words = ["import", "ros", str(bag), "--robot", str(robot), "--out", str(tmp_path / "set")]
+    assert status(words) == 2
+    told = capsys.readouterr().err
+    assert "no joint is clearly wheel 'fl', give --joint once for each of fl, fr, rl, rr" in told
+    named = [w for joint in ("a", "b", "-c", "-d") for w in ("--joint", joint)]
+    assert status([*words, *named[:6]]) == 2
+    assert "--joint: are 3, give one for each of 4 wheels" in capsys.readouterr().err
+    assert status([*words, *named, "--pose-rotation", "720"]) == 2
+    assert "--pose-rotation: is 720" in capsys.readouterr().err
+    assert status([*words, *named]) == 0

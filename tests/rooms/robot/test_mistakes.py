@@ -11,11 +11,12 @@ from hypothesis import given, settings
 from robot_files import GOOD
 from strategies import PAPER, four_wheels, kiwi, robots
 
+import slipmargin as sm
 from slipmargin.effects import Recipe
 from slipmargin.errors import InputError
 from slipmargin.io.robot_file import built_in_names, read_recipe, recipe_from_text
 from slipmargin.io.robot_text import write_recipe
-from slipmargin.robot import Coefficients, Robot
+from slipmargin.robot import Coefficients, Convention, Robot
 from slipmargin.robot.mistakes import refuse_impossible, unlikely
 
 
@@ -99,3 +100,14 @@ def test_a_coefficient_of_nine() -> None:
     wild = replace(PAPER, roller=Coefficients(drive=9.0, transverse=0.1))
     (said,) = unlikely(replace(kiwi(30.0), surfaces=(wild,)))
     assert said.startswith("surface.paper.roller.drive: a friction coefficient of 9 ")
+
+
+def test_a_car_that_drives_sideways_is_asked_for_its_convention() -> None:
+    """A file in ROS's axes without its line ``convention = "ros"``."""
+    made = sm.new_robot("rover", "mecanum").recipe.robot
+    assert unlikely(made) == []
+    (said,) = unlikely(replace(made, convention=Convention.PAPER))
+    assert said == (
+        'wheel: every mecanum wheel drives to the side, as convention = "paper" has +x to the right and +y '
+        'forwards; write convention = "ros" if +x is forwards in this file'
+    )
