@@ -29,12 +29,12 @@ from scipy.optimize import minimize_scalar
 
 from slipmargin.checks import Index
 from slipmargin.data.data_set import DataSet, WheelSignal
+from slipmargin.data.noise import white_noise
 from slipmargin.diagnosis.candidate import named_candidates
 from slipmargin.diagnosis.evidence import intervals
 from slipmargin.diagnosis.fit import Fit, build, fit, limits_of
 from slipmargin.diagnosis.left_out import leave_one_out
 from slipmargin.diagnosis.loop import diagnose
-from slipmargin.data.noise import white_noise
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Diagnosis

@@ -136,10 +136,10 @@ def import_logs(
     >>> runs.write_folder("measured-runs")  # doctest: +SKIP
     """
     from slipmargin.data.calibration import calibrate as calibrated
-    from slipmargin.data.data_set import DataSet, WheelSignal
-    from slipmargin.io.calibration_file import read_calibration
     from slipmargin.data.checks import check_data_set
     from slipmargin.data.clean_up import repaired
+    from slipmargin.data.data_set import DataSet, WheelSignal
+    from slipmargin.io.calibration_file import read_calibration
     from slipmargin.io.importers.plug import import_files
 
     if calibrate and calibration is not None:

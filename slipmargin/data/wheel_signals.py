@@ -10,7 +10,7 @@ from slipmargin.checks import Array
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.odometry import bridged
 from slipmargin.data.record import Record
-from slipmargin.data.repair import Repair, in_runs, run_by_run
+from slipmargin.data.repair import Repair, run_by_run
 
 _TURN = 2.0 * np.pi
 #: Angles are wrapped if at least this share of their large steps are whole turns.

@@ -86,7 +86,7 @@ def ready(data_set: DataSet, repairs: tuple[Repair, ...] | None = None) -> Ready
     done += more
     stated = data_set.sigma
     data_set, more = _measured_noise(data_set)
-    estimated = stated is None or data_set.sigma is not stated
+    estimated = stated is None or not np.array_equal(data_set.sigma, stated)
     return Ready(data_set=data_set, noise_estimated=estimated, repairs=(*done, *more))
 
 
@@ -128,7 +128,10 @@ def _one_clock(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     problem = problem_of(data_set)
     everyone = np.arange(len(problem.trials), dtype=np.int64)
     predicted = problem.predict([()], [everyone])[0]
-    found = [_rate(t.t_s, t.pose, p[: len(t.t_s)], problem.sigma) for t, p in zip(problem.trials, predicted, strict=True)]
+    found = [
+        _rate(t.t_s, t.pose, p[: len(t.t_s)], problem.sigma)
+        for t, p in zip(problem.trials, predicted, strict=True)
+    ]
     known = np.array([f for f in found if f is not None])
     if len(known) < 3:
         return data_set, ()
@@ -213,7 +216,9 @@ def _one_floor(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     usual, other = float(finer[best[0]]), float(finer[best[1]])
     apart = costs[best[1]] * _RUN_GAINS < costs[best[0]]
     factor = other / usual
-    if not 0 < apart.sum() <= _OTHERS * many or not (factor > _FLOORS_DIFFER or factor < 1.0 / _FLOORS_DIFFER):
+    if not 0 < apart.sum() <= _OTHERS * many or not (
+        factor > _FLOORS_DIFFER or factor < 1.0 / _FLOORS_DIFFER
+    ):
         return data_set, ()
     names = tuple(data_set.trials[i].name for i in np.flatnonzero(apart))
     kept = tuple(t for t, out in zip(data_set.trials, apart, strict=True) if not out)
@@ -266,9 +271,7 @@ def _measured_noise(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     problem = problem_of(data_set)
     everyone = np.arange(len(problem.trials), dtype=np.int64)
     predicted = problem.predict([()], [everyone])[0]
-    residuals = [
-        (t.t_s, t.pose - p[: len(t.t_s)]) for t, p in zip(problem.trials, predicted, strict=True)
-    ]
+    residuals = [(t.t_s, t.pose - p[: len(t.t_s)]) for t, p in zip(problem.trials, predicted, strict=True)]
     data_set, said = _without_lone(data_set, residuals)
     whole, lasting = lasting_noise(residuals, data_set.sigma)
     white = white_noise(data_set.trials)
@@ -278,8 +281,12 @@ def _measured_noise(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     every = tuple(t.name for t in data_set.trials)
     if data_set.sigma is not None:
         # Noise is called smaller than stated only where nothing else is in the residual.
-        understood = np.sqrt([np.nanmean(np.concatenate([r[:, i] for _, r in residuals]) ** 2) for i in range(3)])
-        sigma = np.where((sigma < data_set.sigma) & (understood > _UNDERSTOOD * data_set.sigma), data_set.sigma, sigma)
+        understood = np.sqrt(
+            [np.nanmean(np.concatenate([r[:, i] for _, r in residuals]) ** 2) for i in range(3)]
+        )
+        sigma = np.where(
+            (sigma < data_set.sigma) & (understood > _UNDERSTOOD * data_set.sigma), data_set.sigma, sigma
+        )
         ratio = sigma / data_set.sigma
         limit = np.where(lasts, _STATED_WRONG_LASTING, _STATED_WRONG)
         wrong = (ratio > limit) | (ratio < 1.0 / limit)
@@ -292,9 +299,7 @@ def _measured_noise(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     return replace(data_set, sigma=sigma, lasting=lasting), tuple(said)
 
 
-def _without_lone(
-    data_set: DataSet, residuals: list[tuple[Array, Array]]
-) -> tuple[DataSet, list[Repair]]:
+def _without_lone(data_set: DataSet, residuals: list[tuple[Array, Array]]) -> tuple[DataSet, list[Repair]]:
     """Without samples far from the residuals around them; these are also taken out of ``residuals``."""
     sigma = white_noise(data_set.trials)
     trials, names, count = [], [], 0
@@ -310,7 +315,10 @@ def _without_lone(
             # Where the residual runs away, its own change from sample to sample is no outlier.
             runs = np.median(np.abs(np.diff(windows, axis=1)), axis=1)
             off = np.abs(residual[known, axis] - middle)
-            lone[known[off > _LONE_SIGMA * sigma[axis] + _AROUND * np.maximum(0.0, runs - 2.0 * sigma[axis])], axis] = True
+            lone[
+                known[off > _LONE_SIGMA * sigma[axis] + _AROUND * np.maximum(0.0, runs - 2.0 * sigma[axis])],
+                axis,
+            ] = True
         pose = np.where(lone, np.nan, trial.pose)
         if lone.any() and np.isfinite(pose).all(axis=1).any():
             count += int(lone.any(axis=1).sum())

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array, Index
+from slipmargin.checks import Index
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.repair import Repair
 from slipmargin.diagnosis.candidate import named_candidates

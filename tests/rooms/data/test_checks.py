@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from real_logs import EXCERPT, logs
 
+from slipmargin.data.checks import check_data_set
 from slipmargin.data.data_set import DataSet, WheelSignal
 from slipmargin.data.record import Record
-from slipmargin.data.checks import check_data_set
 from slipmargin.io.importers.plug import import_files
 from slipmargin.io.importers.robotino import RobotinoImporter
 from slipmargin.io.robot_file import read_recipe
