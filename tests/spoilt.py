@@ -27,9 +27,7 @@ def good(seed: int = 3, *, count: int = 8, duration_s: float = 2.5, rate_hz: flo
 
 def each(data_set: DataSet, change: Callable[[Record], Record], runs: set[int] | None = None) -> DataSet:
     """The data set with some runs changed (None: all)."""
-    trials = (
-        change(t) if runs is None or i in runs else t for i, t in enumerate(data_set.trials)
-    )
+    trials = (change(t) if runs is None or i in runs else t for i, t in enumerate(data_set.trials))
     return replace(data_set, trials=tuple(trials))
 
 
@@ -232,6 +230,7 @@ def other_floor(data_set: DataSet, runs: set[int], factor: float = 0.7, seed: in
     other = planted(
         data_set.recipe, plant, seed, count=len(data_set.trials), duration_s=first.duration_s, rate_hz=rate
     )
-    trials = tuple(o if i in runs else t for i, (t, o) in enumerate(zip(data_set.trials, other.trials,
-    strict=True)))
+    trials = tuple(
+        o if i in runs else t for i, (t, o) in enumerate(zip(data_set.trials, other.trials, strict=True))
+    )
     return replace(data_set, trials=trials)

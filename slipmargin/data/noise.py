@@ -93,7 +93,7 @@ _GOOD_FIT = 1.5
 _FIRST_LINE, _MOTION_HZ = 2, 3.0
 #: Part of the noise lasts where that explains the spectrum better than white noise by so much, and better than
 #: a steep one (of forces that a model lacks, whose motion has no high frequencies) by so much [chi²].
-_LASTS, _NOT_STEEP = 25.0, 4.0
+_LASTS, _NOT_STEEP = 15.0, 1.0
 #: … and by so much where the residual is far more than noise.
 _NOT_STEEP_FAR = 16.0
 #: Fits within this of the best are as good [chi²].
@@ -138,7 +138,9 @@ def lasting_noise(
             continue
         pooled = np.concatenate([r[:, axes].ravel() for _, r in residuals])
         size, flat = float(np.sqrt(np.nanmean(pooled**2))), float(np.median(spectra[0][1]))
-        as_stated = stated is not None and size < _AS_STATED * float(np.mean(stated[list(axes)] / scale[list(axes)]))
+        as_stated = stated is not None and size < _AS_STATED * float(
+            np.mean(stated[list(axes)] / scale[list(axes)])
+        )
         near = size < _NEARLY_NOISE * np.sqrt(flat) or as_stated
         # One camera sees both: noise that lasts in x and y is expected to last in the heading.
         apart = _NOT_STEEP if near or share.any() else _NOT_STEEP_FAR

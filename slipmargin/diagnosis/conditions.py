@@ -86,7 +86,7 @@ def ready(data_set: DataSet, repairs: tuple[Repair, ...] | None = None) -> Ready
     done += more
     stated = data_set.sigma
     data_set, more = _measured_noise(data_set)
-    estimated = stated is None or data_set.sigma is not stated
+    estimated = stated is None or not np.array_equal(data_set.sigma, stated)
     return Ready(data_set=data_set, noise_estimated=estimated, repairs=(*done, *more))
 
 

@@ -124,7 +124,9 @@ def test_a_coarse_camera_repeats_what_it_sees_at_rest() -> None:
         return np.asarray(np.round(pose / 0.002) * 0.002)
 
     data = good()
-    still = replace(data, trials=tuple(replace(t, pose=t.pose[:1].repeat(len(t.t_s), 0)) for t in data.trials))
+    still = replace(
+        data, trials=tuple(replace(t, pose=t.pose[:1].repeat(len(t.t_s), 0)) for t in data.trials)
+    )
     found = repaired(posed(still, rounded))
     assert found.repairs == ()
 
@@ -136,7 +138,9 @@ def test_jumps_of_single_frames(seed: int, size_m: float) -> None:
     found = repaired(jumps(data, RANDOM(seed), size_m=size_m))
     assert the_only(found, "jumping_frames") > 60
     assert data.sigma is not None
-    left = [np.abs(a.pose - b.pose) / data.sigma for a, b in zip(found.data_set.trials, data.trials, strict=True)]
+    left = [
+        np.abs(a.pose - b.pose) / data.sigma for a, b in zip(found.data_set.trials, data.trials, strict=True)
+    ]
     assert sum(int((np.nan_to_num(e) > 0.0).any(axis=1).sum()) for e in left) <= 2  # jumps within the noise
     assert max(float(np.nanmax(e)) for e in left) < 13.0
 
@@ -150,7 +154,9 @@ def test_a_marker_mistaken_for_another() -> None:
 
 def test_a_robot_that_stays_elsewhere_is_an_event_and_no_frame_that_is_off() -> None:
     def moved(record: Record) -> Record:
-        return replace(record, pose=record.pose + 0.5 * (record.t_s > 1.2)[:, None] * np.array([1.0, 0.0, 0.0]))
+        return replace(
+            record, pose=record.pose + 0.5 * (record.t_s > 1.2)[:, None] * np.array([1.0, 0.0, 0.0])
+        )
 
     assert repaired(each(good(), moved)).repairs == ()
 
@@ -220,7 +226,9 @@ def test_coarse_encoders_alone_are_smoothed() -> None:
     assert error(found.data_set) < 0.3 * error(bad)
 
 
-@pytest.mark.parametrize(("fault", "words"), [(turned_wheel, "Wheel 2 turning"), (swapped, "Columns of wheels 1 and 2")])
+@pytest.mark.parametrize(
+    ("fault", "words"), [(turned_wheel, "Wheel 2 turning"), (swapped, "Columns of wheels 1 and 2")]
+)
 def test_two_runs_that_are_wired_otherwise(fault: Callable[[Record], Record], words: str) -> None:
     data = good()
     found = repaired(each(data, fault, {2, 5}))
@@ -269,5 +277,11 @@ def test_headings_in_degrees_that_are_wrapped_are_named() -> None:
 def test_several_faults_at_once() -> None:
     data = jumps(each(all_clocks(good()), heading_turned), RANDOM(0))
     found = repaired(each(data, lambda r: replace(wheel(r, theta=wrapped), t_s=r.t_s + 1.7e9)))
-    assert kinds(found) == ["epoch_time", "wrapped_heading", "wrapped_wheel_angle", "clock_rate", "jumping_frames"]
+    assert kinds(found) == [
+        "epoch_time",
+        "wrapped_heading",
+        "wrapped_wheel_angle",
+        "clock_rate",
+        "jumping_frames",
+    ]
     assert worst(found, good(), lambda r: r.t_s) < 0.003
