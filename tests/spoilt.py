@@ -214,6 +214,5 @@ def other_floor(data_set: DataSet, runs: set[int], factor: float = 0.7, seed: in
     other = planted(
         data_set.recipe, plant, seed, count=len(data_set.trials), duration_s=first.duration_s, rate_hz=rate
     )
-    trials = tuple(o if i in runs else t for i, (t, o) in enumerate(zip(data_set.trials, other.trials,
-    strict=True)))
+    trials = tuple(o if i in runs else t for i, (t, o) in enumerate(zip(data_set.trials, other.trials, strict=True)))
     return replace(data_set, trials=trials)

@@ -144,8 +144,7 @@ def _at_rows(record: Record) -> tuple[Array, float, float] | None:
         number = again
     late = at - (first + period * number)
     late -= late.min()
-    # A regular camera's frames are late by less than a row; equal lateness is the camera's delay, not a
-    fault.
+    # A regular camera's frames are late by less than a row; equal lateness is the camera's delay, not a fault.
     if period < 1.3 * row or late.max() > 1.15 * row or late.max() < 0.1 * row:
         return None
     from scipy.interpolate import CubicSpline
