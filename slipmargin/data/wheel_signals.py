@@ -21,8 +21,7 @@ _SPEED_UNITS = {"turns a minute": _TURN / 60.0, "degrees a second": np.pi / 180.
 _UNIT_WITHIN = 0.02
 #: Speeds that differ from the rate of the angles by more than this share are no measurement of it.
 _NO_SPEED = 0.1
-#: A clock is wrong if speeds and angles differ by more than this share [1] (an encoder is a count and a
-#: controller's
+#: A clock is wrong if speeds and angles differ by more than this share [1] (an encoder is a count and a controller's
 #: clock a quartz; both are far better) …
 _CLOCK_LEAST = 0.003
 #: … and by so many standard errors.
@@ -31,8 +30,7 @@ _CLOCK_ERRORS = 5.0
 _BLOCK_S = 0.25
 #: Encoders of fewer ticks a turn than this are smoothed.
 _FINE_TICKS = 1500.0
-#: Angles agree with integrated speeds if the difference has at most this share of a tick (rms; rounding
-#: makes 0.29).
+#: Angles agree with integrated speeds if the difference has at most this share of a tick (rms; rounding makes 0.29).
 _WITHIN_TICK = 0.45
 #: Speeds are no differences of the counts if the third differences of the way they add up to stay below this share of
 #: a tick while the wheel turns (three quarters of them; differences of counts come in quarters of a tick).

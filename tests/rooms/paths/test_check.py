@@ -10,6 +10,7 @@ from strategies import four_wheels, kiwi
 
 from slipmargin.errors import InputError
 from slipmargin.limits.motion import acceleration_limit
+from slipmargin.limits.motion_rows import torque_use
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import nominal_model
 from slipmargin.paths.check import check, derivatives
@@ -17,7 +18,7 @@ from slipmargin.paths.path import through
 from slipmargin.paths.plan import Request, plan
 from slipmargin.paths.sample import trajectory
 from slipmargin.report.paths import check_lines
-from slipmargin.robot import LoadRule, Motor
+from slipmargin.robot import Coefficients, LoadRule, Motor, Surface
 
 KIWI = nominal_model(kiwi(), "paper")
 
@@ -159,3 +160,49 @@ def test_what_lifts_and_what_lacks_torque_is_named_with_its_time() -> None:
     words = check_lines(tall, check(tall, t, np.column_stack([0 * t, 1.5 * t**2, 0 * t])))
     (tips,) = [line for line in words if line.startswith("tips")]
     assert "wheel " in tips and " at t = " in tips and tips.endswith(": it lifts off")
+
+
+def test_tipping_keeps_the_margin_and_has_its_own_share() -> None:
+    """0.95 of the acceleration that lifts a wheel passed with any margin: only lifting off counted."""
+    robot = four_wheels(load_rule=LoadRule.QUASI_STATIC, com_height_m=0.9)
+    sticky = Surface(
+        name="sticky",
+        roller=Coefficients(drive=2.0, transverse=0.01),
+        rigid=Coefficients(drive=2.0, transverse=2.0),
+    )
+    tall, t = nominal_model(replace(robot, surfaces=(sticky,)), "sticky"), np.linspace(0.0, 0.5, 100)
+    lifting = 9.81 * 0.2 / 0.9  # forwards, over the rear wheels
+    drive = np.column_stack([0 * t, 0.5 * 0.95 * lifting * t**2, 0 * t])
+    found = check(tall, t, drive)
+    assert found.admissible and np.max(found.tipping) == pytest.approx(0.95, abs=1e-6)
+    strict = check(tall, t, drive, share=0.9)
+    assert not strict.admissible and strict.max_use < 0.9
+    assert strict.time_scale_needed == pytest.approx(np.sqrt(0.95 / 0.9), rel=1e-5)
+    words = [line for line in check_lines(tall, strict) if line.startswith("tipping")]
+    assert words and words[0].startswith(
+        "tipping     at most 0.9500 of what lifts a wheel, 0.9 allowed: wheel f"
+    )
+
+
+def test_a_share_of_the_torque_is_kept_too() -> None:
+    t = np.linspace(0.0, 1.0, 100)
+    weak = nominal_model(replace(kiwi(), motor=Motor(max_speed_rad_s=60.0, stall_torque_N_m=0.06)), "paper")
+    loose = check(weak, t, bang(0.3, t))
+    assert np.max(loose.torque) > 0.0
+    scaled = replace(
+        kiwi(), motor=Motor(max_speed_rad_s=60.0, stall_torque_N_m=0.06 * float(np.max(loose.torque)) / 0.95)
+    )
+    model = nominal_model(scaled, "paper")
+    assert np.max(check(model, t, bang(0.3, t)).torque) == pytest.approx(0.95, abs=1e-6)
+    assert check(model, t, bang(0.3, t)).admissible
+    assert not check(model, t, bang(0.3, t), share=0.9).admissible
+
+
+def test_no_torque_at_the_top_speed_is_no_excess() -> None:
+    """0/0 and rounding over 0 were infinite."""
+    speed = np.array([[20.0, -20.0, 10.0]])
+    with np.errstate(all="raise"):
+        share = torque_use(MOTORS, np.array([[0.0, 1e-18, 0.45]]), speed)
+        lost = torque_use(MOTORS, np.array([[0.1, -0.1, 0.0]]), speed)
+    assert share.tolist() == [[0.0, pytest.approx(1e-18 / 0.9), 1.0]]
+    assert lost.tolist() == [[np.inf, np.inf, 0.0]]

@@ -12,6 +12,9 @@ from strategies import kiwi
 
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.limits.bounds_summary import Bounds, bounds
+from slipmargin.limits.motion_realised import realised
+from slipmargin.limits.motion_rows import torque_use
+from slipmargin.limits.motion_state import Motion
 from slipmargin.model import nominal_model
 from slipmargin.report.exports import TOOLS, export_text
 from slipmargin.robot import GripShape, Motor
@@ -36,7 +39,8 @@ def test_nav2_has_its_own_names_order_and_signs(found: Bounds) -> None:
     assert numbers(lines["ax_max"]) == pytest.approx([found.inside.even[1]], abs=1e-4)
     assert numbers(lines["ax_min"]) == pytest.approx([-found.inside.even[1]], abs=1e-4)
     assert numbers(lines["ay_max"]) == pytest.approx([found.inside.even[0]], abs=1e-4)
-    assert numbers(lines["max_velocity"])[0] == pytest.approx(60 * 0.0254 / np.cos(np.pi / 12), abs=1e-3)
+    top = 60 * 0.0254 / np.cos(np.pi / 12)
+    assert numbers(lines["max_velocity"])[0] == pytest.approx(found.inside.pace * top, abs=1e-3)
     assert "velocity_smoother" in lines and "az_max" in lines and "vx_max" in lines
 
 
@@ -45,19 +49,38 @@ def test_road_runner_speaks_inches(found: Bounds) -> None:
     values = dict(re.findall(r"public double (\w+) = (-?[\d.]+);", text))
     assert float(values["maxProfileAccel"]) == pytest.approx(found.inside.circle_m_s2 / 0.0254, abs=1e-2)
     assert float(values["minProfileAccel"]) < 0.0
-    assert float(values["maxWheelVel"]) == pytest.approx(60.0, abs=1e-2)  # 60 rad/s × 1 inch
+    wheel = found.inside.pace * 60.0  # rad/s × 1 inch
+    assert float(values["maxWheelVel"]) == pytest.approx(wheel, abs=1e-2)
     assert {"maxAngVel", "maxAngAccel"} <= values.keys()
 
 
 def test_pathplanner_and_choreo_take_a_coefficient(found: Bounds) -> None:
     table = json.loads(export_text("pathplanner", found))
-    assert table["wheelCOF"] * 9.81 == pytest.approx(found.inside.circle_m_s2)
+    assert table["wheelCOF"] == found.inside.coefficient
     assert table["defaultMaxAccel"] == pytest.approx(found.inside.circle_m_s2)
     assert table["defaultMaxAngAccel"] == pytest.approx(np.rad2deg(found.inside.even[2]))
     assert table["robotMass"] == 3.0 and "robotMOI" in table and "maxDriveSpeed" in table
     config = json.loads(export_text("choreo", found))["config"]
     assert config["cof"]["val"] == pytest.approx(table["wheelCOF"])
-    assert config["vmax"] == {"exp": "60 rad / s", "val": 60.0} and config["tmax"]["val"] == 0.9
+    pace = found.inside.pace
+    assert config["vmax"]["val"] == pytest.approx(60.0 * pace) and config["vmax"]["exp"].endswith("rad / s")
+    assert config["tmax"]["val"] == pytest.approx(0.9 * 0.9 * (1.0 - pace))  # what the margin leaves there
+
+
+def test_motors_have_the_exported_accelerations_at_the_exported_speeds() -> None:
+    """The exported maximum speed was the speed without load, at which no torque is left to accelerate."""
+    weak = replace(kiwi(), motor=Motor(max_speed_rad_s=60.0, stall_torque_N_m=0.12))
+    model = nominal_model(weak, "paper")
+    found = bounds(model, step_deg=15.0)
+    assert 0.5 - 1e-6 <= found.inside.pace < 0.9
+    speed = found.speeds[2]
+    for way in np.deg2rad(np.arange(0.0, 360.0, 10.0)):
+        ahead = np.array([[np.cos(way), np.sin(way), 0.0]])
+        for sign in (1.0, -1.0):
+            asked = ahead * found.inside.circle_m_s2 + [[0.0, 0.0, sign * found.inside.yaw_rad_s2]]
+            forces = realised(model, Motion(velocity=speed * ahead, acceleration=asked))
+            wheels = model.geometry.wheel_speeds(speed * ahead)
+            assert np.max(torque_use(model, forces.torque_N_m, wheels)) <= 0.9 + 1e-6
 
 
 def test_json_holds_everything(found: Bounds) -> None:
