@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -112,7 +113,9 @@ def _parts(record: Record, times: list[float]) -> list[Record]:
         rows = (record.t_s >= start) & (record.t_s <= end)
         if rows.sum() < 2 or np.ptp(record.t_s[rows]) < _LEAST_S or not record.seen[rows].any():
             continue
-        signals = {f: None if (v := getattr(record, f)) is None else v[rows] for f in WHEEL_SIGNALS}
+        signals: dict[str, Any] = {
+            f: None if (v := getattr(record, f)) is None else v[rows] for f in WHEEL_SIGNALS
+        }
         name = f"{record.name} ({record.t_s[rows][0]:.2f}–{record.t_s[rows][-1]:.2f} s)"
         parts.append(replace(record, name=name, t_s=record.t_s[rows], pose=record.pose[rows], **signals))
     return parts
