@@ -1,4 +1,4 @@
-"""Faults that measured data have, each put into good data: what the repairs and the checks are tested with."""
+"""Faults that measured data have, each put into good data: what the repairs and the checks are tested with."""  # noqa: E501
 
 from __future__ import annotations
 

@@ -83,7 +83,7 @@ def without_repeats(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
         return record, count
 
     def words(size: float, where: str) -> str:
-        return f"{size:.0f} poses repeat the row before exactly although the robot moves, {where}: they were taken as missing."
+        return f"{size:.0f} poses repeat the row before exactly although the robot moves, {where}: they were taken as missing."  # noqa: E501
 
     data_set, repairs = run_by_run(data_set, mend, "repeated_frames", "1", words)
 
@@ -97,7 +97,8 @@ def without_repeats(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     def late(size: float, where: str) -> str:
         rate = float(np.median(rates))
         return (
-            f"The camera gives {rate:.3g} frames a second and its frames come up to {1e3 * size:.2g} ms before their rows, "
+            f"The camera gives {rate:.3g} frames a second and its frames come up to {1e3 * size:.2g} ms "
+            f"before their rows, "
             f"{where}: each pose was brought to the time of its row."
         )
 
@@ -146,7 +147,8 @@ def _at_rows(record: Record) -> tuple[Array, float, float] | None:
         number = again
     late = at - (first + period * number)
     late -= late.min()
-    # A regular camera's frames are late by less than a row; equal lateness is the camera's delay, not a fault.
+    # A regular camera's frames are late by less than a row; equal lateness is the camera's delay, not a
+    # fault.
     if period < 1.3 * row or late.max() > 1.15 * row or late.max() < 0.1 * row:
         return None
     from scipy.interpolate import CubicSpline
@@ -170,7 +172,8 @@ def without_excursions(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
         "jumping_frames",
         "1",
         lambda size, where: (
-            f"{size:.0f} poses are where the robot cannot have been a moment before and after, {where}: they were taken as "
+            f"{size:.0f} poses are where the robot cannot have been a moment before and after, {where}: "
+            f"they were taken as "
             "missing."
         ),
     )

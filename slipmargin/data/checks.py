@@ -19,7 +19,8 @@ from slipmargin.data.odometry_match import Pieces, all_pieces, arrangements, joi
 from slipmargin.data.record import Record
 from slipmargin.physics.kinematics import WheelGeometry
 
-#: An arrangement is named when it leaves less than this share of the stated one's mismatch (right data, whatever
+#: An arrangement is named when it leaves less than this share of the stated one's mismatch (right data,
+#: whatever
 #: slips: all others leave 0.95 times or more; wrong data: the right one leaves a third or less) …
 CLEARLY = 0.5
 #: … and the stated one misses at least this share of the motion where wheels slip least.
@@ -30,7 +31,8 @@ _AS_GOOD = 1.1
 _DEAD = 1e-8
 #: Slip and a worn wheel change how far a robot goes for what its wheels roll by less than this factor.
 _SLIP_LEAST, _SLIP_MOST = 0.13, 1.6
-#: A factor is that of a unit if it is at most this share below it (slip takes half) or above it (a worn wheel).
+#: A factor is that of a unit if it is at most this share below it (slip takes half) or above it (a worn
+#: wheel).
 _UNIT_BELOW, _UNIT_ABOVE = 0.5, 0.1
 
 

@@ -35,7 +35,8 @@ def from_zero(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
         "epoch_time",
         "s",
         lambda size, where: (
-            f"Times are counted from long before the runs ({size:.10g} s), {where}: they were counted from each run's start."
+            f"Times are counted from long before the runs ({size:.10g} s), {where}: they were counted "
+            f"from each run's start."
         ),
         total=min,
     )
@@ -71,7 +72,8 @@ def regular(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
         "trembling_stamps",
         "s",
         lambda size, where: (
-            f"Stamps miss equal steps by {1e3 * size:.2g} ms (root mean square), {where}, though the wheels turn "
+            f"Stamps miss equal steps by {1e3 * size:.2g} ms (root mean square), {where}, though the "
+            f"wheels turn "
             "smoothly on equal steps: the time was made regular."
         ),
         total=max,

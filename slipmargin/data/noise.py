@@ -22,7 +22,7 @@ _LINE, _CUBIC = (-1, 1), (-2, -1, 1, 2)
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LastingNoise:
-    """The part of the noise that lasts: its share of the variance (3,) and the time (3,) [s] in which it fades.
+    """The part of the noise that lasts: its share of the variance (3,) and the time (3,) [s] to fade.
 
     It is a process of first order: its autocorrelation is exp(−lag / time).
     """
@@ -82,16 +82,20 @@ def _against_neighbours(record: Record, axis: int, around: tuple[int, ...]) -> A
     return np.asarray((value[inner] - curve) / np.sqrt(power))
 
 
-#: Samples in the windows whose spectra are read, and the share of the windows below the spectrum that is taken:
+#: Samples in the windows whose spectra are read, and the share of the windows below the spectrum that is
+#: taken:
 #: those in which the residual is least anything but noise.
 _WINDOWS, _QUIET = (64, 128, 256), 0.4
-#: A spectrum of longer windows counts if first-order noise fits it as well as this [chi² per line]: low frequencies
+#: A spectrum of longer windows counts if first-order noise fits it as well as this [chi² per line]: low
+#: frequencies
 #: hold most of what a model lacks.
 _GOOD_FIT = 1.5
-#: Lines of a window from this one on are read (the tapered window blurs the first), and in the shortest windows from
+#: Lines of a window from this one on are read (the tapered window blurs the first), and in the shortest
+#: windows from
 #: this frequency on [Hz]: below, a residual is mostly motion.
 _FIRST_LINE, _MOTION_HZ = 2, 3.0
-#: Part of the noise lasts where that explains the spectrum better than white noise by so much, and better than
+#: Part of the noise lasts where that explains the spectrum better than white noise by so much, and better
+#: than
 #: a steep one (of forces that a model lacks, whose motion has no high frequencies) by so much [chi²].
 _LASTS, _NOT_STEEP = 15.0, 1.0
 #: … and by so much where the residual is far more than noise.
@@ -100,7 +104,8 @@ _NOT_STEEP_FAR = 16.0
 _AS_GOOD = 1.0
 #: Least correlation of the noise from sample to sample that is called lasting.
 _LEAST_CORRELATION = 0.15
-#: Long windows are read where the residual is less than this many times the white noise (root mean square): else a
+#: Long windows are read where the residual is less than this many times the white noise (root mean
+#: square): else a
 #: model lacks something whose motion reaches into their lines.
 _NEARLY_NOISE = 2.5
 #: … or less than this many times the stated noise.
@@ -157,7 +162,7 @@ def lasting_noise(
 
 
 def _as_large(white: float, part: float, fades: float, size: float) -> tuple[float, float, float]:
-    """White variance, lasting share and time of the noise with the same spectrum that is as large as a residual.
+    """White variance, lasting share and time of noise of this spectrum that is as large as a residual.
 
     A spectrum down to its first line tells the ratio of variance and time, not how large both are.
     """
@@ -176,7 +181,7 @@ def _roughness(residuals: list[tuple[Array, Array]], axis: int) -> float:
 def _spectrum(
     residuals: list[tuple[Array, Array]], axes: tuple[int, ...], window: int
 ) -> tuple[Array, Array, float, float, float] | None:
-    """Angles per sample of the lines, power there (1 for white noise of variance 1), its relative spread, step, span."""
+    """Angles per sample of the lines, power there (1 for white noise of variance 1), its relative spread, step, span."""  # noqa: E501
     steps = [np.diff(t[np.isfinite(r[:, axes[0]])]) for t, r in residuals]
     if not any(len(s) for s in steps):
         return None
@@ -203,7 +208,8 @@ def _spectrum(
         first = max(first, min(size // 4, int(np.ceil(_MOTION_HZ * size * step_s))))
     lines = np.arange(first, size // 2)
     power = np.quantile(np.array(spectra), _QUIET, axis=0)[lines] / -np.log(1.0 - _QUIET)
-    # A quantile of n exponential values; windows that overlap by half count for two thirds, as do lines of a taper.
+    # A quantile of n exponential values; windows that overlap by half count for two thirds, as do lines of
+    # a taper.
     count = len(spectra) / 1.5
     spread = float(np.sqrt(_QUIET / (1.0 - _QUIET) / count) / -np.log(1.0 - _QUIET)) * np.sqrt(1.5)
     return 2.0 * np.pi * lines / size, np.maximum(power, 1e-30), spread, step_s, shortest * step_s
@@ -212,7 +218,7 @@ def _spectrum(
 def _first_order(
     line: Array, power: Array, spread: float, step_s: float, longest_s: float, apart: float
 ) -> tuple[float, float, float, float]:
-    """Variance of the white noise, share of the variance that lasts, the time in which it fades [s], chi² per line."""
+    """Variance of the white noise, share of the variance that lasts, the time in which it fades [s], chi² per line."""  # noqa: E501
     level = np.log(power)
 
     def misfit(shape: Array) -> Array:

@@ -112,7 +112,7 @@ def all_pieces(data_set: DataSet) -> list[Pieces | None]:
 
 
 def mismatch(part: Pieces, arrangement: Arrangement | None, geometry: WheelGeometry) -> float:
-    """What the wheels' motion misses of the measured one in the better of the moving pieces, as a share of it.
+    """What the wheels' motion misses of the measured one in the better moving pieces, as a share of it.
 
     One factor common to all pieces is allowed (slip, a worn wheel).  NaN where nothing moves.
     """

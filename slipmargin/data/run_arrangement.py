@@ -59,7 +59,8 @@ def alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
             runs=tuple(names),
             size=float(len(names)),
             unit="1",
-            sentence=f"{words[0].upper()}{words[1:]}, but only {in_runs(tuple(names), len(trials))}: turned as in the other "
+            sentence=f"{words[0].upper()}{words[1:]}, but only {in_runs(tuple(names), len(trials))}: "
+            f"turned as in the other "
             "runs.",
         )
         for words, (_, names) in taken.items()

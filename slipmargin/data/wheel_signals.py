@@ -1,4 +1,4 @@
-"""Faults of the wheels' signals that they tell of themselves: wrapped angles, other units, coarse encoders."""
+"""Faults of the wheels' signals that they tell of themselves: wrapped angles, other units, coarse encoders."""  # noqa: E501
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ _SPEED_UNITS = {"turns a minute": _TURN / 60.0, "degrees a second": np.pi / 180.
 _UNIT_WITHIN = 0.02
 #: Speeds that differ from the rate of the angles by more than this share are no measurement of it.
 _NO_SPEED = 0.1
-#: A clock is wrong if speeds and angles differ by more than this share [1] (an encoder is a count and a controller's
+#: A clock is wrong if speeds and angles differ by more than this share [1] (an encoder is a count and a
+#: controller's
 #: clock a quartz; both are far better) …
 _CLOCK_LEAST = 0.003
 #: … and by so many standard errors.
@@ -30,9 +31,11 @@ _CLOCK_ERRORS = 5.0
 _BLOCK_S = 0.25
 #: Encoders of fewer ticks a turn than this are smoothed.
 _FINE_TICKS = 1500.0
-#: Angles agree with integrated speeds if the difference has at most this share of a tick (rms; rounding makes 0.29).
+#: Angles agree with integrated speeds if the difference has at most this share of a tick (rms; rounding
+#: makes 0.29).
 _WITHIN_TICK = 0.45
-#: Speeds are no differences of the counts if the third differences of the way they add up to stay below this share of
+#: Speeds are no differences of the counts if the third differences of the way they add up to stay below
+#: this share of
 #: a tick while the wheel turns (three quarters of them; differences of counts come in quarters of a tick).
 _OWN_SPEED = 0.15
 
@@ -137,7 +140,8 @@ def speeds_agree(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
                 runs=every,
                 size=1.0 / wanted,
                 unit="1",
-                sentence=f"The wheel speeds are {1.0 / wanted:.4g} times the rate of the wheel angles: they are in {unit} "
+                sentence=f"The wheel speeds are {1.0 / wanted:.4g} times the rate of the wheel angles: "
+                f"they are in {unit} "
                 "and were converted to rad/s.",
             )
             done, more = speeds_agree(replace(data_set, trials=changed))
@@ -152,7 +156,8 @@ def speeds_agree(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
                 runs=every,
                 size=float(factor[worst]),
                 unit="1",
-                sentence=f"The speed of wheel {names[worst].name} disagrees with its angle, which changes {factor[worst]:.3g} "
+                sentence=f"The speed of wheel {names[worst].name} disagrees with its angle, which changes "
+                f"{factor[worst]:.3g} "
                 "times as fast: the speeds were left out, the angles hold the motion.",
             ),
         )
@@ -169,14 +174,15 @@ def speeds_agree(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
             runs=every,
             size=1.0 / pooled - 1.0,
             unit="1",
-            sentence=f"All wheels turn {100.0 * (pooled - 1.0):+.2g} % more between two stamps than their speeds say: the "
+            sentence=f"All wheels turn {100.0 * (pooled - 1.0):+.2g} % more between two stamps than their "
+            f"speeds say: the "
             f"clock of the log runs {100.0 * (1.0 / pooled - 1.0):+.2g} % off, and the time was corrected.",
         ),
     )
 
 
 def _blocks(record: Record) -> tuple[Array, Array] | None:
-    """Wheel angles turned in blocks of a run by integrated speeds and by the angles themselves, (K, N) each."""
+    """Wheel angles turned in blocks of a run by integrated speeds and by the angles themselves, (K, N) each."""  # noqa: E501
     if record.theta is None or record.omega is None:
         return None
     if not (np.isfinite(record.theta).any(axis=0).all() and np.isfinite(record.omega).any(axis=0).all()):
@@ -198,7 +204,8 @@ def fine_angles(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
         "coarse_encoder",
         "rad",
         lambda size, where: (
-            f"The encoders have steps of {1e3 * size:.3g} mrad ({_TURN / size:.0f} ticks a turn), {where}: the angles were "
+            f"The encoders have steps of {1e3 * size:.3g} mrad ({_TURN / size:.0f} ticks a turn), "
+            f"{where}: the angles were "
             "smoothed to within a step."
         ),
         total=max,

@@ -31,7 +31,8 @@ _STATED_WRONG = 1.5
 _STATED_WRONG_LASTING = 1.1
 #: Noise is called smaller than stated where the whole residual is at most this share of the stated noise.
 _UNDERSTOOD = 0.75
-#: A sample is a lone outlier if it is so many times the white noise from the middle of the residuals around it …
+#: A sample is a lone outlier if it is so many times the white noise from the middle of the residuals
+#: around it …
 _LONE_SIGMA = 5.0
 #: … which are so many on either side.
 _AROUND = 3
@@ -42,7 +43,8 @@ _CLOCK_LEAVES = 0.5
 #: … by at least this [1], and the runs agree on it to this share of it.
 _CLOCK_LEAST, _CLOCK_AGREE = 0.002, 0.3
 _CLOCK_MOST = 0.1
-#: Runs on another floor: at most this share of all; two floors leave at most this share of one floor's squared residual …
+#: Runs on another floor: at most this share of all; two floors leave at most this share of one floor's
+#: squared residual …
 _OTHERS, _TWO_LEAVE = 0.4, 0.2
 #: … their frictions differ by this factor at least, and each such run gains this factor.
 _FLOORS_DIFFER, _RUN_GAINS = 1.1, 3.0
@@ -86,6 +88,7 @@ def ready(data_set: DataSet, repairs: tuple[Repair, ...] | None = None) -> Ready
     done += more
     stated = data_set.sigma
     data_set, more = _measured_noise(data_set)
+    assert data_set.sigma is not None
     estimated = stated is None or not np.array_equal(data_set.sigma, stated)
     return Ready(data_set=data_set, noise_estimated=estimated, repairs=(*done, *more))
 
@@ -101,7 +104,7 @@ def problem_of(data_set: DataSet, records: tuple[Record, ...] | None = None) -> 
 
 
 def _commands(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
-    """With commands that hold from row to row where the base model predicts that better than straight lines."""
+    """With commands that hold from row to row where the base model predicts that better than straight lines."""  # noqa: E501
     if data_set.wheel_signal is not WheelSignal.COMMANDED or data_set.trials[0].commands_held:
         return data_set, ()
     holding = replace(data_set, trials=tuple(replace(t, commands_held=True) for t in data_set.trials))
@@ -124,7 +127,7 @@ def _commands(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
 
 
 def _one_clock(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
-    """With the camera's poses at their times on the wheels' clock, where its own clock runs faster or slower."""
+    """With the camera's poses at their times on the wheels' clock, where its own clock runs faster or slower."""  # noqa: E501
     problem = problem_of(data_set)
     everyone = np.arange(len(problem.trials), dtype=np.int64)
     predicted = problem.predict([()], [everyone])[0]
@@ -228,7 +231,8 @@ def _one_floor(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
             runs=names,
             size=factor,
             unit="1",
-            sentence=f"The wheels grip {factor:.2f} times as well {in_runs(names, many)} as in the others, as on another floor: "
+            sentence=f"The wheels grip {factor:.2f} times as well {in_runs(names, many)} as in the "
+            f"others, as on another floor: "
             "these were left out. Diagnose them as a data set of their own.",
         ),
     )
@@ -267,7 +271,7 @@ def _two(costs: Array) -> tuple[int, int, float] | None:
 
 
 def _measured_noise(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
-    """With the noise that the data have: its size where it is not stated or stated wrong, and the part that lasts."""
+    """With the noise that the data have: its size where it is not stated or stated wrong, and the part that lasts."""  # noqa: E501
     problem = problem_of(data_set)
     everyone = np.arange(len(problem.trials), dtype=np.int64)
     predicted = problem.predict([()], [everyone])[0]
@@ -335,7 +339,8 @@ def _without_lone(data_set: DataSet, residuals: list[tuple[Array, Array]]) -> tu
             runs=tuple(names),
             size=float(count),
             unit="1",
-            sentence=f"{count} poses are more than {_LONE_SIGMA:g} times the noise from those around them, {runs_said}: what was off "
+            sentence=f"{count} poses are more than {_LONE_SIGMA:g} times the noise from those around "
+            f"them, {runs_said}: what was off "
             "in them was taken as missing.",
         )
     ]
@@ -386,6 +391,7 @@ def _lasts(lasting: LastingNoise, every: tuple[str, ...]) -> Repair:
         runs=every,
         size=float(lasting.time_s[worst]),
         unit="s",
-        sentence=f"The noise is not white: {100.0 * lasting.share[worst]:.0f} % of its variance in {_CHANNELS[worst][0]} lasts "
+        sentence=f"The noise is not white: {100.0 * lasting.share[worst]:.0f} % of its variance in "
+        f"{_CHANNELS[worst][0]} lasts "
         f"{lasting.time_s[worst]:.2g} s. Residuals were whitened by that.",
     )

@@ -141,7 +141,7 @@ class Problem:
         return [(pose[part], gap[part]) for part in parts]
 
     def _fitted(self, pose: Array, measured: Array, seen: NDArray[np.bool_]) -> tuple[Array, Array]:
-        """Predicted poses (M, T, 3) moved to where their start fits best, and the whitened gap that is left."""
+        """Predicted poses (M, T, 3) moved to where their start fits best, and the whitened gap that is left."""  # noqa: E501
         if self.lasting is None:
             return _fitted(pose, measured, seen, self.sigma)
         return _fitted_to_lasting(pose, measured, seen, self.sigma, self.lasting, self.step_s)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +38,7 @@ def read_trial(path: Path, wheels: int) -> Record:
     known = [name for names in named.values() for name in names]
     empty = [*_POSE, *known]
     table = read_columns(path, required=("t_s", *_POSE), known=known, empty=empty, least=2)
-    signals: dict[str, Array | None] = {}
+    signals: dict[str, Any] = {}
     for field, names in named.items():
         if any(name in table.names for name in names):
             gap = np.full(len(table.values), np.nan)

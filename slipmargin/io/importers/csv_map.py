@@ -22,7 +22,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
@@ -91,7 +91,7 @@ class CsvImporter:
             raise InputError(self.map.pose[0].name, "no row holds a whole pose", "give x, y and heading")
         pose[seen, 2] = np.unwrap(pose[seen, 2])
         pose[~seen] = np.nan
-        channels = {field: self._all(table, field) for field, _ in _CHANNELS.values()}
+        channels: dict[str, Any] = {field: self._all(table, field) for field, _ in _CHANNELS.values()}
         record = Record(name=path.stem, t_s=_si(table, self.map.time), pose=pose, **channels)
         return Reading(
             source=str(path),
