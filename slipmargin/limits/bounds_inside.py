@@ -27,6 +27,7 @@ from slipmargin.checks import Array, real
 from slipmargin.errors import NoSolution
 from slipmargin.limits.bounds import spin
 from slipmargin.limits.effort import Effort, efforts
+from slipmargin.limits.every_motion import all_motions
 from slipmargin.limits.margin import sphere
 from slipmargin.limits.motion import along, needed_share, steady_share
 from slipmargin.limits.motion_rows import MOTOR, acceleration_rows, at_pace, prepare, torque_limit
@@ -36,10 +37,6 @@ from slipmargin.physics.frames import directions
 from slipmargin.physics.kinematics import com_acceleration
 from slipmargin.sets.inscribed import largest_box, largest_ellipsoid
 
-#: Directions of translation and yaw rates (times speed over arm) that the sets must be safe for.
-HEADINGS, YAW = 72, (-1.0, 0.0, 1.0)
-#: How far beside a turning point of a drag [rad].
-BESIDE = 1e-5
 #: Share of the spinning limit kept for yaw by default: corrections of the heading while driving straight [1].
 YAW_SHARE = 0.1
 #: Share of the motors' top speed up to which the sets hold at least: there a motor's power is greatest [1].
@@ -97,7 +94,7 @@ def safe_rows(
     NoSolution
         If some motion must slip even at constant speed, or needs more torque than the motors have.
     """
-    motion = _all_motions(model)
+    motion = all_motions(model)
     if isinstance(share, float):
         _refuse_steady(model, motion, share, contact)
     rows = acceleration_rows(
@@ -229,7 +226,7 @@ def _safe(
     Each motion's rows are drawn in by the ratio in which an end of the set exceeds the share in it, counted
     from what constant speed uses already.  Also the greatest torques (2, M, N) of the ends.
     """
-    motion = _all_motions(model)
+    motion = all_motions(model)
     friction, external = prepare(model, motion, share, contact)[1:]
     stall = model.drives.stall_torque_N_m
     limit = np.full((2, motion.count, model.count), np.inf)
@@ -289,7 +286,7 @@ def _pace(model: Model, torque_N_m: Array, share: float) -> float | None:
         return None
     if stall is None:
         return share
-    speed = at_pace(model, _all_motions(model).velocity, 1.0) / top
+    speed = at_pace(model, all_motions(model).velocity, 1.0) / top
     driving = np.where(speed > 0.0, torque_N_m[0], torque_N_m[1])
     left = 1.0 - np.maximum(driving, 0.0) / (share * stall)
     return float(np.clip(np.min(left / np.maximum(np.abs(speed), 1e-9)), 0.0, share))
@@ -384,27 +381,6 @@ def _boxes(A: Array, b: Array, sign: Array, yaw: float) -> tuple[Array, Array, A
 
 def _once(rows: Array) -> Array:
     return np.unique(np.round(rows, 9), axis=0)
-
-
-def _all_motions(model: Model) -> Motion:
-    arm = float(np.mean(np.hypot(*(model.geometry.position_m - model.inertia.com_m).T)))
-    even = 2.0 * np.pi * np.arange(HEADINGS) / HEADINGS
-    moves = []
-    for yaw in YAW:
-        ahead = directions(np.concatenate([even, turning_points(model, yaw / arm)]))
-        moves.append(np.column_stack([ahead, np.full(len(ahead), yaw / arm)]))
-    return Motion.full_drag(np.vstack([*moves, [[0.0, 0.0, 1.0 / arm], [0.0, 0.0, -1.0 / arm]]]))
-
-
-def turning_points(model: Model, yaw: float) -> Array:
-    """Headings on both sides of where a wheel's drag turns round: between them no sign changes."""
-    rows = model.geometry.lateral_rows()
-    with np.errstate(divide="ignore", invalid="ignore"):
-        off = np.arccos(-rows[:, 2] * yaw / np.hypot(rows[:, 0], rows[:, 1]))
-    at = np.arctan2(rows[:, 1], rows[:, 0])
-    turn = np.concatenate([at + off, at - off])
-    turn = turn[np.isfinite(turn)]
-    return np.concatenate([turn + BESIDE, turn - BESIDE])
 
 
 def _tightest(A: Array, b: Array, sign: Array) -> tuple[Array, Array, Array]:

@@ -21,7 +21,8 @@ from slipmargin.limits.bounds import (
     starting_by_motor,
     top_speed,
 )
-from slipmargin.limits.bounds_inside import PACE, Inside, inside, turning_points
+from slipmargin.limits.bounds_inside import PACE, Inside, inside
+from slipmargin.limits.every_motion import turning_points
 from slipmargin.limits.motion import steady_share
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model

@@ -13,7 +13,7 @@ from slipmargin_cli.main import status
 ROOT = Path(__file__).parents[3]
 ROBOTS = ROOT / "tests" / "data" / "robots"
 PAGE = (ROOT / "docs" / "how-to" / "three-robots.md").read_text()
-BLOCKS = re.findall(r"```console\n\$ slipmargin (.*?)\n(.*?)…\nwritten: (.*?)\n```", PAGE, flags=re.S)
+BLOCKS = re.findall(r"```text\n\$ slipmargin (.*?)\n(.*?)…\nwritten: (.*?)\n```", PAGE, flags=re.S)
 NUMBER = r"-?\d+(?:\.\d+)?"
 
 

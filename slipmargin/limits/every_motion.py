@@ -1,0 +1,36 @@
+"""Motions that stand for every motion: what is safe in all of them is safe in any."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.limits.motion_state import Motion
+from slipmargin.model import Model
+from slipmargin.physics.frames import directions
+
+#: Directions of translation and yaw rates (times speed over arm) that the sets must be safe for.
+HEADINGS, YAW = 72, (-1.0, 0.0, 1.0)
+#: How far beside a turning point of a drag [rad].
+BESIDE = 1e-5
+
+
+def all_motions(model: Model) -> Motion:
+    arm = float(np.mean(np.hypot(*(model.geometry.position_m - model.inertia.com_m).T)))
+    even = 2.0 * np.pi * np.arange(HEADINGS) / HEADINGS
+    moves = []
+    for yaw in YAW:
+        ahead = directions(np.concatenate([even, turning_points(model, yaw / arm)]))
+        moves.append(np.column_stack([ahead, np.full(len(ahead), yaw / arm)]))
+    return Motion.full_drag(np.vstack([*moves, [[0.0, 0.0, 1.0 / arm], [0.0, 0.0, -1.0 / arm]]]))
+
+
+def turning_points(model: Model, yaw: float) -> Array:
+    """Headings on both sides of where a wheel's drag turns round: between them no sign changes."""
+    rows = model.geometry.lateral_rows()
+    with np.errstate(divide="ignore", invalid="ignore"):
+        off = np.arccos(-rows[:, 2] * yaw / np.hypot(rows[:, 0], rows[:, 1]))
+    at = np.arctan2(rows[:, 1], rows[:, 0])
+    turn = np.concatenate([at + off, at - off])
+    turn = turn[np.isfinite(turn)]
+    return np.concatenate([turn + BESIDE, turn - BESIDE])
