@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import product
 from typing import final
 
 import numpy as np
@@ -27,6 +26,7 @@ from slipmargin.checks import Array, real
 from slipmargin.errors import NoSolution
 from slipmargin.limits.bounds import spin
 from slipmargin.limits.effort import Effort, efforts
+from slipmargin.limits.ends import Ends, circle_end, ellipsoid_end, even_corners, sided_corners, unit
 from slipmargin.limits.every_motion import all_motions
 from slipmargin.limits.margin import sphere
 from slipmargin.limits.motion import along, needed_share, steady_share
@@ -42,8 +42,8 @@ YAW_SHARE = 0.1
 PACE = 0.5
 #: Rounds in which a set is drawn in, and how close to the share it ends [1].
 ROUNDS, CLOSE = 12, 1e-3
-#: Ends of a round set: tried all round, steps uphill from the worst, and a step's length in each axis [1].
-SPREAD, UPHILL, NEARBY = 48, 3, 1e-3
+#: Ends of a round set that are tried all round.
+SPREAD = 48
 
 
 @final
@@ -176,7 +176,7 @@ def inside(
         return (np.array([np.min(b / reach)]),)
 
     def swerve_end(coefficient: Array, normal: Array) -> Array:
-        push = _unit(np.einsum("rma,nac->rmnc", normal, modules))
+        push = unit(np.einsum("rma,nac->rmnc", normal, modules))
         return np.asarray(coefficient[0] * np.einsum("rmnc,nac->rma", push, modules))
 
     asked: list[Array] = []
@@ -187,64 +187,21 @@ def inside(
             asked.append(torque)
         return found
 
-    sided = safe(lambda A, b, sign: _boxes(A, b, sign, yaw)[:2], Ends(corners=_sided_corners))
-    even = safe(lambda A, b, sign: _boxes(A, b, sign, yaw)[2:], Ends(corners=_even_corners))
-    ball = safe(circle, Ends(farthest=_circle_end))
+    sided = safe(lambda A, b, sign: _boxes(A, b, sign, yaw)[:2], Ends(corners=sided_corners))
+    even = safe(lambda A, b, sign: _boxes(A, b, sign, yaw)[2:], Ends(corners=even_corners))
+    ball = safe(circle, Ends(farthest=circle_end))
     grip = safe(swerve, Ends(farthest=swerve_end))
     return Inside(
         fast=sided[0],
         slow=sided[1],
         even=even[0],
-        ellipsoid=safe(ellipsoid, Ends(farthest=_ellipsoid_end), counts=False)[0],
+        ellipsoid=safe(ellipsoid, Ends(farthest=ellipsoid_end), counts=False)[0],
         circle_m_s2=float(ball[0][0]),
         yaw_rad_s2=yaw,
         coefficient=float(grip[0][0]),
         pace=_pace(model, np.max(asked, axis=0), share),
         yaw_rate_rad_s=_yaw_rate(model, yaw, share, contact),
     )
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Ends:
-    """Where a set ends: ``corners(*set, sign)`` (R, M, 3), or ``farthest(*set, normals)`` along (R, M, 3)."""
-
-    corners: Callable[..., Array] | None = None
-    farthest: Callable[..., Array] | None = None
-
-    def driven(
-        self,
-        found: tuple[Array, ...],
-        sign: Array,
-        normals: Array,
-        effort: Callable[[Array], Effort],
-        limit_N_m: Array,
-    ) -> Effort:
-        """What the ends of a set ask of each motion (R, M).
-
-        A round set's ends are those along the rows' normals and all round.  Shares of the realised
-        distribution are greatest between them: from the worst end of each motion the next one is the farthest
-        uphill.
-        """
-        if self.corners is not None:
-            return effort(self.corners(*found, sign))
-        assert self.farthest is not None
-        at = self.farthest(*found, normals)
-        seen = effort(at)
-        size = np.max(np.abs(at), axis=(0, 1))
-        step = np.vstack([np.zeros(3), NEARBY * np.diag(size)])[:, None]
-        shares: tuple[Callable[[Effort], Array], ...] = (lambda e: e.use,)
-        if np.any(np.isfinite(limit_N_m)):
-            shares = (*shares, lambda e: e.of_motors(limit_N_m))
-        for share in shares:
-            first = np.argmax(share(seen)[: len(at)], axis=0)
-            worst = np.take_along_axis(at, first[None, :, None], axis=0)
-            for _ in range(UPHILL):
-                near = share(effort(worst + step))
-                uphill = (near[1:] - near[0]).T / np.maximum(size, 1e-300)
-                worst = self.farthest(*found, uphill[None])
-                seen = seen.and_(effort(worst))
-        return seen
 
 
 def _safe(
@@ -360,35 +317,6 @@ def _yaw_rate(model: Model, yaw_rad_s2: float, share: float, contact: Contact) -
         middle = 0.5 * (low + high)
         low, high = (middle, high) if there(middle) else (low, middle)
     return float(high if low == 0.0 else low)
-
-
-def _sided_corners(fast: Array, slow: Array, sign: Array) -> Array:
-    """(8, M, 3): each axis speeds up or slows down; where it stands, it starts either way."""
-    return np.stack(
-        [
-            np.where(sign == 0.0, way * fast, sign * np.where(way > 0.0, fast, -slow))
-            for way in np.array(list(product((1.0, -1.0), repeat=3)))
-        ]
-    )
-
-
-def _even_corners(even: Array, sign: Array) -> Array:
-    ways = np.array(list(product((1.0, -1.0), repeat=3)))
-    return np.broadcast_to((ways * even)[:, None], (8, *sign.shape))
-
-
-def _circle_end(circle: Array, normal: Array) -> Array:
-    turn = np.where(normal[..., 2:] < 0.0, -circle[1], circle[1])
-    return np.concatenate([circle[0] * _unit(normal[..., :2]), turn], axis=-1)
-
-
-def _ellipsoid_end(E: Array, normal: Array) -> Array:
-    return np.asarray(_unit(normal @ E) @ E.T)
-
-
-def _unit(vectors: Array) -> Array:
-    size = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.asarray(vectors / np.where(size > 0.0, size, 1.0))
 
 
 def _sizes(A: Array, b: Array) -> Array:

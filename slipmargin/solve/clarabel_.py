@@ -107,7 +107,7 @@ def _solver(
 
 
 def _accept(answer: clarabel.DefaultSolution, program: ConeProgram) -> Solution:
-    """The answer if the solver says that it is one or it is proven to :data:`ALMOST`, else one found again."""
+    """The answer if the solver says so or it is proven to :data:`ALMOST`, else one found again."""
     tried: list[Solution] = []
     for regular in (REGULAR, *OTHERS):
         if regular != REGULAR:

@@ -1,0 +1,92 @@
+"""Where safe sets end, and what their ends ask of wheels and motors when they are driven as motions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import product
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.limits.effort import Effort
+
+#: Steps uphill from the worst end of a round set, and how far the slope is looked for in each axis [1].
+UPHILL, NEARBY = 3, 1e-3
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ends:
+    """Where a set ends: ``corners(*set, sign)`` (R, M, 3), or ``farthest(*set, normals)`` along (R, M, 3)."""
+
+    corners: Callable[..., Array] | None = None
+    farthest: Callable[..., Array] | None = None
+
+    def driven(
+        self,
+        found: tuple[Array, ...],
+        sign: Array,
+        normals: Array,
+        effort: Callable[[Array], Effort],
+        limit_N_m: Array,
+    ) -> Effort:
+        """What the ends of a set ask of each motion (R, M).
+
+        A round set's ends are those along the rows' normals and all round.  Shares of the realised
+        distribution are greatest between them: from the worst end of each motion the next one is the farthest
+        uphill.
+        """
+        if self.corners is not None:
+            return effort(self.corners(*found, sign))
+        assert self.farthest is not None
+        at = self.farthest(*found, normals)
+        seen = effort(at)
+        size = np.max(np.abs(at), axis=(0, 1))
+        step = np.vstack([np.zeros(3), NEARBY * np.diag(size)])[:, None]
+        shares: tuple[Callable[[Effort], Array], ...] = (lambda e: e.use,)
+        if np.any(np.isfinite(limit_N_m)):
+            shares = (*shares, lambda e: e.of_motors(limit_N_m))
+        for share in shares:
+            first = np.argmax(share(seen)[: len(at)], axis=0)
+            worst = np.take_along_axis(at, first[None, :, None], axis=0)
+            for _ in range(UPHILL):
+                near = share(effort(worst + step))
+                uphill = (near[1:] - near[0]).T / np.maximum(size, 1e-300)
+                worst = self.farthest(*found, uphill[None])
+                seen = seen.and_(effort(worst))
+        return seen
+
+
+def sided_corners(fast: Array, slow: Array, sign: Array) -> Array:
+    """(8, M, 3): each axis speeds up or slows down; where it stands, it starts either way."""
+    return np.stack(
+        [
+            np.where(sign == 0.0, way * fast, sign * np.where(way > 0.0, fast, -slow))
+            for way in np.array(list(product((1.0, -1.0), repeat=3)))
+        ]
+    )
+
+
+def even_corners(even: Array, sign: Array) -> Array:
+    """(8, M, 3): either way along every axis, whatever the motion."""
+    ways = np.array(list(product((1.0, -1.0), repeat=3)))
+    return np.broadcast_to((ways * even)[:, None], (8, *sign.shape))
+
+
+def circle_end(circle: Array, normal: Array) -> Array:
+    """The end of a circle of translations with a yaw acceleration to either side, (R, M, 3)."""
+    turn = np.where(normal[..., 2:] < 0.0, -circle[1], circle[1])
+    return np.concatenate([circle[0] * unit(normal[..., :2]), turn], axis=-1)
+
+
+def ellipsoid_end(E: Array, normal: Array) -> Array:
+    """The ellipsoid's point farthest along each normal (R, M, 3)."""
+    return np.asarray(unit(normal @ E) @ E.T)
+
+
+def unit(vectors: Array) -> Array:
+    """Vectors of length 1, and none of none."""
+    size = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.asarray(vectors / np.where(size > 0.0, size, 1.0))
