@@ -28,9 +28,7 @@ def test_it_is_the_cholesky_factors_inverse(
     noise = LastingNoise(share=np.full(3, share), time_s=np.full(3, time_s))
     found = whitened(values, seen, sigma, noise, 0, step)
     t = step * np.arange(count)
-    covariance = sigma**2 * (
-        share * np.exp(-np.abs(t[:, None] - t) / time_s) + (1.0 - share) * np.eye(count)
-    )
+    covariance = sigma**2 * (share * np.exp(-np.abs(t[:, None] - t) / time_s) + (1.0 - share) * np.eye(count))
     for row, there, got in zip(values, seen, found, strict=True):
         factor = np.linalg.cholesky(covariance[np.ix_(there, there)])
         np.testing.assert_allclose(got[there], np.linalg.solve(factor, row[there]), rtol=1e-6, atol=1e-9)
