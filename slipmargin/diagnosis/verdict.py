@@ -123,6 +123,9 @@ def judge(
     change = np.log(np.maximum(before.squares.sum(axis=1), 1e-12))
     change -= np.log(np.maximum(after.squares.sum(axis=1), 1e-12))
     tell = np.abs(change) > s.noise_deviations * np.sqrt(2.0 / np.maximum(1.0, after.counts.sum(axis=1)))
+    ones, twos = before.of_runs(), after.of_runs()
+    if before.chi() > s.noise_chi:  # a run that was at the noise and stays there says nothing either way
+        tell &= np.maximum(ones, twos) > s.noise_chi
     better = int(np.count_nonzero(change[tell] > 0.0))
     p_value = sign_flip_p_value(change[tell], seed)
     runs = int(np.count_nonzero(tell))
@@ -132,8 +135,7 @@ def judge(
             f"{better} of the {runs} runs whose error changes at all get better, which may be chance "
             f"(paired permutation p = {p_value:.2g})"
         )
-    ones, twos = before.of_runs(), after.of_runs()
-    worse = int(sum(clearly_worse(one, two, s) for one, two in zip(ones, twos, strict=True)))
+    worse = int(sum(clearly_worse(ones[i], twos[i], s) for i in np.flatnonzero(tell)))
     if worse > s.worse_share * len(everyone):
         failures.append(f"{worse} of {len(everyone)} runs get clearly worse")
     for rows in groups(len(everyone)):
