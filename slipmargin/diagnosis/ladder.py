@@ -104,8 +104,9 @@ class Court:
         unseen = self.unseen
         if unseen.any() and not unseen.all():
             rows = np.flatnonzero(~unseen)
-            one, two = (RunErrors(squares=e.squares[rows], counts=e.counts[rows]) for e in (before, after))
-            early = judge(one, two, np.zeros(len(rows), dtype=bool), self.seed)
+            early = judge(
+                before.of(rows), after.of(rows), np.zeros(len(rows), dtype=bool), self.seed, by_chance=False
+            )
             if not early.holds:
                 return early
         return judge(before, after, unseen, self.seed)

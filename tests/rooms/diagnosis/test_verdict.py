@@ -153,3 +153,18 @@ def test_groups_hold_every_run_once() -> None:
         found = groups(count)
         assert np.concatenate(found).tolist() == list(range(count))
         assert min(len(g) for g in found) >= min(2, count)
+
+
+def test_a_run_may_pay_a_small_part_of_what_all_gain() -> None:
+    before, after = np.full(10, 20.0), np.full(10, 1.05)
+    before[4], after[4] = 1.0, 1.6
+    assert judged(errors(before), errors(after)).worse == 0
+    after[4] = 9.0
+    assert judged(errors(before), errors(after)).worse == 1
+
+
+def test_a_first_look_at_few_runs_leaves_chance_to_all_of_them() -> None:
+    before, after = errors([9.0, 9.0, 1.5], runs=3), errors([3.0, 3.0, 1.6], runs=3)
+    nobody = np.zeros(3, dtype=bool)
+    assert any("chance" in f for f in judge(before, after, nobody).failures)
+    assert judge(before, after, nobody, by_chance=False).holds
