@@ -7,7 +7,8 @@ Every robot has draws of its own: robot 17 is the same however many are asked fo
 acceleration passes ``check`` with the margin if no wheel's grip, no motor's torque and no wheel's load goes
 above 1 − margin + ALLOWED.  Grip is checked where drag is full, torque at the exported speeds.  At 1.08 of
 the unscaled limit the simulator, which knows nothing of limits, must see the named wheel slip or lift: with a
-steep friction law, as creep that nobody corrects turns the robot, and with its heading the limit.
+steep friction law, as creep that nobody corrects turns the robot, and with its heading the limit.  Where grip
+ends first and a wheel lifts soon after, it is driven half way between the two, and must slip.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from kept import Keeper, collected
 
 from slipmargin.errors import InputError
 from slipmargin.io.writes import write_text
-from slipmargin.limits.bounds import ahead_of, directions
+from slipmargin.limits.bounds import Directions, ahead_of, directions
 from slipmargin.limits.bounds_summary import Bounds, bounds
 from slipmargin.limits.motion_rows import CAUSES, SPENT, TIPS
 from slipmargin.model import Model, nominal_model
@@ -51,6 +52,8 @@ from slipmargin.sim.batch import Ending
 MARGIN, ALLOWED, BEYOND = 0.1, 0.002, 1.08
 #: A speed at which the drag of every wheel that slides at all is full [m/s], and how long a motion lasts [s].
 FLAT_OUT, BRIEF = 1e4, 1e-3
+#: Grip and loads that end within this share of each other end at once: either name is right [1].
+AT_ONCE = 0.01
 #: Regularisation slope of the runs beyond the limit [s/m]; limits do not depend on it.
 STEEP = 5e4
 #: Drawn ends of the safe sets a robot, and directions driven beyond the limit.
@@ -240,18 +243,29 @@ def beyond(rng: np.random.Generator, model: Model) -> list[dict[str, Any]]:
     for h, (a, cause) in enumerate(zip(full.starting_m_s2, full.starting.cause, strict=True)):
         if a < 0.05 or cause == SPENT or not np.isfinite(full.steady_use[h]):
             continue
-        named = full.starting.wheels[h]
-        out.append(driven_beyond(on_rollers(model), float(full.heading_rad[h]), float(a), cause, named))
+        named, lifts = full.starting.wheels[h], lifting(full, h) / a
+        at_once, tips = lifts < 1.0 + AT_ONCE, cause == CAUSES[TIPS]
+        by = BEYOND if at_once else min(BEYOND, 0.5 * (1.0 + lifts))
+        heading = float(full.heading_rad[h])
+        run = driven_beyond(on_rollers(model), heading, by * float(a))
+        run["as_named"] = (run["first"] in named and not tips) or (run["tips"] and at_once)
+        out.append({"heading_rad": heading, "cause": cause, "named": list(named), "beyond": by, **run})
         if len(out) == DIRECTIONS:
             break
     return out
 
 
-def driven_beyond(
-    model: Model, heading: float, limit: float, cause: str, named: tuple[str, ...]
-) -> dict[str, Any]:
+def lifting(full: Directions, h: int) -> float:
+    """The acceleration [m/s²] at which a wheel lifts in direction ``h``, infinite where none does."""
+    rows = full.starting.rows
+    tips = rows.cause == TIPS
+    slope = rows.A[h, tips] @ ahead_of(full.heading_rad[h : h + 1])[0]
+    return float(np.min(rows.b[h, tips][slope > 0.0] / slope[slope > 0.0], initial=np.inf))
+
+
+def driven_beyond(model: Model, heading: float, a: float) -> dict[str, Any]:
     """One direction, from a speed at which drag is full, until a wheel has had the time to slip."""
-    ahead, a, v = ahead_of(np.array([heading]))[0], BEYOND * limit, 3.0
+    ahead, v = ahead_of(np.array([heading]))[0], 3.0
     model = replace(model, grip=replace(model.grip, k_s_per_m=STEEP))
     t = np.linspace(0.0, 0.5, 200)
     velocity = (v + a * t)[:, None] * ahead
@@ -269,13 +283,10 @@ def driven_beyond(
     over = run.share > GROSS
     first = run.wheels[int(np.argmax(run.share[int(np.argmax(over.any(axis=1)))]))] if np.any(over) else ""
     return {
-        "heading_rad": heading,
-        "cause": cause,
-        "named": list(named),
         "ending": run.ending.name,
         "first": first,
         "holds": not tips and not first,
-        "as_named": tips if cause == CAUSES[TIPS] else first in named,
+        "tips": tips,
     }
 
 

@@ -33,7 +33,6 @@ from slipmargin.limits.motion import along, needed_share, steady_share
 from slipmargin.limits.motion_rows import MOTOR, acceleration_rows, at_pace, prepare, torque_limit
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
-from slipmargin.physics.frames import directions
 from slipmargin.physics.kinematics import com_acceleration
 from slipmargin.sets.inscribed import largest_box, largest_ellipsoid
 
@@ -41,10 +40,10 @@ from slipmargin.sets.inscribed import largest_box, largest_ellipsoid
 YAW_SHARE = 0.1
 #: Share of the motors' top speed up to which the sets hold at least: there a motor's power is greatest [1].
 PACE = 0.5
-#: Rounds in which a set is drawn in, how close to the share it ends [1], and directions of its ends.
-ROUNDS, CLOSE, ROUND = 12, 1e-3, 24
-#: Rows that the ellipsoid reaches to this part of are driven where it does [1].
-TOUCHING = 0.95
+#: Rounds in which a set is drawn in, and how close to the share it ends [1].
+ROUNDS, CLOSE = 12, 1e-3
+#: Ends of a round set: tried all round, steps uphill from the worst, and a step's length in each axis [1].
+SPREAD, UPHILL, NEARBY = 48, 3, 1e-3
 
 
 @final
@@ -168,11 +167,7 @@ def inside(
 
     def ellipsoid(A: Array, b: Array, sign: Array) -> tuple[Array, ...]:
         scale = _sizes(A, b)
-        E = scale[:, None] * largest_ellipsoid(_once(A * scale / b[:, None]))
-        seen = A @ E / b[:, None]
-        reach = np.linalg.norm(seen, axis=1)
-        touching = np.unique(np.round(seen[reach > TOUCHING] / reach[reach > TOUCHING, None], 2), axis=0)
-        return E, touching / np.linalg.norm(touching, axis=1, keepdims=True)
+        return (scale[:, None] * largest_ellipsoid(_once(A * scale / b[:, None])),)
 
     modules = _modules(model)
 
@@ -180,32 +175,27 @@ def inside(
         reach = np.linalg.norm(np.einsum("ka,nac->knc", A, modules), axis=2).sum(axis=1)
         return (np.array([np.min(b / reach)]),)
 
-    def swerve_ends(coefficient: Array, sign: Array) -> Array:
-        size = np.sqrt(np.einsum("nac,nac->a", modules, modules))
-        seen = np.einsum("ra,nac->rnc", sphere(4 * ROUND) / size, modules)
-        push = seen / np.linalg.norm(seen, axis=2, keepdims=True)
-        ends = coefficient[0] * np.einsum("rnc,nac->ra", push, modules)
-        return np.broadcast_to(ends[:, None], (len(ends), *sign.shape))
+    def swerve_end(coefficient: Array, normal: Array) -> Array:
+        push = _unit(np.einsum("rma,nac->rmnc", normal, modules))
+        return np.asarray(coefficient[0] * np.einsum("rmnc,nac->rma", push, modules))
 
     asked: list[Array] = []
 
-    def safe(
-        largest: Callable[..., tuple[Array, ...]], ends: Callable[..., Array], counts: bool = True
-    ) -> tuple[Array, ...]:
+    def safe(largest: Callable[..., tuple[Array, ...]], ends: Ends, counts: bool = True) -> tuple[Array, ...]:
         found, torque = _safe(model, largest, ends, share, contact)
         if counts:
             asked.append(torque)
         return found
 
-    sided = safe(lambda A, b, sign: _boxes(A, b, sign, yaw)[:2], _sided_corners)
-    even = safe(lambda A, b, sign: _boxes(A, b, sign, yaw)[2:], _even_corners)
-    ball = safe(circle, _circle_ends)
-    grip = safe(swerve, swerve_ends)
+    sided = safe(lambda A, b, sign: _boxes(A, b, sign, yaw)[:2], Ends(corners=_sided_corners))
+    even = safe(lambda A, b, sign: _boxes(A, b, sign, yaw)[2:], Ends(corners=_even_corners))
+    ball = safe(circle, Ends(farthest=_circle_end))
+    grip = safe(swerve, Ends(farthest=swerve_end))
     return Inside(
         fast=sided[0],
         slow=sided[1],
         even=even[0],
-        ellipsoid=safe(ellipsoid, _ellipsoid_ends, counts=False)[0],
+        ellipsoid=safe(ellipsoid, Ends(farthest=_ellipsoid_end), counts=False)[0],
         circle_m_s2=float(ball[0][0]),
         yaw_rad_s2=yaw,
         coefficient=float(grip[0][0]),
@@ -214,10 +204,53 @@ def inside(
     )
 
 
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ends:
+    """Where a set ends: ``corners(*set, sign)`` (R, M, 3), or ``farthest(*set, normals)`` along (R, M, 3)."""
+
+    corners: Callable[..., Array] | None = None
+    farthest: Callable[..., Array] | None = None
+
+    def driven(
+        self,
+        found: tuple[Array, ...],
+        sign: Array,
+        normals: Array,
+        effort: Callable[[Array], Effort],
+        limit_N_m: Array,
+    ) -> Effort:
+        """What the ends of a set ask of each motion (R, M).
+
+        A round set's ends are those along the rows' normals and all round.  Shares of the realised
+        distribution are greatest between them: from the worst end of each motion the next one is the farthest
+        uphill.
+        """
+        if self.corners is not None:
+            return effort(self.corners(*found, sign))
+        assert self.farthest is not None
+        at = self.farthest(*found, normals)
+        seen = effort(at)
+        size = np.max(np.abs(at), axis=(0, 1))
+        step = np.vstack([np.zeros(3), NEARBY * np.diag(size)])[:, None]
+        shares: tuple[Callable[[Effort], Array], ...] = (lambda e: e.use,)
+        if np.any(np.isfinite(limit_N_m)):
+            shares = (*shares, lambda e: e.of_motors(limit_N_m))
+        for share in shares:
+            first = np.argmax(share(seen)[: len(at)], axis=0)
+            worst = np.take_along_axis(at, first[None, :, None], axis=0)
+            for _ in range(UPHILL):
+                near = share(effort(worst + step))
+                uphill = (near[1:] - near[0]).T / np.maximum(size, 1e-300)
+                worst = self.farthest(*found, uphill[None])
+                seen = seen.and_(effort(worst))
+        return seen
+
+
 def _safe(
     model: Model,
     largest: Callable[..., tuple[Array, ...]],
-    ends: Callable[..., Array],
+    ends: Ends,
     share: float,
     contact: Contact,
 ) -> tuple[tuple[Array, ...], Array]:
@@ -238,6 +271,7 @@ def _safe(
         at_com = com_acceleration(model.inertia.com_m, np.zeros_like(flat), flat).reshape(at.shape)
         return efforts(model, friction, external, at_com)
 
+    sign, normals = np.sign(motion.velocity), _normals(model, motion, share, contact)
     still = effort(np.zeros((1, motion.count, 3)))
     least = np.stack([needed_share(model, motion, contact=contact), still.of_motors(limit)[0]])
     steady = np.stack([still.use[0], least[1]])
@@ -251,7 +285,7 @@ def _safe(
                 contact=contact,
             )
         )
-        seen = effort(ends(*found, np.sign(motion.velocity)))  # (R, M, 3), accelerations of the origin
+        seen = ends.driven(found, sign, normals, effort, limit)
         used = np.stack([seen.use.max(axis=0), seen.of_motors(limit).max(axis=0)])
         if share == 1.0 or model.count == 3:  # the rows are exact for the grip
             used[0] = 0.0
@@ -265,6 +299,15 @@ def _safe(
         "no set was found in which the creep of the wheels keeps the margin",
         "use a larger margin or a smaller yaw reserve",
     )
+
+
+def _normals(model: Model, motion: Motion, share: float, contact: Contact) -> Array:
+    """Normals (R, M, 3) of each motion's rows in accelerations of the origin, and all round."""
+    shift = com_acceleration(model.inertia.com_m, np.zeros((3, 3)), np.eye(3)).T
+    rows = acceleration_rows(model, motion, share=share, contact=contact, pace=PACE).A @ shift
+    size = np.sqrt(np.mean(rows**2, axis=(0, 1)))
+    round_ = np.broadcast_to((sphere(SPREAD) * size)[:, None], (SPREAD, motion.count, 3))
+    return np.concatenate([np.swapaxes(rows, 0, 1), round_])
 
 
 def _modules(model: Model) -> Array:
@@ -334,15 +377,18 @@ def _even_corners(even: Array, sign: Array) -> Array:
     return np.broadcast_to((ways * even)[:, None], (8, *sign.shape))
 
 
-def _circle_ends(circle: Array, sign: Array) -> Array:
-    ahead = directions(2.0 * np.pi * np.arange(ROUND) / ROUND)
-    ends = [np.column_stack([circle[0] * ahead, np.full(ROUND, y)]) for y in (circle[1], -circle[1])]
-    return np.broadcast_to(np.vstack(ends)[:, None], (2 * ROUND, *sign.shape))
+def _circle_end(circle: Array, normal: Array) -> Array:
+    turn = np.where(normal[..., 2:] < 0.0, -circle[1], circle[1])
+    return np.concatenate([circle[0] * _unit(normal[..., :2]), turn], axis=-1)
 
 
-def _ellipsoid_ends(E: Array, touching: Array, sign: Array) -> Array:
-    ways = np.vstack([touching, sphere(4 * ROUND)])
-    return np.broadcast_to((ways @ E.T)[:, None], (len(ways), *sign.shape))
+def _ellipsoid_end(E: Array, normal: Array) -> Array:
+    return np.asarray(_unit(normal @ E) @ E.T)
+
+
+def _unit(vectors: Array) -> Array:
+    size = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.asarray(vectors / np.where(size > 0.0, size, 1.0))
 
 
 def _sizes(A: Array, b: Array) -> Array:

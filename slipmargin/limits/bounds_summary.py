@@ -96,13 +96,12 @@ class Bounds:
         if self.inside is None or self.inside.pace is None:
             turn = np.inf if self.inside is None else self.inside.yaw_rate_rad_s
             return np.inf, np.inf, np.inf, turn
-        top, front = self.inside.pace * self.top_m_s, self.model.convention.front_rad
-        ahead, side = (
-            float(np.interp(front - a, self.full.heading_rad, top, period=2.0 * np.pi))
-            for a in (0.0, 0.5 * np.pi)
-        )
+        front = self.model.convention.front_rad
+        fastest = self.model.geometry.rolling_rows()[:, :2]  # a wheel turns fastest along its row
+        ways = np.append(np.arctan2(fastest[:, 1], fastest[:, 0]), [front, front - 0.5 * np.pi])
+        top = self.inside.pace * top_speed(self.model, ways)
         turn = min(self.inside.pace * self.spin.top_rad_s, self.inside.yaw_rate_rad_s)
-        return ahead, side, float(np.min(top)), turn
+        return float(top[-2]), float(top[-1]), float(np.min(top)), turn
 
     @property
     def isotropic_m_s2(self) -> float:

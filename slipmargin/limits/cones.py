@@ -271,7 +271,8 @@ class _Wheels:
                 if j == 1 and across is not None:
                     for key, sign in made:
                         side = 1 if sign > 0 and not key.endswith("−") else 0
-                        width = self.mu[:, i, 1, side] / across
+                        width = np.ones_like(across)  # a wheel that drives nowhere has no strip to cut
+                        np.divide(self.mu[:, i, 1, side], across, out=width, where=across > 0.0)
                         self._bounded(i, {key: sign}, width, f"{name} strip {'≤' if side else '≥'}")
             self.put.second_order(
                 f"{name} grip",

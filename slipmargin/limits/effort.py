@@ -28,6 +28,13 @@ class Effort:
     use: Array
     torque_N_m: Array
 
+    def and_(self, other: Effort) -> Effort:
+        """These accelerations (R, M, 3) and more of the same M states."""
+        return Effort(
+            use=np.concatenate([self.use, other.use]),
+            torque_N_m=np.concatenate([self.torque_N_m, other.torque_N_m], axis=1),
+        )
+
     def of_motors(self, limit_N_m: Array) -> Array:
         """Largest share (R, M) of a motor's torque, where motors give ``limit_N_m`` (2, M, N)."""
         limit = limit_N_m[:, None]

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array
-from slipmargin.limits.creep import BEYOND, FAITHFUL, SCALE, TABLES, WHEEL, Balance, knee
+from slipmargin.limits.creep import BEYOND, FAITHFUL, SCALE, TABLES, WHEEL, knee
 from slipmargin.limits.motion_external import External
 from slipmargin.limits.motion_friction import Friction, material_states
 from slipmargin.limits.motion_realised import LIGHTEST, comparable
@@ -81,30 +81,6 @@ def realised_limit(
         best[less], wheels[less] = t[less], code[less]
     bits = (wheels[:, None] >> np.minimum(np.arange(n), 62)) & 1
     return best.reshape(low.shape), (bits > 0).reshape(*low.shape, n)
-
-
-def realised_share(model: Model, friction: Friction, external: External, acceleration: Array) -> Array:
-    """Largest realised share (R, M) of any wheel at accelerations (R, M, 3) of the mass, full drag."""
-    worst = np.zeros(acceleration.shape[:2])
-    k = _repeated(friction.drive_stiffness / np.mean(friction.drive_stiffness), acceleration.shape[:2])
-    along = np.ascontiguousarray(model.wrench_maps()[0])
-    none = np.zeros_like(k)
-    for c0, _, light, w0, _ in _cases(model, friction, external, acceleration, 0.0 * acceleration):
-        balance = Balance(
-            law=model.grip.law,
-            along=along,
-            across=along,
-            grip=np.maximum(c0, light),
-            drag=none,
-            steep=k,
-            steep_across=k,
-            slide=none,
-            need=w0,
-            carried=np.zeros((len(w0), 4)),
-            scale=comparable(model),
-        )
-        worst = np.maximum(worst, balance.rest()[1].max(axis=1).reshape(worst.shape))
-    return worst
 
 
 def _cases(

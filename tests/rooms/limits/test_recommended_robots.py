@@ -2,15 +2,32 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import pytest
 import recommended
 from hypothesis import given, settings, strategies as st
+
+
+def keeps_its_margin(row: dict[str, Any]) -> None:
+    for name, share in (row["used"] | {f"torque, {n}": v for n, v in row["torque"].items()}).items():
+        assert share <= 1.0 - recommended.MARGIN + recommended.ALLOWED, (name, row)
+    assert row["top_speed"] <= 1.0
+    assert all(b["as_named"] for b in row["beyond"]), row["beyond"]
 
 
 @settings(max_examples=5)
 @given(st.integers(0, 2**31))
 def test_a_drawn_robot_keeps_its_margin_and_slips_beyond_the_limit(seed: int) -> None:
-    row = recommended.drawn(seed, 0)
-    for name, share in (row["used"] | {f"torque, {n}": v for n, v in row["torque"].items()}).items():
-        assert share <= 1.0 - recommended.MARGIN + recommended.ALLOWED, (name, row)
-    assert row["top_speed"] <= 1.0
-    assert all(b["as_named"] for b in row["beyond"]), row["beyond"]
+    keeps_its_margin(recommended.drawn(seed, 0))
+
+
+@pytest.mark.parametrize("k", [57, 59, 85, 115, 133])
+def test_robots_that_did_not(k: int) -> None:
+    """Each went above its margin, or did something else than was named.
+
+    57: the speed for any way was the least over directions 15° apart, 0.6 % above the least of all.
+    59: the same wheel lifts at 1.075 of the limit of grip.  85, 115, 133: between the ends of the modules'
+    set that were driven some ask for 1.4 % more grip, or 0.5 % more torque.
+    """
+    keeps_its_margin(recommended.drawn(1, k))

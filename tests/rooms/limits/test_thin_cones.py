@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import example, given, settings, strategies as st
-from strategies import kiwi, models, reals
+from strategies import four_wheels, kiwi, models, reals
 
 from slipmargin.limits import Pull, wrench_set
 from slipmargin.limits.band import band
@@ -19,7 +19,8 @@ from slipmargin.model.parts import ExternalWrench
 from slipmargin.physics.grips import GripShape
 from slipmargin.physics.terms import ForceTerm
 from slipmargin.physics.variables import Basis, Frame, Variable
-from slipmargin.robot import LoadRule
+from slipmargin.robot import Body, Coefficients, FrictionLaw, LoadRule, Robot, Surface, Wheel
+from slipmargin.solve.clarabel_ import ALMOST
 
 KIWI = nominal_model(kiwi(rigid_fraction=0.0), "paper")
 
@@ -89,3 +90,85 @@ def test_a_cone_too_thin_to_matter_is_a_box_and_one_that_is_not_is_seen() -> Non
     assert np.max(1.0 - limit(held(KIWI, 0.0, GripShape.ELLIPSE, 1.0), at, Pull()) / box) == pytest.approx(
         0.1, abs=0.08
     )
+
+
+def test_a_wheel_without_drive_friction_has_no_strip() -> None:
+    """Its disc is a point, and the strip's width was divided by its radius."""
+    whole = nominal_model(four_wheels(grip=GripShape.DISC_STRIP), "paper")
+    roller = np.array(whole.grip.roller)
+    roller[0, 0] = 0.0
+    model = replace(whole, grip=replace(whole.grip, roller=roller))
+    at, none = np.linspace(0.0, 3.0, 7), np.zeros(4, dtype=bool)
+    with np.errstate(divide="raise", invalid="raise"):
+        found = cone_limits(model, at, Pull(), none)
+    rays = Pull().rays(model, at)
+    for force, normal, ray in zip(found.force_N, found.normals, rays, strict=True):
+        leaving = normal / -(normal @ ray)
+        assert force == pytest.approx(float(wrench_set(model).support(leaving)), rel=1e-7)
+    assert np.all(found.force_N < cone_limits(whole, at, Pull(), none).force_N)
+
+
+#: Wheels (x, y [m], drive direction, roller angle [deg]), μ_W and μ_T on rollers, mass's place, coupling.
+STALLED = (
+    (
+        (
+            (0.15752322552649964, 0.03679171841774746, -90.50065130519434, 0.0),
+            (-0.10609389020258132, 0.06353765892279191, -163.11050886373965, 0.0),
+            (0.015101409065908039, -0.14896101451735444, -10.276270307393673, 0.0),
+        ),
+        (0.1, 0.005),
+        (0.029913061017694333, -0.02678295305777144),
+        LoadRule.EQUAL,
+        0.999999,
+    ),
+    (
+        (
+            (0.3491913186157592, -0.13588133038164443, 54.059108055898264, 0.0),
+            (0.02650253937545385, 0.4277504436488276, -31.27152417484041, 0.0),
+            (-0.03533466688499208, -0.2680522581103393, -73.11733176359023, 0.0),
+        ),
+        (0.9, 0.5),
+        (0.08640546093901012, 0.047843259954373864),
+        LoadRule.STATIC,
+        0.999999,
+    ),
+)
+
+
+@pytest.mark.parametrize(("wheels", "mu", "com", "rule", "coupling"), STALLED)
+def test_a_thin_ellipse_that_stalled_the_solver_is_answered(
+    wheels: tuple[tuple[float, float, float, float], ...],
+    mu: tuple[float, float],
+    com: tuple[float, float],
+    rule: LoadRule,
+    coupling: float,
+) -> None:
+    """Refused once: "left primal residual 1.2e-08"."""
+    robot = Robot(
+        name="stalled",
+        wheels=tuple(
+            Wheel(
+                name=f"w{i}",
+                position_m=np.array([x, y]),
+                drive_direction_deg=drive,
+                radius_m=0.05,
+                roller_angle_deg=turn,
+            )
+            for i, (x, y, drive, turn) in enumerate(wheels)
+        ),
+        surfaces=(
+            Surface(
+                name="floor",
+                roller=Coefficients(drive=mu[0], transverse=mu[1]),
+                rigid=Coefficients(drive=1.2, transverse=1.2),
+            ),
+        ),
+        load_rule=rule,
+        body=Body(mass_kg=10.0, inertia_kg_m2=0.3, com_m=np.array(com)),
+        friction=FrictionLaw(grip=GripShape.ELLIPSE),
+    )
+    model = nominal_model(robot, "floor")
+    model = replace(model, grip=replace(model.grip, coupling=coupling))
+    found = cone_limits(model, np.deg2rad(np.arange(0.0, 180.0, 15.0)), Pull(), np.zeros(3, dtype=bool))
+    for m in range(len(found.force_N)):
+        assert found.solution(m).certificate().worst <= ALMOST
