@@ -97,7 +97,7 @@ def ready(data_set: DataSet, repairs: tuple[Repair, ...] | None = None, seed: in
 
 
 def problem_of(data_set: DataSet, records: tuple[Record, ...] | None = None) -> Problem:
-    """The trials of a data set, or others, cleaned, with its noise (that of these trials if none is known)."""
+    """The trials of a data set, or others, cleaned, with its noise, or else that of these trials."""
     records = data_set.trials if records is None else records
     sigma = white_noise(records) if data_set.sigma is None else data_set.sigma
     trials = tuple(clean(record, sigma) for record in records)

@@ -165,7 +165,7 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
 
 
 def _in_turn(court: Court, proposed: State, rounds: list[Round], progress: Watch) -> Iterator[State]:
-    """What was proposed, less its last effect, less its last two …; then the best single ones of other kinds."""
+    """What was proposed, less its last effect, less its last two …; then the best of other kinds."""
     state = proposed
     while state.structure:
         yield state
