@@ -58,10 +58,3 @@ bench: .venv/installed-bench
 
 clean:
 	rm -rf .venv build dist site docs/notebooks $(OUT) *.egg-info
-
-# The README's picture, drawn by the package.
-docs/ohio-kiwi-polar.png: .venv/installed
-	$(BIN)/python -c "import math, numpy; from slipmargin.io.robot_file import read_recipe; \
-	from slipmargin.limits import sweep; from slipmargin.plots.style import save; \
-	from slipmargin.plots.sweep import polar_figure; \
-	save(polar_figure(sweep(read_recipe('ohio-kiwi').build('paper'), numpy.linspace(0, 2 * math.pi, 721))), '$@')"

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from strategies import models, reals
 
 from slipmargin.model import Model
-from slipmargin.physics.terms import ForceTerm, Multiplier
+from slipmargin.physics.terms import OF_PLACE, ForceTerm, Multiplier
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.sim.signal import WheelSignal, held, hermite, linear
 
@@ -36,6 +36,8 @@ SIZE = {
     Variable.SLIP_HEADING: 2.0 * np.pi,
     Variable.HUB_SPEED: 0.2,
     Variable.LEAD: 1.0,
+    Variable.FROM_PLACE: 0.3,
+    Variable.BEFORE_LINE: 0.3,
 }
 for _variable in Variable:  # shares and ratios
     SIZE.setdefault(_variable, 0.5)
@@ -98,15 +100,17 @@ def basis_shape(basis: Basis, size: float) -> tuple[np.ndarray, int]:
         Basis.RECIPROCAL: ((size, 3.0 * size), 1),
         Basis.WINDOW: ((0.2 * size, 0.7 * size), 1),
         Basis.ODD: ((size, 0.0), 2),
+        Basis.STEP: ((0.5 * size, 0.2 * size), 1),
     }
     constants, count = shapes[basis]
     return np.array(constants), count
 
 
 def modulation(variable: Variable, basis: Basis, target: Target, count: int, seed: int) -> Multiplier:
-    """A modulation of a moderate size with drawn coefficients."""
+    """A modulation of a moderate size with drawn coefficients; where it needs a floor place, a drawn one."""
     rng = np.random.default_rng(seed)
     shape, size = basis_shape(basis, SIZE[variable])
+    elsewhere = np.array([*np.random.default_rng([seed, 1]).uniform(-0.3, 0.3, 2), 0.1 + seed % 6])
     return Multiplier(
         variable=variable,
         basis=basis,
@@ -114,6 +118,7 @@ def modulation(variable: Variable, basis: Basis, target: Target, count: int, see
         shape=shape,
         wheels=rng.uniform(0.5, 1.0, count),
         coefficients=0.15 * rng.uniform(-1.0, 1.0, size),
+        place=elsewhere if variable in OF_PLACE else np.zeros(3),
     )
 
 

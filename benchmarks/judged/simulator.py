@@ -286,6 +286,9 @@ def _rates(
         size = p.roll_coulomb * weight / speed + p.roll_viscous
         ex -= size * vx
         ey -= size * vy
+        for i in range(n):  # it acts through the axles, at the mean of the wheels' radii above the floor
+            hx -= m.radius[i] / n * size * vx
+            hy -= m.radius[i] / n * size * vy
         rim = w * reach
         ez -= (
             p.roll_yaw * reach * rim * (p.roll_coulomb * weight / np.sqrt(rim * rim + 1e-6) + p.roll_viscous)

@@ -51,6 +51,9 @@ class Candidate:
     prior : array (Q, P), optional
         Rows L of a Gaussian prior: |L (x − null) / scale|² is about 1 or less.  It determines the
         parameters that the trials do not.
+    usual : array (P,), optional
+        Ordinary values, ``null`` by default: a fit that ends at one is not stuck at a bound that is the same.
+        They differ where an idle parameter's first start, which its tangent needs, stands in for its null.
     """
 
     name: str
@@ -69,9 +72,12 @@ class Candidate:
     wheels: tuple[str, ...] = ()
     wheel_phase: bool = False
     prior: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    usual: Array | None = None
 
     def __post_init__(self) -> None:
         count = len(self.keys)
+        usual = self.null if self.usual is None else self.usual
+        object.__setattr__(self, "usual", frozen("usual", usual, (count,)))
         prior = self.prior if self.prior.size else np.zeros((0, count))
         object.__setattr__(self, "prior", frozen("prior", prior, (None, count)))
         for key in ("null", "scale", "low", "high"):
@@ -119,6 +125,7 @@ def named_candidate(
         units=tuple(p.unit for p in rows),
         null=np.array([s[0] if p.idle and p.starts else p.null for p, s in zip(rows, sets, strict=True)]),
         scale=np.array([p.scale for p in rows]),
+        usual=np.array([p.null for p in rows]),
         low=np.array([p.low for p in rows]),
         high=np.array([p.high for p in rows]),
         starts=starts,

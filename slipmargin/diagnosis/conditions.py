@@ -19,6 +19,7 @@ from slipmargin.data.data_set import DataSet, WheelSignal
 from slipmargin.data.noise import LastingNoise, lasting_noise, white_noise
 from slipmargin.data.record import Record
 from slipmargin.data.repair import Repair, in_runs
+from slipmargin.diagnosis.held_out import searched_runs
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.effects import GeneralEffect, Part, Trace
@@ -63,7 +64,7 @@ class Ready:
     repairs: tuple[Repair, ...]
 
 
-def ready(data_set: DataSet, repairs: tuple[Repair, ...] | None = None) -> Ready:
+def ready(data_set: DataSet, repairs: tuple[Repair, ...] | None = None, seed: int = 0) -> Ready:
     """The data set mended, with the noise that it has, and without runs from another floor.
 
     Parameters
@@ -72,6 +73,8 @@ def ready(data_set: DataSet, repairs: tuple[Repair, ...] | None = None) -> Ready
         As it was read; with ``repairs`` as :func:`slipmargin.data.clean_up.repaired` returned it.
     repairs : tuple of Repair, optional
         What was mended already; by default it is done here.
+    seed : int
+        That of the diagnosis: the noise is measured on the runs that it does not hold out.
     """
     if repairs is None:
         fixed = repaired(data_set)
@@ -87,14 +90,14 @@ def ready(data_set: DataSet, repairs: tuple[Repair, ...] | None = None) -> Ready
     data_set, more = _one_floor(data_set)
     done += more
     stated = data_set.sigma
-    data_set, more = _measured_noise(data_set)
+    data_set, more = _measured_noise(data_set, searched_runs(len(data_set.trials), seed))
     assert data_set.sigma is not None
     estimated = stated is None or not np.array_equal(data_set.sigma, stated)
     return Ready(data_set=data_set, noise_estimated=estimated, repairs=(*done, *more))
 
 
 def problem_of(data_set: DataSet, records: tuple[Record, ...] | None = None) -> Problem:
-    """The trials of a data set, or others, cleaned, with its noise."""
+    """The trials of a data set, or others, cleaned, with its noise, or else that of these trials."""
     records = data_set.trials if records is None else records
     sigma = white_noise(records) if data_set.sigma is None else data_set.sigma
     trials = tuple(clean(record, sigma) for record in records)
@@ -270,15 +273,16 @@ def _two(costs: Array) -> tuple[int, int, float] | None:
     return best
 
 
-def _measured_noise(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
-    """With the noise that the data have: its size where it is not stated or stated wrong, and the part that lasts."""  # noqa: E501
+def _measured_noise(data_set: DataSet, runs: Index) -> tuple[DataSet, tuple[Repair, ...]]:
+    """With the noise that these runs have: its size where it is not stated or stated wrong, and the part that lasts."""  # noqa: E501
     problem = problem_of(data_set)
     everyone = np.arange(len(problem.trials), dtype=np.int64)
     predicted = problem.predict([()], [everyone])[0]
     residuals = [(t.t_s, t.pose - p[: len(t.t_s)]) for t, p in zip(problem.trials, predicted, strict=True)]
-    data_set, said = _without_lone(data_set, residuals)
+    data_set, said = _without_lone(data_set, residuals, white_noise(_some(data_set.trials, runs)))
+    residuals = [residuals[i] for i in runs]
     whole, lasting = lasting_noise(residuals, data_set.sigma)
-    white = white_noise(data_set.trials)
+    white = white_noise(_some(data_set.trials, runs))
     lasts = np.zeros(3, dtype=bool) if lasting is None else lasting.share > 0.0
     sigma = np.where(lasts & (whole > 0.0), whole, white)
     sigma = sigma * np.where(lasts, 1.0, _tails(residuals, sigma))
@@ -303,9 +307,14 @@ def _measured_noise(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     return replace(data_set, sigma=sigma, lasting=lasting), tuple(said)
 
 
-def _without_lone(data_set: DataSet, residuals: list[tuple[Array, Array]]) -> tuple[DataSet, list[Repair]]:
+def _some(records: tuple[Record, ...], runs: Index) -> tuple[Record, ...]:
+    return tuple(records[i] for i in runs)
+
+
+def _without_lone(
+    data_set: DataSet, residuals: list[tuple[Array, Array]], sigma: Array
+) -> tuple[DataSet, list[Repair]]:
     """Without samples far from the residuals around them; these are also taken out of ``residuals``."""
-    sigma = white_noise(data_set.trials)
     trials, names, count = [], [], 0
     for trial, (_, residual) in zip(data_set.trials, residuals, strict=True):
         lone = np.zeros(residual.shape, dtype=bool)

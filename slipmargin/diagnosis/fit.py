@@ -58,11 +58,11 @@ class Fit:
         return build(self.structure, self.x)
 
     def at_bound(self) -> list[str]:
-        """Parameters that ended on the edge of their range."""
+        """Parameters that ended on the edge of their range, where that is not their ordinary value."""
         low, high, scale = limits_of(self.structure)
         keys = [f"{c.name}.{key}" for c in self.structure for key in c.keys]
-        null = np.concatenate([c.null for c in self.structure]) if self.structure else np.zeros(0)
-        stuck = ((self.x <= low + 1e-6 * scale) | (self.x >= high - 1e-6 * scale)) & (self.x != null)
+        usual = np.concatenate([np.zeros(0), *(c.usual for c in self.structure if c.usual is not None)])
+        stuck = ((self.x <= low + 1e-6 * scale) | (self.x >= high - 1e-6 * scale)) & (self.x != usual)
         return [key for key, at in zip(keys, stuck, strict=True) if at]
 
 

@@ -24,6 +24,9 @@ from slipmargin.diagnosis.verdict import RunErrors
 from slipmargin.effects import AnyEffect
 
 Effects = tuple[AnyEffect, ...]
+#: With at least so many runs some are held out altogether; with fewer all are cross-validated.
+ENOUGH_TO_HOLD_OUT = 6
+_HELD_OUT_SHARE = 0.2
 #: A run that diverges counts with this many times the noise, so that sums stay finite.
 _WILD = 1e4
 
@@ -39,6 +42,19 @@ class Prediction:
     errors: RunErrors
     problem: Problem
     phased: bool
+
+
+def held_out_runs(count: int, seed: int) -> Index:
+    """Numbers of whole runs that nothing but the final comparison may see."""
+    if count < ENOUGH_TO_HOLD_OUT:
+        return np.zeros(0, dtype=np.int64)
+    many = max(2, round(_HELD_OUT_SHARE * count))
+    return np.sort(np.random.default_rng(seed).choice(count, size=many, replace=False)).astype(np.int64)
+
+
+def searched_runs(count: int, seed: int) -> Index:
+    """Numbers of the other runs."""
+    return np.setdiff1d(np.arange(count), held_out_runs(count, seed)).astype(np.int64)
 
 
 def folds(runs: Sequence[int], count: int) -> list[Index]:
@@ -79,10 +95,11 @@ def predicted(
         view, ends = wheel_phase.from_first_parts(problem, trials, records, effects)
         scored = view.seen_after(ends)
     if all(e is effects[0] for e in effects):
-        pose = scored.predict([effects[0]], [trials])[0]
+        found = scored.compare([effects[0]], [trials])
     else:
-        pose = np.concatenate(scored.predict(effects, [trials[i : i + 1] for i in range(len(trials))]))
-    return Prediction(errors=_errors(scored, trials, pose), problem=view, phased=phased)
+        found = scored.compare(effects, [trials[i : i + 1] for i in range(len(trials))])
+    pose, gap = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    return Prediction(errors=_errors(scored, trials, pose, gap), problem=view, phased=phased)
 
 
 def sets_of_effects(structure: tuple[Candidate, ...], xs: Array) -> list[Effects]:
@@ -100,25 +117,35 @@ def phases_matter(problem: Problem, effects: Effects) -> bool:
 def by_run(errors: RunErrors, runs: Sequence[int]) -> RunErrors:
     """Errors of trials added up for each run that they are cut from, in the order of the runs."""
     different, row = np.unique(runs, return_inverse=True)
-    squares, counts = np.zeros((len(different), 3)), np.zeros((len(different), 3))
+    assert errors.raw is not None
+    squares, counts, raw = (np.zeros((len(different), 3)) for _ in range(3))
     np.add.at(squares, row, errors.squares)
     np.add.at(counts, row, errors.counts)
-    return RunErrors(squares=squares, counts=counts)
+    np.add.at(raw, row, errors.raw)
+    return RunErrors(squares=squares, counts=counts, raw=raw)
 
 
-def score(errors: RunErrors, runs: Index, sigma: Array) -> Score:
+def score(errors: RunErrors, runs: Index) -> Score:
     """Root mean square errors and chi of some runs."""
-    squares = errors.squares[runs].sum(axis=0) * np.asarray(sigma) ** 2
-    counts = np.maximum(1.0, errors.counts[runs].sum(axis=0))
+    some = errors.of(runs)
+    assert some.raw is not None
+    x, y, turn = some.raw.sum(axis=0) / np.maximum(1.0, some.counts.sum(axis=0))
     return Score(
-        rmse_position_m=float(np.sqrt(squares[0] / counts[0] + squares[1] / counts[1])),
-        rmse_heading_rad=float(np.sqrt(squares[2] / counts[2])),
+        rmse_position_m=float(np.sqrt(x + y)),
+        rmse_heading_rad=float(np.sqrt(turn)),
         chi=errors.chi(runs),
     )
 
 
-def _errors(problem: Problem, trials: Index, pose: Array) -> RunErrors:
+def _errors(problem: Problem, trials: Index, pose: Array, gap: Array) -> RunErrors:
+    """Sums over the samples of each trial; ``gap`` (R, T, 3) is whitened."""
     seen = problem.seen[trials]
-    gap = np.where(seen, problem.measured[trials] - pose, 0.0) / problem.sigma
-    gap = np.where(np.isfinite(gap), gap, _WILD).clip(-_WILD, _WILD)
-    return RunErrors(squares=np.sum(gap**2, axis=1), counts=seen.sum(axis=1).astype(float))
+    most = _WILD * problem.sigma
+    off = np.where(seen, problem.measured[trials] - pose, 0.0)
+    off = np.clip(np.where(np.isfinite(off), off, most), -most, most)
+    gap = np.where(seen, gap, 0.0)
+    return RunErrors(
+        squares=np.sum(gap**2, axis=1),
+        counts=seen.sum(axis=1).astype(float),
+        raw=np.sum(off**2, axis=1),
+    )

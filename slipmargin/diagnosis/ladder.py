@@ -104,8 +104,9 @@ class Court:
         unseen = self.unseen
         if unseen.any() and not unseen.all():
             rows = np.flatnonzero(~unseen)
-            one, two = (RunErrors(squares=e.squares[rows], counts=e.counts[rows]) for e in (before, after))
-            early = judge(one, two, np.zeros(len(rows), dtype=bool), self.seed)
+            early = judge(
+                before.of(rows), after.of(rows), np.zeros(len(rows), dtype=bool), self.seed, by_chance=False
+            )
             if not early.holds:
                 return early
         return judge(before, after, unseen, self.seed)
@@ -164,7 +165,7 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
 
 
 def _in_turn(court: Court, proposed: State, rounds: list[Round], progress: Watch) -> Iterator[State]:
-    """What was proposed, less its last effect, less its last two …; then the best single ones of other kinds."""
+    """What was proposed, less its last effect, less its last two …; then the best of other kinds."""
     state = proposed
     while state.structure:
         yield state

@@ -13,6 +13,7 @@ from slipmargin.data.pulls import Pulls
 from slipmargin.diagnosis.plan_change import PlanChange, plan_change
 from slipmargin.diagnosis.pull_check import PullCheck, pull_check
 from slipmargin.effects import Recipe
+from slipmargin.errors import InputError, NoSolution
 from slipmargin.limits.band import band
 from slipmargin.limits.bounds import directions
 from slipmargin.limits.motion_state import Contact
@@ -22,6 +23,8 @@ from slipmargin.model import Model
 from slipmargin.physics.convention import Convention
 
 _T = TypeVar("_T")
+#: How computing a limit fails: no solution, a division by zero, a singular matrix, a number out of range.
+_FAILURES = (InputError, NoSolution, ArithmeticError, LookupError, ValueError, RuntimeError)
 _PULLS = ("f_max_N", "f_low_N", "f_high_N")
 _ACCELERATIONS = ("start_m_s2", "brake_m_s2", "start_worst_m_s2", "brake_worst_m_s2")
 #: Orientations of the pull and directions of motion, one degree and five degrees apart.
@@ -129,7 +132,7 @@ def _tried(what: str, missing: list[str], made: Callable[[], _T]) -> _T | None:
     """What ``made`` gives; None, and a sentence in ``missing``, where it fails: no extra costs a finding."""
     try:
         return made()
-    except Exception as problem:
+    except _FAILURES as problem:
         reason = " ".join(str(problem).split()) or type(problem).__name__
         missing.append(f"Could not be computed: {what} ({reason}).")
         return None

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 
 from slipmargin.checks import Index
 from slipmargin.data.data_set import DataSet
+from slipmargin.data.noise import white_noise
 from slipmargin.data.repair import Repair
 from slipmargin.diagnosis.candidate import named_candidates
 from slipmargin.diagnosis.conditions import problem_of, ready
@@ -17,7 +18,7 @@ from slipmargin.diagnosis.events import cut_apart, find_events, with_measured_ve
 from slipmargin.diagnosis.findings import findings
 from slipmargin.diagnosis.fit import Fit, fit
 from slipmargin.diagnosis.general_forms import general_candidates
-from slipmargin.diagnosis.held_out import score
+from slipmargin.diagnosis.held_out import held_out_runs, score, searched_runs
 from slipmargin.diagnosis.ladder import Checked, Court, check
 from slipmargin.diagnosis.leads import leads
 from slipmargin.diagnosis.map_entry import MapEntry
@@ -34,9 +35,6 @@ from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect
 
-#: With at least so many trials some are held out altogether; with fewer all are cross-validated.
-ENOUGH_TO_HOLD_OUT = 6
-_HELD_OUT_SHARE = 0.2
 #: So many trials are enough to search with; the parameters are then fitted to all.
 _SEARCHED = 12
 #: Steps of the last fit, which starts where the search ended.
@@ -75,11 +73,12 @@ def searched(data_set: DataSet, seed: int, progress: Watch | None = None) -> Sea
     """Noise, cuts, ranges, wheel phases and effects, all from the trials that are not held out."""
     progress = progress or Watch(report=no_progress)
     progress("reading the noise", 0.0)
-    every_run = np.arange(len(data_set.trials))
-    held_runs = _held_out(len(every_run), seed)
-    seen_runs = np.setdiff1d(every_run, held_runs).astype(np.int64)
+    count = len(data_set.trials)
+    held_runs, seen_runs = held_out_runs(count, seed), searched_runs(count, seed)
+    if data_set.sigma is None:
+        data_set = replace(data_set, sigma=white_noise(tuple(data_set.trials[i] for i in seen_runs)))
     uncut = problem = problem_of(data_set)
-    runs: tuple[int, ...] = tuple(range(len(every_run)))
+    runs: tuple[int, ...] = tuple(range(count))
     if events := _events(uncut, (), seen_runs):
         records, runs = cut_apart(data_set.trials, events)
         problem = with_measured_velocity(problem_of(data_set, records), runs)
@@ -142,7 +141,7 @@ def diagnose(
     """
     watch = Watch.of(progress, budget_s)
     watch("mending the data", 0.0)
-    conditions = ready(data_set, repairs)
+    conditions = ready(data_set, repairs, seed)
     data_set = conditions.data_set
     s = searched(data_set, seed, watch)
     cut_short = watch.expired
@@ -154,7 +153,7 @@ def diagnose(
     checked = check(court, s.state, s.rounds, watch)
     problem, state = checked.problem, checked.state
     fresh = np.flatnonzero(court.unseen) if len(held) else np.arange(len(checked.before.squares))
-    before, after = (score(e, fresh, problem.sigma) for e in (checked.before, checked.after))
+    before, after = (score(e, fresh) for e in (checked.before, checked.after))
     progress("what is left", 0.0)
     fitted = () if state is None else state.fit.effects
     drawn_before, drawn_after = (problem.predict([e], [everyone])[0] for e in ((), fitted))
@@ -242,14 +241,6 @@ def _reported(
 def _events(problem: Problem, effects: tuple[AnyEffect, ...], ordinary: Index) -> tuple[Event, ...]:
     everyone = np.arange(len(problem.trials), dtype=np.int64)
     return find_events(problem, problem.predict([effects], [everyone])[0], ordinary)
-
-
-def _held_out(count: int, seed: int) -> Index:
-    """Indices of whole trials that nothing but the final comparison may see."""
-    if count < ENOUGH_TO_HOLD_OUT:
-        return np.zeros(0, dtype=np.int64)
-    many = max(2, round(_HELD_OUT_SHARE * count))
-    return np.sort(np.random.default_rng(seed).choice(count, size=many, replace=False)).astype(np.int64)
 
 
 def _verdict(checked: Checked) -> Verdict:

@@ -100,15 +100,16 @@ class Problem:
 
     def predict(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
         """Measured pose as each set of effects predicts it on its trials: (R_k, T, 3), start fitted."""
-        return [pose for pose, _ in self._compare(effects, trials)]
+        return [pose for pose, _ in self.compare(effects, trials)]
 
     def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
         """Whitened residual (R_k, 3 T) of each set of effects on its trials; 0 where nothing was seen."""
-        return [gap.transpose(0, 2, 1).reshape(len(gap), -1) for _, gap in self._compare(effects, trials)]
+        return [gap.transpose(0, 2, 1).reshape(len(gap), -1) for _, gap in self.compare(effects, trials)]
 
-    def _compare(
+    def compare(
         self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]
     ) -> list[tuple[Array, Array]]:
+        """Predicted pose and whitened gap, both (R_k, T, 3), of each set of effects on its trials."""
         built = [self._possible(e) for e in effects]
         models = [self.nominal if m is None else m for m in built]
         which = np.repeat(np.arange(len(models)), [len(t) for t in trials])

@@ -18,7 +18,8 @@ class SearchSettings:
     #: reaches 1.03 to 1.10 where angles and speeds are logged, and two ways of rebuilding differ by 0.02.
     least_chi: float = 0.02
     #: [1] A chi has grown clearly if it grows by more than this share of itself: five standard deviations
-    #: of the chi of a run of 1000 samples in three channels (1 / √6000 each).
+    #: of the chi of a run of 1000 samples in three channels (1 / √6000 each).  The mean square of
+    #: a single run must also grow by more than this share of what all runs' mean square falls by.
     worse_factor: float = 0.065
     #: [standard deviations] By how much a run's sum of squares must change to count as changed at all.
     noise_deviations: float = 2.0

@@ -108,6 +108,7 @@ def from_first_parts(
     """
     parts = tuple(clean(first_part(run), problem.sigma) for run in runs)
     early = Problem.of(problem.recipe, problem.surface, parts, problem.sigma, problem.commanded)
+    early = replace(early, lasting=problem.lasting)
     everyone = np.arange(len(parts), dtype=np.int64)
     same = all(e == effects[0] for e in effects)
     for steps in (_AROUND, *(_CLOSE / fineness for fineness in _FINER)):

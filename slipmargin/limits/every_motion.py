@@ -16,7 +16,7 @@ BESIDE = 1e-5
 
 
 def all_motions(model: Model) -> Motion:
-    """Translations all round, with and without turning, and turns on the spot, at full drag."""
+    """Directions of motion without and with turning, each at full drag, and turning on the spot."""
     arm = float(np.mean(np.hypot(*(model.geometry.position_m - model.inertia.com_m).T)))
     even = 2.0 * np.pi * np.arange(HEADINGS) / HEADINGS
     moves = []

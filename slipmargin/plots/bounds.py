@@ -104,7 +104,7 @@ def draw_cornering(axes: Axes, found: Bounds) -> Axes:
     )
     axes.set_xticks(k, [f"{v:g}" for v in k])
     axes.minorticks_off()
-    axes.legend(loc="upper right")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2)
     return axes
 
 

@@ -46,7 +46,7 @@ def limits(change: LimitsChange, images: Mapping[str, Image]) -> tuple[Block, ..
                 name="floor",
                 image=images["floor"],
                 alt="Map of the floor: where friction differs, with the paths of the runs",
-                caption="Seen from above: red is slicker than elsewhere, blue grips more; grey: the runs.",
+                caption="Seen from above: red is slicker than elsewhere, blue grips more; black: the runs.",
             ),
         )
     pulls = () if change.pulls is None else (Text(text=words.pulls_sentence(change.pulls)),)

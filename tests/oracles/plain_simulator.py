@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from slipmargin.checks import Array
 from slipmargin.model import Model
 from slipmargin.physics.terms import Multiplier
-from slipmargin.physics.variables import Frame, Target, Variable
+from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.robot import GripShape
 
 #: θ(t), ω(t), ω̇(t) of all wheels, each (N,).
@@ -41,6 +41,7 @@ class _Instant:
         self.turn = np.array([[np.cos(self.phi), -np.sin(self.phi)], [np.sin(self.phi), np.cos(self.phi)]])
         self.origin = self.com - self.turn @ com
         self.velocity = v - w * np.array([-com[1], com[0]])
+        self.contact = self.com + arm @ self.turn.T  # (N, 2), floor frame
 
     def of_body(self, variable: Variable) -> float:
         c = self.model.geometry
@@ -64,8 +65,8 @@ class _Instant:
         }
         return float(values[variable])
 
-    def of_wheels(self, variable: Variable, side: int, load: Array) -> Array:
-        """The variable of every wheel (N,), seen along ĝ (side 0) or f̂ (side 1)."""
+    def of_wheels(self, variable: Variable, side: int, load: Array, place: Array) -> Array:
+        """The variable of every wheel (N,), seen along ĝ (side 0) or f̂ (side 1), and from a floor place."""
         c, u = self.model.geometry, self.slip[side]
         rolling = np.maximum(np.hypot(*self.hub.T), np.abs(c.radius_m * self.omega))
         if variable is Variable.WHEEL_ANGLE:
@@ -90,7 +91,38 @@ class _Instant:
         if variable is Variable.SLIP_HEADING:
             axis = (c.grip, c.free)[side]
             return np.asarray(self.phi + np.arctan2(axis[:, 1], axis[:, 0]) + np.where(u < 0.0, np.pi, 0.0))
+        if variable is Variable.FROM_PLACE:
+            return np.asarray(np.linalg.norm(self.contact - place[:2], axis=1))
+        if variable is Variable.BEFORE_LINE:
+            normal = np.array([np.cos(place[2]), np.sin(place[2])])
+            return np.asarray((place[:2] - self.contact) @ normal)
         return np.full(c.count, self.of_body(variable))
+
+
+def _functions(basis: Basis, shape: Array, count: int, v: float) -> Array:
+    """All functions of a family at v (count,), written out again from what :class:`Basis` says of them."""
+    (a, b), order = shape, np.arange(1, count + 1)
+    if basis is Basis.CONSTANT:
+        return np.ones(count)
+    if basis is Basis.POLYNOMIAL:
+        return np.asarray(np.power(v / a, order))
+    if basis is Basis.FOURIER:
+        turns = np.exp(2j * np.pi * v / a * ((order + 1) // 2))
+        return np.where(order % 2 == 1, turns.real, turns.imag)
+    if basis is Basis.HATS:
+        knots = np.linspace(a, b, count)
+        return np.array([np.interp(v, knots, row) for row in np.eye(count)])
+    if basis is Basis.DECAY:
+        return np.full(count, np.expm1(-np.power(abs(v) / a, b)))
+    if basis is Basis.RECIPROCAL:
+        return np.full(count, (a - b - v) / (v + b))
+    if basis is Basis.WINDOW:
+        return np.full(count, float(a <= v < b))
+    if basis is Basis.ODD:
+        powers = np.sign(v) * np.power(abs(v), order - 1.0)
+        return np.append(2.0 / np.pi * np.arctan2(v, a), powers[1:])
+    assert basis is Basis.STEP, basis
+    return np.full(count, 1.0 / (1.0 + np.exp((v - a) / b)))
 
 
 def _saturation(law: int, x: Array | float) -> Array:
@@ -117,8 +149,9 @@ def _coefficients(at: _Instant, rigid: Array, load: Array) -> tuple[Array, Array
 
 
 def _factor(m: Multiplier, at: _Instant, side: int, load: Array) -> Array:
-    values = at.of_wheels(m.variable, side, load)
-    return np.array([m.factor(np.asarray(v), w) for v, w in zip(values, m.wheels, strict=True)])
+    values = at.of_wheels(m.variable, side, load, m.place)
+    sums = [m.coefficients @ _functions(m.basis, m.shape, len(m.coefficients), float(v)) for v in values]
+    return np.maximum(0.0, 1.0 + m.wheels * np.array(sums))
 
 
 def _law(law: int, shape: GripShape, coupling: float, u: Array, mu: Array, k: Array) -> Array:
@@ -157,7 +190,8 @@ def _push_of_terms(at: _Instant) -> tuple[Array, Array, float]:
     """Of all force terms: wrench (3,) in the body frame, Σ height × force (2,), upward force."""
     total, tilting, lift = np.zeros(3), np.zeros(2), 0.0
     for term in at.model.external.terms:
-        w = term.wrench(np.asarray(at.of_body(term.variable)))
+        v = at.of_body(term.variable)
+        w = term.coefficients @ _functions(term.basis, term.shape, term.coefficients.shape[1], v)
         if term.frame is Frame.FLOOR:
             w = np.append(at.turn.T @ w[:2], w[2])
         elif term.frame is Frame.AGAINST_MOTION:

@@ -57,7 +57,7 @@ def pretend(monkeypatch: pytest.MonkeyPatch, found: Diagnosis | BaseException) -
     """Put a constructed diagnosis (or a failure) in the engine's place; returns the seeds it is given."""
     seeds: list[int] = []
 
-    def engine(data_set: object, seed: int, progress: Callable[[str, float], None]) -> Diagnosis:
+    def engine(data_set: object, seed: int, progress: Callable[[str, float], None], **_: object) -> Diagnosis:
         seeds.append(seed)
         progress("round 1: trying wheel_loads", 0.5)
         if isinstance(found, BaseException):

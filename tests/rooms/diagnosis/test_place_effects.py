@@ -9,7 +9,7 @@ import pytest
 
 from slipmargin.data.record import Record
 from slipmargin.diagnosis.candidate import named_candidates
-from slipmargin.diagnosis.fit import build, fit
+from slipmargin.diagnosis.fit import Fit, build, fit
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.ranges import ranges
@@ -168,3 +168,25 @@ def test_a_general_form_from_a_place_keeps_it_in_a_robot_file(believed: Recipe) 
     (read,) = recipe_from_text(write_recipe(believed.with_effects(effect))).effects
     assert isinstance(read, GeneralEffect) and isinstance(read.terms[0], Multiplier)
     np.testing.assert_array_equal(read.terms[0].place, term.place)
+
+
+def test_a_sharp_edge_is_ordinary_and_no_doubt_about_the_name() -> None:
+    """Regression: a patch found to the millimetre lost its name, since its edge was as sharp as edges are."""
+    (patch,) = (c for c in named_candidates(("1", "2", "3"), False, ()) if c.name == "floor_patch")
+    x = patch.starts[0].copy()
+    x[patch.keys.index("edge_m")] = patch.low[patch.keys.index("edge_m")]
+
+    def stuck(at: np.ndarray) -> list[str]:
+        found = Fit(
+            structure=(patch,),
+            x=at,
+            trials=np.zeros(1, dtype=np.int64),
+            residual=np.zeros((1, 3)),
+            jacobian=np.zeros((1, 3, len(at))),
+            evaluations=1,
+        )
+        return found.at_bound()
+
+    assert stuck(x) == []
+    x[patch.keys.index("factor")] = 0.0
+    assert stuck(x) == ["floor_patch.factor"]

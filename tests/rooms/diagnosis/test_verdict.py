@@ -100,6 +100,16 @@ def test_an_effect_that_only_three_runs_show_is_found_if_the_others_stay() -> No
     assert not judged(errors(before), errors(1.0)).holds  # two runs are too few
 
 
+def test_a_run_that_stays_at_the_noise_says_nothing() -> None:
+    """Far above the noise, a run that goes from 1.03 to 1.28 is neither worse nor a vote against."""
+    before = errors([1.43, 24.0, 1.03, 43.5, 37.8], runs=5)
+    after = errors([1.10, 3.1, 1.28, 5.0, 2.4], runs=5)
+    found = judge(before, after, np.zeros(5, dtype=bool))
+    assert found.holds and (found.runs, found.better, found.worse) == (4, 4, 0)
+    gone = errors([1.10, 3.1, 1.9, 5.0, 2.4], runs=5)
+    assert not judge(before, gone, np.zeros(5, dtype=bool)).holds
+
+
 def test_runs_on_another_floor_as_a_group_stop_it() -> None:
     after = np.ones(12)
     after[9:] = [4.0, 4.0, 4.0]
@@ -143,3 +153,18 @@ def test_groups_hold_every_run_once() -> None:
         found = groups(count)
         assert np.concatenate(found).tolist() == list(range(count))
         assert min(len(g) for g in found) >= min(2, count)
+
+
+def test_a_run_may_pay_a_small_part_of_what_all_gain() -> None:
+    before, after = np.full(10, 20.0), np.full(10, 1.05)
+    before[4], after[4] = 1.0, 1.6
+    assert judged(errors(before), errors(after)).worse == 0
+    after[4] = 9.0
+    assert judged(errors(before), errors(after)).worse == 1
+
+
+def test_a_first_look_at_few_runs_leaves_chance_to_all_of_them() -> None:
+    before, after = errors([9.0, 9.0, 1.5], runs=3), errors([3.0, 3.0, 1.6], runs=3)
+    nobody = np.zeros(3, dtype=bool)
+    assert any("chance" in f for f in judge(before, after, nobody).failures)
+    assert judge(before, after, nobody, by_chance=False).holds

@@ -152,7 +152,7 @@ def test_page_tells_the_whole_story(rich: str) -> None:
         "The model lacks wheel_loads",
         "6 runs of 3 s",
         "0.5 mm in x",
-        "estimated",
+        "as the data show it",
         "4 outlying samples",
         "in trial-02 at 1.25 s",
         "of which the residual map can say nothing",

@@ -12,10 +12,11 @@ from numba import njit
 from oracles.plain_simulator import acceleration, reference_motion
 from strategies import four_wheels, kiwi, models, reals
 
-from slipmargin.errors import MotionStopped
+from slipmargin.errors import InputError, MotionStopped
 from slipmargin.model import nominal_model
 from slipmargin.model.parts import ActuatorDynamics, Drives
 from slipmargin.physics.friction_laws import LAWS
+from slipmargin.physics.terms import OF_PLACE, PER_WHEEL
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.robot import GripShape, LoadRule
 from slipmargin.sim import layout as at
@@ -110,7 +111,13 @@ def test_every_friction_term_agrees(variable, basis):
         )
 
 
-@pytest.mark.parametrize("variable", [v for v in Variable if Variable.VELOCITY_X <= v <= Variable.TIME])
+@pytest.mark.parametrize("variable", sorted(PER_WHEEL))
+def test_a_force_over_a_variable_of_a_wheel_is_refused(variable):
+    with pytest.raises(InputError, match=f"{variable.name} belongs to a wheel"):
+        force(variable, Basis.CONSTANT, Frame.FLOOR, 0)
+
+
+@pytest.mark.parametrize("variable", [v for v in Variable if v not in PER_WHEEL])
 @pytest.mark.parametrize("basis", list(Basis))
 def test_every_force_term_agrees(variable, basis):
     bare = nominal_model(kiwi(com_m=(0.01, -0.02)), "carpet")
@@ -199,6 +206,8 @@ def test_motions_agree_to_a_millionth(case):
         Variable.ACCELERATION_X,
         Variable.HUB_SPEED,
         Variable.LEAD,
+        Variable.FROM_PLACE,
+        Variable.BEFORE_LINE,
     ],
 )
 def test_motions_with_terms_agree(variable):
@@ -206,6 +215,7 @@ def test_motions_with_terms_agree(variable):
 
     robot = four_wheels(load_rule=LoadRule.QUASI_STATIC, com_height_m=0.05)
     basis = Basis.WINDOW if variable is Variable.TIME else Basis.POLYNOMIAL
+    basis = Basis.STEP if variable in OF_PLACE else basis
     model = with_terms(nominal_model(robot, "paper"), (modulation(variable, basis, Target.BOTH, 4, 5),))
     if variable in (Variable.TIME, Variable.ACCELERATION_X):
         model = with_terms(model, forces=(force(variable, basis, Frame.FLOOR, 3, 8.0),))

@@ -1,0 +1,43 @@
+"""Errors of runs that were held out: where noise lasts, a sample counts for what is new in it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from spoilt import coloured, good
+
+from slipmargin.diagnosis.conditions import problem_of, ready
+from slipmargin.diagnosis.held_out import held_out_runs, predicted, score, searched_runs
+
+
+def test_chi_of_noise_that_lasts_is_that_of_whitened_gaps() -> None:
+    data = good(4)
+    assert data.sigma is not None
+    data = ready(coloured(data, np.random.default_rng(4), 2.0 * data.sigma, 0.3)).data_set
+    assert data.lasting is not None
+    problem = problem_of(data)
+    everyone = np.arange(len(problem.trials))
+    errors = predicted(problem, everyone, data.trials, [()] * len(everyone), phased=False).errors
+    found = score(errors, everyone)
+    residual = problem.residuals([()], [everyone])[0]
+    assert found.chi == pytest.approx(np.sqrt(np.sum(residual**2) / problem.seen.sum()), rel=1e-12)
+    pose = problem.predict([()], [everyone])[0]
+    off = np.where(problem.seen, problem.measured - pose, 0.0)[..., :2]
+    samples = problem.seen[..., 0].sum()
+    assert found.rmse_position_m == pytest.approx(np.sqrt(np.sum(off**2) / samples), rel=1e-12)
+
+
+def test_the_noise_is_measured_on_runs_that_are_not_held_out() -> None:
+    data = replace(good(4), sigma=None)
+    held = held_out_runs(len(data.trials), 3)
+    random = np.random.default_rng(0)
+    trials = tuple(
+        replace(t, pose=t.pose + 0.01 * random.standard_normal(t.pose.shape)) if i in held else t
+        for i, t in enumerate(data.trials)
+    )
+    one, two = ready(data, seed=3).data_set, ready(replace(data, trials=trials), seed=3).data_set
+    assert one.sigma is not None and two.sigma is not None
+    np.testing.assert_array_equal(two.sigma, one.sigma)
+    assert sorted([*held, *searched_runs(len(data.trials), 3)]) == list(range(len(data.trials)))
