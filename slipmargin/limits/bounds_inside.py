@@ -30,6 +30,7 @@ from slipmargin.limits.ends import Ends, circle_end, ellipsoid_end, even_corners
 from slipmargin.limits.every_motion import all_motions
 from slipmargin.limits.margin import sphere
 from slipmargin.limits.motion import along, needed_share, steady_share
+from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_rows import MOTOR, acceleration_rows, at_pace, prepare, torque_limit
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
@@ -304,10 +305,15 @@ def _yaw_rate(model: Model, yaw_rad_s2: float, share: float, contact: Contact) -
     starts = np.stack([com_acceleration(model.inertia.com_m, still, way) for way in ways])
     squared = min(float(np.min(along(model, rows, start, inward).value)) for start in starts)
     high = np.sqrt(max(0.0, squared))
-    if model.drives.stall_torque_N_m is None:
-        return float(high)
 
     def there(rate: float) -> bool:
+        # At this rate a wheel may slide so slowly that its drag, which helped, is not full.
+        turning = np.vstack([rate * turn, rate * turn])
+        really = Motion(velocity=turning, acceleration=np.vstack(list(ways)))
+        if np.max(realised(model, really, contact=contact, share=share).use) > share:
+            return False
+        if model.drives.stall_torque_N_m is None:
+            return True
         asked = efforts(model, rows.friction, rows.external, starts + rate**2 * inward)
         limit = share * torque_limit(model, model.geometry.wheel_speeds(rate * turn))
         return bool(np.max(asked.of_motors(limit)) <= 1.0)
