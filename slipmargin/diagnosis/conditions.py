@@ -77,8 +77,7 @@ def ready(data_set: DataSet, repairs: tuple[Repair, ...] | None = None, seed: in
         That of the diagnosis: the noise is measured on the runs that it does not hold out.
     """
     if repairs is None:
-        fixed = repaired(data_set)
-        data_set, repairs = fixed.data_set, fixed.repairs
+        data_set, repairs = (fixed := repaired(data_set)).data_set, fixed.repairs
     done = [*repairs]
     data_set, more = _commands(data_set)
     done += more
@@ -235,8 +234,7 @@ def _one_floor(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
             size=factor,
             unit="1",
             sentence=f"The wheels grip {factor:.2f} times as well {in_runs(names, many)} as in the "
-            f"others, as on another floor: "
-            "these were left out. Diagnose them as a data set of their own.",
+            "others, as on another floor: these were left out. Diagnose them as a data set of their own.",
         ),
     )
 
@@ -279,10 +277,10 @@ def _measured_noise(data_set: DataSet, runs: Index) -> tuple[DataSet, tuple[Repa
     everyone = np.arange(len(problem.trials), dtype=np.int64)
     predicted = problem.predict([()], [everyone])[0]
     residuals = [(t.t_s, t.pose - p[: len(t.t_s)]) for t, p in zip(problem.trials, predicted, strict=True)]
-    data_set, said = _without_lone(data_set, residuals, white_noise(_some(data_set.trials, runs)))
+    data_set, said = _without_lone(data_set, residuals, white_noise(tuple(data_set.trials[i] for i in runs)))
     residuals = [residuals[i] for i in runs]
     whole, lasting = lasting_noise(residuals, data_set.sigma)
-    white = white_noise(_some(data_set.trials, runs))
+    white = white_noise(tuple(data_set.trials[i] for i in runs))
     lasts = np.zeros(3, dtype=bool) if lasting is None else lasting.share > 0.0
     sigma = np.where(lasts & (whole > 0.0), whole, white)
     sigma = sigma * np.where(lasts, 1.0, _tails(residuals, sigma))
@@ -305,10 +303,6 @@ def _measured_noise(data_set: DataSet, runs: Index) -> tuple[DataSet, tuple[Repa
     if lasting is not None:
         said.append(_lasts(lasting, every))
     return replace(data_set, sigma=sigma, lasting=lasting), tuple(said)
-
-
-def _some(records: tuple[Record, ...], runs: Index) -> tuple[Record, ...]:
-    return tuple(records[i] for i in runs)
 
 
 def _without_lone(
@@ -341,7 +335,6 @@ def _without_lone(
         trials.append(trial)
     if not count:
         return data_set, []
-    runs_said = in_runs(tuple(names), len(trials))
     return replace(data_set, trials=tuple(trials)), [
         Repair(
             kind="lone_outliers",
@@ -349,8 +342,7 @@ def _without_lone(
             size=float(count),
             unit="1",
             sentence=f"{count} poses are more than {_LONE_SIGMA:g} times the noise from those around "
-            f"them, {runs_said}: what was off "
-            "in them was taken as missing.",
+            f"them, {in_runs(tuple(names), len(trials))}: what was off in them was taken as missing.",
         )
     ]
 
