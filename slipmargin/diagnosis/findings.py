@@ -135,8 +135,10 @@ def _doubts(candidate: Candidate, x: Array, low: Array, high: Array, stuck: Sequ
         for key, value in zip(candidate.keys, x, strict=True)
         if f"{candidate.name}.{key}" in stuck
     ]
-    if candidate.nested and np.all((low <= candidate.null) & (candidate.null <= high)):
-        found.append("the interval of every parameter contains the value that does nothing")
+    # Of several parameters each may be uncertain although together they are not (a share of rigid material
+    # and its coefficient): whether all of them do nothing is what the judgement on unseen runs has tested.
+    if candidate.nested and candidate.size == 1 and low[0] <= candidate.null[0] <= high[0]:
+        found.append("the interval of its parameter contains the value that does nothing")
     return tuple(found)
 
 
