@@ -23,7 +23,11 @@ PAIRS = (
     ("tilt_x_rad", "tilt_y_rad"),
     ("nap_x", "nap_y"),
     ("anchor_x_m", "anchor_y_m"),
+    ("centre_x_m", "centre_y_m"),
+    ("force_x_N", "force_y_N"),
 )
+#: One that is a direction on the floor.
+DIRECTION = "direction_rad"
 #: Those that are a factor along each axis.
 FACTORS = ("scale_x", "scale_y")
 
@@ -60,6 +64,9 @@ def effect_in_ros(effect: AnyEffect) -> AnyEffect:
         if hasattr(effect, x):
             one, two = ros([getattr(effect, x), getattr(effect, y)]).tolist()
             effect = replace(effect, **{x: one, y: two})
+    if hasattr(effect, DIRECTION):
+        turned = getattr(effect, DIRECTION) - np.pi / 2.0
+        effect = replace(effect, **{DIRECTION: float(np.arctan2(np.sin(turned), np.cos(turned)))})
     if hasattr(effect, FACTORS[0]):
         effect = replace(effect, scale_x=effect.scale_y, scale_y=effect.scale_x)
     return effect
