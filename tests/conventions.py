@@ -28,6 +28,8 @@ PAIRS = (
 )
 #: One that is a direction on the floor.
 DIRECTION = "direction_rad"
+#: Those that are of the floor: a floor with one of them is another floor once it is turned.
+OF_THE_FLOOR = {"tilt_x_rad", "nap_x", "anchor_x_m", "centre_x_m", "force_x_N", DIRECTION}
 #: Those that are a factor along each axis.
 FACTORS = ("scale_x", "scale_y")
 
@@ -70,3 +72,8 @@ def effect_in_ros(effect: AnyEffect) -> AnyEffect:
     if hasattr(effect, FACTORS[0]):
         effect = replace(effect, scale_x=effect.scale_y, scale_y=effect.scale_x)
     return effect
+
+
+def gives_the_floor_a_direction(effect: AnyEffect) -> bool:
+    """Whether the floor with this effect is another one once it is turned."""
+    return any(hasattr(effect, name) for name in OF_THE_FLOOR)

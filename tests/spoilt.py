@@ -1,4 +1,4 @@
-"""Faults that measured data have, each put into good data: what the repairs and the checks are tested with."""  # noqa: E501
+"""Faults of measured data, each put into good data, to test the repairs and the checks with."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from slipmargin.data.data_set import DataSet
     from slipmargin.diagnosis.limits_change import LimitsChange
     from slipmargin.diagnosis.result import Diagnosis
-    from slipmargin.effects import Recipe
+    from slipmargin.report.page import Image, Page
 
 
 @final
@@ -29,11 +29,6 @@ class DiagnosisResult(Diagnosed):
     change: LimitsChange
 
     @property
-    def verdict(self) -> str:
-        """``effect-found``, ``no-missing-effect`` or ``unexplained``."""
-        return self.diagnosis.verdict.value
-
-    @property
     def warnings(self) -> tuple[str, ...]:
         """What the robot file says and a diagnosis does not use."""
         from slipmargin.robot.warnings import unused
@@ -41,16 +36,18 @@ class DiagnosisResult(Diagnosed):
         d = self.diagnosis
         return unused(d.recipe.robot, d.surface, spread=False, band=False)
 
-    @property
-    def corrected(self) -> Recipe:
-        """The robot with the effects that were found: every other function accepts it."""
-        return self.diagnosis.corrected
-
-    def summary(self) -> str:
-        """The verdict in one sentence."""
+    def _sentence(self) -> str:
         from slipmargin.report.diagnosis_words import verdict_sentence
 
-        return f"diagnosis of {self.diagnosis.data_set}: {verdict_sentence(self.diagnosis)}"
+        return verdict_sentence(self.diagnosis)
+
+    def _source(self) -> str:
+        return f"the data set {self.diagnosis.data_set}"
+
+    def _page(self, images: dict[str, Image]) -> Page:
+        from slipmargin.report.diagnosis_page import page
+
+        return page(self.diagnosis, self.change, images)
 
     def lines(self) -> list[str]:
         """Verdict, effects, error and limits before and after."""
@@ -75,33 +72,6 @@ class DiagnosisResult(Diagnosed):
         from slipmargin.plots.diagnosis import held_out_figure
 
         return held_out_figure(self.diagnosis)
-
-    def corrected_text(self) -> str:
-        """The corrected robot file as TOML text."""
-        from slipmargin.io.robot_text import write_recipe
-        from slipmargin.report.diagnosis_words import verdict_sentence
-
-        d = self.diagnosis
-        return write_recipe(
-            d.corrected,
-            f"{d.recipe.robot.name}, corrected by slipmargin diagnose from the data set {d.data_set}.\n"
-            f"{verdict_sentence(d)}",
-        )
-
-    def files(self) -> dict[str, str | bytes]:
-        """File name → content: report.html first, then report.json, corrected.toml and the figures."""
-        from slipmargin.plots.style import image
-        from slipmargin.report.diagnosis_page import page
-        from slipmargin.report.page import html, pictures
-
-        images = {name: image(figure, png=True) for name, figure in self.figures().items()}
-        built = page(self.diagnosis, self.change, images)
-        return {
-            "report.html": html(built),
-            "corrected.toml": self.corrected_text(),
-            "report.json": self.to_json(),
-            **dict(sorted(pictures(built).items())),
-        }
 
 
 def diagnose(

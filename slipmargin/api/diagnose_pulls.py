@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from slipmargin.diagnosis.limits_change import LimitsChange
     from slipmargin.diagnosis.pull_diagnosis import PullDiagnosis
-    from slipmargin.effects import Recipe
+    from slipmargin.report.page import Image, Page
 
 
 @final
@@ -23,21 +23,18 @@ class PullDiagnosisResult(Diagnosed):
     diagnosis: PullDiagnosis
     change: LimitsChange
 
-    @property
-    def verdict(self) -> str:
-        """``effect-found``, ``no-missing-effect`` or ``unexplained``."""
-        return self.diagnosis.verdict.value
-
-    @property
-    def corrected(self) -> Recipe:
-        """The robot with the effects that were found: every other function accepts it."""
-        return self.diagnosis.corrected
-
-    def summary(self) -> str:
-        """The verdict in one sentence."""
+    def _sentence(self) -> str:
         from slipmargin.report.pulls import verdict_sentence
 
-        return f"diagnosis of {self.diagnosis.data_set}: {verdict_sentence(self.diagnosis)}"
+        return verdict_sentence(self.diagnosis)
+
+    def _source(self) -> str:
+        return f"the pulls of {self.diagnosis.data_set}"
+
+    def _page(self, images: dict[str, Image]) -> Page:
+        from slipmargin.report.pulls import page
+
+        return page(self.diagnosis, self.change, images)
 
     def lines(self) -> list[str]:
         """Verdict, effects, error and limits before and after, the pulls to make next."""
@@ -62,30 +59,3 @@ class PullDiagnosisResult(Diagnosed):
         from slipmargin.plots.pulls import pulls_figure
 
         return pulls_figure(self.diagnosis)
-
-    def corrected_text(self) -> str:
-        """The corrected robot file as TOML text."""
-        from slipmargin.io.robot_text import write_recipe
-        from slipmargin.report.pulls import verdict_sentence
-
-        d = self.diagnosis
-        return write_recipe(
-            d.corrected,
-            f"{d.recipe.robot.name}, corrected by slipmargin diagnose from the pulls of {d.data_set}.\n"
-            f"{verdict_sentence(d)}",
-        )
-
-    def files(self) -> dict[str, str | bytes]:
-        """File name → content: report.html first, then corrected.toml, report.json and the figures."""
-        from slipmargin.plots.style import image
-        from slipmargin.report.page import html, pictures
-        from slipmargin.report.pulls import page
-
-        images = {name: image(figure, png=True) for name, figure in self.figures().items()}
-        built = page(self.diagnosis, self.change, images)
-        return {
-            "report.html": html(built),
-            "corrected.toml": self.corrected_text(),
-            "report.json": self.to_json(),
-            **dict(sorted(pictures(built).items())),
-        }

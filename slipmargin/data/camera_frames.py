@@ -83,7 +83,8 @@ def without_repeats(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
         return record, count
 
     def words(size: float, where: str) -> str:
-        return f"{size:.0f} poses repeat the row before exactly although the robot moves, {where}: they were taken as missing."  # noqa: E501
+        repeats = f"{size:.0f} poses repeat the row before exactly although the robot moves"
+        return f"{repeats}, {where}: they were taken as missing."
 
     data_set, repairs = run_by_run(data_set, mend, "repeated_frames", "1", words)
 

@@ -181,7 +181,7 @@ def _roughness(residuals: list[tuple[Array, Array]], axis: int) -> float:
 def _spectrum(
     residuals: list[tuple[Array, Array]], axes: tuple[int, ...], window: int
 ) -> tuple[Array, Array, float, float, float] | None:
-    """Angles per sample of the lines, power there (1 for white noise of variance 1), its relative spread, step, span."""  # noqa: E501
+    """Angle per sample of each line, power there (white noise of variance 1: 1), its spread, step, span."""
     steps = [np.diff(t[np.isfinite(r[:, axes[0]])]) for t, r in residuals]
     if not any(len(s) for s in steps):
         return None
@@ -218,7 +218,7 @@ def _spectrum(
 def _first_order(
     line: Array, power: Array, spread: float, step_s: float, longest_s: float, apart: float
 ) -> tuple[float, float, float, float]:
-    """Variance of the white noise, share of the variance that lasts, the time in which it fades [s], chi² per line."""  # noqa: E501
+    """Variance of the white noise, share of the variance that lasts, fading time [s], chi² a line."""
     level = np.log(power)
 
     def misfit(shape: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Faults of the wheels' signals that they tell of themselves: wrapped angles, other units, coarse encoders."""  # noqa: E501
+"""Faults that the wheels' signals show by themselves: wrapped angles, other units, coarse encoders."""
 
 from __future__ import annotations
 
@@ -182,7 +182,7 @@ def speeds_agree(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
 
 
 def _blocks(record: Record) -> tuple[Array, Array] | None:
-    """Wheel angles turned in blocks of a run by integrated speeds and by the angles themselves, (K, N) each."""  # noqa: E501
+    """Angles turned in blocks of a run by integrated speeds and by the logged angles, (K, N) each."""
     if record.theta is None or record.omega is None:
         return None
     if not (np.isfinite(record.theta).any(axis=0).all() and np.isfinite(record.omega).any(axis=0).all()):

@@ -106,7 +106,7 @@ def problem_of(data_set: DataSet, records: tuple[Record, ...] | None = None) -> 
 
 
 def _commands(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
-    """With commands that hold from row to row where the base model predicts that better than straight lines."""  # noqa: E501
+    """With commands held from row to row where the base model predicts that better than straight lines."""
     if data_set.wheel_signal is not WheelSignal.COMMANDED or data_set.trials[0].commands_held:
         return data_set, ()
     holding = replace(data_set, trials=tuple(replace(t, commands_held=True) for t in data_set.trials))
@@ -129,7 +129,7 @@ def _commands(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
 
 
 def _one_clock(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
-    """With the camera's poses at their times on the wheels' clock, where its own clock runs faster or slower."""  # noqa: E501
+    """With the camera's poses on the wheels' clock, where the camera's runs faster or slower."""
     problem = problem_of(data_set)
     everyone = np.arange(len(problem.trials), dtype=np.int64)
     predicted = problem.predict([()], [everyone])[0]
@@ -272,7 +272,7 @@ def _two(costs: Array) -> tuple[int, int, float] | None:
 
 
 def _measured_noise(data_set: DataSet, runs: Index) -> tuple[DataSet, tuple[Repair, ...]]:
-    """With the noise that these runs have: its size where it is not stated or stated wrong, and the part that lasts."""  # noqa: E501
+    """With the noise of these runs: its size where none or a wrong one is stated, and the part that lasts."""
     problem = problem_of(data_set)
     everyone = np.arange(len(problem.trials), dtype=np.int64)
     predicted = problem.predict([()], [everyone])[0]

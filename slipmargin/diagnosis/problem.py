@@ -142,7 +142,7 @@ class Problem:
         return [(pose[part], gap[part]) for part in parts]
 
     def _fitted(self, pose: Array, measured: Array, seen: NDArray[np.bool_]) -> tuple[Array, Array]:
-        """Predicted poses (M, T, 3) moved to where their start fits best, and the whitened gap that is left."""  # noqa: E501
+        """Predicted poses (M, T, 3) moved to where the start fits best, and the whitened gap left."""
         if self.lasting is None:
             return _fitted(pose, measured, seen, self.sigma)
         return _fitted_to_lasting(pose, measured, seen, self.sigma, self.lasting, self.step_s)
@@ -218,7 +218,7 @@ def _aligned(pose: Array, measured: Array, seen: NDArray[np.bool_]) -> Array:
 
 
 def _fitted(pose: Array, measured: Array, seen: NDArray[np.bool_], sigma: Array) -> tuple[Array, Array]:
-    """Predicted poses (M, T, 3) moved to where their start fits best, and the whitened gap that is left."""
+    """Predicted poses (M, T, 3) moved to where the start fits best, and the whitened gap left."""
     gap = np.where(seen, measured - pose, 0.0)
     gap = np.where(np.isfinite(gap), gap, _WILD * sigma)
     shift = _start_shift(pose, gap, seen, sigma)

@@ -19,7 +19,6 @@ from slipmargin.diagnosis.fit import Fit, Residuals, build, evaluate, fit
 from slipmargin.diagnosis.left_out import cross_validate, each_by_its_own, leave_one_out
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.watch import Watch
-from slipmargin.effects import Trace
 
 #: So many starts of a candidate get a short fit.
 _STARTS = 3
@@ -226,11 +225,3 @@ def indistinguishable(one: State, other: State) -> bool:
         abs(float(gap.sum())) < 2.0 * spread
         and one.chi <= SETTINGS.as_good_factor * other.chi + SETTINGS.as_good_offset
     )
-
-
-def by_trace(tried: list[State]) -> dict[Trace, State]:
-    """The best state for each variable."""
-    best: dict[Trace, State] = {}
-    for state in tried:
-        best.setdefault(state.last.trace, state)
-    return best

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from slipmargin.diagnosis.limits_change import LimitsChange
-from slipmargin.diagnosis.result import Diagnosis
+from slipmargin.diagnosis.result import Diagnosis, Step
 from slipmargin.report import diagnosis_words as words
 from slipmargin.report.diagnosis_json import trial_chi
 from slipmargin.report.page import Block, Bullets, Fold, Image, Picture, Table, Text
@@ -82,22 +82,7 @@ def details(d: Diagnosis) -> tuple[Block, ...]:
         ),
     )
     blocks: list[Block] = [Fold(summary="Every run", blocks=(runs,))]
-    for number, step in enumerate(d.steps, 1):
-        rows = tuple(
-            (f"`{t.label}`", t.traced_to.value, str(t.parameters), f"{t.chi:.4g}") for t in step.tried
-        )
-        blocks.append(
-            Fold(
-                summary=f"Every candidate of round {number}",
-                blocks=(
-                    Table(
-                        caption=f"Without any of them chi is {step.chi_before:.4g}",
-                        head=("candidate", "variable", "parameters", "chi"),
-                        rows=rows,
-                    ),
-                ),
-            )
-        )
+    blocks += candidates(d.steps, "Every candidate of round {}", "chi")
     if d.excitation:
         text = (
             "Singular values of the fit's whitened Jacobian per unit of parameter: "
@@ -108,3 +93,23 @@ def details(d: Diagnosis) -> tuple[Block, ...]:
     if d.remarks:
         blocks.append(Bullets(items=d.remarks))
     return tuple(blocks)
+
+
+def candidates(steps: Sequence[Step], summary: str, chi: str) -> list[Block]:
+    """A fold for each round of a search with what was tried; ``chi`` heads the column of scores."""
+    return [
+        Fold(
+            summary=summary.format(number),
+            blocks=(
+                Table(
+                    caption=f"Without any of them chi is {step.chi_before:.4g}",
+                    head=("candidate", "variable", "parameters", chi),
+                    rows=tuple(
+                        (f"`{t.label}`", t.traced_to.value, str(t.parameters), f"{t.chi:.4g}")
+                        for t in step.tried
+                    ),
+                ),
+            ),
+        )
+        for number, step in enumerate(steps, 1)
+    ]

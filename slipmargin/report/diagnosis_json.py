@@ -45,21 +45,21 @@ def report(diagnosis: Diagnosis, change: LimitsChange) -> dict[str, Any]:
         "cross_validated": d.cross_validated,
         "before": _score(d.before),
         "after": _score(d.after),
-        "effects": [_effect(f, wheels) for f in d.findings],
+        "effects": [effect_row(f, wheels) for f in d.findings],
         "evidence": None if d.judgement is None else asdict(d.judgement),
         "rejected": [asdict(r) for r in d.rejected],
         "leads": [_lead(x) for x in d.leads],
         "map": [_entry(e) for e in d.map],
         "map_after": [_entry(e) for e in d.map_after],
-        "limits": {"before": _limits(change.before), "after": _limits(change.after)},
-        "limit_curves": _curves(change),
+        "limits": {"before": limits_row(change.before), "after": limits_row(change.after)},
+        "limit_curves": curves_of(change),
         "plan": {
             "move": "1 m diagonally with a quarter turn, slip margin 0.1",
             **_plan(change),
         },
         "not_computed": change.missing,
         "pulls": None if change.pulls is None else asdict(change.pulls),
-        "steps": [_step(s) for s in d.steps],
+        "steps": [step_row(s) for s in d.steps],
         "where": [_where(w) for w in d.where],
         "where_after": [_where(w) for w in d.where_after],
         "turns": [asdict(r) for r in d.turns],
@@ -93,7 +93,7 @@ def _score(score: Score) -> dict[str, float]:
     }
 
 
-def _effect(finding: Finding, wheels: tuple[str, ...]) -> dict[str, Any]:
+def effect_row(finding: Finding, wheels: tuple[str, ...]) -> dict[str, Any]:
     rivals = finding.confused_with
     return {
         "name": finding.name,
@@ -145,7 +145,7 @@ def _entry(entry: MapEntry) -> dict[str, Any]:
     }
 
 
-def _limits(limits: Limits) -> dict[str, float]:
+def limits_row(limits: Limits) -> dict[str, float]:
     return {
         "f_max_min_N": limits.f_max_min_N,
         "f_max_mean_N": limits.f_max_mean_N,
@@ -158,14 +158,14 @@ def _limits(limits: Limits) -> dict[str, float]:
     }
 
 
-def _curves(change: LimitsChange) -> dict[str, Any]:
+def curves_of(change: LimitsChange) -> dict[str, Any]:
     curves: dict[str, Any] = {"phi_rad": change.phi_rad, "direction_rad": change.direction_rad}
     for name, limits in (("before", change.before), ("after", change.after)):
         curves[name] = {key: getattr(limits, key) for key in Limits.__slots__}
     return curves
 
 
-def _step(step: Step) -> dict[str, Any]:
+def step_row(step: Step) -> dict[str, Any]:
     return {
         "chi_before": step.chi_before,
         "taken": step.taken,

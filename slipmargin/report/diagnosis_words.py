@@ -31,9 +31,6 @@ VARIABLES: dict[Trace, str] = {
     Trace.MEASUREMENT: "how the pose is measured",
 }
 
-#: Channels of the residual rate, seen from the robot.
-CHANNEL_WORDS = {"right": "sideways", "forward": "forwards", "turn": "turning"}
-
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """The answer in one sentence, or two where more must be said with it."""
@@ -48,7 +45,7 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
             f"Unexplained: the model misses something (chi {d.before.chi:.3g} on held-out runs; 1 is pure "
             f"noise), but no correction holds on runs that it has not seen. {_first_lead(d)}"
         )
-    names = _and([_named(f) for f in d.findings])
+    names = listed([_named(f) for f in d.findings])
     falls = (
         f"the error on held-out runs falls from {error(d.before)} to {error(d.after)}"
         if d.after.chi < d.before.chi
@@ -148,7 +145,7 @@ def _unit(unit: str) -> str:
     return "" if unit in ("", "1") else f" {unit}"
 
 
-def _and(parts: list[str]) -> str:
+def listed(parts: list[str]) -> str:
     return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
 
 

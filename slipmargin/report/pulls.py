@@ -14,7 +14,7 @@ from slipmargin.diagnosis.pull_next import NextPull
 from slipmargin.diagnosis.pull_unseen import PullScore
 from slipmargin.diagnosis.result import Verdict
 from slipmargin.report import diagnosis_json as plain, diagnosis_words as words
-from slipmargin.report.diagnosis_details import limits
+from slipmargin.report.diagnosis_details import candidates, limits
 from slipmargin.report.page import (
     Block,
     Bullets,
@@ -50,7 +50,7 @@ def verdict_sentence(d: PullDiagnosis) -> str:
             f"{d.before.chi:.3g}; 1 is pure noise), and no candidate predicts orientations that were left "
             "out clearly better."
         )
-    found = words._and([f"{f.name} (depends on {words.VARIABLES[f.traced_to]})" for f in d.findings])
+    found = words.listed([f"{f.name} (depends on {words.VARIABLES[f.traced_to]})" for f in d.findings])
     return (
         f"The model lacks {found}; with {'it' if len(d.findings) == 1 else 'them'} the error on orientations "
         f"left out of the search falls from {d.before.rms_N:.3g} N to {d.after.rms_N:.3g} N (chi "
@@ -118,7 +118,7 @@ def report(d: PullDiagnosis, change: LimitsChange) -> dict[str, Any]:
         "before": _score(d.before),
         "after": _score(d.after),
         "p_value": d.p_value,
-        "effects": [plain._effect(f, wheels) for f in d.findings],
+        "effects": [plain.effect_row(f, wheels) for f in d.findings],
         "leads": [
             {
                 "traced_to": x.traced_to.value,
@@ -130,8 +130,8 @@ def report(d: PullDiagnosis, change: LimitsChange) -> dict[str, Any]:
         ],
         "found_in": d.found_in,
         "folds": d.folds,
-        "limits": {"before": plain._limits(change.before), "after": plain._limits(change.after)},
-        "limit_curves": plain._curves(change),
+        "limits": {"before": plain.limits_row(change.before), "after": plain.limits_row(change.after)},
+        "limit_curves": plain.curves_of(change),
         "pulls": {
             "count": len(d.force_N),
             "settings": d.settings,
@@ -151,7 +151,7 @@ def report(d: PullDiagnosis, change: LimitsChange) -> dict[str, Any]:
             }
             for p in d.next_pulls
         ],
-        "steps": [plain._step(s) for s in d.steps],
+        "steps": [plain.step_row(s) for s in d.steps],
         "remarks": d.remarks,
     }
 
@@ -315,22 +315,7 @@ def _details(d: PullDiagnosis) -> tuple[Block, ...]:
             ),
         )
     ]
-    for number, step in enumerate(d.steps, 1):
-        tried = tuple(
-            (f"`{t.label}`", t.traced_to.value, str(t.parameters), f"{t.chi:.4g}") for t in step.tried
-        )
-        blocks.append(
-            Fold(
-                summary=f"Candidates of round {number}",
-                blocks=(
-                    Table(
-                        caption=f"Without any of them chi is {step.chi_before:.4g}",
-                        head=("candidate", "variable", "parameters", "chi on pulls left out"),
-                        rows=tried,
-                    ),
-                ),
-            )
-        )
+    blocks += candidates(d.steps, "Candidates of round {}", "chi on pulls left out")
     if d.remarks:
         blocks.append(Bullets(items=d.remarks))
     return tuple(blocks)

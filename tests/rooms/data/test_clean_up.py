@@ -1,4 +1,4 @@
-"""Each fault that people's data have, put into good data: mended and said, or refused by name; good data are left alone."""  # noqa: E501
+"""Each fault of people's data, put into good data: mended and said, or refused by name."""
 
 from __future__ import annotations
 
@@ -251,7 +251,10 @@ def test_half_of_the_runs_decide_nothing() -> None:
         (lambda r: replace(r, pose=r.pose * [1.0, 1.0, -1.0]), "phi_rad counted clockwise"),
         (lambda r: replace(r, pose=r.pose * [1.0, -1.0, -1.0]), "a mirrored frame"),
         (lambda r: replace(r, pose=r.pose + np.array([0.0, 0.0, np.pi / 2.0])), "subtract π/2"),
-        (lambda r: replace(r, pose=np.pi / 2.0 * np.array([0.0, 0.0, 1.0]) + r.pose * [1.0, 1.0, -1.0]), "a compass course"),  # noqa: E501
+        (
+            lambda r: replace(r, pose=np.pi / 2.0 * np.array([0.0, 0.0, 1.0]) + r.pose * [1.0, 1.0, -1.0]),
+            "a compass course",
+        ),
         (lambda r: replace(r, pose=r.pose / [0.3048, 0.3048, 1.0]), "x_m and y_m in feet"),
         (lambda r: replace(r, pose=r.pose * [1000.0, 1000.0, 1.0]), "x_m and y_m in millimetres"),
         (lambda r: replace(r, pose=r.pose * [1.0, 1.0, 180.0 / np.pi]), "degrees instead of radians"),

@@ -42,7 +42,7 @@ def test_noise_of_a_slow_camera_in_a_fast_log() -> None:
 
 
 def residuals(seed: int, share: float, time_s: float, motion: float = 0.0) -> list[tuple[Array, Array]]:
-    """Ten runs of noise of variance SIGMA², ``share`` of it lasting, and of the motion that a force would make."""  # noqa: E501
+    """Ten runs of noise of variance SIGMA², ``share`` of it lasting, and the motion that a force makes."""
     random = np.random.default_rng(seed)
     keep = float(np.exp(-0.01 / time_s))
     found = []

@@ -1,4 +1,4 @@
-"""What the base model shows of the data before any search: clocks, floors, noise; good data are left alone."""  # noqa: E501
+"""What the base model shows of the data before any search: clocks, floors, noise."""
 
 from __future__ import annotations
 
