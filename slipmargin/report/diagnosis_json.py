@@ -94,6 +94,7 @@ def _score(score: Score) -> dict[str, float]:
 
 
 def effect_row(finding: Finding, wheels: tuple[str, ...]) -> dict[str, Any]:
+    """An effect that was found, with its parameters and evidence, as plain data."""
     rivals = finding.confused_with
     return {
         "name": finding.name,
@@ -146,6 +147,7 @@ def _entry(entry: MapEntry) -> dict[str, Any]:
 
 
 def limits_row(limits: Limits) -> dict[str, float]:
+    """Least and mean pull and acceleration limits of a model as plain data."""
     return {
         "f_max_min_N": limits.f_max_min_N,
         "f_max_mean_N": limits.f_max_mean_N,
@@ -159,6 +161,7 @@ def limits_row(limits: Limits) -> dict[str, float]:
 
 
 def curves_of(change: LimitsChange) -> dict[str, Any]:
+    """Limits over orientation and direction before and after, as plain data."""
     curves: dict[str, Any] = {"phi_rad": change.phi_rad, "direction_rad": change.direction_rad}
     for name, limits in (("before", change.before), ("after", change.after)):
         curves[name] = {key: getattr(limits, key) for key in Limits.__slots__}
@@ -166,6 +169,7 @@ def curves_of(change: LimitsChange) -> dict[str, Any]:
 
 
 def step_row(step: Step) -> dict[str, Any]:
+    """A round of the search as plain data."""
     return {
         "chi_before": step.chi_before,
         "taken": step.taken,

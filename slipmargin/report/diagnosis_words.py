@@ -146,6 +146,7 @@ def _unit(unit: str) -> str:
 
 
 def listed(parts: list[str]) -> str:
+    """Parts in one phrase: "a, b and c"."""
     return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
 
 
