@@ -16,7 +16,7 @@ from slipmargin.limits.every_motion import turning_points
 from slipmargin.limits.motion_rows import CAUSES, TIPS
 from slipmargin.live.settings import Settings
 from slipmargin.model import Model
-from slipmargin.report.text import degrees
+from slipmargin.report.text import degrees, towards
 from slipmargin.sets.section import section
 
 #: Step of the directions on the page [deg].
@@ -54,7 +54,7 @@ def picture(now: Settings) -> dict[str, Any]:
         "weakest": {
             "value": _plain(full.starting_m_s2[weak]),
             "angle": _plain(model.convention.from_front(heading[weak])),
-            "direction": degrees(heading[weak]),
+            "direction": towards(float(model.convention.from_front(heading[weak]))),
             "wheels": list(full.starting.wheels[weak]),
         },
         "recommended": _plain(recommended),
@@ -113,7 +113,7 @@ def _tipping(model: Model, heading: Array) -> dict[str, Any] | None:
     at, wheel = (int(k) for k in np.unravel_index(int(np.argmin(until)), until.shape))
     return {
         "m_s2": _plain(until[at, wheel]),
-        "direction": degrees(heading[at]),
+        "direction": towards(float(model.convention.from_front(heading[at]))),
         "wheel": model.geometry.names[wheel],
     }
 

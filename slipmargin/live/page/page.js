@@ -49,8 +49,8 @@ function node(svg, kind, attributes, text) {
 }
 
 function nice(most) { // a round step that makes two to four rings
-  const raw = most / 3, power = 10 ** Math.floor(Math.log10(raw));
-  return [1, 2, 2.5, 5, 10].map((k) => k * power).find((k) => k >= raw) || raw;
+  const raw = most / 4, power = 10 ** Math.floor(Math.log10(raw));
+  return [1, 2, 5, 10].map((k) => k * power).find((k) => k >= raw) || raw;
 }
 
 const place = (angle, radius) => [-radius * Math.sin(angle), -radius * Math.cos(angle)];
@@ -58,15 +58,15 @@ const points = (list) => list.map((p) => p.map((v) => v.toFixed(2)).join(",")).j
 
 function rings(svg, most, unit) {
   svg.replaceChildren();
-  const step = nice(most), scale = 170 / most;
+  const step = nice(most), scale = 160 / most;
   for (let r = step; r <= most * 1.0001; r += step) {
     node(svg, "circle", { class: "grid", r: r * scale });
     node(svg, "text", { x: 5, y: -r * scale - 3 }, number(r) + (r + step > most * 1.0001 ? " " + unit : ""));
   }
-  node(svg, "line", { class: "grid", x1: -180, x2: 180, y1: 0, y2: 0 });
+  node(svg, "line", { class: "grid", x1: -172, x2: 172, y1: 0, y2: 0 });
   node(svg, "line", { class: "grid", y1: -180, y2: 180, x1: 0, x2: 0 });
-  const words = [["front", 0, -193, "middle"], ["back", 0, 203, "middle"], ["left", -183, -6, "start"],
-    ["right", 183, -6, "end"]];
+  const words = [["front", 0, -193, "middle"], ["back", 0, 203, "middle"], ["left", -207, 4, "start"],
+    ["right", 207, 4, "end"]];
   for (const [word, x, y, anchor] of words) node(svg, "text", { x, y, "text-anchor": anchor }, word);
   return scale;
 }
@@ -77,7 +77,7 @@ function polar(data) {
   const scale = rings(svg, Math.max(...all, 0.01), "m/s²");
   const curve = (values) => points(values.map((v, k) => place(data.angle[k], (v || 0) * scale)));
   node(svg, "polygon", { class: "area safe", points: curve(data.safe) });
-  for (const [name, key] of [["braking", "braking"], ["turning", "turning"], ["starting", "speeding"]])
+  for (const [name, key] of [["braking", "braking"], ["starting", "speeding"], ["turning", "turning"]])
     node(svg, "polygon", { class: "curve " + key, id: "curve-" + name, points: curve(data[name]) });
   const [x, y] = place(data.weakest.angle, Math.max(data.weakest.value || 0, 0) * scale);
   node(svg, "circle", { class: "ring", cx: x, cy: y, r: 5 });
@@ -120,7 +120,7 @@ function facts(data) {
       `${data.weakest.direction}, slips first: ${data.weakest.wheels.join(", ")}`],
     ["Spinning on the spot", `${number(data.spinning)} rad/s²`, "with the margin"],
     ["Tips over at", tipping ? `${number(tipping.m_s2)} m/s²` : "not modelled",
-      tipping ? `${tipping.wheel} lifts, moving along ${tipping.direction}` : "the loads do not follow the acceleration"],
+      tipping ? `${tipping.wheel} lifts, speeding up ${tipping.direction}` : "the loads do not follow the acceleration"],
   ];
   byId("facts").replaceChildren(...rows.map(([label, value, note]) => {
     const div = document.createElement("div");
@@ -175,8 +175,8 @@ const drawPulls = newest(async () => {
   try {
     data = await ask("pulls", settings(), csv && csv.file);
   } catch (fault) {
-    words.textContent = fault.message;
-    if (csv) { csv = null; drawPulls(); }
+    words.textContent = fault.message.replace("the file:", `${csv ? csv.name : "the file"}:`);
+    csv = null;
     return;
   }
   svg.replaceChildren();
