@@ -31,7 +31,7 @@ import typer
 from slipmargin import __version__
 from slipmargin.errors import SlipmarginError
 
-from .render import finish_output, tell
+from .render import finish_output, note_words, tell
 
 #: Command → where its function (or typer application) is, and its one line in the list.
 COMMANDS: dict[str, tuple[str, str]] = {
@@ -74,6 +74,7 @@ def status(arguments: list[str]) -> int:
     int
         The exit status.
     """
+    note_words(arguments)
     try:
         command = typer.main.get_command(application(arguments))
         code = command.main(arguments or ["--help"], prog_name="slipmargin", standalone_mode=False)

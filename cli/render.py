@@ -16,6 +16,26 @@ def say(*lines: str) -> None:
     _write(sys.stdout, lines)
 
 
+#: The words of the command line that is carried out.
+_words: list[str] = []
+
+
+def note_words(words: Sequence[str]) -> None:
+    """Remember the command line, for the pages that it makes."""
+    _words[:] = words
+
+
+def made() -> str:
+    """When, by which version and by which command a page is made."""
+    import datetime
+    import shlex
+
+    from slipmargin import __version__
+
+    words = shlex.join(["slipmargin", *_words])
+    return f"Made on {datetime.date.today().isoformat()} by slipmargin {__version__}: `{words}`"
+
+
 #: Warnings wait for the end: a command that is refused says one line, its error.
 _warnings: list[str] = []
 
