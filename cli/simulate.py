@@ -65,7 +65,7 @@ def simulate(
     check_outputs(out, json, report, plot=plot)
     recipe = sm.read_robot(robot)
     with (
-        stages("simulating"),
+        stages("simulating", counted=False),
         at_options(
             surface="--surface",
             wheel_angles_rad="--theta0",

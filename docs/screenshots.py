@@ -31,7 +31,10 @@ def reports(folder: Path) -> list[Path]:
     """A report of each command that writes one."""
     (folder / "way.csv").write_text(WAY, encoding="utf-8")
     (folder / "speeds.csv").write_text(SPEEDS, encoding="utf-8")
-    at = {name: str(folder / f"{name}.html") for name in ("bounds", "sweep", "plan", "check", "slips")}
+    at = {
+        name: str(folder / f"{name}.html")
+        for name in ("bounds", "sweep", "plan", "check", "slips", "simulate")
+    }
     plan, robot = str(folder / "plan.csv"), ("mecanum4",)
     angles = ("--vary", "front_angle_deg=30:60:10", "--vary", "rear_angle_deg=30:60:10")
     for words in (
@@ -50,8 +53,7 @@ def reports(folder: Path) -> list[Path]:
         ),
         ("check", *robot, plan, "--surface", "floor", "--report", at["check"]),
         ("check", *robot, plan, "--surface", "floor", "--margin", "0.3", "--report", at["slips"]),
-        ("simulate", *robot, str(folder / "speeds.csv"), "--surface", "floor")
-        + ("--report", str(folder / "simulate.html")),
+        ("simulate", *robot, str(folder / "speeds.csv"), "--surface", "floor", "--report", at["simulate"]),
         ("design", "omni4", "--surface", "floor", *angles, "--report", str(folder / "design.html")),
     ):
         with contextlib.redirect_stdout(io.StringIO()):

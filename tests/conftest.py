@@ -20,7 +20,7 @@ settings.load_profile("ci" if os.environ.get("CI") else "desk")
 
 #: Packages of the extras ``test``, ``ros`` and ``urdf`` without which tests are skipped.
 NEEDED = ("mujoco", "toppra", "dask", "distributed", "jupytext", "nbclient", "ipykernel", "rosbags")
-NEEDED += ("yourdfpy", "xacrodoc")
+NEEDED += ("yourdfpy", "xacrodoc", "playwright")
 
 
 def missing() -> list[str]:

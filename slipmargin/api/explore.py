@@ -73,7 +73,8 @@ class Explorer:
         from slipmargin.api.bounds import bounds
         from slipmargin.io.robot_text import write_recipe
         from slipmargin.limits.bounds import spin
-        from slipmargin.live.settings import MARGIN, YAW_SHARE
+        from slipmargin.limits.bounds_inside import YAW_SHARE
+        from slipmargin.live.settings import MARGIN
 
         now = self._settings(values)
         yaw = None

@@ -184,8 +184,8 @@ def simulate_page(
     """What the robot really did, and how far it missed a plan."""
     slip = np.abs(run.slip[..., 0])
     when, wheel = (int(k) for k in np.unravel_index(int(np.argmax(slip)), slip.shape))
-    x, y, phi = (float(v) for v in run.pose[-1])
-    creep = float(law_inverse(SLIDES, model.grip.law)) / model.grip.k_s_per_m
+    x, y, phi = (float(v) for v in np.round(run.pose[-1], 6) + 0.0)
+    creep = float(law_inverse(model.grip.law, SLIDES)) / model.grip.k_s_per_m
     slides = float(slip[when, wheel]) > creep
     lead = (
         f"After {run.duration_s:.3g} s the robot stands {math.hypot(x, y):.3g} m from the origin, turned by "
@@ -227,9 +227,9 @@ def simulate_page(
         rows=tuple(
             (
                 f"{run.t_s[k]:.3f}",
-                *(f"{v:.4f}" for v in run.pose[k, :2]),
+                *(f"{v:.4f}" for v in np.round(run.pose[k, :2], 4) + 0.0),
                 f"{math.degrees(run.pose[k, 2]):.2f}",
-                *(f"{v:.4f}" for v in run.slip[k, :, 0]),
+                *(f"{v:.4f}" for v in np.round(run.slip[k, :, 0], 4) + 0.0),
             )
             for k in at
         ),

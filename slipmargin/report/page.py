@@ -213,7 +213,8 @@ def _table(table: Table) -> str:
 
 
 def _rich(text: str) -> str:
-    return re.sub(r"`([^`]*)`", r"<code>\1</code>", escape(text, quote=False))
+    kept = re.sub(r"(?<=\d) (?=[%°N]|mm?\b|m/s|rad|mrad)", "\u00a0", escape(text, quote=False))
+    return re.sub(r"`([^`]*)`", r"<code>\1</code>", kept)
 
 
 def inline(image: Image, prefix: str, alt: str) -> str:
@@ -223,7 +224,8 @@ def inline(image: Image, prefix: str, alt: str) -> str:
     text = re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>{prefix}-", text)
     text = re.sub(r'style="[^"]*"', lambda found: _COLOUR.sub(_variable, found[0]), text)
     width = 96.0 * image.width_in  # CSS pixels an inch
-    size = f"min-width:{round(min(0.55 * width, NARROW) if width < WIDE else 0.55 * width)}px;max-width:{round(1.15 * width)}px"
+    least = min(0.55 * width, NARROW) if width < WIDE else 0.55 * width
+    size = f"min-width:{round(least)}px;max-width:{round(1.15 * width)}px"
     head = f'<svg role="img" aria-label="{escape(alt)}" style="{size}"'
     text = re.sub(r"<svg\b", head, text, count=1)
     return text.strip()
