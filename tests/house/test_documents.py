@@ -14,6 +14,8 @@ import sys
 from pathlib import Path
 
 import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
 from slipmargin_cli.main import COMMANDS, status
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -184,6 +186,41 @@ def test_the_first_lines_of_the_readme_work_as_printed(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
     for (command, _, expected), printed in zip(shown, done.stdout.split(f"{mark}\n")[1:], strict=True):
         assert command.startswith("make ") or shows(expected, printed.splitlines()), f"{command}\n{printed}"
+
+
+def test_three_robots_from_nothing_to_an_exported_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With the README alone: each row of its table makes a file for a tool in at most four commands."""
+    rows = re.findall(r"^\| (LeKiwi|FTC mecanum|RoboCup SSL) \| (.+) \|$", README, flags=re.MULTILINE)
+    assert len(rows) == 3
+    for name, cell in rows:
+        commands = [shlex.split(line) for line in re.findall(r"`(slipmargin [^`]+)`", cell)]
+        assert 1 <= len(commands) <= 4 and "--export" in commands[-1]
+        folder = tmp_path / name.replace(" ", "-")
+        folder.mkdir()
+        monkeypatch.chdir(folder)
+        for words in commands:
+            assert status(words[1:]) == 0, words
+        assert Path(commands[-1][-1]).read_text(encoding="utf-8").strip()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=page_id)
+def test_sentences_are_short(page: Path) -> None:
+    """Half of a page's sentences have fewer than twenty words."""
+    pytest.importorskip("pysbd")
+    from reading import median_words
+
+    assert median_words(page.read_text(encoding="utf-8")) < 20
+
+
+def test_long_sentences_would_be_found() -> None:
+    pytest.importorskip("pysbd")
+    from reading import median_words
+
+    long = "This sentence goes on " + "and on " * 10 + "until nobody knows where it began."
+    assert median_words(f"# A page\n\n{long} {long} It is short.\n") > 20
+    assert median_words("```\n" + "code " * 40 + "\n```\n\n| a | table |\n\nIt is short.\n") == 3
 
 
 def test_the_readme_is_short_and_its_figures_are_measured() -> None:
