@@ -180,7 +180,7 @@ def explore(robot: RobotLike, surface: str | None = None, *, report: Path | str 
     >>> [slider.key for slider in page.sliders][:2]
     ['mu', 'com_height_m']
     >>> page.picture(mu=0.3)["weakest"]["wheels"]
-    ['left', 'rear']
+    ['rear']
     """
     from slipmargin.io.assets import report_text
     from slipmargin.study.robot_on_surface import RobotOnSurface

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import doctest
+import importlib
 import json
 import os
 import re
@@ -12,6 +13,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -212,6 +214,43 @@ def test_sentences_are_short(page: Path) -> None:
     from reading import median_words
 
     assert median_words(page.read_text(encoding="utf-8")) < 20
+
+
+#: Files that the site does not link: the glossary itself, and pages that are outside the site.
+SITE = [page for page in PAGES if page.name not in {"README.md", "glossary.md"}]
+
+
+def terms_module() -> ModuleType:
+    sys.path.insert(0, str(ROOT / "docs"))
+    try:
+        return importlib.import_module("terms")
+    finally:
+        sys.path.remove(str(ROOT / "docs"))
+
+
+@pytest.mark.parametrize("page", SITE, ids=page_id)
+def test_terms_are_linked_where_a_page_first_uses_them(page: Path) -> None:
+    """As the site is built: the first use of every term in running text leads to the glossary."""
+    made = terms_module()
+    text = made.linked(page.read_text(encoding="utf-8"), "")
+    anchors = set(re.findall(r'id="(term-[a-z-]+)"', made.anchored((ROOT / "docs/glossary.md").read_text())))
+    targets = re.findall(r"glossary\.md#(term-[a-z-]+)", text)
+    assert set(targets) <= anchors and len(targets) == len(set(targets))
+    left = {made.terms()[term] for term, _, _ in made.first_uses(page.read_text(encoding="utf-8"))}
+    assert left == set(targets)
+
+
+def test_the_readme_uses_no_term_before_it_is_explained() -> None:
+    """No word of the glossary stands in the README's prose without a link."""
+    assert not terms_module().first_uses(README)
+
+
+def test_a_term_is_linked_once_and_never_in_code() -> None:
+    made = terms_module()
+    page = "# Load transfer\n\n`load transfer` and load transfer, then load transfer.\n"
+    link = "[load transfer](../glossary.md#term-load-transfer)"
+    wanted = f"# Load transfer\n\n`load transfer` and {link}, then load transfer.\n"
+    assert made.linked(page, "../") == wanted
 
 
 def test_long_sentences_would_be_found() -> None:

@@ -68,8 +68,8 @@ def test_examples_can_be_typed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     assert status(["robots", "new", "mybot", "--type", "mecanum"]) == 0
     for name, text in (("way", WAY), ("speeds", SPEEDS), ("pulls", PULLS)):
         Path(f"{name}.csv").write_text(text, encoding="utf-8")
-    urdf = next((Path(__file__).parents[2] / "data" / "urdf").glob("*.urdf"))
-    Path("mybot.urdf").write_bytes(urdf.read_bytes())
+    urdf = Path(__file__).parents[2] / "data" / "urdf" / "mecanum.urdf.xacro"
+    Path("mybot.urdf.xacro").write_bytes(urdf.read_bytes())
     for name, lines in EXAMPLES.items():
         if name in NOT_RUN or (name == "robots from-urdf" and not _can_read_urdf()):
             continue
