@@ -1,5 +1,4 @@
-"""Wheels of a mecanum drive as other tools log them: four, by their corners, positive where they drive
-forwards."""
+"""Wheels of a mecanum drive as other tools log them: by their corners, positive where they drive ahead."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ structures (four doubles: front left, front right, rear left, rear right) and pl
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
@@ -93,7 +93,7 @@ def entries(path: Path) -> dict[str, Channel]:
         raise InputError(
             "", "is no WPILib data log (it does not start with WPILOG)", "give a .wpilog", str(path)
         )
-    log = DataLogReader(data)
+    log = DataLogReader(buffer=data)
     if not log.isValid():
         raise InputError("", "its header is damaged", "give the log as the robot wrote it", str(path))
     kinds: dict[int, tuple[str, str]] = {}
@@ -122,9 +122,10 @@ def entries(path: Path) -> dict[str, Channel]:
     return {name: _channel(_TYPES[types[name]][0], found) for name, found in rows.items()}
 
 
-def _records(log: Any, path: Path) -> list[Any]:
+def _records(log: Any, path: Path) -> Iterator[Any]:
+    """The records, one after the other: each is gone when the next one is read."""
     try:
-        return list(log)
+        yield from log
     except (TypeError, ValueError, RuntimeError, IndexError) as fault:
         raise _damaged(path, 0, fault) from None
 
