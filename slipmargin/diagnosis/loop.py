@@ -18,6 +18,7 @@ from slipmargin.diagnosis.events import cut_apart, find_events, with_measured_ve
 from slipmargin.diagnosis.findings import findings
 from slipmargin.diagnosis.fit import Fit, fit
 from slipmargin.diagnosis.general_forms import general_candidates
+from slipmargin.diagnosis.groups import in_groups
 from slipmargin.diagnosis.held_out import held_out_runs, score, searched_runs
 from slipmargin.diagnosis.ladder import Checked, Court, check
 from slipmargin.diagnosis.leads import leads
@@ -77,17 +78,21 @@ def searched(data_set: DataSet, seed: int, progress: Watch | None = None) -> Sea
     runs: tuple[int, ...] = tuple(range(count))
     if events := _events(uncut, (), seen_runs):
         records, runs = cut_apart(data_set.trials, events)
-        problem = with_measured_velocity(problem_of(data_set, records), runs)
+        problem = with_measured_velocity(problem_of(data_set, records, runs), runs)
     held = np.flatnonzero(np.isin(runs, held_runs))
     seen = np.flatnonzero(np.isin(runs, seen_runs))
     known = tuple(effect.name for effect in data_set.recipe.effects)
     model, commanded = problem.model(()), problem.commanded
     covered = ranges(tuple(problem.trials[i] for i in seen))
     reach = {"position": covered.position_m, "time": covered.duration_s}
-    candidates = [
-        *named_candidates(model.geometry.names, commanded, known, reach),
-        *general_candidates(model, covered, commanded),
-    ]
+    timed = data_set.nominal_rate_Hz is None
+    candidates = in_groups(
+        [
+            *named_candidates(model.geometry.names, commanded, known, reach, timed=timed),
+            *general_candidates(model, covered, commanded),
+        ],
+        data_set.members,
+    )
     progress("comparing the residual with measured variables", 0.0)
     problem, state, rounds = search(problem, seen, [runs[i] for i in seen], candidates, seed, progress)
     return Searched(

@@ -8,7 +8,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Effect, Part, Trace, Variant, parameter
+from slipmargin.effects.effect import Effect, Part, Scope, Trace, Variant, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
 from slipmargin.physics.terms import ForceTerm
@@ -31,6 +31,7 @@ class Tether(Effect):
     summary = "A cable pulls the robot towards where it is held."
     traced_to = Trace.POSITION
     part = Part.LOSSES
+    scope = Scope.LOADING
     parameters = (
         parameter("stiffness_N_per_m", "N/m", (0.0, 0.0, 200.0), 0.5, "pull per distance from the anchor"),
         parameter(
