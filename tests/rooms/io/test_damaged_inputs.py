@@ -250,8 +250,9 @@ def ros_files(folder: Path) -> tuple[list[str], bytes, dict[str, Damage]]:
 def urdf_files(folder: Path) -> tuple[list[str], bytes, dict[str, Damage]]:
     """A plain URDF of three wheels."""
     wheels = "".join(
-        f'<link name="{n}"><collision><origin rpy="1.5708 0 0"/><geometry><cylinder radius="0.05" length="0.02"/>'
-        f'</geometry></collision></link><joint name="{n}_wheel_joint" type="continuous"><parent link="base_link"/>'
+        f'<link name="{n}"><collision><origin rpy="1.5708 0 0"/><geometry>'
+        f'<cylinder radius="0.05" length="0.02"/></geometry></collision></link>'
+        f'<joint name="{n}_wheel_joint" type="continuous"><parent link="base_link"/>'
         f'<child link="{n}"/><origin xyz="{x} {y} 0.05"/><axis xyz="0 1 0"/></joint>'
         for n, x, y in (("fl", 0.1, 0.1), ("fr", 0.1, -0.1), ("rl", -0.1, 0.1), ("rr", -0.1, -0.1))
     )
