@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from . import complete
 from .options import JsonOpt, RobotArg, check_outputs, deliver
 from .render import at_options
 
@@ -15,7 +16,13 @@ def export(
     format: Annotated[str, typer.Argument(metavar="FORMAT", help="sdf, urdf (Gazebo) or mjcf (MuJoCo).")],
     robot: RobotArg,
     surface: Annotated[
-        str | None, typer.Option("--surface", metavar="S", help="Surface (default: the file's first).")
+        str | None,
+        typer.Option(
+            "--surface",
+            metavar="S",
+            help="Surface (default: the file's first).",
+            autocompletion=complete.surfaces,
+        ),
     ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE", help="File to write (default: ROBOT.FORMAT).")

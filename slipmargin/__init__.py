@@ -35,6 +35,7 @@ _CONTENTS = {
     "import_logs": "slipmargin.api.import_logs",
     "known_effects": "slipmargin.api.effects",
     "new_robot": "slipmargin.api.robot_files",
+    "known_quantities": "slipmargin.api.design",
     "known_surfaces": "slipmargin.api.surfaces",
     "measure": "slipmargin.api.measure",
     "plan": "slipmargin.api.plan",
@@ -49,7 +50,7 @@ _CONTENTS = {
 if TYPE_CHECKING:
     from slipmargin.api.bounds import bounds as bounds
     from slipmargin.api.check import check as check
-    from slipmargin.api.design import design as design
+    from slipmargin.api.design import design as design, known_quantities as known_quantities
     from slipmargin.api.diagnose import diagnose as diagnose
     from slipmargin.api.effects import describe_effect as describe_effect, known_effects as known_effects
     from slipmargin.api.export_simulator import export_simulator as export_simulator

@@ -1,11 +1,11 @@
 """A robot for MuJoCo (MJCF): wheels with real rollers, on springs, with speed servos.
 
 MuJoCo knows no direction of contact friction that stays with a wheel, so each wheel carries its rollers:
-ellipsoids on hinges around the rim.  The floor's Coulomb cone has the drive coefficient; the hinge of a roller
-has the dry friction (``frictionloss``) that makes a wheel pulled across its grip show the transverse
+ellipsoids on hinges around the rim.  The floor's Coulomb cone has the drive coefficient; the hinge of a
+roller has the dry friction (``frictionloss``) that makes a wheel pulled across its grip show the transverse
 coefficient: μ_T times the wheel's load at rest times the roller's radius.  It does not follow the load, so
-where loads shift the transverse friction is that of rest.  A pull along both directions meets a disc and a
-strip, not the box (docs/theory.md, section 2: ``grip = "disc-strip"``).
+where loads shift the transverse friction is that of rest.  A pull along both directions meets a disc and
+a strip, not the box (docs/theory.md, section 2: ``grip = "disc-strip"``).
 
 A roller with half axes (a, b, b), its centre c = ρ − b from the axle, reaches
 c cos α + √(b² + (a² − b²) cos²γ sin²α) below it at the angle α from the lowest place, γ the roller angle.
