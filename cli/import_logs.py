@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from . import complete
 from .options import JsonOpt, check_outputs, deliver
 from .render import at_options
 
@@ -18,9 +19,20 @@ app = typer.Typer(
 
 Files = Annotated[list[Path], typer.Argument(metavar="FILE…", help="Logs, one run each.")]
 Out = Annotated[Path, typer.Option("--out", metavar="DATASET", help="Folder of the data set to write.")]
-Believed = Annotated[str, typer.Option("--robot", metavar="ROBOT", help="Robot file or built-in name.")]
+Believed = Annotated[
+    str,
+    typer.Option(
+        "--robot", metavar="ROBOT", help="Robot file or built-in name.", autocompletion=complete.robots
+    ),
+]
 Floor = Annotated[
-    str | None, typer.Option("--surface", metavar="S", help="Surface of the robot file (default: its first).")
+    str | None,
+    typer.Option(
+        "--surface",
+        metavar="S",
+        help="Surface of the robot file (default: its first).",
+        autocompletion=complete.surfaces,
+    ),
 ]
 Calibrate = Annotated[
     bool,

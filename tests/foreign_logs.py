@@ -44,7 +44,7 @@ def wrapped(yaw: Array) -> Array:
 def wpilog(
     file: Path, held: Run, *, changes: bool = True, wheels: str = "positions", swerve: bool = False
 ) -> Path:
-    """A data log by WPILib's own writer, which writes an entry only where it changed, as AdvantageKit does."""
+    """A data log by WPILib's own writer; an entry is written only where it changed, as AdvantageKit does."""
     from wpiutil import DataLogWriter
 
     log = DataLogWriter(str(file))
@@ -83,7 +83,7 @@ def wpilog(
 
 
 def advantagescope(file: Path, held: Run, *, table: bool = True, swerve: bool = False) -> Path:
-    """An export as AdvantageScope writes it: fields of structures apart, a table filled with the last value."""
+    """An export as AdvantageScope writes it: structures' fields apart, a table filled with the last value."""
     heading = wrapped(held.pose[:, 2])
     columns: dict[str, list[str]] = {"/DriverStation/Enabled": ["true"] * len(heading)}
     for name, values in zip(

@@ -1,8 +1,11 @@
 """LeRobot's data sets (parquet) of a LeKiwi, with the pose from a tracker's CSV: the extra ``[lerobot]``.
 
-A data set is a folder: ``meta/info.json`` names the numbers of ``observation.state``, and ``data/*/*.parquet``
-hold a row a frame with ``observation.state``, ``timestamp`` [s] and ``episode_index`` (LeRobotDataset v2, v3).
-A LeKiwi writes its wheels' measured speeds there as ``x.vel``, ``y.vel`` [m/s] and ``theta.vel`` [deg/s], by the
+A data set is a folder: ``meta/info.json`` names the numbers of ``observation.state``, and
+``data/*/*.parquet``
+hold a row a frame with ``observation.state``, ``timestamp`` [s] and ``episode_index`` (LeRobotDataset v2,
+v3).
+A LeKiwi writes its wheels' measured speeds there as ``x.vel``, ``y.vel`` [m/s] and ``theta.vel`` [deg/s],
+by the
 no-slip kinematics of its driver (``lekiwi.py: _wheel_raw_to_body``: wheels left, back, right at 240°, 0° and
 120° less 90°, radius 0.05 m, 0.125 m from the centre).  That is undone here.  It is not the robot's motion:
 where a wheel slips, only a tracker sees it.

@@ -250,8 +250,9 @@ def ros_files(folder: Path) -> tuple[list[str], bytes, dict[str, Damage]]:
 def urdf_files(folder: Path) -> tuple[list[str], bytes, dict[str, Damage]]:
     """A plain URDF of three wheels."""
     wheels = "".join(
-        f'<link name="{n}"><collision><origin rpy="1.5708 0 0"/><geometry><cylinder radius="0.05" length="0.02"/>'
-        f'</geometry></collision></link><joint name="{n}_wheel_joint" type="continuous"><parent link="base_link"/>'
+        f'<link name="{n}"><collision><origin rpy="1.5708 0 0"/><geometry>'
+        f'<cylinder radius="0.05" length="0.02"/></geometry></collision></link>'
+        f'<joint name="{n}_wheel_joint" type="continuous"><parent link="base_link"/>'
         f'<child link="{n}"/><origin xyz="{x} {y} 0.05"/><axis xyz="0 1 0"/></joint>'
         for n, x, y in (("fl", 0.1, 0.1), ("fr", 0.1, -0.1), ("rl", -0.1, 0.1), ("rr", -0.1, -0.1))
     )
@@ -275,6 +276,129 @@ def urdf_files(folder: Path) -> tuple[list[str], bytes, dict[str, Damage]]:
     return ["robots", "from-urdf", "{}"], whole, special
 
 
+def trajectory(name: str, folder: Path) -> bytes:
+    """A good trajectory file, as plan exports it."""
+    found = sm.plan("ohio-kiwi", "paper", [[0, 0, 0], [0.4, 0.1, 0.3]], points=40, step_s=0.05)
+    file = folder / f"good-{name}"
+    if name == "csv":
+        found.write_files(table=file)
+    else:
+        sm.export_trajectory(found, name, file)
+    return b"" if file.is_dir() else file.read_bytes()
+
+
+CHECK = ["check", "ohio-kiwi", "{}", "--surface", "paper"]
+
+
+def own_csv_files(folder: Path) -> tuple[list[str], bytes, dict[str, Damage]]:
+    """Our own CSV."""
+    whole = trajectory("csv", folder)
+    row = r"(?m)^([-\d.e]+),"
+    special = without_rows(whole, 1) | cut(whole, 2, 9, 14)
+    special |= swapped(
+        whole,
+        no_time=("t_s", "time"),
+        no_x=("x_m", "px_m"),
+        no_heading=("phi_rad", "phi_deg"),
+        words_for_time=(row, "soon,"),
+        no_times=(row, ","),
+        time_stands=(row, "1.0,"),
+        time_goes_back=(row, r"-\1,"),
+        a_number_too_large=(row, r"1e400,"),
+        semicolons=(",", ";"),
+    )
+    return CHECK, whole, special
+
+
+def samples_files(
+    name: str, folder: Path, change: Callable[[object], list[dict[str, object]]], keys: dict[str, str]
+) -> tuple[list[str], bytes, dict[str, Damage]]:
+    """A JSON of samples, each fault put into the third of them; ``keys`` names time, x and heading."""
+    whole = trajectory(name, folder)
+    special: dict[str, Damage] = {} | cut(whole, 1, 30, len(whole) // 2, len(whole) - 3)
+    for what, value in {
+        "a word": "far",
+        "nothing": None,
+        "true": True,
+        "not a number": float("nan"),
+        "infinite": float("inf"),
+        "a list": [1.0],
+    }.items():
+        for key in (keys["time"], keys["heading"]):
+            table = json.loads(whole)
+            change(table)[2][key] = value
+            special[f"{key} is {what}"] = json.dumps(table).encode()
+    table = json.loads(whole)
+    del change(table)[3][keys["time"]]
+    special["a time is missing"] = json.dumps(table).encode()
+    table = json.loads(whole)
+    change(table)[3] = [1.0]  # type: ignore[call-overload]
+    special["a sample is a list"] = json.dumps(table).encode()
+    table = json.loads(whole)
+    del change(table)[:]
+    special["no sample"] = json.dumps(table).encode()
+    table = json.loads(whole)
+    del change(table)[2:]
+    special["two samples"] = json.dumps(table).encode()
+    return CHECK, whole, special
+
+
+def choreo_files(folder: Path) -> tuple[list[str], bytes, dict[str, Damage]]:
+    """Choreo's .traj."""
+    keys = {"time": "t", "heading": "heading"}
+    return samples_files("choreo", folder, lambda t: t["trajectory"]["samples"], keys)  # type: ignore[index]
+
+
+def pathplanner_files(folder: Path) -> tuple[list[str], bytes, dict[str, Damage]]:
+    """PathPlanner's trajectory."""
+    keys = {"time": "time", "heading": "holonomicRotation"}
+    return samples_files("pathplanner", folder, lambda t: t, keys)  # type: ignore[arg-type,return-value]
+
+
+def road_runner_trajectory_files(folder: Path) -> tuple[list[str], bytes, dict[str, Damage]]:
+    """A log of Road Runner as a trajectory."""
+    whole = trajectory("roadrunner", folder)
+    table = json.loads(whole)
+    special: dict[str, Damage] = {} | cut(whole, 1, 30, len(whole) // 2, len(whole) - 3)
+    count = len(table["nsTimes"])
+    for what, changes in {
+        "no times": {"nsTimes": []},
+        "times are a word": {"nsTimes": "soon"},
+        "times with a point": {"nsTimes": [0.5 * t for t in table["nsTimes"]]},
+        "times stand": {"nsTimes": [7] * count},
+        "times go back": {"nsTimes": table["nsTimes"][::-1]},
+        "a time is missing": {"nsTimes": table["nsTimes"][:-1]},
+        "no x": {"targetXs": "x", "xs": []},
+        "no pose": {"targetXs": [], "xs": []},
+        "a shorter y": {"targetYs": table["targetYs"][1:]},
+        "a word in y": {"targetYs": ["far", *table["targetYs"][1:]]},
+        "not a number": {"targetHeadings": [float("nan"), *table["targetHeadings"][1:]]},
+        "two samples": {k: table[k][:2] for k in ("nsTimes", "targetXs", "targetYs", "targetHeadings")},
+    }.items():
+        special[what] = json.dumps(table | changes).encode()
+    return CHECK, whole, special
+
+
+def path_bag_files(folder: Path) -> tuple[list[str], bytes, dict[str, Damage]]:
+    """A ROS bag with a nav_msgs/Path."""
+    trajectory("ros-path", folder)
+    whole = {f.name: f.read_bytes() for f in (folder / "good-ros-path").iterdir()}
+    (store,) = (name for name in whole if name.endswith(".db3"))
+    meta = "metadata.yaml"
+    special: dict[str, Damage] = {"no metadata": {store: whole[store]}, "no store": {meta: whole[meta]}}
+    for place in (0, 16, 100, 3000, 6000):
+        special[f"store cut at {place}"] = whole | {store: whole[store][:place]}
+    for name, text in {
+        "empty": b"",
+        "a list": b"[]",
+        "no YAML": b"{{{",
+        "another type": whole[meta].replace(b"nav_msgs/msg/Path", b"std_msgs/msg/String"),
+    }.items():
+        special[f"metadata: {name}"] = whole | {meta: text}
+    special["store of zeros"] = whole | {store: bytes(len(whole[store]))}
+    return CHECK, b"", special
+
+
 READERS: dict[str, Callable[[Path], tuple[list[str], bytes, dict[str, Damage]]]] = {
     "csv": csv_files,
     "robotino": robotino_files,
@@ -284,8 +408,19 @@ READERS: dict[str, Callable[[Path], tuple[list[str], bytes, dict[str, Damage]]]]
     "lerobot": lerobot_files,
     "ros": ros_files,
     "urdf": urdf_files,
+    "trajectory csv": own_csv_files,
+    "trajectory choreo": choreo_files,
+    "trajectory pathplanner": pathplanner_files,
+    "trajectory roadrunner": road_runner_trajectory_files,
+    "trajectory bag": path_bag_files,
 }
-PACKAGES = {"wpilog": "wpiutil", "lerobot": "pyarrow", "ros": "rosbags", "urdf": "yourdfpy"}
+PACKAGES = {
+    "wpilog": "wpiutil",
+    "lerobot": "pyarrow",
+    "ros": "rosbags",
+    "urdf": "yourdfpy",
+    "trajectory bag": "rosbags",
+}
 
 
 def lay(place: Path, damage: Damage) -> None:
@@ -312,7 +447,7 @@ def cases(name: str, folder: Path) -> Iterator[tuple[str, Path, list[str]]]:
 
 def robot_of(name: str, folder: Path) -> list[str]:
     """The options that every import has."""
-    if name == "urdf":
+    if name == "urdf" or name.startswith("trajectory"):
         return []
     if name == "robotino":
         return ["--robot", "robotino"]
