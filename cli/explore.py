@@ -31,7 +31,7 @@ def explore(
 
     The page is served to this machine only (127.0.0.1) and asks no other host for anything.  Ctrl-C ends it.
     """
-    import webbrowser
+    from webbrowser import open_new_tab
 
     import slipmargin as sm
 
@@ -41,7 +41,7 @@ def explore(
     say(f"{page.design.robot.name} on {page.design.surface}: {server.address}", "Ctrl-C ends it.")
     say_warnings(page.warnings)
     if not no_browser:
-        webbrowser.open(server.address)
+        open_new_tab(server.address)
     try:
         server.serve_forever()
     except KeyboardInterrupt:

@@ -31,7 +31,8 @@ import typer
 from slipmargin import __version__
 from slipmargin.errors import SlipmarginError
 
-from .render import finish_output, tell
+from .examples import add_examples
+from .render import announce_compilation, finish_output, note_words, tell
 
 #: Command → where its function (or typer application) is, and its one line in the list.
 COMMANDS: dict[str, tuple[str, str]] = {
@@ -75,8 +76,11 @@ def status(arguments: list[str]) -> int:
     int
         The exit status.
     """
+    note_words(arguments)
+    announce_compilation()
     try:
         command = typer.main.get_command(application(arguments))
+        add_examples(command)
         code = command.main(arguments or ["--help"], prog_name="slipmargin", standalone_mode=False)
         return finish_output(code if isinstance(code, int) else 0)
     except SlipmarginError as fault:

@@ -73,7 +73,8 @@ class Explorer:
         from slipmargin.api.bounds import bounds
         from slipmargin.io.robot_text import write_recipe
         from slipmargin.limits.bounds import spin
-        from slipmargin.live.settings import MARGIN, YAW_SHARE
+        from slipmargin.limits.bounds_inside import YAW_SHARE
+        from slipmargin.live.settings import MARGIN
 
         now = self._settings(values)
         yaw = None
@@ -179,7 +180,7 @@ def explore(robot: RobotLike, surface: str | None = None, *, report: Path | str 
     >>> [slider.key for slider in page.sliders][:2]
     ['mu', 'com_height_m']
     >>> page.picture(mu=0.3)["weakest"]["wheels"]
-    ['left', 'rear']
+    ['rear']
     """
     from slipmargin.io.assets import report_text
     from slipmargin.study.robot_on_surface import RobotOnSurface

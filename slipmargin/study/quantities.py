@@ -170,7 +170,7 @@ _LAYOUTS = (
         Quantity(
             key=f"{word}_angle_deg",
             unit="deg",
-            meaning=f"angle of a four-wheel robot's {word} omni wheels from straight {where}",
+            meaning=f"{word} wheels' angle from straight {where}, four omni wheels",
             put=_robot(partial(_pair_angle, front=word == "front")),
             get=partial(_own_pair_angle, front=word == "front"),
         )
