@@ -212,7 +212,7 @@ def _speeds(model: Model, heading: Array, asked: Sequence[float] | Array | None)
             f"reaches {speeds[-1]:g} m/s, the motors allow {most:.4g} m/s in every direction",
             "ask for less, or correct motor.max_speed_rad_s",
         )
-    return np.minimum(speeds, most)
+    return np.asarray(np.minimum(speeds, most))
 
 
 def _driven(model: Model, found: Braking, h: int, speed: float) -> tuple[float, float]:
