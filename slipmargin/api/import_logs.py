@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from slipmargin.data.data_set import DataSet
     from slipmargin.io.importers.plug import Importer, Summary
 
-FORMATS = ("robotino", "csv", "ros")
+FORMATS = ("robotino", "csv", "ros", "robojackets")
 
 
 @final
@@ -100,6 +100,7 @@ def import_logs(
     calibrate: bool = False,
     calibration: Path | str | None = None,
     commanded: bool = False,
+    segment_s: float | None = None,
     name: str = "imported",
     **options: Any,
 ) -> ImportResult:
@@ -115,7 +116,8 @@ def import_logs(
         units like ``"px:mm"``, see :mod:`slipmargin.io.importers.csv_options`, and ``separator``) or
         ``ros`` (options ``pose_topic``, ``joint_topic``, ``joints``, each guessed from types and names where
         it is not given, and ``pose_rotation_deg``, the angle from the robot's front to the x axis of the body
-        whose pose is logged).
+        whose pose is logged) or ``robojackets`` (options ``rate_Hz``, the nominal rate of its rows, and
+        ``ticks_per_turn``).
     robot : str, Path, Recipe or Robot
         The robot that is believed.
     surface : str, optional
@@ -126,6 +128,8 @@ def import_logs(
         A ``calibration.toml`` of another floor, to be held fixed.
     commanded : bool
         The wheel speeds are commanded, not measured.
+    segment_s : float, optional
+        Cut each log, a long recording, into runs of so many seconds [s] with a start pose each.
     name : str
         Name of the data set.
 
@@ -149,6 +153,7 @@ def import_logs(
     from slipmargin.data.checks import check_data_set
     from slipmargin.data.clean_up import repaired
     from slipmargin.data.data_set import DataSet, WheelSignal
+    from slipmargin.data.segments import segments
     from slipmargin.io.calibration_file import read_calibration
     from slipmargin.io.importers.plug import import_files
 
@@ -161,13 +166,26 @@ def import_logs(
     held = None if calibration is None else read_calibration(Path(calibration))
     read = import_files(importer, [Path(file) for file in files])
     records = read.records
+    if segment_s is not None:
+        records = tuple(part for record in records for part in segments(record, segment_s))
+        if not records:
+            raise InputError(
+                "segment_s", f"is {segment_s:g}: no run is so long and moves", "give a shorter time"
+            )
     if calibrate:
         held = calibrated(records, recipe.build(floor).geometry)
     if held is not None:
         records = tuple(held.rectified(record) for record in records)
         recipe = replace(recipe, effects=(*recipe.effects, *held.effects()))
     signal = WheelSignal.COMMANDED if commanded else WheelSignal.MEASURED
-    data_set = DataSet(name=name, recipe=recipe, surface=floor, wheel_signal=signal, trials=records)
+    data_set = DataSet(
+        name=name,
+        recipe=recipe,
+        surface=floor,
+        wheel_signal=signal,
+        trials=records,
+        nominal_rate_Hz=getattr(importer, "rate_Hz", None),
+    )
     return ImportResult(
         data_set=data_set,
         read=read,
@@ -186,6 +204,7 @@ def known_options(format: str, options: dict[str, Any]) -> None:
         "robotino": ("ticks_per_turn", "smooth_s"),
         "csv": ("columns", "time", "x", "y", "heading", "wheels", "separator"),
         "ros": ("pose_topic", "joint_topic", "joints", "pose_rotation_deg"),
+        "robojackets": ("rate_Hz", "ticks_per_turn"),
     }[format]
     for option in options:
         if option not in known:
@@ -198,6 +217,10 @@ def _importer(format: str, options: dict[str, Any], robot: Robot) -> Importer:
         from slipmargin.io.importers.robotino import RobotinoImporter
 
         return RobotinoImporter(**options)
+    if format == "robojackets":
+        from slipmargin.io.importers.robojackets import RobojacketsImporter
+
+        return RobojacketsImporter(**options, convention=robot.convention)
     if format == "csv":
         from slipmargin.io.importers.csv_map import CsvImporter, read_map
         from slipmargin.io.importers.csv_options import csv_map

@@ -251,7 +251,7 @@ class Problem:
 
 
 def _first_pose(model: Model, trial: Trial, signal: WheelSignal) -> Array:
-    """Pose (3,) at the first instant: as measured, or taken back by the wheels from where it is first seen."""
+    """Pose (3,) at the first instant: as measured, or led back by the wheels from where it is first seen."""
     first = int(np.argmax(np.isfinite(trial.pose).all(axis=1)))
     if not first:
         return trial.start
