@@ -48,6 +48,14 @@ Calibration = Annotated[
         "--calibration", metavar="FILE", help="A calibration.toml of another floor, to be held fixed."
     ),
 ]
+Segment = Annotated[
+    float | None,
+    typer.Option(
+        "--segment",
+        metavar="S",
+        help="Cut each recording into runs of so many seconds, each with a start pose of its own [s].",
+    ),
+]
 ForceOpt = Annotated[bool, typer.Option("--force", help="Replace a data set that is there.")]
 Sign = Annotated[bool, typer.Option("--commanded", help="The wheel speeds are commanded, not measured.")]
 
@@ -88,6 +96,37 @@ def robotino(
         force,
         ticks_per_turn=ticks_per_turn,
         smooth_s=smooth,
+    )
+
+
+@app.command()
+def robojackets(
+    files: Files,
+    out: Out,
+    robot: Believed = "robojackets-2018",
+    segment: Segment = 5.0,
+    rate: Annotated[float, typer.Option("--rate", metavar="HZ", help="Nominal rows a second [Hz].")] = 60.0,
+    ticks_per_turn: Annotated[
+        float, typer.Option(metavar="N", help="Encoder ticks per wheel turn.")
+    ] = 6144.0,
+    surface: Floor = None,
+    force: ForceOpt = False,
+    json: JsonOpt = None,
+) -> None:
+    """Recordings of the RoboJackets' SSL robots (RoboJackets/robocup-firmware-data), cut into runs."""
+    run_import(
+        "robojackets",
+        files,
+        out,
+        robot,
+        surface,
+        False,
+        None,
+        json,
+        force,
+        segment_s=segment,
+        rate_Hz=rate,
+        ticks_per_turn=ticks_per_turn,
     )
 
 
@@ -375,6 +414,9 @@ def run_import(
         length_unit="--length-unit",
         tracker="--tracker",
         tracker_start_s="--tracker-start",
+        segment_s="--segment",
+        rate_Hz="--rate",
+        ticks_per_turn="--ticks-per-turn",
     ):
         found = sm.import_logs(
             files,
