@@ -8,8 +8,18 @@ from typing import Annotated, Any
 
 import typer
 
-RobotArg = Annotated[str, typer.Argument(metavar="ROBOT", help="Robot file or built-in name.")]
-SurfaceOpt = Annotated[str, typer.Option("--surface", metavar="S", help="Surface of the robot file.")]
+from . import complete
+
+RobotArg = Annotated[
+    str,
+    typer.Argument(metavar="ROBOT", help="Robot file or built-in name.", autocompletion=complete.robots),
+]
+SurfaceOpt = Annotated[
+    str,
+    typer.Option(
+        "--surface", metavar="S", help="Surface of the robot file.", autocompletion=complete.surfaces
+    ),
+]
 OutOpt = Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the table as CSV.")]
 PlotOpt = Annotated[
     Path | None, typer.Option("--plot", metavar="FILE", help="Draw it; .png, .svg or .pdf by ending.")
@@ -47,7 +57,9 @@ DeltaOpt = Annotated[
 TrajectoryOpt = Annotated[
     tuple[str, Path] | None,
     typer.Option(
-        "--export", metavar="TOOL FILE", help="Write the motion for choreo, pathplanner or ros-path (a bag)."
+        "--export",
+        metavar="TOOL FILE",
+        help="Write the motion for choreo, pathplanner, roadrunner or ros-path (a bag).",
     ),
 ]
 

@@ -142,6 +142,20 @@ class DesignResult(Result):
         }
 
 
+def known_quantities() -> dict[str, str]:
+    """The quantities that :func:`slipmargin.design` may vary, each with its meaning and unit.
+
+    Examples
+    --------
+    >>> import slipmargin as sm
+    >>> sm.known_quantities()["delta_deg"]
+    'wheel angle δ of a three-wheel robot (Fig. 3) [deg]'
+    """
+    from slipmargin.study.quantities import QUANTITIES
+
+    return {q.key: f"{q.meaning} [{q.unit}]" if q.unit else q.meaning for q in QUANTITIES}
+
+
 def design(
     robot: RobotLike,
     surface: str,
