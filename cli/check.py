@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from .options import JsonOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, check_outputs, deliver
+from .options import JsonOpt, OutOpt, PlotOpt, ReportOpt, RobotArg, SurfaceOpt, check_outputs, deliver
 from .render import at_options
 
 
@@ -42,6 +42,7 @@ def check(
     out: OutOpt = None,
     plot: PlotOpt = None,
     json: JsonOpt = None,
+    report: ReportOpt = None,
 ) -> int:
     """Audit anybody's trajectory: the share of each wheel's grip that it asks for, and the cure.
 
@@ -58,8 +59,8 @@ def check(
     """
     import slipmargin as sm
 
-    check_outputs(out, json, plot=plot)
+    check_outputs(out, json, report, plot=plot)
     with at_options(surface="--surface", margin="--margin", smooth_s="--smooth", topic="--topic"):
         found = sm.check(robot, surface, path, margin=margin, smooth_s=smooth, robust=robust, topic=topic)
-    deliver(found, out=out, plot=plot, json=json)
+    deliver(found, out=out, plot=plot, json=json, report=report)
     return 1 if strict and not found.admissible else 0

@@ -35,7 +35,9 @@ StaticOpt = Annotated[bool, typer.Option("--static", help="Static limits only: q
 LapsOpt = Annotated[bool, typer.Option("--laps", help="Also plan benchmark paths: slower.")]
 JobsOpt = Annotated[int | None, typer.Option(metavar="N", help="Processes; -1: every core.")]
 DaskOpt = Annotated[str | None, typer.Option(metavar="tcp://…", help="A Dask scheduler to work on.")]
-PageOpt = Annotated[Path | None, typer.Option("--html", metavar="FILE", help="Write a page that sums up.")]
+PageOpt = Annotated[
+    Path | None, typer.Option("--report", "--html", metavar="FILE", help="Write a page that sums up.")
+]
 
 
 def design(
@@ -89,5 +91,5 @@ def design(
             resume=resume,
             progress=report,
         )
-    deliver(found, out=out, plot=plot, json=json, texts={} if html is None else {html: found.page_text()})
+    deliver(found, out=out, plot=plot, json=json, report=html)
     found.forget_work()

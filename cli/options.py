@@ -27,6 +27,10 @@ PlotOpt = Annotated[
 JsonOpt = Annotated[
     str | None, typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for stdout.")
 ]
+ReportOpt = Annotated[
+    Path | None,
+    typer.Option("--report", metavar="FILE", help="Write a page to read and to print: one .html file."),
+]
 SeedOpt = Annotated[int, typer.Option("--seed", metavar="N", help="Seed of everything random.")]
 ChanceOpt = Annotated[
     float | None,
@@ -97,18 +101,22 @@ def deliver(
     out: Path | None = None,
     plot: Path | None = None,
     json: str | None = None,
+    report: Path | None = None,
     texts: Mapping[Path | str, str | bytes] | None = None,
     written: Sequence[Path | str] = (),
 ) -> None:
     """Write a result's files, all or none, then print what the command says and name ``written`` too."""
-    from .render import say, warn
+    from .render import made, say, warn
 
+    texts = dict(texts or {})
+    if report is not None:
+        texts[report] = found.page_text(made())
     found.write_files(table=out, plot=plot, json=None if json == "-" else json, texts=texts)
     warn(*getattr(found, "warnings", ()))
     if json == "-":
         return say(found.to_json().rstrip("\n"))
     table = found.table_lines() if out is None else []
-    named = [path for path in (out, plot, *(texts or ()), *written) if path]
+    named = [path for path in (out, plot, *texts, *written) if path]
     return say(*found.lines(), *(["", *table] if table else []), *(f"written: {path}" for path in named))
 
 

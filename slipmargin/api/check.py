@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from slipmargin.model import Model
     from slipmargin.paths.check import Check
+    from slipmargin.report.page import Page
 
 
 @final
@@ -71,6 +72,21 @@ class CheckResult(Result):
         from slipmargin.plots.paths import check_figure
 
         return check_figure(self.model, self.check, self.trajectory)
+
+    def panels(self) -> dict[str, Figure]:
+        """Each panel of :meth:`plot` as a figure of its own, by name: what a page shows."""
+        from slipmargin.plots.paths import check_panels
+
+        return check_panels(self.model, self.check, self.trajectory)
+
+    def page(self) -> Page:
+        """The report: verdict, numbers, picture, table, what to do next."""
+        from slipmargin.plots.style import images
+        from slipmargin.report.motion_pages import check_page
+
+        return check_page(
+            self.model, self.check, self.pose, images(self.panels()), self.lines(), self.warnings
+        )
 
     def table_text(self) -> str:
         """The trajectory in the contract's columns."""
