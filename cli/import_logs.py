@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from . import complete
-from .options import JsonOpt, check_outputs, deliver
+from .options import JsonOpt, PoseOpt, WheelOpt, check_outputs, deliver
 from .render import at_options
 
 app = typer.Typer(
@@ -48,6 +48,14 @@ Calibration = Annotated[
         "--calibration", metavar="FILE", help="A calibration.toml of another floor, to be held fixed."
     ),
 ]
+Segment = Annotated[
+    float | None,
+    typer.Option(
+        "--segment",
+        metavar="S",
+        help="Cut each recording into runs of so many seconds, each with a start pose of its own [s].",
+    ),
+]
 ForceOpt = Annotated[bool, typer.Option("--force", help="Replace a data set that is there.")]
 Sign = Annotated[bool, typer.Option("--commanded", help="The wheel speeds are commanded, not measured.")]
 
@@ -76,18 +84,37 @@ def robotino(
     json: JsonOpt = None,
 ) -> None:
     """Logs of the Festo Robotino 2 slip measurements (BrOleg5/research-wheel-slippage)."""
+    common = (files, out, robot, surface, calibrate, calibration, json, force)
     run_import(
         "robotino",
-        files,
-        out,
-        robot,
-        surface,
-        calibrate,
-        calibration,
-        json,
-        force,
+        *common,
         ticks_per_turn=ticks_per_turn,
         smooth_s=smooth,
+    )
+
+
+@app.command()
+def robojackets(
+    files: Files,
+    out: Out,
+    robot: Believed = "robojackets-2018",
+    segment: Segment = 5.0,
+    rate: Annotated[float, typer.Option("--rate", metavar="HZ", help="Nominal rows a second [Hz].")] = 60.0,
+    ticks_per_turn: Annotated[
+        float, typer.Option(metavar="N", help="Encoder ticks per wheel turn.")
+    ] = 6144.0,
+    surface: Floor = None,
+    force: ForceOpt = False,
+    json: JsonOpt = None,
+) -> None:
+    """Recordings of the RoboJackets' SSL robots (RoboJackets/robocup-firmware-data), cut into runs."""
+    common = (files, out, robot, surface, False, None, json, force)
+    run_import(
+        "robojackets",
+        *common,
+        segment_s=segment,
+        rate_Hz=rate,
+        ticks_per_turn=ticks_per_turn,
     )
 
 
@@ -129,16 +156,10 @@ def csv(
 
     A leading - turns a column's sign: --y -py:mm --wheel -fl:rpm.
     """
+    common = (files, out, robot, surface, calibrate, calibration, json, force)
     run_import(
         "csv",
-        files,
-        out,
-        robot,
-        surface,
-        calibrate,
-        calibration,
-        json,
-        force,
+        *common,
         commanded=commanded,
         columns=columns,
         time=time,
@@ -196,40 +217,15 @@ def ros(
     same for "ros", less 90 degrees for "paper".  Topics and joints that are not named are found by type and
     name, and said.  Joints keep their signs: a robot file from the same URDF needs no conversion.
     """
+    common = (files, out, robot, surface, calibrate, calibration, json, force)
     run_import(
         "ros",
-        files,
-        out,
-        robot,
-        surface,
-        calibrate,
-        calibration,
-        json,
-        force,
+        *common,
         pose_rotation_deg=rotation,
         pose_topic=pose,
         joint_topic=joints,
         joints=names,
     )
-
-
-PoseOpt = Annotated[
-    str | None,
-    typer.Option(
-        "--pose",
-        metavar="NAME",
-        help="Pose2d or Pose3d (default: by type); NAME:deg or NAME:rad for x, y and heading as an array.",
-    ),
-]
-WheelOpt = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--wheel",
-        metavar="NAME[:UNIT]",
-        help="A mecanum drive's wheels (default: by type), or a number for each wheel in the robot file's "
-        "order, with its unit (rad/s, rpm, rad, turn …); -NAME where it turns the other way.",
-    ),
-]
 
 
 @app.command()
@@ -375,6 +371,9 @@ def run_import(
         length_unit="--length-unit",
         tracker="--tracker",
         tracker_start_s="--tracker-start",
+        segment_s="--segment",
+        rate_Hz="--rate",
+        ticks_per_turn="--ticks-per-turn",
     ):
         found = sm.import_logs(
             files,

@@ -97,6 +97,7 @@ def import_logs(
     calibrate: bool = False,
     calibration: Path | str | None = None,
     commanded: bool = False,
+    segment_s: float | None = None,
     name: str = "imported",
     **options: Any,
 ) -> ImportResult:
@@ -107,7 +108,8 @@ def import_logs(
     files : list of str or Path
         The logs.
     format : str
-        ``robotino``, ``csv``, ``ros``, ``wpilog``, ``advantagescope``, ``roadrunner`` or ``lerobot``.
+        ``robotino``, ``csv``, ``ros``, ``robojackets``, ``wpilog``, ``advantagescope``, ``roadrunner`` or
+        ``lerobot``.
     robot : str, Path, Recipe or Robot
         The robot that is believed.
     surface : str, optional
@@ -118,6 +120,8 @@ def import_logs(
         A ``calibration.toml`` of another floor, to be held fixed.
     commanded : bool
         The wheel speeds are commanded, not measured.
+    segment_s : float, optional
+        Cut each log, a long recording, into runs of so many seconds [s] with a start pose each.
     name : str
         Name of the data set.
     options
@@ -143,6 +147,7 @@ def import_logs(
     from slipmargin.data.checks import check_data_set
     from slipmargin.data.clean_up import repaired
     from slipmargin.data.data_set import DataSet, WheelSignal
+    from slipmargin.data.segments import segments
     from slipmargin.io.calibration_file import read_calibration
     from slipmargin.io.importers.plug import import_files
 
@@ -155,13 +160,26 @@ def import_logs(
     held = None if calibration is None else read_calibration(Path(calibration))
     read = import_files(importer, [Path(file) for file in files])
     records = read.records
+    if segment_s is not None:
+        records = tuple(part for record in records for part in segments(record, segment_s))
+        if not records:
+            raise InputError(
+                "segment_s", f"is {segment_s:g}: no run is so long and moves", "give a shorter time"
+            )
     if calibrate:
         held = calibrated(records, recipe.build(floor).geometry)
     if held is not None:
         records = tuple(held.rectified(record) for record in records)
         recipe = replace(recipe, effects=(*recipe.effects, *held.effects()))
     signal = WheelSignal.COMMANDED if commanded else WheelSignal.MEASURED
-    data_set = DataSet(name=name, recipe=recipe, surface=floor, wheel_signal=signal, trials=records)
+    data_set = DataSet(
+        name=name,
+        recipe=recipe,
+        surface=floor,
+        wheel_signal=signal,
+        trials=records,
+        nominal_rate_Hz=getattr(importer, "rate_Hz", None),
+    )
     return ImportResult(
         data_set=data_set,
         read=read,

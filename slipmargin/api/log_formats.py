@@ -114,6 +114,15 @@ def ros(
     )
 
 
+def robojackets(
+    robot: Robot, files: _Files, rate_Hz: float = 60.0, ticks_per_turn: float = 6144.0
+) -> Importer:
+    """Recordings of the RoboJackets' SSL robots: nominal rate of rows [Hz], encoder ticks a wheel turn."""
+    from slipmargin.io.importers.robojackets import RobojacketsImporter
+
+    return RobojacketsImporter(rate_Hz=rate_Hz, ticks_per_turn=ticks_per_turn, convention=robot.convention)
+
+
 def wpilog(robot: Robot, files: _Files, pose: str | None = None, wheels: _Words = None) -> Importer:
     """WPILib's data logs of a mecanum robot.
 
@@ -208,5 +217,5 @@ def _one_each(option: str, given: Sequence[Any], robot: Robot) -> None:
 
 #: Name of a format → the function that makes its reader of a robot, the logs and the options.
 FORMATS: dict[str, Callable[..., Importer]] = {
-    f.__name__: f for f in (robotino, csv, ros, wpilog, advantagescope, roadrunner, lerobot)
+    f.__name__: f for f in (robotino, csv, ros, robojackets, wpilog, advantagescope, roadrunner, lerobot)
 }

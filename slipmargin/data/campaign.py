@@ -75,7 +75,7 @@ def _check_same(place: str, first: DataSet, other: DataSet) -> None:
     if other.wheel_signal is not first.wheel_signal:
         raise InputError(
             place,
-            f"{other.name} has {other.wheel_signal.value} wheels, {first.name} {first.wheel_signal.value} ones",
+            f"{other.name} has {other.wheel_signal.value} wheel speeds, {first.name} has not",
             "diagnose them apart",
         )
     one, two = first.recipe.robot.wheels, other.recipe.robot.wheels

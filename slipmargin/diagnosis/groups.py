@@ -1,7 +1,7 @@
 """Candidates of a campaign: what each belongs to decides which data sets share its parameters.
 
 What belongs to the machine is shared by all.  What belongs to a floor or an instrument is a candidate of its
-own on each.  What belongs to a loading is free in all loadings together, since a robot is never without loads.
+own on each.  What belongs to a loading is free in all loadings together: a robot is never without loads.
 """
 
 from __future__ import annotations
@@ -67,7 +67,9 @@ def _confined(candidate: Candidate, scope: Scope, groups: dict[str, frozenset[in
     def build(values: Array) -> AnyEffect:
         made = tuple(candidate.build(part) for part in np.split(np.asarray(values), many))
         return Confined(
-            effects=tuple(e for e in made if not isinstance(e, Confined)), members=tuple(groups.values())
+            effects=tuple(e for e in made if not isinstance(e, Confined)),
+            members=tuple(groups.values()),
+            groups=tuple(f"{scope.value} {word}" for word in groups),
         )
 
     def tiled(values: Array | None) -> Array:
@@ -77,7 +79,9 @@ def _confined(candidate: Candidate, scope: Scope, groups: dict[str, frozenset[in
     return replace(
         candidate,
         label=f"{candidate.label} in {scope.value} {where}",
-        keys=tuple(k if many == 1 else f"{k} ({word})" for word in groups for k in candidate.keys),
+        keys=tuple(
+            k if many == 1 else f"{k} ({scope.value} {word})" for word in groups for k in candidate.keys
+        ),
         units=candidate.units * many,
         null=tiled(candidate.null),
         scale=tiled(candidate.scale),

@@ -33,6 +33,7 @@ from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect
+from slipmargin.effects.confined import acting
 
 #: Steps of the last fit, which starts where the search ended.
 _FINAL_STEPS = 6
@@ -204,7 +205,7 @@ def diagnose(
             for i, t in enumerate(trials)
         ),
         recipe=data_set.recipe,
-        corrected=data_set.recipe.with_effects(*(() if final is None else final.effects)),
+        corrected=data_set.recipe.with_effects(*(() if final is None else acting(final.effects, 0))),
         repairs=conditions.repairs,
         remarks=(
             *(_cut_short(budget_s) if cut_short else ()),

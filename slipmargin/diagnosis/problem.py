@@ -165,6 +165,7 @@ class Problem:
             ]
         )
         cases, back = np.unique(np.column_stack([same[which], runs]), axis=0, return_inverse=True)
+        by_speed = self.commanded or any(t.record.theta is None for t in self.trials)
         pose = np.empty((len(cases), self.measured.shape[1], 3))
         rows = stack(packed)
         clocks = np.array([m.measurement.clock for m in models])[cases[:, 0]]
@@ -172,7 +173,7 @@ class Problem:
             part = np.flatnonzero(clocks == clock)
             model, run = cases[part].T
             pose[part] = (
-                self.batch.at_clock(float(clock))
+                self.batch.at_clock(float(clock), by_speed=by_speed)
                 .run(
                     rows,
                     self.starts[run],
@@ -251,7 +252,7 @@ class Problem:
 
 
 def _first_pose(model: Model, trial: Trial, signal: WheelSignal) -> Array:
-    """Pose (3,) at the first instant: as measured, or taken back by the wheels from where it is first seen."""
+    """Pose (3,) at the first instant: as measured, or led back by the wheels from where it is first seen."""
     first = int(np.argmax(np.isfinite(trial.pose).all(axis=1)))
     if not first:
         return trial.start

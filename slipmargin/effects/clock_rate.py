@@ -16,7 +16,8 @@ class ClockRate(Effect):
     """t ← period_factor t: a log without time stamps was sampled at another rate than its nominal one.
 
     Where the wheels' angles are logged, the path does not change; speeds and accelerations do, so that only
-    forces tell it.
+    forces tell it: friction coefficients times period_factor² stay the same, unless friction is known.
+    A rate that is stated at all is right to a tenth.
     """
 
     name = "clock_rate"
@@ -25,7 +26,7 @@ class ClockRate(Effect):
     part = Part.SENSING
     scope = Scope.INSTRUMENT
     parameters = (
-        parameter("period_factor", "1", (0.5, 1.0, 2.0), 0.02, "true over nominal sampling period"),
+        parameter("period_factor", "1", (0.9, 1.0, 1.1), 0.02, "true over nominal sampling period"),
     )
     needs_nominal_rate = True
     source = "a log without time stamps; above 1 = sampled more slowly than stated"

@@ -16,12 +16,13 @@ from slipmargin.model import Model
 class Confined:
     """One effect in each of some groups of data sets, with parameters of its own in each.
 
-    ``effects`` (G) are of one kind; effect g acts in the data sets whose numbers are in ``members[g]``, and
-    in a data set that is in no group nothing acts.
+    ``effects`` (G) are of one kind and ``groups`` say where they act, in words; effect g acts in the data
+    sets whose numbers are in ``members[g]``, and in a data set that is in no group nothing acts.
     """
 
     effects: tuple[Effect | GeneralEffect, ...]
     members: tuple[frozenset[int], ...]
+    groups: tuple[str, ...]
 
     @property
     def name(self) -> str:

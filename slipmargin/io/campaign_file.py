@@ -115,7 +115,12 @@ def _part(row: Table, beside: Path, changes: dict[str, dict[str, float]]) -> Par
     row.done()
     recipe = data_set.recipe
     if change := changes.get(loading):
-        body = replace(recipe.robot.body, **change)
+        body = recipe.robot.body
+        body = replace(
+            body,
+            mass_kg=change.get("mass_kg", body.mass_kg),
+            inertia_kg_m2=change.get("inertia_kg_m2", body.inertia_kg_m2),
+        )
         recipe = replace(recipe, robot=replace(recipe.robot, body=body))
     return Part(
         data_set=replace(data_set, name=name, recipe=recipe),

@@ -228,15 +228,25 @@ def test_measured_coefficients_are_turned(tmp_path: Path) -> None:
     np.testing.assert_allclose(paper.value[0], [0.26, 0.09], rtol=1e-3)
 
 
+@pytest.mark.parametrize("robot", [kiwi(), four_wheels()], ids=["kiwi", "mecanum"])
+def test_stopping_distances_are_turned(robot: Robot) -> None:
+    one, two = pair(robot)
+    paper, turned = (
+        sm.stop(r, "paper", speeds_m_s=[0.3], step_deg=90.0, verify=False).to_dict() for r in (one, two)
+    )
+    back = np.roll(np.array(turned["distance_m"]), 1, axis=0)  # 90° of the paper's directions are 0° of ROS's
+    np.testing.assert_allclose(back, paper["distance_m"], rtol=1e-5)
+
+
 def test_every_command_is_held_to_both_conventions() -> None:
     """Where a command reads or writes something with axes, a test turns it; the list is for who adds one."""
-    here = {"sweep", "polytope", "bounds", "plan", "check", "simulate", "design", "export", "measure"}
+    here = {"sweep", "polytope", "bounds", "plan", "check", "simulate", "design", "export", "measure", "stop"}
     elsewhere = {
         "diagnose": "rooms/io/test_ros_conventions.py",  # the same report to the last digit
         "import": "rooms/io/test_log_formats.py",
         "robots": "rooms/study/test_layouts_in_ros.py",  # words and drawings
     }
-    without_axes = {"reproduce", "surfaces", "effects", "live"}
+    without_axes = {"reproduce", "surfaces", "effects", "explore"}
     from slipmargin_cli.main import COMMANDS
 
     missing = set(COMMANDS) - here - set(elsewhere) - without_axes
