@@ -17,8 +17,8 @@ def check(
         Path,
         typer.Argument(
             metavar="TRAJ",
-            help="CSV (t_s,x_m,y_m,phi_rad at least), Choreo .traj, PathPlanner trajectory JSON, or a ROS "
-            "bag with a nav_msgs/Path.",
+            help="CSV (t_s,x_m,y_m,phi_rad at least), Choreo .traj, PathPlanner trajectory JSON, "
+            "Road Runner log (inches), or a ROS bag with a nav_msgs/Path.",
         ),
     ],
     surface: SurfaceOpt,
@@ -50,7 +50,7 @@ def check(
     it lifts off), and no motor gives more than that of its torque.  The cure is one factor: stretch time by
     it.
 
-    The form of the file is told by its content.  Choreo, PathPlanner and ROS give the heading of
+    The form of the file is told by its content.  Choreo, PathPlanner, Road Runner and ROS give the heading of
     the robot's front: it stays for a robot file in the convention of ROS and is turned by -90 degrees for
     the paper's, whose front is +Y; positions stay.
 

@@ -38,6 +38,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "sweep": ("slipmargin_cli.sweep:sweep", "How hard it can push in each direction before a wheel slips."),
     "polytope": ("slipmargin_cli.polytope:polytope", "All forces and moments it can make: vertices, facets."),
     "bounds": ("slipmargin_cli.bounds:bounds", "Accelerations and cornering speeds that do not slip."),
+    "explore": ("slipmargin_cli.explore:explore", "A local page with sliders: see the limits change."),
     "plan": ("slipmargin_cli.plan:plan", "The fastest way along a path with a margin against slip."),
     "check": ("slipmargin_cli.check:check", "Does a trajectory slip, where, and how much slower must it be?"),
     "simulate": ("slipmargin_cli.simulate:simulate", "What really happens under given wheel speeds."),

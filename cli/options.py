@@ -43,7 +43,9 @@ DeltaOpt = Annotated[
 TrajectoryOpt = Annotated[
     tuple[str, Path] | None,
     typer.Option(
-        "--export", metavar="TOOL FILE", help="Write the motion for choreo, pathplanner or ros-path (a bag)."
+        "--export",
+        metavar="TOOL FILE",
+        help="Write the motion for choreo, pathplanner, roadrunner or ros-path (a bag).",
     ),
 ]
 

@@ -25,6 +25,11 @@ def warn(*lines: str) -> None:
     _warnings.extend(f"warning: {line}" for line in lines)
 
 
+def say_warnings(lines: Sequence[str]) -> None:
+    """Say warnings at once, for a command that ends only when it is stopped."""
+    _write(sys.stderr, [f"warning: {line}" for line in lines])
+
+
 def tell(line: str, code: int) -> int:
     """One line on stderr instead of any warning, and the exit status to leave with."""
     _warnings.clear()

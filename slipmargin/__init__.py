@@ -30,6 +30,7 @@ _CONTENTS = {
     "describe_surface": "slipmargin.api.surfaces",
     "design": "slipmargin.api.design",
     "diagnose": "slipmargin.api.diagnose",
+    "explore": "slipmargin.api.explore",
     "export_trajectory": "slipmargin.api.trajectories",
     "import_logs": "slipmargin.api.import_logs",
     "known_effects": "slipmargin.api.effects",
@@ -51,6 +52,7 @@ if TYPE_CHECKING:
     from slipmargin.api.design import design as design
     from slipmargin.api.diagnose import diagnose as diagnose
     from slipmargin.api.effects import describe_effect as describe_effect, known_effects as known_effects
+    from slipmargin.api.explore import explore as explore
     from slipmargin.api.import_logs import import_logs as import_logs
     from slipmargin.api.measure import measure as measure
     from slipmargin.api.plan import plan as plan

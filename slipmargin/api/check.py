@@ -128,8 +128,9 @@ def check(
         A surface of the robot file.
     trajectory : Trajectory, array (T, 4), or a file
         A planned trajectory; rows of t [s], x [m], y [m], φ [rad]; or a file: a CSV with at least the
-        columns ``t_s,x_m,y_m,phi_rad``, a Choreo ``.traj``, a PathPlanner trajectory JSON, or a ROS bag
-        with a nav_msgs/Path.  Those three give the heading θ of the robot's front; it becomes φ = θ − π/2
+        columns ``t_s,x_m,y_m,phi_rad``, a Choreo ``.traj``, a PathPlanner trajectory JSON, a log of Road
+        Runner's quickstart (in inches), or a ROS bag with a nav_msgs/Path.  Those four give the heading θ
+        of the robot's front; it becomes φ = θ − π/2
         for a robot file in the paper's convention and φ = θ in that of ROS.  Velocities and accelerations
         that a file states are compared with its poses, which are what is checked; a contradiction is a
         warning.

@@ -7,12 +7,14 @@ long it lasts, and whether some runs took place on another floor is read from wh
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 
 from slipmargin.checks import Array, Index
+from slipmargin.data.campaign import each
 from slipmargin.data.clean_up import repaired
 from slipmargin.data.clocks import at_times
 from slipmargin.data.data_set import DataSet, WheelSignal
@@ -23,6 +25,7 @@ from slipmargin.diagnosis.held_out import searched_runs
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.effects import GeneralEffect, Part, Trace
+from slipmargin.model import nominal_model
 from slipmargin.physics.terms import Multiplier
 from slipmargin.physics.variables import Basis, Variable
 
@@ -77,16 +80,9 @@ def ready(data_set: DataSet, repairs: tuple[Repair, ...] | None = None, seed: in
         That of the diagnosis: the noise is measured on the runs that it does not hold out.
     """
     if repairs is None:
-        data_set, repairs = (fixed := repaired(data_set)).data_set, fixed.repairs
+        data_set, repairs = each(data_set, lambda d: ((fixed := repaired(d)).data_set, fixed.repairs))
     done = [*repairs]
-    data_set, more = _commands(data_set)
-    done += more
-    data_set, more = _one_clock(data_set)
-    done += more
-    if more:  # how the wheels move from row to row shows once the camera keeps their time
-        data_set, held = _commands(data_set)
-        done += held
-    data_set, more = _one_floor(data_set)
+    data_set, more = each(data_set, _alike)
     done += more
     stated = data_set.sigma
     data_set, more = _measured_noise(data_set, searched_runs(len(data_set.trials), seed))
@@ -95,13 +91,38 @@ def ready(data_set: DataSet, repairs: tuple[Repair, ...] | None = None, seed: in
     return Ready(data_set=data_set, noise_estimated=estimated, repairs=(*done, *more))
 
 
-def problem_of(data_set: DataSet, records: tuple[Record, ...] | None = None) -> Problem:
-    """The trials of a data set, or others, cleaned, with its noise, or else that of these trials."""
+def _alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
+    """With the commands, the clock and the floor that most of the runs have."""
+    data_set, done = _commands(data_set)
+    data_set, clock = _one_clock(data_set)
+    if clock:  # how the wheels move from row to row shows once the camera keeps their time
+        data_set, held = _commands(data_set)
+        clock = (*clock, *held)
+    data_set, floor = _one_floor(data_set)
+    return data_set, (*done, *clock, *floor)
+
+
+def problem_of(
+    data_set: DataSet, records: tuple[Record, ...] | None = None, runs: Sequence[int] | None = None
+) -> Problem:
+    """The trials of a data set, or others, cleaned, with its noise, or else that of these trials.
+
+    ``runs`` is the number of the trial that each of other records is cut from.
+    """
     records = data_set.trials if records is None else records
     sigma = white_noise(records) if data_set.sigma is None else data_set.sigma
     trials = tuple(clean(record, sigma) for record in records)
     commanded = data_set.wheel_signal is WheelSignal.COMMANDED
-    built = Problem.of(data_set.recipe, data_set.surface, trials, sigma, commanded)
+    own = np.asarray(data_set.member_of, dtype=np.int64)
+    built = Problem.of(
+        data_set.recipe,
+        data_set.surface,
+        trials,
+        sigma,
+        commanded,
+        [(m.recipe, nominal_model(m.recipe.robot, m.surface)) for m in data_set.members],
+        own if runs is None or not len(own) else own[np.asarray(runs, dtype=np.int64)],
+    )
     return replace(built, lasting=data_set.lasting)
 
 

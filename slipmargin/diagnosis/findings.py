@@ -18,6 +18,7 @@ from slipmargin.diagnosis.result import Estimate, Finding
 from slipmargin.diagnosis.search import Round, State
 from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.effects import Effect, Quantity, Trace
+from slipmargin.effects.confined import bare
 from slipmargin.effects.general import PREFIX
 
 _GENERAL_CONFIRM = (
@@ -64,6 +65,7 @@ def findings(
     for index, (candidate, effect) in enumerate(zip(final.structure, final.effects, strict=True)):
         span = slice(at, at + candidate.size)
         at += candidate.size
+        kind = bare(effect)
         doubts = _doubts(candidate, final.x[span], spread.low[span], spread.high[span], stuck)
         taken = next(
             (
@@ -106,8 +108,8 @@ def findings(
                 p_value=taken.p_value,
                 candidates_tried=tried,
                 confused_with=_rivals(taken, candidate),
-                confirm=effect.confirm if isinstance(effect, Effect) else _GENERAL_CONFIRM,
-                equation=_equation(candidate, effect),
+                confirm=kind.confirm if isinstance(kind, Effect) else _GENERAL_CONFIRM,
+                equation=_equation(candidate, kind),
                 doubts=doubts,
                 mapped=_mapped(candidate.trace, entries),
             )

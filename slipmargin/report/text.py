@@ -25,3 +25,18 @@ def labelled(line: str) -> tuple[str, str]:
     """A line ``label   text`` as its label and its text; the label is empty where the line has none."""
     match = _LABELLED.fullmatch(line)
     return (match[1], match[2]) if match else ("", line.strip())
+
+
+def towards(from_front_rad: float) -> str:
+    """A direction, counted counter-clockwise from the front, in words: ``forwards and to the left``."""
+    words = (
+        "forwards",
+        "forwards and to the left",
+        "to the left",
+        "backwards and to the left",
+        "backwards",
+        "backwards and to the right",
+        "to the right",
+        "forwards and to the right",
+    )
+    return words[round(math.degrees(from_front_rad) / 45.0) % 8]
