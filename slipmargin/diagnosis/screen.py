@@ -307,7 +307,9 @@ def _pulls(residual: Array, columns: Array, parts: Sequence[Index], block: int, 
     return out
 
 
-def _left_out(own: tuple[Columns, ...], gram: Array, pulls: Array, misfit: float) -> tuple[Array, Array]:
+def _left_out(
+    own: tuple[Columns, ...], gram: Array, pulls: Array, misfit: float
+) -> tuple[Array, Array]:
     """Gain (1 + S,) on folds left out, and the step (M,) that suits all runs."""
     low, high = np.concatenate([c.low for c in own]), np.concatenate([c.high for c in own])
     prior = np.zeros(gram.shape[1:])
@@ -343,3 +345,4 @@ def _can_be_two(one: Columns, two: Columns) -> bool:
     assert one.candidate is not None and two.candidate is not None
     same = one.candidate.name == two.candidate.name
     return not same or one.candidate.wheels != two.candidate.wheels
+

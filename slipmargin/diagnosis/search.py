@@ -90,12 +90,7 @@ class Round:
 
 
 def search(
-    problem: Problem,
-    seen: Index,
-    runs: Sequence[int],
-    candidates: list[Candidate],
-    seed: int,
-    progress: Watch,
+    problem: Problem, seen: Index, runs: Sequence[int], candidates: list[Candidate], seed: int, progress: Watch
 ) -> tuple[Problem, State, list[Round]]:
     """What the model lacks, judged on the trials ``seen``, and the rounds in which it was found.
 
@@ -254,9 +249,7 @@ def as_good(one: State, best: State) -> bool:
         return True
     gap = one.scores - best.scores
     spread = float(np.std(gap, ddof=1)) * np.sqrt(len(gap)) if len(gap) > 1 else 0.0
-    return (
-        float(gap.sum()) <= SETTINGS.as_good_errors * spread and one.chi <= SETTINGS.as_good_factor * best.chi
-    )
+    return float(gap.sum()) <= SETTINGS.as_good_errors * spread and one.chi <= SETTINGS.as_good_factor * best.chi
 
 
 def worthwhile(before: State, chi: float, named: bool = True) -> bool:
@@ -310,7 +303,6 @@ def nothing_sure(state: State) -> list[bool]:
     holds = (spread.low <= null) & (null <= spread.high)
     parts = np.split(holds, np.cumsum(sizes)[:-1])
     return [c.named and c.nested and bool(part.all()) for c, part in zip(state.structure, parts, strict=True)]
-
 
 def _whole(problem: Problem, state: State, runs: Sequence[int]) -> State:
     """A state found in pieces, fitted to whole runs where these come near the noise."""

@@ -230,7 +230,7 @@ def _towards(rays: Array, normals: Array, shift: Array) -> Array:
     angle = np.sort(np.arctan2(rays[:, 1], rays[:, 0]))
     after = np.searchsorted(angle, np.arctan2(y, x))
     best = [x * np.cos(a) + y * np.sin(a) for a in (angle[after % len(angle)], angle[after - 1])]
-    return np.maximum(*best)
+    return np.asarray(np.maximum(*best))
 
 
 def _lowest_coefficients(model: Model, drawn: Draws) -> Array:
