@@ -32,11 +32,14 @@ _CONTENTS = {
     "describe_surface": "slipmargin.api.surfaces",
     "design": "slipmargin.api.design",
     "diagnose": "slipmargin.api.diagnose",
+    "explore": "slipmargin.api.explore",
+    "export_simulator": "slipmargin.api.export_simulator",
     "export_c": "slipmargin.api.limiter",
     "export_trajectory": "slipmargin.api.trajectories",
     "import_logs": "slipmargin.api.import_logs",
     "known_effects": "slipmargin.api.effects",
     "new_robot": "slipmargin.api.robot_files",
+    "known_quantities": "slipmargin.api.design",
     "known_surfaces": "slipmargin.api.surfaces",
     "measure": "slipmargin.api.measure",
     "plan": "slipmargin.api.plan",
@@ -52,9 +55,11 @@ _CONTENTS = {
 if TYPE_CHECKING:
     from slipmargin.api.bounds import bounds as bounds
     from slipmargin.api.check import check as check
-    from slipmargin.api.design import design as design
+    from slipmargin.api.design import design as design, known_quantities as known_quantities
     from slipmargin.api.diagnose import diagnose as diagnose
     from slipmargin.api.effects import describe_effect as describe_effect, known_effects as known_effects
+    from slipmargin.api.explore import explore as explore
+    from slipmargin.api.export_simulator import export_simulator as export_simulator
     from slipmargin.api.import_logs import import_logs as import_logs
     from slipmargin.api.limiter import Limiter as Limiter, export_c as export_c
     from slipmargin.api.measure import measure as measure
