@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from . import complete
 from .options import JsonOpt, check_outputs, deliver
 from .render import at_options
 
@@ -18,9 +19,20 @@ app = typer.Typer(
 
 Files = Annotated[list[Path], typer.Argument(metavar="FILE…", help="Logs, one run each.")]
 Out = Annotated[Path, typer.Option("--out", metavar="DATASET", help="Folder of the data set to write.")]
-Believed = Annotated[str, typer.Option("--robot", metavar="ROBOT", help="Robot file or built-in name.")]
+Believed = Annotated[
+    str,
+    typer.Option(
+        "--robot", metavar="ROBOT", help="Robot file or built-in name.", autocompletion=complete.robots
+    ),
+]
 Floor = Annotated[
-    str | None, typer.Option("--surface", metavar="S", help="Surface of the robot file (default: its first).")
+    str | None,
+    typer.Option(
+        "--surface",
+        metavar="S",
+        help="Surface of the robot file (default: its first).",
+        autocompletion=complete.surfaces,
+    ),
 ]
 Calibrate = Annotated[
     bool,
@@ -126,7 +138,9 @@ def csv(
     columns: Annotated[
         Path | None, typer.Option("--map", metavar="MAP.toml", help="Which column is what, as a file.")
     ] = None,
-    time: Annotated[str | None, typer.Option(metavar="COLUMN:UNIT", help="Time; s, ms, us, ns [s].")] = None,
+    time: Annotated[
+        str | None, typer.Option(metavar="COLUMN:UNIT", help="Time; s, ms, us, ns [s]; #1 without header.")
+    ] = None,
     x: Annotated[str | None, typer.Option(metavar="COLUMN:UNIT", help="Position; m, cm, mm, in [m].")] = None,
     y: Annotated[str | None, typer.Option(metavar="COLUMN:UNIT", help="Position.")] = None,
     heading: Annotated[
@@ -238,6 +252,143 @@ def ros(
     )
 
 
+PoseOpt = Annotated[
+    str | None,
+    typer.Option(
+        "--pose",
+        metavar="NAME",
+        help="Pose2d or Pose3d (default: by type); NAME:deg or NAME:rad for x, y and heading as an array.",
+    ),
+]
+WheelOpt = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--wheel",
+        metavar="NAME[:UNIT]",
+        help="A mecanum drive's wheels (default: by type), or a number for each wheel in the robot file's "
+        "order, with its unit (rad/s, rpm, rad, turn …); -NAME where it turns the other way.",
+    ),
+]
+
+
+@app.command()
+def wpilog(
+    files: Files,
+    out: Out,
+    robot: Believed,
+    pose: PoseOpt = None,
+    wheels: WheelOpt = None,
+    surface: Floor = None,
+    calibrate: Calibrate = False,
+    calibration: Calibration = None,
+    commanded: Sign = False,
+    force: ForceOpt = False,
+    json: JsonOpt = None,
+) -> None:
+    """WPILib's data logs (.wpilog) of a mecanum robot (needs the extra: pip install 'slipmargin[frc]').
+
+    The robot file's wheels are named fl, fr, rl and rr.  Swerve drives are refused.
+    """
+    common = (files, out, robot, surface, calibrate, calibration, json, force)
+    run_import("wpilog", *common, commanded=commanded, pose=pose, wheels=wheels)
+
+
+@app.command()
+def advantagescope(
+    files: Files,
+    out: Out,
+    robot: Believed,
+    pose: PoseOpt = None,
+    wheels: WheelOpt = None,
+    surface: Floor = None,
+    calibrate: Calibrate = False,
+    calibration: Calibration = None,
+    commanded: Sign = False,
+    force: ForceOpt = False,
+    json: JsonOpt = None,
+) -> None:
+    """CSV that AdvantageScope exports (Table or List) of a mecanum robot.
+
+    The robot file's wheels are named fl, fr, rl and rr.  Swerve drives are refused.
+    """
+    common = (files, out, robot, surface, calibrate, calibration, json, force)
+    run_import("advantagescope", *common, commanded=commanded, pose=pose, wheels=wheels)
+
+
+@app.command()
+def roadrunner(
+    files: Files,
+    out: Out,
+    robot: Believed,
+    length_unit: Annotated[
+        str, typer.Option(metavar="U", help="Unit of the robot's constants: in, m, cm, mm.")
+    ] = "in",
+    surface: Floor = None,
+    calibrate: Calibrate = False,
+    calibration: Calibration = None,
+    force: ForceOpt = False,
+    json: JsonOpt = None,
+) -> None:
+    """Logs of Road Runner's quickstart (the JSON in /sdcard/RoadRunner/logs) of a mecanum robot.
+
+    The robot file's wheels are named fl, fr, rl and rr.
+    """
+    common = (files, out, robot, surface, calibrate, calibration, json, force)
+    run_import("roadrunner", *common, length_unit=length_unit)
+
+
+@app.command()
+def lerobot(
+    files: Files,
+    out: Out,
+    robot: Believed,
+    tracker: Annotated[
+        list[Path] | None,
+        typer.Option("--tracker", metavar="FILE", help="CSV of the pose; once, or once for each log."),
+    ] = None,
+    tracker_start: Annotated[
+        float, typer.Option(metavar="S", help="The tracker's clock when the episode began [s].")
+    ] = 0.0,
+    time: Annotated[str, typer.Option(metavar="COLUMN:UNIT", help="The tracker's time.")] = "t_s",
+    x: Annotated[str, typer.Option(metavar="COLUMN:UNIT", help="Its position.")] = "x_m",
+    y: Annotated[str, typer.Option(metavar="COLUMN:UNIT", help="Its position.")] = "y_m",
+    heading: Annotated[
+        str, typer.Option(metavar="COLUMN:UNIT", help="Heading of the robot's front.")
+    ] = "yaw_rad",
+    wheels: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--wheel",
+            metavar="NAME:UNIT",
+            help="A wheel's speed in observation.state, once a wheel (default: LeKiwi's body velocities).",
+        ),
+    ] = None,
+    episode: Annotated[int | None, typer.Option(metavar="N", help="Which, where there are several.")] = None,
+    surface: Floor = None,
+    calibrate: Calibrate = False,
+    calibration: Calibration = None,
+    force: ForceOpt = False,
+    json: JsonOpt = None,
+) -> None:
+    """LeRobot data sets of a LeKiwi, the pose from a tracker (needs: pip install 'slipmargin[lerobot]').
+
+    FILE is a data set's folder or one of its .parquet files.
+    """
+    common = (files, out, robot, surface, calibrate, calibration, json, force)
+    run_import(
+        "lerobot",
+        *common,
+        tracker=tracker,
+        tracker_start_s=tracker_start,
+        time=time,
+        x=x,
+        y=y,
+        heading=heading,
+        wheels=wheels,
+        episode=episode,
+    )
+
+
 def run_import(
     format: str,
     files: list[Path],
@@ -260,6 +411,9 @@ def run_import(
         pose_rotation_deg="--pose-rotation",
         columns="--map",
         wheels="--wheel",
+        length_unit="--length-unit",
+        tracker="--tracker",
+        tracker_start_s="--tracker-start",
         segment_s="--segment",
         rate_Hz="--rate",
         ticks_per_turn="--ticks-per-turn",

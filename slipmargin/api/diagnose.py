@@ -145,6 +145,7 @@ def diagnose(
     from slipmargin.data.clean_up import repaired
     from slipmargin.diagnosis.limits_change import limits_change
     from slipmargin.diagnosis.loop import diagnose as search
+    from slipmargin.diagnosis.turned import FRAME, change_in, data_set_in, diagnosis_in
 
     if seed < 0:
         raise InputError("seed", f"is {seed}", "give a whole number from 0")
@@ -154,14 +155,17 @@ def diagnose(
     if not data.trials:
         _check_sense(data, source)
         return _pulls(data, source, seed, progress)
-    mended = repaired(data)
-    _check_sense(mended.data_set, source)
+    turned = data_set_in(data, FRAME)
+    mended = repaired(turned)
+    _check_sense(data_set_in(mended.data_set, data.recipe.robot.convention), source)
     diagnosis = search(
         mended.data_set, seed=seed, progress=progress, repairs=mended.repairs, budget_s=budget_s
     )
     progress("limits before and after", 0.2)
-    change = limits_change(diagnosis.recipe, diagnosis.corrected, diagnosis.surface, data.pulls)
-    return DiagnosisResult(diagnosis=diagnosis, change=change)
+    change = limits_change(diagnosis.recipe, diagnosis.corrected, diagnosis.surface, turned.pulls)
+    return DiagnosisResult(
+        diagnosis=diagnosis_in(diagnosis, data.recipe), change=change_in(change, data.recipe.robot.convention)
+    )
 
 
 def _campaign(

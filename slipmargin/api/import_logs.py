@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
+from slipmargin.api.log_formats import importer_of, known_options
 from slipmargin.api.result import Result
 from slipmargin.api.robots import RobotLike, read_robot
 from slipmargin.errors import InputError
-from slipmargin.robot import Robot
 
 if TYPE_CHECKING:
     from slipmargin.data.calibration import Calibration
     from slipmargin.data.data_set import DataSet
-    from slipmargin.io.importers.plug import Importer, Summary
-
-FORMATS = ("robotino", "csv", "ros", "robojackets")
+    from slipmargin.io.importers.plug import Summary
 
 
 @final
@@ -111,13 +108,8 @@ def import_logs(
     files : list of str or Path
         The logs.
     format : str
-        ``robotino`` (options ``ticks_per_turn``, ``smooth_s``), ``csv`` (option ``columns``, a TOML file that
-        says which column is what, or ``time``, ``x``, ``y``, ``heading`` and ``wheels``, columns with their
-        units like ``"px:mm"``, see :mod:`slipmargin.io.importers.csv_options`, and ``separator``) or
-        ``ros`` (options ``pose_topic``, ``joint_topic``, ``joints``, each guessed from types and names where
-        it is not given, and ``pose_rotation_deg``, the angle from the robot's front to the x axis of the body
-        whose pose is logged) or ``robojackets`` (options ``rate_Hz``, the nominal rate of its rows, and
-        ``ticks_per_turn``).
+        ``robotino``, ``csv``, ``ros``, ``robojackets``, ``wpilog``, ``advantagescope``, ``roadrunner`` or
+        ``lerobot``.
     robot : str, Path, Recipe or Robot
         The robot that is believed.
     surface : str, optional
@@ -132,6 +124,8 @@ def import_logs(
         Cut each log, a long recording, into runs of so many seconds [s] with a start pose each.
     name : str
         Name of the data set.
+    options
+        Those of the format, described at its function in :mod:`slipmargin.api.log_formats`.
 
     Returns
     -------
@@ -161,7 +155,7 @@ def import_logs(
         raise InputError("calibrate", "is given together with a calibration", "give one of the two")
     known_options(format, options)
     recipe = read_robot(robot)
-    importer = _importer(format, options, recipe.robot)
+    importer = importer_of(format, options, recipe.robot, [Path(file) for file in files])
     floor = recipe.robot.surfaces[0].name if surface is None else recipe.robot.surface(surface).name
     held = None if calibration is None else read_calibration(Path(calibration))
     read = import_files(importer, [Path(file) for file in files])
@@ -193,65 +187,6 @@ def import_logs(
         calibration_given=calibration is not None,
         delay_s=_delay(data_set),
         warnings=tuple(str(finding) for finding in check_data_set(repaired(data_set).data_set)),
-    )
-
-
-def known_options(format: str, options: dict[str, Any]) -> None:
-    """Refuse an unknown format, or an option that it does not have."""
-    if format not in FORMATS:
-        raise InputError("format", f"is {format!r}", f"use one of: {', '.join(FORMATS)}")
-    known = {
-        "robotino": ("ticks_per_turn", "smooth_s"),
-        "csv": ("columns", "time", "x", "y", "heading", "wheels", "separator"),
-        "ros": ("pose_topic", "joint_topic", "joints", "pose_rotation_deg"),
-        "robojackets": ("rate_Hz", "ticks_per_turn"),
-    }[format]
-    for option in options:
-        if option not in known:
-            raise InputError(option, f"is no option of {format!r}", f"use one of: {', '.join(known)}")
-
-
-def _importer(format: str, options: dict[str, Any], robot: Robot) -> Importer:
-    """The reader of a format."""
-    if format == "robotino":
-        from slipmargin.io.importers.robotino import RobotinoImporter
-
-        return RobotinoImporter(**options)
-    if format == "robojackets":
-        from slipmargin.io.importers.robojackets import RobojacketsImporter
-
-        return RobojacketsImporter(**options, convention=robot.convention)
-    if format == "csv":
-        from slipmargin.io.importers.csv_map import CsvImporter, read_map
-        from slipmargin.io.importers.csv_options import csv_map
-
-        named = {k: v for k, v in options.items() if k != "columns" and v}
-        if options.get("columns") is None:
-            wanted = {"time": None, "x": None, "y": None, "heading": None, "wheels": (), **named}
-            held = csv_map(**wanted)
-            if len(held.wheels) != len(robot.wheels):
-                raise InputError(
-                    "wheels", f"are {len(held.wheels)}", f"give one for each of {len(robot.wheels)} wheels"
-                )
-            return CsvImporter(map=held)
-        if named:
-            raise InputError("columns", f"is given together with {', '.join(named)}", "give one of the two")
-        return CsvImporter(map=read_map(Path(options["columns"])))
-    from slipmargin.io.importers.ros2 import RosImporter
-
-    joints = options.get("joints")
-    if joints and len(joints) != len(robot.wheels):
-        raise InputError("joints", f"are {len(joints)}", f"give one for each of {len(robot.wheels)} wheels")
-    rotation = float(options.get("pose_rotation_deg") or 0.0)
-    if not abs(rotation) <= 360.0:
-        raise InputError("pose_rotation_deg", f"is {rotation:g}", "give an angle up to 360 degrees")
-    return RosImporter(
-        pose_topic=options.get("pose_topic"),
-        joint_topic=options.get("joint_topic"),
-        joints=tuple(joints) if joints else None,
-        wheels=tuple(w.name for w in robot.wheels),
-        convention=robot.convention,
-        pose_rotation_rad=math.radians(rotation),
     )
 
 

@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array, frozen
 from slipmargin.effects import AnyEffect, Effect, Scope, Trace, Variant, WheelEffect
@@ -54,6 +55,8 @@ class Candidate:
     usual : array (P,), optional
         Ordinary values, ``null`` by default: a fit that ends at one is not stuck at a bound that is the same.
         They differ where an idle parameter's first start, which its tangent needs, stands in for its null.
+    idle : array (P,) of bool, optional
+        Which parameters have no influence at null: tangents are taken at each of their starts.
     scope : Scope, optional
         What it belongs to, which data sets of a campaign may share; None: what its variable says.
     """
@@ -75,6 +78,7 @@ class Candidate:
     wheel_phase: bool = False
     prior: Array = field(default_factory=lambda: np.zeros((0, 0)))
     usual: Array | None = None
+    idle: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     scope: Scope | None = None
 
     def __post_init__(self) -> None:
@@ -85,6 +89,9 @@ class Candidate:
         object.__setattr__(self, "prior", frozen("prior", prior, (None, count)))
         for key in ("null", "scale", "low", "high"):
             object.__setattr__(self, key, frozen(key, getattr(self, key), (count,)))
+        idle = np.array(self.idle if len(self.idle) else np.zeros(count), dtype=bool)
+        idle.setflags(write=False)
+        object.__setattr__(self, "idle", idle)
         object.__setattr__(self, "starts", frozen("starts", self.starts, (None, count)))
 
     @property
@@ -129,6 +136,7 @@ def named_candidate(
         null=np.array([s[0] if p.idle and p.starts else p.null for p, s in zip(rows, sets, strict=True)]),
         scale=np.array([p.scale for p in rows]),
         usual=np.array([p.null for p in rows]),
+        idle=np.array([p.idle for p in rows]),
         low=np.array([p.low for p in rows]),
         high=np.array([p.high for p in rows]),
         starts=starts,

@@ -13,7 +13,14 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array, real
-from slipmargin.limits.motion import AccelerationLimit, acceleration_limit, along, along_each, steady_share
+from slipmargin.limits.motion import (
+    AccelerationLimit,
+    acceleration_limit,
+    along,
+    along_each,
+    steady_share,
+    steady_share_of,
+)
 from slipmargin.limits.motion_rows import acceleration_rows
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
@@ -94,12 +101,16 @@ def directions(
     left = np.stack([-ahead[:, 1], ahead[:, 0], ahead[:, 2]], axis=1)
     ways = np.stack([ahead, -ahead, left, -left])
     up, down, one, two = along_each(model, rows, np.broadcast_to(none, ways.shape), ways)
+    if share == 1.0 or not model.grip.multipliers:
+        steady = steady_share_of(model, motion, rows.facets, rows.friction, rows.external)
+    else:  # the friction that may be met depends on the share
+        steady = steady_share(model, motion, contact=contact)
     return Directions(
         heading_rad=np.asarray(heading_rad),
         starting_m_s2=up.value,
         braking_m_s2=down.value,
         turning_m_s2=np.minimum(one.value, two.value),
-        steady_use=steady_share(model, motion, contact=contact),
+        steady_use=steady,
         starting=up,
     )
 

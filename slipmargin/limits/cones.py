@@ -32,8 +32,9 @@ from slipmargin.solve.program import ConeFamily, ConeProgram, Solution
 
 _BALANCE = ("balance Fx", "balance Fy", "balance Mz")
 _PARTS = ("drive", "transverse")
-#: A part of a blend smaller than this is counted to the other.  The shape lies in the box and holds the
-#: box divided by √2, so no support changes by more than (1 − 1/√2) of this, or √2 − 1 at the other end [1].
+#: A part of a blend smaller than this is counted to the other [1].  The shape lies in the box and holds the
+#: box divided by √2 (a disc-strip whose transverse coefficient is r > 1 times its drive one: by √(1 + r²)),
+#: so no support changes by more than (1 − 1/√2) of this, or √2 − 1 at the other end.
 THIN = 1e-8
 
 

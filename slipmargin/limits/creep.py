@@ -55,7 +55,7 @@ UNRESISTED = 1e-12
 #: compiled code works on: it compiles twice as fast where it creates none.
 GRIP, STEEP, DRAG, STEEP_ACROSS, SLIDE, SLIP, WHEEL = range(7)
 NEED, CARRIED, SCALE, ASKED = 0, 3, 7, 10
-TABLES = (5, 3, 3)
+TABLES = (6, 3, 3)
 _law_share, _law_slope = twin(law_share), twin(law_slope)
 
 

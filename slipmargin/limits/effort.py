@@ -16,6 +16,9 @@ from slipmargin.limits.motion_friction import Friction, material_states
 from slipmargin.limits.motion_realised import LIGHTEST
 from slipmargin.model import Model
 
+#: Share of its grip that no wheel exceeds; above 1 because the friction law is continued there [1].
+WHOLE = 1.1
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -41,6 +44,19 @@ class Effort:
         share = np.full(self.torque_N_m.shape, np.inf)
         np.divide(self.torque_N_m, limit, out=share, where=limit > 0.0)
         return np.asarray(np.where(self.torque_N_m > 0.0, share, 0.0).max(axis=(0, 3)))
+
+
+def greatest_torque(model: Model, friction: Friction, external: External, acceleration: Array) -> Array:
+    """Torques (R, M, N) [N m] no motor exceeds at accelerations (R, M, 3), with each wheel's whole grip."""
+    c = model.geometry
+    on_drive, on_side = (np.abs(c.radius_m * np.sum(c.drive * axis, axis=1)) for axis in (c.grip, c.free))
+    drag = np.maximum(np.abs(friction.drag_low), np.abs(friction.drag_high))
+    each = on_drive * WHOLE * friction.drive + on_side * drag
+    worst = np.where(friction.possible, each, 0.0).max(axis=0)
+    load = np.max([load for *_, load in external.cases(np.zeros(2))], axis=0)
+    moved = acceleration[..., :2] @ model.loads.per_acceleration_kg.T
+    lightest = LIGHTEST * model.inertia.weight_N / model.count
+    return np.asarray(worst * np.maximum(load + moved, lightest))
 
 
 def efforts(model: Model, friction: Friction, external: External, acceleration: Array) -> Effort:

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.errors import NoSolution
-from slipmargin.limits.effort import efforts
-from slipmargin.limits.motion_external import least_product
-from slipmargin.limits.motion_friction import material_states
+from slipmargin.limits.effort import efforts, greatest_torque
+from slipmargin.limits.motion_external import External, least_product
+from slipmargin.limits.motion_friction import Friction, material_states
 from slipmargin.limits.motion_rows import (
     CAUSES,
     GRIP,
@@ -24,12 +24,14 @@ from slipmargin.limits.motion_rows import (
     SPENT,
     TIPS,
     AccelerationRows,
+    Facets,
     acceleration_rows,
     even_distribution,
     prepare,
 )
 from slipmargin.limits.motion_state import Contact, Motion
-from slipmargin.limits.realised_limit import decided_by_creep, realised_limit
+from slipmargin.limits.ray_ends import ray_ends
+from slipmargin.limits.realised_limit import decided_by_creep, realised_limit, wheels_of
 from slipmargin.model import Model
 from slipmargin.physics.kinematics import com_acceleration
 
@@ -129,20 +131,22 @@ def along_each(
     With four wheels and more and a share below 1 the wheels' forces are those that their common creep gives
     (:mod:`~slipmargin.limits.realised_limit`): what binds is then a single wheel.
     """
-    ranges = [_range(rows, s, d) for s, d in zip(start, direction, strict=True)]
-    low, value, best = (np.stack(each) for each in zip(*ranges, strict=True))
+    shape = start.shape[:2]
+    low, value, best = np.empty(shape), np.empty(shape), np.empty(shape, dtype=np.int64)
+    rays = np.ascontiguousarray(start), np.ascontiguousarray(direction)
+    ray_ends(rows.A, rows.b, rows.cause == TIPS, *rays, low, value, best)
     if isinstance(rows.share, float) and decided_by_creep(model, rows.share):
         found, limiting = realised_limit(
             model, rows.friction, rows.external, start, direction, low, value, share=rows.share
         )
-        binds = np.any(limiting, axis=2)
+        binds = limiting > 0
         if np.any(binds):
-            table, which = np.unique(limiting[binds], axis=0, return_inverse=True)
+            codes, which = np.unique(limiting[binds], return_inverse=True)
             best[binds] = len(rows.cause) + which.ravel()
             rows = replace(
                 rows,
-                wheels=np.concatenate([rows.wheels, table]),
-                cause=np.concatenate([rows.cause, np.full(len(table), GRIP)]),
+                wheels=np.concatenate([rows.wheels, wheels_of(codes, model.count)]),
+                cause=np.concatenate([rows.cause, np.full(len(codes), GRIP)]),
             )
         value = found
     if rows.torque_N_m is not None and model.count > 3:
@@ -169,6 +173,9 @@ def _within_torque(
     limit = rows.torque_N_m
     assert limit is not None
     none = ~np.isfinite(value)
+    at = start + np.where(none, 0.0, value)[..., None] * direction
+    if np.all(greatest_torque(model, rows.friction, rows.external, at) <= limit.min(axis=0)):
+        return value, best
 
     def asked(t: Array) -> Array:
         at = start + np.where(none, 0.0, t)[..., None] * direction
@@ -191,30 +198,6 @@ def _within_torque(
     return np.where(over, found, value), np.where(over, motors + wheel, best)
 
 
-def _range(rows: AccelerationRows, start: Array, direction: Array) -> tuple[Array, Array, NDArray[np.int64]]:
-    """Least and largest t (M,) with A (start + t direction) ≤ b, and the row that ends it.
-
-    Where no t is, the least is infinite and the largest −∞, or negative where the rows against the direction
-    say how far the robot is from holding.
-    """
-    room = rows.b - np.einsum("mrc,mc->mr", rows.A, start)
-    slope = np.einsum("mrc,mc->mr", rows.A, direction)
-    tiny = 1e-12 * np.max(np.abs(slope), axis=1, keepdims=True)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        t = np.where(slope > tiny, room / slope, np.inf)
-        least = np.max(np.where(slope < -tiny, room / slope, -np.inf), axis=1)
-    scale = np.max(np.abs(rows.b), axis=1, keepdims=True)
-    never = np.any((np.abs(slope) <= tiny) & (room < -1e-9 * scale), axis=1)
-    best = np.argmin(t, axis=1)
-    value = t[np.arange(len(t)), best]
-    tips = np.flatnonzero(rows.cause == TIPS)
-    if len(tips):  # where a wheel lifts its grip ends too: it tips
-        first = tips[np.argmin(t[:, tips], axis=1)]
-        best = np.where(t[np.arange(len(t)), first] <= value + 1e-9 * np.abs(value), first, best)
-    never |= least > value + 1e-9 * np.abs(value)
-    return np.where(never, np.inf, least), np.where(never & (value > 0.0), -np.inf, value), best
-
-
 def _coasted(rows: AccelerationRows, start: Array, direction: Array, value: Array, least: Array) -> Array:
     """``value``, or what drag alone does where no multiple is admissible as drag leaves no grip to drive."""
     spent = np.isposinf(least) & np.any(rows.spent, axis=1)
@@ -232,18 +215,19 @@ def needed_share(model: Model, motion: Motion, *, contact: Contact = Contact.ROL
     three wheels it is the largest wheel's share; for more, the wheels choose the distribution and the
     largest share may be higher (:func:`slipmargin.limits.motion_realised.realised`).
     """
-    facets, friction, external = prepare(model, motion, 1.0, contact)
-    a = _acceleration(model, motion)
-    need = np.full(motion.count, -np.inf)
+    return _needed(model, *prepare(model, motion, 1.0, contact), _acceleration(model, motion))
+
+
+def _needed(model: Model, facets: Facets, friction: Friction, external: External, a: Array) -> Array:
+    need = np.full(len(a), -np.inf)
+    middle = 0.5 * (friction.drag_low + friction.drag_high)
+    half = 0.5 * (friction.drag_high - friction.drag_low)
     for pick in material_states(friction.possible):
-        held = facets.drive * np.where(pick, friction.drive[1], friction.drive[0])[:, None]
-        low = np.where(pick, friction.drag_low[1], friction.drag_low[0])[:, None]
-        high = np.where(pick, friction.drag_high[1], friction.drag_high[0])[:, None]
-        lost = np.maximum(facets.across * low, facets.across * high)
+        grip, drag, spread = (np.where(pick, x[1], x[0]) for x in (friction.drive, middle, half))
         for low, high, load in external.cases(a):
             top = (a * model.inertia.diagonal) @ facets.normals.T - least_product(facets.normals, low, high)
-            top = top + (lost @ load[:, :, None])[..., 0]
-            need = np.maximum(need, np.max(_ratio(top, (held @ load[:, :, None])[..., 0]), axis=1))
+            top = top + (drag * load) @ facets.across.T + (spread * load) @ np.abs(facets.across).T
+            need = np.maximum(need, np.max(_ratio(top, (grip * load) @ facets.drive.T), axis=1))
     return need
 
 
@@ -253,10 +237,16 @@ def steady_share(model: Model, motion: Motion, *, contact: Contact = Contact.ROL
     With four wheels and more that of the realised distribution, which uses more than the best one.  Above 1
     no distribution holds constant speed; infinite where drag leaves no grip to drive.
     """
-    need = needed_share(model, motion, contact=contact)
+    return steady_share_of(model, motion, *prepare(model, motion, 1.0, contact))
+
+
+def steady_share_of(
+    model: Model, motion: Motion, facets: Facets, friction: Friction, external: External
+) -> Array:
+    """:func:`steady_share` of states whose facets, friction and external wrenches are prepared."""
+    need = _needed(model, facets, friction, external, _acceleration(model, motion))
     if model.count == 3:
         return need
-    _, friction, external = prepare(model, motion, 1.0, contact)
     use = efforts(model, friction, external, np.zeros((1, motion.count, 3))).use[0]
     return np.where(need < 1.0, np.clip(use, need, 1.0), need)
 

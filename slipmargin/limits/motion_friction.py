@@ -8,6 +8,7 @@ they give an interval, of which a limit takes the worst.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
 from typing import final
 
 import numpy as np
@@ -20,7 +21,7 @@ from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.friction_laws import law_inverse, law_share
-from slipmargin.physics.grips import drive_left
+from slipmargin.physics.grips import drive_left, polyhedral
 from slipmargin.physics.sectors import on_rigid, pitch
 from slipmargin.physics.terms import Multiplier
 from slipmargin.physics.variables import Target, Variable
@@ -103,22 +104,24 @@ def friction_in_motion(
     bounds = _drag_shares(grip.law, motion, slide, stiffness)
     coefficients = np.stack([grip.roller, grip.rigid])[:, None]  # (2, 1, N, 2)
     ends = [coefficients[..., 1] * a * s for a in across for s in bounds]
-    drag_low, drag_high = np.min(ends, axis=0), np.max(ends, axis=0)
+    drag_low, drag_high = reduce(np.minimum, ends), reduce(np.maximum, ends)
     available = coefficients[..., 0] * drive[0]
-    worst = np.maximum(np.abs(drag_low), np.abs(drag_high))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        used = np.where(worst > 0.0, worst / (coefficients[..., 1] * across[0]), 0.0)
-        by_radius = np.where(worst > 0.0, worst / available, 0.0)
-    left = drive_left(grip.shape, grip.coupling, used, by_radius)
+    left: Array | float = 1.0
+    if not polyhedral(grip.shape, grip.coupling):
+        worst = np.maximum(np.abs(drag_low), np.abs(drag_high))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            used = np.where(worst > 0.0, worst / (coefficients[..., 1] * across[0]), 0.0)
+            by_radius = np.where(worst > 0.0, worst / available, 0.0)
+        left = drive_left(grip.shape, grip.coupling, used, by_radius)
     return Friction(
-        drive=available * left,
+        drive=np.broadcast_to(available * left, drag_low.shape),
         drag_low=drag_low,
         drag_high=drag_high,
-        transverse=coefficients[..., 1] * 0.5 * (across[0] + across[1]),
+        transverse=np.broadcast_to(coefficients[..., 1] * 0.5 * (across[0] + across[1]), drag_low.shape),
         possible=_possible(grip, motion, contact),
         slide=slide,
-        stiffness=0.5 * (stiffness[0] + stiffness[1]),
-        drive_stiffness=0.5 * grip.k_s_per_m * (steep[0] + steep[1]),
+        stiffness=np.broadcast_to(0.5 * (stiffness[0] + stiffness[1]), slide.shape),
+        drive_stiffness=np.broadcast_to(0.5 * grip.k_s_per_m * (steep[0] + steep[1]), slide.shape),
     )
 
 
@@ -141,11 +144,10 @@ _BOTH = {
 
 
 def _factor(model: Model, motion: Motion, slide: Array, creep: Array, target: Target) -> Array:
-    """Lowest and highest product (2, M, N) of the multipliers that act on ``target``."""
-    out = np.ones((2, motion.count, model.count))
-    for term in model.grip.multipliers:
-        if term.target is not target and term.target is not _BOTH[target]:
-            continue
+    """Lowest and highest product (2, M, N) of the multipliers on ``target``; ones (2, 1, 1) without any."""
+    terms = [t for t in model.grip.multipliers if t.target is target or t.target is _BOTH[target]]
+    out = np.ones((2, motion.count, model.count) if terms else (2, 1, 1))
+    for term in terms:
         v = _values(model, motion, slide, creep, term, target)
         factor = np.broadcast_to(term.factor(v, term.wheels), (len(v), motion.count, model.count))
         out[0] *= factor.min(axis=0)

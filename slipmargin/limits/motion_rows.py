@@ -60,9 +60,8 @@ class AccelerationRows:
     ``wheels`` (R, N) are the wheels a row is about (a facet saturates several); ``cause`` (R,) indexes
     :data:`CAUSES`.  ``spent`` (M, N): wheels whose drag uses the whole of a coupled grip, so that none is
     left to drive; ``coasting`` (M, 3): the acceleration without any drive force (zero where none is spent).
-    ``share`` is λ, ``friction`` and ``external`` what the rows are made of, ``torque_N_m`` (2, M, N) the
-    torque
-    that may be used along and against each wheel's axle, None where motors do not count.
+    ``share`` is λ, ``facets``, ``friction`` and ``external`` what the rows are made of, ``torque_N_m``
+    (2, M, N) the torque that may be used along and against each wheel's axle, None where motors do not count.
     """
 
     A: Array
@@ -72,6 +71,7 @@ class AccelerationRows:
     spent: NDArray[np.bool_]
     coasting: Array
     share: Array | float = field(repr=False)
+    facets: Facets = field(repr=False)
     friction: Friction = field(repr=False)
     external: External = field(repr=False)
     torque_N_m: Array | None = field(repr=False)
@@ -142,6 +142,7 @@ def acceleration_rows(
         spent=spent,
         coasting=_coasting(model, friction, external) if np.any(spent) else np.zeros((motion.count, 3)),
         share=share,
+        facets=facets,
         friction=friction,
         external=external,
         torque_N_m=may,
@@ -176,12 +177,18 @@ def prepare(
 def facet_coefficients(facets: Facets, friction: Friction, share: Array | float) -> Array:
     """κ (M, K, N): how much each newton of load is worth to each facet, worst over what is unknown."""
     part = np.broadcast_to(np.asarray(share, dtype=float), (friction.drive.shape[1],))
-    held = part[None, :, None, None] * facets.drive * friction.drive[:, :, None]
-    lost = np.maximum(
-        facets.across * friction.drag_low[:, :, None], facets.across * friction.drag_high[:, :, None]
-    )
-    each = np.where(friction.possible[:, :, None], held - lost, np.inf)
-    return np.asarray(each.min(axis=0))
+    worst: Array | None = None
+    for possible, drive, low, high in zip(
+        friction.possible, friction.drive, friction.drag_low, friction.drag_high, strict=True
+    ):
+        if not np.any(possible):
+            continue
+        held = facets.drive * (part[:, None] * drive)[:, None]
+        lost = np.maximum(facets.across * low[:, None], facets.across * high[:, None])
+        each = held - lost if np.all(possible) else np.where(possible[:, None], held - lost, np.inf)
+        worst = each if worst is None else np.minimum(worst, each)
+    assert worst is not None
+    return worst
 
 
 def facet_rows(model: Model, facets: Facets, kappa: Array, external: External) -> tuple[Array, Array]:

@@ -52,7 +52,7 @@ def realised_limit(
     high: Array,
     *,
     share: float,
-) -> tuple[Array, NDArray[np.bool_]]:
+) -> tuple[Array, NDArray[np.int64]]:
     """Largest t in [low, high] with which start + t·direction keeps every wheel within the share.
 
     Parameters
@@ -64,7 +64,8 @@ def realised_limit(
 
     Returns
     -------
-    (R, M) t, −∞ where none is found, and (R, M, N) the limiting wheels (none where ``high`` is returned).
+    (R, M) t, −∞ where none is found, and (R, M) the limiting wheels as bits (:func:`wheels_of`), none where
+    ``high`` is returned.
     """
     law, n = model.grip.law, model.count
     flat = low.size
@@ -72,15 +73,20 @@ def realised_limit(
     k = _repeated(friction.drive_stiffness / np.mean(friction.drive_stiffness), low.shape)
     t, code = np.empty(flat), np.empty(flat, dtype=np.int64)
     forces = np.ascontiguousarray(np.concatenate(model.wrench_maps()))
-    work = np.zeros((n, WHEEL)), np.append(np.zeros(SCALE), comparable(model)), np.zeros(TABLES)
+    asked = np.append(np.zeros(SCALE), comparable(model))
+    work = forces, np.zeros((n, WHEEL)), asked, np.zeros(TABLES)
+    rule = law, knee(law), slip_at(law, share)
     for c0, c1, light, w0, w1 in _cases(model, friction, external, start, direction):
         rays, wrench = np.stack([k, c0, c1, light], axis=2), np.concatenate([w0, w1], axis=1)
-        given = forces, rays, wrench, *work, low.ravel(), best
-        leave_share(law, knee(law), slip_at(law, share), *given, t, code)
+        leave_share(rule, work, rays, wrench, low.ravel(), best, t, code)
         less = t < best
         best[less], wheels[less] = t[less], code[less]
-    bits = (wheels[:, None] >> np.minimum(np.arange(n), 62)) & 1
-    return best.reshape(low.shape), (bits > 0).reshape(*low.shape, n)
+    return best.reshape(low.shape), wheels.reshape(low.shape)
+
+
+def wheels_of(code: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
+    """(…, N) the wheels whose bits are set in ``code`` (…)."""
+    return np.asarray((code[..., None] >> np.minimum(np.arange(count), 62) & 1) != 0)
 
 
 def _cases(

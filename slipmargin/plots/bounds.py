@@ -11,7 +11,7 @@ from slipmargin.checks import Array
 from slipmargin.limits.bounds_summary import Bounds
 from slipmargin.limits.motion_rows import CAUSES, TIPS
 from slipmargin.plots.polar import forwards_up, polar_axes
-from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, RED, SKY, styled
+from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PANEL, RED, SKY, styled
 
 
 @styled
@@ -23,6 +23,16 @@ def bounds_figure(found: Bounds) -> Figure:
         draw(polar_axes(figure, grid[k]), found)
     draw_cornering(figure.add_subplot(grid[2]), found)
     return figure
+
+
+@styled
+def bounds_panels(found: Bounds) -> dict[str, Figure]:
+    """The three panels, each a figure of its own."""
+    limits, steady, corner = (Figure(figsize=PANEL, layout="constrained") for _ in range(3))
+    draw_limits(polar_axes(limits), found)
+    draw_steady(polar_axes(steady), found)
+    draw_cornering(corner.add_subplot(), found)
+    return {"limits": limits, "steady": steady, "cornering": corner}
 
 
 def draw_limits(axes: PolarAxes, found: Bounds) -> PolarAxes:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import textwrap
 from collections.abc import Sequence
 
 import numpy as np
@@ -120,7 +121,8 @@ def _round(designs: Sequence[RobotOnSurface], phi: Array) -> list[Array]:
 
 def label_of(goal: Objective) -> str:
     """An objective as an axis names it."""
-    return f"{goal.name}" + (f" [{goal.unit}]" if goal.unit and not goal.name.endswith("_s2") else "")
+    unit = "" if goal.unit in {"", "1"} else f" [{goal.unit}]"
+    return textwrap.fill(goal.meaning + unit, 36)
 
 
 def short(value: object) -> str:

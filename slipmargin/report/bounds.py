@@ -12,7 +12,7 @@ from slipmargin.limits.bounds_summary import Bounds
 from slipmargin.limits.motion_rows import CAUSES, TIPS
 from slipmargin.limits.uncertainty import SlipChance
 from slipmargin.report.sweep import chance_line
-from slipmargin.report.text import columns, degrees
+from slipmargin.report.text import ROWS, columns, degrees, left_out, thinned
 
 #: A disc-strip limit that is lower by this part is worth a line [1].
 WORTH_SAYING = 0.005
@@ -187,11 +187,11 @@ def _speeds(b: Bounds) -> list[str]:
     ]
 
 
-def tables(b: Bounds) -> list[str]:
-    """Limits by direction, then cornering speeds by curvature."""
+def direction_rows(b: Bounds, most: int) -> tuple[list[str], list[list[str]]]:
+    """Head and at most ``most`` rows of the limits by direction, the weakest among them."""
     head = ["direction", "speed up", "turn", "brake [m/s²]", "steady use", "limited by"]
-    pick = range(0, len(b.full.heading_rad), max(1, len(b.full.heading_rad) // 24))
-    rows = [
+    pick = thinned(len(b.full.heading_rad), most, [int(np.argmin(b.full.starting_m_s2))])
+    return head, [
         [
             degrees(b.full.heading_rad[k]),
             *(_held(v[k]) for v in (b.full.starting_m_s2, b.full.turning_m_s2, b.full.braking_m_s2)),
@@ -200,16 +200,27 @@ def tables(b: Bounds) -> list[str]:
         ]
         for k in pick
     ]
-    corner = columns(
-        ["curvature [1/m]", "heading held [m/s]", "along the path [m/s]"],
-        [
-            [f"{k:g}", f"{np.min(h):.3f} … {np.max(h):.3f}", f"{np.min(t):.3f} … {np.max(t):.3f}"]
-            for k, h, t in zip(
-                b.cornering.curvature_per_m, b.cornering.held_m_s, b.cornering.tangent_m_s, strict=True
-            )
-        ],
-    )
-    return [*columns(head, rows), "", *corner]
+
+
+def corner_rows(b: Bounds) -> tuple[list[str], list[list[str]]]:
+    """Head and rows of the cornering speeds by curvature."""
+    return ["curvature [1/m]", "heading held [m/s]", "along the path [m/s]"], [
+        [f"{k:g}", f"{np.min(h):.3f} … {np.max(h):.3f}", f"{np.min(t):.3f} … {np.max(t):.3f}"]
+        for k, h, t in zip(
+            b.cornering.curvature_per_m, b.cornering.held_m_s, b.cornering.tangent_m_s, strict=True
+        )
+    ]
+
+
+def tables(b: Bounds) -> list[str]:
+    """Limits by direction, then cornering speeds by curvature."""
+    head, rows = direction_rows(b, ROWS)
+    return [
+        *columns(head, rows),
+        *left_out(len(rows), len(b.full.heading_rad)),
+        "",
+        *columns(*corner_rows(b)),
+    ]
 
 
 def _held(value: float) -> str:

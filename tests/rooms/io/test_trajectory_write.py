@@ -94,8 +94,11 @@ def test_plan_and_simulate_export_and_check_reads(tmp_path: Path, capsys: pytest
     assert status(words) == 0
     assert read_trajectory(run).form == "PathPlanner"
     capsys.readouterr()
-    assert status([*words[:-2], "roadrunner", str(run)]) == 2
-    assert "--export: is 'roadrunner', use one of: choreo, pathplanner, ros-path" in capsys.readouterr().err
+    assert status([*words[:-2], "trajopt", str(run)]) == 2
+    assert (
+        "--export: is 'trajopt', use one of: choreo, pathplanner, roadrunner, ros-path"
+        in capsys.readouterr().err
+    )
 
 
 def test_a_bag_is_not_written_over(tmp_path: Path) -> None:
