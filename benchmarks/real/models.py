@@ -1,8 +1,8 @@
 """The rows of the benchmark: what predicts a robot's motion from its wheels.
 
-A model is fitted to runs and gives, for a run, the path in the body frame (T, 3) that it predicts: forwards
-and sideways way [m] and heading [rad], each added up from the run's first pose.  Who adds a row writes a class
-with ``fit`` and ``path`` and a line in :data:`ROWS`.
+A model is fitted to runs and gives, for a run, the path in the body frame (T, 3) that it predicts:
+forwards and sideways way [m] and heading [rad], each added up from the run's first pose. Who adds a row
+writes a class with ``fit`` and ``path`` and a line in :data:`ROWS`.
 """
 
 from __future__ import annotations

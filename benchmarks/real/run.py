@@ -2,15 +2,17 @@
 
     python benchmarks/real/run.py DATA [--json FILE] [--set NAME]… [--row NAME]…
 
-DATA holds what you have of ``robotino/`` (folders table_0.1, gray_0.1, load_0.1, green_0.1, green_0.2 of the
-public repository BrOleg5/research-wheel-slippage) and ``robojackets/`` (enc_vis*.txt of
-RoboJackets/robocup-firmware-data, branch nn-processing).  Nothing is downloaded.  ``--json`` keeps each row as
-soon as it is known, and goes on from there.  ``python benchmarks/real/page.py --write`` makes the page.
+DATA holds what you have of ``robotino/`` (folders table_0.1, gray_0.1, load_0.1, green_0.1, green_0.2 of
+the public repository BrOleg5/research-wheel-slippage) and ``robojackets/`` (enc_vis*.txt of
+RoboJackets/robocup-firmware-data, branch nn-processing). Nothing is downloaded. ``--json`` keeps each
+row as soon as it is known, and goes on from there. ``python benchmarks/real/page.py --write`` makes the
+page.
 
-Errors are those of displacement in the body frame, by each one's own heading, and of the change of heading, root
-mean squares over stretches of 0.5 s and 2 s that follow each other, and over whole runs; the velocity's over
-0.1 s.  NLL is that of the 0.5 s stretches' errors (x, y, heading) under a Gaussian whose covariance is that of
-the same errors on the fitted runs: a model that is sure of itself where it is wrong pays for it [nats a stretch].
+Errors are those of displacement in the body frame, by each one's own heading, and of the change of
+heading, root mean squares over stretches of 0.5 s and 2 s that follow each other, and over whole runs;
+the velocity's over 0.1 s. NLL is that of the 0.5 s stretches' errors (x, y, heading) under a Gaussian
+whose covariance is that of the same errors on the fitted runs: a model that is sure of itself where it
+is wrong pays for it [nats a stretch].
 """
 
 from __future__ import annotations

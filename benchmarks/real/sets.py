@@ -2,13 +2,13 @@
 
 A split is by whole runs and fixed by their names, so that a figure can be compared with anybody else's.
 
-- ``robotino-load``: Robotino with its weight moved to the front.  Fitted: every second heading (0, 10, …) of
-  ``table_0.1``, ``gray_0.1`` and ``load_0.1`` (all of the table for the camera's calibration); judged: the
-  other headings of ``load_0.1``.
-- ``robotino-green``: a thick carpet.  Fitted: every second heading of ``green_0.1`` and ``green_0.2``; judged:
-  the other headings at both speeds.  Camera as calibrated on the table.
-- ``robojackets``: a RoboCup SSL robot, cut into runs of 2.5 s.  Fitted: the blocks of 5 s with even numbers,
-  counted from the first row; judged: those with odd numbers.
+- ``robotino-load``: Robotino with its weight moved to the front. Fitted: every second heading (0, 10, …)
+  of ``table_0.1``, ``gray_0.1`` and ``load_0.1`` (all of the table for the camera's calibration);
+  judged: the other headings of ``load_0.1``.
+- ``robotino-green``: a thick carpet. Fitted: every second heading of ``green_0.1`` and ``green_0.2``;
+  judged: the other headings at both speeds. Camera as calibrated on the table.
+- ``robojackets``: a RoboCup SSL robot, cut into runs of 2.5 s. Fitted: the blocks of 5 s with even
+  numbers, counted from the first row; judged: those with odd numbers.
 """
 
 from __future__ import annotations
