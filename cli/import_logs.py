@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from . import complete
+from .import_options import Believed, Calibrate, Calibration, Files, Floor, ForceOpt, Out, Segment, Sign
 from .options import JsonOpt, PoseOpt, WheelOpt, check_outputs, deliver
 from .render import at_options
 
@@ -16,48 +16,6 @@ app = typer.Typer(
     rich_markup_mode=None,
     help="Turn raw logs into a data set, and say what was read, dropped and why.",
 )
-
-Files = Annotated[list[Path], typer.Argument(metavar="FILE…", help="Logs, one run each.")]
-Out = Annotated[Path, typer.Option("--out", metavar="DATASET", help="Folder of the data set to write.")]
-Believed = Annotated[
-    str,
-    typer.Option(
-        "--robot", metavar="ROBOT", help="Robot file or built-in name.", autocompletion=complete.robots
-    ),
-]
-Floor = Annotated[
-    str | None,
-    typer.Option(
-        "--surface",
-        metavar="S",
-        help="Surface of the robot file (default: its first).",
-        autocompletion=complete.surfaces,
-    ),
-]
-Calibrate = Annotated[
-    bool,
-    typer.Option(
-        "--calibrate",
-        help="Estimate scale, rotation, delay and tilt of the camera from these runs (the floor "
-        "with the least slip); kept in the data set as calibration.toml.",
-    ),
-]
-Calibration = Annotated[
-    Path | None,
-    typer.Option(
-        "--calibration", metavar="FILE", help="A calibration.toml of another floor, to be held fixed."
-    ),
-]
-Segment = Annotated[
-    float | None,
-    typer.Option(
-        "--segment",
-        metavar="S",
-        help="Cut each recording into runs of so many seconds, each with a start pose of its own [s].",
-    ),
-]
-ForceOpt = Annotated[bool, typer.Option("--force", help="Replace a data set that is there.")]
-Sign = Annotated[bool, typer.Option("--commanded", help="The wheel speeds are commanded, not measured.")]
 
 
 @app.command()
