@@ -56,7 +56,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "surfaces show": ("slipmargin surfaces show carpet-omni-williams2002",),
     "measure": ("slipmargin measure pulls.csv mybot.toml --surface floor",),
     "effects list": ("slipmargin effects list",),
-    "effects show": ("slipmargin effects show rolling_drag",),
+    "effects show": ("slipmargin effects show rigid_sector",),
 }
 
 
