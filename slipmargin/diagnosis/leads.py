@@ -26,8 +26,8 @@ def leads(
 ) -> tuple[Lead, ...]:
     """What to look at next, best first.
 
-    First what the map supports, then what repeats with a wheel's angle, then what fits the searched runs
-    best.  What was ``found`` already is no lead.
+    First what the map supports, in the order of the fits by simulation, then what repeats with a wheel's
+    angle, then what fits the searched runs best.  What was ``found`` already is no lead.
     """
     fits = _fits(rounds, len(found))
     refused = {label: r for r in rejected for label in r.labels}
@@ -37,15 +37,17 @@ def leads(
         if lead.traced_to not in {*found, *(m.traced_to for m in made)}:
             made.append(lead)
 
-    for entry in entries:
+    order = list(fits)
+    ranked = sorted(entries, key=lambda e: order.index(e.traced_to) if e.traced_to in fits else len(order))
+    for entry in ranked:
         if entry.supported:
             label = fits.get(entry.traced_to, (None, 0.0))[0]
             add(
                 Lead(
                     traced_to=entry.traced_to,
                     source=LeadSource.MAP,
-                    why=f"{entry.form} explains {100.0 * entry.share:.2g} % of the velocity residual of runs "
-                    f"left out (permutation of whole runs: p = {entry.p_value:.2g} among all variables)",
+                    why=f"{entry.form} takes {100.0 * entry.share:.2g} % off the squared residual of runs "
+                    f"left out (by its tangent; p = {entry.p_value:.2g} among all candidates)",
                     next_run=TRIALS[entry.traced_to],
                     share=entry.share,
                     p_value=entry.p_value,

@@ -64,6 +64,11 @@ class Columns:
     at: Array | None = None
     free: tuple[int, ...] = ()
 
+    @property
+    def named(self) -> bool:
+        """Whether it has a name."""
+        return self.candidate is not None and self.candidate.named
+
     def start(self, step: Array) -> Array:
         """The candidate's parameters after a step (M,), where a fit may start."""
         assert self.candidate is not None and self.at is not None
@@ -80,13 +85,15 @@ class Screened:
     """One entry of the list: one candidate, or two named ones, at their best start.
 
     ``gain`` is what the sum of squares of left-out runs falls by, ``step`` the step that suits all runs,
-    ``p_value`` the probability that the best of the whole list gains as much from noise.
+    ``p_value`` the probability that the best of the whole list gains as much from noise; ``starts`` are the
+    parameters (P,) after that step, and after those from a candidate's next best places or times.
     """
 
     parts: tuple[Columns, ...]
     gain: float
     step: Array
     p_value: float
+    starts: tuple[Array, ...] = ()
 
     @property
     def structure(self) -> tuple[Candidate, ...]:
@@ -102,15 +109,6 @@ class Screened:
     def label(self) -> str:
         """Its candidates' labels."""
         return " + ".join(c.label for c in self.parts)
-
-    def start(self) -> Array:
-        """Where a fit of the candidates starts."""
-        at, out = 0, []
-        for part in self.parts:
-            many = part.columns.shape[2]
-            out.append(part.start(self.step[at : at + many]))
-            at += many
-        return np.concatenate(out)
 
 
 @final
@@ -175,7 +173,7 @@ def screen(
     gram = np.array([_gram(columns[part]) for part in parts])
     pulls = _pulls(base.residual, columns, parts, block, seed)
     place = np.cumsum([0, *(g.columns.shape[2] for g in groups)])
-    misfit = max(1.0, base.cost / max(1, np.count_nonzero(base.residual)))
+    misfit = max(1.0, base.cost / max(1, int(np.count_nonzero(base.residual))))
     found: list[tuple[tuple[Columns, ...], Array, Array]] = []
 
     def add(*numbers: int) -> None:
@@ -186,21 +184,23 @@ def screen(
 
     for number in range(len(groups)):
         add(number)
-    singles = _best_of_each(found)
-    names = [n for n in singles if groups[n].candidate is not None and groups[n].candidate.named]
+    ordered = _starts_of_each(found)
+    singles = [numbers[0] for numbers in ordered]
+    names = [n for n in singles if groups[n].named]
     for one, two in combinations(names, 2):
         if _can_be_two(groups[one], groups[two]):
             add(one, two)
-    kept = [found[n] for n in (*singles, *range(len(groups), len(found)))]
-    most = np.max([gains[1:] for _, gains, _ in found], axis=0)
+    kept = [*ordered, *([n] for n in range(len(groups), len(found)))]
+    most = np.array([gains[1:] for _, gains, _ in found]).max(axis=0)
     entries = [
         Screened(
-            parts=own,
-            gain=float(gains[0]),
-            step=step,
-            p_value=float((1 + np.sum(most >= gains[0])) / (1 + len(most))),
+            parts=found[numbers[0]][0],
+            gain=float(found[numbers[0]][1][0]),
+            step=found[numbers[0]][2],
+            p_value=float((1 + np.sum(most >= found[numbers[0]][1][0])) / (1 + len(most))),
+            starts=tuple(_start(found[n][0], found[n][2]) for n in numbers[: SETTINGS.starts]),
         )
-        for own, gains, step in kept
+        for numbers in kept
     ]
     return Screening(entries=tuple(sorted(entries, key=lambda e: -e.gain)), total=base.cost)
 
@@ -225,13 +225,13 @@ def tangents(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> 
             plans.append((candidate, at, columns))
     found = iter(_in_parts(problem, points, base.trials))
     out = []
-    for candidate, at, columns in plans:
+    for candidate, at, plan in plans:
         made, here = [], base.residual
-        for j, step in columns:
+        for j, step in plan:
             residual = next(found)
-            made.append((residual - (base.residual if j < 0 else here)) / step)
+            made.append((residual - here) / step)
             here = residual if j < 0 else here
-        free = [j for j, _ in columns]
+        free = [j for j, _ in plan]
         low = [0.0 if j < 0 else (candidate.low[j] - at[j]) / candidate.scale[j] for j in free]
         high = [1.0 if j < 0 else (candidate.high[j] - at[j]) / candidate.scale[j] for j in free]
         prior = np.zeros((len(free), len(free)))
@@ -307,9 +307,7 @@ def _pulls(residual: Array, columns: Array, parts: Sequence[Index], block: int, 
     return out
 
 
-def _left_out(
-    own: tuple[Columns, ...], gram: Array, pulls: Array, misfit: float
-) -> tuple[Array, Array]:
+def _left_out(own: tuple[Columns, ...], gram: Array, pulls: Array, misfit: float) -> tuple[Array, Array]:
     """Gain (1 + S,) on folds left out, and the step (M,) that suits all runs."""
     low, high = np.concatenate([c.low for c in own]), np.concatenate([c.high for c in own])
     prior = np.zeros(gram.shape[1:])
@@ -330,14 +328,19 @@ def _left_out(
     return gains, np.clip(-np.linalg.solve(whole + lift, all_pulls[0]), low, high)
 
 
-def _best_of_each(found: Sequence[tuple[tuple[Columns, ...], Array, Array]]) -> list[int]:
-    """Number of the best start of each candidate."""
-    best: dict[str, int] = {}
-    for number, (own, gains, _) in enumerate(found):
-        label = own[0].label
-        if label not in best or gains[0] > found[best[label]][1][0]:
-            best[label] = number
-    return list(best.values())
+def _starts_of_each(found: Sequence[tuple[tuple[Columns, ...], Array, Array]]) -> list[list[int]]:
+    """Numbers of the starts of each candidate, best first."""
+    numbers: dict[str, list[int]] = {}
+    for number, (own, _, _) in enumerate(found):
+        numbers.setdefault(own[0].label, []).append(number)
+    return [sorted(of_one, key=lambda n: -float(found[n][1][0])) for of_one in numbers.values()]
+
+
+def _start(own: tuple[Columns, ...], step: Array) -> Array:
+    """Where a fit of candidates starts: after their step."""
+    ends = np.cumsum([len(c.low) for c in own])[:-1]
+    steps = zip(own, np.split(step, ends), strict=True)
+    return np.concatenate([np.zeros(0), *(c.start(part) for c, part in steps if c.candidate is not None)])
 
 
 def _can_be_two(one: Columns, two: Columns) -> bool:
@@ -345,4 +348,3 @@ def _can_be_two(one: Columns, two: Columns) -> bool:
     assert one.candidate is not None and two.candidate is not None
     same = one.candidate.name == two.candidate.name
     return not same or one.candidate.wheels != two.candidate.wheels
-

@@ -1,12 +1,12 @@
 """The search: forward stepwise over one list of candidates, named and general, each step in one view.
 
-A step screens the whole list by tangents (:mod:`~slipmargin.diagnosis.screen`), fits the few best by simulation,
-and compares them by one score: the squared residual of runs that were left out, a fold at a time, of a refit.  The
-screening as a whole is tested against surrogate noise.  A named effect is preferred to a general form where its
-left-out error is as good within the spread of the runs; what cannot be told apart from the best is kept
-as its rivals.  In the end every effect that the others make superfluous is dropped.
+A step screens the whole list by tangents (:mod:`~slipmargin.diagnosis.screen`), fits the few best by
+simulation, and compares them by one score: the squared residual of runs that were left out of a refit, a
+fold at a time.  The screening as a whole is tested against surrogate noise.  A named effect is preferred to
+a general form where its left-out error is as good within the spread of the runs; what cannot be told apart
+from the best is kept as its rivals.  In the end every effect that the others make superfluous is dropped.
 
-Far above the noise runs are compared in pieces, so that an error early in a run does not outweigh what comes later.
+Far above the noise runs are compared in pieces: an error early in a run must not outweigh what comes later.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class State:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Round:
-    """One step: where it started, the screened list, the fits (best first), the one chosen, and whether taken."""
+    """One step: where it started, the screened list, the fits (best first), the chosen one, if taken."""
 
     before: State
     screening: Screening
@@ -90,12 +90,17 @@ class Round:
 
 
 def search(
-    problem: Problem, seen: Index, runs: Sequence[int], candidates: list[Candidate], seed: int, progress: Watch
+    problem: Problem,
+    seen: Index,
+    runs: Sequence[int],
+    candidates: list[Candidate],
+    seed: int,
+    progress: Watch,
 ) -> tuple[Problem, State, list[Round]]:
     """What the model lacks, judged on the trials ``seen``, and the rounds in which it was found.
 
-    The problem comes back as well: wheel phases that were not logged are estimated on the way, for the trials
-    ``seen`` and for no other.  ``runs`` is the run that each of them is, or is cut from.
+    The problem comes back as well: wheel phases that were not logged are estimated on the way, for the
+    trials ``seen`` and for no other.  ``runs`` is the run that each of them is, or is cut from.
     """
     unknown = wheel_phase.is_unknown(problem)
     if unknown:
@@ -108,7 +113,7 @@ def search(
         state = fitted(problem.in_pieces(SETTINGS.piece_s), (), np.zeros(0), trials, own)
     rounds: list[Round] = []
     for number in range(SETTINGS.most_effects):
-        if progress.expired:
+        if progress.expired or (number and not worthwhile(state, SETTINGS.floor_chi)):
             break
         step = take_step(state, own, candidates, seed, progress.staged(f"round {number + 1}"))
         rounds.append(step)
@@ -196,15 +201,15 @@ def _added(before: State, entry: Screened, runs: Sequence[int], best: float) -> 
     """An entry of the list, fitted beside what is known; not to the end where it cannot be the best."""
     structure, trials = (*before.structure, *entry.structure), before.fit.trials
     plain = np.concatenate([c.candidate.starts[0] for c in entry.parts if c.candidate is not None])
-    starts = [np.concatenate([before.fit.x, x]) for x in (entry.start(), plain)]
-    x = _lowest(before.view, structure, starts, trials)
-    found = fit(before.view, structure, x, trials, give_up_above=SETTINGS.out_of_reach * best)
-    return scored(before.view, found, before.samples, runs)
-
-
-def _lowest(view: Problem, structure: tuple[Candidate, ...], starts: list[Array], trials: Index) -> Array:
-    found = view.residuals([build(structure, x) for x in starts], [trials] * len(starts))
-    return starts[int(np.argmin([np.sum(r**2) for r in found]))]
+    starts = [np.concatenate([before.fit.x, x]) for x in (*entry.starts, plain)]
+    found = before.view.residuals([build(structure, x) for x in starts], [trials] * len(starts))
+    order = np.argsort([np.sum(r**2) for r in found], kind="stable")
+    x = starts[order[0]]
+    if len(entry.starts) > 1:  # places and times: what is near one of them has its own optimum
+        short = [fit(before.view, structure, starts[i], trials, SETTINGS.first_steps) for i in order[:3]]
+        x = min(short, key=lambda f: f.cost).x
+    full = fit(before.view, structure, x, trials, give_up_above=SETTINGS.out_of_reach * best)
+    return scored(before.view, full, before.samples, runs)
 
 
 def scored(view: Problem, found: Fit, samples: float, runs: Sequence[int]) -> State:
@@ -249,7 +254,8 @@ def as_good(one: State, best: State) -> bool:
         return True
     gap = one.scores - best.scores
     spread = float(np.std(gap, ddof=1)) * np.sqrt(len(gap)) if len(gap) > 1 else 0.0
-    return float(gap.sum()) <= SETTINGS.as_good_errors * spread and one.chi <= SETTINGS.as_good_factor * best.chi
+    within = float(gap.sum()) <= SETTINGS.as_good_errors * spread
+    return within and one.chi <= SETTINGS.as_good_factor * best.chi
 
 
 def worthwhile(before: State, chi: float, named: bool = True) -> bool:
@@ -303,6 +309,7 @@ def nothing_sure(state: State) -> list[bool]:
     holds = (spread.low <= null) & (null <= spread.high)
     parts = np.split(holds, np.cumsum(sizes)[:-1])
     return [c.named and c.nested and bool(part.all()) for c, part in zip(state.structure, parts, strict=True)]
+
 
 def _whole(problem: Problem, state: State, runs: Sequence[int]) -> State:
     """A state found in pieces, fitted to whole runs where these come near the noise."""

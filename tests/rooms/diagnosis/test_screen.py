@@ -10,10 +10,15 @@ from inventions import force
 from planting import Plant, planted, smooth_kiwi
 
 from slipmargin.data.data_set import DataSet
+from slipmargin.diagnosis.candidate import named_candidates
+from slipmargin.diagnosis.fit import evaluate
+from slipmargin.diagnosis.general_forms import general_candidates
+from slipmargin.diagnosis.left_out import folds
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.residual_map import residual_map
+from slipmargin.diagnosis.ranges import ranges
+from slipmargin.diagnosis.screen import Screening, screen
 from slipmargin.effects import Trace
 from slipmargin.effects.wheel_radius import WheelRadius
 from slipmargin.physics.variables import Frame, Variable
@@ -22,12 +27,23 @@ SMALL = {"count": 8, "duration_s": 2.5, "rate_hz": 100.0}
 SIGMA = np.array([5e-4, 5e-4, 2e-3])
 
 
-def mapped(data: DataSet, seed: int = 0) -> tuple[MapEntry, ...]:
+def screened(data: DataSet, seed: int = 0, *, pieces: bool = False) -> Screening:
     sigma = SIGMA if data.sigma is None else data.sigma
     trials = tuple(clean(record, sigma) for record in data.trials)
     problem = Problem.of(data.recipe, data.surface, trials, sigma, False)
-    everyone = np.arange(len(trials))
-    return residual_map(problem, problem.predict([()], [everyone])[0], everyone.tolist(), seed)
+    problem = problem.in_pieces(0.5) if pieces else problem
+    model, covered = problem.model(()), ranges(trials)
+    reach = {"position": covered.position_m, "time": covered.duration_s}
+    candidates = [
+        *named_candidates(model.geometry.names, False, (), reach),
+        *general_candidates(model, covered, False),
+    ]
+    base = evaluate(problem, (), np.zeros(0), np.arange(len(trials)))
+    return screen(problem, base, candidates, (), folds(range(len(trials)), 4), 50, seed)
+
+
+def mapped(data: DataSet, seed: int = 0) -> tuple[MapEntry, ...]:
+    return screened(data, seed).map()
 
 
 def test_where_nothing_is_missing_no_variable_is_supported() -> None:
