@@ -26,7 +26,7 @@ def leads(
 ) -> tuple[Lead, ...]:
     """What to look at next, best first.
 
-    First what the map supports, in the order of the fits by simulation, then what repeats with a wheel's
+    First what the map supports, then what repeats with a wheel's
     angle, then what fits the searched runs best.  What was ``found`` already is no lead.
     """
     fits = _fits(rounds, len(found))
@@ -37,17 +37,16 @@ def leads(
         if lead.traced_to not in {*found, *(m.traced_to for m in made)}:
             made.append(lead)
 
-    order = list(fits)
-    ranked = sorted(entries, key=lambda e: order.index(e.traced_to) if e.traced_to in fits else len(order))
-    for entry in ranked:
-        if entry.supported:
+    for entry in entries:
+        no = refused.get(entry.form)
+        if entry.supported and not (no is not None and no.chi_after >= no.chi_before):
             label = fits.get(entry.traced_to, (None, 0.0))[0]
             add(
                 Lead(
                     traced_to=entry.traced_to,
                     source=LeadSource.MAP,
                     why=f"{entry.form} takes {100.0 * entry.share:.2g} % off the squared residual of runs "
-                    f"left out (by its tangent; p = {entry.p_value:.2g} among all candidates)",
+                    f"left out (p = {entry.p_value:.2g} among all candidates)",
                     next_run=TRIALS[entry.traced_to],
                     share=entry.share,
                     p_value=entry.p_value,

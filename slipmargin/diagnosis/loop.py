@@ -247,7 +247,7 @@ def _maps(rounds: list[Round], state: State | None) -> tuple[tuple[MapEntry, ...
         return (), ()
     labels = set() if state is None else {c.label for c in state.structure}
     like = [r for r in rounds if {c.label for c in r.before.structure} == labels]
-    return rounds[0].screening.map(), like[-1].screening.map() if like else ()
+    return rounds[0].map(), like[-1].map() if like else ()
 
 
 def _step(done: Round) -> Step:

@@ -129,17 +129,21 @@ class Problem:
             for row in np.flatnonzero(which == k):
                 clock = self.trials[runs[row]].t_s
                 pose[row, : len(clock)] = measure(model.measurement, clock, pose[row, : len(clock)])
-        seen = self.seen[runs]
-        if self.piece is None:
-            pose, gap = self._fitted(pose, self.measured[runs], seen)
-        else:
-            cut = [_cut(array, self.piece) for array in (pose, self.measured[runs], seen)]
-            fitted = self._fitted(_aligned(*cut), cut[1], cut[2])
-            pose, gap = (a.reshape(len(runs), -1, 3)[:, : pose.shape[1]] for a in fitted)
+        pose, gap = self.gaps(pose, runs)
         impossible = np.array([m is None for m in built])[which]
-        gap = np.where(seen & impossible[:, None, None], _WILD, gap)
+        gap = np.where(self.seen[runs] & impossible[:, None, None], _WILD, gap)
         parts = np.split(np.arange(len(runs)), np.cumsum([len(t) for t in trials])[:-1])
         return [(pose[part], gap[part]) for part in parts]
+
+    def gaps(self, pose: Array, runs: Index) -> tuple[Array, Array]:
+        """Poses (M, T, 3) predicted for trials ``runs`` (M,), with their starts fitted; the whitened gaps."""
+        seen = self.seen[runs]
+        if self.piece is None:
+            return self._fitted(pose, self.measured[runs], seen)
+        cut = [_cut(array, self.piece) for array in (pose, self.measured[runs], seen)]
+        fitted = self._fitted(_aligned(*cut), cut[1], cut[2])
+        moved, gap = (a.reshape(len(runs), -1, 3)[:, : pose.shape[1]] for a in fitted)
+        return moved, gap
 
     def _fitted(self, pose: Array, measured: Array, seen: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Predicted poses (M, T, 3) moved to where the start fits best, and the whitened gap left."""

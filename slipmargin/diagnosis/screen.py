@@ -20,7 +20,6 @@ import numpy as np
 from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit, Residuals
-from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import AnyEffect, Trace
 
@@ -84,15 +83,14 @@ class Columns:
 class Screened:
     """One entry of the list: one candidate, or two named ones, at their best start.
 
-    ``gain`` is what the sum of squares of left-out runs falls by, ``step`` the step that suits all runs,
-    ``p_value`` the probability that the best of the whole list gains as much from noise; ``starts`` are the
-    parameters (P,) after that step, and after those from a candidate's next best places or times.
+    ``gain`` is what the sum of squares of left-out runs falls by, ``step`` the step that suits all runs;
+    ``starts`` are the parameters (P,) after that step, and after those from a candidate's next best places
+    or times.
     """
 
     parts: tuple[Columns, ...]
     gain: float
     step: Array
-    p_value: float
     starts: tuple[Array, ...] = ()
 
     @property
@@ -114,28 +112,20 @@ class Screened:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Screening:
-    """The list, best first, and the sum of squares (of R runs) that the gains are part of."""
+    """The list, best first; the sum of squares that gains are part of; the best gains (S,) of surrogates."""
 
     entries: tuple[Screened, ...]
     total: float
+    chance: Array
 
-    @property
-    def p_value(self) -> float:
-        """Probability that noise alone gives as large a gain as the best of the list has."""
-        return self.entries[0].p_value if self.entries else 1.0
+    def share(self, entry: Screened) -> float:
+        """Share of the sum of squares that an entry takes off."""
+        return entry.gain / max(self.total, 1e-300)
 
-    def map(self) -> tuple[MapEntry, ...]:
-        """The best of each variable: what the residual follows, strongest first."""
-        best: dict[Trace, MapEntry] = {}
-        for entry in self.entries:
-            if len(entry.parts) == 1 and entry.parts[0].trace not in best:
-                best[entry.parts[0].trace] = MapEntry(
-                    traced_to=entry.parts[0].trace,
-                    form=entry.label,
-                    share=entry.gain / max(self.total, 1e-300),
-                    p_value=entry.p_value,
-                )
-        return tuple(sorted(best.values(), key=lambda e: (not e.supported, -e.share)))
+    def p_value(self, share: float) -> float:
+        """Probability that noise alone gives the best of the whole list this share of the sum of squares."""
+        beaten = int(np.sum(self.chance >= share * self.total))
+        return (1 + beaten) / (1 + len(self.chance))
 
 
 def screen(
@@ -168,7 +158,7 @@ def screen(
     """
     groups = [*tangents(problem, base, candidates), *probes]
     if not groups:
-        return Screening(entries=(), total=base.cost)
+        return Screening(entries=(), total=base.cost, chance=np.zeros(0))
     columns = _beside(base, np.concatenate([g.columns for g in groups], axis=2))
     gram = np.array([_gram(columns[part]) for part in parts])
     pulls = _pulls(base.residual, columns, parts, block, seed)
@@ -197,12 +187,12 @@ def screen(
             parts=found[numbers[0]][0],
             gain=float(found[numbers[0]][1][0]),
             step=found[numbers[0]][2],
-            p_value=float((1 + np.sum(most >= found[numbers[0]][1][0])) / (1 + len(most))),
-            starts=tuple(_start(found[n][0], found[n][2]) for n in numbers[: SETTINGS.starts]),
+            starts=tuple(_start(found[n][0], found[n][2]) for n in numbers[: 2 * SETTINGS.starts]),
         )
         for numbers in kept
     ]
-    return Screening(entries=tuple(sorted(entries, key=lambda e: -e.gain)), total=base.cost)
+    best_first = tuple(sorted(entries, key=lambda e: -e.gain))
+    return Screening(entries=best_first, total=base.cost, chance=most)
 
 
 def tangents(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> list[Columns]:

@@ -23,10 +23,13 @@ from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.evidence import intervals
 from slipmargin.diagnosis.fit import Fit, build, evaluate, fit
 from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
+from slipmargin.diagnosis.map_entry import MapEntry
+from slipmargin.diagnosis.probes import probes
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.screen import Screened, Screening, screen
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.watch import Watch
+from slipmargin.effects import Trace
 from slipmargin.errors import InputError
 
 
@@ -81,7 +84,27 @@ class Round:
     @property
     def p_value(self) -> float:
         """Probability that noise alone gives as large a gain to the best of the list."""
-        return self.screening.p_value
+        return 1.0 if self.best is None else self.screening.p_value(explained(self.before, self.best))
+
+    def map(self) -> tuple[MapEntry, ...]:
+        """The best candidate of each variable: what the residual follows, strongest first.
+
+        Its share is that of the fit by simulation where there is one, else that of its tangent.
+        """
+        rows = [(explained(self.before, s), s.last.trace, s.last.label) for s in self.tried if self.single(s)]
+        fits = {label for _, _, label in rows}
+        for entry in self.screening.entries:
+            if len(entry.parts) == 1 and entry.label not in fits:
+                rows.append((self.screening.share(entry), entry.parts[0].trace, entry.label))
+        best: dict[Trace, MapEntry] = {}
+        for share, trace, label in sorted(rows, key=lambda row: -row[0]):
+            p_value = self.screening.p_value(share)
+            best.setdefault(trace, MapEntry(traced_to=trace, form=label, share=share, p_value=p_value))
+        return tuple(best.values())
+
+    def single(self, state: State) -> bool:
+        """Whether a state adds one candidate."""
+        return len(state.structure) == len(self.before.structure) + 1
 
     def rivals(self) -> list[State]:
         """States that these trials cannot tell from the best one."""
@@ -152,10 +175,13 @@ def take_step(
         )
     parts = folds([runs[i] for i in some], SETTINGS.folds)
     block = max(1, round(SETTINGS.piece_s / before.view.step_s))
-    screening = screen(before.view, base, fresh, (), parts, block, seed)
+    screening = screen(before.view, base, fresh, probes(before.view, base), parts, block, seed)
     nothing = Round(before=before, screening=screening, tried=(), best=None, taken=False)
     promised = np.sqrt(max(0.0, 1.0 - max((e.gain for e in screening.entries), default=0.0) / base.cost))
-    if screening.p_value > SETTINGS.significance or not worthwhile(before, promised * before.chi):
+    worth = (
+        worthwhile(before, promised * before.chi) and screening.p_value(1.0 - promised**2) <= SETTINGS.level
+    )
+    if not worth and (before.structure or before.chi <= SETTINGS.noise_chi):
         return nothing
     tried: list[State] = []
     chosen = finalists(screening)
@@ -171,7 +197,8 @@ def take_step(
         screening=screening,
         tried=tuple(tried),
         best=best,
-        taken=worthwhile(before, best.chi, named=best.named),
+        taken=worthwhile(before, best.chi, named=best.named)
+        and screening.p_value(explained(before, best)) <= SETTINGS.significance,
     )
 
 
@@ -206,7 +233,7 @@ def _added(before: State, entry: Screened, runs: Sequence[int], best: float) -> 
     order = np.argsort([np.sum(r**2) for r in found], kind="stable")
     x = starts[order[0]]
     if len(entry.starts) > 1:  # places and times: what is near one of them has its own optimum
-        short = [fit(before.view, structure, starts[i], trials, SETTINGS.first_steps) for i in order[:3]]
+        short = [fit(before.view, structure, starts[i], trials, SETTINGS.first_steps) for i in order[: SETTINGS.starts]]
         x = min(short, key=lambda f: f.cost).x
     full = fit(before.view, structure, x, trials, give_up_above=SETTINGS.out_of_reach * best)
     return scored(before.view, full, before.samples, runs)
@@ -230,6 +257,11 @@ def fitted(
 def refitted(state: State, structure: tuple[Candidate, ...], x: Array, runs: Sequence[int]) -> State:
     """Another structure in the view, and on the trials, of ``state``."""
     return fitted(state.view, structure, x, state.fit.trials, runs)
+
+
+def explained(before: State, after: State) -> float:
+    """Share of the left-out sum of squares that falls away."""
+    return float(1.0 - after.scores.sum() / before.scores.sum())
 
 
 def choose(tried: Sequence[State]) -> State:

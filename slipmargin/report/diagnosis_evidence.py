@@ -108,8 +108,7 @@ def residual_map(d: Diagnosis) -> list[Block]:
     return [
         Table(
             caption="The residual map: share of the squared residual that the best candidate of each "
-            "variable takes off on runs left out, by its tangent, and how likely noise alone gives the best "
-            "of all as much",
+            "variable takes off on runs left out, and how likely noise alone gives the best of all as much",
             head=("variable", "candidate", "share", "p-value"),
             rows=rows,
         ),

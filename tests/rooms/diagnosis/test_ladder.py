@@ -79,7 +79,7 @@ def test_what_does_not_hold_is_not_claimed(court: Court) -> None:
 
 def test_another_candidate_is_asked_where_the_proposal_fails(court: Court) -> None:
     wrong, right = proposed(court, "camera_scale"), proposed(court, "wheel_loads")
-    nothing = Screening(entries=(), total=1.0)
+    nothing = Screening(entries=(), total=1.0, chance=np.zeros(0))
     done = Round(before=proposed(court), screening=nothing, tried=(right, wrong), best=wrong, taken=True)
     found = check(court, wrong, [done], Watch(report=no_progress))
     assert labels_of(found) == ["wheel_loads"] and found.rejected[0].labels == ("camera_scale",)
