@@ -47,6 +47,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "design": ("slipmargin_cli.design:design", "Which machine to build: every limit over varied dimensions."),
     "diagnose": ("slipmargin_cli.diagnose:diagnose", "What physics is missing, judged by measured runs."),
     "import": ("slipmargin_cli.import_logs:app", "Turn raw logs into a data set."),
+    "monitor": ("slipmargin_cli.monitor:monitor", "Is a wheel slipping: live, by a likelihood ratio."),
     "export": (
         "slipmargin_cli.export:app",
         "A robot for other programs: a limiter in C, Gazebo's or MuJoCo's model.",

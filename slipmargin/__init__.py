@@ -21,6 +21,7 @@ __version__ = "0.1.0"
 
 #: Public function → the module that holds it.
 _CONTENTS = {
+    "SlipMonitor": "slipmargin.api.monitor",
     "Limiter": "slipmargin.api.limiter",
     "bounds": "slipmargin.api.bounds",
     "built_in_robots": "slipmargin.api.robots",
@@ -62,6 +63,7 @@ if TYPE_CHECKING:
     from slipmargin.api.import_logs import import_logs as import_logs
     from slipmargin.api.limiter import Limiter as Limiter, export_c as export_c
     from slipmargin.api.measure import measure as measure
+    from slipmargin.api.monitor import SlipMonitor as SlipMonitor
     from slipmargin.api.plan import plan as plan
     from slipmargin.api.polytope import polytope as polytope
     from slipmargin.api.reproduce import reproduce as reproduce

@@ -38,7 +38,8 @@ class Jitter:
         """What it says."""
         return (
             f"Camera frames come {1e3 * self.value_s:.2g} ms "
-            f"({1e3 * self.low_s:.2g} … {1e3 * self.high_s:.2g}) before or after the times of their rows (one standard deviation)."
+            f"({1e3 * self.low_s:.2g} … {1e3 * self.high_s:.2g}) before or after the times of their rows "
+            "(one standard deviation)."
         )
 
 

@@ -76,14 +76,14 @@ def _grip(b: Bounds) -> list[str]:
 
 def _slipping(b: Bounds) -> str:
     """Where the robot slips without accelerating, and what is left elsewhere."""
-    held = b.full.starting_m_s2 > 0.0
+    held, rigid = b.full.starting_m_s2 > 0.0, " on rigid sectors" if b.on_rigid_sectors else ""
     wheels = ", ".join(b.full.starting.wheels[int(np.argmin(b.full.starting_m_s2))])
     if not np.any(held):
-        return f"it must slip at constant speed in every direction (wheel {wheels} first)"
+        return f"it must slip at constant speed{rigid} in every direction (wheel {wheels} first)"
     strong = int(np.argmax(b.full.starting_m_s2))
     return (
-        f"it must slip at constant speed in {np.count_nonzero(~held)} of {len(held)} directions (wheel "
-        f"{wheels} first); {b.full.starting_m_s2[strong]:.4g} m/s² in the strongest "
+        f"it must slip at constant speed{rigid} in {np.count_nonzero(~held)} of {len(held)} directions "
+        f"(wheel {wheels} first); {b.full.starting_m_s2[strong]:.4g} m/s² in the strongest "
         f"({degrees(b.full.heading_rad[strong])}{_narrow(b, strong)})"
     )
 
@@ -108,7 +108,8 @@ def _span(values: Array) -> str:
     slips = len(values) - len(held)
     if not len(held):
         return "none, it must slip in every direction"
-    found = f"{np.min(held):.4g} to {np.max(held):.4g} m/s²"
+    least, most = f"{np.min(held):.4g}", f"{np.max(held):.4g}"
+    found = f"{least} m/s²" if least == most else f"{least} to {most} m/s²"
     return found + (f" (it must slip in {slips} of {len(values)} directions)" if slips else "")
 
 
@@ -131,7 +132,8 @@ def _steady(b: Bounds) -> str:
             if slips == len(b.full.steady_use)
             else f"{slips} of {len(b.full.steady_use)} directions"
         )
-        return f"steady      it must slip at constant speed in {where} (with --robust: on rigid sectors)"
+        rigid = " on rigid sectors" if b.on_rigid_sectors else ""
+        return f"steady      it must slip at constant speed{rigid} in {where}"
     spent = int(np.count_nonzero(np.isinf(b.full.steady_use)))
     if spent:
         return (

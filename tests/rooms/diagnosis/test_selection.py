@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from planting import Plant, planted, smooth_kiwi
+from slipmargin.diagnosis.selection import refitted
 
 from slipmargin.checks import Array
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
@@ -14,7 +15,6 @@ from slipmargin.diagnosis.fit import fit
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.search import base_state
-from slipmargin.diagnosis.selection import refitted
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import Trace
 from slipmargin.effects.wheel_loads import WheelLoads

@@ -16,10 +16,11 @@ from slipmargin.errors import InputError
 from slipmargin.limits import sweep, wrench_set
 from slipmargin.model import Model, nominal_model
 from slipmargin.plots.machine import machine_figure
-from slipmargin.plots.polytope import polytope_figure, section
+from slipmargin.plots.polytope import polytope_figure
 from slipmargin.plots.style import check_format, save
 from slipmargin.plots.sweep import draw_sweep, polar_figure, sweep_figure
 from slipmargin.robot import GripShape
+from slipmargin.sets.section import section
 
 CIRCLE = np.linspace(0.0, 2.0 * np.pi, 73)
 
