@@ -255,7 +255,7 @@ def _maps(rounds: list[Round], state: State | None) -> tuple[tuple[MapEntry, ...
         return (), ()
     labels = set() if state is None else {c.label for c in state.structure}
     like = [r for r in rounds if {c.label for c in r.before.structure} == labels]
-    return rounds[0].screening.map(), like[-1].screening.map() if like else ()
+    return rounds[0].map(), like[-1].map() if like else ()
 
 
 def _step(done: Round) -> Step:
@@ -298,7 +298,8 @@ def _clock(data_set: DataSet) -> tuple[str, ...]:
     found = jitter(data_set.trials)
     said = (
         f"Rows have no time stamps, only a nominal rate of {data_set.nominal_rate_Hz:g} Hz: friction "
-        "coefficients times the square of the sampling period are known, not both; slip ratios do not depend on it.",
+        "coefficients times the square of the sampling period are known, not both; slip ratios do not depend "
+        "on it.",
     )
     return said if found is None else (*said, found.sentence)
 

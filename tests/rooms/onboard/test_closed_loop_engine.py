@@ -1,4 +1,4 @@
-"""The limiter on an engine with real rollers (MuJoCo): what it commands hardly slips, clipping each axis does."""
+"""The limiter on an engine with real rollers (MuJoCo): what it commands hardly slips, clipped axes do."""
 
 from __future__ import annotations
 

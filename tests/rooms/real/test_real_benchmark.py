@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -62,7 +63,7 @@ def test_stretches_follow_each_other_within_what_was_seen() -> None:
     t = np.arange(0.0, 3.0, 0.1)
     seen = t >= 0.4 - 1e-9
     found = windows(t, seen, 0.5)
-    assert found[0][0] == 4 and all(b == c for (_, b), (c, _) in zip(found[:-1], found[1:], strict=True))
+    assert found[0][0] == 4 and all(b == c for (_, b), (c, _) in pairwise(found))
     assert windows(t, seen, None) == [(4, 29)] and windows(t, seen, 10.0) == []
 
 
