@@ -23,6 +23,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "slipmargin check mecanum4 plan.csv --surface floor --margin 0.1 --strict",
     ),
     "simulate": ("slipmargin simulate mecanum4 speeds.csv --surface floor --out run.csv --report run.html",),
+    "stop": ("slipmargin stop mecanum4 --surface floor --speed 1",),
     "design": (
         "slipmargin design ohio-kiwi --surface paper --vary delta_deg=0:60:5",
         "slipmargin design omni4 --surface floor --vary front_angle_deg=30:60:10 "
@@ -35,6 +36,15 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "--heading yaw:deg --wheel fl:rpm --wheel fr:rpm --wheel rl:rpm --wheel rr:rpm",
     ),
     "import robotino": ("slipmargin import robotino *.csv --surface gray --out runs",),
+    "import wpilog": ("slipmargin import wpilog match1.wpilog --robot mybot.toml --out runs",),
+    "import advantagescope": ("slipmargin import advantagescope match1.csv --robot mybot.toml --out runs",),
+    "import roadrunner": ("slipmargin import roadrunner run1.log --robot mybot.toml --out runs",),
+    "import robojackets": ("slipmargin import robojackets run1.csv --out runs",),
+    "import lerobot": ("slipmargin import lerobot episode.parquet --robot mybot.toml --out runs",),
+    "export c": ("slipmargin export c mybot.toml --surface floor --out limiter.h",),
+    "export sdf": ("slipmargin export sdf mybot.toml --surface floor --out mybot.sdf",),
+    "export urdf": ("slipmargin export urdf mybot.toml --surface floor --out mybot.urdf",),
+    "export mjcf": ("slipmargin export mjcf mybot.toml --surface floor --out mybot.xml",),
     "reproduce": ("slipmargin reproduce --out paper",),
     "robots list": ("slipmargin robots list",),
     "robots show": ("slipmargin robots show mecanum4",),

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from . import complete
-from .options import JsonOpt, check_outputs, deliver
+from .import_options import Believed, Calibrate, Calibration, Files, Floor, ForceOpt, Out, Segment, Sign
+from .options import JsonOpt, PoseOpt, WheelOpt, check_outputs, deliver
 from .render import at_options
 
 app = typer.Typer(
@@ -16,48 +16,6 @@ app = typer.Typer(
     rich_markup_mode=None,
     help="Turn raw logs into a data set, and say what was read, dropped and why.",
 )
-
-Files = Annotated[list[Path], typer.Argument(metavar="FILE…", help="Logs, one run each.")]
-Out = Annotated[Path, typer.Option("--out", metavar="DATASET", help="Folder of the data set to write.")]
-Believed = Annotated[
-    str,
-    typer.Option(
-        "--robot", metavar="ROBOT", help="Robot file or built-in name.", autocompletion=complete.robots
-    ),
-]
-Floor = Annotated[
-    str | None,
-    typer.Option(
-        "--surface",
-        metavar="S",
-        help="Surface of the robot file (default: its first).",
-        autocompletion=complete.surfaces,
-    ),
-]
-Calibrate = Annotated[
-    bool,
-    typer.Option(
-        "--calibrate",
-        help="Estimate scale, rotation, delay and tilt of the camera from these runs (the floor "
-        "with the least slip); kept in the data set as calibration.toml.",
-    ),
-]
-Calibration = Annotated[
-    Path | None,
-    typer.Option(
-        "--calibration", metavar="FILE", help="A calibration.toml of another floor, to be held fixed."
-    ),
-]
-Segment = Annotated[
-    float | None,
-    typer.Option(
-        "--segment",
-        metavar="S",
-        help="Cut each recording into runs of so many seconds, each with a start pose of its own [s].",
-    ),
-]
-ForceOpt = Annotated[bool, typer.Option("--force", help="Replace a data set that is there.")]
-Sign = Annotated[bool, typer.Option("--commanded", help="The wheel speeds are commanded, not measured.")]
 
 
 @app.command()
@@ -84,16 +42,10 @@ def robotino(
     json: JsonOpt = None,
 ) -> None:
     """Logs of the Festo Robotino 2 slip measurements (BrOleg5/research-wheel-slippage)."""
+    common = (files, out, robot, surface, calibrate, calibration, json, force)
     run_import(
         "robotino",
-        files,
-        out,
-        robot,
-        surface,
-        calibrate,
-        calibration,
-        json,
-        force,
+        *common,
         ticks_per_turn=ticks_per_turn,
         smooth_s=smooth,
     )
@@ -114,16 +66,10 @@ def robojackets(
     json: JsonOpt = None,
 ) -> None:
     """Recordings of the RoboJackets' SSL robots (RoboJackets/robocup-firmware-data), cut into runs."""
+    common = (files, out, robot, surface, False, None, json, force)
     run_import(
         "robojackets",
-        files,
-        out,
-        robot,
-        surface,
-        False,
-        None,
-        json,
-        force,
+        *common,
         segment_s=segment,
         rate_Hz=rate,
         ticks_per_turn=ticks_per_turn,
@@ -168,16 +114,10 @@ def csv(
 
     A leading - turns a column's sign: --y -py:mm --wheel -fl:rpm.
     """
+    common = (files, out, robot, surface, calibrate, calibration, json, force)
     run_import(
         "csv",
-        files,
-        out,
-        robot,
-        surface,
-        calibrate,
-        calibration,
-        json,
-        force,
+        *common,
         commanded=commanded,
         columns=columns,
         time=time,
@@ -235,40 +175,15 @@ def ros(
     same for "ros", less 90 degrees for "paper".  Topics and joints that are not named are found by type and
     name, and said.  Joints keep their signs: a robot file from the same URDF needs no conversion.
     """
+    common = (files, out, robot, surface, calibrate, calibration, json, force)
     run_import(
         "ros",
-        files,
-        out,
-        robot,
-        surface,
-        calibrate,
-        calibration,
-        json,
-        force,
+        *common,
         pose_rotation_deg=rotation,
         pose_topic=pose,
         joint_topic=joints,
         joints=names,
     )
-
-
-PoseOpt = Annotated[
-    str | None,
-    typer.Option(
-        "--pose",
-        metavar="NAME",
-        help="Pose2d or Pose3d (default: by type); NAME:deg or NAME:rad for x, y and heading as an array.",
-    ),
-]
-WheelOpt = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--wheel",
-        metavar="NAME[:UNIT]",
-        help="A mecanum drive's wheels (default: by type), or a number for each wheel in the robot file's "
-        "order, with its unit (rad/s, rpm, rad, turn …); -NAME where it turns the other way.",
-    ),
-]
 
 
 @app.command()

@@ -63,6 +63,24 @@ TrajectoryOpt = Annotated[
     ),
 ]
 
+PoseOpt = Annotated[
+    str | None,
+    typer.Option(
+        "--pose",
+        metavar="NAME",
+        help="Pose2d or Pose3d (default: by type); NAME:deg or NAME:rad for x, y and heading as an array.",
+    ),
+]
+WheelOpt = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--wheel",
+        metavar="NAME[:UNIT]",
+        help="A mecanum drive's wheels (default: by type), or a number for each wheel in the robot file's "
+        "order, with its unit (rad/s, rpm, rad, turn …); -NAME where it turns the other way.",
+    ),
+]
+
 
 def check_outputs(
     *files: Path | str | None,

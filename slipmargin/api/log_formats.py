@@ -117,7 +117,7 @@ def ros(
 def robojackets(
     robot: Robot, files: _Files, rate_Hz: float = 60.0, ticks_per_turn: float = 6144.0
 ) -> Importer:
-    """Recordings of the RoboJackets' SSL robots: nominal rate of the rows [Hz], encoder ticks a wheel turn."""
+    """Recordings of the RoboJackets' SSL robots: nominal rate of rows [Hz], encoder ticks a wheel turn."""
     from slipmargin.io.importers.robojackets import RobojacketsImporter
 
     return RobojacketsImporter(rate_Hz=rate_Hz, ticks_per_turn=ticks_per_turn, convention=robot.convention)

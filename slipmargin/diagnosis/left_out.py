@@ -66,7 +66,7 @@ def refitted_without(problem: Residuals, found: Fit, parts: Sequence[Index]) -> 
         new = problem.residuals(
             [build(found.structure, tried[i]) for i in moved], [found.trials] * len(moved)
         )
-        for i, residual in zip(moved, new, strict=True):
+        for i, residual in zip(moved.tolist(), new, strict=True):
             after = cost(residual, kept[i], tried[i])
             if after < costs[i]:
                 xs[i], residuals[i], costs[i] = tried[i], residual, after

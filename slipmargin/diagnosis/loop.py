@@ -10,6 +10,7 @@ import numpy as np
 
 from slipmargin.checks import Index
 from slipmargin.data.data_set import DataSet
+from slipmargin.data.jitter import jitter
 from slipmargin.data.noise import white_noise
 from slipmargin.data.repair import Repair
 from slipmargin.diagnosis.candidate import named_candidates
@@ -209,6 +210,7 @@ def diagnose(
         repairs=conditions.repairs,
         remarks=(
             *(_cut_short(budget_s) if cut_short else ()),
+            *_clock(data_set),
             *_remarks(final, events, turns, phased=checked.phased, held=len(held) > 0),
         ),
     )
@@ -253,7 +255,7 @@ def _maps(rounds: list[Round], state: State | None) -> tuple[tuple[MapEntry, ...
         return (), ()
     labels = set() if state is None else {c.label for c in state.structure}
     like = [r for r in rounds if {c.label for c in r.before.structure} == labels]
-    return rounds[0].screening.map(), like[-1].screening.map() if like else ()
+    return rounds[0].map(), like[-1].map() if like else ()
 
 
 def _step(done: Round) -> Step:
@@ -287,6 +289,19 @@ def _excitation(final: Fit | None) -> tuple[float, ...]:
     scale = np.concatenate([c.scale for c in final.structure])
     flat = final.jacobian.reshape(-1, len(final.x)) * scale
     return tuple(float(v) for v in np.linalg.svd(flat, compute_uv=False))
+
+
+def _clock(data_set: DataSet) -> tuple[str, ...]:
+    """What is known of the times of a log without time stamps."""
+    if data_set.nominal_rate_Hz is None:
+        return ()
+    found = jitter(data_set.trials)
+    said = (
+        f"Rows have no time stamps, only a nominal rate of {data_set.nominal_rate_Hz:g} Hz: friction "
+        "coefficients times the square of the sampling period are known, not both; slip ratios do not depend "
+        "on it.",
+    )
+    return said if found is None else (*said, found.sentence)
 
 
 def _cut_short(budget_s: float | None) -> tuple[str, ...]:

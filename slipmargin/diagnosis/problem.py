@@ -138,21 +138,26 @@ class Problem:
         built = [self._possible(effects[k], int(member)) for k, member in pairs]
         models = [self.nominal if m is None else m for m in built]
         pose = self._simulated(models, which.ravel(), runs)
+        pose, gap = self.gaps(pose, runs)
+        impossible = np.asarray([m is None for m in built], dtype=bool)[which.ravel()]
+        gap = np.where(self.seen[runs] & impossible[:, None, None], _WILD, gap)
+        parts = np.split(np.arange(len(runs)), np.cumsum([len(t) for t in trials])[:-1])
+        return [(pose[part], gap[part]) for part in parts]
+
+    def gaps(self, pose: Array, runs: Index) -> tuple[Array, Array]:
+        """Poses (M, T, 3) predicted for trials ``runs`` (M,), with their starts fitted; the whitened gaps."""
         seen = self.seen[runs]
-        moving = ~seen[:, :1].all(axis=2)  # not seen at first: the start may be far from what is assumed
+        # Not seen at first: the start may be far from what is assumed.
+        moving: NDArray[np.bool_] = ~np.all(seen[:, :1], axis=2)
         if self.piece is None and moving.any():
             turned = _aligned(pose, self.measured[runs], seen)
             pose = np.where(moving[..., None], turned, pose)
         if self.piece is None:
-            pose, gap = self._fitted(pose, self.measured[runs], seen)
-        else:
-            cut = [_cut(array, self.piece) for array in (pose, self.measured[runs], seen)]
-            fitted = self._fitted(_aligned(*cut), cut[1], cut[2])
-            pose, gap = (a.reshape(len(runs), -1, 3)[:, : pose.shape[1]] for a in fitted)
-        impossible = np.array([m is None for m in built])[which.ravel()]
-        gap = np.where(seen & impossible[:, None, None], _WILD, gap)
-        parts = np.split(np.arange(len(runs)), np.cumsum([len(t) for t in trials])[:-1])
-        return [(pose[part], gap[part]) for part in parts]
+            return self._fitted(pose, self.measured[runs], seen)
+        cut = [_cut(array, self.piece) for array in (pose, self.measured[runs], seen)]
+        fitted = self._fitted(_aligned(*cut), cut[1], cut[2])
+        moved, gap = (a.reshape(len(runs), -1, 3)[:, : pose.shape[1]] for a in fitted)
+        return moved, gap
 
     def _simulated(self, models: Sequence[Model], which: Index, runs: Index) -> Array:
         """Measured pose (R, T, 3) of each run as its model predicts it; equal cases are simulated once."""

@@ -95,7 +95,7 @@ class Finding:
 class LeadSource(Enum):
     """What supports a lead."""
 
-    MAP = "map"  #: the residual follows the variable, by permutation of whole runs
+    MAP = "map"  #: the residual of left-out runs follows the variable
     ORDER = "order"  #: the residual is periodic in a wheel's angle
     FIT = "fit"  #: a candidate over the variable fits the searched runs best, nothing more
     REJECTED = "rejected"  #: it was fitted and not borne out by runs that it had not seen

@@ -20,7 +20,6 @@ import numpy as np
 from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit, Residuals
-from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import AnyEffect, Trace
 
@@ -64,6 +63,11 @@ class Columns:
     at: Array | None = None
     free: tuple[int, ...] = ()
 
+    @property
+    def named(self) -> bool:
+        """Whether it has a name."""
+        return self.candidate is not None and self.candidate.named
+
     def start(self, step: Array) -> Array:
         """The candidate's parameters after a step (M,), where a fit may start."""
         assert self.candidate is not None and self.at is not None
@@ -79,14 +83,15 @@ class Columns:
 class Screened:
     """One entry of the list: one candidate, or two named ones, at their best start.
 
-    ``gain`` is what the sum of squares of left-out runs falls by, ``step`` the step that suits all runs,
-    ``p_value`` the probability that the best of the whole list gains as much from noise.
+    ``gain`` is what the sum of squares of left-out runs falls by, ``step`` the step that suits all runs;
+    ``starts`` are the parameters (P,) after that step, and after those from a candidate's next best places
+    or times.
     """
 
     parts: tuple[Columns, ...]
     gain: float
     step: Array
-    p_value: float
+    starts: tuple[Array, ...] = ()
 
     @property
     def structure(self) -> tuple[Candidate, ...]:
@@ -103,41 +108,24 @@ class Screened:
         """Its candidates' labels."""
         return " + ".join(c.label for c in self.parts)
 
-    def start(self) -> Array:
-        """Where a fit of the candidates starts."""
-        at, out = 0, []
-        for part in self.parts:
-            many = part.columns.shape[2]
-            out.append(part.start(self.step[at : at + many]))
-            at += many
-        return np.concatenate(out)
-
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Screening:
-    """The list, best first, and the sum of squares (of R runs) that the gains are part of."""
+    """The list, best first; the sum of squares that gains are part of; the best gains (S,) of surrogates."""
 
     entries: tuple[Screened, ...]
     total: float
+    chance: Array
 
-    @property
-    def p_value(self) -> float:
-        """Probability that noise alone gives as large a gain as the best of the list has."""
-        return self.entries[0].p_value if self.entries else 1.0
+    def share(self, entry: Screened) -> float:
+        """Share of the sum of squares that an entry takes off."""
+        return entry.gain / max(self.total, 1e-300)
 
-    def map(self) -> tuple[MapEntry, ...]:
-        """The best of each variable: what the residual follows, strongest first."""
-        best: dict[Trace, MapEntry] = {}
-        for entry in self.entries:
-            if len(entry.parts) == 1 and entry.parts[0].trace not in best:
-                best[entry.parts[0].trace] = MapEntry(
-                    traced_to=entry.parts[0].trace,
-                    form=entry.label,
-                    share=entry.gain / max(self.total, 1e-300),
-                    p_value=entry.p_value,
-                )
-        return tuple(sorted(best.values(), key=lambda e: (not e.supported, -e.share)))
+    def p_value(self, share: float) -> float:
+        """Probability that noise alone gives the best of the whole list this share of the sum of squares."""
+        beaten = int(np.sum(self.chance >= share * self.total))
+        return (1 + beaten) / (1 + len(self.chance))
 
 
 def screen(
@@ -170,12 +158,12 @@ def screen(
     """
     groups = [*tangents(problem, base, candidates), *probes]
     if not groups:
-        return Screening(entries=(), total=base.cost)
+        return Screening(entries=(), total=base.cost, chance=np.zeros(0))
     columns = _beside(base, np.concatenate([g.columns for g in groups], axis=2))
     gram = np.array([_gram(columns[part]) for part in parts])
     pulls = _pulls(base.residual, columns, parts, block, seed)
     place = np.cumsum([0, *(g.columns.shape[2] for g in groups)])
-    misfit = max(1.0, base.cost / max(1, np.count_nonzero(base.residual)))
+    misfit = max(1.0, base.cost / max(1, int(np.count_nonzero(base.residual))))
     found: list[tuple[tuple[Columns, ...], Array, Array]] = []
 
     def add(*numbers: int) -> None:
@@ -186,23 +174,25 @@ def screen(
 
     for number in range(len(groups)):
         add(number)
-    singles = _best_of_each(found)
-    names = [n for n in singles if groups[n].candidate is not None and groups[n].candidate.named]
+    ordered = _starts_of_each(found)
+    singles = [numbers[0] for numbers in ordered]
+    names = [n for n in singles if groups[n].named]
     for one, two in combinations(names, 2):
         if _can_be_two(groups[one], groups[two]):
             add(one, two)
-    kept = [found[n] for n in (*singles, *range(len(groups), len(found)))]
-    most = np.max([gains[1:] for _, gains, _ in found], axis=0)
+    kept = [*ordered, *([n] for n in range(len(groups), len(found)))]
+    most = np.array([gains[1:] for _, gains, _ in found]).max(axis=0)
     entries = [
         Screened(
-            parts=own,
-            gain=float(gains[0]),
-            step=step,
-            p_value=float((1 + np.sum(most >= gains[0])) / (1 + len(most))),
+            parts=found[numbers[0]][0],
+            gain=float(found[numbers[0]][1][0]),
+            step=found[numbers[0]][2],
+            starts=tuple(_start(found[n][0], found[n][2]) for n in numbers[: 2 * SETTINGS.starts]),
         )
-        for own, gains, step in kept
+        for numbers in kept
     ]
-    return Screening(entries=tuple(sorted(entries, key=lambda e: -e.gain)), total=base.cost)
+    best_first = tuple(sorted(entries, key=lambda e: -e.gain))
+    return Screening(entries=best_first, total=base.cost, chance=most)
 
 
 def tangents(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> list[Columns]:
@@ -225,13 +215,13 @@ def tangents(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> 
             plans.append((candidate, at, columns))
     found = iter(_in_parts(problem, points, base.trials))
     out = []
-    for candidate, at, columns in plans:
+    for candidate, at, plan in plans:
         made, here = [], base.residual
-        for j, step in columns:
+        for j, step in plan:
             residual = next(found)
-            made.append((residual - (base.residual if j < 0 else here)) / step)
+            made.append((residual - here) / step)
             here = residual if j < 0 else here
-        free = [j for j, _ in columns]
+        free = [j for j, _ in plan]
         low = [0.0 if j < 0 else (candidate.low[j] - at[j]) / candidate.scale[j] for j in free]
         high = [1.0 if j < 0 else (candidate.high[j] - at[j]) / candidate.scale[j] for j in free]
         prior = np.zeros((len(free), len(free)))
@@ -328,14 +318,19 @@ def _left_out(own: tuple[Columns, ...], gram: Array, pulls: Array, misfit: float
     return gains, np.clip(-np.linalg.solve(whole + lift, all_pulls[0]), low, high)
 
 
-def _best_of_each(found: Sequence[tuple[tuple[Columns, ...], Array, Array]]) -> list[int]:
-    """Number of the best start of each candidate."""
-    best: dict[str, int] = {}
-    for number, (own, gains, _) in enumerate(found):
-        label = own[0].label
-        if label not in best or gains[0] > found[best[label]][1][0]:
-            best[label] = number
-    return list(best.values())
+def _starts_of_each(found: Sequence[tuple[tuple[Columns, ...], Array, Array]]) -> list[list[int]]:
+    """Numbers of the starts of each candidate, best first."""
+    numbers: dict[str, list[int]] = {}
+    for number, (own, _, _) in enumerate(found):
+        numbers.setdefault(own[0].label, []).append(number)
+    return [sorted(of_one, key=lambda n: -float(found[n][1][0])) for of_one in numbers.values()]
+
+
+def _start(own: tuple[Columns, ...], step: Array) -> Array:
+    """Where a fit of candidates starts: after their step."""
+    ends = np.cumsum([len(c.low) for c in own])[:-1]
+    steps = zip(own, np.split(step, ends), strict=True)
+    return np.concatenate([np.zeros(0), *(c.start(part) for c, part in steps if c.candidate is not None)])
 
 
 def _can_be_two(one: Columns, two: Columns) -> bool:

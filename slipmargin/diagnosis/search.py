@@ -1,12 +1,12 @@
 """The search: forward stepwise over one list of candidates, named and general, each step in one view.
 
-A step screens the whole list by tangents (:mod:`~slipmargin.diagnosis.screen`), fits the few best by simulation,
-and compares them by one score: the squared residual of runs that were left out, a fold at a time, of a refit.  The
-screening as a whole is tested against surrogate noise.  A named effect is preferred to a general form where its
-left-out error is as good within the spread of the runs; what cannot be told apart from the best is kept
-as its rivals.  In the end every effect that the others make superfluous is dropped.
+A step screens the whole list by tangents (:mod:`~slipmargin.diagnosis.screen`), fits the few best by
+simulation, and compares them by one score: the squared residual of runs that were left out of a refit, a
+fold at a time.  The screening as a whole is tested against surrogate noise.  A named effect is preferred to
+a general form where its left-out error is as good within the spread of the runs; what cannot be told apart
+from the best is kept as its rivals.  In the end every effect that the others make superfluous is dropped.
 
-Far above the noise runs are compared in pieces, so that an error early in a run does not outweigh what comes later.
+Far above the noise runs are compared in pieces: an error early in a run must not outweigh what comes later.
 """
 
 from __future__ import annotations
@@ -23,10 +23,13 @@ from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.evidence import intervals
 from slipmargin.diagnosis.fit import Fit, build, evaluate, fit
 from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
+from slipmargin.diagnosis.map_entry import MapEntry
+from slipmargin.diagnosis.probes import probes
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.screen import Screened, Screening, screen
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.watch import Watch
+from slipmargin.effects import Trace
 from slipmargin.errors import InputError
 
 
@@ -70,7 +73,7 @@ class State:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Round:
-    """One step: where it started, the screened list, the fits (best first), the one chosen, and whether taken."""
+    """One step: where it started, the screened list, the fits (best first), the chosen one, if taken."""
 
     before: State
     screening: Screening
@@ -81,7 +84,27 @@ class Round:
     @property
     def p_value(self) -> float:
         """Probability that noise alone gives as large a gain to the best of the list."""
-        return self.screening.p_value
+        return 1.0 if self.best is None else self.screening.p_value(explained(self.before, self.best))
+
+    def map(self) -> tuple[MapEntry, ...]:
+        """The best candidate of each variable: what the residual follows, strongest first.
+
+        Its share is that of the fit by simulation where there is one, else that of its tangent.
+        """
+        rows = [(explained(self.before, s), s.last.trace, s.last.label) for s in self.tried if self.single(s)]
+        fits = {label for _, _, label in rows}
+        for entry in self.screening.entries:
+            if len(entry.parts) == 1 and entry.label not in fits:
+                rows.append((self.screening.share(entry), entry.parts[0].trace, entry.label))
+        best: dict[Trace, MapEntry] = {}
+        for share, trace, label in sorted(rows, key=lambda row: -row[0]):
+            p_value = self.screening.p_value(share)
+            best.setdefault(trace, MapEntry(traced_to=trace, form=label, share=share, p_value=p_value))
+        return tuple(best.values())
+
+    def single(self, state: State) -> bool:
+        """Whether a state adds one candidate."""
+        return len(state.structure) == len(self.before.structure) + 1
 
     def rivals(self) -> list[State]:
         """States that these trials cannot tell from the best one."""
@@ -99,8 +122,8 @@ def search(
 ) -> tuple[Problem, State, list[Round]]:
     """What the model lacks, judged on the trials ``seen``, and the rounds in which it was found.
 
-    The problem comes back as well: wheel phases that were not logged are estimated on the way, for the trials
-    ``seen`` and for no other.  ``runs`` is the run that each of them is, or is cut from.
+    The problem comes back as well: wheel phases that were not logged are estimated on the way, for the
+    trials ``seen`` and for no other.  ``runs`` is the run that each of them is, or is cut from.
     """
     unknown = wheel_phase.is_unknown(problem)
     if unknown:
@@ -113,7 +136,7 @@ def search(
         state = fitted(problem.in_pieces(SETTINGS.piece_s), (), np.zeros(0), trials, own)
     rounds: list[Round] = []
     for number in range(SETTINGS.most_effects):
-        if progress.expired:
+        if progress.expired or (number and not worthwhile(state, SETTINGS.floor_chi)):
             break
         step = take_step(state, own, candidates, seed, progress.staged(f"round {number + 1}"))
         rounds.append(step)
@@ -152,10 +175,13 @@ def take_step(
         )
     parts = folds([runs[i] for i in some], SETTINGS.folds)
     block = max(1, round(SETTINGS.piece_s / before.view.step_s))
-    screening = screen(before.view, base, fresh, (), parts, block, seed)
+    screening = screen(before.view, base, fresh, probes(before.view, base), parts, block, seed)
     nothing = Round(before=before, screening=screening, tried=(), best=None, taken=False)
     promised = np.sqrt(max(0.0, 1.0 - max((e.gain for e in screening.entries), default=0.0) / base.cost))
-    if screening.p_value > SETTINGS.significance or not worthwhile(before, promised * before.chi):
+    worth = (
+        worthwhile(before, promised * before.chi) and screening.p_value(1.0 - promised**2) <= SETTINGS.level
+    )
+    if not worth and (before.structure or before.chi <= SETTINGS.noise_chi):
         return nothing
     tried: list[State] = []
     chosen = finalists(screening)
@@ -171,7 +197,8 @@ def take_step(
         screening=screening,
         tried=tuple(tried),
         best=best,
-        taken=worthwhile(before, best.chi, named=best.named),
+        taken=worthwhile(before, best.chi, named=best.named)
+        and screening.p_value(explained(before, best)) <= SETTINGS.significance,
     )
 
 
@@ -201,15 +228,18 @@ def _added(before: State, entry: Screened, runs: Sequence[int], best: float) -> 
     """An entry of the list, fitted beside what is known; not to the end where it cannot be the best."""
     structure, trials = (*before.structure, *entry.structure), before.fit.trials
     plain = np.concatenate([c.candidate.starts[0] for c in entry.parts if c.candidate is not None])
-    starts = [np.concatenate([before.fit.x, x]) for x in (entry.start(), plain)]
-    x = _lowest(before.view, structure, starts, trials)
-    found = fit(before.view, structure, x, trials, give_up_above=SETTINGS.out_of_reach * best)
-    return scored(before.view, found, before.samples, runs)
-
-
-def _lowest(view: Problem, structure: tuple[Candidate, ...], starts: list[Array], trials: Index) -> Array:
-    found = view.residuals([build(structure, x) for x in starts], [trials] * len(starts))
-    return starts[int(np.argmin([np.sum(r**2) for r in found]))]
+    starts = [np.concatenate([before.fit.x, x]) for x in (*entry.starts, plain)]
+    found = before.view.residuals([build(structure, x) for x in starts], [trials] * len(starts))
+    order = np.argsort([np.sum(r**2) for r in found], kind="stable")
+    x = starts[order[0]]
+    if len(entry.starts) > 1:  # places and times: what is near one of them has its own optimum
+        short = [
+            fit(before.view, structure, starts[i], trials, SETTINGS.first_steps)
+            for i in order[: SETTINGS.starts]
+        ]
+        x = min(short, key=lambda f: f.cost).x
+    full = fit(before.view, structure, x, trials, give_up_above=SETTINGS.out_of_reach * best)
+    return scored(before.view, full, before.samples, runs)
 
 
 def scored(view: Problem, found: Fit, samples: float, runs: Sequence[int]) -> State:
@@ -230,6 +260,11 @@ def fitted(
 def refitted(state: State, structure: tuple[Candidate, ...], x: Array, runs: Sequence[int]) -> State:
     """Another structure in the view, and on the trials, of ``state``."""
     return fitted(state.view, structure, x, state.fit.trials, runs)
+
+
+def explained(before: State, after: State) -> float:
+    """Share of the left-out sum of squares that falls away."""
+    return float(1.0 - after.scores.sum() / before.scores.sum())
 
 
 def choose(tried: Sequence[State]) -> State:
@@ -254,9 +289,8 @@ def as_good(one: State, best: State) -> bool:
         return True
     gap = one.scores - best.scores
     spread = float(np.std(gap, ddof=1)) * np.sqrt(len(gap)) if len(gap) > 1 else 0.0
-    return (
-        float(gap.sum()) <= SETTINGS.as_good_errors * spread and one.chi <= SETTINGS.as_good_factor * best.chi
-    )
+    within = float(gap.sum()) <= SETTINGS.as_good_errors * spread
+    return within and one.chi <= SETTINGS.as_good_factor * best.chi
 
 
 def worthwhile(before: State, chi: float, named: bool = True) -> bool:

@@ -41,6 +41,12 @@ class SearchSettings:
     others: int = 3
     #: [1] Level of the permutation test of a proposal against surrogate noise.
     significance: float = 0.01
+    #: [s] How long a push stays in the velocity: friction of 0.2 g stops a slip of 0.2 m/s in this time.
+    probe_memory_s: float = 0.1
+    #: [s] Distance of the probes' knots over time: an event is a tenth of a second long.
+    probe_knot_s: float = 0.15
+    #: [1] Cells of the probes along each side of the floor: a fifth of the way that the runs reach.
+    probe_cells: int = 6
     #: [draws] Surrogate residuals that go through the whole screening: they resolve p = 0.005.
     surrogates: int = 199
     #: [1] Share of chi that a first effect must take off: as least_chi, for sets far above the noise.
@@ -61,38 +67,28 @@ class SearchSettings:
     far_chi: float = 5.0
     #: [1] A fit to whole runs seldom takes more than this factor off the chi at which pieces put them.
     within_reach: float = 3.0
-    #: [standard errors] A left-out error is as good as the best one where, run by run, it is larger by no more
-    #: than the spread of the difference: the rule of one standard error …
+    #: [standard errors] A left-out error is as good as the best one where, run by run, it is larger by no
+    #: more than the spread of the difference: the rule of one standard error …
     as_good_errors: float = 1.0
     #: [1] … and chi by no more than this factor, where few runs make that spread large.
     as_good_factor: float = 1.06
     #: [runs] So many are enough to search with; the parameters are then fitted to all.
-    most_searched: int = 12
+    most_searched: int = 10
     #: [runs] So many are enough to order the candidates: one in four is then left out of each fold.
     most_screened: int = 8
     #: [1] What promises less than this share of the best one's gain is not fitted.
-    hopeless: float = 0.1
-    #: [candidates] How many names are fitted by simulation; half as many general forms, and half as many pairs.
-    finalists: int = 6
+    hopeless: float = 0.2
+    #: [candidates] How many names are fitted by simulation; half as many general forms, and half as
+    #: many pairs.
+    finalists: int = 4
+    #: [starts] Of places and times so many are fitted: the best by their tangents, then by simulation.
+    starts: int = 2
+    #: [steps] Gauss–Newton steps after which the best of the starts is known.
+    first_steps: int = 3
     #: [1] A pair is fitted where its tangents leave at most this share of what the best single one leaves.
     pair_leaves: float = 0.7
     #: [1] A fit that cannot come within this factor of the best one's cost is not finished.
     out_of_reach: float = 1.3
-    #: [s] Over how long the map differentiates poses: at 0.5 mm of noise a velocity is then known to 1 cm/s.
-    map_span_s: float = 0.08
-    #: [s] Time between the map's instants: a third of its span, closer ones say the same again.
-    map_step_s: float = 0.025
-    #: [s] How long a push stays in the velocity: friction of 0.2 g stops a slip of 0.2 m/s in this time.
-    map_memory_s: float = 0.1
-    #: [s] Distance of the knots over time: an event is a tenth of a second long.
-    map_knot_s: float = 0.15
-    #: [1] Cells along each side of the floor: a fifth of the way that the runs reach.
-    map_cells: int = 6
-    #: [1] Share of the residual beyond the noise that a fault of the camera or of unlogged motors must
-    #: explain to be on the map: such a fault is linear, a force that it resembles is not.
-    map_signal_share: float = 0.5
-    #: [draws] Permutations of the runs: they resolve p = 0.005.
-    map_permutations: int = 199
 
 
 SETTINGS = SearchSettings()

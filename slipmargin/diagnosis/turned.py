@@ -21,6 +21,7 @@ from slipmargin.data.repair import Repair
 from slipmargin.diagnosis.limits_change import Limits, LimitsChange
 from slipmargin.diagnosis.result import Diagnosis, Estimate, Finding, TrialTrajectories
 from slipmargin.effects import Effect, Recipe
+from slipmargin.effects.confined import bare
 from slipmargin.effects.turned import DIRECTION, axes_of, direction, effect_in, recipe_in
 from slipmargin.physics.convention import Convention
 from slipmargin.robot.turned import quarter_rad, vectors
@@ -39,6 +40,7 @@ def data_set_in(data_set: DataSet, new: Convention) -> DataSet:
         data_set,
         recipe=recipe_in(data_set.recipe, new),
         trials=tuple(replace(t, pose=vectors(t.pose, old, new)) for t in data_set.trials),
+        members=tuple(replace(m, recipe=recipe_in(m.recipe, new)) for m in data_set.members),
         sigma=None if data_set.sigma is None else data_set.sigma[[1, 0, 2]],
         pulls=None if data_set.pulls is None else _pulls(data_set.pulls, old, new),
     )
@@ -85,8 +87,8 @@ def _repair(repair: Repair) -> Repair:
 
 
 def _finding(finding: Finding, old: Convention, new: Convention) -> Finding:
-    effect = finding.effect
-    turned = replace(finding, effect=effect_in(effect, old, new))
+    effect = bare(finding.effect)
+    turned = replace(finding, effect=effect_in(finding.effect, old, new))
     if not isinstance(effect, Effect):
         return turned  # its coefficients have no axes in the report; those of the corrected file are turned
     return replace(
@@ -107,15 +109,18 @@ def _estimates(
             names[name] = (x if there[0] else y, bool(there.sum() < 0.0) and not factors)
     out = []
     for e in estimates:
-        name, reverse = names.get(e.name, (e.name, False))
+        key, of, group = e.name.partition(" (")  # in a campaign each group has its own
+        name, reverse = names.get(key, (key, False))
         if reverse:
             e = replace(e, value=0.0 - e.value, low=0.0 - e.high, high=0.0 - e.low)
-        if e.name == DIRECTION:
+        if key == DIRECTION:
             shift = direction(e.value, old, new) - e.value
             e = replace(e, value=e.value + shift, low=e.low + shift, high=e.high + shift)
-        out.append(replace(e, name=name))
+        out.append((group, name, replace(e, name=f"{name}{of}{group}")))
     order = {p.name: k for k, p in enumerate(effect.parameters)}
-    return tuple(sorted(out, key=lambda e: order.get(e.name, len(order))))
+    groups = list(dict.fromkeys(group for group, _, _ in out))
+    out.sort(key=lambda row: (groups.index(row[0]), order.get(row[1], len(order))))
+    return tuple(e for _, _, e in out)
 
 
 def change_in(change: LimitsChange, new: Convention) -> LimitsChange:

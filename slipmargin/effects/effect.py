@@ -12,13 +12,16 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from enum import Enum
-from typing import Any, ClassVar, Self, final
+from typing import TYPE_CHECKING, Any, ClassVar, final
 
 import numpy as np
 
 from slipmargin.checks import Array, real
 from slipmargin.errors import InputError
 from slipmargin.model import Model
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 
 class Trace(Enum):

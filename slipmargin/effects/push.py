@@ -13,7 +13,7 @@ from slipmargin.model.parts import ExternalWrench
 from slipmargin.physics.terms import ForceTerm
 from slipmargin.physics.variables import Basis, Frame, Variable
 
-_TIMES = tuple((k + 0.5) / 8.0 for k in range(8))
+_TIMES = tuple((k + 0.5) / 20.0 for k in range(20))
 
 
 @final

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.effects.confined import Confined
 from slipmargin.effects.effect import Effect
 from slipmargin.effects.general import GeneralEffect, Term
 from slipmargin.effects.recipe import AnyEffect, Recipe
@@ -43,6 +44,9 @@ def recipe_in(recipe: Recipe, new: Convention) -> Recipe:
 
 def effect_in(effect: AnyEffect, old: Convention, new: Convention) -> AnyEffect:
     """The same effect in another convention's axes."""
+    if isinstance(effect, Confined):
+        own = (effect_in(e, old, new) for e in effect.effects)
+        return replace(effect, effects=tuple(e for e in own if not isinstance(e, Confined)))
     if isinstance(effect, GeneralEffect):
         return replace(effect, terms=tuple(_term(term, old, new) for term in effect.terms))
     changes: dict[str, Any] = {}

@@ -62,6 +62,7 @@ def draw_polytope(axes: Axes3D, body: Zonotope | Hull) -> Axes3D:
         ylabel="Fy [N]",
         zlabel="Mz [N m]",
     )
+    axes.locator_params(nbins=5)
     axes.view_init(elev=22, azim=-55)
     axes.set_box_aspect((1, 1, 0.9), zoom=0.95)
     return axes

@@ -13,7 +13,7 @@ from slipmargin.checks import Array
 from slipmargin.physics.constants import GRAVITY_M_S2
 from slipmargin.plots.polar import polar_axes
 from slipmargin.plots.study_panels import COLOURS, draw_front, draw_polar_family, label_of, not_too_low, short
-from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, styled
+from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, below, styled
 from slipmargin.study.objectives import BY_NAME, Objective
 from slipmargin.study.robust import Robust
 from slipmargin.study.study import Study
@@ -200,7 +200,7 @@ def _finish(axes: Axes, study: Study) -> None:
     else:
         axes.set_xticks(range(len(grid.values)), [short(v) for v in grid.values])
     axes.set_xlabel(_axis(study, main))
-    axes.legend(loc="best")
+    below(axes, 2)
 
 
 def _main(study: Study) -> int:

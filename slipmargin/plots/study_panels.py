@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 
 from slipmargin.checks import Array
 from slipmargin.plots.polar import forwards_up, of_pull
-from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY
+from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, below
 from slipmargin.study.batch import batches
 from slipmargin.study.objectives import BY_NAME, Objective
 from slipmargin.study.robot_on_surface import RobotOnSurface
@@ -75,7 +75,7 @@ def draw_front(axes: Axes, study: Study, names: Sequence[str]) -> Axes:
     not_too_low(axes)
     _name_ends(axes, study, [int(row) for row in order], x, y)
     axes.set(xlabel=label_of(one), ylabel=label_of(two), title="Pareto front: " + ", ".join(study.keys))
-    axes.legend(loc="best")
+    below(axes, 2)
     return axes
 
 

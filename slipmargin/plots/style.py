@@ -86,7 +86,8 @@ def image(figure: Figure, *, png: bool = False) -> Image:
 
 def below(axes: Axes, ncols: int) -> None:
     """The legend under the axes, where it covers no curve."""
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=ncols)
+    more = 0.06 * axes.get_xlabel().count("\n")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16 - more), ncols=ncols)
 
 
 def images(figures: Mapping[str, Figure]) -> dict[str, Image]:

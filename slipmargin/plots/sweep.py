@@ -11,7 +11,7 @@ from slipmargin.data.pulls import PullGroups
 from slipmargin.limits import Sweep
 from slipmargin.plots.machine import draw_machine
 from slipmargin.plots.polar import forwards_up, of_pull, polar_axes
-from slipmargin.plots.style import BLUE, GREY, INK, PANEL, RED, SKY, styled
+from slipmargin.plots.style import BLUE, GREY, INK, PANEL, RED, SKY, below, styled
 
 
 @styled
@@ -90,7 +90,7 @@ def draw_sweep(
     if len(deg) > 1:
         axes.set_xlim(deg[0], deg[-1])
         axes.locator_params(axis="x", steps=[1, 1.5, 3, 4.5, 9, 10])
-    axes.legend(loc="best")
+    below(axes, 1 if pulls is None else 2)
     return axes
 
 

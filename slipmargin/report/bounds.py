@@ -132,8 +132,8 @@ def _steady(b: Bounds) -> str:
             if slips == len(b.full.steady_use)
             else f"{slips} of {len(b.full.steady_use)} directions"
         )
-        rigid = " on rigid sectors" if b.on_rigid_sectors else ""
-        return f"steady      it must slip at constant speed{rigid} in {where}"
+        rolling = " on rigid sectors" if b.on_rigid_sectors else ""
+        return f"steady      it must slip at constant speed{rolling} in {where}"
     spent = int(np.count_nonzero(np.isinf(b.full.steady_use)))
     if spent:
         return (

@@ -10,6 +10,7 @@ in a ``<gazebo>`` block, which sdformat merges into the collision that it makes 
 
 from __future__ import annotations
 
+from typing import Any
 from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 
 from slipmargin.report.simulator_parts import LEVEL_INERTIA, SimRobot, SimWheel, number, numbers
@@ -94,7 +95,7 @@ def joint_of(wheel: SimWheel) -> str:
     return f"{wheel.name}_wheel_joint"
 
 
-def _head(robot: SimRobot) -> Element:
+def _head(robot: SimRobot) -> Any:
     said = [
         f"{robot.name} on {robot.surface}: x forward, y left; a positive wheel speed drives along the wheel.",
         "mu acts along fdir1 (the roller's axle on the floor), mu2 across it; slip1, slip2 in m/(N s).",

@@ -20,7 +20,7 @@ WAY = "x_m,y_m,phi_rad\n0,0,0\n1,0,0\n"
 SPEEDS = "t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,omega4_rad_s\n0,3,3,3,3\n0.5,0,0,0,0\n"
 PULLS = "phi_rad,force_N\n0.0,20\n0.7854,25\n1.5708,22\n2.5,21\n"
 #: Examples that need a reader's own logs, a browser, the time of a whole search or an option's package.
-NOT_RUN = {"diagnose", "import ros", "import csv", "import robotino", "reproduce", "explore"}
+NOT_RUN = {"diagnose", "reproduce", "explore"} | {name for name in EXAMPLES if name.startswith("import ")}
 
 
 def leaves(command: Any, name: str = "") -> dict[str, Any]:

@@ -113,3 +113,30 @@ def test_limits_over_orientation_and_direction_are_counted_from_the_other_axes()
     theirs = limits_change(recipe_in(recipe, ROS), recipe_in(recipe, ROS), "paper")
     for name in type(ours.before).__slots__:
         np.testing.assert_allclose(getattr(ours.before, name), getattr(theirs.before, name), rtol=1e-6)
+
+
+def test_estimates_are_named_by_the_axes_of_the_file() -> None:
+    from slipmargin.diagnosis.result import Estimate
+    from slipmargin.diagnosis.turned import _estimates
+    from slipmargin.effects.camera_scale import CameraScale
+    from slipmargin.effects.floor_tilt import FloorTilt
+
+    def estimate(name: str, value: float, low: float, high: float) -> Estimate:
+        return Estimate(name=name, value=value, low=low, high=high, unit="rad")
+
+    tilt = FloorTilt(tilt_x_rad=0.1, tilt_y_rad=0.2)
+    for group in ("", " (hall)"):
+        given = (
+            estimate(f"tilt_x_rad{group}", 0.1, 0.09, 0.12),
+            estimate(f"tilt_y_rad{group}", 0.2, 0.1, 0.3),
+        )
+        x, y = _estimates(given, tilt, PAPER, ROS)
+        assert (x.name, x.value, x.low, x.high) == (f"tilt_x_rad{group}", 0.2, 0.1, 0.3)
+        assert (y.name, y.value, y.low, y.high) == (f"tilt_y_rad{group}", -0.1, -0.12, -0.09)
+        assert _estimates((x, y), tilt, ROS, PAPER) == given
+    (only,) = _estimates((estimate("tilt_x_rad", 0.1, 0.0, 0.2),), tilt, PAPER, ROS)
+    assert only.name == "tilt_y_rad" and only.value == -0.1
+    scales = _estimates(
+        (estimate("scale_x", 1.1, 1.0, 1.2),), CameraScale(scale_x=1.1, scale_y=1.0), PAPER, ROS
+    )
+    assert [(e.name, e.value, e.low, e.high) for e in scales] == [("scale_y", 1.1, 1.0, 1.2)]

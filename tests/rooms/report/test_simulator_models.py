@@ -211,6 +211,8 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert f"written: {file}" in capsys.readouterr().out
     assert file.read_text().startswith("<?xml") and len(json.loads(report.read_text())["wheels"]) == 4
     assert status(["export", "obj", "mecanum4", "--out", str(tmp_path / "x")]) == 2
-    assert "FORMAT: is 'obj', use one of: sdf, mjcf, urdf" in capsys.readouterr().err
+    assert "No such command 'obj', see slipmargin export --help" in capsys.readouterr().err
+    with pytest.raises(InputError, match="format: is 'obj', use one of: sdf, mjcf, urdf"):
+        sm.export_simulator("mecanum4", "obj")
     with pytest.raises(InputError, match="moon"):
         sm.export_simulator("mecanum4", "sdf", "moon")
