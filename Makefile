@@ -49,7 +49,7 @@ bench: .venv/installed-bench
 	touch $@
 
 .venv/installed-test: .venv/installed
-	$(PIP) --editable '.[test,ros,urdf,docs]'
+	$(PIP) --editable '.[test,ros,urdf,frc,lerobot,docs]'
 	touch $@
 
 .venv/installed-bench: .venv/installed-test

@@ -102,7 +102,8 @@ def speed() -> list[str]:
         "",
         f"The first simulation after installation took {run['first_call_s']:.1f} s, compilation included;",
         f"later ones start in {run['cached_call_s']:.1f} s.  Acceleration limits for 360 headings take",
-        f"{paths['bounds_360_ms']:.1f} ms.",
+        f"{paths['bounds_360_ms']:.1f} ms for three wheels, {paths['bounds_360_four_wheels_ms']:.1f} ms for",
+        "four, whose forces are found by following each heading's motion.",
     ]
 
 

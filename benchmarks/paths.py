@@ -100,14 +100,16 @@ def clock(action: Callable[[], object], times: int) -> float:
 
 
 def speed() -> dict[str, Any]:
-    """1 000 grid points × 22 facets, and bounds for 360 headings."""
+    """1 000 grid points × 22 facets, and bounds for 360 headings, of four wheels at 0.9 of the grip too."""
     way = benchmark_paths()["figure of eight"]
     s = np.linspace(0.0, way.length, 1001)
     grid = Grid(s=s, piece=np.zeros(1000, dtype=np.int64))
     rows, model, around = facet_rows(way, grid), kiwi(), headings(1.0)
+    four = on_rollers(read_recipe("mecanum4").build("carpet"))
     out: dict[str, Any] = {
         "profile_1000x22_ms": clock(lambda: solve(rows, grid.step), 30),
         "bounds_360_ms": clock(lambda: directions(model, around), 30),
+        "bounds_360_four_wheels_ms": clock(lambda: directions(four, around, share=0.9), 30),
         "whole_plan_ms": clock(lambda: plan(model, way, Request(points=400)), 3),
     }
     mine = duration(grid.step, solve(rows, grid.step)[0])

@@ -133,7 +133,7 @@ def _data_set(
     model = with_effects(nominal_model(recipe.robot, surface), (*recipe.effects, *effects))
     count = len(logs)
     start = np.column_stack([random.uniform(-0.3, 0.3, (count, 2)), random.uniform(-np.pi, np.pi, count)])
-    pose = batch.run(pack(model), start, rtol=1e-8).pose
+    pose = batch.at_clock(model.measurement.clock).run(pack(model), start, rtol=1e-8).pose
     records = []
     for k, (run, log) in enumerate(zip(pose, logs, strict=True)):
         seen = measure(model.measurement, t, run) + SIGMA * random.standard_normal((len(t), 3))

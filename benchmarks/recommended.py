@@ -8,7 +8,8 @@ acceleration passes ``check`` with the margin if no wheel's grip, no motor's tor
 above 1 − margin + ALLOWED.  Grip is checked where drag is full, torque at the exported speeds.  At 1.08 of
 the unscaled limit the simulator, which knows nothing of limits, must see the named wheel slip or lift: with a
 steep friction law, as creep that nobody corrects turns the robot, and with its heading the limit.  Where grip
-ends first and a wheel lifts soon after, it is driven half way between the two, and must slip.
+ends first and a wheel lifts soon after, it is driven half way between the two, and must slip.  An ellipse has
+no grip left beside full drag: nothing is recommended for it, and speeding up must slip.
 """
 
 from __future__ import annotations
@@ -177,6 +178,8 @@ def drawn(seed: int, k: int) -> dict[str, Any]:
         found = bounds(model, margin=MARGIN, step_deg=15.0)
         if found.inside is not None and found.recommended_m_s2 > 0.0:
             break
+        if model.grip.shape is GripShape.ELLIPSE:
+            return spent(rng, model, found, refused)
         refused.append(found.why_not or "nothing recommended")
     bare = replace(model, drives=Drives(max_speed_rad_s=None, stall_torque_N_m=None))
     worst = dict.fromkeys(("recommended", "box", "even box", "circle", "ellipsoid", "modules"), 0.0)
@@ -230,6 +233,33 @@ def drawn(seed: int, k: int) -> dict[str, Any]:
         "torque": torque if model.drives.stall_torque_N_m is not None else {},
         "top_speed": speed,
         "beyond": beyond(rng, bare),
+    }
+
+
+def spent(rng: np.random.Generator, model: Model, found: Bounds, refused: list[str]) -> dict[str, Any]:
+    """The row of an ellipse: wheels that slide sideways have no grip left to drive, and nothing is promised.
+
+    Speeding up at a twentieth of μ g must slip, in directions of which ``bounds`` says so.
+    """
+    bare = replace(model, drives=Drives(max_speed_rad_s=None, stall_torque_N_m=None))
+    full, runs = directions(bare, rng.uniform(-np.pi, np.pi, 8 * DIRECTIONS), motor=False), []
+    for h in np.flatnonzero(np.isinf(full.steady_use))[:DIRECTIONS]:
+        heading = float(full.heading_rad[h])
+        run = driven_beyond(on_rollers(bare), heading, 0.05 * found.isotropic_m_s2)
+        named = list(full.starting.wheels[h])
+        run["as_named"] = run["first"] in named or run["tips"]
+        runs.append({"heading_rad": heading, "cause": SPENT, "named": named, "beyond": BEYOND, **run})
+    return {
+        "robot": model.robot,
+        "grip": model.grip.shape.value,
+        "loads": model.loads.rule,
+        "motors": model.drives.max_speed_rad_s is not None,
+        "refused": refused,
+        "recommended_m_s2": max(found.recommended_m_s2, 0.0),
+        "used": {"nothing recommended": 0.0},
+        "torque": {},
+        "top_speed": 0.0,
+        "beyond": runs,
     }
 
 
@@ -309,10 +339,12 @@ def shown(seed: int, k: int) -> dict[str, Any]:
 def summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
     """What the rows come to."""
     allowed = 1.0 - MARGIN + ALLOWED
-    kinds = sorted({name for r in rows for name in r["used"]})
+    kinds = sorted({name for r in rows for name in r["used"]} - {"nothing recommended"})
     runs = [b for r in rows for b in r["beyond"]]
     return {
         "robots": len(rows),
+        "by_grip": {g.value: sum(r["grip"] == g.value for r in rows) for g in GripShape},
+        "nothing_recommended": sum("nothing recommended" in r["used"] for r in rows),
         "with_motors": sum(r["motors"] for r in rows),
         "drawn_again": sum(len(r["refused"]) for r in rows),
         "margin": MARGIN,

@@ -15,6 +15,7 @@ from .options import (
     MarginOpt,
     OutOpt,
     PlotOpt,
+    ReportOpt,
     RobotArg,
     SeedOpt,
     SurfaceOpt,
@@ -53,6 +54,7 @@ def bounds(
     out: OutOpt = None,
     plot: PlotOpt = None,
     json: JsonOpt = None,
+    report: ReportOpt = None,
 ) -> None:
     """Acceleration limits in motion by direction: speeding up, turning, braking, cornering, spinning.
 
@@ -64,7 +66,7 @@ def bounds(
     import slipmargin as sm
 
     tool, file = (None, None) if export is None else export
-    check_outputs(out, json, file, plot=plot)
+    check_outputs(out, json, report, file, plot=plot)
     with at_options(
         surface="--surface",
         grip="--grip",
@@ -90,4 +92,4 @@ def bounds(
     texts: dict[Path | str, str | bytes] = {}
     if tool is not None and file is not None:
         texts[file] = found.export_text(tool)
-    deliver(found, out=out, plot=plot, json=json, texts=texts)
+    deliver(found, out=out, plot=plot, json=json, report=report, texts=texts)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from .options import JsonOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, check_outputs, deliver
+from .options import JsonOpt, OutOpt, PlotOpt, ReportOpt, RobotArg, SurfaceOpt, check_outputs, deliver
 from .render import at_options
 
 
@@ -17,8 +17,8 @@ def check(
         Path,
         typer.Argument(
             metavar="TRAJ",
-            help="CSV (t_s,x_m,y_m,phi_rad at least), Choreo .traj, PathPlanner trajectory JSON, or a ROS "
-            "bag with a nav_msgs/Path.",
+            help="CSV (t_s,x_m,y_m,phi_rad at least), Choreo .traj, PathPlanner trajectory JSON, "
+            "Road Runner log (inches), or a ROS bag with a nav_msgs/Path.",
         ),
     ],
     surface: SurfaceOpt,
@@ -42,6 +42,7 @@ def check(
     out: OutOpt = None,
     plot: PlotOpt = None,
     json: JsonOpt = None,
+    report: ReportOpt = None,
 ) -> int:
     """Audit anybody's trajectory: the share of each wheel's grip that it asks for, and the cure.
 
@@ -50,7 +51,7 @@ def check(
     it lifts off), and no motor gives more than that of its torque.  The cure is one factor: stretch time by
     it.
 
-    The form of the file is told by its content.  Choreo, PathPlanner and ROS give the heading of
+    The form of the file is told by its content.  Choreo, PathPlanner, Road Runner and ROS give the heading of
     the robot's front: it stays for a robot file in the convention of ROS and is turned by -90 degrees for
     the paper's, whose front is +Y; positions stay.
 
@@ -58,8 +59,8 @@ def check(
     """
     import slipmargin as sm
 
-    check_outputs(out, json, plot=plot)
+    check_outputs(out, json, report, plot=plot)
     with at_options(surface="--surface", margin="--margin", smooth_s="--smooth", topic="--topic"):
         found = sm.check(robot, surface, path, margin=margin, smooth_s=smooth, robust=robust, topic=topic)
-    deliver(found, out=out, plot=plot, json=json)
+    deliver(found, out=out, plot=plot, json=json, report=report)
     return 1 if strict and not found.admissible else 0

@@ -7,26 +7,37 @@ from typing import Annotated
 
 import typer
 
+from . import complete
 from .options import JsonOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, check_outputs, deliver
 from .render import at_options, stages
 
 VaryOpt = Annotated[
     list[str],
     typer.Option(
-        "--vary", metavar="KEY=FROM:TO:STEP", help="Vary a quantity; or KEY=a,b,c.  Again for a product."
+        "--vary",
+        metavar="KEY=FROM:TO:STEP",
+        help="Vary a quantity; or KEY=a,b,c.  Again for a product.",
+        autocompletion=complete.quantities,
     ),
 ]
 GoalOpt = Annotated[str, typer.Option("--objective", metavar="NAME", help="What makes a design the best.")]
 FrontOpt = Annotated[str, typer.Option("--front", metavar="A,B", help="Objectives of the Pareto front.")]
 UnsureOpt = Annotated[
     list[str] | None,
-    typer.Option("--uncertain", metavar="KEY=LOW:HIGH", help="Only known within an interval: be robust."),
+    typer.Option(
+        "--uncertain",
+        metavar="KEY=LOW:HIGH",
+        help="Only known within an interval: be robust.",
+        autocompletion=complete.quantities,
+    ),
 ]
 StaticOpt = Annotated[bool, typer.Option("--static", help="Static limits only: quicker.")]
 LapsOpt = Annotated[bool, typer.Option("--laps", help="Also plan benchmark paths: slower.")]
 JobsOpt = Annotated[int | None, typer.Option(metavar="N", help="Processes; -1: every core.")]
 DaskOpt = Annotated[str | None, typer.Option(metavar="tcp://…", help="A Dask scheduler to work on.")]
-PageOpt = Annotated[Path | None, typer.Option("--html", metavar="FILE", help="Write a page that sums up.")]
+PageOpt = Annotated[
+    Path | None, typer.Option("--report", "--html", metavar="FILE", help="Write a page that sums up.")
+]
 
 
 def design(
@@ -80,5 +91,5 @@ def design(
             resume=resume,
             progress=report,
         )
-    deliver(found, out=out, plot=plot, json=json, texts={} if html is None else {html: found.page_text()})
+    deliver(found, out=out, plot=plot, json=json, report=html)
     found.forget_work()

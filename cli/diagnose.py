@@ -10,7 +10,10 @@ import typer
 from .options import JsonOpt, SeedOpt, check_outputs, deliver
 from .render import at_options, stages
 
-_Folder = typer.Argument(metavar="DATASET", help="Folder with dataset.toml, the robot file and trials/.")
+_Folder = typer.Argument(
+    metavar="DATASET",
+    help="Folder with dataset.toml, the robot file and trials/; or a campaign (TOML) that names several.",
+)
 _Budget = typer.Option(
     "--budget", metavar="SECONDS", help="Stop the search after this time and report the best answer so far."
 )

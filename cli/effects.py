@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from . import complete
 from .render import at_options, say
 
 app = typer.Typer(help="The effects that a robot file may hold.", rich_markup_mode=None)
@@ -24,7 +25,11 @@ def listing(markdown: Annotated[bool, _Markdown] = False) -> None:
 
 
 @app.command()
-def show(name: Annotated[str, typer.Argument(metavar="NAME", help="Name of an effect.")]) -> None:
+def show(
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="Name of an effect.", autocompletion=complete.effects)
+    ],
+) -> None:
     """Print an effect's law, source and parameters, and the table to put into a robot file."""
     import slipmargin as sm
 

@@ -7,7 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from .options import JsonOpt, check_outputs, deliver
+from .import_options import Believed, Calibrate, Calibration, Files, Floor, ForceOpt, Out, Segment, Sign
+from .options import JsonOpt, PoseOpt, WheelOpt, check_outputs, deliver
 from .render import at_options
 
 app = typer.Typer(
@@ -15,29 +16,6 @@ app = typer.Typer(
     rich_markup_mode=None,
     help="Turn raw logs into a data set, and say what was read, dropped and why.",
 )
-
-Files = Annotated[list[Path], typer.Argument(metavar="FILE…", help="Logs, one run each.")]
-Out = Annotated[Path, typer.Option("--out", metavar="DATASET", help="Folder of the data set to write.")]
-Believed = Annotated[str, typer.Option("--robot", metavar="ROBOT", help="Robot file or built-in name.")]
-Floor = Annotated[
-    str | None, typer.Option("--surface", metavar="S", help="Surface of the robot file (default: its first).")
-]
-Calibrate = Annotated[
-    bool,
-    typer.Option(
-        "--calibrate",
-        help="Estimate scale, rotation, delay and tilt of the camera from these runs (the floor "
-        "with the least slip); kept in the data set as calibration.toml.",
-    ),
-]
-Calibration = Annotated[
-    Path | None,
-    typer.Option(
-        "--calibration", metavar="FILE", help="A calibration.toml of another floor, to be held fixed."
-    ),
-]
-ForceOpt = Annotated[bool, typer.Option("--force", help="Replace a data set that is there.")]
-Sign = Annotated[bool, typer.Option("--commanded", help="The wheel speeds are commanded, not measured.")]
 
 
 @app.command()
@@ -64,18 +42,37 @@ def robotino(
     json: JsonOpt = None,
 ) -> None:
     """Logs of the Festo Robotino 2 slip measurements (BrOleg5/research-wheel-slippage)."""
+    common = (files, out, robot, surface, calibrate, calibration, json, force)
     run_import(
         "robotino",
-        files,
-        out,
-        robot,
-        surface,
-        calibrate,
-        calibration,
-        json,
-        force,
+        *common,
         ticks_per_turn=ticks_per_turn,
         smooth_s=smooth,
+    )
+
+
+@app.command()
+def robojackets(
+    files: Files,
+    out: Out,
+    robot: Believed = "robojackets-2018",
+    segment: Segment = 5.0,
+    rate: Annotated[float, typer.Option("--rate", metavar="HZ", help="Nominal rows a second [Hz].")] = 60.0,
+    ticks_per_turn: Annotated[
+        float, typer.Option(metavar="N", help="Encoder ticks per wheel turn.")
+    ] = 6144.0,
+    surface: Floor = None,
+    force: ForceOpt = False,
+    json: JsonOpt = None,
+) -> None:
+    """Recordings of the RoboJackets' SSL robots (RoboJackets/robocup-firmware-data), cut into runs."""
+    common = (files, out, robot, surface, False, None, json, force)
+    run_import(
+        "robojackets",
+        *common,
+        segment_s=segment,
+        rate_Hz=rate,
+        ticks_per_turn=ticks_per_turn,
     )
 
 
@@ -87,7 +84,9 @@ def csv(
     columns: Annotated[
         Path | None, typer.Option("--map", metavar="MAP.toml", help="Which column is what, as a file.")
     ] = None,
-    time: Annotated[str | None, typer.Option(metavar="COLUMN:UNIT", help="Time; s, ms, us, ns [s].")] = None,
+    time: Annotated[
+        str | None, typer.Option(metavar="COLUMN:UNIT", help="Time; s, ms, us, ns [s]; #1 without header.")
+    ] = None,
     x: Annotated[str | None, typer.Option(metavar="COLUMN:UNIT", help="Position; m, cm, mm, in [m].")] = None,
     y: Annotated[str | None, typer.Option(metavar="COLUMN:UNIT", help="Position.")] = None,
     heading: Annotated[
@@ -115,16 +114,10 @@ def csv(
 
     A leading - turns a column's sign: --y -py:mm --wheel -fl:rpm.
     """
+    common = (files, out, robot, surface, calibrate, calibration, json, force)
     run_import(
         "csv",
-        files,
-        out,
-        robot,
-        surface,
-        calibrate,
-        calibration,
-        json,
-        force,
+        *common,
         commanded=commanded,
         columns=columns,
         time=time,
@@ -182,20 +175,132 @@ def ros(
     same for "ros", less 90 degrees for "paper".  Topics and joints that are not named are found by type and
     name, and said.  Joints keep their signs: a robot file from the same URDF needs no conversion.
     """
+    common = (files, out, robot, surface, calibrate, calibration, json, force)
     run_import(
         "ros",
-        files,
-        out,
-        robot,
-        surface,
-        calibrate,
-        calibration,
-        json,
-        force,
+        *common,
         pose_rotation_deg=rotation,
         pose_topic=pose,
         joint_topic=joints,
         joints=names,
+    )
+
+
+@app.command()
+def wpilog(
+    files: Files,
+    out: Out,
+    robot: Believed,
+    pose: PoseOpt = None,
+    wheels: WheelOpt = None,
+    surface: Floor = None,
+    calibrate: Calibrate = False,
+    calibration: Calibration = None,
+    commanded: Sign = False,
+    force: ForceOpt = False,
+    json: JsonOpt = None,
+) -> None:
+    """WPILib's data logs (.wpilog) of a mecanum robot (needs the extra: pip install 'slipmargin[frc]').
+
+    The robot file's wheels are named fl, fr, rl and rr.  Swerve drives are refused.
+    """
+    common = (files, out, robot, surface, calibrate, calibration, json, force)
+    run_import("wpilog", *common, commanded=commanded, pose=pose, wheels=wheels)
+
+
+@app.command()
+def advantagescope(
+    files: Files,
+    out: Out,
+    robot: Believed,
+    pose: PoseOpt = None,
+    wheels: WheelOpt = None,
+    surface: Floor = None,
+    calibrate: Calibrate = False,
+    calibration: Calibration = None,
+    commanded: Sign = False,
+    force: ForceOpt = False,
+    json: JsonOpt = None,
+) -> None:
+    """CSV that AdvantageScope exports (Table or List) of a mecanum robot.
+
+    The robot file's wheels are named fl, fr, rl and rr.  Swerve drives are refused.
+    """
+    common = (files, out, robot, surface, calibrate, calibration, json, force)
+    run_import("advantagescope", *common, commanded=commanded, pose=pose, wheels=wheels)
+
+
+@app.command()
+def roadrunner(
+    files: Files,
+    out: Out,
+    robot: Believed,
+    length_unit: Annotated[
+        str, typer.Option(metavar="U", help="Unit of the robot's constants: in, m, cm, mm.")
+    ] = "in",
+    surface: Floor = None,
+    calibrate: Calibrate = False,
+    calibration: Calibration = None,
+    force: ForceOpt = False,
+    json: JsonOpt = None,
+) -> None:
+    """Logs of Road Runner's quickstart (the JSON in /sdcard/RoadRunner/logs) of a mecanum robot.
+
+    The robot file's wheels are named fl, fr, rl and rr.
+    """
+    common = (files, out, robot, surface, calibrate, calibration, json, force)
+    run_import("roadrunner", *common, length_unit=length_unit)
+
+
+@app.command()
+def lerobot(
+    files: Files,
+    out: Out,
+    robot: Believed,
+    tracker: Annotated[
+        list[Path] | None,
+        typer.Option("--tracker", metavar="FILE", help="CSV of the pose; once, or once for each log."),
+    ] = None,
+    tracker_start: Annotated[
+        float, typer.Option(metavar="S", help="The tracker's clock when the episode began [s].")
+    ] = 0.0,
+    time: Annotated[str, typer.Option(metavar="COLUMN:UNIT", help="The tracker's time.")] = "t_s",
+    x: Annotated[str, typer.Option(metavar="COLUMN:UNIT", help="Its position.")] = "x_m",
+    y: Annotated[str, typer.Option(metavar="COLUMN:UNIT", help="Its position.")] = "y_m",
+    heading: Annotated[
+        str, typer.Option(metavar="COLUMN:UNIT", help="Heading of the robot's front.")
+    ] = "yaw_rad",
+    wheels: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--wheel",
+            metavar="NAME:UNIT",
+            help="A wheel's speed in observation.state, once a wheel (default: LeKiwi's body velocities).",
+        ),
+    ] = None,
+    episode: Annotated[int | None, typer.Option(metavar="N", help="Which, where there are several.")] = None,
+    surface: Floor = None,
+    calibrate: Calibrate = False,
+    calibration: Calibration = None,
+    force: ForceOpt = False,
+    json: JsonOpt = None,
+) -> None:
+    """LeRobot data sets of a LeKiwi, the pose from a tracker (needs: pip install 'slipmargin[lerobot]').
+
+    FILE is a data set's folder or one of its .parquet files.
+    """
+    common = (files, out, robot, surface, calibrate, calibration, json, force)
+    run_import(
+        "lerobot",
+        *common,
+        tracker=tracker,
+        tracker_start_s=tracker_start,
+        time=time,
+        x=x,
+        y=y,
+        heading=heading,
+        wheels=wheels,
+        episode=episode,
     )
 
 
@@ -221,6 +326,12 @@ def run_import(
         pose_rotation_deg="--pose-rotation",
         columns="--map",
         wheels="--wheel",
+        length_unit="--length-unit",
+        tracker="--tracker",
+        tracker_start_s="--tracker-start",
+        segment_s="--segment",
+        rate_Hz="--rate",
+        ticks_per_turn="--ticks-per-turn",
     ):
         found = sm.import_logs(
             files,

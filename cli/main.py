@@ -31,19 +31,27 @@ import typer
 from slipmargin import __version__
 from slipmargin.errors import SlipmarginError
 
-from .render import finish_output, tell
+from .examples import add_examples
+from .render import announce_compilation, finish_output, note_words, tell
 
 #: Command → where its function (or typer application) is, and its one line in the list.
 COMMANDS: dict[str, tuple[str, str]] = {
     "sweep": ("slipmargin_cli.sweep:sweep", "How hard it can push in each direction before a wheel slips."),
     "polytope": ("slipmargin_cli.polytope:polytope", "All forces and moments it can make: vertices, facets."),
     "bounds": ("slipmargin_cli.bounds:bounds", "Accelerations and cornering speeds that do not slip."),
+    "explore": ("slipmargin_cli.explore:explore", "A local page with sliders: see the limits change."),
     "plan": ("slipmargin_cli.plan:plan", "The fastest way along a path with a margin against slip."),
     "check": ("slipmargin_cli.check:check", "Does a trajectory slip, where, and how much slower must it be?"),
     "simulate": ("slipmargin_cli.simulate:simulate", "What really happens under given wheel speeds."),
+    "stop": ("slipmargin_cli.stop:stop", "Stopping distance and time by direction and speed."),
     "design": ("slipmargin_cli.design:design", "Which machine to build: every limit over varied dimensions."),
     "diagnose": ("slipmargin_cli.diagnose:diagnose", "What physics is missing, judged by measured runs."),
     "import": ("slipmargin_cli.import_logs:app", "Turn raw logs into a data set."),
+    "monitor": ("slipmargin_cli.monitor:monitor", "Is a wheel slipping: live, by a likelihood ratio."),
+    "export": (
+        "slipmargin_cli.export:app",
+        "A robot for other programs: a limiter in C, Gazebo's or MuJoCo's model.",
+    ),
     "reproduce": ("slipmargin_cli.reproduce:reproduce", "Every published number beside ours."),
     "robots": ("slipmargin_cli.robots:app", "Robot files: list, show, new, from-urdf, check."),
     "surfaces": ("slipmargin_cli.surfaces:app", "Published friction coefficients: list, show."),
@@ -73,8 +81,11 @@ def status(arguments: list[str]) -> int:
     int
         The exit status.
     """
+    note_words(arguments)
+    announce_compilation()
     try:
         command = typer.main.get_command(application(arguments))
+        add_examples(command)
         code = command.main(arguments or ["--help"], prog_name="slipmargin", standalone_mode=False)
         return finish_output(code if isinstance(code, int) else 0)
     except SlipmarginError as fault:

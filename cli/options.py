@@ -8,14 +8,28 @@ from typing import Annotated, Any
 
 import typer
 
-RobotArg = Annotated[str, typer.Argument(metavar="ROBOT", help="Robot file or built-in name.")]
-SurfaceOpt = Annotated[str, typer.Option("--surface", metavar="S", help="Surface of the robot file.")]
+from . import complete
+
+RobotArg = Annotated[
+    str,
+    typer.Argument(metavar="ROBOT", help="Robot file or built-in name.", autocompletion=complete.robots),
+]
+SurfaceOpt = Annotated[
+    str,
+    typer.Option(
+        "--surface", metavar="S", help="Surface of the robot file.", autocompletion=complete.surfaces
+    ),
+]
 OutOpt = Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the table as CSV.")]
 PlotOpt = Annotated[
     Path | None, typer.Option("--plot", metavar="FILE", help="Draw it; .png, .svg or .pdf by ending.")
 ]
 JsonOpt = Annotated[
     str | None, typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for stdout.")
+]
+ReportOpt = Annotated[
+    Path | None,
+    typer.Option("--report", metavar="FILE", help="Write a page to read and to print: one .html file."),
 ]
 SeedOpt = Annotated[int, typer.Option("--seed", metavar="N", help="Seed of everything random.")]
 ChanceOpt = Annotated[
@@ -43,7 +57,27 @@ DeltaOpt = Annotated[
 TrajectoryOpt = Annotated[
     tuple[str, Path] | None,
     typer.Option(
-        "--export", metavar="TOOL FILE", help="Write the motion for choreo, pathplanner or ros-path (a bag)."
+        "--export",
+        metavar="TOOL FILE",
+        help="Write the motion for choreo, pathplanner, roadrunner or ros-path (a bag).",
+    ),
+]
+
+PoseOpt = Annotated[
+    str | None,
+    typer.Option(
+        "--pose",
+        metavar="NAME",
+        help="Pose2d or Pose3d (default: by type); NAME:deg or NAME:rad for x, y and heading as an array.",
+    ),
+]
+WheelOpt = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--wheel",
+        metavar="NAME[:UNIT]",
+        help="A mecanum drive's wheels (default: by type), or a number for each wheel in the robot file's "
+        "order, with its unit (rad/s, rpm, rad, turn …); -NAME where it turns the other way.",
     ),
 ]
 
@@ -85,18 +119,22 @@ def deliver(
     out: Path | None = None,
     plot: Path | None = None,
     json: str | None = None,
+    report: Path | None = None,
     texts: Mapping[Path | str, str | bytes] | None = None,
     written: Sequence[Path | str] = (),
 ) -> None:
     """Write a result's files, all or none, then print what the command says and name ``written`` too."""
-    from .render import say, warn
+    from .render import made, say, warn
 
+    texts = dict(texts or {})
+    if report is not None:
+        texts[report] = found.page_text(made())
     found.write_files(table=out, plot=plot, json=None if json == "-" else json, texts=texts)
     warn(*getattr(found, "warnings", ()))
     if json == "-":
         return say(found.to_json().rstrip("\n"))
     table = found.table_lines() if out is None else []
-    named = [path for path in (out, plot, *(texts or ()), *written) if path]
+    named = [path for path in (out, plot, *texts, *written) if path]
     return say(*found.lines(), *(["", *table] if table else []), *(f"written: {path}" for path in named))
 
 

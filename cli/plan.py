@@ -13,6 +13,7 @@ from .options import (
     MarginOpt,
     OutOpt,
     PlotOpt,
+    ReportOpt,
     RobotArg,
     SeedOpt,
     SurfaceOpt,
@@ -55,6 +56,7 @@ def plan(
     out: OutOpt = None,
     plot: PlotOpt = None,
     json: JsonOpt = None,
+    report: ReportOpt = None,
     closed: ClosedOpt = False,
     blend: BlendOpt = None,
     start_speed: SpeedOpt = 0.0,
@@ -81,7 +83,7 @@ def plan(
         refuse(
             "--blend", "is given with --closed", "close the path with a spline, or repeat the first waypoint"
         )
-    check_outputs(out, json, plot=plot)
+    check_outputs(out, json, report, plot=plot)
     with at_options(
         surface="--surface",
         margin="--margin",
@@ -109,4 +111,4 @@ def plan(
             chance=chance,
             seed=seed,
         )
-    deliver(found, out=out, plot=plot, json=json, written=exported(found, export))
+    deliver(found, out=out, plot=plot, json=json, report=report, written=exported(found, export))

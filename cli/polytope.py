@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from .options import DeltaOpt, JsonOpt, PlotOpt, RobotArg, SurfaceOpt, check_outputs, deliver
+from .options import DeltaOpt, GripOpt, JsonOpt, PlotOpt, RobotArg, SurfaceOpt, check_outputs, deliver
 from .render import at_options
 
 
@@ -14,17 +14,18 @@ def polytope(
     robot: RobotArg,
     surface: SurfaceOpt,
     delta_deg: DeltaOpt = None,
+    grip: GripOpt = None,
     rigid: Annotated[bool, typer.Option("--rigid", help="All wheels on rigid material.")] = False,
     json: JsonOpt = None,
     plot: PlotOpt = None,
 ) -> None:
     """The wrenches (Fx, Fy, Mz) about the centre of mass, body frame: vertices, facets, volume.
 
-    Always of the box grip (eq. 17): a coupled grip has no facets, and lies inside.
+    Of the robot's own grip, or of --grip.  A coupled grip has a curved surface: points of it are given.
     """
     import slipmargin as sm
 
     check_outputs(json, plot=plot)
-    with at_options(surface="--surface", wheel_angle_deg="--delta-deg"):
-        found = sm.polytope(sm.read_robot(robot, wheel_angle_deg=delta_deg), surface, rigid=rigid)
+    with at_options(surface="--surface", grip="--grip", wheel_angle_deg="--delta-deg"):
+        found = sm.polytope(sm.read_robot(robot, wheel_angle_deg=delta_deg, grip=grip), surface, rigid=rigid)
     deliver(found, plot=plot, json=json)

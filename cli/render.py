@@ -16,6 +16,26 @@ def say(*lines: str) -> None:
     _write(sys.stdout, lines)
 
 
+#: The words of the command line that is carried out.
+_words: list[str] = []
+
+
+def note_words(words: Sequence[str]) -> None:
+    """Remember the command line, for the pages that it makes."""
+    _words[:] = words
+
+
+def made() -> str:
+    """When, by which version and by which command a page is made."""
+    import datetime
+    import shlex
+
+    from slipmargin import __version__
+
+    words = shlex.join(["slipmargin", *_words])
+    return f"Made on {datetime.date.today().isoformat()} by slipmargin {__version__}: `{words}`"
+
+
 #: Warnings wait for the end: a command that is refused says one line, its error.
 _warnings: list[str] = []
 
@@ -23,6 +43,11 @@ _warnings: list[str] = []
 def warn(*lines: str) -> None:
     """Say ``warning: …`` lines on stderr once the command has done its work."""
     _warnings.extend(f"warning: {line}" for line in lines)
+
+
+def say_warnings(lines: Sequence[str]) -> None:
+    """Say warnings at once, for a command that ends only when it is stopped."""
+    _write(sys.stderr, [f"warning: {line}" for line in lines])
 
 
 def tell(line: str, code: int) -> int:
@@ -38,6 +63,14 @@ def finish_output(code: int) -> int:
     _write(sys.stderr, _warnings)
     _warnings.clear()
     return code
+
+
+def announce_compilation() -> None:
+    """On a terminal, say that the first run compiles: it takes some seconds in which nothing else is seen."""
+    from slipmargin.notice import on_compile
+
+    if sys.stderr.isatty():
+        on_compile(lambda: _write(sys.stderr, ["compiling once, about 10 s"]))
 
 
 def _write(stream: Any, lines: Sequence[str]) -> None:
@@ -81,15 +114,29 @@ def at_options(**options: str) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def stages(first: str = "reading the data") -> Iterator[Callable[[str, float], None]]:
-    """A progress bar that names the stage the work is in; yields ``report(stage, share)``, share 0 to 1."""
+def stages(
+    first: str = "reading the data", *, counted: bool = True
+) -> Iterator[Callable[[str, float], None]]:
+    """A progress bar that names the stage the work is in; yields ``report(stage, share)``, share 0 to 1.
+
+    Work that is ``counted`` shows its percentage and the time left, other work the time spent.
+    """
     if not sys.stderr.isatty():
         yield lambda stage, share: None
         return
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        TaskProgressColumn,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
 
-    layout = (BarColumn(bar_width=24), TimeElapsedColumn(), TextColumn("{task.description}", markup=False))
+    told = TextColumn("{task.description}", markup=False)
+    left = (TaskProgressColumn(), TimeRemainingColumn(elapsed_when_finished=True))
+    layout = (BarColumn(bar_width=24), *(left if counted else (TimeElapsedColumn(),)), told)
     with Progress(*layout, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(first, total=1.0)
+        task = bar.add_task(first, total=1.0 if counted else None)
         yield lambda stage, share: bar.update(task, description=stage, completed=min(1.0, max(0.0, share)))

@@ -11,6 +11,7 @@ from .options import (
     JsonOpt,
     OutOpt,
     PlotOpt,
+    ReportOpt,
     RobotArg,
     SurfaceOpt,
     TrajectoryOpt,
@@ -52,6 +53,7 @@ def simulate(
     export: TrajectoryOpt = None,
     plot: PlotOpt = None,
     json: JsonOpt = None,
+    report: ReportOpt = None,
 ) -> None:
     """Simulate the slipping motion under wheel speeds (t_s, omega{i}_rad_s, held between rows) or a plan.
 
@@ -60,10 +62,10 @@ def simulate(
     """
     import slipmargin as sm
 
-    check_outputs(out, json, plot=plot)
+    check_outputs(out, json, report, plot=plot)
     recipe = sm.read_robot(robot)
     with (
-        stages("simulating"),
+        stages("simulating", counted=False),
         at_options(
             surface="--surface",
             wheel_angles_rad="--theta0",
@@ -83,7 +85,7 @@ def simulate(
             push=_numbers("--push", push, 3),
             relative_error=rtol,
         )
-    deliver(found, out=out, plot=plot, json=json, written=exported(found, export))
+    deliver(found, out=out, plot=plot, json=json, report=report, written=exported(found, export))
 
 
 def _numbers(option: str, text: str | None, count: int) -> list[float] | None:

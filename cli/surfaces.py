@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from . import complete
 from .options import JsonOpt, check_outputs, deliver
 from .render import at_options
 
@@ -23,7 +24,12 @@ def listing(json: JsonOpt = None) -> None:
 
 @app.command()
 def show(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a surface of the list.")],
+    name: Annotated[
+        str,
+        typer.Argument(
+            metavar="NAME", help="Name of a surface of the list.", autocompletion=complete.published_surfaces
+        ),
+    ],
     json: JsonOpt = None,
 ) -> None:
     """Print how a surface was measured, where it was published, and the table for a robot file."""

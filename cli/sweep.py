@@ -15,6 +15,7 @@ from .options import (
     MarginOpt,
     OutOpt,
     PlotOpt,
+    ReportOpt,
     RobotArg,
     SeedOpt,
     SurfaceOpt,
@@ -44,6 +45,7 @@ def sweep(
     out: OutOpt = None,
     plot: PlotOpt = None,
     json: JsonOpt = None,
+    report: ReportOpt = None,
 ) -> None:
     """Pull before a wheel slips, F_emax, over the robot's orientation φ under a force along the floor's +x.
 
@@ -53,7 +55,7 @@ def sweep(
     """
     import slipmargin as sm
 
-    check_outputs(out, json, plot=plot)
+    check_outputs(out, json, report, plot=plot)
     with at_options(
         surface="--surface",
         grip="--grip",
@@ -79,4 +81,4 @@ def sweep(
             chance=chance,
             seed=seed,
         )
-    deliver(found, out=out, plot=plot, json=json)
+    deliver(found, out=out, plot=plot, json=json, report=report)

@@ -6,10 +6,16 @@ import contextlib
 import io
 import os
 import re
+import sys
+from pathlib import Path
 from typing import Any
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
+from mkdocs.structure.pages import Page
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from terms import anchored, linked
 
 os.environ["COLUMNS"] = "100"
 os.environ["TERM"] = "dumb"
@@ -56,3 +62,13 @@ def on_files(files: Files, config: MkDocsConfig, **_: Any) -> Files:
     for path, text in {"reference/help.md": help_page(), "reference/python.md": python_page()}.items():
         files.append(File.generated(config, path, content=text))
     return files
+
+
+def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
+    """Link the glossary's terms where a page first uses them."""
+    source = page.file.src_uri
+    if source == "glossary.md":
+        return anchored(markdown)
+    if source.startswith("notebooks/") or source in {"reference/help.md", "reference/python.md"}:
+        return markdown
+    return linked(markdown, "../" * source.count("/"))

@@ -21,6 +21,8 @@ __version__ = "0.1.0"
 
 #: Public function → the module that holds it.
 _CONTENTS = {
+    "SlipMonitor": "slipmargin.api.monitor",
+    "Limiter": "slipmargin.api.limiter",
     "bounds": "slipmargin.api.bounds",
     "built_in_robots": "slipmargin.api.robots",
     "check": "slipmargin.api.check",
@@ -30,10 +32,14 @@ _CONTENTS = {
     "describe_surface": "slipmargin.api.surfaces",
     "design": "slipmargin.api.design",
     "diagnose": "slipmargin.api.diagnose",
+    "explore": "slipmargin.api.explore",
+    "export_simulator": "slipmargin.api.export_simulator",
+    "export_c": "slipmargin.api.limiter",
     "export_trajectory": "slipmargin.api.trajectories",
     "import_logs": "slipmargin.api.import_logs",
     "known_effects": "slipmargin.api.effects",
     "new_robot": "slipmargin.api.robot_files",
+    "known_quantities": "slipmargin.api.design",
     "known_surfaces": "slipmargin.api.surfaces",
     "measure": "slipmargin.api.measure",
     "plan": "slipmargin.api.plan",
@@ -42,17 +48,22 @@ _CONTENTS = {
     "reproduce": "slipmargin.api.reproduce",
     "robot_from_urdf": "slipmargin.api.robot_files",
     "simulate": "slipmargin.api.simulate",
+    "stop": "slipmargin.api.stop",
     "sweep": "slipmargin.api.sweep",
 }
 
 if TYPE_CHECKING:
     from slipmargin.api.bounds import bounds as bounds
     from slipmargin.api.check import check as check
-    from slipmargin.api.design import design as design
+    from slipmargin.api.design import design as design, known_quantities as known_quantities
     from slipmargin.api.diagnose import diagnose as diagnose
     from slipmargin.api.effects import describe_effect as describe_effect, known_effects as known_effects
+    from slipmargin.api.explore import explore as explore
+    from slipmargin.api.export_simulator import export_simulator as export_simulator
     from slipmargin.api.import_logs import import_logs as import_logs
+    from slipmargin.api.limiter import Limiter as Limiter, export_c as export_c
     from slipmargin.api.measure import measure as measure
+    from slipmargin.api.monitor import SlipMonitor as SlipMonitor
     from slipmargin.api.plan import plan as plan
     from slipmargin.api.polytope import polytope as polytope
     from slipmargin.api.reproduce import reproduce as reproduce
@@ -67,6 +78,7 @@ if TYPE_CHECKING:
         read_robot as read_robot,
     )
     from slipmargin.api.simulate import simulate as simulate
+    from slipmargin.api.stop import stop as stop
     from slipmargin.api.surfaces import describe_surface as describe_surface, known_surfaces as known_surfaces
     from slipmargin.api.sweep import sweep as sweep
     from slipmargin.api.trajectories import export_trajectory as export_trajectory

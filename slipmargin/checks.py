@@ -69,3 +69,10 @@ def frozen(place: str, value: Any, shape: tuple[int | None, ...]) -> Array:
         raise InputError(place, "holds a value that is not finite", "give finite numbers")
     array.setflags(write=False)
     return array
+
+
+def exact_mean(values: Array) -> float:
+    """The mean of finite values, summed without rounding: the same whatever their order; NaN else."""
+    if not values.size or not np.isfinite(values).all():
+        return float("nan")
+    return math.fsum(values.tolist()) / values.size

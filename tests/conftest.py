@@ -18,9 +18,9 @@ settings.register_profile("desk", deadline=None, suppress_health_check=(HealthCh
 settings.register_profile("ci", settings.get_profile("desk"), derandomize=True)
 settings.load_profile("ci" if os.environ.get("CI") else "desk")
 
-#: Packages of the extras ``test``, ``ros`` and ``urdf`` without which tests are skipped.
+#: Packages of the extras ``test``, ``ros``, ``urdf``, ``frc`` and ``lerobot``; else tests are skipped.
 NEEDED = ("mujoco", "toppra", "dask", "distributed", "jupytext", "nbclient", "ipykernel", "rosbags")
-NEEDED += ("yourdfpy", "xacrodoc")
+NEEDED += ("yourdfpy", "xacrodoc", "wpiutil", "pyarrow", "playwright")
 
 
 def missing() -> list[str]:
@@ -32,7 +32,7 @@ def pytest_configure(config: pytest.Config) -> None:
     """Continuous integration must skip nothing for want of a package."""
     if os.environ.get("CI") and missing():
         raise pytest.UsageError(
-            f"not installed: {', '.join(missing())}; run pip install -e '.[test,ros,urdf]'"
+            f"not installed: {', '.join(missing())}; run pip install -e '.[test,ros,urdf,frc,lerobot]'"
         )
 
 
@@ -40,4 +40,4 @@ def pytest_report_header() -> str | None:
     """What is skipped at a desk, and how to change it."""
     if not missing():
         return None
-    return f"skipped for want of {', '.join(missing())}: pip install -e '.[test,ros,urdf]'"
+    return f"skipped for want of {', '.join(missing())}: pip install -e '.[test,ros,urdf,frc,lerobot]'"

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from slipmargin.limits.bounds_summary import Bounds
     from slipmargin.limits.uncertainty import SlipChance
+    from slipmargin.report.page import Page
 
 
 @final
@@ -56,6 +57,19 @@ class BoundsResult(Result):
         from slipmargin.plots.bounds import bounds_figure
 
         return bounds_figure(self.bounds)
+
+    def panels(self) -> dict[str, Figure]:
+        """Each panel of :meth:`plot` as a figure of its own, by name: what a page shows."""
+        from slipmargin.plots.bounds import bounds_panels
+
+        return bounds_panels(self.bounds)
+
+    def page(self) -> Page:
+        """The report: verdict, numbers, picture, table, what to do next."""
+        from slipmargin.plots.style import images
+        from slipmargin.report.limits_pages import bounds_page
+
+        return bounds_page(self.bounds, images(self.panels()), self.lines(), self.warnings)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as numbers."""

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from slipmargin.model import Model
     from slipmargin.paths.check import Check
+    from slipmargin.report.page import Page
 
 #: A motion that asks for so many times a wheel's grip is a mistake of units or of time stamps [1].
 ABSURD_USE = 1e6
@@ -74,6 +75,21 @@ class CheckResult(Result):
         from slipmargin.plots.paths import check_figure
 
         return check_figure(self.model, self.check, self.trajectory)
+
+    def panels(self) -> dict[str, Figure]:
+        """Each panel of :meth:`plot` as a figure of its own, by name: what a page shows."""
+        from slipmargin.plots.paths import check_panels
+
+        return check_panels(self.model, self.check, self.trajectory)
+
+    def page(self) -> Page:
+        """The report: verdict, numbers, picture, table, what to do next."""
+        from slipmargin.plots.style import images
+        from slipmargin.report.motion_pages import check_page
+
+        return check_page(
+            self.model, self.check, self.pose, images(self.panels()), self.lines(), self.warnings
+        )
 
     def table_text(self) -> str:
         """The trajectory in the contract's columns."""
@@ -131,8 +147,9 @@ def check(
         A surface of the robot file.
     trajectory : Trajectory, array (T, 4), or a file
         A planned trajectory; rows of t [s], x [m], y [m], φ [rad]; or a file: a CSV with at least the
-        columns ``t_s,x_m,y_m,phi_rad``, a Choreo ``.traj``, a PathPlanner trajectory JSON, or a ROS bag
-        with a nav_msgs/Path.  Those three give the heading θ of the robot's front; it becomes φ = θ − π/2
+        columns ``t_s,x_m,y_m,phi_rad``, a Choreo ``.traj``, a PathPlanner trajectory JSON, a log of Road
+        Runner's quickstart (in inches), or a ROS bag with a nav_msgs/Path.  Those four give the heading θ
+        of the robot's front; it becomes φ = θ − π/2
         for a robot file in the paper's convention and φ = θ in that of ROS.  Velocities and accelerations
         that a file states are compared with its poses, which are what is checked; a contradiction is a
         warning.

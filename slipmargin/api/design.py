@@ -15,6 +15,7 @@ from slipmargin.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from slipmargin.report.page import Page
     from slipmargin.study.influence import Influence
     from slipmargin.study.optimum import Optimum
     from slipmargin.study.reason import Reason
@@ -75,7 +76,7 @@ class DesignResult(Result):
         return [*lines, "", *columns(*best_by_objective(self.study))]
 
     def table_lines(self) -> list[str]:
-        """A row a design, or where to find them if they are too many to print."""
+        """A row a design, as many as a terminal shows."""
         from slipmargin.report.design import designs
 
         return designs(self.study, self.front)
@@ -92,27 +93,14 @@ class DesignResult(Result):
 
         return table_text(self.study, self.front)
 
-    def page_text(self) -> str:
-        """One self-contained HTML page that sums up."""
+    def page(self) -> Page:
+        """The page that sums up."""
         from slipmargin.plots.style import image
         from slipmargin.report.design_page import design_page
 
         return design_page(
             self.study, self.front, self.robust, self.influences, self.labelled(), image(self.plot())
         )
-
-    def write(self, path: Path | str) -> None:
-        """Write ``.html`` (a page that sums up), ``.csv``, ``.json`` or a picture.
-
-        Raises
-        ------
-        InputError
-            For another ending, or where the file cannot be written.
-        """
-        if Path(path).suffix.lower() == ".html":
-            self.write_files(texts={path: self.page_text()})
-        else:
-            Result.write(self, path)
 
     def forget_work(self) -> None:
         """Remove the pieces kept for a run that is interrupted; call it once the result is written."""
@@ -152,6 +140,20 @@ class DesignResult(Result):
                 {"key": i.key, "value": i.value, "slope": i.slope, "peak": i.peak} for i in self.influences
             ],
         }
+
+
+def known_quantities() -> dict[str, str]:
+    """The quantities that :func:`slipmargin.design` may vary, each with its meaning and unit.
+
+    Examples
+    --------
+    >>> import slipmargin as sm
+    >>> sm.known_quantities()["delta_deg"]
+    'wheel angle δ of a three-wheel robot (Fig. 3) [deg]'
+    """
+    from slipmargin.study.quantities import QUANTITIES
+
+    return {q.key: f"{q.meaning} [{q.unit}]" if q.unit else q.meaning for q in QUANTITIES}
 
 
 def design(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from slipmargin.api.diagnose_pulls import PullDiagnosisResult
     from slipmargin.data.data_set import DataSet
+    from slipmargin.diagnosis.campaign import MemberResult
     from slipmargin.diagnosis.limits_change import LimitsChange
     from slipmargin.diagnosis.result import Diagnosis
     from slipmargin.report.page import Image, Page
@@ -27,6 +28,7 @@ class DiagnosisResult(Diagnosed):
 
     diagnosis: Diagnosis
     change: LimitsChange
+    members: tuple[MemberResult, ...] = ()  #: the data sets of a campaign; empty for a single one
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -47,19 +49,45 @@ class DiagnosisResult(Diagnosed):
     def _page(self, images: dict[str, Image]) -> Page:
         from slipmargin.report.diagnosis_page import page
 
-        return page(self.diagnosis, self.change, images)
+        built = page(self.diagnosis, self.change, images)
+        if not self.members:
+            return built
+        from slipmargin.report.campaign import section
+
+        first, *others = built.sections
+        return replace(built, sections=(first, section(self.diagnosis, self.members), *others))
 
     def lines(self) -> list[str]:
         """Verdict, effects, error and limits before and after."""
         from slipmargin.report.diagnosis_words import summary_lines
 
-        return summary_lines(self.diagnosis, self.change)
+        told = summary_lines(self.diagnosis, self.change)
+        if self.members:
+            from slipmargin.report.campaign import lines
+
+            told += lines(self.diagnosis, self.members)
+        return told
 
     def to_dict(self) -> dict[str, Any]:
         """What ``report.json`` holds."""
         from slipmargin.report.diagnosis_json import report
 
-        return report(self.diagnosis, self.change)
+        told = report(self.diagnosis, self.change)
+        if self.members:
+            from slipmargin.report.campaign import as_json
+
+            told["campaign"] = as_json(self.diagnosis, self.members)
+        return told
+
+    def files(self) -> dict[str, str | bytes]:
+        """File name → content; of a campaign also the corrected robot of each data set."""
+        from slipmargin.io.robot_text import write_recipe
+
+        made = Diagnosed.files(self)
+        for m in self.members:
+            head = f"{m.corrected.robot.name}, corrected by slipmargin diagnose: {m.member.name}."
+            made[f"corrected-{m.member.name}.toml"] = write_recipe(m.corrected, head)
+        return made
 
     def figures(self) -> dict[str, Figure]:
         """Every figure by name: residual, where, candidates, held-out, limits; empty ones are left out."""
@@ -87,7 +115,8 @@ def diagnose(
     ----------
     data_set : DataSet, str or Path
         A data set, or the folder of one (``dataset.toml``, the robot file, ``trials/*.csv``, ``pulls.csv``
-        or both).
+        or both), or a campaign: a TOML file that names several data sets of one robot and says which floor,
+        loading and instrument each has (see :mod:`slipmargin.io.campaign_file`).
     seed : int
         Seed of everything random, from 0; the same data and seed give the same result.
     progress : callable
@@ -116,21 +145,47 @@ def diagnose(
     from slipmargin.data.clean_up import repaired
     from slipmargin.diagnosis.limits_change import limits_change
     from slipmargin.diagnosis.loop import diagnose as search
+    from slipmargin.diagnosis.turned import FRAME, change_in, data_set_in, diagnosis_in
 
     if seed < 0:
         raise InputError("seed", f"is {seed}", "give a whole number from 0")
     data, source = _read(data_set)
+    if data.members:
+        return _campaign(data, source, seed, progress, budget_s)
     if not data.trials:
         _check_sense(data, source)
         return _pulls(data, source, seed, progress)
-    mended = repaired(data)
-    _check_sense(mended.data_set, source)
+    turned = data_set_in(data, FRAME)
+    mended = repaired(turned)
+    _check_sense(data_set_in(mended.data_set, data.recipe.robot.convention), source)
     diagnosis = search(
         mended.data_set, seed=seed, progress=progress, repairs=mended.repairs, budget_s=budget_s
     )
     progress("limits before and after", 0.2)
-    change = limits_change(diagnosis.recipe, diagnosis.corrected, diagnosis.surface, data.pulls)
-    return DiagnosisResult(diagnosis=diagnosis, change=change)
+    change = limits_change(diagnosis.recipe, diagnosis.corrected, diagnosis.surface, turned.pulls)
+    return DiagnosisResult(
+        diagnosis=diagnosis_in(diagnosis, data.recipe), change=change_in(change, data.recipe.robot.convention)
+    )
+
+
+def _campaign(
+    data: DataSet, source: str, seed: int, progress: Callable[[str, float], None], budget_s: float | None
+) -> DiagnosisResult:
+    from slipmargin.data.campaign import apart, each
+    from slipmargin.data.clean_up import repaired
+    from slipmargin.diagnosis.campaign import by_group
+    from slipmargin.diagnosis.limits_change import limits_change
+    from slipmargin.diagnosis.loop import diagnose as search
+
+    data, repairs = each(data, lambda d: ((mended := repaired(d)).data_set, mended.repairs))
+    for member in apart(data):
+        _check_sense(member, f"{source}: {member.name}")
+    diagnosis = search(data, seed=seed, progress=progress, repairs=repairs, budget_s=budget_s)
+    progress("evidence of each data set", 0.2)
+    diagnosis, members = by_group(data, diagnosis)
+    progress("limits before and after", 0.2)
+    change = limits_change(diagnosis.recipe, diagnosis.corrected, diagnosis.surface)
+    return DiagnosisResult(diagnosis=diagnosis, change=change, members=members)
 
 
 def _pulls(
@@ -151,8 +206,12 @@ def _pulls(
 
 def _read(data_set: DataSet | Path | str) -> tuple[DataSet, str]:
     if isinstance(data_set, Path | str):
+        from slipmargin.io.campaign_file import campaign_file, read_joined
         from slipmargin.io.data_set import read_data_set
 
+        campaign = campaign_file(Path(data_set))
+        if campaign is not None:
+            return read_joined(campaign), str(campaign)
         return read_data_set(Path(data_set)), str(data_set)
     return data_set, data_set.name
 

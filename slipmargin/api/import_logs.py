@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
+from slipmargin.api.log_formats import importer_of, known_options
 from slipmargin.api.result import Result
 from slipmargin.api.robots import RobotLike, read_robot
 from slipmargin.errors import InputError
-from slipmargin.robot import Robot
 
 if TYPE_CHECKING:
     from slipmargin.data.calibration import Calibration
     from slipmargin.data.data_set import DataSet
-    from slipmargin.io.importers.plug import Importer, Summary
-
-FORMATS = ("robotino", "csv", "ros")
+    from slipmargin.io.importers.plug import Summary
 
 
 @final
@@ -100,6 +97,7 @@ def import_logs(
     calibrate: bool = False,
     calibration: Path | str | None = None,
     commanded: bool = False,
+    segment_s: float | None = None,
     name: str = "imported",
     **options: Any,
 ) -> ImportResult:
@@ -110,12 +108,8 @@ def import_logs(
     files : list of str or Path
         The logs.
     format : str
-        ``robotino`` (options ``ticks_per_turn``, ``smooth_s``), ``csv`` (option ``columns``, a TOML file that
-        says which column is what, or ``time``, ``x``, ``y``, ``heading`` and ``wheels``, columns with their
-        units like ``"px:mm"``, see :mod:`slipmargin.io.importers.csv_options`, and ``separator``) or
-        ``ros`` (options ``pose_topic``, ``joint_topic``, ``joints``, each guessed from types and names where
-        it is not given, and ``pose_rotation_deg``, the angle from the robot's front to the x axis of the body
-        whose pose is logged).
+        ``robotino``, ``csv``, ``ros``, ``robojackets``, ``wpilog``, ``advantagescope``, ``roadrunner`` or
+        ``lerobot``.
     robot : str, Path, Recipe or Robot
         The robot that is believed.
     surface : str, optional
@@ -126,8 +120,12 @@ def import_logs(
         A ``calibration.toml`` of another floor, to be held fixed.
     commanded : bool
         The wheel speeds are commanded, not measured.
+    segment_s : float, optional
+        Cut each log, a long recording, into runs of so many seconds [s] with a start pose each.
     name : str
         Name of the data set.
+    options
+        Those of the format, described at its function in :mod:`slipmargin.api.log_formats`.
 
     Returns
     -------
@@ -149,6 +147,7 @@ def import_logs(
     from slipmargin.data.checks import check_data_set
     from slipmargin.data.clean_up import repaired
     from slipmargin.data.data_set import DataSet, WheelSignal
+    from slipmargin.data.segments import segments
     from slipmargin.io.calibration_file import read_calibration
     from slipmargin.io.importers.plug import import_files
 
@@ -156,18 +155,31 @@ def import_logs(
         raise InputError("calibrate", "is given together with a calibration", "give one of the two")
     known_options(format, options)
     recipe = read_robot(robot)
-    importer = _importer(format, options, recipe.robot)
+    importer = importer_of(format, options, recipe.robot, [Path(file) for file in files])
     floor = recipe.robot.surfaces[0].name if surface is None else recipe.robot.surface(surface).name
     held = None if calibration is None else read_calibration(Path(calibration))
     read = import_files(importer, [Path(file) for file in files])
     records = read.records
+    if segment_s is not None:
+        records = tuple(part for record in records for part in segments(record, segment_s))
+        if not records:
+            raise InputError(
+                "segment_s", f"is {segment_s:g}: no run is so long and moves", "give a shorter time"
+            )
     if calibrate:
         held = calibrated(records, recipe.build(floor).geometry)
     if held is not None:
         records = tuple(held.rectified(record) for record in records)
         recipe = replace(recipe, effects=(*recipe.effects, *held.effects()))
     signal = WheelSignal.COMMANDED if commanded else WheelSignal.MEASURED
-    data_set = DataSet(name=name, recipe=recipe, surface=floor, wheel_signal=signal, trials=records)
+    data_set = DataSet(
+        name=name,
+        recipe=recipe,
+        surface=floor,
+        wheel_signal=signal,
+        trials=records,
+        nominal_rate_Hz=getattr(importer, "rate_Hz", None),
+    )
     return ImportResult(
         data_set=data_set,
         read=read,
@@ -175,60 +187,6 @@ def import_logs(
         calibration_given=calibration is not None,
         delay_s=_delay(data_set),
         warnings=tuple(str(finding) for finding in check_data_set(repaired(data_set).data_set)),
-    )
-
-
-def known_options(format: str, options: dict[str, Any]) -> None:
-    """Refuse an unknown format, or an option that it does not have."""
-    if format not in FORMATS:
-        raise InputError("format", f"is {format!r}", f"use one of: {', '.join(FORMATS)}")
-    known = {
-        "robotino": ("ticks_per_turn", "smooth_s"),
-        "csv": ("columns", "time", "x", "y", "heading", "wheels", "separator"),
-        "ros": ("pose_topic", "joint_topic", "joints", "pose_rotation_deg"),
-    }[format]
-    for option in options:
-        if option not in known:
-            raise InputError(option, f"is no option of {format!r}", f"use one of: {', '.join(known)}")
-
-
-def _importer(format: str, options: dict[str, Any], robot: Robot) -> Importer:
-    """The reader of a format."""
-    if format == "robotino":
-        from slipmargin.io.importers.robotino import RobotinoImporter
-
-        return RobotinoImporter(**options)
-    if format == "csv":
-        from slipmargin.io.importers.csv_map import CsvImporter, read_map
-        from slipmargin.io.importers.csv_options import csv_map
-
-        named = {k: v for k, v in options.items() if k != "columns" and v}
-        if options.get("columns") is None:
-            wanted = {"time": None, "x": None, "y": None, "heading": None, "wheels": (), **named}
-            held = csv_map(**wanted)
-            if len(held.wheels) != len(robot.wheels):
-                raise InputError(
-                    "wheels", f"are {len(held.wheels)}", f"give one for each of {len(robot.wheels)} wheels"
-                )
-            return CsvImporter(map=held)
-        if named:
-            raise InputError("columns", f"is given together with {', '.join(named)}", "give one of the two")
-        return CsvImporter(map=read_map(Path(options["columns"])))
-    from slipmargin.io.importers.ros2 import RosImporter
-
-    joints = options.get("joints")
-    if joints and len(joints) != len(robot.wheels):
-        raise InputError("joints", f"are {len(joints)}", f"give one for each of {len(robot.wheels)} wheels")
-    rotation = float(options.get("pose_rotation_deg") or 0.0)
-    if not abs(rotation) <= 360.0:
-        raise InputError("pose_rotation_deg", f"is {rotation:g}", "give an angle up to 360 degrees")
-    return RosImporter(
-        pose_topic=options.get("pose_topic"),
-        joint_topic=options.get("joint_topic"),
-        joints=tuple(joints) if joints else None,
-        wheels=tuple(w.name for w in robot.wheels),
-        convention=robot.convention,
-        pose_rotation_rad=math.radians(rotation),
     )
 
 

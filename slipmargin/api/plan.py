@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from slipmargin.paths.plan import Plan
     from slipmargin.paths.trajectory import Trajectory
     from slipmargin.paths.verify import Verified
+    from slipmargin.report.page import Page
 
 WAYPOINTS = ("x_m", "y_m", "phi_rad")
 
@@ -93,6 +94,21 @@ class PlanResult(Result):
         from slipmargin.plots.paths import plan_figure
 
         return plan_figure(self.plan, self.trajectory)
+
+    def panels(self) -> dict[str, Figure]:
+        """Each panel of :meth:`plot` as a figure of its own, by name: what a page shows."""
+        from slipmargin.plots.paths import plan_panels
+
+        return plan_panels(self.plan, self.trajectory)
+
+    def page(self) -> Page:
+        """The report: verdict, numbers, picture, table, what to do next."""
+        from slipmargin.plots.style import images
+        from slipmargin.report.motion_pages import plan_page
+
+        return plan_page(
+            self.plan, self.trajectory, self.simulated, images(self.panels()), self.lines(), self.warnings
+        )
 
     def table_text(self) -> str:
         """The trajectory in the contract's columns."""

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from slipmargin.limits import WrenchSet
     from slipmargin.model import Model
+    from slipmargin.sets.hull import Hull
     from slipmargin.sets.zonotope import Zonotope
 
 
@@ -26,13 +27,13 @@ class PolytopeResult(Result):
 
     model: Model
     wrenches: WrenchSet
-    body: Zonotope
+    body: Zonotope | Hull
     state: str  #: "rollers" or "rigid": what all wheels stand on
     warnings: tuple[str, ...]
 
     @property
     def vertices(self) -> Array:
-        """(V, 3) corners [N, N, N m]."""
+        """(V, 3) corners, or points of a curved surface [N, N, N m]."""
         return self.body.vertices()
 
     @property
@@ -40,24 +41,47 @@ class PolytopeResult(Result):
         """Normals (F, 3) and offsets (F,): normal · wrench ≤ offset inside."""
         return self.body.half_spaces()
 
+    @property
+    def curved(self) -> bool:
+        """Whether the grip is coupled, so that the set has curved sides between the points given."""
+        return not self.wrenches.polyhedral
+
+    @property
+    def left_out(self) -> float:
+        """Largest share by which the set reaches beyond the facets given [1]; 0 where they are its own."""
+        if not self.curved:
+            return 0.0
+        normals, offsets = self.facets
+        return float(np.max(self.wrenches.support(normals) / offsets - 1.0))
+
     def summary(self) -> str:
         """Corners, facets and volume."""
         m = self.model
         return (
             f"polytope of {m.robot} on {m.surface}, all wheels on {self.state}: "
-            f"{len(self.vertices)} vertices, volume {self.body.volume():.4g} N² N m"
+            f"{len(self.vertices)} {self._corners}, volume {self.body.volume():.4g} N² N m"
         )
 
     def lines(self) -> list[str]:
         """Size of the set, and the largest force and moment."""
-        corners = self.vertices
-        reach = np.abs(corners).max(axis=0)
-        return [
-            f"{len(corners)} vertices, {len(self.facets[0])} facets, volume {self.body.volume():.4g} N² N m "
-            f"({self.model.robot} on {self.model.surface}, all wheels on {self.state})",
+        corners, m = self.vertices, self.model
+        reach = np.maximum(*(self.wrenches.support(way * np.eye(3)) for way in (1.0, -1.0)))
+        lines = [
+            f"{len(corners)} {self._corners}, {len(self.facets[0])} facets, "
+            f"volume {self.body.volume():.4g} N² N m ({m.robot} on {m.surface}, all wheels on {self.state})",
             f"largest |Fx| {reach[0]:.3f} N, |Fy| {reach[1]:.3f} N, |Mz| {reach[2]:.4f} N m, "
             "each with whatever else comes along",
         ]
+        if self.curved:
+            lines.append(
+                f"grip {m.grip.shape.value}: the surface is curved, and lies up to "
+                f"{100 * self.left_out:.2g} % outside these facets"
+            )
+        return lines
+
+    @property
+    def _corners(self) -> str:
+        return "points of the surface" if self.curved else "vertices"
 
     def plot(self) -> Figure:
         """The polytope in space and its section at Mz = 0."""
@@ -67,28 +91,30 @@ class PolytopeResult(Result):
         return polytope_figure(self.wrenches, title, self.model.convention)
 
     def to_dict(self) -> dict[str, Any]:
-        """Vertices, facets, volume and generators."""
+        """Vertices, facets, volume and generators (of the box that holds the set, where it is curved)."""
         names = [f"{name} {part}" for name in self.wrenches.names for part in ("drive", "transverse")]
         return {
             "schema": 1,
             "robot": self.model.robot,
             "surface": self.model.surface,
+            "grip": self.model.grip.shape,
+            "curved": self.curved,
             "state": self.state,
             "units": {"vertices": ["N", "N", "N m"], "volume": "N^2 N m", "generators": ["N", "N", "N m"]},
             "vertices": self.vertices,
             "facets": [{"normal": n, "offset": o} for n, o in zip(*self.facets, strict=True)],
             "volume": self.body.volume(),
-            "generators": self.body.generators.T,
+            "generators": self.wrenches.generators.T,
             "generator_names": names,
-            "centre": self.body.centre,
+            "centre": self.wrenches.centre,
         }
 
 
 def polytope(robot: RobotLike, surface: str, *, rigid: bool = False) -> PolytopeResult:
     """All wrenches (Fx, Fy, Mz) that the wheels can put on the body without slipping.
 
-    The set is that of the box grip (eq. 17 of the paper), a zonotope.  A coupled grip has no facets and
-    lies inside it.
+    The set is that of the robot's own grip: for the box (eq. 17 of the paper) a zonotope with all its
+    vertices, for a coupled grip the hull of points of its curved surface, which lies inside the set.
 
     Parameters
     ----------
@@ -117,12 +143,12 @@ def polytope(robot: RobotLike, surface: str, *, rigid: bool = False) -> Polytope
     """
     from slipmargin.limits import wrench_set
 
-    model, warnings = model_of(read_robot(robot, grip="box"), surface)
+    model, warnings = model_of(read_robot(robot), surface)
     wrenches = wrench_set(model, np.full(model.count, rigid))
     return PolytopeResult(
         model=model,
         wrenches=wrenches,
-        body=wrenches.zonotope(),
+        body=wrenches.body(),
         state="rigid" if rigid else "rollers",
         warnings=warnings,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,8 @@ from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from slipmargin.report.page import Page
 
 _PICTURES = (".png", ".svg", ".pdf")
 
@@ -50,10 +53,28 @@ class Result:
         """The table that ``--out`` writes, as CSV text."""
         raise InputError("write", f"a {type(self).__name__} has no table", "write a .json file")
 
+    def page(self) -> Page:
+        """The page that ``--report`` writes, as data: verdict, numbers, picture, table, what to do next."""
+        raise InputError("report", f"a {type(self).__name__} has no report page", "use lines() or to_dict()")
+
+    def page_text(self, made: str = "") -> str:
+        """:meth:`page` as one self-contained HTML page.
+
+        Parameters
+        ----------
+        made : str
+            When, by which version and how the page was made; stands at its end.
+        """
+        from slipmargin.report.page import html
+
+        page = self.page()
+        return html(replace(page, foot=" ".join(part for part in (page.foot, made) if part)))
+
     def write(self, path: Path | str) -> None:
         """Write the result whole or not at all; the file's ending says what is written.
 
-        ``.json``: :meth:`to_dict`; ``.png``, ``.svg`` or ``.pdf``: :meth:`plot`; ``.csv``: the table.
+        ``.json``: :meth:`to_dict`; ``.png``, ``.svg`` or ``.pdf``: :meth:`plot`; ``.csv``: the table;
+        ``.html``: :meth:`page_text`.
 
         Raises
         ------
@@ -67,8 +88,12 @@ class Result:
             self.write_files(plot=path)
         elif ending == ".csv":
             self.write_files(table=path)
+        elif ending == ".html":
+            self.write_files(texts={path: self.page_text()})
         else:
-            raise InputError("", f"ends in {ending!r}", "use .csv, .json, .png, .svg or .pdf", str(path))
+            raise InputError(
+                "", f"ends in {ending!r}", "use .csv, .html, .json, .png, .svg or .pdf", str(path)
+            )
 
     def write_files(
         self,

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from slipmargin.io.table import Columns
     from slipmargin.model import Model
+    from slipmargin.report.page import Page
     from slipmargin.sim.run import Run
     from slipmargin.sim.signal import WheelSignal
 
@@ -63,6 +64,27 @@ class SimulationResult(Result):
         from slipmargin.plots.motion import run_figure
 
         return run_figure(self.run, f"{self.model.robot}, surface “{self.model.surface}”")
+
+    def panels(self) -> dict[str, Figure]:
+        """Each panel of :meth:`plot` as a figure of its own, by name: what a page shows."""
+        from slipmargin.plots.motion import run_panels
+
+        return run_panels(self.run)
+
+    def page(self) -> Page:
+        """The report: verdict, numbers, picture, table, what to do next."""
+        from slipmargin.plots.style import images
+        from slipmargin.report.motion_pages import simulate_page
+
+        return simulate_page(
+            self.run,
+            self.model,
+            self._work(),
+            self.planned_end,
+            images(self.panels()),
+            self.lines(),
+            self.warnings,
+        )
 
     def table_text(self) -> str:
         """The run in the contract's columns."""

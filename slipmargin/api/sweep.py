@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from slipmargin.limits import Isotropic, Sweep
     from slipmargin.limits.uncertainty import SlipChance
     from slipmargin.model import Model
+    from slipmargin.report.page import Page
 
 METHODS = ("facets", "clarabel", "cvxpy")
 _MOST = 1_000_000
@@ -126,6 +127,31 @@ class SweepResult(Result):
 
         circle = limit_sweep(self.sweep.model, np.linspace(0.0, 2.0 * np.pi, 721))
         return sweep_figure(self.sweep, circle, self.pulls, self.recommended_N)
+
+    def panels(self) -> dict[str, Figure]:
+        """Each panel of :meth:`plot` as a figure of its own, by name: what a page shows."""
+        from slipmargin.limits import sweep as limit_sweep
+        from slipmargin.plots.sweep import sweep_panels
+
+        circle = limit_sweep(self.sweep.model, np.linspace(0.0, 2.0 * np.pi, 721))
+        return sweep_panels(self.sweep, circle, self.pulls, self.recommended_N)
+
+    def page(self) -> Page:
+        """The report: verdict, numbers, picture, table, what to do next."""
+        from slipmargin.plots.style import images
+        from slipmargin.report.limits_pages import sweep_page
+
+        return sweep_page(
+            self.sweep,
+            self.limiting,
+            self.isotropic,
+            self.recommended_N,
+            self.margin,
+            self.measured(),
+            images(self.panels()),
+            self.lines(),
+            self.warnings,
+        )
 
     def table_text(self) -> str:
         """Columns ``phi_rad,f_max_N,f_low_N,f_high_N,limiting`` and the measured ones."""

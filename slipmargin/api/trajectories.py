@@ -13,7 +13,7 @@ from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.model import Model
 
-TOOLS = ("choreo", "pathplanner", "ros-path")
+TOOLS = ("choreo", "pathplanner", "roadrunner", "ros-path")
 
 
 def export_trajectory(
@@ -26,8 +26,9 @@ def export_trajectory(
     found : PlanResult, CheckResult or SimulationResult
         The motion.
     tool : str
-        ``choreo`` (a ``.traj``), ``pathplanner`` (its generated JSON) or ``ros-path`` (a ROS 2 bag with a
-        nav_msgs/Path, which needs ``slipmargin[ros]``).
+        ``choreo`` (a ``.traj``), ``pathplanner`` (its generated JSON), ``roadrunner`` (a log of its
+        quickstart,
+        in inches) or ``ros-path`` (a ROS 2 bag with a nav_msgs/Path, which needs ``slipmargin[ros]``).
     file : str or Path
         The file, or the bag's new folder.
 

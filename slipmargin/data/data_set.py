@@ -25,6 +25,19 @@ class WheelSignal(Enum):
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Member:
+    """One data set of a campaign: its robot and surface, and what it shares with others of the same word."""
+
+    name: str
+    recipe: Recipe
+    surface: str
+    floor: str
+    loading: str
+    instrument: str
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DataSet:
     """A robot as its user believes it to be, and its measured runs, pulls or both on one floor.
 
@@ -46,6 +59,12 @@ class DataSet:
         Measured breakaway pulls.
     lasting : LastingNoise or None
         The part of the noise that lasts from sample to sample; None where it is white.
+    nominal_rate_Hz : float or None
+        Rows a second [Hz] of a log without time stamps; None where every row has its time.
+    members : tuple of Member
+        The data sets of a campaign whose runs these are; empty where they are of one data set.
+    member_of : tuple of int
+        The number of each trial's member.
     """
 
     name: str
@@ -56,8 +75,13 @@ class DataSet:
     sigma: Array | None = None
     pulls: Pulls | None = None
     lasting: LastingNoise | None = None
+    nominal_rate_Hz: float | None = None
+    members: tuple[Member, ...] = ()
+    member_of: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
+        if self.members:
+            assert len(self.member_of) == len(self.trials), "every trial of a campaign has its member"
         self.recipe.robot.surface(self.surface)
         if not self.trials and self.pulls is None:
             raise InputError(

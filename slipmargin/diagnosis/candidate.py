@@ -12,9 +12,10 @@ from types import MappingProxyType
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array, frozen
-from slipmargin.effects import AnyEffect, Effect, Trace, Variant, WheelEffect
+from slipmargin.effects import AnyEffect, Effect, Scope, Trace, Variant, WheelEffect
 from slipmargin.effects.catalogue import CATALOGUE
 
 
@@ -54,6 +55,10 @@ class Candidate:
     usual : array (P,), optional
         Ordinary values, ``null`` by default: a fit that ends at one is not stuck at a bound that is the same.
         They differ where an idle parameter's first start, which its tangent needs, stands in for its null.
+    idle : array (P,) of bool, optional
+        Which parameters have no influence at null: tangents are taken at each of their starts.
+    scope : Scope, optional
+        What it belongs to, which data sets of a campaign may share; None: what its variable says.
     """
 
     name: str
@@ -73,6 +78,8 @@ class Candidate:
     wheel_phase: bool = False
     prior: Array = field(default_factory=lambda: np.zeros((0, 0)))
     usual: Array | None = None
+    idle: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    scope: Scope | None = None
 
     def __post_init__(self) -> None:
         count = len(self.keys)
@@ -82,6 +89,9 @@ class Candidate:
         object.__setattr__(self, "prior", frozen("prior", prior, (None, count)))
         for key in ("null", "scale", "low", "high"):
             object.__setattr__(self, key, frozen(key, getattr(self, key), (count,)))
+        idle = np.array(self.idle if len(self.idle) else np.zeros(count), dtype=bool)
+        idle.setflags(write=False)
+        object.__setattr__(self, "idle", idle)
         object.__setattr__(self, "starts", frozen("starts", self.starts, (None, count)))
 
     @property
@@ -126,6 +136,7 @@ def named_candidate(
         null=np.array([s[0] if p.idle and p.starts else p.null for p, s in zip(rows, sets, strict=True)]),
         scale=np.array([p.scale for p in rows]),
         usual=np.array([p.null for p in rows]),
+        idle=np.array([p.idle for p in rows]),
         low=np.array([p.low for p in rows]),
         high=np.array([p.high for p in rows]),
         starts=starts,
@@ -133,6 +144,7 @@ def named_candidate(
         nested=rows[0] is effect.parameters[0],
         wheels=wheels,
         wheel_phase=effect.needs_wheel_phase,
+        scope=effect.scope,
     )
 
 
@@ -141,6 +153,8 @@ def named_candidates(
     commanded: bool,
     known: tuple[str, ...],
     reach: Mapping[str, float] = MappingProxyType({}),
+    *,
+    timed: bool = True,
 ) -> list[Candidate]:
     """Every effect of the catalogue that these data could show.
 
@@ -154,10 +168,14 @@ def named_candidates(
         Effects already in the robot file; they are not proposed again.
     reach : mapping
         How far the runs cover "position" [m] and "time" [s], for starts that are spread over them.
+    timed : bool
+        Whether the rows have time stamps, not only a nominal rate.
     """
     found: list[Candidate] = []
     for effect in CATALOGUE:
         if effect.name in known or (effect.needs_commands and not commanded):
+            continue
+        if effect.needs_nominal_rate and timed:
             continue
         single = issubclass(effect, WheelEffect) and effect.one_wheel
         for variant in effect.variants or (None,):

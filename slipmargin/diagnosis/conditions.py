@@ -7,22 +7,26 @@ long it lasts, and whether some runs took place on another floor is read from wh
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 
 from slipmargin.checks import Array, Index
+from slipmargin.data.campaign import each
 from slipmargin.data.clean_up import repaired
 from slipmargin.data.clocks import at_times
 from slipmargin.data.data_set import DataSet, WheelSignal
-from slipmargin.data.noise import LastingNoise, lasting_noise, white_noise
+from slipmargin.data.noise import lasting_noise, white_noise
 from slipmargin.data.record import Record
 from slipmargin.data.repair import Repair, in_runs
 from slipmargin.diagnosis.held_out import searched_runs
+from slipmargin.diagnosis.noise_reading import lasts, stated_wrong, tails
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.effects import GeneralEffect, Part, Trace
+from slipmargin.model import nominal_model
 from slipmargin.physics.terms import Multiplier
 from slipmargin.physics.variables import Basis, Variable
 
@@ -77,16 +81,9 @@ def ready(data_set: DataSet, repairs: tuple[Repair, ...] | None = None, seed: in
         That of the diagnosis: the noise is measured on the runs that it does not hold out.
     """
     if repairs is None:
-        data_set, repairs = (fixed := repaired(data_set)).data_set, fixed.repairs
+        data_set, repairs = each(data_set, lambda d: ((fixed := repaired(d)).data_set, fixed.repairs))
     done = [*repairs]
-    data_set, more = _commands(data_set)
-    done += more
-    data_set, more = _one_clock(data_set)
-    done += more
-    if more:  # how the wheels move from row to row shows once the camera keeps their time
-        data_set, held = _commands(data_set)
-        done += held
-    data_set, more = _one_floor(data_set)
+    data_set, more = each(data_set, _alike)
     done += more
     stated = data_set.sigma
     data_set, more = _measured_noise(data_set, searched_runs(len(data_set.trials), seed))
@@ -95,13 +92,38 @@ def ready(data_set: DataSet, repairs: tuple[Repair, ...] | None = None, seed: in
     return Ready(data_set=data_set, noise_estimated=estimated, repairs=(*done, *more))
 
 
-def problem_of(data_set: DataSet, records: tuple[Record, ...] | None = None) -> Problem:
-    """The trials of a data set, or others, cleaned, with its noise, or else that of these trials."""
+def _alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
+    """With the commands, the clock and the floor that most of the runs have."""
+    data_set, done = _commands(data_set)
+    data_set, clock = _one_clock(data_set)
+    if clock:  # how the wheels move from row to row shows once the camera keeps their time
+        data_set, held = _commands(data_set)
+        clock = (*clock, *held)
+    data_set, floor = _one_floor(data_set)
+    return data_set, (*done, *clock, *floor)
+
+
+def problem_of(
+    data_set: DataSet, records: tuple[Record, ...] | None = None, runs: Sequence[int] | None = None
+) -> Problem:
+    """The trials of a data set, or others, cleaned, with its noise, or else that of these trials.
+
+    ``runs`` is the number of the trial that each of other records is cut from.
+    """
     records = data_set.trials if records is None else records
     sigma = white_noise(records) if data_set.sigma is None else data_set.sigma
     trials = tuple(clean(record, sigma) for record in records)
     commanded = data_set.wheel_signal is WheelSignal.COMMANDED
-    built = Problem.of(data_set.recipe, data_set.surface, trials, sigma, commanded)
+    own = np.asarray(data_set.member_of, dtype=np.int64)
+    built = Problem.of(
+        data_set.recipe,
+        data_set.surface,
+        trials,
+        sigma,
+        commanded,
+        [(m.recipe, nominal_model(m.recipe.robot, m.surface)) for m in data_set.members],
+        own if runs is None or not len(own) else own[np.asarray(runs, dtype=np.int64)],
+    )
     return replace(built, lasting=data_set.lasting)
 
 
@@ -281,9 +303,9 @@ def _measured_noise(data_set: DataSet, runs: Index) -> tuple[DataSet, tuple[Repa
     residuals = [residuals[i] for i in runs]
     whole, lasting = lasting_noise(residuals, data_set.sigma)
     white = white_noise(tuple(data_set.trials[i] for i in runs))
-    lasts = np.zeros(3, dtype=bool) if lasting is None else lasting.share > 0.0
-    sigma = np.where(lasts & (whole > 0.0), whole, white)
-    sigma = sigma * np.where(lasts, 1.0, _tails(residuals, sigma))
+    lasts_in = np.zeros(3, dtype=bool) if lasting is None else lasting.share > 0.0
+    sigma = np.where(lasts_in & (whole > 0.0), whole, white)
+    sigma = sigma * np.where(lasts_in, 1.0, tails(residuals, sigma))
     every = tuple(t.name for t in data_set.trials)
     if data_set.sigma is not None:
         # Noise is called smaller than stated only where nothing else is in the residual.
@@ -294,14 +316,14 @@ def _measured_noise(data_set: DataSet, runs: Index) -> tuple[DataSet, tuple[Repa
             (sigma < data_set.sigma) & (understood > _UNDERSTOOD * data_set.sigma), data_set.sigma, sigma
         )
         ratio = sigma / data_set.sigma
-        limit = np.where(lasts, _STATED_WRONG_LASTING, _STATED_WRONG)
+        limit = np.where(lasts_in, _STATED_WRONG_LASTING, _STATED_WRONG)
         wrong = (ratio > limit) | (ratio < 1.0 / limit)
         if wrong.any():
             worst = int(np.argmax(np.abs(np.log(ratio))))
-            said.append(_stated_wrong(data_set.sigma, sigma, worst, every))
+            said.append(stated_wrong(data_set.sigma, sigma, worst, every))
         sigma = np.where(wrong, sigma, data_set.sigma) if wrong.any() else data_set.sigma
     if lasting is not None:
-        said.append(_lasts(lasting, every))
+        said.append(lasts(lasting, every))
     return replace(data_set, sigma=sigma, lasting=lasting), tuple(said)
 
 
@@ -345,54 +367,3 @@ def _without_lone(
             f"them, {in_runs(tuple(names), len(trials))}: what was off in them was taken as missing.",
         )
     ]
-
-
-#: The noise has heavy tails if its root mean square is this many times what its middle half says.
-_HEAVY = 1.07
-_TAILS_END = 8.0  #: samples farther than this are outliers, no tail [sigma]
-
-
-def _tails(residuals: list[tuple[Array, Array]], sigma: Array) -> Array:
-    """What the noise's root mean square is over its size by the middle half (3,): 1 but for heavy tails."""
-    out = np.ones(3)
-    for axis in range(3):
-        jumps = []
-        for _, residual in residuals:
-            known = residual[np.isfinite(residual[:, axis]), axis]
-            jumps.append((known[2:] - 2.0 * known[1:-1] + known[:-2]) / np.sqrt(6.0) / sigma[axis])
-        values = np.concatenate(jumps)
-        values = values[np.abs(values) < _TAILS_END]
-        if len(values) > 100:
-            # The middle half of the same values: what is not noise in them is in both.
-            middle = 1.4826 * float(np.median(np.abs(values)))
-            ratio = float(np.sqrt(np.mean(values**2))) / max(middle, 1e-12)
-            out[axis] = ratio if ratio > _HEAVY and 0.7 < middle < 1.4 else 1.0
-    return out
-
-
-_CHANNELS = (("x", 1e3, "mm"), ("y", 1e3, "mm"), ("heading", 1e3, "mrad"))
-
-
-def _stated_wrong(stated: Array, found: Array, worst: int, every: tuple[str, ...]) -> Repair:
-    name, factor, unit = _CHANNELS[worst]
-    return Repair(
-        kind="stated_noise",
-        runs=every,
-        size=float(found[worst] / stated[worst]),
-        unit="1",
-        sentence=f"The noise is stated as {factor * stated[worst]:.2g} {unit} in {name}, the data have "
-        f"{factor * found[worst]:.2g} {unit}: that was used.",
-    )
-
-
-def _lasts(lasting: LastingNoise, every: tuple[str, ...]) -> Repair:
-    worst = int(np.argmax(lasting.share))
-    return Repair(
-        kind="lasting_noise",
-        runs=every,
-        size=float(lasting.time_s[worst]),
-        unit="s",
-        sentence=f"The noise is not white: {100.0 * lasting.share[worst]:.0f} % of its variance in "
-        f"{_CHANNELS[worst][0]} lasts "
-        f"{lasting.time_s[worst]:.2g} s. Residuals were whitened by that.",
-    )

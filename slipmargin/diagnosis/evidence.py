@@ -1,13 +1,7 @@
-"""Significance against noise, parameter intervals, and how well the data excite the model.
-
-Many effects have their null on the edge of their range, where χ² tables do not hold (Protassov et
-al., ApJ 571, 545, 2002), and the best of many candidates gains something even from noise.  So the
-gain of the chosen effect is compared with the largest gain that *any* candidate takes from surrogate noise.
-"""
+"""Intervals of fitted parameters from whole trials, and how well the data excite the model."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -16,10 +10,6 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.diagnosis.fit import Fit
 
-SURROGATES = 999
-#: Length of the runs of samples that surrogate noise keeps together [s]: longer than the
-#: correlation of what a wrong wheel log leaves behind.
-_BLOCK_S = 0.25
 #: Coverage of the intervals.
 _SURE = 0.95
 
@@ -116,56 +106,3 @@ def _disagreement(found: Fit, scale: Array) -> tuple[Array, bool]:
     covariance = np.einsum("rzy,y,rxy->zx", weight, between, weight)
     apart = np.sqrt(np.maximum(np.einsum("pz,zx,px->p", basis, covariance, basis), 0.0)) * scale
     return np.asarray(apart), agree
-
-
-def permutation_p_value(
-    gain: float, tangents: Sequence[Array], noise: Array, step_s: float, seed: int
-) -> float:
-    """Probability that the best of all candidates gains as much from noise alone.
-
-    Parameters
-    ----------
-    gain : float
-        Decrease of the sum of squares by the chosen effect.
-    tangents : sequence of arrays (R, K, P_c)
-        Derivative of the residual by each candidate's parameters at null.
-    noise : array (R, K)
-        Residual of the final model, three channels of K / 3 samples each.
-    step_s : float
-        Typical time between samples [s].
-    seed : int
-        Seed of the surrogates.
-
-    Returns
-    -------
-    float
-        (1 + number of surrogates whose best candidate gains at least ``gain``) / (1 + surrogates).
-        Surrogates flip the sign of whole blocks of the noise, so its size and correlation stay.
-    """
-    bases = [b for b in (_orthonormal(t) for t in tangents) if b.shape[1]]
-    if not bases:
-        return 1.0
-    trials, samples = noise.shape
-    per_channel = samples // 3
-    block = max(1, round(_BLOCK_S / max(step_s, 1e-6)))
-    blocks = -(-per_channel // block)
-    random = np.random.default_rng(seed)
-    beaten = 0
-    for start in range(0, SURROGATES, 111):
-        many = min(111, SURROGATES - start)
-        flips = random.choice([-1.0, 1.0], size=(many, trials, 3, blocks))
-        signs = np.repeat(flips, block, axis=-1)[..., :per_channel].reshape(many, -1)
-        drawn = signs * noise.reshape(1, -1)
-        best = np.max([np.sum((drawn @ basis) ** 2, axis=1) for basis in bases], axis=0)
-        beaten += int(np.sum(best >= gain))
-    return (1 + beaten) / (1 + SURROGATES)
-
-
-def _orthonormal(tangent: Array) -> Array:
-    flat = tangent.reshape(-1, tangent.shape[-1])
-    size = np.linalg.norm(flat, axis=0)
-    flat = flat[:, size > 1e-9 * max(1.0, float(size.max(initial=0.0)))]
-    if not flat.shape[1]:
-        return flat
-    left, singular, _ = np.linalg.svd(flat / np.linalg.norm(flat, axis=0), full_matrices=False)
-    return np.asarray(left[:, singular > 1e-6 * singular[0]])

@@ -18,6 +18,7 @@ from slipmargin.diagnosis.result import Estimate, Finding
 from slipmargin.diagnosis.search import Round, State
 from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.effects import Effect, Quantity, Trace
+from slipmargin.effects.confined import Confined, bare
 from slipmargin.effects.general import PREFIX
 
 _GENERAL_CONFIRM = (
@@ -64,6 +65,7 @@ def findings(
     for index, (candidate, effect) in enumerate(zip(final.structure, final.effects, strict=True)):
         span = slice(at, at + candidate.size)
         at += candidate.size
+        kind = bare(effect)
         doubts = _doubts(candidate, final.x[span], spread.low[span], spread.high[span], stuck)
         taken = next(
             (
@@ -106,8 +108,8 @@ def findings(
                 p_value=taken.p_value,
                 candidates_tried=tried,
                 confused_with=_rivals(taken, candidate),
-                confirm=effect.confirm if isinstance(effect, Effect) else _GENERAL_CONFIRM,
-                equation=_equation(candidate, effect),
+                confirm=kind.confirm if isinstance(kind, Effect) else _GENERAL_CONFIRM,
+                equation=_equation(candidate, kind),
                 doubts=doubts,
                 mapped=_mapped(candidate.trace, entries),
             )
@@ -172,6 +174,8 @@ def _rivals(taken: Round, candidate: Candidate) -> tuple[str, ...]:
 def _derived(problem: Problem, final: Fit, spread: Intervals, index: int) -> tuple[Estimate, ...]:
     """What follows from an effect's parameters and can be checked by hand."""
     effect = final.effects[index]
+    if isinstance(effect, Confined):
+        return tuple(_quantities(problem, final, spread, index))
     if not isinstance(effect, Effect):
         return ()
     return (*_quantities(problem, final, spread, index), *_scanned(problem, final, index, effect))
@@ -198,6 +202,13 @@ def _quantities(problem: Problem, final: Fit, spread: Intervals, index: int) -> 
     def derived(x: Array) -> tuple[Quantity, ...]:
         effects = build(final.structure, x)
         effect = effects[index]
+        if isinstance(effect, Confined):
+            return tuple(
+                replace(q, name=f"{q.name} ({group})")
+                for own, members, group in zip(effect.effects, effect.members, effect.groups, strict=True)
+                if isinstance(own, Effect)
+                for q in own.derived(problem.model(effects, min(members)))
+            )
         return effect.derived(problem.model(effects)) if isinstance(effect, Effect) else ()
 
     def values(x: Array) -> Array:

@@ -290,3 +290,14 @@ def tangents(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> 
         out.append(flat.reshape(*base.residual.shape, candidate.size))
         at += candidate.size
     return out
+
+
+def score_test_gain(residual: Array, slope: Array) -> float:
+    """Decrease of the sum of squares that a linear step along ``slope`` (R, K, P) promises."""
+    flat = slope.reshape(-1, slope.shape[-1])
+    size = np.linalg.norm(flat, axis=0)
+    flat = flat[:, size > 0.0] / size[size > 0.0]
+    if not flat.shape[1]:
+        return 0.0
+    step = np.linalg.lstsq(flat, residual.ravel(), rcond=1e-8)[0]
+    return float(np.sum((flat @ step) ** 2))

@@ -16,10 +16,9 @@ from slipmargin.checks import Array, Index
 from slipmargin.data.record import Record
 from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.fit import build, fit
+from slipmargin.diagnosis.fit import build
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Score
-from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.verdict import RunErrors
 from slipmargin.effects import AnyEffect
 
@@ -55,31 +54,6 @@ def held_out_runs(count: int, seed: int) -> Index:
 def searched_runs(count: int, seed: int) -> Index:
     """Numbers of the other runs."""
     return np.setdiff1d(np.arange(count), held_out_runs(count, seed)).astype(np.int64)
-
-
-def folds(runs: Sequence[int], count: int) -> list[Index]:
-    """Trials in ``count`` folds of whole runs, every fold spread over the order of the runs.
-
-    ``runs`` is the run that each trial is, or is cut from; there are as many folds as runs at most.
-    """
-    different = np.unique(runs)
-    place = {int(run): i % min(count, len(different)) for i, run in enumerate(different)}
-    fold = np.array([place[int(run)] for run in runs])
-    return [np.flatnonzero(fold == i).astype(np.int64) for i in range(min(count, len(different)))]
-
-
-def left_out_parameters(
-    view: Problem, structure: tuple[Candidate, ...], x: Array, trials: Index, runs: Sequence[int]
-) -> Array:
-    """Parameters (R, P) for each of ``trials``, fitted again without the runs of its fold."""
-    out = np.tile(np.asarray(x, dtype=float), (len(trials), 1))
-    parts = folds(runs, SETTINGS.folds)
-    if len(parts) < 2 or not len(x):
-        return out
-    for part in parts:
-        others = np.delete(trials, part)
-        out[part] = fit(view, structure, x, others, iterations=SETTINGS.fold_steps).x
-    return out
 
 
 def predicted(

@@ -19,15 +19,13 @@ from slipmargin.data.record import Record
 from slipmargin.diagnosis.held_out import (
     Prediction,
     by_run,
-    left_out_parameters,
     phases_matter,
     predicted,
     sets_of_effects,
 )
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Rejected
-from slipmargin.diagnosis.search import Round, State
-from slipmargin.diagnosis.selection import last_view, nothing_sure, refitted, without
+from slipmargin.diagnosis.search import Round, State, fitted, nothing_sure, without
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.verdict import Judgement, RunErrors, judge
@@ -73,17 +71,20 @@ class Court:
         """Which runs (in order) the search has not seen."""
         return np.isin(np.unique(self.runs), [self.runs[i] for i in self.held])
 
+    @property
+    def seen_runs(self) -> list[int]:
+        """The run of each trial that the search has seen."""
+        return [self.runs[i] for i in self.seen]
+
     def errors(self, state: State | None) -> Prediction:
         """Errors of every trial, predicted with parameters that were fitted to others."""
         count = len(self.problem.trials)
         everyone = np.arange(count, dtype=np.int64)
         effects = [() if state is None else state.fit.effects] * count
         if state is not None:
-            seen_runs = [self.runs[i] for i in self.seen]
-            view = last_view(self.problem, state)
-            xs = left_out_parameters(view, state.structure, state.fit.x, self.seen, seen_runs)
-            for i, own in zip(self.seen, sets_of_effects(state.structure, xs), strict=True):
-                effects[i] = own
+            for part, own in zip(state.parts, sets_of_effects(state.structure, state.xs), strict=True):
+                for i in state.fit.trials[part]:
+                    effects[i] = own
         return self._predicted(everyone, effects, state)
 
     def believed(self, like: State | None) -> Prediction:
@@ -169,7 +170,7 @@ def _in_turn(court: Court, proposed: State, rounds: list[Round], progress: Watch
     state = proposed
     while state.structure:
         yield state
-        state = without(court.problem, state, len(state.structure) - 1)
+        state = without(state, len(state.structure) - 1, court.seen_runs)
     if not rounds or (not proposed.structure and rounds[0].before.chi <= SETTINGS.noise_chi):
         return
     # A name that fails does not speak against free coefficients over its variable, nor the reverse.
@@ -182,4 +183,4 @@ def _in_turn(court: Court, proposed: State, rounds: list[Round], progress: Watch
         if len(other.structure) == 1 and kind not in asked and other.chi < rounds[0].before.chi:
             asked.add(kind)
             left -= 1
-            yield refitted(court.problem, other, other.structure, other.fit.x, court.seen)
+            yield fitted(other.view, other.structure, other.fit.x, court.seen, court.seen_runs)

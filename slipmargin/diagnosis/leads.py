@@ -26,8 +26,8 @@ def leads(
 ) -> tuple[Lead, ...]:
     """What to look at next, best first.
 
-    First what the map supports, then what repeats with a wheel's angle, then what fits the searched runs
-    best.  What was ``found`` already is no lead.
+    First what the map supports, then what repeats with a wheel's
+    angle, then what fits the searched runs best.  What was ``found`` already is no lead.
     """
     fits = _fits(rounds, len(found))
     refused = {label: r for r in rejected for label in r.labels}
@@ -38,14 +38,15 @@ def leads(
             made.append(lead)
 
     for entry in entries:
-        if entry.supported:
+        no = refused.get(entry.form)
+        if entry.supported and not (no is not None and no.chi_after >= no.chi_before):
             label = fits.get(entry.traced_to, (None, 0.0))[0]
             add(
                 Lead(
                     traced_to=entry.traced_to,
                     source=LeadSource.MAP,
-                    why=f"{entry.form} explains {100.0 * entry.share:.2g} % of the velocity residual of runs "
-                    f"left out (permutation of whole runs: p = {entry.p_value:.2g} among all variables)",
+                    why=f"{entry.form} takes {100.0 * entry.share:.2g} % off the squared residual of runs "
+                    f"left out (p = {entry.p_value:.2g} among all candidates)",
                     next_run=TRIALS[entry.traced_to],
                     share=entry.share,
                     p_value=entry.p_value,

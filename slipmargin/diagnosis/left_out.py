@@ -1,19 +1,85 @@
-"""Leave-one-out predictions: each trial predicted with parameters fitted to the others."""
+"""Parameters fitted without some of the runs, from a fit to all of them."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.fit import Fit, GaussianPrior, Residuals, build, limits_of
+from slipmargin.diagnosis.settings import SETTINGS
 
-#: Above this chi a step may be too long for its tangent: damped ones, and none at all, are tried too.
-_BENT = 1.5
-_DAMPED = (0.1, 10.0)
+#: Share of a step that is tried where the whole of it goes uphill.
+_HALF = 0.3
 
 
-def leave_one_out(found: Fit, damping: float = 0.0) -> Array:
-    """Parameters (R, P) fitted without each trial: one Gauss–Newton step −H₋ᵢ⁻¹ g₋ᵢ, damped if asked."""
+def folds(runs: Sequence[int], count: int) -> list[Index]:
+    """Trials in ``count`` folds of whole runs, every fold spread over the order of the runs.
+
+    ``runs`` is the run that each trial is, or is cut from; there are as many folds as runs at most.
+    """
+    different = np.unique(runs)
+    place = {int(run): i % min(count, len(different)) for i, run in enumerate(different)}
+    fold = np.array([place[int(run)] for run in runs])
+    return [np.flatnonzero(fold == i).astype(np.int64) for i in range(min(count, len(different)))]
+
+
+def refitted_without(problem: Residuals, found: Fit, parts: Sequence[Index]) -> tuple[Array, Array]:
+    """Parameters (F, P) refitted without each fold, and each trial's sum of squares (R,) with its own.
+
+    Gauss–Newton steps with the Jacobian of the fit to all trials, which the folds' optima are near to; the
+    residual is simulated at every step, and a step that does not lower the others' cost is shortened, then
+    refused.
+    """
+    inside = np.asarray(np.sum(found.residual**2, axis=1))
+    count = len(parts)
+    xs = np.tile(np.asarray(found.x, dtype=float), (count, 1))
+    if not len(found.x) or count < 2:
+        return xs, inside
+    low, high, scale = limits_of(found.structure)
+    scaled = found.jacobian * scale
+    normals = np.einsum("rkp,rkq->rpq", scaled, scaled)
+    prior = GaussianPrior.of(found.structure, found.residual)
+    kept = [np.delete(np.arange(len(found.trials)), part) for part in parts]
+    lifted = []
+    for rows in kept:
+        normal = normals[rows].sum(axis=0) + prior.precision
+        lifted.append(normal + 1e-8 * (np.trace(normal) + 1e-12) * np.eye(len(found.x)))
+
+    def cost(residual: Array, rows: Index, x: Array) -> float:
+        return float(np.sum(residual[rows] ** 2)) + prior.cost(x, scale)
+
+    residuals = [found.residual] * count
+    costs = [cost(r, rows, x) for r, rows, x in zip(residuals, kept, xs, strict=True)]
+    length = np.ones(count)
+    for _ in range(SETTINGS.fold_steps):
+        tried = xs.copy()
+        for i, rows in enumerate(kept):
+            gradient = np.einsum("rkp,rk->p", scaled[rows], residuals[i][rows])
+            gradient += prior.precision @ ((xs[i] - prior.null) / scale)
+            step = -np.linalg.solve(lifted[i], gradient)
+            tried[i] = np.clip(xs[i] + length[i] * step * scale, low, high)
+        moved = np.flatnonzero(np.any(np.abs(tried - xs) > 1e-4 * scale, axis=1))
+        if not len(moved):
+            break
+        new = problem.residuals(
+            [build(found.structure, tried[i]) for i in moved], [found.trials] * len(moved)
+        )
+        for i, residual in zip(moved.tolist(), new, strict=True):
+            after = cost(residual, kept[i], tried[i])
+            if after < costs[i]:
+                xs[i], residuals[i], costs[i] = tried[i], residual, after
+            else:
+                length[i] *= _HALF
+    out = inside.copy()
+    for part, residual in zip(parts, residuals, strict=True):
+        out[part] = np.sum(residual[part] ** 2, axis=1)
+    return xs, out
+
+
+def leave_one_out(found: Fit) -> Array:
+    """Parameters (R, P) fitted without each trial: one Gauss–Newton step −H₋ᵢ⁻¹ g₋ᵢ, for their spread."""
     low, high, scale = limits_of(found.structure)
     scaled = found.jacobian * scale
     normals = np.einsum("rkp,rkq->rpq", scaled, scaled)
@@ -25,40 +91,6 @@ def leave_one_out(found: Fit, damping: float = 0.0) -> Array:
         normal = normals.sum(axis=0) - own_normal + prior.precision
         gradient = gradients.sum(axis=0) - own_gradient + pulled
         ridge = 1e-8 * (np.trace(normal) + 1e-12) * np.eye(len(found.x))
-        ridge += damping * np.diag(np.diag(normal))
         step = np.linalg.lstsq(normal + ridge, -gradient, rcond=None)[0]
         rows.append(np.clip(found.x + step * scale, low, high))
     return np.array(rows)
-
-
-def cross_validate(problem: Residuals, found: Fit) -> Array:
-    """Sum of squares (R,) of each trial, simulated with parameters that have not seen it."""
-    count = len(found.trials)
-    inside = np.asarray(np.sum(found.residual**2, axis=1))
-    if not len(found.x) or count < 2:
-        return inside
-    xs = leave_one_out(found)
-    if found.cost > _BENT**2 * np.count_nonzero(found.residual):
-        xs = best_left_out(problem, found, [xs, *(leave_one_out(found, d) for d in _DAMPED)])
-    return each_by_its_own(problem, found, xs)
-
-
-def each_by_its_own(problem: Residuals, found: Fit, xs: Array) -> Array:
-    """Sum of squares (R,) of each trial of a fit, simulated with parameters of its own (R, P)."""
-    effects = [build(found.structure, x) for x in xs]
-    out = problem.residuals(effects, [found.trials[i : i + 1] for i in range(len(xs))])
-    return np.array([float(np.sum(r**2)) for r in out])
-
-
-def best_left_out(problem: Residuals, found: Fit, tried: list[Array]) -> Array:
-    """Of the parameters tried without each trial, those (R, P) that suit the other trials best."""
-    count = len(found.trials)
-    others = [np.delete(found.trials, i) for i in range(count)]
-    inside = np.sum(found.residual**2, axis=1)
-    best, cost = np.tile(found.x, (count, 1)), inside.sum() - inside
-    for xs in tried:
-        out = problem.residuals([build(found.structure, x) for x in xs], others)
-        costs = np.array([float(np.sum(r**2)) for r in out])
-        better = costs < cost
-        best[better], cost = xs[better], np.where(better, costs, cost)
-    return best

@@ -8,7 +8,7 @@ from typing import TypeVar, final
 
 import numpy as np
 
-from slipmargin.checks import Array, frozen
+from slipmargin.checks import Array, exact_mean, frozen
 from slipmargin.data.pulls import Pulls
 from slipmargin.diagnosis.plan_change import PlanChange, plan_change
 from slipmargin.diagnosis.pull_check import PullCheck, pull_check
@@ -70,7 +70,7 @@ class Limits:
     @property
     def f_max_mean_N(self) -> float:
         """Mean F_emax over orientations, on rollers [N]."""
-        return float(self.f_max_N.mean())
+        return exact_mean(self.f_max_N)
 
 
 @final

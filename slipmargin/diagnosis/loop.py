@@ -10,6 +10,7 @@ import numpy as np
 
 from slipmargin.checks import Index
 from slipmargin.data.data_set import DataSet
+from slipmargin.data.jitter import jitter
 from slipmargin.data.noise import white_noise
 from slipmargin.data.repair import Repair
 from slipmargin.diagnosis.candidate import named_candidates
@@ -18,6 +19,7 @@ from slipmargin.diagnosis.events import cut_apart, find_events, with_measured_ve
 from slipmargin.diagnosis.findings import findings
 from slipmargin.diagnosis.fit import Fit, fit
 from slipmargin.diagnosis.general_forms import general_candidates
+from slipmargin.diagnosis.groups import in_groups
 from slipmargin.diagnosis.held_out import held_out_runs, score, searched_runs
 from slipmargin.diagnosis.ladder import Checked, Court, check
 from slipmargin.diagnosis.leads import leads
@@ -26,17 +28,14 @@ from slipmargin.diagnosis.order_analysis import Periodicity, order_analysis
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.ranges import ranges, variables_of
 from slipmargin.diagnosis.residual_diagnostics import dependences
-from slipmargin.diagnosis.residual_map import residual_map
 from slipmargin.diagnosis.result import Diagnosis, Event, Finding, Step, TrialTrajectories, Tried, Verdict
-from slipmargin.diagnosis.search import Round, State
-from slipmargin.diagnosis.selection import last_view, needed, refitted, search, without
+from slipmargin.diagnosis.search import Round, State, search, without
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect
+from slipmargin.effects.confined import acting
 
-#: So many trials are enough to search with; the parameters are then fitted to all.
-_SEARCHED = 12
 #: Steps of the last fit, which starts where the search ended.
 _FINAL_STEPS = 6
 _FINE_STEPS = 1
@@ -81,23 +80,23 @@ def searched(data_set: DataSet, seed: int, progress: Watch | None = None) -> Sea
     runs: tuple[int, ...] = tuple(range(count))
     if events := _events(uncut, (), seen_runs):
         records, runs = cut_apart(data_set.trials, events)
-        problem = with_measured_velocity(problem_of(data_set, records), runs)
+        problem = with_measured_velocity(problem_of(data_set, records, runs), runs)
     held = np.flatnonzero(np.isin(runs, held_runs))
     seen = np.flatnonzero(np.isin(runs, seen_runs))
     known = tuple(effect.name for effect in data_set.recipe.effects)
     model, commanded = problem.model(()), problem.commanded
     covered = ranges(tuple(problem.trials[i] for i in seen))
     reach = {"position": covered.position_m, "time": covered.duration_s}
-    candidates = [
-        *named_candidates(model.geometry.names, commanded, known, reach),
-        *general_candidates(model, covered, commanded),
-    ]
+    timed = data_set.nominal_rate_Hz is None
+    candidates = in_groups(
+        [
+            *named_candidates(model.geometry.names, commanded, known, reach, timed=timed),
+            *general_candidates(model, covered, commanded),
+        ],
+        data_set.members,
+    )
     progress("comparing the residual with measured variables", 0.0)
-    some = seen[np.unique(np.linspace(0, len(seen) - 1, _SEARCHED).round().astype(int))]
-    problem, state, rounds = search(problem, some, seen, candidates, seed, progress)
-    if state.structure and (len(some) < len(seen) or state.chi > SETTINGS.far_chi):
-        progress("fitting all trials that are not held out", 0.0)
-        state = refitted(problem, state, state.structure, state.fit.x, seen)
+    problem, state, rounds = search(problem, seen, [runs[i] for i in seen], candidates, seed, progress)
     return Searched(
         problem=problem,
         uncut=uncut,
@@ -106,7 +105,7 @@ def searched(data_set: DataSet, seed: int, progress: Watch | None = None) -> Sea
         seen=seen,
         seen_runs=seen_runs,
         candidates=len(candidates),
-        state=needed(problem, state),
+        state=state,
         rounds=rounds,
     )
 
@@ -164,10 +163,8 @@ def diagnose(
     rates_before, rates_after = (problem.residual_rates(p) for p in (drawn_before, drawn_after))
     variables = [variables_of(t, problem.model(())) for t in trials]
     turns = order_analysis(problem, rates_after, seed)
-    progress("which variables the residual follows", 0.0)
-    entries = residual_map(problem, drawn_before, s.runs, seed)
+    entries, remaining = _maps(s.rounds, state)
     found, final = _reported(s, checked, entries)
-    remaining = entries if state is None else residual_map(problem, drawn_after, s.runs, seed)
     verdict = _verdict(checked)
     following = (
         ()
@@ -209,10 +206,11 @@ def diagnose(
             for i, t in enumerate(trials)
         ),
         recipe=data_set.recipe,
-        corrected=data_set.recipe.with_effects(*(() if final is None else final.effects)),
+        corrected=data_set.recipe.with_effects(*(() if final is None else acting(final.effects, 0))),
         repairs=conditions.repairs,
         remarks=(
             *(_cut_short(budget_s) if cut_short else ()),
+            *_clock(data_set),
             *_remarks(final, events, turns, phased=checked.phased, held=len(held) > 0),
         ),
     )
@@ -228,13 +226,14 @@ def _reported(
     # With phases from their first parts alone, held-out trials are no match for the others in a fit.
     everyone = np.arange(len(s.problem.trials), dtype=np.int64)
     fitted = s.seen if checked.phased and len(s.held) else everyone
-    view = last_view(checked.problem, state)
+    view = checked.problem if state.view.piece is None else checked.problem.in_pieces(SETTINGS.piece_s)
     final = fit(view, state.structure, state.fit.x, fitted, iterations=_FINAL_STEPS)
     # The last step takes every sample of the log and integrates finely: the numbers to report.
     final = fit(
         view.rebuilt(InterpolationScheme.FULL), state.structure, final.x, fitted, iterations=_FINE_STEPS
     )
-    useful = [without(s.problem, state, index).chi for index in range(len(state.structure))]
+    seen_runs = [s.runs[i] for i in s.seen]
+    useful = [without(state, index, seen_runs).chi for index in range(len(state.structure))]
     return findings(view, state, useful, s.rounds, final, s.candidates, entries), final
 
 
@@ -250,32 +249,35 @@ def _verdict(checked: Checked) -> Verdict:
     return Verdict.NO_MISSING_EFFECT if explained else Verdict.UNEXPLAINED
 
 
+def _maps(rounds: list[Round], state: State | None) -> tuple[tuple[MapEntry, ...], tuple[MapEntry, ...]]:
+    """What the residual follows before anything is added, and beside what was found."""
+    if not rounds:
+        return (), ()
+    labels = set() if state is None else {c.label for c in state.structure}
+    like = [r for r in rounds if {c.label for c in r.before.structure} == labels]
+    return rounds[0].map(), like[-1].map() if like else ()
+
+
 def _step(done: Round) -> Step:
-    if done.tried:
-        rows = [
-            Tried(
-                label=" + ".join(c.label for c in s.structure),
-                traced_to=s.last.trace,
-                named=s.last.named,
-                parameters=len(s.fit.x),
-                chi=s.chi,
-            )
-            for s in done.tried
-        ]
-    else:
-        rows = sorted(
-            (
-                Tried(
-                    label=c.label,
-                    traced_to=c.trace,
-                    named=c.named,
-                    parameters=c.size,
-                    chi=float(np.sqrt(max(0.0, done.before.chi**2 - gain / done.before.samples))),
-                )
-                for c, gain in zip(done.candidates, done.gains, strict=True)
-            ),
-            key=lambda t: t.chi,
-        )[:20]
+    rows = [
+        Tried(
+            label=" + ".join(c.label for c in s.structure),
+            traced_to=s.last.trace,
+            named=s.last.named,
+            parameters=len(s.fit.x),
+            chi=s.chi,
+        )
+        for s in done.tried
+    ] or [
+        Tried(
+            label=e.label,
+            traced_to=e.parts[0].trace,
+            named=e.named,
+            parameters=len(e.step),
+            chi=done.before.chi * float(np.sqrt(max(0.0, 1.0 - e.gain / max(done.screening.total, 1e-300)))),
+        )
+        for e in done.screening.entries[:20]
+    ]
     best = done.best
     taken = " + ".join(c.label for c in best.structure) if done.taken and best is not None else None
     return Step(chi_before=done.before.chi, tried=tuple(rows), taken=taken)
@@ -287,6 +289,19 @@ def _excitation(final: Fit | None) -> tuple[float, ...]:
     scale = np.concatenate([c.scale for c in final.structure])
     flat = final.jacobian.reshape(-1, len(final.x)) * scale
     return tuple(float(v) for v in np.linalg.svd(flat, compute_uv=False))
+
+
+def _clock(data_set: DataSet) -> tuple[str, ...]:
+    """What is known of the times of a log without time stamps."""
+    if data_set.nominal_rate_Hz is None:
+        return ()
+    found = jitter(data_set.trials)
+    said = (
+        f"Rows have no time stamps, only a nominal rate of {data_set.nominal_rate_Hz:g} Hz: friction "
+        "coefficients times the square of the sampling period are known, not both; slip ratios do not depend "
+        "on it.",
+    )
+    return said if found is None else (*said, found.sentence)
 
 
 def _cut_short(budget_s: float | None) -> tuple[str, ...]:

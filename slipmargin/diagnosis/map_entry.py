@@ -1,4 +1,4 @@
-"""What the residual map says of one variable, and the variables of which it can say nothing."""
+"""What the residual map says of one variable."""
 
 from __future__ import annotations
 
@@ -7,17 +7,6 @@ from typing import final
 
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import Trace
-
-#: Variables for which no linear feature of the motion is made, and why.
-SILENT = {
-    Trace.WHEEL_LOAD: "loads are not measured; acceleration stands in for what they change",
-    Trace.SLIP_SPEED: "slip below the camera's noise cannot be told from rolling",
-    Trace.SLIP_COUPLING: "slip below the camera's noise cannot be told from rolling",
-    Trace.SLIP_RATIO: "slip below the camera's noise cannot be told from rolling",
-    Trace.COEFFICIENT: "coefficients change what happens at every value of every variable",
-    Trace.ACTUATION: "measured wheel speeds already show what the motors did",
-    Trace.MEASUREMENT: "a camera that is late or off scale resembles a force unless it explains nearly all",
-}
 
 
 @final
@@ -30,11 +19,11 @@ class MapEntry:
     traced_to : Trace
         The variable.
     form : str
-        The features that explain most.
+        The candidate whose tangent explains most.
     share : float
-        Share of the residual's mean square that they explain on runs left out; negative: nothing.
+        Share of the residual's sum of squares that it takes off on runs left out; negative: nothing.
     p_value : float
-        Probability that the best of all variables explains as much in permuted runs.
+        Probability that the best of all candidates takes off as much from surrogate noise.
     """
 
     traced_to: Trace

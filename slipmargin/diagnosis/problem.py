@@ -11,7 +11,7 @@ run onto the measured one first, so that the residual is that of the motion with
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, final
 
 import numpy as np
@@ -25,12 +25,14 @@ from slipmargin.diagnosis.sense import is_ideal, measure
 from slipmargin.diagnosis.signals import InterpolationScheme, rolling_twist, wheel_signal, with_phases
 from slipmargin.diagnosis.whitening import whitened
 from slipmargin.effects import AnyEffect, Recipe
+from slipmargin.effects.confined import acting
 from slipmargin.effects.recipe import with_effects
 from slipmargin.errors import InputError
 from slipmargin.model import Model, nominal_model
-from slipmargin.physics.frames import rotated
+from slipmargin.physics.frames import rotate_rows, rotated
 from slipmargin.sim.batch import Batch
 from slipmargin.sim.pack import pack, stack
+from slipmargin.sim.signal import WheelSignal, angles_at
 
 #: Residuals are clipped here [σ]: one diverging run must not outweigh all the others.
 _WILD = 1e4
@@ -48,7 +50,8 @@ class Problem:
 
     ``measured`` (R, T, 3) and ``seen`` (R, T, 3) are padded to the longest trial; ``wheel_phases`` (R, N)
     are added to the wheel angles [rad]; ``piece`` is the number of samples a piece, None for whole runs;
-    ``lasting`` is the part of the noise that lasts, None where it is white.
+    ``lasting`` is the part of the noise that lasts, None where it is white.  The trials of a campaign are of
+    several ``members``, each a recipe and its nominal model; ``member_of`` (R,) says of which.
     """
 
     recipe: Recipe
@@ -67,11 +70,23 @@ class Problem:
     rtol: float = _RTOL
     piece: int | None = None
     lasting: LastingNoise | None = None
+    members: tuple[tuple[Recipe, Model], ...] = ()
+    member_of: Index = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
     @staticmethod
-    def of(recipe: Recipe, surface: str, trials: tuple[Trial, ...], sigma: Array, commanded: bool) -> Problem:
-        """Pad the trials and compile their wheel signals."""
+    def of(
+        recipe: Recipe,
+        surface: str,
+        trials: tuple[Trial, ...],
+        sigma: Array,
+        commanded: bool,
+        members: Sequence[tuple[Recipe, Model]] = (),
+        member_of: Sequence[int] | Index = (),
+    ) -> Problem:
+        """Pad the trials and compile their wheel signals; without members all are of one data set."""
         nominal = nominal_model(recipe.robot, surface)
+        members = tuple(members) or ((recipe, nominal),)
+        own = np.zeros(len(trials), dtype=np.int64) if not len(member_of) else np.asarray(member_of)
         signals = tuple(wheel_signal(t, commanded) for t in trials)
         batch = Batch(signals, [t.t_s for t in trials], commanded=commanded)
         longest = max(len(t.t_s) for t in trials)
@@ -90,13 +105,20 @@ class Problem:
             seen=seen,
             commanded=commanded,
             wheel_phases=np.zeros((len(trials), nominal.count)),
-            starts=np.array([t.start for t in trials]),
-            twists=np.array([rolling_twist(nominal, t, s) for t, s in zip(trials, signals, strict=True)]),
+            starts=np.array(
+                [_first_pose(members[m][1], t, s) for m, t, s in zip(own, trials, signals, strict=True)]
+            ),
+            twists=np.array(
+                [rolling_twist(members[m][1], t, s) for m, t, s in zip(own, trials, signals, strict=True)]
+            ),
+            members=members,
+            member_of=own,
         )
 
-    def model(self, effects: Sequence[AnyEffect]) -> Model:
-        """The recipe's model with these effects on top."""
-        return with_effects(self.nominal, (*self.recipe.effects, *effects))
+    def model(self, effects: Sequence[AnyEffect], member: int = 0) -> Model:
+        """The model of a member's recipe with those of these effects on top that act in it."""
+        recipe, nominal = self.members[member]
+        return with_effects(nominal, (*recipe.effects, *acting(effects, member)))
 
     def predict(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
         """Measured pose as each set of effects predicts it on its trials: (R_k, T, 3), start fitted."""
@@ -110,36 +132,72 @@ class Problem:
         self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]
     ) -> list[tuple[Array, Array]]:
         """Predicted pose and whitened gap, both (R_k, T, 3), of each set of effects on its trials."""
-        built = [self._possible(e) for e in effects]
-        models = [self.nominal if m is None else m for m in built]
-        which = np.repeat(np.arange(len(models)), [len(t) for t in trials])
+        sets = np.repeat(np.arange(len(effects)), [len(t) for t in trials])
         runs = np.concatenate([np.asarray(t, dtype=np.int64) for t in trials])
-        pose = self.batch.run(
-            stack([pack(m) for m in models]),
-            self.starts[runs],
-            start_twist=self.twists[runs],
-            which=which,
-            signal=runs,
-            rtol=self.rtol,
-            max_steps=_MOST_STEPS,
-        ).pose
-        for k, model in enumerate(models):
-            if is_ideal(model.measurement):
-                continue
-            for row in np.flatnonzero(which == k):
-                clock = self.trials[runs[row]].t_s
-                pose[row, : len(clock)] = measure(model.measurement, clock, pose[row, : len(clock)])
-        seen = self.seen[runs]
-        if self.piece is None:
-            pose, gap = self._fitted(pose, self.measured[runs], seen)
-        else:
-            cut = [_cut(array, self.piece) for array in (pose, self.measured[runs], seen)]
-            fitted = self._fitted(_aligned(*cut), cut[1], cut[2])
-            pose, gap = (a.reshape(len(runs), -1, 3)[:, : pose.shape[1]] for a in fitted)
-        impossible = np.array([m is None for m in built])[which]
-        gap = np.where(seen & impossible[:, None, None], _WILD, gap)
+        pairs, which = np.unique(np.column_stack([sets, self.member_of[runs]]), axis=0, return_inverse=True)
+        built = [self._possible(effects[k], int(member)) for k, member in pairs]
+        models = [self.nominal if m is None else m for m in built]
+        pose = self._simulated(models, which.ravel(), runs)
+        pose, gap = self.gaps(pose, runs)
+        impossible = np.asarray([m is None for m in built], dtype=bool)[which.ravel()]
+        gap = np.where(self.seen[runs] & impossible[:, None, None], _WILD, gap)
         parts = np.split(np.arange(len(runs)), np.cumsum([len(t) for t in trials])[:-1])
         return [(pose[part], gap[part]) for part in parts]
+
+    def gaps(self, pose: Array, runs: Index) -> tuple[Array, Array]:
+        """Poses (M, T, 3) predicted for trials ``runs`` (M,), with their starts fitted; the whitened gaps."""
+        seen = self.seen[runs]
+        # Not seen at first: the start may be far from what is assumed.
+        moving: NDArray[np.bool_] = ~np.all(seen[:, :1], axis=2)
+        if self.piece is None and moving.any():
+            turned = _aligned(pose, self.measured[runs], seen)
+            pose = np.where(moving[..., None], turned, pose)
+        if self.piece is None:
+            return self._fitted(pose, self.measured[runs], seen)
+        cut = [_cut(array, self.piece) for array in (pose, self.measured[runs], seen)]
+        fitted = self._fitted(_aligned(*cut), cut[1], cut[2])
+        moved, gap = (a.reshape(len(runs), -1, 3)[:, : pose.shape[1]] for a in fitted)
+        return moved, gap
+
+    def _simulated(self, models: Sequence[Model], which: Index, runs: Index) -> Array:
+        """Measured pose (R, T, 3) of each run as its model predicts it; equal cases are simulated once."""
+        packed = [pack(m) for m in models]
+        first: dict[tuple[bytes, float], int] = {}
+        same = np.array(
+            [
+                first.setdefault((p.tobytes(), m.measurement.clock), k)
+                for k, (p, m) in enumerate(zip(packed, models, strict=True))
+            ]
+        )
+        cases, back = np.unique(np.column_stack([same[which], runs]), axis=0, return_inverse=True)
+        by_speed = self.commanded or any(t.record.theta is None for t in self.trials)
+        pose = np.empty((len(cases), self.measured.shape[1], 3))
+        rows = stack(packed)
+        clocks = np.array([m.measurement.clock for m in models])[cases[:, 0]]
+        for clock in np.unique(clocks):
+            part = np.flatnonzero(clocks == clock)
+            model, run = cases[part].T
+            pose[part] = (
+                self.batch.at_clock(float(clock), by_speed=by_speed)
+                .run(
+                    rows,
+                    self.starts[run],
+                    start_twist=self.twists[run] / clock,
+                    which=model,
+                    signal=run,
+                    rtol=self.rtol,
+                    max_steps=_MOST_STEPS,
+                )
+                .pose
+            )
+        pose = pose[back.ravel()]
+        for k, model_k in enumerate(models):
+            if is_ideal(model_k.measurement):
+                continue
+            for row in np.flatnonzero(which == k):
+                clock_s = self.trials[runs[row]].t_s
+                pose[row, : len(clock_s)] = measure(model_k.measurement, clock_s, pose[row, : len(clock_s)])
+        return pose
 
     def _fitted(self, pose: Array, measured: Array, seen: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Predicted poses (M, T, 3) moved to where the start fits best, and the whitened gap left."""
@@ -152,10 +210,10 @@ class Problem:
         """The usual time from sample to sample [s]."""
         return float(np.median(np.concatenate([np.diff(t.t_s) for t in self.trials])))
 
-    def _possible(self, effects: Sequence[AnyEffect]) -> Model | None:
+    def _possible(self, effects: Sequence[AnyEffect], member: int = 0) -> Model | None:
         """The model, or None where no machine is like that (a wheel would lift)."""
         try:
-            return self.model(effects)
+            return self.model(effects, member)
         except InputError:
             return None
 
@@ -196,6 +254,20 @@ class Problem:
     def samples(self, trials: Index) -> float:
         """Number of measured values in these trials."""
         return float(np.count_nonzero(self.seen[trials]))
+
+
+def _first_pose(model: Model, trial: Trial, signal: WheelSignal) -> Array:
+    """Pose (3,) at the first instant: as measured, or led back by the wheels from where it is first seen."""
+    first = int(np.argmax(np.isfinite(trial.pose).all(axis=1)))
+    if not first:
+        return trial.start
+    turned = angles_at(signal, trial.t_s[[0, first]])
+    way = model.geometry.no_slip_map() @ (turned[1] - turned[0])
+    if not way.any():
+        return trial.start
+    seen = trial.pose[first]
+    heading = float(seen[2] - way[2])
+    return np.append(seen[:2] - rotate_rows(heading + 0.5 * way[2], way[:2]), heading)
 
 
 def _cut(array: NDArray[Any], piece: int) -> NDArray[Any]:

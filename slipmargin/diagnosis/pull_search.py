@@ -17,11 +17,19 @@ import numpy as np
 from slipmargin.checks import Array, Index
 from slipmargin.data.pulls import Pulls
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
-from slipmargin.diagnosis.fit import Fit, GaussianPrior, build, evaluate, fit, limits_of, tangents
+from slipmargin.diagnosis.fit import (
+    Fit,
+    GaussianPrior,
+    build,
+    evaluate,
+    fit,
+    limits_of,
+    score_test_gain,
+    tangents,
+)
 from slipmargin.diagnosis.forms import Ranges
 from slipmargin.diagnosis.general_forms import general_candidates
 from slipmargin.diagnosis.pull_problem import PullProblem, expectation
-from slipmargin.diagnosis.search import score_test_gain
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.physics.variables import Frame, Variable
 

@@ -47,13 +47,29 @@ class Estimate:
 
 
 @final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShownBy:
+    """What an effect does in one data set of a campaign: chi of its runs without it and with it [1].
+
+    All other effects stay as they were fitted.
+    """
+
+    data_set: str
+    runs: int
+    chi_without: float
+    chi_with: float
+
+
+@final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Finding:
     """One effect the model lacked, and the evidence for it.
 
     ``name`` is that of an effect of the catalogue only if its own evidence carries it; otherwise it is
     ``unnamed_<variable>``, ``label`` still says which form was fitted, and ``doubts`` say why.  ``mapped``
-    says whether the residual map supports the variable; None where the map can say nothing of it.
+    says whether the residual map supports the variable; None where the map can say nothing of it.  In a
+    campaign ``group`` is the floor, loading or instrument it belongs to (empty: the machine, or there is no
+    campaign), and ``shown_by`` its evidence from each data set in which it acts.
     """
 
     effect: AnyEffect
@@ -72,12 +88,14 @@ class Finding:
     equation: str
     doubts: tuple[str, ...] = ()
     mapped: bool | None = None
+    group: str = ""
+    shown_by: tuple[ShownBy, ...] = ()
 
 
 class LeadSource(Enum):
     """What supports a lead."""
 
-    MAP = "map"  #: the residual follows the variable, by permutation of whole runs
+    MAP = "map"  #: the residual of left-out runs follows the variable
     ORDER = "order"  #: the residual is periodic in a wheel's angle
     FIT = "fit"  #: a candidate over the variable fits the searched runs best, nothing more
     REJECTED = "rejected"  #: it was fitted and not borne out by runs that it had not seen

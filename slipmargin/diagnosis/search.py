@@ -1,51 +1,57 @@
-"""Forward search: fit every candidate, compare on trials it has not seen, add the best, repeat.
+"""The search: forward stepwise over one list of candidates, named and general, each step in one view.
 
-A candidate's score is the geometric mean of two sums of squares: each trial fitted with the others, and
-predicted with parameters fitted to the others alone.  A named effect is preferred to a general form
-that explains no more, and a simple one to a complicated one; if a general form fits
-clearly better than the named effect, the named effect is not reported.
+A step screens the whole list by tangents (:mod:`~slipmargin.diagnosis.screen`), fits the few best by
+simulation, and compares them by one score: the squared residual of runs that were left out of a refit, a
+fold at a time.  The screening as a whole is tested against surrogate noise.  A named effect is preferred to
+a general form where its left-out error is as good within the spread of the runs; what cannot be told apart
+from the best is kept as its rivals.  In the end every effect that the others make superfluous is dropped.
+
+Far above the noise runs are compared in pieces: an error early in a run must not outweigh what comes later.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
 from slipmargin.checks import Array, Index
+from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.fit import Fit, Residuals, build, evaluate, fit
-from slipmargin.diagnosis.left_out import cross_validate, each_by_its_own, leave_one_out
+from slipmargin.diagnosis.evidence import intervals
+from slipmargin.diagnosis.fit import Fit, build, evaluate, fit
+from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
+from slipmargin.diagnosis.map_entry import MapEntry
+from slipmargin.diagnosis.probes import probes
+from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.screen import Screened, Screening, screen
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.watch import Watch
-
-#: So many starts of a candidate get a short fit.
-_STARTS = 3
-#: A candidate with more parameters than this whose short fit costs so many times the best one's gets
-#: no full fit.
-_CHEAP, _FAR_BEHIND = 4, 6.0
-#: A fit that cannot come within this factor of the best one's cost is not finished.
-_OUT_OF_REACH = 1.3
+from slipmargin.effects import Trace
+from slipmargin.errors import InputError
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class State:
-    """A set of effects, fitted; ``scores`` (R,) is each trial's sum of squares, as a search counts it.
+    """Effects fitted to trials; ``scores`` (R,) are their sums of squares, each left out of a refit.
 
-    That is the geometric mean of two: fitted with the trial, and predicted without it.  The first
-    flatters what has many parameters.  The second, with few trials, is harsh on what only one of
-    them shows (Efron, JASA 78, 316, 1983).
+    ``view`` is how runs are compared, whole or in pieces; ``samples`` are the measured values compared;
+    ``xs`` (F, P) are the parameters without each of the folds ``parts``.
     """
 
     fit: Fit
     scores: Array
     samples: float
+    view: Problem
+    parts: tuple[Index, ...]
+    xs: Array
 
     @property
     def chi(self) -> float:
-        """Root mean square of residual over noise, as a search counts it."""
+        """Root mean square of left-out residual over noise."""
         return float(np.sqrt(self.scores.sum() / self.samples))
 
     @property
@@ -58,170 +64,306 @@ class State:
         """The candidate added last."""
         return self.fit.structure[-1]
 
+    @property
+    def named(self) -> bool:
+        """Whether every effect in it has a name."""
+        return all(c.named for c in self.structure)
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Round:
-    """One step of the search: where it started, what was tried (best first), what was taken, if any.
-
-    ``gains`` are the gains that the candidates' tangents promise; where none of them could lower chi
-    noticeably, nothing was fitted and ``best`` is None.
-    """
+    """One step: where it started, the screened list, the fits (best first), the chosen one, if taken."""
 
     before: State
-    candidates: tuple[Candidate, ...]
-    gains: tuple[float, ...]
+    screening: Screening
     tried: tuple[State, ...]
     best: State | None
-    p_value: float
     taken: bool
 
+    @property
+    def p_value(self) -> float:
+        """Probability that noise alone gives as large a gain to the best of the list."""
+        return 1.0 if self.best is None else self.screening.p_value(explained(self.before, self.best))
+
+    def map(self) -> tuple[MapEntry, ...]:
+        """The best candidate of each variable: what the residual follows, strongest first.
+
+        Its share is that of the fit by simulation where there is one, else that of its tangent.
+        """
+        rows = [(explained(self.before, s), s.last.trace, s.last.label) for s in self.tried if self.single(s)]
+        fits = {label for _, _, label in rows}
+        for entry in self.screening.entries:
+            if len(entry.parts) == 1 and entry.label not in fits:
+                rows.append((self.screening.share(entry), entry.parts[0].trace, entry.label))
+        best: dict[Trace, MapEntry] = {}
+        for share, trace, label in sorted(rows, key=lambda row: -row[0]):
+            p_value = self.screening.p_value(share)
+            best.setdefault(trace, MapEntry(traced_to=trace, form=label, share=share, p_value=p_value))
+        return tuple(best.values())
+
+    def single(self, state: State) -> bool:
+        """Whether a state adds one candidate."""
+        return len(state.structure) == len(self.before.structure) + 1
+
     def rivals(self) -> list[State]:
-        """States that these trials cannot distinguish from the best one."""
+        """States that these trials cannot tell from the best one."""
         best = self.best
-        if best is None:
-            return []
-        return [s for s in self.tried if s is not best and indistinguishable(s, best)]
+        return [] if best is None else [s for s in self.tried if s is not best and as_good(s, best)]
 
 
-def by_chi(state: State) -> float:
-    """Key that sorts states best first."""
-    return state.chi
-
-
-def state_of(problem: Residuals, found: Fit, samples: float) -> State:
-    """A fit with its scores."""
-    inside, outside = np.sum(found.residual**2, axis=1), cross_validate(problem, found)
-    return State(fit=found, scores=_scores(inside, outside), samples=samples)
-
-
-def judged_by(problem: Residuals, found: Fit, samples: float) -> State:
-    """A fit to another view of the same trials, with its scores on this one."""
-    inside = np.sum(problem.residuals([found.effects], [found.trials])[0] ** 2, axis=1)
-    outside = each_by_its_own(problem, found, leave_one_out(found))
-    return State(fit=found, scores=_scores(inside, outside), samples=samples)
-
-
-def _scores(inside: Array, outside: Array) -> Array:
-    """(R,) shares of the geometric mean of two sums of squares, fitted with each trial and without it."""
-    mean = np.sqrt(inside.sum() * outside.sum())
-    share = np.sqrt(inside * outside)
-    return np.asarray(mean * share / max(share.sum(), 1e-300))
-
-
-def base_state(problem: Residuals, trials: Index, samples: float) -> State:
-    """The model as it stands, with no effect added."""
-    return state_of(problem, evaluate(problem, (), np.zeros(0), trials), samples)
-
-
-def extend(
-    problem: Residuals,
-    before: State,
+def search(
+    problem: Problem,
+    seen: Index,
+    runs: Sequence[int],
     candidates: list[Candidate],
+    seed: int,
     progress: Watch,
-    finalists: int = SETTINGS.finalists,
-    enough: float = 0.0,
-) -> list[State]:
-    """Each candidate added to ``before``: a short fit from each start, a full one for the best.
+) -> tuple[Problem, State, list[Round]]:
+    """What the model lacks, judged on the trials ``seen``, and the rounds in which it was found.
 
-    Parameters
-    ----------
-    problem : Residuals
-        Gives residuals of effects.
-    before : State
-        What is known already.
-    candidates : list of Candidate
-        What to add, one at a time.
-    progress : Watch
-        Called after each fit; when it has expired, what was fitted so far is compared.
-    finalists : int
-        How many get the full fit.
-    enough : float
-        A chi at which no further candidate needs a full fit.
-
-    Returns
-    -------
-    list of State
-        Best first.
+    The problem comes back as well: wheel phases that were not logged are estimated on the way, for the
+    trials ``seen`` and for no other.  ``runs`` is the run that each of them is, or is cut from.
     """
-    trials = before.fit.trials
-    short = short_fits(problem, before, candidates, some_of(trials), progress)
-    states: list[State] = []
-    worth = [
-        f
-        for f in short[:finalists]
-        if f.structure[-1].size <= _CHEAP or f.cost <= _FAR_BEHIND * short[0].cost
-    ]
-    for i, found in enumerate(worth):
-        progress(f"fitting {found.structure[-1].label}", i / finalists)
-        best = min((s.fit.cost for s in states), default=np.inf)
-        full = fit(problem, found.structure, found.x, trials, give_up_above=_OUT_OF_REACH * best)
-        states.append(state_of(problem, full, before.samples))
-        if (states[-1].chi <= enough and i >= 2) or progress.expired:
+    unknown = wheel_phase.is_unknown(problem)
+    if unknown:
+        progress("estimating wheel phases", 0.0)
+        problem = wheel_phase.guessed(problem, seen, candidates)
+    trials = _spread(seen, SETTINGS.most_searched)
+    own = [runs[i] for i in np.searchsorted(seen, trials)]
+    state = fitted(problem, (), np.zeros(0), trials, own)
+    if state.chi > SETTINGS.far_chi:
+        state = fitted(problem.in_pieces(SETTINGS.piece_s), (), np.zeros(0), trials, own)
+    rounds: list[Round] = []
+    for number in range(SETTINGS.most_effects):
+        if progress.expired or (number and not worthwhile(state, SETTINGS.floor_chi)):
             break
-    return sorted(states, key=by_chi)
+        step = take_step(state, own, candidates, seed, progress.staged(f"round {number + 1}"))
+        rounds.append(step)
+        if not step.taken or step.best is None:
+            break
+        state = _whole(problem, step.best, own)
+        if unknown and any(c.wheel_phase for c in state.structure):
+            at = evaluate(problem, state.structure, state.fit.x, seen)
+            problem, better = wheel_phase.refined(problem, at)
+            state = fitted(_like(problem, state), state.structure, better.x, trials, own)
+        if len(state.structure) >= SETTINGS.most_effects:
+            break
+    if state.structure and len(trials) < len(seen):
+        progress("fitting all trials that are not held out", 0.0)
+        state = fitted(state.view, state.structure, state.fit.x, seen, runs)
+    return problem, needed(state, runs if len(state.fit.trials) == len(seen) else own), rounds
 
 
-def some_of(trials: Index) -> Index:
-    """Every other trial where there are many: enough to see who is promising."""
-    return trials[::2] if len(trials) >= SETTINGS.many_runs else trials
-
-
-def short_fits(
-    problem: Residuals, before: State, candidates: list[Candidate], trials: Index, progress: Watch
-) -> list[Fit]:
-    """Two Gauss–Newton steps from each start of each candidate beside ``before``; lowest cost first."""
-    short: list[Fit] = []
-    for i, candidate in enumerate(candidates):
-        progress(f"trying {candidate.label}", i / len(candidates))
-        structure = (*before.structure, candidate)
-        starts = [np.concatenate([before.fit.x, start]) for start in candidate.starts]
-        if len(starts) > _STARTS:  # places and times: only the best of those spread over the runs are fitted
-            found = problem.residuals([build(structure, x) for x in starts], [trials] * len(starts))
-            order = np.argsort([float(np.sum(r**2)) for r in found], kind="stable")
-            starts = [starts[k] for k in order[:_STARTS]]
-        fits = [fit(problem, structure, start, trials, iterations=2) for start in starts]
-        short.append(min(fits, key=lambda f: f.cost))
+def take_step(
+    before: State, runs: Sequence[int], candidates: list[Candidate], seed: int, progress: Watch
+) -> Round:
+    """The best addition to ``before``, and whether it is significant and worth its parameters."""
+    inside = {c.label for c in before.structure}
+    fresh = [c for c in candidates if c.label not in inside and possible(before, c)]
+    progress("screening every candidate", 0.0)
+    some = _spread(np.arange(len(before.fit.trials)), SETTINGS.most_screened)
+    base = before.fit
+    if len(some) < len(base.trials):
+        base = Fit(
+            structure=base.structure,
+            x=base.x,
+            trials=base.trials[some],
+            residual=base.residual[some],
+            jacobian=base.jacobian[some],
+            evaluations=0,
+        )
+    parts = folds([runs[i] for i in some], SETTINGS.folds)
+    block = max(1, round(SETTINGS.piece_s / before.view.step_s))
+    screening = screen(before.view, base, fresh, probes(before.view, base), parts, block, seed)
+    nothing = Round(before=before, screening=screening, tried=(), best=None, taken=False)
+    promised = np.sqrt(max(0.0, 1.0 - max((e.gain for e in screening.entries), default=0.0) / base.cost))
+    worth = (
+        worthwhile(before, promised * before.chi) and screening.p_value(1.0 - promised**2) <= SETTINGS.level
+    )
+    if not worth and (before.structure or before.chi <= SETTINGS.noise_chi):
+        return nothing
+    tried: list[State] = []
+    chosen = finalists(screening)
+    for number, entry in enumerate(chosen):
+        progress(f"fitting {entry.label}", 0.2 + 0.8 * number / len(chosen))
+        tried.append(_added(before, entry, runs, min((s.fit.cost for s in tried), default=np.inf)))
         if progress.expired:
             break
-    return sorted(short, key=lambda f: f.cost)
-
-
-def score_test_gain(residual: Array, slope: Array) -> float:
-    """Decrease of the sum of squares that a linear step along ``slope`` (R, K, P) promises."""
-    flat = slope.reshape(-1, slope.shape[-1])
-    size = np.linalg.norm(flat, axis=0)
-    flat = flat[:, size > 0.0] / size[size > 0.0]
-    if not flat.shape[1]:
-        return 0.0
-    step = np.linalg.lstsq(flat, residual.ravel(), rcond=1e-8)[0]
-    return float(np.sum((flat @ step) ** 2))
-
-
-def choose(tried: list[State]) -> State:
-    """The best candidate: of those as good as the best score allows, the one that is simple for its chi."""
-    bar = SETTINGS.as_good_factor * tried[0].chi + SETTINGS.as_good_offset
-    good = [s for s in tried if s.chi <= bar]
-    return min(good, key=lambda s: s.chi * (1.0 + _price(s)))
-
-
-def _price(state: State) -> float:
-    """What a simpler explanation has less of."""
-    unnamed = sum(not c.named for c in state.structure)
-    return (
-        SETTINGS.parameter_price * len(state.fit.x)
-        + SETTINGS.stuck_price * len(state.fit.at_bound())
-        + SETTINGS.effect_price * len(state.structure)
-        + SETTINGS.unnamed_price * unnamed
+    tried.sort(key=lambda s: s.chi)
+    best = choose(tried)
+    return Round(
+        before=before,
+        screening=screening,
+        tried=tuple(tried),
+        best=best,
+        taken=worthwhile(before, best.chi, named=best.named)
+        and screening.p_value(explained(before, best)) <= SETTINGS.significance,
     )
 
 
-def indistinguishable(one: State, other: State) -> bool:
-    """Whether trial by trial neither is significantly better than the other (and chi hardly differs)."""
-    gap = one.scores - other.scores
-    spread = float(np.std(gap, ddof=1)) * np.sqrt(len(gap)) if len(gap) > 1 else np.inf
-    close = abs(one.chi - other.chi) <= 0.01 * other.chi + 0.005
-    return close or (
-        abs(float(gap.sum())) < 2.0 * spread
-        and one.chi <= SETTINGS.as_good_factor * other.chi + SETTINGS.as_good_offset
-    )
+def finalists(screening: Screening) -> list[Screened]:
+    """What is fitted: the best of the list that have names, the best general forms, and the best pairs.
+
+    A pair is fitted only where its two tangents together leave clearly less than any single one.
+    """
+    most = screening.entries[0].gain
+    worth = [e for e in screening.entries if e.structure and e.gain > SETTINGS.hopeless * most]
+    single = [e for e in worth if len(e.parts) == 1]
+    best = single[0].gain if single else 0.0
+    pairs = [
+        e
+        for e in worth
+        if len(e.parts) == 2 and screening.total - e.gain < SETTINGS.pair_leaves * (screening.total - best)
+    ]
+    chosen = [
+        *[e for e in single if e.named][: SETTINGS.finalists],
+        *[e for e in single if not e.named][: SETTINGS.finalists // 2],
+        *pairs[: SETTINGS.finalists // 2],
+    ]
+    return sorted(chosen, key=lambda e: -e.gain)
+
+
+def _added(before: State, entry: Screened, runs: Sequence[int], best: float) -> State:
+    """An entry of the list, fitted beside what is known; not to the end where it cannot be the best."""
+    structure, trials = (*before.structure, *entry.structure), before.fit.trials
+    plain = np.concatenate([c.candidate.starts[0] for c in entry.parts if c.candidate is not None])
+    starts = [np.concatenate([before.fit.x, x]) for x in (*entry.starts, plain)]
+    found = before.view.residuals([build(structure, x) for x in starts], [trials] * len(starts))
+    order = np.argsort([np.sum(r**2) for r in found], kind="stable")
+    x = starts[order[0]]
+    if len(entry.starts) > 1:  # places and times: what is near one of them has its own optimum
+        short = [
+            fit(before.view, structure, starts[i], trials, SETTINGS.first_steps)
+            for i in order[: SETTINGS.starts]
+        ]
+        x = min(short, key=lambda f: f.cost).x
+    full = fit(before.view, structure, x, trials, give_up_above=SETTINGS.out_of_reach * best)
+    return scored(before.view, full, before.samples, runs)
+
+
+def scored(view: Problem, found: Fit, samples: float, runs: Sequence[int]) -> State:
+    """A fit with its score: refitted without each fold of the runs."""
+    parts = tuple(folds(runs, SETTINGS.folds))
+    xs, scores = refitted_without(view, found, parts)
+    return State(fit=found, scores=scores, samples=samples, view=view, parts=parts, xs=xs)
+
+
+def fitted(
+    view: Problem, structure: tuple[Candidate, ...], x: Array, trials: Index, runs: Sequence[int]
+) -> State:
+    """A structure fitted to trials from ``x``, with its score."""
+    found = fit(view, structure, x, trials)
+    return scored(view, found, view.samples(trials), runs)
+
+
+def refitted(state: State, structure: tuple[Candidate, ...], x: Array, runs: Sequence[int]) -> State:
+    """Another structure in the view, and on the trials, of ``state``."""
+    return fitted(state.view, structure, x, state.fit.trials, runs)
+
+
+def explained(before: State, after: State) -> float:
+    """Share of the left-out sum of squares that falls away."""
+    return float(1.0 - after.scores.sum() / before.scores.sum())
+
+
+def choose(tried: Sequence[State]) -> State:
+    """Of those as good as the best: with names, not stuck at a bound, fewest effects, then the least error.
+
+    Of two forms of the same effects that are as good as each other the one with fewer parameters is meant.
+    """
+    good = [s for s in tried if as_good(s, tried[0])]
+    first = min(good, key=lambda s: (not s.named, bool(s.fit.at_bound()), len(s.structure), s.chi))
+    names = [c.name for c in first.structure]
+    forms = [
+        s
+        for s in good
+        if [c.name for c in s.structure] == names and as_good(s, first) and not s.fit.at_bound()
+    ]
+    return min(forms, key=lambda s: (len(s.fit.x), s.chi), default=first)
+
+
+def as_good(one: State, best: State) -> bool:
+    """Whether a left-out error is no larger than the best one's but for the spread from run to run."""
+    if one.chi <= best.chi + SETTINGS.least_chi:
+        return True
+    gap = one.scores - best.scores
+    spread = float(np.std(gap, ddof=1)) * np.sqrt(len(gap)) if len(gap) > 1 else 0.0
+    within = float(gap.sum()) <= SETTINGS.as_good_errors * spread
+    return within and one.chi <= SETTINGS.as_good_factor * best.chi
+
+
+def worthwhile(before: State, chi: float, named: bool = True) -> bool:
+    """Whether chi falls by more than what the log's reconstruction, or an unnamed form, may leave."""
+    if chi >= before.chi:
+        return False
+    if before.structure and not (named and before.named):
+        return chi <= SETTINGS.with_unnamed * before.chi
+    share = SETTINGS.later_effect if before.structure else SETTINGS.first_effect
+    return before.chi - max(chi, SETTINGS.floor_chi) >= max(SETTINGS.least_chi, share * before.chi)
+
+
+def possible(before: State, candidate: Candidate) -> bool:
+    """Whether the candidate can stand beside what is known: two laws for one thing refuse each other."""
+    try:
+        before.view.model((*before.fit.effects, candidate.build(candidate.starts[0])))
+    except InputError:
+        return False
+    return True
+
+
+def without(state: State, index: int, runs: Sequence[int]) -> State:
+    """The state less one of its effects, the others fitted again."""
+    kept = [i for i in range(len(state.structure)) if i != index]
+    at = np.cumsum([0, *(c.size for c in state.structure)])
+    x = np.concatenate([np.zeros(0), *(state.fit.x[at[i] : at[i + 1]] for i in kept)])
+    return refitted(state, tuple(state.structure[i] for i in kept), x, runs)
+
+
+def needed(state: State, runs: Sequence[int]) -> State:
+    """Now that all are known: drop, least useful first, every effect that the others make superfluous.
+
+    So is a named effect whose parameters may all be null as far as these trials say.
+    """
+    while len(state.structure) > 1:
+        fewer = [without(state, index, runs) for index in range(len(state.structure))]
+        idle = nothing_sure(state)
+        least = min(range(len(fewer)), key=lambda i: (not idle[i], fewer[i].chi))
+        if not idle[least] and worthwhile(fewer[least], state.chi, state.structure[least].named):
+            break
+        state = fewer[least]
+    return state
+
+
+def nothing_sure(state: State) -> list[bool]:
+    """For each effect, whether it is a named one and every interval of its parameters holds the null."""
+    sizes = [c.size for c in state.structure]
+    scale = np.concatenate([c.scale for c in state.structure])
+    null = np.concatenate([c.null for c in state.structure])
+    spread = intervals(state.fit, leave_one_out(state.fit), scale, np.zeros(len(null)), together=False)
+    holds = (spread.low <= null) & (null <= spread.high)
+    parts = np.split(holds, np.cumsum(sizes)[:-1])
+    return [c.named and c.nested and bool(part.all()) for c, part in zip(state.structure, parts, strict=True)]
+
+
+def _whole(problem: Problem, state: State, runs: Sequence[int]) -> State:
+    """A state found in pieces, fitted to whole runs where these come near the noise."""
+    if state.view.piece is None:
+        return state
+    trials = state.fit.trials
+    off = float(np.sum(problem.residuals([state.fit.effects], [trials])[0] ** 2))
+    if np.sqrt(off / state.samples) > SETTINGS.within_reach * SETTINGS.far_chi:
+        return state
+    whole = fitted(problem, state.structure, state.fit.x, trials, runs)
+    return whole if whole.chi <= SETTINGS.far_chi else state
+
+
+def _like(problem: Problem, state: State) -> Problem:
+    """A problem in the view of a state."""
+    return problem if state.view.piece is None else problem.in_pieces(SETTINGS.piece_s)
+
+
+def _spread(numbers: Index, most: int) -> Index:
+    """At most so many of them, spread over all."""
+    at = np.unique(np.linspace(0, len(numbers) - 1, most).round().astype(int))
+    return np.asarray(numbers[at], dtype=np.int64)

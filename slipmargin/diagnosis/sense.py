@@ -43,6 +43,7 @@ def measure(sensing: MeasurementModel, t_s: Array, pose: Array) -> Array:
     if is_ideal(sensing):
         return pose
     true = pose
+    t_s = t_s * sensing.clock
     if sensing.delay_s:
         late = t_s - sensing.delay_s
         true = np.stack([np.interp(late, t_s, column) for column in pose.T], axis=1)

@@ -41,6 +41,14 @@ class SearchSettings:
     others: int = 3
     #: [1] Level of the permutation test of a proposal against surrogate noise.
     significance: float = 0.01
+    #: [s] How long a push stays in the velocity: friction of 0.2 g stops a slip of 0.2 m/s in this time.
+    probe_memory_s: float = 0.1
+    #: [s] Distance of the probes' knots over time: an event is a tenth of a second long.
+    probe_knot_s: float = 0.15
+    #: [1] Cells of the probes along each side of the floor: a fifth of the way that the runs reach.
+    probe_cells: int = 6
+    #: [draws] Surrogate residuals that go through the whole screening: they resolve p = 0.005.
+    surrogates: int = 199
     #: [1] Share of chi that a first effect must take off: as least_chi, for sets far above the noise.
     first_effect: float = 0.02
     #: [1] Share of chi that a further effect must take off: what the first leaves is also its form's fault.
@@ -55,42 +63,32 @@ class SearchSettings:
     #: [s] Length of a piece while searching far above the noise: the camera's noise is small beside what a
     #: model lacks, and the heading has not yet gone astray.
     piece_s: float = 0.5
-    #: [s] The same in the last fits, which start near the answer.
-    long_piece_s: float = 2.0
     #: [chi] Above this runs are compared in pieces: whole ones bend too much with the parameters.
     far_chi: float = 5.0
     #: [1] A fit to whole runs seldom takes more than this factor off the chi at which pieces put them.
     within_reach: float = 3.0
-    #: [1], [chi] A candidate is as good as the best if its chi is within this factor and this offset.
+    #: [standard errors] A left-out error is as good as the best one where, run by run, it is larger by no
+    #: more than the spread of the difference: the rule of one standard error …
+    as_good_errors: float = 1.0
+    #: [1] … and chi by no more than this factor, where few runs make that spread large.
     as_good_factor: float = 1.06
-    as_good_offset: float = 0.02
-    #: [chi] This close to 1 nothing is left for another form to explain.
-    at_noise_chi: float = 1.06
-    #: [candidates] How many go from the first, short fit to the full one.
-    finalists: int = 6
-    #: [runs] From so many on, first short fits use every other one.
-    many_runs: int = 6
-    #: [1] By what share of chi a parameter, one stuck at a bound, an effect, and the lack of a name must pay
-    #: for themselves when candidates are as good as each other.
-    parameter_price: float = 0.004
-    stuck_price: float = 0.03
-    effect_price: float = 0.03
-    unnamed_price: float = 0.03
-    #: [s] Over how long the map differentiates poses: at 0.5 mm of noise a velocity is then known to 1 cm/s.
-    map_span_s: float = 0.08
-    #: [s] Time between the map's instants: a third of its span, closer ones say the same again.
-    map_step_s: float = 0.025
-    #: [s] How long a push stays in the velocity: friction of 0.2 g stops a slip of 0.2 m/s in this time.
-    map_memory_s: float = 0.1
-    #: [s] Distance of the knots over time: an event is a tenth of a second long.
-    map_knot_s: float = 0.15
-    #: [1] Cells along each side of the floor: a fifth of the way that the runs reach.
-    map_cells: int = 6
-    #: [1] Share of the residual beyond the noise that a fault of the camera or of unlogged motors must
-    #: explain to be on the map: such a fault is linear, a force that it resembles is not.
-    map_signal_share: float = 0.5
-    #: [draws] Permutations of the runs: they resolve p = 0.005.
-    map_permutations: int = 199
+    #: [runs] So many are enough to search with; the parameters are then fitted to all.
+    most_searched: int = 10
+    #: [runs] So many are enough to order the candidates: one in four is then left out of each fold.
+    most_screened: int = 8
+    #: [1] What promises less than this share of the best one's gain is not fitted.
+    hopeless: float = 0.2
+    #: [candidates] How many names are fitted by simulation; half as many general forms, and half as
+    #: many pairs.
+    finalists: int = 4
+    #: [starts] Of places and times so many are fitted: the best by their tangents, then by simulation.
+    starts: int = 2
+    #: [steps] Gauss–Newton steps after which the best of the starts is known.
+    first_steps: int = 3
+    #: [1] A pair is fitted where its tangents leave at most this share of what the best single one leaves.
+    pair_leaves: float = 0.7
+    #: [1] A fit that cannot come within this factor of the best one's cost is not finished.
+    out_of_reach: float = 1.3
 
 
 SETTINGS = SearchSettings()

@@ -107,7 +107,15 @@ def from_first_parts(
         The effects to assume on each.
     """
     parts = tuple(clean(first_part(run), problem.sigma) for run in runs)
-    early = Problem.of(problem.recipe, problem.surface, parts, problem.sigma, problem.commanded)
+    early = Problem.of(
+        problem.recipe,
+        problem.surface,
+        parts,
+        problem.sigma,
+        problem.commanded,
+        problem.members,
+        problem.member_of[rows],
+    )
     early = replace(early, lasting=problem.lasting)
     everyone = np.arange(len(parts), dtype=np.int64)
     same = all(e == effects[0] for e in effects)

@@ -5,6 +5,7 @@ from slipmargin.effects.effect import (
     Parameter as Parameter,
     Part as Part,
     Quantity as Quantity,
+    Scope as Scope,
     Trace as Trace,
     Variant as Variant,
     WheelEffect as WheelEffect,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import final
 
-from slipmargin.effects.effect import Effect, Part, Trace, parameter
+from slipmargin.effects.effect import Effect, Part, Scope, Trace, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import MeasurementModel
 
@@ -19,6 +19,7 @@ class CameraDelay(Effect):
     summary = "The pose is read late."
     traced_to = Trace.MEASUREMENT
     part = Part.SENSING
+    scope = Scope.INSTRUMENT
     parameters = (parameter("delay_s", "s", (-0.5, 0.0, 0.5), 0.01, "how late the pose is read"),)
     source = "calibration of the pose measurement; see MeasurementModel for signs"
     confirm = "tap the robot and compare the time stamps of camera and encoders"

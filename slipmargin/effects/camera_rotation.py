@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import final
 
-from slipmargin.effects.effect import Effect, Part, Trace, parameter
+from slipmargin.effects.effect import Effect, Part, Scope, Trace, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import MeasurementModel
 
@@ -19,6 +19,7 @@ class CameraRotation(Effect):
     summary = "The camera’s axes are turned against the robot’s start heading."
     traced_to = Trace.MEASUREMENT
     part = Part.SENSING
+    scope = Scope.INSTRUMENT
     parameters = (
         parameter(
             "rotation_rad",

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Effect, Part, Trace, parameter
+from slipmargin.effects.effect import Effect, Part, Scope, Trace, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import MeasurementModel
 
@@ -21,6 +21,7 @@ class CameraScale(Effect):
     summary = "The camera’s scale is off."
     traced_to = Trace.MEASUREMENT
     part = Part.SENSING
+    scope = Scope.INSTRUMENT
     parameters = (
         parameter("scale_x", "1", (0.5, 1.0, 2.0), 0.01, "measured over true distance along x"),
         parameter("scale_y", "1", (0.5, 1.0, 2.0), 0.01, "measured over true distance along y"),

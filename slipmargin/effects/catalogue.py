@@ -9,6 +9,7 @@ from typing import final, overload
 from slipmargin.effects.camera_delay import CameraDelay
 from slipmargin.effects.camera_rotation import CameraRotation
 from slipmargin.effects.camera_scale import CameraScale
+from slipmargin.effects.clock_rate import ClockRate
 from slipmargin.effects.effect import Effect
 from slipmargin.effects.elliptic_grip import EllipticGrip
 from slipmargin.effects.floor_border import FloorBorder
@@ -108,6 +109,7 @@ CATALOGUE = Catalogue(
         CameraScale,
         CameraRotation,
         CameraDelay,
+        ClockRate,
         MarkerOffset,
         HeadingGain,
     )

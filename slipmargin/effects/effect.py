@@ -12,13 +12,16 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from enum import Enum
-from typing import Any, ClassVar, Self, final
+from typing import TYPE_CHECKING, Any, ClassVar, final
 
 import numpy as np
 
 from slipmargin.checks import Array, real
 from slipmargin.errors import InputError
 from slipmargin.model import Model
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 
 class Trace(Enum):
@@ -63,6 +66,15 @@ _FIELDS = {
     Part.TRANSIENTS: "actuators",
     Part.SENSING: "measurement",
 }
+
+
+class Scope(Enum):
+    """What an effect belongs to, so that data sets of one robot which share that share its parameters."""
+
+    MACHINE = "machine"  #: radii, toe, layout, what depends on the wheel's angle, drives: all data sets
+    FLOOR = "floor"  #: coefficients, creep law, nap, drag
+    LOADING = "loading"  #: loads, centre of mass, what pulls at the robot
+    INSTRUMENT = "instrument"  #: scale, rotation, delay and clock of what measures the pose
 
 
 @final
@@ -145,12 +157,16 @@ class Effect(ABC):
     traced_to: ClassVar[Trace]
     part: ClassVar[Part]
     parameters: ClassVar[tuple[Parameter, ...]]  #: the first one is the effect's size
+    #: What it belongs to; the whole machine unless the effect says otherwise.
+    scope: ClassVar[Scope] = Scope.MACHINE
     source: ClassVar[str]  #: paper, equation, sign convention
     confirm: ClassVar[str]  #: the measurement that would confirm it
     #: The forms a diagnosis fits; empty: one form with every parameter free.
     variants: ClassVar[tuple[Variant, ...]] = ()
     #: Whether it shows only in data with commanded wheel speeds.
     needs_commands: ClassVar[bool] = False
+    #: Whether it shows only in data without time stamps, whose rate is nominal.
+    needs_nominal_rate: ClassVar[bool] = False
     #: Whether it depends on where a wheel stands, so that wheel angles need a known zero.
     needs_wheel_phase: ClassVar[bool] = False
     #: Parameters that no fit varies, with the values that a diagnosis compares once all else is fitted.

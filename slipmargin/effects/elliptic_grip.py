@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import final
 
 from slipmargin.effects.coupling import CONFIRM, STRENGTH, coupled
-from slipmargin.effects.effect import Effect, Part, Trace
+from slipmargin.effects.effect import Effect, Part, Scope, Trace
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.grips import GripShape
@@ -21,6 +21,7 @@ class EllipticGrip(Effect):
     summary = "A wheel cannot use both grips at the same time: the law of a wheel that slides as a whole."
     traced_to = Trace.SLIP_COUPLING
     part = Part.GRIP
+    scope = Scope.FLOOR
     parameters = (STRENGTH,)
     source = "docs/theory.md, section 2, three grip sets (friction ellipse); 1 = elliptic"
     confirm = CONFIRM

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Effect, Part, Trace, parameter
+from slipmargin.effects.effect import Effect, Part, Scope, Trace, parameter
 from slipmargin.effects.places import EDGE, EDGE_M, LINE_DIRECTION, LINE_OFFSET
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
@@ -27,6 +27,7 @@ class FloorBorder(Effect):
     summary = "Beyond a straight line the floor is another one."
     traced_to = Trace.POSITION
     part = Part.GRIP
+    scope = Scope.FLOOR
     parameters = (
         parameter(
             "factor",

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Part, Trace, WheelEffect, parameter
+from slipmargin.effects.effect import Part, Scope, Trace, WheelEffect, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.terms import Multiplier
@@ -23,6 +23,7 @@ class FloorNap(WheelEffect):
     summary = "The floor grips differently along and against its nap."
     traced_to = Trace.HEADING
     part = Part.GRIP
+    scope = Scope.FLOOR
     parameters = (
         parameter(
             "nap_x", "1", (-0.9, 0.0, 0.9), 0.05, "relative change of friction when sliding towards +x"

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Effect, Part, Trace, parameter
+from slipmargin.effects.effect import Effect, Part, Scope, Trace, parameter
 from slipmargin.effects.places import EDGE, EDGE_M, PLACE_RADIUS, PLACE_X, PLACE_Y
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
@@ -29,6 +29,7 @@ class FloorPatch(Effect):
     )
     traced_to = Trace.POSITION
     part = Part.GRIP
+    scope = Scope.FLOOR
     parameters = (
         parameter(
             "factor", "1", (0.0, 1.0, 5.0), 0.1, "friction on the patch over that beside it", starts=(0.5,)

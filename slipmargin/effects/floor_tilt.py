@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Effect, Part, Trace, parameter
+from slipmargin.effects.effect import Effect, Part, Scope, Trace, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
 from slipmargin.physics.terms import ForceTerm
@@ -27,6 +27,7 @@ class FloorTilt(Effect):
     summary = "The floor is not level."
     traced_to = Trace.CONSTANT_FORCE
     part = Part.LOSSES
+    scope = Scope.FLOOR
     parameters = (
         parameter("tilt_x_rad", "rad", (-0.3, 0.0, 0.3), 0.003, "slope down towards +x"),
         parameter("tilt_y_rad", "rad", (-0.3, 0.0, 0.3), 0.003, "slope down towards +y"),

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Part, Trace, Variant, WheelEffect, parameter
+from slipmargin.effects.effect import Part, Scope, Trace, Variant, WheelEffect, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.terms import Multiplier
@@ -23,6 +23,7 @@ class FrictionCoefficients(WheelEffect):
     summary = "The coefficients were measured wrongly, or the floor is another one."
     traced_to = Trace.COEFFICIENT
     part = Part.GRIP
+    scope = Scope.FLOOR
     parameters = (
         parameter("drive_factor", "1", (0.05, 1.0, 20.0), 0.05, "true over stated drive coefficient"),
         parameter(

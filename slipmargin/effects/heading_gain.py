@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import final
 
-from slipmargin.effects.effect import Effect, Part, Trace, parameter
+from slipmargin.effects.effect import Effect, Part, Scope, Trace, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import MeasurementModel
 
@@ -19,6 +19,7 @@ class HeadingGain(Effect):
     summary = "The heading sensor’s scale is off."
     traced_to = Trace.MEASUREMENT
     part = Part.SENSING
+    scope = Scope.INSTRUMENT
     parameters = (parameter("gain", "1", (0.5, 1.0, 2.0), 0.01, "measured over true heading change"),)
     source = "calibration of the pose measurement; see MeasurementModel for signs"
     confirm = "turn the robot by one full turn by hand and read the heading"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import final
 
-from slipmargin.effects.effect import Effect, Part, Trace, Variant, parameter
+from slipmargin.effects.effect import Effect, Part, Scope, Trace, Variant, parameter
 from slipmargin.model import Model
 from slipmargin.model.loads import tagged
 from slipmargin.physics.loads import Loads, transfer
@@ -20,6 +20,7 @@ class LoadTransfer(Effect):
     summary = "Accelerating shifts weight from the leading to the trailing wheels."
     traced_to = Trace.ACCELERATION
     part = Part.LOADS
+    scope = Scope.LOADING
     parameters = (
         parameter(
             "com_height_m",

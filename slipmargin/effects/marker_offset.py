@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Effect, Part, Trace, parameter
+from slipmargin.effects.effect import Effect, Part, Scope, Trace, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import MeasurementModel
 
@@ -21,6 +21,7 @@ class MarkerOffset(Effect):
     summary = "The tracked marker is not above the origin of the body frame."
     traced_to = Trace.MEASUREMENT
     part = Part.SENSING
+    scope = Scope.INSTRUMENT
     parameters = (
         parameter("marker_x_m", "m", (-1.0, 0.0, 1.0), 0.005, "marker from the origin along the body's x"),
         parameter("marker_y_m", "m", (-1.0, 0.0, 1.0), 0.005, "marker from the origin along the body's y"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import final
 
-from slipmargin.effects.effect import Effect, Part, Trace, WheelEffect, parameter
+from slipmargin.effects.effect import Effect, Part, Scope, Trace, WheelEffect, parameter
 from slipmargin.errors import InputError
 from slipmargin.model import Model
 from slipmargin.model.parts import ActuatorDynamics
@@ -20,6 +20,7 @@ class MotorLag(WheelEffect):
     summary = "The wheels follow their command late."
     traced_to = Trace.ACTUATION
     part = Part.TRANSIENTS
+    scope = Scope.MACHINE
     parameters = (
         parameter("lag_s", "s", (0.0, 0.0, 2.0), 0.02, "time constant of the wheel speed"),
         parameter("delay_s", "s", (0.0, 0.0, 1.0), 0.01, "dead time before a command acts", starts=(0.0,)),

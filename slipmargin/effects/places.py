@@ -27,6 +27,6 @@ EDGE = parameter(
     (EDGE_M, EDGE_M, 1.0),
     0.005,
     "width of the edge; a sharp one is as wide as a contact",
-    starts=(0.01,),
+    starts=(0.05,),
     idle=True,
 )

@@ -7,13 +7,13 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Effect, Part, Trace, Variant, parameter
+from slipmargin.effects.effect import Effect, Part, Scope, Trace, Variant, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
 from slipmargin.physics.terms import ForceTerm
 from slipmargin.physics.variables import Basis, Frame, Variable
 
-_TIMES = tuple((k + 0.5) / 8.0 for k in range(8))
+_TIMES = tuple((k + 0.5) / 20.0 for k in range(20))
 
 
 @final
@@ -25,6 +25,7 @@ class Push(Effect):
     summary = "Something pushes the robot at the same time of every run (a gust, a bump, a mechanism)."
     traced_to = Trace.TIME
     part = Part.LOSSES
+    scope = Scope.LOADING
     parameters = (
         parameter("force_x_N", "N", (-1000.0, 0.0, 1000.0), 0.5, "push towards +x of the floor"),
         parameter("force_y_N", "N", (-1000.0, 0.0, 1000.0), 0.5, "push towards +y of the floor"),

@@ -5,14 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import final
 
+from slipmargin.effects.confined import Confined
 from slipmargin.effects.effect import Effect
 from slipmargin.effects.general import GeneralEffect
 from slipmargin.model import Model, nominal_model
 from slipmargin.model.loads import centred
 from slipmargin.robot import Robot
 
-#: A named effect or one traced to a variable without a name.
-AnyEffect = Effect | GeneralEffect
+#: A named effect, one traced to a variable without a name, or either in some data sets of a campaign.
+AnyEffect = Effect | GeneralEffect | Confined
 
 
 @final

@@ -8,7 +8,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from slipmargin.effects.effect import Part, Trace, Variant, WheelEffect, parameter
+from slipmargin.effects.effect import Part, Scope, Trace, Variant, WheelEffect, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 
@@ -25,6 +25,7 @@ class RigidSector(WheelEffect):
     summary = "Rigid material between the rollers touches the floor (the paper's own missing effect)."
     traced_to = Trace.WHEEL_ANGLE
     part = Part.GRIP
+    scope = Scope.MACHINE
     parameters = (
         parameter(
             "rigid_fraction",

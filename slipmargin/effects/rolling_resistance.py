@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Effect, Part, Trace, Variant, parameter
+from slipmargin.effects.effect import Effect, Part, Scope, Trace, Variant, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
 from slipmargin.physics.terms import ForceTerm
@@ -27,6 +27,7 @@ class RollingResistance(Effect):
     summary = "Something resists motion whatever the wheels do: bearings, soft carpet, air."
     traced_to = Trace.VELOCITY
     part = Part.LOSSES
+    scope = Scope.FLOOR
     parameters = (
         parameter(
             "coefficient", "1", (-0.05, 0.0, 1.0), 0.01, "resistance over weight, independent of speed"

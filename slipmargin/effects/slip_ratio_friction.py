@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Part, Trace, Variant, WheelEffect, parameter
+from slipmargin.effects.effect import Part, Scope, Trace, Variant, WheelEffect, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.terms import Multiplier
@@ -29,6 +29,7 @@ class SlipRatioFriction(WheelEffect):
     summary = "Creep: the force depends on slip relative to rolling, not on slip alone."
     traced_to = Trace.SLIP_RATIO
     part = Part.GRIP
+    scope = Scope.FLOOR
     parameters = (
         parameter(
             "share", "1", (0.0, 0.0, 1.0), 0.2, "share of the law that depends on the ratio", starts=(1.0,)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import final
 
-from slipmargin.effects.effect import Part, Trace, WheelEffect, parameter
+from slipmargin.effects.effect import Part, Scope, Trace, WheelEffect, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import ActuatorDynamics
 
@@ -19,6 +19,7 @@ class SpeedDroop(WheelEffect):
     summary = "Under load the wheels turn slower than commanded."
     traced_to = Trace.ACTUATION
     part = Part.TRANSIENTS
+    scope = Scope.MACHINE
     parameters = (
         parameter(
             "droop_rad_s_per_N_m", "rad/(s N m)", (0.0, 0.0, 500.0), 2.0, "speed lost per torque delivered"

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Part, Trace, Variant, WheelEffect, parameter
+from slipmargin.effects.effect import Part, Scope, Trace, Variant, WheelEffect, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.terms import Multiplier
@@ -26,6 +26,7 @@ class Stribeck(WheelEffect):
     summary = "Sliding friction is lower than sticking friction."
     traced_to = Trace.SLIP_SPEED
     part = Part.GRIP
+    scope = Scope.FLOOR
     parameters = (
         parameter(
             "dynamic_ratio", "1", (0.05, 1.0, 3.0), 0.1, "dynamic over static coefficient", starts=(0.8,)

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Effect, Part, Trace, Variant, parameter
+from slipmargin.effects.effect import Effect, Part, Scope, Trace, Variant, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
 from slipmargin.physics.terms import ForceTerm
 from slipmargin.physics.variables import Basis, Frame, Variable
+
+#: Where fits put the anchor first: the origin, and 1.5 m away all around [m].
+_X = (0.0, *(1.5 * math.cos(k * math.pi / 3.0) for k in range(6)))
+_Y = (0.0, *(1.5 * math.sin(k * math.pi / 3.0) for k in range(6)))
 
 
 @final
@@ -26,10 +31,15 @@ class Tether(Effect):
     summary = "A cable pulls the robot towards where it is held."
     traced_to = Trace.POSITION
     part = Part.LOSSES
+    scope = Scope.LOADING
     parameters = (
         parameter("stiffness_N_per_m", "N/m", (0.0, 0.0, 200.0), 0.5, "pull per distance from the anchor"),
-        parameter("anchor_x_m", "m", (-5.0, 0.0, 5.0), 0.1, "where it does not pull, x"),
-        parameter("anchor_y_m", "m", (-5.0, 0.0, 5.0), 0.1, "where it does not pull, y"),
+        parameter(
+            "anchor_x_m", "m", (-5.0, 0.0, 5.0), 0.1, "where it does not pull, x", starts=_X, idle=True
+        ),
+        parameter(
+            "anchor_y_m", "m", (-5.0, 0.0, 5.0), 0.1, "where it does not pull, y", starts=_Y, idle=True
+        ),
         parameter("height_m", "m", (0.0, 0.0, 2.0), 0.05, "height above the floor at which the cable pulls"),
     )
     variants = (Variant(free=("stiffness_N_per_m", "anchor_x_m", "anchor_y_m")),)

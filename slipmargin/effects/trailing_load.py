@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Part, Trace, WheelEffect, parameter
+from slipmargin.effects.effect import Part, Scope, Trace, WheelEffect, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.terms import Multiplier
@@ -27,6 +27,7 @@ class TrailingLoad(WheelEffect):
     summary = "A driving robot rests on its trailing wheels: the contact pressure runs ahead of the axles."
     traced_to = Trace.VELOCITY
     part = Part.GRIP
+    scope = Scope.FLOOR
     parameters = (
         parameter(
             "lever_m",

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Effect, Part, Quantity, Trace, Variant, parameter
+from slipmargin.effects.effect import Effect, Part, Quantity, Scope, Trace, Variant, parameter
 from slipmargin.model import Model
 from slipmargin.model.loads import tagged
 from slipmargin.physics.loads import Loads, sharing_matrix
@@ -26,6 +26,7 @@ class WheelLoads(Effect):
     summary = "The weight is shared differently than the file says."
     traced_to = Trace.WHEEL_LOAD
     part = Part.LOADS
+    scope = Scope.LOADING
     parameters = (
         parameter("shift_x_m", "m", (-0.5, 0.0, 0.5), 0.005, "shift of the load centre along the body's x"),
         parameter("shift_y_m", "m", (-0.5, 0.0, 0.5), 0.005, "shift of the load centre along the body's y"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import final
 
-from slipmargin.effects.effect import Part, Trace, WheelEffect, parameter
+from slipmargin.effects.effect import Part, Scope, Trace, WheelEffect, parameter
 from slipmargin.model import Model
 from slipmargin.physics.kinematics import WheelGeometry
 
@@ -19,6 +19,7 @@ class WheelRadius(WheelEffect):
     summary = "A wheel is larger or smaller than the file says: worn, swapped or pressed in."
     traced_to = Trace.WHEEL
     part = Part.CONTACTS
+    scope = Scope.MACHINE
     parameters = (parameter("radius_factor", "1", (0.5, 1.0, 2.0), 0.01, "true over stated radius"),)
     one_wheel = True
     source = "eq. (2), the wheel’s peripheral speed; above 1 = larger wheel"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import final
 
-from slipmargin.effects.effect import Part, Trace, WheelEffect, parameter
+from slipmargin.effects.effect import Part, Scope, Trace, WheelEffect, parameter
 from slipmargin.model import Model
 from slipmargin.physics.frames import rotate_rows
 from slipmargin.physics.kinematics import WheelGeometry
@@ -20,6 +20,7 @@ class WheelToe(WheelEffect):
     summary = "A wheel is mounted at an angle."
     traced_to = Trace.WHEEL
     part = Part.CONTACTS
+    scope = Scope.MACHINE
     parameters = (
         parameter("toe_rad", "rad", (-0.5, 0.0, 0.5), 0.01, "angle of the wheel from where it should point"),
     )

@@ -37,12 +37,12 @@ def read_data_set(folder: Path | str) -> DataSet:
             str(folder),
         )
     try:
-        robot, surface, signal, sigma, sigma_N = _head(Table("", parse_toml(read_text(path))))
+        robot, surface, signal, sigma, sigma_N, rate = _head(Table("", parse_toml(read_text(path))))
     except InputError as fault:
         raise fault if fault.source else fault.in_file(str(path)) from None
     recipe = read_recipe(folder / robot)
     count = len(recipe.robot.wheels)
-    trials = tuple(read_trial(file, count) for file in sorted((folder / "trials").glob("*.csv")))
+    trials = tuple(read_trial(file, count, rate) for file in sorted((folder / "trials").glob("*.csv")))
     file = folder / "pulls.csv"
     pulls = replace(read_pulls(file, count), sigma_N=sigma_N) if file.exists() else None
     try:
@@ -58,20 +58,24 @@ def read_data_set(folder: Path | str) -> DataSet:
             trials=trials,
             sigma=sigma,
             pulls=pulls,
+            nominal_rate_Hz=rate,
         )
     except InputError as fault:
         raise fault if fault.source else fault.in_file(str(path)) from None
 
 
-def _head(table: Table) -> tuple[str, str, WheelSignal | None, Array | None, float | None]:
-    """Robot file, surface, what the wheel columns are, noise of the pose (3,) and of pulls [N]."""
+def _head(table: Table) -> tuple[str, str, WheelSignal | None, Array | None, float | None, float | None]:
+    """Robot file, surface, wheel columns, noise of the pose (3,) and of pulls [N], nominal rate [Hz]."""
     if table.whole("schema") != 1:
         raise InputError("schema", "is another version", "this program reads schema = 1")
     robot, surface = table.text("robot"), table.text("surface")
     signal = None
     if table.has("wheel_signal"):
         signal = WheelSignal(table.word("wheel_signal", [s.value for s in WheelSignal]))
-    sigma, sigma_N = None, None
+    sigma, sigma_N, rate = None, None, None
+    if table.has("nominal_rate_Hz"):
+        cure = "give the rows a second of a log without time stamps"
+        rate = real("nominal_rate_Hz", table.number("nominal_rate_Hz", "Hz"), above=0.0, cure=cure)
     if table.has("sigma"):
         inner = table.table("sigma", "give x_m, y_m and phi_rad")
         units = {"x_m": "m", "y_m": "m", "phi_rad": "rad", "force_N": "N"}
@@ -85,4 +89,4 @@ def _head(table: Table) -> tuple[str, str, WheelSignal | None, Array | None, flo
             sigma = np.array([noise(key) for key in ("x_m", "y_m", "phi_rad")])
         inner.done()
     table.done()
-    return robot, surface, signal, sigma, sigma_N
+    return robot, surface, signal, sigma, sigma_N, rate

@@ -23,6 +23,8 @@ def data_set_files(data_set: DataSet, comment: str = "") -> dict[str, str]:
         f'surface = "{data_set.surface}"',
         f'wheel_signal = "{data_set.wheel_signal.value}"',
     ]
+    if data_set.nominal_rate_Hz is not None:
+        head.append(f"nominal_rate_Hz = {data_set.nominal_rate_Hz!r}")
     pulls = data_set.pulls
     if data_set.sigma is not None or (pulls is not None and pulls.sigma_N is not None):
         head += ["", "[sigma]"]

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import difflib
 import re
-import tomllib
+import sys
 from collections.abc import Iterable
 from typing import Any, final
 
 from slipmargin.checks import real, shown
 from slipmargin.errors import InputError
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:  # the same library under its own name
+    import tomli as tomllib
 
 _PLACE = re.compile(r"\(at (?:line (\d+), column (\d+)|end of document)\)")
 

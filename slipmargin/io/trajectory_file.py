@@ -1,4 +1,6 @@
-"""A trajectory from a file of any known form, told by its content: our CSV, Choreo, PathPlanner, a ROS bag.
+"""A trajectory from a file of any known form, told by its content.
+
+The forms: our CSV, Choreo, PathPlanner, a log of Road Runner, a ROS bag.
 
 ``nav_msgs/Path``: the poses' own header stamps are the time, and ROS has the body's x axis forward and y left
 (REP 103, "In relation to a body the standard is: x forward, y left, z up"), as for the JSON forms
@@ -14,10 +16,10 @@ from pathlib import Path
 import numpy as np
 
 from slipmargin.errors import InputError
+from slipmargin.io.json_read import LARGEST
 from slipmargin.io.source import read_bytes, read_text
 from slipmargin.io.table import columns_from_text
 from slipmargin.io.trajectory_json import (
-    LARGEST,
     SAME_POSE,
     Claim,
     Samples,
@@ -51,8 +53,8 @@ def read_trajectory(
     Parameters
     ----------
     path : path or str
-        A CSV with at least ``t_s,x_m,y_m,phi_rad``, a Choreo ``.traj``, a PathPlanner trajectory JSON, or a
-        ROS bag (file or folder).
+        A CSV with at least ``t_s,x_m,y_m,phi_rad``, a Choreo ``.traj``, a PathPlanner trajectory JSON, a log
+        of Road Runner (inches), or a ROS bag (file or folder).
     topic : str, optional
         Topic of the nav_msgs/Path, where the bag has more than one.
     convention : Convention

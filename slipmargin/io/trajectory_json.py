@@ -1,6 +1,7 @@
-"""Trajectories as Choreo and PathPlanner write them, in JSON; headings are those of the robot's front.
+"""Trajectories as Choreo, PathPlanner and Road Runner write them, in JSON; headings are those of the
+robot's front.
 
-Both tools have the robot's front along its x axis and its left along y, and measure the heading θ from the
+All three have the robot's front along its x axis and its left along y, and measure the heading θ from the
 field's x axis, anticlockwise: "the positive X axis points ahead, the positive Y axis points left"
 (docs.wpilib.org, Coordinate System).  :func:`~slipmargin.io.trajectory_file.read_trajectory` turns θ into
 φ.  Positions and velocities stay: the floor frame is the tool's field frame.
@@ -12,11 +13,12 @@ in the field frame (choreolib ``SwerveSample``), or, up to 2024, ``samples`` of
 PathPlanner: a list of states, bare or under ``states``, of ``time``, ``pose.translation.x/y``,
 ``pose.rotation.radians`` (the direction of travel), ``velocity`` and ``acceleration`` (along the path),
 ``holonomicRotation`` [deg] and ``holonomicAngularVelocity`` [deg/s] (its ``TrajectoryState.toJson``).
+
+Road Runner: the log of the quickstart (:mod:`~slipmargin.io.roadrunner_log`), lengths in inches.
 """
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -26,16 +28,16 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
+from slipmargin.io.json_read import LARGEST, parse_json
+from slipmargin.io.roadrunner_log import LENGTHS, POSE, TARGET, is_road_runner, of_table
 
 #: What is read, for the refusal of anything else.
 FORMS = (
-    "a CSV with t_s,x_m,y_m,phi_rad, a Choreo .traj, a PathPlanner trajectory JSON or a ROS bag with a "
-    "nav_msgs/Path"
+    "a CSV with t_s,x_m,y_m,phi_rad, a Choreo .traj, a PathPlanner trajectory JSON, a Road Runner log or a "
+    "ROS bag with a nav_msgs/Path"
 )
 #: Samples this close in time [s] and in pose [m, rad] repeat each other: the tools round to 5 decimals.
 SAME_TIME, SAME_POSE = 1e-3, 2e-5
-#: Numbers are below this: the powers of larger ones overflow in what follows.
-LARGEST = 1e12
 
 
 @final
@@ -66,21 +68,16 @@ class Samples:
 
 
 def samples_from_json(text: str) -> Samples:
-    """The trajectory in the text of a Choreo or PathPlanner file.
+    """The trajectory in the text of a Choreo, PathPlanner or Road Runner file.
 
     Raises
     ------
     InputError
         Placed at ``line:column`` or at the key, where it is no JSON, of no known form, or damaged.
     """
-    try:
-        found = json.loads(text)
-    except json.JSONDecodeError as fault:
-        raise InputError(
-            f"{fault.lineno}:{fault.colno}", f"is no JSON ({fault.msg})", "export the trajectory again"
-        ) from None
-    except (RecursionError, ValueError):  # nested too deeply; a number with thousands of digits
-        raise InputError("", "is no JSON that can be read", "export the trajectory again") from None
+    found = parse_json(text, "export the trajectory again")
+    if isinstance(found, dict) and is_road_runner(found):
+        return _road_runner(found)
     if isinstance(found, dict) and "trajectory" in found:
         return _choreo(_member(found, "trajectory", "", dict), "trajectory.")
     if isinstance(found, dict) and "samples" in found:
@@ -90,6 +87,19 @@ def samples_from_json(text: str) -> Samples:
     if isinstance(found, list):
         return _pathplanner(found, "")
     raise unknown_form()
+
+
+def _road_runner(table: Mapping[str, Any]) -> Samples:
+    """The pose that a log of Road Runner was to follow; the one it reached, where it has no other."""
+    log = of_table(table)
+    followed = log.has(TARGET[0])
+    pose = log.pose(TARGET if followed else POSE, LENGTHS["in"])
+    (t_s, pose), notes = without_repetitions("nsTimes", log.t_s, pose)
+    if not followed:
+        notes += ("there is no pose to follow (targetXs): the estimated one is read",)
+    elif log.has(POSE[0]) and table[POSE[0]] != table[TARGET[0]]:
+        notes += ("the pose to follow (targetXs) is read; the estimated one is another",)
+    return Samples(form="Road Runner", t_s=t_s, pose=pose, notes=notes)
 
 
 def unknown_form() -> InputError:

@@ -1,7 +1,8 @@
-"""A trajectory in the files of other tools: Choreo, PathPlanner, and a ROS 2 bag with a nav_msgs/Path.
+"""A trajectory in the files of other tools: Choreo, PathPlanner, Road Runner, a ROS 2 bag with a
+nav_msgs/Path.
 
-All three take the heading of the robot's front from the field's x axis; positions and velocities are those of
-the floor frame.  :mod:`slipmargin.io.trajectory_file` reads all three.
+All take the heading of the robot's front from the field's x axis; positions and velocities are those of
+the floor frame.  :mod:`slipmargin.io.trajectory_file` reads them.
 
 Choreo: version 3 of the ``.traj`` form (``TrajectoryFile`` in its src-core/src/spec/trajectory.rs;
 ChoreoLib's ``Choreo.loadTrajectoryString`` refuses any other version), swerve samples in metres, seconds and
@@ -10,6 +11,9 @@ radians.  The modules' forces are 0: they are feedforwards of a swerve drive.
 PathPlanner: the list of states of its generated JSON (``TrajectoryState.toJson``): ``pose.rotation`` and
 ``angularVelocity`` are those of the direction of travel, ``holonomicRotation`` [deg] and
 ``holonomicAngularVelocity`` [deg/s] those of the robot; velocity and acceleration along the path.
+
+Road Runner: its path format has no time (its planner adds it), so the motion is written as the log that its
+quickstart keeps of what it follows (:mod:`slipmargin.io.roadrunner_log`).
 
 ``nav_msgs/Path``: one message, each pose with its own stamp from 0 s, frame ``map``.
 """
@@ -20,7 +24,6 @@ import math
 import shutil
 import tempfile
 from collections.abc import Callable
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +31,9 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
+from slipmargin.io.extra import need
 from slipmargin.io.json_text import json_text
+from slipmargin.io.roadrunner_log import log_text
 from slipmargin.io.writes import check_writable
 from slipmargin.physics.convention import Convention
 
@@ -48,7 +53,7 @@ def trajectory_text(
     acceleration: Array,
     convention: Convention,
 ) -> str:
-    """The file of a tool (``choreo`` or ``pathplanner``).
+    """The file of a tool (``choreo``, ``pathplanner`` or ``roadrunner``).
 
     Parameters
     ----------
@@ -137,9 +142,16 @@ def pathplanner_text(name: str, t_s: Array, pose: Array, velocity: Array, accele
     )
 
 
+def road_runner_text(name: str, t_s: Array, pose: Array, velocity: Array, acceleration: Array) -> str:
+    """A log of Road Runner's quickstart in inches, whose pose to follow is the motion."""
+    del velocity, acceleration  # a log has poses
+    return log_text(name, t_s, pose)
+
+
 TEXTS: dict[str, Callable[[str, Array, Array, Array, Array], str]] = {
     "choreo": choreo_text,
     "pathplanner": pathplanner_text,
+    "roadrunner": road_runner_text,
 }
 
 
@@ -151,13 +163,7 @@ def write_path_bag(folder: Path, t_s: Array, pose: Array, convention: Convention
     InputError
         Where ``rosbags`` is not installed, or the folder is there or cannot be written.
     """
-    if find_spec("rosbags") is None:
-        raise InputError(
-            "ROS bag",
-            "the package rosbags is not installed",
-            "install it: pip install 'slipmargin[ros]'",
-            "command line",
-        )
+    need("ROS bag", "rosbags", "ros")
     if folder.exists():
         raise InputError("", "is there already", "give a new folder for the bag", str(folder))
     check_writable(folder.with_name(f"{folder.name}.part"))

@@ -24,8 +24,8 @@ WHEEL_COLUMNS = {
 }
 
 
-def read_trial(path: Path, wheels: int) -> Record:
-    """One run as the contract writes it.
+def read_trial(path: Path, wheels: int, rate_Hz: float | None = None) -> Record:
+    """One run as the contract writes it; at a nominal rate [Hz] rows need no time.
 
     Raises
     ------
@@ -37,23 +37,28 @@ def read_trial(path: Path, wheels: int) -> Record:
     }
     known = [name for names in named.values() for name in names]
     empty = [*_POSE, *known]
-    table = read_columns(path, required=("t_s", *_POSE), known=known, empty=empty, least=2)
+    required = _POSE if rate_Hz is not None else ("t_s", *_POSE)
+    table = read_columns(path, required=required, known=[*known, "t_s"], empty=empty, least=2)
+    if rate_Hz is not None and "t_s" not in table.names:
+        time = np.arange(len(table.values)) / rate_Hz
+    else:
+        time = table["t_s"]
     signals: dict[str, Any] = {}
     for field, names in named.items():
         if any(name in table.names for name in names):
             gap = np.full(len(table.values), np.nan)
             signals[field] = np.stack([table[n] if n in table.names else gap for n in names], axis=1)
-    late = np.flatnonzero(np.diff(table["t_s"]) <= 0.0)
+    late = np.flatnonzero(np.diff(time) <= 0.0)
     try:
         if len(late):
             row = int(late[0]) + 1
             column = table.names.index("t_s") + 1
             raise InputError(
                 f"{table.lines[row]}:{column}",
-                f"the time {table['t_s'][row]:g} s does not come after the row before",
+                f"the time {time[row]:g} s does not come after the row before",
                 "time must increase from row to row",
             )
-        return Record(name=path.stem, t_s=table["t_s"], pose=table.stack(_POSE), **signals)
+        return Record(name=path.stem, t_s=time, pose=table.stack(_POSE), **signals)
     except InputError as fault:
         raise fault.in_file(str(path)) from None
 

@@ -47,7 +47,8 @@ class Bounds:
     which a wheel's drag turns round.
     ``inside`` is None where ``why_not`` says so.  On an uneven floor all of them are the worst of the loads'
     band, and ``even`` says what an even floor allows with all of the grip.  ``rolling_m_s2`` is the traction
-    limit of rollers that turn freely (disc-strip), where the grip is the box.
+    limit of rollers that turn freely (disc-strip), where the grip is the box.  ``contact`` is what the wheels
+    were taken to stand on.
     """
 
     model: Model
@@ -64,6 +65,7 @@ class Bounds:
     why_not: str
     even: Directions | None = None
     rolling_m_s2: float | None = None
+    contact: Contact = Contact.ROLLERS
 
     @property
     def traction_m_s2(self) -> float:
@@ -108,6 +110,11 @@ class Bounds:
     def isotropic_m_s2(self) -> float:
         """μ g of the drive direction: what a tool with one friction coefficient believes [m/s²]."""
         return float(np.mean(self.model.grip.roller[:, 0])) * GRAVITY_M_S2
+
+    @property
+    def on_rigid_sectors(self) -> bool:
+        """Whether the limits are those of the worst state of rollers and rigid sectors."""
+        return self.contact is Contact.UNKNOWN and bool(np.any(self.model.grip.rigid_fraction > 0.0))
 
     @property
     def slipping_rad(self) -> Array:
@@ -170,6 +177,7 @@ def bounds(
         why_not=why,
         even=even,
         rolling_m_s2=_rolling(model, heading, contact),
+        contact=contact,
     )
 
 

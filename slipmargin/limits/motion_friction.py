@@ -145,7 +145,7 @@ _BOTH = {
 
 
 def _factor(model: Model, motion: Motion, slide: Array, creep: Array, target: Target) -> Array:
-    """Lowest and highest product of the multipliers on ``target``, (2, M, N), or (2, 1, 1) for none."""
+    """Lowest and highest product (2, M, N) of the multipliers on ``target``; ones (2, 1, 1) without any."""
     terms = [t for t in model.grip.multipliers if t.target is target or t.target is _BOTH[target]]
     out = np.ones((2, motion.count, model.count) if terms else (2, 1, 1))
     for term in terms:

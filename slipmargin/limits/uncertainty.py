@@ -26,7 +26,6 @@ from slipmargin.limits.rows import facet_rows, largest, pull_geometry
 from slipmargin.limits.wrench_set import box_normals, wheel_share, wrench_maps
 from slipmargin.model import Model
 from slipmargin.model.loads import nominal_loads
-from slipmargin.physics.frames import moment
 from slipmargin.physics.grips import polyhedral
 from slipmargin.physics.loads import LoadRule, sharing_matrix
 from slipmargin.robot import Robot
@@ -202,13 +201,11 @@ def lowest_pulls(model: Model, phi_rad: Array, drawn: Draws) -> Array:
 
 def _lowest(model: Model, share: Array, normals: Array, rays: Array, drawn: Draws) -> Array:
     """(b,) lowest pull of a block of draws; ``share`` (b, K, N), ``rays`` (M, 3) about the stated centre."""
-    along = -(rays @ normals.T)
     # h does not depend on the heading, so at each normal the heading with the largest −n·d is the weakest.
     if np.any(drawn.com_shift_m):
-        arm = moment(*(c[:, None] for c in drawn.com_shift_m.T), *rays[:, :2].T)  # (b, M)
-        most = np.max(along[None] - arm[:, :, None] * normals[:, 2], axis=1)
+        most = _towards(rays, normals, drawn.com_shift_m)
     else:
-        most = np.max(along, axis=0)[None]
+        most = np.max(-(rays @ normals.T), axis=0)[None]
     held = np.min(
         [
             np.einsum("bkn,bn->bk", share, np.maximum(drawn.rest_N + shift, 0.0))
@@ -220,6 +217,20 @@ def _lowest(model: Model, share: Array, normals: Array, rays: Array, drawn: Draw
     out = np.full(held.shape, np.inf)
     np.divide(held, most, out=out, where=most > 1e-12)
     return np.asarray(out.min(axis=1))
+
+
+def _towards(rays: Array, normals: Array, shift: Array) -> Array:
+    """(b, K) largest −n·d over unit pulls ``rays`` (M, 3) through centres of mass moved by ``shift`` (b, 2).
+
+    About the stated centre the pull (x, y) through c has the moment c_x y − c_y x.  So −n·d is the product of
+    (x, y) with one vector, largest for the pull nearest to it in direction.
+    """
+    x = -normals[:, 0] + np.multiply.outer(shift[:, 1], normals[:, 2])
+    y = -normals[:, 1] - np.multiply.outer(shift[:, 0], normals[:, 2])
+    angle = np.sort(np.arctan2(rays[:, 1], rays[:, 0]))
+    after = np.searchsorted(angle, np.arctan2(y, x))
+    best = [x * np.cos(a) + y * np.sin(a) for a in (angle[after % len(angle)], angle[after - 1])]
+    return np.asarray(np.maximum(*best))
 
 
 def _lowest_coefficients(model: Model, drawn: Draws) -> Array:

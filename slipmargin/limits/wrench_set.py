@@ -2,7 +2,8 @@
 
 For the box grip it is a zonotope whose normals depend on the geometry only, so every offset is linear
 in the loads and in the coefficients: h = share @ N.  A coupled grip has the same closed-form support
-(a sum of the wheels' supports) but no facets: its rows here are true half-spaces, not all of them.
+(a sum of the wheels' supports) but no facets: its rows here are true half-spaces, not all of them, and its
+body is the hull of points of its surface.
 """
 
 from __future__ import annotations
@@ -18,15 +19,19 @@ from slipmargin.limits.friction import Extreme, coefficients
 from slipmargin.model import Model
 from slipmargin.physics.grips import (
     GripShape,
+    box_point,
     box_slope,
     box_support,
+    disc_strip_point,
     disc_strip_slope,
     disc_strip_support,
+    ellipse_point,
     ellipse_slope,
     ellipse_support,
     polyhedral,
 )
 from slipmargin.sets.facets import facet_normals
+from slipmargin.sets.hull import Hull, all_round
 from slipmargin.sets.zonotope import Zonotope
 
 
@@ -96,12 +101,28 @@ class WrenchSet:
         middle = 0.5 * (self.coefficients[..., 1] - self.coefficients[..., 0]) * self.load_N[:, None]
         return np.asarray(np.einsum("aij,ij->a", self.maps, middle))
 
+    def points(self, directions: Array) -> Array:
+        """(K, 3) wrenches of the set at which its support in directions (K, 3) is attained."""
+        seen = np.einsum("ka,aij->kij", directions, self.maps)
+        force = box_point(seen, self.coefficients)
+        if not self.polyhedral:
+            curved = _POINTS[self.shape](seen, self.coefficients)
+            force = (1.0 - self.coupling) * force + self.coupling * curved
+        return np.asarray(np.einsum("aij,kij,i->ka", self.maps, force, self.load_N))
+
+    def body(self) -> Zonotope | Hull:
+        """The set of its own grip: the zonotope of the box, or the hull of points of a curved surface."""
+        if self.polyhedral:
+            return self.zonotope()
+        return Hull(points=self.points(all_round(self.maps.reshape(3, -1))))
+
     def zonotope(self) -> Zonotope:
         """The box set as a zonotope: vertices, facets, volume."""
         return Zonotope(generators=self.generators, centre=self.centre)
 
 
 _COUPLED = {GripShape.DISC_STRIP: disc_strip_support, GripShape.ELLIPSE: ellipse_support}
+_POINTS = {GripShape.DISC_STRIP: disc_strip_point, GripShape.ELLIPSE: ellipse_point}
 _SLOPES = {GripShape.DISC_STRIP: disc_strip_slope, GripShape.ELLIPSE: ellipse_slope}
 
 

@@ -148,7 +148,7 @@ class MeasurementModel:
     """From the true pose to the measured one.
 
     Measured position = ``scale`` ∘ R(``rotation_rad``) (p + R(φ) ``marker_m``), measured heading =
-    ``heading_gain`` φ, both read ``delay_s`` late;
+    ``heading_gain`` φ, both read ``delay_s`` late; a stated time is in truth ``clock`` times as long;
     ``warps`` add (Δx, Δy, Δφ) [m, m, rad] over a variable of the pose or time.
     """
 
@@ -158,6 +158,7 @@ class MeasurementModel:
     delay_s: float
     marker_m: Array
     warps: tuple[PoseShift, ...] = ()
+    clock: float = 1.0
 
     def __post_init__(self) -> None:
         _freeze(self, scale=(2,), marker_m=(2,))

@@ -8,7 +8,7 @@ measured *cannot be checked*; the note says why.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import StrEnum
+from enum import Enum
 from typing import final
 
 import numpy as np
@@ -24,12 +24,15 @@ TOLERANCE = 0.05
 SPEED_M_S = DISTANCE_M / DURATION_S
 
 
-class Verdict(StrEnum):
+class Verdict(str, Enum):
     """What the recomputation says of a printed number or claim."""
 
     REPRODUCED = "reproduced"
     DIFFERS = "differs"
     UNCHECKED = "cannot be checked"
+
+    def __str__(self) -> str:
+        return self.value
 
 
 @final

@@ -21,9 +21,25 @@ from typing import Any, TypeVar, cast
 
 import numpy as np
 from numba import njit
+from numba.core import event
+
+from slipmargin.notice import compiling
 
 F = TypeVar("F", bound=Callable[..., Any])
 _compile: Any = njit  # its stub does not know every option
+
+
+class _Heard(event.Listener):
+    """Hears when numba compiles what its cache does not hold."""
+
+    def on_start(self, event: Any) -> None:
+        compiling()
+
+    def on_end(self, event: Any) -> None:
+        pass
+
+
+event.register("numba:compile", _Heard())  # type: ignore[no-untyped-call]
 _RULES: dict[str, Any] = {
     "cache": True,
     "error_model": "numpy",

@@ -74,6 +74,31 @@ def disc_strip_support(seen: Array, mu: Array) -> Array:
     return np.asarray(np.where(across * q <= top * size, size, corner))
 
 
+def box_point(seen: Array, mu: Array) -> Array:
+    """(..., 2) force per unit load at which the box's support is attained: a corner."""
+    return np.where(seen >= 0.0, mu[..., 1], -mu[..., 0])
+
+
+def ellipse_point(seen: Array, mu: Array) -> Array:
+    """(..., 2) force per unit load at which the ellipse's support is attained."""
+    reach = _reach(seen, mu)
+    size = np.hypot(reach[..., 0], reach[..., 1])[..., None]
+    return np.asarray(box_point(seen, mu) * reach / np.where(size > 0.0, size, 1.0))
+
+
+def disc_strip_point(seen: Array, mu: Array) -> Array:
+    """(..., 2) force per unit load at which the support of the disc cut by the strip is attained."""
+    p, q = np.abs(seen[..., 0]), np.abs(seen[..., 1])
+    radius, strip = (np.where(seen[..., j] >= 0.0, mu[..., j, 1], mu[..., j, 0]) for j in range(2))
+    across = np.min(mu[..., 0, :], axis=-1)
+    top = np.minimum(strip / np.where(across > 0.0, across, 1.0), 1.0)
+    size = np.hypot(radius * p, across * q)
+    free, safe = across * q <= top * size, np.where(size > 0.0, size, 1.0)
+    first = radius * np.where(free, radius * p / safe, np.sqrt(1.0 - top**2))
+    second = across * np.where(free, across * q / safe, top)
+    return np.stack([np.copysign(first, seen[..., 0]), np.copysign(second, seen[..., 1])], axis=-1)
+
+
 def box_slope(seen: Array, mu: Array) -> Array:
     """(..., N, 2) derivative of :func:`box_support` by each coefficient of the sense in use."""
     return np.abs(seen)

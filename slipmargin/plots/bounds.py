@@ -11,7 +11,7 @@ from slipmargin.checks import Array
 from slipmargin.limits.bounds_summary import Bounds
 from slipmargin.limits.motion_rows import CAUSES, TIPS
 from slipmargin.plots.polar import forwards_up, polar_axes
-from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, RED, SKY, styled
+from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PANEL, RED, SKY, styled
 
 
 @styled
@@ -25,6 +25,16 @@ def bounds_figure(found: Bounds) -> Figure:
     return figure
 
 
+@styled
+def bounds_panels(found: Bounds) -> dict[str, Figure]:
+    """The three panels, each a figure of its own."""
+    limits, steady, corner = (Figure(figsize=PANEL, layout="constrained") for _ in range(3))
+    draw_limits(polar_axes(limits), found)
+    draw_steady(polar_axes(steady), found)
+    draw_cornering(corner.add_subplot(), found)
+    return {"limits": limits, "steady": steady, "cornering": corner}
+
+
 def draw_limits(axes: PolarAxes, found: Bounds) -> PolarAxes:
     """Speeding up, turning and braking [m/s²] over the direction of motion."""
     full = found.full
@@ -34,27 +44,33 @@ def draw_limits(axes: PolarAxes, found: Bounds) -> PolarAxes:
         (full.turning_m_s2, ORANGE, "turning at speed"),
         (full.starting_m_s2, BLUE, "speeding up"),
     ):
-        held = np.where(np.isfinite(values), np.maximum(values, 0.0), np.nan)  # no spokes where it must slip
+        held = np.where(np.isfinite(values) & (values > 0.0), values, np.nan)
+        if np.all(np.isnan(held)):
+            continue
+        alone = np.isnan(np.roll(held, 1)) & np.isnan(np.roll(held, -1))
         axes.plot(angle, _shut(held), color=colour, label=label)
-    axes.fill(
-        angle,
-        _shut(np.maximum(found.safe.starting_m_s2, 0.0)),
-        color=SKY,
-        alpha=0.3,
-        lw=0,
-        label=f"speeding up with margin {found.margin:g}",
-    )
+        if np.any(alone & np.isfinite(held)):  # a single direction has no line
+            axes.plot(angle[:-1][alone], held[alone], color=colour, marker="o", ms=4, ls="none")
+    if np.any(found.safe.starting_m_s2 > 0.0):
+        axes.fill(
+            angle,
+            _shut(np.maximum(found.safe.starting_m_s2, 0.0)),
+            color=SKY,
+            alpha=0.3,
+            lw=0,
+            label=f"speeding up with margin {found.margin:g}",
+        )
     tips = np.array([cause == CAUSES[TIPS] for cause in full.starting.cause])
     if np.any(tips):
         on = np.where(tips, np.maximum(full.starting_m_s2, 0.0), np.nan)
         axes.plot(angle, _shut(on), color=RED, lw=3.0, alpha=0.6, label="tips")
-    must_slip = full.steady_use > 1.0
-    if np.any(must_slip):
-        axes.set_xlabel(f"must slip at constant speed in {np.sum(must_slip)} of {len(must_slip)} directions")
-    axes.set_title(
-        f"{found.model.robot} on “{found.model.surface}”:\nacceleration limit [m/s²] by direction of motion",
-        pad=18,
+    must_slip, where = full.steady_use > 1.0, " on rigid sectors" if found.on_rigid_sectors else ""
+    title = (
+        f"{found.model.robot} on “{found.model.surface}”:\nacceleration limit [m/s²] by direction of motion"
     )
+    if np.any(must_slip):
+        title += f"\nmust slip{where} in {np.sum(must_slip)} of {len(must_slip)} directions"
+    axes.set_title(title, pad=18)
     forwards_up(axes)
     axes.tick_params(axis="y", labelsize=8, labelcolor=GREY)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2)
@@ -70,7 +86,8 @@ def draw_steady(axes: PolarAxes, found: Bounds) -> PolarAxes:
     axes.plot(angle, np.ones_like(angle), color=RED, lw=1.0)
     if float(np.max(rigid)) > float(np.max(found.full.steady_use)) * (1.0 + 1e-9):
         axes.plot(angle, _shut(rigid), color=INK, label="worst roller/rigid state")
-    axes.plot(angle, _shut(found.full.steady_use), color=BLUE, label="all wheels on rollers")
+    contact = "worst roller/rigid state" if found.on_rigid_sectors else "all wheels on rollers"
+    axes.plot(angle, _shut(found.full.steady_use), color=BLUE, label=contact)
     axes.set_title("Share of the grip that constant speed needs\nby direction of motion", pad=18)
     axes.set_ylim(0.0, top)
     forwards_up(axes)
@@ -95,6 +112,8 @@ def draw_cornering(axes: Axes, found: Bounds) -> Axes:
         )
         axes.plot(k, np.nanmin(shown, axis=1), color=colour, label=f"{label}: worst heading")
         axes.plot(k, np.nanmax(shown, axis=1), color=colour, lw=1.0, ls=(0, (4, 2)), label=f"{label}: best")
+    if not np.any(corner.held_m_s > 0.0) and not np.any(corner.tangent_m_s > 0.0):
+        axes.text(0.5, 0.5, "none: it must slip at constant speed", ha="center", transform=axes.transAxes)
     axes.set(
         xlabel="curvature [1/m]",
         ylabel="cornering speed [m/s]",

@@ -206,9 +206,20 @@ def _short(label: str, already: str | None) -> str:
     if already and label.startswith(f"{already} + "):
         label = label.removeprefix(f"{already} + ")
     text = " + ".join(plain(part) for part in label.split(" + "))
-    if len(text) <= _LONGEST:
+    return shortened(text, _LONGEST)
+
+
+def shortened(text: str, longest: int) -> str:
+    """A text of at most ``longest`` characters, whole words from its middle left out where it is longer."""
+    if len(text) <= longest:
         return text
-    return text[:16].rstrip() + " … " + text[-(_LONGEST - 19) :].lstrip()
+    words = text.split()
+    head, tail = words[:1], words[-1:]
+    for word in reversed(words[1:-1]):
+        if len(" ".join([*head, "…", word, *tail])) > longest:
+            break
+        tail.insert(0, word)
+    return " ".join([*head, "…", *tail])
 
 
 def _scale(values: list[float], axes: Axes, before: float) -> None:

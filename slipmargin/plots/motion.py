@@ -9,10 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from slipmargin.checks import Array
-from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, styled
+from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PANEL, WHEELS, below, styled
 from slipmargin.sim.run import Run
-
-_WHEELS = (BLUE, ORANGE, GREEN, RED, PURPLE, SKY)
 
 
 @styled
@@ -21,25 +19,46 @@ def run_figure(run: Run, title: str) -> Figure:
     figure = Figure(figsize=(10.0, 4.2), layout="constrained")
     figure.suptitle(title, fontsize=11, x=0.01, ha="left")
     left, right = figure.subplots(1, 2)
+    draw_motion(left, run)
+    draw_slip(right, run)
+    return figure
+
+
+@styled
+def run_panels(run: Run) -> dict[str, Figure]:
+    """The two panels, each a figure of its own."""
+    motion, slip = (Figure(figsize=PANEL, layout="constrained") for _ in range(2))
+    draw_motion(motion.add_subplot(), run)
+    draw_slip(slip.add_subplot(), run)
+    return {"motion": motion, "slip": slip}
+
+
+def draw_motion(axes: Axes, run: Run) -> Axes:
+    """Displacements x, y [m] and heading φ [rad] over time."""
     for k, (name, colour) in enumerate(
         zip(("x [m]", "y [m]", "φ [rad]"), (BLUE, ORANGE, GREEN), strict=True)
     ):
-        left.plot(run.t_s, run.pose[:, k], color=colour, label=name)
-    left.axhline(0.0, color=GREY, lw=0.8)
-    left.set(xlabel="time [s]", ylabel="displacement [m], heading [rad]", title="Displacements")
-    left.legend(loc="upper left")
+        axes.plot(run.t_s, run.pose[:, k], color=colour, label=name)
+    axes.axhline(0.0, color=GREY, lw=0.8)
+    axes.set(xlabel="time [s]", ylabel="displacement [m], heading [rad]", title="Displacements")
+    below(axes, 3)
+    return axes
+
+
+def draw_slip(axes: Axes, run: Run) -> Axes:
+    """Sliding speed of each wheel along its drive direction [m/s] over time."""
     for i, name in enumerate(run.wheels):  # wheels that slide alike must all be seen
-        right.plot(
+        axes.plot(
             run.t_s,
             run.slip[:, i, 0],
-            color=_WHEELS[i % len(_WHEELS)],
+            color=WHEELS[i % len(WHEELS)],
             label=f"wheel {name}",
             lw=1.2 + 1.4 * (i == 0),
             alpha=0.5 if i == 0 else 1.0,
         )
-    right.set(xlabel="time [s]", ylabel="sliding speed along the drive direction [m/s]", title="Drive slip")
-    right.legend(loc="best")
-    return figure
+    axes.set(xlabel="time [s]", ylabel="sliding speed, drive direction [m/s]", title="Drive slip")
+    below(axes, 2)
+    return axes
 
 
 @styled

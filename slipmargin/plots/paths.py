@@ -15,10 +15,8 @@ from slipmargin.paths.plan import Plan
 from slipmargin.paths.trajectory import Trajectory
 from slipmargin.physics.convention import Convention
 from slipmargin.physics.frames import directions
-from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PALE, PURPLE, RED, SKY, styled
+from slipmargin.plots.style import BLUE, GREY, INK, PALE, PANEL, RED, WHEELS, below, styled
 
-#: One colour a wheel; more than six wheels repeat them with another dash.
-WHEELS = (BLUE, ORANGE, GREEN, PURPLE, SKY, RED)
 _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)))
 #: A wheel limits the pace where it uses more than this share of what it may [1].
 NEAR = 0.98
@@ -27,30 +25,52 @@ NEAR = 0.98
 @styled
 def plan_figure(plan: Plan, rows: Trajectory) -> Figure:
     """Path coloured by limiting wheel, speed profile under its limit curve, use of every wheel over time."""
-    figure = Figure(figsize=(11.0, 6.4), layout="constrained")
+    figure = Figure(figsize=(11.0, 6.8), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.15))
-    share = plan.request.share
-    _path(
-        figure.add_subplot(grid[:, 0]),
-        rows,
-        share,
-        f"{plan.model.robot} on “{plan.model.surface}”: {plan.duration_s:.3f} s",
-        plan.model.convention,
-    )
+    _plan_path(figure.add_subplot(grid[:, 0]), plan, rows)
     _profile(figure.add_subplot(grid[0, 1]), plan)
-    _use(figure.add_subplot(grid[1, 1]), rows, share, "Grip that each wheel uses")
+    _use(figure.add_subplot(grid[1, 1]), rows, plan.request.share, "Grip that each wheel uses")
     return figure
+
+
+@styled
+def plan_panels(plan: Plan, rows: Trajectory) -> dict[str, Figure]:
+    """The three panels, each a figure of its own."""
+    path, speed, use = (Figure(figsize=PANEL, layout="constrained") for _ in range(3))
+    _plan_path(path.add_subplot(), plan, rows)
+    _profile(speed.add_subplot(), plan)
+    _use(use.add_subplot(), rows, plan.request.share, "Grip that each wheel uses")
+    return {"path": path, "speed": speed, "use": use}
 
 
 @styled
 def check_figure(model: Model, found: Check, rows: Trajectory) -> Figure:
     """Path coloured by the wheel that uses most, use of every wheel over time, and the worst point."""
-    figure = Figure(figsize=(11.0, 4.6), layout="constrained")
+    figure = Figure(figsize=(11.0, 5.0), layout="constrained")
     grid = figure.add_gridspec(1, 2, width_ratios=(1.0, 1.3))
+    _check_path(figure.add_subplot(grid[0]), model, found, rows)
+    _check_use(figure.add_subplot(grid[1]), found, rows)
+    return figure
+
+
+@styled
+def check_panels(model: Model, found: Check, rows: Trajectory) -> dict[str, Figure]:
+    """The two panels, each a figure of its own."""
+    path, use = (Figure(figsize=PANEL, layout="constrained") for _ in range(2))
+    _check_path(path.add_subplot(), model, found, rows)
+    _check_use(use.add_subplot(), found, rows)
+    return {"path": path, "use": use}
+
+
+def _plan_path(axes: Axes, plan: Plan, rows: Trajectory) -> None:
+    title = f"{plan.model.robot} on “{plan.model.surface}”: {plan.duration_s:.3f} s"
+    _path(axes, rows, plan.request.share, title, plan.model.convention)
+
+
+def _check_path(axes: Axes, model: Model, found: Check, rows: Trajectory) -> None:
     verdict = "admissible" if found.admissible else "not admissible"
-    axes = figure.add_subplot(grid[0])
     _path(axes, rows, found.share, f"{model.robot} on “{model.surface}”: {verdict}", model.convention)
-    t, x, y, k = found.worst
+    _, x, y, k = found.worst
     axes.plot([x], [y], marker="o", ms=9, mfc="none", mec=RED, mew=1.6, ls="none", zorder=5)
     axes.annotate(
         f"worst: {model.geometry.names[k]}, {found.max_use:.3g}",
@@ -59,8 +79,12 @@ def check_figure(model: Model, found: Check, rows: Trajectory) -> Figure:
         textcoords="offset points",
         color=RED,
         fontsize=8.5,
+        bbox={"fc": "white", "ec": "none", "pad": 0.8, "alpha": 0.85},
+        zorder=6,
     )
-    use = figure.add_subplot(grid[1])
+
+
+def _check_use(axes: Axes, found: Check, rows: Trajectory) -> None:
     cure = found.time_scale_needed
     words = (
         ""
@@ -69,9 +93,8 @@ def check_figure(model: Model, found: Check, rows: Trajectory) -> Figure:
         if not np.isfinite(cure)
         else f": stretch time by {cure:.4g}"
     )
-    _use(use, rows, found.share, f"Grip that each wheel needs{words}")
-    use.plot([t], [found.max_use], marker="o", ms=9, mfc="none", mec=RED, mew=1.6, ls="none", zorder=5)
-    return figure
+    _use(axes, rows, found.share, f"Grip that each wheel needs{words}")
+    axes.plot([found.worst[0]], [found.max_use], marker="o", ms=9, mfc="none", mec=RED, mew=1.6, ls="none")
 
 
 def _path(axes: Axes, rows: Trajectory, share: float, title: str, convention: Convention) -> None:
@@ -107,13 +130,16 @@ def _path(axes: Axes, rows: Trajectory, share: float, title: str, convention: Co
     marks.append(Line2D([], [], color=INK, lw=0, marker="o", ms=6, label="start"))
     figure = axes.get_figure(root=True)
     assert isinstance(figure, Figure)
-    figure.legend(handles=marks, loc="outside lower center", ncols=len(marks), title="path limited by")
+    figure.legend(
+        handles=marks, loc="outside lower center", ncols=len(marks) if figure.get_figwidth() > 8.0 else 2
+    )
     axes.set(xlabel="x [m]", ylabel="y [m]", title=title)
     for k, put in ((0, axes.set_xlim), (1, axes.set_ylim)):
         low, high = float(points[:, k].min()), float(points[:, k].max())
         half = max(0.5 * (high - low) + 0.12 * span, 0.45 * span)
         put(0.5 * (low + high) - half, 0.5 * (low + high) + half)
     axes.set_aspect("equal", adjustable="box")
+    axes.locator_params(nbins=5)
 
 
 def _profile(axes: Axes, plan: Plan) -> None:
@@ -126,7 +152,7 @@ def _profile(axes: Axes, plan: Plan) -> None:
         np.where(highest <= top, highest, np.nan),
         color=GREY,
         lw=1.2,
-        label="highest speed from which the rest can be driven",
+        label="highest from which the rest can be driven",
     )
     axes.plot(s, speed, color=BLUE, label="planned")
     axes.set(
@@ -136,7 +162,7 @@ def _profile(axes: Axes, plan: Plan) -> None:
         xlim=(s[0], s[-1]),
         title="Speed under its limit",
     )
-    axes.legend(loc="lower center")
+    below(axes, 2)
 
 
 def _use(axes: Axes, rows: Trajectory, share: float, title: str) -> None:
@@ -169,7 +195,7 @@ def _use(axes: Axes, rows: Trajectory, share: float, title: str) -> None:
         ylim=(0.0, max(1.12 * share, 1.08 * float(np.max(rows.use)))),
         title=title,
     )
-    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title="wheel")
+    below(axes, 4)
 
 
 def limiting(rows: Trajectory, share: float) -> Array:

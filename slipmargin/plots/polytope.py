@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -12,6 +15,8 @@ from slipmargin.checks import Array
 from slipmargin.limits import WrenchSet
 from slipmargin.physics.convention import Convention
 from slipmargin.plots.style import BLUE, GREY, INK, ORANGE, SKY, styled
+from slipmargin.sets.hull import Hull
+from slipmargin.sets.section import section
 from slipmargin.sets.zonotope import Zonotope
 
 
@@ -19,37 +24,35 @@ from slipmargin.sets.zonotope import Zonotope
 def polytope_figure(wrenches: WrenchSet, title: str, convention: Convention = Convention.PAPER) -> Figure:
     """All wrenches (Fx, Fy, Mz) on the left, the pure forces (Mz = 0) on the right.
 
-    A coupled grip has no facets; the box set that contains it is drawn in space, the set itself in
-    the section.
+    Both of the robot's own grip; a coupled one has a curved surface, drawn through points of it.
     """
     figure = Figure(figsize=(11.0, 5.2), layout="constrained")
     grid = figure.add_gridspec(1, 2, width_ratios=(1.1, 1.0))
     space = figure.add_subplot(grid[0], projection="3d")
     assert isinstance(space, Axes3D)
-    zonotope = wrenches.zonotope()
-    draw_polytope(space, zonotope)
+    body = wrenches.body()
+    draw_polytope(space, body)
     space.set_title(title)
-    draw_section(figure.add_subplot(grid[1]), zonotope, convention)
+    draw_section(figure.add_subplot(grid[1]), body, convention)
     return figure
 
 
-def draw_polytope(axes: Axes3D, zonotope: Zonotope) -> Axes3D:
+def draw_polytope(axes: Axes3D, body: Zonotope | Hull) -> Axes3D:
     """Faces shaded by height, the section at Mz = 0 as a line."""
-    corners = zonotope.vertices()
-    normals, offsets = zonotope.half_spaces()
+    corners = body.vertices()
     size = np.abs(corners).max(axis=0)
     polygons, shades = [], []
     light = np.array([0.4, -0.5, 0.77])
-    for normal, offset in zip(normals, offsets, strict=True):
-        on = np.abs(corners @ normal - offset) < 1e-9 * np.max(np.abs(offsets))
-        face = corners[on]
-        polygons.append(face[_around(face / size, normal * size)])
-        unit = normal * size / np.linalg.norm(normal * size)
-        shades.append(0.5 + 0.5 * float(unit @ light))
+    for face, normal in _faces(body, corners, size):
+        polygons.append(face)
+        shades.append(0.5 + 0.5 * float(normal @ light))
     base, white = np.array([0.0, 0.447, 0.698]), np.ones(3)
     colours = [np.append(white + (base - white) * (0.85 - 0.6 * s), 0.72) for s in shades]
-    axes.add_collection3d(Poly3DCollection(polygons, facecolors=colours, edgecolors=INK, linewidths=0.7))
-    ring = section(zonotope)
+    edges: dict[str, Any] = {"edgecolors": INK, "linewidths": 0.7}
+    if isinstance(body, Hull):
+        edges = {"edgecolors": colours, "linewidths": 0.2}
+    axes.add_collection3d(Poly3DCollection(polygons, facecolors=colours, **edges))
+    ring = section(body)
     axes.plot(*np.vstack([ring, ring[:1]]).T, np.zeros(len(ring) + 1), color=ORANGE, lw=2.2)
     axes.set(
         xlim=(-size[0], size[0]),
@@ -59,14 +62,15 @@ def draw_polytope(axes: Axes3D, zonotope: Zonotope) -> Axes3D:
         ylabel="Fy [N]",
         zlabel="Mz [N m]",
     )
+    axes.locator_params(nbins=5)
     axes.view_init(elev=22, azim=-55)
     axes.set_box_aspect((1, 1, 0.9), zoom=0.95)
     return axes
 
 
-def draw_section(axes: Axes, zonotope: Zonotope, convention: Convention = Convention.PAPER) -> Axes:
+def draw_section(axes: Axes, body: Zonotope | Hull, convention: Convention = Convention.PAPER) -> Axes:
     """The forces that come without a moment: the section of the polytope at Mz = 0."""
-    ring = section(zonotope)
+    ring = section(body)
     axes.fill(*ring.T, fc=SKY, alpha=0.3, ec="none")
     axes.plot(*np.vstack([ring, ring[:1]]).T, color=ORANGE, label="section at Mz = 0")
     reach = np.hypot(ring[:, 0], ring[:, 1])
@@ -100,25 +104,19 @@ def draw_section(axes: Axes, zonotope: Zonotope, convention: Convention = Conven
     return axes
 
 
-def section(zonotope: Zonotope) -> Array:
-    """Corners (K, 2) of the polytope's section at Mz = 0, counter-clockwise.
-
-    Dense rays find which facets bound the section; neighbouring facets meet in its corners.
-    """
-    normals, offsets = zonotope.half_spaces()
-    turn = np.linspace(0.0, 2 * np.pi, 7200, endpoint=False)
-    rays = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    along = rays @ normals[:, :2].T
-    reach = np.where(along > 1e-12, offsets / np.where(along > 1e-12, along, 1.0), np.inf)
-    facet = np.argmin(reach, axis=1)
-    at = np.flatnonzero(facet != np.roll(facet, -1))
-    corners = []
-    for k in at:
-        pair = [facet[k], facet[(k + 1) % len(facet)]]
-        matrix = normals[pair, :2]
-        if abs(np.linalg.det(matrix)) > 1e-12:
-            corners.append(np.linalg.solve(matrix, offsets[pair]))
-    return np.array(corners)
+def _faces(body: Zonotope | Hull, corners: Array, size: Array) -> Iterator[tuple[Array, Array]]:
+    """Corners of each face in turn, and its outward unit normal in the picture."""
+    if isinstance(body, Hull):
+        for face in corners[body.faces()]:
+            normal = np.cross((face[1] - face[0]) / size, (face[2] - face[0]) / size)
+            outward = normal * np.sign(normal @ (face.mean(axis=0) / size))
+            yield face, outward / np.linalg.norm(outward)
+        return
+    normals, offsets = body.half_spaces()
+    for normal, offset in zip(normals, offsets, strict=True):
+        face = corners[np.abs(corners @ normal - offset) < 1e-9 * np.max(np.abs(offsets))]
+        unit = normal * size / np.linalg.norm(normal * size)
+        yield face[_around(face / size, normal * size)], unit
 
 
 def _around(points: Array, normal: Array) -> np.ndarray[tuple[int], np.dtype[np.intp]]:

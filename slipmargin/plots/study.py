@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 
 import numpy as np
@@ -12,7 +13,7 @@ from slipmargin.checks import Array
 from slipmargin.physics.constants import GRAVITY_M_S2
 from slipmargin.plots.polar import polar_axes
 from slipmargin.plots.study_panels import COLOURS, draw_front, draw_polar_family, label_of, not_too_low, short
-from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, styled
+from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, below, styled
 from slipmargin.study.objectives import BY_NAME, Objective
 from slipmargin.study.robust import Robust
 from slipmargin.study.study import Study
@@ -21,21 +22,29 @@ from slipmargin.study.study import Study
 @styled
 def study_figure(study: Study, front: Sequence[str], robust: Robust | None = None) -> Figure:
     """Four panels: the objective over what was varied, limits in motion, polar pulls, the front."""
-    figure = Figure(figsize=(11.5, 8.6), layout="constrained")
+    figure = Figure(figsize=(11.5, 9.6), layout="constrained")
     grid = figure.add_gridspec(2, 2)
     two = [k for k, axis in enumerate(study.problem.grids) if axis.numeric and len(axis.values) > 1]
     if len(two) > 1:
         draw_heat(figure.add_subplot(grid[0, 0]), study, study.problem.objective.name)
-        second = "start_worst_m_s2" if "start_worst_m_s2" in study.columns else "f_mean"
-        draw_heat(figure.add_subplot(grid[0, 1]), study, second)
+        draw_heat(figure.add_subplot(grid[0, 1]), study, second_objective(study))
     else:
         draw_curves(figure.add_subplot(grid[0, 0]), study, robust)
         draw_second(figure.add_subplot(grid[0, 1]), study)
     draw_polar_family(polar_axes(figure, grid[1, 0]), study)
     draw_front(figure.add_subplot(grid[1, 1]), study, front)
     design = study.problem.base
-    figure.suptitle(f"Design study of {design.robot.name}, surface “{design.surface}”", x=0.01, ha="left")
+    figure.suptitle(f"Design study of {design.robot.name}, surface “{design.surface}”\n", x=0.01, ha="left")
     return figure
+
+
+def second_objective(study: Study) -> str:
+    """The objective of the second map: one that is not the first and not the same for every design."""
+    goal = study.problem.objective.name
+    names = ("start_worst_m_s2", "f_worst", "f_mean", "corner_m_s", "f_best")
+    there = [name for name in names if name in study.columns and name != goal]
+    varied = [name for name in there if np.nanmax(study.columns[name]) > np.nanmin(study.columns[name])]
+    return (varied or there or [goal])[0]
 
 
 def draw_curves(axes: Axes, study: Study, robust: Robust | None = None) -> Axes:
@@ -103,17 +112,24 @@ def draw_heat(axes: Axes, study: Study, name: str) -> Axes:
     )
     figure = axes.figure
     assert isinstance(figure, Figure)
-    figure.colorbar(image, ax=axes, label=label_of(goal))
-    at = study.values[best]
+    figure.colorbar(image, ax=axes, label="" if goal.unit == "1" else goal.unit)
+    others = [k for k in range(len(study.keys)) if k not in (first, second)]
+    tied = [
+        study.values[row]
+        for row in study.ties(name)
+        if all(study.values[row][k] == study.values[best][k] for k in others)
+    ]
+    alike = len(study.ties(name)) == np.count_nonzero(~np.isnan(study.columns[name]))
+    shown = [] if alike else tied
     axes.plot(
-        [float(at[first])],
-        [float(at[second])],
+        [float(at[first]) for at in shown],
+        [float(at[second]) for at in shown],
         marker="*",
         ms=15,
         mfc="white",
         mec=INK,
         ls="none",
-        label="best of the grid",
+        label="every design alike" if alike else "best of the grid",
         clip_on=False,
         zorder=5,
     )
@@ -139,8 +155,8 @@ def draw_heat(axes: Axes, study: Study, name: str) -> Axes:
             zorder=5,
         )
     axes.grid(False)
-    axes.set(xlabel=_axis(study, first), ylabel=_axis(study, second), title=goal.meaning)
-    axes.legend(loc="upper left", frameon=True, framealpha=0.85)
+    axes.set(xlabel=_axis(study, first), ylabel=_axis(study, second), title=textwrap.fill(goal.meaning, 44))
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
     return axes
 
 
@@ -184,7 +200,7 @@ def _finish(axes: Axes, study: Study) -> None:
     else:
         axes.set_xticks(range(len(grid.values)), [short(v) for v in grid.values])
     axes.set_xlabel(_axis(study, main))
-    axes.legend(loc="best")
+    below(axes, 2)
 
 
 def _main(study: Study) -> int:
@@ -208,4 +224,5 @@ def _edges(values: Array) -> Array:
 
 def _axis(study: Study, k: int) -> str:
     quantity = study.problem.grids[k].quantity
-    return f"{quantity.meaning} [{quantity.unit}]" if quantity.unit not in ("", "1") else quantity.meaning
+    unit = f" [{quantity.unit}]" if quantity.unit not in ("", "1") else ""
+    return textwrap.fill(quantity.meaning + unit, 40)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import textwrap
 from collections.abc import Sequence
 
 import numpy as np
@@ -13,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 
 from slipmargin.checks import Array
 from slipmargin.plots.polar import forwards_up, of_pull
-from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY
+from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, below
 from slipmargin.study.batch import batches
 from slipmargin.study.objectives import BY_NAME, Objective
 from slipmargin.study.robot_on_surface import RobotOnSurface
@@ -74,7 +75,7 @@ def draw_front(axes: Axes, study: Study, names: Sequence[str]) -> Axes:
     not_too_low(axes)
     _name_ends(axes, study, [int(row) for row in order], x, y)
     axes.set(xlabel=label_of(one), ylabel=label_of(two), title="Pareto front: " + ", ".join(study.keys))
-    axes.legend(loc="best")
+    below(axes, 2)
     return axes
 
 
@@ -120,7 +121,8 @@ def _round(designs: Sequence[RobotOnSurface], phi: Array) -> list[Array]:
 
 def label_of(goal: Objective) -> str:
     """An objective as an axis names it."""
-    return f"{goal.name}" + (f" [{goal.unit}]" if goal.unit and not goal.name.endswith("_s2") else "")
+    unit = "" if goal.unit in {"", "1"} else f" [{goal.unit}]"
+    return textwrap.fill(goal.meaning + unit, 36)
 
 
 def short(value: object) -> str:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import wraps
 from io import BytesIO, StringIO
 from pathlib import Path
 from typing import ParamSpec, TypeVar
 
 import matplotlib as mpl
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from slipmargin.io.writes import check_format, write_bytes
@@ -44,6 +45,10 @@ STYLE = {
     "svg.hashsalt": "slipmargin",
     "svg.fonttype": "none",
 }
+#: One colour a wheel, the same in every figure; more than six wheels repeat them with another dash.
+WHEELS = (BLUE, ORANGE, GREEN, PURPLE, SKY, RED)
+#: Size of a figure that stands beside others on a page, whole in a window of 400 px [inches].
+PANEL = (5.4, 4.6)
 _NO_DATE: dict[str, dict[str, None]] = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -77,6 +82,17 @@ def image(figure: Figure, *, png: bool = False) -> Image:
     if png:
         figure.savefig(raster, format="png", metadata={"Software": None})
     return Image(svg=out.getvalue(), width_in=figure.get_figwidth(), png=raster.getvalue() if png else None)
+
+
+def below(axes: Axes, ncols: int) -> None:
+    """The legend under the axes, where it covers no curve."""
+    more = 0.06 * axes.get_xlabel().count("\n")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16 - more), ncols=ncols)
+
+
+def images(figures: Mapping[str, Figure]) -> dict[str, Image]:
+    """Several figures as a page holds them, by name."""
+    return {name: image(figure) for name, figure in figures.items()}
 
 
 def save(figure: Figure, path: Path | str) -> None:

@@ -11,7 +11,7 @@ from slipmargin.data.pulls import PullGroups
 from slipmargin.limits import Sweep
 from slipmargin.plots.machine import draw_machine
 from slipmargin.plots.polar import forwards_up, of_pull, polar_axes
-from slipmargin.plots.style import BLUE, GREY, INK, RED, SKY, styled
+from slipmargin.plots.style import BLUE, GREY, INK, PANEL, RED, SKY, below, styled
 
 
 @styled
@@ -30,6 +30,17 @@ def sweep_figure(
     draw_sweep(figure.add_subplot(grid[0]), sweep, pulls, recommended_N)
     draw_polar(polar_axes(figure, grid[1]), circle, pulls)
     return figure
+
+
+@styled
+def sweep_panels(
+    sweep: Sweep, circle: Sweep, pulls: PullGroups | None = None, recommended_N: float | None = None
+) -> dict[str, Figure]:
+    """The two panels, each a figure of its own."""
+    line, polar = (Figure(figsize=PANEL, layout="constrained") for _ in range(2))
+    draw_sweep(line.add_subplot(), sweep, pulls, recommended_N)
+    draw_polar(polar_axes(polar), circle, pulls)
+    return {"sweep": line, "polar": polar}
 
 
 @styled
@@ -71,15 +82,15 @@ def draw_sweep(
             fontsize=8.5,
         )
     axes.set(
-        xlabel="orientation φ of the robot under a pull along +x of the floor [deg]",
+        xlabel="orientation φ under a pull along the floor’s +x [deg]",
         ylabel="F_emax [N]",
         ylim=(0, None),
-        title=f"Pull before a wheel slips: {sweep.model.robot}, surface “{sweep.model.surface}”",
+        title=f"Pull before a wheel slips:\n{sweep.model.robot}, surface “{sweep.model.surface}”",
     )
     if len(deg) > 1:
         axes.set_xlim(deg[0], deg[-1])
         axes.locator_params(axis="x", steps=[1, 1.5, 3, 4.5, 9, 10])
-    axes.legend(loc="best")
+    below(axes, 1 if pulls is None else 2)
     return axes
 
 

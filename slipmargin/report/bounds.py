@@ -12,7 +12,7 @@ from slipmargin.limits.bounds_summary import Bounds
 from slipmargin.limits.motion_rows import CAUSES, TIPS
 from slipmargin.limits.uncertainty import SlipChance
 from slipmargin.report.sweep import chance_line
-from slipmargin.report.text import columns, degrees
+from slipmargin.report.text import ROWS, columns, degrees, left_out, thinned
 
 #: A disc-strip limit that is lower by this part is worth a line [1].
 WORTH_SAYING = 0.005
@@ -81,14 +81,14 @@ def _grip(b: Bounds) -> list[str]:
 
 def _slipping(b: Bounds) -> str:
     """Where the robot slips without accelerating, and what is left elsewhere."""
-    held = b.full.starting_m_s2 > 0.0
+    held, rigid = b.full.starting_m_s2 > 0.0, " on rigid sectors" if b.on_rigid_sectors else ""
     wheels = ", ".join(b.full.starting.wheels[int(np.argmin(b.full.starting_m_s2))])
     if not np.any(held):
-        return f"it must slip at constant speed in every direction (wheel {wheels} first)"
+        return f"it must slip at constant speed{rigid} in every direction (wheel {wheels} first)"
     strong = int(np.argmax(b.full.starting_m_s2))
     return (
-        f"it must slip at constant speed in {np.count_nonzero(~held)} of {len(held)} directions (wheel "
-        f"{wheels} first); {b.full.starting_m_s2[strong]:.4g} m/s² in the strongest "
+        f"it must slip at constant speed{rigid} in {np.count_nonzero(~held)} of {len(held)} directions "
+        f"(wheel {wheels} first); {b.full.starting_m_s2[strong]:.4g} m/s² in the strongest "
         f"({degrees(b.full.heading_rad[strong])}{_narrow(b, strong)})"
     )
 
@@ -113,7 +113,8 @@ def _span(values: Array) -> str:
     slips = len(values) - len(held)
     if not len(held):
         return "none, it must slip in every direction"
-    found = f"{np.min(held):.4g} to {np.max(held):.4g} m/s²"
+    least, most = f"{np.min(held):.4g}", f"{np.max(held):.4g}"
+    found = f"{least} m/s²" if least == most else f"{least} to {most} m/s²"
     return found + (f" (it must slip in {slips} of {len(values)} directions)" if slips else "")
 
 
@@ -136,7 +137,8 @@ def _steady(b: Bounds) -> str:
             if slips == len(b.full.steady_use)
             else f"{slips} of {len(b.full.steady_use)} directions"
         )
-        return f"steady      it must slip at constant speed in {where} (with --robust: on rigid sectors)"
+        rolling = " on rigid sectors" if b.on_rigid_sectors else ""
+        return f"steady      it must slip at constant speed{rolling} in {where}"
     spent = int(np.count_nonzero(np.isinf(b.full.steady_use)))
     if spent:
         return (
@@ -196,11 +198,11 @@ def _speeds(b: Bounds) -> list[str]:
     ]
 
 
-def tables(b: Bounds) -> list[str]:
-    """Limits by direction, then cornering speeds by curvature."""
+def direction_rows(b: Bounds, most: int) -> tuple[list[str], list[list[str]]]:
+    """Head and at most ``most`` rows of the limits by direction, the weakest among them."""
     head = ["direction", "speed up", "turn", "brake [m/s²]", "steady use", "limited by"]
-    pick = range(0, len(b.full.heading_rad), max(1, len(b.full.heading_rad) // 24))
-    rows = [
+    pick = thinned(len(b.full.heading_rad), most, [int(np.argmin(b.full.starting_m_s2))])
+    return head, [
         [
             degrees(b.full.heading_rad[k]),
             *(_held(v[k]) for v in (b.full.starting_m_s2, b.full.turning_m_s2, b.full.braking_m_s2)),
@@ -209,16 +211,27 @@ def tables(b: Bounds) -> list[str]:
         ]
         for k in pick
     ]
-    corner = columns(
-        ["curvature [1/m]", "heading held [m/s]", "along the path [m/s]"],
-        [
-            [f"{k:g}", f"{np.min(h):.3f} … {np.max(h):.3f}", f"{np.min(t):.3f} … {np.max(t):.3f}"]
-            for k, h, t in zip(
-                b.cornering.curvature_per_m, b.cornering.held_m_s, b.cornering.tangent_m_s, strict=True
-            )
-        ],
-    )
-    return [*columns(head, rows), "", *corner]
+
+
+def corner_rows(b: Bounds) -> tuple[list[str], list[list[str]]]:
+    """Head and rows of the cornering speeds by curvature."""
+    return ["curvature [1/m]", "heading held [m/s]", "along the path [m/s]"], [
+        [f"{k:g}", f"{np.min(h):.3f} … {np.max(h):.3f}", f"{np.min(t):.3f} … {np.max(t):.3f}"]
+        for k, h, t in zip(
+            b.cornering.curvature_per_m, b.cornering.held_m_s, b.cornering.tangent_m_s, strict=True
+        )
+    ]
+
+
+def tables(b: Bounds) -> list[str]:
+    """Limits by direction, then cornering speeds by curvature."""
+    head, rows = direction_rows(b, ROWS)
+    return [
+        *columns(head, rows),
+        *left_out(len(rows), len(b.full.heading_rad)),
+        "",
+        *columns(*corner_rows(b)),
+    ]
 
 
 def _held(value: float) -> str:

@@ -6,7 +6,9 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from slipmargin.report.text import columns
+import numpy as np
+
+from slipmargin.report.text import ROWS, columns, left_out, thinned
 from slipmargin.study.influence import Influence
 from slipmargin.study.objectives import BY_NAME, Objective
 from slipmargin.study.optimum import Optimum
@@ -14,8 +16,6 @@ from slipmargin.study.reason import Reason
 from slipmargin.study.robust import Robust
 from slipmargin.study.study import Study
 
-#: Rows of the table of designs that are printed; more go to --out.
-PRINTED = 100
 #: Columns of that table.
 SHOWN = (
     "f_worst",
@@ -34,7 +34,16 @@ def best_sentence(study: Study) -> str:
     """``delta_deg = 35: f_worst 0.1829 (…)``."""
     goal, best = study.problem.objective, study.best()
     value = float(study.columns[goal.name][best])
-    return f"{named(study.keys, study.values[best])}: {goal.name} {_with_unit(value, goal)} ({goal.meaning})"
+    return f"{best_at(study, goal.name)}: {goal.name} {_with_unit(value, goal)} ({goal.meaning})"
+
+
+def best_at(study: Study, name: str) -> str:
+    """The best design for an objective, and how many others are as good: a tie is no winner."""
+    equal = len(study.ties(name))
+    if 1 < equal == int((~np.isnan(study.columns[name])).sum()):
+        return "every design alike"
+    more = f" and {equal - 1} more" if equal > 1 else ""
+    return named(study.keys, study.values[study.best(name)]) + more
 
 
 def summary(
@@ -101,12 +110,9 @@ def best_by_objective(study: Study) -> tuple[tuple[str, ...], list[tuple[str, ..
     for name, column in study.columns.items():
         if name not in BY_NAME or all(map(math.isnan, column)):
             continue
-        row, own, goal = study.best(name), study.own[name], BY_NAME[name]
-        value = float(column[row])
-        equal = len(study.ties(name))
-        at = "every design" if 1 < equal == len(column) else named(study.keys, study.values[row])
-        more = f" and {equal - 1} more" if 1 < equal < len(column) else ""
-        rows.append((name, goal.unit, at + more, _digits(value), _digits(own), _change(value, own)))
+        own, goal = study.own[name], BY_NAME[name]
+        value, at = float(column[study.best(name)]), best_at(study, name)
+        rows.append((name, goal.unit, at, _digits(value), _digits(own), _change(value, own)))
     return ("objective", "unit", "best at", "value", "file's own", "change"), rows
 
 
@@ -130,7 +136,7 @@ def _loads(study: Study) -> str:
     for name, word in (("f_worst_equal", "equal"), ("f_worst_static", "static")):
         row = study.best(name)
         parts.append(
-            f"{word} loads: best at {named(study.keys, study.values[row])}, f_worst "
+            f"{word} loads: best at {best_at(study, name)}, f_worst "
             f"{_digits(float(study.columns[name][row]))} m g"
         )
     return "; ".join(parts)
@@ -145,9 +151,7 @@ def _influence(i: Influence) -> str:
 
 
 def designs(study: Study, front: Sequence[str]) -> list[str]:
-    """A row a design, or where to find them if they are too many to print."""
-    if len(study.values) > PRINTED:
-        return [f"{len(study.values)} designs: write the table with --out FILE"]
+    """A row a design, the best among them, as many as a terminal shows."""
     shown = [name for name in SHOWN if name in study.columns]
     on = study.front(front)
     head = [*study.keys, *shown, "front"]
@@ -159,7 +163,8 @@ def designs(study: Study, front: Sequence[str]) -> list[str]:
         ]
         for i, values in enumerate(study.values)
     ]
-    return columns(head, rows)
+    pick = thinned(len(rows), ROWS, [study.best()])
+    return [*columns(head, [rows[k] for k in pick]), *left_out(len(pick), len(rows))]
 
 
 def _plain(value: Any) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from slipmargin.report.design import best_at
 from slipmargin.report.page import (
     Bullets,
     Fact,
@@ -16,7 +17,6 @@ from slipmargin.report.page import (
     Section,
     Table,
     Text,
-    html,
 )
 from slipmargin.study.influence import Influence
 from slipmargin.study.objectives import BY_NAME
@@ -34,14 +34,14 @@ def design_page(
     influences: Sequence[Influence],
     summary: Sequence[tuple[str, str]],
     image: Image,
-) -> str:
-    """The page's text (UTF-8), the same for the same study."""
+) -> Page:
+    """The page of a study: the best design, why, and what else was looked at."""
     goal, best, design = study.problem.objective, study.best(), study.problem.base
     value, own = float(study.columns[goal.name][best]), study.own[goal.name]
-    at = _design(study, best)
+    at = best_at(study, goal.name)
     facts = [
-        Fact(label="Best design", value=at, note=goal.meaning),
-        Fact(label=f"Its {goal.name}", value=f"{value:.4g}", note=goal.unit),
+        Fact(label="Best design", value=at),
+        Fact(label=goal.meaning.capitalize(), value=f"{value:.4g} {goal.unit}".removesuffix(" 1")),
     ]
     if math.isfinite(own) and own > 0.0:
         facts.append(
@@ -72,14 +72,12 @@ def design_page(
         table = _influence_table(influences, goal.name)
         sections.append(Section(heading="What changes it most", blocks=(table,)))
     sections.append(Section(heading="Designs", blocks=(_designs(study, front, robust),)))
-    return html(
-        Page(
-            title=f"Design study of {design.robot.name}",
-            lead=f"On {design.surface}: {at} is best for {goal.name} ({goal.meaning}).",
-            sections=tuple(sections),
-            foot="Pulls are shares of m g. Limits in motion: full drag, on rollers unless named "
-            "otherwise; they are not the static pull divided by the mass.",
-        )
+    return Page(
+        title=f"Design study of {design.robot.name}",
+        lead=f"On {design.surface}: {_is_best(at)} for “{goal.meaning}”.",
+        sections=tuple(sections),
+        foot="Pulls are shares of m g. Limits in motion: full drag, on rollers unless named "
+        "otherwise; they are not the static pull divided by the mass.",
     )
 
 
@@ -90,17 +88,17 @@ def _by_objective(study: Study) -> Table:
             row = study.best(name)
             rows.append(
                 (
-                    f"`{name}`",
+                    BY_NAME[name].meaning,
                     BY_NAME[name].unit,
-                    _design(study, row),
+                    best_at(study, name),
                     _number(float(column[row])),
                     _number(study.own[name]),
-                    BY_NAME[name].meaning,
+                    f"`{name}`",
                 )
             )
     return Table(
         caption="For each objective the best design and the file’s own",
-        head=("objective", "unit", "best at", "value", "file’s own", "meaning"),
+        head=("objective", "unit", "best at", "value", "file’s own", "name"),
         rows=tuple(rows),
         numbers=False,
     )
@@ -139,6 +137,10 @@ def _designs(study: Study, front: Sequence[str], robust: Robust | None) -> Fold 
             Table(caption="One row a design", head=(", ".join(study.keys), *names, *extra, ""), rows=rows),
         ),
     )
+
+
+def _is_best(at: str) -> str:
+    return "it makes no difference" if at == "every design alike" else f"{at} is best"
 
 
 def _design(study: Study, row: int) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from slipmargin.diagnosis.map_entry import SILENT
 from slipmargin.diagnosis.result import Diagnosis, Finding, Verdict
 from slipmargin.diagnosis.separate import separating_trial
 from slipmargin.diagnosis.verdict import Judgement
@@ -84,7 +83,7 @@ def evidence(d: Diagnosis) -> tuple[Block, ...]:
         sure = [e for e in d.map_after if e.supported]
         rest = (
             f"follows {words.VARIABLES[sure[0].traced_to]} ({sure[0].form}: "
-            f"{100 * sure[0].share:.2g} % of the velocity residual of runs left out, "
+            f"{100 * sure[0].share:.2g} % of the squared residual of runs left out, "
             f"p = {sure[0].p_value:.2g})"
             if sure
             else "follows none of the variables of the residual map significantly"
@@ -94,7 +93,7 @@ def evidence(d: Diagnosis) -> tuple[Block, ...]:
 
 
 def residual_map(d: Diagnosis) -> list[Block]:
-    """The residual map as a table, and the variables of which it says nothing."""
+    """The residual map as a table."""
     if not d.map:
         return []
     rows = tuple(
@@ -106,15 +105,13 @@ def residual_map(d: Diagnosis) -> list[Block]:
         )
         for e in d.map
     )
-    silent = "; ".join(f"{words.VARIABLES[trace]}: {why}" for trace, why in SILENT.items())
     return [
         Table(
-            caption="The residual map: share of the velocity residual that each variable explains on runs "
-            "left out, and its significance by permutation of whole runs among all variables",
-            head=("variable", "form", "share", "p-value"),
+            caption="The residual map: share of the squared residual that the best candidate of each "
+            "variable takes off on runs left out, and how likely noise alone gives the best of all as much",
+            head=("variable", "candidate", "share", "p-value"),
             rows=rows,
         ),
-        Fold(summary="Of these variables the map can say nothing", blocks=(Text(text=silent + "."),)),
     ]
 
 

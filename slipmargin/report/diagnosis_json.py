@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from slipmargin.checks import exact_mean
 from slipmargin.diagnosis.limits_change import Limits, LimitsChange
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.residual_diagnostics import ResidualDependence
@@ -155,9 +156,9 @@ def limits_row(limits: Limits) -> dict[str, float]:
         "f_low_min_N": float(limits.f_low_N.min()),
         "f_high_max_N": float(limits.f_high_N.max()),
         "start_min_m_s2": float(limits.start_m_s2.min()),
-        "start_mean_m_s2": float(limits.start_m_s2.mean()),
+        "start_mean_m_s2": exact_mean(limits.start_m_s2),
         "brake_min_m_s2": float(limits.brake_m_s2.min()),
-        "brake_mean_m_s2": float(limits.brake_m_s2.mean()),
+        "brake_mean_m_s2": exact_mean(limits.brake_m_s2),
     }
 
 
@@ -216,4 +217,4 @@ def trial_chi(
     """Root mean square of (measured − predicted) / noise over one run; NaN where nothing was seen."""
     gap = (trial.measured - predicted) / diagnosis.noise
     seen = gap[np.isfinite(gap)]
-    return float(np.sqrt(np.mean(seen**2))) if len(seen) else float("nan")
+    return float(np.sqrt(exact_mean(seen**2))) if len(seen) else float("nan")

@@ -13,7 +13,7 @@ from html import escape
 from typing import final
 from zlib import crc32
 
-from slipmargin.report.page_style import CSS
+from slipmargin.report.page_style import CSS, FIGURE_COLOURS
 from slipmargin.report.text import labelled
 
 
@@ -86,6 +86,14 @@ class Picture:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """Pictures side by side, one below the other where the window is narrow."""
+
+    pictures: tuple[Picture, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Code:
     """Text to copy, as it is."""
 
@@ -101,7 +109,7 @@ class Fold:
     blocks: tuple[Block, ...]
 
 
-Block = Text | Bullets | Table | Facts | Picture | Code | Fold
+Block = Text | Bullets | Table | Facts | Picture | Row | Code | Fold
 
 
 @final
@@ -166,6 +174,8 @@ def _block(block: Block, pictures: list[int]) -> str:
         return '<dl class="facts">' + "".join(map(_fact, block.facts)) + "</dl>"
     if isinstance(block, Code):
         return f'<pre tabindex="0">{escape(block.text)}</pre>'
+    if isinstance(block, Row):
+        return '<div class="row">' + "\n".join(_block(one, pictures) for one in block.pictures) + "</div>"
     if isinstance(block, Fold):
         inside = "\n".join(_block(b, pictures) for b in block.blocks)
         return f"<details><summary>{_rich(block.summary)}</summary>\n{inside}\n</details>"
@@ -175,6 +185,10 @@ def _block(block: Block, pictures: list[int]) -> str:
         f'<figure>\n<div class="plot" tabindex="0">{drawn}</div>\n'
         f"<figcaption>{_rich(block.caption)}</figcaption>\n</figure>"
     )
+
+
+#: A picture below the first width is shown whole in a window of 400 px; then it is at least so wide [px].
+WIDE, NARROW = 620.0, 250.0
 
 
 def _fact(fact: Fact) -> str:
@@ -199,7 +213,8 @@ def _table(table: Table) -> str:
 
 
 def _rich(text: str) -> str:
-    return re.sub(r"`([^`]*)`", r"<code>\1</code>", escape(text, quote=False))
+    kept = re.sub(r"(?<=\d) (?=[%°N]|mm?\b|m/s|rad|mrad)", "\u00a0", escape(text, quote=False))
+    return re.sub(r"`([^`]*)`", r"<code>\1</code>", kept)
 
 
 def inline(image: Image, prefix: str, alt: str) -> str:
@@ -207,11 +222,23 @@ def inline(image: Image, prefix: str, alt: str) -> str:
     text = image.svg[image.svg.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, count=1, flags=re.DOTALL)
     text = re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>{prefix}-", text)
+    text = re.sub(r'style="[^"]*"', lambda found: _COLOUR.sub(_variable, found[0]), text)
     width = 96.0 * image.width_in  # CSS pixels an inch
-    size = f"min-width:{round(0.55 * width)}px;max-width:{round(1.15 * width)}px"
+    least = min(0.55 * width, NARROW) if width < WIDE else 0.55 * width
+    size = f"min-width:{round(least)}px;max-width:{round(1.15 * width)}px"
     head = f'<svg role="img" aria-label="{escape(alt)}" style="{size}"'
     text = re.sub(r"<svg\b", head, text, count=1)
     return text.strip()
+
+
+#: A colour inside a style of a figure.
+_COLOUR = re.compile(r"#[0-9a-fA-F]{6}\b")
+
+
+def _variable(found: re.Match[str]) -> str:
+    """A colour of the house's figures as the variable that follows light and dark; others stay."""
+    name = FIGURE_COLOURS.get(found[0].lower())
+    return found[0] if name is None else f"var({name}, {found[0]})"
 
 
 def pictures(page: Page) -> dict[str, bytes]:
@@ -222,6 +249,8 @@ def pictures(page: Page) -> dict[str, bytes]:
         for block in blocks:
             if isinstance(block, Fold):
                 gather(block.blocks)
+            elif isinstance(block, Row):
+                gather(block.pictures)
             elif isinstance(block, Picture) and block.image.png is not None:
                 found[f"{block.name}.png"] = block.image.png
 

@@ -10,7 +10,7 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.limits import Isotropic, Sweep
 from slipmargin.limits.uncertainty import SlipChance
-from slipmargin.report.text import columns, degrees
+from slipmargin.report.text import ROWS, columns, degrees, left_out, thinned
 
 
 def answer(
@@ -74,7 +74,19 @@ def measured_line(residual_N: Array, pulls: int, outside: int) -> str:
 
 
 def table(sweep: Sweep, limiting: Sequence[Sequence[str]], measured: Mapping[str, Array]) -> list[str]:
-    """A row an orientation."""
+    """A row an orientation, as many as a terminal shows; every measured one where pulls were measured."""
+    most = max(ROWS, int(np.count_nonzero(_was_measured(measured))))
+    head, shown = rows(sweep, limiting, measured, most)
+    return [*columns(head, shown), *left_out(len(shown), len(sweep.phi_rad))]
+
+
+def rows(
+    sweep: Sweep, limiting: Sequence[Sequence[str]], measured: Mapping[str, Array], most: int
+) -> tuple[list[str], list[list[str]]]:
+    """Head and at most ``most`` rows: measured orientations, the weakest and the strongest, others evenly."""
+    ends = [int(np.argmin(sweep.f_max_N)), int(np.argmax(sweep.f_max_N))]
+    always = np.flatnonzero(_was_measured(measured)).tolist()
+    pick = thinned(len(sweep.phi_rad), most, [*always, *ends][:most])
     head = ["φ [deg]", "F_max [N]", "low [N]", "high [N]"]
     cells = [
         [f"{math.degrees(p) + 0.0:.6g}" for p in sweep.phi_rad],
@@ -87,4 +99,8 @@ def table(sweep: Sweep, limiting: Sequence[Sequence[str]], measured: Mapping[str
         cells.append(["" if math.isnan(v) else form.format(v) for v in column])
     head.append("slipping")
     cells.append(["+".join(names) for names in limiting])
-    return columns(head, zip(*cells, strict=True))
+    return head, [[column[k] for column in cells] for k in pick]
+
+
+def _was_measured(measured: Mapping[str, Array]) -> Array:
+    return np.isfinite(measured.get("measured_N", np.zeros(0)))

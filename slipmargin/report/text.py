@@ -6,6 +6,8 @@ import math
 import re
 from collections.abc import Iterable, Sequence
 
+#: Rows of a table in a terminal: the answer above stays in sight.
+ROWS = 12
 _LABELLED = re.compile(r"(\S+) {2,}(.*)")
 
 
@@ -25,3 +27,33 @@ def labelled(line: str) -> tuple[str, str]:
     """A line ``label   text`` as its label and its text; the label is empty where the line has none."""
     match = _LABELLED.fullmatch(line)
     return (match[1], match[2]) if match else ("", line.strip())
+
+
+def towards(from_front_rad: float) -> str:
+    """A direction, counted counter-clockwise from the front, in words: ``forwards and to the left``."""
+    words = (
+        "forwards",
+        "forwards and to the left",
+        "to the left",
+        "backwards and to the left",
+        "backwards",
+        "backwards and to the right",
+        "to the right",
+        "forwards and to the right",
+    )
+    return words[round(math.degrees(from_front_rad) / 45.0) % 8]
+
+
+def thinned(count: int, most: int, always: Sequence[int] = ()) -> list[int]:
+    """At most ``most`` of ``count`` rows at a round step, with those that must be there; in order."""
+    keep = set(list(always)[:most])
+    for step in (*(n * 10**k for k in range(9) for n in (1, 2, 3, 4.5, 5, 6)), count):
+        pick = keep | set(range(0, count, round(step)))
+        if len(pick) <= most:
+            return sorted(pick)
+    return sorted(keep)
+
+
+def left_out(shown: int, count: int) -> list[str]:
+    """The line below a table that says how many more rows there are; none where it shows all."""
+    return [f"{shown} of {count} rows; --out FILE writes all"] if shown < count else []

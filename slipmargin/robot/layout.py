@@ -1,4 +1,4 @@
-"""The wheel angle δ of a three-wheel robot (Fig. 3), set on any robot of that layout."""
+"""Angles of the wheels: δ of a three-wheel robot (Fig. 3), front and rear angle of a four-wheel one."""
 
 from __future__ import annotations
 
@@ -46,6 +46,62 @@ def wheel_angle_deg(robot: Robot) -> float:
     rear = _rear(robot)
     right, ahead = max(_place(robot, w) for w in robot.wheels if w is not rear)
     return math.degrees(math.atan2(ahead, right))
+
+
+def with_pair_angle(robot: Robot, angle_deg: float, *, front: bool) -> Robot:
+    """The same robot with its two front (or rear) wheels at an angle from straight ahead (or behind).
+
+    Each wheel of the pair keeps its distance from the origin and its own turn against its axle.
+
+    Raises
+    ------
+    InputError
+        If the robot is not two front and two rear omni wheels, each pair mirrored, or the angle is not
+        within 5° … 85°.
+    """
+    name = _pair_name(front)
+    angle = real(name, angle_deg, low=5.0, high=85.0, cure="give an angle between 5 and 85 degrees")
+    pair = _pair(robot, front)
+    ahead = 0.5 * math.pi - math.radians(angle)  # from the line across the robot
+    new = ahead if front else -ahead
+    wheels = tuple(_turned(robot, w, new) if any(w is one for one in pair) else w for w in robot.wheels)
+    return replace(robot, wheels=wheels)
+
+
+def pair_angle_deg(robot: Robot, *, front: bool) -> float:
+    """Angle of the front (rear) wheels' places from straight ahead (behind) [deg].
+
+    Raises
+    ------
+    InputError
+        If the robot has not the layout.
+    """
+    right, ahead = max(_place(robot, w) for w in _pair(robot, front))
+    return math.degrees(math.atan2(right, abs(ahead)))
+
+
+def _pair_name(front: bool) -> str:
+    return "front_angle_deg" if front else "rear_angle_deg"
+
+
+def _pair(robot: Robot, front: bool) -> tuple[Wheel, Wheel]:
+    """The two wheels ahead of (or behind) the origin, mirrored about the line ahead."""
+    places = [(w, *_place(robot, w)) for w in robot.wheels]
+    omni = all(w.roller_angle_deg == 0.0 for w in robot.wheels)
+    for side in (1.0, -1.0):
+        pair = [(w, x, y) for w, x, y in places if side * y > 0.0]
+        if len(places) != 4 or len(pair) != 2 or not omni:
+            break
+        (one, x, y), (two, u, v) = pair
+        if math.hypot(x + u, y - v) > _OFF * math.hypot(x, y):
+            break
+        if (side > 0.0) is front:
+            return one, two
+    raise InputError(
+        _pair_name(front),
+        f"means nothing for robot {robot.name!r}",
+        "give a robot with two front and two rear omni wheels, each pair mirrored about the line ahead",
+    )
 
 
 def _rear(robot: Robot) -> Wheel:

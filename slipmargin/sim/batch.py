@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
 import os
 from collections.abc import Callable, Sequence
@@ -145,6 +146,22 @@ class Batch:
         self.longest = max(len(t) for t in times)
         self.lengths = np.array([len(t) for t in times])
         self._all = np.arange(self.count)
+
+    def at_clock(self, clock: float, *, by_speed: bool = False) -> Batch:
+        """The same signals on another clock: each stated time is ``clock`` times as long.
+
+        Wheels turn as far as before, but for those known ``by_speed``, which turn as fast as before.
+        """
+        if clock == 1.0:
+            return self
+        other = copy.copy(self)
+        stretch = clock ** -np.arange(5.0) * (clock if by_speed else 1.0)
+        turned = 1.0 if by_speed else 1.0 / clock
+        other._given = [
+            (knots * clock, coef * stretch, spin * turned, push * [clock, 1.0, 1.0, 1.0, 1.0], times * clock)
+            for knots, coef, spin, push, times in self._given
+        ]
+        return other
 
     def run(
         self,

@@ -99,6 +99,14 @@ def angles(t_s: Array, theta: Array) -> WheelSignal:
     return hermite(t, th, np.asarray(np.gradient(th, t, axis=0, edge_order=2)))
 
 
+def angles_at(signal: WheelSignal, t_s: Array) -> Array:
+    """Wheel angles (T, N) [rad] at some instants of a signal [s]."""
+    piece = np.clip(np.searchsorted(signal.knots_s, t_s, side="right") - 1, 0, len(signal.pieces) - 1)
+    tau = (np.asarray(t_s) - signal.knots_s[piece])[:, None]
+    c0, c1, c2, c3 = np.moveaxis(signal.pieces[piece], 2, 0)
+    return np.asarray(c0 + tau * (c1 + tau * (c2 + tau * c3)))
+
+
 def _from_speed(
     t: Array, om: Array, slope: Array, theta0: Array | None, spin: Array | None = None
 ) -> WheelSignal:

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
+from functools import partial
 from typing import Any, final
 
 import numpy as np
@@ -20,7 +21,7 @@ import numpy as np
 from slipmargin.errors import InputError
 from slipmargin.robot import Coefficients, LoadRule, Robot, Surface
 from slipmargin.robot.fields import Key, Kind, keys
-from slipmargin.robot.layout import wheel_angle_deg, with_wheel_angle
+from slipmargin.robot.layout import pair_angle_deg, wheel_angle_deg, with_pair_angle, with_wheel_angle
 from slipmargin.robot.sections import SECTIONS, Section
 from slipmargin.study.layouts import circle_radius_m, ring, rows, scaled
 from slipmargin.study.robot_on_surface import RobotOnSurface
@@ -90,6 +91,14 @@ def _roller_angles(robot: Robot, size: float) -> Robot:
     return replace(robot, wheels=tuple(replace(w, roller_angle_deg=sign * size) for w, sign in pairs))
 
 
+def _pair_angle(robot: Robot, angle_deg: float, *, front: bool) -> Robot:
+    return with_pair_angle(robot, angle_deg, front=front)
+
+
+def _own_pair_angle(design: RobotOnSurface, *, front: bool) -> Value:
+    return pair_angle_deg(design.robot, front=front)
+
+
 def _mean_size(field: str) -> Callable[[RobotOnSurface], Value]:
     return lambda m: float(np.mean([abs(getattr(w, field)) for w in m.robot.wheels]))
 
@@ -156,6 +165,16 @@ _LAYOUTS = (
         meaning="wheel angle δ of a three-wheel robot (Fig. 3)",
         put=_robot(with_wheel_angle),
         get=lambda m: wheel_angle_deg(m.robot),
+    ),
+    *(
+        Quantity(
+            key=f"{word}_angle_deg",
+            unit="deg",
+            meaning=f"{word} wheels' angle from straight {where}, four omni wheels",
+            put=_robot(partial(_pair_angle, front=word == "front")),
+            get=partial(_own_pair_angle, front=word == "front"),
+        )
+        for word, where in (("front", "ahead"), ("rear", "behind"))
     ),
     Quantity(
         key="circle_radius_m",

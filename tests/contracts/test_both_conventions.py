@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import math
 import re
 from dataclasses import replace
@@ -189,3 +190,66 @@ def test_a_positive_speed_of_a_ros_mecanum_robot_drives_it_forwards() -> None:
     speeds = [[0.0, *[20.0] * 4], [1.0, *[20.0] * 4]]
     x, y, phi = sm.simulate(replace(two.robot, wheels=wheels), "paper", speeds).run.pose[-1]
     assert x > 0.7 and abs(y) < 1e-6 and abs(phi) < 1e-6
+
+
+@settings(deadline=None, max_examples=6)
+@given(robots(max_wheels=4), st.sampled_from(["sdf", "urdf", "mjcf"]))
+def test_simulators_models_are_the_same(robot: Robot, format: str) -> None:
+    """Gazebo and MuJoCo have x forward, whatever the robot file has."""
+    one, two = pair(robot)
+    ours, theirs = (numbers(sm.export_simulator(r, format, "floor").text) for r in (two, one))
+    assert len(ours) > 20 and ours == pytest.approx(theirs, rel=1e-6, abs=1e-8)
+
+
+@pytest.mark.parametrize("robot", [kiwi(), four_wheels()], ids=["kiwi", "mecanum"])
+def test_designs_are_turned(robot: Robot) -> None:
+    one, two = pair(robot)
+    paper, turned = (sm.design(r, "paper", "circle_radius_m=0.1:0.2:0.1", static=True) for r in (one, two))
+    ours, theirs = (list(csv.DictReader(found.table_text().splitlines())) for found in (turned, paper))
+    for row, other in zip(ours, theirs, strict=True):
+        assert row.pop("problem") == other.pop("problem") == ""
+        del row["worst_phi_rad"], other["worst_phi_rad"]  # an orientation: counted from other axes
+        assert [float(v) for v in row.values()] == pytest.approx([float(v) for v in other.values()], rel=2e-4)
+    assert turned.best == paper.best
+
+
+def test_measured_coefficients_are_turned(tmp_path: Path) -> None:
+    one, two = pair(kiwi())
+    phi = np.deg2rad(np.arange(0.0, 360.0, 20.0))
+    forces = sm.sweep(one, "paper", from_deg=0.0, to_deg=340.0, step_deg=20.0).f_max_N
+    found = []
+    for recipe, turn in ((one, 0.0), (two, QUARTER)):  # the same pull, the heading counted from other axes
+        rows = [f"{a + turn!r},{f!r}" for a, f in zip(phi.tolist(), forces.tolist(), strict=True)]
+        file = tmp_path / f"{recipe.robot.convention.value}.csv"
+        file.write_text("\n".join(["phi_rad,force_N", *rows]) + "\n")
+        found.append(sm.measure(file, recipe, "paper").measured)
+    paper, turned = found
+    np.testing.assert_allclose(turned.value, paper.value, rtol=1e-4)
+    np.testing.assert_allclose(paper.value[0], [0.26, 0.09], rtol=1e-3)
+
+
+@pytest.mark.parametrize("robot", [kiwi(), four_wheels()], ids=["kiwi", "mecanum"])
+def test_stopping_distances_are_turned(robot: Robot) -> None:
+    one, two = pair(robot)
+    paper, turned = (
+        sm.stop(r, "paper", speeds_m_s=[0.3], step_deg=90.0, verify=False).to_dict() for r in (one, two)
+    )
+    back = np.roll(np.array(turned["distance_m"]), 1, axis=0)  # 90° of the paper's directions are 0° of ROS's
+    np.testing.assert_allclose(back, paper["distance_m"], rtol=1e-5)
+
+
+def test_every_command_is_held_to_both_conventions() -> None:
+    """Where a command reads or writes something with axes, a test turns it; the list is for who adds one."""
+    here = {"sweep", "polytope", "bounds", "plan", "check", "simulate", "design", "export", "measure", "stop"}
+    elsewhere = {
+        "diagnose": "rooms/io/test_ros_conventions.py",  # the same report to the last digit
+        "import": "rooms/io/test_log_formats.py",
+        "robots": "rooms/study/test_layouts_in_ros.py",  # words and drawings
+    }
+    without_axes = {"reproduce", "surfaces", "effects", "explore"}
+    from slipmargin_cli.main import COMMANDS
+
+    missing = set(COMMANDS) - here - set(elsewhere) - without_axes
+    assert not missing, f"say how {missing} is held to both conventions"
+    tests = Path(__file__).parents[1]
+    assert all((tests / name).is_file() for name in elsewhere.values())

@@ -25,7 +25,7 @@ from strategies import effects, four_wheels, kiwi, robots
 
 from slipmargin.diagnosis.sense import measure
 from slipmargin.diagnosis.wheel_phase import matters_to
-from slipmargin.effects import Effect, GeneralEffect, Part, Recipe, WheelEffect
+from slipmargin.effects import Effect, GeneralEffect, Part, Recipe, Scope, WheelEffect
 from slipmargin.effects.catalogue import CATALOGUE, effect_class
 from slipmargin.effects.effect import Trace
 from slipmargin.effects.floor_tilt import FloorTilt
@@ -99,7 +99,8 @@ def ran(model: Model, *, commanded: bool) -> np.ndarray:
     omega = along[:, None] * top + extra[:, None]
     clock = np.linspace(0.0, 1.0, 41)
     start = np.array([0.1, -0.2, 0.4])
-    pose = Batch([linear(t, omega)], [clock], commanded=commanded).run(pack(model), start, rtol=1e-8).pose[0]
+    batch = Batch([linear(t, omega)], [clock], commanded=commanded).at_clock(model.measurement.clock)
+    pose = batch.run(pack(model), start, rtol=1e-8).pose[0]
     return measure(model.measurement, clock, pose)
 
 
@@ -246,6 +247,7 @@ def test_furnished(kind: type[Effect]) -> None:
     assert kind.name == kind.name.lower() and effect_class(kind.name) is kind
     assert len(kind.source) > 10 and len(kind.confirm) > 10
     assert isinstance(kind.traced_to, Trace) and isinstance(kind.part, Part)
+    assert isinstance(vars(kind).get("scope"), Scope), "it does not say what it belongs to"
     law = inspect.getdoc(kind) or ""
     assert len(law) > 10 and len(kind.summary) > 10 and kind.summary.endswith((".", ".)"))
     assert kind.parameters

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import doctest
+import importlib
 import json
 import os
 import re
@@ -12,8 +13,11 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
 from slipmargin_cli.main import COMMANDS, status
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -184,6 +188,78 @@ def test_the_first_lines_of_the_readme_work_as_printed(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
     for (command, _, expected), printed in zip(shown, done.stdout.split(f"{mark}\n")[1:], strict=True):
         assert command.startswith("make ") or shows(expected, printed.splitlines()), f"{command}\n{printed}"
+
+
+def test_three_robots_from_nothing_to_an_exported_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With the README alone: each row of its table makes a file for a tool in at most four commands."""
+    rows = re.findall(r"^\| (LeKiwi|FTC mecanum|RoboCup SSL) \| (.+) \|$", README, flags=re.MULTILINE)
+    assert len(rows) == 3
+    for name, cell in rows:
+        commands = [shlex.split(line) for line in re.findall(r"`(slipmargin [^`]+)`", cell)]
+        assert 1 <= len(commands) <= 4 and "--export" in commands[-1]
+        folder = tmp_path / name.replace(" ", "-")
+        folder.mkdir()
+        monkeypatch.chdir(folder)
+        for words in commands:
+            assert status(words[1:]) == 0, words
+        assert Path(commands[-1][-1]).read_text(encoding="utf-8").strip()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=page_id)
+def test_sentences_are_short(page: Path) -> None:
+    """Half of a page's sentences have fewer than twenty words."""
+    pytest.importorskip("pysbd")
+    from reading import median_words
+
+    assert median_words(page.read_text(encoding="utf-8")) < 20
+
+
+#: Files that the site does not link: the glossary itself, and pages that are outside the site.
+SITE = [page for page in PAGES if page.name not in {"README.md", "glossary.md"}]
+
+
+def terms_module() -> ModuleType:
+    sys.path.insert(0, str(ROOT / "docs"))
+    try:
+        return importlib.import_module("terms")
+    finally:
+        sys.path.remove(str(ROOT / "docs"))
+
+
+@pytest.mark.parametrize("page", SITE, ids=page_id)
+def test_terms_are_linked_where_a_page_first_uses_them(page: Path) -> None:
+    """As the site is built: the first use of every term in running text leads to the glossary."""
+    made = terms_module()
+    text = made.linked(page.read_text(encoding="utf-8"), "")
+    anchors = set(re.findall(r'id="(term-[a-z-]+)"', made.anchored((ROOT / "docs/glossary.md").read_text())))
+    targets = re.findall(r"glossary\.md#(term-[a-z-]+)", text)
+    assert set(targets) <= anchors and len(targets) == len(set(targets))
+    left = {made.terms()[term] for term, _, _ in made.first_uses(page.read_text(encoding="utf-8"))}
+    assert left == set(targets)
+
+
+def test_the_readme_uses_no_term_before_it_is_explained() -> None:
+    """No word of the glossary stands in the README's prose without a link."""
+    assert not terms_module().first_uses(README)
+
+
+def test_a_term_is_linked_once_and_never_in_code() -> None:
+    made = terms_module()
+    page = "# Load transfer\n\n`load transfer` and load transfer, then load transfer.\n"
+    link = "[load transfer](../glossary.md#term-load-transfer)"
+    wanted = f"# Load transfer\n\n`load transfer` and {link}, then load transfer.\n"
+    assert made.linked(page, "../") == wanted
+
+
+def test_long_sentences_would_be_found() -> None:
+    pytest.importorskip("pysbd")
+    from reading import median_words
+
+    long = "This sentence goes on " + "and on " * 10 + "until nobody knows where it began."
+    assert median_words(f"# A page\n\n{long} {long} It is short.\n") > 20
+    assert median_words("```\n" + "code " * 40 + "\n```\n\n| a | table |\n\nIt is short.\n") == 3
 
 
 def test_the_readme_is_short_and_its_figures_are_measured() -> None:

@@ -51,6 +51,15 @@ PROHIBITED = {
     "slipmargin.study": {"slipmargin.report", "slipmargin.plots", "slipmargin.sim", "slipmargin.diagnosis"},
     "slipmargin.report": {"slipmargin.plots", "slipmargin.api", "slipmargin_cli"},
     "slipmargin.plots": {"slipmargin.api", "slipmargin_cli"},
+    "slipmargin.onboard": {
+        "slipmargin.effects",
+        "slipmargin.sim",
+        "slipmargin.diagnosis",
+        "slipmargin.io",
+        "slipmargin.data",
+        "slipmargin.report",
+        "slipmargin.plots",
+    },
     "slipmargin.paper": {"slipmargin.io", "slipmargin.report", "slipmargin.plots", "slipmargin.api"},
     "slipmargin.api": {"slipmargin_cli"},
 }

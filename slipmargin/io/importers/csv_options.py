@@ -1,6 +1,7 @@
 """A column map from words of the command line: ``--time t:ms --x px:mm --heading yaw:deg --wheel -fl:rpm``.
 
-A word is ``[-]COLUMN[:UNIT]``; a leading ``-`` turns the sign, and without a unit the column is in SI.  A
+A word is ``[-]COLUMN[:UNIT]``; a leading ``-`` turns the sign, and without a unit the column is in SI.  In
+a file without a header columns are named by number, ``#1`` the first.  A
 wheel's unit says what it is: rad, deg or turn and ``ticks=4096`` (a turn) its angle, rad/s, deg/s, turn/s or
 rpm its speed.
 """
@@ -45,15 +46,28 @@ def csv_map(
         raise _refusal("--wheel", "is missing", "name the column of each wheel, in the robot file's order")
     if separator not in (",", ";", "\t", "|"):
         raise _refusal("--separator", f"is {separator!r}", "use one of: , ; | or a tabulator")
+    stamp, *pose = pose_columns(str(time), str(x), str(y), str(heading))
     return CsvMap(
         separator=separator,
-        time=_column("--time", str(time), "time"),
-        pose=(
-            _column("--x", str(x), "length"),
-            _column("--y", str(y), "length"),
-            _column("--heading", str(heading), "angle"),
-        ),
-        wheels=tuple(_wheel(word) for word in wheels),
+        time=stamp,
+        pose=(pose[0], pose[1], pose[2]),
+        wheels=tuple(wheel_column(word) for word in wheels),
+    )
+
+
+def pose_columns(time: str, x: str, y: str, heading: str) -> tuple[Column, Column, Column, Column]:
+    """The columns of time [s], x, y [m] and heading [rad] that four words say.
+
+    Raises
+    ------
+    InputError
+        Placed at the option that is wrong.
+    """
+    return (
+        _column("--time", time, "time"),
+        _column("--x", x, "length"),
+        _column("--y", y, "length"),
+        _column("--heading", heading, "angle"),
     )
 
 
@@ -65,7 +79,14 @@ def _column(option: str, word: str, kind: str) -> Column:
     return Column(name=name, factor=sign * _factor(option, kind, unit or _SI[kind]))
 
 
-def _wheel(word: str) -> dict[str, Column]:
+def wheel_column(word: str) -> dict[str, Column]:
+    """A wheel's field of a record and its column, from a word like ``-fl:rpm``.
+
+    Raises
+    ------
+    InputError
+        Placed at the option ``--wheel`` for another unit.
+    """
     name, unit, sign = _parts("--wheel", word)
     if unit.startswith("ticks="):
         try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from bisect import bisect_left
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -61,9 +62,13 @@ def read_loose(path: Path, needed: Sequence[str], separator: str, unit_line: boo
     """
     text = read_bytes(path).decode("utf-8", errors="replace").lstrip("\ufeff")
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    at, mark = _header(lines, needed, separator)
+    numbered = _numbered(lines, needed, separator)
+    if numbered is not None:
+        at, (names, mark) = -1, numbered
+    else:
+        at, mark = _header(lines, needed, separator)
+        names = tuple(_cells(lines[at], mark))
     notes = [] if mark == separator else [f"cells are separated by {mark!r} instead of {separator!r}"]
-    names = tuple(_cells(lines[at], mark))
     units = tuple(_cells(lines[at - 1], mark)) if unit_line and at > 0 else ()
     units = units if len(units) == len(names) else ()
     rows = _Rows(names=names, mark=mark, needed=needed)
@@ -128,6 +133,22 @@ def runs_of(index: Array) -> list[Array]:
     return [part for part in np.split(index, np.flatnonzero(np.diff(index) > 1) + 1) if len(part)]
 
 
+def _numbered(
+    lines: Sequence[str], needed: Sequence[str], separator: str
+) -> tuple[tuple[str, ...], str] | None:
+    """Names ``#1``, ``#2`` … of the columns of a file without a header, where they are asked for, and
+    separator."""
+    if not all(re.fullmatch(r"#[1-9]\d*", name) for name in needed):
+        return None
+    first = next((line for line in lines if line.strip()), "")
+    mark = max((separator, *_SEPARATORS), key=lambda m: len(_cells(first, m)))
+    count = len(_cells(first, mark))
+    missing = [name for name in needed if int(name[1:]) > count]
+    if missing:
+        raise InputError("1:1", f"has {count} columns, so there is no {missing[0]}", "count from #1")
+    return tuple(f"#{k + 1}" for k in range(count)), mark
+
+
 def _header(lines: Sequence[str], needed: Sequence[str], separator: str) -> tuple[int, str]:
     """The line that names the columns, and the separator that makes it do so."""
     best: tuple[int, str, list[str]] = (0, separator, list(needed))
@@ -141,14 +162,24 @@ def _header(lines: Sequence[str], needed: Sequence[str], separator: str) -> tupl
                 best = (at, mark, missing)
     at, _, missing = best
     if len(missing) == len(needed):
-        raise InputError(
-            "1:1",
-            f"no line names the columns {', '.join(needed[:4])} …",
-            "give the log with its header lines",
-        )
+        problem = f"no line names the columns {', '.join(needed[:4])} …"
+        cells = _cells(lines[0], max(_SEPARATORS, key=lambda m: len(_cells(lines[0], m))))
+        cure = "give the log with its header lines"
+        if cells and all(_is_number(cell) for cell in cells):
+            problem += f": the first line is {len(cells)} numbers, so there is no header"
+            cure = "write the names as first line, or name columns by number: #1 is the first"
+        raise InputError("1:1", problem, cure)
     raise InputError(
         f"{at + 1}:1", f"the column {missing[0]!r} is missing", "give the log with all its columns"
     )
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
 
 
 def _cells(line: str, mark: str) -> list[str]:

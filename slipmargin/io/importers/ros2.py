@@ -23,6 +23,7 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.data.record import Record
 from slipmargin.errors import InputError
+from slipmargin.io.extra import need
 from slipmargin.io.importers.loose_table import increasing, runs_of
 from slipmargin.io.importers.plug import Dropped, Reading
 from slipmargin.io.importers.ros_names import guessed_topic, joints_of_wheels
@@ -44,13 +45,7 @@ def bag_messages(path: Path, pick: Callable[[dict[str, str]], list[str]]) -> dic
     InputError
         Where ``rosbags`` is not installed, or it is no bag that can be read.
     """
-    if find_spec("rosbags") is None:
-        raise InputError(
-            "ROS bag",
-            "the package rosbags is not installed",
-            "install it: pip install 'slipmargin[ros]'",
-            "command line",
-        )
+    need("ROS bag", "rosbags", "ros")
     from rosbags.highlevel import AnyReader, AnyReaderError
     from rosbags.rosbag1 import ReaderError as Ros1Error
     from rosbags.rosbag2 import ReaderError as Ros2Error

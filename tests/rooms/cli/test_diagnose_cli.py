@@ -7,13 +7,13 @@ import signal
 import subprocess
 import sys
 import time
-import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import tomllib
 from diagnoses import diagnosis, unnamed, wheel_loads
 from slipmargin_cli import render
 from slipmargin_cli.main import status

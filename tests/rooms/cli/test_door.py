@@ -30,6 +30,7 @@ CONTENTS = [
     "describe_surface",
     "design",
     "diagnose",
+    "explore",
     "export_trajectory",
     "import_logs",
     "known_effects",

@@ -7,13 +7,13 @@ import pytest
 from planting import Plant, planted, smooth_kiwi
 
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
-from slipmargin.diagnosis.fit import fit
-from slipmargin.diagnosis.held_out import folds
 from slipmargin.diagnosis.ladder import Checked, Court, check
+from slipmargin.diagnosis.left_out import folds
 from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.search import Round, State, base_state, state_of
+from slipmargin.diagnosis.screen import Screening
+from slipmargin.diagnosis.search import Round, State, fitted
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
 from slipmargin.effects.wheel_loads import WheelLoads
@@ -42,8 +42,8 @@ def court() -> Court:
 def proposed(court: Court, *labels: str) -> State:
     named = {c.label: c for c in named_candidates(court.problem.nominal.geometry.names, False, ())}
     structure: tuple[Candidate, ...] = tuple(named[label] for label in labels)
-    found = fit(court.problem, structure, np.concatenate([c.starts[0] for c in structure]), SEEN)
-    return state_of(court.problem, found, court.problem.samples(SEEN))
+    start = np.concatenate([np.zeros(0), *(c.starts[0] for c in structure)])
+    return fitted(court.problem, structure, start, SEEN, court.seen_runs)
 
 
 def checked(court: Court, *labels: str) -> Checked:
@@ -79,10 +79,8 @@ def test_what_does_not_hold_is_not_claimed(court: Court) -> None:
 
 def test_another_candidate_is_asked_where_the_proposal_fails(court: Court) -> None:
     wrong, right = proposed(court, "camera_scale"), proposed(court, "wheel_loads")
-    before = base_state(court.problem, SEEN, court.problem.samples(SEEN))
-    done = Round(
-        before=before, candidates=(), gains=(), tried=(right, wrong), best=wrong, p_value=0.001, taken=True
-    )
+    nothing = Screening(entries=(), total=1.0, chance=np.zeros(0))
+    done = Round(before=proposed(court), screening=nothing, tried=(right, wrong), best=wrong, taken=True)
     found = check(court, wrong, [done], Watch(report=no_progress))
     assert labels_of(found) == ["wheel_loads"] and found.rejected[0].labels == ("camera_scale",)
 

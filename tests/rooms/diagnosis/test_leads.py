@@ -17,7 +17,7 @@ def test_the_map_leads_and_what_it_does_not_support_does_not() -> None:
     made = leads(residual_map(), [TURN], [], [], [])
     assert [x.traced_to for x in made] == [Trace.ACCELERATION, Trace.WHEEL_ANGLE]
     assert [x.source for x in made] == [LeadSource.MAP, LeadSource.ORDER]
-    assert "40 % of the velocity residual" in made[0].why and "p = 0.005" in made[0].why
+    assert "40 % off the squared residual" in made[0].why and "p = 0.005" in made[0].why
     assert all(x.next_run for x in made)
 
 

@@ -10,7 +10,7 @@ import pytest
 from real_logs import EXCERPT
 
 from slipmargin.errors import InputError
-from slipmargin.io.importers import ros2
+from slipmargin.io import extra
 from slipmargin.io.importers.csv_map import CsvImporter, read_map
 from slipmargin.io.importers.robotino import RobotinoImporter
 from slipmargin.io.importers.ros2 import RosImporter
@@ -194,7 +194,7 @@ def test_bags_that_do_not_fit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         importer().read(bag(tmp_path / "still", [1.0, 2.0], joint=False))
     with pytest.raises(InputError, match="1 poses"):
         importer().read(bag(tmp_path / "short", [1.0]))
-    monkeypatch.setattr(ros2, "find_spec", lambda name: None)
+    monkeypatch.setattr(extra, "find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"pip install 'slipmargin\[ros\]'"):
         importer().read(good)
 

@@ -94,8 +94,11 @@ def test_plan_and_simulate_export_and_check_reads(tmp_path: Path, capsys: pytest
     assert status(words) == 0
     assert read_trajectory(run).form == "PathPlanner"
     capsys.readouterr()
-    assert status([*words[:-2], "roadrunner", str(run)]) == 2
-    assert "--export: is 'roadrunner', use one of: choreo, pathplanner, ros-path" in capsys.readouterr().err
+    assert status([*words[:-2], "trajopt", str(run)]) == 2
+    assert (
+        "--export: is 'trajopt', use one of: choreo, pathplanner, roadrunner, ros-path"
+        in capsys.readouterr().err
+    )
 
 
 def test_a_bag_is_not_written_over(tmp_path: Path) -> None:
@@ -105,3 +108,82 @@ def test_a_bag_is_not_written_over(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="is there already"):
         sm.export_trajectory(found, "ros-path", tmp_path / "bag")
     assert [p.name for p in tmp_path.iterdir()] == ["bag"]
+
+
+OWN = Path(__file__).parents[2] / "data" / "trajectories"
+
+
+@pytest.mark.parametrize(
+    ("name", "count", "last"),
+    [
+        ("choreo-2025-own.traj", 6, (0.4352086605933893, 3.7245938005671024, 5.5799710196029215)),
+        ("choreo-2024-own.traj", 6, (0.5007201674678906, 2.664790521147084, 6.648164727950773)),
+        (
+            "pathplanner-2023-own.wpilib.json",
+            7,
+            (0.21612934184959515, 1.0700678375430142, 3.0000105632535288),
+        ),
+    ],
+)
+def test_files_that_the_tools_wrote_are_read(name: str, count: int, last: tuple[float, float, float]) -> None:
+    """First samples of files in the tools' own and in teams' repositories; sources beside them."""
+    found = read_trajectory(OWN / name)
+    assert len(found.t_s) == count
+    # Choreo's version 2 moved the pose by the velocity of a step's end: 1.09 m/s in the mean of the first.
+    contradicts = [note for note in found.notes if "the stated velocity contradicts the samples" in note]
+    assert len(found.notes) == len(contradicts) == (name == "choreo-2025-own.traj")
+    assert (float(found.t_s[-1]), *found.pose[-1, :2].tolist()) == last
+    assert np.abs(np.diff(found.pose[:, 2])).max() < 0.01  # 180° and -179.99° follow each other
+
+
+def shape_of(value: object) -> object:
+    """Keys of objects and kinds of values, of lists that of the first element."""
+    if isinstance(value, dict):
+        return {key: shape_of(inner) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [shape_of(value[0])] if value else []
+    return (
+        "number" if isinstance(value, int | float) and not isinstance(value, bool) else type(value).__name__
+    )
+
+
+def test_exports_have_the_form_of_the_tools_own_files(tmp_path: Path) -> None:
+    found = sm.plan("ohio-kiwi", "paper", WAY, points=60, step_s=0.02)
+    for tool, own in (
+        ("pathplanner", "pathplanner-2023-own.wpilib.json"),
+        ("choreo", "choreo-2025-own.traj"),
+    ):
+        sm.export_trajectory(found, tool, tmp_path / tool)
+        ours, theirs = (shape_of(json.loads(f.read_text())) for f in (tmp_path / tool, OWN / own))
+        if tool == "choreo":
+            assert isinstance(ours, dict) and isinstance(theirs, dict)
+            # Version 3 dropped two keys of version 2; what a plan has no use for is empty or null.
+            del theirs["pplib_commands"], theirs["trajectory"]["forcesAvailable"]
+            for part in ("snapshot", "events"):
+                del ours[part], theirs[part]
+            for held in (ours, theirs):
+                del held["params"]["constraints"], held["trajectory"]["splits"]
+        assert ours == theirs, tool
+
+
+def test_a_road_runner_log_has_the_fields_of_its_class(tmp_path: Path) -> None:
+    """The public fields of LogFiles.LogFile that a follower fills (quickstart, version "quickstart1 v2")."""
+    found = sm.plan("ohio-kiwi", "paper", WAY, points=60, step_s=0.02)
+    sm.export_trajectory(found, "roadrunner", tmp_path / "drive.json")
+    table = json.loads((tmp_path / "drive.json").read_text())
+    filled = {"nsTimes", "targetXs", "targetYs", "targetHeadings", "xs", "ys", "headings"}
+    empty = {f"{kind}Enc{what}" for kind in ("drive", "tracking") for what in ("Positions", "Vels")}
+    head = {"version", "opModeName", "msInit", "nsInit", "nsStart", "nsStop"}
+    assert set(table) == filled | empty | head | {"voltages"}
+    assert table["version"] == "quickstart1 v2" and len({len(table[key]) for key in filled}) == 1
+    assert table["targetXs"][-1] * 0.0254 == pytest.approx(1.2) and all(
+        isinstance(t, int) for t in table["nsTimes"]
+    )
+
+
+def test_our_own_table_is_read_back_to_1e_9(tmp_path: Path) -> None:
+    found = sm.plan("ohio-kiwi", "paper", WAY, points=60, step_s=0.02)
+    found.write_files(table=tmp_path / "plan.csv")
+    read = read_trajectory(tmp_path / "plan.csv")
+    np.testing.assert_allclose(read.t_s, found.trajectory.t_s, atol=1e-9)
+    np.testing.assert_allclose(read.pose, found.trajectory.pose, atol=1e-9)

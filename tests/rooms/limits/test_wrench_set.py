@@ -36,6 +36,30 @@ def test_offsets_are_linear_in_the_loads(model: Model) -> None:
     np.testing.assert_array_equal(other.normals, wrenches.normals)
 
 
+@settings(max_examples=30, deadline=None)
+@given(models(shapes=tuple(GripShape)))
+def test_points_of_the_surface_attain_the_support(model: Model) -> None:
+    """Each lies in the set (no normal sees it beyond the support) and on its surface."""
+    wrenches = wrench_set(model)
+    points, height = wrenches.points(NORMALS), wrenches.support(NORMALS)
+    np.testing.assert_allclose(np.sum(points * NORMALS, axis=1), height, rtol=1e-12)
+    assert np.all(points @ NORMALS.T <= height * (1.0 + 1e-12))
+
+
+def test_the_body_is_that_of_the_robot_s_own_grip() -> None:
+    """Its hull lies a percent inside at most; the box holds the disc-strip, which holds the ellipse."""
+    volume = {}
+    for shape in GripShape:
+        wrenches = wrench_set(nominal_model(kiwi(grip=shape), "paper"))
+        body = wrenches.body()
+        normals, offsets = body.half_spaces()
+        reach = wrenches.support(normals) / offsets
+        assert np.min(reach) > 1.0 - 1e-9 and np.max(reach) < 1.01
+        assert np.max(body.vertices() @ normals.T - offsets) < 1e-9 * np.max(offsets)
+        volume[shape] = body.volume()
+    assert volume[GripShape.ELLIPSE] < volume[GripShape.DISC_STRIP] < volume[GripShape.BOX]
+
+
 def test_state_chooses_the_coefficients() -> None:
     model = nominal_model(kiwi(), "paper")
     mixed = wrench_set(model, np.array([True, False, False]))

@@ -7,6 +7,7 @@ import pytest
 from strategies import four_wheels, kiwi
 
 from slipmargin.limits.bounds_summary import bounds
+from slipmargin.limits.motion_state import Contact
 from slipmargin.model import nominal_model
 from slipmargin.paths.check import check
 from slipmargin.paths.path import through
@@ -14,6 +15,7 @@ from slipmargin.paths.plan import Request, plan
 from slipmargin.paths.sample import trajectory
 from slipmargin.plots.bounds import bounds_figure
 from slipmargin.plots.paths import check_figure, limiting, plan_figure
+from slipmargin.report.bounds import answer
 
 pytest.importorskip("matplotlib")
 WAY = through(np.array([[0.0, 0.0, 0.0], [0.6, 0.4, 0.4], [1.2, 0.0, 0.0]]))
@@ -36,6 +38,27 @@ def test_plan_and_check_figures(robot: object) -> None:
     figure = check_figure(model, audit, rows)
     assert "not admissible" in figure.axes[0].get_title(loc="left")
     assert "stretch time by" in figure.axes[1].get_title(loc="left")
+    figure.draw_without_rendering()
+
+
+def test_a_robot_that_must_slip_has_no_spokes() -> None:
+    """On rigid sectors the paper's robot can only brake, in four directions: points, and it is said."""
+    found = bounds(nominal_model(kiwi(), "paper"), step_deg=5.0, contact=Contact.UNKNOWN, sets=False)
+    figure = bounds_figure(found)
+    limits, steady, corner = figure.axes
+    assert "must slip on rigid sectors in 72 of 72 directions" in limits.get_title(loc="left")
+    for line in limits.lines:
+        seen = np.asarray(line.get_ydata())
+        assert np.all(seen[np.isfinite(seen)] > 0.0)
+    assert (
+        sum(np.count_nonzero(np.isfinite(x.get_ydata())) for x in limits.lines if x.get_marker() == "o") == 4
+    )
+    assert any("worst roller/rigid" in str(x.get_label()) for x in steady.lines)
+    assert corner.texts[0].get_text() == "none: it must slip at constant speed"
+    words = "\n".join(answer(found))
+    assert (
+        "it must slip at constant speed on rigid sectors in every direction" in words and "inf" not in words
+    )
     figure.draw_without_rendering()
 
 

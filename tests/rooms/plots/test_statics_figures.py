@@ -16,9 +16,11 @@ from slipmargin.errors import InputError
 from slipmargin.limits import sweep, wrench_set
 from slipmargin.model import Model, nominal_model
 from slipmargin.plots.machine import machine_figure
-from slipmargin.plots.polytope import polytope_figure, section
+from slipmargin.plots.polytope import polytope_figure
 from slipmargin.plots.style import check_format, save
 from slipmargin.plots.sweep import draw_sweep, polar_figure, sweep_figure
+from slipmargin.robot import GripShape
+from slipmargin.sets.section import section
 
 CIRCLE = np.linspace(0.0, 2.0 * np.pi, 73)
 
@@ -72,10 +74,11 @@ def test_section_is_the_sweep_by_another_road(model: Model) -> None:
 
 
 def test_every_figure_is_saved_in_every_format(model: Model, tmp_path: Path) -> None:
-    before = dict(mpl.rcParams)
+    before, rounded = dict(mpl.rcParams), four_wheels(grip=GripShape.DISC_STRIP)
     figures = {
         "sweep": sweep_figure(sweep(model, CIRCLE[:10]), sweep(model, CIRCLE), None, 4.0),
         "polytope": polytope_figure(wrench_set(model), "title"),
+        "curved polytope": polytope_figure(wrench_set(nominal_model(rounded, "paper")), "title"),
         "machine": machine_figure(nominal_model(four_wheels(), "paper")),
     }
     for name, figure in figures.items():
@@ -83,6 +86,22 @@ def test_every_figure_is_saved_in_every_format(model: Model, tmp_path: Path) -> 
             save(figure, tmp_path / f"{name}.{ending}")
             assert (tmp_path / f"{name}.{ending}").read_bytes().startswith(head)
     assert dict(mpl.rcParams) == before
+
+
+def test_the_section_of_a_coupled_grip_is_its_own() -> None:
+    """The pulls of the sweep, which come from cone programs, are the reach of the section drawn."""
+    phi = np.array([0.1, 0.7, 2.0, 4.0])
+    ways = np.stack([np.cos(phi), -np.sin(phi)], axis=1)
+    for shape in (GripShape.DISC_STRIP, GripShape.ELLIPSE):
+        rounded = nominal_model(kiwi(grip=shape), "paper")
+        ring = section(wrench_set(rounded).body())
+        turn = np.arctan2(ring[:, 1], ring[:, 0])
+        order = np.argsort(turn)
+        seen = np.arctan2(ways[:, 1], ways[:, 0])
+        reach = np.interp(seen, turn[order], np.hypot(*ring.T)[order], period=2.0 * np.pi)
+        force = sweep(rounded, phi, with_band=False).f_max_N
+        np.testing.assert_allclose(reach, force, rtol=1e-2)
+        assert np.all(reach <= force * (1.0 + 1e-4))
 
 
 def test_a_figure_drawn_twice_is_the_same_file(model: Model, tmp_path: Path) -> None:

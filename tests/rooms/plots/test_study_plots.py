@@ -11,6 +11,7 @@ from slipmargin.effects import Recipe
 from slipmargin.plots.study import study_figure
 from slipmargin.plots.style import image
 from slipmargin.report.design_page import design_page
+from slipmargin.report.page import html
 from slipmargin.study.objectives import BY_NAME, Kind
 from slipmargin.study.robot_on_surface import RobotOnSurface
 from slipmargin.study.robust import parse_interval, robust
@@ -67,5 +68,5 @@ def test_every_kind_of_study_can_be_drawn_and_told(texts: tuple[str, ...]) -> No
     found = made(*texts)
     assert len(study_figure(found, ("f_worst", "f_mean")).axes) >= 4
     drawn = image(study_figure(found, ("f_worst", "f_mean"), None))
-    page = design_page(found, ("f_worst", "f_mean"), None, (), [("best", "it")], drawn)
+    page = html(design_page(found, ("f_worst", "f_mean"), None, (), [("best", "it")], drawn))
     assert page.count("<h2") == 4 and "<svg" in page

@@ -100,6 +100,8 @@ def test_each_number_reads_back_as_it_was_put() -> None:
         "delta_deg": 22.0,
     }
     for quantity in QUANTITIES:
+        if quantity.key in ("front_angle_deg", "rear_angle_deg"):
+            continue  # of four wheels: see tests/rooms/study/test_pair_angles.py
         value = values.get(quantity.key, 0.25)
         if quantity.key in ("stall_torque_N_m", "reflected_inertia_kg_m2"):
             continue  # see below: neither stands alone

@@ -13,8 +13,7 @@ from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.fit import fit
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.search import base_state
-from slipmargin.diagnosis.selection import refitted
+from slipmargin.diagnosis.search import fitted
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import Trace
 from slipmargin.effects.wheel_loads import WheelLoads
@@ -54,17 +53,7 @@ def test_what_wanders_is_fitted_better_in_pieces(problem: Problem) -> None:
     whole, last = [], []
     for seed in range(10):
         astray = wandering(problem, seed, 6e-3)
-        before = base_state(astray, EVERY, astray.samples(EVERY))
-        assert before.chi > SETTINGS.far_chi
+        assert fitted(astray, (), np.zeros(0), EVERY, EVERY).chi > SETTINGS.far_chi
         whole.append(off(fit(astray, (loads,), SHIFT, EVERY).x))
-        last.append(off(refitted(astray, before, (loads,), SHIFT, EVERY).fit.x))
+        last.append(off(fit(astray.in_pieces(SETTINGS.piece_s), (loads,), SHIFT, EVERY).x))
     assert np.sqrt(np.mean(np.square(last))) < 0.5 * np.sqrt(np.mean(np.square(whole)))
-
-
-def test_near_the_noise_whole_runs_are_fitted(problem: Problem) -> None:
-    loads = candidate(problem)
-    start = refitted(problem, base_state(problem, EVERY, problem.samples(EVERY)), (loads,), SHIFT, EVERY)
-    assert start.chi < SETTINGS.far_chi
-    again = refitted(problem, start, (loads,), SHIFT, EVERY)
-    assert again.fit.x == pytest.approx(fit(problem, (loads,), SHIFT, EVERY).x)
-    assert again.chi == pytest.approx(1.0, abs=0.1)

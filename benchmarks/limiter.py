@@ -1,0 +1,246 @@
+"""The limiter against Python, against clipping, in a closed loop, and what a call costs.
+
+    python benchmarks/limiter.py benchmarks/results/limiter.json [--robots 50] [--states 5000]
+
+Each part needs what it names: a C compiler, QEMU with a Cortex-M4 compiler, MuJoCo; without it the part is
+left out and said so.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import cortex_m4
+import driving
+import numpy as np
+from c_limiter import CompiledLimiter, compilers
+from recommended import drawn_robot
+
+import slipmargin as sm
+from slipmargin.model import Model
+
+BUILT_IN = (("ohio-kiwi", "paper"), ("ohio-kiwi-symmetric", "carpet"), ("robotino", "gray"))
+BUILT_IN += (("omni4", "floor"), ("mecanum4", "floor"))
+MARGIN = 0.2
+
+
+class ModelLimiter(sm.Limiter):
+    """A limiter of a model that no robot file describes."""
+
+    def __init__(self, model: Model, margin: float) -> None:
+        from slipmargin.onboard.table import limit_table, steady_warnings
+
+        self._margin, self._hash = margin, "drawn"
+        self.table, self.warnings = limit_table(model, margin), steady_warnings(model, margin)
+
+
+def machines(count: int) -> list[tuple[str, Model]]:
+    """The built-in robots on rollers, then drawn ones that can drive within the margin."""
+    out = [
+        (name, sm.read_robot(name, rigid_sectors=False).build(surface)) for name, surface in BUILT_IN[:count]
+    ]
+    k = 0
+    while len(out) < count:
+        model = driving.on_rollers(drawn_robot(np.random.default_rng([7, k])))
+        k += 1
+        if not ModelLimiter(model, MARGIN).warnings:
+            out.append((f"drawn {k - 1}", model))
+    return out
+
+
+def drawn_states(limiter: sm.Limiter, count: int, rng: np.random.Generator) -> list[np.ndarray]:
+    """Twists now and wanted, time steps, headings, accelerations."""
+    size = 1.0 / np.array([1.0, 1.0, np.mean(np.abs(limiter.table.along[2]))])
+    now = rng.normal(size=(count, 3)) * size * rng.choice([0.02, 0.3, 1.0], size=(count, 1))
+    step = rng.normal(size=(count, 3)) * size * rng.choice([0.01, 0.3, 2.0], size=(count, 1))
+    wanted = np.where(rng.uniform(size=(count, 1)) < 0.2, 0.0, now + step)
+    pull = rng.normal(size=(count, 3)) * size * limiter.table.pull_m_s2
+    return [now, wanted, rng.choice([0.001, 0.01, 0.05], size=count), rng.uniform(-4.0, 4.0, count), pull]
+
+
+def against_python(count: int) -> dict[str, Any]:
+    """Largest differences, of the inputs' size, over 20 robots; and microseconds a call."""
+    found = compilers()
+    if not found:
+        return {"left out": "no C compiler (gcc or clang)"}
+    out: dict[str, Any] = {"states": 0, "compilers": found}
+    worst: dict[str, list[float]] = {"double": [], "float": []}
+    cost: dict[str, dict[str, float]] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for name, model in machines(20):
+            limiter = ModelLimiter(model, MARGIN)
+            size = np.array([1.0, 1.0, np.mean(np.abs(limiter.table.along[2]))])
+            for kind in worst:
+                c = CompiledLimiter(limiter, Path(folder, name), found[0], double=kind == "double")
+                states = drawn_states(limiter, count, np.random.default_rng(1))
+                now, wanted, dt, heading, pull = (x.astype(c.dtype).astype(float) for x in states)
+                mine, theirs = (
+                    limiter.limit_twist(now, wanted, dt, heading),
+                    c.limit_twist(now, wanted, dt, heading),
+                )
+                scale = np.max(np.abs(np.stack([now, wanted]) * size), axis=(0, 2))
+                off = [np.max(np.abs(mine[0] - theirs[0]) * size, axis=1) / scale]
+                a, b = (
+                    limiter.limit_acceleration(now, pull, heading),
+                    c.limit_acceleration(now, pull, heading),
+                )
+                off.append(np.max(np.abs(a[0] - b[0]) * size, axis=1) / np.max(np.abs(pull * size), axis=1))
+                s, u = limiter.margin(now, pull, heading)[0], c.margin(now, pull, heading)[0]
+                off.append(np.abs(s - u) / np.maximum(s, 1e-3))
+                worst[kind].append(float(max(x.max() for x in off)))
+                out["states"] += count if kind == "double" else 0
+                if name in ("ohio-kiwi", "mecanum4"):
+                    cost[f"{name}, {kind}"] = speed(c, now, wanted, dt, heading, pull)
+    out["largest difference"] = {kind: max(values) for kind, values in worst.items()}
+    out["microseconds a call"] = cost
+    return out
+
+
+def speed(c: CompiledLimiter, *states: np.ndarray) -> dict[str, float]:
+    """Microseconds of processor time a call, the least of nine rounds over states it need not brake from."""
+    now, wanted, dt, heading, pull = states
+    usual = c.limit_twist(now, wanted, dt, heading)[1] <= 1
+    now, wanted, dt, heading, pull = (np.tile(x[usual], (5, 1)[: x.ndim]) for x in states)
+    calls = {
+        "sm_limit_twist": lambda: c.limit_twist(now, wanted, dt, heading),
+        "sm_limit_acceleration": lambda: c.limit_acceleration(now, pull, heading),
+        "sm_margin": lambda: c.margin(now, pull, heading),
+    }
+    out = {}
+    for name, call in calls.items():
+        rounds = []
+        for _ in range(9):
+            start = time.process_time()
+            call()
+            rounds.append(time.process_time() - start)
+        out[name] = 1e6 * min(rounds) / len(now)
+    return out
+
+
+def on_a_cortex_m4() -> dict[str, Any]:
+    """Instructions a call."""
+    if cortex_m4.missing():
+        return {"left out": f"needs {', '.join(cortex_m4.missing())}"}
+    out = {}
+    for name, surface in BUILT_IN[:1] + BUILT_IN[-1:]:
+        limiter = sm.Limiter(name, surface, margin=MARGIN)
+        now, wanted, *_ = drawn_states(limiter, 60, np.random.default_rng(2))
+        with tempfile.TemporaryDirectory() as folder:
+            out[name] = cortex_m4.instructions(limiter, np.hstack([now, wanted]), Path(folder))
+    return out
+
+
+def manoeuvres(limiter: sm.Limiter) -> dict[str, list[np.ndarray]]:
+    """Ten manoeuvres: wanted body twists, each held for 0.6 s."""
+    v, w = 1.0, 1.0 / float(np.mean(np.abs(limiter.table.along[2])))
+    stop = np.zeros(3)
+    return {
+        "start to the front": [np.array([0.0, v, 0.0])],
+        "start to the side": [np.array([v, 0.0, 0.0])],
+        "start diagonally": [np.array([0.8 * v, 0.5 * v, 0.0])],
+        "start at 20 degrees": [np.array([0.34 * v, 0.94 * v, 0.0])],
+        "start and stop": [np.array([0.6 * v, 0.8 * v, 0.0]), stop],
+        "reverse": [np.array([0.5 * v, 0.5 * v, 0.0]), np.array([-0.5 * v, -0.5 * v, 0.0])],
+        "a right angle": [np.array([0.0, 0.7 * v, 0.0]), np.array([0.7 * v, 0.0, 0.0])],
+        "go and turn": [np.array([0.0, 0.6 * v, 0.3 * w])],
+        "turn on the spot": [np.array([0.0, 0.0, 0.6 * w]), stop],
+        "swerve": [np.array([0.3 * v, 0.6 * v, 0.0]), np.array([-0.3 * v, 0.6 * v, 0.0])],
+    }
+
+
+def strengths(limiter: sm.Limiter) -> tuple[np.ndarray, np.ndarray]:
+    """Per-axis limits and ellipsoid semi-axes as they are set: what each axis alone can do."""
+    each = []
+    for axis in np.eye(3):
+        ask = np.concatenate([axis, -axis]).reshape(2, 3) * 1e3
+        crawl = np.sign(ask) * np.array([0.05, 0.05, 0.5])
+        got, _ = limiter.limit_acceleration(crawl, ask)
+        each.append(float(np.min(np.linalg.norm(got, axis=1))))
+    return np.array(each), np.array(each)
+
+
+def against_clipping() -> dict[str, Any]:
+    """Ten manoeuvres: distance lost to what was wanted, largest share of the grip, turn of the direction."""
+    out: dict[str, Any] = {}
+    for name, surface in BUILT_IN:
+        model = sm.read_robot(name, rigid_sectors=False).build(surface)
+        limiter = sm.Limiter(sm.read_robot(name, rigid_sectors=False), surface, margin=MARGIN)
+        axes, ellipse = strengths(limiter)
+        limits = {
+            "limiter": driving.slip_limit(limiter),
+            "per axis": driving.axis_limit(axes),
+            "ellipse": driving.ellipse_limit(ellipse),
+        }
+        rows: dict[str, list[tuple[float, float, float]]] = {kind: [] for kind in limits}
+        for wishes in manoeuvres(limiter).values():
+            wanted = np.repeat(wishes, 60, axis=0)
+            for kind, limit in limits.items():
+                twists = driving.commanded(limit, wanted)
+                lost = float(np.sum(np.linalg.norm((wanted - twists[1:])[:, :2], axis=1)) * driving.TICK_S)
+                rows[kind].append((lost, driving.peak(model, twists), turned(twists, wanted)))
+        out[name] = {
+            kind: {
+                "distance lost [m]": float(np.sum([r[0] for r in found])),
+                "largest share of the grip": float(np.max([r[1] for r in found])),
+                "manoeuvres over the margin": int(np.sum([r[1] > 1.0 - MARGIN + 0.02 for r in found])),
+                "largest turn of the direction [deg]": float(np.max([r[2] for r in found])),
+            }
+            for kind, found in rows.items()
+        }
+    return out
+
+
+def turned(twists: np.ndarray, wanted: np.ndarray) -> float:
+    """Largest angle [deg] between the change of velocity and the wanted change."""
+    step, asked = np.diff(twists, axis=0)[:, :2], (wanted - twists[:-1])[:, :2]
+    size = np.linalg.norm(step, axis=1) * np.linalg.norm(asked, axis=1)
+    on = size > 1e-8
+    if not np.any(on):
+        return 0.0
+    cosine = np.sum(step * asked, axis=1)[on] / size[on]
+    return float(np.rad2deg(np.max(np.arccos(np.clip(cosine, -1.0, 1.0)))))
+
+
+def closed_loop(count: int) -> dict[str, Any]:
+    """Random aggressive commands: largest share with the limiter, and with per-axis clipping as strong."""
+    rows = []
+    for k, (name, model) in enumerate(machines(count)):
+        rows.append({"robot": name, **driving.compared(model, ModelLimiter(model, MARGIN), k, 150)})
+    mine, other = (np.array([row[kind] for row in rows]) for kind in ("limiter", "per axis"))
+    return {
+        "robots": len(rows),
+        "allowed": 1.0 - MARGIN,
+        "largest share, limiter": float(mine.max()),
+        "largest share, per axis": float(other[np.isfinite(other)].max()),
+        "robots over the margin by 0.02, limiter": int(np.sum(mine > 1.0 - MARGIN + 0.02)),
+        "robots over the margin by 0.02, per axis": int(np.sum(other > 1.0 - MARGIN + 0.02)),
+        "rows": rows,
+    }
+
+
+def main(words: list[str]) -> None:
+    """Measure and write."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--robots", type=int, default=50)
+    parser.add_argument("--states", type=int, default=5000)
+    given = parser.parse_args(words)
+    found = {
+        "against python": against_python(given.states),
+        "cortex-m4, instructions a call": on_a_cortex_m4(),
+        "ten manoeuvres": against_clipping(),
+        "closed loop": closed_loop(given.robots),
+    }
+    given.out.write_text(json.dumps(found, indent=1) + "\n")
+    print(json.dumps({k: v for k, v in found.items() if k != "closed loop"}, indent=1))
+    print({k: v for k, v in found["closed loop"].items() if k != "rows"})
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

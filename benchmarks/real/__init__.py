@@ -1,0 +1,1 @@
+"""Real robots: fixed splits, common metrics, rows that others can add."""

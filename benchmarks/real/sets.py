@@ -1,0 +1,138 @@
+"""Three data sets of real robots and how their runs are split: what may be fitted, what is judged.
+
+A split is by whole runs and fixed by their names, so that a figure can be compared with anybody else's.
+
+- ``robotino-load``: Robotino with its weight moved to the front. Fitted: every second heading (0, 10, …)
+  of ``table_0.1``, ``gray_0.1`` and ``load_0.1`` (all of the table for the camera's calibration);
+  judged: the other headings of ``load_0.1``.
+- ``robotino-green``: a thick carpet. Fitted: every second heading of ``green_0.1`` and ``green_0.2``;
+  judged: the other headings at both speeds. Camera as calibrated on the table.
+- ``robojackets``: a RoboCup SSL robot, cut into runs of 2.5 s. Fitted: the blocks of 5 s with even
+  numbers, counted from the first row; judged: those with odd numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from slipmargin.data.calibration import calibrate
+from slipmargin.data.campaign import Part, joined
+from slipmargin.data.data_set import DataSet, WheelSignal
+from slipmargin.data.record import Record
+from slipmargin.data.segments import segments
+from slipmargin.effects import Recipe
+from slipmargin.io.importers.plug import import_files
+from slipmargin.io.importers.robojackets import RobojacketsImporter
+from slipmargin.io.importers.robotino import RobotinoImporter
+from slipmargin.io.robot_file import read_recipe
+
+#: The payload's total mass as its authors state it [kg].
+PAYLOAD_KG = 12.69
+#: Length of a run cut from a recording, and of the blocks that are fitted or judged as a whole [s].
+RUN_S, BLOCK_S = 2.5, 5.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RealSet:
+    """A data set with its split: ``fitted`` (a campaign's runs joined) and ``judged`` with their recipe.
+
+    ``member`` is the number of the fitted campaign's member whose robot is judged.
+    """
+
+    name: str
+    fitted: DataSet
+    judged: tuple[Record, ...]
+    recipe: Recipe
+    surface: str
+    member: int = 0
+
+    @property
+    def own(self) -> tuple[Record, ...]:
+        """The fitted runs of the judged robot: what a model without groups is fitted to."""
+        if not self.fitted.members:
+            return self.fitted.trials
+        pairs = zip(self.fitted.trials, self.fitted.member_of, strict=True)
+        return tuple(t for t, m in pairs if m == self.member)
+
+
+def robotino(folder: Path) -> list[RealSet]:
+    """The sets of the Robotino whose folders are there."""
+
+    def logs(name: str) -> tuple[Record, ...]:
+        return import_files(RobotinoImporter(), sorted((folder / name).glob("*.csv"))).records
+
+    if not (folder / "table_0.1").is_dir():
+        return []
+    recipe = read_recipe("robotino")
+    table = logs("table_0.1")
+    camera = calibrate(table, recipe.build("table").geometry)
+    believed = replace(recipe, effects=camera.effects())
+
+    def part(name: str, records: Sequence[Record], recipe: Recipe, surface: str, loading: str) -> Part:
+        runs = tuple(camera.rectified(r) for r in records)
+        data = DataSet(
+            name=name, recipe=recipe, surface=surface, wheel_signal=WheelSignal.MEASURED, trials=runs
+        )
+        return Part(data_set=data, floor=surface, loading=loading, instrument="camera")
+
+    found = []
+    if (folder / "load_0.1").is_dir() and (folder / "gray_0.1").is_dir():
+        body = replace(believed.robot.body, mass_kg=PAYLOAD_KG)
+        heavy = replace(believed, robot=replace(believed.robot, body=body))
+        load = logs("load_0.1")
+        parts = [
+            part("gray", logs("gray_0.1")[::2], believed, "gray", "as stated"),
+            part("load", load[::2], heavy, "gray", "payload"),
+            part("table", table[::2], believed, "table", "as stated"),
+        ]
+        judged = part("judged", load[1::2], heavy, "gray", "payload").data_set.trials
+        fitted = joined("robotino-load", parts)
+        found.append(
+            RealSet(
+                name="robotino-load", fitted=fitted, judged=judged, recipe=heavy, surface="gray", member=1
+            )
+        )
+    slow, fast = (
+        logs(f"green_{speed}") if (folder / f"green_{speed}").is_dir() else () for speed in (0.1, 0.2)
+    )
+    if slow and fast:
+        runs = [part("slow", slow, believed, "gray", ""), part("fast", fast, believed, "gray", "")]
+        one, two = (
+            tuple(replace(t, name=f"{p.data_set.name}_{t.name}") for t in p.data_set.trials) for p in runs
+        )
+        data = replace(runs[0].data_set, name="robotino-green", trials=(*one[::2], *two[::2]))
+        judged = (*one[1::2], *two[1::2])
+        found.append(
+            RealSet(name="robotino-green", fitted=data, judged=judged, recipe=believed, surface="gray")
+        )
+    return found
+
+
+def robojackets(file: Path) -> list[RealSet]:
+    """The recording of the SSL robot, if it is there."""
+    if not file.is_file():
+        return []
+    importer = RobojacketsImporter()
+    runs = segments(importer.read(file).record, RUN_S)
+    block = [int(run.name.rsplit("_", 1)[1]) // round(BLOCK_S / RUN_S) for run in runs]
+    recipe = read_recipe("robojackets-2018")
+    data = DataSet(
+        name="robojackets",
+        recipe=recipe,
+        surface="carpet",
+        wheel_signal=WheelSignal.MEASURED,
+        trials=tuple(run for run, b in zip(runs, block, strict=True) if b % 2 == 0),
+        nominal_rate_Hz=importer.rate_Hz,
+    )
+    judged = tuple(run for run, b in zip(runs, block, strict=True) if b % 2)
+    return [RealSet(name="robojackets", fitted=data, judged=judged, recipe=recipe, surface="carpet")]
+
+
+def read(folder: Path) -> list[RealSet]:
+    """Every set that lies in ``folder``: ``robotino/…`` and ``robojackets/*.txt``."""
+    found = robotino(folder / "robotino")
+    for file in sorted((folder / "robojackets").glob("*.txt")):
+        found += robojackets(file)
+    return found

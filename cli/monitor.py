@@ -1,0 +1,59 @@
+"""``slipmargin monitor``: is a wheel slipping, from a stream or a log of wheel speeds."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .options import RobotArg, SeedOpt, SurfaceOpt, check_outputs
+from .render import at_options, say, warn
+
+
+def monitor(
+    robot: RobotArg,
+    log: Annotated[str, typer.Argument(metavar="LOG.csv|-", help="Log, or - for a stream on stdin.")],
+    surface: SurfaceOpt,
+    false_alarms: Annotated[
+        float, typer.Option(metavar="P", help="Share of the samples without slip that may alarm.")
+    ] = 0.01,
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write a line a sample.")] = None,
+    train: Annotated[
+        Path | None, typer.Option(metavar="DATASET", help="Train on these runs with poses, not on the model.")
+    ] = None,
+    torque_per_ampere: Annotated[
+        float | None, typer.Option(metavar="K", help="Torque at the wheel per ampere [N m/A], for currents.")
+    ] = None,
+    seed: SeedOpt = 0,
+) -> None:
+    """Tell slip from grip by a likelihood ratio under the robot's own model: one line in, one line out.
+
+    The first line names the columns: t_s, omega{i}_rad_s and, where logged, omega{i}_cmd_rad_s, gyro_rad_s
+    and current{i}_A.  A line out holds the slip probability, the alarm, the wheel that the model loads most,
+    the corrected body velocity with its covariance.  Three wheels without gyro or current have no redundancy:
+    then only the model speaks.  From a file the events are printed, and --out takes the lines.
+    """
+    import slipmargin as sm
+
+    check_outputs(out)
+    with at_options(
+        surface="--surface", false_alarm_rate="--false-alarms", torque_per_ampere_N_m="--torque-per-ampere"
+    ):
+        lines = sm.SlipMonitor.lines(log, sys.stdin if log == "-" else None)
+        watch = sm.SlipMonitor.of_header(
+            robot,
+            surface,
+            lines,
+            false_alarm_rate=false_alarms,
+            training=train,
+            torque_per_ampere_N_m=torque_per_ampere,
+            seed=seed,
+        )
+    warn(*watch.warnings)
+    if log == "-" and out is None:
+        for line in watch.stream(lines):
+            say(line)
+        return
+    say(*watch.report(lines, log, out))

@@ -1,0 +1,143 @@
+"""Photograph every report, the local page and the site's pages into one contact sheet.
+
+``python docs/screenshots.py FOLDER [--site]``: each page at 1280 and 400 px, light and dark, and
+``contact.png`` with all of them.  Needs Chromium (``apt-get install chromium``) and Playwright.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import io
+import shutil
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+from PIL import Image, ImageDraw
+from playwright.sync_api import Browser, sync_playwright
+from slipmargin_cli.main import status
+
+import slipmargin as sm
+
+WIDTHS, SCHEMES = (1280, 400), ("light", "dark")
+#: Height of a picture on the contact sheet, and the most of a page that is shown [px].
+THUMB, TALLEST = 900, 4
+WAY = "x_m,y_m,phi_rad\n0,0,0\n1,0,0\n1,1,0\n"
+SPEEDS = "t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,omega4_rad_s\n0,10,10,10,10\n1,0,0,0,0\n1.5,0,0,0,0\n"
+
+
+def reports(folder: Path) -> list[Path]:
+    """A report of each command that writes one."""
+    (folder / "way.csv").write_text(WAY, encoding="utf-8")
+    (folder / "speeds.csv").write_text(SPEEDS, encoding="utf-8")
+    at = {
+        name: str(folder / f"{name}.html")
+        for name in ("bounds", "sweep", "plan", "check", "slips", "simulate")
+    }
+    plan, robot = str(folder / "plan.csv"), ("mecanum4",)
+    angles = ("--vary", "front_angle_deg=30:60:10", "--vary", "rear_angle_deg=30:60:10")
+    for words in (
+        ("bounds", *robot, "--surface", "floor", "--report", at["bounds"]),
+        ("sweep", "ohio-kiwi", "--surface", "paper", "--report", at["sweep"]),
+        (
+            "plan",
+            *robot,
+            str(folder / "way.csv"),
+            "--surface",
+            "floor",
+            "--out",
+            plan,
+            "--report",
+            at["plan"],
+        ),
+        ("check", *robot, plan, "--surface", "floor", "--report", at["check"]),
+        ("check", *robot, plan, "--surface", "floor", "--margin", "0.3", "--report", at["slips"]),
+        ("simulate", *robot, str(folder / "speeds.csv"), "--surface", "floor", "--report", at["simulate"]),
+        ("design", "omni4", "--surface", "floor", *angles, "--report", str(folder / "design.html")),
+    ):
+        with contextlib.redirect_stdout(io.StringIO()):
+            if status(list(words)) != 0:
+                raise SystemExit(f"failed: slipmargin {' '.join(words)}")
+    return sorted(folder.glob("*.html"))
+
+
+@contextlib.contextmanager
+def local_page() -> Iterator[str]:
+    """The page of ``slipmargin explore``, and its address."""
+    server = sm.explore("mecanum4", "floor").serve()
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    try:
+        yield server.address
+    finally:
+        server.shutdown()
+        server.server_close()
+
+
+def photograph(browser: Browser, address: str, name: str, folder: Path) -> list[Path]:
+    """One page at every width and in every scheme; a page that hangs over the side is said."""
+    made = []
+    for width in WIDTHS:
+        for scheme in SCHEMES:
+            page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
+            page.goto(address)
+            page.wait_for_load_state("networkidle")
+            wide = page.evaluate("document.documentElement.scrollWidth")
+            if wide > width:
+                print(f"{name}: {wide} px wide in a window of {width}")
+            file = folder / f"{name}-{width}-{scheme}.png"
+            page.screenshot(path=file, full_page=True)
+            made.append(file)
+            page.close()
+    return made
+
+
+def contact_sheet(groups: dict[str, list[Path]], file: Path) -> None:
+    """All pictures, a row a page."""
+    rows = []
+    for name, files in groups.items():
+        pictures = []
+        for one in files:
+            picture = Image.open(one).convert("RGB")
+            picture = picture.crop((0, 0, picture.width, min(picture.height, TALLEST * picture.width)))
+            scale = THUMB / max(picture.height, 0.6 * picture.width)
+            pictures.append(picture.resize((int(picture.width * scale), int(picture.height * scale))))
+        rows.append((name, pictures))
+    wide = max(sum(p.width + 12 for p in pictures) for _, pictures in rows)
+    sheet = Image.new("RGB", (wide, len(rows) * (THUMB + 32)), "#888888")
+    draw = ImageDraw.Draw(sheet)
+    for k, (name, pictures) in enumerate(rows):
+        x, y = 0, k * (THUMB + 32)
+        draw.text((6, y + 8), name, fill="white")
+        for picture in pictures:
+            sheet.paste(picture, (x, y + 28))
+            x += picture.width + 12
+    sheet.save(file)
+
+
+def main() -> None:
+    """Photograph and lay out."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--site", action="store_true", help="also every page of site/ (make docs)")
+    asked = parser.parse_args()
+    folder: Path = asked.folder
+    folder.mkdir(parents=True, exist_ok=True)
+    chromium = shutil.which("chromium") or shutil.which("google-chrome")
+    if chromium is None:
+        raise SystemExit("no browser: apt-get install chromium")
+    pages = [(file.stem, file.resolve().as_uri()) for file in reports(folder)]
+    site = Path(__file__).resolve().parents[1] / "site"
+    if asked.site:
+        found = sorted(p for p in site.rglob("*.html") if p.name != "404.html")
+        pages += [("-".join(p.relative_to(site).with_suffix("").parts), p.as_uri()) for p in found]
+    with sync_playwright() as play, local_page() as address:
+        browser = play.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+        groups = {name: photograph(browser, at, name, folder) for name, at in [*pages, ("explore", address)]}
+        browser.close()
+    contact_sheet(groups, folder / "contact.png")
+    print(f"{sum(map(len, groups.values()))} pictures of {len(groups)} pages: {folder / 'contact.png'}")
+
+
+if __name__ == "__main__":
+    main()

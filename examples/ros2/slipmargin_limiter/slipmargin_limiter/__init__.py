@@ -1,0 +1,1 @@
+"""A slip limiter for ROS 2."""

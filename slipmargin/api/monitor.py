@@ -1,0 +1,328 @@
+"""``slipmargin.SlipMonitor``: is a wheel slipping, which one, and what does the body really do?"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+
+from slipmargin.api.robots import RobotLike, model_of, read_robot
+from slipmargin.checks import Array, real
+from slipmargin.errors import InputError
+
+if TYPE_CHECKING:
+    from slipmargin.onboard.likelihood import LabelledRun
+    from slipmargin.onboard.stream import Lines
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SlipEstimate:
+    """What a monitor says of one sample.
+
+    ``slip_probability`` counts slipping and gripping as equally likely beforehand; ``wheel`` is the wheel
+    that its model loads most (empty where it does not alarm); ``twist`` (3,) is the corrected body velocity
+    with its ``covariance`` (3, 3) [m/s, m/s, rad/s].
+    """
+
+    t_s: float
+    slip_probability: float
+    log_ratio: float
+    alarm: bool
+    wheel: str
+    twist: Array
+    covariance: Array
+
+
+@final
+class SlipMonitor:
+    """A likelihood ratio between "every wheel grips" and "a wheel slips" on a stream of samples.
+
+    Parameters
+    ----------
+    robot : str, Path, Recipe or Robot
+        A built-in name, a robot file (also a ``corrected.toml`` of a diagnosis), or a robot that was read.
+    surface : str
+        A surface of the robot file.
+    false_alarm_rate : float
+        Share of the samples without slip that may alarm, above 0 and below 1.
+    commanded, gyro, current : bool
+        Which channels every sample will have besides wheel speeds.
+    training : sequence of LabelledRun, or a data set's folder, optional
+        Runs with known truth (:meth:`labelled`), or logged ones with poses; without them the robot's own
+        model is simulated.
+    torque_per_ampere_N_m : float, optional
+        Torque at the wheel per ampere [N m/A]: simulated runs need it where currents are logged.
+    seed : int
+        Seed of the simulated runs.
+
+    Notes
+    -----
+    Three wheels without gyro, current and command have no redundancy: every set of wheel speeds is a body
+    motion.  Then only the model speaks: whether that motion asks for more than the grip.
+
+    Examples
+    --------
+    >>> import slipmargin as sm
+    >>> monitor = sm.SlipMonitor("ohio-kiwi", "paper", false_alarm_rate=0.01)
+    >>> monitor.update(0.0, [0.0, 0.0, 0.0]).alarm
+    False
+    """
+
+    def __init__(
+        self,
+        robot: RobotLike,
+        surface: str,
+        *,
+        false_alarm_rate: float = 0.01,
+        commanded: bool = False,
+        gyro: bool = False,
+        current: bool = False,
+        training: Sequence[LabelledRun] | Path | str | None = None,
+        torque_per_ampere_N_m: float | None = None,
+        seed: int = 0,
+    ) -> None:
+        from slipmargin.onboard.likelihood import learn
+        from slipmargin.onboard.signals import Channels, Signals
+        from slipmargin.onboard.table import limit_table
+
+        recipe = read_robot(robot)
+        model, self.warnings = model_of(recipe, surface)
+        rate = real("false_alarm_rate", false_alarm_rate, above=0.0, high=0.5, cure="give a share up to 0.5")
+        self.table = limit_table(model, 0.0)
+        self.channels = Channels(commanded=commanded, gyro=gyro, current=current)
+        if training is None:
+            from slipmargin.api.monitor_training import simulated
+
+            training = simulated(model, self, seed, torque_per_ampere_N_m)
+        elif isinstance(training, str | Path):
+            from slipmargin.api.monitor_training import from_data_set
+
+            training = from_data_set(self, training)
+        self.ratio = learn(training)
+        self.threshold = self.ratio.threshold(rate)
+        self._signals = Signals(self.table, self.channels)
+        if model.count == 3 and not (gyro or current):
+            self.warnings = (
+                *self.warnings,
+                "three wheels without gyro or current have no redundancy: only the model tells slip",
+            )
+
+    def restart(self) -> None:
+        """Forget the samples so far: a new run begins."""
+        from slipmargin.onboard.signals import Signals
+
+        self._signals = Signals(self.table, self.channels)
+
+    def labelled(
+        self,
+        t_s: Array,
+        omega: Array,
+        twist: Array,
+        slips: Array,
+        *,
+        commanded: Array | None = None,
+        gyro_rad_s: Array | None = None,
+        current_A: Array | None = None,
+    ) -> LabelledRun:
+        """A run for training: T samples of the channels, the true body twist and whether a wheel slips.
+
+        Parameters
+        ----------
+        t_s, omega : (T,), (T, N)
+            Times [s] and wheel speeds [rad/s].
+        twist, slips : (T, 3), (T,)
+            What the body did [m/s, m/s, rad/s], and the label; a sample with NaN in its twist is left out.
+        """
+        from slipmargin.onboard.likelihood import LabelledRun
+        from slipmargin.onboard.signals import Signals
+
+        signals = Signals(self.table, self.channels)
+        rows = []
+        for k in range(len(t_s)):
+            rows.append(
+                signals.update(
+                    float(t_s[k]),
+                    omega[k],
+                    None if commanded is None else commanded[k],
+                    None if gyro_rad_s is None else float(gyro_rad_s[k]),
+                    None if current_A is None else current_A[k],
+                )
+            )
+        on = np.all(np.isfinite(twist), axis=1)
+        wheels = np.linalg.lstsq(self.table.rolling, omega.T, rcond=None)[0].T
+        if self.channels.gyro and gyro_rad_s is not None:
+            wheels[:, 2] = gyro_rad_s
+        return LabelledRun(
+            numbers=np.array(rows)[on],
+            slips=np.asarray(slips, dtype=bool)[on],
+            wheels=np.asarray(wheels[on], dtype=np.float64),
+            truth=twist[on],
+        )
+
+    def update(
+        self,
+        t_s: float,
+        omega_rad_s: Sequence[float] | Array,
+        *,
+        commanded_rad_s: Sequence[float] | Array | None = None,
+        gyro_rad_s: float | None = None,
+        current_A: Sequence[float] | Array | None = None,
+    ) -> SlipEstimate:
+        """What one more sample says.
+
+        Parameters
+        ----------
+        t_s : float
+            Time [s].
+        omega_rad_s, commanded_rad_s : (N,)
+            Measured and commanded wheel speeds [rad/s].
+        gyro_rad_s : float
+            Yaw rate [rad/s].
+        current_A : (N,)
+            Motor currents [A]; only their size counts.
+
+        Raises
+        ------
+        InputError
+            Where a channel that was announced is missing, or a value is not finite.
+        """
+        omega = self._channel("omega_rad_s", omega_rad_s, True)
+        commanded = self._channel("commanded_rad_s", commanded_rad_s, self.channels.commanded)
+        current = self._channel("current_A", current_A, self.channels.current)
+        if self.channels.gyro and (gyro_rad_s is None or not math.isfinite(gyro_rad_s)):
+            raise InputError("gyro_rad_s", "is missing", "give the yaw rate of every sample")
+        assert omega is not None
+        numbers = self._signals.update(t_s, omega, commanded, gyro_rad_s, current)
+        value = float(self.ratio.value(numbers))
+        p = 1.0 / (1.0 + math.exp(-min(max(value, -50.0), 50.0)))
+        grips, slips = self.ratio.grips, self.ratio.slips
+        wheels = self._signals.twist(omega)
+        if self.channels.gyro and gyro_rad_s is not None:
+            wheels[2] = gyro_rad_s
+        one, two = grips.gain * wheels, slips.gain * wheels
+        apart = two - one
+        twist = one + p * apart
+        covariance = (1.0 - p) * grips.covariance + p * slips.covariance
+        covariance = covariance + p * (1.0 - p) * np.outer(apart, apart)
+        alarm = value > self.threshold
+        wheel = self.table.names[int(np.argmax(self._signals.shares()))] if alarm else ""
+        return SlipEstimate(
+            t_s=t_s,
+            slip_probability=p,
+            log_ratio=value,
+            alarm=alarm,
+            wheel=wheel,
+            twist=twist,
+            covariance=covariance,
+        )
+
+    def _channel(self, place: str, value: Sequence[float] | Array | None, wanted: bool) -> Array | None:
+        if not wanted:
+            return None
+        array = np.asarray(value if value is not None else np.nan, dtype=float)
+        if array.shape != (self.table.count,) or not np.isfinite(array).all():
+            problem = "is missing" if value is None else f"is {np.array2string(array, threshold=6)}"
+            raise InputError(place, problem, f"give {self.table.count} finite numbers, one a wheel")
+        return array
+
+    def stream(self, lines: Iterable[str], kept: list[SlipEstimate] | None = None) -> Iterator[str]:
+        """A CSV line out for every line in: the first line names the columns.
+
+        In: ``t_s``, ``omega{i}_rad_s``, and of the channels announced ``omega{i}_cmd_rad_s``, ``gyro_rad_s``,
+        ``current{i}_A``; other columns are not read.  Out: ``t_s, slip_probability, alarm, wheel``, the
+        corrected twist and the six entries of its covariance.  ``kept`` gets the estimates too.
+
+        Raises
+        ------
+        InputError
+            Where a column is missing or a cell is no number, with the line.
+        """
+        from slipmargin.onboard.stream import HEADER, Columns, line
+
+        number, at = 0, Columns(())
+        for text in lines:
+            number += 1
+            cells = [cell.strip() for cell in text.rstrip("\r\n").split(",")]
+            if number == 1:
+                at = Columns.of(cells, self.table.count, self.channels)
+                yield HEADER
+                continue
+            if cells == [""]:
+                continue
+            try:
+                values = [float(cells[k]) for k in at.places]
+            except (ValueError, IndexError):
+                raise InputError(
+                    f"line {number}", "has a cell that is no number", "give every column"
+                ) from None
+            try:
+                found = self.update(values[0], **at.split(values, self.table.count, self.channels))
+            except InputError as fault:
+                raise InputError(f"line {number}: {fault.place}", fault.problem, fault.cure) from None
+            if kept is not None:
+                kept.append(found)
+            yield line(
+                found.t_s, found.slip_probability, found.alarm, found.wheel, found.twist, found.covariance
+            )
+
+    @staticmethod
+    def lines(source: Path | str, stream: Iterable[str] | None = None) -> Lines:
+        """Lines of a log file, or of a stream that is given; the first can be looked at."""
+        from slipmargin.onboard.stream import Lines
+
+        if stream is None:
+            from slipmargin.io.source import read_text
+
+            stream = read_text(Path(source)).splitlines()
+        return Lines(str(source), iter(stream))
+
+    @classmethod
+    def of_header(cls, robot: RobotLike, surface: str, lines: Lines, **others: Any) -> SlipMonitor:
+        """A monitor of the channels that the first line of a log names; ``others`` as for the class."""
+        names = [cell.strip() for cell in lines.first.split(",")]
+        return cls(
+            robot,
+            surface,
+            commanded="omega1_cmd_rad_s" in names,
+            gyro="gyro_rad_s" in names,
+            current="current1_A" in names,
+            **others,
+        )
+
+    def report(self, lines: Lines, source: str, out: Path | None = None) -> list[str]:
+        """What a log holds in a few lines, its events first; the lines of every sample go to ``out``."""
+        found: list[SlipEstimate] = []
+        told = list(self.stream(lines, found))
+        if out is not None:
+            from slipmargin.io.writes import write_text
+
+            write_text(out, "\n".join(told) + "\n")
+        events = self.events(found)
+        share = sum(one.alarm for one in found) / max(len(found), 1)
+        return [
+            f"{source}: {len(found)} samples, alarm in {100.0 * share:.2f} % of them, {len(events)} events",
+            *(
+                f"slip {e['start_s']:.3f} … {e['end_s']:.3f} s, most loaded wheel {e['wheel']}, "
+                f"probability {e['probability']:.3f}"
+                for e in events
+            ),
+            *([f"written: {out}"] if out is not None else []),
+        ]
+
+    def events(self, estimates: Iterable[SlipEstimate]) -> list[dict[str, Any]]:
+        """Alarms that follow one another as one event: start, end, wheel and the highest probability."""
+        out: list[dict[str, Any]] = []
+        before = False
+        for one in estimates:
+            if one.alarm and not before:
+                out.append({"start_s": one.t_s, "end_s": one.t_s, "wheel": one.wheel, "probability": 0.0})
+            if one.alarm:
+                out[-1]["end_s"] = one.t_s
+                out[-1]["probability"] = max(out[-1]["probability"], one.slip_probability)
+            before = one.alarm
+        return out

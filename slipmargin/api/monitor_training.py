@@ -1,0 +1,167 @@
+"""Runs whose truth is known, for a slip monitor: simulated ones, and those of a data set with poses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipmargin.checks import Array, real
+from slipmargin.errors import InputError, MotionStopped
+from slipmargin.onboard.signals import TAU_S
+from slipmargin.physics.frames import rotate_rows
+
+if TYPE_CHECKING:
+    from slipmargin.api.monitor import SlipMonitor
+    from slipmargin.model import Model
+    from slipmargin.onboard.likelihood import LabelledRun
+
+#: Simulated training: runs, their length [s], time between samples [s].
+_RUNS, _LENGTH_S, _STEP_S = 40, 2.0, 0.01
+#: A wheel slips where it uses more than this share of its grip in simulation, and grips below the other [1].
+_SLIPS, _GRIPS = 0.97, 0.93
+#: Noise of simulated sensors: wheel speed [share of its rms], gyro [rad/s], current [share].
+_NOISE, _GYRO_NOISE, _CURRENT_NOISE = 0.01, 0.02, 0.05
+#: Half the window of measured velocities [s]; how far they may be from the wheels' and still be grip:
+#: an offset [m/s] for the noise of the pose and a share of the wheels' velocity [1].
+_WINDOW_S, _APART_M_S, _APART = 0.1, 0.02, 0.2
+
+
+def simulated(
+    model: Model, monitor: SlipMonitor, seed: int, torque_per_ampere_N_m: float | None
+) -> list[LabelledRun]:
+    """Runs of the robot's own model that ask for a tenth to twice the grip's acceleration."""
+    from slipmargin.sim.signal import linear
+    from slipmargin.sim.simulate import simulate
+
+    channels = monitor.channels
+    if channels.current and torque_per_ampere_N_m is None:
+        raise InputError(
+            "torque_per_ampere_N_m",
+            "is missing, and the log has currents",
+            "give the torque at the wheel per ampere [N m/A], or logged runs with poses for training",
+        )
+    per_ampere = real(
+        "torque_per_ampere_N_m",
+        1.0 if torque_per_ampere_N_m is None else torque_per_ampere_N_m,
+        above=0.0,
+        cure="give newton metres per ampere",
+    )
+    rng = np.random.default_rng(seed)
+    arm = float(np.mean(np.abs(monitor.table.along[2])))
+    per = np.array([1.0, 1.0, 1.0 / arm])
+    ticks = round(_LENGTH_S / _STEP_S)
+    t = np.asarray(_STEP_S * np.arange(ticks + 1), dtype=np.float64)
+    top = model.drives.max_speed_rad_s
+    fastest = 1.0 if top is None else min(1.0, 0.5 * top * float(np.min(model.geometry.radius_m)))
+    out = []
+    for part in rng.permutation(np.geomspace(0.1, 2.0, _RUNS)):
+        most = part * monitor.table.pull_m_s2 * per * _STEP_S
+        wish = np.repeat(rng.normal(size=(ticks // 25 + 1, 3)) * per * fastest, 25, axis=0)
+        twist = [np.zeros(3)]
+        for k in range(ticks):
+            step = wish[k] * (0.0 if k // 25 % 4 == 3 else 1.0) - twist[-1]
+            twist.append(twist[-1] + step / max(1.0, float(np.linalg.norm(step / most))))
+        omega = model.geometry.wheel_speeds(np.array(twist))
+        try:
+            run = simulate(model, linear(t, omega), t, rtol=1e-5)
+        except MotionStopped:
+            continue
+        body = rotate_rows(run.pose[:, 2], run.velocity, inverse=True)
+        used = np.max(run.utilisation, axis=1)
+        body[~_settled(used)] = np.nan
+        noise = _NOISE * float(np.sqrt(np.mean(omega**2)))
+        torque = np.abs(run.force[..., 0]) * model.geometry.radius_m / per_ampere
+        given = np.where(np.isfinite(body[:, 2]), body[:, 2], run.velocity[:, 2])
+        out.append(
+            monitor.labelled(
+                t,
+                omega + noise * rng.normal(size=omega.shape),
+                body,
+                used > _SLIPS,
+                commanded=omega if channels.commanded else None,
+                gyro_rad_s=given + _GYRO_NOISE * rng.normal(size=len(t)) if channels.gyro else None,
+                current_A=torque * (1.0 + _CURRENT_NOISE * rng.normal(size=torque.shape))
+                if channels.current
+                else None,
+            )
+        )
+    return out
+
+
+def _settled(used: Array) -> NDArray[np.bool_]:
+    """Samples (T,) that grip or slip clearly, and have done so for as long as the filters remember."""
+    slips, grips = used > _SLIPS, used < _GRIPS
+    remembered = round(2.0 * TAU_S / _STEP_S)
+    clear = np.zeros(len(used), dtype=bool)
+    for k in range(len(used)):
+        window = slice(max(0, k - remembered), k + 1)
+        clear[k] = bool(np.all(grips[window]) or np.mean(slips[window]) > 0.6)
+    return clear & (slips | grips)
+
+
+def from_data_set(monitor: SlipMonitor, folder: Path | str) -> list[LabelledRun]:
+    """The runs of a data set; a wheel slips where the pose says other velocities than the wheels.
+
+    Raises
+    ------
+    InputError
+        Where the data set is for another number of wheels, or lacks a channel that is announced.
+    """
+    from slipmargin.io.data_set import read_data_set
+
+    found, channels, out = read_data_set(folder), monitor.channels, []
+    for trial in found.trials:
+        place = f"trials/{trial.name}.csv"
+        for name, wanted, given in (
+            ("omega", True, trial.omega),
+            ("omega_cmd", channels.commanded, trial.omega_cmd),
+            ("current", channels.current, trial.current),
+        ):
+            if wanted and (given is None or not np.all(np.isfinite(given))):
+                raise InputError(
+                    f"{place}: {name}", "is missing", "train on runs that log every channel", str(folder)
+                )
+        assert trial.omega is not None
+        if trial.omega.shape[1] != monitor.table.count:
+            raise InputError(place, "is of a robot with other wheels", "give this robot's runs", str(folder))
+        half = max(2, round(_WINDOW_S / float(np.median(np.diff(trial.t_s)))))
+        truth, wheels = _velocities(monitor, trial.t_s, trial.pose, trial.omega, half)
+        size = np.array([1.0, 1.0, float(np.mean(np.abs(monitor.table.along[2])))])
+        apart = np.linalg.norm((truth - wheels) * size, axis=1)
+        slips = apart > _APART_M_S + _APART * np.linalg.norm(wheels * size, axis=1)
+        out.append(
+            monitor.labelled(
+                trial.t_s,
+                trial.omega,
+                truth,
+                slips,
+                commanded=trial.omega_cmd if channels.commanded else None,
+                gyro_rad_s=_filled(truth[:, 2]) if channels.gyro else None,
+                current_A=trial.current if channels.current else None,
+            )
+        )
+    return out
+
+
+def _velocities(monitor: SlipMonitor, t: Array, pose: Array, omega: Array, half: int) -> tuple[Array, Array]:
+    """Body twists (T, 3) by the pose and by the wheels over the same samples; NaN at the ends."""
+    truth, wheels = np.full(pose.shape, np.nan), np.full(pose.shape, np.nan)
+    if len(t) > 2 * half:
+        step = (t[2 * half :] - t[: -2 * half])[:, None]
+        rate = (pose[2 * half :] - pose[: -2 * half]) / step
+        truth[half:-half] = rotate_rows(pose[half:-half, 2], rate, inverse=True)
+        turned = np.concatenate([np.zeros((1, omega.shape[1])), np.cumsum(omega, axis=0)])
+        mean = (turned[2 * half + 1 :] - turned[: -2 * half - 1]) / (2 * half + 1)
+        wheels[half:-half] = mean @ np.linalg.pinv(monitor.table.rolling).T
+    return truth, wheels
+
+
+def _filled(values: Array) -> Array:
+    """Values with their gaps and ends filled by the nearest that are there."""
+    there = np.flatnonzero(np.isfinite(values))
+    if not len(there):
+        return np.zeros_like(values)
+    return np.asarray(np.interp(np.arange(len(values)), there, values[there]))

@@ -1,0 +1,60 @@
+"""One long recording cut into runs, each with a start pose of its own.
+
+Wheels that turn at a run's start have a past: the robot may be slipping, and a camera that is late still
+sees what they did before.  Each run therefore begins with a lead-in, rows whose wheels are known and whose
+poses are left empty, so that nothing is compared there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from slipmargin.checks import real
+from slipmargin.data.record import WHEEL_SIGNALS, Record
+
+#: Lead-in of a run [s]: longer than a camera is late and than friction takes to change a velocity.
+LEAD_S = 0.4
+#: A piece shorter than this share of a segment, at the end of a recording, is left out.
+_SHORTEST = 0.5
+
+
+def segments(record: Record, length_s: float, lead_s: float = LEAD_S) -> tuple[Record, ...]:
+    """Runs of ``length_s`` seconds [s], with a lead-in of at most ``lead_s``, in which the wheels move.
+
+    Raises
+    ------
+    InputError
+        Where the length is not above 0.5 s or the lead-in is negative.
+    """
+    length_s = real("segment_s", length_s, above=0.5, cure="give the seconds of a run, above 0.5")
+    lead_s = real("lead_s", lead_s, low=0.0, cure="give the seconds of a lead-in, from 0")
+    t = record.t_s
+    found = []
+    count = int(np.ceil((t[-1] - t[0]) / length_s))
+    for k in range(count):
+        begin, end = t[0] + k * length_s, t[0] + (k + 1) * length_s
+        rows = np.flatnonzero((t >= begin - lead_s) & (t < end))
+        own = t[rows] >= begin
+        if own.sum() < 2 or end - t[-1] > (1.0 - _SHORTEST) * length_s or not _moves(record, rows):
+            continue
+        pose = np.array(record.pose[rows])
+        pose[~own] = np.nan
+        if not np.isfinite(pose).all(axis=1).any():
+            continue
+        signals: dict[str, Any] = {
+            f: None if (value := getattr(record, f)) is None else value[rows] for f in WHEEL_SIGNALS
+        }
+        name = f"{record.name}_{k:03d}"
+        found.append(replace(record, name=name, t_s=t[rows] - t[rows[0]], pose=pose, **signals))
+    return tuple(found)
+
+
+def _moves(record: Record, rows: np.ndarray[tuple[int], np.dtype[np.int64]]) -> bool:
+    """Whether a wheel turns by a degree at least."""
+    if record.theta is not None:
+        return bool(np.nanmax(np.ptp(record.theta[rows], axis=0)) > np.pi / 180.0)
+    speeds = record.omega if record.omega is not None else record.omega_cmd
+    return speeds is not None and bool(np.nanmax(np.abs(speeds[rows])) > 0.0)

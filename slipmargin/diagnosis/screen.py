@@ -1,0 +1,340 @@
+"""Screening: how much of the residual of left-out runs every candidate takes off, by its tangent alone.
+
+The model is simulated once beside each parameter of each candidate.  What follows is linear and cannot
+diverge: for every candidate the step that suits all runs but a fold is applied to the fold, and what the
+squared residual falls by is its gain.  Named effects, general forms, pairs of named effects and what no
+fit can vary (:mod:`~slipmargin.diagnosis.probes`) stand in one list.  It orders the candidates, it is the
+residual map, and it is tested as a whole: surrogate residuals, whose blocks change their sign at random, go
+through all of it, and the largest gain of any candidate from them is what chance gives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array, Index
+from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.fit import Fit, Residuals
+from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.effects import AnyEffect, Trace
+
+#: Forward-difference step in units of a parameter's scale: that of the fits.
+_STEP = 0.05
+#: Ridge of the linear steps, as a share of a column's own sum of squares.
+_RIDGE = 1e-6
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Columns:
+    """The tangents of one candidate: ``columns`` (R, K, M), a column a unit of scale.
+
+    Parameters
+    ----------
+    trace : Trace
+        The variable it stands for.
+    label : str
+        That of the candidate.
+    columns : array (R, K, M)
+        How the residual changes.
+    prior : array (M, M)
+        Precision of the prior.
+    low, high : array (M,)
+        How far each column may be followed.
+    candidate : Candidate, optional
+        What a fit can vary; None for a probe.
+    at, free : array
+        Where (P,) the candidate stands, and the numbers (M,) of the parameters that the columns belong to;
+        −1 is the whole change from the present law to that at ``at``.
+    """
+
+    trace: Trace
+    label: str
+    columns: Array
+    prior: Array
+    low: Array
+    high: Array
+    candidate: Candidate | None = None
+    at: Array | None = None
+    free: tuple[int, ...] = ()
+
+    @property
+    def named(self) -> bool:
+        """Whether it has a name."""
+        return self.candidate is not None and self.candidate.named
+
+    def start(self, step: Array) -> Array:
+        """The candidate's parameters after a step (M,), where a fit may start."""
+        assert self.candidate is not None and self.at is not None
+        x = self.at.copy()
+        for j, own in zip(self.free, step, strict=True):
+            if j >= 0:
+                x[j] += own * self.candidate.scale[j]
+        return np.asarray(np.clip(x, self.candidate.low, self.candidate.high))
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Screened:
+    """One entry of the list: one candidate, or two named ones, at their best start.
+
+    ``gain`` is what the sum of squares of left-out runs falls by, ``step`` the step that suits all runs;
+    ``starts`` are the parameters (P,) after that step, and after those from a candidate's next best places
+    or times.
+    """
+
+    parts: tuple[Columns, ...]
+    gain: float
+    step: Array
+    starts: tuple[Array, ...] = ()
+
+    @property
+    def structure(self) -> tuple[Candidate, ...]:
+        """The candidates to add; empty for a probe."""
+        return tuple(c.candidate for c in self.parts if c.candidate is not None)
+
+    @property
+    def named(self) -> bool:
+        """Whether all of it has names."""
+        return bool(self.structure) and all(c.named for c in self.structure)
+
+    @property
+    def label(self) -> str:
+        """Its candidates' labels."""
+        return " + ".join(c.label for c in self.parts)
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Screening:
+    """The list, best first; the sum of squares that gains are part of; the best gains (S,) of surrogates."""
+
+    entries: tuple[Screened, ...]
+    total: float
+    chance: Array
+
+    def share(self, entry: Screened) -> float:
+        """Share of the sum of squares that an entry takes off."""
+        return entry.gain / max(self.total, 1e-300)
+
+    def p_value(self, share: float) -> float:
+        """Probability that noise alone gives the best of the whole list this share of the sum of squares."""
+        beaten = int(np.sum(self.chance >= share * self.total))
+        return (1 + beaten) / (1 + len(self.chance))
+
+
+def screen(
+    problem: Residuals,
+    base: Fit,
+    candidates: Sequence[Candidate],
+    probes: Sequence[Columns],
+    parts: Sequence[Index],
+    block: int,
+    seed: int,
+) -> Screening:
+    """The list for what ``base`` leaves.
+
+    Parameters
+    ----------
+    problem : Residuals
+        Gives residuals of effects.
+    base : Fit
+        What is known already, on its trials.
+    candidates : sequence of Candidate
+        What may be added.
+    probes : sequence of Columns
+        What no fit can vary, on the same trials.
+    parts : sequence of arrays of int
+        The folds: numbers of trials of ``base``.
+    block : int
+        Samples whose sign surrogates change together.
+    seed : int
+        Draws the surrogates.
+    """
+    groups = [*tangents(problem, base, candidates), *probes]
+    if not groups:
+        return Screening(entries=(), total=base.cost, chance=np.zeros(0))
+    columns = _beside(base, np.concatenate([g.columns for g in groups], axis=2))
+    gram = np.array([_gram(columns[part]) for part in parts])
+    pulls = _pulls(base.residual, columns, parts, block, seed)
+    place = np.cumsum([0, *(g.columns.shape[2] for g in groups)])
+    misfit = max(1.0, base.cost / max(1, int(np.count_nonzero(base.residual))))
+    found: list[tuple[tuple[Columns, ...], Array, Array]] = []
+
+    def add(*numbers: int) -> None:
+        own = tuple(groups[n] for n in numbers)
+        rows = np.concatenate([np.arange(place[n], place[n + 1]) for n in numbers])
+        gains, step = _left_out(own, gram[:, rows[:, None], rows], pulls[:, :, rows], misfit)
+        found.append((own, gains, step))
+
+    for number in range(len(groups)):
+        add(number)
+    ordered = _starts_of_each(found)
+    singles = [numbers[0] for numbers in ordered]
+    names = [n for n in singles if groups[n].named]
+    for one, two in combinations(names, 2):
+        if _can_be_two(groups[one], groups[two]):
+            add(one, two)
+    kept = [*ordered, *([n] for n in range(len(groups), len(found)))]
+    most = np.array([gains[1:] for _, gains, _ in found]).max(axis=0)
+    entries = [
+        Screened(
+            parts=found[numbers[0]][0],
+            gain=float(found[numbers[0]][1][0]),
+            step=found[numbers[0]][2],
+            starts=tuple(_start(found[n][0], found[n][2]) for n in numbers[: 2 * SETTINGS.starts]),
+        )
+        for numbers in kept
+    ]
+    best_first = tuple(sorted(entries, key=lambda e: -e.gain))
+    return Screening(entries=best_first, total=base.cost, chance=most)
+
+
+def tangents(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> list[Columns]:
+    """Columns of every candidate at each of its starts, one simulation a column."""
+    points: list[tuple[AnyEffect, ...]] = []
+    plans: list[tuple[Candidate, Array, list[tuple[int, float]]]] = []
+    for candidate in candidates:
+        for at in _standpoints(candidate):
+            columns: list[tuple[int, float]] = [] if candidate.nested else [(-1, 1.0)]
+            for j in range(candidate.size):
+                if candidate.idle[j] and candidate.nested:
+                    continue
+                step = _STEP if at[j] + _STEP * candidate.scale[j] <= candidate.high[j] else -_STEP
+                columns.append((j, step))
+            for j, step in columns:
+                moved = at.copy()
+                if j >= 0:
+                    moved[j] += step * candidate.scale[j]
+                points.append((*base.effects, candidate.build(moved)))
+            plans.append((candidate, at, columns))
+    found = iter(_in_parts(problem, points, base.trials))
+    out = []
+    for candidate, at, plan in plans:
+        made, here = [], base.residual
+        for j, step in plan:
+            residual = next(found)
+            made.append((residual - here) / step)
+            here = residual if j < 0 else here
+        free = [j for j, _ in plan]
+        low = [0.0 if j < 0 else (candidate.low[j] - at[j]) / candidate.scale[j] for j in free]
+        high = [1.0 if j < 0 else (candidate.high[j] - at[j]) / candidate.scale[j] for j in free]
+        prior = np.zeros((len(free), len(free)))
+        inner = [k for k, j in enumerate(free) if j >= 0]
+        rows = candidate.prior[:, [free[k] for k in inner]]
+        prior[np.ix_(inner, inner)] = rows.T @ rows
+        out.append(
+            Columns(
+                trace=candidate.trace,
+                label=candidate.label,
+                columns=np.stack(made, axis=2),
+                prior=prior,
+                low=np.array(low),
+                high=np.array(high),
+                candidate=candidate,
+                at=at,
+                free=tuple(free),
+            )
+        )
+    return out
+
+
+#: Simulations that are compared in one go: their poses stay in the processor's memory.
+_AT_ONCE = 16
+
+
+def _in_parts(problem: Residuals, points: list[tuple[AnyEffect, ...]], trials: Index) -> list[Array]:
+    out: list[Array] = []
+    for at in range(0, len(points), _AT_ONCE):
+        some = points[at : at + _AT_ONCE]
+        out += problem.residuals(some, [trials] * len(some))
+    return out
+
+
+def _standpoints(candidate: Candidate) -> list[Array]:
+    """Where a candidate's tangents are taken: it does nothing there, its idle parameters at each start."""
+    if not candidate.idle.any():
+        return [np.array(candidate.null)]
+    rows = [np.where(candidate.idle, start, candidate.null) for start in candidate.starts]
+    return [rows[i] for i in sorted(np.unique(np.array(rows), axis=0, return_index=True)[1])]
+
+
+def _beside(base: Fit, columns: Array) -> Array:
+    """Columns less what the parameters of ``base`` could take up."""
+    if not len(base.x):
+        return columns
+    flat = columns.reshape(-1, columns.shape[2])
+    own = base.jacobian.reshape(-1, len(base.x))
+    keep = np.linalg.qr(own / np.maximum(np.linalg.norm(own, axis=0), 1e-300))[0]
+    return np.asarray((flat - keep @ (keep.T @ flat)).reshape(columns.shape))
+
+
+def _gram(columns: Array) -> Array:
+    flat = columns.reshape(-1, columns.shape[2])
+    return np.asarray(flat.T @ flat)
+
+
+def _pulls(residual: Array, columns: Array, parts: Sequence[Index], block: int, seed: int) -> Array:
+    """Products (1 + S, F, M) of columns and residual in each fold: as it is, then of surrogates."""
+    length, many = columns.shape[1:]
+    samples = length // 3
+    edges = np.arange(0, samples, max(1, block))
+    random = np.random.default_rng(seed)
+    out = np.zeros((1 + SETTINGS.surrogates, len(parts), many))
+    for number, part in enumerate(parts):
+        for run in part:
+            product = (residual[run][:, None] * columns[run]).reshape(3, samples, many)
+            blocks = np.add.reduceat(product, edges, axis=1).reshape(-1, many)
+            signs = np.vstack(
+                [np.ones(len(blocks)), random.choice([-1.0, 1.0], size=(SETTINGS.surrogates, len(blocks)))]
+            )
+            out[:, number] += signs @ blocks
+    return out
+
+
+def _left_out(own: tuple[Columns, ...], gram: Array, pulls: Array, misfit: float) -> tuple[Array, Array]:
+    """Gain (1 + S,) on folds left out, and the step (M,) that suits all runs."""
+    low, high = np.concatenate([c.low for c in own]), np.concatenate([c.high for c in own])
+    prior = np.zeros(gram.shape[1:])
+    at = 0
+    for c in own:
+        many = len(c.low)
+        prior[at : at + many, at : at + many] = misfit * c.prior
+        at += many
+    whole = gram.sum(axis=0)
+    lift = prior + np.diag(_RIDGE * np.diag(whole) + 1e-12 * np.trace(whole) + 1e-12)
+    all_pulls = pulls.sum(axis=1)
+    gains = np.zeros(len(pulls))
+    for fold in range(len(gram)):
+        steps = -np.linalg.solve(whole - gram[fold] + lift, (all_pulls - pulls[:, fold]).T).T
+        steps = np.clip(steps, low, high)
+        gains -= 2.0 * np.einsum("sm,sm->s", steps, pulls[:, fold])
+        gains -= np.einsum("sm,mn,sn->s", steps, gram[fold], steps, optimize=True)
+    return gains, np.clip(-np.linalg.solve(whole + lift, all_pulls[0]), low, high)
+
+
+def _starts_of_each(found: Sequence[tuple[tuple[Columns, ...], Array, Array]]) -> list[list[int]]:
+    """Numbers of the starts of each candidate, best first."""
+    numbers: dict[str, list[int]] = {}
+    for number, (own, _, _) in enumerate(found):
+        numbers.setdefault(own[0].label, []).append(number)
+    return [sorted(of_one, key=lambda n: -float(found[n][1][0])) for of_one in numbers.values()]
+
+
+def _start(own: tuple[Columns, ...], step: Array) -> Array:
+    """Where a fit of candidates starts: after their step."""
+    ends = np.cumsum([len(c.low) for c in own])[:-1]
+    steps = zip(own, np.split(step, ends), strict=True)
+    return np.concatenate([np.zeros(0), *(c.start(part) for c, part in steps if c.candidate is not None)])
+
+
+def _can_be_two(one: Columns, two: Columns) -> bool:
+    """Whether two named effects may be missing together: not two forms of one on the same wheels."""
+    assert one.candidate is not None and two.candidate is not None
+    same = one.candidate.name == two.candidate.name
+    return not same or one.candidate.wheels != two.candidate.wheels

@@ -1,0 +1,181 @@
+"""The C header of a limiter: its tables as text, its switches, and how many operations a call takes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.onboard.c_calls import CALLS
+from slipmargin.onboard.c_code import DECLARATIONS, ROWS
+from slipmargin.onboard.limiter import LARGEST, LIGHTEST, SHORTER, tolerance
+from slipmargin.onboard.table import LimitTable
+from slipmargin.physics.grips import GripShape
+
+
+def c_header(table: LimitTable, *, version: str, robot_hash: str, source: str) -> str:
+    """The header as text.
+
+    Parameters
+    ----------
+    version : str
+        Version of this package.
+    robot_hash : str
+        What identifies the robot file's content.
+    source : str
+        The command or call that made it.
+    """
+    guard = "SLIPMARGIN_LIMIT_H"
+    return "\n".join(
+        [
+            _comment(table, version, robot_hash, source),
+            f"#ifndef {guard}",
+            f"#define {guard}",
+            "",
+            "#include <math.h>",
+            DECLARATIONS,
+            *_switches(table),
+            "",
+            *_tables(table),
+            ROWS,
+            CALLS,
+            f"#endif /* {guard} */",
+            "",
+        ]
+    )
+
+
+def operations(table: LimitTable) -> dict[str, int]:
+    """Most floating-point operations (+ − × ÷ √, comparisons) of each function, an upper bound."""
+    n, cases, count = table.count, len(table.rest_low_N), row_count(table)
+    moving = int(table.transfers)
+    friction = 60
+    drag = n * (12 + 2 * (friction + 4))
+    row = 12 + n * (6 + 4 * moving)
+    sharing = n * (16 + 6 * 3 + 22) + 40 if table.shares_by_load else 0
+    per_wheel = 5 * n + 10 + 2 * (3 * n + 12 + 12 * int(table.stall_torque_N_m is not None) + 5 * n)
+    making = drag + n * 16 + 30 + 120 + sharing + n * per_wheel + count * row + 6 * n
+    reading = count * (6 + 5 + 5 + 5 + 8 + 2 * 16 + 8)
+    turning = 60
+    toward = turning + 40 + 3 * (making + reading + 40)
+    rounds = 2 if table.shares_by_load else 1
+    return {
+        "sm_limit_twist": 2 * toward + 60 + 8 * n,
+        "sm_limit_acceleration": turning + 60 + rounds * (making + count * 20 + 20),
+        "sm_margin": turning + drag + 20 * n + 150 + sharing + cases * (12 + n * 30),
+    }
+
+
+def row_count(table: LimitTable) -> int:
+    """Rows that a call looks at."""
+    n, cases = table.count, len(table.rest_low_N)
+    kinds = 2 if table.stall_torque_N_m is None else 4
+    return kinds * n * cases + (n if table.transfers else 0)
+
+
+def _comment(table: LimitTable, version: str, robot_hash: str, source: str) -> str:
+    counts = operations(table)
+    wheels = ", ".join(f"{i}: {_plain(name)}" for i, name in enumerate(table.names))
+    lines = [
+        f"Slip limiter of robot {_plain(table.robot)} on surface {_plain(table.surface)}.",
+        f"Written by slipmargin {version} with: {_plain(source)}",
+        f"Robot file: sha256 {robot_hash}.  Change the robot file and write this file anew; do not edit it.",
+        "",
+        "C99 and C++17, single precision; #define SM_DOUBLE before including it for double.  No allocation,",
+        "no global state, nothing of the mathematics library but the square root.  Do not compile it with",
+        "-ffast-math: it would drop the tests for numbers that are not finite.",
+        "",
+        f"Units: m, s, rad, kg, N.  Axes: the body frame of the robot file ({table.axes}).",
+        f"Share of the grip that may be used: {table.share:.6g}.  Wheels: {wheels}.",
+        "Most floating-point operations (+ - * / sqrt and comparisons) of a call, whatever the input:",
+        *(f"  {name:<22} {count}" for name, count in counts.items()),
+        "",
+        "  sm_limit_twist         the next velocity command: towards the wanted one, within the margin",
+        "  sm_limit_acceleration  an acceleration cut back to the margin, its direction kept",
+        "  sm_margin              share of the grip in use now, and the wheel that uses most",
+    ]
+    return "/*\n" + "\n".join(f" * {line}".rstrip() for line in lines) + "\n */"
+
+
+def _plain(text: str) -> str:
+    return "".join(c if c.isascii() and c.isprintable() else "?" for c in text).replace("*/", "* /")
+
+
+def _switches(table: LimitTable) -> list[str]:
+    stall, top = table.stall_torque_N_m, table.top_speed_rad_s
+    exact = np.array_equal(table.drag_low, table.drag_high) and np.array_equal(
+        table.slope_low, table.slope_high
+    )
+    coupled = 0 if not table.coupled else 2 if table.shape is GripShape.ELLIPSE else 1
+    named: list[tuple[str, str, str]] = [
+        ("SM_WHEELS", str(table.count), "wheels"),
+        ("SM_CASES", str(len(table.rest_low_N)), "cases of the loads: more than one on an uneven floor"),
+        ("SM_ROWS", str(row_count(table)), "rows that limit an acceleration"),
+        ("SM_LAW", str(table.law), "friction law: 0 atan, 1 tanh, 2 rational"),
+        ("SM_COUPLED", str(coupled), "1 or 2: drag takes from the drive grip (disc-strip, ellipse)"),
+        ("SM_EXACT_DRAG", str(int(exact)), "whether the drag is known, not a range"),
+        ("SM_TRANSFERS", str(int(table.transfers)), "whether accelerating shifts load"),
+        ("SM_SHARES_BY_LOAD", str(int(table.shares_by_load)), "whether loads decide who gives what force"),
+        ("SM_MOTOR", str(int(stall is not None)), "whether the motors' torque is known"),
+        ("SM_TOP_SPEED", str(int(top is not None)), "whether the motors' top speed is known"),
+        ("SM_FLOOR", str(int(table.turned)), "whether the floor slopes, so that the heading matters"),
+        ("SM_SHARE", _number(table.share), "share of the grip that may be used"),
+        ("SM_COUPLING", _number(table.coupling), "part of the grip that is coupled"),
+        ("SM_STALL", _number(stall or 0.0), "stall torque at the wheel [N m]"),
+        ("SM_FASTEST", _number(top or 0.0), "top speed of a wheel [rad/s]"),
+        ("SM_LIGHTEST", _number(LIGHTEST * table.mean_load_N), "least load that counts [N]"),
+        ("SM_ROUNDING", _number(tolerance(table)), "tolerance of a row [1]"),
+        ("SM_LARGEST", _number(LARGEST), "largest input that counts"),
+        ("SM_HUGE", _number(1e30), "more than any share"),
+    ]
+    assert SHORTER == (1.0, 0.25), "sm_toward tries these parts"
+    return [f"#define {name} {value} /* {meaning} */" for name, value, meaning in named]
+
+
+def _tables(table: LimitTable) -> list[str]:
+    rows: list[tuple[str, Array, str]] = [
+        ("sm_mass", table.mass, "mass, mass, yaw inertia"),
+        ("sm_com", table.com_m, "centre of mass [m]"),
+        ("sm_along", table.along.T, "wrench of a unit force along each wheel's grip"),
+        ("sm_across", table.across.T, "and across it"),
+        ("sm_spread", table.spread, "drive forces that share a wrench"),
+        ("sm_lateral", table.lateral, "lateral slip per twist [m/s]"),
+        ("sm_rolling", table.rolling, "wheel speed per twist [rad/s]"),
+        ("sm_drive", table.drive, "drive coefficient, the least"),
+        ("sm_drag_low", table.drag_low, "transverse coefficient, the least"),
+        ("sm_drag_high", table.drag_high, "and the greatest"),
+        ("sm_slope_low", table.slope_low, "slope of the friction law across the rollers [s/m]"),
+        ("sm_slope_high", table.slope_high, ""),
+        ("sm_rest_low", table.rest_low_N, "loads without acceleration [N]"),
+        ("sm_rest_high", table.rest_high_N, ""),
+        ("sm_transfer", table.per_acceleration_kg, "change of the loads per acceleration [kg]"),
+        ("sm_wrench_low", table.wrench_low, "external wrench [N, N, N m]"),
+        ("sm_wrench_high", table.wrench_high, ""),
+        ("sm_viscous", table.viscous, "external wrench per twist"),
+    ]
+    if table.turned:
+        rows.append(("sm_floor", table.floor_wrench, "wrench of the slope in floor axes [N, N, N m]"))
+        rows.append(("sm_floor_loads", table.floor_loads, "change of the loads per force of the slope [1]"))
+    if table.stall_torque_N_m is not None:
+        rows.append(("sm_torque_force", table.torque_force, "motor torque per drive force [m]"))
+        rows.append(("sm_torque_drag", table.torque_drag, "and per drag [m]"))
+    return [_array(name, np.asarray(values), meaning) for name, values, meaning in rows]
+
+
+def _array(name: str, values: Array, meaning: str) -> str:
+    sides = "".join(f"[{size}]" for size in values.shape)
+    note = f"/* {meaning} */\n" if meaning else ""
+    if values.ndim == 1:
+        return f"{note}static const sm_real {name}{sides} = {{{_row(values)}}};"
+    body = ",\n".join(f"  {{{_row(row)}}}" for row in values)
+    return f"{note}static const sm_real {name}{sides} = {{\n{body}}};"
+
+
+def _row(values: Array) -> str:
+    return ", ".join(_number(float(v)) for v in values)
+
+
+def _number(value: float) -> str:
+    assert math.isfinite(value)
+    return f"SM_C({value!r})"

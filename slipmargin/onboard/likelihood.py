@@ -1,0 +1,142 @@
+"""The decision of a slip monitor: a likelihood ratio between "every wheel grips" and "a wheel slips".
+
+The numbers of :mod:`~slipmargin.onboard.signals` are taken as normal under either hypothesis, with means and
+covariances from runs in which it is known which holds: runs of the robot's own model, or logs with a pose.
+The threshold for a false-alarm rate is the quantile of the ratio over the samples that grip, each judged by
+a ratio that has not seen its run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipmargin.checks import Array
+from slipmargin.errors import InputError
+
+#: Samples that count in a run for as many independent ones, at least, of each kind.
+LEAST = 30
+#: Weight of a spherical covariance in the estimate, so that few samples make no thin directions [1].
+SHRINK = 0.02
+#: Part of each covariance that both hypotheses share: few runs know their tails badly [1].
+POOLED = 0.3
+#: Points of the table of quantiles of the ratio over samples that grip.
+TABLE = 2001
+#: Folds of the runs for the threshold.
+FOLDS = 5
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LabelledRun:
+    """T samples of known truth: numbers (T, F), whether a wheel slips (T,), twists (T, 3)."""
+
+    numbers: Array
+    slips: NDArray[np.bool_]
+    wheels: Array
+    truth: Array
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Hypothesis:
+    """Normal distribution of the numbers; the body does ``gain`` · v_wheels ± ``covariance``."""
+
+    mean: Array
+    precision: Array
+    log_det: float
+    gain: Array
+    covariance: Array
+
+    def log_likelihood(self, numbers: Array) -> Array:
+        """Up to a constant that hypotheses share, (...,) for numbers (..., F)."""
+        off = numbers - self.mean
+        return np.asarray(-0.5 * (np.sum((off @ self.precision) * off, axis=-1) + self.log_det))
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Ratio:
+    """log p(numbers | slips) − log p(numbers | grips), with its quantiles over samples that grip."""
+
+    grips: Hypothesis
+    slips: Hypothesis
+    quantiles: Array
+
+    def value(self, numbers: Array) -> Array:
+        """The logarithm of the ratio."""
+        return np.asarray(self.slips.log_likelihood(numbers) - self.grips.log_likelihood(numbers))
+
+    def threshold(self, false_alarm_rate: float) -> float:
+        """What the ratio exceeds in this share of the samples that grip."""
+        return float(np.interp(1.0 - false_alarm_rate, np.linspace(0.0, 1.0, TABLE), self.quantiles))
+
+
+def learn(runs: Sequence[LabelledRun]) -> Ratio:
+    """The ratio from labelled runs.
+
+    Raises
+    ------
+    InputError
+        Where there are too few samples that grip or that slip.
+    """
+    grips, slips = _both(runs)
+    folds = max(2, min(FOLDS, len(runs)))
+    unseen = []
+    for fold in range(folds if len(runs) > 1 else 0):
+        rest = [run for k, run in enumerate(runs) if k % folds != fold]
+        if not _enough(rest):
+            continue
+        one, two = _both(rest)
+        for run in runs[fold::folds]:
+            numbers = run.numbers[~run.slips]
+            unseen.append(two.log_likelihood(numbers) - one.log_likelihood(numbers))
+    if not unseen:
+        numbers = np.concatenate([run.numbers[~run.slips] for run in runs])
+        unseen = [slips.log_likelihood(numbers) - grips.log_likelihood(numbers)]
+    quantiles = np.quantile(np.concatenate(unseen), np.linspace(0.0, 1.0, TABLE))
+    return Ratio(grips=grips, slips=slips, quantiles=quantiles)
+
+
+def _enough(runs: Sequence[LabelledRun]) -> bool:
+    slipping = sum(int(run.slips.sum()) for run in runs)
+    return slipping >= LEAST and sum(len(run.slips) for run in runs) - slipping >= LEAST
+
+
+def _both(runs: Sequence[LabelledRun]) -> tuple[Hypothesis, Hypothesis]:
+    if not runs or not _enough(runs):
+        slipping = sum(int(run.slips.sum()) for run in runs)
+        gripping = sum(len(run.slips) for run in runs) - slipping
+        raise InputError(
+            "training runs",
+            f"hold {gripping} samples that grip and {slipping} that slip",
+            f"give runs with at least {LEAST} of each",
+        )
+    numbers = np.concatenate([run.numbers for run in runs])
+    slips = np.concatenate([run.slips for run in runs])
+    wheels = np.concatenate([run.wheels for run in runs])
+    truth = np.concatenate([run.truth for run in runs])
+    pooled = 0.5 * (np.cov(numbers[~slips].T) + np.cov(numbers[slips].T))
+    common = POOLED * pooled + SHRINK * np.diag(np.var(numbers, axis=0) + 1e-9)
+    return (
+        _hypothesis(numbers[~slips], wheels[~slips], truth[~slips], common),
+        _hypothesis(numbers[slips], wheels[slips], truth[slips], common),
+    )
+
+
+def _hypothesis(numbers: Array, wheels: Array, truth: Array, common: Array) -> Hypothesis:
+    covariance = (1.0 - POOLED) * np.cov(numbers.T) + common
+    size = np.sum(wheels**2, axis=0)
+    gain = np.where(size > 0.0, np.sum(wheels * truth, axis=0) / np.maximum(size, 1e-12), 1.0)
+    off = truth - gain * wheels
+    return Hypothesis(
+        mean=numbers.mean(axis=0),
+        precision=np.asarray(np.linalg.inv(covariance), dtype=np.float64),
+        log_det=float(np.linalg.slogdet(covariance)[1]),
+        gain=gain,
+        covariance=off.T @ off / len(off) + 1e-9 * np.eye(3),
+    )

@@ -1,0 +1,276 @@
+"""The numbers a limiter needs, taken once from a model: a few small tables and no solver.
+
+Body-frame acceleration a = (a_x, a_y, α) of the centre of mass; wheel i:
+
+    f(a) = L (M a − w + B_T D N(a)),      |f_i(a)| ≤ λ μ_i N_i(a),      N(a) = N₀ + P a
+
+L shares a wrench between wheels in proportion to their grip, as they do while they creep little
+(docs/theory.md, section 4): exact for three wheels, and for more the first order of the realised
+distribution, whose most loaded wheel then uses less than this says.
+D_j is the drag of a wheel by its lateral slip.  What depends on something a robot does not know while it
+drives (place, time, load, creep) counts with its worst value.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array, frozen
+from slipmargin.errors import InputError
+from slipmargin.limits.bias import height_m, lift_N
+from slipmargin.limits.motion import steady_share
+from slipmargin.limits.motion_external import external_in_motion
+from slipmargin.limits.motion_friction import friction_in_motion
+from slipmargin.limits.motion_rows import even_distribution
+from slipmargin.limits.motion_state import Motion
+from slipmargin.model import Model
+from slipmargin.physics.grips import GripShape, polyhedral
+from slipmargin.physics.terms import ForceTerm
+from slipmargin.physics.variables import Basis, Frame, Variable
+
+#: Fastest speed [m/s] that is tried where the robot file gives no top speed of its motors.
+FASTEST_M_S = 3.0
+#: Share of the grip kept back because a change of acceleration changes the creep, which overshoots [1]:
+#: simulated robots exceeded the share they were limited to by up to 0.03 without it.
+CREEPS = 0.015
+#: States over which the worst of what depends on the motion is taken.
+_STATES = 600
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LimitTable:
+    """Everything :class:`~slipmargin.onboard.limiter.Rows` and the C header are made of; N wheels, C cases.
+
+    Parameters
+    ----------
+    share : float
+        λ, the share of the grip that may be used.
+    mass : (3,)
+        (m, m, I) [kg, kg, kg m²].
+    com_m : (2,)
+        Centre of mass in the body frame.
+    spread : (N, 3)
+        L, drive forces per wrench [1, 1, 1/m].
+    along, across : (3, N)
+        B_W and B_T: the wrench of a unit force of each wheel along and across its grip.
+    lateral, rolling : (N, 3)
+        Lateral slip [m/s] and wheel speed [rad/s] per body twist.
+    drive : (N,)
+        Drive coefficient μ_i, the least.
+    drag_low, drag_high : (N,)
+        Transverse coefficient, the least and the greatest.
+    slope_low, slope_high : (N,)
+        Slope k of the friction law across the rollers [s/m].
+    rest_low_N, rest_high_N : (C, N)
+        Loads without acceleration; one case for each corner of an uneven floor's band.
+    per_acceleration_kg : (N, 2)
+        P.
+    wrench_low, wrench_high : (3,)
+        External wrench on the body, body frame; a box where it depends on something unknown.
+    floor_wrench : (3,)
+        External wrench in floor axes (a slope).
+    floor_loads : (N, 2)
+        Change of the loads by the floor-frame force of a slope, seen in the body frame [1].
+    viscous : (3, 3)
+        Wrench per body twist of the viscous lateral friction.
+    """
+
+    robot: str
+    surface: str
+    names: tuple[str, ...]
+    axes: str
+    share: float
+    law: int
+    shape: GripShape
+    coupling: float
+    mass: Array
+    com_m: Array
+    spread: Array
+    along: Array
+    across: Array
+    lateral: Array
+    rolling: Array
+    drive: Array
+    drag_low: Array
+    drag_high: Array
+    slope_low: Array
+    slope_high: Array
+    rest_low_N: Array
+    rest_high_N: Array
+    per_acceleration_kg: Array
+    wrench_low: Array
+    wrench_high: Array
+    floor_wrench: Array
+    floor_loads: Array
+    viscous: Array
+    torque_force: Array
+    torque_drag: Array
+    stall_torque_N_m: float | None
+    top_speed_rad_s: float | None
+
+    def __post_init__(self) -> None:
+        n, c = len(self.names), len(np.asarray(self.rest_low_N))
+        shapes: dict[str, tuple[int | None, ...]] = {
+            "mass": (3,), "com_m": (2,), "spread": (n, 3), "along": (3, n), "across": (3, n),
+            "lateral": (n, 3), "rolling": (n, 3), "drive": (n,),
+            "drag_low": (n,), "drag_high": (n,), "slope_low": (n,),
+            "slope_high": (n,), "rest_low_N": (c, n), "rest_high_N": (c, n),
+            "per_acceleration_kg": (n, 2), "wrench_low": (3,), "wrench_high": (3,), "floor_wrench": (3,),
+            "floor_loads": (n, 2), "viscous": (3, 3), "torque_force": (n,), "torque_drag": (n,),
+        }  # fmt: skip
+        for name, shape in shapes.items():
+            object.__setattr__(self, name, frozen(name, getattr(self, name), shape))
+
+    @property
+    def count(self) -> int:
+        """Number of wheels N."""
+        return len(self.names)
+
+    @property
+    def transfers(self) -> bool:
+        """Whether accelerating shifts load."""
+        return bool(np.any(self.per_acceleration_kg))
+
+    @property
+    def shares_by_load(self) -> bool:
+        """Whether the loads decide how the wheels share a wrench: more than three, with load transfer."""
+        return self.count > 3 and self.transfers
+
+    @property
+    def mean_load_N(self) -> float:
+        """Mean load of a wheel at rest [N]."""
+        return float(np.mean(self.rest_low_N[0]))
+
+    @property
+    def coupled(self) -> bool:
+        """Whether a wheel's drag takes from its drive grip."""
+        return not polyhedral(self.shape, self.coupling)
+
+    @property
+    def turned(self) -> bool:
+        """Whether the heading matters."""
+        return bool(np.any(self.floor_wrench))
+
+    @property
+    def pull_m_s2(self) -> float:
+        """Acceleration that the drive grip alone would give [m/s²]: the scale of errors."""
+        return float(self.share * np.max(self.drive) * np.sum(self.rest_low_N[0]) / self.mass[0])
+
+
+def limit_table(model: Model, margin: float) -> LimitTable:
+    """The table of a model that keeps ``margin`` of every wheel's grip.
+
+    Raises
+    ------
+    InputError
+        Where a wheel's drag leaves it no grip to drive.
+    """
+    share = (1.0 - margin) - CREEPS
+    motion = _states(model)
+    box = replace(model, grip=replace(model.grip, shape=GripShape.BOX))
+    friction = friction_in_motion(box, motion, share=share)
+    full = friction_in_motion(box, replace(motion, saturated=True), share=share)
+    drag = np.stack([np.abs(full.drag_low[0]), np.abs(full.drag_high[0])])
+    moving = (drag.max(axis=0) > 0.0) & (drag.min(axis=0) > 0.0)
+    drag_high = drag.max(axis=(0, 1))
+    drag_low = np.where(moving.any(axis=0), np.where(moving, drag.min(axis=0), np.inf).min(axis=0), 0.0)
+    geometry, (along, across) = model.geometry, model.wrench_maps()
+    low, high, floor, change, floor_loads = _external(model, motion)
+    rest = model.loads.at(np.zeros(2), lift_N=lift_N(model)) + model.loads.shifts()
+    along_grip = np.sum(geometry.drive * geometry.grip, axis=1)
+    along_free = np.sum(geometry.drive * geometry.free, axis=1)
+    drives, drive = model.drives, friction.drive[0].min(axis=0)
+    if np.min(drive) <= 0.0:
+        wheel = geometry.names[int(np.argmin(drive))]
+        raise InputError("margin", f"wheel {wheel} may have no drive grip at all", "correct its coefficients")
+    return LimitTable(
+        robot=model.robot,
+        surface=model.surface,
+        names=geometry.names,
+        axes=f"+x {model.convention.axes[0]}, +y {model.convention.axes[1]}",
+        share=share,
+        law=model.grip.law,
+        shape=model.grip.shape,
+        coupling=model.grip.coupling,
+        mass=model.inertia.diagonal,
+        com_m=model.inertia.com_m,
+        spread=even_distribution(model),
+        along=along,
+        across=across,
+        lateral=geometry.lateral_rows(),
+        rolling=geometry.rolling_rows() / geometry.radius_m[:, None],
+        drive=drive,
+        drag_low=np.minimum(drag_low, drag_high),
+        drag_high=drag_high,
+        slope_low=friction.stiffness.min(axis=0),
+        slope_high=friction.stiffness.max(axis=0),
+        rest_low_N=rest + change[0],
+        rest_high_N=rest + change[1],
+        per_acceleration_kg=model.loads.per_acceleration_kg,
+        wrench_low=low,
+        wrench_high=high,
+        floor_wrench=floor,
+        floor_loads=floor_loads,
+        viscous=-model.grip.viscous_N_s_per_m[1] * across @ geometry.lateral_rows(),
+        torque_force=-geometry.radius_m * along_grip,
+        torque_drag=geometry.radius_m * along_free,
+        stall_torque_N_m=drives.stall_torque_N_m,
+        top_speed_rad_s=drives.max_speed_rad_s,
+    )
+
+
+def _states(model: Model) -> Motion:
+    """Twists up to the motors' top speed, evenly over directions and speeds; everything else unknown."""
+    draw = np.random.default_rng(0)
+    way = draw.normal(size=(_STATES, 3))
+    arm = float(np.mean(np.hypot(*model.geometry.position_m.T)))
+    way /= np.linalg.norm(way, axis=1, keepdims=True) * np.array([1.0, 1.0, arm])
+    top = model.drives.max_speed_rad_s
+    speed = np.full(_STATES, FASTEST_M_S)
+    if top is not None:
+        speed = top / np.max(np.abs(model.geometry.wheel_speeds(way)), axis=1)
+    return Motion(velocity=way * (speed * draw.uniform(0.0, 1.0, _STATES) ** 2)[:, None])
+
+
+def _exact(term: ForceTerm) -> bool:
+    """Whether a term is a constant in body or floor axes."""
+    constant = term.variable is Variable.UNITY and term.basis is Basis.CONSTANT
+    return constant and term.frame in (Frame.BODY, Frame.FLOOR)
+
+
+def _external(model: Model, motion: Motion) -> tuple[Array, Array, Array, Array, Array]:
+    """Box of body wrenches, floor wrench, load changes (2, N), loads per floor force seen in the body."""
+    terms = model.external.terms
+    exact = [t for t in terms if _exact(t)]
+    others = replace(model, external=replace(model.external, terms=tuple(t for t in terms if t not in exact)))
+    still = replace(others, grip=replace(model.grip, viscous_N_s_per_m=np.zeros(2)))
+    seen = external_in_motion(still, motion)
+    low, high = seen.low.sum(axis=0).min(axis=0), seen.high.sum(axis=0).max(axis=0)
+    change = np.stack([seen.load_change_N[0].min(axis=0), seen.load_change_N[1].max(axis=0)])
+    floor, tilt, per = np.zeros(3), np.zeros(2), model.loads.per_moment_1_per_m
+    for term in exact:
+        wrench, height = term.coefficients.sum(axis=1), height_m(model, term)
+        if term.frame is Frame.BODY:
+            low, high, change = low + wrench, high + wrench, change + height * per @ wrench[:2]
+        else:
+            floor, tilt = floor + wrench, tilt + height * wrench[:2]
+    part = float(np.hypot(*tilt) / np.hypot(*floor[:2])) if np.any(floor[:2]) else 0.0
+    return low, high, floor, change, part * per
+
+
+def steady_warnings(model: Model, margin: float) -> tuple[str, ...]:
+    """What to say where constant speed alone uses more than the margin leaves."""
+    heading = np.deg2rad(np.arange(0.0, 360.0, 5.0))
+    way = np.column_stack([np.cos(heading), np.sin(heading), np.zeros_like(heading)])
+    steady = steady_share(model, Motion.full_drag(way))
+    worst = int(np.argmax(steady))
+    if steady[worst] <= 1.0 - margin:
+        return ()
+    return (
+        f"constant speed towards {np.rad2deg(heading[worst]):.0f}° alone uses {steady[worst]:.2f} of a "
+        f"wheel's grip, {1.0 - margin:.2f} may be used: the limiter hardly lets the robot move that way",
+    )

@@ -1,0 +1,153 @@
+"""A campaign in one fit: what is shared, what each group has for itself, and what clocks and delays hide."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from planting import Plant, planted, smooth_kiwi
+
+from slipmargin.checks import Array
+from slipmargin.data.campaign import Part, joined
+from slipmargin.data.data_set import DataSet, Member
+from slipmargin.diagnosis.candidate import Candidate, named_candidates
+from slipmargin.diagnosis.conditions import problem_of
+from slipmargin.diagnosis.evidence import intervals
+from slipmargin.diagnosis.fit import Fit, fit, limits_of
+from slipmargin.diagnosis.groups import groups_of, in_groups, scope_of
+from slipmargin.diagnosis.left_out import leave_one_out
+from slipmargin.effects import AnyEffect, Scope, Trace
+from slipmargin.effects.camera_delay import CameraDelay
+from slipmargin.effects.clock_rate import ClockRate
+from slipmargin.effects.confined import Confined, acting
+from slipmargin.effects.friction_coefficients import FrictionCoefficients
+from slipmargin.effects.wheel_loads import WheelLoads
+from slipmargin.effects.wheel_radius import WheelRadius
+
+
+def data(seed: int, *effects: AnyEffect, count: int = 4) -> DataSet:
+    plant = Plant(name="x", traces=(Trace.COEFFICIENT,), effects=effects)
+    return planted(smooth_kiwi(), plant, seed, count=count, duration_s=2.5, rate_hz=200.0, lag_s=0.08)
+
+
+def part(name: str, found: DataSet, floor: str = "a", loading: str = "bare") -> Part:
+    return Part(data_set=replace(found, name=name), floor=floor, loading=loading, instrument="camera")
+
+
+def candidates(members: tuple[Member, ...], timed: bool = True) -> dict[str, Candidate]:
+    return {c.label: c for c in in_groups(named_candidates(("1", "2", "3"), False, (), timed=timed), members)}
+
+
+def fitted(found: DataSet, structure: tuple[Candidate, ...]) -> Fit:
+    problem = problem_of(found)
+    start = np.concatenate([c.starts[0] for c in structure])
+    return fit(problem, structure, start, np.arange(len(problem.trials), dtype=np.int64))
+
+
+def within(made: Fit, key: str, truth: float) -> tuple[float, float]:
+    """Low and high of a parameter (95 %, all together); fails where they miss the truth."""
+    keys = [k for c in made.structure for k in c.keys]
+    scale = limits_of(made.structure)[2]
+    spread = intervals(made, leave_one_out(made), scale, np.zeros(len(made.x)))
+    at = keys.index(key)
+    assert spread.low[at] <= truth <= spread.high[at], f"{key}: {spread.low[at]} … {spread.high[at]}"
+    return float(spread.low[at]), float(spread.high[at])
+
+
+def test_what_an_effect_belongs_to_decides_who_shares_it() -> None:
+    whole = joined(
+        "x",
+        [part("one", data(1)), part("two", data(2), loading="full"), part("three", data(3), floor="b")],
+    )
+    assert groups_of(Scope.FLOOR, whole.members) == {"a": frozenset({0, 1}), "b": frozenset({2})}
+    found = candidates(whole.members)
+    assert "wheel_radius[1]" in found, "the machine's: shared"
+    assert found["camera_delay"].keys == ("delay_s",), "one instrument: shared"
+    assert {"floor_nap in floor a", "floor_nap in floor b"} <= set(found)
+    loads = found["wheel_loads in loading each"]
+    assert loads.size == 4 and loads.keys[0] == "shift_x_m (loading bare)"
+    effect = loads.build(np.array([0.01, 0.0, 0.02, 0.0]))
+    assert isinstance(effect, Confined)
+    shifts = [e.shift_x_m for m in range(3) for e in acting((effect,), m) if isinstance(e, WheelLoads)]
+    assert shifts == [0.01, 0.02, 0.01]
+    assert all(scope_of(c) in Scope for c in found.values())
+    alone = in_groups(named_candidates(("1", "2", "3"), False, ()), ())
+    assert [c.label for c in alone] == [c.label for c in named_candidates(("1", "2", "3"), False, ())]
+
+
+def test_a_floor_a_loading_and_a_wheel_are_told_apart_by_a_campaign() -> None:
+    slick, shifted = FrictionCoefficients(drive_factor=0.6, transverse_factor=0.8), 0.012
+    worn = WheelRadius(radius_factor=1.02, wheels=("2",))
+    whole = joined(
+        "x",
+        [
+            part("plain", data(11, worn)),
+            part("slick", data(12, worn, slick), floor="b"),
+            part("payload", data(13, worn, slick, WheelLoads(shift_x_m=shifted, shift_y_m=0.0)), "b", "full"),
+        ],
+    )
+    known = candidates(whole.members)
+    made = fitted(
+        whole,
+        (
+            known["friction_coefficients in floor b"],
+            known["wheel_loads with the centre of mass where stated in loading each"],
+            known["wheel_radius[2]"],
+        ),
+    )
+    within(made, "drive_factor", 0.6)
+    within(made, "radius_factor", 1.02)
+    low, _ = within(made, "shift_x_m (loading full)", shifted)
+    assert low > 0.0
+    low, high = within(made, "shift_x_m (loading bare)", 0.0)
+    assert high - low < 0.01
+    assert made.cost < 1.1 * np.count_nonzero(made.residual)
+
+
+def test_equal_cases_are_simulated_once_and_give_the_same_residual() -> None:
+    problem = problem_of(data(4, count=3))
+    trials = np.arange(3, dtype=np.int64)
+    one = problem.residuals([()], [trials])[0]
+    same: list[Array] = problem.residuals([(), (), (CameraDelay(delay_s=0.0),)], [trials, trials[1:], trials])
+    assert np.array_equal(same[0], one) and np.array_equal(same[1], one[1:]) and np.array_equal(same[2], one)
+
+
+def blind(found: DataSet) -> DataSet:
+    """The same without time stamps and speeds, either of which would tell the clock."""
+    trials = tuple(replace(t, omega=None) for t in found.trials)
+    return replace(found, trials=trials, nominal_rate_Hz=200.0)
+
+
+@pytest.mark.parametrize(("delay_s", "clock"), [(0.0, 1.02), (0.06, 1.0), (0.15, 0.98)])
+def test_effects_survive_an_unknown_delay_and_a_wrong_clock(delay_s: float, clock: float) -> None:
+    heavy = WheelLoads(shift_x_m=0.012, shift_y_m=-0.006)
+    found = blind(data(21, heavy, CameraDelay(delay_s=delay_s), ClockRate(period_factor=clock), count=8))
+    known = candidates(found.members, timed=False)
+    loads = "wheel_loads with the centre of mass where stated"
+    made = fitted(found, tuple(known[k] for k in (loads, "camera_delay", "clock_rate")))
+    low, high = within(made, "shift_x_m", 0.012)
+    assert low > 0.009 and high < 0.015
+    low, high = within(made, "delay_s", delay_s)
+    assert high - low < 0.01
+    low, high = within(made, "period_factor", clock)
+    assert high - low < 0.04, "known friction tells the clock"
+    assert made.cost < 1.2 * np.count_nonzero(made.residual)
+
+
+def test_friction_and_an_unknown_clock_cannot_be_told_apart_and_the_intervals_say_so() -> None:
+    # A path by wheel angles is the same at half the friction and √2 times the period: m x″ / c² = μ m g.
+    slick = FrictionCoefficients(drive_factor=0.7, transverse_factor=0.7)
+    found = blind(data(22, slick, count=8))
+    known = candidates(found.members, timed=False)
+    alone = fitted(found, (known["friction_coefficients"],))
+    low, high = within(alone, "drive_factor", 0.7)
+    both = fitted(found, (known["friction_coefficients"], known["clock_rate"]))
+    spread = intervals(both, leave_one_out(both), limits_of(both.structure)[2], np.zeros(3))
+    assert spread.high[0] - spread.low[0] > 20.0 * (high - low)
+    drive, _, period = both.x
+    assert drive * period**2 == pytest.approx(0.7, abs=0.005), "this much is known"
+
+
+def test_the_clock_is_a_candidate_only_where_the_rate_is_nominal() -> None:
+    assert "clock_rate" not in candidates(()) and "clock_rate" in candidates((), timed=False)

@@ -1,0 +1,142 @@
+"""Robots, effects and limits are turned into the other convention, and back, without a rounding."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from conventions import effect_in_ros, robot_in_ros, ros
+from hypothesis import given, settings, strategies as st
+from strategies import effects, four_wheels, kiwi
+
+import slipmargin as sm
+from slipmargin.diagnosis.limits_change import limits_change
+from slipmargin.diagnosis.turned import change_in
+from slipmargin.effects import GeneralEffect, Part, Recipe, Trace
+from slipmargin.effects.catalogue import CATALOGUE
+from slipmargin.effects.turned import effect_in, recipe_in
+from slipmargin.physics.convention import Convention
+from slipmargin.physics.terms import ForceTerm, Multiplier, PoseShift
+from slipmargin.physics.variables import Basis, Frame, Target, Variable
+from slipmargin.robot.turned import robot_in
+
+PAPER, ROS = Convention.PAPER, Convention.ROS
+
+
+@pytest.mark.parametrize("robot", [kiwi(), four_wheels()], ids=["kiwi", "mecanum"])
+def test_a_robot_is_turned_as_its_other_user_writes_it_and_back(robot) -> None:
+    there = robot_in(robot, ROS)
+    for ours, theirs in zip(there.wheels, robot_in_ros(robot).wheels, strict=True):
+        assert ours.position_m.tolist() == (np.array(theirs.position_m) + 0.0).tolist()
+        assert math.remainder(ours.drive_direction_deg - theirs.drive_direction_deg, 360.0) == 0.0
+    back = robot_in(there, PAPER)
+    for ours, first in zip(back.wheels, robot.wheels, strict=True):
+        assert ours.position_m.tolist() == first.position_m.tolist()
+        assert ours.drive_direction_deg == pytest.approx(first.drive_direction_deg, abs=1e-12)
+    assert back.body.com_m.tolist() == robot.body.com_m.tolist() and back.convention is PAPER
+
+
+@settings(deadline=None, max_examples=60)
+@given(effects(list(CATALOGUE), reach=0.5))
+def test_every_effect_of_the_catalogue_is_turned_and_back(effect) -> None:
+    there = effect_in(effect, PAPER, ROS)
+    assert there.to_table() == pytest.approx(effect_in_ros(effect).to_table(), abs=1e-12)
+    back = effect_in(there, ROS, PAPER).to_table()
+    assert back == pytest.approx(effect.to_table(), abs=1e-12)
+
+
+BASES = {
+    Basis.POLYNOMIAL: (0.3, 1.0),
+    Basis.FOURIER: (2.0 * math.pi, 1.0),
+    Basis.HATS: (-0.4, 0.5),
+    Basis.DECAY: (0.4, 1.0),
+    Basis.RECIPROCAL: (3.0, 2.0),
+    Basis.ODD: (0.2, 1.0),
+    Basis.STEP: (0.1, 0.05),
+}
+COMPONENTS = (
+    Variable.VELOCITY_X,
+    Variable.VELOCITY_Y,
+    Variable.POSITION_X,
+    Variable.POSITION_Y,
+    Variable.HEADING,
+)
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.data())
+def test_general_forms_do_the_same_in_both_conventions(data: st.DataObject) -> None:
+    basis = data.draw(st.sampled_from(list(BASES)))
+    numbers = st.lists(st.floats(-0.3, 0.3), min_size=4, max_size=4).map(np.array)
+    kind = data.draw(st.sampled_from(["friction", "sliding", "force", "shift"]))
+    common = {"basis": basis, "shape": np.array(BASES[basis])}
+    if kind in ("friction", "sliding"):
+        variable = Variable.SLIP_HEADING if kind == "sliding" else data.draw(st.sampled_from(COMPONENTS))
+        common |= (
+            {"shape": np.array(BASES[Basis.FOURIER]), "basis": Basis.FOURIER} if kind == "sliding" else {}
+        )
+        term = Multiplier(
+            variable=variable,
+            target=Target.BOTH,
+            coefficients=0.5 * data.draw(numbers),
+            wheels=np.ones(4),
+            **common,
+        )
+        part = Part.GRIP
+    elif kind == "force":
+        frame = data.draw(st.sampled_from(list(Frame)))
+        three = np.stack([data.draw(numbers) for _ in range(3)])
+        variable = data.draw(st.sampled_from(COMPONENTS))
+        term = ForceTerm(variable=variable, frame=frame, coefficients=0.1 * three, **common)
+        part = Part.LOSSES
+    else:
+        three = np.stack([data.draw(numbers) for _ in range(3)])
+        term = PoseShift(variable=data.draw(st.sampled_from(COMPONENTS)), coefficients=0.1 * three, **common)
+        part = Part.SENSING
+    effect = GeneralEffect(traced_to=Trace.POSITION, part=part, terms=(term,))
+    one = Recipe(robot=four_wheels(), effects=(effect,))
+    two = recipe_in(one, ROS)
+    speeds = [[0.0, 3.0, 4.0, 5.0, 2.0], [0.3, 6.0, 1.0, 2.0, 4.0]]
+    paper, turned = (sm.simulate(r, "paper", speeds, step_s=0.1, relative_error=1e-10) for r in (one, two))
+    np.testing.assert_allclose(turned.run.pose, ros(paper.run.pose), rtol=1e-7, atol=1e-9)
+    back = recipe_in(two, PAPER).effects[0]
+    assert isinstance(back, GeneralEffect)
+    table = effect.to_table()["term"][0]
+    for key, value in back.to_table()["term"][0].items():
+        assert value == (pytest.approx(table[key], abs=1e-12) if isinstance(value, list) else table[key])
+
+
+def test_limits_over_orientation_and_direction_are_counted_from_the_other_axes() -> None:
+    recipe = Recipe(robot=kiwi())
+    ours = change_in(limits_change(recipe, recipe, "paper"), ROS)
+    theirs = limits_change(recipe_in(recipe, ROS), recipe_in(recipe, ROS), "paper")
+    for name in type(ours.before).__slots__:
+        np.testing.assert_allclose(getattr(ours.before, name), getattr(theirs.before, name), rtol=1e-6)
+
+
+def test_estimates_are_named_by_the_axes_of_the_file() -> None:
+    from slipmargin.diagnosis.result import Estimate
+    from slipmargin.diagnosis.turned import _estimates
+    from slipmargin.effects.camera_scale import CameraScale
+    from slipmargin.effects.floor_tilt import FloorTilt
+
+    def estimate(name: str, value: float, low: float, high: float) -> Estimate:
+        return Estimate(name=name, value=value, low=low, high=high, unit="rad")
+
+    tilt = FloorTilt(tilt_x_rad=0.1, tilt_y_rad=0.2)
+    for group in ("", " (hall)"):
+        given = (
+            estimate(f"tilt_x_rad{group}", 0.1, 0.09, 0.12),
+            estimate(f"tilt_y_rad{group}", 0.2, 0.1, 0.3),
+        )
+        x, y = _estimates(given, tilt, PAPER, ROS)
+        assert (x.name, x.value, x.low, x.high) == (f"tilt_x_rad{group}", 0.2, 0.1, 0.3)
+        assert (y.name, y.value, y.low, y.high) == (f"tilt_y_rad{group}", -0.1, -0.12, -0.09)
+        assert _estimates((x, y), tilt, ROS, PAPER) == given
+    (only,) = _estimates((estimate("tilt_x_rad", 0.1, 0.0, 0.2),), tilt, PAPER, ROS)
+    assert only.name == "tilt_y_rad" and only.value == -0.1
+    scales = _estimates(
+        (estimate("scale_x", 1.1, 1.0, 1.2),), CameraScale(scale_x=1.1, scale_y=1.0), PAPER, ROS
+    )
+    assert [(e.name, e.value, e.low, e.high) for e in scales] == [("scale_y", 1.1, 1.0, 1.2)]

@@ -1,0 +1,136 @@
+"""The server of the local page answers its own address only, and says what is wrong."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import threading
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+import slipmargin as sm
+from slipmargin.errors import InputError
+from slipmargin.live.server import HOST, LARGEST, Server
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[Server]:
+    one = sm.explore("ohio-kiwi", "paper").serve()
+    threading.Thread(target=one.serve_forever, daemon=True).start()
+    yield one
+    one.shutdown()
+    one.server_close()
+
+
+def ask(
+    server: Server, path: str, method: str = "GET", **headers: str
+) -> tuple[int, http.client.HTTPMessage, bytes]:
+    line = http.client.HTTPConnection(HOST, server.server_port, timeout=60)
+    line.request(method, path, headers={k.replace("_", "-"): v for k, v in headers.items()})
+    answer = line.getresponse()
+    body = answer.read()
+    line.close()
+    return answer.status, answer.headers, body
+
+
+def test_it_listens_at_this_machine_only(server: Server) -> None:
+    assert server.server_address[0] == "127.0.0.1"
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"Host": "evil.example"},
+        {"Host": "127.0.0.1"},
+        {"Host": "127.0.0.1:1"},
+        {"Origin": "http://evil.example"},
+        {"Origin": "null"},
+        {"Origin": "https://127.0.0.1"},
+    ],
+)
+@pytest.mark.parametrize("path", ["/", "/api/limits", "/api/report"])
+@pytest.mark.parametrize("method", ["GET", "POST"])
+def test_other_hosts_and_origins_are_refused(
+    server: Server, headers: dict[str, str], path: str, method: str
+) -> None:
+    status, _, body = ask(server, path, method, **headers)
+    assert (status, json.loads(body)) == (403, {"error": "this page answers its own address only"})
+
+
+def test_its_own_origin_is_answered(server: Server) -> None:
+    for name in ("127.0.0.1", "localhost"):
+        at = f"{name}:{server.server_port}"
+        assert ask(server, "/api/robot", Host=at, Origin=f"http://{at}")[0] == 200
+
+
+def test_the_page_may_load_nothing_else(server: Server) -> None:
+    for path in ("/", "/page.js", "/page.css"):
+        status, headers, body = ask(server, path)
+        assert status == 200 and headers["Content-Security-Policy"].startswith("default-src 'none'")
+        assert b"http://" not in body.replace(b"http://www.w3.org/2000/svg", b"") and b"https://" not in body
+
+
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        ("/api/limits?mu=much", "mu: is 'much', not a number, give a number"),
+        ("/api/limits?mu=99", "mu: is 99"),
+        ("/api/limits?colour=3", "colour: is no slider of this robot, use one of: mu,"),
+        ("/api/export?tool=word", "export: is 'word', use one of: nav2"),
+    ],
+)
+def test_a_wrong_question_gets_one_sentence(server: Server, path: str, said: str) -> None:
+    status, _, body = ask(server, path)
+    assert status == 400 and json.loads(body)["error"].startswith(said)
+
+
+def test_what_is_not_there_is_not_found(server: Server) -> None:
+    assert ask(server, "/../pyproject.toml")[0] == 404
+    assert ask(server, "/api/nothing")[0] == 404
+
+
+def test_a_file_that_is_too_large_is_refused(server: Server) -> None:
+    assert ask(server, "/api/pulls", "POST", Content_Length=str(LARGEST + 1))[0] == 413
+
+
+def test_a_port_that_is_taken_is_refused(server: Server) -> None:
+    with pytest.raises(InputError, match=r"port: \d+: .*leave it out for a free one"):
+        sm.explore("ohio-kiwi", "paper").serve(server.server_port)
+
+
+@pytest.mark.parametrize("name", ["ohio-kiwi", "mecanum4", "omni4", "robotino"])
+def test_a_slider_at_the_files_value_changes_nothing(name: str) -> None:
+    page = sm.explore(name)
+    own = {s.key: s.value for s in page.sliders}
+    assert page.picture(**own) == page.picture()
+    assert sm.bounds(name, page.design.surface).recommended_m_s2 == pytest.approx(
+        page.picture()["recommended"], rel=1e-5
+    )
+
+
+@pytest.mark.parametrize("name", ["ohio-kiwi", "mecanum4", "omni4"])
+def test_each_end_of_each_slider_is_answered_or_refused_in_a_sentence(name: str) -> None:
+    page = sm.explore(name)
+    for slider in page.sliders:
+        for value in (slider.low, slider.high):
+            try:
+                found = page.picture(**{slider.key: value})
+            except InputError as fault:
+                assert str(fault)
+            else:
+                assert all(v is None or np.isfinite(v) for v in found["starting"])
+
+
+def test_friction_keeps_the_ratios_of_the_floor() -> None:
+    from slipmargin.live.settings import settings
+
+    page = sm.explore("mecanum4", "carpet")
+    old = page.design.robot.surface("carpet")
+    new = settings(page.design, {"mu": 0.9}).design.robot.surface("carpet")
+    assert new.roller.drive == 0.9
+    assert new.rigid.transverse / new.roller.drive == pytest.approx(old.rigid.transverse / old.roller.drive)
+    assert page.design.robot.surface("floor") == settings(page.design, {"mu": 0.9}).design.robot.surface(
+        "floor"
+    )

@@ -1,0 +1,61 @@
+"""Stopping: shortest within the margin, driven in simulation, refused where no braking keeps it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from slipmargin_cli.main import status
+
+import slipmargin as sm
+from slipmargin.errors import InputError
+
+BUILT_IN = [("ohio-kiwi", "paper"), ("mecanum4", "floor"), ("robotino", "gray"), ("omni4", "floor")]
+
+
+@pytest.mark.parametrize("named", BUILT_IN, ids=lambda n: n[0])
+def test_simulated_stops_keep_the_margin_and_the_distance(named: tuple[str, str]) -> None:
+    found = sm.stop(*named, step_deg=45.0)
+    assert found.verified and np.max(found.use) > 0.85  # and it brakes as hard as the margin allows
+    np.testing.assert_allclose(found.simulated_m, found.distance_m, rtol=0.06)
+
+
+def test_braking_at_the_golden_limit() -> None:
+    """docs/theory.md, section 4: along +X the paper's robot brakes with 1.6388 m/s², all of its grip."""
+    found = sm.stop("ohio-kiwi", "paper", speeds_m_s=[1.0], margin=0.0, step_deg=90.0, verify=False)
+    assert found.braking.deceleration[0, -1] == pytest.approx(1.6388, rel=2e-3)
+    assert 1.0 / (2.0 * 1.6388) < found.distance_m[0, 0] < 1.02 / (2.0 * 1.6388)
+
+
+def test_a_high_centre_of_mass_makes_stops_longer() -> None:
+    low = sm.read_robot("mecanum4")
+    tall, taller = (
+        replace(low, robot=replace(low.robot, body=replace(low.robot.body, com_height_m=h)))
+        for h in (0.3, 0.6)
+    )
+    far = [
+        sm.stop(r, "floor", speeds_m_s=[1.0], step_deg=90.0, verify=False).distance_m.max()
+        for r in (tall, taller)
+    ]
+    assert far[1] > 1.02 * far[0]
+
+
+def test_the_command_writes_what_it_says(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    told, out = tmp_path / "stop.json", tmp_path / "stop.csv"
+    words = ["stop", "robotino", "--surface", "gray", "--speed", "0.5", "--speed", "0.2", "--step", "90"]
+    assert status([*words, "--json", str(told), "--out", str(out)]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("longest") and "keeps the margin" in said
+    data = json.loads(told.read_text())
+    assert data["speed_m_s"] == [0.2, 0.5] and data["verified"] is True
+    assert len(out.read_text().splitlines()) == 1 + 4 * 2
+
+
+def test_refusals(capsys: pytest.CaptureFixture[str]) -> None:
+    assert status(["stop", "mecanum4", "--surface", "floor", "--speed", "9"]) == 2
+    assert "the motors allow" in capsys.readouterr().err
+    with pytest.raises(InputError, match="give speeds above 0"):
+        sm.stop("robotino", "gray", speeds_m_s=[0.0])
