@@ -1,8 +1,8 @@
 """Screening: how much of the residual of left-out runs every candidate takes off, by its tangent alone.
 
 The model is simulated once beside each parameter of each candidate, and at starts of named ones, because
-friction that sticks hides small changes.  What follows is linear and cannot diverge: for every candidate the
-step that suits all runs but a fold is applied to the fold, and what the squared residual falls by is its gain.
+friction that sticks hides small changes.  The rest is linear and cannot diverge: for every candidate the
+step that suits all runs but a fold is applied to the fold; what the squared residual falls by is its gain.
 Named effects, general forms, pairs of named effects and what no fit can vary
 (:mod:`~slipmargin.diagnosis.probes`) stand in one list.  It orders the candidates and tells which variables
 the residual follows.  It is tested as a whole: surrogate residuals, whose blocks change their sign at random,
@@ -54,7 +54,8 @@ class Columns:
     at : array (P,), optional
         Where the candidate stands.
     along : array (M, P), optional
-        Which way each column moves its parameters; zero for the change from the present law to that at ``at``.
+        Which way each column moves its parameters; zero for the change from the present law to that at
+        ``at``.
     """
 
     trace: Trace
