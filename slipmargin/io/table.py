@@ -19,6 +19,9 @@ from slipmargin.errors import InputError
 from slipmargin.io.source import read_text
 from slipmargin.io.toml_table import nearest
 
+#: A spreadsheet takes text that begins so for a formula; an apostrophe before it says that it is text.
+_FORMULA = ("=", "+", "-", "@")
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -185,6 +188,7 @@ def columns_text(columns: Mapping[str, Array | Sequence[float] | Sequence[str]],
 
 def _cell(value: object, digits: int) -> str:
     if isinstance(value, str):
+        value = f"'{value}" if value.startswith(_FORMULA) else value
         return '"' + value.replace('"', '""') + '"' if any(c in value for c in ',"\r\n') else value
     number = float(value)  # type: ignore[arg-type]
     if not math.isfinite(number):

@@ -71,6 +71,8 @@ def warm() -> None:
                 ["plan", name, "w.csv", "--surface", surface, "--out", "t.csv", "--points", "40", "--verify"]
             )
             status(["check", name, "t.csv", "--surface", surface])
+            status(["stop", name, "--surface", surface, "--step", "90"])
+            status(["export", "c", name, "--surface", surface, "--out", "o.h"])
             status(["simulate", name, "t.csv", "--surface", surface])
             status(["design", name, "--surface", surface, "--vary", "mass_kg=1,2"])
             status(["design", name, "--surface", surface, "--vary", "mass_kg=1,2", "--static"])

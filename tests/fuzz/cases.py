@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import tomllib
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -14,6 +13,7 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
+import tomllib
 from robot_files import GOOD
 
 from fuzz import mutate
@@ -170,9 +170,9 @@ def robot_table(random: Random, count: int | None = None) -> dict[str, Any]:
         )
     if random.random() < 0.1:
         good["body"]["mass_kg"] = f"{good['body']['mass_kg']} ± {0.05 * good['body']['mass_kg']}"
-    if random.random() < 0.6:
+    if random.random() < 0.45:
         mutate.sizes(random, good, random.choice((1, 2, 5)))
-    changes = random.choice((0, 0, 0, 0, 1, 1, 2, 4))
+    changes = random.choice((0, 0, 0, 0, 0, 0, 0, 1, 1, 3))
     return mutate.tree(random, good, changes) if changes else good
 
 
@@ -281,17 +281,15 @@ def plan(random: Random) -> Case:
     surface = robot_file(random, files)
     rows = ["x_m,y_m,phi_rad"]
     x = y = phi = 0.0
+    way, size = random.uniform(-3.0, 3.0), 10.0 ** random.uniform(-2, 1)
     for _ in range(random.choice((2, 3, 5, 9))):
         rows.append(f"{x:.6g},{y:.6g},{phi:.6g}")
-        size = 10.0 ** random.uniform(-2, 1)
-        x, y, phi = (
-            x + random.gauss(0, size),
-            y + random.gauss(0, size),
-            phi + random.choice((0.0, random.gauss(0, 1))),
-        )
+        way += random.gauss(0.0, 0.5)
+        x, y = x + size * math.cos(way), y + size * math.sin(way)
+        phi += random.choice((0.0, random.gauss(0, 0.5)))
     text = "\n".join(rows) + "\n"
     files["w.csv"] = mutate.table(random, text, random.choice((0, 0, 1, 2))).encode()
-    words = ["plan", "r.toml", "w.csv", "--surface", surface, "--points", random.choice(("40", "80", "7"))]
+    words = ["plan", "r.toml", "w.csv", "--surface", surface, "--points", random.choice(("40", "80", "11"))]
     words += (
         ["--step", random.choice(("0.05", "0.02"))]
         if random.random() < 0.9
@@ -355,6 +353,40 @@ def simulate(random: Random) -> Case:
     if random.random() < 0.05:
         words += ["--export", random.choice(("choreo", "pathplanner")), "o.traj"]
     return Case(words + outputs(random), files)
+
+
+def stop(random: Random) -> Case:
+    """How soon it stands."""
+    files: dict[str, bytes] = {}
+    words = ["stop", "r.toml", "--surface", robot_file(random, files), "--step", random.choice(("45", "90"))]
+    words += option(random, "--speed", (0.1, 1, 10), 0.5) + option(random, "--margin", (0, 0.1, 0.99), 0.2)
+    return Case([*words, *flag(random, "--no-verify", 0.5), *outputs(random)], files)
+
+
+def monitor(random: Random) -> Case:
+    """A log, line by line."""
+    files: dict[str, bytes] = {}
+    surface = robot_file(random, files, count=random.choice((3, 4)))
+    count = random.choice((3, 4))
+    names = ["t_s", *(f"omega{i + 1}_rad_s" for i in range(count)), "gyro_rad_s"]
+    rows = [
+        ",".join(f"{v:.6g}" for v in (0.01 * k, *(random.gauss(0.0, 2.0) for _ in names[1:])))
+        for k in range(60)
+    ]
+    text = "\n".join([",".join(names), *rows]) + "\n"
+    files["l.csv"] = mutate.table(random, text, random.choice((0, 0, 1, 2))).encode()
+    words = ["monitor", "r.toml", "l.csv", "--surface", surface] + option(
+        random, "--false-alarms", (0.01, 0.5), 0.2
+    )
+    return Case([*words, *(["--out", "o.csv"] if random.random() < 0.5 else [])], files)
+
+
+def export(random: Random) -> Case:
+    """The robot for another program."""
+    files: dict[str, bytes] = {}
+    form, ending = random.choice((("c", "h"), ("c", "h"), ("sdf", "sdf"), ("urdf", "urdf"), ("mjcf", "xml")))
+    words = ["export", form, "r.toml", "--surface", robot_file(random, files), "--out", f"o.{ending}"]
+    return Case(words, files)
 
 
 def design(random: Random) -> Case:
@@ -522,9 +554,12 @@ speed = { column = "w2", unit = "rpm" }
 [[wheel]]
 speed = { column = "w3", unit = "rpm" }
 """
-URDF = '<robot name="u"><link name="base"><inertial><origin xyz="0.0 0.0 0.05"/><mass value="8.0"/><inertia ixx="0.1" ixy="0.0" ixz="0.0" iyy="0.1" iyz="0.0" izz="0.15"/></inertial></link>' + "".join(  # noqa: E501
-    f'<link name="wheel{i}"><inertial><mass value="0.3"/><inertia ixx="0.001" ixy="0.0" ixz="0.0" iyy="0.001" '
-    f'iyz="0.0" izz="0.001"/></inertial><collision><geometry>'
+URDF = (
+    '<robot name="u"><link name="base"><inertial><origin xyz="0.0 0.0 0.05"/><mass value="8.0"/>'
+    '<inertia ixx="0.1" ixy="0.0" ixz="0.0" iyy="0.1" iyz="0.0" izz="0.15"/></inertial></link>'
+) + "".join(
+    f'<link name="wheel{i}"><inertial><mass value="0.3"/><inertia ixx="0.001" ixy="0.0" ixz="0.0" '
+    f'iyy="0.001" iyz="0.0" izz="0.001"/></inertial><collision><geometry>'
     f'<cylinder radius="0.05" length="0.03"/></geometry></collision></link>'
     f'<joint name="wheel{i}_joint" type="continuous"><parent link="base"/><child link="wheel{i}"/>'
     f'<origin xyz="{0.2 * math.cos(2.1 * i):.4f} {0.2 * math.sin(2.1 * i):.4f} 0.05" rpy="0.0 0.0 0.0"/>'
@@ -540,7 +575,10 @@ DRAWS: dict[str, tuple[float, Callable[[Random], Case]]] = {
     "plan": (14, plan),
     "check": (14, check),
     "simulate": (9, simulate),
-    "design": (4, design),
+    "stop": (4, stop),
+    "monitor": (4, monitor),
+    "export": (4, export),
+    "design": (3, design),
     "measure": (3, measure),
     "diagnose": (0.7, diagnose),
     "import": (6, imported),

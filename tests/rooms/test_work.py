@@ -44,9 +44,7 @@ def many_wheels(folder: Path, count: int, grip: str = "box") -> Path:
 
 
 def test_a_limit_is_said_with_its_cure_and_raised_by_a_variable(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(
-        InputError, match=r"asks for 300 rows, and at most 100 .* SLIPMARGIN_WORK=3 to allow"
-    ):
+    with pytest.raises(InputError, match=r"asks for 300 rows, and at most 100 .* SLIPMARGIN_WORK=3 to allow"):
         allow("step", 300, 100, "rows", "take a longer step")
     monkeypatch.setenv(FACTOR, "3")
     allow("step", 300, 100, "rows", "take a longer step")
