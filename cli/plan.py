@@ -87,6 +87,7 @@ def plan(
     with at_options(
         surface="--surface",
         margin="--margin",
+        step_s="--step",
         blend_m="--blend",
         max_speed_m_s="--max-speed",
         max_yaw_rate_rad_s="--max-yaw-rate",

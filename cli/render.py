@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NoReturn
+from unicodedata import category
 
 from slipmargin.errors import InputError
 
@@ -36,6 +37,9 @@ def made() -> str:
     return f"Made on {datetime.date.today().isoformat()} by slipmargin {__version__}: `{words}`"
 
 
+#: Letters of one line about a failure.
+LONGEST = 900
+
 #: Warnings wait for the end: a command that is refused says one line, its error.
 _warnings: list[str] = []
 
@@ -45,16 +49,26 @@ def warn(*lines: str) -> None:
     _warnings.extend(f"warning: {line}" for line in lines)
 
 
-def say_warnings(lines: Sequence[str]) -> None:
-    """Say warnings at once, for a command that ends only when it is stopped."""
-    _write(sys.stderr, [f"warning: {line}" for line in lines])
+def say_at_once(*lines: str) -> None:
+    """Lines on stderr while work goes on."""
+    _write(sys.stderr, lines)
 
 
 def tell(line: str, code: int) -> int:
     """One line on stderr instead of any warning, and the exit status to leave with."""
     _warnings.clear()
-    _write(sys.stderr, ["".join(c if c.isprintable() else ascii(c)[1:-1] for c in line)])
+    if len(line) > LONGEST:  # a value of thousands of letters is not worth repeating
+        line = f"{line[: LONGEST // 2]} … {line[-LONGEST // 3 :]}"
+    _write(sys.stderr, [" ".join(line.split())])
     return finish_output(code)
+
+
+def _shown(text: str) -> str:
+    """The text with control characters spelled out, so that a name moves no cursor; line ends stay."""
+    if text.isprintable():
+        return text
+    spelled = ("Cc", "Zl", "Zp")
+    return "".join(ascii(c)[1:-1] if category(c) in spelled and c not in "\n\t" else c for c in text)
 
 
 def finish_output(code: int) -> int:
@@ -65,18 +79,10 @@ def finish_output(code: int) -> int:
     return code
 
 
-def announce_compilation() -> None:
-    """On a terminal, say that the first run compiles: it takes some seconds in which nothing else is seen."""
-    from slipmargin.notice import on_compile
-
-    if sys.stderr.isatty():
-        on_compile(lambda: _write(sys.stderr, ["compiling once, about 10 s"]))
-
-
 def _write(stream: Any, lines: Sequence[str]) -> None:
     try:
         for line in lines:
-            stream.write(line + "\n")
+            stream.write(_shown(line) + "\n")
         stream.flush()
     except BrokenPipeError:
         nowhere = os.open(os.devnull, os.O_WRONLY)

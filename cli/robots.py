@@ -100,6 +100,8 @@ def from_urdf(
 
 def _place(file: Path, force: bool) -> Path:
     """The file to write, with its ending; one that is there already is refused."""
+    if not file.name or file.name.startswith("."):
+        refuse("NAME", f"is {str(file)!r}", "give a name that begins with a letter or a digit")
     file = file if file.suffix == ".toml" else file.with_name(f"{file.name}.toml")
     check_outputs(file)
     if file.exists() and not force:

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from slipmargin.paths.check import Check
     from slipmargin.report.page import Page
 
+#: A motion that asks for so many times a wheel's grip is a mistake of units or of time stamps [1].
+ABSURD_USE = 1e6
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -224,4 +227,11 @@ def check(
         )
     except InputError as fault:
         raise fault.in_file(source) if source else fault from None
+    if not found.max_use <= ABSURD_USE:
+        raise InputError(
+            "t_s",
+            f"asks for {found.max_use:.3g} times a wheel's grip somewhere, which is no robot's motion",
+            "give seconds, metres and radians, and at most one pose for each time",
+            source,
+        )
     return CheckResult(model=model, check=found, pose=pose, warnings=warnings, source_format=form)

@@ -39,10 +39,11 @@ class Result:
         raise NotImplementedError
 
     def to_json(self) -> str:
-        """:meth:`to_dict` as JSON text; a number that is not finite is null."""
+        """:meth:`to_dict` as JSON text; a number that is not finite is null, and ``not_given`` says why."""
         from slipmargin.io.json_text import json_text
+        from slipmargin.report.not_given import with_reasons
 
-        return json_text(self.to_dict())
+        return json_text(with_reasons(self.to_dict()))
 
     def plot(self) -> Figure:
         """The picture that ``--plot`` writes, as a matplotlib figure that belongs to no window."""

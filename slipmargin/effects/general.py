@@ -12,7 +12,7 @@ from typing import Any, final
 
 import numpy as np
 
-from slipmargin.checks import Array, real
+from slipmargin.checks import Array, real, shown
 from slipmargin.effects.effect import Part, Trace
 from slipmargin.errors import InputError
 from slipmargin.model import Model
@@ -58,6 +58,22 @@ class GeneralEffect:
         del nominal
         field = _PLACES[self.part][0]
         return replace(part, **{field: (*getattr(part, field), *self.terms)})
+
+    def check_wheels(self, count: int) -> None:
+        """Refuse terms that weigh another number of wheels than the robot's ``count``.
+
+        Raises
+        ------
+        InputError
+            Placed at the weights.
+        """
+        for i, term in enumerate(self.terms, 1):
+            if isinstance(term, Multiplier) and len(term.wheels) != count:
+                raise InputError(
+                    f"term[{i}].wheel_weights",
+                    f"has {len(term.wheels)} weights",
+                    f"give one for each of the {count} wheels",
+                )
 
     def to_table(self) -> dict[str, Any]:
         """As a ``[[effect]]`` table."""
@@ -169,17 +185,13 @@ def _only(place: str, row: Mapping[str, Any], keys: set[str], optional: Set[str]
 
 def _numbers(key: str, row: Mapping[str, Any]) -> Array:
     value = row[key]
-    if (
-        not isinstance(value, list)
-        or not value
-        or not all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in value)
-    ):
-        raise InputError(key, f"is {value!r}", "give a list of numbers")
-    return np.array(value, dtype=np.float64)
+    if not isinstance(value, list) or not value:
+        raise InputError(key, f"is {shown(value)}", "give a list of numbers")
+    return np.array([real(f"{key}[{i}]", v, cure="give a finite number") for i, v in enumerate(value, 1)])
 
 
 def _word(kind: Any, key: str, value: object) -> Any:
     words = {(m.value if isinstance(m.value, str) else m.name.lower()): m for m in kind}
     if not isinstance(value, str) or value not in words:
-        raise InputError(key, f"is {value!r}", f"use one of: {', '.join(words)}")
+        raise InputError(key, f"is {shown(value)}", f"use one of: {', '.join(words)}")
     return words[value]

@@ -22,7 +22,9 @@ def read_effect(table: Table, wheels: tuple[str, ...]) -> AnyEffect:
     name = table.text("name")
     if name.startswith(general.PREFIX):
         try:
-            return general.from_table({"name": name} | table.raw())
+            effect = general.from_table({"name": name} | table.raw())
+            effect.check_wheels(len(wheels))
+            return effect
         except InputError as fault:
             raise fault.within(table.place) from None
     kind = effect_class(name)

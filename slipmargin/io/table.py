@@ -19,6 +19,9 @@ from slipmargin.errors import InputError
 from slipmargin.io.source import read_text
 from slipmargin.io.toml_table import nearest
 
+#: A spreadsheet takes text that begins so for a formula; an apostrophe before it says that it is text.
+_FORMULA = ("=", "+", "-", "@")
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -175,7 +178,7 @@ def _number(line: int, place: int, cell: str, name: str, empty: Sequence[str] | 
 def columns_text(columns: Mapping[str, Array | Sequence[float] | Sequence[str]], digits: int = 9) -> str:
     """CSV text of named columns of one length.
 
-    Numbers keep ``digits`` significant digits, NaN becomes an empty cell; strings are
+    Numbers keep ``digits`` significant digits, a number that is not finite becomes an empty cell; strings are
     quoted where they hold a comma, a quote or a line break.
     """
     cells = [[_cell(value, digits) for value in column] for column in columns.values()]
@@ -185,8 +188,9 @@ def columns_text(columns: Mapping[str, Array | Sequence[float] | Sequence[str]],
 
 def _cell(value: object, digits: int) -> str:
     if isinstance(value, str):
+        value = f"'{value}" if value.startswith(_FORMULA) else value
         return '"' + value.replace('"', '""') + '"' if any(c in value for c in ',"\r\n') else value
     number = float(value)  # type: ignore[arg-type]
-    if math.isnan(number):
+    if not math.isfinite(number):
         return ""
     return f"{number + 0.0:.{digits}g}"

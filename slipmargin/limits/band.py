@@ -22,6 +22,7 @@ from slipmargin.limits.pull import Pull
 from slipmargin.limits.rows import facet_rows, largest, pull_geometry
 from slipmargin.model import Model
 from slipmargin.physics.grips import polyhedral
+from slipmargin.work import CONE_WHEELS, STANDING_STATES, allow, allow_states
 
 
 def states(model: Model, extreme: Extreme) -> list[Array]:
@@ -43,6 +44,7 @@ def states(model: Model, extreme: Extreme) -> list[Array]:
             choices.append((extreme is Extreme.LOW,))
         else:
             choices.append((False, True))
+    allow_states("wheel", sum(len(c) == 2 for c in choices), STANDING_STATES)
     return [np.array(state) for state in product(*choices)]
 
 
@@ -71,6 +73,10 @@ def _even_band(model: Model, phi_rad: Array, pull: Pull) -> tuple[Array, Array]:
             return largest(*facet_rows(geometry, mu, extreme))
     else:
         from slipmargin.limits.cones import cone_extreme  # clarabel is loaded only where a cone needs it
+
+        size = len(states(model, Extreme.LOW)) * len(phi_rad) * model.count
+        cure = "ask for fewer orientations (--step), or give sectors to fewer wheels"
+        allow("wheel", size, CONE_WHEELS, "wheels in cone programs", cure)
 
         def one(state: Array, extreme: Extreme) -> Array:
             return cone_extreme(model, phi_rad, pull, state, extreme)

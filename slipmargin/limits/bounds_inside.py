@@ -192,11 +192,15 @@ def inside(
     even = safe(lambda A, b, sign: _boxes(A, b, sign, yaw)[2:], Ends(corners=even_corners))
     ball = safe(circle, Ends(farthest=circle_end))
     grip = safe(swerve, Ends(farthest=swerve_end))
+    try:
+        round_ = safe(ellipsoid, Ends(farthest=ellipsoid_end), counts=False)[0]
+    except NoSolution:  # nothing else follows from it: its failure must not cost the box
+        round_ = np.full((3, 3), np.nan)
     return Inside(
         fast=sided[0],
         slow=sided[1],
         even=even[0],
-        ellipsoid=safe(ellipsoid, Ends(farthest=ellipsoid_end), counts=False)[0],
+        ellipsoid=round_,
         circle_m_s2=float(ball[0][0]),
         yaw_rad_s2=yaw,
         coefficient=float(grip[0][0]),

@@ -28,6 +28,7 @@ from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.physics.constants import GRAVITY_M_S2
 from slipmargin.physics.grips import GripShape
+from slipmargin.work import MOVING_STATES, ROBUST_STATES, allow_states, fits
 
 #: Curvatures of the cornering table [1/m].
 CURVATURES = np.array([0.2, 0.5, 1.0, 2.0, 5.0])
@@ -146,6 +147,8 @@ def bounds(
         Yaw acceleration that the sets keep in reserve (:func:`~slipmargin.limits.bounds_inside.inside`).
     """
     heading, share = headings(step_deg), 1.0 - margin
+    if contact is Contact.UNKNOWN:
+        allow_states("wheel", int(np.count_nonzero(model.grip.rigid_fraction > 0.0)), ROBUST_STATES)
     even = None
     if len(model.loads.uneven_N):
         level = replace(model, loads=replace(model.loads, uneven_N=np.zeros((0, model.count))))
@@ -166,7 +169,7 @@ def bounds(
         safe=directions(model, heading, share=share, contact=contact, pace=PACE),
         spin=spin(model, share=share, contact=contact),
         cornering=cornering(model, CURVATURES, heading, share=share, contact=contact),
-        rigid_use=steady_share(model, Motion.full_drag(ahead_of(heading)), contact=Contact.UNKNOWN),
+        rigid_use=_rigid_use(model, heading),
         motor_m_s2=starting_by_motor(model, heading),
         top_m_s=top_speed(model, heading),
         weakest_m_s2=float(np.min(weakest)),
@@ -176,6 +179,13 @@ def bounds(
         rolling_m_s2=_rolling(model, heading, contact),
         contact=contact,
     )
+
+
+def _rigid_use(model: Model, heading: Array) -> Array:
+    """Share of the grip at constant speed, whatever the wheels stand on; NaN where the cases are too many."""
+    if not fits(2.0 ** np.count_nonzero(model.grip.rigid_fraction > 0.0), MOVING_STATES):
+        return np.full(len(heading), np.nan)
+    return steady_share(model, Motion.full_drag(ahead_of(heading)), contact=Contact.UNKNOWN)
 
 
 def _rolling(model: Model, heading: Array, contact: Contact) -> float | None:

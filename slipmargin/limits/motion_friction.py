@@ -25,6 +25,7 @@ from slipmargin.physics.grips import drive_left, polyhedral
 from slipmargin.physics.sectors import on_rigid, pitch
 from slipmargin.physics.terms import Multiplier
 from slipmargin.physics.variables import Target, Variable
+from slipmargin.work import MOVING_STATES, allow_states
 
 Mask = NDArray[np.bool_]
 
@@ -186,6 +187,7 @@ def material_states(possible: Mask) -> list[Mask]:
     """The combinations (M, N) of materials to try; one where every wheel's is known."""
     roller, rigid = possible
     free = [i for i in range(roller.shape[1]) if np.any(roller[:, i] & rigid[:, i])]
+    allow_states("wheel", len(free), MOVING_STATES)
     states = []
     for code in range(2 ** len(free)):
         on_rigid = rigid & ~roller

@@ -18,6 +18,8 @@ from slipmargin.sets.facets import length_scale
 
 #: Samples a line, and how often a line is refined: from ±REACH to ±REACH (2/(SAMPLES − 1))^ROUNDS = 2e-13.
 _SAMPLES, _ROUNDS, _REACH = 17, 18, 4096.0
+#: A pull below this share of the weight is none, and its relative difference says nothing [1].
+_NOTHING = 1e-6
 
 
 def self_check(model: Model, phi_rad: Array, force_N: Array) -> float:
@@ -33,7 +35,8 @@ def self_check(model: Model, phi_rad: Array, force_N: Array) -> float:
         at = np.array([phi])
         ray, bias = Pull().rays(model, at)[0], bias_wrench(model, at)[0]
         other = least_support(wrench_set(model, phi_rad=float(phi)), ray, bias)
-        worst = max(worst, abs(float(force) - other) / max(abs(other), 1e-300))
+        least = _NOTHING * float(np.sum(model.loads.rest_N))
+        worst = max(worst, abs(float(force) - other) / max(abs(other), abs(float(force)), least))
     return worst
 
 

@@ -14,6 +14,7 @@ from slipmargin.model import Model
 from slipmargin.paths.plan import Plan
 from slipmargin.paths.trajectory import Trajectory
 from slipmargin.physics.frames import rotate_rows
+from slipmargin.work import ROWS, allow
 
 
 def node_times(plan: Plan) -> Array:
@@ -32,6 +33,7 @@ def trajectory(plan: Plan, *, step_s: float = 0.005) -> Trajectory:
     """
     step_s = real("step_s", step_s, above=0.0, cure="give a positive time step [s]")
     end = plan.duration_s
+    allow("step_s", end / step_s, ROWS, "rows", "take a longer step, a faster path or a smaller margin")
     count = max(2, int(np.ceil(end / step_s - 1e-9)) + 1)
     return at_times(plan, np.minimum(np.arange(count) * step_s, end))
 

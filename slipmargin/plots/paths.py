@@ -126,7 +126,7 @@ def _path(axes: Axes, rows: Trajectory, share: float, title: str, convention: Co
         if np.any(who == k)
     ]
     marks.append(Line2D([], [], color=GREY, lw=3.2, label="no wheel near its limit"))
-    marks.append(Line2D([], [], color=INK, lw=0, marker=r"$\rightarrow$", ms=11, label="front of the robot"))
+    marks.append(Line2D([], [], color=INK, lw=0, marker=">", ms=7, label="front of the robot"))
     marks.append(Line2D([], [], color=INK, lw=0, marker="o", ms=6, label="start"))
     figure = axes.get_figure(root=True)
     assert isinstance(figure, Figure)

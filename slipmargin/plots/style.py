@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import wraps
 from io import BytesIO, StringIO
 from pathlib import Path
@@ -44,6 +46,7 @@ STYLE = {
     "savefig.dpi": 150,
     "svg.hashsalt": "slipmargin",
     "svg.fonttype": "none",
+    "text.parse_math": False,  # a $ in a name is a dollar
 }
 #: One colour a wheel, the same in every figure; more than six wheels repeat them with another dash.
 WHEELS = (BLUE, ORANGE, GREEN, PURPLE, SKY, RED)
@@ -65,22 +68,31 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
     return in_style
 
 
+@contextmanager
+def _any_letter() -> Iterator[None]:
+    """Without a warning for letters of a name that the font lacks: a box stands for them."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from")
+        yield
+
+
 @styled
 def picture(figure: Figure, ending: str) -> bytes:
     """The figure as a file would hold it, png, svg or pdf; the same figure gives the same bytes."""
     out = BytesIO()
-    figure.savefig(out, format=ending, metadata=_NO_DATE[ending])
+    with _any_letter():
+        figure.savefig(out, format=ending, metadata=_NO_DATE[ending])
     return out.getvalue()
 
 
 @styled
 def image(figure: Figure, *, png: bool = False) -> Image:
     """The figure as a page holds it: SVG text, and PNG bytes where it gets a file of its own."""
-    out = StringIO()
-    figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
-    raster = BytesIO()
-    if png:
-        figure.savefig(raster, format="png", metadata={"Software": None})
+    out, raster = StringIO(), BytesIO()
+    with _any_letter():
+        figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
+        if png:
+            figure.savefig(raster, format="png", metadata={"Software": None})
     return Image(svg=out.getvalue(), width_in=figure.get_figwidth(), png=raster.getvalue() if png else None)
 
 

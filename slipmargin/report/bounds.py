@@ -45,7 +45,7 @@ def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:
     lines.append(f"recommended {b.recommended_m_s2:.4g} m/s² in any direction, slip margin {b.margin:g}")
     lines.append(f"braking     {_span(full.braking_m_s2)}; turning at speed {_span(full.turning_m_s2)}")
     lines.append(
-        f"spinning    up {b.spin.starting_rad_s2:.4g} rad/s², down {b.spin.braking_rad_s2:.4g} rad/s² "
+        f"spinning    up {_turn(b.spin.starting_rad_s2)}, down {_turn(b.spin.braking_rad_s2)} "
         "(with the margin)"
     )
     lines.append(_steady(b))
@@ -59,6 +59,11 @@ def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:
             f"an even floor holds {np.min(b.even.starting_m_s2):.4g} m/s² in the weakest direction"
         )
     return lines + _sets(b)
+
+
+def _turn(rad_s2: float) -> str:
+    """A yaw acceleration, or that the robot slips without one."""
+    return f"{rad_s2:.4g} rad/s²" if rad_s2 > 0.0 else "none, it must slip"
 
 
 def _grip(b: Bounds) -> list[str]:
@@ -142,6 +147,10 @@ def _steady(b: Bounds) -> str:
         )
     use = f"constant speed uses up to {100 * np.max(b.full.steady_use):.0f} % of the grip"
     rigid = b.rigid_use
+    if np.any(np.isnan(rigid)):
+        return (
+            f"steady      {use}; on rigid sectors not computed: so many wheels have too many contact states"
+        )
     if np.max(rigid) <= np.max(b.full.steady_use) * (1.0 + 1e-9):
         return f"steady      {use}"
     if len(b.slipping_rad) == len(rigid):

@@ -15,13 +15,14 @@ from slipmargin.diagnosis.residual_diagnostics import ResidualDependence
 from slipmargin.diagnosis.result import Diagnosis, Estimate, Finding, Lead, Score, Step, TrialTrajectories
 from slipmargin.diagnosis.separate import separating_trial
 from slipmargin.io.json_text import json_text
+from slipmargin.report.not_given import with_reasons
 
 SCHEMA = 1
 
 
 def report_text(diagnosis: Diagnosis, change: LimitsChange) -> str:
     """The file's text; a number that is not finite is null."""
-    return json_text(report(diagnosis, change))
+    return json_text(with_reasons(report(diagnosis, change)))
 
 
 def report(diagnosis: Diagnosis, change: LimitsChange) -> dict[str, Any]:

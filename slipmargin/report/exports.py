@@ -25,6 +25,7 @@ from slipmargin.limits.bounds_inside import Inside
 from slipmargin.limits.bounds_summary import Bounds
 from slipmargin.limits.uncertainty import SlipChance
 from slipmargin.model import Model
+from slipmargin.report.not_given import with_reasons
 
 _INCH = 0.0254
 
@@ -186,7 +187,7 @@ def _swerve(found: Bounds) -> str:
 
 def plain_json(found: Bounds) -> str:
     """The same as ``--json``."""
-    return json_text(bounds_table(found))
+    return json_text(with_reasons(bounds_table(found)))
 
 
 def _load_band(model: Model, even: Directions) -> dict[str, Any]:

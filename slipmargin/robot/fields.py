@@ -14,12 +14,16 @@ from enum import Enum
 from functools import cache
 from types import MappingProxyType
 from typing import Any, final
+from unicodedata import category
 
 import numpy as np
 
 from slipmargin.checks import frozen, real, shown
 from slipmargin.errors import InputError
 from slipmargin.robot.uncertain import UncertainArray, looks_uncertain, read as read_uncertain, spread
+
+#: Letters of a name; names stand in tables, pictures and other programs' files.
+LONGEST = 200
 
 #: The metadata of a dataclass field that is a key of the file.
 Metadata = Mapping[str, "Key"]
@@ -147,6 +151,9 @@ class Key:
             if any(spread(v) for v in cells):
                 return UncertainArray(tuple(cells))
             return frozen(self.name, cells, (self.count,))
+        if self.kind is Kind.NAME and isinstance(value, str) and not printable(value):
+            problem = f"has {len(value)} letters" if len(value) > LONGEST else "holds a control character"
+            raise InputError(self.name, problem, f"write a name of at most {LONGEST} letters on one line")
         if not self._fits(value):
             raise InputError(self.name, f"is {shown(value)}", self.cure)
         return value
@@ -170,6 +177,15 @@ class Key:
     def _number(self, place: str, value: Any) -> float:
         above = self.low if self.above else None
         return real(place, value, low=self.low, high=self.high, above=above, cure=self.cure)
+
+
+def printable(name: str) -> bool:
+    """Whether a name can stand on a line: not too long, without control characters and line ends.
+
+    Marks that turn the direction of writing are control characters too: they make a name read as another.
+    """
+    turning = "\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
+    return len(name) <= LONGEST and not any(category(c) in ("Cc", "Zl", "Zp") or c in turning for c in name)
 
 
 def number(unit: str, meaning: str, low: float, high: float, **more: Any) -> Metadata:

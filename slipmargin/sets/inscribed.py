@@ -17,11 +17,14 @@ from collections.abc import Callable
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.errors import NoSolution
 
 #: The optimum is approached until the objective is this close to it [1].
 GAP = 1e-9
 #: The weight of the barrier falls by this factor a stage; Newton steps a stage at most.
 _FALL, _STEPS = 8.0, 80
+#: Rows whose least and greatest spread are in less than this ratio do not span all dimensions [1].
+FLAT = 1e-14
 #: A stage ends where half the squared Newton decrement is below this [1].
 _CENTRED = 1e-6
 
@@ -50,13 +53,19 @@ def largest_box(rows: Array) -> Array:
 def largest_ellipsoid(rows: Array) -> Array:
     """The ellipsoid of largest volume: E (d, d) symmetric with ‖E rows_k‖ ≤ 1 for ``rows`` (K, d).
 
-    The rows must span all dimensions.
+    Raises
+    ------
+    NoSolution
+        If the rows do not bound it in every direction.
     """
     d = rows.shape[1]
-    value, turn = np.linalg.eigh(rows.T @ rows / len(rows))
-    frame = turn / np.sqrt(
-        value
-    )  # the largest ellipsoid does not depend on the axes: in these it is no needle
+    spread = rows.T @ rows / len(rows)
+    value, turn = np.linalg.eigh(spread) if np.all(np.isfinite(spread)) else (np.zeros(d), np.eye(d))
+    if value[0] <= FLAT * value[-1]:
+        raise NoSolution(
+            "largest ellipsoid", "the rows leave some direction free", "bound it in every direction"
+        )
+    frame = turn / np.sqrt(value)  # it does not depend on the axes: in these it is no needle
     rows = rows @ frame
     i, j = np.triu_indices(d)
     basis = np.zeros((len(i), d, d))

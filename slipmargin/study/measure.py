@@ -25,6 +25,8 @@ from slipmargin.physics.sectors import on_rigid, pitch
 DRAWS, DRAWS_CONES = 200, 40
 #: Coefficients are searched for in this range [1].
 RANGE = (1e-3, 5.0)
+#: No floor holds a pull of so many times the weight: a coefficient of 5 on every wheel, and to spare [1].
+HEAVIEST = 10.0
 #: The ends of an interval [1].
 LOW, HIGH = 0.025, 0.975
 #: Coefficients whose joint change by a part changes the forces by less than this share of it are not
@@ -85,6 +87,14 @@ def measure(model: Model, roller_angle_deg: Array, pulls: Pulls, *, seed: int = 
             "pulls",
             f"{len(phi)} with all wheels on rollers are too few for {unknown} coefficients",
             f"pull at least {unknown + 1} times, in several directions",
+        )
+
+    worst = float(np.max(np.abs(force))) / model.inertia.weight_N
+    if worst > HEAVIEST:
+        raise InputError(
+            "force_N",
+            f"reaches {worst:.3g} times the robot's weight of {model.inertia.weight_N:.3g} N",
+            "give newtons, and the mass of the robot as it was pulled",
         )
 
     def predicted(mu: Array, where: Array) -> Array:

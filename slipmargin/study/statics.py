@@ -26,6 +26,7 @@ from slipmargin.physics.variables import Target
 from slipmargin.sets.facets import batch_ray_exit
 from slipmargin.study.batch import Batch
 from slipmargin.study.robot_on_surface import RobotOnSurface
+from slipmargin.work import STANDING_STATES, allow_states
 
 #: Headings of a sweep all round; the last repeats the first.
 HEADINGS = 721
@@ -104,6 +105,7 @@ def _states(batch: Batch) -> list[NDArray[np.bool_]]:
     base = (some & lower & ~higher) | all_rigid
     crossing = some & ~all_rigid & ~lower & ~higher
     columns = np.flatnonzero(crossing.any(axis=0))
+    allow_states("wheel", len(columns), STANDING_STATES)
     out = []
     for choice in itertools.product((False, True), repeat=len(columns)):
         state = base.copy()

@@ -9,7 +9,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 from source import rooms
 
 #: Rooms that all others may use; leaving them out keeps the drawing readable.
-EVERYWHERE = {"slipmargin.errors", "slipmargin.checks"}
+EVERYWHERE = {"slipmargin.errors", "slipmargin.checks", "slipmargin.work"}
 
 
 def reduced(graph: dict[str, frozenset[str]]) -> dict[str, set[str]]:

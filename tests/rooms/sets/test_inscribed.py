@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
+from slipmargin.errors import NoSolution
 from slipmargin.sets.inscribed import largest_box, largest_ellipsoid
 
 
@@ -36,3 +37,11 @@ def test_nearly_parallel_rows(seed: int, count: int, thin: float) -> None:
         change = E @ (np.eye(3) + 0.1 * (turn := rng.normal(size=(3, 3))) + 0.1 * turn.T)
         if abs(np.linalg.det(change)) > np.linalg.det(E) * (1.0 + 1e-6):
             assert np.max(np.linalg.norm(rows @ change, axis=1)) > 1.0
+
+
+def test_rows_that_leave_a_direction_free_are_refused() -> None:
+    """Such rows gave eigenvalues that did not converge."""
+    flat = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 1e-12]])
+    for rows in (flat, np.full((4, 3), np.inf), np.zeros((4, 3))):
+        with pytest.raises(NoSolution, match="free"):
+            largest_ellipsoid(rows)

@@ -1,0 +1,76 @@
+"""Why a number of a result is null: every result passes here before it leaves as JSON.
+
+A number that is not finite, or so large that no robot has it, becomes null, and the key ``not_given`` says
+why, one sentence for each key that holds a null.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import Enum
+from typing import Any
+
+import numpy as np
+
+#: No quantity of a robot has a size beyond this, in any SI unit.
+LARGEST = 1e15
+#: A wheel that would need so many times its grip at constant speed has none to speak of [1].
+SPENT = 1e3
+NO_MOTOR = "no motor in the robot file limits it"
+SLIPS = "it slips there whatever the acceleration"
+DRAG = f"at constant speed drag leaves no grip to drive with, or less than 1/{SPENT:g} of what it takes"
+OTHERS = "it was not asked for, not measured or has no finite value"
+#: The last part of a key → why it may be null.
+REASONS = {
+    "motor_limit_m_s2": NO_MOTOR,
+    "top_speed_m_s": NO_MOTOR,
+    "top_rad_s": NO_MOTOR,
+    "share_of_top_speed": NO_MOTOR,
+    "forward": NO_MOTOR,
+    "sideways": NO_MOTOR,
+    "any_way": NO_MOTOR,
+    "yaw_rate_rad_s": "neither a motor nor an offset centre of mass limits it",
+    "steady_use": DRAG,
+    "steady_use_rigid": f"{DRAG}; or too many wheels have sectors to try every contact state",
+    "inside": "no acceleration is safe in every motion: see inside_why_not",
+    "ellipsoid": "none was found that is safe in every motion",
+    "traction_limit_m_s2": SLIPS,
+    "traction_limit_disc_strip_m_s2": SLIPS,
+    "held_m_s": SLIPS,
+    "tangent_m_s": SLIPS,
+    "measured_N": "nothing was measured at this orientation",
+    "scatter_N": "fewer than two pulls were measured at this orientation",
+    "residual_N": "nothing was measured at this orientation",
+    "pulls": "nothing was measured at this orientation",
+} | {
+    f"{safe}{way}_{unit}": SLIPS
+    for safe in ("", "safe_", "even_floor_")
+    for way in ("starting", "turning", "braking")
+    for unit in ("m_s2", "rad_s2")
+}
+
+
+def with_reasons(found: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the result as plain data in which each null has its sentence under ``not_given``."""
+    missing: dict[str, str] = {}
+    clean = {str(key): _clean(item, str(key), missing) for key, item in found.items()}
+    return clean | ({"not_given": missing} if missing else {})
+
+
+def _clean(value: Any, path: str, missing: dict[str, str]) -> Any:
+    if isinstance(value, Enum):
+        return _clean(value.value, path, missing)
+    if isinstance(value, Mapping):
+        return {str(key): _clean(item, f"{path}.{key}", missing) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [_clean(item, path, missing) for item in value]
+    key = path.rpartition(".")[2]
+    if isinstance(value, float | np.floating):
+        largest = SPENT if key in ("steady_use", "steady_use_rigid") else LARGEST
+        size = abs(float(value))
+        value = value if size <= largest else None
+    if value is None:
+        missing[path] = REASONS.get(key, OTHERS)
+    return value

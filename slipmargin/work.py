@@ -1,0 +1,75 @@
+"""One door for work that grows with the input: an estimate of its size, a limit, and how to raise it.
+
+A limit is what a desk computer does in about ten seconds, or holds in about two gigabytes.  The environment
+variable ``SLIPMARGIN_WORK`` raises all of them by a factor: ``SLIPMARGIN_WORK=10 slipmargin bounds …``.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+
+from slipmargin.errors import InputError
+
+#: The environment variable that raises the limits by a factor.
+FACTOR = "SLIPMARGIN_WORK"
+#: Contact states that are tried one by one: of standing wheels, of one motion, and of all motions at once.
+STANDING_STATES, MOVING_STATES, ROBUST_STATES = 1024, 256, 64
+#: Wheels times cone programs: contact states times orientations, each program 0.1 to 0.2 ms a wheel.
+CONE_WHEELS = 60_000
+#: Rows of a table that a command makes: a planned or simulated motion, a log on one clock.
+ROWS = 2_000_000
+
+
+def allow(place: str, size: float, most: float, what: str, cure: str) -> None:
+    """Refuse work that is too large.
+
+    Parameters
+    ----------
+    place : str
+        The key, column or argument that makes it large.
+    size, most : float
+        How much there is to do, and how much is done without being asked twice.
+    what : str
+        What is counted, after its number: "contact states".
+    cure : str
+        How to ask for less.
+
+    Raises
+    ------
+    InputError
+        With both numbers, the cure and the variable that raises the limit.
+    """
+    if fits(size, most):
+        return
+    raised = "" if not math.isfinite(size) else f", or set {FACTOR}={math.ceil(size / most):g} to allow it"
+    raise InputError(
+        place, f"asks for {size:.3g} {what}, and at most {most * _factor():.3g} are made", cure + raised
+    )
+
+
+def allow_states(place: str, unknown: int, most: int) -> None:
+    """Refuse wheels that may stand on too many combinations of rollers and rigid sectors.
+
+    Raises
+    ------
+    InputError
+        As :func:`allow`; ``unknown`` wheels have 2^unknown states.
+    """
+    cure = f"give sectors to fewer than these {unknown} wheels (rigid_fraction), or leave --robust out"
+    allow(place, 2.0**unknown, most, "contact states", cure)
+
+
+def fits(size: float, most: float) -> bool:
+    """Whether work that can be left out is small enough to be done."""
+    return size <= most * _factor()
+
+
+def _factor() -> float:
+    try:
+        factor = float(os.environ.get(FACTOR, "1"))
+    except ValueError:
+        factor = math.nan
+    if not (factor >= 1.0 and math.isfinite(factor)):
+        raise InputError(FACTOR, f"is {os.environ[FACTOR][:40]!r}", "give a number from 1", "environment")
+    return factor

@@ -1,0 +1,1 @@
+"""Mutated input for every command: nothing may break it, hang it or make it lie (``make fuzz``)."""

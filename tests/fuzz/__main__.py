@@ -1,0 +1,256 @@
+"""Run mutated input through every command and count what came of it: ``python -m fuzz --count 20000``.
+
+One warm process forks a child a case, which calls the entry of the command line under a limit of memory and
+of processor time.  Cases are drawn from the seed and their number: any one can be run again (``--case N``).
+"""
+
+from __future__ import annotations
+
+import argparse
+import faulthandler
+import gc
+import json
+import os
+import resource
+import shutil
+import signal
+import sys
+import tempfile
+import time
+import warnings
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+from fuzz.cases import BUILT_IN, Case, draw
+from fuzz.judge import BAD, judge
+
+ROOT = Path(__file__).resolve().parents[2]
+RESULTS = ROOT / "benchmarks" / "results" / "fuzz.json"
+#: Processor time of a case [s]; its wall time, on a machine that does other work too [s]; memory beside the
+#: warm process's [B].
+CPU_S, WALL_S, MEMORY_B = 20, 120, 2 << 30
+MIXED_WORDS = ("ok", "refused", *BAD)
+
+
+def warm() -> None:
+    """Import and compile what the commands need, so that a case costs tens of milliseconds."""
+    from slipmargin_cli.main import status
+
+    good = Path(tempfile.mkdtemp(prefix="fuzz"))
+    here = os.getcwd()
+    os.chdir(good)
+    (good / "w.csv").write_text("x_m,y_m,phi_rad\n0,0,0\n1,0,0.5\n1,1,1\n")
+    quiet, loud = os.dup(1), os.dup(2)
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, 1)
+    os.dup2(null, 2)
+    try:
+        for name in BUILT_IN:
+            surface = "paper" if name.startswith("ohio") else "floor"
+            status(["sweep", name, "--surface", surface, "--step", "45"])
+            status(
+                [
+                    "sweep",
+                    name,
+                    "--surface",
+                    surface,
+                    "--step",
+                    "45",
+                    "--method",
+                    "clarabel",
+                    "--grip",
+                    "ellipse",
+                ]
+            )
+            status(
+                ["bounds", name, "--surface", surface, "--step", "45", "--plot", "o.svg", "--json", "o.json"]
+            )
+            status(["polytope", name, "--surface", surface, "--json", "-"])
+            status(
+                ["plan", name, "w.csv", "--surface", surface, "--out", "t.csv", "--points", "40", "--verify"]
+            )
+            status(["check", name, "t.csv", "--surface", surface])
+            status(["stop", name, "--surface", surface, "--step", "90"])
+            status(["export", "c", name, "--surface", surface, "--out", "o.h"])
+            status(["simulate", name, "t.csv", "--surface", surface])
+            status(["design", name, "--surface", surface, "--vary", "mass_kg=1,2"])
+            status(["design", name, "--surface", surface, "--vary", "mass_kg=1,2", "--static"])
+        import numpy as np  # noqa: F401
+        import scipy.optimize
+        import scipy.spatial  # noqa: F401
+        from slipmargin_cli import import_logs, measure  # noqa: F401
+
+        from slipmargin.io import urdf_file  # noqa: F401
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os.dup2(quiet, 1)
+        os.dup2(loud, 2)
+        os.chdir(here)
+        shutil.rmtree(good)
+    gc.collect()
+    gc.freeze()
+
+
+def run(case: Case, base: Path | None = None, keep: Path | None = None) -> tuple[str, str, float]:
+    """Run a case in a child; its word, what shows it, and its processor time [s]."""
+    folder = Path(tempfile.mkdtemp(prefix="case", dir=base))
+    work = keep or folder / "w"
+    work.mkdir(exist_ok=True, parents=True)
+    for name, data in case.files.items():
+        (work / name).parent.mkdir(parents=True, exist_ok=True)
+        (work / name).write_bytes(data)
+    before = {str(p.relative_to(work)) for p in work.rglob("*") if p.is_file()}
+    out, err = folder / "out", folder / "err"
+    try:
+        child = os.fork()
+        if child == 0:
+            _child(case.words, work, out, err)
+        code, used, why = _wait(child)
+        said = [p.read_text(encoding="utf-8", errors="replace") if p.exists() else "" for p in (out, err)]
+        if why:
+            return why, f"status {code}: {_where(said[1])}", used
+        return *judge(code, *said, work, before), used
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _child(words: list[str], work: Path, out: Path, err: Path) -> None:
+    code = 99
+    try:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        os.setsid()
+        for stream, path in ((1, out), (2, err)):
+            os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), stream)
+        os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+        os.chdir(work)
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+        most = pages * resource.getpagesize() + MEMORY_B
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
+        resource.setrlimit(resource.RLIMIT_CPU, (CPU_S, CPU_S + 2))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 30, 1 << 30))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        faulthandler.register(signal.SIGXCPU, chain=True)  # says where it hangs
+        warnings.simplefilter("ignore")
+        from slipmargin_cli.main import status
+
+        code = status(words)
+        sys.stdout.flush()
+        sys.stderr.flush()
+    except SystemExit as end:
+        code = end.code if isinstance(end.code, int) else 1
+    except BaseException:
+        import traceback
+
+        traceback.print_exc()
+        sys.stderr.flush()
+    finally:
+        os._exit(code)
+
+
+def _where(err: str) -> str:
+    """The innermost of our own lines in what the fault handler wrote."""
+    ours = [line.strip() for line in err.splitlines() if "/slipmargin/" in line]
+    return " < ".join(ours[:3]) or err[-200:]
+
+
+def _wait(child: int) -> tuple[int, float, str]:
+    """Exit status, processor time and, where it was ended, why."""
+    start, pause = time.monotonic(), 0.002
+    while True:
+        pid, state, use = os.wait4(child, os.WNOHANG)
+        if pid:
+            break
+        if time.monotonic() - start > WALL_S:
+            os.killpg(child, signal.SIGKILL)
+            _, state, use = os.wait4(child, 0)
+            return -1, use.ru_utime + use.ru_stime, "hang"
+        time.sleep(pause)
+        pause = min(0.02, 1.3 * pause)
+    used = use.ru_utime + use.ru_stime
+    if os.WIFSIGNALED(state):
+        return (
+            -os.WTERMSIG(state),
+            used,
+            "hang" if os.WTERMSIG(state) in (signal.SIGXCPU, signal.SIGKILL) else "killed",
+        )
+    return os.WEXITSTATUS(state), used, ""
+
+
+def table(rows: dict[str, dict[str, int]]) -> list[str]:
+    """The counts as lines of text."""
+    width = max(len(w) for w in MIXED_WORDS) + 2
+    lines = [f"{'command':<12}{'cases':>8}" + "".join(f"{w:>{width}}" for w in MIXED_WORDS)]
+    total: Counter[str] = Counter()
+    for command, counts in [*sorted(rows.items()), ("all", total)]:
+        if command != "all":
+            total.update(counts)
+        lines.append(
+            f"{command:<12}{sum(counts.values()):>8}"
+            + "".join(f"{counts.get(w, 0):>{width}}" for w in MIXED_WORDS)
+        )
+    return lines
+
+
+def main() -> int:
+    """Run the cases that are left, keep the summary, print the table; 1 where anything bad came of one."""
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("--seed", type=int, default=1)
+    words.add_argument("--first", type=int, default=0, help="number of the first case")
+    words.add_argument("--count", type=int, default=2000, help="number of cases in all")
+    words.add_argument("--minutes", type=float, default=1e9, help="stop after this time; run again to go on")
+    words.add_argument("--json", type=Path, default=RESULTS, help="summary, from which the next run goes on")
+    words.add_argument("--command", help="cases of this command only")
+    words.add_argument("--case", type=int, help="run one case in a folder that is kept, and show it")
+    asked = words.parse_args()
+    warm()
+    if asked.case is not None:
+        return _show(asked.seed, asked.case)
+    known: dict[str, Any] = {"seed": asked.seed, "next": asked.first, "counts": {}, "bad": []}
+    if asked.json.exists():
+        kept = json.loads(asked.json.read_text())
+        known = kept if kept["seed"] == asked.seed else known
+    start, base = time.monotonic(), Path("/dev/shm") if Path("/dev/shm").is_dir() else None
+    while known["next"] < asked.first + asked.count and time.monotonic() - start < 60.0 * asked.minutes:
+        number = known["next"]
+        known["next"] += 1
+        case = draw(asked.seed, number)
+        if asked.command not in (None, case.command):
+            continue
+        word, shows, used = run(case, base)
+        counts = known["counts"].setdefault(case.command, {})
+        counts[word] = counts.get(word, 0) + 1
+        if word in BAD:
+            known["bad"].append({"case": number, "what": word, "words": case.words[:12], "shows": shows})
+            print(
+                f"case {number}: {word} ({used:.1f} s): {' '.join(case.words)[:160]!r}: {shows[:300]}",
+                flush=True,
+            )
+        elif used > 8.0:
+            print(f"case {number}: slow ({used:.1f} s): {' '.join(case.words)[:200]!r}", flush=True)
+        if number % 100 == 99:
+            _keep(asked.json, known)
+    _keep(asked.json, known)
+    print("\n".join(table(known["counts"])))
+    return 1 if known["bad"] else 0
+
+
+def _keep(path: Path, known: dict[str, Any]) -> None:
+    part = path.with_suffix(".part")
+    part.write_text(json.dumps(known, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    os.replace(part, path)
+
+
+def _show(seed: int, number: int) -> int:
+    case = draw(seed, number)
+    keep = Path(tempfile.gettempdir()) / f"fuzz-{seed}-{number}"
+    shutil.rmtree(keep, ignore_errors=True)
+    print(f"cd {keep}; slipmargin", *(repr(w) for w in case.words))
+    word, shows, used = run(case, keep=keep)
+    print(f"{word} ({used:.1f} s): {shows}")
+    return 1 if word in BAD else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
