@@ -12,7 +12,7 @@ import numpy as np
 import slipmargin as sm
 
 #: How the header must compile, and the language.
-STRICT = ("-Wall", "-Wextra", "-Werror", "-pedantic", "-O2")
+STRICT = ("-Wall", "-Wextra", "-Werror", "-pedantic", "-O3")
 COMPILERS = {"gcc": "c99", "clang": "c99", "g++": "c++17", "clang++": "c++17"}
 _CALLS = """
 #include "limit.h"

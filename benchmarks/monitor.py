@@ -235,7 +235,7 @@ def judged(
 
 
 def control(rate: float) -> dict[str, float]:
-    """Alarms of a monitor that only its own model has trained on simulated motion within half the grip."""
+    """Alarms of a monitor that only its own model has trained on simulated motion within 0.7 of the grip."""
     import driving
 
     out = {}

@@ -24,6 +24,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     ),
     "simulate": ("slipmargin simulate mecanum4 speeds.csv --surface floor --out run.csv --report run.html",),
     "stop": ("slipmargin stop mecanum4 --surface floor --speed 1",),
+    "monitor": ("slipmargin monitor mybot.toml log.csv --surface floor --out slip.csv",),
     "design": (
         "slipmargin design ohio-kiwi --surface paper --vary delta_deg=0:60:5",
         "slipmargin design omni4 --surface floor --vary front_angle_deg=30:60:10 "
@@ -55,7 +56,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "surfaces show": ("slipmargin surfaces show carpet-omni-williams2002",),
     "measure": ("slipmargin measure pulls.csv mybot.toml --surface floor",),
     "effects list": ("slipmargin effects list",),
-    "effects show": ("slipmargin effects show rolling_drag",),
+    "effects show": ("slipmargin effects show rigid_sector",),
 }
 
 

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from .options import RobotArg
-from .render import at_options, say, say_warnings
+from .render import at_options, say, say_at_once
 
 FloorOpt = Annotated[
     str | None, typer.Option("--surface", metavar="S", help="Surface of the robot file; else its first.")
@@ -39,7 +39,7 @@ def explore(
         page = sm.explore(robot, surface, report=report)
         server = page.serve(port)
     say(f"{page.design.robot.name} on {page.design.surface}: {server.address}", "Ctrl-C ends it.")
-    say_warnings(page.warnings)
+    say_at_once(*(f"warning: {line}" for line in page.warnings))
     if not no_browser:
         open_new_tab(server.address)
     try:

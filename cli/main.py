@@ -30,9 +30,10 @@ import typer
 
 from slipmargin import __version__
 from slipmargin.errors import SlipmarginError
+from slipmargin.notice import on_compile
 
 from .examples import add_examples
-from .render import announce_compilation, finish_output, note_words, tell
+from .render import finish_output, note_words, say_at_once, tell
 
 #: Command → where its function (or typer application) is, and its one line in the list.
 COMMANDS: dict[str, tuple[str, str]] = {
@@ -109,6 +110,12 @@ def status(arguments: list[str]) -> int:
             "(a defect of slipmargin: run again with SLIPMARGIN_DEBUG=1 and report the traceback)",
             1,
         )
+
+
+def announce_compilation() -> None:
+    """On a terminal, say that the first run compiles: it takes some seconds in which nothing else is seen."""
+    if sys.stderr.isatty():
+        on_compile(lambda: say_at_once("compiling once, about 10 s"))
 
 
 def application(arguments: list[str]) -> typer.Typer:

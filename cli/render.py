@@ -49,9 +49,9 @@ def warn(*lines: str) -> None:
     _warnings.extend(f"warning: {line}" for line in lines)
 
 
-def say_warnings(lines: Sequence[str]) -> None:
-    """Say warnings at once, for a command that ends only when it is stopped."""
-    _write(sys.stderr, [f"warning: {line}" for line in lines])
+def say_at_once(*lines: str) -> None:
+    """Lines on stderr while work goes on."""
+    _write(sys.stderr, lines)
 
 
 def tell(line: str, code: int) -> int:
@@ -77,14 +77,6 @@ def finish_output(code: int) -> int:
     _write(sys.stderr, _warnings)
     _warnings.clear()
     return code
-
-
-def announce_compilation() -> None:
-    """On a terminal, say that the first run compiles: it takes some seconds in which nothing else is seen."""
-    from slipmargin.notice import on_compile
-
-    if sys.stderr.isatty():
-        on_compile(lambda: _write(sys.stderr, ["compiling once, about 10 s"]))
 
 
 def _write(stream: Any, lines: Sequence[str]) -> None:

@@ -20,7 +20,7 @@ settings.load_profile("ci" if os.environ.get("CI") else "desk")
 
 #: Packages of the extras ``test``, ``ros``, ``urdf``, ``frc`` and ``lerobot``; else tests are skipped.
 NEEDED = ("mujoco", "toppra", "dask", "distributed", "jupytext", "nbclient", "ipykernel", "rosbags")
-NEEDED += ("yourdfpy", "xacrodoc", "wpiutil", "pyarrow", "playwright")
+NEEDED += ("yourdfpy", "xacrodoc", "wpiutil", "pyarrow", "playwright", "pysbd", "vermin", "sklearn")
 
 
 def missing() -> list[str]:

@@ -92,8 +92,7 @@ def export_simulator(robot: RobotLike, format: str, surface: str | None = None) 
     --------
     >>> import slipmargin as sm
     >>> print(sm.export_simulator("mecanum4", "sdf").lines()[1])
-    wheel front-right: mu 0.6 along (0.7071, 0.7071), mu2 0.03 across, slip compliances 9.24e-05 and
-    0.00185 m/(N s)
+    wheel front-right: mu 0.4 along (-0.707, -0.707), mu2 0.05, slip 0.000133 and 0.00107 m/(N s)
     """
     from slipmargin.report.gazebo_model import sdf_text, urdf_text
     from slipmargin.report.mujoco_model import mjcf_text

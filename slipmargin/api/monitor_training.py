@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +14,10 @@ from slipmargin.onboard.signals import TAU_S
 from slipmargin.physics.frames import rotate_rows
 
 if TYPE_CHECKING:
-    from slipmargin.api.monitor import SlipMonitor
     from slipmargin.model import Model
     from slipmargin.onboard.likelihood import LabelledRun
+    from slipmargin.onboard.signals import Channels
+    from slipmargin.onboard.table import LimitTable
 
 #: Simulated training: runs, their length [s], time between samples [s].
 _RUNS, _LENGTH_S, _STEP_S = 40, 2.0, 0.01
@@ -29,8 +30,33 @@ _NOISE, _GYRO_NOISE, _CURRENT_NOISE = 0.01, 0.02, 0.05
 _WINDOW_S, _APART_M_S, _APART = 0.1, 0.02, 0.2
 
 
+class Trainee(Protocol):
+    """What the training needs of a monitor."""
+
+    @property
+    def table(self) -> LimitTable:
+        """The tables of its robot."""
+
+    @property
+    def channels(self) -> Channels:
+        """What every sample holds."""
+
+    def labelled(
+        self,
+        t_s: Array,
+        omega: Array,
+        twist: Array,
+        slips: Array,
+        *,
+        commanded: Array | None = None,
+        gyro_rad_s: Array | None = None,
+        current_A: Array | None = None,
+    ) -> LabelledRun:
+        """A run with its truth."""
+
+
 def simulated(
-    model: Model, monitor: SlipMonitor, seed: int, torque_per_ampere_N_m: float | None
+    model: Model, monitor: Trainee, seed: int, torque_per_ampere_N_m: float | None
 ) -> list[LabelledRun]:
     """Runs of the robot's own model that ask for a tenth to twice the grip's acceleration."""
     from slipmargin.sim.signal import linear
@@ -102,7 +128,7 @@ def _settled(used: Array) -> NDArray[np.bool_]:
     return clear & (slips | grips)
 
 
-def from_data_set(monitor: SlipMonitor, folder: Path | str) -> list[LabelledRun]:
+def from_data_set(monitor: Trainee, folder: Path | str) -> list[LabelledRun]:
     """The runs of a data set; a wheel slips where the pose says other velocities than the wheels.
 
     Raises
@@ -146,7 +172,7 @@ def from_data_set(monitor: SlipMonitor, folder: Path | str) -> list[LabelledRun]
     return out
 
 
-def _velocities(monitor: SlipMonitor, t: Array, pose: Array, omega: Array, half: int) -> tuple[Array, Array]:
+def _velocities(monitor: Trainee, t: Array, pose: Array, omega: Array, half: int) -> tuple[Array, Array]:
     """Body twists (T, 3) by the pose and by the wheels over the same samples; NaN at the ends."""
     truth, wheels = np.full(pose.shape, np.nan), np.full(pose.shape, np.nan)
     if len(t) > 2 * half:

@@ -1,11 +1,12 @@
 """Screening: how much of the residual of left-out runs every candidate takes off, by its tangent alone.
 
-The model is simulated once beside each parameter of each candidate.  What follows is linear and cannot
-diverge: for every candidate the step that suits all runs but a fold is applied to the fold, and what the
-squared residual falls by is its gain.  Named effects, general forms, pairs of named effects and what no
-fit can vary (:mod:`~slipmargin.diagnosis.probes`) stand in one list.  It orders the candidates, it is the
-residual map, and it is tested as a whole: surrogate residuals, whose blocks change their sign at random, go
-through all of it, and the largest gain of any candidate from them is what chance gives.
+The model is simulated once beside each parameter of each candidate, and at starts of named ones, because
+friction that sticks hides small changes.  The rest is linear and cannot diverge: for every candidate the
+step that suits all runs but a fold is applied to the fold; what the squared residual falls by is its gain.
+Named effects, general forms, pairs of named effects and what no fit can vary
+(:mod:`~slipmargin.diagnosis.probes`) stand in one list.  It orders the candidates and tells which variables
+the residual follows.  It is tested as a whole: surrogate residuals, whose blocks change their sign at random,
+go through all of it, and the largest gain of any candidate from them is what chance gives.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ from slipmargin.effects import AnyEffect, Trace
 
 #: Forward-difference step in units of a parameter's scale: that of the fits.
 _STEP = 0.05
+#: So many starts of a named candidate are simulated as they are.
+_SECANTS = 3
 #: Ridge of the linear steps, as a share of a column's own sum of squares.
 _RIDGE = 1e-6
 
@@ -48,9 +51,11 @@ class Columns:
         How far each column may be followed.
     candidate : Candidate, optional
         What a fit can vary; None for a probe.
-    at, free : array
-        Where (P,) the candidate stands, and the numbers (M,) of the parameters that the columns belong to;
-        −1 is the whole change from the present law to that at ``at``.
+    at : array (P,), optional
+        Where the candidate stands.
+    along : array (M, P), optional
+        Which way each column moves its parameters; zero for the change from the present law to that at
+        ``at``.
     """
 
     trace: Trace
@@ -61,7 +66,7 @@ class Columns:
     high: Array
     candidate: Candidate | None = None
     at: Array | None = None
-    free: tuple[int, ...] = ()
+    along: Array | None = None
 
     @property
     def named(self) -> bool:
@@ -70,12 +75,8 @@ class Columns:
 
     def start(self, step: Array) -> Array:
         """The candidate's parameters after a step (M,), where a fit may start."""
-        assert self.candidate is not None and self.at is not None
-        x = self.at.copy()
-        for j, own in zip(self.free, step, strict=True):
-            if j >= 0:
-                x[j] += own * self.candidate.scale[j]
-        return np.asarray(np.clip(x, self.candidate.low, self.candidate.high))
+        assert self.candidate is not None and self.at is not None and self.along is not None
+        return np.asarray(np.clip(self.at + step @ self.along, self.candidate.low, self.candidate.high))
 
 
 @final
@@ -156,7 +157,7 @@ def screen(
     seed : int
         Draws the surrogates.
     """
-    groups = [*tangents(problem, base, candidates), *probes]
+    groups = [*tangents(problem, base, candidates), *secants(problem, base, candidates), *probes]
     if not groups:
         return Screening(entries=(), total=base.cost, chance=np.zeros(0))
     columns = _beside(base, np.concatenate([g.columns for g in groups], axis=2))
@@ -238,10 +239,35 @@ def tangents(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> 
                 high=np.array(high),
                 candidate=candidate,
                 at=at,
-                free=tuple(free),
+                along=np.array([np.eye(candidate.size)[j] * candidate.scale[j] * (j >= 0) for j in free]),
             )
         )
     return out
+
+
+def secants(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> list[Columns]:
+    """A column from each named candidate's null to each of its first starts: sticking hides small changes."""
+    plans = [
+        (c, np.where(c.idle, start, c.null), start)
+        for c in candidates
+        if c.named and c.nested
+        for start in c.starts[:_SECANTS]
+    ]
+    points = [(*base.effects, c.build(start)) for c, _, start in plans]
+    return [
+        Columns(
+            trace=c.trace,
+            label=c.label,
+            columns=(residual - base.residual)[:, :, None],
+            prior=np.zeros((1, 1)),
+            low=np.array([-1.0]),
+            high=np.array([2.0]),
+            candidate=c,
+            at=at,
+            along=(start - at)[None],
+        )
+        for (c, at, start), residual in zip(plans, _in_parts(problem, points, base.trials), strict=True)
+    ]
 
 
 #: Simulations that are compared in one go: their poses stay in the processor's memory.

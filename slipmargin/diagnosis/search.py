@@ -190,8 +190,14 @@ def take_step(
         tried.append(_added(before, entry, runs, min((s.fit.cost for s in tried), default=np.inf)))
         if progress.expired:
             break
+    if not tried:
+        return nothing
     tried.sort(key=lambda s: s.chi)
     best = choose(tried)
+    if before.chi > SETTINGS.far_chi and before.structure and not best.named:
+        # Several effects are still missing: that a general form takes up more of them speaks against no name.
+        names = [s for s in tried if s.named and worthwhile(before, s.chi)]
+        best = choose(names) if names else best
     return Round(
         before=before,
         screening=screening,
@@ -207,8 +213,8 @@ def finalists(screening: Screening) -> list[Screened]:
 
     A pair is fitted only where its two tangents together leave clearly less than any single one.
     """
-    most = screening.entries[0].gain
-    worth = [e for e in screening.entries if e.structure and e.gain > SETTINGS.hopeless * most]
+    able = [e for e in screening.entries if e.structure and e.gain > 0.0]
+    worth = [e for e in able if e.gain > SETTINGS.hopeless * able[0].gain]
     single = [e for e in worth if len(e.parts) == 1]
     best = single[0].gain if single else 0.0
     pairs = [

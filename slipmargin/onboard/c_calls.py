@@ -85,7 +85,9 @@ static inline int sm_toward(const sm_real *now, const sm_real *drag_low, const s
   for (j = 0; j < 3; ++j) { step[j] = target[j] - now[j]; per_s[j] = step[j] / dt; }
   sm_turning(now, step, c, l, s);
   sm_to_centre(per_s, rate);
-  sm_rows(now, now, drag_low, drag_high, heading, c, rows);
+  far_ = SM_PULL / sm_most_of(SM_SQRT(rate[0] * rate[0] + rate[1] * rate[1]), SM_PULL);
+  for (j = 0; j < 3; ++j) near_by[j] = c[j] + far_ * rate[j];
+  sm_rows(now, now, drag_low, drag_high, heading, near_by, rows);
   holds = sm_reach(rows, c, rate, l, s, &far_);
   if (holds) {
     for (j = 0; j < 3; ++j) near_by[j] = c[j] + far_ * rate[j];

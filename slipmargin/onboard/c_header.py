@@ -58,7 +58,7 @@ def operations(table: LimitTable) -> dict[str, int]:
     making = drag + n * 16 + 30 + 120 + sharing + n * per_wheel + count * row + 6 * n
     reading = count * (6 + 5 + 5 + 5 + 8 + 2 * 16 + 8)
     turning = 60
-    toward = turning + 40 + 3 * (making + reading + 40)
+    toward = turning + 60 + 3 * (making + reading + 40)
     rounds = 2 if table.shares_by_load else 1
     return {
         "sm_limit_twist": 2 * toward + 60 + 8 * n,
@@ -125,6 +125,7 @@ def _switches(table: LimitTable) -> list[str]:
         ("SM_STALL", _number(stall or 0.0), "stall torque at the wheel [N m]"),
         ("SM_FASTEST", _number(top or 0.0), "top speed of a wheel [rad/s]"),
         ("SM_LIGHTEST", _number(LIGHTEST * table.mean_load_N), "least load that counts [N]"),
+        ("SM_PULL", _number(table.pull_m_s2), "acceleration that the grip alone would give [m/s^2]"),
         ("SM_ROUNDING", _number(tolerance(table)), "tolerance of a row [1]"),
         ("SM_LARGEST", _number(LARGEST), "largest input that counts"),
         ("SM_HUGE", _number(1e30), "more than any share"),

@@ -37,7 +37,7 @@ SHORTEST_S = 1e-6
 LIGHTEST = 0.01
 #: A row may be missed by this share of its bound, so that rounding stops no robot that just keeps it; the
 #: second where loads decide how a wrench is shared, which is known for an acceleration close by only [1].
-ROUNDING, SHARING = 1e-6, 5e-3
+ROUNDING, SHARING = 1e-6, 1e-2
 
 
 @final
@@ -222,7 +222,9 @@ def _toward(
     step = target - now
     turning = _turning(table, now, step)[0]
     rate = com_acceleration(table.com_m, np.zeros_like(step), step / dt[:, None])
-    far, holds = _reach(table, rows(table, now, now, heading, turning), now, step, dt)
+    size = np.sqrt(np.sum(rate[:, :2] ** 2, axis=1, keepdims=True))
+    likely = turning + rate * (table.pull_m_s2 / np.maximum(size, table.pull_m_s2))
+    far, holds = _reach(table, rows(table, now, now, heading, likely), now, step, dt)
     near = turning + far[:, None] * rate
     t = np.zeros_like(far)
     found = ~holds

@@ -142,6 +142,7 @@ def test_the_graph_of_rooms_can_be_drawn() -> None:
 #: Importer → what it may import besides the front door, ``slipmargin.errors`` and its neighbours, and why.
 BEHIND_THE_DOOR = (
     ("slipmargin_cli.options", "slipmargin.io.writes", "outputs are checked before any work"),
+    ("slipmargin_cli.main", "slipmargin.notice", "the first run says that it compiles"),
     ("slipmargin_cli.options", "slipmargin.io.folder", "outputs are checked before any work"),
     ("slipmargin_cli.options", "slipmargin.io.data_set_write", "outputs are checked before any work"),
     ("notebooks.data_loop", "slipmargin.effects", "the truth is planted"),

@@ -16,11 +16,14 @@ import typer
 from slipmargin_cli.examples import EXAMPLES
 from slipmargin_cli.main import COMMANDS, application, status
 
+import slipmargin as sm
+
 WAY = "x_m,y_m,phi_rad\n0,0,0\n1,0,0\n"
 SPEEDS = "t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,omega4_rad_s\n0,3,3,3,3\n0.5,0,0,0,0\n"
-PULLS = "phi_rad,force_N\n0.0,20\n0.7854,25\n1.5708,22\n2.5,21\n"
 #: Examples that need a reader's own logs, a browser, the time of a whole search or an option's package.
-NOT_RUN = {"diagnose", "reproduce", "explore"} | {name for name in EXAMPLES if name.startswith("import ")}
+NOT_RUN = {"diagnose", "reproduce", "explore", "monitor"} | {
+    name for name in EXAMPLES if name.startswith("import ")
+}
 
 
 def leaves(command: Any, name: str = "") -> dict[str, Any]:
@@ -66,7 +69,10 @@ def test_examples_can_be_typed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     """In a folder with the files that they name, each example does its work."""
     monkeypatch.chdir(tmp_path)
     assert status(["robots", "new", "mybot", "--type", "mecanum"]) == 0
-    for name, text in (("way", WAY), ("speeds", SPEEDS), ("pulls", PULLS)):
+    pulled = sm.sweep("mybot.toml", "floor", to_deg=350.0, step_deg=30.0)
+    rows = [f"{a:.4f},{f:.2f}" for a, f in zip(pulled.phi_rad, pulled.f_max_N, strict=True)]
+    pulls = "\n".join(["phi_rad,force_N", *rows, ""])
+    for name, text in (("way", WAY), ("speeds", SPEEDS), ("pulls", pulls)):
         Path(f"{name}.csv").write_text(text, encoding="utf-8")
     urdf = Path(__file__).parents[2] / "data" / "urdf" / "mecanum.urdf.xacro"
     Path("mybot.urdf.xacro").write_bytes(urdf.read_bytes())
@@ -77,6 +83,7 @@ def test_examples_can_be_typed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
             words = list(shlex.split(line)[1:])
             if name in {"robots new", "robots from-urdf"}:
                 words.append("--force")
+            words += ["--out", "other.toml"] if name == "robots from-urdf" else []
             assert status(words) == 0, line
 
 
@@ -112,9 +119,8 @@ def test_bounds_show_at_most_twelve_directions(capsys: pytest.CaptureFixture[str
 
 CODE = """
 import sys
-from slipmargin.notice import on_compile
-from slipmargin_cli import render
-render.announce_compilation()
+from slipmargin_cli import main
+main.announce_compilation()
 from slipmargin.physics.compiled import fast
 @fast
 def double(x):

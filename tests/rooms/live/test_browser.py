@@ -113,7 +113,7 @@ def test_with_the_files_own_numbers_the_command_names_the_robot(page: Any, tmp_p
     page.click("#tab-export")
     page.select_option("#tool", "nav2")
     page.wait_for_function(
-        "() => document.getElementById('command').textContent.includes('mecanum4 --surface floor --export')"
+        "() => document.getElementById('command').textContent.endsWith('floor --export nav2 limits.yaml')"
     )
     assert page.text_content("#command") == (
         "slipmargin bounds mecanum4 --surface floor --export nav2 limits.yaml"

@@ -1,4 +1,4 @@
-"""The limiter on an engine with real rollers (MuJoCo): what it commands hardly slips, clipped axes do."""
+"""The limiter on an engine with real rollers (MuJoCo): what it lets through hardly slips."""
 
 from __future__ import annotations
 
@@ -36,5 +36,5 @@ def test_commands_that_it_lets_through_hardly_slip_on_real_rollers(named: tuple[
     clipped = driving.commanded(driving.axis_limit(1.5 * change.max(axis=0)), wanted)
     little = slipped(Engine(recipe.robot, named[1]), kept)
     much = slipped(Engine(recipe.robot, named[1]), clipped)
-    print(f"{named[0]}: {1e3 * little:.1f} mm/s limited, {1e3 * much:.1f} mm/s clipped")
+
     assert little < 0.02 < much

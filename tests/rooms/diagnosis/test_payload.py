@@ -1,0 +1,72 @@
+"""A real robot with its weight moved: beside runs without payload, no wheel grows and the loads are found."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from real.models import measured_path
+from real.sets import robotino
+from real_logs import WHOLE, needs_whole
+
+from slipmargin.data.campaign import apart
+from slipmargin.data.odometry import body_path
+from slipmargin.diagnosis.candidate import named_candidates
+from slipmargin.diagnosis.conditions import problem_of
+from slipmargin.diagnosis.evidence import intervals
+from slipmargin.diagnosis.fit import fit, limits_of
+from slipmargin.diagnosis.groups import in_groups
+from slipmargin.diagnosis.left_out import leave_one_out
+from slipmargin.diagnosis.problem import Problem
+
+LABELS = (
+    "slip_ratio_friction with its own constants across in floor gray",
+    "wheel_loads in loading each",
+    "trailing_load in floor gray",
+)
+START = (5.0, 1.8, 2.7, -0.02, 0.0, -0.012, 0.0, 0.004)
+
+
+@needs_whole
+def test_a_payload_is_a_payload_and_no_larger_wheel() -> None:
+    data = next(s for s in robotino(WHOLE) if s.name == "robotino-load")
+    parts = apart(data.fitted)
+    some = {id(t) for part in parts for t in part.trials[::3]}
+    kept = [i for i, t in enumerate(data.fitted.trials) if id(t) in some]
+    fitted = replace(
+        data.fitted,
+        trials=tuple(data.fitted.trials[i] for i in kept),
+        member_of=tuple(data.fitted.member_of[i] for i in kept),
+    )
+    problem = problem_of(fitted)
+    camera = tuple(e.name for e in fitted.recipe.effects)
+    known = {c.label: c for c in in_groups(named_candidates(("1", "2", "3"), False, camera), fitted.members)}
+    wheels = [f"wheel_radius[{w}]" for w in "123"]
+    structure = tuple(known[label] for label in (*LABELS, *wheels[:2]))
+    rows = np.flatnonzero(problem.member_of < 2)  # the table has calibrated the camera
+    made = fit(problem.in_pieces(2.0), structure, np.array([*START, 1.0, 1.0]), rows)
+    keys = [k for c in made.structure for k in c.keys]
+    found = dict(zip(keys, made.x, strict=True))
+    spread = intervals(made, leave_one_out(made), limits_of(structure)[2], np.zeros(len(keys)))
+    at = keys.index("shift_x_m (loading payload)")
+    assert spread.low[at] < -0.006 and spread.high[at] > -0.018
+    assert found["shift_x_m (loading as stated)"] < found["shift_x_m (loading payload)"] - 0.004
+    assert np.abs(made.x[-2:] - 1.0).max() < 0.01, "wheel_radius, shared by all data sets"
+    judged = replace(fitted, trials=data.judged, members=(), member_of=(), recipe=data.recipe)
+    errors = _errors(problem_of(replace(judged, sigma=problem.sigma)), made.effects)
+    assert errors[0] < 0.02 and errors[1] < 3.5
+
+
+def _errors(problem: Problem, effects: tuple[object, ...]) -> tuple[float, float]:
+    """Displacement over way [1] and heading [deg], root mean squares over the payload's runs."""
+    from slipmargin.effects.confined import acting
+
+    own = acting(effects, 1)  # type: ignore[arg-type]
+    everyone = np.arange(len(problem.trials), dtype=np.int64)
+    way, turn = [], []
+    for trial, pose in zip(problem.trials, problem.predict([own], [everyone])[0], strict=True):
+        went = measured_path(trial.record)[-1]
+        gap = body_path(pose[: len(trial.t_s)])[-1] - went
+        way.append(np.hypot(*gap[:2]) / np.hypot(*went[:2]))
+        turn.append(gap[2])
+    return float(np.sqrt(np.mean(np.square(way)))), float(np.rad2deg(np.sqrt(np.mean(np.square(turn)))))
