@@ -68,6 +68,9 @@ def run() -> None:
     """Entry point of the ``slipmargin`` script; libraries' warnings only for those who ask for them."""
     if not sys.warnoptions and not os.environ.get("SLIPMARGIN_DEBUG"):
         warnings.simplefilter("ignore")
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed before the program began
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # a terminal without φ is no reason to fail
@@ -95,6 +98,10 @@ def status(arguments: list[str]) -> int:
         return tell(f"error: {_usage(fault)}", 2)
     except (KeyboardInterrupt, typer.Abort):
         return finish_output(130)
+    except (OSError, MemoryError) as fault:
+        if os.environ.get("SLIPMARGIN_DEBUG"):
+            raise
+        return tell(f"error: {_machine(fault)}", 2)
     except Exception as defect:
         if os.environ.get("SLIPMARGIN_DEBUG"):
             raise
@@ -159,6 +166,14 @@ def _top(
     or usage, 130 interrupted.
     """
     del version
+
+
+def _machine(fault: OSError | MemoryError) -> str:
+    """What the machine refused: place, what is wrong, what to do."""
+    if isinstance(fault, MemoryError):
+        return f"memory: there is not enough ({fault or 'none left'}), give less data or use a larger machine"
+    place = fault.filename if isinstance(fault.filename, str) else "the machine"
+    return f"{place}: {fault.strerror or fault}, make room or choose another place"
 
 
 def _usage(fault: Any) -> str:

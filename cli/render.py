@@ -84,10 +84,14 @@ def _write(stream: Any, lines: Sequence[str]) -> None:
         for line in lines:
             stream.write(_shown(line) + "\n")
         stream.flush()
-    except BrokenPipeError:
+    except OSError as fault:
         nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, stream.fileno())
+        os.dup2(nowhere, stream.fileno())  # what is buffered still goes somewhere
         os.close(nowhere)
+        if not isinstance(fault, BrokenPipeError) and stream is sys.stdout:
+            raise InputError(
+                "", f"cannot be written ({fault.strerror})", "make room, or write to another place", "stdout"
+            ) from None
 
 
 def refuse(option: str, problem: str, cure: str) -> NoReturn:

@@ -375,9 +375,8 @@ def monitor(random: Random) -> Case:
     ]
     text = "\n".join([",".join(names), *rows]) + "\n"
     files["l.csv"] = mutate.table(random, text, random.choice((0, 0, 1, 2))).encode()
-    words = ["monitor", "r.toml", "l.csv", "--surface", surface] + option(
-        random, "--false-alarms", (0.01, 0.5), 0.2
-    )
+    words = ["monitor", "r.toml", "l.csv", "--surface", surface]
+    words += option(random, "--false-alarms", (0.01, 0.5), 0.2)
     return Case([*words, *(["--out", "o.csv"] if random.random() < 0.5 else [])], files)
 
 
