@@ -116,6 +116,25 @@ def robotino_files(folder: Path) -> tuple[list[str], bytes, dict[str, Damage]]:
     return ["import", "robotino", "{}"], whole, special
 
 
+def robojackets_files(folder: Path) -> tuple[list[str], bytes, dict[str, Damage]]:
+    """A recording of an SSL robot."""
+    file = Path(__file__).parents[2] / "data" / "robojackets_excerpt" / "enc_vis_excerpt.txt"
+    whole = file.read_bytes()
+    special = without_rows(whole, 1) | cut(whole, 3, 40, 100)
+    special |= swapped(
+        whole,
+        no_robot=("bot_id", "robot"),
+        no_heading=(r"\bang\b", "angle"),
+        no_wheel=("enc3", "odo3"),
+        other_separator=(" ", ";"),
+        words_for_ticks=(r"(?m) -?\d+$", " many"),
+        ticks_without_end=(r"(?m) -?\d+$", " inf"),
+        a_wheel_less=(r"(?m) \S+$", ""),
+    )
+    special["another robot later"] = whole + b"7" + whole.split(b"\n")[2][1:] + b"\n"
+    return ["import", "robojackets", "{}"], whole, special
+
+
 def wpilog_files(folder: Path) -> tuple[list[str], bytes, dict[str, Damage]]:
     """A data log of WPILib."""
     whole = logs.wpilog(folder / "good.wpilog", RUN).read_bytes()
@@ -402,6 +421,7 @@ def path_bag_files(folder: Path) -> tuple[list[str], bytes, dict[str, Damage]]:
 READERS: dict[str, Callable[[Path], tuple[list[str], bytes, dict[str, Damage]]]] = {
     "csv": csv_files,
     "robotino": robotino_files,
+    "robojackets": robojackets_files,
     "wpilog": wpilog_files,
     "advantagescope": advantagescope_files,
     "roadrunner": road_runner_files,
@@ -449,8 +469,8 @@ def robot_of(name: str, folder: Path) -> list[str]:
     """The options that every import has."""
     if name == "urdf" or name.startswith("trajectory"):
         return []
-    if name == "robotino":
-        return ["--robot", "robotino"]
+    if name in ("robotino", "robojackets"):
+        return ["--robot", {"robotino": "robotino", "robojackets": "robojackets-2018"}[name]]
     file = folder / "robot.toml"
     file.write_text(sm.new_robot("robot", "lekiwi" if name == "lerobot" else "mecanum").text)
     return ["--robot", str(file)]
