@@ -490,7 +490,8 @@ def robots_command(random: Random) -> Case:
         return Case(["robots", random.choice(("check", "show")), "r.toml"], files)
     if way < 0.7:
         kind = random.choice(("lekiwi", "kiwi", "xdrive", "mecanum", "ssl"))
-        name = random.choice(("mine", *mutate.WORDS)).replace("\0", "").replace("/", "")
+        names = [w for w in mutate.WORDS if w not in ("nan", "inf")]  # a robot may be called so
+        name = random.choice(("mine", *names)).replace("\0", "").replace("/", "")
         return Case(["robots", "new", name, *option(random, "--type", (kind,), 0.97)])
     text = URDF
     for _ in range(random.choice((0, 1, 2))):
