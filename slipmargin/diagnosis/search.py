@@ -194,10 +194,6 @@ def take_step(
         return nothing
     tried.sort(key=lambda s: s.chi)
     best = choose(tried)
-    if before.chi > SETTINGS.far_chi and before.structure and not best.named:
-        # Several effects are still missing: that a general form takes up more of them speaks against no name.
-        names = [s for s in tried if s.named and worthwhile(before, s.chi)]
-        best = choose(names) if names else best
     return Round(
         before=before,
         screening=screening,

@@ -71,9 +71,14 @@ def guessed(problem: Problem, trials: Index, candidates: Sequence[Candidate]) ->
 
 
 def refined(problem: Problem, found: Fit) -> tuple[Problem, Fit]:
-    """Phases and parameters of a fit on its trials, each found in turn with the other as it stands."""
-    for fineness in _FINER:
-        problem = _swept(problem, [found.effects], found.trials, _CLOSE / fineness)
+    """Phases and parameters of a fit on its trials, each found in turn with the other as it stands.
+
+    Phases from parameters that were far off may lie in a valley of their own: once the parameters are near,
+    the whole pitch is looked at again.
+    """
+    close = [_CLOSE / fineness for fineness in _FINER]
+    for steps in (*close[:2], _AROUND, *close[1:]):
+        problem = _swept(problem, [found.effects], found.trials, steps)
         found = fit(problem.in_pieces(_PIECE_S), found.structure, found.x, found.trials)
     return problem, found
 

@@ -64,7 +64,9 @@ def test_what_a_held_out_run_did_later_reaches_neither_parameters_nor_its_phases
         loop, "general_candidates", lambda *a: [c for c in forms(*a) if c.trace is Trace.CONSTANT_FORCE]
     )
     few = ("rigid_sector", "floor_tilt")
-    monkeypatch.setattr(loop, "named_candidates", lambda *a: [c for c in every(*a) if c.name in few])
+    monkeypatch.setattr(
+        loop, "named_candidates", lambda *a, **k: [c for c in every(*a, **k) if c.name in few]
+    )
     truth = RigidSector(rigid_fraction=0.12, rigid_coefficient=0.47)
     plant = Plant(name="rigid", traces=(Trace.WHEEL_ANGLE,), effects=(truth,))
     small = {"count": 6, "duration_s": 1.2, "rate_hz": 50.0}
