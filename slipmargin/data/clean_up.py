@@ -9,12 +9,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
+import numpy as np
+
 from slipmargin.data.camera_frames import without_excursions, without_repeats, without_zeros
 from slipmargin.data.clocks import from_zero, regular
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.repair import Repair, Stage
 from slipmargin.data.run_arrangement import alike
 from slipmargin.data.wheel_signals import fine_angles, speeds_agree, unwrapped
+from slipmargin.work import ROWS, allow
 
 STAGES: tuple[Stage, ...] = (
     from_zero,
@@ -29,6 +32,10 @@ STAGES: tuple[Stage, ...] = (
 )
 
 
+#: A log that would have so many times its rows on an even clock holds a wrong time stamp [1].
+SPARSE = 100
+
+
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Repaired:
@@ -38,12 +45,32 @@ class Repaired:
     repairs: tuple[Repair, ...]
 
 
+def _refuse_ages(data_set: DataSet) -> None:
+    """Refuse a run that on an even clock would be far longer than its log: one time stamp is wrong.
+
+    Raises
+    ------
+    InputError
+        Placed at the run's time.
+    """
+    for trial in data_set.trials:
+        step = np.diff(trial.t_s)
+        even = float(trial.duration_s / np.median(step)) if len(step) else 0.0
+        if even > SPARSE * len(trial.t_s):
+            gap = int(np.argmax(step))
+            cure = (
+                f"correct or cut out the time at {trial.t_s[gap]:.4g} s, where it jumps by {step[gap]:.3g} s"
+            )
+            allow(f"{trial.name}: t_s", even, ROWS, "rows on an even clock", cure)
+
+
 def repaired(data_set: DataSet) -> Repaired:
     """The data set with every fault mended that the data tell of themselves.
 
     Faults of all runs that the data cannot tell how to mend (units, mirrored frames, columns of wrong
     wheels) are left for :func:`~slipmargin.data.checks.check_data_set`.
     """
+    _refuse_ages(data_set)
     done: list[Repair] = []
     for stage in STAGES:
         data_set, repairs = stage(data_set)

@@ -140,6 +140,12 @@ def _refuse_undecided(
     names: tuple[str, ...], best: Array, at: Array, predicted: Callable[[Array], Array]
 ) -> None:
     """Refuse pulls that leave a combination of coefficients open: by the least singular value."""
+    if not np.max(at) > 0.0:
+        raise InputError(
+            "pulls",
+            "no coefficients make this robot hold any pull: what acts on it slips it by itself",
+            "take the effects that pull at it or take its grip away out of the robot file",
+        )
     step = np.eye(len(best)) * PART
     slope = np.stack([(predicted(best * (1.0 + s)) - at) / (PART * np.max(at)) for s in step], axis=1)
     _, size, ways = np.linalg.svd(slope / np.sqrt(len(at)))

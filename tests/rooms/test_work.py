@@ -8,9 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fuzz import mutate
+from real_logs import EXCERPT
 
 import slipmargin as sm
 from slipmargin.errors import InputError
+from slipmargin.study.measure import _refuse_undecided
 from slipmargin.work import FACTOR, allow
 
 
@@ -68,3 +70,19 @@ def test_bounds_of_many_wheels_say_what_was_left_out(tmp_path: Path) -> None:
     assert np.all(np.isnan(found.bounds.rigid_use))
     assert any("not computed" in line for line in found.lines())
     assert "steady_use_rigid" in found.to_json().partition("not_given")[2]
+
+
+def test_one_wrong_time_stamp_makes_no_table_of_ages(tmp_path: Path) -> None:
+    """It made arrays of 535 GiB, or took 80 s."""
+    lines = (EXCERPT / "gray_0.1" / "heading_005.csv").read_text().rstrip("\n").split("\n")
+    cells = lines[-1].split(";")
+    lines[-1] = ";".join([str(1e9 * float(cells[0])), *cells[1:]])
+    (tmp_path / "l.csv").write_text("\n".join(lines) + "\n")
+    with pytest.raises(InputError, match=r"rows on an even clock.* where it jumps by"):
+        sm.import_logs([tmp_path / "l.csv"], "robotino", "robotino")
+
+
+def test_a_robot_that_holds_no_pull_measures_no_floor() -> None:
+    """Slopes were divided by the largest pull, and singular values of what is not finite not found."""
+    with pytest.raises(InputError, match="hold any pull"):
+        _refuse_undecided(("omni",), np.array([0.3, 0.1]), np.zeros(5), lambda mu: np.zeros(5))
