@@ -154,7 +154,7 @@ def _child(words: list[str], work: Path, out: Path, err: Path) -> None:
 
 def _where(err: str) -> str:
     """The innermost of our own lines in what the fault handler wrote."""
-    ours = [line.strip() for line in err.splitlines() if "/slipmargin/" in line]
+    ours = [line.strip().replace(f"{ROOT}/", "") for line in err.splitlines() if "/slipmargin/" in line]
     return " < ".join(ours[:3]) or err[-200:]
 
 
