@@ -207,6 +207,7 @@ def take_step(
 def finalists(screening: Screening) -> list[Screened]:
     """What is fitted: the best of the list that have names, the best general forms, and the best pairs.
 
+    The best name is fitted in its other forms too, since tangents say little about which of them is meant.
     A pair is fitted only where its two tangents together leave clearly less than any single one.
     """
     able = [e for e in screening.entries if e.structure and e.gain > 0.0]
@@ -218,8 +219,12 @@ def finalists(screening: Screening) -> list[Screened]:
         for e in worth
         if len(e.parts) == 2 and screening.total - e.gain < SETTINGS.pair_leaves * (screening.total - best)
     ]
+    names = [e for e in single if e.named]
+    first = names[: SETTINGS.finalists]
+    forms = [e for e in names if e not in first and e.structure[0].name == first[0].structure[0].name]
     chosen = [
-        *[e for e in single if e.named][: SETTINGS.finalists],
+        *first,
+        *forms[: SETTINGS.finalists // 2],
         *[e for e in single if not e.named][: SETTINGS.finalists // 2],
         *pairs[: SETTINGS.finalists // 2],
     ]
