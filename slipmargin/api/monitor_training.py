@@ -86,6 +86,8 @@ def simulated(
     for part in rng.permutation(np.geomspace(0.1, 2.0, _RUNS)):
         most = part * monitor.table.pull_m_s2 * per * _STEP_S
         wish = np.repeat(rng.normal(size=(ticks // 25 + 1, 3)) * per * fastest, 25, axis=0)
+        # Drawn to the right and forward, so that a robot trains alike in either convention.
+        wish[:, 0], wish[:, 1] = model.convention.from_right_forward(wish[:, 0].copy(), wish[:, 1].copy())
         twist = [np.zeros(3)]
         for k in range(ticks):
             step = wish[k] * (0.0 if k // 25 % 4 == 3 else 1.0) - twist[-1]

@@ -238,9 +238,35 @@ def test_stopping_distances_are_turned(robot: Robot) -> None:
     np.testing.assert_allclose(back, paper["distance_m"], rtol=1e-5)
 
 
+@pytest.mark.parametrize("robot", [kiwi(), four_wheels()], ids=["kiwi", "mecanum"])
+def test_monitors_see_the_same_slip(robot: Robot) -> None:
+    paper, turned = (sm.SlipMonitor(r, "paper") for r in pair(robot))
+    for k in range(30):
+        omega = np.resize([1.0, 2.0, 1.5, 0.5], len(robot.wheels)) * (8.0 if k > 20 else 0.4 * k)
+        one, two = paper.update(0.01 * k, omega), turned.update(0.01 * k, omega)
+        np.testing.assert_allclose(two.log_ratio, one.log_ratio, **SAME)
+        np.testing.assert_allclose(
+            two.twist, [one.twist[1], -one.twist[0], one.twist[2]], rtol=1e-3, atol=1e-4
+        )
+        assert (one.alarm, one.wheel) == (two.alarm, two.wheel)
+    assert one.alarm or len(robot.wheels) == 3, "three wheels without gyro have no redundancy"
+
+
 def test_every_command_is_held_to_both_conventions() -> None:
     """Where a command reads or writes something with axes, a test turns it; the list is for who adds one."""
-    here = {"sweep", "polytope", "bounds", "plan", "check", "simulate", "design", "export", "measure", "stop"}
+    here = {
+        "sweep",
+        "polytope",
+        "bounds",
+        "plan",
+        "check",
+        "simulate",
+        "design",
+        "export",
+        "measure",
+        "stop",
+        "monitor",
+    }
     elsewhere = {
         "diagnose": "rooms/io/test_ros_conventions.py",  # the same report to the last digit
         "import": "rooms/io/test_log_formats.py",

@@ -90,7 +90,7 @@ def test_examples_of_docstrings_run(name: str) -> None:
     assert doctest.testmod(importlib.import_module(name), verbose=False).failed == 0
 
 
-@pytest.mark.parametrize("name", CONTENTS[1:])
+@pytest.mark.parametrize("name", [name for name in CONTENTS if name != "__version__"])
 def test_every_function_has_an_example(name: str) -> None:
     assert ">>> import slipmargin as sm\n    >>> " in (getattr(sm, name).__doc__ or "")
 

@@ -82,7 +82,7 @@ def test_swapped_wheels_are_warned_of(tmp_path: Path, capsys: pytest.CaptureFixt
         ([GRAY[0], "--calibrate", "--calibration", "x.toml"], "--calibrate: is given together"),
         ([GRAY[0], "--calibration", "gone.toml"], "gone.toml: there is no such file"),
         (["gone.csv"], "gone.csv: there is no such file"),
-        ([GRAY[0], "--ticks-per-turn", "0"], "ticks_per_turn"),
+        ([GRAY[0], "--ticks-per-turn", "0"], "--ticks-per-turn: is 0"),
     ],
 )
 def test_bad_usage_is_one_line_and_leaves_nothing(

@@ -159,7 +159,7 @@ def test_bad_waypoints_leave_no_file(
         (["--margin", "0.6"], "use a margin below 0.46"),
         (["--robust"], "more than the 0.9 allowed"),
         (["--points", "3"], "points: is 3"),
-        (["--step", "0"], "step_s"),
+        (["--step", "0"], "--step: is 0"),
     ],
 )
 def test_impossible_plans_are_refused(
