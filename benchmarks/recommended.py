@@ -57,6 +57,9 @@ FLAT_OUT, BRIEF = 1e4, 1e-3
 AT_ONCE = 0.01
 #: Regularisation slope of the runs beyond the limit [s/m]; limits do not depend on it.
 STEEP = 5e4
+#: The same on an ellipse: at STEEP and 3 m/s rollers that turn easily lack 10⁻⁴ of their full drag, which
+#: leaves √(2 · 10⁻⁴) of the grip to drive, and speeding up a little did not slip.
+STEEPEST = 5e6
 #: Drawn ends of the safe sets a robot, and directions driven beyond the limit.
 ENDS, DIRECTIONS = 60, 3
 
@@ -245,7 +248,7 @@ def spent(rng: np.random.Generator, model: Model, found: Bounds, refused: list[s
     full, runs = directions(bare, rng.uniform(-np.pi, np.pi, 8 * DIRECTIONS), motor=False), []
     for h in np.flatnonzero(np.isinf(full.steady_use))[:DIRECTIONS]:
         heading = float(full.heading_rad[h])
-        run = driven_beyond(on_rollers(bare), heading, 0.05 * found.isotropic_m_s2)
+        run = driven_beyond(on_rollers(bare), heading, 0.05 * found.isotropic_m_s2, STEEPEST)
         named = list(full.starting.wheels[h])
         run["as_named"] = run["first"] in named or run["tips"]
         runs.append({"heading_rad": heading, "cause": SPENT, "named": named, "beyond": BEYOND, **run})
@@ -293,10 +296,10 @@ def lifting(full: Directions, h: int) -> float:
     return float(np.min(rows.b[h, tips][slope > 0.0] / slope[slope > 0.0], initial=np.inf))
 
 
-def driven_beyond(model: Model, heading: float, a: float) -> dict[str, Any]:
+def driven_beyond(model: Model, heading: float, a: float, slope: float = STEEP) -> dict[str, Any]:
     """One direction, from a speed at which drag is full, until a wheel has had the time to slip."""
     ahead, v = ahead_of(np.array([heading]))[0], 3.0
-    model = replace(model, grip=replace(model.grip, k_s_per_m=STEEP))
+    model = replace(model, grip=replace(model.grip, k_s_per_m=slope))
     t = np.linspace(0.0, 0.5, 200)
     velocity = (v + a * t)[:, None] * ahead
     planned = Trajectory(

@@ -8,7 +8,7 @@ Split: fitted on ``gray`` at 0.1 m/s with commanded headings 0, 10, 20, … degr
 the other 36 and all 72 at 0.2 m/s.  Calibration (scale, rotation, delay and tilt of the camera) comes from
 ``table`` and is held fixed, but for the row that refits the scale, the honest baseline.
 
-Rows are fitted as the loop fits what stays far above the noise: run by run in pieces of two seconds.
+Rows are fitted run by run in pieces of two seconds, as what is left stays far above the noise.
 The last one is what ``slipmargin diagnose`` finds when it is left alone with the fitted half.  Errors
 are those of ``robotino_campaign.py``; with ``--judge FILE`` those of any robot file.
 """
@@ -38,7 +38,6 @@ from slipmargin.diagnosis.loop import diagnose
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Diagnosis
-from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import Recipe
 from slipmargin.effects.camera_scale import CameraScale
 from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
@@ -47,6 +46,8 @@ from slipmargin.io.writes import write_text
 
 LAW = "slip_ratio_friction"
 ACROSS = f"{LAW} with its own constants across"
+#: Length of a piece in the fits of the rows [s].
+PIECE_S = 2.0
 #: Rows of the table: candidates of the loop, by label.
 ROWS = {
     f"+ {LAW}": (LAW,),
@@ -82,7 +83,7 @@ def fitted(runs: Runs, recipe: Recipe, labels: tuple[str, ...], which: Index, st
         start.get(f"{c.name}.{k}", s) for c in structure for k, s in zip(c.keys, c.starts[0], strict=True)
     ]
     trials = np.arange(len(records), dtype=np.int64)
-    return fit(problem.in_pieces(SETTINGS.long_piece_s), structure, np.array(first), trials)
+    return fit(problem.in_pieces(PIECE_S), structure, np.array(first), trials)
 
 
 def values(found: Fit) -> dict[str, float]:

@@ -46,13 +46,15 @@ class AccelerationLimit:
 
     Negative: even without acceleration the robot slips.  ``row`` (M,) of ``rows`` is what binds.  Where the
     drag uses up a coupled grip (an ellipse whose wheel slides sideways at full slip) and no multiple is
-    admissible, the value is what drag alone does: the component of coasting along the direction.
+    admissible, the value is what drag alone does: the component of coasting along the direction.  ``coasts``
+    (M,) says where; rollers at an angle, which turning wheels drag along, may push ahead: it is then above 0.
     """
 
     value: Array
     row: NDArray[np.int64]
     rows: AccelerationRows
     names: tuple[str, ...]
+    coasts: NDArray[np.bool_]
 
     @property
     def cause(self) -> tuple[str, ...]:
@@ -73,7 +75,7 @@ class AccelerationLimit:
 
     @property
     def _spent(self) -> NDArray[np.bool_]:
-        return np.asarray(np.any(self.rows.spent, axis=1) & (self.value <= 0.0))
+        return np.asarray(np.any(self.rows.spent, axis=1) & (self.coasts | (self.value <= 0.0)))
 
     def _named(self, wheels: NDArray[np.bool_]) -> tuple[str, ...]:
         return tuple(name for name, on in zip(self.names, wheels, strict=True) if on)
@@ -151,9 +153,12 @@ def along_each(
         value = found
     if rows.torque_N_m is not None and model.count > 3:
         value, best = _within_torque(model, rows, start, direction, low, value, best)
+    coasts = np.isposinf(low) & np.any(rows.spent, axis=1)
     return [
-        AccelerationLimit(value=_coasted(rows, s, d, v, least), row=b, rows=rows, names=model.geometry.names)
-        for s, d, v, b, least in zip(start, direction, value, best, low, strict=True)
+        AccelerationLimit(
+            value=_coasted(rows, s, d, v, c), row=b, rows=rows, names=model.geometry.names, coasts=c
+        )
+        for s, d, v, b, c in zip(start, direction, value, best, coasts, strict=True)
     ]
 
 
@@ -198,14 +203,15 @@ def _within_torque(
     return np.where(over, found, value), np.where(over, motors + wheel, best)
 
 
-def _coasted(rows: AccelerationRows, start: Array, direction: Array, value: Array, least: Array) -> Array:
+def _coasted(
+    rows: AccelerationRows, start: Array, direction: Array, value: Array, coasts: NDArray[np.bool_]
+) -> Array:
     """``value``, or what drag alone does where no multiple is admissible as drag leaves no grip to drive."""
-    spent = np.isposinf(least) & np.any(rows.spent, axis=1)
-    if not np.any(spent):
+    if not np.any(coasts):
         return value
     away = np.einsum("mc,mc->m", rows.coasting - start, direction)
     away[np.abs(away) < 1e-12 * np.sum(np.abs(rows.coasting), axis=1)] = 0.0
-    return np.where(spent, away / np.einsum("mc,mc->m", direction, direction), value)
+    return np.where(coasts, away / np.einsum("mc,mc->m", direction, direction), value)
 
 
 def needed_share(model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS) -> Array:

@@ -32,3 +32,15 @@ def test_robots_that_did_not(k: int) -> None:
     261: turning on the spot, a wheel slid too slowly for the drag that was counted on.
     """
     keeps_its_margin(recommended.drawn(1, k))
+
+
+@pytest.mark.parametrize("seed", [418, 422, 469])
+def test_ellipses_that_did_not(seed: int) -> None:
+    """Nothing is recommended for them, and speeding up must slip at a wheel that is named.
+
+    418: on easy rollers at 3 m/s drag was not full, and left enough grip to speed up a little.
+    422, 469: where drag pushed ahead, wheels of a row that did not bind were named, not those without grip.
+    """
+    row = recommended.drawn(seed, 0)
+    assert row["grip"] == "ellipse" and row["recommended_m_s2"] == 0.0 and row["beyond"]
+    keeps_its_margin(row)

@@ -41,6 +41,19 @@ def coasting(model: Model, heading: float) -> np.ndarray:
     return force / model.inertia.diagonal
 
 
+def test_drag_that_pushes_ahead_is_named_too() -> None:
+    """Turning wheels drag rollers at an angle along, which may push ahead; no grip is left all the same."""
+    plain = kiwi()
+    wheels = tuple(replace(w, roller_angle_deg=60.0) for w in plain.wheels)
+    model = nominal_model(replace(plain, wheels=wheels), "paper")
+    model = replace(model, grip=replace(model.grip, shape=GripShape.ELLIPSE, coupling=1.0))
+    found = directions(model, ROUND + 0.01, motor=False)
+    assert np.any(found.starting_m_s2 > 0.01) and np.all(np.isinf(found.steady_use))
+    assert set(found.starting.cause) == {"drag uses the whole grip"} and np.all(found.starting.coasts)
+    for names, spent in zip(found.starting.wheels, found.starting.rows.spent, strict=True):
+        assert names == tuple(np.array(model.geometry.names)[spent])
+
+
 def test_bounds_of_an_ellipse_are_numbers_to_read() -> None:
     model = robot()
     found = bounds(model, step_deg=5.0)
