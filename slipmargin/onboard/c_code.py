@@ -161,7 +161,8 @@ static inline void sm_sharing(const sm_real *left, const sm_real *shift, const s
   for (i = 0; i < SM_WHEELS; ++i) {
     const sm_real moved = sm_transfer[i][0] * near_by[0] + sm_transfer[i][1] * near_by[1];
     const sm_real *b = sm_along[i];
-    grip[i] = left[i] * sm_most_of(sm_rest_low[0][i] + shift[i] + moved, SM_LIGHTEST);
+    const sm_real share = sm_most_of(left[i], SM_LEAST_LEFT);
+    grip[i] = share * sm_most_of(sm_rest_low[0][i] + shift[i] + moved, SM_LIGHTEST);
     m[0] += grip[i] * b[0] * b[0];
     m[1] += grip[i] * b[0] * b[1];
     m[2] += grip[i] * b[0] * b[2];

@@ -33,7 +33,8 @@ LARGEST = 1e4
 SHORTER = (1.0, 0.25)
 #: The shortest step that counts as one [s].
 SHORTEST_S = 1e-6
-#: A wheel that lifts off is taken to carry this share of m g / N [1].
+#: A wheel that lifts off is taken to carry this share of m g / N, and one whose drag uses its whole grip to
+#: have this share of it left when wheels share a wrench [1].
 LIGHTEST = 0.01
 #: A row may be missed by this share of its bound, so that rounding stops no robot that just keeps it; the
 #: second where loads decide how a wrench is shared, which is known for an acceleration close by only [1].
@@ -100,7 +101,8 @@ def _spread(table: LimitTable, left: Array, shift: Array, near: Array) -> Array:
     if not table.shares_by_load:
         return np.broadcast_to(table.spread, (len(near), table.count, 3))
     load = table.rest_low_N[0] + shift + near[:, :2] @ table.per_acceleration_kg.T
-    grip = left * np.maximum(load, LIGHTEST * table.mean_load_N)
+    # A wheel whose drag uses its whole grip still counts a little: else no wheel would be left to share.
+    grip = np.maximum(left, LIGHTEST) * np.maximum(load, LIGHTEST * table.mean_load_N)
     heavy = table.along * grip[:, None, :]
     return np.asarray(np.swapaxes(np.linalg.inv(heavy @ table.along.T) @ heavy, 1, 2))
 

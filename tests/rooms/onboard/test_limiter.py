@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from c_limiter import COMPILERS, STRICT, CompiledLimiter
 from hypothesis import given, settings, strategies as st
-from strategies import robots
+from strategies import four_wheels, robots
 
 import slipmargin as sm
 from slipmargin.effects.catalogue import CATALOGUE
@@ -24,7 +24,7 @@ from slipmargin.limits.motion_state import Motion
 from slipmargin.onboard.limiter import utilisation
 from slipmargin.physics.friction_laws import LAWS
 from slipmargin.physics.grips import GripShape
-from slipmargin.robot import Robot
+from slipmargin.robot import Coefficients, LoadRule, Robot
 
 BUILT_IN = (("ohio-kiwi", "paper"), ("mecanum4", "floor"), ("omni4", "floor"), ("robotino", "gray"))
 OF = {kind.name: kind for kind in CATALOGUE}
@@ -105,6 +105,21 @@ def test_every_part_of_the_algorithm_is_the_same_in_c(case: tuple[str, Robot, st
     limiter = sm.Limiter(robot, surface, margin=0.2)
     compiled = CompiledLimiter(limiter, tmp_path, compiler(), double=True)
     assert max(differences(limiter, compiled, 1000, 1)) < 1e-12
+
+
+def test_wheels_whose_drag_uses_the_whole_grip_still_share(tmp_path: Path) -> None:
+    """μ_T above μ_W on a disc-strip: no wheel had any grip left, and their shares were 0 over 0."""
+    robot = four_wheels(grip=GripShape.DISC_STRIP)
+    slick = replace(robot.surfaces[0], roller=Coefficients(drive=0.1, transverse=0.12))
+    robot = replace(
+        robot,
+        surfaces=(slick,),
+        load_rule=LoadRule.QUASI_STATIC,
+        body=replace(robot.body, com_height_m=0.01),
+    )
+    limiter = sm.Limiter(robot, slick.name, margin=0.15)
+    compiled = CompiledLimiter(limiter, tmp_path, compiler(), double=True)
+    assert max(differences(limiter, compiled, 300, 0)) < 1e-11
 
 
 @settings(max_examples=6)
