@@ -226,16 +226,23 @@ def drawn(seed: int, k: int) -> dict[str, Any]:
     for tool in ("nav2", "roadrunner", "pathplanner", "choreo"):
         assert export_text(tool, found)
     return {
-        "robot": model.robot,
-        "grip": model.grip.shape.value,
-        "loads": model.loads.rule,
-        "motors": model.drives.max_speed_rad_s is not None,
-        "refused": refused,
+        **told(model, refused),
         "recommended_m_s2": found.recommended_m_s2,
         "used": worst,
         "torque": torque if model.drives.stall_torque_N_m is not None else {},
         "top_speed": speed,
         "beyond": beyond(rng, bare),
+    }
+
+
+def told(model: Model, refused: list[str]) -> dict[str, Any]:
+    """What every row says of its robot."""
+    return {
+        "robot": model.robot,
+        "grip": model.grip.shape.value,
+        "loads": model.loads.rule,
+        "motors": model.drives.max_speed_rad_s is not None,
+        "refused": refused,
     }
 
 
@@ -253,11 +260,7 @@ def spent(rng: np.random.Generator, model: Model, found: Bounds, refused: list[s
         run["as_named"] = run["first"] in named or run["tips"]
         runs.append({"heading_rad": heading, "cause": SPENT, "named": named, "beyond": BEYOND, **run})
     return {
-        "robot": model.robot,
-        "grip": model.grip.shape.value,
-        "loads": model.loads.rule,
-        "motors": model.drives.max_speed_rad_s is not None,
-        "refused": refused,
+        **told(model, refused),
         "recommended_m_s2": max(found.recommended_m_s2, 0.0),
         "used": {"nothing recommended": 0.0},
         "torque": {},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -186,48 +187,35 @@ def ros(
     )
 
 
-@app.command()
-def wpilog(
-    files: Files,
-    out: Out,
-    robot: Believed,
-    pose: PoseOpt = None,
-    wheels: WheelOpt = None,
-    surface: Floor = None,
-    calibrate: Calibrate = False,
-    calibration: Calibration = None,
-    commanded: Sign = False,
-    force: ForceOpt = False,
-    json: JsonOpt = None,
-) -> None:
-    """WPILib's data logs (.wpilog) of a mecanum robot (needs the extra: pip install 'slipmargin[frc]').
+def _mecanum(format: str) -> Callable[..., None]:
+    """The command of a format whose pose and wheels are found by type, or named."""
 
-    The robot file's wheels are named fl, fr, rl and rr.  Swerve drives are refused.
-    """
-    common = (files, out, robot, surface, calibrate, calibration, json, force)
-    run_import("wpilog", *common, commanded=commanded, pose=pose, wheels=wheels)
+    def read(
+        files: Files,
+        out: Out,
+        robot: Believed,
+        pose: PoseOpt = None,
+        wheels: WheelOpt = None,
+        surface: Floor = None,
+        calibrate: Calibrate = False,
+        calibration: Calibration = None,
+        commanded: Sign = False,
+        force: ForceOpt = False,
+        json: JsonOpt = None,
+    ) -> None:
+        common = (files, out, robot, surface, calibrate, calibration, json, force)
+        run_import(format, *common, commanded=commanded, pose=pose, wheels=wheels)
+
+    return read
 
 
-@app.command()
-def advantagescope(
-    files: Files,
-    out: Out,
-    robot: Believed,
-    pose: PoseOpt = None,
-    wheels: WheelOpt = None,
-    surface: Floor = None,
-    calibrate: Calibrate = False,
-    calibration: Calibration = None,
-    commanded: Sign = False,
-    force: ForceOpt = False,
-    json: JsonOpt = None,
-) -> None:
-    """CSV that AdvantageScope exports (Table or List) of a mecanum robot.
-
-    The robot file's wheels are named fl, fr, rl and rr.  Swerve drives are refused.
-    """
-    common = (files, out, robot, surface, calibrate, calibration, json, force)
-    run_import("advantagescope", *common, commanded=commanded, pose=pose, wheels=wheels)
+_NAMED = "The robot file's wheels are named fl, fr, rl and rr.  Swerve drives are refused."
+for _format, _said in {
+    "wpilog": "WPILib's data logs (.wpilog) of a mecanum robot (needs the extra: pip install "
+    "'slipmargin[frc]').",
+    "advantagescope": "CSV that AdvantageScope exports (Table or List) of a mecanum robot.",
+}.items():
+    app.command(_format, help=f"{_said}\n\n{_NAMED}")(_mecanum(_format))
 
 
 @app.command()

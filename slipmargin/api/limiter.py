@@ -123,11 +123,11 @@ class Limiter(Result):
         -------
         (3,) or (M, 3) acceleration, and its code (:meth:`meaning`), an int or (M,).
         """
-        from slipmargin.onboard.limiter import _cleaned, limit_acceleration
+        from slipmargin.onboard.limiter import cleaned, limit_acceleration
 
         one, now, wanted = _states("wanted", now, wanted)
         t, code = limit_acceleration(self.table, now, wanted, _each("heading_rad", heading_rad, len(now)))
-        out = t[:, None] * _cleaned(wanted)[0]
+        out = t[:, None] * cleaned(wanted)[0]
         return (out[0], int(code[0])) if one else (out, code)
 
     def margin(

@@ -98,11 +98,11 @@ class SlipMonitor:
         if training is None:
             from slipmargin.api.monitor_training import simulated
 
-            training = simulated(model, self, seed, torque_per_ampere_N_m)
+            training = simulated(model, self.table, self.channels, seed, torque_per_ampere_N_m)
         elif isinstance(training, str | Path):
             from slipmargin.api.monitor_training import from_data_set
 
-            training = from_data_set(self, training)
+            training = from_data_set(self.table, self.channels, training)
         self.ratio = learn(training)
         self.threshold = self.ratio.threshold(rate)
         self._signals = Signals(self.table, self.channels)
@@ -138,30 +138,18 @@ class SlipMonitor:
         twist, slips : (T, 3), (T,)
             What the body did [m/s, m/s, rad/s], and the label; a sample with NaN in its twist is left out.
         """
-        from slipmargin.onboard.likelihood import LabelledRun
-        from slipmargin.onboard.signals import Signals
+        from slipmargin.onboard.likelihood import labelled
 
-        signals = Signals(self.table, self.channels)
-        rows = []
-        for k in range(len(t_s)):
-            rows.append(
-                signals.update(
-                    float(t_s[k]),
-                    omega[k],
-                    None if commanded is None else commanded[k],
-                    None if gyro_rad_s is None else float(gyro_rad_s[k]),
-                    None if current_A is None else current_A[k],
-                )
-            )
-        on = np.all(np.isfinite(twist), axis=1)
-        wheels = np.linalg.lstsq(self.table.rolling, omega.T, rcond=None)[0].T
-        if self.channels.gyro and gyro_rad_s is not None:
-            wheels[:, 2] = gyro_rad_s
-        return LabelledRun(
-            numbers=np.array(rows)[on],
-            slips=np.asarray(slips, dtype=bool)[on],
-            wheels=np.asarray(wheels[on], dtype=np.float64),
-            truth=twist[on],
+        return labelled(
+            self.table,
+            self.channels,
+            t_s,
+            omega,
+            twist,
+            slips,
+            commanded=commanded,
+            gyro_rad_s=gyro_rad_s,
+            current_A=current_A,
         )
 
     def update(

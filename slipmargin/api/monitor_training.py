@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,39 +30,14 @@ _NOISE, _GYRO_NOISE, _CURRENT_NOISE = 0.01, 0.02, 0.05
 _WINDOW_S, _APART_M_S, _APART = 0.1, 0.02, 0.2
 
 
-class Trainee(Protocol):
-    """What the training needs of a monitor."""
-
-    @property
-    def table(self) -> LimitTable:
-        """The tables of its robot."""
-
-    @property
-    def channels(self) -> Channels:
-        """What every sample holds."""
-
-    def labelled(
-        self,
-        t_s: Array,
-        omega: Array,
-        twist: Array,
-        slips: Array,
-        *,
-        commanded: Array | None = None,
-        gyro_rad_s: Array | None = None,
-        current_A: Array | None = None,
-    ) -> LabelledRun:
-        """A run with its truth."""
-
-
 def simulated(
-    model: Model, monitor: Trainee, seed: int, torque_per_ampere_N_m: float | None
+    model: Model, table: LimitTable, channels: Channels, seed: int, torque_per_ampere_N_m: float | None
 ) -> list[LabelledRun]:
     """Runs of the robot's own model that ask for a tenth to twice the grip's acceleration."""
+    from slipmargin.onboard.likelihood import labelled
     from slipmargin.sim.signal import linear
     from slipmargin.sim.simulate import simulate
 
-    channels = monitor.channels
     if channels.current and torque_per_ampere_N_m is None:
         raise InputError(
             "torque_per_ampere_N_m",
@@ -76,7 +51,7 @@ def simulated(
         cure="give newton metres per ampere",
     )
     rng = np.random.default_rng(seed)
-    arm = float(np.mean(np.abs(monitor.table.along[2])))
+    arm = float(np.mean(np.abs(table.along[2])))
     per = np.array([1.0, 1.0, 1.0 / arm])
     ticks = round(_LENGTH_S / _STEP_S)
     t = np.asarray(_STEP_S * np.arange(ticks + 1), dtype=np.float64)
@@ -84,7 +59,7 @@ def simulated(
     fastest = 1.0 if top is None else min(1.0, 0.5 * top * float(np.min(model.geometry.radius_m)))
     out = []
     for part in rng.permutation(np.geomspace(0.1, 2.0, _RUNS)):
-        most = part * monitor.table.pull_m_s2 * per * _STEP_S
+        most = part * table.pull_m_s2 * per * _STEP_S
         wish = np.repeat(rng.normal(size=(ticks // 25 + 1, 3)) * per * fastest, 25, axis=0)
         # Drawn to the right and forward, so that a robot trains alike in either convention.
         wish[:, 0], wish[:, 1] = model.convention.from_right_forward(wish[:, 0].copy(), wish[:, 1].copy())
@@ -104,7 +79,9 @@ def simulated(
         torque = np.abs(run.force[..., 0]) * model.geometry.radius_m / per_ampere
         given = np.where(np.isfinite(body[:, 2]), body[:, 2], run.velocity[:, 2])
         out.append(
-            monitor.labelled(
+            labelled(
+                table,
+                channels,
                 t,
                 omega + noise * rng.normal(size=omega.shape),
                 body,
@@ -130,7 +107,7 @@ def _settled(used: Array) -> NDArray[np.bool_]:
     return clear & (slips | grips)
 
 
-def from_data_set(monitor: Trainee, folder: Path | str) -> list[LabelledRun]:
+def from_data_set(table: LimitTable, channels: Channels, folder: Path | str) -> list[LabelledRun]:
     """The runs of a data set; a wheel slips where the pose says other velocities than the wheels.
 
     Raises
@@ -139,8 +116,9 @@ def from_data_set(monitor: Trainee, folder: Path | str) -> list[LabelledRun]:
         Where the data set is for another number of wheels, or lacks a channel that is announced.
     """
     from slipmargin.io.data_set import read_data_set
+    from slipmargin.onboard.likelihood import labelled
 
-    found, channels, out = read_data_set(folder), monitor.channels, []
+    found, out = read_data_set(folder), []
     for trial in found.trials:
         place = f"trials/{trial.name}.csv"
         for name, wanted, given in (
@@ -153,15 +131,17 @@ def from_data_set(monitor: Trainee, folder: Path | str) -> list[LabelledRun]:
                     f"{place}: {name}", "is missing", "train on runs that log every channel", str(folder)
                 )
         assert trial.omega is not None
-        if trial.omega.shape[1] != monitor.table.count:
+        if trial.omega.shape[1] != table.count:
             raise InputError(place, "is of a robot with other wheels", "give this robot's runs", str(folder))
         half = max(2, round(_WINDOW_S / float(np.median(np.diff(trial.t_s)))))
-        truth, wheels = _velocities(monitor, trial.t_s, trial.pose, trial.omega, half)
-        size = np.array([1.0, 1.0, float(np.mean(np.abs(monitor.table.along[2])))])
+        truth, wheels = _velocities(table, trial.t_s, trial.pose, trial.omega, half)
+        size = np.array([1.0, 1.0, float(np.mean(np.abs(table.along[2])))])
         apart = np.linalg.norm((truth - wheels) * size, axis=1)
         slips = apart > _APART_M_S + _APART * np.linalg.norm(wheels * size, axis=1)
         out.append(
-            monitor.labelled(
+            labelled(
+                table,
+                channels,
                 trial.t_s,
                 trial.omega,
                 truth,
@@ -174,7 +154,7 @@ def from_data_set(monitor: Trainee, folder: Path | str) -> list[LabelledRun]:
     return out
 
 
-def _velocities(monitor: Trainee, t: Array, pose: Array, omega: Array, half: int) -> tuple[Array, Array]:
+def _velocities(table: LimitTable, t: Array, pose: Array, omega: Array, half: int) -> tuple[Array, Array]:
     """Body twists (T, 3) by the pose and by the wheels over the same samples; NaN at the ends."""
     truth, wheels = np.full(pose.shape, np.nan), np.full(pose.shape, np.nan)
     if len(t) > 2 * half:
@@ -183,7 +163,7 @@ def _velocities(monitor: Trainee, t: Array, pose: Array, omega: Array, half: int
         truth[half:-half] = rotate_rows(pose[half:-half, 2], rate, inverse=True)
         turned = np.concatenate([np.zeros((1, omega.shape[1])), np.cumsum(omega, axis=0)])
         mean = (turned[2 * half + 1 :] - turned[: -2 * half - 1]) / (2 * half + 1)
-        wheels[half:-half] = mean @ np.linalg.pinv(monitor.table.rolling).T
+        wheels[half:-half] = mean @ np.linalg.pinv(table.rolling).T
     return truth, wheels
 
 

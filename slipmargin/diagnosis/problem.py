@@ -248,8 +248,7 @@ class Problem:
 
     def in_pieces(self, duration_s: float) -> Problem:
         """The same problem compared piece by piece, each with a start pose of its own."""
-        step_s = float(np.median(np.concatenate([np.diff(t.t_s) for t in self.trials])))
-        return replace(self, piece=max(4, round(duration_s / step_s)))
+        return replace(self, piece=max(4, round(duration_s / self.step_s)))
 
     def samples(self, trials: Index) -> float:
         """Number of measured values in these trials."""

@@ -50,13 +50,32 @@ def read_campaign(path: Path | str) -> tuple[Part, ...]:
     InputError
         With file and key, what is wrong and what to do.
     """
+    return _read(Path(path))[1]
+
+
+def read_joined(path: Path | str) -> DataSet:
+    """All runs of a campaign as one data set.
+
+    Raises
+    ------
+    InputError
+        With file and key, what is wrong and what to do.
+    """
     path = Path(path)
+    name, parts = _read(path)
+    try:
+        return joined(name, parts)
+    except InputError as fault:
+        raise fault if fault.source else fault.in_file(str(path)) from None
+
+
+def _read(path: Path) -> tuple[str, tuple[Part, ...]]:
+    """The name of a campaign and its data sets."""
     try:
         top = Table("", parse_toml(read_text(path)))
         if top.whole("schema") != 1:
             raise InputError("schema", "is another version", "this program reads schema = 1")
-        if top.has("name"):
-            top.text("name")
+        name = top.text("name") if top.has("name") else path.stem
         changes = _loadings(top)
         rows = top.tables("data_set")
         if not rows:
@@ -70,23 +89,7 @@ def read_campaign(path: Path | str) -> tuple[Part, ...]:
         word = sorted(unused)[0]
         cure = f'write loading = "{word}" in its [[data_set]], or remove [loading.{word}]'
         raise InputError(f"loading.{word}", "is that of no data set", cure, str(path))
-    return parts
-
-
-def read_joined(path: Path | str) -> DataSet:
-    """All runs of a campaign as one data set.
-
-    Raises
-    ------
-    InputError
-        With file and key, what is wrong and what to do.
-    """
-    path = Path(path)
-    try:
-        name = parse_toml(read_text(path)).get("name", path.stem)
-        return joined(str(name), read_campaign(path))
-    except InputError as fault:
-        raise fault if fault.source else fault.in_file(str(path)) from None
+    return name, parts
 
 
 def _loadings(top: Table) -> dict[str, dict[str, float]]:

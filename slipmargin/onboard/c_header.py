@@ -7,9 +7,10 @@ import math
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.limits.motion_realised import LIGHTEST
 from slipmargin.onboard.c_calls import CALLS
 from slipmargin.onboard.c_code import DECLARATIONS, ROWS
-from slipmargin.onboard.limiter import LARGEST, LIGHTEST, SHORTER, tolerance
+from slipmargin.onboard.limiter import LARGEST, LEAST_LEFT, SHORTER, tolerance
 from slipmargin.onboard.table import LimitTable
 from slipmargin.physics.grips import GripShape
 
@@ -125,7 +126,7 @@ def _switches(table: LimitTable) -> list[str]:
         ("SM_STALL", _number(stall or 0.0), "stall torque at the wheel [N m]"),
         ("SM_FASTEST", _number(top or 0.0), "top speed of a wheel [rad/s]"),
         ("SM_LIGHTEST", _number(LIGHTEST * table.mean_load_N), "least load that counts [N]"),
-        ("SM_LEAST_LEFT", _number(LIGHTEST), "least share of the grip beside the drag that counts"),
+        ("SM_LEAST_LEFT", _number(LEAST_LEFT), "least share of the grip beside the drag that counts"),
         ("SM_PULL", _number(table.pull_m_s2), "acceleration that the grip alone would give [m/s^2]"),
         ("SM_ROUNDING", _number(tolerance(table)), "tolerance of a row [1]"),
         ("SM_LARGEST", _number(LARGEST), "largest input that counts"),

@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
+from slipmargin.onboard.signals import Channels, Signals
+from slipmargin.onboard.table import LimitTable
 
 #: Samples that count in a run for as many independent ones, at least, of each kind.
 LEAST = 30
@@ -74,6 +76,46 @@ class Ratio:
     def threshold(self, false_alarm_rate: float) -> float:
         """What the ratio exceeds in this share of the samples that grip."""
         return float(np.interp(1.0 - false_alarm_rate, np.linspace(0.0, 1.0, TABLE), self.quantiles))
+
+
+def labelled(
+    table: LimitTable,
+    channels: Channels,
+    t_s: Array,
+    omega: Array,
+    twist: Array,
+    slips: Array,
+    *,
+    commanded: Array | None = None,
+    gyro_rad_s: Array | None = None,
+    current_A: Array | None = None,
+) -> LabelledRun:
+    """A run of T samples with its truth: what the body did (T, 3), and whether a wheel slips (T,).
+
+    A sample with NaN in its twist is left out.
+    """
+    signals = Signals(table, channels)
+    rows = []
+    for k in range(len(t_s)):
+        rows.append(
+            signals.update(
+                float(t_s[k]),
+                omega[k],
+                None if commanded is None else commanded[k],
+                None if gyro_rad_s is None else float(gyro_rad_s[k]),
+                None if current_A is None else current_A[k],
+            )
+        )
+    on = np.all(np.isfinite(twist), axis=1)
+    wheels = np.linalg.lstsq(table.rolling, omega.T, rcond=None)[0].T
+    if channels.gyro and gyro_rad_s is not None:
+        wheels[:, 2] = gyro_rad_s
+    return LabelledRun(
+        numbers=np.array(rows)[on],
+        slips=np.asarray(slips, dtype=bool)[on],
+        wheels=np.asarray(wheels[on], dtype=np.float64),
+        truth=twist[on],
+    )
 
 
 def learn(runs: Sequence[LabelledRun]) -> Ratio:

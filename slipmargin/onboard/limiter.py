@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array
+from slipmargin.limits.motion_realised import LIGHTEST
 from slipmargin.onboard.table import LimitTable
 from slipmargin.physics.frames import to_body
 from slipmargin.physics.friction_laws import law_share
@@ -33,9 +34,9 @@ LARGEST = 1e4
 SHORTER = (1.0, 0.25)
 #: The shortest step that counts as one [s].
 SHORTEST_S = 1e-6
-#: A wheel that lifts off is taken to carry this share of m g / N, and one whose drag uses its whole grip to
-#: have this share of it left when wheels share a wrench [1].
-LIGHTEST = 0.01
+#: A wheel whose drag uses its whole grip is taken to have this share of it left when wheels share a
+#: wrench: else no wheel might be left to share [1].
+LEAST_LEFT = 0.01
 #: A row may be missed by this share of its bound, so that rounding stops no robot that just keeps it; the
 #: second where loads decide how a wrench is shared, which is known for an acceleration close by only [1].
 ROUNDING, SHARING = 1e-6, 1e-2
@@ -101,8 +102,7 @@ def _spread(table: LimitTable, left: Array, shift: Array, near: Array) -> Array:
     if not table.shares_by_load:
         return np.broadcast_to(table.spread, (len(near), table.count, 3))
     load = table.rest_low_N[0] + shift + near[:, :2] @ table.per_acceleration_kg.T
-    # A wheel whose drag uses its whole grip still counts a little: else no wheel would be left to share.
-    grip = np.maximum(left, LIGHTEST) * np.maximum(load, LIGHTEST * table.mean_load_N)
+    grip = np.maximum(left, LEAST_LEFT) * np.maximum(load, LIGHTEST * table.mean_load_N)
     heavy = table.along * grip[:, None, :]
     return np.asarray(np.swapaxes(np.linalg.inv(heavy @ table.along.T) @ heavy, 1, 2))
 
@@ -247,9 +247,9 @@ def limit_twist(
     Code 0: reached; 1: cut back, direction kept; 2: no step towards it holds, so it brakes; 3: even braking
     asks for more than the margin leaves, it brakes as well as it can; 4: input that is no number.
     """
-    now, bad_now = _cleaned(now)
-    wanted, bad_wanted = _cleaned(wanted)
-    heading, bad_heading = _cleaned(heading)
+    now, bad_now = cleaned(now)
+    wanted, bad_wanted = cleaned(wanted)
+    heading, bad_heading = cleaned(heading)
     time_passes = (dt >= SHORTEST_S) & np.isfinite(dt)
     seconds = np.where(time_passes, np.minimum(np.where(np.isfinite(dt), dt, 1.0), LARGEST), 1.0)
     bad = bad_now | bad_wanted | (bad_heading if table.turned else False)
@@ -274,9 +274,9 @@ def limit_acceleration(
 
     Code 0: all of it; 1: cut back; 3: no share of it keeps the margin; 4: input that is no number.
     """
-    twist, bad_twist = _cleaned(twist)
-    wanted, bad_wanted = _cleaned(wanted)
-    heading, bad_heading = _cleaned(heading)
+    twist, bad_twist = cleaned(twist)
+    wanted, bad_wanted = cleaned(wanted)
+    heading, bad_heading = cleaned(heading)
     bad = bad_twist | bad_wanted | (bad_heading if table.turned else False)
     start = com_acceleration(table.com_m, twist, np.zeros_like(twist))
     slope = com_acceleration(table.com_m, np.zeros_like(twist), wanted)
@@ -305,7 +305,7 @@ def utilisation(table: LimitTable, twist: Array, acceleration: Array, heading: A
     return use
 
 
-def _cleaned(values: Array) -> tuple[Array, NDArray[np.bool_]]:
+def cleaned(values: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Values cut to :data:`LARGEST`, zero where one of a row is no number, and whether that was so (M,)."""
     fine = np.isfinite(values)
     bad = ~(np.all(fine, axis=1) if values.ndim == 2 else fine)

@@ -20,7 +20,9 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.limits.motion_realised import LIGHTEST
 from slipmargin.onboard.table import LimitTable
+from slipmargin.physics.friction_laws import law_share
 
 #: Time constant of the filters [s].
 TAU_S = 0.06
@@ -69,11 +71,6 @@ class Signals:
         if self.channels.current:
             names += [f"current {w}" for w in self.table.names] + ["current", "power per speed"]
         return tuple(names)
-
-    @property
-    def null_space_residual_m_s(self) -> float:
-        """Filtered size of the wheel speeds that no body motion has [m/s]; 0 for three wheels."""
-        return math.sqrt(self._residual)
 
     def twist(self, omega: Array) -> Array:
         """Body twist (3,) that wheel speeds (N,) mean without slip."""
@@ -142,9 +139,8 @@ class Signals:
 
     def _shares(self, twist: Array, rate: Array) -> Array:
         """As :func:`~slipmargin.onboard.limiter.utilisation` on one level floor, for one state."""
-        from slipmargin.physics.friction_laws import law_share
-
         t, (cx, cy), w = self.table, self.table.com_m, twist[2]
+        # com_acceleration of one state, written out: called here it takes as long as the rest of a sample.
         a = np.array(
             [
                 rate[0] - w * twist[1] - rate[2] * cy - w * w * cx,
@@ -152,7 +148,7 @@ class Signals:
                 rate[2],
             ]
         )
-        load = np.maximum(t.rest_low_N[0] + t.per_acceleration_kg @ a[:2], 0.01 * t.mean_load_N)
+        load = np.maximum(t.rest_low_N[0] + t.per_acceleration_kg @ a[:2], LIGHTEST * t.mean_load_N)
         drag = t.drag_high * law_share(t.law, t.slope_high * (t.lateral @ twist))
         wrench = a * t.mass - 0.5 * (t.wrench_low + t.wrench_high) + t.across @ (drag * load)
         return np.asarray(np.abs(t.spread @ wrench) / (t.drive * load))

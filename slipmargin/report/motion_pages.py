@@ -93,12 +93,7 @@ def check_page(
                 alt="The path, coloured by the wheel near its limit",
                 caption="The path; colours are wheels near their limit, the circle is the worst point.",
             ),
-            Picture(
-                name="use",
-                image=images["use"],
-                alt="The share of its grip that each wheel needs over time",
-                caption="The share of its grip that each wheel needs over time.",
-            ),
+            _use_picture(images),
         ),
         tables=(_grip_table(c.t_s[at], pose[at], c.use[at], model.geometry.names),),
         next_steps=steps,
@@ -158,12 +153,7 @@ def plan_page(
                 alt="Speed along the path under its limit",
                 caption="Speed under the highest speed from which the rest can be driven.",
             ),
-            Picture(
-                name="use",
-                image=images["use"],
-                alt="The share of its grip that each wheel needs over time",
-                caption="The share of its grip that each wheel needs over time.",
-            ),
+            _use_picture(images),
         ),
         tables=(_grip_table(rows.t_s[at], rows.pose[at], rows.use[at], rows.wheels),),
         next_steps=steps,
@@ -258,6 +248,11 @@ def simulate_page(
         lines=lines,
         warnings=warnings,
     )
+
+
+def _use_picture(images: Mapping[str, Image]) -> Picture:
+    shown = "The share of its grip that each wheel needs over time"
+    return Picture(name="use", image=images["use"], alt=shown, caption=f"{shown}.")
 
 
 def _grip_table(t_s: Array, pose: Array, use: Array, wheels: Sequence[str]) -> Table:

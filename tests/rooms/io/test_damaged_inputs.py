@@ -236,32 +236,33 @@ def lerobot_files(folder: Path) -> tuple[list[str], bytes, dict[str, Damage]]:
     return ["import", "lerobot", "{}", *words, "--y", "py:mm", "--heading", "yaw:deg"], b"", special
 
 
+def files_of(folder: Path) -> dict[str, bytes]:
+    """What a bag holds."""
+    return {f.name: f.read_bytes() for f in folder.iterdir()}
+
+
+def damaged_bag(good: Path, what: str, change: tuple[bytes, bytes]) -> dict[str, Damage]:
+    """A ROS 2 bag without a part, with a part cut or emptied, and with a word of its metadata changed."""
+    whole, meta = files_of(good), "metadata.yaml"
+    (store,) = (name for name in whole if name.endswith(".db3"))
+    special: dict[str, Damage] = {"no metadata": {store: whole[store]}, "no store": {meta: whole[meta]}}
+    for place in (0, 16, 100, 3000, 6000):
+        special[f"store cut at {place}"] = whole | {store: whole[store][:place]}
+    texts = {"empty": b"", "a list": b"[]", "no YAML": b"{{{", what: whole[meta].replace(*change)}
+    for name, text in texts.items():
+        special[f"metadata: {name}"] = whole | {meta: text}
+    special["store of zeros"] = whole | {store: bytes(len(whole[store]))}
+    return special
+
+
 def ros_files(folder: Path) -> tuple[list[str], bytes, dict[str, Damage]]:
     """A ROS 2 bag."""
     from rooms.io.test_importers_csv_ros import bag
 
     good = bag(folder / "good", [5.0, 5.1, 5.2, 5.3], velocity=True)
-    whole = {f.name: f.read_bytes() for f in good.iterdir()}
-    (store,) = (name for name in whole if name.endswith(".db3"))
-    meta = "metadata.yaml"
-    special: dict[str, Damage] = {
-        "no metadata": {store: whole[store]},
-        "no store": {meta: whole[meta]},
-        "no wheels": {
-            f.name: f.read_bytes() for f in bag(folder / "still", [5.0, 5.1], joint=False).iterdir()
-        },
-        "one pose": {f.name: f.read_bytes() for f in bag(folder / "short", [5.0]).iterdir()},
-    }
-    for place in (0, 16, 100, 3000, 6000):
-        special[f"store cut at {place}"] = whole | {store: whole[store][:place]}
-    for name, text in {
-        "empty": b"",
-        "a list": b"[]",
-        "no YAML": b"{{{",
-        "another version": whole[meta].replace(b"version: 9", b"version: 99"),
-    }.items():
-        special[f"metadata: {name}"] = whole | {meta: text}
-    special["store of zeros"] = whole | {store: bytes(len(whole[store]))}
+    special = damaged_bag(good, "another version", (b"version: 9", b"version: 99"))
+    special["no wheels"] = files_of(bag(folder / "still", [5.0, 5.1], joint=False))
+    special["one pose"] = files_of(bag(folder / "short", [5.0]))
     words = [w for joint in ("a", "b", "c", "d") for w in ("--joint", joint)]
     return ["import", "ros", "{}", *words], b"", special
 
@@ -401,21 +402,8 @@ def road_runner_trajectory_files(folder: Path) -> tuple[list[str], bytes, dict[s
 def path_bag_files(folder: Path) -> tuple[list[str], bytes, dict[str, Damage]]:
     """A ROS bag with a nav_msgs/Path."""
     trajectory("ros-path", folder)
-    whole = {f.name: f.read_bytes() for f in (folder / "good-ros-path").iterdir()}
-    (store,) = (name for name in whole if name.endswith(".db3"))
-    meta = "metadata.yaml"
-    special: dict[str, Damage] = {"no metadata": {store: whole[store]}, "no store": {meta: whole[meta]}}
-    for place in (0, 16, 100, 3000, 6000):
-        special[f"store cut at {place}"] = whole | {store: whole[store][:place]}
-    for name, text in {
-        "empty": b"",
-        "a list": b"[]",
-        "no YAML": b"{{{",
-        "another type": whole[meta].replace(b"nav_msgs/msg/Path", b"std_msgs/msg/String"),
-    }.items():
-        special[f"metadata: {name}"] = whole | {meta: text}
-    special["store of zeros"] = whole | {store: bytes(len(whole[store]))}
-    return CHECK, b"", special
+    change = (b"nav_msgs/msg/Path", b"std_msgs/msg/String")
+    return CHECK, b"", damaged_bag(folder / "good-ros-path", "another type", change)
 
 
 READERS: dict[str, Callable[[Path], tuple[list[str], bytes, dict[str, Damage]]]] = {
