@@ -145,9 +145,7 @@ def test_pure_forces_are_those_of_polytope(grip: str) -> None:
     drawn = sm.explore(robot, "floor").picture()["section"]
     ring = section(sm.polytope(robot, "floor").body)
     right, forward = robot.robot.convention.right_forward(ring[:, 0], ring[:, 1])
-    assert np.allclose(drawn["right"], right, rtol=1e-5) and np.allclose(
-        drawn["forward"], forward, rtol=1e-5
-    )
+    assert np.allclose(drawn["right"], right, rtol=1e-5) and np.allclose(drawn["forward"], forward, rtol=1e-5)
 
 
 def test_another_tools_file_for_the_same_numbers_is_not_computed_again() -> None:
