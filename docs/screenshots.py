@@ -25,6 +25,8 @@ import slipmargin as sm
 WIDTHS, SCHEMES = (1280, 400), ("light", "dark")
 #: Height of a picture on a sheet [px], the most of a page that is shown [widths], pages a sheet.
 THUMB, TALLEST, A_SHEET = 900, 4, 6
+#: Time in which a page's scripts end [ms], and that a busy machine has to load it.
+SETTLE_MS, PATIENCE_MS = 400, 120_000
 WAY = "x_m,y_m,phi_rad\n0,0,0\n1,0,0\n1,1,0\n"
 SPEEDS = "t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,omega4_rad_s\n0,10,10,10,10\n1,0,0,0,0\n1.5,0,0,0,0\n"
 
@@ -113,7 +115,7 @@ def photograph(page: Page, address: str, name: str, folder: Path) -> tuple[list[
         for scheme in SCHEMES:
             page.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
             page.goto(address)
-            page.wait_for_load_state("networkidle")
+            page.wait_for_timeout(SETTLE_MS)
             wide = page.evaluate("document.documentElement.scrollWidth")
             if wide > width:
                 wrong.add(f"{wide} px wide in a window of {width}")
@@ -169,6 +171,7 @@ def main() -> None:
         browser = play.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
         for name, at in [*pages, ("explore", address)]:
             page = browser.new_page()
+            page.set_default_timeout(PATIENCE_MS)
             groups[name], wrong = photograph(page, at, name, folder)
             page.close()
             faults += len(wrong)

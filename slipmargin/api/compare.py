@@ -38,7 +38,7 @@ class CompareResult(Result):
         if question is None:
             raise InputError("key", f"is {key!r}", f"use one of: {', '.join(q.key for q in QUESTIONS)}")
         found = ranking(self.ideas, question)
-        return [] if found is None else [self.ideas[k].name for k in found.order[: found.alike]]
+        return [] if found is None else [self.ideas[k].name for k in sorted(found.order[: found.alike])]
 
     def summary(self) -> str:
         """Who is best at starting."""
@@ -82,10 +82,11 @@ class CompareResult(Result):
 
     def page(self) -> Page:
         """The page that compares them."""
-        from slipmargin.plots.style import image
+        from slipmargin.plots.ideas import ideas_panels
+        from slipmargin.plots.style import images
         from slipmargin.report.ideas import ideas_page
 
-        return ideas_page(self.ideas, image(self.plot()), self.lines(), self.warnings)
+        return ideas_page(self.ideas, images(ideas_panels(self.ideas)), self.lines(), self.warnings)
 
     def to_dict(self) -> dict[str, Any]:
         """Values, standard deviations and places as plain data."""
@@ -114,7 +115,7 @@ class CompareResult(Result):
                 for idea in self.ideas
             ],
             "best": {
-                key: [] if found is None else [self.ideas[k].name for k in found.order[: found.alike]]
+                key: [] if found is None else [self.ideas[k].name for k in sorted(found.order[: found.alike])]
                 for key, found in rankings.items()
             },
         }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from slipmargin.physics.convention import Convention
 from slipmargin.report.page import Fact, Image, Page, Picture, Table
@@ -112,16 +112,21 @@ def _cell(idea: Idea, question: Question) -> str:
     return _number(value) + (f" ± {deviation:.2g}" if deviation > 0.0 else "")
 
 
-def ideas_page(ideas: Sequence[Idea], image: Image, lines: Sequence[str], warnings: Sequence[str]) -> Page:
+def ideas_page(
+    ideas: Sequence[Idea], images: Mapping[str, Image], lines: Sequence[str], warnings: Sequence[str]
+) -> Page:
     """The page that compares ideas: who is best at starting first."""
-    said, (head, rows) = dict(verdicts(ideas)), table(ideas)
+    said, (words, rows) = dict(verdicts(ideas)), table(ideas)
+    # A row a question: few columns, so that a telephone shows it whole.
+    cells = [words[1:], *(row[1:] for row in rows)]
+    head = ("", *(row[0] for row in rows))
     floor = ideas[0].design.surface
     can = any(idea.values[START] > 0.0 for idea in ideas)
     facts = []
     for question in QUESTIONS:
         found = ranking(ideas, question)
         if found is not None and ideas[found.order[0]].values[question.key] > 0.0:
-            names = _and([ideas[k].name for k in found.order[: found.alike]])
+            names = _and([ideas[k].name for k in sorted(found.order[: found.alike])])
             value = _with_unit(ideas[found.order[0]].values[question.key], question)
             alike = "alike, up to " if found.alike > 1 else ""
             facts.append(Fact(label=question.word.capitalize(), value=names, note=f"{alike}{value}"))
@@ -134,20 +139,22 @@ def ideas_page(ideas: Sequence[Idea], image: Image, lines: Sequence[str], warnin
         lead=f"Starting: {said['starting']}.",
         good=can,
         facts=facts,
-        pictures=(
+        pictures=tuple(
             Picture(
-                name="ideas",
-                image=image,
-                alt="One panel of bars a question, a bar an idea",
-                caption="More is better everywhere. Dark bars are the best, or all that are alike. A line on "
-                "a bar is two standard deviations of the uncertain friction.",
-            ),
+                name=q.key,
+                image=images[q.key],
+                alt=f"A bar an idea: {q.word}",
+                caption=f"{q.word.capitalize()} {q.meaning}: more is better.",
+            )
+            for q in QUESTIONS
+            if q.key in images
         ),
         tables=(
             Table(
-                caption="A row an idea; a star marks the best, or all that are alike",
+                caption="A star marks the best, or all that are alike; in the pictures they are blue. "
+                "± and the lines on bars (two of them) are standard deviations by the uncertain friction.",
                 head=head,
-                rows=tuple(rows),
+                rows=tuple(zip(*cells, strict=True)),
             ),
         ),
         next_steps=steps,
