@@ -9,9 +9,9 @@ above 1 − margin + ALLOWED.  Boxes, circles, speeds and coefficients are those
 back from their text in the units they state.  Grip is checked where drag is full, torque at the exported
 speeds.  At 1.08 of the unscaled limit the simulator, which knows nothing of limits, must see the named wheel
 slip or lift: with a steep friction law, as creep that nobody corrects turns the robot, and with its heading
-the limit.  Where grip ends first and a wheel lifts soon after, it is driven half way between the two, and
-must slip.  An ellipse has no grip left beside full drag: nothing is recommended for it, and speeding up must
-slip.
+the limit.  Before it only wheels may slip whose own limit is passed too.  Where grip ends first and a wheel
+lifts soon after, it is driven half way between the two, and must slip.  An ellipse has no grip left beside
+full drag: nothing is recommended for it, and speeding up must slip.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import json
 import math
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -33,7 +33,7 @@ from kept import Keeper, collected
 from slipmargin.io.writes import write_text
 from slipmargin.limits.bounds import Directions, ahead_of, directions
 from slipmargin.limits.bounds_summary import Bounds, bounds
-from slipmargin.limits.motion_rows import CAUSES, SPENT, TIPS
+from slipmargin.limits.motion_rows import CAUSES, GRIP, SPENT, TIPS
 from slipmargin.model import Model
 from slipmargin.model.parts import Drives
 from slipmargin.paths.check import check
@@ -232,7 +232,7 @@ def spent(rng: np.random.Generator, model: Model, found: Bounds, refused: list[s
         heading = float(full.heading_rad[h])
         run = driven_beyond(on_rollers(bare), heading, 0.05 * found.isotropic_m_s2, STEEPEST)
         named = list(full.starting.wheels[h])
-        run["as_named"] = run["first"] in named or run["tips"]
+        run["as_named"] = bool(set(run["slips"][:1]) & set(named)) or run["tips"]
         runs.append({"heading_rad": heading, "cause": SPENT, "named": named, "beyond": BEYOND, **run})
     return {
         **told(model, refused),
@@ -254,24 +254,36 @@ def beyond(rng: np.random.Generator, model: Model) -> list[dict[str, Any]]:
     for h, (a, cause) in enumerate(zip(full.starting_m_s2, full.starting.cause, strict=True)):
         if a < 0.05 or cause == SPENT or not np.isfinite(full.steady_use[h]):
             continue
-        named, lifts = full.starting.wheels[h], lifting(full, h) / a
-        at_once, tips = lifts < 1.0 + AT_ONCE, cause == CAUSES[TIPS]
-        by = BEYOND if at_once else min(BEYOND, 0.5 * (1.0 + lifts))
+        named, lifts = full.starting.wheels[h], ending(full, h, TIPS) / a
+        at_once, tips = np.min(lifts) < 1.0 + AT_ONCE, cause == CAUSES[TIPS]
+        by = BEYOND if at_once else min(BEYOND, 0.5 * (1.0 + float(np.min(lifts))))
         heading = float(full.heading_rad[h])
         run = driven_beyond(on_rollers(model), heading, by * float(a))
-        run["as_named"] = (run["first"] in named and not tips) or (run["tips"] and at_once)
+        slips = dict(zip(model.geometry.names, ending(full, h, GRIP) / a < by, strict=True))
+        run["as_named"] = (named_slips(run["slips"], named, slips) and not tips) or (run["tips"] and at_once)
         out.append({"heading_rad": heading, "cause": cause, "named": list(named), "beyond": by, **run})
         if len(out) == DIRECTIONS:
             break
     return out
 
 
-def lifting(full: Directions, h: int) -> float:
-    """The acceleration [m/s²] at which a wheel lifts in direction ``h``, infinite where none does."""
+def ending(full: Directions, h: int, cause: int) -> np.ndarray:
+    """Accelerations (N,) [m/s²] at which each wheel's grip, or load, ends in direction ``h``, or infinity."""
     rows = full.starting.rows
-    tips = rows.cause == TIPS
-    slope = rows.A[h, tips] @ ahead_of(full.heading_rad[h : h + 1])[0]
-    return float(np.min(rows.b[h, tips][slope > 0.0] / slope[slope > 0.0], initial=np.inf))
+    slope = rows.A[h] @ ahead_of(full.heading_rad[h : h + 1])[0]
+    ends_at = np.where(slope > 0.0, rows.b[h] / np.where(slope > 0.0, slope, 1.0), np.inf)
+    about = (rows.cause == cause)[:, None] & rows.wheels
+    return np.asarray(np.min(np.where(about, ends_at[:, None], np.inf), axis=0))
+
+
+def named_slips(slipped: list[str], named: Sequence[str], beyond_limit: dict[str, bool]) -> bool:
+    """Whether a wheel that was named slips, and none before it but those beyond their own limit too."""
+    for wheel in slipped:
+        if wheel in named:
+            return True
+        if not beyond_limit[wheel]:
+            return False
+    return False
 
 
 def driven_beyond(model: Model, heading: float, a: float, slope: float = STEEP) -> dict[str, Any]:
@@ -292,11 +304,15 @@ def driven_beyond(model: Model, heading: float, a: float, slope: float = STEEP) 
     run = verify(model, planned)
     tips = run.ending is Ending.TIPS
     over = run.share > GROSS
-    first = run.wheels[int(np.argmax(run.share[int(np.argmax(over.any(axis=1)))]))] if np.any(over) else ""
+    begins = np.argmax(over, axis=0)
+    order = np.lexsort(
+        (-run.share[begins, np.arange(model.count)], begins)
+    )  # of two at once the one that uses more
+    slipped = [run.wheels[i] for i in order if np.any(over[:, i])]
     return {
         "ending": run.ending.name,
-        "first": first,
-        "holds": not tips and not first,
+        "slips": slipped,
+        "holds": not tips and not slipped,
         "tips": tips,
     }
 
