@@ -15,9 +15,10 @@ import shutil
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from urllib.parse import urlsplit
 
 from PIL import Image, ImageDraw
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Browser, sync_playwright
 from slipmargin_cli.main import status
 
 import slipmargin as sm
@@ -102,18 +103,27 @@ CUT = """
 """
 
 
-def photograph(page: Page, address: str, name: str, folder: Path) -> tuple[list[Path], set[str]]:
+def photograph(browser: Browser, address: str, name: str, folder: Path) -> tuple[list[Path], set[str]]:
     """A page at every width and in every scheme, and what is wrong with it."""
-    made, wrong = [], set()
-    home = address.split("/")[2]
-    hear = page.on
-    hear("console", lambda m: wrong.add(f"console: {m.text}") if m.type in {"error", "warning"} else None)
-    hear("pageerror", lambda fault: wrong.add(f"script: {fault}"))
-    hear("request", lambda r: wrong.add(f"asks {r.url}") if r.url.split("/")[2] not in {home, ""} else None)
-    for width in WIDTHS:
-        page.set_viewport_size({"width": width, "height": 900})
-        for scheme in SCHEMES:
-            page.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
+    made: list[Path] = []
+    wrong: set[str] = set()
+
+    def heard(kind: str, text: str) -> None:
+        if kind in {"error", "warning"}:
+            wrong.add(f"console: {text}")
+
+    def asked(at: str) -> None:
+        if urlsplit(at).netloc not in {urlsplit(address).netloc, ""}:
+            wrong.add(f"asks {at}")
+
+    for scheme in SCHEMES:
+        page = browser.new_page(color_scheme=scheme)  # nothing remembered of the other scheme
+        page.set_default_timeout(PATIENCE_MS)
+        page.on("console", lambda message: heard(message.type, message.text))
+        page.on("pageerror", lambda fault: heard("error", str(fault)))
+        page.on("request", lambda request: asked(request.url))
+        for width in WIDTHS:
+            page.set_viewport_size({"width": width, "height": 900})
             page.goto(address)
             page.wait_for_timeout(SETTLE_MS)
             wide = page.evaluate("document.documentElement.scrollWidth")
@@ -123,7 +133,8 @@ def photograph(page: Page, address: str, name: str, folder: Path) -> tuple[list[
             file = folder / f"{name}-{width}-{scheme}.png"
             page.screenshot(path=file, full_page=True)
             made.append(file)
-    return made, wrong
+        page.close()
+    return sorted(made, key=lambda file: file.name.split("-")[-2:]), wrong
 
 
 def contact_sheet(groups: dict[str, list[Path]], file: Path) -> None:
@@ -170,10 +181,7 @@ def main() -> None:
     with sync_playwright() as play, local_page() as address:
         browser = play.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
         for name, at in [*pages, ("explore", address)]:
-            page = browser.new_page()
-            page.set_default_timeout(PATIENCE_MS)
-            groups[name], wrong = photograph(page, at, name, folder)
-            page.close()
+            groups[name], wrong = photograph(browser, at, name, folder)
             faults += len(wrong)
             for one in sorted(wrong):
                 print(f"{name}: {one}")
