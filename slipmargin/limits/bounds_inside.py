@@ -43,6 +43,9 @@ YAW_SHARE = 0.1
 PACE = 0.5
 #: Rounds in which a set is drawn in, and how close to the share it ends [1].
 ROUNDS, CLOSE = 12, 1e-3
+#: After so many rounds in a row a motion's rows are drawn in further each time: where others bind, a ratio
+#: near one took more rounds than there are to be felt [1].
+PATIENCE = 3
 #: Ends of a round set that are tried all round.
 SPREAD = 48
 
@@ -238,6 +241,9 @@ def _safe(
     least = np.stack([needed_share(model, motion, contact=contact), still.of_motors(limit)[0]])
     steady = np.stack([still.use[0], least[1]])
     part, aim = np.full(steady.shape, share), share - 0.5 * CLOSE
+    again = np.zeros(
+        steady.shape
+    )  # rounds in a row in which a motion's rows were drawn in without effect yet
     for _ in range(ROUNDS):
         found = largest(
             *safe_rows(
@@ -255,7 +261,8 @@ def _safe(
             return found, seen.torque_N_m.max(axis=1)
         over = used > share
         drawn = np.where(over, (aim - steady) / np.where(over, used - steady, 1.0), 1.0)
-        part = least + (part - least) * np.clip(drawn, 0.1, 1.0)
+        again = np.where(over, again + 1.0, 0.0)
+        part = least + (part - least) * np.clip(drawn ** np.maximum(1.0, again - PATIENCE), 0.1, 1.0)
     raise NoSolution(
         "safe accelerations",
         "no set was found in which the creep of the wheels keeps the margin",
