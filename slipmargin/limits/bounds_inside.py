@@ -61,9 +61,8 @@ class Inside:
     acceleration in reserve, at once with what they say.  ``ellipsoid`` (3, 3): accelerations E u, ‖u‖ ≤ 1,
     which trades yaw against translation and keeps no reserve.
     ``coefficient``: the largest friction coefficient [1] of swerve modules in the wheels' places, each
-    pushing
-    any way with up to μ m g / N, all of whose accelerations are safe: the robot that Choreo and PathPlanner
-    plan for.
+    pushing any way with up to μ m g / N, all of whose accelerations are safe: the robot that Choreo and
+    PathPlanner plan for.
 
     ``pace``: the share of the motors' top speed up to which all this is there with the same share of the
     torque; None without motors.  ``yaw_rate_rad_s``: the fastest turn on the spot in which the mass, where it
@@ -184,9 +183,10 @@ def inside(
         return np.asarray(coefficient[0] * np.einsum("rmnc,nac->rma", push, modules))
 
     asked: list[Array] = []
+    states = _States.of(model, share, contact)
 
     def safe(largest: Callable[..., tuple[Array, ...]], ends: Ends, counts: bool = True) -> tuple[Array, ...]:
-        found, torque = _safe(model, largest, ends, share, contact)
+        found, torque = _safe(states, largest, ends)
         if counts:
             asked.append(torque)
         return found
@@ -212,49 +212,69 @@ def inside(
     )
 
 
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _States:
+    """What all the sets ask of the M motions; ``rows`` are the safe rows of the whole share.
+
+    ``least`` and ``steady`` (2, M): the shares of grip and torque that constant speed needs and really uses.
+    """
+
+    model: Model
+    share: float
+    contact: Contact
+    sign: Array
+    normals: Array
+    limit_N_m: Array
+    rows: tuple[Array, Array, Array]
+    effort: Callable[[Array], Effort]
+    least: Array
+    steady: Array
+
+    @staticmethod
+    def of(model: Model, share: float, contact: Contact) -> _States:
+        motion = all_motions(model)
+        friction, external = prepare(model, motion, share, contact)[1:]
+        limit = np.full((2, motion.count, model.count), np.inf)
+        if model.drives.stall_torque_N_m is not None:
+            limit = torque_limit(model, at_pace(model, motion.velocity, PACE))
+
+        def effort(at: Array) -> Effort:
+            flat = at.reshape(-1, 3)
+            at_com = com_acceleration(model.inertia.com_m, np.zeros_like(flat), flat).reshape(at.shape)
+            return efforts(model, friction, external, at_com)
+
+        still, normals = effort(np.zeros((1, motion.count, 3))), _normals(model, motion, share, contact)
+        least = np.stack([needed_share(model, motion, contact=contact), still.of_motors(limit)[0]])
+        return _States(
+            model=model,
+            share=share,
+            contact=contact,
+            sign=np.sign(motion.velocity),
+            normals=normals,
+            limit_N_m=limit,
+            rows=safe_rows(model, share=share, contact=contact),
+            effort=effort,
+            least=least,
+            steady=np.stack([still.use[0], least[1]]),
+        )
+
+
 def _safe(
-    model: Model,
-    largest: Callable[..., tuple[Array, ...]],
-    ends: Ends,
-    share: float,
-    contact: Contact,
+    states: _States, largest: Callable[..., tuple[Array, ...]], ends: Ends
 ) -> tuple[tuple[Array, ...], Array]:
     """The largest set whose every end, driven as a motion, keeps each wheel's realised share and torque.
 
     Each motion's rows are drawn in by the ratio in which an end of the set exceeds the share in it, counted
     from what constant speed uses already.  Also the greatest torques (2, M, N) of the ends.
     """
-    motion = all_motions(model)
-    friction, external = prepare(model, motion, share, contact)[1:]
-    stall = model.drives.stall_torque_N_m
-    limit = np.full((2, motion.count, model.count), np.inf)
-    if stall is not None:
-        limit = torque_limit(model, at_pace(model, motion.velocity, PACE))
-
-    def effort(at: Array) -> Effort:
-        flat = at.reshape(-1, 3)
-        at_com = com_acceleration(model.inertia.com_m, np.zeros_like(flat), flat).reshape(at.shape)
-        return efforts(model, friction, external, at_com)
-
-    sign, normals = np.sign(motion.velocity), _normals(model, motion, share, contact)
-    still = effort(np.zeros((1, motion.count, 3)))
-    least = np.stack([needed_share(model, motion, contact=contact), still.of_motors(limit)[0]])
-    steady = np.stack([still.use[0], least[1]])
-    part, aim = np.full(steady.shape, share), share - 0.5 * CLOSE
-    again = np.zeros(
-        steady.shape
-    )  # rounds in a row in which a motion's rows were drawn in without effect yet
+    model, share, least, steady = states.model, states.share, states.least, states.steady
+    part, aim, rows = np.full(steady.shape, share), share - 0.5 * CLOSE, states.rows
+    again = np.zeros(steady.shape)
     for _ in range(ROUNDS):
-        found = largest(
-            *safe_rows(
-                model,
-                share=share if np.all(part == share) else part[0],
-                torque_share=part[1],
-                contact=contact,
-            )
-        )
-        seen = ends.driven(found, sign, normals, effort, limit)
-        used = np.stack([seen.use.max(axis=0), seen.of_motors(limit).max(axis=0)])
+        found = largest(*rows)
+        seen = ends.driven(found, states.sign, states.normals, states.effort, states.limit_N_m)
+        used = np.stack([seen.use.max(axis=0), seen.of_motors(states.limit_N_m).max(axis=0)])
         if share == 1.0 or model.count == 3:  # the rows are exact for the grip
             used[0] = 0.0
         if np.max(used) <= share + CLOSE:
@@ -263,6 +283,8 @@ def _safe(
         drawn = np.where(over, (aim - steady) / np.where(over, used - steady, 1.0), 1.0)
         again = np.where(over, again + 1.0, 0.0)
         part = least + (part - least) * np.clip(drawn ** np.maximum(1.0, again - PATIENCE), 0.1, 1.0)
+        grip = share if np.all(part == share) else part[0]
+        rows = safe_rows(model, share=grip, torque_share=part[1], contact=states.contact)
     raise NoSolution(
         "safe accelerations",
         "no set was found in which the creep of the wheels keeps the margin",

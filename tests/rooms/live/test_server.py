@@ -134,3 +134,25 @@ def test_friction_keeps_the_ratios_of_the_floor() -> None:
     assert page.design.robot.surface("floor") == settings(page.design, {"mu": 0.9}).design.robot.surface(
         "floor"
     )
+
+
+@pytest.mark.parametrize("grip", ["box", "disc-strip", "ellipse"])
+def test_pure_forces_are_those_of_polytope(grip: str) -> None:
+    """One source: the page draws the section of the robot's own grip, curved or not."""
+    from slipmargin.sets.section import section
+
+    robot = sm.read_robot("mecanum4", grip=grip)
+    drawn = sm.explore(robot, "floor").picture()["section"]
+    ring = section(sm.polytope(robot, "floor").body)
+    right, forward = robot.robot.convention.right_forward(ring[:, 0], ring[:, 1])
+    assert np.allclose(drawn["right"], right, rtol=1e-5) and np.allclose(drawn["forward"], forward, rtol=1e-5)
+
+
+def test_another_tools_file_for_the_same_numbers_is_not_computed_again() -> None:
+    page = sm.explore("ohio-kiwi", "paper")
+    first = page.export("nav2", mu=0.3)
+    (kept,) = page.kept.values()
+    page.export("json", mu=0.3)
+    assert [found is kept for found in page.kept.values()] == [True]
+    page.export("nav2", mu=0.31)
+    assert page.export("nav2", mu=0.3) == first
