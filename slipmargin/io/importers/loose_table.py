@@ -101,7 +101,7 @@ def read_loose(path: Path, needed: Sequence[str], separator: str, unit_line: boo
     )
 
 
-def increasing(t: Array) -> tuple[Array, list[str]]:
+def increasing(t: Array) -> tuple[Index, list[str]]:
     """Indices of the longest strictly increasing selection of times, so one bad stamp costs one row.
 
     Rows that stand in reverse order as a whole are turned round (and that is noted).
@@ -111,7 +111,7 @@ def increasing(t: Array) -> tuple[Array, list[str]]:
         keep, _ = increasing(t[::-1])
         return len(t) - 1 - keep, ["the rows stand in reverse order of time; turned round"]
     if np.all(step > 0.0) and np.all(np.isfinite(t)):  # as it should be
-        return np.arange(len(t)), []
+        return np.arange(len(t), dtype=np.int64), []
     tails: list[float] = []
     ends: list[int] = []
     before = np.full(len(t), -1)
@@ -130,7 +130,7 @@ def increasing(t: Array) -> tuple[Array, list[str]]:
     while at >= 0:
         chain.append(at)
         at = int(before[at])
-    return np.array(chain[::-1], dtype=int), []
+    return np.array(chain[::-1], dtype=np.int64), []
 
 
 def runs_of(index: Array) -> list[Array]:
