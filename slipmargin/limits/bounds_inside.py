@@ -25,7 +25,7 @@ import numpy as np
 from slipmargin.checks import Array, real
 from slipmargin.errors import NoSolution
 from slipmargin.limits.bounds import spin
-from slipmargin.limits.effort import Effort, efforts
+from slipmargin.limits.effort import Most, efforts, most_asked
 from slipmargin.limits.ends import Ends, circle_end, ellipsoid_end, even_corners, sided_corners, unit
 from slipmargin.limits.every_motion import all_motions
 from slipmargin.limits.margin import sphere
@@ -35,6 +35,7 @@ from slipmargin.limits.motion_rows import MOTOR, acceleration_rows, at_pace, pre
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.physics.kinematics import com_acceleration
+from slipmargin.sets.alike import alike
 from slipmargin.sets.inscribed import largest_box, largest_ellipsoid
 
 #: Share of the spinning limit kept for yaw by default: corrections of the heading while driving straight [1].
@@ -225,9 +226,8 @@ class _States:
     contact: Contact
     sign: Array
     normals: Array
-    limit_N_m: Array
     rows: tuple[Array, Array, Array]
-    effort: Callable[[Array], Effort]
+    effort: Callable[[Array], Most]
     least: Array
     steady: Array
 
@@ -239,20 +239,19 @@ class _States:
         if model.drives.stall_torque_N_m is not None:
             limit = torque_limit(model, at_pace(model, motion.velocity, PACE))
 
-        def effort(at: Array) -> Effort:
+        def effort(at: Array) -> Most:
             flat = at.reshape(-1, 3)
             at_com = com_acceleration(model.inertia.com_m, np.zeros_like(flat), flat).reshape(at.shape)
-            return efforts(model, friction, external, at_com)
+            return most_asked(model, friction, external, at_com, limit)
 
         still, normals = effort(np.zeros((1, motion.count, 3))), _normals(model, motion, share, contact)
-        least = np.stack([needed_share(model, motion, contact=contact), still.of_motors(limit)[0]])
+        least = np.stack([needed_share(model, motion, contact=contact), still.motors[0]])
         return _States(
             model=model,
             share=share,
             contact=contact,
             sign=np.sign(motion.velocity),
             normals=normals,
-            limit_N_m=limit,
             rows=safe_rows(model, share=share, contact=contact),
             effort=effort,
             least=least,
@@ -269,16 +268,17 @@ def _safe(
     from what constant speed uses already.  Also the greatest torques (2, M, N) of the ends.
     """
     model, share, least, steady = states.model, states.share, states.least, states.steady
+    motors = model.drives.stall_torque_N_m is not None
     part, aim, rows = np.full(steady.shape, share), share - 0.5 * CLOSE, states.rows
     again = np.zeros(steady.shape)
     for _ in range(ROUNDS):
         found = largest(*rows)
-        seen = ends.driven(found, states.sign, states.normals, states.effort, states.limit_N_m)
-        used = np.stack([seen.use.max(axis=0), seen.of_motors(states.limit_N_m).max(axis=0)])
+        seen = ends.driven(found, states.sign, states.normals, states.effort, motors)
+        used = np.stack([seen.use.max(axis=0), seen.motors.max(axis=0)])
         if share == 1.0 or model.count == 3:  # the rows are exact for the grip
             used[0] = 0.0
         if np.max(used) <= share + CLOSE:
-            return found, seen.torque_N_m.max(axis=1)
+            return found, seen.torque_N_m
         over = used > share
         drawn = np.where(over, (aim - steady) / np.where(over, used - steady, 1.0), 1.0)
         again = np.where(over, again + 1.0, 0.0)
@@ -393,13 +393,13 @@ def _boxes(A: Array, b: Array, sign: Array, yaw: float) -> tuple[Array, Array, A
 
 
 def _once(rows: Array) -> Array:
-    return np.unique(np.round(rows, 9), axis=0)
+    rows = np.round(rows, 9)
+    return rows[alike(rows)[1]]
 
 
 def _tightest(A: Array, b: Array, sign: Array) -> tuple[Array, Array, Array]:
     """One row for each normal and sign pattern: the least b."""
-    keys = np.round(np.column_stack([A / np.max(np.abs(A)), sign]), 10)
-    _, group = np.unique(keys, axis=0, return_inverse=True)
-    order = np.lexsort((b, group.ravel()))
-    first = order[np.concatenate([[True], np.diff(group.ravel()[order]) > 0])]
+    kind, _ = alike(np.round(np.column_stack([A / np.max(np.abs(A)), sign]), 10))
+    order = np.lexsort((b, kind))
+    first = order[np.concatenate([[True], np.diff(kind[order]) > 0])]
     return A[first], b[first], sign[first]
