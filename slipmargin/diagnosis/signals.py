@@ -88,7 +88,8 @@ def _rough(trial: Trial, full: WheelSignal) -> WheelSignal:
     ends = after + h * (2.0 * full.pieces[:, :, 2] + 3.0 * h * full.pieces[:, :, 3])
     omega = 0.5 * (np.vstack([after[:1], ends]) + np.vstack([after, ends[-1:]]))
     noise = _trust(t, theta, omega, most=(np.inf, np.inf))
-    made = _thinned(t, theta, omega, tuple(max(a, b) for a, b in zip(_ROUGHLY, noise, strict=True)))
+    same = max(_ROUGHLY[0], noise[0]), max(_ROUGHLY[1], noise[1])
+    made = _thinned(t, theta, omega, same)
     return replace(made, spin_rad_s=full.spin_rad_s)
 
 

@@ -34,8 +34,8 @@ _LEAST_SAMPLES = 8
 _AROUND = np.arange(1, 20) / 20.0
 _CLOSE = np.array([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0])
 _FINER = (60.0, 60.0, 120.0, 240.0)
-#: A first guess, from a start of the parameters, only has to lie in the right valley.
-_GUESS = (np.arange(1, 10) / 10.0, _CLOSE / 30.0)
+#: Sweeps of a first guess, from a start of the parameters, which only has to lie in the right valley.
+_GUESS = (_AROUND, _CLOSE / 60.0, _AROUND, _CLOSE / 60.0)
 #: Runs are compared in pieces this long [s]: a wrong phase early on must not spoil what follows.
 _PIECE_S = 0.3
 
@@ -140,8 +140,12 @@ def from_first_parts(
     early = replace(early, lasting=problem.lasting)
     everyone = np.arange(len(parts), dtype=np.int64)
     same = all(e == effects[0] for e in effects)
-    for steps in (_AROUND, *(_CLOSE / fineness for fineness in _FINER)):
-        early = _swept(early, effects[:1] if same else effects, everyone, steps)
+    rough = early.with_rough().rough()
+    for steps in (_AROUND, _CLOSE / _FINER[0]):
+        rough = _swept(rough, effects[:1] if same else effects, everyone, steps)
+    early = early.with_wheel_phases(rough.wheel_phases)
+    for fineness in _FINER[1:]:
+        early = _swept(early, effects[:1] if same else effects, everyone, _CLOSE / fineness)
     phases = problem.wheel_phases.copy()
     ends = np.full(len(problem.trials), -np.inf)
     for row, run, phase in zip(rows, runs, early.wheel_phases, strict=True):
