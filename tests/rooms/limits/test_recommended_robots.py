@@ -44,3 +44,8 @@ def test_ellipses_that_did_not(seed: int) -> None:
     row = recommended.drawn(seed, 0)
     assert row["grip"] == "ellipse" and row["recommended_m_s2"] == 0.0 and row["beyond"]
     keeps_its_margin(row)
+
+
+def test_of_two_wheels_beyond_their_limits_either_may_slip_first() -> None:
+    """411: the next wheel's limit lies 2.7 % above that of the named one, and it slipped 2 ms earlier."""
+    keeps_its_margin(recommended.drawn(411, 0))
