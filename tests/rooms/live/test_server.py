@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http.client
 import json
+import math
 import threading
 from collections.abc import Iterator
 
@@ -156,3 +157,15 @@ def test_another_tools_file_for_the_same_numbers_is_not_computed_again() -> None
     assert [found is kept for found in page.kept.values()] == [True]
     page.export("nav2", mu=0.31)
     assert page.export("nav2", mu=0.3) == first
+
+
+def test_answers_are_json_whatever_they_hold_and_a_defect_is_told(server: Server) -> None:
+    """A number that is not finite was written as NaN, which no browser reads; a defect ended the answer."""
+
+    def breaks(query: object, file: object) -> object:
+        raise ZeroDivisionError("float division by zero")
+
+    server.answers = {**server.answers, "odd": lambda query, file: {"x": [math.nan, np.inf]}, "bad": breaks}
+    assert json.loads(ask(server, "/api/odd")[2]) == {"x": [None, None]}
+    status, _, body = ask(server, "/api/bad")
+    assert status == 500 and "ZeroDivisionError" in json.loads(body)["error"]
