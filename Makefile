@@ -52,7 +52,7 @@ docs: .venv/installed-test $(patsubst notebooks/%.py,docs/notebooks/%.ipynb,$(wi
 
 docs/notebooks/%.ipynb: notebooks/%.py .venv/installed-test
 	mkdir -p docs/notebooks
-	$(BIN)/jupytext --quiet --to ipynb --execute --output $@ $<
+	$(BIN)/jupytext --quiet --run-path notebooks --to ipynb --execute --output $@ $<
 
 bench: .venv/installed-bench
 	for script in $$(grep -l __main__ benchmarks/*.py); do $(BIN)/python $$script || exit 1; done

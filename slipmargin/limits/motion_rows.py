@@ -14,6 +14,7 @@ wrench, the worst of what is unknown, with the loads that the same forces make b
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import final
 
 import numpy as np
@@ -25,6 +26,7 @@ from slipmargin.limits.motion_external import External, external_in_motion
 from slipmargin.limits.motion_friction import Friction, friction_in_motion
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
+from slipmargin.physics.kinematics import KEPT, WheelGeometry
 from slipmargin.sets.facets import facet_normals
 
 
@@ -43,8 +45,14 @@ class Facets:
 
     @staticmethod
     def of(model: Model) -> Facets:
-        """The facets of a model: they depend on the wheels' places and directions only."""
-        along, across = model.wrench_maps()
+        """The facets of a model."""
+        return Facets.of_wheels(model.geometry, *(float(c) for c in model.inertia.com_m))
+
+    @staticmethod
+    @lru_cache(maxsize=KEPT)
+    def of_wheels(geometry: WheelGeometry, com_x_m: float, com_y_m: float) -> Facets:
+        """Facets depend on the wheels' places, their directions and the centre of mass only."""
+        along, across = geometry.wrench_maps(np.array([com_x_m, com_y_m]))
         half = facet_normals(along)
         normals = np.vstack([half, -half])
         lever = normals @ along
@@ -239,14 +247,15 @@ def torque_rows(model: Model, friction: Friction, external: External) -> TorqueR
     on_drag = on_wrench @ across + np.diag(c.radius_m * along_free)
     low = np.where(friction.possible, friction.drag_low, np.inf).min(axis=0)
     high = np.where(friction.possible, friction.drag_high, -np.inf).max(axis=0)
-    rows, bounds = [], []
-    for sign in (1.0, -1.0):
-        drag = np.maximum(sign * on_drag * low[:, None], sign * on_drag * high[:, None])  # (M, N, N)
-        A = np.broadcast_to(sign * on_wrench * model.inertia.diagonal, (*drag.shape[:2], 3)).copy()
-        A[..., :2] += drag @ model.loads.per_acceleration_kg
-        rows.append(A)
-        bounds.append(external.least(sign * on_wrench, -drag))
-    return TorqueRows(A=np.stack(rows), b=np.stack(bounds))
+    ends = on_drag * low[:, None], on_drag * high[:, None]  # (M, N, N)
+    A, b = np.empty((2, *low.shape, 3)), np.empty((2, *low.shape))
+    for s, (wrench, drag) in enumerate(
+        ((on_wrench, np.maximum(*ends)), (-on_wrench, -np.minimum(*ends))),
+    ):
+        A[s] = wrench * model.inertia.diagonal
+        A[s, ..., :2] += drag @ model.loads.per_acceleration_kg
+        b[s] = external.least(wrench, -drag)
+    return TorqueRows(A=A, b=b)
 
 
 def torque_limit(model: Model, speed: Array) -> Array:
