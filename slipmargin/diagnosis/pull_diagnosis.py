@@ -16,6 +16,7 @@ from slipmargin.checks import Array, Index
 from slipmargin.data.data_set import DataSet
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit, build, limits_of, steps_inside
+from slipmargin.diagnosis.pull_candidates import pull_candidates
 from slipmargin.diagnosis.pull_next import NextPull, next_pulls
 from slipmargin.diagnosis.pull_problem import PullProblem
 from slipmargin.diagnosis.pull_search import (
@@ -24,7 +25,6 @@ from slipmargin.diagnosis.pull_search import (
     beside,
     left_out,
     noise_N,
-    pull_candidates,
     search,
 )
 from slipmargin.diagnosis.pull_unseen import LEAST_SHARE, WORSE, PullScore, Unseen

@@ -16,7 +16,7 @@ import numpy as np
 
 from slipmargin.checks import Array, Index
 from slipmargin.data.pulls import Pulls
-from slipmargin.diagnosis.candidate import Candidate, named_candidates
+from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import (
     Fit,
     GaussianPrior,
@@ -27,11 +27,8 @@ from slipmargin.diagnosis.fit import (
     score_test_gain,
     tangents,
 )
-from slipmargin.diagnosis.forms import Ranges
-from slipmargin.diagnosis.general_forms import general_candidates
-from slipmargin.diagnosis.pull_problem import PullProblem, expectation
-from slipmargin.errors import InputError, NoSolution
-from slipmargin.physics.variables import Frame, Variable
+from slipmargin.diagnosis.pull_problem import PullProblem
+from slipmargin.errors import InputError
 
 #: An effect is taken only if luck gives as much, among all candidates, no more often than this [1].
 SIGNIFICANCE = 0.01
@@ -50,18 +47,6 @@ _ERRORS, _ALIKE = 1.0, 2.0
 #: Root mean square over typical difference [1] beyond which repeats are no single Gaussian: 24 pairs of one
 #: reach 1.5 by chance once in a hundred.
 _SCATTERS = 1.5
-#: What moves a limit by less than this share of it at a start value moves nothing.
-_MOVES = 1e-6
-#: What a robot at rest shows nothing of: a pull does not say where, when or at which wheel angle it was.
-_UNKNOWN = frozenset(
-    {
-        Variable.WHEEL_ANGLE,
-        Variable.SLIP_ANGLE,
-        Variable.POSITION_X,
-        Variable.POSITION_Y,
-        Variable.TIME,
-    }
-)
 
 
 @final
@@ -147,80 +132,6 @@ def noise_N(pulls: Pulls) -> tuple[float, float, bool]:
     return max(float(np.median(np.abs(apart))) / 0.6745, 1e-4 * float(mean.mean())), float(len(apart)), False
 
 
-def pull_candidates(problem: PullProblem) -> list[Candidate]:
-    """Named effects and general forms that these pulls can show, each with a different prediction.
-
-    One that depends on what a pull does not know (place, time, wheel angle other than by sectors), one
-    of whose parameters moves no limit, and a second form of an effect that predicts the same, are left out.
-    """
-    known = tuple(effect.name for effect in problem.recipe.effects)
-    model = problem.model(())
-    still = Ranges(  # no motion: these only scale forms that a robot at rest does not show
-        speed_m_s=1.0,
-        slip_m_s=1.0,
-        acceleration_m_s2=1.0,
-        yaw_rate_rad_s=1.0,
-        position_m=1.0,
-        duration_s=1.0,
-        command_rad_s=1.0,
-    )
-    found: list[Candidate] = []
-    shown: list[tuple[str, Array]] = []
-    for candidate in [
-        *named_candidates(model.geometry.names, False, known),
-        *general_candidates(model, still, False),
-    ]:
-        moves = _moves(problem, candidate)
-        if moves is None or any(name == candidate.name and _equal(moves, other) for name, other in shown):
-            continue
-        shown.append((candidate.name, moves))
-        found.append(candidate)
-    return found
-
-
-def _equal(one: Array, other: Array) -> bool:
-    return one.shape == other.shape and bool(
-        np.allclose(one, other, rtol=0.0, atol=_MOVES * np.abs(one).max())
-    )
-
-
-def _moves(problem: PullProblem, candidate: Candidate) -> Array | None:
-    """How far (P, G) each parameter moves what pulls are expected to need; None where one moves nothing.
-
-    The contact state is taken as unknown, so that shares of rigid material count wherever wheels stand.
-    """
-
-    def mean(x: Array) -> Array:
-        model = problem.model((candidate.build(x),))
-        return expectation(model, problem.settings, problem.everyone, None).mean_N
-
-    for start in candidate.starts:
-        x = np.where(start == candidate.null, start + 0.5 * candidate.scale, start)
-        x = np.clip(x, candidate.low, candidate.high)
-        step = np.where(x + candidate.scale <= candidate.high, candidate.scale, -candidate.scale)
-        try:
-            if unseen(problem, candidate, x):
-                return None
-            there = mean(x)
-            moved = np.array([mean(x + own) - there for own in np.diag(step)])
-        except (InputError, NoSolution):
-            continue
-        return moved if bool(np.all(np.abs(moved).max(axis=1) > _MOVES * np.abs(there).max())) else None
-    return None
-
-
-def unseen(problem: PullProblem, candidate: Candidate, x: Array) -> bool:
-    """Whether a candidate depends on a variable that a pull does not know."""
-    base, changed = problem.model(()), problem.model((candidate.build(x),))
-    factors = changed.grip.multipliers[len(base.grip.multipliers) :]
-    forces = changed.external.terms[len(base.external.terms) :]
-    return (
-        any(factor.variable in _UNKNOWN for factor in factors)
-        or any(force.variable in _UNKNOWN for force in forces)
-        or any(force.frame is Frame.AGAINST_MOTION for force in forces)
-    )
-
-
 def state_of(problem: PullProblem, found: Fit) -> PullState:
     """A fit with its scores: each part of its groups is predicted with parameters fitted to the others."""
     groups, split = found.trials, parts(len(found.trials))
@@ -291,10 +202,14 @@ def _take_step(
     tried = _scored(problem, [_short(problem, before, (c,)) for c in worth], _SHORTLIST)
     if not tried:
         return PullRound(before=before, tried=(), best=None, p_value=1.0, taken=False)
+    best = _simplest([s for s in tried if no_worse(s, tried[0])])
     if not before.structure and (_above_noise(problem, tried[0]) or _unnamed(tried[0])):
         firsts = [s.structure[-1] for s in tried if s.structure[-1].named][:_FIRSTS]
-        tried = sorted([*tried, *_pairs(problem, before, firsts, fresh)], key=lambda s: s.score)
-    best = _simplest([s for s in tried if no_worse(s, tried[0])])
+        both = sorted([*tried, *_pairs(problem, before, firsts, fresh)], key=lambda s: s.score)
+        pair = _simplest([s for s in both if no_worse(s, both[0])])
+        beside_it = tangents(problem, best.fit, fresh)
+        if _unnamed(best) or luck(problem, best, pair, beside_it, seed) <= SIGNIFICANCE:
+            tried, best = both, pair
     p_value = luck(problem, before, best, slopes, seed)
     taken_now = p_value <= SIGNIFICANCE and best.score < before.score and not no_worse(before, best)
     return PullRound(before=before, tried=tuple(tried), best=best, p_value=p_value, taken=taken_now)

@@ -27,6 +27,7 @@ CONTENTS = [
     "built_in_robots",
     "check",
     "check_robot",
+    "compare",
     "describe_effect",
     "describe_robot",
     "describe_surface",

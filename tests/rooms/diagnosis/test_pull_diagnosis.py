@@ -14,10 +14,11 @@ from planted_pulls import FULL, QUARTER, data_set, planted, pulled, robot
 import slipmargin as sm
 from slipmargin.data.pulls import Pulls
 from slipmargin.diagnosis.fit import evaluate
+from slipmargin.diagnosis.pull_candidates import pull_candidates
 from slipmargin.diagnosis.pull_diagnosis import diagnose_pulls
 from slipmargin.diagnosis.pull_next import next_pulls
 from slipmargin.diagnosis.pull_problem import PullProblem, deviance, expectation
-from slipmargin.diagnosis.pull_search import noise_N, pull_candidates, search
+from slipmargin.diagnosis.pull_search import noise_N, search
 from slipmargin.diagnosis.result import Verdict
 from slipmargin.effects import GeneralEffect, Part, Trace
 from slipmargin.errors import InputError
