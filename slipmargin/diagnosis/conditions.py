@@ -25,36 +25,13 @@ from slipmargin.diagnosis.held_out import searched_runs
 from slipmargin.diagnosis.noise_reading import lasts, stated_wrong, tails
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import GeneralEffect, Part, Trace
 from slipmargin.model import nominal_model
 from slipmargin.physics.terms import Multiplier
 from slipmargin.physics.variables import Basis, Variable
 
-#: Stated noise is replaced where the measured one is this many times larger or smaller.
-_STATED_WRONG = 1.5
-#: … or this many times, where part of it lasts: whitening needs the sizes of both parts.
-_STATED_WRONG_LASTING = 1.1
-#: Noise is called smaller than stated where the whole residual is at most this share of the stated noise.
-_UNDERSTOOD = 0.75
-#: A sample is a lone outlier if it is so many times the white noise from the middle of the residuals
-#: around it …
-_LONE_SIGMA = 5.0
-#: … which are so many on either side.
-_AROUND = 3
-#: Commands hold from row to row if this leaves at most this share of the squared residual.
-_HELD_LEAVES = 0.8
-#: A camera's clock is off if this leaves at most this share of the squared residual …
-_CLOCK_LEAVES = 0.5
-#: … by at least this [1], and the runs agree on it to this share of it.
-_CLOCK_LEAST, _CLOCK_AGREE = 0.002, 0.3
-_CLOCK_MOST = 0.1
-#: Runs on another floor: at most this share of all; two floors leave at most this share of one floor's
-#: squared residual …
-_OTHERS, _TWO_LEAVE = 0.4, 0.2
-#: … their frictions differ by this factor at least, and each such run gains this factor.
-_FLOORS_DIFFER, _RUN_GAINS = 1.1, 3.0
-#: Below this chi no run differs from the others.
-_DIFFERS_CHI = 1.5
+#: Frictions that are tried for each run, as factors of the stated one.
 _FRICTIONS = np.geomspace(0.45, 1.8, 8)
 
 
@@ -136,7 +113,7 @@ def _commands(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     straight, held = (
         float(np.mean(problem_of(d).residuals([()], [everyone])[0] ** 2)) for d in (data_set, holding)
     )
-    if held > _HELD_LEAVES * straight:
+    if held > SETTINGS.held_leaves * straight:
         return data_set, ()
     return holding, (
         Repair(
@@ -166,9 +143,11 @@ def _one_clock(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     order = np.argsort(each)
     rate = float(each[order][np.searchsorted(np.cumsum(weight[order]), 0.5 * weight.sum())])
     spread = 1.4826 * float(np.median(np.abs(each - rate)))
-    if not _CLOCK_LEAST < abs(rate) < _CLOCK_MOST or spread > _CLOCK_AGREE * abs(rate):
+    if not SETTINGS.clock_least < abs(rate) < SETTINGS.clock_most or spread > SETTINGS.clock_agree * abs(
+        rate
+    ):
         return data_set, ()
-    if with_rate.sum() > _CLOCK_LEAVES * without.sum():
+    if with_rate.sum() > SETTINGS.clock_leaves * without.sum():
         return data_set, ()
     trials = tuple(_on_wheel_clock(t, 1.0 + rate) for t in data_set.trials)
     return replace(data_set, trials=trials), (
@@ -228,23 +207,23 @@ def _one_floor(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     problem = problem_of(data_set)
     many = len(problem.trials)
     everyone = np.arange(many, dtype=np.int64)
-    if many < 4 or np.sqrt(_cost(problem, (1.0,), everyone).max()) < _DIFFERS_CHI:
+    if many < 4 or np.sqrt(_cost(problem, (1.0,), everyone).max()) < SETTINGS.differs_chi:
         return data_set, ()
     costs = _cost(problem, tuple(_FRICTIONS), everyone)
     best = _two(costs)
-    if best is None or best[2] > 2.5 * _TWO_LEAVE:
+    if best is None or best[2] > 2.5 * SETTINGS.two_floors_leave:
         return data_set, ()
     near = np.geomspace(0.91, 1.1, 7)
     finer = np.unique(np.concatenate([_FRICTIONS[best[0]] * near, _FRICTIONS[best[1]] * near]))
     costs = _cost(problem, tuple(finer), everyone)
     best = _two(costs)
-    if best is None or best[2] > _TWO_LEAVE:
+    if best is None or best[2] > SETTINGS.two_floors_leave:
         return data_set, ()
     usual, other = float(finer[best[0]]), float(finer[best[1]])
-    apart = costs[best[1]] * _RUN_GAINS < costs[best[0]]
+    apart = costs[best[1]] * SETTINGS.floor_gains < costs[best[0]]
     factor = other / usual
-    if not 0 < apart.sum() <= _OTHERS * many or not (
-        factor > _FLOORS_DIFFER or factor < 1.0 / _FLOORS_DIFFER
+    if not 0 < apart.sum() <= SETTINGS.other_floor_share * many or not (
+        factor > SETTINGS.floors_differ or factor < 1.0 / SETTINGS.floors_differ
     ):
         return data_set, ()
     names = tuple(data_set.trials[i].name for i in np.flatnonzero(apart))
@@ -282,7 +261,7 @@ def _cost(problem: Problem, frictions: tuple[float, ...], runs: Index) -> Array:
 def _two(costs: Array) -> tuple[int, int, float] | None:
     """The frictions of most runs and of the others, and what two leave of what one leaves."""
     one = float(costs.sum(axis=1).min())
-    most = costs.shape[1] * (1.0 - _OTHERS)
+    most = costs.shape[1] * (1.0 - SETTINGS.other_floor_share)
     best: tuple[int, int, float] | None = None
     for usual in range(len(costs)):
         for other in range(len(costs)):
@@ -313,10 +292,12 @@ def _measured_noise(data_set: DataSet, runs: Index) -> tuple[DataSet, tuple[Repa
             [np.nanmean(np.concatenate([r[:, i] for _, r in residuals]) ** 2) for i in range(3)]
         )
         sigma = np.where(
-            (sigma < data_set.sigma) & (understood > _UNDERSTOOD * data_set.sigma), data_set.sigma, sigma
+            (sigma < data_set.sigma) & (understood > SETTINGS.understood * data_set.sigma),
+            data_set.sigma,
+            sigma,
         )
         ratio = sigma / data_set.sigma
-        limit = np.where(lasts_in, _STATED_WRONG_LASTING, _STATED_WRONG)
+        limit = np.where(lasts_in, SETTINGS.stated_wrong_lasting, SETTINGS.stated_wrong)
         wrong = (ratio > limit) | (ratio < 1.0 / limit)
         if wrong.any():
             worst = int(np.argmax(np.abs(np.log(ratio))))
@@ -336,16 +317,20 @@ def _without_lone(
         lone = np.zeros(residual.shape, dtype=bool)
         for axis in range(3):
             known = np.flatnonzero(np.isfinite(residual[:, axis]))
-            if len(known) <= 2 * _AROUND:
+            if len(known) <= 2 * SETTINGS.lone_around:
                 continue
-            values = np.pad(residual[known, axis], _AROUND, mode="edge")
-            windows = np.lib.stride_tricks.sliding_window_view(values, 2 * _AROUND + 1)
+            values = np.pad(residual[known, axis], SETTINGS.lone_around, mode="edge")
+            windows = np.lib.stride_tricks.sliding_window_view(values, 2 * SETTINGS.lone_around + 1)
             middle = np.median(windows, axis=1)
             # Where the residual runs away, its own change from sample to sample is no outlier.
             runs = np.median(np.abs(np.diff(windows, axis=1)), axis=1)
             off = np.abs(residual[known, axis] - middle)
             lone[
-                known[off > _LONE_SIGMA * sigma[axis] + _AROUND * np.maximum(0.0, runs - 2.0 * sigma[axis])],
+                known[
+                    off
+                    > SETTINGS.lone_deviations * sigma[axis]
+                    + SETTINGS.lone_around * np.maximum(0.0, runs - 2.0 * sigma[axis])
+                ],
                 axis,
             ] = True
         pose = np.where(lone, np.nan, trial.pose)
@@ -363,7 +348,7 @@ def _without_lone(
             runs=tuple(names),
             size=float(count),
             unit="1",
-            sentence=f"{count} poses are more than {_LONE_SIGMA:g} times the noise from those around "
-            f"them, {in_runs(tuple(names), len(trials))}: what was off in them was taken as missing.",
+            sentence=f"{count} poses are more than {SETTINGS.lone_deviations:g} times the noise from those "
+            f"around them, {in_runs(tuple(names), len(trials))}: what was off in them was taken as missing.",
         )
     ]

@@ -9,12 +9,11 @@ from slipmargin.diagnosis.order_analysis import Periodicity
 from slipmargin.diagnosis.result import Lead, LeadSource, Rejected
 from slipmargin.diagnosis.search import Round
 from slipmargin.diagnosis.separate import TRIALS
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import Trace
 
 #: At most so many leads are listed.
 _MOST = 6
-#: A fit is a lead if it takes off at least this share of chi.
-_LEAST_FIT = 0.05
 
 
 def leads(
@@ -65,7 +64,7 @@ def leads(
             )
         )
     for trace, (label, drop) in fits.items():
-        if drop < _LEAST_FIT:
+        if drop < SETTINGS.least_lead:
             continue
         no = refused.get(label)
         add(

@@ -29,8 +29,6 @@ from slipmargin.physics.variables import Basis
 _STEP = 1.0
 #: Gaussian prior of every coefficient [1 / such steps]: it matters only where no trial has been.
 _PRIOR = 1.0 / 30.0
-#: The play that is tried [rad]: how long it takes to take it up changes little with its size.
-_PLAY_RAD = 0.03
 
 
 class _Motion:
@@ -175,8 +173,8 @@ def _velocities(motions: list[_Motion], model: Model, commanded: bool) -> list[t
             behind = np.zeros(len(angle))
             at = angle[0]
             for k, now in enumerate(angle):
-                at = min(max(at, now - 0.5 * _PLAY_RAD), now + 0.5 * _PLAY_RAD)
-                behind[k] = (at - now) / _PLAY_RAD
+                at = min(max(at, now - 0.5 * SETTINGS.probe_play_rad), now + 0.5 * SETTINGS.probe_play_rad)
+                behind[k] = (at - now) / SETTINGS.probe_play_rad
             parts.append(rolling(m, i, np.gradient(behind, m.t_s)[:, None]))
         return np.concatenate(parts, axis=2)
 

@@ -26,10 +26,6 @@ from slipmargin.effects import AnyEffect, Trace
 
 #: Forward-difference step in units of a parameter's scale: that of the fits.
 _STEP = 0.05
-#: So many starts of a named candidate are simulated as they are.
-_SECANTS = 3
-#: Ridge of the linear steps, as a share of a column's own sum of squares.
-_RIDGE = 1e-6
 
 
 @final
@@ -258,7 +254,7 @@ def secants(problem: Residuals, base: Fit, known: Array, candidates: Sequence[Ca
         (c, np.where(c.idle, start, c.null), start)
         for c in candidates
         if c.named and c.nested
-        for start in c.starts[:_SECANTS]
+        for start in c.starts[: SETTINGS.secants]
     ]
     points = [(*base.effects, c.build(start)) for c, _, start in plans]
     return [
@@ -340,7 +336,7 @@ def _left_out(own: tuple[Columns, ...], gram: Array, pulls: Array, misfit: float
         prior[at : at + many, at : at + many] = misfit * c.prior
         at += many
     whole = gram.sum(axis=0)
-    lift = prior + np.diag(_RIDGE * np.diag(whole) + 1e-12 * np.trace(whole) + 1e-12)
+    lift = prior + np.diag(SETTINGS.ridge * np.diag(whole) + 1e-12 * np.trace(whole) + 1e-12)
     all_pulls = pulls.sum(axis=1)
     gains = np.zeros(len(pulls))
     for fold in range(len(gram)):

@@ -47,6 +47,15 @@ class SearchSettings:
     probe_knot_s: float = 0.15
     #: [1] Cells of the probes along each side of the floor: a fifth of the way that the runs reach.
     probe_cells: int = 6
+    #: [rad] The play that a probe tries: how long it takes to take it up changes little with its size.
+    probe_play_rad: float = 0.03
+    #: [starts] So many starts of a named candidate are simulated as they are, for friction that sticks hides
+    #: small changes.
+    secants: int = 3
+    #: [1] Ridge of the linear steps, as a share of a column's own sum of squares: above rounding only.
+    ridge: float = 1e-6
+    #: [1] A fit is a lead if it takes off at least this share of chi: half of what a later effect must.
+    least_lead: float = 0.05
     #: [draws] Surrogate residuals that go through the whole screening: they resolve p = 0.005.
     surrogates: int = 199
     #: [1] Share of chi that a first effect must take off: as least_chi, for sets far above the noise.
@@ -102,6 +111,36 @@ class SearchSettings:
     pair_leaves: float = 0.7
     #: [1] A fit that cannot come within this factor of the best one's cost is not finished.
     out_of_reach: float = 1.3
+    #: [1] Stated noise is replaced where the measured one is this many times larger or smaller …
+    stated_wrong: float = 1.5
+    #: [1] … or this many times, where part of it lasts: whitening needs the sizes of both parts.
+    stated_wrong_lasting: float = 1.1
+    #: [1] Noise is called smaller than stated where the whole residual is at most this share of the stated
+    #: noise: nothing else is in it then.
+    understood: float = 0.75
+    #: [white noise] A sample is a lone outlier if it is so far from the middle of the residuals around it:
+    #: chance gives one in a million samples …
+    lone_deviations: float = 5.0
+    #: [samples] … which are so many on either side.
+    lone_around: int = 3
+    #: [1] Commands hold from row to row if this leaves at most this share of the squared residual.
+    held_leaves: float = 0.8
+    #: [1] A camera's clock is off if this leaves at most this share of the squared residual …
+    clock_leaves: float = 0.5
+    #: [1] … by this at least (quartzes are a hundred times better) and at most, …
+    clock_least: float = 0.002
+    clock_most: float = 0.1
+    #: [1] … and if the runs agree on it to this share of it.
+    clock_agree: float = 0.3
+    #: [1] Runs on another floor are at most this share of all: the others say which floor is meant …
+    other_floor_share: float = 0.4
+    #: [1] … two floors leave at most this share of one floor's squared residual, …
+    two_floors_leave: float = 0.2
+    #: [1] … their frictions differ by this factor at least, and each such run gains this factor.
+    floors_differ: float = 1.1
+    floor_gains: float = 3.0
+    #: [chi] Below this no run differs from the others.
+    differs_chi: float = 1.5
 
 
 SETTINGS = SearchSettings()

@@ -74,9 +74,9 @@ def _by_speed(t: Array, omega: Array, scheme: InterpolationScheme, hold: bool) -
     return held(t, omega) if hold != other else linear(t, omega)
 
 
-#: What a run changes by with the model needs the wheels' motion to this only [rad], [rad/s]: 0.1 mm and
-#: 10 mm/s at a wheel of 50 mm.
-_ROUGHLY = (2e-3, 0.2)
+#: What a run changes by with the model needs the wheels' motion to this [rad], [rad/s]: 5 µm and 1 mm/s at a
+#: wheel of 50 mm. Differences are then right to 1 % in the median; 20 times as much is as fast and 5 % off.
+_ROUGHLY = (1e-4, 0.02)
 
 
 def _rough(trial: Trial, full: WheelSignal) -> WheelSignal:
