@@ -260,7 +260,9 @@ def beyond(rng: np.random.Generator, model: Model) -> list[dict[str, Any]]:
         heading = float(full.heading_rad[h])
         run = driven_beyond(on_rollers(model), heading, by * float(a))
         slips = dict(zip(model.geometry.names, ending(full, h, GRIP) / a < by, strict=True))
-        run["as_named"] = (named_slips(run["slips"], named, slips) and not tips) or (run["tips"] and at_once)
+        run["as_named"] = (named_slips(run["slips"], named, slips) and not tips) or bool(
+            run["tips"] and at_once
+        )
         out.append({"heading_rad": heading, "cause": cause, "named": list(named), "beyond": by, **run})
         if len(out) == DIRECTIONS:
             break

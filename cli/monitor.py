@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from .options import RobotArg, SeedOpt, SurfaceOpt, check_outputs
-from .render import at_options, say, warn
+from .render import at_options, say, stages, warn
 
 
 def monitor(
@@ -38,10 +38,18 @@ def monitor(
     import slipmargin as sm
 
     check_outputs(out)
-    with at_options(
-        surface="--surface", false_alarm_rate="--false-alarms", torque_per_ampere_N_m="--torque-per-ampere"
+    reading, live = "reading the log", log == "-" and out is None
+    with (
+        stages(reading) as progress,
+        at_options(
+            surface="--surface",
+            false_alarm_rate="--false-alarms",
+            torque_per_ampere_N_m="--torque-per-ampere",
+        ),
     ):
-        lines = sm.SlipMonitor.lines(log, sys.stdin if log == "-" else None)
+        lines = sm.SlipMonitor.lines(
+            log, sys.stdin if log == "-" else None, lambda share: progress(reading, share)
+        )
         watch = sm.SlipMonitor.of_header(
             robot,
             surface,
@@ -51,9 +59,9 @@ def monitor(
             torque_per_ampere_N_m=torque_per_ampere,
             seed=seed,
         )
+        told = [] if live else watch.report(lines, log, out)
     warn(*watch.warnings)
-    if log == "-" and out is None:
+    say(*told)
+    if live:
         for line in watch.stream(lines):
             say(line)
-        return
-    say(*watch.report(lines, log, out))

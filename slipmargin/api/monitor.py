@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
@@ -36,6 +36,30 @@ class SlipEstimate:
     wheel: str
     twist: Array
     covariance: Array
+
+
+@final
+class Events:
+    """What many estimates come to, without keeping them: their number, the alarms, and the events.
+
+    An event holds alarms that follow one another: start, end, wheel and the highest probability.
+    """
+
+    def __init__(self) -> None:
+        self.samples, self.alarms = 0, 0
+        self.events: list[dict[str, Any]] = []
+        self._alarmed = False
+
+    def append(self, one: SlipEstimate) -> None:
+        """Count one estimate more."""
+        self.samples += 1
+        self.alarms += one.alarm
+        if one.alarm and not self._alarmed:
+            self.events.append({"start_s": one.t_s, "end_s": one.t_s, "wheel": one.wheel, "probability": 0.0})
+        if one.alarm:
+            last = self.events[-1]
+            last["end_s"], last["probability"] = one.t_s, max(last["probability"], one.slip_probability)
+        self._alarmed = one.alarm
 
 
 @final
@@ -218,7 +242,7 @@ class SlipMonitor:
             raise InputError(place, problem, f"give {self.table.count} finite numbers, one a wheel")
         return array
 
-    def stream(self, lines: Iterable[str], kept: list[SlipEstimate] | None = None) -> Iterator[str]:
+    def stream(self, lines: Iterable[str], kept: list[SlipEstimate] | Events | None = None) -> Iterator[str]:
         """A CSV line out for every line in: the first line names the columns.
 
         In: ``t_s``, ``omega{i}_rad_s``, and of the channels announced ``omega{i}_cmd_rad_s``, ``gyro_rad_s``,
@@ -259,14 +283,24 @@ class SlipMonitor:
             )
 
     @staticmethod
-    def lines(source: Path | str, stream: Iterable[str] | None = None) -> Lines:
-        """Lines of a log file, or of a stream that is given; the first can be looked at."""
+    def lines(
+        source: Path | str,
+        stream: Iterable[str] | None = None,
+        progress: Callable[[float], None] = lambda share: None,
+    ) -> Lines:
+        """Lines of a log file, read one at a time, or of a stream that is given; the first can be looked at.
+
+        Parameters
+        ----------
+        progress : callable
+            Called now and then with the share of the file that is read.
+        """
         from slipmargin.onboard.stream import Lines
 
         if stream is None:
-            from slipmargin.io.source import read_text
+            from slipmargin.io.source import lines_of
 
-            stream = read_text(Path(source)).splitlines()
+            stream = lines_of(Path(source), progress)
         return Lines(str(source), iter(stream))
 
     @classmethod
@@ -284,33 +318,30 @@ class SlipMonitor:
 
     def report(self, lines: Lines, source: str, out: Path | None = None) -> list[str]:
         """What a log holds in a few lines, its events first; the lines of every sample go to ``out``."""
-        found: list[SlipEstimate] = []
-        told = list(self.stream(lines, found))
-        if out is not None:
-            from slipmargin.io.writes import write_text
+        found = Events()
+        told = self.stream(lines, found)
+        if out is None:
+            for _ in told:
+                pass
+        else:
+            from slipmargin.io.writes import write_lines
 
-            write_text(out, "\n".join(told) + "\n")
-        events = self.events(found)
-        share = sum(one.alarm for one in found) / max(len(found), 1)
+            write_lines(out, told)
+        share = found.alarms / max(found.samples, 1)
         return [
-            f"{source}: {len(found)} samples, alarm in {100.0 * share:.2f} % of them, {len(events)} events",
+            f"{source}: {found.samples} samples, alarm in {100.0 * share:.2f} % of them, "
+            f"{len(found.events)} events",
             *(
                 f"slip {e['start_s']:.3f} … {e['end_s']:.3f} s, most loaded wheel {e['wheel']}, "
                 f"probability {e['probability']:.3f}"
-                for e in events
+                for e in found.events
             ),
             *([f"written: {out}"] if out is not None else []),
         ]
 
     def events(self, estimates: Iterable[SlipEstimate]) -> list[dict[str, Any]]:
         """Alarms that follow one another as one event: start, end, wheel and the highest probability."""
-        out: list[dict[str, Any]] = []
-        before = False
+        found = Events()
         for one in estimates:
-            if one.alarm and not before:
-                out.append({"start_s": one.t_s, "end_s": one.t_s, "wheel": one.wheel, "probability": 0.0})
-            if one.alarm:
-                out[-1]["end_s"] = one.t_s
-                out[-1]["probability"] = max(out[-1]["probability"], one.slip_probability)
-            before = one.alarm
-        return out
+            found.append(one)
+        return found.events

@@ -13,10 +13,32 @@ from slipmargin.limits.creep import Balance, continued_share
 from slipmargin.limits.motion_external import External
 from slipmargin.limits.motion_friction import Friction, material_states
 from slipmargin.limits.motion_realised import LIGHTEST
+from slipmargin.limits.motion_rows import BLOCK
 from slipmargin.model import Model
 
 #: Share of its grip that no wheel exceeds; above 1 because the friction law is continued there [1].
 WHOLE = 1.1
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Most:
+    """The most that accelerations of M states ask of any wheel: shares of its grip and of its motor's torque.
+
+    ``use`` and ``motors`` (R, M) at each acceleration; ``torque_N_m`` (2, M, N) over all of them.
+    """
+
+    use: Array
+    motors: Array
+    torque_N_m: Array
+
+    def and_(self, other: Most) -> Most:
+        """These accelerations and more of the same M states."""
+        return Most(
+            use=np.concatenate([self.use, other.use]),
+            motors=np.concatenate([self.motors, other.motors]),
+            torque_N_m=np.maximum(self.torque_N_m, other.torque_N_m),
+        )
 
 
 @final
@@ -30,19 +52,29 @@ class Effort:
     use: Array
     torque_N_m: Array
 
-    def and_(self, other: Effort) -> Effort:
-        """These accelerations (R, M, 3) and more of the same M states."""
-        return Effort(
-            use=np.concatenate([self.use, other.use]),
-            torque_N_m=np.concatenate([self.torque_N_m, other.torque_N_m], axis=1),
-        )
-
     def of_motors(self, limit_N_m: Array) -> Array:
         """Largest share (R, M) of a motor's torque, where motors give ``limit_N_m`` (2, M, N)."""
         limit = limit_N_m[:, None]
         share = np.full(self.torque_N_m.shape, np.inf)
         np.divide(self.torque_N_m, limit, out=share, where=limit > 0.0)
         return np.asarray(np.where(self.torque_N_m > 0.0, share, 0.0).max(axis=(0, 3)))
+
+
+def most_asked(
+    model: Model, friction: Friction, external: External, acceleration: Array, limit_N_m: Array
+) -> Most:
+    """What accelerations (R, M, 3) ask for at most, where motors give ``limit_N_m`` (2, M, N).
+
+    In blocks: the torques of every wheel at every acceleration of 24 wheels would take half a gigabyte.
+    """
+    rows = max(1, BLOCK // (acceleration.shape[1] * model.count))
+    found: Most | None = None
+    for first in range(0, len(acceleration), rows):
+        each = efforts(model, friction, external, acceleration[first : first + rows])
+        block = Most(use=each.use, motors=each.of_motors(limit_N_m), torque_N_m=each.torque_N_m.max(axis=1))
+        found = block if found is None else found.and_(block)
+    assert found is not None
+    return found
 
 
 def greatest_torque(model: Model, friction: Friction, external: External, acceleration: Array) -> Array:

@@ -92,6 +92,8 @@ SPENT = "drag uses the whole grip"
 #: A torque below this share of the stall torque is none: rounding at the top speed, where no torque is left
 #: [1].
 NO_TORQUE = 1e-9
+#: Numbers in one array of a block of states: what many wheels make of it then fits into the cache.
+BLOCK = 1 << 17
 
 
 def acceleration_rows(
@@ -185,17 +187,22 @@ def prepare(
 def facet_coefficients(facets: Facets, friction: Friction, share: Array | float) -> Array:
     """κ (M, K, N): how much each newton of load is worth to each facet, worst over what is unknown."""
     part = np.broadcast_to(np.asarray(share, dtype=float), (friction.drive.shape[1],))
-    worst: Array | None = None
-    for possible, drive, low, high in zip(
-        friction.possible, friction.drive, friction.drag_low, friction.drag_high, strict=True
-    ):
-        if not np.any(possible):
-            continue
-        held = facets.drive * (part[:, None] * drive)[:, None]
-        lost = np.maximum(facets.across * low[:, None], facets.across * high[:, None])
-        each = held - lost if np.all(possible) else np.where(possible[:, None], held - lost, np.inf)
-        worst = each if worst is None else np.minimum(worst, each)
-    assert worst is not None
+    worst = np.full((len(part), *facets.drive.shape), np.inf)
+    for first in range(0, len(part), size := max(1, BLOCK // facets.drive.size)):
+        at = slice(first, first + size)
+        for possible, drive, low, high in zip(
+            friction.possible, friction.drive, friction.drag_low, friction.drag_high, strict=True
+        ):
+            if not np.any(possible):
+                continue
+            each = facets.drive * (part[at, None] * drive[at])[:, None]
+            lost = facets.across * low[at, None]
+            if high is not low:
+                lost = np.maximum(lost, facets.across * high[at, None])
+            each -= lost
+            if not np.all(possible):
+                each[np.broadcast_to(~possible[at, None], each.shape)] = np.inf
+            np.minimum(worst[at], each, out=worst[at])
     return worst
 
 
