@@ -115,7 +115,7 @@ def weight() -> list[str]:
         f"The package and the {found['packages'] - 1} others that it needs take {found['total_MB']} MB "
         f"(Python {found['python'].rpartition('.')[0]}).",
         f"The largest are {largest}; llvmlite is the compiler of the simulator and the limits.",
-        f"The extra `cvxpy` brings {found['extra_cvxpy_MB']} MB more; only `sweep --method cvxpy` needs it.",
+        f"cvxpy and the solvers that it brings are {found['by_cvxpy_MB']} MB of that.",
     ]
 
 

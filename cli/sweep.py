@@ -38,9 +38,7 @@ def sweep(
     delta_deg: DeltaOpt = None,
     grip: GripOpt = None,
     margin: MarginOpt = 0.1,
-    method: Annotated[
-        str, typer.Option(metavar="M", help="facets, clarabel or cvxpy (an extra).")
-    ] = "facets",
+    method: Annotated[str, typer.Option(metavar="M", help="facets, clarabel or cvxpy.")] = "facets",
     measured: Annotated[Path | None, typer.Option(metavar="PULLS.csv", help="Measured pulls.")] = None,
     chance: ChanceOpt = None,
     seed: SeedOpt = 0,

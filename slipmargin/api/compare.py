@@ -170,6 +170,8 @@ def compare(robots: Sequence[RobotLike], surface: str) -> CompareResult:
         try:
             said = model_of(recipe, surface, spread=True)[1]
         except InputError as fault:
+            if fault.place == "surface" and not fault.source:
+                raise InputError("surface", f"{fault.problem}, which {name} has not", fault.cure) from None
             raise InputError(f"{name}: {fault.place}", fault.problem, fault.cure, fault.source) from None
         warnings += [f"{name}: {line}" for line in said]
     designs = [RobotOnSurface(recipe=recipe, surface=surface) for recipe in recipes]

@@ -47,7 +47,7 @@ class SimulationResult(Result):
 
     def summary(self) -> str:
         """Where it ends and how much it slips."""
-        x, y, phi = self.run.pose[-1]
+        x, y, phi = (round(float(v), 4) + 0.0 for v in self.run.pose[-1])  # no minus zero
         return (
             f"simulation of {self.model.robot} on {self.model.surface}: ends at x {x:.4f} m, y {y:.4f} m, "
             f"φ {phi:.4f} rad, drive slip up to {self.peak_slip_m_s:.4g} m/s"

@@ -215,7 +215,7 @@ def sweep(
     margin : float
         Safety margin: the share of the grip kept in reserve, 0 to below 1.
     method : str
-        ``facets`` (closed form), ``clarabel`` or ``cvxpy`` (solvers; the last needs ``slipmargin[cvxpy]``).
+        ``facets`` (closed form), ``clarabel`` or ``cvxpy`` (solvers).
     measured : str or Path, optional
         A CSV of measured pulls (``phi_rad,force_N``, one row a pull).
     chance : float, optional
@@ -256,10 +256,6 @@ def sweep(
     drawing = Drawing.of(recipe, surface, chance, seed)
     if method not in METHODS:
         raise InputError("method", f"is {method!r}", f"use one of: {', '.join(METHODS)}")
-    if method == "cvxpy":
-        from slipmargin.io.extra import need
-
-        need("--method cvxpy", "cvxpy", "cvxpy")
     phi = orientations(from_deg, to_deg, step_deg)
     checked_margin(margin)
     pulls, outside = None, 0

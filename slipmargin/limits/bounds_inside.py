@@ -25,12 +25,12 @@ import numpy as np
 from slipmargin.checks import Array, real
 from slipmargin.errors import NoSolution
 from slipmargin.limits.bounds import spin
-from slipmargin.limits.effort import Most, efforts, most_asked
+from slipmargin.limits.bounds_pace import pace, yaw_rate
+from slipmargin.limits.effort import Most, most_asked
 from slipmargin.limits.ends import Ends, circle_end, ellipsoid_end, even_corners, sided_corners, unit
 from slipmargin.limits.every_motion import all_motions
 from slipmargin.limits.margin import sphere
-from slipmargin.limits.motion import along, needed_share, steady_share
-from slipmargin.limits.motion_realised import realised
+from slipmargin.limits.motion import needed_share, steady_share
 from slipmargin.limits.motion_rows import MOTOR, acceleration_rows, at_pace, prepare, torque_limit
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
@@ -208,8 +208,8 @@ def inside(
         circle_m_s2=float(ball[0][0]),
         yaw_rad_s2=yaw,
         coefficient=float(grip[0][0]),
-        pace=_pace(model, np.max(asked, axis=0), share),
-        yaw_rate_rad_s=_yaw_rate(model, yaw, share, contact),
+        pace=pace(model, np.max(asked, axis=0), share),
+        yaw_rate_rad_s=yaw_rate(model, yaw, share, contact),
     )
 
 
@@ -311,51 +311,6 @@ def _modules(model: Model) -> Array:
     # a = a_com − α ẑ × c
     moving = moving + np.array([body.com_m[1], -body.com_m[0]])[:, None] * spinning[:, None]
     return np.asarray(load * np.concatenate([moving, spinning[:, None]], axis=1))
-
-
-def _pace(model: Model, torque_N_m: Array, share: float) -> float | None:
-    """Share of the top speed up to which a share of the motors' torque is what (2, M, N) asks for."""
-    stall, top = model.drives.stall_torque_N_m, model.drives.max_speed_rad_s
-    if top is None:
-        return None
-    if stall is None:
-        return share
-    speed = at_pace(model, all_motions(model).velocity, 1.0) / top
-    driving = np.where(speed > 0.0, torque_N_m[0], torque_N_m[1])
-    left = 1.0 - np.maximum(driving, 0.0) / (share * stall)
-    return float(np.clip(np.min(left / np.maximum(np.abs(speed), 1e-9)), 0.0, share))
-
-
-def _yaw_rate(model: Model, yaw_rad_s2: float, share: float, contact: Contact) -> float:
-    """Fastest turn on the spot [rad/s] at which the centripetal force leaves a yaw acceleration."""
-    turn = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
-    still, motion = np.zeros_like(turn), Motion.full_drag(turn)
-    inward = com_acceleration(model.inertia.com_m, turn, still)
-    if np.allclose(inward, 0.0, atol=1e-12):
-        return np.inf
-    rows = acceleration_rows(model, motion, share=share, contact=contact, motor=False)
-    ways = np.stack([way * yaw_rad_s2 * turn for way in (1.0, -1.0)])
-    starts = np.stack([com_acceleration(model.inertia.com_m, still, way) for way in ways])
-    squared = min(float(np.min(along(model, rows, start, inward).value)) for start in starts)
-    high = np.sqrt(max(0.0, squared))
-
-    def there(rate: float) -> bool:
-        # At this rate a wheel may slide so slowly that its drag, which helped, is not full.
-        turning = np.vstack([rate * turn, rate * turn])
-        really = Motion(velocity=turning, acceleration=np.vstack(list(ways)))
-        if np.max(realised(model, really, contact=contact, share=share).use) > share:
-            return False
-        if model.drives.stall_torque_N_m is None:
-            return True
-        asked = efforts(model, rows.friction, rows.external, starts + rate**2 * inward)
-        limit = share * torque_limit(model, model.geometry.wheel_speeds(rate * turn))
-        return bool(np.max(asked.of_motors(limit)) <= 1.0)
-
-    low = 0.0
-    for _ in range(40 if not there(high) else 0):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if there(middle) else (low, middle)
-    return float(high if low == 0.0 else low)
 
 
 def _sizes(A: Array, b: Array) -> Array:

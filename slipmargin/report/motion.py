@@ -13,7 +13,7 @@ from slipmargin.sim.run import Run
 
 def run_lines(run: Run, model: Model, work_J: float, planned_end: Array | None) -> list[str]:
     """End pose, largest drive slip, energy lost to sliding, and the distance from the planned end."""
-    x, y, phi = run.pose[-1]
+    x, y, phi = np.round(run.pose[-1], 4) + 0.0  # no minus zero
     slip = np.abs(run.slip[..., 0])
     when, wheel = np.unravel_index(int(np.argmax(slip)), slip.shape)
     lines = [

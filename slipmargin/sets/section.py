@@ -8,6 +8,9 @@ from slipmargin.checks import Array
 from slipmargin.sets.hull import Hull
 from slipmargin.sets.zonotope import Zonotope
 
+#: Corners closer than this share of the section's size are one [1].
+SAME = 1e-9
+
 
 def section(body: Zonotope | Hull) -> Array:
     """Corners (K, 2) of the section at z = 0, counter-clockwise; of a curved set points all round.
@@ -43,4 +46,7 @@ def _crossings(body: Hull) -> Array:
     along = start[:, 2] / (start[:, 2] - end[:, 2])
     ring = (start + along[:, None] * (end - start))[:, :2]
     middle = ring - ring.mean(axis=0)
-    return np.asarray(ring[np.argsort(np.arctan2(middle[:, 1], middle[:, 0]))])
+    ring = ring[np.argsort(np.arctan2(middle[:, 1], middle[:, 0]))]
+    # Edges that meet in the plane cross it in one point.
+    apart = np.linalg.norm(ring - np.roll(ring, 1, axis=0), axis=1) > SAME * np.max(np.abs(ring))
+    return np.asarray(ring[apart])

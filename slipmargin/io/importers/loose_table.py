@@ -133,7 +133,7 @@ def increasing(t: Array) -> tuple[Index, list[str]]:
     return np.array(chain[::-1], dtype=np.int64), []
 
 
-def runs_of(index: Array) -> list[Array]:
+def runs_of(index: Index) -> list[Index]:
     """Consecutive indices gathered."""
     return [part for part in np.split(index, np.flatnonzero(np.diff(index) > 1) + 1) if len(part)]
 

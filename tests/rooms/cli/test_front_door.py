@@ -180,16 +180,6 @@ def test_methods_agree(method: str, grip: str, tmp_path: Path, monkeypatch: pyte
     assert json.loads((tmp_path / "f.json").read_text())["self_check"] < (1e-9 if grip == "box" else 1e-6)
 
 
-def test_a_solver_that_is_not_installed_is_named_with_its_extra(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """cvxpy is an extra: the package works without it, and says how to get it."""
-    monkeypatch.setattr("slipmargin.io.extra.find_spec", lambda name: None)
-    assert status(["sweep", "ohio-kiwi", "--surface", "paper", "--method", "cvxpy"]) == 2
-    told = capsys.readouterr()
-    assert told.out == "" and "pip install 'slipmargin[cvxpy]'" in told.err and told.err.count("\n") == 1
-
-
 def test_measured_pulls_stand_in_the_table(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

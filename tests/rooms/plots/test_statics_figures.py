@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from matplotlib.figure import Figure
 from strategies import four_wheels, kiwi, models
 
+import slipmargin as sm
 from slipmargin.data.pulls import gather_pulls
 from slipmargin.errors import InputError
 from slipmargin.limits import sweep, wrench_set
@@ -102,6 +103,17 @@ def test_the_section_of_a_coupled_grip_is_its_own() -> None:
         force = sweep(rounded, phi, with_band=False).f_max_N
         np.testing.assert_allclose(reach, force, rtol=1e-2)
         assert np.all(reach <= force * (1.0 + 1e-4))
+
+
+@pytest.mark.parametrize("name", ["omni4", "mecanum4"])
+def test_the_section_has_no_corner_twice_and_its_circle_a_radius(name: str) -> None:
+    """Edges that meet in the plane gave a corner twice, an edge without length and a circle of nan N."""
+    found = sm.polytope(sm.read_robot(name, grip="disc-strip"), "floor")
+    ring = section(found.body)
+    assert np.min(np.linalg.norm(ring - np.roll(ring, 1, axis=0), axis=1)) > 1e-12
+    labels = [t.get_text() for t in found.plot().axes[1].get_legend().get_texts()]
+    assert any(label.startswith("in every direction: ") for label in labels)
+    assert not [label for label in labels if "nan" in label]
 
 
 def test_a_figure_drawn_twice_is_the_same_file(model: Model, tmp_path: Path) -> None:

@@ -116,7 +116,10 @@ def test_the_command_says_it_in_sentences_and_writes_everything(
         (["mecanum4", "omni4", "--vary", "mass_kg=1,2"], "--vary: has no effect on several robots"),
         (["mecanum4", "omni4", "--static"], "--static: has no effect on several robots"),
         (["mecanum4", "mecanum4"], "ROBOT: 'mecanum4' is given twice"),
-        (["mecanum4", "ohio-kiwi"], "ohio-kiwi"),
+        (
+            ["mecanum4", "ohio-kiwi"],
+            "command line: --surface: is 'floor', which ohio-kiwi has not, use one of: paper, carpet",
+        ),
         (["mecanum4"], "--vary: is missing"),
     ],
 )
