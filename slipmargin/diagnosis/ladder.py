@@ -3,6 +3,9 @@
 Every proposal is first judged on the searched runs, each predicted without its own fold; only what holds
 there is put to the runs that nothing has seen.  A proposal that fails loses its last effect.  If nothing
 is left, the best single candidates of other kinds are asked, and if these fail too, nothing is found.
+
+Far above the noise runs are judged in pieces, as the search compares them; what is reported are the errors of
+whole runs.
 """
 
 from __future__ import annotations
@@ -76,8 +79,8 @@ class Court:
         """The run of each trial that the search has seen."""
         return [self.runs[i] for i in self.seen]
 
-    def errors(self, state: State | None) -> Prediction:
-        """Errors of every trial, predicted with parameters that were fitted to others."""
+    def errors(self, state: State | None, *, in_pieces: bool = False) -> Prediction:
+        """Errors of every trial, predicted with parameters that were fitted to others; whole or in pieces."""
         count = len(self.problem.trials)
         everyone = np.arange(count, dtype=np.int64)
         effects = [() if state is None else state.fit.effects] * count
@@ -85,18 +88,20 @@ class Court:
             for part, own in zip(state.parts, sets_of_effects(state.structure, state.xs), strict=True):
                 for i in state.fit.trials[part]:
                     effects[i] = own
-        return self._predicted(everyone, effects, state)
+        return self._predicted(everyone, effects, state, in_pieces)
 
-    def believed(self, like: State | None) -> Prediction:
+    def believed(self, like: State | None, *, in_pieces: bool = False) -> Prediction:
         """Errors of every trial without any effect, scored as those of ``like`` are."""
         count = len(self.problem.trials)
-        return self._predicted(np.arange(count, dtype=np.int64), [()] * count, like)
+        return self._predicted(np.arange(count, dtype=np.int64), [()] * count, like, in_pieces)
 
     def _predicted(
-        self, trials: Index, effects: list[tuple[AnyEffect, ...]], like: State | None
+        self, trials: Index, effects: list[tuple[AnyEffect, ...]], like: State | None, in_pieces: bool
     ) -> Prediction:
         phased = phases_matter(self.problem, () if like is None else like.fit.effects)
         full = self.problem.rebuilt(InterpolationScheme.FULL)
+        if in_pieces:
+            full = full.in_pieces(SETTINGS.piece_s)
         records = [self.records[self.runs[i]] for i in trials]
         return predicted(full, trials, records, effects, phased)
 
@@ -139,7 +144,11 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
     after = court.errors(state)
     before = court.believed(state)
     one, two = by_run(before.errors, court.runs), by_run(after.errors, court.runs)
-    judgement = court.verdict(one, two)
+    if state.view.piece is None:
+        judgement = court.verdict(one, two)
+    else:  # a wrong heading early in a whole run outweighs all that is right after it
+        pieces = (court.believed(state, in_pieces=True), court.errors(state, in_pieces=True))
+        judgement = court.verdict(*(by_run(p.errors, court.runs) for p in pieces))
     idle = [c.label for c, none in zip(state.structure, nothing_sure(state), strict=True) if none]
     failures = judgement.failures + tuple(
         f"every interval of the parameters of {label} contains the value that does nothing" for label in idle

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from planting import Plant, planted, smooth_kiwi
@@ -13,10 +15,12 @@ from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.screen import Screening
-from slipmargin.diagnosis.search import Round, State, fitted
+from slipmargin.diagnosis.search import Round, State, fitted, nothing_sure
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
 from slipmargin.effects.wheel_loads import WheelLoads
+from slipmargin.physics.frames import rotated
 
 SIGMA = np.array([5e-4, 5e-4, 2e-3])
 COUNT = 8
@@ -83,6 +87,47 @@ def test_another_candidate_is_asked_where_the_proposal_fails(court: Court) -> No
     done = Round(before=proposed(court), screening=nothing, tried=(right, wrong), best=wrong, taken=True)
     found = check(court, wrong, [done], Watch(report=no_progress))
     assert labels_of(found) == ["wheel_loads"] and found.rejected[0].labels == ("camera_scale",)
+
+
+def knocked(problem: Problem, effects: tuple[WheelLoads, ...], runs: tuple[int, ...]) -> Problem:
+    """Each of these runs turned midway by what makes the base model look best beside these effects."""
+    measured, first = np.array(problem.measured), 40
+    wrong, right = problem.predict([(), effects], [np.arange(COUNT)] * 2)
+    for row in runs:
+        tried = []
+        for angle in np.linspace(-0.5, 0.5, 41):
+            turned = measured[row].copy()
+            arm = measured[row, first:, :2] - measured[row, first, :2]
+            turned[first:, :2] = measured[row, first, :2] + np.column_stack(
+                rotated(angle, arm[:, 0], arm[:, 1])
+            )
+            turned[first:, 2] += angle
+            one = replace(
+                problem, measured=np.where(np.arange(COUNT)[:, None, None] == row, turned, measured)
+            )
+            gaps = (one.gaps(pose[[row]], np.array([row]))[1] for pose in (right, wrong))
+            tried.append((float(np.divide(*(np.sum(gap**2) for gap in gaps))), turned))
+        measured[row] = max(tried, key=lambda pair: pair[0])[1]
+    return replace(problem, measured=measured)
+
+
+def test_far_above_the_noise_runs_are_judged_in_pieces(court: Court) -> None:
+    truth = proposed(court, "wheel_loads")
+    effects = (WheelLoads(shift_x_m=0.012, shift_y_m=-0.008, com_share=1.0),)
+    rough = replace(court, problem=knocked(court.problem, effects, (1, 4)))
+    whole = replace(truth, view=rough.problem)
+    pieces = replace(truth, view=rough.problem.in_pieces(SETTINGS.piece_s))
+    assert check(rough, whole, [], Watch(report=no_progress)).state is None
+    found = check(rough, pieces, [], Watch(report=no_progress))
+    assert found.state is pieces
+    plain = court.believed(pieces).errors
+    assert np.array_equal(found.before.squares[0], plain.squares[0]), "whole runs are reported"
+
+
+def test_far_above_the_noise_no_interval_speaks_against_an_effect(court: Court) -> None:
+    state = proposed(court, "wheel_loads", "camera_delay")
+    assert nothing_sure(state) == [False, True]
+    assert nothing_sure(replace(state, view=court.problem.in_pieces(SETTINGS.piece_s))) == [False, False]
 
 
 def test_folds_hold_whole_runs_and_every_trial_once() -> None:
