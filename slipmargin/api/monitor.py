@@ -49,7 +49,8 @@ class SlipMonitor:
     surface : str
         A surface of the robot file.
     false_alarm_rate : float
-        Share of the samples without slip that may alarm, above 0 and below 1.
+        Share of the samples without slip that may alarm on a run like the training runs, above 0 and up to
+        0.5.  Where these are too few to be sure of it, a warning says so and there is no alarm.
     commanded, gyro, current : bool
         Which channels every sample will have besides wheel speeds.
     training : sequence of LabelledRun, or a data set's folder, optional
@@ -98,13 +99,21 @@ class SlipMonitor:
         if training is None:
             from slipmargin.api.monitor_training import simulated
 
-            training = simulated(model, self.table, self.channels, seed, torque_per_ampere_N_m)
+            training = simulated(model, self.table, self.channels, seed, torque_per_ampere_N_m, rate)
         elif isinstance(training, str | Path):
             from slipmargin.api.monitor_training import from_data_set
 
             training = from_data_set(self.table, self.channels, training)
         self.ratio = learn(training)
         self.threshold = self.ratio.threshold(rate)
+        self._square, self._line, self._constant = self.ratio.polynomial()
+        if not math.isfinite(self.threshold):
+            self.warnings = (
+                *self.warnings,
+                f"{len(self.ratio.gripping)} training runs with grip are too few for a false-alarm rate of "
+                f"{rate:g}: about {self.ratio.runs_needed(rate)} like them are needed; there "
+                "will be no alarm, the slip probability is given all the same",
+            )
         self._signals = Signals(self.table, self.channels)
         if model.count == 3 and not (gyro or current):
             self.warnings = (
@@ -186,17 +195,17 @@ class SlipMonitor:
             raise InputError("gyro_rad_s", "is missing", "give the yaw rate of every sample")
         assert omega is not None
         numbers = self._signals.update(t_s, omega, commanded, gyro_rad_s, current)
-        value = float(self.ratio.value(numbers))
+        value = float(numbers @ (self._square @ numbers + self._line)) + self._constant
         p = 1.0 / (1.0 + math.exp(-min(max(value, -50.0), 50.0)))
         grips, slips = self.ratio.grips, self.ratio.slips
-        wheels = self._signals.twist(omega)
+        wheels = self._signals.twist
         if self.channels.gyro and gyro_rad_s is not None:
             wheels[2] = gyro_rad_s
         one, two = grips.gain * wheels, slips.gain * wheels
         apart = two - one
         twist = one + p * apart
         covariance = (1.0 - p) * grips.covariance + p * slips.covariance
-        covariance = covariance + p * (1.0 - p) * np.outer(apart, apart)
+        covariance = covariance + p * (1.0 - p) * apart[:, None] * apart
         alarm = value > self.threshold
         wheel = self.table.names[int(np.argmax(self._signals.shares()))] if alarm else ""
         return SlipEstimate(
