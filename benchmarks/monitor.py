@@ -217,6 +217,7 @@ def judged(
         "auc": auc(score, slip),
         "detected at 5 %": detection(score, slip, 0.05),
         "detected at 1 %": detection(score, slip, 0.01),
+        "training runs": len(runs) - len(runs[::FOLDS]),
         "training runs with grip": len(ratio.gripping),
         "runs needed for 5 %, for 1 %": [ratio.runs_needed(rate) for rate in above],
         "detected, set 5 %": float(alarm[0.05][slip].mean()),

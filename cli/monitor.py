@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from .options import RobotArg, SeedOpt, SurfaceOpt, check_outputs
+from .options import JsonOpt, PlotOpt, ReportOpt, RobotArg, SeedOpt, SurfaceOpt, check_outputs, deliver
 from .render import at_options, say, warn
 
 
@@ -27,17 +27,21 @@ def monitor(
         float | None, typer.Option(metavar="K", help="Torque at the wheel per ampere [N m/A], for currents.")
     ] = None,
     seed: SeedOpt = 0,
+    plot: PlotOpt = None,
+    json: JsonOpt = None,
+    report: ReportOpt = None,
 ) -> None:
     """Tell slip from grip by a likelihood ratio under the robot's own model: one line in, one line out.
 
     The first line names the columns: t_s, omega{i}_rad_s and, where logged, omega{i}_cmd_rad_s, gyro_rad_s
     and current{i}_A.  A line out holds the slip probability, the alarm, the wheel that the model loads most,
     the corrected body velocity with its covariance.  Three wheels without gyro or current have no redundancy:
-    then only the model speaks.  From a file the events are printed, and --out takes the lines.
+    then only the model speaks.  From a file, or where an output is asked
+    for, the events are printed when it ends, and --out takes the lines.
     """
     import slipmargin as sm
 
-    check_outputs(out)
+    check_outputs(out, json, report, plot=plot)
     with at_options(
         surface="--surface", false_alarm_rate="--false-alarms", torque_per_ampere_N_m="--torque-per-ampere"
     ):
@@ -51,9 +55,9 @@ def monitor(
             torque_per_ampere_N_m=torque_per_ampere,
             seed=seed,
         )
-    warn(*watch.warnings)
-    if log == "-" and out is None:
+    if log == "-" and not (out or plot or json or report):
+        warn(*watch.warnings)
         for line in watch.stream(lines):
             say(line)
         return
-    say(*watch.report(lines, log, out))
+    deliver(watch.log(lines, log), out=out, plot=plot, json=json, report=report)

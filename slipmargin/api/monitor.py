@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
+from slipmargin.api.monitor_log import MonitoredLog, SlipEstimate
 from slipmargin.api.robots import RobotLike, model_of, read_robot
 from slipmargin.checks import Array, real
 from slipmargin.errors import InputError
@@ -17,25 +17,6 @@ from slipmargin.errors import InputError
 if TYPE_CHECKING:
     from slipmargin.onboard.likelihood import LabelledRun
     from slipmargin.onboard.stream import Lines
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SlipEstimate:
-    """What a monitor says of one sample.
-
-    ``slip_probability`` counts slipping and gripping as equally likely beforehand; ``wheel`` is the wheel
-    that its model loads most (empty where it does not alarm); ``twist`` (3,) is the corrected body velocity
-    with its ``covariance`` (3, 3) [m/s, m/s, rad/s].
-    """
-
-    t_s: float
-    slip_probability: float
-    log_ratio: float
-    alarm: bool
-    wheel: str
-    twist: Array
-    covariance: Array
 
 
 @final
@@ -105,7 +86,7 @@ class SlipMonitor:
 
             training = from_data_set(self.table, self.channels, training)
         self.ratio = learn(training)
-        self.threshold = self.ratio.threshold(rate)
+        self.false_alarm_rate, self.threshold = rate, self.ratio.threshold(rate)
         self._square, self._line, self._constant = self.ratio.polynomial()
         if not math.isfinite(self.threshold):
             self.warnings = (
@@ -291,35 +272,25 @@ class SlipMonitor:
             **others,
         )
 
-    def report(self, lines: Lines, source: str, out: Path | None = None) -> list[str]:
-        """What a log holds in a few lines, its events first; the lines of every sample go to ``out``."""
+    def log(self, lines: Iterable[str], source: str) -> MonitoredLog:
+        """What a log holds: every estimate, its events and the lines of every sample.
+
+        Parameters
+        ----------
+        lines : iterable of str
+            As for :meth:`stream`.
+        source : str
+            What the log is called.
+        """
         found: list[SlipEstimate] = []
         told = list(self.stream(lines, found))
-        if out is not None:
-            from slipmargin.io.writes import write_text
-
-            write_text(out, "\n".join(told) + "\n")
-        events = self.events(found)
-        share = sum(one.alarm for one in found) / max(len(found), 1)
-        return [
-            f"{source}: {len(found)} samples, alarm in {100.0 * share:.2f} % of them, {len(events)} events",
-            *(
-                f"slip {e['start_s']:.3f} … {e['end_s']:.3f} s, most loaded wheel {e['wheel']}, "
-                f"probability {e['probability']:.3f}"
-                for e in events
-            ),
-            *([f"written: {out}"] if out is not None else []),
-        ]
-
-    def events(self, estimates: Iterable[SlipEstimate]) -> list[dict[str, Any]]:
-        """Alarms that follow one another as one event: start, end, wheel and the highest probability."""
-        out: list[dict[str, Any]] = []
-        before = False
-        for one in estimates:
-            if one.alarm and not before:
-                out.append({"start_s": one.t_s, "end_s": one.t_s, "wheel": one.wheel, "probability": 0.0})
-            if one.alarm:
-                out[-1]["end_s"] = one.t_s
-                out[-1]["probability"] = max(out[-1]["probability"], one.slip_probability)
-            before = one.alarm
-        return out
+        return MonitoredLog(
+            robot=self.table.robot,
+            surface=self.table.surface,
+            source=source,
+            false_alarm_rate=self.false_alarm_rate,
+            quiet=not math.isfinite(self.threshold),
+            estimates=tuple(found),
+            text="\n".join(told) + "\n",
+            warnings=self.warnings,
+        )
