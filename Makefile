@@ -1,6 +1,8 @@
 # make fig8   the paper's Fig. 8 from nothing but Python: environment, installation, tables and pictures
 # make test   everything that must hold
 # make test-seeds  the tests with drawn examples under twenty random seeds (SEEDS=1-20)
+# make test-surroundings  cheap tests with warnings as errors, -O, one core, another locale
+# make kill  signal 9 at random moments over the long commands (KILLS=100)
 # make fuzz  mutated input for every command (CASES=20000; goes on where it was stopped)
 # make docs   the documentation site, in site/
 # make bench  the figures that the README and the site quote
@@ -10,10 +12,11 @@ PYTHON ?= python3
 OUT ?= out
 SEEDS ?= 1-20
 CASES ?= 20000
+KILLS ?= 100
 BIN := .venv/bin
 PIP := PIP_CONSTRAINT="$(CURDIR)/requirements.lock" PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet
 
-.PHONY: install fig8 test test-seeds fuzz lint types docs bench clean
+.PHONY: install fig8 test test-seeds test-surroundings kill fuzz lint types docs bench clean
 
 install: .venv/installed
 
@@ -29,6 +32,12 @@ test: .venv/installed-test lint types
 test-seeds: .venv/installed-test
 	$(BIN)/python tests/house/seeds.py --seeds $(SEEDS) --log $(OUT)/seeds -n 2
 
+test-surroundings: .venv/installed-test
+	$(BIN)/python tests/house/surroundings.py
+
+kill: .venv/installed-test
+	$(BIN)/python tests/house/killed.py --count $(KILLS)
+
 fuzz: .venv/installed-test
 	cd tests && PYTHONPATH=. OMP_NUM_THREADS=1 ../$(BIN)/python -m fuzz --count $(CASES)
 
@@ -43,7 +52,7 @@ docs: .venv/installed-test $(patsubst notebooks/%.py,docs/notebooks/%.ipynb,$(wi
 
 docs/notebooks/%.ipynb: notebooks/%.py .venv/installed-test
 	mkdir -p docs/notebooks
-	$(BIN)/jupytext --quiet --to ipynb --execute --output $@ $<
+	$(BIN)/jupytext --quiet --run-path notebooks --to ipynb --execute --output $@ $<
 
 bench: .venv/installed-bench
 	for script in $$(grep -l __main__ benchmarks/*.py); do $(BIN)/python $$script || exit 1; done

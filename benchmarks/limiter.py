@@ -22,7 +22,7 @@ import cortex_m4
 import driving
 import numpy as np
 from c_limiter import CompiledLimiter, compilers
-from recommended import drawn_robot
+from drawn_robots import drawn_robot
 
 import slipmargin as sm
 from slipmargin.model import Model

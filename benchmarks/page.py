@@ -107,6 +107,18 @@ def speed() -> list[str]:
     ]
 
 
+def weight() -> list[str]:
+    """Size of what `make install` brings."""
+    found = results("environment.json")
+    largest = ", ".join(f"{name} {size:.0f} MB" for name, size in list(found["largest_MB"].items())[:4])
+    return [
+        f"The package and the {found['packages'] - 1} others that it needs take {found['total_MB']} MB "
+        f"(Python {found['python'].rpartition('.')[0]}).",
+        f"The largest are {largest}; llvmlite is the compiler of the simulator and the limits.",
+        f"cvxpy and the solvers that it brings are {found['by_cvxpy_MB']} MB of that.",
+    ]
+
+
 def worth() -> list[str]:
     """What the limits are worth, by two judges that share no code with them."""
     rollers, proof = results("rollers.json"), results("path_proof.json")
@@ -225,6 +237,7 @@ def page() -> str:
     """The page as Markdown."""
     sections = {
         "<!-- speed -->": speed,
+        "<!-- weight -->": weight,
         "<!-- worth -->": worth,
         "<!-- synthetic -->": synthetic,
         "<!-- drawn -->": drawn,

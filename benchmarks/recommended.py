@@ -5,49 +5,42 @@
 
 Every robot has draws of its own: robot 17 is the same however many are asked for.  A motion of constant
 acceleration passes ``check`` with the margin if no wheel's grip, no motor's torque and no wheel's load goes
-above 1 − margin + ALLOWED.  Grip is checked where drag is full, torque at the exported speeds.  At 1.08 of
-the unscaled limit the simulator, which knows nothing of limits, must see the named wheel slip or lift: with a
-steep friction law, as creep that nobody corrects turns the robot, and with its heading the limit.  Where grip
-ends first and a wheel lifts soon after, it is driven half way between the two, and must slip.  An ellipse has
-no grip left beside full drag: nothing is recommended for it, and speeding up must slip.
+above 1 − margin + ALLOWED.  Boxes, circles, speeds and coefficients are those of the exported files, read
+back from their text in the units they state.  Grip is checked where drag is full, torque at the exported
+speeds.  At 1.08 of the unscaled limit the simulator, which knows nothing of limits, must see the named wheel
+slip or lift: with a steep friction law, as creep that nobody corrects turns the robot, and with its heading
+the limit.  Before it only wheels may slip whose own limit is passed too.  Where grip ends first and a wheel
+lifts soon after, it is driven half way between the two, and must slip.  An ellipse has no grip left beside
+full drag: nothing is recommended for it, and speeding up must slip.
 """
 
 from __future__ import annotations
 
 import json
+import math
+import re
 import sys
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from drawn_robots import drawn_robot
 from kept import Keeper, collected
 
-from slipmargin.errors import InputError
 from slipmargin.io.writes import write_text
 from slipmargin.limits.bounds import Directions, ahead_of, directions
 from slipmargin.limits.bounds_summary import Bounds, bounds
-from slipmargin.limits.motion_rows import CAUSES, SPENT, TIPS
-from slipmargin.model import Model, nominal_model
+from slipmargin.limits.motion_rows import CAUSES, GRIP, SPENT, TIPS
+from slipmargin.model import Model
 from slipmargin.model.parts import Drives
 from slipmargin.paths.check import check
 from slipmargin.paths.trajectory import Trajectory
 from slipmargin.paths.verify import GROSS, on_rollers, verify
-from slipmargin.physics.loads import sharing_matrix
 from slipmargin.report.exports import export_text
-from slipmargin.robot import (
-    Body,
-    Coefficients,
-    FrictionLaw,
-    GripShape,
-    LoadRule,
-    Motor,
-    Robot,
-    Surface,
-    Wheel,
-)
+from slipmargin.robot import GripShape
 from slipmargin.sim.batch import Ending
 
 MARGIN, ALLOWED, BEYOND = 0.1, 0.002, 1.08
@@ -60,72 +53,9 @@ STEEP = 5e4
 #: The same on an ellipse: at STEEP and 3 m/s rollers that turn easily lack 10⁻⁴ of their full drag, which
 #: leaves √(2 · 10⁻⁴) of the grip to drive, and speeding up a little did not slip.
 STEEPEST = 5e6
+INCH_M = 0.0254
 #: Drawn ends of the safe sets a robot, and directions driven beyond the limit.
 ENDS, DIRECTIONS = 60, 3
-
-
-def drawn_robot(rng: np.random.Generator) -> Model:
-    """Three to six wheels, omni, mecanum or both, any grip and load rule, mass off centre and raised."""
-    while True:
-        n, size = int(rng.integers(3, 7)), rng.uniform(0.08, 0.4)
-        kind = rng.choice(("omni", "mecanum", "mixed"))
-        at = 2.0 * np.pi * (np.arange(n) + rng.uniform(-0.25, 0.25, n)) / n
-        place = size * rng.uniform(0.7, 1.0, n)[:, None] * np.column_stack([np.cos(at), np.sin(at)])
-        mecanum = (rng.random(n) < 0.5) if kind == "mixed" else np.full(n, kind == "mecanum")
-        aim = np.where(mecanum, 90.0, np.rad2deg(at) + 90.0 + rng.uniform(-25.0, 25.0, n))
-        turn = np.where(mecanum, np.where(np.arange(n) % 2 == 0, 45.0, -45.0), 0.0)
-        radius = rng.uniform(0.025, 0.08)
-        wheels = tuple(
-            Wheel(
-                name=f"w{i + 1}",
-                position_m=place[i],
-                drive_direction_deg=float(aim[i]),
-                radius_m=radius,
-                roller_angle_deg=float(turn[i]),
-            )
-            for i in range(n)
-        )
-        rule = LoadRule(rng.choice([r.value for r in LoadRule]))
-        way = rng.uniform(-np.pi, np.pi)
-        lean = np.array([np.cos(way), np.sin(way)])
-        reach = 1.0 / (n * -np.min(sharing_matrix(place)[:, 1:] @ lean))  # where a wheel would carry nothing
-        com = place.mean(axis=0) + rng.uniform(0.0, 0.5) * reach * lean
-        fractions = sharing_matrix(place) @ np.array([1.0, *com])
-        mass, drive = rng.uniform(1.0, 40.0), rng.uniform(0.2, 0.9)
-        motor = None
-        if rng.random() < 0.5:
-            top = rng.uniform(1.0, 4.0) / radius
-            stall = (
-                rng.uniform(0.4, 3.0) * drive * mass * 9.81 / n * radius
-            )  # from weak to slipping at standstill
-            motor = Motor(max_speed_rad_s=top, stall_torque_N_m=stall if rng.random() < 0.8 else None)
-        floor = Surface(
-            name="floor",
-            roller=Coefficients(drive=drive, transverse=drive * rng.uniform(0.03, 0.3)),
-            rigid=Coefficients(drive=drive, transverse=drive),
-        )
-        try:
-            robot = Robot(
-                name=f"drawn-{kind}-{n}",
-                wheels=wheels,
-                surfaces=(floor,),
-                load_rule=rule,
-                load_fractions=fractions / fractions.sum() if rule is LoadRule.FIXED else None,
-                body=Body(
-                    mass_kg=mass,
-                    inertia_kg_m2=mass * (rng.uniform(0.5, 0.9) * size) ** 2,
-                    com_m=com,
-                    com_height_m=size * rng.uniform(0.0, 0.8),
-                ),
-                friction=FrictionLaw(grip=GripShape(rng.choice([g.value for g in GripShape]))),
-                motor=motor,
-            )
-            model = nominal_model(robot, "floor")
-        except InputError:
-            continue
-        along = model.wrench_maps()[0] / np.array([[1.0], [1.0], [size]])
-        if np.linalg.svd(along, compute_uv=False)[-1] > 0.3:
-            return model
 
 
 def used(model: Model, velocity: np.ndarray, acceleration: np.ndarray) -> dict[str, float]:
@@ -142,23 +72,70 @@ def used(model: Model, velocity: np.ndarray, acceleration: np.ndarray) -> dict[s
     }
 
 
-def ends(rng: np.random.Generator, found: Bounds, ahead: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Files:
+    """What the exported files of a robot say [m, s, rad]; axes (3,) are those of the robot file.
+
+    ``fast``, ``slow``: Nav2's velocity smoother; ``even``: its MPPI controller; ``circle`` and ``yaw``: the
+    larger of Road Runner's and PathPlanner's; ``coefficient``: the larger of PathPlanner's and Choreo's;
+    speeds forward, sideways, any way and turning, infinite where the file has none.
+    """
+
+    fast: np.ndarray
+    slow: np.ndarray
+    even: np.ndarray
+    circle: float
+    yaw: float
+    coefficient: float
+    speeds: tuple[float, float, float, float]
+
+    @classmethod
+    def of(cls, found: Bounds) -> Files:
+        """Read back from the text that would be in the files."""
+        nav2 = fields(r"^ *(\w+): (\[.*?\]|\S+)", export_text("nav2", found))
+        java = fields(r"^public double (\w+) = (.*);$", export_text("roadrunner", found))
+        planner = json.loads(export_text("pathplanner", found))
+        config = json.loads(export_text("choreo", found))["config"]
+
+        def axes(values: list[float]) -> np.ndarray:
+            forward, left, turn = np.abs(values)
+            return np.abs([*found.model.convention.from_right_forward(left, forward), turn])
+
+        return cls(
+            fast=axes(nav2["max_accel"]),
+            slow=axes(nav2["max_decel"]),
+            even=axes([nav2[name] for name in ("ax_max", "ay_max", "az_max")]),
+            circle=max(java["maxProfileAccel"] * INCH_M, planner["defaultMaxAccel"]),
+            yaw=max(java["maxAngAccel"], math.radians(planner["defaultMaxAngAccel"])),
+            coefficient=max(planner["wheelCOF"], config["cof"]["val"]),
+            speeds=(
+                nav2.get("vx_max", math.inf),
+                nav2.get("vy_max", math.inf),
+                planner.get("defaultMaxVel", math.inf),
+                nav2.get("wz_max", math.inf),
+            ),
+        )
+
+
+def fields(pattern: str, text: str) -> dict[str, Any]:
+    """The numbers and lists of numbers that a text gives to names."""
+    found = re.findall(pattern, text, flags=re.MULTILINE)
+    return {name: json.loads(value) for name, value in found if value[0] in "[-0123456789"}
+
+
+def ends(
+    rng: np.random.Generator, found: Bounds, files: Files, ahead: np.ndarray
+) -> Iterator[tuple[str, np.ndarray]]:
     """A drawn end of each safe set, for a motion along ``ahead`` (3,)."""
-    sets = found.inside
-    assert sets is not None
+    assert found.inside is not None
     way = rng.choice((-1.0, 1.0), 3)
-    yield "box", way * np.where(way > 0.0, sets.fast, sets.slow) * np.where(ahead < 0.0, -1.0, 1.0)
-    yield "even box", way * sets.even
+    yield "box", way * np.where(way > 0.0, files.fast, files.slow) * np.where(ahead < 0.0, -1.0, 1.0)
+    yield "even box", way * files.even
     angle = rng.uniform(-np.pi, np.pi)
-    yield (
-        "circle",
-        np.array(
-            [sets.circle_m_s2 * np.cos(angle), sets.circle_m_s2 * np.sin(angle), way[2] * sets.yaw_rad_s2]
-        ),
-    )
+    yield "circle", np.array([*files.circle * np.array([np.cos(angle), np.sin(angle)]), way[2] * files.yaw])
     turn = rng.normal(size=3)
-    yield "ellipsoid", sets.ellipsoid @ (turn / np.linalg.norm(turn))
-    yield "modules", modules_end(found.model, sets.coefficient, rng.normal(size=3))
+    yield "ellipsoid", found.inside.ellipsoid @ (turn / np.linalg.norm(turn))
+    yield "modules", modules_end(found.model, files.coefficient, rng.normal(size=3))
 
 
 def modules_end(model: Model, coefficient: float, way: np.ndarray) -> np.ndarray:
@@ -175,7 +152,8 @@ def modules_end(model: Model, coefficient: float, way: np.ndarray) -> np.ndarray
 
 def drawn(seed: int, k: int) -> dict[str, Any]:
     """Robot ``k``: the largest shares of everything recommended, and what happens beyond the limit."""
-    rng, refused = np.random.default_rng([seed, k]), []
+    refused: list[str] = []
+    rng = np.random.default_rng([seed, k])
     while True:
         model = drawn_robot(rng)
         found = bounds(model, margin=MARGIN, step_deg=15.0)
@@ -198,11 +176,12 @@ def drawn(seed: int, k: int) -> dict[str, Any]:
             torque["recommended"] = max(
                 torque["recommended"], used(model, 0.99 * slow * ahead, wanted)["torque"]
             )
-    forward, side, any_way, turn = found.speeds
+    files = Files.of(found)
+    forward, side, any_way, turn = files.speeds
     for _ in range(ENDS // 5):
         heading = rng.uniform(-np.pi, np.pi)
         ahead = ahead_of(np.array([heading]))[0]
-        for name, end in ends(rng, found, ahead):
+        for name, end in ends(rng, found, files, ahead):
             grip = used(bare, FLAT_OUT * ahead, end)
             worst[name] = max(worst[name], grip["grip"], grip["tipping"])
             if name == "ellipsoid" or not np.isfinite(any_way):
@@ -217,14 +196,10 @@ def drawn(seed: int, k: int) -> dict[str, Any]:
                     torque[name], speed = max(torque[name], there["torque"]), max(speed, there["speed"])
     if np.isfinite(turn):
         for way in (1.0, -1.0):
-            there = used(
-                model, np.array([0.0, 0.0, turn]), np.array([0.0, 0.0, way * found.inside.yaw_rad_s2])
-            )
+            there = used(model, np.array([0.0, 0.0, turn]), np.array([0.0, 0.0, way * files.yaw]))
             torque["turning"] = max(torque["turning"], there["torque"])
             worst["turning"] = max(worst.get("turning", 0.0), there["grip"], there["tipping"])
             speed = max(speed, there["speed"])
-    for tool in ("nav2", "roadrunner", "pathplanner", "choreo"):
-        assert export_text(tool, found)
     return {
         **told(model, refused),
         "recommended_m_s2": found.recommended_m_s2,
@@ -257,7 +232,7 @@ def spent(rng: np.random.Generator, model: Model, found: Bounds, refused: list[s
         heading = float(full.heading_rad[h])
         run = driven_beyond(on_rollers(bare), heading, 0.05 * found.isotropic_m_s2, STEEPEST)
         named = list(full.starting.wheels[h])
-        run["as_named"] = run["first"] in named or run["tips"]
+        run["as_named"] = bool(set(run["slips"][:1]) & set(named)) or run["tips"]
         runs.append({"heading_rad": heading, "cause": SPENT, "named": named, "beyond": BEYOND, **run})
     return {
         **told(model, refused),
@@ -279,24 +254,38 @@ def beyond(rng: np.random.Generator, model: Model) -> list[dict[str, Any]]:
     for h, (a, cause) in enumerate(zip(full.starting_m_s2, full.starting.cause, strict=True)):
         if a < 0.05 or cause == SPENT or not np.isfinite(full.steady_use[h]):
             continue
-        named, lifts = full.starting.wheels[h], lifting(full, h) / a
-        at_once, tips = lifts < 1.0 + AT_ONCE, cause == CAUSES[TIPS]
-        by = BEYOND if at_once else min(BEYOND, 0.5 * (1.0 + lifts))
+        named, lifts = full.starting.wheels[h], ending(full, h, TIPS) / a
+        at_once, tips = np.min(lifts) < 1.0 + AT_ONCE, cause == CAUSES[TIPS]
+        by = BEYOND if at_once else min(BEYOND, 0.5 * (1.0 + float(np.min(lifts))))
         heading = float(full.heading_rad[h])
         run = driven_beyond(on_rollers(model), heading, by * float(a))
-        run["as_named"] = (run["first"] in named and not tips) or (run["tips"] and at_once)
+        slips = dict(zip(model.geometry.names, ending(full, h, GRIP) / a < by, strict=True))
+        run["as_named"] = (named_slips(run["slips"], named, slips) and not tips) or bool(
+            run["tips"] and at_once
+        )
         out.append({"heading_rad": heading, "cause": cause, "named": list(named), "beyond": by, **run})
         if len(out) == DIRECTIONS:
             break
     return out
 
 
-def lifting(full: Directions, h: int) -> float:
-    """The acceleration [m/s²] at which a wheel lifts in direction ``h``, infinite where none does."""
+def ending(full: Directions, h: int, cause: int) -> np.ndarray:
+    """Accelerations (N,) [m/s²] at which each wheel's grip, or load, ends in direction ``h``, or infinity."""
     rows = full.starting.rows
-    tips = rows.cause == TIPS
-    slope = rows.A[h, tips] @ ahead_of(full.heading_rad[h : h + 1])[0]
-    return float(np.min(rows.b[h, tips][slope > 0.0] / slope[slope > 0.0], initial=np.inf))
+    slope = rows.A[h] @ ahead_of(full.heading_rad[h : h + 1])[0]
+    ends_at = np.where(slope > 0.0, rows.b[h] / np.where(slope > 0.0, slope, 1.0), np.inf)
+    about = (rows.cause == cause)[:, None] & rows.wheels
+    return np.asarray(np.min(np.where(about, ends_at[:, None], np.inf), axis=0))
+
+
+def named_slips(slipped: list[str], named: Sequence[str], beyond_limit: dict[str, bool]) -> bool:
+    """Whether a wheel that was named slips, and none before it but those beyond their own limit too."""
+    for wheel in slipped:
+        if wheel in named:
+            return True
+        if not beyond_limit[wheel]:
+            return False
+    return False
 
 
 def driven_beyond(model: Model, heading: float, a: float, slope: float = STEEP) -> dict[str, Any]:
@@ -317,11 +306,15 @@ def driven_beyond(model: Model, heading: float, a: float, slope: float = STEEP) 
     run = verify(model, planned)
     tips = run.ending is Ending.TIPS
     over = run.share > GROSS
-    first = run.wheels[int(np.argmax(run.share[int(np.argmax(over.any(axis=1)))]))] if np.any(over) else ""
+    begins = np.argmax(over, axis=0)
+    order = np.lexsort(
+        (-run.share[begins, np.arange(model.count)], begins)
+    )  # of two at once the one that uses more
+    slipped = [run.wheels[i] for i in order if np.any(over[:, i])]
     return {
         "ending": run.ending.name,
-        "first": first,
-        "holds": not tips and not first,
+        "slips": slipped,
+        "holds": not tips and not slipped,
         "tips": tips,
     }
 

@@ -1,4 +1,4 @@
-"""``slipmargin design``: which machine to build, every limit over varied dimensions."""
+"""``slipmargin design``: which machine to build: dimensions varied, or several ideas side by side."""
 
 from __future__ import annotations
 
@@ -8,11 +8,20 @@ from typing import Annotated
 import typer
 
 from . import complete
-from .options import JsonOpt, OutOpt, PlotOpt, RobotArg, SurfaceOpt, check_outputs, deliver
-from .render import at_options, stages
+from .options import JsonOpt, OutOpt, PlotOpt, SurfaceOpt, check_outputs, deliver
+from .render import at_options, refuse, stages
 
-VaryOpt = Annotated[
+GOAL, FRONT = "f_worst", "f_worst,start_worst_m_s2"
+RobotsArg = Annotated[
     list[str],
+    typer.Argument(
+        metavar="ROBOT...",
+        help="Robot file or built-in name; several are compared as they are.",
+        autocompletion=complete.robots,
+    ),
+]
+VaryOpt = Annotated[
+    list[str] | None,
     typer.Option(
         "--vary",
         metavar="KEY=FROM:TO:STEP",
@@ -41,11 +50,11 @@ PageOpt = Annotated[
 
 
 def design(
-    robot: RobotArg,
+    robots: RobotsArg,
     surface: SurfaceOpt,
-    vary: VaryOpt,
-    objective: GoalOpt = "f_worst",
-    front: FrontOpt = "f_worst,start_worst_m_s2",
+    vary: VaryOpt = None,
+    objective: GoalOpt = GOAL,
+    front: FrontOpt = FRONT,
     uncertain: UnsureOpt = None,
     static: StaticOpt = False,
     laps: LapsOpt = False,
@@ -56,14 +65,35 @@ def design(
     html: PageOpt = None,
     json: JsonOpt = None,
 ) -> None:
-    """Every limit of every design over grids of the robot file's quantities; the best one and why.
+    """Which machine to build: the best over varied quantities and why, or several ideas side by side.
 
+    Several ROBOTs are compared: which is best at starting, braking, cornering, turning, pushing, and where
+    each one's battery belongs.  Those that the spread of friction cannot tell apart are called alike.
+    One ROBOT with --vary: every limit over grids of its quantities.
     Quantities: delta_deg, wheels, circle_radius_m, com_y_m, coefficient_ratio … (a wrong one lists all).
     With --out, work that takes long is kept in pieces in FILE.work: killed and run again, it goes on.
     """
     import slipmargin as sm
 
     check_outputs(out, html, json, plot=plot)
+    if len(robots) > 1:
+        _only_for_one(
+            {
+                "--vary": vary is not None,
+                "--objective": objective != GOAL,
+                "--front": front != FRONT,
+                "--uncertain": uncertain is not None,
+                "--static": static,
+                "--laps": laps,
+                "--jobs": jobs is not None,
+                "--scheduler": scheduler is not None,
+            }
+        )
+        with at_options(surface="--surface", robots="ROBOT"):
+            compared = sm.compare(robots, surface)
+        return deliver(compared, out=out, plot=plot, json=json, report=html)
+    if vary is None:
+        refuse("--vary", "is missing", "name a quantity to vary, or several robots to compare")
     resume = None if out is None else out.with_name(out.name + ".work")
     with (
         stages("designs") as report,
@@ -78,7 +108,7 @@ def design(
         ),
     ):
         found = sm.design(
-            robot,
+            robots[0],
             surface,
             vary,
             objective=objective,
@@ -93,3 +123,10 @@ def design(
         )
     deliver(found, out=out, plot=plot, json=json, report=html)
     found.forget_work()
+
+
+def _only_for_one(given: dict[str, bool]) -> None:
+    """Refuse an option that has no meaning where robots are compared as they are."""
+    for name, there in given.items():
+        if there:
+            refuse(name, "has no effect on several robots", "leave it out, or give one robot")

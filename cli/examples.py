@@ -26,6 +26,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "stop": ("slipmargin stop mecanum4 --surface floor --speed 1",),
     "monitor": ("slipmargin monitor mybot.toml log.csv --surface floor --out slip.csv",),
     "design": (
+        "slipmargin design mecanum4 omni4 robotino --surface floor --report ideas.html",
         "slipmargin design ohio-kiwi --surface paper --vary delta_deg=0:60:5",
         "slipmargin design omni4 --surface floor --vary front_angle_deg=30:60:10 "
         "--vary rear_angle_deg=30:60:10",

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from .options import JsonOpt, PlotOpt, ReportOpt, RobotArg, SeedOpt, SurfaceOpt, check_outputs, deliver
-from .render import at_options, say, warn
+from .render import at_options, say, stages, warn
 
 
 def monitor(
@@ -42,10 +42,18 @@ def monitor(
     import slipmargin as sm
 
     check_outputs(out, json, report, plot=plot)
-    with at_options(
-        surface="--surface", false_alarm_rate="--false-alarms", torque_per_ampere_N_m="--torque-per-ampere"
+    reading, live = "reading the log", log == "-" and not (out or plot or json or report)
+    with (
+        stages(reading) as progress,
+        at_options(
+            surface="--surface",
+            false_alarm_rate="--false-alarms",
+            torque_per_ampere_N_m="--torque-per-ampere",
+        ),
     ):
-        lines = sm.SlipMonitor.lines(log, sys.stdin if log == "-" else None)
+        lines = sm.SlipMonitor.lines(
+            log, sys.stdin if log == "-" else None, lambda share: progress(reading, share)
+        )
         watch = sm.SlipMonitor.of_header(
             robot,
             surface,
@@ -55,9 +63,10 @@ def monitor(
             torque_per_ampere_N_m=torque_per_ampere,
             seed=seed,
         )
-    if log == "-" and not (out or plot or json or report):
-        warn(*watch.warnings)
-        for line in watch.stream(lines):
-            say(line)
+        found = None if live else watch.log(lines, log, out)
+    if found is not None:
+        deliver(found, plot=plot, json=json, report=report, written=[out] if out else [])
         return
-    deliver(watch.log(lines, log), out=out, plot=plot, json=json, report=report)
+    warn(*watch.warnings)
+    for line in watch.stream(lines):
+        say(line)

@@ -72,3 +72,12 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
     if source.startswith("notebooks/") or source in {"reference/help.md", "reference/python.md"}:
         return markdown
     return linked(markdown, "../" * source.count("/"))
+
+
+#: What docstrings write before a name for other tools: a reader of the page needs the name only.
+_ROLE = re.compile(r":(?:func|meth|mod|class|data|attr):(<code[^>]*>)(?:~?slipmargin(?:\.\w+)*\.(?=\w)|~)?")
+
+
+def on_page_content(html: str, page: Page, **_: Any) -> str:
+    """Show a docstring's cross-reference as the name it refers to."""
+    return _ROLE.sub(r"\1", html) if page.file.src_uri == "reference/python.md" else html

@@ -1,7 +1,9 @@
 """Photograph every report, the local page and the site's pages into one contact sheet.
 
-``python docs/screenshots.py FOLDER [--site]``: each page at 1280 and 400 px, light and dark, and
-``contact.png`` with all of them.  Needs Chromium (``apt-get install chromium``) and Playwright.
+``python docs/screenshots.py FOLDER [--site]``: each page at 1280 and 400 px, light and dark, and sheets
+``contact-1.png`` and so on with all of them.  What can be told without eyes is printed: a page wider than its
+window, text or a picture that is cut, a console message, a request to another host.
+Needs Chromium (``apt-get install chromium``) and Playwright.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ import shutil
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from urllib.parse import urlsplit
 
 from PIL import Image, ImageDraw
 from playwright.sync_api import Browser, sync_playwright
@@ -21,8 +24,10 @@ from slipmargin_cli.main import status
 import slipmargin as sm
 
 WIDTHS, SCHEMES = (1280, 400), ("light", "dark")
-#: Height of a picture on the contact sheet, and the most of a page that is shown [px].
-THUMB, TALLEST = 900, 4
+#: Height of a picture on a sheet [px], the most of a page that is shown [widths], pages a sheet.
+THUMB, TALLEST, A_SHEET = 900, 4, 6
+#: Time in which a page's scripts end [ms], and that a busy machine has to load it.
+SETTLE_MS, PATIENCE_MS = 400, 120_000
 WAY = "x_m,y_m,phi_rad\n0,0,0\n1,0,0\n1,1,0\n"
 SPEEDS = "t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,omega4_rad_s\n0,10,10,10,10\n1,0,0,0,0\n1.5,0,0,0,0\n"
 
@@ -55,6 +60,16 @@ def reports(folder: Path) -> list[Path]:
         ("check", *robot, plan, "--surface", "floor", "--margin", "0.3", "--report", at["slips"]),
         ("simulate", *robot, str(folder / "speeds.csv"), "--surface", "floor", "--report", at["simulate"]),
         ("design", "omni4", "--surface", "floor", *angles, "--report", str(folder / "design.html")),
+        (
+            "design",
+            "mecanum4",
+            "omni4",
+            "robotino",
+            "--surface",
+            "floor",
+            "--report",
+            str(folder / "ideas.html"),
+        ),
     ):
         with contextlib.redirect_stdout(io.StringIO()):
             if status(list(words)) != 0:
@@ -74,22 +89,52 @@ def local_page() -> Iterator[str]:
         server.server_close()
 
 
-def photograph(browser: Browser, address: str, name: str, folder: Path) -> list[Path]:
-    """One page at every width and in every scheme; a page that hangs over the side is said."""
-    made = []
-    for width in WIDTHS:
-        for scheme in SCHEMES:
-            page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
+#: What is cut at the right: an element that hangs out of the window, where nothing scrolls it into view.
+CUT = """
+() => [...document.querySelectorAll('table, pre, img, svg, figure, h1, h2, h3, p, li, td')].filter(e => {
+  const r = e.getBoundingClientRect();
+  if (r.width === 0 || r.right <= innerWidth + 1) return false;
+  for (let up = e.parentElement; up; up = up.parentElement) {
+    const flow = getComputedStyle(up).overflowX;
+    if (flow === 'auto' || flow === 'scroll' || up.closest('[data-md-state], nav, .md-sidebar')) return false;
+  }
+  return true;
+}).map(e => e.tagName.toLowerCase() + ' “' + e.textContent.trim().slice(0, 40) + '”').slice(0, 3)
+"""
+
+
+def photograph(browser: Browser, address: str, name: str, folder: Path) -> tuple[list[Path], set[str]]:
+    """A page at every width and in every scheme, and what is wrong with it."""
+    made: list[Path] = []
+    wrong: set[str] = set()
+
+    def heard(kind: str, text: str) -> None:
+        if kind in {"error", "warning"}:
+            wrong.add(f"console: {text}")
+
+    def asked(at: str) -> None:
+        if urlsplit(at).netloc not in {urlsplit(address).netloc, ""}:
+            wrong.add(f"asks {at}")
+
+    for scheme in SCHEMES:
+        page = browser.new_page(color_scheme=scheme)  # nothing remembered of the other scheme
+        page.set_default_timeout(PATIENCE_MS)
+        page.on("console", lambda message: heard(message.type, message.text))
+        page.on("pageerror", lambda fault: heard("error", str(fault)))
+        page.on("request", lambda request: asked(request.url))
+        for width in WIDTHS:
+            page.set_viewport_size({"width": width, "height": 900})
             page.goto(address)
-            page.wait_for_load_state("networkidle")
+            page.wait_for_timeout(SETTLE_MS)
             wide = page.evaluate("document.documentElement.scrollWidth")
             if wide > width:
-                print(f"{name}: {wide} px wide in a window of {width}")
+                wrong.add(f"{wide} px wide in a window of {width}")
+            wrong |= {f"cut at {width}: {what}" for what in page.evaluate(CUT)}
             file = folder / f"{name}-{width}-{scheme}.png"
             page.screenshot(path=file, full_page=True)
             made.append(file)
-            page.close()
-    return made
+        page.close()
+    return sorted(made, key=lambda file: file.name.split("-")[-2:]), wrong
 
 
 def contact_sheet(groups: dict[str, list[Path]], file: Path) -> None:
@@ -131,12 +176,21 @@ def main() -> None:
     if asked.site:
         found = sorted(p for p in site.rglob("*.html") if p.name != "404.html")
         pages += [("-".join(p.relative_to(site).with_suffix("").parts), p.as_uri()) for p in found]
+    groups: dict[str, list[Path]] = {}
+    faults = 0
     with sync_playwright() as play, local_page() as address:
         browser = play.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
-        groups = {name: photograph(browser, at, name, folder) for name, at in [*pages, ("explore", address)]}
+        for name, at in [*pages, ("explore", address)]:
+            groups[name], wrong = photograph(browser, at, name, folder)
+            faults += len(wrong)
+            for one in sorted(wrong):
+                print(f"{name}: {one}")
         browser.close()
-    contact_sheet(groups, folder / "contact.png")
-    print(f"{sum(map(len, groups.values()))} pictures of {len(groups)} pages: {folder / 'contact.png'}")
+    names = list(groups)
+    for k in range(0, len(names), A_SHEET):
+        some = {name: groups[name] for name in names[k : k + A_SHEET]}
+        contact_sheet(some, folder / f"contact-{k // A_SHEET + 1}.png")
+    print(f"{sum(map(len, groups.values()))} pictures of {len(groups)} pages in {folder}, {faults} faults")
 
 
 if __name__ == "__main__":

@@ -27,6 +27,7 @@ _CONTENTS = {
     "built_in_robots": "slipmargin.api.robots",
     "check": "slipmargin.api.check",
     "check_robot": "slipmargin.api.robot_files",
+    "compare": "slipmargin.api.compare",
     "describe_effect": "slipmargin.api.effects",
     "describe_robot": "slipmargin.api.robots",
     "describe_surface": "slipmargin.api.surfaces",
@@ -55,6 +56,7 @@ _CONTENTS = {
 if TYPE_CHECKING:
     from slipmargin.api.bounds import bounds as bounds
     from slipmargin.api.check import check as check
+    from slipmargin.api.compare import compare as compare
     from slipmargin.api.design import design as design, known_quantities as known_quantities
     from slipmargin.api.diagnose import diagnose as diagnose
     from slipmargin.api.effects import describe_effect as describe_effect, known_effects as known_effects

@@ -67,6 +67,11 @@ def frozen(place: str, value: Any, shape: tuple[int | None, ...]) -> Array:
     array = shaped(place, value, shape)
     if not np.all(np.isfinite(array)):
         raise InputError(place, "holds a value that is not finite", "give finite numbers")
+    return read_only(array)
+
+
+def read_only(array: Array) -> Array:
+    """The array itself, which can no longer be written to."""
     array.setflags(write=False)
     return array
 

@@ -8,8 +8,10 @@ as a test of its own.
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from importlib.util import find_spec
 
+import json_schemas
 import pytest
 from hypothesis import HealthCheck, settings
 
@@ -20,7 +22,17 @@ settings.load_profile("ci" if os.environ.get("CI") else "desk")
 
 #: Packages of the extras ``test``, ``ros``, ``urdf``, ``frc`` and ``lerobot``; else tests are skipped.
 NEEDED = ("mujoco", "toppra", "dask", "distributed", "jupytext", "nbclient", "ipykernel", "rosbags")
-NEEDED += ("yourdfpy", "xacrodoc", "wpiutil", "pyarrow", "playwright", "pysbd", "vermin", "sklearn")
+NEEDED += (
+    "yourdfpy",
+    "xacrodoc",
+    "wpiutil",
+    "pyarrow",
+    "playwright",
+    "pysbd",
+    "vermin",
+    "sklearn",
+    "jsonschema",
+)
 
 
 def missing() -> list[str]:
@@ -41,3 +53,13 @@ def pytest_report_header() -> str | None:
     if not missing():
         return None
     return f"skipped for want of {', '.join(missing())}: pip install -e '.[test,ros,urdf,frc,lerobot]'"
+
+
+@pytest.fixture(autouse=True, scope="session")
+def every_json_is_as_published() -> Iterator[None]:
+    """Whatever JSON a test makes is checked against the schemas in docs/schemas."""
+    if find_spec("jsonschema") is None:
+        yield
+        return
+    with json_schemas.checked():
+        yield

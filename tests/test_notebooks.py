@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
+import subprocess
 import time
 import warnings
 from pathlib import Path
@@ -33,6 +34,20 @@ def test_the_last_cell_asserts(path: Path) -> None:
     last = ast.parse(cells[-1].source).body[-1]
     inner = last.body[-1] if isinstance(last, ast.For | ast.If) else last
     assert isinstance(inner, ast.Assert), f"{path.name} ends in {type(last).__name__}"
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda p: p.stem)
+def test_make_docs_runs_it_where_it_stands(path: Path) -> None:
+    """Else jupytext finds no kernel, or starts it in the folder of the output."""
+    assert read(path).metadata["kernelspec"]["name"] == "python3"
+    said = subprocess.run(
+        ["make", "--dry-run", "--always-make", f"docs/notebooks/{path.stem}.ipynb"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+    )
+    (line,) = (one for one in said.stdout.splitlines() if "jupytext" in one)
+    assert "--run-path notebooks " in line and line.endswith(f"notebooks/{path.name}")
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda p: p.stem)

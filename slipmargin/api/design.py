@@ -221,7 +221,7 @@ def design(
     from slipmargin.study.influence import influences
     from slipmargin.study.objectives import Kind
     from slipmargin.study.optimum import optimum
-    from slipmargin.study.pieces import Executor
+    from slipmargin.study.pieces import Executor, clear
     from slipmargin.study.reason import reason
     from slipmargin.study.robust import robust
     from slipmargin.study.study import study
@@ -246,12 +246,16 @@ def design(
 
     with _placed("scheduler"):
         found = study(problem, executor=executor, advance=advance)
-    with _placed("vary"):
-        goal, best = problem.objective, found.best()
+    try:
+        with _placed("vary"):
+            goal, best = problem.objective, found.best()
+        with _placed("uncertain"):
+            sure = robust(found.designs, goal, intervals) if intervals else None
+    except InputError:
+        clear(folder)  # what is refused leaves nothing behind
+        raise
     design = found.design(best)
     numeric = any(grid.numeric and len(grid.values) > 1 for grid in problem.grids)
-    with _placed("uncertain"):
-        sure = robust(found.designs, goal, intervals) if intervals else None
     return DesignResult(
         study=found,
         why=reason(design, goal),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
@@ -11,6 +11,7 @@ from slipmargin.api.robots import RobotLike, model_of, read_robot
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
+    from slipmargin.api.bounds import BoundsResult
     from slipmargin.live.server import Server
     from slipmargin.live.settings import Settings, Slider
     from slipmargin.study.robot_on_surface import RobotOnSurface
@@ -25,6 +26,8 @@ class Explorer:
     name: str  #: how the commands that the page shows call the robot
     report: str | None  #: the text of a report that the page shows
     warnings: tuple[str, ...]
+    #: The newest settings and their limits: another tool's file for the same robot costs nothing.
+    kept: dict[tuple[tuple[str, float], ...], tuple[BoundsResult, float | None]] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return f"<explorer of {self.design.robot.name} on {self.design.surface}>"
@@ -70,27 +73,40 @@ class Explorer:
         NoSolution
             If no acceleration is safe in every direction.
         """
-        from slipmargin.api.bounds import bounds
         from slipmargin.io.robot_text import write_recipe
-        from slipmargin.limits.bounds import spin
-        from slipmargin.limits.bounds_inside import YAW_SHARE
         from slipmargin.live.settings import MARGIN
 
         now = self._settings(values)
-        yaw = None
-        if now.yaw_share != YAW_SHARE:
-            turn = spin(now.design.build(), share=1.0 - now.margin)
-            yaw = now.yaw_share * max(0.0, min(turn.starting_rad_s2, turn.braking_rad_s2))
-        found = bounds(now.design.recipe, now.design.surface, margin=now.margin, export=tool, yaw_rad_s2=yaw)
+        found, yaw = self._limits(values)
+        text = found.export_text(tool)
         robot = f"{now.design.robot.name}.toml" if now.changed else self.name
         words = ["slipmargin bounds", robot, "--surface", now.design.surface]
         words += ["--margin", repr(now.margin)] if now.margin != MARGIN else []
         words += ["--yaw", repr(yaw)] if yaw is not None else []
         return {
-            "text": found.export_text(tool),
+            "text": text,
             "robot": write_recipe(now.design.recipe),
             "command": " ".join([*words, "--export", tool, f"limits.{_ENDING[tool]}"]),
         }
+
+    def _limits(self, values: Mapping[str, float]) -> tuple[BoundsResult, float | None]:
+        """The limits with sliders at ``values``, and the yaw reserve that a command must be told."""
+        from slipmargin.api.bounds import bounds
+        from slipmargin.limits.bounds import spin
+        from slipmargin.limits.bounds_inside import YAW_SHARE
+
+        key = tuple(sorted(values.items()))
+        known = self.kept.get(key)
+        if known is None:
+            now, yaw = self._settings(values), None
+            if now.yaw_share != YAW_SHARE:
+                turn = spin(now.design.build(), share=1.0 - now.margin)
+                yaw = now.yaw_share * max(0.0, min(turn.starting_rad_s2, turn.braking_rad_s2))
+            found = bounds(now.design.recipe, now.design.surface, margin=now.margin, yaw_rad_s2=yaw)
+            known = found, yaw
+            self.kept.clear()
+            self.kept[key] = known
+        return known
 
     def serve(self, port: int = 0) -> Server:
         """A server for the page at 127.0.0.1; a free port where none is given.

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from slipmargin.api.monitor_log import MonitoredLog, SlipEstimate
+from slipmargin.api.monitor_log import MonitoredLog, SlipEstimate, Tally
 from slipmargin.api.robots import RobotLike, model_of, read_robot
 from slipmargin.checks import Array, real
 from slipmargin.errors import InputError
@@ -208,7 +208,7 @@ class SlipMonitor:
             raise InputError(place, problem, f"give {self.table.count} finite numbers, one a wheel")
         return array
 
-    def stream(self, lines: Iterable[str], kept: list[SlipEstimate] | None = None) -> Iterator[str]:
+    def stream(self, lines: Iterable[str], kept: list[SlipEstimate] | Tally | None = None) -> Iterator[str]:
         """A CSV line out for every line in: the first line names the columns.
 
         In: ``t_s``, ``omega{i}_rad_s``, and of the channels announced ``omega{i}_cmd_rad_s``, ``gyro_rad_s``,
@@ -249,14 +249,24 @@ class SlipMonitor:
             )
 
     @staticmethod
-    def lines(source: Path | str, stream: Iterable[str] | None = None) -> Lines:
-        """Lines of a log file, or of a stream that is given; the first can be looked at."""
+    def lines(
+        source: Path | str,
+        stream: Iterable[str] | None = None,
+        progress: Callable[[float], None] = lambda share: None,
+    ) -> Lines:
+        """Lines of a log file, read one at a time, or of a stream that is given; the first can be looked at.
+
+        Parameters
+        ----------
+        progress : callable
+            Called now and then with the share of the file that is read.
+        """
         from slipmargin.onboard.stream import Lines
 
         if stream is None:
-            from slipmargin.io.source import read_text
+            from slipmargin.io.source import lines_of
 
-            stream = read_text(Path(source)).splitlines()
+            stream = lines_of(Path(source), progress)
         return Lines(str(source), iter(stream))
 
     @classmethod
@@ -272,25 +282,38 @@ class SlipMonitor:
             **others,
         )
 
-    def log(self, lines: Iterable[str], source: str) -> MonitoredLog:
-        """What a log holds: every estimate, its events and the lines of every sample.
+    def log(self, lines: Iterable[str], source: str, out: Path | None = None) -> MonitoredLog:
+        """What a log of any length holds: samples, alarms and events.
 
         Parameters
         ----------
         lines : iterable of str
-            As for :meth:`stream`.
+            As for :meth:`stream`; read one at a time.
         source : str
             What the log is called.
+        out : Path, optional
+            The lines of every sample go there as they come.
         """
-        found: list[SlipEstimate] = []
-        told = list(self.stream(lines, found))
+        tally = Tally()
+        told = self.stream(lines, tally)
+        if out is None:
+            for _ in told:
+                pass
+        else:
+            from slipmargin.io.writes import write_lines
+
+            write_lines(out, told)
+        t_s, probability = tally.curve()
         return MonitoredLog(
             robot=self.table.robot,
             surface=self.table.surface,
             source=source,
             false_alarm_rate=self.false_alarm_rate,
             quiet=not math.isfinite(self.threshold),
-            estimates=tuple(found),
-            text="\n".join(told) + "\n",
+            samples=tally.samples,
+            alarms=tally.alarms,
+            events=tuple(tally.events),
+            t_s=t_s,
+            probability=probability,
             warnings=self.warnings,
         )

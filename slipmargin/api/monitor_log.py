@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, final
 
@@ -47,33 +46,56 @@ class SlipEvent:
     probability: float
 
 
-def slip_events(estimates: Iterable[SlipEstimate]) -> tuple[SlipEvent, ...]:
-    """The events of a row of estimates."""
-    groups: list[list[SlipEstimate]] = []
-    before = False
-    for one in estimates:
+#: Points of the curve of a log, at most twice as many while it is read.
+POINTS = 2000
+
+
+@final
+class Tally:
+    """What many estimates come to, without keeping them: their number, the alarms, events and a curve."""
+
+    def __init__(self) -> None:
+        self.samples, self.alarms = 0, 0
+        self.events: list[SlipEvent] = []
+        self._alarmed, self._every = False, 1
+        self._t: list[float] = []
+        self._p: list[float] = []
+
+    def append(self, one: SlipEstimate) -> None:
+        """Count one estimate more."""
+        p = one.slip_probability
         if one.alarm:
-            if not before:
-                groups.append([])
-            groups[-1].append(one)
-        before = one.alarm
-    return tuple(
-        SlipEvent(
-            start_s=group[0].t_s,
-            end_s=group[-1].t_s,
-            wheel=group[0].wheel,
-            probability=max(one.slip_probability for one in group),
-        )
-        for group in groups
-    )
+            start, wheel, before = one.t_s, one.wheel, 0.0
+            if self._alarmed:
+                last = self.events.pop()
+                start, wheel, before = last.start_s, last.wheel, last.probability
+            self.events.append(
+                SlipEvent(start_s=start, end_s=one.t_s, wheel=wheel, probability=max(before, p))
+            )
+        if self.samples % self._every:
+            self._p[-1] = max(self._p[-1], p)
+        else:
+            self._t.append(one.t_s)
+            self._p.append(p)
+        self.samples += 1
+        self.alarms += one.alarm
+        self._alarmed = one.alarm
+        if len(self._p) == 2 * POINTS and self.samples % self._every == 0:
+            pairs = zip(self._p[::2], self._p[1::2], strict=True)
+            self._t, self._p, self._every = self._t[::2], [max(pair) for pair in pairs], 2 * self._every
+
+    def curve(self) -> tuple[Array, Array]:
+        """Times [s] and the highest probability from each to the next, (K,)."""
+        return np.array(self._t), np.array(self._p)
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class MonitoredLog(Result):
-    """A log that a monitor has read: its estimates, its events, and a line for every sample.
+    """A log that a monitor has read: its samples, alarms and events, alarms that follow one another.
 
-    ``quiet`` says that the training runs were too few for the rate, so that nothing could alarm.
+    ``t_s`` and ``probability`` (K,) are the highest slip probability over parts of the log; ``quiet`` says
+    that the training runs were too few for the rate, so that nothing could alarm.
     """
 
     robot: str
@@ -81,24 +103,22 @@ class MonitoredLog(Result):
     source: str
     false_alarm_rate: float
     quiet: bool
-    estimates: tuple[SlipEstimate, ...]
-    text: str
+    samples: int
+    alarms: int
+    events: tuple[SlipEvent, ...]
+    t_s: Array
+    probability: Array
     warnings: tuple[str, ...]
-
-    @property
-    def events(self) -> tuple[SlipEvent, ...]:
-        """Alarms that follow one another as one event."""
-        return slip_events(self.estimates)
 
     @property
     def alarm_share(self) -> float:
         """Share of the samples that alarm."""
-        return sum(one.alarm for one in self.estimates) / max(len(self.estimates), 1)
+        return self.alarms / max(self.samples, 1)
 
     def summary(self) -> str:
         """How many samples, alarms and events."""
         return (
-            f"{self.source}: {len(self.estimates)} samples, alarm in {100.0 * self.alarm_share:.2f} % of "
+            f"{self.source}: {self.samples} samples, alarm in {100.0 * self.alarm_share:.2f} % of "
             f"them, {len(self.events)} events"
         )
 
@@ -113,19 +133,11 @@ class MonitoredLog(Result):
             ),
         ]
 
-    def table_text(self) -> str:
-        """A line a sample, as the stream gives them."""
-        return self.text
-
     def plot(self) -> Figure:
         """Slip probability over time, the events shaded."""
         from slipmargin.plots.onboard import monitor_figure
 
-        return monitor_figure(
-            np.array([one.t_s for one in self.estimates]),
-            np.array([one.slip_probability for one in self.estimates]),
-            [(e.start_s, e.end_s) for e in self.events],
-        )
+        return monitor_figure(self.t_s, self.probability, [(e.start_s, e.end_s) for e in self.events])
 
     def page(self) -> Page:
         """The report: verdict, numbers, picture, events, what to do next."""
@@ -137,7 +149,7 @@ class MonitoredLog(Result):
             surface=self.surface,
             source=self.source,
             false_alarm_rate=self.false_alarm_rate,
-            count=len(self.estimates),
+            count=self.samples,
             alarms=self.alarm_share,
             events=[(e.start_s, e.end_s, e.wheel, e.probability) for e in self.events],
             quiet=self.quiet,
@@ -153,7 +165,7 @@ class MonitoredLog(Result):
             "source": self.source,
             "false_alarm_rate": self.false_alarm_rate,
             "quiet": self.quiet,
-            "samples": len(self.estimates),
+            "samples": self.samples,
             "alarm_share": self.alarm_share,
             "events": [
                 {"start_s": e.start_s, "end_s": e.end_s, "wheel": e.wheel, "probability": e.probability}

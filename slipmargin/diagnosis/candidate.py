@@ -7,7 +7,7 @@ variable it traces.  Both build effects, and the null vector builds one that doe
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import final
 
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array, frozen
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import AnyEffect, Effect, Scope, Trace, Variant, WheelEffect
 from slipmargin.effects.catalogue import CATALOGUE
 
@@ -169,18 +170,27 @@ def named_candidates(
     reach : mapping
         How far the runs cover "position" [m] and "time" [s], for starts that are spread over them.
     timed : bool
-        Whether the rows have time stamps, not only a nominal rate.
+        Whether the rows have time stamps, which limit how wrong the clock may be, not only a nominal rate.
     """
     found: list[Candidate] = []
     for effect in CATALOGUE:
         if effect.name in known or (effect.needs_commands and not commanded):
             continue
-        if effect.needs_nominal_rate and timed:
-            continue
+        reaches = SETTINGS.stamped_clock if effect.needs_nominal_rate and timed else np.inf
         single = issubclass(effect, WheelEffect) and effect.one_wheel
         for variant in effect.variants or (None,):
             found += [
-                named_candidate(effect, variant, on, reach)
+                _within(named_candidate(effect, variant, on, reach), reaches)
                 for on in ([(w,) for w in wheels] if single else [()])
             ]
     return found
+
+
+def _within(candidate: Candidate, reach: float) -> Candidate:
+    """The candidate with every parameter within ``reach`` of its null."""
+    if np.isinf(reach):
+        return candidate
+    low, high = (
+        np.clip(b, candidate.null - reach, candidate.null + reach) for b in (candidate.low, candidate.high)
+    )
+    return replace(candidate, low=low, high=high, starts=np.clip(candidate.starts, low, high))

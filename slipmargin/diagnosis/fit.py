@@ -30,6 +30,10 @@ class Residuals(Protocol):
         """For each set of effects, its residual on its trials: (R_k, K), zero where nothing was seen."""
         ...
 
+    def rough(self) -> Residuals:
+        """The same for differences between sets of effects: faster where that is possible, else itself."""
+        ...
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -238,14 +242,19 @@ def _linearise(
     """Residual (R, K), simulated unless ``known``, and forward-difference Jacobian (R, K, P)."""
     steps = steps_inside(structure, x, _STEP)
     points = [x + step * unit for step, unit in zip(steps, np.eye(len(x)), strict=True)]
-    if known is None:
+    rough = problem.rough()
+    if known is None and (rough is not problem or not points):
+        known = problem.residuals([build(structure, x)], [trials])[0]
+    if not points:
+        assert known is not None
+        return known, np.zeros((*known.shape, 0))
+    if rough is not problem or known is None:
         points = [x, *points]
-    found = problem.residuals([build(structure, p) for p in points], [trials] * len(points)) if points else []
-    base = found.pop(0) if known is None else known
-    if not len(x):
-        return base, np.zeros((*base.shape, 0))
-    jacobian = np.stack([(r - base) / step for r, step in zip(found, steps, strict=True)], axis=-1)
-    return base, jacobian
+    found = rough.residuals([build(structure, p) for p in points], [trials] * len(points))
+    here = found.pop(0) if len(found) > len(steps) else known
+    assert here is not None
+    jacobian = np.stack([(r - here) / step for r, step in zip(found, steps, strict=True)], axis=-1)
+    return here if known is None else known, jacobian
 
 
 def shifted_by(other: Residuals, found: Fit) -> Array:

@@ -110,10 +110,13 @@ def limits_change(before: Recipe, after: Recipe, surface: str, pulls: Pulls | No
     """
     phi = np.deg2rad(np.arange(_ORIENTATIONS, dtype=float))
     direction = np.linspace(0.0, 2.0 * np.pi, _DIRECTIONS, endpoint=False)
-    believed, corrected = before.build(surface), after.build(surface)
+    same = after.robot is before.robot and after.effects == before.effects
+    believed = before.build(surface)
+    corrected = believed if same else after.build(surface)
     missing: list[str] = []
-    old = _limits(believed, phi, direction, "the robot as believed", missing)
-    new = _limits(corrected, phi, direction, "the corrected robot", missing)
+    new = old = _limits(believed, phi, direction, "the robot as believed", missing)
+    if not same:
+        new = _limits(corrected, phi, direction, "the corrected robot", missing)
     return LimitsChange(
         phi_rad=phi,
         direction_rad=direction,

@@ -155,13 +155,18 @@ def diagnose(
     before, after = (score(e, fresh) for e in (checked.before, checked.after))
     progress("what is left", 0.0)
     fitted = () if state is None else state.fit.effects
-    drawn_before, drawn_after = (problem.predict([e], [everyone])[0] for e in ((), fitted))
+    drawn_before = drawn_after = problem.predict([()], [everyone])[0]
+    if fitted:
+        drawn_after = problem.predict([fitted], [everyone])[0]
     uncut = s.uncut
     if len(uncut.trials) == len(trials):
         uncut = uncut.with_wheel_phases(problem.wheel_phases)
     events = _events(uncut, fitted, s.seen_runs)
     rates_before, rates_after = (problem.residual_rates(p) for p in (drawn_before, drawn_after))
     variables = [variables_of(t, problem.model(())) for t in trials]
+    where = where_after = dependences(rates_before, variables, seed)
+    if fitted:
+        where_after = dependences(rates_after, variables, seed)
     turns = order_analysis(problem, rates_after, seed)
     entries, remaining = _maps(s.rounds, state)
     found, final = _reported(s, checked, entries)
@@ -188,8 +193,8 @@ def diagnose(
         map=entries,
         map_after=remaining,
         leads=following,
-        where=dependences(rates_before, variables, seed),
-        where_after=dependences(rates_after, variables, seed),
+        where=where,
+        where_after=where_after,
         turns=turns,
         excitation=_excitation(final),
         events=events,

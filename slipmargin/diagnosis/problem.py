@@ -39,6 +39,9 @@ _WILD = 1e4
 #: Integration tolerance: its error stays below a hundredth of any camera's noise.
 _RTOL = 1e-4
 _FINE_RTOL = 1e-6
+#: The wheels' motion by few samples is used where it has less than this share of the others' samples: the
+#: run that differences are taken from must be simulated once more.
+_MUCH_FEWER = 0.5
 #: Steps after which a run counts as diverged (an ordinary one takes a few hundred a second of motion).
 _MOST_STEPS = 40_000
 
@@ -51,7 +54,8 @@ class Problem:
     ``measured`` (R, T, 3) and ``seen`` (R, T, 3) are padded to the longest trial; ``wheel_phases`` (R, N)
     are added to the wheel angles [rad]; ``piece`` is the number of samples a piece, None for whole runs;
     ``lasting`` is the part of the noise that lasts, None where it is white.  The trials of a campaign are of
-    several ``members``, each a recipe and its nominal model; ``member_of`` (R,) says of which.
+    several ``members``, each a recipe and its nominal model; ``member_of`` (R,) says of which.  ``signals``
+    is the wheels' motion without these phases; ``rough_signals`` is that by fewer samples, where it is known.
     """
 
     recipe: Recipe
@@ -72,6 +76,8 @@ class Problem:
     lasting: LastingNoise | None = None
     members: tuple[tuple[Recipe, Model], ...] = ()
     member_of: Index = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    signals: tuple[WheelSignal, ...] = ()
+    rough_signals: tuple[WheelSignal, ...] = ()
 
     @staticmethod
     def of(
@@ -113,6 +119,7 @@ class Problem:
             ),
             members=members,
             member_of=own,
+            signals=signals,
         )
 
     def model(self, effects: Sequence[AnyEffect], member: int = 0) -> Model:
@@ -226,11 +233,34 @@ class Problem:
 
     def rebuilt(self, scheme: InterpolationScheme) -> Problem:
         """The same problem with the wheels' motion interpolated differently, and integrated finely."""
-        return replace(self, batch=self._batch(scheme, self.wheel_phases), scheme=scheme, rtol=_FINE_RTOL)
+        signals = tuple(wheel_signal(t, self.commanded, scheme) for t in self.trials)
+        batch = self._batch(signals, self.wheel_phases)
+        return replace(self, batch=batch, signals=signals, rough_signals=(), scheme=scheme, rtol=_FINE_RTOL)
+
+    def with_rough(self) -> Problem:
+        """The same problem, which knows the wheels' motion by few samples where these are much fewer."""
+        if self.commanded and any(t.record.commands_held for t in self.trials):
+            return self  # each jump of a command makes the wheels slide: a smooth motion is another one
+        made = tuple(wheel_signal(t, self.commanded, InterpolationScheme.ROUGH) for t in self.trials)
+        fewer = sum(len(s.knots_s) for s in made) < _MUCH_FEWER * sum(len(s.knots_s) for s in self.signals)
+        return replace(self, rough_signals=made) if fewer else self
+
+    def rough(self) -> Problem:
+        """For differences of runs: the same problem with the wheels' motion by few samples, where known."""
+        if not self.rough_signals:
+            return self
+        batch = self._batch(self.rough_signals, self.wheel_phases)
+        return replace(
+            self,
+            batch=batch,
+            signals=self.rough_signals,
+            rough_signals=(),
+            scheme=InterpolationScheme.ROUGH,
+        )
 
     def with_wheel_phases(self, phases: Array) -> Problem:
         """The same problem with other angles (R, N) added to the wheels' [rad]."""
-        return replace(self, batch=self._batch(self.scheme, phases), wheel_phases=phases)
+        return replace(self, batch=self._batch(self.signals, phases), wheel_phases=phases)
 
     def seen_after(self, t_s: Array) -> Problem:
         """The same problem with only those samples of each trial that come after its time ``t_s`` (R,)."""
@@ -239,12 +269,14 @@ class Problem:
             row[: len(trial.t_s)] = trial.t_s > start
         return replace(self, seen=self.seen & late[..., None])
 
-    def _batch(self, scheme: InterpolationScheme, phases: Array) -> Batch:
-        signals = [
-            with_phases(wheel_signal(t, self.commanded, scheme), row)
-            for t, row in zip(self.trials, phases, strict=True)
-        ]
-        return Batch(signals, [t.t_s for t in self.trials], commanded=self.commanded)
+    def _batch(self, signals: tuple[WheelSignal, ...], phases: Array) -> Batch:
+        turned = [with_phases(signal, row) for signal, row in zip(signals, phases, strict=True)]
+        return Batch(turned, [t.t_s for t in self.trials], commanded=self.commanded)
+
+    @property
+    def knots(self) -> float:
+        """How many samples of the wheels' motion a run of differences has on average."""
+        return float(np.mean([len(s.knots_s) for s in self.rough_signals or self.signals]))
 
     def in_pieces(self, duration_s: float) -> Problem:
         """The same problem compared piece by piece, each with a start pose of its own."""

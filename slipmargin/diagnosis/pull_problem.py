@@ -191,6 +191,10 @@ class PullProblem:
         """
         return [self._residual(e, groups) for e, groups in zip(effects, trials, strict=True)]
 
+    def rough(self) -> PullProblem:
+        """Itself: no pull takes long."""
+        return self
+
     def _residual(self, effects: tuple[AnyEffect, ...], groups: Index) -> Array:
         rows = self.rows[groups]
         there = rows >= 0

@@ -42,8 +42,8 @@ _SHORTLIST = 8
 #: Parts into which settings are divided to be left out in turn.
 _FOLDS = 8
 _SURROGATES = 999
-#: A squared residual per pull above this asks for pairs of named effects, of so many first ones.
-_NEAR_NOISE, _FIRSTS = 1.7, 4
+#: So many first effects are tried in pairs.
+_FIRSTS = 4
 #: A state counts as no worse than the best one while its score is within this many standard errors of the
 #: difference, setting by setting, or within this much: one parameter costs about 1 of noise alone.
 _ERRORS, _ALIKE = 1.0, 2.0
@@ -291,7 +291,7 @@ def _take_step(
     tried = _scored(problem, [_short(problem, before, (c,)) for c in worth], _SHORTLIST)
     if not tried:
         return PullRound(before=before, tried=(), best=None, p_value=1.0, taken=False)
-    if not before.structure and (tried[0].off > _NEAR_NOISE * problem.count(groups) or _unnamed(tried[0])):
+    if not before.structure and (_above_noise(problem, tried[0]) or _unnamed(tried[0])):
         firsts = [s.structure[-1] for s in tried if s.structure[-1].named][:_FIRSTS]
         tried = sorted([*tried, *_pairs(problem, before, firsts, fresh)], key=lambda s: s.score)
     best = _simplest([s for s in tried if no_worse(s, tried[0])])
@@ -344,6 +344,14 @@ def _stand(problem: PullProblem, pair: tuple[Candidate, ...]) -> bool:
     except InputError:
         return False
     return True
+
+
+def _above_noise(problem: PullProblem, state: PullState) -> bool:
+    """Whether noise alone leaves as much as an effect did no more often than :data:`SIGNIFICANCE`."""
+    from scipy.special import chdtrc
+
+    freedom = max(1, problem.count(state.fit.trials) - len(state.fit.x))
+    return bool(chdtrc(freedom, state.off) < SIGNIFICANCE)
 
 
 def _unnamed(state: PullState) -> bool:

@@ -157,7 +157,11 @@ def screen(
     seed : int
         Draws the surrogates.
     """
-    groups = [*tangents(problem, base, candidates), *secants(problem, base, candidates), *probes]
+    rough = problem.rough()
+    here = base.residual
+    if rough is not problem:
+        here = rough.residuals([base.effects], [base.trials])[0]
+    groups = [*tangents(rough, base, here, candidates), *secants(rough, base, here, candidates), *probes]
     if not groups:
         return Screening(entries=(), total=base.cost, chance=np.zeros(0))
     columns = _beside(base, np.concatenate([g.columns for g in groups], axis=2))
@@ -196,8 +200,11 @@ def screen(
     return Screening(entries=best_first, total=base.cost, chance=most)
 
 
-def tangents(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> list[Columns]:
-    """Columns of every candidate at each of its starts, one simulation a column."""
+def tangents(problem: Residuals, base: Fit, known: Array, candidates: Sequence[Candidate]) -> list[Columns]:
+    """Columns of every candidate at each of its starts, one simulation a column.
+
+    ``known`` (R, K) is the residual of ``base`` in ``problem``.
+    """
     points: list[tuple[AnyEffect, ...]] = []
     plans: list[tuple[Candidate, Array, list[tuple[int, float]]]] = []
     for candidate in candidates:
@@ -217,7 +224,7 @@ def tangents(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> 
     found = iter(_in_parts(problem, points, base.trials))
     out = []
     for candidate, at, plan in plans:
-        made, here = [], base.residual
+        made, here = [], known
         for j, step in plan:
             residual = next(found)
             made.append((residual - here) / step)
@@ -245,7 +252,7 @@ def tangents(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> 
     return out
 
 
-def secants(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> list[Columns]:
+def secants(problem: Residuals, base: Fit, known: Array, candidates: Sequence[Candidate]) -> list[Columns]:
     """A column from each named candidate's null to each of its first starts: sticking hides small changes."""
     plans = [
         (c, np.where(c.idle, start, c.null), start)
@@ -258,7 +265,7 @@ def secants(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> l
         Columns(
             trace=c.trace,
             label=c.label,
-            columns=(residual - base.residual)[:, :, None],
+            columns=(residual - known)[:, :, None],
             prior=np.zeros((1, 1)),
             low=np.array([-1.0]),
             high=np.array([2.0]),

@@ -126,17 +126,24 @@ def search(
     trials ``seen`` and for no other.  ``runs`` is the run that each of them is, or is cut from.
     """
     unknown = wheel_phase.is_unknown(problem)
-    if unknown:
+    needs_phases = unknown and wheel_phase.matters_to(problem.model(()))
+    problem = problem.with_rough()
+    many = int(np.clip(SETTINGS.most_samples / problem.knots, SETTINGS.folds, SETTINGS.most_searched))
+    trials = _spread(seen, many)
+    own = [runs[i] for i in np.searchsorted(seen, trials)]
+    if needs_phases:
         progress("estimating wheel phases", 0.0)
         problem = wheel_phase.guessed(problem, seen, candidates)
-    trials = _spread(seen, SETTINGS.most_searched)
-    own = [runs[i] for i in np.searchsorted(seen, trials)]
     state = fitted(problem, (), np.zeros(0), trials, own)
-    if state.chi > SETTINGS.far_chi:
+    if unknown and not needs_phases and not quiet(state):
+        progress("estimating wheel phases", 0.0)
+        problem = wheel_phase.guessed(problem, trials, candidates)
+        state = fitted(problem, (), np.zeros(0), trials, own)
+    if state.chi > SETTINGS.far_chi and _bends(problem, state):
         state = fitted(problem.in_pieces(SETTINGS.piece_s), (), np.zeros(0), trials, own)
     rounds: list[Round] = []
     for number in range(SETTINGS.most_effects):
-        if progress.expired or (number and not worthwhile(state, SETTINGS.floor_chi)):
+        if progress.expired or (quiet(state) if not number else not worthwhile(state, SETTINGS.floor_chi)):
             break
         step = take_step(state, own, candidates, seed, progress.staged(f"round {number + 1}"))
         rounds.append(step)
@@ -162,18 +169,8 @@ def take_step(
     inside = {c.label for c in before.structure}
     fresh = [c for c in candidates if c.label not in inside and possible(before, c)]
     progress("screening every candidate", 0.0)
-    some = _spread(np.arange(len(before.fit.trials)), SETTINGS.most_screened)
     base = before.fit
-    if len(some) < len(base.trials):
-        base = Fit(
-            structure=base.structure,
-            x=base.x,
-            trials=base.trials[some],
-            residual=base.residual[some],
-            jacobian=base.jacobian[some],
-            evaluations=0,
-        )
-    parts = folds([runs[i] for i in some], SETTINGS.folds)
+    parts = folds(runs, SETTINGS.folds)
     block = max(1, round(SETTINGS.piece_s / before.view.step_s))
     screening = screen(before.view, base, fresh, probes(before.view, base), parts, block, seed)
     nothing = Round(before=before, screening=screening, tried=(), best=None, taken=False)
@@ -211,14 +208,15 @@ def finalists(screening: Screening) -> list[Screened]:
     A pair is fitted only where its two tangents together leave clearly less than any single one.
     """
     able = [e for e in screening.entries if e.structure and e.gain > 0.0]
-    worth = [e for e in able if e.gain > SETTINGS.hopeless * able[0].gain]
-    single = [e for e in worth if len(e.parts) == 1]
+    single = [e for e in able if len(e.parts) == 1]
     best = single[0].gain if single else 0.0
     pairs = [
         e
-        for e in worth
+        for e in able
         if len(e.parts) == 2 and screening.total - e.gain < SETTINGS.pair_leaves * (screening.total - best)
     ]
+    most = max([best, *(e.gain for e in pairs)])
+    single, pairs = ([e for e in some if e.gain > SETTINGS.hopeless * most] for some in (single, pairs))
     names = [e for e in single if e.named]
     first = names[: SETTINGS.finalists]
     forms = [e for e in names if e not in first and e.structure[0].name == first[0].structure[0].name]
@@ -308,6 +306,28 @@ def worthwhile(before: State, chi: float, named: bool = True) -> bool:
         return chi <= SETTINGS.with_unnamed * before.chi
     share = SETTINGS.later_effect if before.structure else SETTINGS.first_effect
     return before.chi - max(chi, SETTINGS.floor_chi) >= max(SETTINGS.least_chi, share * before.chi)
+
+
+def quiet(state: State) -> bool:
+    """Whether a state leaves nothing but noise, in all runs and in each of them."""
+    counts = np.maximum(1.0, np.count_nonzero(state.fit.residual, axis=1))
+    of_runs = np.sqrt(np.sum(state.fit.residual**2, axis=1) / counts)
+    above = of_runs - SETTINGS.quiet_chi - SETTINGS.quiet_deviations / np.sqrt(2.0 * counts)
+    return state.chi <= SETTINGS.quiet_chi and bool(np.all(above <= 0.0))
+
+
+def _bends(problem: Problem, state: State) -> bool:
+    """Whether predicted runs are so far off that whole ones do not change in proportion to parameters."""
+    trials = state.fit.trials
+    off = state.fit.residual.reshape(len(trials), 3, -1) * problem.sigma[:, None]
+    seen = problem.seen[trials]
+    place, turn = (
+        np.sqrt(np.sum(off[:, axes] ** 2) / max(1, np.count_nonzero(seen[..., axes]) / len(axes)))
+        for axes in ([0, 1], [2])
+    )
+    way = np.where(seen[..., :2], problem.measured[trials][..., :2], np.nan)
+    reach = np.median(np.nanmax(way, axis=1) - np.nanmin(way, axis=1), axis=0).max()
+    return bool(place > SETTINGS.far_share * reach or turn > SETTINGS.far_rad)
 
 
 def possible(before: State, candidate: Candidate) -> bool:

@@ -63,8 +63,12 @@ class SearchSettings:
     #: [s] Length of a piece while searching far above the noise: the camera's noise is small beside what a
     #: model lacks, and the heading has not yet gone astray.
     piece_s: float = 0.5
-    #: [chi] Above this runs are compared in pieces: whole ones bend too much with the parameters.
+    #: [chi] Above this runs may be compared in pieces …
     far_chi: float = 5.0
+    #: [1] … where the position is off by more than this share of the way that a run covers …
+    far_share: float = 0.01
+    #: [rad] … or the heading by more than this: whole runs then bend too much with the parameters.
+    far_rad: float = 0.03
     #: [1] A fit to whole runs seldom takes more than this factor off the chi at which pieces put them.
     within_reach: float = 3.0
     #: [standard errors] A left-out error is as good as the best one where, run by run, it is larger by no
@@ -72,10 +76,19 @@ class SearchSettings:
     as_good_errors: float = 1.0
     #: [1] … and chi by no more than this factor, where few runs make that spread large.
     as_good_factor: float = 1.06
-    #: [runs] So many are enough to search with; the parameters are then fitted to all.
-    most_searched: int = 10
-    #: [runs] So many are enough to order the candidates: one in four is then left out of each fold.
-    most_screened: int = 8
+    #: [chi] Up to here a residual is nothing but noise, whose size is known to 3 %, and nothing is searched …
+    quiet_chi: float = 1.03
+    #: [standard deviations] … unless a run is farther above that than chance makes one of a hundred runs.
+    quiet_deviations: float = 4.0
+    #: [1] A clock that stamps every row is wrong by this share at most: friction that differs by more than
+    #: about twice this, which looks the same, is no clock.
+    stamped_clock: float = 0.05
+    #: [runs] So many are enough to search with, one in four left out of each fold; the parameters are then
+    #: fitted to all.
+    most_searched: int = 8
+    #: [samples of the wheels' motion] … and fewer, but one a fold, where these runs would have more samples
+    #: together: a simulation takes as long as it has samples, and the list has four hundred columns.
+    most_samples: int = 2000
     #: [1] What promises less than this share of the best one's gain is not fitted.
     hopeless: float = 0.2
     #: [candidates] How many names are fitted by simulation; half as many general forms, and half as

@@ -13,13 +13,14 @@ from slipmargin.diagnosis.prepare import Trial
 from slipmargin.errors import InputError
 from slipmargin.model import Model
 from slipmargin.physics.frames import rotate_rows
-from slipmargin.sim.signal import WheelSignal, angles, held, hermite, linear
+from slipmargin.sim.signal import WheelSignal, angles, angles_at, held, hermite, linear
 
 
 class InterpolationScheme(Enum):
     """How the wheels' motion between samples is interpolated; the log does not say which one is right."""
 
     THIN = "cubic through as few samples as reproduce the others: for searching"
+    ROUGH = "cubic through fewer samples still: for how much a change of the model changes a run"
     FULL = "cubic through every sample: for the final numbers"
     OTHER = "angles alone, or speeds held from row to row: to see how much the choice matters"
 
@@ -32,6 +33,8 @@ def wheel_signal(
     Missing samples are interpolated.  Without logged angles the wheel angles start at zero, which matters
     only to effects of the wheel angle (:mod:`~slipmargin.diagnosis.wheel_phase`).
     """
+    if scheme is InterpolationScheme.ROUGH:
+        return _rough(trial, wheel_signal(trial, commanded, InterpolationScheme.FULL))
     record = trial.record
     t = record.t_s
     if commanded:
@@ -47,7 +50,9 @@ def wheel_signal(
         ):
             omega = bridged(t, record.omega)
             return (
-                _thinned(t, theta, omega) if scheme is InterpolationScheme.THIN else hermite(t, theta, omega)
+                _thinned(t, theta, omega, _trust(t, theta, omega))
+                if scheme is InterpolationScheme.THIN
+                else hermite(t, theta, omega)
             )
         return angles(t, theta)
     if record.omega is None:
@@ -69,6 +74,25 @@ def _by_speed(t: Array, omega: Array, scheme: InterpolationScheme, hold: bool) -
     return held(t, omega) if hold != other else linear(t, omega)
 
 
+#: What a run changes by with the model needs the wheels' motion to this only [rad], [rad/s]: 0.1 mm and
+#: 10 mm/s at a wheel of 50 mm.
+_ROUGHLY = (2e-3, 0.2)
+
+
+def _rough(trial: Trial, full: WheelSignal) -> WheelSignal:
+    """The cubic through few samples of a signal; where its speeds jump, from the middle of the jumps."""
+    t = trial.t_s
+    theta = angles_at(full, t)
+    after = full.pieces[:, :, 1]
+    h = np.diff(full.knots_s)[:, None]
+    ends = after + h * (2.0 * full.pieces[:, :, 2] + 3.0 * h * full.pieces[:, :, 3])
+    omega = 0.5 * (np.vstack([after[:1], ends]) + np.vstack([after, ends[-1:]]))
+    noise = _trust(t, theta, omega, most=(np.inf, np.inf))
+    same = max(_ROUGHLY[0], noise[0]), max(_ROUGHLY[1], noise[1])
+    made = _thinned(t, theta, omega, same)
+    return replace(made, spin_rad_s=full.spin_rad_s)
+
+
 #: A sample is left out where the cubic through its neighbours meets it this closely [rad], [rad/s] …
 _SAME = (2e-5, 4e-3)
 #: … or as closely as angles and speeds agree with themselves, but never less closely than this.
@@ -76,9 +100,8 @@ _LOOSEST = (2e-3, 0.1)
 _LONGEST = 32
 
 
-def _thinned(t: Array, theta: Array, omega: Array) -> WheelSignal:
+def _thinned(t: Array, theta: Array, omega: Array, same: tuple[float, float]) -> WheelSignal:
     """The cubic through as few samples as reproduce all the others: the integrator stops at each."""
-    same = _trust(t, theta, omega)
     keep = [0]
     last = len(t) - 1
     while keep[-1] < last:
@@ -93,7 +116,7 @@ def _thinned(t: Array, theta: Array, omega: Array) -> WheelSignal:
     return hermite(t[keep], theta[keep], omega[keep])
 
 
-def _trust(t: Array, theta: Array, omega: Array) -> tuple[float, float]:
+def _trust(t: Array, theta: Array, omega: Array, most: tuple[float, float] = _LOOSEST) -> tuple[float, float]:
     """How closely angles [rad] and speeds [rad/s] are to be met: to three times their own noise.
 
     The noise is what a sample misses the cubic through its neighbours by, where that changes from one
@@ -106,7 +129,7 @@ def _trust(t: Array, theta: Array, omega: Array) -> tuple[float, float]:
     for axis in range(2):
         change = np.diff(np.concatenate([m[axis] for m in misses]), n=2, axis=0)
         noise = 1.5 * float(np.median(np.max(np.abs(change), axis=1)))
-        found.append(min(max(_SAME[axis], 3.0 * noise), _LOOSEST[axis]))
+        found.append(min(max(_SAME[axis], 3.0 * noise), most[axis]))
     return found[0], found[1]
 
 

@@ -18,7 +18,7 @@ from slipmargin.checks import Array, Index
 from slipmargin.data.odometry import bridged, wheel_angles
 from slipmargin.data.record import WHEEL_SIGNALS, Record
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.fit import Fit, evaluate, fit
+from slipmargin.diagnosis.fit import Fit, build, fit
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.effects import AnyEffect
@@ -34,6 +34,8 @@ _LEAST_SAMPLES = 8
 _AROUND = np.arange(1, 20) / 20.0
 _CLOSE = np.array([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0])
 _FINER = (60.0, 60.0, 120.0, 240.0)
+#: Sweeps of a first guess, from a start of the parameters, which only has to lie in the right valley.
+_GUESS = (_AROUND, _CLOSE / 60.0, _AROUND, _CLOSE / 60.0)
 #: Runs are compared in pieces this long [s]: a wrong phase early on must not spoil what follows.
 _PIECE_S = 0.3
 
@@ -55,19 +57,19 @@ def guessed(problem: Problem, trials: Index, candidates: Sequence[Candidate]) ->
 
     Only ``trials`` get phases; the others keep what they have.
     """
+    rough = problem.rough()
     if matters_to(problem.model(())):
-        problem = _swept(problem, [()], trials, _AROUND)
-        return _swept(problem, [()], trials, _CLOSE / _FINER[0])
+        rough = _swept(rough, [()], trials, _AROUND)
+        return problem.with_wheel_phases(_swept(rough, [()], trials, _CLOSE / _FINER[0]).wheel_phases)
     fullest: dict[str, Candidate] = {}
     for candidate in candidates:
         if candidate.named and candidate.wheel_phase:
             known = fullest.get(candidate.name)
             fullest[candidate.name] = candidate if known is None or candidate.size > known.size else known
-    tried = []
-    for candidate in fullest.values():
-        found = evaluate(problem, (candidate,), candidate.starts[0], trials)
-        tried.append(refined(_swept(problem, [found.effects], trials, _AROUND), found))
-    return min(tried, key=lambda pair: pair[1].cost)[0] if tried else problem
+    tried = [_in_turn(rough, (c,), c.starts[0], trials, _GUESS) for c in fullest.values()]
+    if not tried:
+        return problem
+    return problem.with_wheel_phases(min(tried, key=lambda pair: pair[1].cost)[0].wheel_phases)
 
 
 def refined(problem: Problem, found: Fit) -> tuple[Problem, Fit]:
@@ -77,9 +79,23 @@ def refined(problem: Problem, found: Fit) -> tuple[Problem, Fit]:
     the whole pitch is looked at again.
     """
     close = [_CLOSE / fineness for fineness in _FINER]
-    for steps in (*close[:2], _AROUND, *close[1:]):
-        problem = _swept(problem, [found.effects], found.trials, steps)
-        found = fit(problem.in_pieces(_PIECE_S), found.structure, found.x, found.trials)
+    rough, near = _in_turn(
+        problem.rough(), found.structure, found.x, found.trials, (*close[:2], _AROUND, close[1])
+    )
+    problem = problem.with_wheel_phases(rough.wheel_phases)
+    return _in_turn(problem, near.structure, near.x, near.trials, close[2:])
+
+
+def _in_turn(
+    problem: Problem, structure: tuple[Candidate, ...], x: Array, trials: Index, sweeps: Sequence[Array]
+) -> tuple[Problem, Fit]:
+    """Phases swept over these steps, and parameters fitted from ``x`` after each sweep."""
+    found = None
+    for steps in sweeps:
+        effects = build(structure, x) if found is None else found.effects
+        problem = _swept(problem, [effects], trials, steps)
+        found = fit(problem.in_pieces(_PIECE_S), structure, x if found is None else found.x, trials)
+    assert found is not None
     return problem, found
 
 
@@ -124,8 +140,12 @@ def from_first_parts(
     early = replace(early, lasting=problem.lasting)
     everyone = np.arange(len(parts), dtype=np.int64)
     same = all(e == effects[0] for e in effects)
-    for steps in (_AROUND, *(_CLOSE / fineness for fineness in _FINER)):
-        early = _swept(early, effects[:1] if same else effects, everyone, steps)
+    rough = early.with_rough().rough()
+    for steps in (_AROUND, _CLOSE / _FINER[0]):
+        rough = _swept(rough, effects[:1] if same else effects, everyone, steps)
+    early = early.with_wheel_phases(rough.wheel_phases)
+    for fineness in _FINER[1:]:
+        early = _swept(early, effects[:1] if same else effects, everyone, _CLOSE / fineness)
     phases = problem.wheel_phases.copy()
     ends = np.full(len(problem.trials), -np.inf)
     for row, run, phase in zip(rows, runs, early.wheel_phases, strict=True):

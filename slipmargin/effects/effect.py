@@ -165,7 +165,7 @@ class Effect(ABC):
     variants: ClassVar[tuple[Variant, ...]] = ()
     #: Whether it shows only in data with commanded wheel speeds.
     needs_commands: ClassVar[bool] = False
-    #: Whether it shows only in data without time stamps, whose rate is nominal.
+    #: Whether it belongs to data without time stamps, whose rate is nominal; time stamps are nearly right.
     needs_nominal_rate: ClassVar[bool] = False
     #: Whether it depends on where a wheel stands, so that wheel angles need a known zero.
     needs_wheel_phase: ClassVar[bool] = False

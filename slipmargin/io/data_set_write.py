@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import os
-import shutil
-import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from slipmargin.data.data_set import DataSet
 from slipmargin.errors import InputError
 from slipmargin.io.robot_text import write_recipe
-from slipmargin.io.trial_file import pulls_text, trial_text
+from slipmargin.io.stage import NEW, OLD, staged
+from slipmargin.io.trial_file import pulls_text, trial_parts, trial_text
 
 
 def data_set_files(data_set: DataSet, comment: str = "") -> dict[str, str]:
     """The files of a data set: path inside the folder → text."""
+    runs = {f"trials/{trial.name}.csv": trial_text(trial) for trial in data_set.trials}
+    return _small_files(data_set, comment) | runs
+
+
+def _small_files(data_set: DataSet, comment: str) -> dict[str, str]:
+    """Everything but the runs."""
     head = [f"# {line}".rstrip() for line in comment.splitlines()]
     head += [
         "schema = 1",
@@ -34,7 +39,6 @@ def data_set_files(data_set: DataSet, comment: str = "") -> dict[str, str]:
     if pulls is not None and pulls.sigma_N is not None:
         head.append(f"force_N = {pulls.sigma_N!r}")
     files = {"robot.toml": write_recipe(data_set.recipe), "dataset.toml": "\n".join(head) + "\n"}
-    files |= {f"trials/{trial.name}.csv": trial_text(trial) for trial in data_set.trials}
     if pulls is not None:
         files["pulls.csv"] = pulls_text(pulls)
     return files
@@ -90,25 +94,29 @@ def write_data_set(
     check_data_set_place(folder)
     folder = folder.resolve()
     try:
-        stage = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))
+        with staged(folder) as stage:
+            small = {**_small_files(data_set, comment), **(extra or {})}
+            files: dict[str, Iterable[str]] = {name: (text,) for name, text in small.items()}
+            files |= {f"trials/{trial.name}.csv": trial_parts(trial) for trial in data_set.trials}
+            for name, parts in files.items():
+                path = stage / NEW / name
+                path.parent.mkdir(parents=True, exist_ok=True)
+                with path.open("w", encoding="utf-8", newline="") as file:
+                    file.writelines(parts)
+            _exchange(folder, stage)
     except OSError as fault:
         raise InputError(
             "--out", f"cannot be written ({fault.strerror})", "choose another place", str(folder)
         ) from None
+
+
+def _exchange(folder: Path, stage: Path) -> None:
+    """Put what is new in the place of what is old, or leave what is old there."""
+    if folder.exists():
+        os.replace(folder, stage / OLD)
     try:
-        new = stage / "new"
-        for name, text in {**data_set_files(data_set, comment), **(extra or {})}.items():
-            path = new / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text, encoding="utf-8")
-        if folder.exists():
-            os.replace(folder, stage / "old")
-        os.replace(new, folder)
-    except OSError as fault:
-        if not folder.exists() and (stage / "old").exists():
-            os.replace(stage / "old", folder)
-        raise InputError(
-            "--out", f"cannot be written ({fault.strerror})", "choose another place", str(folder)
-        ) from None
-    finally:
-        shutil.rmtree(stage, ignore_errors=True)
+        os.replace(stage / NEW, folder)
+    except BaseException:
+        if (stage / OLD).exists():
+            os.replace(stage / OLD, folder)
+        raise

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import os
-import shutil
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
 from slipmargin.errors import InputError
+from slipmargin.io.stage import NEW, staged
 from slipmargin.io.writes import write_together
 
 
@@ -47,19 +46,12 @@ def write_folder(folder: Path | str, files: Mapping[str, str | bytes]) -> None:
     path = path.absolute()
     made = [p for p in path.parents if not p.exists()]
     path.parent.mkdir(parents=True, exist_ok=True)
-    stage = Path(tempfile.mkdtemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part"))
     try:
-        write_together({stage / name: content for name, content in files.items()})
-        stage.chmod(0o777 & ~_umask())
-        stage.rename(path)
+        with staged(path) as stage:
+            (stage / NEW).mkdir()
+            write_together({stage / NEW / name: content for name, content in files.items()})
+            (stage / NEW).rename(path)
     except BaseException:
-        shutil.rmtree(stage, ignore_errors=True)
         for parent in made:
             parent.rmdir()
         raise
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

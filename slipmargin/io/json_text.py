@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 
-def json_text(value: Any) -> str:
+def json_text(value: Any, indent: int | None = 1) -> str:
     """``value`` as JSON text: arrays become lists, a number that is not finite becomes null."""
-    return json.dumps(_plain(value), ensure_ascii=False, indent=1, allow_nan=False) + "\n"
+    return json.dumps(_plain(value), ensure_ascii=False, indent=indent, allow_nan=False) + "\n"
 
 
 def _plain(value: Any) -> Any:

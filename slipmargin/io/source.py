@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
+import os
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from slipmargin.errors import InputError
+
+#: Lines after which the progress of reading is told.
+EACH = 20_000
 
 
 def read_text(path: Path) -> str:
@@ -31,6 +38,36 @@ def read_text(path: Path) -> str:
         ) from None
 
 
+def lines_of(
+    path: Path, progress: Callable[[float], None] = lambda share: None, *, strict: bool = True
+) -> Iterator[str]:
+    """The lines of a UTF-8 file, one at a time, so that a log of any length is read in little memory.
+
+    Parameters
+    ----------
+    progress : callable
+        Called now and then with the share of the file that is read.
+    strict : bool
+        Whether bytes that are no UTF-8 are refused; else they become marks.
+
+    Raises
+    ------
+    InputError
+        As :func:`read_text`, when the fault is met.
+    """
+    with _told(path), Path(path).open("rb") as raw:
+        size = max(1, os.fstat(raw.fileno()).st_size)
+        text = io.TextIOWrapper(raw, encoding="utf-8-sig", errors="strict" if strict else "replace")
+        try:
+            for number, line in enumerate(text):
+                if number % EACH == EACH - 1:
+                    progress(raw.tell() / size)
+                yield line.rstrip("\n")
+        except UnicodeDecodeError:
+            read_text(path)  # says where
+            raise
+
+
 def read_bytes(path: Path) -> bytes:
     """The bytes of a file.
 
@@ -39,8 +76,14 @@ def read_bytes(path: Path) -> bytes:
     InputError
         Where there is no such file, it is a folder, or it may not be read.
     """
-    try:
+    with _told(path):
         return Path(path).read_bytes()
+
+
+@contextlib.contextmanager
+def _told(path: Path) -> Iterator[None]:
+    try:
+        yield
     except FileNotFoundError:
         raise InputError("", "there is no such file", "check the path", str(path)) from None
     except IsADirectoryError:
@@ -49,5 +92,7 @@ def read_bytes(path: Path) -> bytes:
         raise InputError(
             "", f"cannot be read ({fault.strerror})", "check the path and its permissions", str(path)
         ) from None
-    except ValueError:  # a path with a null character
-        raise InputError("", "is not a possible path", "give a file", repr(str(path))) from None
+    except ValueError as fault:
+        if "\0" not in str(path):
+            raise
+        raise InputError("", "is not a possible path", "give a file", repr(str(path))) from fault

@@ -6,19 +6,24 @@ both counted from 1, the column being the cell's number.
 
 from __future__ import annotations
 
+import io
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, Index
 from slipmargin.errors import InputError
-from slipmargin.io.source import read_text
+from slipmargin.io.source import lines_of
 from slipmargin.io.toml_table import nearest
 
+#: Lines that are read at once: a log of any length passes through little memory.
+BLOCK = 1 << 16
 #: A spreadsheet takes text that begins so for a formula; an apostrophe before it says that it is text.
 _FORMULA = ("=", "+", "-", "@")
 
@@ -33,7 +38,7 @@ class Columns:
 
     names: tuple[str, ...]
     values: Array
-    lines: tuple[int, ...] = ()
+    lines: Index = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
     def __getitem__(self, name: str) -> Array:
         """The column called ``name``, (rows,)."""
@@ -68,9 +73,7 @@ def read_columns(
         With the file, the column or ``line:column``, what is wrong and what to do.
     """
     try:
-        return columns_from_text(
-            read_text(Path(path)), required=required, known=known, empty=empty, least=least
-        )
+        return _columns(lines_of(Path(path)), required, known, empty, least)
     except InputError as fault:
         raise fault.in_file(fault.source or str(path)) from None
 
@@ -84,22 +87,50 @@ def columns_from_text(
     least: int = 1,
 ) -> Columns:
     """As :func:`read_columns`, from the text itself."""
-    rows = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    names = _header(rows[0], required, known)
-    values, lines = [], []
-    for number, row in enumerate(rows[1:], start=2):
-        if row.strip():
-            values.append(_numbers(number, row, names, empty))
-            lines.append(number)
-    if len(values) < least:
+    return _columns((line.rstrip("\n") for line in io.StringIO(text, None)), required, known, empty, least)
+
+
+def _columns(
+    lines: Iterator[str],
+    required: Sequence[str],
+    known: Sequence[str] | None,
+    empty: Sequence[str] | None,
+    least: int,
+) -> Columns:
+    names = _header(next(lines, ""), required, known)
+    blocks: deque[Array] = deque()
+    numbers, last = [np.zeros(0, dtype=np.int64)], 1
+    while block := list(islice(lines, BLOCK)):
+        full = [(number, row) for number, row in enumerate(block, last + 1) if row.strip()]
+        last += len(block)
+        values = _quick([row for _, row in full], len(names))
+        if values is None:
+            values = np.array([_numbers(number, row, names, empty) for number, row in full], dtype=float)
+        blocks.append(values.reshape(len(full), len(names)))
+        numbers.append(np.array([number for number, _ in full], dtype=np.int64))
+    count = sum(map(len, blocks))
+    if count < least:
         raise InputError(
-            f"{len(rows)}:1",
-            f"there are {len(values)} rows of numbers",
-            f"give a header and at least {least}",
+            f"{last + 1}:1", f"there are {count} rows of numbers", f"give a header and at least {least}"
         )
-    table = np.array(values, dtype=np.float64).reshape(len(values), len(names))
+    table, at = np.empty((count, len(names))), 0
+    while blocks:  # each block is freed once it is copied
+        values = blocks.popleft()
+        table[at : at + len(values)] = values
+        at += len(values)
     table.setflags(write=False)
-    return Columns(names=names, values=table, lines=tuple(lines))
+    return Columns(names=names, values=table, lines=np.concatenate(numbers))
+
+
+def _quick(rows: list[str], columns: int) -> Array | None:
+    """The numbers of rows that are all whole and finite; None where a row must be looked at on its own."""
+    if not rows or any("x" in row or "X" in row for row in rows):  # hexadecimal numbers are none of ours
+        return None
+    try:
+        values = np.loadtxt(rows, delimiter=",", ndmin=2, comments=None)
+    except ValueError:
+        return None
+    return values if values.shape[1] == columns and np.all(np.isfinite(values)) else None
 
 
 def _header(line: str, required: Sequence[str], known: Sequence[str] | None) -> tuple[str, ...]:
@@ -181,9 +212,18 @@ def columns_text(columns: Mapping[str, Array | Sequence[float] | Sequence[str]],
     Numbers keep ``digits`` significant digits, a number that is not finite becomes an empty cell; strings are
     quoted where they hold a comma, a quote or a line break.
     """
-    cells = [[_cell(value, digits) for value in column] for column in columns.values()]
-    rows = zip(*cells, strict=True)
-    return "\n".join([",".join(columns), *(",".join(row) for row in rows)]) + "\n"
+    return "".join(columns_parts(columns, digits))
+
+
+def columns_parts(
+    columns: Mapping[str, Array | Sequence[float] | Sequence[str]], digits: int = 9
+) -> Iterator[str]:
+    """:func:`columns_text` in parts of :data:`BLOCK` rows, for tables of any length."""
+    yield ",".join(columns) + "\n"
+    count = max((len(column) for column in columns.values()), default=0)
+    for first in range(0, count, BLOCK):
+        cells = [[_cell(v, digits) for v in column[first : first + BLOCK]] for column in columns.values()]
+        yield "".join(",".join(row) + "\n" for row in zip(*cells, strict=True))
 
 
 def _cell(value: object, digits: int) -> str:

@@ -21,8 +21,6 @@ quickstart keeps of what it follows (:mod:`slipmargin.io.roadrunner_log`).
 from __future__ import annotations
 
 import math
-import shutil
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -34,6 +32,7 @@ from slipmargin.errors import InputError
 from slipmargin.io.extra import need
 from slipmargin.io.json_text import json_text
 from slipmargin.io.roadrunner_log import log_text
+from slipmargin.io.stage import staged
 from slipmargin.io.writes import check_writable
 from slipmargin.physics.convention import Convention
 
@@ -189,11 +188,8 @@ def write_path_bag(folder: Path, t_s: Array, pose: Array, convention: Convention
         stamped = header(round(1e9 * float(time_s)))
         poses.append(kinds["geometry_msgs/msg/PoseStamped"](header=stamped, pose=place))
     message = kinds[_PATH_TYPE](header=header(0), poses=poses)
-    stage = Path(tempfile.mkdtemp(dir=folder.resolve().parent, prefix=f".{folder.name}."))
-    try:
+    with staged(folder.resolve()) as stage:
         with Writer(stage / folder.name, version=9) as bag:
             link = bag.add_connection(_PATH_TOPIC, _PATH_TYPE, typestore=store)
             bag.write(link, 0, store.serialize_cdr(message, _PATH_TYPE))
         (stage / folder.name).replace(folder)
-    finally:
-        shutil.rmtree(stage, ignore_errors=True)

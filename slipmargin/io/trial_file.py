@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from slipmargin.checks import Array
 from slipmargin.data.pulls import Pulls
 from slipmargin.data.record import Record
 from slipmargin.errors import InputError
-from slipmargin.io.table import Columns, columns_text, read_columns
+from slipmargin.io.table import Columns, columns_parts, columns_text, read_columns
 
 _POSE = ("x_m", "y_m", "phi_rad")
 #: Field of a record → the column's name for wheel i.
@@ -128,6 +129,11 @@ def _check_cells(table: Columns, name: str, wrong: NDArray[np.bool_], cure: str)
 
 def trial_text(record: Record) -> str:
     """A run as the CSV text that :func:`read_trial` reads back; channels nobody has are left out."""
+    return "".join(trial_parts(record))
+
+
+def trial_parts(record: Record) -> Iterator[str]:
+    """:func:`trial_text` in parts, for runs of any length."""
     columns: dict[str, Array] = {"t_s": record.t_s}
     columns |= {name: record.pose[:, j] for j, name in enumerate(_POSE)}
     for field, pattern in WHEEL_COLUMNS.items():
@@ -137,7 +143,7 @@ def trial_text(record: Record) -> str:
         for i, channel in enumerate(signal.T):
             if np.isfinite(channel).any():
                 columns[pattern.format(i=i + 1)] = channel
-    return columns_text(columns)
+    return columns_parts(columns)
 
 
 def pulls_text(pulls: Pulls) -> str:

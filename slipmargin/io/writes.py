@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import contextlib
 import os
-import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import IO, Any
 
 from slipmargin.errors import InputError
+from slipmargin.io.stage import NEW, staged
 
 #: Formats of pictures, by the ending of the file's name.
 FORMATS = ("png", "svg", "pdf")
@@ -29,6 +30,29 @@ def write_text(path: Path | str, text: str) -> None:
     write_together({path: text})
 
 
+def write_lines(path: Path | str, lines: Iterable[str]) -> None:
+    """Write lines as they come, atomically; where ``lines`` fail nothing has changed.
+
+    Raises
+    ------
+    InputError
+        Where the file cannot be written; the previous file is then untouched.
+    """
+    place = Path(path)
+    with contextlib.ExitStack() as stack:
+        with _refused(place):
+            _check_place(place)
+            place = place.resolve()
+            temporary = stack.enter_context(staged(place)) / NEW
+            file = stack.enter_context(temporary.open("w", encoding="utf-8", newline=""))
+        for line in lines:
+            with _refused(place):
+                file.write(f"{line}\n")
+        with _refused(place):
+            _done(file, temporary, place)
+            os.replace(temporary, place)
+
+
 def write_bytes(path: Path | str, data: bytes) -> None:
     """Write bytes atomically (a figure, for example)."""
     write_together({path: data})
@@ -42,15 +66,15 @@ def write_together(files: Mapping[Path | str, str | bytes]) -> None:
     InputError
         Where one cannot be written; then none is touched.
     """
-    staged: list[tuple[Path, Path]] = []
-    with _swept(staged):
+    made: list[tuple[Path, Path]] = []
+    with contextlib.ExitStack() as stages:
         for name, content in files.items():
             path = Path(name)
             with _refused(path):
                 _check_place(path)
                 path = path.resolve()  # write through a symbolic link, not over it
-                staged.append((_stage(path, content), path))
-        for temporary, path in staged:
+                made.append((_written(stages.enter_context(staged(path)) / NEW, content, path), path))
+        for temporary, path in made:
             with _refused(path):
                 os.replace(temporary, path)
 
@@ -103,36 +127,20 @@ def _check_place(path: Path) -> None:
         raise InputError("", "is not an ordinary file", "give a file name", str(path))
 
 
-def _stage(path: Path, content: str | bytes) -> Path:
-    data = content.encode("utf-8") if isinstance(content, str) else content
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        mode = path.stat().st_mode & 0o777 if path.exists() else 0o666 & ~_umask()
-        os.chmod(name, mode)
-    except BaseException:
-        os.unlink(name)
-        raise
-    return Path(name)
+def _written(temporary: Path, content: str | bytes, path: Path) -> Path:
+    """The content under a temporary name, on the disk, with the rights of the file that it replaces."""
+    with temporary.open("wb") as file:
+        file.write(content.encode("utf-8") if isinstance(content, str) else content)
+        _done(file, temporary, path)
+    return temporary
 
 
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
-
-
-@contextlib.contextmanager
-def _swept(staged: list[tuple[Path, Path]]) -> Iterator[None]:
-    """Whatever happens, no temporary file stays behind."""
-    try:
-        yield
-    finally:
-        for temporary, _ in staged:
-            temporary.unlink(missing_ok=True)
+def _done(file: IO[Any], temporary: Path, path: Path) -> None:
+    """Bring a file to the disk, with the rights of the one that it replaces."""
+    file.flush()
+    os.fsync(file.fileno())
+    if path.exists():
+        temporary.chmod(path.stat().st_mode & 0o777)
 
 
 @contextlib.contextmanager

@@ -25,16 +25,17 @@ import numpy as np
 from slipmargin.checks import Array, real
 from slipmargin.errors import NoSolution
 from slipmargin.limits.bounds import spin
-from slipmargin.limits.effort import Effort, efforts
+from slipmargin.limits.bounds_pace import pace, yaw_rate
+from slipmargin.limits.effort import Most, most_asked
 from slipmargin.limits.ends import Ends, circle_end, ellipsoid_end, even_corners, sided_corners, unit
 from slipmargin.limits.every_motion import all_motions
 from slipmargin.limits.margin import sphere
-from slipmargin.limits.motion import along, needed_share, steady_share
-from slipmargin.limits.motion_realised import realised
+from slipmargin.limits.motion import needed_share, steady_share
 from slipmargin.limits.motion_rows import MOTOR, acceleration_rows, at_pace, prepare, torque_limit
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.physics.kinematics import com_acceleration
+from slipmargin.sets.alike import alike
 from slipmargin.sets.inscribed import largest_box, largest_ellipsoid
 
 #: Share of the spinning limit kept for yaw by default: corrections of the heading while driving straight [1].
@@ -43,6 +44,9 @@ YAW_SHARE = 0.1
 PACE = 0.5
 #: Rounds in which a set is drawn in, and how close to the share it ends [1].
 ROUNDS, CLOSE = 12, 1e-3
+#: After so many rounds in a row a motion's rows are drawn in further each time: where others bind, a ratio
+#: near one took more rounds than there are to be felt [1].
+PATIENCE = 3
 #: Ends of a round set that are tried all round.
 SPREAD = 48
 
@@ -58,9 +62,8 @@ class Inside:
     acceleration in reserve, at once with what they say.  ``ellipsoid`` (3, 3): accelerations E u, ‖u‖ ≤ 1,
     which trades yaw against translation and keeps no reserve.
     ``coefficient``: the largest friction coefficient [1] of swerve modules in the wheels' places, each
-    pushing
-    any way with up to μ m g / N, all of whose accelerations are safe: the robot that Choreo and PathPlanner
-    plan for.
+    pushing any way with up to μ m g / N, all of whose accelerations are safe: the robot that Choreo and
+    PathPlanner plan for.
 
     ``pace``: the share of the motors' top speed up to which all this is there with the same share of the
     torque; None without motors.  ``yaw_rate_rad_s``: the fastest turn on the spot in which the mass, where it
@@ -181,9 +184,10 @@ def inside(
         return np.asarray(coefficient[0] * np.einsum("rmnc,nac->rma", push, modules))
 
     asked: list[Array] = []
+    states = _States.of(model, share, contact)
 
     def safe(largest: Callable[..., tuple[Array, ...]], ends: Ends, counts: bool = True) -> tuple[Array, ...]:
-        found, torque = _safe(model, largest, ends, share, contact)
+        found, torque = _safe(states, largest, ends)
         if counts:
             asked.append(torque)
         return found
@@ -204,58 +208,83 @@ def inside(
         circle_m_s2=float(ball[0][0]),
         yaw_rad_s2=yaw,
         coefficient=float(grip[0][0]),
-        pace=_pace(model, np.max(asked, axis=0), share),
-        yaw_rate_rad_s=_yaw_rate(model, yaw, share, contact),
+        pace=pace(model, np.max(asked, axis=0), share),
+        yaw_rate_rad_s=yaw_rate(model, yaw, share, contact),
     )
 
 
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _States:
+    """What all the sets ask of the M motions; ``rows`` are the safe rows of the whole share.
+
+    ``least`` and ``steady`` (2, M): the shares of grip and torque that constant speed needs and really uses.
+    """
+
+    model: Model
+    share: float
+    contact: Contact
+    sign: Array
+    normals: Array
+    rows: tuple[Array, Array, Array]
+    effort: Callable[[Array], Most]
+    least: Array
+    steady: Array
+
+    @staticmethod
+    def of(model: Model, share: float, contact: Contact) -> _States:
+        motion = all_motions(model)
+        friction, external = prepare(model, motion, share, contact)[1:]
+        limit = np.full((2, motion.count, model.count), np.inf)
+        if model.drives.stall_torque_N_m is not None:
+            limit = torque_limit(model, at_pace(model, motion.velocity, PACE))
+
+        def effort(at: Array) -> Most:
+            flat = at.reshape(-1, 3)
+            at_com = com_acceleration(model.inertia.com_m, np.zeros_like(flat), flat).reshape(at.shape)
+            return most_asked(model, friction, external, at_com, limit)
+
+        still, normals = effort(np.zeros((1, motion.count, 3))), _normals(model, motion, share, contact)
+        least = np.stack([needed_share(model, motion, contact=contact), still.motors[0]])
+        return _States(
+            model=model,
+            share=share,
+            contact=contact,
+            sign=np.sign(motion.velocity),
+            normals=normals,
+            rows=safe_rows(model, share=share, contact=contact),
+            effort=effort,
+            least=least,
+            steady=np.stack([still.use[0], least[1]]),
+        )
+
+
 def _safe(
-    model: Model,
-    largest: Callable[..., tuple[Array, ...]],
-    ends: Ends,
-    share: float,
-    contact: Contact,
+    states: _States, largest: Callable[..., tuple[Array, ...]], ends: Ends
 ) -> tuple[tuple[Array, ...], Array]:
     """The largest set whose every end, driven as a motion, keeps each wheel's realised share and torque.
 
     Each motion's rows are drawn in by the ratio in which an end of the set exceeds the share in it, counted
     from what constant speed uses already.  Also the greatest torques (2, M, N) of the ends.
     """
-    motion = all_motions(model)
-    friction, external = prepare(model, motion, share, contact)[1:]
-    stall = model.drives.stall_torque_N_m
-    limit = np.full((2, motion.count, model.count), np.inf)
-    if stall is not None:
-        limit = torque_limit(model, at_pace(model, motion.velocity, PACE))
-
-    def effort(at: Array) -> Effort:
-        flat = at.reshape(-1, 3)
-        at_com = com_acceleration(model.inertia.com_m, np.zeros_like(flat), flat).reshape(at.shape)
-        return efforts(model, friction, external, at_com)
-
-    sign, normals = np.sign(motion.velocity), _normals(model, motion, share, contact)
-    still = effort(np.zeros((1, motion.count, 3)))
-    least = np.stack([needed_share(model, motion, contact=contact), still.of_motors(limit)[0]])
-    steady = np.stack([still.use[0], least[1]])
-    part, aim = np.full(steady.shape, share), share - 0.5 * CLOSE
+    model, share, least, steady = states.model, states.share, states.least, states.steady
+    motors = model.drives.stall_torque_N_m is not None
+    part, aim, rows = np.full(steady.shape, share), share - 0.5 * CLOSE, states.rows
+    again = np.zeros(steady.shape)
     for _ in range(ROUNDS):
-        found = largest(
-            *safe_rows(
-                model,
-                share=share if np.all(part == share) else part[0],
-                torque_share=part[1],
-                contact=contact,
-            )
-        )
-        seen = ends.driven(found, sign, normals, effort, limit)
-        used = np.stack([seen.use.max(axis=0), seen.of_motors(limit).max(axis=0)])
+        found = largest(*rows)
+        seen = ends.driven(found, states.sign, states.normals, states.effort, motors)
+        used = np.stack([seen.use.max(axis=0), seen.motors.max(axis=0)])
         if share == 1.0 or model.count == 3:  # the rows are exact for the grip
             used[0] = 0.0
         if np.max(used) <= share + CLOSE:
-            return found, seen.torque_N_m.max(axis=1)
+            return found, seen.torque_N_m
         over = used > share
         drawn = np.where(over, (aim - steady) / np.where(over, used - steady, 1.0), 1.0)
-        part = least + (part - least) * np.clip(drawn, 0.1, 1.0)
+        again = np.where(over, again + 1.0, 0.0)
+        part = least + (part - least) * np.clip(drawn ** np.maximum(1.0, again - PATIENCE), 0.1, 1.0)
+        grip = share if np.all(part == share) else part[0]
+        rows = safe_rows(model, share=grip, torque_share=part[1], contact=states.contact)
     raise NoSolution(
         "safe accelerations",
         "no set was found in which the creep of the wheels keeps the margin",
@@ -282,51 +311,6 @@ def _modules(model: Model) -> Array:
     # a = a_com − α ẑ × c
     moving = moving + np.array([body.com_m[1], -body.com_m[0]])[:, None] * spinning[:, None]
     return np.asarray(load * np.concatenate([moving, spinning[:, None]], axis=1))
-
-
-def _pace(model: Model, torque_N_m: Array, share: float) -> float | None:
-    """Share of the top speed up to which a share of the motors' torque is what (2, M, N) asks for."""
-    stall, top = model.drives.stall_torque_N_m, model.drives.max_speed_rad_s
-    if top is None:
-        return None
-    if stall is None:
-        return share
-    speed = at_pace(model, all_motions(model).velocity, 1.0) / top
-    driving = np.where(speed > 0.0, torque_N_m[0], torque_N_m[1])
-    left = 1.0 - np.maximum(driving, 0.0) / (share * stall)
-    return float(np.clip(np.min(left / np.maximum(np.abs(speed), 1e-9)), 0.0, share))
-
-
-def _yaw_rate(model: Model, yaw_rad_s2: float, share: float, contact: Contact) -> float:
-    """Fastest turn on the spot [rad/s] at which the centripetal force leaves a yaw acceleration."""
-    turn = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
-    still, motion = np.zeros_like(turn), Motion.full_drag(turn)
-    inward = com_acceleration(model.inertia.com_m, turn, still)
-    if np.allclose(inward, 0.0, atol=1e-12):
-        return np.inf
-    rows = acceleration_rows(model, motion, share=share, contact=contact, motor=False)
-    ways = np.stack([way * yaw_rad_s2 * turn for way in (1.0, -1.0)])
-    starts = np.stack([com_acceleration(model.inertia.com_m, still, way) for way in ways])
-    squared = min(float(np.min(along(model, rows, start, inward).value)) for start in starts)
-    high = np.sqrt(max(0.0, squared))
-
-    def there(rate: float) -> bool:
-        # At this rate a wheel may slide so slowly that its drag, which helped, is not full.
-        turning = np.vstack([rate * turn, rate * turn])
-        really = Motion(velocity=turning, acceleration=np.vstack(list(ways)))
-        if np.max(realised(model, really, contact=contact, share=share).use) > share:
-            return False
-        if model.drives.stall_torque_N_m is None:
-            return True
-        asked = efforts(model, rows.friction, rows.external, starts + rate**2 * inward)
-        limit = share * torque_limit(model, model.geometry.wheel_speeds(rate * turn))
-        return bool(np.max(asked.of_motors(limit)) <= 1.0)
-
-    low = 0.0
-    for _ in range(40 if not there(high) else 0):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if there(middle) else (low, middle)
-    return float(high if low == 0.0 else low)
 
 
 def _sizes(A: Array, b: Array) -> Array:
@@ -364,13 +348,13 @@ def _boxes(A: Array, b: Array, sign: Array, yaw: float) -> tuple[Array, Array, A
 
 
 def _once(rows: Array) -> Array:
-    return np.unique(np.round(rows, 9), axis=0)
+    rows = np.round(rows, 9)
+    return rows[alike(rows)[1]]
 
 
 def _tightest(A: Array, b: Array, sign: Array) -> tuple[Array, Array, Array]:
     """One row for each normal and sign pattern: the least b."""
-    keys = np.round(np.column_stack([A / np.max(np.abs(A)), sign]), 10)
-    _, group = np.unique(keys, axis=0, return_inverse=True)
-    order = np.lexsort((b, group.ravel()))
-    first = order[np.concatenate([[True], np.diff(group.ravel()[order]) > 0])]
+    kind, _ = alike(np.round(np.column_stack([A / np.max(np.abs(A)), sign]), 10))
+    order = np.lexsort((b, kind))
+    first = order[np.concatenate([[True], np.diff(kind[order]) > 0])]
     return A[first], b[first], sign[first]

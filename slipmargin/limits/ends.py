@@ -10,7 +10,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array
-from slipmargin.limits.effort import Effort
+from slipmargin.limits.effort import Most
 
 #: Steps uphill from the worst end of a round set, and how far the slope is looked for in each axis [1].
 UPHILL, NEARBY = 3, 1e-3
@@ -29,9 +29,9 @@ class Ends:
         found: tuple[Array, ...],
         sign: Array,
         normals: Array,
-        effort: Callable[[Array], Effort],
-        limit_N_m: Array,
-    ) -> Effort:
+        effort: Callable[[Array], Most],
+        driven: bool,
+    ) -> Most:
         """What the ends of a set ask of each motion (R, M).
 
         A round set's ends are those along the rows' normals and all round.  Shares of the realised
@@ -45,9 +45,9 @@ class Ends:
         seen = effort(at)
         size = np.max(np.abs(at), axis=(0, 1))
         step = np.vstack([np.zeros(3), NEARBY * np.diag(size)])[:, None]
-        shares: tuple[Callable[[Effort], Array], ...] = (lambda e: e.use,)
-        if np.any(np.isfinite(limit_N_m)):
-            shares = (*shares, lambda e: e.of_motors(limit_N_m))
+        shares: tuple[Callable[[Most], Array], ...] = (lambda e: e.use,)
+        if driven:
+            shares = (*shares, lambda e: e.motors)
         for share in shares:
             first = np.argmax(share(seen)[: len(at)], axis=0)
             worst = np.take_along_axis(at, first[None, :, None], axis=0)

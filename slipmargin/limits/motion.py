@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.errors import NoSolution
-from slipmargin.limits.effort import efforts, greatest_torque
+from slipmargin.limits.effort import coasting_use, efforts, greatest_torque
 from slipmargin.limits.motion_external import External, least_product
 from slipmargin.limits.motion_friction import Friction, material_states
 from slipmargin.limits.motion_rows import (
@@ -207,7 +207,7 @@ def _coasted(
     rows: AccelerationRows, start: Array, direction: Array, value: Array, coasts: NDArray[np.bool_]
 ) -> Array:
     """``value``, or what drag alone does where no multiple is admissible as drag leaves no grip to drive."""
-    if not np.any(coasts):
+    if not coasts.any():
         return value
     away = np.einsum("mc,mc->m", rows.coasting - start, direction)
     away[np.abs(away) < 1e-12 * np.sum(np.abs(rows.coasting), axis=1)] = 0.0
@@ -253,7 +253,7 @@ def steady_share_of(
     need = _needed(model, facets, friction, external, _acceleration(model, motion))
     if model.count == 3:
         return need
-    use = efforts(model, friction, external, np.zeros((1, motion.count, 3))).use[0]
+    use = coasting_use(model, friction, external, motion.count)
     return np.where(need < 1.0, np.clip(use, need, 1.0), need)
 
 

@@ -9,7 +9,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, read_only
 from slipmargin.limits.bias import height_m, lift_N
 from slipmargin.limits.motion_probes import probes
 from slipmargin.limits.motion_state import Motion
@@ -19,6 +19,9 @@ from slipmargin.physics.frames import rotate_rows
 from slipmargin.physics.loads import Loads
 from slipmargin.physics.terms import ForceTerm
 from slipmargin.physics.variables import Frame
+
+#: No acceleration of the centre of mass [m/s²].
+NONE = read_only(np.zeros(2))
 
 
 @final
@@ -48,11 +51,11 @@ class External:
         each = [
             (per_load @ load if load.ndim == 1 else (per_load @ load[:, :, None])[..., 0])
             + least_product(normals, low, high)
-            for low, high, load in self.cases(np.zeros(2))
+            for low, high, load in self.cases()
         ]
         return np.asarray(np.min(each, axis=0) if len(each) > 1 else each[0])
 
-    def cases(self, acceleration: Array) -> Iterator[tuple[Array, Array, Array]]:
+    def cases(self, acceleration: Array = NONE) -> Iterator[tuple[Array, Array, Array]]:
         """Boxes (M, 3), (M, 3) of wrenches, each with the loads at an acceleration of the centre of mass.
 
         A force with a height stands at a corner of its box, so that loads and wrench belong together: what
@@ -70,7 +73,7 @@ class External:
                 force = [right[:, :1], forward[:, 1:2]]
                 corners[-1].append((np.hstack([*force, low[:, 2:]]), np.hstack([*force, high[:, 2:]])))
         for chosen in product(*corners):
-            low, high = (np.sum([box[side] for box in chosen], axis=0) for side in (0, 1))
+            low, high = (sum(boxes[1:], start=boxes[0]) for boxes in zip(*chosen, strict=True))
             load = self._loads(acceleration, [box[0] for box in chosen])
             for shift in shifts:
                 yield low, high, load + shift
@@ -82,7 +85,17 @@ class External:
 
     def standing_N(self) -> Array:
         """Least loads (M, N) at zero acceleration on an even floor: one wheel in the air is no tipping."""
-        return np.asarray(self.loads.at(np.zeros(2), lift_N=self.lift_N) + self.load_change_N[0])
+        return np.asarray(self.loads.at(NONE, lift_N=self.lift_N) + self.load_change_N[0])
+
+    def corners(self) -> Iterator[tuple[Array, Array]]:
+        """Wrenches (M, 3) at the corners of the boxes without acceleration, each with its loads."""
+        for low, high, load in self.cases():
+            unknown = np.flatnonzero(np.any(low < high, axis=0))
+            for sides in product((low, high), repeat=len(unknown)):
+                corner = low.copy()
+                for j, side in zip(unknown, sides, strict=True):
+                    corner[:, j] = side[:, j]
+                yield corner, load
 
     @property
     def tilts(self) -> bool:

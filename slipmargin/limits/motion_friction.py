@@ -186,7 +186,7 @@ def _possible(grip: Grip, motion: Motion, contact: Contact) -> Mask:
 def material_states(possible: Mask) -> list[Mask]:
     """The combinations (M, N) of materials to try; one where every wheel's is known."""
     roller, rigid = possible
-    free = [i for i in range(roller.shape[1]) if np.any(roller[:, i] & rigid[:, i])]
+    free = np.flatnonzero(np.any(roller & rigid, axis=0))
     allow_states("wheel", len(free), MOVING_STATES)
     states = []
     for code in range(2 ** len(free)):

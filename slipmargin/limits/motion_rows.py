@@ -14,6 +14,7 @@ wrench, the worst of what is unknown, with the loads that the same forces make b
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import final
 
 import numpy as np
@@ -25,6 +26,7 @@ from slipmargin.limits.motion_external import External, external_in_motion
 from slipmargin.limits.motion_friction import Friction, friction_in_motion
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
+from slipmargin.physics.kinematics import KEPT, WheelGeometry
 from slipmargin.sets.facets import facet_normals
 
 
@@ -43,8 +45,14 @@ class Facets:
 
     @staticmethod
     def of(model: Model) -> Facets:
-        """The facets of a model: they depend on the wheels' places and directions only."""
-        along, across = model.wrench_maps()
+        """The facets of a model."""
+        return Facets.of_wheels(model.geometry, *(float(c) for c in model.inertia.com_m))
+
+    @staticmethod
+    @lru_cache(maxsize=KEPT)
+    def of_wheels(geometry: WheelGeometry, com_x_m: float, com_y_m: float) -> Facets:
+        """Facets depend on the wheels' places, their directions and the centre of mass only."""
+        along, across = geometry.wrench_maps(np.array([com_x_m, com_y_m]))
         half = facet_normals(along)
         normals = np.vstack([half, -half])
         lever = normals @ along
@@ -84,6 +92,8 @@ SPENT = "drag uses the whole grip"
 #: A torque below this share of the stall torque is none: rounding at the top speed, where no torque is left
 #: [1].
 NO_TORQUE = 1e-9
+#: Numbers in one array of a block of states: what many wheels make of it then fits into the cache.
+BLOCK = 1 << 17
 
 
 def acceleration_rows(
@@ -177,17 +187,22 @@ def prepare(
 def facet_coefficients(facets: Facets, friction: Friction, share: Array | float) -> Array:
     """κ (M, K, N): how much each newton of load is worth to each facet, worst over what is unknown."""
     part = np.broadcast_to(np.asarray(share, dtype=float), (friction.drive.shape[1],))
-    worst: Array | None = None
-    for possible, drive, low, high in zip(
-        friction.possible, friction.drive, friction.drag_low, friction.drag_high, strict=True
-    ):
-        if not np.any(possible):
-            continue
-        held = facets.drive * (part[:, None] * drive)[:, None]
-        lost = np.maximum(facets.across * low[:, None], facets.across * high[:, None])
-        each = held - lost if np.all(possible) else np.where(possible[:, None], held - lost, np.inf)
-        worst = each if worst is None else np.minimum(worst, each)
-    assert worst is not None
+    worst = np.full((len(part), *facets.drive.shape), np.inf)
+    for first in range(0, len(part), size := max(1, BLOCK // facets.drive.size)):
+        at = slice(first, first + size)
+        for possible, drive, low, high in zip(
+            friction.possible, friction.drive, friction.drag_low, friction.drag_high, strict=True
+        ):
+            if not np.any(possible):
+                continue
+            each = facets.drive * (part[at, None] * drive[at])[:, None]
+            lost = facets.across * low[at, None]
+            if high is not low:
+                lost = np.maximum(lost, facets.across * high[at, None])
+            each -= lost
+            if not np.all(possible):
+                each[np.broadcast_to(~possible[at, None], each.shape)] = np.inf
+            np.minimum(worst[at], each, out=worst[at])
     return worst
 
 
@@ -232,14 +247,15 @@ def torque_rows(model: Model, friction: Friction, external: External) -> TorqueR
     on_drag = on_wrench @ across + np.diag(c.radius_m * along_free)
     low = np.where(friction.possible, friction.drag_low, np.inf).min(axis=0)
     high = np.where(friction.possible, friction.drag_high, -np.inf).max(axis=0)
-    rows, bounds = [], []
-    for sign in (1.0, -1.0):
-        drag = np.maximum(sign * on_drag * low[:, None], sign * on_drag * high[:, None])  # (M, N, N)
-        A = np.broadcast_to(sign * on_wrench * model.inertia.diagonal, (*drag.shape[:2], 3)).copy()
-        A[..., :2] += drag @ model.loads.per_acceleration_kg
-        rows.append(A)
-        bounds.append(external.least(sign * on_wrench, -drag))
-    return TorqueRows(A=np.stack(rows), b=np.stack(bounds))
+    ends = on_drag * low[:, None], on_drag * high[:, None]  # (M, N, N)
+    A, b = np.empty((2, *low.shape, 3)), np.empty((2, *low.shape))
+    for s, (wrench, drag) in enumerate(
+        ((on_wrench, np.maximum(*ends)), (-on_wrench, -np.minimum(*ends))),
+    ):
+        A[s] = wrench * model.inertia.diagonal
+        A[s, ..., :2] += drag @ model.loads.per_acceleration_kg
+        b[s] = external.least(wrench, -drag)
+    return TorqueRows(A=A, b=b)
 
 
 def torque_limit(model: Model, speed: Array) -> Array:

@@ -15,7 +15,6 @@ the ratios of the k_i count.  For three wheels the distribution is unique and th
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +24,7 @@ from slipmargin.limits.creep import BEYOND, FAITHFUL, SCALE, TABLES, WHEEL, knee
 from slipmargin.limits.motion_external import External
 from slipmargin.limits.motion_friction import Friction, material_states
 from slipmargin.limits.motion_realised import LIGHTEST, comparable
-from slipmargin.limits.realised_newton import leave_share
+from slipmargin.limits.realised_newton import GRIP_0, GRIP_1, LEAST, RAY, SLOPE, leave_share
 from slipmargin.model import Model
 from slipmargin.physics.friction_laws import law_inverse
 
@@ -70,14 +69,12 @@ def realised_limit(
     law, n = model.grip.law, model.count
     flat = low.size
     best, wheels = high.ravel().copy(), np.zeros(flat, dtype=np.int64)
-    k = _repeated(friction.drive_stiffness / np.mean(friction.drive_stiffness), low.shape)
     t, code = np.empty(flat), np.empty(flat, dtype=np.int64)
     forces = np.ascontiguousarray(np.concatenate(model.wrench_maps()))
     asked = np.append(np.zeros(SCALE), comparable(model))
     work = forces, np.zeros((n, WHEEL)), asked, np.zeros(TABLES)
     rule = law, knee(law), slip_at(law, share)
-    for c0, c1, light, w0, w1 in _cases(model, friction, external, start, direction):
-        rays, wrench = np.stack([k, c0, c1, light], axis=2), np.concatenate([w0, w1], axis=1)
+    for rays, wrench in _cases(model, friction, external, start, direction):
         leave_share(rule, work, rays, wrench, low.ravel(), best, t, code)
         less = t < best
         best[less], wheels[less] = t[less], code[less]
@@ -91,10 +88,11 @@ def wheels_of(code: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
 
 def _cases(
     model: Model, friction: Friction, external: External, start: Array, direction: Array
-) -> Iterator[tuple[Array, Array, Array, Array, Array]]:
-    """Grip c₀ + t c₁ and its least, and asked wrench w₀ + t w₁, each (R·M, …).
+) -> Iterator[tuple[Array, Array]]:
+    """Slopes, grip c₀ + t c₁ and its least (R·M, N, RAY), and asked wrench w₀ + t w₁ (R·M, 6).
 
-    One case for every combination of materials and, where a wrench is not known, for its extremes.
+    One case for every combination of materials and, where a wrench is not known, for its extremes; both
+    arrays are filled anew for each.
     """
     across, mass = model.wrench_maps()[1], model.inertia.diagonal
     shape = start.shape[:2]
@@ -102,36 +100,15 @@ def _cases(
     load1 = direction[..., :2] @ model.loads.per_acceleration_kg.T
     moved = start[..., :2] @ model.loads.per_acceleration_kg.T
     middle = 0.5 * (friction.drag_low + friction.drag_high)
+    rays, wrench = np.empty((*shape, model.count, RAY)), np.empty((*shape, 6))
+    rays[..., SLOPE] = friction.drive_stiffness / np.mean(friction.drive_stiffness)
     for pick in material_states(friction.possible):
         mu = np.where(pick, friction.drive[1], friction.drive[0])
         drag = np.where(pick, middle[1], middle[0])
-        for low, high, load in external.cases(np.zeros(2)):
-            for wrench in _corners(low, high):
-                load0 = load + moved
-                w0 = start * mass - wrench + (drag * load0) @ across.T
-                w1 = direction * mass + (drag * load1) @ across.T
-                parts = (
-                    mu * load0,
-                    mu * load1,
-                    np.broadcast_to(mu * lightest, (*shape, model.count)),
-                    w0,
-                    w1,
-                )
-                yield tuple(np.ascontiguousarray(p.reshape(-1, p.shape[-1])) for p in parts)  # type: ignore
-
-
-def _corners(low: Array, high: Array) -> Iterator[Array]:
-    """The corners of boxes of wrenches (M, 3): one where nothing is unknown."""
-    open_ = [j for j in range(3) if np.any(low[:, j] < high[:, j])]
-    for sides in product((False, True), repeat=len(open_)):
-        corner = low.copy()
-        for j, up in zip(open_, sides, strict=True):
-            if up:
-                corner[:, j] = high[:, j]
-        yield corner
-
-
-def _repeated(values: Array, shape: tuple[int, ...]) -> Array:
-    return np.ascontiguousarray(
-        np.broadcast_to(values, (*shape, values.shape[-1])).reshape(-1, values.shape[-1])
-    )
+        rays[..., GRIP_1], rays[..., LEAST] = mu * load1, mu * lightest
+        wrench[..., 3:] = direction * mass + (drag * load1) @ across.T
+        for pushed, load in external.corners():
+            load0 = load + moved
+            rays[..., GRIP_0] = mu * load0
+            wrench[..., :3] = start * mass - pushed + (drag * load0) @ across.T
+            yield rays.reshape(-1, model.count, RAY), wrench.reshape(-1, 6)

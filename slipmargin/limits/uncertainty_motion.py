@@ -91,7 +91,7 @@ class _Sampled:
     def cases(self, drawn: Draws) -> Iterator[tuple[Array, Array, Array]]:
         """Boxes of wrenches (M, 3), and the loads (M, b, N) without acceleration under them."""
         rest = self.model.loads.rest_N
-        for low, high, load in self.external.cases(np.zeros(2)):
+        for low, high, load in self.external.cases():
             change = np.broadcast_to(load - rest, (len(low), len(rest)))
             yield low, high, drawn.rest_N + change[:, None]
 

@@ -40,7 +40,7 @@ def picture(now: Settings) -> dict[str, Any]:
     weak = int(np.argmin(full.starting_m_s2))
     recommended = max(0.0, _weakest(model, now.margin))
     turn = spin(model, share=1.0 - now.margin)
-    ring = section(wrench_set(model).zonotope())
+    ring = section(wrench_set(model).body())
     right, forward = model.convention.right_forward(ring[:, 0], ring[:, 1])
     tips = [cause == CAUSES[TIPS] for cause in full.starting.cause]
     slips = int(np.count_nonzero(full.starting_m_s2 <= 0.0))

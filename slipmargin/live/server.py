@@ -6,7 +6,6 @@ The standard library's server is enough: one page, five addresses, one reader.  
 
 from __future__ import annotations
 
-import json
 import sys
 import tempfile
 from collections.abc import Callable, Mapping
@@ -18,6 +17,7 @@ from urllib.parse import parse_qsl, urlsplit
 
 from slipmargin.errors import InputError, SlipmarginError
 from slipmargin.io.assets import asset
+from slipmargin.io.json_text import json_text
 from slipmargin.io.writes import write_bytes
 
 #: The only address that is listened on.
@@ -111,10 +111,12 @@ class _Handler(BaseHTTPRequestHandler):
             return self._send(400, {"error": str(said)})
         except SlipmarginError as fault:
             return self._send(400, {"error": str(fault)})
+        except Exception as defect:
+            return self._send(500, {"error": f"internal error: {type(defect).__name__}: {defect}"})
         self._send(200, found, {"Server-Timing": f"cpu;dur={1e3 * (thread_time() - start):.2f}"})
 
     def _send(self, status: int, data: Any, headers: Mapping[str, str] | None = None) -> None:
-        self._write(status, json.dumps(data).encode(), "application/json", headers or {})
+        self._write(status, json_text(data, indent=None).encode(), "application/json", headers or {})
 
     def _write(self, status: int, body: bytes, kind: str, headers: Mapping[str, str] | None = None) -> None:
         self.send_response(status)

@@ -12,12 +12,16 @@ and no slip along the grip means u·ĝ = 0.  A unit force of the wheel along ĝ 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, final
 
 import numpy as np
 
-from slipmargin.checks import Array, frozen
+from slipmargin.checks import Array, frozen, read_only
 from slipmargin.physics.frames import moment
+
+#: Geometries whose maps are kept: they are frozen, and a limit asks for the same map several times [1].
+KEPT = 64
 
 
 @final
@@ -62,16 +66,18 @@ class WheelGeometry:
         rows[:, 0, 2], rows[:, 1, 2] = -self.position_m[:, 1], self.position_m[:, 0]
         return rows
 
+    @lru_cache(maxsize=KEPT)  # noqa: B019
     def rolling_rows(self) -> Array:
-        """(N, 3): rolling speed ρ θ̇ [m/s] without slip along the grip, −(v + ω×p)·ĝ / ŝ·ĝ."""
+        """(N, 3): rolling speed ρ θ̇ [m/s] without slip along the grip, −(v + ω×p)·ĝ / ŝ·ĝ; read-only."""
         grip = np.einsum("id,idj->ij", self.grip, self.hub_rows())
-        return np.asarray(-grip / self._drive_along_grip()[:, None])
+        return read_only(-grip / self._drive_along_grip()[:, None])
 
+    @lru_cache(maxsize=KEPT)  # noqa: B019
     def lateral_rows(self) -> Array:
-        """(N, 3): lateral slip u·f̂ [m/s] that is left when the wheel does not slip along its grip."""
+        """(N, 3): lateral slip u·f̂ [m/s] left when the wheel does not slip along its grip; read-only."""
         free = np.einsum("id,idj->ij", self.free, self.hub_rows())
         across = np.sum(self.drive * self.free, axis=1, keepdims=True)
-        return np.asarray(free + across * self.rolling_rows())
+        return read_only(free + across * self.rolling_rows())
 
     def wheel_speeds(self, twist: Array) -> Array:
         """Wheel speeds θ̇ (..., N) [rad/s] that roll without slip at body twists (..., 3)."""
@@ -89,12 +95,17 @@ class WheelGeometry:
     def wrench_maps(self, com_m: Array) -> tuple[Array, Array]:
         """B_W and B_T of eqs (14)–(15), each (3, N), about the centre of mass ``com_m``, body frame.
 
-        Column i is the wrench of a unit force of wheel i along ĝ_i (or f̂_i).
+        Column i is the wrench of a unit force of wheel i along ĝ_i (or f̂_i); read-only.
         """
-        arm = self.position_m - com_m
+        return self._wrench_maps(float(com_m[0]), float(com_m[1]))
+
+    @lru_cache(maxsize=KEPT)  # noqa: B019
+    def _wrench_maps(self, com_x_m: float, com_y_m: float) -> tuple[Array, Array]:
+        arm = self.position_m - np.array([com_x_m, com_y_m])
 
         def columns(direction: Array) -> Array:
-            return np.vstack([direction.T, moment(arm[:, 0], arm[:, 1], direction[:, 0], direction[:, 1])])
+            lever = moment(arm[:, 0], arm[:, 1], direction[:, 0], direction[:, 1])
+            return read_only(np.vstack([direction.T, lever]))
 
         return columns(self.grip), columns(self.free)
 

@@ -114,6 +114,8 @@ class Loads:
         change = np.asarray(acceleration)[..., :2] @ self.per_acceleration_kg.T
         if np.ndim(tilting):
             change = change + np.asarray(tilting) @ self.per_moment_1_per_m.T
+        if isinstance(lift_N, float) and lift_N == 0.0:
+            return np.asarray(self.rest_N + change)
         still = 1.0 - np.asarray(lift_N, dtype=float)[..., None] / np.sum(self.rest_N)
         return np.asarray(self.rest_N * still + change)
 

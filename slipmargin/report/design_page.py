@@ -41,7 +41,10 @@ def design_page(
     at = best_at(study, goal.name)
     facts = [
         Fact(label="Best design", value=at),
-        Fact(label=goal.meaning.capitalize(), value=f"{value:.4g} {goal.unit}".removesuffix(" 1")),
+        Fact(
+            label=goal.meaning[:1].upper() + goal.meaning[1:],
+            value=f"{value:.4g} {goal.unit}".removesuffix(" 1"),
+        ),
     ]
     if math.isfinite(own) and own > 0.0:
         facts.append(

@@ -83,8 +83,8 @@ def largest_ellipsoid(rows: Array) -> Array:
 
     start = np.where(i == j, 0.5 / (d * np.max(rows**2, axis=0)[i]), 0.0)
     x = _maximise(volume, np.einsum("ka,nab,kb->kn", rows, basis, rows), start)
-    value, turn = np.linalg.eigh(frame @ np.tensordot(x, basis, 1) @ frame.T)
-    return np.asarray((turn * np.sqrt(value)) @ turn.T)
+    axes, size, _ = np.linalg.svd(frame @ np.linalg.cholesky(np.tensordot(x, basis, 1)))
+    return np.asarray((axes * size) @ axes.T)  # not by eigenvalues: rounding makes those of a needle negative
 
 
 def _maximise(objective: _Objective, rows: Array, x: Array) -> Array:

@@ -155,7 +155,10 @@ def study(
     kinds = tuple(kind for kind in problem.needed() if kind is not Kind.STATIC)
     done = None
     if kinds:
-        rows = [i for i, m in enumerate(everyone) if m is not None]
+        any_left = any(
+            m is not None for m in everyone[:-1]
+        )  # else it is refused, and its own is not asked for
+        rows = [i for i, m in enumerate(everyone) if m is not None] if any_left else []
         work = Task(kinds=kinds)
         done = in_pieces(
             work,

@@ -24,6 +24,7 @@ from typing import Any
 
 from fuzz.cases import BUILT_IN, Case, draw
 from fuzz.judge import BAD, judge
+from fuzz.page import answer_requests
 
 ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "benchmarks" / "results" / "fuzz.json"
@@ -113,7 +114,8 @@ def run(case: Case, base: Path | None = None, keep: Path | None = None) -> tuple
         said = [p.read_text(encoding="utf-8", errors="replace") if p.exists() else "" for p in (out, err)]
         if why:
             return why, f"status {code}: {_where(said[1])}", used
-        return *judge(code, *said, work, before), used
+        stream = case.words[:1] == ["monitor"] and "-" in case.words
+        return *judge(code, *said, work, before, stream=stream), used
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 
@@ -125,8 +127,11 @@ def _child(words: list[str], work: Path, out: Path, err: Path) -> None:
         os.setsid()
         for stream, path in ((1, out), (2, err)):
             os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), stream)
-        os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+        fed = work / "stdin"
+        os.dup2(os.open(fed if fed.exists() else os.devnull, os.O_RDONLY), 0)
         os.chdir(work)
+        if words[:1] == ["explore"]:
+            answer_requests(work)
         pages = int(Path("/proc/self/statm").read_text().split()[0])
         most = pages * resource.getpagesize() + MEMORY_B
         resource.setrlimit(resource.RLIMIT_AS, (most, most))

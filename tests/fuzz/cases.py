@@ -16,7 +16,7 @@ from typing import Any
 import tomllib
 from robot_files import GOOD
 
-from fuzz import mutate
+from fuzz import foreign, mutate
 from slipmargin.effects import WheelEffect
 from slipmargin.effects.catalogue import CATALOGUE
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
@@ -377,7 +377,25 @@ def monitor(random: Random) -> Case:
     files["l.csv"] = mutate.table(random, text, random.choice((0, 0, 1, 2))).encode()
     words = ["monitor", "r.toml", "l.csv", "--surface", surface]
     words += option(random, "--false-alarms", (0.01, 0.5), 0.2)
+    if random.random() < 0.4:
+        words[2], files["stdin"] = "-", files.pop("l.csv")
+        if random.random() < 0.1:
+            files["stdin"] = mutate.raw(random, files["stdin"], 2)
     return Case([*words, *(["--out", "o.csv"] if random.random() < 0.5 else [])], files)
+
+
+def explore(random: Random) -> Case:
+    """The local page, and what is sent to it."""
+    files: dict[str, bytes] = {}
+    words = ["explore", "r.toml", "--no-browser"]
+    surface = robot_file(random, files)
+    words += ["--surface", surface] if random.random() < 0.8 else []
+    words += option(random, "--port", (0, 0, -1, 70000), 0.1)
+    if random.random() < 0.1:
+        files["report.html"] = random.choice((b"<html>report</html>", b"\xff\xfe", b""))
+        words += ["--report", "report.html"]
+    foreign.requests(random, files)
+    return Case(words, files)
 
 
 def export(random: Random) -> Case:
@@ -385,7 +403,8 @@ def export(random: Random) -> Case:
     files: dict[str, bytes] = {}
     form, ending = random.choice((("c", "h"), ("c", "h"), ("sdf", "sdf"), ("urdf", "urdf"), ("mjcf", "xml")))
     words = ["export", form, "r.toml", "--surface", robot_file(random, files), "--out", f"o.{ending}"]
-    return Case(words, files)
+    words += option(random, "--margin", (0, 0.1, 0.99), 0.2) if form == "c" else []
+    return Case(words + (["--json", "o.json"] if random.random() < 0.5 else []), files)
 
 
 def design(random: Random) -> Case:
@@ -415,6 +434,9 @@ def measure(random: Random) -> Case:
 
 
 def diagnose(random: Random) -> Case:
+    way = random.random()
+    if way < 0.35:
+        return Case(*(foreign.campaign if way < 0.2 else foreign.pulls)(random))
     files: dict[str, bytes] = {}
     folder = DATA / "rig" / "a-null"
     table = tomllib.loads((folder / "robot.toml").read_text())
@@ -479,7 +501,15 @@ def csv(random: Random) -> Case:
 
 def imported(random: Random) -> Case:
     """A raw log of one of the formats."""
-    return random.choice((robotino, csv))(random)
+    return random.choice((robotino, csv, foreign_log))(random)
+
+
+def foreign_log(random: Random) -> Case:
+    """A log of another tool."""
+    files: dict[str, bytes] = {}
+    words = foreign.log_words(random, files)
+    words += ["--out", "o", *flag(random, "--calibrate", 0.1), *flag(random, "--force", 0.1)]
+    return Case(words + (["--json", "o.json"] if random.random() < 0.3 else []), files)
 
 
 def robots_command(random: Random) -> Case:
@@ -487,7 +517,9 @@ def robots_command(random: Random) -> Case:
     way = random.random()
     if way < 0.5:
         robot_file(random, files)
-        return Case(["robots", random.choice(("check", "show")), "r.toml"], files)
+        words = ["robots", random.choice(("check", "show")), "r.toml"]
+        words += ["--json", "o.json"] if words[1] == "check" and random.random() < 0.5 else []
+        return Case(words + (["--plot", "o.svg"] if random.random() < 0.1 else []), files)
     if way < 0.7:
         kind = random.choice(("lekiwi", "kiwi", "xdrive", "mecanum", "ssl"))
         names = [w for w in mutate.WORDS if w not in ("nan", "inf")]  # a robot may be called so
@@ -522,8 +554,9 @@ def other(random: Random) -> Case:
         (
             ["effects", "show", word],
             ["effects", "list"],
-            ["surfaces", "list"],
-            ["surfaces", "show", word],
+            ["surfaces", "list", "--json", "-"],
+            ["surfaces", "show", word, "--json", "o.json"],
+            ["surfaces", "show", "carpet-omni-williams2002", "--json", "-"],
             [word],
             ["reproduce", "--out", "r.toml"],
             ["robots", "list"],
@@ -582,7 +615,8 @@ DRAWS: dict[str, tuple[float, Callable[[Random], Case]]] = {
     "design": (3, design),
     "measure": (3, measure),
     "diagnose": (0.7, diagnose),
-    "import": (6, imported),
+    "import": (8, imported),
+    "explore": (4, explore),
     "robots": (4, robots_command),
     "other": (2, other),
 }

@@ -18,8 +18,10 @@ _NO_NUMBER = re.compile(r"(?<![\w.])[-+]?(nan|inf|infinity)(?![\w])", re.IGNOREC
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029]")
 
 
-def judge(code: int, out: str, err: str, folder: Path, before: set[str]) -> tuple[str, str]:
-    """The word for an ended run and what shows it."""
+def judge(
+    code: int, out: str, err: str, folder: Path, before: set[str], *, stream: bool = False
+) -> tuple[str, str]:
+    """The word for an ended run and what shows it; of a ``stream`` lines are out before one is refused."""
     if "Traceback" in err:
         return "traceback", _last(err)
     if code == 1 and "internal error" in err:
@@ -33,7 +35,9 @@ def judge(code: int, out: str, err: str, folder: Path, before: set[str]) -> tupl
     if code == 2:
         if left:
             return "dirty", f"refused, but wrote {left[0].name}"
-        fine = out == "" and err.count("\n") == 1 and err.startswith("error: ") and len(err) < 2000
+        fine = (
+            (out == "" or stream) and err.count("\n") == 1 and err.startswith("error: ") and len(err) < 2000
+        )
         return ("refused", "") if fine else ("dirty", f"refused, but not in one line: {(out + err)[:300]!r}")
     if code not in (0, 1):
         return "killed", f"status {code}: {_last(err)}"

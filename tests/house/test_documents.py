@@ -16,6 +16,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from robotino import WEIGHED_KG
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from slipmargin_cli.main import COMMANDS, status
@@ -265,10 +266,16 @@ def test_long_sentences_would_be_found() -> None:
 def test_the_readme_is_short_and_its_figures_are_measured() -> None:
     prose = re.sub(r"^```.*?^```", "", README, flags=re.DOTALL | re.MULTILINE)
     assert len(prose.split()) < 900
-    rows = json.loads((ROOT / "benchmarks/results/robotino.json").read_text(encoding="utf-8"))["rows"]
+    result = json.loads((ROOT / "benchmarks/results/robotino.json").read_text(encoding="utf-8"))
+    rows = result["rows"]
     errors = {row["model"]: 100 * row["errors"]["held out"]["displacement"] for row in rows}
     first, last = rows[0]["model"], rows[-1]["model"]
     assert f"{errors[first]:.0f} % of the distance" in README and f"{errors[last]:.1f} % off" in README
+    loads = [result["physical"][f"load on wheel {i} [kg]"] for i in (1, 2, 3)]
+    one, two, three = (load["value"] for load in loads)
+    assert f"{one:.2f}, {two:.2f} and {three:.2f} kg" in README
+    for load, weighed in zip(loads, WEIGHED_KG, strict=True):
+        assert load["low"] <= weighed <= load["high"] and f"{weighed:.3f}" in README
 
 
 @pytest.mark.parametrize(("page", "block"), blocks("python"), ids=page_id)

@@ -220,7 +220,8 @@ def test_the_package_prints_nothing() -> None:
 
 
 def test_nothing_catches_everything() -> None:
-    allowed = {"slipmargin_cli.main"}  # the one place that tells a defect from a refusal
+    # where a defect is told from a refusal: to the terminal, and to the local page
+    allowed = {"slipmargin_cli.main", "slipmargin.live.server"}
     broken = [
         f"{name}:{node.lineno}"
         for name in modules()

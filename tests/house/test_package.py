@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import tarfile
@@ -88,3 +89,25 @@ def test_the_oldest_python_is_the_one_that_is_promised() -> None:
             if least is not None and least != (0, 0) and tuple(least) > promised:
                 newer[str(file.relative_to(ROOT))] = least
     assert not newer
+
+
+def test_nothing_is_installed_that_the_package_does_not_use() -> None:
+    """Each required distribution is imported by the package; what only a part needs is an extra."""
+    try:
+        import tomllib
+    except ImportError:
+        pytest.skip("tomllib is in Python 3.11 and newer")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    required = {re.split(r"[ <>=;\[]", text)[0] for text in project["dependencies"]}
+    source = "\n".join(
+        file.read_text(encoding="utf-8")
+        for folder in ("slipmargin", "cli")
+        for file in (ROOT / folder).rglob("*.py")
+    )
+    unused = {n for n in required if not re.search(rf"^\s*(import|from) {n}\b", source, re.MULTILINE)}
+    extras = {
+        re.split(r"[ <>=;\[]", text)[0]
+        for texts in project["optional-dependencies"].values()
+        for text in texts
+    }
+    assert not unused and not required & extras

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import math
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
 import pytest
+import tomllib
 from fuzz import mutate
 from real_logs import EXCERPT
 
 import slipmargin as sm
 from slipmargin.errors import InputError
+from slipmargin.limits import effort
+from slipmargin.limits.effort import efforts, most_asked
+from slipmargin.limits.every_motion import all_motions
+from slipmargin.limits.motion_rows import prepare
+from slipmargin.limits.motion_state import Contact
 from slipmargin.study.measure import _refuse_undecided
 from slipmargin.work import FACTOR, allow
 
@@ -70,6 +77,35 @@ def test_bounds_of_many_wheels_say_what_was_left_out(tmp_path: Path) -> None:
     assert np.all(np.isnan(found.bounds.rigid_use))
     assert any("not computed" in line for line in found.lines())
     assert "steady_use_rigid" in found.to_json().partition("not_given")[2]
+
+
+def test_what_ends_ask_for_is_the_same_in_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The torques of 24 wheels at every end took half a gigabyte, and bounds 45 s of processor time."""
+    model = sm.read_robot("omni4").build("floor")
+    motion = all_motions(model)
+    friction, external = prepare(model, motion, 0.9, Contact.ROLLERS)[1:]
+    at = np.random.default_rng(3).normal(0.0, 2.0, (7, motion.count, 3))
+    limit = np.full((2, motion.count, model.count), 0.5)
+    whole, most = efforts(model, friction, external, at), most_asked(model, friction, external, at, limit)
+    monkeypatch.setattr(effort, "BLOCK", 2 * motion.count * model.count)
+    for found in (most, most_asked(model, friction, external, at, limit)):
+        np.testing.assert_allclose(found.use, whole.use, rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(found.motors, whole.of_motors(limit), rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(found.torque_N_m, whole.torque_N_m.max(axis=1), rtol=1e-9, atol=1e-12)
+
+
+def test_bounds_of_24_wheels_hold_no_table_of_all_ends(tmp_path: Path) -> None:
+    file = many_wheels(tmp_path, 24)
+    table = tomllib.loads(file.read_text())
+    for i, wheel in enumerate(table["wheel"]):  # no symmetry: every wheel has facets of its own
+        wheel["position_m"] = [(1.0 + 0.02 * i) * x for x in wheel["position_m"]]
+    file.write_text(mutate.toml(table))
+    tracemalloc.start()
+    try:
+        sm.bounds(file, "floor", step_deg=90.0)
+        assert tracemalloc.get_traced_memory()[1] < 700e6
+    finally:
+        tracemalloc.stop()
 
 
 def test_one_wrong_time_stamp_makes_no_table_of_ages(tmp_path: Path) -> None:

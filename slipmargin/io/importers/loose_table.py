@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import re
+from array import array
 from bisect import bisect_left
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, Index
 from slipmargin.errors import InputError
 from slipmargin.io.importers.plug import Dropped
-from slipmargin.io.source import read_bytes
+from slipmargin.io.source import lines_of
+from slipmargin.io.table import BLOCK
 
 _SEPARATORS = (";", ",", "\t", "|")
 _HEADER_WITHIN = 12  #: lines in which the names of the columns must stand
@@ -31,7 +34,7 @@ class LooseTable:
     names: tuple[str, ...]
     units: tuple[str, ...]
     values: Array
-    lines: tuple[int, ...]
+    lines: Index
     rows: int
     dropped: tuple[Dropped, ...]
     notes: tuple[str, ...]
@@ -60,45 +63,45 @@ def read_loose(path: Path, needed: Sequence[str], separator: str, unit_line: boo
     InputError
         Where no line names the needed columns, or no row can be used.
     """
-    text = read_bytes(path).decode("utf-8", errors="replace").lstrip("\ufeff")
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    numbered = _numbered(lines, needed, separator)
+    every = lines_of(path, strict=False)
+    top = list(islice(every, BLOCK))  # the header stands here, and what rows end in shows
+    numbered = _numbered(top, needed, separator)
     if numbered is not None:
         at, (names, mark) = -1, numbered
     else:
-        at, mark = _header(lines, needed, separator)
-        names = tuple(_cells(lines[at], mark))
+        at, mark = _header(top or [""], needed, separator)
+        names = tuple(_cells(top[at], mark))
     notes = [] if mark == separator else [f"cells are separated by {mark!r} instead of {separator!r}"]
-    units = tuple(_cells(lines[at - 1], mark)) if unit_line and at > 0 else ()
+    units = tuple(_cells(top[at - 1], mark)) if unit_line and at > 0 else ()
     units = units if len(units) == len(names) else ()
     rows = _Rows(names=names, mark=mark, needed=needed)
-    rows.read(lines, at + 1)
+    rows.read(top, every, at + 1)
     notes += rows.notes()
-    if not rows.values:
+    if not rows.lines:
         raise InputError(
             f"{at + 2}:1",
             "there is no row that can be read" + rows.first_reason(),
             "give the log as it was written",
         )
-    values = np.array(rows.values)
+    values, lines = rows.table(), np.array(rows.lines)
     keep, order_note = increasing(values[:, names.index(needed[0])])
     notes += order_note
     dropped = list(rows.dropped)
     gone = np.setdiff1d(np.arange(len(values)), keep)
     why = "its time does not come after the row before"
-    dropped += [Dropped(line=rows.lines[i[0]], count=len(i), why=why) for i in runs_of(gone)]
+    dropped += [Dropped(line=int(lines[i[0]]), count=len(i), why=why) for i in runs_of(gone)]
     return LooseTable(
         names=names,
         units=units,
-        values=values[keep],
-        lines=tuple(rows.lines[i] for i in keep),
+        values=values if len(keep) == len(values) and keep[0] == 0 else values[keep],
+        lines=lines[keep],
         rows=rows.seen,
         dropped=tuple(sorted(dropped, key=lambda d: d.line)),
         notes=tuple(notes),
     )
 
 
-def increasing(t: Array) -> tuple[Array, list[str]]:
+def increasing(t: Array) -> tuple[Index, list[str]]:
     """Indices of the longest strictly increasing selection of times, so one bad stamp costs one row.
 
     Rows that stand in reverse order as a whole are turned round (and that is noted).
@@ -107,6 +110,8 @@ def increasing(t: Array) -> tuple[Array, list[str]]:
     if len(step) > 2 and np.count_nonzero(step < 0) > 0.9 * len(step):
         keep, _ = increasing(t[::-1])
         return len(t) - 1 - keep, ["the rows stand in reverse order of time; turned round"]
+    if np.all(step > 0.0) and np.all(np.isfinite(t)):  # as it should be
+        return np.arange(len(t), dtype=np.int64), []
     tails: list[float] = []
     ends: list[int] = []
     before = np.full(len(t), -1)
@@ -125,10 +130,10 @@ def increasing(t: Array) -> tuple[Array, list[str]]:
     while at >= 0:
         chain.append(at)
         at = int(before[at])
-    return np.array(chain[::-1], dtype=int), []
+    return np.array(chain[::-1], dtype=np.int64), []
 
 
-def runs_of(index: Array) -> list[Array]:
+def runs_of(index: Index) -> list[Index]:
     """Consecutive indices gathered."""
     return [part for part in np.split(index, np.flatnonzero(np.diff(index) > 1) + 1) if len(part)]
 
@@ -194,24 +199,37 @@ class _Rows:
 
     def __init__(self, *, names: tuple[str, ...], mark: str, needed: Sequence[str]) -> None:
         self.names, self.mark, self.time = names, mark, names.index(needed[0])
-        self.values: list[list[float]] = []
-        self.lines: list[int] = []
+        self.values, self.lines = array("d"), array("q")
         self.dropped: list[Dropped] = []
         self.seen = 0
         self._other_mark: list[int] = []
         self._comma: list[int] = []
 
-    def read(self, lines: Sequence[str], start: int) -> None:
-        body = [(n, line) for n, line in enumerate(lines[start:], start + 1) if line.strip()]
-        ended = sum(line.rstrip().endswith(self.mark) for _, line in body) > 0.5 * len(body)
-        for number, line in body:
+    def read(self, top: Sequence[str], rest: Iterator[str], start: int) -> None:
+        """Sort the lines of the file's beginning from ``start``, and those of the ``rest``."""
+        block, number = top[start:], start
+        full = [line for line in block if line.strip()]
+        ended = sum(line.rstrip().endswith(self.mark) for line in full) > 0.5 * len(full)
+        while block:
+            self._read(block, number + 1, ended)
+            number += len(block)
+            block = list(islice(rest, BLOCK))
+
+    def _read(self, block: Sequence[str], start: int, ended: bool) -> None:
+        for number, line in enumerate(block, start):
+            if not line.strip():
+                continue
             self.seen += 1
             row, why = self._row(number, line, ended)
             if row is None:
                 self._drop(number, why)
             else:
-                self.values.append(row)
+                self.values.extend(row)
                 self.lines.append(number)
+
+    def table(self) -> Array:
+        """The good rows (rows, columns)."""
+        return np.frombuffer(self.values).reshape(-1, len(self.names))
 
     def _row(self, number: int, line: str, ended: bool) -> tuple[list[float] | None, str]:
         cells, mark = self._split(number, line)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
@@ -49,7 +49,9 @@ class RoadRunnerImporter:
                 "log the drive encoders too (LogFiles.record with lastEncPositions)",
             )
         keep, notes = increasing(log.t_s)
-        signals = {field: (log.wheels(key)[:, order] * turn * sign)[keep] for field, key in there.items()}
+        signals: dict[str, Any] = {
+            field: (log.wheels(key)[:, order] * turn * sign)[keep] for field, key in there.items()
+        }
         bad = runs_of(np.setdiff1d(np.arange(len(log.t_s)), keep))
         if len(keep) < 2:
             raise InputError("nsTimes", "do not increase", "give the log as the robot wrote it")

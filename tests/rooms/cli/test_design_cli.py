@@ -137,6 +137,25 @@ def test_what_shows_only_later_is_placed_too(
     assert f"error: command line: {says}" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["ohio-kiwi", "--surface", "paper", "--vary", "com_y_m=9:10:1"], "--vary: holds no possible design"),
+        (
+            ["ohio-kiwi", "--surface", "paper", "--vary", "mass_kg=1,2", "--uncertain", "com_y_m=0:0.5"],
+            "--uncertain: leaves no design",
+        ),
+    ],
+)
+def test_a_refused_study_leaves_no_pieces(
+    words: list[str], says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its own design was computed and kept in pieces before the refusal."""
+    assert status(["design", *words, "--out", str(tmp_path / "o.csv")]) == 2
+    assert says in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_study_killed_halfway_goes_on_to_the_same_file(tmp_path: Path) -> None:
     """kill −9 in the middle: finished pieces are not computed again, the file is the same byte for byte."""
     whole = design(tmp_path / "whole")

@@ -43,6 +43,9 @@ class Line:
             out.append(self.y[rows] - model)
         return out
 
+    def rough(self) -> Line:
+        return self
+
 
 def candidate(kind: type[CameraScale] | type[CameraRotation]) -> Candidate:
     from slipmargin.diagnosis.candidate import named_candidate

@@ -149,5 +149,7 @@ def test_friction_and_an_unknown_clock_cannot_be_told_apart_and_the_intervals_sa
     assert drive * period**2 == pytest.approx(0.7, abs=0.005), "this much is known"
 
 
-def test_the_clock_is_a_candidate_only_where_the_rate_is_nominal() -> None:
-    assert "clock_rate" not in candidates(()) and "clock_rate" in candidates((), timed=False)
+def test_time_stamps_leave_a_clock_less_room_than_a_nominal_rate() -> None:
+    stamped, nominal = candidates(())["clock_rate"], candidates((), timed=False)["clock_rate"]
+    assert (stamped.low[0], stamped.high[0]) == (0.95, 1.05)
+    assert (nominal.low[0], nominal.high[0]) == (0.9, 1.1)

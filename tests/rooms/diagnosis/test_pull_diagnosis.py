@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import example, given, settings, strategies as st
 from planted_pulls import FULL, QUARTER, data_set, planted, pulled, robot
 
 import slipmargin as sm
@@ -87,6 +87,7 @@ def test_a_planted_effect_is_found_with_its_size(name: str, values: dict[str, fl
 
 
 @settings(max_examples=3, deadline=None)
+@example(x=0.0, y=-0.01171875, drive=1.125, seed=0)  # coefficients alone, far off, left 1.7 times the noise
 @given(
     x=st.floats(-0.012, 0.012),
     y=st.floats(-0.012, 0.012),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -192,10 +193,11 @@ def test_a_failed_write_leaves_the_old_data_set(tmp_path: Path, monkeypatch: pyt
     write_data_set(place, data_set())
     before = (place / "dataset.toml").read_text()
 
-    def full(*_: object, **__: object) -> None:
+    def full(_: object) -> Iterator[str]:
+        yield "t_s"
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(Path, "write_text", full)
+    monkeypatch.setattr("slipmargin.io.data_set_write.trial_parts", full)
     with pytest.raises(InputError, match="No space left"):
         write_data_set(place, data_set(sigma=None))
     assert (place / "dataset.toml").read_text() == before

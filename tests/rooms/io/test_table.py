@@ -25,7 +25,7 @@ def test_columns_are_found_by_name() -> None:
     table = columns_from_text("x_m, t_s\n1,2\n\n3,4\n", required=WANT)
     assert table["t_s"].tolist() == [2.0, 4.0]
     assert table.stack(("t_s", "x_m")).tolist() == [[2.0, 1.0], [4.0, 3.0]]
-    assert table.lines == (2, 4)
+    assert table.lines.tolist() == [2, 4]
     with pytest.raises(ValueError, match="read-only"):
         table.values[0, 0] = 1.0
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http.client
 import json
+import math
 import threading
 from collections.abc import Iterator
 
@@ -134,3 +135,37 @@ def test_friction_keeps_the_ratios_of_the_floor() -> None:
     assert page.design.robot.surface("floor") == settings(page.design, {"mu": 0.9}).design.robot.surface(
         "floor"
     )
+
+
+@pytest.mark.parametrize("grip", ["box", "disc-strip", "ellipse"])
+def test_pure_forces_are_those_of_polytope(grip: str) -> None:
+    """One source: the page draws the section of the robot's own grip, curved or not."""
+    from slipmargin.sets.section import section
+
+    robot = sm.read_robot("mecanum4", grip=grip)
+    drawn = sm.explore(robot, "floor").picture()["section"]
+    ring = section(sm.polytope(robot, "floor").body)
+    right, forward = robot.robot.convention.right_forward(ring[:, 0], ring[:, 1])
+    assert np.allclose(drawn["right"], right, rtol=1e-5) and np.allclose(drawn["forward"], forward, rtol=1e-5)
+
+
+def test_another_tools_file_for_the_same_numbers_is_not_computed_again() -> None:
+    page = sm.explore("ohio-kiwi", "paper")
+    first = page.export("nav2", mu=0.3)
+    (kept,) = page.kept.values()
+    page.export("json", mu=0.3)
+    assert [found is kept for found in page.kept.values()] == [True]
+    page.export("nav2", mu=0.31)
+    assert page.export("nav2", mu=0.3) == first
+
+
+def test_answers_are_json_whatever_they_hold_and_a_defect_is_told(server: Server) -> None:
+    """A number that is not finite was written as NaN, which no browser reads; a defect ended the answer."""
+
+    def breaks(query: object, file: object) -> object:
+        raise ZeroDivisionError("float division by zero")
+
+    server.answers = {**server.answers, "odd": lambda query, file: {"x": [math.nan, np.inf]}, "bad": breaks}
+    assert json.loads(ask(server, "/api/odd")[2]) == {"x": [None, None]}
+    status, _, body = ask(server, "/api/bad")
+    assert status == 500 and "ZeroDivisionError" in json.loads(body)["error"]

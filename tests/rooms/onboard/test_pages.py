@@ -10,7 +10,7 @@ import pytest
 from slipmargin_cli.main import status
 
 import slipmargin as sm
-from slipmargin.api.monitor_log import MonitoredLog, SlipEstimate
+from slipmargin.api.monitor_log import POINTS, MonitoredLog, SlipEstimate, Tally
 
 
 def test_stop_draws_and_reports(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -40,16 +40,32 @@ def estimate(t_s: float, alarm: bool) -> SlipEstimate:
 
 def log(alarms: str, *, quiet: bool = False) -> MonitoredLog:
     """A log with an alarm at each x."""
+    tally = Tally()
+    for k, c in enumerate(alarms):
+        tally.append(estimate(0.1 * k, c == "x"))
+    t_s, probability = tally.curve()
     return MonitoredLog(
         robot="r",
         surface="s",
         source="log.csv",
         false_alarm_rate=0.05,
         quiet=quiet,
-        estimates=tuple(estimate(0.1 * k, c == "x") for k, c in enumerate(alarms)),
-        text="t_s\n",
+        samples=tally.samples,
+        alarms=tally.alarms,
+        events=tuple(tally.events),
+        t_s=t_s,
+        probability=probability,
         warnings=(),
     )
+
+
+def test_a_tally_of_any_length_keeps_a_short_curve_with_every_peak() -> None:
+    tally = Tally()
+    for k in range(50_001):
+        tally.append(estimate(0.001 * k, k in (7, 31_234)))
+    t_s, p = tally.curve()
+    assert len(t_s) == len(p) <= 2 * POINTS and tally.samples == 50_001 and np.all(np.diff(t_s) > 0.0)
+    assert sorted(np.flatnonzero(p > 0.5)) == [0, int(np.searchsorted(t_s, 31.234 + 1e-9)) - 1]
 
 
 def test_a_monitored_log_tells_its_events() -> None:

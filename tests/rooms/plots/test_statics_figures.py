@@ -65,12 +65,15 @@ def test_section_is_the_sweep_by_another_road(model: Model) -> None:
     force = sweep(model, phi, with_band=False).f_max_N
     # Friction answers the pull: it points along −(cos φ, −sin φ) in the body frame; the set is symmetric.
     ray = np.stack([np.cos(phi), -np.sin(phi)], axis=1)
+    np.testing.assert_allclose(reach_of(ring, ray), force, rtol=2e-3)
+
+
+def reach_of(ring: np.ndarray, rays: np.ndarray) -> np.ndarray:
+    """How far rays (K, 2) from the origin go inside a convex polygon with corners counter-clockwise."""
     a, b = ring, np.roll(ring, -1, axis=0)
     normal = np.stack([(b - a)[:, 1], -(b - a)[:, 0]], axis=1)
-    offset = np.sum(normal * a, axis=1)
-    along = ray @ normal.T
-    reach = np.min(np.where(along > 1e-12, offset / np.where(along > 1e-12, along, 1.0), np.inf), axis=1)
-    np.testing.assert_allclose(reach, force, rtol=2e-3)
+    offset, along = np.sum(normal * a, axis=1), rays @ normal.T
+    return np.min(np.where(along > 1e-12, offset / np.where(along > 1e-12, along, 1.0), np.inf), axis=1)
 
 
 def test_every_figure_is_saved_in_every_format(model: Model, tmp_path: Path) -> None:
@@ -95,10 +98,7 @@ def test_the_section_of_a_coupled_grip_is_its_own() -> None:
     for shape in (GripShape.DISC_STRIP, GripShape.ELLIPSE):
         rounded = nominal_model(kiwi(grip=shape), "paper")
         ring = section(wrench_set(rounded).body())
-        turn = np.arctan2(ring[:, 1], ring[:, 0])
-        order = np.argsort(turn)
-        seen = np.arctan2(ways[:, 1], ways[:, 0])
-        reach = np.interp(seen, turn[order], np.hypot(*ring.T)[order], period=2.0 * np.pi)
+        reach = reach_of(ring, ways)
         force = sweep(rounded, phi, with_band=False).f_max_N
         np.testing.assert_allclose(reach, force, rtol=1e-2)
         assert np.all(reach <= force * (1.0 + 1e-4))

@@ -1,0 +1,60 @@
+"""Speeds up to which safe sets of accelerations hold: the motors' share of their top speed, and turning."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.limits.effort import efforts
+from slipmargin.limits.every_motion import all_motions
+from slipmargin.limits.motion import along
+from slipmargin.limits.motion_realised import realised
+from slipmargin.limits.motion_rows import acceleration_rows, at_pace, torque_limit
+from slipmargin.limits.motion_state import Contact, Motion
+from slipmargin.model import Model
+from slipmargin.physics.kinematics import com_acceleration
+
+
+def pace(model: Model, torque_N_m: Array, share: float) -> float | None:
+    """Share of the top speed up to which a share of the motors' torque is what (2, M, N) asks for."""
+    stall, top = model.drives.stall_torque_N_m, model.drives.max_speed_rad_s
+    if top is None:
+        return None
+    if stall is None:
+        return share
+    speed = at_pace(model, all_motions(model).velocity, 1.0) / top
+    driving = np.where(speed > 0.0, torque_N_m[0], torque_N_m[1])
+    left = 1.0 - np.maximum(driving, 0.0) / (share * stall)
+    return float(np.clip(np.min(left / np.maximum(np.abs(speed), 1e-9)), 0.0, share))
+
+
+def yaw_rate(model: Model, yaw_rad_s2: float, share: float, contact: Contact) -> float:
+    """Fastest turn on the spot [rad/s] at which the centripetal force leaves a yaw acceleration."""
+    turn = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
+    still, motion = np.zeros_like(turn), Motion.full_drag(turn)
+    inward = com_acceleration(model.inertia.com_m, turn, still)
+    if np.allclose(inward, 0.0, atol=1e-12):
+        return np.inf
+    rows = acceleration_rows(model, motion, share=share, contact=contact, motor=False)
+    ways = np.stack([way * yaw_rad_s2 * turn for way in (1.0, -1.0)])
+    starts = np.stack([com_acceleration(model.inertia.com_m, still, way) for way in ways])
+    squared = min(float(np.min(along(model, rows, start, inward).value)) for start in starts)
+    high = np.sqrt(max(0.0, squared))
+
+    def there(rate: float) -> bool:
+        # At this rate a wheel may slide so slowly that its drag, which helped, is not full.
+        turning = np.vstack([rate * turn, rate * turn])
+        really = Motion(velocity=turning, acceleration=np.vstack(list(ways)))
+        if np.max(realised(model, really, contact=contact, share=share).use) > share:
+            return False
+        if model.drives.stall_torque_N_m is None:
+            return True
+        asked = efforts(model, rows.friction, rows.external, starts + rate**2 * inward)
+        limit = share * torque_limit(model, model.geometry.wheel_speeds(rate * turn))
+        return bool(np.max(asked.of_motors(limit)) <= 1.0)
+
+    low = 0.0
+    for _ in range(40 if not there(high) else 0):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if there(middle) else (low, middle)
+    return float(high if low == 0.0 else low)

@@ -1,0 +1,250 @@
+"""Kill long commands with signal 9 at random moments: ``python tests/house/killed.py --count 100``.
+
+After each kill every output is whole, as it was before, or absent; a second run then ends with the same
+bytes as a run that nobody disturbed, and leaves nothing else behind.  Half of the moments
+are spread evenly over the run; the others fall within milliseconds of the first file that appears.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import random
+import shutil
+import signal
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+RESULTS = ROOT / "benchmarks" / "results" / "killed.json"
+#: What must not be found, each counted in a column of its own.
+FAULTS = ("half a file", "not resumed", "other bytes", "left behind")
+#: After a file has appeared the kill comes within this time [s].
+SOON_S = 0.03
+
+
+@dataclass(frozen=True)
+class Job:
+    """A command line, what it reads (path → bytes), and how often it is drawn."""
+
+    words: tuple[str, ...]
+    files: dict[str, bytes] = field(default_factory=dict)
+    share: float = 1.0
+    #: It finds these outputs of an earlier run, where it must not be new.
+    replaces: bool = True
+
+
+def jobs() -> dict[str, Job]:
+    """The long commands, each with every kind of file that it writes."""
+    ways = b"x_m,y_m,phi_rad\n0,0,0\n1,0,0.5\n1,1,1\n0,1,2\n"
+    log = "".join(
+        f"{10 * k},{1e3 * math.sin(0.01 * k):.3f},{1e3 * math.cos(0.01 * k):.3f},{0.1 * k:.3f},"
+        + ",".join(f"{30.0 * math.sin(0.02 * k + i):.3f}" for i in range(3)) + "\n"
+        for k in range(4000)
+    )  # fmt: skip
+    told = "t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n" + "".join(
+        f"{0.1 * k:.1f}," + ",".join(f"{5.0 * math.sin(k + i):.4f}" for i in range(3)) + "\n"
+        for k in range(60)
+    )
+    columns = ["--time", "t:ms", "--x", "x:mm", "--y", "y:mm", "--heading", "h:deg"]
+    columns += [word for i in (1, 2, 3) for word in ("--wheel", f"w{i}:rpm")]
+    columns += ["--robot", "ohio-kiwi", "--surface", "paper"]
+    csv = {"l.csv": ("t,x,y,h,w1,w2,w3\n" + log).encode()}
+    kiwi, omni = ("ohio-kiwi", "--surface", "paper"), ("omni4", "--surface", "floor")
+    all_kinds = ("--out", "o.csv", "--json", "o.json", "--plot", "o.svg")
+    return {
+        "sweep": Job(("sweep", *kiwi, "--to", "360", "--step", "0.1", *all_kinds)),
+        "bounds": Job(("bounds", *omni, "--robust", "--export", "json", "o.rec", *all_kinds)),
+        "plan": Job(
+            ("plan", *omni[:1], "w.csv", *omni[1:], "--export", "choreo", "o.traj", *all_kinds),
+            {"w.csv": ways},
+        ),
+        "simulate": Job(("simulate", *kiwi[:1], "c.csv", *kiwi[1:], *all_kinds), {"c.csv": told.encode()}),
+        "design": Job(
+            ("design", *kiwi, "--vary", "delta_deg=0:60:2", "--out", "o.csv", "--json", "o.json"), share=2.0
+        ),
+        "import": Job(("import", "csv", "l.csv", "--out", "o", *columns), csv, replaces=False),
+        "import --force": Job(("import", "csv", "l.csv", "--out", "o", "--force", *columns), csv),
+        "export c": Job(("export", "c", *omni, "--out", "o.h", "--json", "o.json")),
+        "diagnose": Job(("diagnose", "d", "--out", "o", "--json", "o.json"), _data_set(), share=0.5),
+    }
+
+
+def _data_set() -> dict[str, bytes]:
+    """Pulls alone, of which a diagnosis takes seconds."""
+    folder = ROOT / "tests" / "data" / "rig" / "a-null"
+    names = ("robot.toml", "dataset.toml", "pulls.csv")
+    return {f"d/{name}": (folder / name).read_bytes() for name in names}
+
+
+def run(words: tuple[str, ...], folder: Path) -> int:
+    """The command in this process, which is warm then; its exit status."""
+    from slipmargin_cli.main import status
+
+    here = os.getcwd()
+    os.chdir(folder)
+    kept = os.dup(1), os.dup(2)
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, 1)
+    os.dup2(null, 2)
+    try:
+        return status(list(words))
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        for stream, handle in zip((1, 2), kept, strict=True):
+            os.dup2(handle, stream)
+            os.close(handle)
+        os.close(null)
+        os.chdir(here)
+
+
+def started(words: tuple[str, ...], folder: Path) -> int:
+    """The command in a child with a process group of its own; its number."""
+    child = os.fork()
+    if child == 0:
+        code = 99
+        try:
+            os.setsid()
+            code = run(words, folder)
+        finally:
+            os._exit(code)
+    return child
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """Every file below a folder."""
+    return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
+
+
+def fill(folder: Path, files: dict[str, bytes]) -> None:
+    """Write files, the folders above them included."""
+    for name, data in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(data)
+
+
+def until_killed(child: int, folder: Path, before: set[str], moment: float, *, seen: bool) -> bool:
+    """Kill a child ``moment`` seconds after its start, or after it makes a file; whether it still ran."""
+    start, names = time.monotonic(), before
+    while True:
+        if os.waitpid(child, os.WNOHANG)[0]:
+            return False
+        if seen and names == before:
+            names = {str(p.relative_to(folder)) for p in folder.rglob("*")}
+            start = start if names == before else time.monotonic()
+        elif time.monotonic() - start >= moment:
+            os.killpg(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+            return True
+        else:
+            time.sleep(0.0005)
+
+
+def faults(job: Job, good: dict[str, bytes], old: dict[str, bytes], folder: Path) -> list[str]:
+    """What a killed run and the one after it did wrong."""
+    found = []
+    for name, data in contents(folder).items():
+        if name in job.files or ".part/" in f"{name}/":
+            continue
+        if ".work/" in name:
+            try:
+                json.loads(data)
+            except ValueError:
+                found.append(FAULTS[0])
+        elif data not in (good.get(name), old.get(name)):
+            found.append(FAULTS[0])
+    gone = [name for name in old if not (folder / name).exists()]
+    if gone and not any(p.name == "old" for p in folder.rglob("old")):
+        found.append(FAULTS[0])
+    if _ended(started(job.words, folder)) != 0:
+        return [*found, FAULTS[1]]
+    after = contents(folder)
+    if any(after.get(name) != data for name, data in good.items()):
+        found.append(FAULTS[2])
+    there = {str(p.relative_to(folder)) for p in folder.rglob("*")}
+    known = {str(p) for name in (*good, *job.files) for p in (Path(name), *Path(name).parents)}
+    return [*found, *([FAULTS[3]] if there - known else [])]
+
+
+def _ended(child: int) -> int:
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+def kill_all(
+    count: int, seed: int, only: list[str], say: Callable[[str], None] = print
+) -> dict[str, dict[str, int]]:
+    """Command → how often it was killed and what went wrong; ``count`` kills in all."""
+    known = {name: job for name, job in jobs().items() if not only or name in only}
+    drawn, base = random.Random(seed), Path("/dev/shm") if Path("/dev/shm").is_dir() else None
+    whole = sum(job.share for job in known.values())
+    table: dict[str, dict[str, int]] = {}
+    for name, job in known.items():
+        counts: Counter[str] = Counter()
+        place = Path(tempfile.mkdtemp(prefix="killed", dir=base))
+        try:
+            for folder in ("whole", "again"):
+                fill(place / folder, job.files)
+            if run(job.words, place / "whole"):  # compiles and imports: the next one is timed
+                raise SystemExit(f"{name}: {' '.join(job.words)} fails")
+            begin = time.monotonic()
+            if _ended(started(job.words, place / "again")):
+                raise SystemExit(f"{name}: {' '.join(job.words)} fails in a child")
+            lasts = time.monotonic() - begin
+            good = {k: v for k, v in contents(place / "whole").items() if k not in job.files}
+            if good != {k: v for k, v in contents(place / "again").items() if k not in job.files}:
+                raise SystemExit(f"{name}: two runs that nobody disturbed differ")
+            for k in range(max(1, round(count * job.share / whole))):
+                one = place / "killed"
+                fill(one, job.files)
+                old = {n: b"as it was " + d[:20] for n, d in good.items()} if job.replaces and k % 3 else {}
+                if name == "import --force" and old:
+                    old |= {"o/dataset.toml": good["o/dataset.toml"]}
+                fill(one, old)
+                before = {str(p.relative_to(one)) for p in one.rglob("*")}
+                seen = bool(k % 2)
+                moment = drawn.uniform(0.0, SOON_S if seen else lasts)
+                alive = until_killed(started(job.words, one), one, before, moment, seen=seen)
+                counts["killed" if alive else "had ended"] += 1
+                counts.update(faults(job, good, old, one))
+                shutil.rmtree(one)
+        finally:
+            shutil.rmtree(place, ignore_errors=True)
+        table[name] = dict(counts)
+        say(row(name, counts))
+    return table
+
+
+def row(name: str, counts: dict[str, int]) -> str:
+    """A line of the printed table."""
+    return f"{name:<16}" + "".join(f"{counts.get(w, 0):>14}" for w in ("killed", "had ended", *FAULTS))
+
+
+def main() -> int:
+    """Kill, print the table, keep it; 1 where anything was wrong."""
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("--count", type=int, default=100, help="kills in all")
+    words.add_argument("--seed", type=int, default=1)
+    words.add_argument("--only", default="", help="commands, with commas between")
+    words.add_argument("--json", type=Path, default=RESULTS, help="where the table is kept")
+    asked = words.parse_args()
+    print(f"{'command':<16}" + "".join(f"{w:>14}" for w in ("killed", "had ended", *FAULTS)), flush=True)
+    table = kill_all(asked.count, asked.seed, [w for w in asked.only.split(",") if w])
+    total: Counter[str] = Counter()
+    for counts in table.values():
+        total.update(counts)
+    print(row("all", total))
+    kept = {"seed": asked.seed, "commands": table, "all": dict(total)}
+    asked.json.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+    return 1 if any(total[fault] for fault in FAULTS) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
