@@ -9,6 +9,8 @@ left out and said so.
 from __future__ import annotations
 
 import argparse
+import copy
+import dataclasses
 import json
 import sys
 import tempfile
@@ -64,42 +66,124 @@ def drawn_states(limiter: sm.Limiter, count: int, rng: np.random.Generator) -> l
     return [now, wanted, rng.choice([0.001, 0.01, 0.05], size=count), rng.uniform(-4.0, 4.0, count), pull]
 
 
+#: Two to minus 24: half of what the last digit of a number in single precision is worth, of its size.
+HALF_DIGIT = 2.0**-24
+#: How many times all inputs and tables are shaken, for states whose difference is above the second.
+SHAKEN, WORTH_SHAKING = 24, 1e-6
+
+
+def compared(limiter: sm.Limiter, c: CompiledLimiter, states: list[np.ndarray]) -> np.ndarray:
+    """Differences (3, M) of twist, acceleration and share between C and Python, of the inputs' size."""
+    exact = answers(limiter, states)
+    now, wanted, dt, heading, pull = states
+    theirs = (
+        c.limit_twist(now, wanted, dt, heading)[0],
+        c.limit_acceleration(now, pull, heading)[0],
+        c.margin(now, pull, heading)[0],
+    )
+    return apart(limiter, states, exact, theirs)
+
+
+def answers(limiter: sm.Limiter, states: list[np.ndarray]) -> tuple[np.ndarray, ...]:
+    """Twists, accelerations and shares by Python."""
+    now, wanted, dt, heading, pull = states
+    return (
+        limiter.limit_twist(now, wanted, dt, heading)[0],
+        limiter.limit_acceleration(now, pull, heading)[0],
+        limiter.margin(now, pull, heading)[0],
+    )
+
+
+def apart(
+    limiter: sm.Limiter,
+    states: list[np.ndarray],
+    one: tuple[np.ndarray, ...],
+    other: tuple[np.ndarray, ...],
+) -> np.ndarray:
+    """How far two answers are from one another, (3, M)."""
+    size = np.array([1.0, 1.0, np.mean(np.abs(limiter.table.along[2]))])
+    now, wanted, _, _, pull = (x * size if x.ndim == 2 else x for x in states)
+    return np.stack(
+        [
+            np.max(np.abs(one[0] - other[0]) * size, axis=1)
+            / np.maximum(np.max(np.abs(np.stack([now, wanted])), axis=(0, 2)), 1e-30),
+            np.max(np.abs(one[1] - other[1]) * size, axis=1)
+            / np.maximum(np.max(np.abs(pull), axis=1), 1e-30),
+            np.abs(one[2] - other[2]) / np.maximum(one[2], 1e-3),
+        ]
+    )
+
+
+def conditioned(limiter: sm.Limiter, states: list[np.ndarray]) -> np.ndarray:
+    """How far the exact answers (3, M) move where inputs and tables are off by half their last digit.
+
+    No program in single precision can be expected to be nearer: its tables and inputs are that far off.
+    """
+    rng, exact = np.random.default_rng(0), answers(limiter, states)
+    shaken = copy.copy(limiter)
+    moved = np.zeros((3, len(states[0])))
+
+    def off(values: np.ndarray) -> np.ndarray:
+        return values * (1.0 + HALF_DIGIT * rng.choice([-1.0, 1.0], size=values.shape))
+
+    for _ in range(SHAKEN):
+        tables = {
+            field.name: off(value)
+            for field in dataclasses.fields(limiter.table)
+            if isinstance(value := getattr(limiter.table, field.name), np.ndarray)
+        }
+        shaken.table = dataclasses.replace(limiter.table, **tables)
+        now, wanted, dt, heading, pull = (off(x) for x in states)
+        other = answers(shaken, [now, wanted, dt, heading, pull])
+        moved = np.maximum(moved, apart(limiter, states, exact, other))
+    return moved
+
+
 def against_python(count: int) -> dict[str, Any]:
-    """Largest differences, of the inputs' size, over 20 robots; and microseconds a call."""
+    """Differences from Python, of the inputs' size, over 20 robots; and microseconds a call.
+
+    In single precision also what the states themselves allow: how far half a digit moves the exact answer.
+    """
     found = compilers()
     if not found:
         return {"left out": "no C compiler (gcc or clang)"}
-    out: dict[str, Any] = {"states": 0, "compilers": found}
-    worst: dict[str, list[float]] = {"double": [], "float": []}
+    largest, clear, ratio, over = {"double": 0.0, "float": 0.0}, 0.0, 0.0, [0, 0]
     cost: dict[str, dict[str, float]] = {}
+    robots = machines(20)
     with tempfile.TemporaryDirectory() as folder:
-        for name, model in machines(20):
+        for name, model in robots:
             limiter = ModelLimiter(model, MARGIN)
-            size = np.array([1.0, 1.0, np.mean(np.abs(limiter.table.along[2]))])
-            for kind in worst:
+            for kind in largest:
                 c = CompiledLimiter(limiter, Path(folder, name), found[0], double=kind == "double")
                 states = drawn_states(limiter, count, np.random.default_rng(1))
-                now, wanted, dt, heading, pull = (x.astype(c.dtype).astype(float) for x in states)
-                mine, theirs = (
-                    limiter.limit_twist(now, wanted, dt, heading),
-                    c.limit_twist(now, wanted, dt, heading),
-                )
-                scale = np.max(np.abs(np.stack([now, wanted]) * size), axis=(0, 2))
-                off = [np.max(np.abs(mine[0] - theirs[0]) * size, axis=1) / scale]
-                a, b = (
-                    limiter.limit_acceleration(now, pull, heading),
-                    c.limit_acceleration(now, pull, heading),
-                )
-                off.append(np.max(np.abs(a[0] - b[0]) * size, axis=1) / np.max(np.abs(pull * size), axis=1))
-                s, u = limiter.margin(now, pull, heading)[0], c.margin(now, pull, heading)[0]
-                off.append(np.abs(s - u) / np.maximum(s, 1e-3))
-                worst[kind].append(float(max(x.max() for x in off)))
-                out["states"] += count if kind == "double" else 0
+                states = [x.astype(c.dtype).astype(float) for x in states]
+                off = compared(limiter, c, states)
+                largest[kind] = max(largest[kind], float(off.max()))
+                if kind == "float":
+                    some = np.flatnonzero(off.max(axis=0) > WORTH_SHAKING)
+                    moved = conditioned(limiter, [x[some] for x in states])
+                    ratio = max(
+                        ratio, float(np.max(off[:, some] / np.maximum(moved, HALF_DIGIT), initial=0.0))
+                    )
+                    fine = moved <= 1e-5
+                    clear = max(clear, float(np.max(off[:, some][fine], initial=WORTH_SHAKING)))
+                    over[0] += int(np.sum(off > 1e-5))
+                    over[1] += int(np.sum((off[:, some] > 1e-5) & fine))
                 if name in ("ohio-kiwi", "mecanum4"):
-                    cost[f"{name}, {kind}"] = speed(c, now, wanted, dt, heading, pull)
-    out["largest difference"] = {kind: max(values) for kind, values in worst.items()}
-    out["microseconds a call"] = cost
-    return out
+                    cost[f"{name}, {kind}"] = speed(c, *states)
+    return {
+        "states": count * len(robots),
+        "compilers": found,
+        "largest difference": largest,
+        "single precision": {
+            "answers": 3 * count * len(robots),
+            "over 1e-5": over[0],
+            "of them where half a digit of inputs and tables moves the exact answer by less": over[1],
+            "largest there": clear,
+            "largest, in such movements": ratio,
+        },
+        "microseconds a call": cost,
+    }
 
 
 def speed(c: CompiledLimiter, *states: np.ndarray) -> dict[str, float]:

@@ -29,6 +29,8 @@ from slipmargin.onboard.likelihood import LabelledRun, learn
 FOLDS = 5
 #: The monitor's filters answer late; a label is compared with the answer so much later [s].
 LATE_S = 0.06
+#: Rows of the one SSL log that count as a run: 1.7 s, many times what the filters remember.
+BLOCK = 100
 SSL = """schema = 1
 name = "ssl"
 [body]
@@ -114,7 +116,7 @@ def ssl_robot() -> Any:
 
 
 def ssl_logs(file: Path, delay: int) -> list[Log]:
-    """Blocks of 200 rows of the SSL log; slip: the camera's velocity is 0.15 m/s off the scaled wheels'."""
+    """Blocks of the SSL log; slip: the camera's velocity is 0.15 m/s off the scaled wheels'."""
     table = np.loadtxt(file, skiprows=1)
     t = np.arange(len(table)) / 60.0
     omega = table[:, 4:8] / 6144.0 * 2.0 * np.pi * 60.0
@@ -131,7 +133,7 @@ def ssl_logs(file: Path, delay: int) -> list[Log]:
     gyro = np.gradient(over(pose[:, 2:], 1)[:, 0], t)
     return [
         Log(t[k], omega[k], twist[k], apart[k] > 0.15, "ssl", {"gyro_rad_s": gyro[k]})
-        for k in (slice(a, a + 200) for a in range(0, len(t), 200))
+        for k in (slice(a, a + BLOCK) for a in range(0, len(t), BLOCK))
     ]
 
 
@@ -215,6 +217,10 @@ def judged(
         "auc": auc(score, slip),
         "detected at 5 %": detection(score, slip, 0.05),
         "detected at 1 %": detection(score, slip, 0.01),
+        "training runs": len(runs) - len(runs[::FOLDS]),
+        "training runs with grip": len(ratio.gripping),
+        "runs needed for 5 %, for 1 %": [ratio.runs_needed(rate) for rate in above],
+        "detected, set 5 %": float(alarm[0.05][slip].mean()),
         "false alarms, set 5 %": float(alarm[0.05][~slip].mean()),
         "false alarms, set 1 %": float(alarm[0.01][~slip].mean()),
     }

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from .options import RobotArg, SeedOpt, SurfaceOpt, check_outputs
+from .options import JsonOpt, PlotOpt, ReportOpt, RobotArg, SeedOpt, SurfaceOpt, check_outputs, deliver
 from .render import at_options, say, stages, warn
 
 
@@ -27,18 +27,22 @@ def monitor(
         float | None, typer.Option(metavar="K", help="Torque at the wheel per ampere [N m/A], for currents.")
     ] = None,
     seed: SeedOpt = 0,
+    plot: PlotOpt = None,
+    json: JsonOpt = None,
+    report: ReportOpt = None,
 ) -> None:
     """Tell slip from grip by a likelihood ratio under the robot's own model: one line in, one line out.
 
     The first line names the columns: t_s, omega{i}_rad_s and, where logged, omega{i}_cmd_rad_s, gyro_rad_s
     and current{i}_A.  A line out holds the slip probability, the alarm, the wheel that the model loads most,
     the corrected body velocity with its covariance.  Three wheels without gyro or current have no redundancy:
-    then only the model speaks.  From a file the events are printed, and --out takes the lines.
+    then only the model speaks.  From a file, or where an output is asked
+    for, the events are printed when it ends, and --out takes the lines.
     """
     import slipmargin as sm
 
-    check_outputs(out)
-    reading, live = "reading the log", log == "-" and out is None
+    check_outputs(out, json, report, plot=plot)
+    reading, live = "reading the log", log == "-" and not (out or plot or json or report)
     with (
         stages(reading) as progress,
         at_options(
@@ -59,9 +63,10 @@ def monitor(
             torque_per_ampere_N_m=torque_per_ampere,
             seed=seed,
         )
-        told = [] if live else watch.report(lines, log, out)
+        found = None if live else watch.log(lines, log, out)
+    if found is not None:
+        deliver(found, plot=plot, json=json, report=report, written=[out] if out else [])
+        return
     warn(*watch.warnings)
-    say(*told)
-    if live:
-        for line in watch.stream(lines):
-            say(line)
+    for line in watch.stream(lines):
+        say(line)

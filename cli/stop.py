@@ -6,7 +6,17 @@ from typing import Annotated
 
 import typer
 
-from .options import JsonOpt, MarginOpt, OutOpt, RobotArg, SurfaceOpt, check_outputs, deliver
+from .options import (
+    JsonOpt,
+    MarginOpt,
+    OutOpt,
+    PlotOpt,
+    ReportOpt,
+    RobotArg,
+    SurfaceOpt,
+    check_outputs,
+    deliver,
+)
 from .render import at_options
 
 
@@ -20,7 +30,9 @@ def stop(
     step: Annotated[float, typer.Option(metavar="DEG", help="Step of the directions [deg].")] = 15.0,
     verify: Annotated[bool, typer.Option(help="Drive every stop in simulation.")] = True,
     out: OutOpt = None,
+    plot: PlotOpt = None,
     json: JsonOpt = None,
+    report: ReportOpt = None,
 ) -> None:
     """Shortest stops on a straight line that keep the margin, with load transfer and motor torque.
 
@@ -29,7 +41,7 @@ def stop(
     """
     import slipmargin as sm
 
-    check_outputs(out, json)
+    check_outputs(out, json, report, plot=plot)
     with at_options(surface="--surface", margin="--margin", speeds_m_s="--speed", step_deg="--step"):
         found = sm.stop(robot, surface, speeds_m_s=speed or None, margin=margin, step_deg=step, verify=verify)
-    deliver(found, out=out, json=json)
+    deliver(found, out=out, plot=plot, json=json, report=report)

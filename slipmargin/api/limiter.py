@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from slipmargin.api.result import Result
+from slipmargin.api.result import Result, head
 from slipmargin.api.robots import RobotLike, checked_margin, model_of, read_robot
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
@@ -196,10 +196,7 @@ class Limiter(Result):
         from slipmargin.onboard.c_header import operations, row_count
 
         return {
-            "schema": 1,
-            "robot": self.table.robot,
-            "surface": self.table.surface,
-            "margin": self._margin,
+            **head(self.table.robot, self.table.surface, self._margin),
             "robot_sha256": self._hash,
             "rows": row_count(self.table),
             "operations": operations(self.table),

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
+from slipmargin.api.monitor_log import MonitoredLog, SlipEstimate, Tally
 from slipmargin.api.robots import RobotLike, model_of, read_robot
 from slipmargin.checks import Array, real
 from slipmargin.errors import InputError
@@ -17,49 +17,6 @@ from slipmargin.errors import InputError
 if TYPE_CHECKING:
     from slipmargin.onboard.likelihood import LabelledRun
     from slipmargin.onboard.stream import Lines
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SlipEstimate:
-    """What a monitor says of one sample.
-
-    ``slip_probability`` counts slipping and gripping as equally likely beforehand; ``wheel`` is the wheel
-    that its model loads most (empty where it does not alarm); ``twist`` (3,) is the corrected body velocity
-    with its ``covariance`` (3, 3) [m/s, m/s, rad/s].
-    """
-
-    t_s: float
-    slip_probability: float
-    log_ratio: float
-    alarm: bool
-    wheel: str
-    twist: Array
-    covariance: Array
-
-
-@final
-class Events:
-    """What many estimates come to, without keeping them: their number, the alarms, and the events.
-
-    An event holds alarms that follow one another: start, end, wheel and the highest probability.
-    """
-
-    def __init__(self) -> None:
-        self.samples, self.alarms = 0, 0
-        self.events: list[dict[str, Any]] = []
-        self._alarmed = False
-
-    def append(self, one: SlipEstimate) -> None:
-        """Count one estimate more."""
-        self.samples += 1
-        self.alarms += one.alarm
-        if one.alarm and not self._alarmed:
-            self.events.append({"start_s": one.t_s, "end_s": one.t_s, "wheel": one.wheel, "probability": 0.0})
-        if one.alarm:
-            last = self.events[-1]
-            last["end_s"], last["probability"] = one.t_s, max(last["probability"], one.slip_probability)
-        self._alarmed = one.alarm
 
 
 @final
@@ -73,7 +30,8 @@ class SlipMonitor:
     surface : str
         A surface of the robot file.
     false_alarm_rate : float
-        Share of the samples without slip that may alarm, above 0 and below 1.
+        Share of the samples without slip that may alarm on a run like the training runs, above 0 and up to
+        0.5.  Where these are too few to be sure of it, a warning says so and there is no alarm.
     commanded, gyro, current : bool
         Which channels every sample will have besides wheel speeds.
     training : sequence of LabelledRun, or a data set's folder, optional
@@ -122,13 +80,21 @@ class SlipMonitor:
         if training is None:
             from slipmargin.api.monitor_training import simulated
 
-            training = simulated(model, self.table, self.channels, seed, torque_per_ampere_N_m)
+            training = simulated(model, self.table, self.channels, seed, torque_per_ampere_N_m, rate)
         elif isinstance(training, str | Path):
             from slipmargin.api.monitor_training import from_data_set
 
             training = from_data_set(self.table, self.channels, training)
         self.ratio = learn(training)
-        self.threshold = self.ratio.threshold(rate)
+        self.false_alarm_rate, self.threshold = rate, self.ratio.threshold(rate)
+        self._square, self._line, self._constant = self.ratio.polynomial()
+        if not math.isfinite(self.threshold):
+            self.warnings = (
+                *self.warnings,
+                f"{len(self.ratio.gripping)} training runs with grip are too few for a false-alarm rate of "
+                f"{rate:g}: about {self.ratio.runs_needed(rate)} like them are needed; there "
+                "will be no alarm, the slip probability is given all the same",
+            )
         self._signals = Signals(self.table, self.channels)
         if model.count == 3 and not (gyro or current):
             self.warnings = (
@@ -210,17 +176,17 @@ class SlipMonitor:
             raise InputError("gyro_rad_s", "is missing", "give the yaw rate of every sample")
         assert omega is not None
         numbers = self._signals.update(t_s, omega, commanded, gyro_rad_s, current)
-        value = float(self.ratio.value(numbers))
+        value = float(numbers @ (self._square @ numbers + self._line)) + self._constant
         p = 1.0 / (1.0 + math.exp(-min(max(value, -50.0), 50.0)))
         grips, slips = self.ratio.grips, self.ratio.slips
-        wheels = self._signals.twist(omega)
+        wheels = self._signals.twist
         if self.channels.gyro and gyro_rad_s is not None:
             wheels[2] = gyro_rad_s
         one, two = grips.gain * wheels, slips.gain * wheels
         apart = two - one
         twist = one + p * apart
         covariance = (1.0 - p) * grips.covariance + p * slips.covariance
-        covariance = covariance + p * (1.0 - p) * np.outer(apart, apart)
+        covariance = covariance + p * (1.0 - p) * apart[:, None] * apart
         alarm = value > self.threshold
         wheel = self.table.names[int(np.argmax(self._signals.shares()))] if alarm else ""
         return SlipEstimate(
@@ -242,7 +208,7 @@ class SlipMonitor:
             raise InputError(place, problem, f"give {self.table.count} finite numbers, one a wheel")
         return array
 
-    def stream(self, lines: Iterable[str], kept: list[SlipEstimate] | Events | None = None) -> Iterator[str]:
+    def stream(self, lines: Iterable[str], kept: list[SlipEstimate] | Tally | None = None) -> Iterator[str]:
         """A CSV line out for every line in: the first line names the columns.
 
         In: ``t_s``, ``omega{i}_rad_s``, and of the channels announced ``omega{i}_cmd_rad_s``, ``gyro_rad_s``,
@@ -316,10 +282,20 @@ class SlipMonitor:
             **others,
         )
 
-    def report(self, lines: Lines, source: str, out: Path | None = None) -> list[str]:
-        """What a log holds in a few lines, its events first; the lines of every sample go to ``out``."""
-        found = Events()
-        told = self.stream(lines, found)
+    def log(self, lines: Iterable[str], source: str, out: Path | None = None) -> MonitoredLog:
+        """What a log of any length holds: samples, alarms and events.
+
+        Parameters
+        ----------
+        lines : iterable of str
+            As for :meth:`stream`; read one at a time.
+        source : str
+            What the log is called.
+        out : Path, optional
+            The lines of every sample go there as they come.
+        """
+        tally = Tally()
+        told = self.stream(lines, tally)
         if out is None:
             for _ in told:
                 pass
@@ -327,21 +303,17 @@ class SlipMonitor:
             from slipmargin.io.writes import write_lines
 
             write_lines(out, told)
-        share = found.alarms / max(found.samples, 1)
-        return [
-            f"{source}: {found.samples} samples, alarm in {100.0 * share:.2f} % of them, "
-            f"{len(found.events)} events",
-            *(
-                f"slip {e['start_s']:.3f} … {e['end_s']:.3f} s, most loaded wheel {e['wheel']}, "
-                f"probability {e['probability']:.3f}"
-                for e in found.events
-            ),
-            *([f"written: {out}"] if out is not None else []),
-        ]
-
-    def events(self, estimates: Iterable[SlipEstimate]) -> list[dict[str, Any]]:
-        """Alarms that follow one another as one event: start, end, wheel and the highest probability."""
-        found = Events()
-        for one in estimates:
-            found.append(one)
-        return found.events
+        t_s, probability = tally.curve()
+        return MonitoredLog(
+            robot=self.table.robot,
+            surface=self.table.surface,
+            source=source,
+            false_alarm_rate=self.false_alarm_rate,
+            quiet=not math.isfinite(self.threshold),
+            samples=tally.samples,
+            alarms=tally.alarms,
+            events=tuple(tally.events),
+            t_s=t_s,
+            probability=probability,
+            warnings=self.warnings,
+        )

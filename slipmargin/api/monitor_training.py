@@ -19,8 +19,10 @@ if TYPE_CHECKING:
     from slipmargin.onboard.signals import Channels
     from slipmargin.onboard.table import LimitTable
 
-#: Simulated training: runs, their length [s], time between samples [s].
-_RUNS, _LENGTH_S, _STEP_S = 40, 2.0, 0.01
+#: Simulated training: length of a run [s], time between samples [s].
+_LENGTH_S, _STEP_S = 2.0, 0.01
+#: Runs: this over the false-alarm rate, so that a threshold is sure to keep it, within these bounds.
+_PER_RATE, _LEAST_RUNS, _MOST_RUNS = 2.5, 60, 600
 #: A wheel slips where it uses more than this share of its grip in simulation, and grips below the other [1].
 _SLIPS, _GRIPS = 0.97, 0.93
 #: Noise of simulated sensors: wheel speed [share of its rms], gyro [rad/s], current [share].
@@ -31,7 +33,12 @@ _WINDOW_S, _APART_M_S, _APART = 0.1, 0.02, 0.2
 
 
 def simulated(
-    model: Model, table: LimitTable, channels: Channels, seed: int, torque_per_ampere_N_m: float | None
+    model: Model,
+    table: LimitTable,
+    channels: Channels,
+    seed: int,
+    torque_per_ampere_N_m: float | None,
+    false_alarm_rate: float,
 ) -> list[LabelledRun]:
     """Runs of the robot's own model that ask for a tenth to twice the grip's acceleration."""
     from slipmargin.onboard.likelihood import labelled
@@ -58,7 +65,8 @@ def simulated(
     top = model.drives.max_speed_rad_s
     fastest = 1.0 if top is None else min(1.0, 0.5 * top * float(np.min(model.geometry.radius_m)))
     out = []
-    for part in rng.permutation(np.geomspace(0.1, 2.0, _RUNS)):
+    runs = round(min(max(_PER_RATE / false_alarm_rate, _LEAST_RUNS), _MOST_RUNS))
+    for part in rng.permutation(np.geomspace(0.1, 2.0, runs)):
         most = part * table.pull_m_s2 * per * _STEP_S
         wish = np.repeat(rng.normal(size=(ticks // 25 + 1, 3)) * per * fastest, 25, axis=0)
         # Drawn to the right and forward, so that a robot trains alike in either convention.

@@ -17,6 +17,12 @@ if TYPE_CHECKING:
 _PICTURES = (".png", ".svg", ".pdf")
 
 
+def head(robot: str, surface: str, margin: float | None = None) -> dict[str, Any]:
+    """What ``to_dict`` of a result begins with: form, robot, floor, and margin where it has one."""
+    found: dict[str, Any] = {"schema": 1, "robot": robot, "surface": surface}
+    return found if margin is None else {**found, "margin": margin}
+
+
 class Result:
     """Base of all results; a result overrides what it has."""
 

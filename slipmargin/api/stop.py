@@ -8,14 +8,17 @@ from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from slipmargin.api.result import Result
+from slipmargin.api.result import Result, head
 from slipmargin.api.robots import RobotLike, checked_margin, model_of
 from slipmargin.checks import Array, real
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from slipmargin.model import Model
     from slipmargin.onboard.braking import Braking
+    from slipmargin.report.page import Page
 
 #: Speed [m/s] that is asked for where neither a speed nor the motors' top speed is given.
 USUAL_M_S = 1.0
@@ -47,6 +50,12 @@ class StopResult(Result):
         """Whether every stop was simulated and none used more than the margin leaves, by 0.02 at most."""
         return bool(np.all(self.use <= 1.0 - self.margin + 0.02))
 
+    @property
+    def limited(self) -> tuple[str, ...]:
+        """What limits in each of the H directions at the highest speed."""
+        both = zip(self.braking.cause, self.braking.wheels, strict=True)
+        return tuple(f"{cause} of {'+'.join(wheels)}" for cause, wheels in both)
+
     def summary(self) -> str:
         """The longest stop from the highest speed."""
         h = int(np.argmax(self.distance_m[:, -1]))
@@ -61,10 +70,9 @@ class StopResult(Result):
         v = self.speed_m_s[-1]
 
         def told(name: str, h: int) -> str:
-            limits = f"{self.braking.cause[h]} of {'+'.join(self.braking.wheels[h])}"
             return (
                 f"{name:<9} {self.distance_m[h, -1]:.4g} m, {self.time_s[h, -1]:.4g} s from {v:.4g} m/s "
-                f"towards {np.rad2deg(self.heading_rad[h]):.0f}°: limited by {limits}"
+                f"towards {np.rad2deg(self.heading_rad[h]):.0f}°: limited by {self.limited[h]}"
             )
 
         out = [told("longest", far), told("shortest", near)]
@@ -86,6 +94,32 @@ class StopResult(Result):
             for phi, ds, ts in zip(self.heading_rad, self.distance_m, self.time_s, strict=True)
         ]
 
+    def plot(self) -> Figure:
+        """Stopping distance over the direction of motion, a curve a speed."""
+        from slipmargin.plots.onboard import stop_figure
+
+        return stop_figure(self.heading_rad, self.speed_m_s, self.distance_m, self.model.convention)
+
+    def page(self) -> Page:
+        """The report: verdict, numbers, picture, table, what to do next."""
+        from slipmargin.plots.style import image
+        from slipmargin.report.onboard_pages import stop_page
+
+        return stop_page(
+            self.model,
+            margin=self.margin,
+            heading_rad=self.heading_rad,
+            speed_m_s=self.speed_m_s,
+            distance_m=self.distance_m,
+            time_s=self.time_s,
+            limited=self.limited,
+            use=self.use,
+            verified=self.verified,
+            image=image(self.plot()),
+            lines=self.lines(),
+            warnings=self.warnings,
+        )
+
     def table_text(self) -> str:
         """A row a direction and speed."""
         from slipmargin.io.table import columns_text
@@ -105,10 +139,7 @@ class StopResult(Result):
     def to_dict(self) -> dict[str, Any]:
         """Everything as numbers."""
         return {
-            "schema": 1,
-            "robot": self.model.robot,
-            "surface": self.model.surface,
-            "margin": self.margin,
+            **head(self.model.robot, self.model.surface, self.margin),
             "heading_rad": self.heading_rad,
             "speed_m_s": self.speed_m_s,
             "distance_m": self.distance_m,

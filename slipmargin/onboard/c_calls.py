@@ -4,11 +4,6 @@ from __future__ import annotations
 
 #: The functions.
 CALLS = """
-/* Room of a row at an acceleration, with the tolerance for rounding. */
-static inline sm_real sm_room(const sm_row *row, const sm_real *acceleration) {
-  return row->b - sm_dot(row->a, acceleration) + SM_ROUNDING * sm_size(row->b);
-}
-
 /* Narrows [least, most], where row . (start + t slope) <= b. */
 static inline void sm_narrow(sm_real room, sm_real rise, sm_real *least, sm_real *most) {
   if (rise > SM_C(0)) { if (room < *most * rise) *most = room / rise; }
@@ -16,10 +11,20 @@ static inline void sm_narrow(sm_real room, sm_real rise, sm_real *least, sm_real
   else if (room < SM_C(0)) *most = -SM_HUGE;
 }
 
+/* A row times an acceleration by turning, whose third part is zero. */
+static inline sm_real sm_flat(const sm_row *row, const sm_real *x) {
+  return row->a[0] * x[0] + row->a[1] * x[1];
+}
+
+/* Room of a row at an acceleration by turning, with the tolerance for rounding. */
+static inline sm_real sm_room(const sm_row *row, const sm_real *turning) {
+  return row->b - sm_flat(row, turning) + SM_ROUNDING * sm_size(row->b);
+}
+
 /* First t in [0, most] at which room - p t - q t^2 falls below zero, or most. */
 static inline sm_real sm_first(sm_real room, sm_real p, sm_real q, sm_real most) {
   sm_real inside, below;
-  if (room < SM_C(0) || (q >= SM_C(0) && room >= most * (p + q * most))) return most;
+  if (room < SM_C(0) || room >= most * (sm_most_of(p, SM_C(0)) + sm_most_of(q, SM_C(0)) * most)) return most;
   inside = p * p + SM_C(4) * q * room;
   if (inside < SM_C(0)) return most;
   below = p + SM_SQRT(inside);
@@ -66,7 +71,7 @@ static inline int sm_reach(const sm_row *rows, const sm_real *c, const sm_real *
   int k, holds;
   for (k = 0; k < SM_ROWS; ++k) {
     const sm_real room = sm_room(rows + k, c), rise = sm_dot(rows[k].a, rate);
-    const sm_real p = sm_dot(rows[k].a, l), q = sm_dot(rows[k].a, s);
+    const sm_real p = sm_flat(rows + k, l), q = sm_flat(rows + k, s);
     sm_narrow(room, rise, &least, &most);
     ends = sm_first(room, rise + p, q, ends);
     ends = sm_first(room, p, q, ends);
@@ -198,7 +203,7 @@ static inline sm_real sm_margin(sm_twist now, sm_acceleration acceleration, sm_r
   sm_real w[3] = {acceleration.ax_m_s2, acceleration.ay_m_s2, acceleration.alpha_rad_s2};
   const int fine = sm_cleaned(v) & sm_cleaned(w) & sm_cleaned_heading(&heading_rad);
   sm_real c[3], a[3], low[SM_WHEELS], high[SM_WHEELS], left[SM_WHEELS], shift[SM_WHEELS];
-  sm_real spread[SM_WHEELS][3], wrench_low[3], wrench_high[3], top = SM_C(-1);
+  sm_real spread[SM_WHEELS][3], external[3], top = SM_C(-1);
   int i, j, which, worst = 0;
   sm_outwards(v, c);
   sm_to_centre(w, a);
@@ -208,13 +213,13 @@ static inline sm_real sm_margin(sm_twist now, sm_acceleration acceleration, sm_r
     low[i] = SM_C(0.5) * (low[i] + high[i]);
     left[i] = sm_drive_left(i, sm_size(low[i]));
   }
-  sm_external(v, heading_rad, wrench_low, wrench_high, shift);
+  sm_external(v, heading_rad, external, shift);
   sm_sharing(left, shift, a, spread);
   for (which = 0; which < SM_CASES; ++which) {
     sm_real load[SM_WHEELS], wrench[3];
-    for (j = 0; j < 3; ++j) wrench[j] = a[j] * sm_mass[j] - SM_C(0.5) * (wrench_low[j] + wrench_high[j]);
+    for (j = 0; j < 3; ++j) wrench[j] = a[j] * sm_mass[j] - external[j];
     for (i = 0; i < SM_WHEELS; ++i) {
-      load[i] = SM_C(0.5) * (sm_rest_low[which][i] + sm_rest_high[which][i]) + shift[i];
+      load[i] = sm_rest[which][i] + shift[i];
 #if SM_TRANSFERS
       load[i] += sm_transfer[i][0] * a[0] + sm_transfer[i][1] * a[1];
 #endif

@@ -112,15 +112,33 @@ static inline sm_real sm_drive_left(int i, sm_real drag) {
 #endif
 }
 
-/* External wrench (least, greatest) and the change of the loads by the slope at a heading. */
-static inline void sm_external(const sm_real *twist, sm_real heading, sm_real *low, sm_real *high,
-                               sm_real *shift) {
+/* Least load of a wheel without acceleration. */
+static inline sm_real sm_least_rest(int which, int i) {
+#if SM_EXACT_REST
+  return sm_rest[which][i];
+#else
+  return sm_rest[which][i] - sm_rest_half[which][i];
+#endif
+}
+
+#if SM_MOTOR
+/* Torque that the motor of wheel i gives with a sign while the twist goes from start to end. */
+static inline sm_real sm_torque(int i, sm_real sign, const sm_real *start, const sm_real *end) {
+#if SM_TOP_SPEED
+  const sm_real from = sign * sm_dot(sm_rolling[i], start), to = sign * sm_dot(sm_rolling[i], end);
+  const sm_real fastest = sm_most_of(sm_most_of(from, to), SM_C(0));
+  return SM_STALL * sm_most_of(SM_C(1) - fastest * (SM_C(1) / SM_FASTEST), SM_C(0));
+#else
+  (void)i; (void)sign; (void)start; (void)end;
+  return SM_STALL;
+#endif
+}
+#endif
+
+/* External wrench (the middle of its range) and the change of the loads by the slope at a heading. */
+static inline void sm_external(const sm_real *twist, sm_real heading, sm_real *wrench, sm_real *shift) {
   int i;
-  for (i = 0; i < 3; ++i) {
-    const sm_real viscous = sm_dot(sm_viscous[i], twist);
-    low[i] = sm_wrench_low[i] + viscous;
-    high[i] = sm_wrench_high[i] + viscous;
-  }
+  for (i = 0; i < 3; ++i) wrench[i] = sm_wrench[i] + sm_dot(sm_viscous[i], twist);
   for (i = 0; i < SM_WHEELS; ++i) shift[i] = SM_C(0);
 #if SM_FLOOR
   {
@@ -141,9 +159,8 @@ static inline void sm_external(const sm_real *twist, sm_real heading, sm_real *l
     }
     force[0] = c * sm_floor[0] + s * sm_floor[1];
     force[1] = c * sm_floor[1] - s * sm_floor[0];
-    for (i = 0; i < 2; ++i) { low[i] += force[i]; high[i] += force[i]; }
-    low[2] += sm_floor[2];
-    high[2] += sm_floor[2];
+    for (i = 0; i < 2; ++i) wrench[i] += force[i];
+    wrench[2] += sm_floor[2];
     for (i = 0; i < SM_WHEELS; ++i)
       shift[i] = sm_floor_loads[i][0] * force[0] + sm_floor_loads[i][1] * force[1];
   }
@@ -152,39 +169,30 @@ static inline void sm_external(const sm_real *twist, sm_real heading, sm_real *l
 #endif
 }
 
-/* How the wheels share a wrench: a table, or by their grip at the acceleration near_by. */
+/* How the wheels share a wrench: a table, or by their grip at the acceleration near_by.  Then it is the mean
+   of what every three wheels would do alone, weighted by the product of their grips: nothing cancels. */
 static inline void sm_sharing(const sm_real *left, const sm_real *shift, const sm_real *near_by,
                               sm_real spread[SM_WHEELS][3]) {
   int i, j;
 #if SM_SHARES_BY_LOAD
-  sm_real grip[SM_WHEELS], m[6] = {0, 0, 0, 0, 0, 0}, n[6], det;
+  sm_real grip[SM_WHEELS], all = SM_C(0);
+  int k;
   for (i = 0; i < SM_WHEELS; ++i) {
     const sm_real moved = sm_transfer[i][0] * near_by[0] + sm_transfer[i][1] * near_by[1];
-    const sm_real *b = sm_along[i];
     const sm_real share = sm_most_of(left[i], SM_LEAST_LEFT);
-    grip[i] = share * sm_most_of(sm_rest_low[0][i] + shift[i] + moved, SM_LIGHTEST);
-    m[0] += grip[i] * b[0] * b[0];
-    m[1] += grip[i] * b[0] * b[1];
-    m[2] += grip[i] * b[0] * b[2];
-    m[3] += grip[i] * b[1] * b[1];
-    m[4] += grip[i] * b[1] * b[2];
-    m[5] += grip[i] * b[2] * b[2];
+    grip[i] = share * sm_most_of(sm_least_rest(0, i) + shift[i] + moved, SM_LIGHTEST);
+    for (j = 0; j < 3; ++j) spread[i][j] = SM_C(0);
   }
-  n[0] = m[3] * m[5] - m[4] * m[4];
-  n[1] = m[2] * m[4] - m[1] * m[5];
-  n[2] = m[1] * m[4] - m[2] * m[3];
-  n[3] = m[0] * m[5] - m[2] * m[2];
-  n[4] = m[1] * m[2] - m[0] * m[4];
-  n[5] = m[0] * m[3] - m[1] * m[1];
-  det = SM_C(1) / (m[0] * n[0] + m[1] * n[1] + m[2] * n[2]);
-  for (i = 0; i < SM_WHEELS; ++i) {
-    const sm_real *b = sm_along[i];
-    const sm_real scale = grip[i] * det;
-    spread[i][0] = scale * (n[0] * b[0] + n[1] * b[1] + n[2] * b[2]);
-    spread[i][1] = scale * (n[1] * b[0] + n[3] * b[1] + n[4] * b[2]);
-    spread[i][2] = scale * (n[2] * b[0] + n[4] * b[1] + n[5] * b[2]);
+  for (k = 0; k < SM_THREES; ++k) {
+    const int *of = sm_three[k];
+    const sm_real weight = grip[of[0]] * grip[of[1]] * grip[of[2]];
+    all += weight * sm_three_weight[k];
+    for (i = 0; i < 3; ++i)
+      for (j = 0; j < 3; ++j) spread[of[i]][j] += weight * sm_three_spread[k][i][j];
   }
-  (void)j;
+  all = SM_C(1) / all;
+  for (i = 0; i < SM_WHEELS; ++i)
+    for (j = 0; j < 3; ++j) spread[i][j] *= all;
 #else
   (void)left; (void)shift; (void)near_by;
   for (i = 0; i < SM_WHEELS; ++i)
@@ -192,89 +200,139 @@ static inline void sm_sharing(const sm_real *left, const sm_real *shift, const s
 #endif
 }
 
-/* The row spread . (M a - w) + sum of per_load . N(a) <= room. */
-static inline sm_row sm_make_row(const sm_real *spread, const sm_real *per_load, const sm_real *wrench_low,
-                                 const sm_real *wrench_high, int which, const sm_real *shift, sm_real room) {
-  sm_row row;
-  int j;
-  for (j = 0; j < 3; ++j) {
-    row.a[j] = spread[j] * sm_mass[j];
-    room += spread[j] * (spread[j] > SM_C(0) ? wrench_low[j] : wrench_high[j]);
+/* Two rows: a part with either sign, and what is worst for both. */
+static inline void sm_pair(sm_row *rows, const sm_row *mean, const sm_row *worst) {
+  int k;
+  for (k = 0; k < 3; ++k) {
+    rows[0].a[k] = worst->a[k] + mean->a[k];
+    rows[1].a[k] = worst->a[k] - mean->a[k];
   }
-  for (j = 0; j < SM_WHEELS; ++j) {
-    const sm_real rest = per_load[j] > SM_C(0) ? sm_rest_high[which][j] : sm_rest_low[which][j];
-#if SM_TRANSFERS
-    row.a[0] += per_load[j] * sm_transfer[j][0];
-    row.a[1] += per_load[j] * sm_transfer[j][1];
-#endif
-    room -= per_load[j] * (rest + shift[j]);
-  }
-  row.b = room;
-  return row;
+  rows[0].b = worst->b + mean->b;
+  rows[1].b = worst->b - mean->b;
 }
 
-/* Rows on the acceleration that hold while the twist goes from start, whose drag is known, to end. */
+/* Adds a force per load of wheel j to a row. */
+static inline void sm_add_load(sm_row *row, sm_real part, int j, sm_real load) {
+#if SM_TRANSFERS
+  row->a[0] += part * sm_transfer[j][0];
+  row->a[1] += part * sm_transfer[j][1];
+#else
+  (void)j;
+#endif
+  row->b -= part * load;
+}
+
+#if !SM_EXACT_REST
+/* What loads that are known within a band only take from two rows; part: force per drag of each wheel. */
+static inline void sm_band(sm_row *rows, const sm_real *part, const sm_real *mid, const sm_real *half,
+                           int which, int own, sm_real grip) {
+  int j;
+  for (j = 0; j < SM_WHEELS; ++j) {
+    const sm_real worst = sm_size(part[j]) * half[j] - (j == own ? grip : SM_C(0));
+    rows[0].b -= sm_size(worst + part[j] * mid[j]) * sm_rest_half[which][j];
+    rows[1].b -= sm_size(worst - part[j] * mid[j]) * sm_rest_half[which][j];
+  }
+}
+#endif
+
+/* Rows on the acceleration a that hold while the twist goes from start, whose drag is known, to end.
+   The drag per load of wheel j lies within mid +- half; cross = spread . across is its part of a force:
+   |spread . (M a - w + across mid N(a))| + |cross| half N(a) <= share left N(a), with the load
+   N(a) = load + transfer a. */
 static inline void sm_rows(const sm_real *start, const sm_real *end, const sm_real *drag_low,
                            const sm_real *drag_high, sm_real heading, const sm_real *near_by, sm_row *rows) {
-  sm_real low[SM_WHEELS], high[SM_WHEELS], left[SM_WHEELS], shift[SM_WHEELS], per_load[SM_WHEELS];
-  sm_real spread[SM_WHEELS][3], wrench_low[3], wrench_high[3], signed_spread[3];
-  int i, j, which, side, at = 0;
-  if (start != end) {
-    sm_drag(end, low, high);
-    for (i = 0; i < SM_WHEELS; ++i) {
-      low[i] = sm_least_of(low[i], drag_low[i]);
-      high[i] = sm_most_of(high[i], drag_high[i]);
-    }
-  } else {
-    for (i = 0; i < SM_WHEELS; ++i) { low[i] = drag_low[i]; high[i] = drag_high[i]; }
-  }
-  for (i = 0; i < SM_WHEELS; ++i)
-    left[i] = sm_drive_left(i, sm_most_of(sm_size(low[i]), sm_size(high[i])));
-  sm_external(start, heading, wrench_low, wrench_high, shift);
-  sm_sharing(left, shift, near_by, spread);
+  const int wide = start != end || !SM_EXACT_DRAG;
+  sm_real mid[SM_WHEELS], half[SM_WHEELS], left[SM_WHEELS], shift[SM_WHEELS], spread[SM_WHEELS][3];
+  sm_real external[3], known[3];
+  int i, j, k, which, at = 0;
+  if (start != end) sm_drag(end, mid, half);
   for (i = 0; i < SM_WHEELS; ++i) {
-    sm_real cross[SM_WHEELS];
-#if SM_MOTOR
-    const sm_real spin[2] = {sm_dot(sm_rolling[i], start), sm_dot(sm_rolling[i], end)};
+    const sm_real low = start != end ? sm_least_of(mid[i], drag_low[i]) : drag_low[i];
+    const sm_real high = start != end ? sm_most_of(half[i], drag_high[i]) : drag_high[i];
+    mid[i] = SM_C(0.5) * (low + high);
+    half[i] = SM_C(0.5) * (high - low);
+    left[i] = sm_drive_left(i, sm_most_of(sm_size(low), sm_size(high)));
+  }
+  sm_external(start, heading, external, shift);
+  sm_sharing(left, shift, near_by, spread);
+  for (which = 0; which < SM_CASES; ++which) {
+    sm_real load[SM_WHEELS];
+#if SM_TRANSFERS
+    sm_real by_x[3] = {SM_C(0), SM_C(0), SM_C(0)}, by_y[3] = {SM_C(0), SM_C(0), SM_C(0)};
 #endif
-    for (j = 0; j < SM_WHEELS; ++j) cross[j] = sm_dot(spread[i], sm_across[j]);
-    for (side = 0; side < 2; ++side) {
-      const sm_real sign = side ? SM_C(-1) : SM_C(1);
-      for (j = 0; j < SM_WHEELS; ++j) {
-        const sm_real part = sign * cross[j];
-        per_load[j] = part * (part > SM_C(0) ? high[j] : low[j]);
+    for (k = 0; k < 3; ++k) known[k] = external[k];
+    for (j = 0; j < SM_WHEELS; ++j) {
+      load[j] = sm_rest[which][j] + shift[j];
+      for (k = 0; k < 3; ++k) {
+        const sm_real drag = sm_across[j][k] * mid[j];
+        known[k] -= drag * load[j];
+#if SM_TRANSFERS
+        by_x[k] += drag * sm_transfer[j][0];
+        by_y[k] += drag * sm_transfer[j][1];
+#endif
       }
-      per_load[i] -= SM_SHARE * left[i];
-      for (j = 0; j < 3; ++j) signed_spread[j] = sign * spread[i][j];
-      for (which = 0; which < SM_CASES; ++which)
-        rows[at++] = sm_make_row(signed_spread, per_load, wrench_low, wrench_high, which, shift, SM_C(0));
+    }
+    for (i = 0; i < SM_WHEELS; ++i) {
+      const sm_real *s = spread[i], grip = SM_SHARE * left[i];
+      sm_row mean, worst = {{SM_C(0), SM_C(0), SM_C(0)}, SM_C(0)}, bound;
+#if SM_MOTOR || !SM_EXACT_REST
+      const sm_real own = sm_dot(s, sm_across[i]);
+#endif
+      for (k = 0; k < 3; ++k) mean.a[k] = s[k] * sm_mass[k];
+#if SM_TRANSFERS
+      mean.a[0] += sm_dot(s, by_x);
+      mean.a[1] += sm_dot(s, by_y);
+#endif
+      mean.b = sm_dot(s, known);
+      if (wide)
+        for (j = 0; j < SM_WHEELS; ++j)
+          sm_add_load(&worst, sm_size(sm_dot(s, sm_across[j])) * half[j], j, load[j]);
+#if !SM_EXACT_WRENCH
+      for (k = 0; k < 3; ++k) worst.b -= sm_size(s[k]) * sm_wrench_half[k];
+#endif
+      bound = worst;
+      sm_add_load(&bound, -grip, i, load[i]);
+      sm_pair(rows + at, &mean, &bound);
+#if !SM_EXACT_REST
+      {
+        sm_real cross[SM_WHEELS];
+        for (j = 0; j < SM_WHEELS; ++j) cross[j] = sm_dot(s, sm_across[j]);
+        sm_band(rows + at, cross, mid, half, which, i, grip);
+      }
+#endif
+      at += 2;
 #if SM_MOTOR
       {
-        const sm_real force = sign * sm_torque_force[i];
-        sm_real torque = SM_STALL;
-#if SM_TOP_SPEED
-        const sm_real fastest = sm_most_of(sm_most_of(sign * spin[0], sign * spin[1]), SM_C(0));
-        torque *= sm_most_of(SM_C(1) - fastest / SM_FASTEST, SM_C(0));
-#else
-        (void)spin;
-#endif
-        for (j = 0; j < SM_WHEELS; ++j) {
-          const sm_real part = force * cross[j] + (i == j ? sign * sm_torque_drag[i] : SM_C(0));
-          per_load[j] = part * (part > SM_C(0) ? high[j] : low[j]);
+        const sm_real force = sm_torque_force[i], size = sm_size(force), direct = sm_torque_drag[i];
+        for (k = 0; k < 3; ++k) { mean.a[k] *= force; worst.a[k] *= size; }
+        mean.b *= force;
+        worst.b *= size;
+        sm_add_load(&mean, direct * mid[i], i, load[i]);
+        if (wide)
+          sm_add_load(&worst, (sm_size(force * own + direct) - size * sm_size(own)) * half[i], i, load[i]);
+        sm_pair(rows + at, &mean, &worst);
+#if !SM_EXACT_REST
+        {
+          sm_real cross[SM_WHEELS];
+          for (j = 0; j < SM_WHEELS; ++j)
+            cross[j] = force * sm_dot(s, sm_across[j]) + (i == j ? direct : SM_C(0));
+          sm_band(rows + at, cross, mid, half, which, -1, SM_C(0));
         }
-        for (j = 0; j < 3; ++j) signed_spread[j] = force * spread[i][j];
-        for (which = 0; which < SM_CASES; ++which)
-          rows[at++] = sm_make_row(signed_spread, per_load, wrench_low, wrench_high, which, shift,
-                                   SM_SHARE * torque);
+#endif
+        rows[at].b += SM_SHARE * sm_torque(i, SM_C(1), start, end);
+        rows[at + 1].b += SM_SHARE * sm_torque(i, SM_C(-1), start, end);
+        at += 2;
       }
 #endif
     }
+  }
 #if SM_TRANSFERS
+  for (i = 0; i < SM_WHEELS; ++i) {
     rows[at].a[0] = -sm_transfer[i][0];
     rows[at].a[1] = -sm_transfer[i][1];
     rows[at].a[2] = SM_C(0);
-    rows[at++].b = SM_SHARE * (sm_rest_low[0][i] + shift[i]);
-#endif
+    rows[at++].b = SM_SHARE * (sm_least_rest(0, i) + shift[i]);
   }
+#endif
 }
 """

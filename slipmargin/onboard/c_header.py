@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.limits.motion_realised import LIGHTEST
 from slipmargin.onboard.c_calls import CALLS
 from slipmargin.onboard.c_code import DECLARATIONS, ROWS
 from slipmargin.onboard.limiter import LARGEST, LEAST_LEFT, SHORTER, tolerance
-from slipmargin.onboard.table import LimitTable
+from slipmargin.onboard.table import LimitTable, threes
 from slipmargin.physics.grips import GripShape
 
 
@@ -50,21 +51,24 @@ def c_header(table: LimitTable, *, version: str, robot_hash: str, source: str) -
 def operations(table: LimitTable) -> dict[str, int]:
     """Most floating-point operations (+ − × ÷ √, comparisons) of each function, an upper bound."""
     n, cases, count = table.count, len(table.rest_low_N), row_count(table)
-    moving = int(table.transfers)
+    moving, motor = int(table.transfers), int(table.stall_torque_N_m is not None)
+    band = int(not _same(table.rest_low_N, table.rest_high_N))
     friction = 60
     drag = n * (12 + 2 * (friction + 4))
-    row = 12 + n * (6 + 4 * moving)
-    sharing = n * (16 + 6 * 3 + 22) + 40 if table.shares_by_load else 0
-    per_wheel = 5 * n + 10 + 2 * (3 * n + 12 + 12 * int(table.stall_torque_N_m is not None) + 5 * n)
-    making = drag + n * 16 + 30 + 120 + sharing + n * per_wheel + count * row + 6 * n
-    reading = count * (6 + 5 + 5 + 5 + 8 + 2 * 16 + 8)
+    external = 20 + (2 * n + 110) * int(table.turned)
+    sharing = (12 * n + 24 * len(threes(table.along)[0]) + 8) if table.shares_by_load else 0
+    load = 2 + 4 * moving
+    wheel = 40 + 12 * moving + n * (8 + load) + 2 * load + 20 * n * band
+    wheel += motor * (70 + 2 * load + 24 * n * band)
+    making = drag + external + sharing + 24 * n + cases * n * (10 + 15 * moving + wheel) + 4 * n * moving
+    reading = 58 * count
     turning = 60
     toward = turning + 60 + 3 * (making + reading + 40)
     rounds = 2 if table.shares_by_load else 1
     return {
         "sm_limit_twist": 2 * toward + 60 + 8 * n,
         "sm_limit_acceleration": turning + 60 + rounds * (making + count * 20 + 20),
-        "sm_margin": turning + drag + 20 * n + 150 + sharing + cases * (12 + n * 30),
+        "sm_margin": turning + drag + external + 20 * n + 20 + sharing + cases * (12 + n * 30),
     }
 
 
@@ -105,9 +109,7 @@ def _plain(text: str) -> str:
 
 def _switches(table: LimitTable) -> list[str]:
     stall, top = table.stall_torque_N_m, table.top_speed_rad_s
-    exact = np.array_equal(table.drag_low, table.drag_high) and np.array_equal(
-        table.slope_low, table.slope_high
-    )
+    exact = _same(table.drag_low, table.drag_high) and _same(table.slope_low, table.slope_high)
     coupled = 0 if not table.coupled else 2 if table.shape is GripShape.ELLIPSE else 1
     named: list[tuple[str, str, str]] = [
         ("SM_WHEELS", str(table.count), "wheels"),
@@ -116,8 +118,11 @@ def _switches(table: LimitTable) -> list[str]:
         ("SM_LAW", str(table.law), "friction law: 0 atan, 1 tanh, 2 rational"),
         ("SM_COUPLED", str(coupled), "1 or 2: drag takes from the drive grip (disc-strip, ellipse)"),
         ("SM_EXACT_DRAG", str(int(exact)), "whether the drag is known, not a range"),
+        ("SM_EXACT_REST", str(int(_same(table.rest_low_N, table.rest_high_N))), "whether the loads are"),
+        ("SM_EXACT_WRENCH", str(int(_same(table.wrench_low, table.wrench_high))), "and the external wrench"),
         ("SM_TRANSFERS", str(int(table.transfers)), "whether accelerating shifts load"),
         ("SM_SHARES_BY_LOAD", str(int(table.shares_by_load)), "whether loads decide who gives what force"),
+        ("SM_THREES", str(len(threes(table.along)[0])), "three wheels out of all"),
         ("SM_MOTOR", str(int(stall is not None)), "whether the motors' torque is known"),
         ("SM_TOP_SPEED", str(int(top is not None)), "whether the motors' top speed is known"),
         ("SM_FLOOR", str(int(table.turned)), "whether the floor slopes, so that the heading matters"),
@@ -150,20 +155,51 @@ def _tables(table: LimitTable) -> list[str]:
         ("sm_drag_high", table.drag_high, "and the greatest"),
         ("sm_slope_low", table.slope_low, "slope of the friction law across the rollers [s/m]"),
         ("sm_slope_high", table.slope_high, ""),
-        ("sm_rest_low", table.rest_low_N, "loads without acceleration [N]"),
-        ("sm_rest_high", table.rest_high_N, ""),
+        ("sm_rest", _middle(table.rest_low_N, table.rest_high_N), "loads without acceleration [N]"),
         ("sm_transfer", table.per_acceleration_kg, "change of the loads per acceleration [kg]"),
-        ("sm_wrench_low", table.wrench_low, "external wrench [N, N, N m]"),
-        ("sm_wrench_high", table.wrench_high, ""),
+        ("sm_wrench", _middle(table.wrench_low, table.wrench_high), "external wrench [N, N, N m]"),
         ("sm_viscous", table.viscous, "external wrench per twist"),
     ]
+    if not _same(table.rest_low_N, table.rest_high_N):
+        rows.append(
+            ("sm_rest_half", 0.5 * (table.rest_high_N - table.rest_low_N), "and how far they may be off")
+        )
+    if not _same(table.wrench_low, table.wrench_high):
+        rows.append(("sm_wrench_half", 0.5 * (table.wrench_high - table.wrench_low), "how far it may be off"))
     if table.turned:
         rows.append(("sm_floor", table.floor_wrench, "wrench of the slope in floor axes [N, N, N m]"))
         rows.append(("sm_floor_loads", table.floor_loads, "change of the loads per force of the slope [1]"))
     if table.stall_torque_N_m is not None:
         rows.append(("sm_torque_force", table.torque_force, "motor torque per drive force [m]"))
         rows.append(("sm_torque_drag", table.torque_drag, "and per drag [m]"))
-    return [_array(name, np.asarray(values), meaning) for name, values, meaning in rows]
+    text = [_array(name, np.asarray(values), meaning) for name, values, meaning in rows]
+    if table.shares_by_load:
+        wheels, weight, spread = threes(table.along)
+        text += [
+            "/* every three wheels, what their grips' product counts, and how they share a wrench alone */",
+            f"static const int sm_three[{len(wheels)}][3] = {{{_places(wheels)}}};",
+            _array("sm_three_weight", weight, ""),
+            *_blocks("sm_three_spread", spread),
+        ]
+    return text
+
+
+def _places(wheels: NDArray[np.intp]) -> str:
+    return ", ".join(f"{{{a}, {b}, {c}}}" for a, b, c in wheels)
+
+
+def _blocks(name: str, values: Array) -> list[str]:
+    body = ",\n".join("  {" + ", ".join(f"{{{_row(row)}}}" for row in block) + "}" for block in values)
+    sides = "".join(f"[{size}]" for size in values.shape)
+    return [f"static const sm_real {name}{sides} = {{\n{body}}};"]
+
+
+def _middle(low: Array, high: Array) -> Array:
+    return 0.5 * (low + high)
+
+
+def _same(low: Array, high: Array) -> bool:
+    return bool(np.array_equal(low, high))
 
 
 def _array(name: str, values: Array, meaning: str) -> str:

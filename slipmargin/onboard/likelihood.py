@@ -2,12 +2,21 @@
 
 The numbers of :mod:`~slipmargin.onboard.signals` are taken as normal under either hypothesis, with means and
 covariances from runs in which it is known which holds: runs of the robot's own model, or logs with a pose.
-The threshold for a false-alarm rate is the quantile of the ratio over the samples that grip, each judged by
-a ratio that has not seen its run.
+
+The threshold keeps a false-alarm rate α by conformal risk control (A. Angelopoulos and others, Conformal Risk
+Control, ICLR 2024).  The samples of a run hang together, so the run is what counts: a_r(τ) of the g_r
+samples that grip in run r exceed τ, judged by a ratio that has not seen the run.  The least τ with
+
+    Σ_r (a_r(τ) − α g_r) + (1 − α) max g ≤ 0
+
+gives E[a] ≤ α E[g] for a further run like these: the second term is the worst that one more run can add.
+With runs of equal length that takes at least 1/α − 1 runs; with fewer no threshold is known to keep the rate
+and there is no alarm at all.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
@@ -26,8 +35,6 @@ LEAST = 30
 SHRINK = 0.02
 #: Part of each covariance that both hypotheses share: few runs know their tails badly [1].
 POOLED = 0.3
-#: Points of the table of quantiles of the ratio over samples that grip.
-TABLE = 2001
 #: Folds of the runs for the threshold.
 FOLDS = 5
 
@@ -63,19 +70,44 @@ class Hypothesis:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Ratio:
-    """log p(numbers | slips) − log p(numbers | grips), with its quantiles over samples that grip."""
+    """log p(numbers | slips) − log p(numbers | grips), with its values over samples that grip.
+
+    ``unseen`` (K,), descending, are the values at samples that grip, each of a ratio that has not seen
+    its run; ``gripping`` (R,) is how many of them each run has.
+    """
 
     grips: Hypothesis
     slips: Hypothesis
-    quantiles: Array
+    unseen: Array
+    gripping: Array
 
     def value(self, numbers: Array) -> Array:
         """The logarithm of the ratio."""
         return np.asarray(self.slips.log_likelihood(numbers) - self.grips.log_likelihood(numbers))
 
+    def polynomial(self) -> tuple[Array, Array, float]:
+        """S (F, F), l (F,) and c: the logarithm of the ratio is x·(S x + l) + c."""
+        one, two = self.grips, self.slips
+        by_one, by_two = one.precision @ one.mean, two.precision @ two.mean
+        constant = 0.5 * (one.mean @ by_one - two.mean @ by_two + one.log_det - two.log_det)
+        return 0.5 * (one.precision - two.precision), by_two - by_one, float(constant)
+
     def threshold(self, false_alarm_rate: float) -> float:
-        """What the ratio exceeds in this share of the samples that grip."""
-        return float(np.interp(1.0 - false_alarm_rate, np.linspace(0.0, 1.0, TABLE), self.quantiles))
+        """What the ratio exceeds in at most this share of the samples that grip; infinite with few runs."""
+        allowed = false_alarm_rate * self.gripping.sum() - (1.0 - false_alarm_rate) * self._longest
+        if not len(self.unseen) or allowed < 0.0:
+            return math.inf
+        return float(self.unseen[min(int(allowed), len(self.unseen) - 1)])
+
+    def runs_needed(self, false_alarm_rate: float) -> int:
+        """How many runs like these a threshold takes."""
+        mean = float(self.gripping.mean()) if len(self.gripping) else 1.0
+        longest = max(self._longest, 1.0)
+        return math.ceil((1.0 - false_alarm_rate) / false_alarm_rate * longest / max(mean, 1e-9) - 1e-9)
+
+    @property
+    def _longest(self) -> float:
+        return float(np.max(self.gripping, initial=0.0))
 
 
 def labelled(
@@ -128,7 +160,7 @@ def learn(runs: Sequence[LabelledRun]) -> Ratio:
     """
     grips, slips = _both(runs)
     folds = max(2, min(FOLDS, len(runs)))
-    unseen = []
+    unseen: list[Array] = []
     for fold in range(folds if len(runs) > 1 else 0):
         rest = [run for k, run in enumerate(runs) if k % folds != fold]
         if not _enough(rest):
@@ -137,11 +169,13 @@ def learn(runs: Sequence[LabelledRun]) -> Ratio:
         for run in runs[fold::folds]:
             numbers = run.numbers[~run.slips]
             unseen.append(two.log_likelihood(numbers) - one.log_likelihood(numbers))
-    if not unseen:
-        numbers = np.concatenate([run.numbers[~run.slips] for run in runs])
-        unseen = [slips.log_likelihood(numbers) - grips.log_likelihood(numbers)]
-    quantiles = np.quantile(np.concatenate(unseen), np.linspace(0.0, 1.0, TABLE))
-    return Ratio(grips=grips, slips=slips, quantiles=quantiles)
+    values = np.sort(np.concatenate(unseen))[::-1] if unseen else np.zeros(0)
+    return Ratio(
+        grips=grips,
+        slips=slips,
+        unseen=np.asarray(values, dtype=np.float64),
+        gripping=np.array([len(values) for values in unseen if len(values)], dtype=np.float64),
+    )
 
 
 def _enough(runs: Sequence[LabelledRun]) -> bool:

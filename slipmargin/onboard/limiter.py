@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.limits.motion_realised import LIGHTEST
-from slipmargin.onboard.table import LimitTable
+from slipmargin.onboard.table import LimitTable, threes
 from slipmargin.physics.frames import to_body
 from slipmargin.physics.friction_laws import law_share
 from slipmargin.physics.grips import drive_left
@@ -103,8 +103,11 @@ def _spread(table: LimitTable, left: Array, shift: Array, near: Array) -> Array:
         return np.broadcast_to(table.spread, (len(near), table.count, 3))
     load = table.rest_low_N[0] + shift + near[:, :2] @ table.per_acceleration_kg.T
     grip = np.maximum(left, LEAST_LEFT) * np.maximum(load, LIGHTEST * table.mean_load_N)
-    heavy = table.along * grip[:, None, :]
-    return np.asarray(np.swapaxes(np.linalg.inv(heavy @ table.along.T) @ heavy, 1, 2))
+    wheels, weight, alone = threes(table.along)
+    each = np.zeros((len(wheels), table.count, 3))
+    each[np.arange(len(wheels))[:, None], wheels] = alone
+    counts = np.prod(grip[:, wheels], axis=2)
+    return np.asarray(np.einsum("mt,tnk->mnk", counts, each) / (counts @ weight)[:, None, None])
 
 
 def drag_between(table: LimitTable, start: Array, end: Array) -> tuple[Array, Array]:

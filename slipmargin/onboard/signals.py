@@ -22,12 +22,11 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.limits.motion_realised import LIGHTEST
 from slipmargin.onboard.table import LimitTable
-from slipmargin.physics.friction_laws import law_share
 
 #: Time constant of the filters [s].
 TAU_S = 0.06
-#: What is added before a logarithm, so that a robot at rest has finite numbers [m/s, m/s², rad/s, A, 1].
-SLOW, CALM, STILL, FAINT, UNUSED = 2e-3, 0.05, 0.02, 0.02, 0.01
+#: What is added to a share before its logarithm [1].
+UNUSED = 0.01
 
 
 @final
@@ -45,24 +44,33 @@ class Signals:
     """The numbers of one robot's stream; :meth:`update` takes a sample, :attr:`names` names the numbers."""
 
     def __init__(self, table: LimitTable, channels: Channels, tau_s: float = TAU_S) -> None:
+        from slipmargin.onboard.sample import sample, shares
+
         self.table, self.channels, self._tau = table, channels, tau_s
+        self._sample, self._shares = sample, shares
         n = table.count
-        self._twist = np.linalg.pinv(table.rolling)
-        left = np.eye(n) - table.rolling @ self._twist
-        self._null = np.linalg.svd(left)[2][: n - 3]
+        to_twist = np.linalg.pinv(table.rolling)
+        null = np.linalg.svd(np.eye(n) - table.rolling @ to_twist)[2][: n - 3]
         #: metres a second of the rim per rad/s
         self._rim = 1.0 / float(np.mean(np.linalg.norm(table.rolling[:, :2], axis=1)))
         self.names = self._names()
+        self._maps = np.array(to_twist), np.array(null)
+        rest, (px, py) = table.rest_low_N[0], table.per_acceleration_kg.T
+        wrench = 0.5 * (table.wrench_low + table.wrench_high)
+        self._machine = (
+            np.array([rest, px, py, table.drag_high, table.slope_high, table.drive]),
+            np.array([*table.com_m, *table.mass, *wrench, LIGHTEST * table.mean_load_N]),
+            np.array(table.lateral),
+            np.array(table.across),
+            np.array(table.spread),
+        )
         self._last: float | None = None
-        self._mean = np.zeros(n)
-        self._rate = np.zeros(n)
-        self._rough, self._residual = 0.0, 0.0
-        self._behind, self._yaw = 0.0, 0.0
-        self._current = np.zeros(n)
+        self._wheels, self._slow, self._motion = np.zeros((3, n)), np.zeros(4), np.zeros((3, 3))
+        self._use = np.zeros(n)
 
     def _names(self) -> tuple[str, ...]:
         names = ["utilisation", "acceleration", "yaw acceleration", "roughness", "speed", "yaw rate"]
-        if len(self._null):
+        if self.table.count > 3:
             names.append("null-space residual")
         if self.channels.commanded:
             names.append("behind command")
@@ -72,9 +80,10 @@ class Signals:
             names += [f"current {w}" for w in self.table.names] + ["current", "power per speed"]
         return tuple(names)
 
-    def twist(self, omega: Array) -> Array:
-        """Body twist (3,) that wheel speeds (N,) mean without slip."""
-        return np.asarray(self._twist @ omega)
+    @property
+    def twist(self) -> Array:
+        """Body twist (3,) that the last sample's wheel speeds mean without slip."""
+        return np.array(self._motion[2])
 
     def update(
         self,
@@ -86,69 +95,36 @@ class Signals:
     ) -> Array:
         """The numbers (F,) after one more sample."""
         if self._last is None:
-            self._mean, dt = omega.copy(), self._tau
+            self._wheels[0], dt = omega, self._tau
         else:
             dt = max(t_s - self._last, 1e-6)
         self._last = t_s
-        k = 1.0 - math.exp(-dt / self._tau)
-        off = omega - self._mean
-        self._mean += k * off
-        self._rate += k * (off / self._tau - self._rate)
-        rough = off - self._tau * self._rate
-        self._rough += k * (float(rough @ rough) - self._rough)
-        twist, rate = self._twist @ self._mean, self._twist @ self._rate
-        speed = math.hypot(twist[0], twist[1])
-        pull = math.hypot(rate[0] - twist[2] * twist[1], rate[1] + twist[2] * twist[0])
-        out = [
-            math.log(UNUSED + self._share(twist, rate)),
-            math.log(CALM + pull),
-            math.log(CALM + abs(rate[2])),
-            math.log(SLOW + math.sqrt(self._rough) * self._rim),
-            speed,
-            math.log(STILL + abs(twist[2])),
-        ]
-        if len(self._null):
-            apart = self._null @ omega * self._rim
-            self._residual += k * (float(apart @ apart) - self._residual)
-            out.append(math.log(SLOW + math.sqrt(self._residual)))
-        if self.channels.commanded:
-            assert commanded is not None
-            behind = (commanded - omega) * self._rim
-            self._behind += k * (float(behind @ behind) - self._behind)
-            out.append(math.log(SLOW + math.sqrt(self._behind)))
-        if self.channels.gyro:
-            assert gyro_rad_s is not None
-            self._yaw += k * (gyro_rad_s - float(self._twist[2] @ omega) - self._yaw)
-            out.append(math.log(STILL + abs(self._yaw)))
-        if self.channels.current:
-            assert current_A is not None
-            self._current += k * (np.abs(current_A) - self._current)
-            total = float(self._current.sum())
-            power = float(self._current @ np.abs(self._mean)) * self._rim
-            out += [math.log(FAINT + c) for c in self._current]
-            out += [math.log(FAINT + total), math.log((FAINT + power) / (SLOW + speed + abs(twist[2]) * 0.1))]
-        return np.array(out)
+        channels, out = self.channels, np.empty(len(self.names))
+        ordered = commanded if channels.commanded else _NONE
+        yaw = gyro_rad_s if channels.gyro else math.nan
+        current = current_A if channels.current else _NONE
+        assert ordered is not None and yaw is not None and current is not None, "announced"
+        self._sample(
+            1.0 - math.exp(-dt / self._tau),
+            self._tau,
+            self._rim,
+            omega,
+            ordered,
+            yaw,
+            current,
+            *self._maps,
+            self._wheels,
+            self._slow,
+            self._motion,
+            out,
+        )
+        twist, rate = self._motion[0], self._motion[1]
+        out[0] = math.log(UNUSED + self._shares(self.table.law, twist, rate, *self._machine, self._use))
+        return out
 
     def shares(self) -> Array:
         """Share (N,) of its grip that the model gives each wheel at the filtered motion."""
-        twist, rate = self._twist @ self._mean, self._twist @ self._rate
-        return self._shares(twist, rate)
+        return self._use.copy()
 
-    def _share(self, twist: Array, rate: Array) -> float:
-        return float(self._shares(twist, rate).max())
 
-    def _shares(self, twist: Array, rate: Array) -> Array:
-        """As :func:`~slipmargin.onboard.limiter.utilisation` on one level floor, for one state."""
-        t, (cx, cy), w = self.table, self.table.com_m, twist[2]
-        # com_acceleration of one state, written out: called here it takes as long as the rest of a sample.
-        a = np.array(
-            [
-                rate[0] - w * twist[1] - rate[2] * cy - w * w * cx,
-                rate[1] + w * twist[0] + rate[2] * cx - w * w * cy,
-                rate[2],
-            ]
-        )
-        load = np.maximum(t.rest_low_N[0] + t.per_acceleration_kg @ a[:2], LIGHTEST * t.mean_load_N)
-        drag = t.drag_high * law_share(t.law, t.slope_high * (t.lateral @ twist))
-        wrench = a * t.mass - 0.5 * (t.wrench_low + t.wrench_high) + t.across @ (drag * load)
-        return np.asarray(np.abs(t.spread @ wrench) / (t.drive * load))
+_NONE = np.zeros(0)

@@ -14,9 +14,11 @@ drives (place, time, load, creep) counts with its worst value.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array, frozen
 from slipmargin.errors import InputError
@@ -159,6 +161,27 @@ class LimitTable:
     def pull_m_s2(self) -> float:
         """Acceleration that the drive grip alone would give [m/s²]: the scale of errors."""
         return float(self.share * np.max(self.drive) * np.sum(self.rest_low_N[0]) / self.mass[0])
+
+
+def threes(along: Array) -> tuple[NDArray[np.intp], Array, Array]:
+    """How every three of N wheels would share a wrench alone: wheels (T, 3), weights (T,), spreads (T, 3, 3).
+
+    With weights g the forces f that make a wrench with the least Σ f²/g are the mean of the forces of every
+    three wheels alone, weighted by the product of their g and their squared determinant (A. Ben-Tal and
+    M. Teboulle, Linear Algebra Appl. 139, 165, 1990): with p the product of the grips of three wheels
+
+        L = Σ p · spreads / Σ p · weights,
+
+    in which no two large numbers cancel however light a wheel is.
+    """
+    wheels = np.array(list(combinations(range(along.shape[1]), 3)), dtype=np.intp)
+    three = along.T[wheels]  # (T, wheel, component)
+    spread = np.stack([np.cross(three[:, (k + 1) % 3], three[:, (k + 2) % 3]) for k in range(3)], axis=1)
+    size = np.sum(spread[:, 0] * three[:, 0], axis=1)
+    largest = float(np.max(np.abs(size)))
+    kept = np.abs(size) > 1e-9 * largest  # the others push along one line or through one point
+    size, spread = size[kept], spread[kept]
+    return wheels[kept], (size / largest) ** 2, (size / largest**2)[:, None, None] * spread
 
 
 def limit_table(model: Model, margin: float) -> LimitTable:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
@@ -118,7 +118,11 @@ def com_acceleration(com_m: Array, twist: Array, acceleration: Array) -> Array:
 
     a_com = a + α ẑ×c − ω² c, with c = ``com_m`` (2,), ``twist`` and ``acceleration`` (M, 3).
     """
-    wz, out = twist[:, 2], np.array(acceleration, dtype=float)
-    out[:, 0] += -acceleration[:, 2] * com_m[1] - wz**2 * com_m[0]
-    out[:, 1] += acceleration[:, 2] * com_m[0] - wz**2 * com_m[1]
+    out = np.array(acceleration, dtype=float)
+    out[:, 0], out[:, 1] = at_centre(com_m[0], com_m[1], twist[:, 2], *np.array(acceleration, dtype=float).T)
     return out
+
+
+def at_centre(cx: Any, cy: Any, wz: Any, ax: Any, ay: Any, alpha: Any) -> tuple[Any, Any]:
+    """Both parts of the centre of mass's acceleration by :func:`com_acceleration`, numbers or arrays."""
+    return ax + (-alpha * cy - wz * wz * cx), ay + (alpha * cx - wz * wz * cy)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import driving
 import monitor as measured
+import monitor_stream as measured_stream
 import numpy as np
 import pytest
 from real_logs import EXCERPT
@@ -62,21 +63,59 @@ def test_it_alarms_where_a_wheel_slips_and_not_where_none_does(watch: sm.SlipMon
     assert np.mean(alarms[True]) > 0.5
 
 
-def test_the_threshold_keeps_the_rate_on_unseen_samples_and_scores_are_what_theory_says() -> None:
+def clouds(rng: np.random.Generator, count: int, shift: float = 0.0) -> LabelledRun:
+    """Two normal clouds 1.5 apart; a run's own shift moves both, as a floor or a battery does."""
+    slips = rng.uniform(size=count) < 0.4
+    numbers = rng.normal(size=(count, 3)) + np.outer(1.5 * slips + shift, [1.0, 0.0, 0.0])
+    none = np.zeros((count, 3))
+    return LabelledRun(numbers=numbers, slips=slips, wheels=none, truth=none)
+
+
+def test_scores_are_what_theory_says_and_the_threshold_nears_the_rate_with_many_runs() -> None:
     """Two normal clouds d apart: AUC is Φ(d/√2)."""
     rng = np.random.default_rng(0)
-
-    def drawn(count: int) -> LabelledRun:
-        slips = rng.uniform(size=count) < 0.4
-        numbers = rng.normal(size=(count, 3)) + 1.5 * slips[:, None] * np.array([1.0, 0.0, 0.0])
-        none = np.zeros((count, 3))
-        return LabelledRun(numbers=numbers, slips=slips, wheels=none, truth=none)
-
-    ratio, fresh = learn([drawn(2000) for _ in range(5)]), drawn(40_000)
+    ratio, fresh = learn([clouds(rng, 100) for _ in range(400)]), clouds(rng, 40_000)
     value = ratio.value(fresh.numbers)
     for rate in (0.01, 0.05, 0.2):
-        assert np.mean(value[~fresh.slips] > ratio.threshold(rate)) == pytest.approx(rate, rel=0.25)
+        alarms = float(np.mean(value[~fresh.slips] > ratio.threshold(rate)))
+        assert rate - 3.0 / 400 - 0.1 * rate < alarms < 1.1 * rate
     assert measured.auc(value, fresh.slips) == pytest.approx(0.8556, abs=0.01)  # Φ(1.5/√2)
+    square, line, constant = ratio.polynomial()
+    again = np.sum(fresh.numbers * (fresh.numbers @ square + line), axis=1) + constant
+    np.testing.assert_allclose(again, value, atol=1e-10)
+
+
+def test_the_rate_is_kept_where_runs_differ_from_one_another() -> None:
+    """30 training runs, each with a shift of its own, 100 times.
+
+    The quantile of all their samples went over the rate in 44 of the 100.
+    """
+    rng, rate, alarms = np.random.default_rng(1), 0.05, []
+    for _ in range(100):
+        ratio = learn([clouds(rng, 60, rng.normal()) for _ in range(30)])
+        fresh = [clouds(rng, 60, rng.normal()) for _ in range(20)]
+        values = np.concatenate([ratio.value(run.numbers[~run.slips]) for run in fresh])
+        alarms.append(np.mean(values > ratio.threshold(rate)))
+    assert 0.005 < np.mean(alarms) <= rate
+    assert np.mean(np.array(alarms) > rate) < 0.1
+
+
+def test_too_few_runs_are_told_and_give_no_alarm() -> None:
+    rng = np.random.default_rng(2)
+    ratio = learn([clouds(rng, 100) for _ in range(12)])
+    assert ratio.threshold(0.05) == np.inf and 19 <= ratio.runs_needed(0.05) <= 25
+    assert np.isfinite(ratio.threshold(0.2))
+    watch = sm.SlipMonitor("omni4", "floor", training=[run_of(rng) for _ in range(6)])
+    assert any("too few for a false-alarm rate of 0.01" in warning for warning in watch.warnings)
+    told = watch.update(0.0, [0.0] * 4)
+    assert not told.alarm and 0.0 <= told.slip_probability <= 1.0
+
+
+def run_of(rng: np.random.Generator) -> LabelledRun:
+    """A run with as many numbers as four wheels have."""
+    slips = rng.uniform(size=100) < 0.4
+    numbers, none = rng.normal(size=(100, 7)) + slips[:, None], np.zeros((100, 3))
+    return LabelledRun(numbers=numbers, slips=slips, wheels=none, truth=none)
 
 
 def test_real_currents_tell_a_slippery_floor_from_a_good_one() -> None:
@@ -93,7 +132,9 @@ def test_the_page_shows_the_rates_that_were_measured() -> None:
     for name, row in RESULTS["sets"].items():
         shown = f"| {name} | {row['auc']:.3f} | {row['detected at 5 %']:.2f} | {row['detected at 1 %']:.2f} |"
         assert shown in page, name
-    assert RESULTS["cost"]["share of a core at 1 kHz"] < 0.2
+    assert RESULTS["cost"]["share of a core at 1 kHz"] < 0.1
+    assert all(row["false alarms, set 5 %"] <= 0.05 for row in RESULTS["sets"].values())
+    assert all(row["false alarms, set 1 %"] <= 0.01 for row in RESULTS["sets"].values())
     assert max(RESULTS["no-slip control, alarms, set 1 %"].values()) <= 0.01
 
 
@@ -113,6 +154,13 @@ def test_a_stream_is_answered_line_by_line_in_flat_memory(watch: sm.SlipMonitor)
         assert len(asked) == count
     assert count == 3000
     assert (time.process_time() - start) / 3000 < 1e-3  # 1 kHz on a machine that others use too
+
+
+def test_minutes_of_stream_leave_memory_flat() -> None:
+    """The short form of benchmarks/monitor_stream.py: 36 s of 1 kHz."""
+    found = measured_stream.streamed(0.01)
+    assert found["samples"] == 36_000
+    assert found["gained since the first tenth [bytes]"] < 1_000_000  # keeping every estimate: 20 MB and more
 
 
 def test_the_command_on_a_file_and_on_a_stream(
