@@ -62,6 +62,8 @@ def test_schemas_are_schemas_and_linked(name: str) -> None:
         "stop omni4 --surface floor --step 90 --no-verify",
         "design ohio-kiwi --surface paper --vary delta_deg=0:40:20 --uncertain com_y_m=-0.01:0.01",
         "design omni4 --surface floor --vary mass_kg=1,2 --static",
+        "design mecanum4 omni4 --surface floor",
+        "design ohio-kiwi ohio-kiwi-symmetric --surface paper",
         "measure pulls.csv ohio-kiwi --surface paper",
         "export c omni4 --surface floor --out o.h",
         "export sdf mecanum4 --out o.sdf",
