@@ -28,7 +28,7 @@ def staged(path: Path) -> Iterator[Path]:
     OSError
         Where it cannot be made.
     """
-    _sweep(path)
+    sweep(path)
     while True:
         folder = Path(tempfile.mkdtemp(dir=path.parent, prefix=f".{path.name}.", suffix=_END))
         lock = _locked(folder, wait=True)
@@ -42,10 +42,17 @@ def staged(path: Path) -> Iterator[Path]:
         _free(lock)
 
 
-def _sweep(path: Path) -> None:
+def made_in(name: str) -> str:
+    """The name of the output whose stage is called ``name``; empty where it is no stage's name."""
+    return (
+        name[1:].removesuffix(_END).rpartition(".")[0] if name.startswith(".") and name.endswith(_END) else ""
+    )
+
+
+def sweep(path: Path) -> None:
     """Remove the stages that killed runs left beside ``path``; what one had taken away goes back."""
     with contextlib.suppress(OSError), os.scandir(path.parent) as there:
-        left = [Path(e.path) for e in there if e.name.startswith(f".{path.name}.") and e.name.endswith(_END)]
+        left = [Path(e.path) for e in there if made_in(e.name) == path.name]
         for folder in left:
             lock = _locked(folder, wait=False)
             if lock is None:

@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 from slipmargin.errors import InputError
+from slipmargin.io.stage import made_in, sweep
 
 
 def make_folder(folder: Path) -> None:
@@ -29,8 +30,10 @@ def remove_files(folder: Path, pattern: re.Pattern[str]) -> None:
     """Remove the files whose whole name matches, and the folder if nothing else is in it."""
     if not folder.is_dir():
         return
-    for path in folder.iterdir():
+    for path in list(folder.iterdir()):
         if pattern.fullmatch(path.name):
             path.unlink(missing_ok=True)
+        elif pattern.fullmatch(made_in(path.name)):
+            sweep(folder / made_in(path.name))
     with contextlib.suppress(OSError):  # something of the user's is in it: it stays
         folder.rmdir()

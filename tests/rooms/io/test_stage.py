@@ -11,7 +11,8 @@ import pytest
 
 from slipmargin.io.folder import write_folder
 from slipmargin.io.stage import NEW, OLD, staged
-from slipmargin.io.writes import write_text
+from slipmargin.io.writes import write_bytes, write_text
+from slipmargin.study.pieces import clear
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="there are no locks on folders")
 
@@ -48,6 +49,18 @@ def test_what_a_killed_run_took_away_comes_back(tmp_path: Path) -> None:
     with staged(tmp_path / "set"):
         assert (tmp_path / "set" / "dataset.toml").read_text() == "kept"
     assert names(tmp_path) == ["set"]
+
+
+def test_a_finished_piece_whose_writer_was_killed_leaves_no_folder(tmp_path: Path) -> None:
+    """The stage of a piece that was in its place already kept the work folder for ever."""
+    folder = tmp_path / "o.csv.work"
+    folder.mkdir()
+    piece = folder / f"piece-{0:032x}.json"
+    killed_while_writing(piece)
+    write_bytes(piece.with_name("mine.txt"), b"")
+    piece.write_text("{}")
+    clear(folder)
+    assert names(folder) == ["mine.txt"]
 
 
 def test_a_run_that_lives_keeps_its_stage(tmp_path: Path) -> None:
