@@ -16,7 +16,7 @@ FOLDER = Path(__file__).resolve().parents[1] / "docs" / "schemas"
 SCHEMAS = {
     "BoundsResult": "bounds",
     "CheckResult": "check",
-    "CompareResult": "design-compare",
+    "CompareResult": "design-ideas",
     "DesignResult": "design",
     "DiagnosisResult": "diagnose",
     "EffectCatalogue": None,

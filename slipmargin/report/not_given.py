@@ -41,6 +41,8 @@ REASONS = {
     "measured_N": "nothing was measured at this orientation",
     "scatter_N": "fewer than two pulls were measured at this orientation",
     "residual_N": "nothing was measured at this orientation",
+    "place": "the loads of the robot file do not follow the centre of mass",
+    "place_share": "the loads of the robot file do not follow the centre of mass",
     "pulls": "nothing was measured at this orientation",
 } | {
     f"{safe}{way}_{unit}": SLIPS

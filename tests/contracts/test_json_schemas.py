@@ -62,7 +62,8 @@ def test_schemas_are_schemas_and_linked(name: str) -> None:
         "stop omni4 --surface floor --step 90 --no-verify",
         "design ohio-kiwi --surface paper --vary delta_deg=0:40:20 --uncertain com_y_m=-0.01:0.01",
         "design omni4 --surface floor --vary mass_kg=1,2 --static",
-        "design ohio-kiwi spread.toml --surface paper",
+        "design mecanum4 omni4 --surface floor",
+        "design ohio-kiwi ohio-kiwi-symmetric --surface paper",
         "measure pulls.csv ohio-kiwi --surface paper",
         "export c omni4 --surface floor --out o.h",
         "export sdf mecanum4 --out o.sdf",
@@ -94,8 +95,8 @@ def test_what_commands_write_is_what_the_schema_says(
     command = words.split()
     assert status([*command, "--json", "o.json"]) == 0
     kind = "-".join(command[:2]) if command[0] in ("export", "robots", "surfaces") else command[0]
-    other = {"export-sdf": "export-simulator", "design": "design" if "--vary" in words else "design-compare"}
-    assert faults(other.get(kind, kind), Path("o.json").read_text()) == []
+    kind = "design-ideas" if kind == "design" and "--vary" not in command else kind
+    assert faults({"export-sdf": "export-simulator"}.get(kind, kind), Path("o.json").read_text()) == []
 
 
 def test_a_key_that_is_not_published_is_a_fault() -> None:

@@ -47,6 +47,17 @@ def test_the_papers_run_from_files(tmp_path, capsys):
     assert "ends at x 0.3471 m" in capsys.readouterr().out
 
 
+def test_an_end_pose_has_no_minus_zero(tmp_path, capsys, monkeypatch):
+    """A mecanum robot that drives straight ends at y 0, whatever the sign that rounding leaves."""
+    rows = "t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,omega4_rad_s\n0,10,10,10,10\n1,0,0,0,0\n"
+    monkeypatch.chdir(tmp_path)
+    assert status(["robots", "new", "m", "--type", "mecanum"]) == 0
+    args = ["m.toml", commands(tmp_path, rows), "--surface", "floor"]
+    assert status(["simulate", *args, "--out", str(tmp_path / "r.csv")]) == 0
+    said = capsys.readouterr().out
+    assert "y 0.0000 m" in said and "-0.0000" not in said
+
+
 def test_a_plan_is_followed_from_its_first_pose(tmp_path, capsys):
     t = np.linspace(0.0, 1.0, 51)
     rate = np.sin(np.pi * t) ** 2 * 0.5
