@@ -24,6 +24,7 @@ SCHEMAS = {
     "ImportResult": "import",
     "Limiter": "export-c",
     "MeasureResult": "measure",
+    "MonitoredLog": "monitor",
     "PlanResult": "plan",
     "PolytopeResult": "polytope",
     "PullDiagnosisResult": "diagnose-pulls",

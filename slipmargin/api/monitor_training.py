@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 
 #: Simulated training: length of a run [s], time between samples [s].
 _LENGTH_S, _STEP_S = 2.0, 0.01
-#: Runs: this over the false-alarm rate, so that a threshold is sure to keep it, within these bounds.
-_PER_RATE, _LEAST_RUNS, _MOST_RUNS = 2.5, 60, 600
+#: Runs: this over the false-alarm rate, so that a threshold is sure to keep it (about 4 are needed, as runs
+#: grip for unequal times), within these bounds.
+_PER_RATE, _LEAST_RUNS, _MOST_RUNS = 6.0, 60, 1200
 #: A wheel slips where it uses more than this share of its grip in simulation, and grips below the other [1].
 _SLIPS, _GRIPS = 0.97, 0.93
 #: Noise of simulated sensors: wheel speed [share of its rms], gyro [rad/s], current [share].

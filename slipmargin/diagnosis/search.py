@@ -153,7 +153,8 @@ def search(
         if unknown and any(c.wheel_phase for c in state.structure):
             at = evaluate(problem, state.structure, state.fit.x, seen)
             problem, better = wheel_phase.refined(problem, at)
-            state = fitted(_like(problem, state), state.structure, better.x, trials, own)
+            view = problem if state.view.piece is None else problem.in_pieces(SETTINGS.piece_s)
+            state = fitted(view, state.structure, better.x, trials, own)
         if len(state.structure) >= SETTINGS.most_effects:
             break
     if state.structure and len(trials) < len(seen):
@@ -370,13 +371,13 @@ def nothing_sure(state: State) -> list[bool]:
     """
     if state.view.piece is not None:
         return [False] * len(state.structure)
-    sizes = [c.size for c in state.structure]
+    sizes = np.cumsum([c.size for c in state.structure])[:-1]
     scale = np.concatenate([c.scale for c in state.structure])
     null = np.concatenate([c.null for c in state.structure])
     spread = intervals(state.fit, leave_one_out(state.fit), scale, np.zeros(len(null)), together=False)
     holds = (spread.low <= null) & (null <= spread.high)
-    parts = np.split(holds, np.cumsum(sizes)[:-1])
-    return [c.named and c.nested and bool(part.all()) for c, part in zip(state.structure, parts, strict=True)]
+    each = zip(state.structure, np.split(holds, sizes), strict=True)
+    return [c.named and c.nested and bool(part.all()) for c, part in each]
 
 
 def _whole(problem: Problem, state: State, runs: Sequence[int]) -> State:
@@ -391,12 +392,6 @@ def _whole(problem: Problem, state: State, runs: Sequence[int]) -> State:
     return whole if whole.chi <= SETTINGS.far_chi else state
 
 
-def _like(problem: Problem, state: State) -> Problem:
-    """A problem in the view of a state."""
-    return problem if state.view.piece is None else problem.in_pieces(SETTINGS.piece_s)
-
-
 def _spread(numbers: Index, most: int) -> Index:
     """At most so many of them, spread over all."""
-    at = np.unique(np.linspace(0, len(numbers) - 1, most).round().astype(int))
-    return np.asarray(numbers[at], dtype=np.int64)
+    return np.asarray(numbers[np.unique(np.linspace(0, len(numbers) - 1, most).round().astype(int))])

@@ -59,6 +59,7 @@ def test_schemas_are_schemas_and_linked(name: str) -> None:
         "check ohio-kiwi t.csv --surface paper",
         "simulate ohio-kiwi t.csv --surface paper --step 0.1",
         "stop omni4 --surface floor --step 90",
+        "monitor ohio-kiwi wheels.csv --surface paper --false-alarms 0.1",
         "stop omni4 --surface floor --step 90 --no-verify",
         "design ohio-kiwi --surface paper --vary delta_deg=0:40:20 --uncertain com_y_m=-0.01:0.01",
         "design omni4 --surface floor --vary mass_kg=1,2 --static",
@@ -84,6 +85,8 @@ def test_what_commands_write_is_what_the_schema_says(
     )
     rows = [f"{0.1 * k:.1f},{0.01 * k:.2f},0,0.1,10" for k in range(30)]
     Path("log.csv").write_text("\n".join(["t,x,y,h,w", *rows]) + "\n")
+    speeds = [f"{0.01 * k:.2f},{9 * k},{-9 * k},0" for k in range(30)]
+    Path("wheels.csv").write_text("\n".join(["t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s", *speeds]) + "\n")
     robot = Path(slipmargin.__file__).parent.joinpath("robots", "ohio-kiwi.toml").read_text()
     Path("spread.toml").write_text(robot.replace("drive = 0.26", 'drive = "0.26 ± 0.02"'))
     Path("uneven.toml").write_text(UNEVEN)

@@ -118,6 +118,14 @@ def run_of(rng: np.random.Generator) -> LabelledRun:
     return LabelledRun(numbers=numbers, slips=slips, wheels=none, truth=none)
 
 
+@pytest.mark.parametrize("robot", sm.built_in_robots())
+def test_simulated_runs_are_enough_for_the_rate(robot: str) -> None:
+    """Half as many were simulated, too few for any rate: without logged runs nothing ever alarmed."""
+    surface = sm.read_robot(robot).robot.surfaces[0].name
+    watch = sm.SlipMonitor(robot, surface, false_alarm_rate=0.05)
+    assert not any("too few" in text for text in watch.warnings)
+
+
 def test_real_currents_tell_a_slippery_floor_from_a_good_one() -> None:
     """Robotino logs in the repository: gray floor and table, each run judged by the others."""
     logs = measured.robotino_logs(EXCERPT)
