@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from .options import JsonOpt, PlotOpt, ReportOpt, RobotArg, SeedOpt, SurfaceOpt, check_outputs, deliver
-from .render import at_options, say, stages, warn
+from .render import at_options, refuse, say, stages, warn
 
 
 def monitor(
@@ -42,6 +42,9 @@ def monitor(
     import slipmargin as sm
 
     check_outputs(out, json, report, plot=plot)
+    for place in (out, plot, report, None if json is None else Path(str(json))):
+        if place is not None and place.exists() and Path(log).exists() and place.samefile(log):
+            refuse(str(place), "is the log itself", "give another file for what is written")
     reading, live = "reading the log", log == "-" and not (out or plot or json or report)
     with (
         stages(reading) as progress,

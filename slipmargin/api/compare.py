@@ -125,7 +125,7 @@ def compare(robots: Sequence[RobotLike], surface: str) -> CompareResult:
     """Which of several robots is best at starting, braking, cornering, turning, pushing, and mass placement.
 
     Robots whose difference may be chance are called alike: where their files give friction with a spread,
-    within 95 % of what it makes; else within 0.1 %.
+    within 95 % of what it makes; else within half a percent (the battery's place: one percent).
 
     Parameters
     ----------

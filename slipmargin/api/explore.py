@@ -76,6 +76,8 @@ class Explorer:
         from slipmargin.io.robot_text import write_recipe
         from slipmargin.live.settings import MARGIN
 
+        if tool not in _ENDING:
+            raise InputError("export", f"is {tool!r}", f"use one of: {', '.join(_ENDING)}")
         now = self._settings(values)
         found, yaw = self._limits(values)
         text = found.export_text(tool)

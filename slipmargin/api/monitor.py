@@ -95,7 +95,7 @@ class SlipMonitor:
                 f"{rate:g}: about {self.ratio.runs_needed(rate)} like them are needed; there "
                 "will be no alarm, the slip probability is given all the same",
             )
-        self._signals = Signals(self.table, self.channels)
+        self._signals, self._now = Signals(self.table, self.channels), -math.inf
         if model.count == 3 and not (gyro or current):
             self.warnings = (
                 *self.warnings,
@@ -106,7 +106,7 @@ class SlipMonitor:
         """Forget the samples so far: a new run begins."""
         from slipmargin.onboard.signals import Signals
 
-        self._signals = Signals(self.table, self.channels)
+        self._signals, self._now = Signals(self.table, self.channels), -math.inf
 
     def labelled(
         self,
@@ -167,13 +167,19 @@ class SlipMonitor:
         Raises
         ------
         InputError
-            Where a channel that was announced is missing, or a value is not finite.
+            Where a channel that was announced is missing, a value is not finite, or time goes back.
         """
         omega = self._channel("omega_rad_s", omega_rad_s, True)
         commanded = self._channel("commanded_rad_s", commanded_rad_s, self.channels.commanded)
         current = self._channel("current_A", current_A, self.channels.current)
         if self.channels.gyro and (gyro_rad_s is None or not math.isfinite(gyro_rad_s)):
             raise InputError("gyro_rad_s", "is missing", "give the yaw rate of every sample")
+        if not math.isfinite(t_s):
+            raise InputError("t_s", f"is {t_s}", "give a finite time [s]")
+        if t_s < self._now:
+            cure = "give each run a log of its own (in Python: call restart())"
+            raise InputError("t_s", f"goes back from {self._now:.10g} to {t_s:.10g} s", cure)
+        self._now = t_s
         assert omega is not None
         numbers = self._signals.update(t_s, omega, commanded, gyro_rad_s, current)
         value = float(numbers @ (self._square @ numbers + self._line)) + self._constant
@@ -276,11 +282,20 @@ class SlipMonitor:
         return cls(
             robot,
             surface,
-            commanded="omega1_cmd_rad_s" in names,
+            commanded=any(name.startswith("omega") and name.endswith("_cmd_rad_s") for name in names),
             gyro="gyro_rad_s" in names,
-            current="current1_A" in names,
+            current=any(name.startswith("current") and name.endswith("_A") for name in names),
             **others,
         )
+
+    def _told(self, lines: Iterable[str], source: str, tally: Tally) -> Iterator[str]:
+        """:meth:`stream` of a whole log; faults name it, and one without samples is a fault."""
+        try:
+            yield from self.stream(lines, tally)
+            if not tally.samples:
+                raise InputError("line 2", "there is no sample", "give a log with rows below its header")
+        except InputError as fault:
+            raise fault if fault.source else fault.in_file(source) from None
 
     def log(self, lines: Iterable[str], source: str, out: Path | None = None) -> MonitoredLog:
         """What a log of any length holds: samples, alarms and events.
@@ -295,7 +310,7 @@ class SlipMonitor:
             The lines of every sample go there as they come.
         """
         tally = Tally()
-        told = self.stream(lines, tally)
+        told = self._told(lines, source, tally)
         if out is None:
             for _ in told:
                 pass

@@ -119,7 +119,7 @@ class MonitoredLog(Result):
         """How many samples, alarms and events."""
         return (
             f"{self.source}: {self.samples} samples, alarm in {100.0 * self.alarm_share:.2f} % of "
-            f"them, {len(self.events)} events"
+            f"them, {len(self.events)} events" + (", no alarm possible" if self.quiet else "")
         )
 
     def lines(self) -> list[str]:

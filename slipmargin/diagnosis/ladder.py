@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Index
 from slipmargin.data.record import Record
+from slipmargin.diagnosis import wheel_phase
+from slipmargin.diagnosis.fit import evaluate
 from slipmargin.diagnosis.held_out import (
     Prediction,
     by_run,
@@ -150,7 +152,11 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
         pieces = (court.believed(state, in_pieces=True), court.errors(state, in_pieces=True))
         judgement = court.verdict(*(by_run(p.errors, court.runs) for p in pieces))
     idle = [c.label for c, none in zip(state.structure, nothing_sure(state), strict=True) if none]
-    failures = judgement.failures + tuple(
+    failures = judgement.failures
+    unseen = np.flatnonzero(court.unseen) if court.unseen.any() else np.arange(len(one.squares))
+    if state.view.piece is not None and two.chi(unseen) >= one.chi(unseen):
+        failures += ("on whole runs that it has not seen the error does not fall",)
+    failures += tuple(
         f"every interval of the parameters of {label} contains the value that does nothing" for label in idle
     )
     if failures:
@@ -192,4 +198,8 @@ def _in_turn(court: Court, proposed: State, rounds: list[Round], progress: Watch
         if len(other.structure) == 1 and kind not in asked and other.chi < rounds[0].before.chi:
             asked.add(kind)
             left -= 1
-            yield fitted(other.view, other.structure, other.fit.x, court.seen, court.seen_runs)
+            view, x = other.view, other.fit.x
+            if other.last.wheel_phase and wheel_phase.is_unknown(view):  # guessed for the searched runs alone
+                view, near = wheel_phase.refined(view, evaluate(view, other.structure, x, court.seen))
+                x = near.x
+            yield fitted(view, other.structure, x, court.seen, court.seen_runs)

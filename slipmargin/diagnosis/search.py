@@ -320,10 +320,11 @@ def quiet(state: State) -> bool:
 def _bends(problem: Problem, state: State) -> bool:
     """Whether predicted runs are so far off that whole ones do not change in proportion to parameters."""
     trials = state.fit.trials
-    off = state.fit.residual.reshape(len(trials), 3, -1) * problem.sigma[:, None]
     seen = problem.seen[trials]
+    off = np.where(seen, problem.measured[trials] - problem.predict([state.fit.effects], [trials])[0], 0.0)
+    off = np.where(np.isfinite(off), off, np.inf)
     place, turn = (
-        np.sqrt(np.sum(off[:, axes] ** 2) / max(1, np.count_nonzero(seen[..., axes]) / len(axes)))
+        np.sqrt(np.sum(off[..., axes] ** 2) / max(1, np.count_nonzero(seen[..., axes]) / len(axes)))
         for axes in ([0, 1], [2])
     )
     way = np.where(seen[..., :2], problem.measured[trials][..., :2], np.nan)

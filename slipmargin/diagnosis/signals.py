@@ -87,7 +87,7 @@ def _rough(trial: Trial, full: WheelSignal) -> WheelSignal:
     h = np.diff(full.knots_s)[:, None]
     ends = after + h * (2.0 * full.pieces[:, :, 2] + 3.0 * h * full.pieces[:, :, 3])
     omega = 0.5 * (np.vstack([after[:1], ends]) + np.vstack([after, ends[-1:]]))
-    noise = _trust(t, theta, omega, most=(np.inf, np.inf))
+    noise = _trust(t, theta, omega)
     same = max(_ROUGHLY[0], noise[0]), max(_ROUGHLY[1], noise[1])
     made = _thinned(t, theta, omega, same)
     return replace(made, spin_rad_s=full.spin_rad_s)
@@ -116,7 +116,7 @@ def _thinned(t: Array, theta: Array, omega: Array, same: tuple[float, float]) ->
     return hermite(t[keep], theta[keep], omega[keep])
 
 
-def _trust(t: Array, theta: Array, omega: Array, most: tuple[float, float] = _LOOSEST) -> tuple[float, float]:
+def _trust(t: Array, theta: Array, omega: Array) -> tuple[float, float]:
     """How closely angles [rad] and speeds [rad/s] are to be met: to three times their own noise.
 
     The noise is what a sample misses the cubic through its neighbours by, where that changes from one
@@ -129,7 +129,7 @@ def _trust(t: Array, theta: Array, omega: Array, most: tuple[float, float] = _LO
     for axis in range(2):
         change = np.diff(np.concatenate([m[axis] for m in misses]), n=2, axis=0)
         noise = 1.5 * float(np.median(np.max(np.abs(change), axis=1)))
-        found.append(min(max(_SAME[axis], 3.0 * noise), most[axis]))
+        found.append(min(max(_SAME[axis], 3.0 * noise), _LOOSEST[axis]))
     return found[0], found[1]
 
 

@@ -13,15 +13,15 @@ from slipmargin.model.parts import MeasurementModel
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClockRate(Effect):
-    """t ← period_factor t: a log without time stamps was sampled at another rate than its nominal one.
+    """t ← period_factor t: the log's clock, or a nominal rate that stands in for one, is off.
 
     Where the wheels' angles are logged, the path does not change; speeds and accelerations do, so that only
     forces tell it: friction coefficients times period_factor² stay the same, unless friction is known.
-    A rate that is stated at all is right to a tenth.
+    A rate that is stated is right to a tenth, a clock that stamps the rows to a twentieth.
     """
 
     name = "clock_rate"
-    summary = "The log was sampled faster or slower than its nominal rate."
+    summary = "The log's clock runs faster or slower than stated."
     traced_to = Trace.MEASUREMENT
     part = Part.SENSING
     scope = Scope.INSTRUMENT
@@ -29,8 +29,8 @@ class ClockRate(Effect):
         parameter("period_factor", "1", (0.9, 1.0, 1.1), 0.02, "true over nominal sampling period"),
     )
     needs_nominal_rate = True
-    source = "a log without time stamps; above 1 = sampled more slowly than stated"
-    confirm = "log a time stamp with every row, or stop the time of a recording by hand"
+    source = "a nominal rate, or the clock that stamps the rows; above 1 = more time passed than stated"
+    confirm = "stop the time of a recording by hand, or compare the log's clock with another one"
 
     period_factor: float
 

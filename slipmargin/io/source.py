@@ -57,10 +57,11 @@ def lines_of(
     """
     with _told(path), Path(path).open("rb") as raw:
         size = max(1, os.fstat(raw.fileno()).st_size)
+        seeks = raw.seekable()  # a pipe does not, and nobody knows its length
         text = io.TextIOWrapper(raw, encoding="utf-8-sig", errors="strict" if strict else "replace")
         try:
             for number, line in enumerate(text):
-                if number % EACH == EACH - 1:
+                if seeks and number % EACH == EACH - 1:
                     progress(raw.tell() / size)
                 yield line.rstrip("\n")
         except UnicodeDecodeError:

@@ -20,7 +20,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, read_only
 from slipmargin.limits.bias import refuse_lifting
 from slipmargin.limits.motion_external import External, external_in_motion
 from slipmargin.limits.motion_friction import Friction, friction_in_motion
@@ -57,7 +57,12 @@ class Facets:
         normals = np.vstack([half, -half])
         lever = normals @ along
         lever = np.where(np.abs(lever) < 1e-12 * np.max(np.abs(lever), axis=1, keepdims=True), 0.0, lever)
-        return Facets(normals=normals, drive=np.abs(lever), across=normals @ across, pushing=np.sign(lever))
+        return Facets(
+            normals=read_only(normals),
+            drive=read_only(np.abs(lever)),
+            across=read_only(normals @ across),
+            pushing=read_only(np.sign(lever)),
+        )
 
 
 @final
@@ -196,10 +201,7 @@ def facet_coefficients(facets: Facets, friction: Friction, share: Array | float)
             if not np.any(possible):
                 continue
             each = facets.drive * (part[at, None] * drive[at])[:, None]
-            lost = facets.across * low[at, None]
-            if high is not low:
-                lost = np.maximum(lost, facets.across * high[at, None])
-            each -= lost
+            each -= np.maximum(facets.across * low[at, None], facets.across * high[at, None])
             if not np.all(possible):
                 each[np.broadcast_to(~possible[at, None], each.shape)] = np.inf
             np.minimum(worst[at], each, out=worst[at])

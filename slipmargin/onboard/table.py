@@ -23,9 +23,11 @@ from numpy.typing import NDArray
 from slipmargin.checks import Array, frozen
 from slipmargin.errors import InputError
 from slipmargin.limits.bias import height_m, lift_N
+from slipmargin.limits.creep import Balance
 from slipmargin.limits.motion import steady_share
 from slipmargin.limits.motion_external import external_in_motion
 from slipmargin.limits.motion_friction import friction_in_motion
+from slipmargin.limits.motion_realised import comparable
 from slipmargin.limits.motion_rows import even_distribution
 from slipmargin.limits.motion_state import Motion
 from slipmargin.model import Model
@@ -192,7 +194,8 @@ def limit_table(model: Model, margin: float) -> LimitTable:
     InputError
         Where a wheel's drag leaves it no grip to drive.
     """
-    share = (1.0 - margin) - CREEPS
+    share = 1.0 - margin
+    share -= max(CREEPS, _uneven(model, share))
     motion = _states(model)
     box = replace(model, grip=replace(model.grip, shape=GripShape.BOX))
     friction = friction_in_motion(box, motion, share=share)
@@ -257,6 +260,37 @@ def _states(model: Model) -> Motion:
     if top is not None:
         speed = top / np.max(np.abs(model.geometry.wheel_speeds(way)), axis=1)
     return Motion(velocity=way * (speed * draw.uniform(0.0, 1.0, _STATES) ** 2)[:, None])
+
+
+def _uneven(model: Model, share: float) -> float:
+    """How much more of a wheel's grip is used where all creep than where forces follow grip in proportion.
+
+    The greatest over wrenches in every direction that take ``share`` in proportion; 0 for three wheels,
+    whose forces a wrench decides.
+    """
+    along = np.ascontiguousarray(model.wrench_maps()[0])
+    grip = model.grip.roller[:, 0] * model.loads.rest_N
+    if model.count == 3 or np.min(grip) <= 0.0:
+        return 0.0
+    way = np.random.default_rng(0).normal(size=(_STATES, 3)) * np.array([1.0, 1.0, np.mean(np.abs(along[2]))])
+    force = grip * (way @ np.linalg.inv((along * grip) @ along.T) @ along)
+    way *= share / np.max(np.abs(force) / grip, axis=1, keepdims=True)
+    none = np.zeros((_STATES, model.count))
+    steep = np.full_like(none, model.grip.k_s_per_m)
+    balance = Balance(
+        law=model.grip.law,
+        along=along,
+        across=along,
+        grip=none + grip,
+        drag=none,
+        steep=steep,
+        steep_across=steep,
+        slide=none,
+        need=way,
+        carried=np.zeros((_STATES, 4)),
+        scale=comparable(model),
+    )
+    return float(np.max(balance.rest()[1])) - share
 
 
 def _exact(term: ForceTerm) -> bool:

@@ -49,7 +49,7 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     falls = (
         f"the error on held-out runs falls from {error(d.before)} to {error(d.after)}"
         if d.after.chi < d.before.chi
-        else f"the error on held-out runs stays at {error(d.after)}"
+        else f"the error on held-out runs goes from {error(d.before)} to {error(d.after)}"
     )
     sentence = f"The model lacks {names}; with {'it' if len(d.findings) == 1 else 'them'} {falls}."
     if in_part(d):
@@ -86,6 +86,8 @@ def _short(label: str) -> str:
 
 
 def _first_lead(d: Diagnosis) -> str:
+    if not d.steps:
+        return "Nothing was compared: the runs that were searched are noise alone, or the time was over."
     if not d.leads:
         return "The residual follows no measured variable significantly."
     first = d.leads[0]

@@ -96,11 +96,12 @@ def monitor_page(
     warnings: Sequence[str],
 ) -> Page:
     """Where a log slips: events are (start [s], end [s], wheel, highest probability)."""
-    slipping = sum(end - start for start, end, _, _ in events)
+    often = "once" if len(events) == 1 else f"{len(events)} times"
     if quiet:
         lead = f"{source}: no alarm can be given, the training runs are too few for the rate that was asked."
     elif events:
-        lead = f"{source}: {robot} slips {len(events)} times on {surface}, {slipping:.3g} s in all."
+        share = f"alarm in {100.0 * alarms:.3g} % of the samples"
+        lead = f"{source}: {robot} slips {often} on {surface}, {share}."
     else:
         lead = f"{source}: no sign of slip beyond what may happen by chance."
     wheels = sorted({wheel for _, _, wheel, _ in events})

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+import os
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +12,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from slipmargin.errors import InputError
+from slipmargin.io.source import lines_of
 from slipmargin.io.table import columns_from_text, columns_text, read_columns
 
 WANT = ("t_s", "x_m")
@@ -103,3 +106,15 @@ def test_any_text_is_read_or_refused(text: str) -> None:
             columns_from_text(prefix + text, required=WANT)
         except InputError as found:
             assert "\n" not in str(found)
+
+
+def test_a_pipe_of_any_length_is_read(tmp_path: Path) -> None:
+    """A pipe has no place to tell: after 20 000 lines it was said not to be readable."""
+    pipe = tmp_path / "pipe"
+    if not hasattr(os, "mkfifo"):
+        pytest.skip("no named pipes on this machine")
+    os.mkfifo(pipe)
+    writer = threading.Thread(target=pipe.write_text, args=("t_s\n" + "1\n" * 45_000,))
+    writer.start()
+    assert sum(1 for _ in lines_of(pipe, lambda share: None)) == 45_001
+    writer.join()

@@ -199,6 +199,10 @@ def test_the_command_on_a_file_and_on_a_stream(
         ("t_s,omega1_rad_s\n0,1\n", "lacks the column omega2_rad_s"),
         ("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n0,1,2\n", "line 2: has a cell that is no number"),
         ("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n0,1,2,nan\n", "line 2: omega_rad_s: is"),
+        ("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n0,1,2,3\nnan,1,2,3\n", "line 3: t_s: is nan"),
+        ("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n1,1,2,3\n0,1,2,3\n", "line 3: t_s: goes back from 1"),
+        ("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n", "line 2: there is no sample"),
+        ("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,omega2_cmd_rad_s\n0,1,2,3,4\n", "omega1_cmd_rad_s"),
         ("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,current1_A\n0,1,2,3,4\n", "torque-per-ampere"),
     ],
 )
@@ -209,6 +213,14 @@ def test_refusals_are_one_line(
     assert status(["monitor", "ohio-kiwi", str(tmp_path / "log.csv"), "--surface", "paper"]) == 2
     said = capsys.readouterr().err.strip().splitlines()
     assert len(said) == 1 and told in said[0]
+
+
+def test_the_log_itself_is_no_place_for_results(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    log = tmp_path / "log.csv"
+    log.write_text("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n0,1,2,3\n")
+    before = log.read_bytes()
+    assert status(["monitor", "ohio-kiwi", str(log), "--surface", "paper", "--out", str(log)]) == 2
+    assert "is the log itself" in capsys.readouterr().err and log.read_bytes() == before
 
 
 def test_three_wheels_without_more_channels_are_told_so() -> None:
