@@ -102,8 +102,8 @@ class Court:
     ) -> Prediction:
         phased = phases_matter(self.problem, () if like is None else like.fit.effects)
         full = self.problem.rebuilt(InterpolationScheme.FULL)
-        if in_pieces:
-            full = full.in_pieces(SETTINGS.piece_s)
+        if in_pieces and like is not None:
+            full = full.as_seen_in(like.view)
         records = [self.records[self.runs[i]] for i in trials]
         return predicted(full, trials, records, effects, phased)
 

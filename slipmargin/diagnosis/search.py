@@ -5,7 +5,6 @@ simulation, and compares them by one score: the squared residual of runs that we
 fold at a time.  The screening as a whole is tested against surrogate noise.  A named effect is preferred to
 a general form where its left-out error is as good within the spread of the runs; what cannot be told apart
 from the best is kept as its rivals.  In the end every effect that the others make superfluous is dropped.
-
 Far above the noise runs are compared in pieces: an error early in a run must not outweigh what comes later.
 """
 
@@ -129,7 +128,7 @@ def search(
     needs_phases = unknown and wheel_phase.matters_to(problem.model(()))
     problem = problem.with_rough()
     many = int(np.clip(SETTINGS.most_samples / problem.knots, SETTINGS.folds, SETTINGS.most_searched))
-    trials = _spread(seen, many)
+    trials = seen[np.unique(np.linspace(0, len(seen) - 1, many).round().astype(int))]
     own = [runs[i] for i in np.searchsorted(seen, trials)]
     if needs_phases:
         progress("estimating wheel phases", 0.0)
@@ -140,7 +139,7 @@ def search(
         problem = wheel_phase.guessed(problem, trials, candidates)
         state = fitted(problem, (), np.zeros(0), trials, own)
     if state.chi > SETTINGS.far_chi and _bends(problem, state):
-        state = fitted(problem.in_pieces(SETTINGS.piece_s), (), np.zeros(0), trials, own)
+        state = _in_pieces(problem, trials, own)
     rounds: list[Round] = []
     for number in range(SETTINGS.most_effects):
         if progress.expired or (quiet(state) if not number else not worthwhile(state, SETTINGS.floor_chi)):
@@ -153,8 +152,7 @@ def search(
         if unknown and any(c.wheel_phase for c in state.structure):
             at = evaluate(problem, state.structure, state.fit.x, seen)
             problem, better = wheel_phase.refined(problem, at)
-            view = problem if state.view.piece is None else problem.in_pieces(SETTINGS.piece_s)
-            state = fitted(view, state.structure, better.x, trials, own)
+            state = fitted(problem.as_seen_in(state.view), state.structure, better.x, trials, own)
         if len(state.structure) >= SETTINGS.most_effects:
             break
     if state.structure and len(trials) < len(seen):
@@ -332,6 +330,17 @@ def _bends(problem: Problem, state: State) -> bool:
     return bool(place > SETTINGS.far_share * reach or turn > SETTINGS.far_rad)
 
 
+def _in_pieces(problem: Problem, trials: Index, runs: Sequence[int]) -> State:
+    """The model as it is, in the shortest pieces in which what it lacks is well above the noise."""
+    longest = 0.5 * float(np.median([problem.trials[i].t_s[-1] for i in trials]))
+    piece_s = SETTINGS.piece_s
+    while True:
+        state = fitted(problem.in_pieces(piece_s), (), np.zeros(0), trials, runs)
+        if state.chi >= SETTINGS.far_chi or 2.0 * piece_s > longest:
+            return state
+        piece_s *= 2.0
+
+
 def possible(before: State, candidate: Candidate) -> bool:
     """Whether the candidate can stand beside what is known: two laws for one thing refuse each other."""
     try:
@@ -344,15 +353,14 @@ def possible(before: State, candidate: Candidate) -> bool:
 def without(state: State, index: int, runs: Sequence[int]) -> State:
     """The state less one of its effects, the others fitted again."""
     kept = [i for i in range(len(state.structure)) if i != index]
-    at = np.cumsum([0, *(c.size for c in state.structure)])
-    x = np.concatenate([np.zeros(0), *(state.fit.x[at[i] : at[i + 1]] for i in kept)])
+    each = np.split(state.fit.x, np.cumsum([c.size for c in state.structure])[:-1])
+    x = np.concatenate([np.zeros(0), *(each[i] for i in kept)])
     return refitted(state, tuple(state.structure[i] for i in kept), x, runs)
 
 
 def needed(state: State, runs: Sequence[int]) -> State:
-    """Now that all are known: drop, least useful first, every effect that the others make superfluous.
-
-    So is a named effect whose parameters may all be null as far as these trials say.
+    """Now that all are known: drop, least useful first, every effect that the others make superfluous, or
+    whose parameters may all be null as far as these trials say.
     """
     while len(state.structure) > 1:
         fewer = [without(state, index, runs) for index in range(len(state.structure))]
@@ -372,13 +380,12 @@ def nothing_sure(state: State) -> list[bool]:
     """
     if state.view.piece is not None:
         return [False] * len(state.structure)
-    sizes = np.cumsum([c.size for c in state.structure])[:-1]
     scale = np.concatenate([c.scale for c in state.structure])
     null = np.concatenate([c.null for c in state.structure])
     spread = intervals(state.fit, leave_one_out(state.fit), scale, np.zeros(len(null)), together=False)
     holds = (spread.low <= null) & (null <= spread.high)
-    each = zip(state.structure, np.split(holds, sizes), strict=True)
-    return [c.named and c.nested and bool(part.all()) for c, part in each]
+    each = np.split(holds, np.cumsum([c.size for c in state.structure])[:-1])
+    return [c.named and c.nested and bool(e.all()) for c, e in zip(state.structure, each, strict=True)]
 
 
 def _whole(problem: Problem, state: State, runs: Sequence[int]) -> State:
@@ -391,8 +398,3 @@ def _whole(problem: Problem, state: State, runs: Sequence[int]) -> State:
         return state
     whole = fitted(problem, state.structure, state.fit.x, trials, runs)
     return whole if whole.chi <= SETTINGS.far_chi else state
-
-
-def _spread(numbers: Index, most: int) -> Index:
-    """At most so many of them, spread over all."""
-    return np.asarray(numbers[np.unique(np.linspace(0, len(numbers) - 1, most).round().astype(int))])

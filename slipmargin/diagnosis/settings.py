@@ -69,8 +69,8 @@ class SearchSettings:
     most_effects: int = 4
     #: [chi] No model predicts better than this: the noise is known to 3 %.
     floor_chi: float = 0.97
-    #: [s] Length of a piece while searching far above the noise: the camera's noise is small beside what a
-    #: model lacks, and the heading has not yet gone astray.
+    #: [s] Length of a piece while searching far above the noise, before the heading goes astray; doubled
+    #: while what the model lacks is not far above the noise in it, as with slow robots.
     piece_s: float = 0.5
     #: [chi] Above this runs may be compared in pieces …
     far_chi: float = 5.0
