@@ -195,7 +195,7 @@ def limit_table(model: Model, margin: float) -> LimitTable:
         Where a wheel's drag leaves it no grip to drive.
     """
     share = 1.0 - margin
-    share -= max(CREEPS, _uneven(model, share))
+    share -= CREEPS + max(0.0, _uneven(model, share))
     motion = _states(model)
     box = replace(model, grip=replace(model.grip, shape=GripShape.BOX))
     friction = friction_in_motion(box, motion, share=share)

@@ -86,8 +86,6 @@ def _short(label: str) -> str:
 
 
 def _first_lead(d: Diagnosis) -> str:
-    if not d.steps:
-        return "Nothing was compared: the runs that were searched are noise alone, or the time was over."
     if not d.leads:
         return "The residual follows no measured variable significantly."
     first = d.leads[0]
