@@ -20,6 +20,31 @@ from slipmargin.robot import (
 )
 
 
+def wheel_set(
+    place_m: np.ndarray, aim_deg: np.ndarray, turn_deg: np.ndarray, radius_m: float
+) -> tuple[Wheel, ...]:
+    """Wheels w1 … wN at (N, 2) places, driving and with rollers turned by (N,) angles."""
+    return tuple(
+        Wheel(
+            name=f"w{i + 1}",
+            position_m=place,
+            drive_direction_deg=float(aim),
+            radius_m=radius_m,
+            roller_angle_deg=float(turn),
+        )
+        for i, (place, aim, turn) in enumerate(zip(place_m, aim_deg, turn_deg, strict=True))
+    )
+
+
+def floor_of(drive: float, transverse: float) -> Surface:
+    """A floor named floor, on whose rigid material wheels grip alike in both directions."""
+    return Surface(
+        name="floor",
+        roller=Coefficients(drive=drive, transverse=transverse),
+        rigid=Coefficients(drive=drive, transverse=drive),
+    )
+
+
 def drawn_robot(rng: np.random.Generator) -> Model:
     """Three to six wheels, omni, mecanum or both, any grip and load rule, mass off centre and raised."""
     while True:
@@ -31,16 +56,7 @@ def drawn_robot(rng: np.random.Generator) -> Model:
         aim = np.where(mecanum, 90.0, np.rad2deg(at) + 90.0 + rng.uniform(-25.0, 25.0, n))
         turn = np.where(mecanum, np.where(np.arange(n) % 2 == 0, 45.0, -45.0), 0.0)
         radius = rng.uniform(0.025, 0.08)
-        wheels = tuple(
-            Wheel(
-                name=f"w{i + 1}",
-                position_m=place[i],
-                drive_direction_deg=float(aim[i]),
-                radius_m=radius,
-                roller_angle_deg=float(turn[i]),
-            )
-            for i in range(n)
-        )
+        wheels = wheel_set(place, aim, turn, radius)
         rule = LoadRule(rng.choice([r.value for r in LoadRule]))
         way = rng.uniform(-np.pi, np.pi)
         lean = np.array([np.cos(way), np.sin(way)])
@@ -55,11 +71,7 @@ def drawn_robot(rng: np.random.Generator) -> Model:
                 rng.uniform(0.4, 3.0) * drive * mass * 9.81 / n * radius
             )  # from weak to slipping at standstill
             motor = Motor(max_speed_rad_s=top, stall_torque_N_m=stall if rng.random() < 0.8 else None)
-        floor = Surface(
-            name="floor",
-            roller=Coefficients(drive=drive, transverse=drive * rng.uniform(0.03, 0.3)),
-            rigid=Coefficients(drive=drive, transverse=drive),
-        )
+        floor = floor_of(drive, drive * rng.uniform(0.03, 0.3))
         try:
             robot = Robot(
                 name=f"drawn-{kind}-{n}",

@@ -15,6 +15,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from drawn_robots import floor_of, wheel_set
 from kept import Keeper, collected
 
 from slipmargin.errors import InputError, NoSolution
@@ -23,7 +24,7 @@ from slipmargin.paths.path import Path, through
 from slipmargin.paths.plan import Request, plan
 from slipmargin.paths.sample import at_use, trajectory
 from slipmargin.paths.verify import GROSS, verify
-from slipmargin.robot import Body, Coefficients, LoadRule, Robot, Surface, Wheel
+from slipmargin.robot import Body, LoadRule, Robot
 
 #: How long a sped-up motion has to ask for 105 % of a wheel's grip [s].
 HOLD_S = 0.5
@@ -39,26 +40,13 @@ def drawn_robot(rng: np.random.Generator, wheels: int) -> Model:
         mecanum = wheels % 2 == 0 and rng.random() < 0.5
         turn = np.where(np.arange(wheels) % 2 == 0, 45.0, -45.0) if mecanum else np.zeros(wheels)
         aim = np.full(wheels, 90.0) if mecanum else np.rad2deg(at) + 90.0 + rng.uniform(-25.0, 25.0, wheels)
-        parts = tuple(
-            Wheel(
-                name=f"w{i + 1}",
-                position_m=size * np.array([np.cos(a), np.sin(a)]),
-                drive_direction_deg=float(d),
-                radius_m=0.04,
-                roller_angle_deg=float(r),
-            )
-            for i, (a, d, r) in enumerate(zip(at, aim, turn, strict=True))
-        )
+        place = size * np.column_stack([np.cos(at), np.sin(at)])
         mass, drive = rng.uniform(2.0, 40.0), rng.uniform(0.2, 0.8)
-        floor = Surface(
-            name="floor",
-            roller=Coefficients(drive=drive, transverse=drive * rng.uniform(0.03, 0.35)),
-            rigid=Coefficients(drive=drive, transverse=drive),
-        )
+        floor = floor_of(drive, drive * rng.uniform(0.03, 0.35))
         try:
             robot = Robot(
                 name=f"drawn-{wheels}",
-                wheels=parts,
+                wheels=wheel_set(place, aim, turn, 0.04),
                 surfaces=(floor,),
                 load_rule=LoadRule.QUASI_STATIC,
                 body=Body(

@@ -90,9 +90,8 @@ class CompareResult(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Values, standard deviations and places as plain data."""
-        from slipmargin.study.ideas import QUESTIONS, ranking
+        from slipmargin.study.ideas import QUESTIONS
 
-        rankings = {q.key: ranking(self.ideas, q) for q in QUESTIONS}
         return {
             "schema": 1,
             "surface": self.surface,
@@ -114,10 +113,7 @@ class CompareResult(Result):
                 }
                 for idea in self.ideas
             ],
-            "best": {
-                key: [] if found is None else [self.ideas[k].name for k in sorted(found.order[: found.alike])]
-                for key, found in rankings.items()
-            },
+            "best": {q.key: self.best(q.key) for q in QUESTIONS},
         }
 
 

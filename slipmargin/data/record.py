@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array, shaped
+from slipmargin.checks import Array, read_only, shaped
 from slipmargin.errors import InputError
 
 #: The signals of the wheels that a record may hold: field name → meaning.
@@ -101,5 +101,4 @@ def _signal(place: str, value: object, shape: tuple[int | None, ...]) -> Array:
     array = shaped(place, value, shape)
     if np.isinf(array).any():
         raise InputError(place, "holds an infinite value", "leave a missing sample empty")
-    array.setflags(write=False)
-    return array
+    return read_only(array)

@@ -176,21 +176,21 @@ def named_candidates(
     for effect in CATALOGUE:
         if effect.name in known or (effect.needs_commands and not commanded):
             continue
-        reaches = SETTINGS.stamped_clock if effect.needs_nominal_rate and timed else np.inf
+        widest = SETTINGS.stamped_clock if effect.is_the_clock and timed else np.inf
         single = issubclass(effect, WheelEffect) and effect.one_wheel
         for variant in effect.variants or (None,):
             found += [
-                _within(named_candidate(effect, variant, on, reach), reaches)
+                _within(named_candidate(effect, variant, on, reach), widest)
                 for on in ([(w,) for w in wheels] if single else [()])
             ]
     return found
 
 
-def _within(candidate: Candidate, reach: float) -> Candidate:
-    """The candidate with every parameter within ``reach`` of its null."""
-    if np.isinf(reach):
+def _within(candidate: Candidate, widest: float) -> Candidate:
+    """The candidate with every parameter within ``widest`` of its null."""
+    if np.isinf(widest):
         return candidate
     low, high = (
-        np.clip(b, candidate.null - reach, candidate.null + reach) for b in (candidate.low, candidate.high)
+        np.clip(b, candidate.null - widest, candidate.null + widest) for b in (candidate.low, candidate.high)
     )
     return replace(candidate, low=low, high=high, starts=np.clip(candidate.starts, low, high))

@@ -242,19 +242,21 @@ def _linearise(
     """Residual (R, K), simulated unless ``known``, and forward-difference Jacobian (R, K, P)."""
     steps = steps_inside(structure, x, _STEP)
     points = [x + step * unit for step, unit in zip(steps, np.eye(len(x)), strict=True)]
-    rough = problem.rough()
-    if known is None and (rough is not problem or not points):
-        known = problem.residuals([build(structure, x)], [trials])[0]
     if not points:
-        assert known is not None
-        return known, np.zeros((*known.shape, 0))
-    if rough is not problem or known is None:
+        base = problem.residuals([build(structure, x)], [trials])[0] if known is None else known
+        return base, np.zeros((*base.shape, 0))
+    rough = problem.rough()
+    exact = rough is problem
+    here = known if exact else None  # differences are taken within one problem
+    if here is None:
         points = [x, *points]
     found = rough.residuals([build(structure, p) for p in points], [trials] * len(points))
-    here = found.pop(0) if len(found) > len(steps) else known
-    assert here is not None
+    if here is None:
+        here = found.pop(0)
+    if known is None:
+        known = here if exact else problem.residuals([build(structure, x)], [trials])[0]
     jacobian = np.stack([(r - here) / step for r, step in zip(found, steps, strict=True)], axis=-1)
-    return here if known is None else known, jacobian
+    return known, jacobian
 
 
 def shifted_by(other: Residuals, found: Fit) -> Array:

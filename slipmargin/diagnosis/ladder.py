@@ -146,16 +146,17 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
     after = court.errors(state)
     before = court.believed(state)
     one, two = by_run(before.errors, court.runs), by_run(after.errors, court.runs)
+    astray: tuple[str, ...] = ()
     if state.view.piece is None:
         judgement = court.verdict(one, two)
     else:  # a wrong heading early in a whole run outweighs all that is right after it
+        rows = np.flatnonzero(court.unseen) if court.unseen.any() else None
+        if two.chi(rows) >= one.chi(rows):
+            astray = ("on whole runs that it has not seen the error does not fall",)
         pieces = (court.believed(state, in_pieces=True), court.errors(state, in_pieces=True))
         judgement = court.verdict(*(by_run(p.errors, court.runs) for p in pieces))
     idle = [c.label for c, none in zip(state.structure, nothing_sure(state), strict=True) if none]
-    failures = judgement.failures
-    unseen = np.flatnonzero(court.unseen) if court.unseen.any() else np.arange(len(one.squares))
-    if state.view.piece is not None and two.chi(unseen) >= one.chi(unseen):
-        failures += ("on whole runs that it has not seen the error does not fall",)
+    failures = judgement.failures + astray
     failures += tuple(
         f"every interval of the parameters of {label} contains the value that does nothing" for label in idle
     )

@@ -8,7 +8,7 @@ from typing import TypeVar, final
 
 import numpy as np
 
-from slipmargin.checks import Array, exact_mean, frozen
+from slipmargin.checks import Array, exact_mean, frozen, read_only
 from slipmargin.data.pulls import Pulls
 from slipmargin.diagnosis.plan_change import PlanChange, plan_change
 from slipmargin.diagnosis.pull_check import PullCheck, pull_check
@@ -170,9 +170,7 @@ def _limits(model: Model, phi: Array, direction: Array, whose: str, missing: lis
 def _gapped(name: str, values: Array, size: int) -> Array:
     """``values`` read-only; all of them not numbers where they could not be computed."""
     if np.isnan(values).all():
-        values = np.full(size, np.nan)
-        values.setflags(write=False)
-        return values
+        return read_only(np.full(size, np.nan))
     return frozen(name, values, (size,))
 
 

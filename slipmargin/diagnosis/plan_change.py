@@ -46,9 +46,8 @@ def plan_change(believed: Model, corrected: Model) -> PlanChange:
     arm = float(np.max(np.hypot(*(believed.geometry.position_m - believed.inertia.com_m).T)))
     goal = np.array([*believed.convention.from_right_forward(*MOVE[:2]), MOVE[2]])
     path = Path(pieces=(line(np.zeros(3), goal, arm),))
-    same = corrected is believed
     old = _plan(believed, path)
-    new = old if same else _plan(corrected, path)
+    new = old if corrected is believed else _plan(corrected, path)
     return PlanChange(
         before_s=None if old is None else old.duration_s,
         after_s=None if new is None else new.duration_s,

@@ -121,8 +121,8 @@ def search(
 ) -> tuple[Problem, State, list[Round]]:
     """What the model lacks, judged on the trials ``seen``, and the rounds in which it was found.
 
-    The problem comes back as well: wheel phases that were not logged are estimated on the way, for the
-    trials ``seen`` and for no other.  ``runs`` is the run that each of them is, or is cut from.
+    The problem comes back as well: wheel phases that were not logged are guessed on the way, for ``seen`` or,
+    where the model does not need them, for the trials searched.  ``runs``: which run each is, or is cut from.
     """
     unknown = wheel_phase.is_unknown(problem)
     needs_phases = unknown and wheel_phase.matters_to(problem.model(()))
@@ -308,7 +308,7 @@ def worthwhile(before: State, chi: float, named: bool = True) -> bool:
 
 
 def quiet(state: State) -> bool:
-    """Whether a state leaves nothing but noise, in all runs and in each of them."""
+    """Whether a state leaves nothing but noise in the runs that are searched, in all and in each of them."""
     counts = np.maximum(1.0, np.count_nonzero(state.fit.residual, axis=1))
     of_runs = np.sqrt(np.sum(state.fit.residual**2, axis=1) / counts)
     above = of_runs - SETTINGS.quiet_chi - SETTINGS.quiet_deviations / np.sqrt(2.0 * counts)

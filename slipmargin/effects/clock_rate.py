@@ -28,7 +28,7 @@ class ClockRate(Effect):
     parameters = (
         parameter("period_factor", "1", (0.9, 1.0, 1.1), 0.02, "true over nominal sampling period"),
     )
-    needs_nominal_rate = True
+    is_the_clock = True
     source = "a nominal rate, or the clock that stamps the rows; above 1 = more time passed than stated"
     confirm = "stop the time of a recording by hand, or compare the log's clock with another one"
 

@@ -165,8 +165,8 @@ class Effect(ABC):
     variants: ClassVar[tuple[Variant, ...]] = ()
     #: Whether it shows only in data with commanded wheel speeds.
     needs_commands: ClassVar[bool] = False
-    #: Whether it belongs to data without time stamps, whose rate is nominal; time stamps are nearly right.
-    needs_nominal_rate: ClassVar[bool] = False
+    #: Whether it is the clock of a log's rows: a nominal rate may be far off, time stamps are nearly right.
+    is_the_clock: ClassVar[bool] = False
     #: Whether it depends on where a wheel stands, so that wheel angles need a known zero.
     needs_wheel_phase: ClassVar[bool] = False
     #: Parameters that no fit varies, with the values that a diagnosis compares once all else is fitted.

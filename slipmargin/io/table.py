@@ -17,7 +17,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array, Index
+from slipmargin.checks import Array, Index, read_only
 from slipmargin.errors import InputError
 from slipmargin.io.source import lines_of
 from slipmargin.io.toml_table import nearest
@@ -118,8 +118,7 @@ def _columns(
         values = blocks.popleft()
         table[at : at + len(values)] = values
         at += len(values)
-    table.setflags(write=False)
-    return Columns(names=names, values=table, lines=np.concatenate(numbers))
+    return Columns(names=names, values=read_only(table), lines=np.concatenate(numbers))
 
 
 def _quick(rows: list[str], columns: int) -> Array | None:

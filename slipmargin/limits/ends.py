@@ -30,7 +30,7 @@ class Ends:
         sign: Array,
         normals: Array,
         effort: Callable[[Array], Most],
-        driven: bool,
+        motors: bool,
     ) -> Most:
         """What the ends of a set ask of each motion (R, M).
 
@@ -46,7 +46,7 @@ class Ends:
         size = np.max(np.abs(at), axis=(0, 1))
         step = np.vstack([np.zeros(3), NEARBY * np.diag(size)])[:, None]
         shares: tuple[Callable[[Most], Array], ...] = (lambda e: e.use,)
-        if driven:
+        if motors:
             shares = (*shares, lambda e: e.motors)
         for share in shares:
             first = np.argmax(share(seen)[: len(at)], axis=0)

@@ -21,7 +21,7 @@ from slipmargin.physics.terms import ForceTerm
 from slipmargin.physics.variables import Frame
 
 #: No acceleration of the centre of mass [m/s²].
-NONE = read_only(np.zeros(2))
+NO_ACCELERATION = read_only(np.zeros(2))
 
 
 @final
@@ -55,7 +55,7 @@ class External:
         ]
         return np.asarray(np.min(each, axis=0) if len(each) > 1 else each[0])
 
-    def cases(self, acceleration: Array = NONE) -> Iterator[tuple[Array, Array, Array]]:
+    def cases(self, acceleration: Array = NO_ACCELERATION) -> Iterator[tuple[Array, Array, Array]]:
         """Boxes (M, 3), (M, 3) of wrenches, each with the loads at an acceleration of the centre of mass.
 
         A force with a height stands at a corner of its box, so that loads and wrench belong together: what
@@ -85,7 +85,7 @@ class External:
 
     def standing_N(self) -> Array:
         """Least loads (M, N) at zero acceleration on an even floor: one wheel in the air is no tipping."""
-        return np.asarray(self.loads.at(NONE, lift_N=self.lift_N) + self.load_change_N[0])
+        return np.asarray(self.loads.at(NO_ACCELERATION, lift_N=self.lift_N) + self.load_change_N[0])
 
     def corners(self) -> Iterator[tuple[Array, Array]]:
         """Wrenches (M, 3) at the corners of the boxes without acceleration, each with its loads."""

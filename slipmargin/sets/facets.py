@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, read_only
 from slipmargin.errors import InputError
 
 #: Sine of the angle between two generators below which they count as parallel [1].
@@ -67,9 +67,7 @@ def facet_normals(directions: Array) -> Array:
     order = order[sine[order] > PARALLEL]
     normal = cross[order] / sine[order, None]
     kept = normal[_distinct(normal, 1e-15 / sine[order])]
-    out: Array = kept / np.array([1.0, 1.0, scale])
-    out.setflags(write=False)
-    return out
+    return read_only(kept / np.array([1.0, 1.0, scale]))
 
 
 def ray_exit(normals: Array, offsets: Array, rays: Array) -> Array:

@@ -13,7 +13,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from slipmargin.checks import Array, frozen
+from slipmargin.checks import Array, frozen, read_only
 from slipmargin.errors import NoSolution
 from slipmargin.sets.facets import (
     IN_PLANE,
@@ -49,9 +49,7 @@ class Zonotope:
         put(self, "centre", frozen("centre", self.centre, (3,)))
         there = np.any(self.generators != 0.0, axis=0)
         put(self, "normals", facet_normals(self.generators[:, there]))
-        per = np.abs(self.normals @ self.generators)
-        per.setflags(write=False)
-        put(self, "per_generator", per)
+        put(self, "per_generator", read_only(np.abs(self.normals @ self.generators)))
 
     @property
     def offsets(self) -> Array:

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, read_only
 from slipmargin.errors import InputError
 from slipmargin.model import Model
 from slipmargin.physics import sectors
@@ -70,8 +70,7 @@ def pack(model: Model) -> Array:
     flat = np.concatenate([head, wheels.ravel(), *mods, *forces, *commands, edges])
     if not np.all(np.isfinite(flat)):
         raise InputError("model", "holds a number that is not finite", "give finite parameters")
-    flat.setflags(write=False)
-    return flat
+    return read_only(flat)
 
 
 def stack(packed: list[Array]) -> Array:

@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, read_only
 from slipmargin.errors import InputError
 from slipmargin.study.columns import static_columns
 from slipmargin.study.objectives import BY_NAME, Kind, Objective, names_of, objective
@@ -177,15 +177,10 @@ def study(
         problem=problem,
         values=tuple(values),
         designs=tuple(everyone[:-1]),
-        columns={name: _frozen(column[:-1]) for name, column in columns.items()},
+        columns={name: read_only(column[:-1]) for name, column in columns.items()},
         impossible=impossible,
         own=own,
         own_problem=own_problem,
         pieces=done.pieces if done else 0,
         resumed=done.resumed if done else 0,
     )
-
-
-def _frozen(column: Array) -> Array:
-    column.setflags(write=False)
-    return column
