@@ -2,7 +2,8 @@
 
     python benchmarks/paths.py [--json FILE]     a table; the same figures as JSON
 
-All ratios are of one run on one machine, times the least of several.  The proof by simulation is ``path_proof.py``.
+All ratios are of one run on one machine, times the least of several.  The proof by simulation is
+``path_proof.py``.
 """
 
 from __future__ import annotations
