@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import sys
+from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TextIO
 
 import typer
 
@@ -55,7 +56,7 @@ def monitor(
         ),
     ):
         lines = sm.SlipMonitor.lines(
-            log, sys.stdin if log == "-" else None, lambda share: progress(reading, share)
+            log, _stdin() if log == "-" else None, lambda share: progress(reading, share)
         )
         watch = sm.SlipMonitor.of_header(
             robot,
@@ -73,3 +74,12 @@ def monitor(
     warn(*watch.warnings)
     for line in watch.stream(lines):
         say(line)
+
+
+def _stdin() -> TextIO:
+    """What is piped in, as UTF-8 in any locale; bytes that are none are refused when they are met."""
+    if sys.stdin is None:
+        refuse("-", "there is no stdin", "pipe a log in, or name a file")
+    if isinstance(sys.stdin, TextIOWrapper):
+        sys.stdin.reconfigure(encoding="utf-8-sig", errors="surrogateescape")
+    return sys.stdin

@@ -267,13 +267,11 @@ class SlipMonitor:
         progress : callable
             Called now and then with the share of the file that is read.
         """
+        from slipmargin.io.source import lines_of, utf8
         from slipmargin.onboard.stream import Lines
 
-        if stream is None:
-            from slipmargin.io.source import lines_of
-
-            stream = lines_of(Path(source), progress)
-        return Lines(str(source), iter(stream))
+        read = lines_of(Path(source), progress) if stream is None else utf8(stream, str(source))
+        return Lines(str(source), read)
 
     @classmethod
     def of_header(cls, robot: RobotLike, surface: str, lines: Lines, **others: Any) -> SlipMonitor:

@@ -232,6 +232,8 @@ def main() -> int:
         word, shows, used = run(case, base)
         counts = known["counts"].setdefault(case.command, {})
         counts[word] = counts.get(word, 0) + 1
+        spent = known.setdefault("cpu_s", {})
+        spent[case.command] = round(spent.get(case.command, 0.0) + used, 2)
         if word in BAD:
             known["bad"].append({"case": number, "what": word, "words": case.words[:12], "shows": shows})
             print(
