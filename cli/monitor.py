@@ -10,7 +10,7 @@ from typing import Annotated, TextIO
 import typer
 
 from .options import JsonOpt, PlotOpt, ReportOpt, RobotArg, SeedOpt, SurfaceOpt, check_outputs, deliver
-from .render import at_options, refuse, say, stages, warn
+from .render import at_options, read_with_progress, refuse, say, warn
 
 
 def monitor(
@@ -46,18 +46,16 @@ def monitor(
     for place in (out, plot, report, None if json is None else Path(str(json))):
         if place is not None and place.exists() and Path(log).exists() and place.samefile(log):
             refuse(str(place), "is the log itself", "give another file for what is written")
-    reading, live = "reading the log", log == "-" and not (out or plot or json or report)
+    live = log == "-" and not (out or plot or json or report)
     with (
-        stages(reading) as progress,
+        read_with_progress(),
         at_options(
             surface="--surface",
             false_alarm_rate="--false-alarms",
             torque_per_ampere_N_m="--torque-per-ampere",
         ),
     ):
-        lines = sm.SlipMonitor.lines(
-            log, _stdin() if log == "-" else None, lambda share: progress(reading, share)
-        )
+        lines = sm.SlipMonitor.lines(log, _stdin() if log == "-" else None)
         watch = sm.SlipMonitor.of_header(
             robot,
             surface,

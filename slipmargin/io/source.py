@@ -5,10 +5,11 @@ from __future__ import annotations
 import contextlib
 import io
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from slipmargin.errors import InputError
+from slipmargin.notice import reading
 
 #: Lines after which the progress of reading is told.
 EACH = 20_000
@@ -60,15 +61,13 @@ def utf8(lines: Iterable[str], source: str) -> Iterator[str]:
         yield line
 
 
-def lines_of(
-    path: Path, progress: Callable[[float], None] = lambda share: None, *, strict: bool = True
-) -> Iterator[str]:
+def lines_of(path: Path, *, strict: bool = True) -> Iterator[str]:
     """The lines of a UTF-8 file, one at a time, so that a log of any length is read in little memory.
+
+    Who listens (:func:`slipmargin.notice.heard`) is told now and then how far it is.
 
     Parameters
     ----------
-    progress : callable
-        Called now and then with the share of the file that is read.
     strict : bool
         Whether bytes that are no UTF-8 are refused; else they become marks.
 
@@ -85,7 +84,7 @@ def lines_of(
         )
         for number, line in enumerate(utf8(text, str(path)) if strict else text):
             if seeks and number % EACH == EACH - 1:
-                progress(raw.tell() / size)
+                reading(path.name, raw.tell() / size)
             yield line.rstrip("\n")
 
 
