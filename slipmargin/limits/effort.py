@@ -163,8 +163,9 @@ class Demands:
         torque = np.zeros((2, rows, self.states, self.count))
         tables = np.zeros((self.count, WHEEL)), np.zeros(ASKED), np.zeros(self.count), np.zeros(TABLES)
         asked = np.ascontiguousarray(acceleration, dtype=float), np.ascontiguousarray(limit_N_m, dtype=float)
+        more: tuple[Any, ...] = (*asked, exact, *tables, use, motors, torque)
         for case in self.cases:
-            _raise(*self.fixed, *case, *asked, exact, *tables, use, motors, torque)
+            _raise(*self.fixed, *case, *more)
         return use, motors, torque
 
 
