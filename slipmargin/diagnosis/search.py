@@ -165,7 +165,7 @@ def search(
 def enough(seen: Index, knots: float) -> Index:
     """Trials to search with, spread over ``seen``: the fewer the more samples of the wheels each has."""
     many = int(np.clip(SETTINGS.most_samples / knots, SETTINGS.folds, SETTINGS.most_searched))
-    return seen[np.unique(np.linspace(0, len(seen) - 1, many).round().astype(int))]
+    return np.asarray(seen[np.unique(np.linspace(0, len(seen) - 1, many).round().astype(int))])
 
 
 def screened(before: State, runs: Sequence[int], candidates: list[Candidate], seed: int) -> Screening:
