@@ -455,7 +455,11 @@ def ideas(random: Random, files: dict[str, bytes]) -> Case:
 def reproduce(random: Random) -> Case:
     """The published numbers; what can be damaged is where they go and the words."""
     files = random.choice(({}, {"o": b"a file"}, {"o/reproduce.json": b"of another run"}, {"o.json": b"old"}))
-    words = ["reproduce", "--out", random.choice(("o", "o", "o", "no/such", "", "o.json", "o/reproduce.json"))]
+    words = [
+        "reproduce",
+        "--out",
+        random.choice(("o", "o", "o", "no/such", "", "o.json", "o/reproduce.json")),
+    ]
     words += option(random, "--seed", (0, 1, -1, "x", 1e300), 0.6)
     words += ["--json", random.choice(("o.json", "-", "o", "o/reproduce.json", "no/o.json"))] * (
         random.random() < 0.6
