@@ -21,6 +21,8 @@ from pathlib import Path
 from typing import Any
 
 _FIRST_LEADS = 3
+#: The search stops at the budget; judgement, tables and pages may take as long again and this [s].
+_AFTERWARDS_S = 60.0
 
 
 def short(report: dict[str, Any]) -> dict[str, Any]:
@@ -58,10 +60,11 @@ def judge(folder: Path, budget_s: float, command: Sequence[str]) -> dict[str, An
     began = time.monotonic()
     with tempfile.TemporaryDirectory() as made:
         out = Path(made) / "report"
-        words = [*command, "diagnose", str(folder), "--out", str(out)]
+        words = [*command, "diagnose", str(folder), "--out", str(out), "--budget", f"{budget_s:g}"]
+        latest_s = 2.0 * budget_s + _AFTERWARDS_S
         try:
             done = subprocess.run(
-                words, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=budget_s, check=False
+                words, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=latest_s, check=False
             )
         except subprocess.TimeoutExpired:
             return {"verdict": "out-of-time", "seconds": round(time.monotonic() - began, 1)}
@@ -90,7 +93,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("folder", type=Path, metavar="DIR")
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--budget", type=float, default=600.0, help="seconds that a set may take")
+    parser.add_argument("--budget", type=float, default=600.0, help="seconds that a search may take")
     parser.add_argument("--only", default="", help="names of sets, with commas")
     given = parser.parse_args(words)
     sets = sorted(path for path in (given.folder / "sets").glob("*") if path.is_dir())
