@@ -202,6 +202,9 @@ def take_step(
         return nothing
     tried.sort(key=lambda s: s.chi)
     best = choose(tried)
+    names = [s for s in tried if s.named]  # far above the noise a form takes up much that no name does
+    if names and before.view.piece is not None and not worthwhile(before, best.chi, named=best.named):
+        best = choose(names)
     return Round(
         before=before,
         screening=screening,
