@@ -128,7 +128,7 @@ def judge(
     failures = []
     explained = explained_share(before.chi(fresh), after.chi(fresh))
     least = min(s.least_chi, before.chi(fresh))
-    few = 0 < int(np.count_nonzero(unseen)) < min(s.few_unseen, len(everyone))
+    few = 0 < int(np.count_nonzero(unseen)) < min(s.few_unseen, len(everyone)) and before.chi() > s.far_chi
     enough = explained >= s.explained_share or (
         few
         and explained_share(before.chi(), after.chi()) >= s.explained_share

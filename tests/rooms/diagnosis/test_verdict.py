@@ -60,6 +60,8 @@ def test_two_unseen_runs_do_not_decide_alone() -> None:
     many = judged(before, errors([4.0] * 3 + [9.6, 9.2] + [9.0] * 5), np.arange(10) >= 5)
     assert "25 % are asked for" in many.failures[0], "five can rule out chance"
     assert not judged(before, errors([4.0] * 6 + [11.0, 11.0, 10.2, 9.9])).holds, "together they get worse"
+    near = errors(3.0), errors(0.3 * np.array([4.0] * 6 + [9.6, 9.2, 9.0, 9.0]))
+    assert not judged(*near).holds, "near the noise runs are alike"
 
 
 def test_a_run_that_diverges_is_not_outweighed_by_the_others() -> None:
