@@ -149,7 +149,7 @@ def search(
         rounds.append(step)
         if not step.taken or step.best is None:
             break
-        state = _whole(problem, step.best, own)
+        state = longer(problem, step.best, own)
         if unknown and any(c.wheel_phase for c in state.structure):
             at = evaluate(problem, state.structure, state.fit.x, seen)
             problem, better = wheel_phase.refined(problem, at)
@@ -313,11 +313,10 @@ def quiet(state: State) -> bool:
 
 def _in_pieces(problem: Problem, trials: Index, runs: Sequence[int]) -> State:
     """The model as it is, in the shortest pieces in which what it lacks is well above the noise."""
-    longest = 0.5 * float(np.median([problem.trials[i].t_s[-1] for i in trials]))
     piece_s = SETTINGS.piece_s
     while True:
         state = fitted(problem.in_pieces(piece_s), (), np.zeros(0), trials, runs)
-        if state.chi >= SETTINGS.far_chi or 2.0 * piece_s > longest:
+        if state.chi >= SETTINGS.far_chi or 2.0 * piece_s > _longest_s(problem, trials):
             return state
         piece_s *= 2.0
 
@@ -369,13 +368,25 @@ def nothing_sure(state: State) -> list[bool]:
     return [c.named and c.nested and bool(e.all()) for c, e in zip(state.structure, each, strict=True)]
 
 
-def _whole(problem: Problem, state: State, runs: Sequence[int]) -> State:
-    """A state found in pieces, fitted to whole runs where these come near the noise."""
+def longer(problem: Problem, state: State, runs: Sequence[int]) -> State:
+    """A state found in pieces, fitted to whole runs where these come near the noise, else to longer pieces.
+
+    What a model still lacks adds up along a run: pieces in which the rest is near the noise hide it.
+    """
     if state.view.piece is None:
         return state
     trials = state.fit.trials
     off = float(np.sum(problem.residuals([state.fit.effects], [trials])[0] ** 2))
-    if np.sqrt(off / state.samples) > SETTINGS.within_reach * SETTINGS.far_chi:
-        return state
-    whole = fitted(problem, state.structure, state.fit.x, trials, runs)
-    return whole if whole.chi <= SETTINGS.far_chi else state
+    if np.sqrt(off / state.samples) <= SETTINGS.within_reach * SETTINGS.far_chi:
+        whole = fitted(problem, state.structure, state.fit.x, trials, runs)
+        if whole.chi <= SETTINGS.far_chi:
+            return whole
+    while state.chi < SETTINGS.far_chi and 2.0 * state.view.piece_s <= _longest_s(problem, trials):
+        view = problem.in_pieces(2.0 * state.view.piece_s)
+        state = fitted(view, state.structure, state.fit.x, trials, runs)
+    return state
+
+
+def _longest_s(problem: Problem, trials: Index) -> float:
+    """The longest pieces [s]: half a run, that there are two of them."""
+    return 0.5 * float(np.median([problem.trials[i].t_s[-1] for i in trials]))

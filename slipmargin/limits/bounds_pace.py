@@ -9,9 +9,10 @@ from slipmargin.limits.effort import efforts
 from slipmargin.limits.every_motion import all_motions
 from slipmargin.limits.motion import along
 from slipmargin.limits.motion_realised import realised
-from slipmargin.limits.motion_rows import acceleration_rows, at_pace, torque_limit
+from slipmargin.limits.motion_rows import acceleration_rows, at_pace, prepare, torque_limit
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
+from slipmargin.physics.frames import directions
 from slipmargin.physics.kinematics import com_acceleration
 
 
@@ -26,6 +27,25 @@ def pace(model: Model, torque_N_m: Array, share: float) -> float | None:
     driving = np.where(speed > 0.0, torque_N_m[0], torque_N_m[1])
     left = 1.0 - np.maximum(driving, 0.0) / (share * stall)
     return float(np.clip(np.min(left / np.maximum(np.abs(speed), 1e-9)), 0.0, share))
+
+
+def held_speed(model: Model, heading_rad: Array, contact: Contact) -> float:
+    """Fastest straight motion [m/s] that the motors hold against full drag in every direction (H,).
+
+    A wheel that drives with the torque T turns at most at θ̇_max (1 − T / T_stall).  Without a stall torque
+    nothing is lost to drag; infinite without a top speed.
+    """
+    stall, top = model.drives.stall_torque_N_m, model.drives.max_speed_rad_s
+    if top is None:
+        return np.inf
+    ahead = np.column_stack([directions(heading_rad), np.zeros(len(heading_rad))])
+    speed = model.geometry.wheel_speeds(ahead)  # per 1 m/s
+    left = np.ones_like(speed)
+    if stall is not None:
+        friction, external = prepare(model, Motion.full_drag(ahead), 1.0, contact)[1:]
+        torque = efforts(model, friction, external, np.zeros((1, *ahead.shape))).torque_N_m[:, 0]
+        left = 1.0 - np.maximum(np.where(speed > 0.0, torque[0], torque[1]), 0.0) / stall
+    return float(max(0.0, np.min(top * left / np.maximum(np.abs(speed), 1e-9))))
 
 
 def yaw_rate(model: Model, yaw_rad_s2: float, share: float, contact: Contact) -> float:

@@ -76,13 +76,13 @@ def test_spinning_and_motors() -> None:
     assert top_speed(model, np.array([np.pi / 2]))[0] == pytest.approx(60.0 * 0.0254 / np.cos(np.pi / 12))
     assert np.isinf(top_speed(nominal_model(kiwi(), "paper"), np.zeros(1))[0])
     assert np.isinf(starting_by_motor(nominal_model(kiwi(), "paper"), np.zeros(1))[0])
-    found = bounds(model, sets=False, step_deg=10.0)
+    found = bounds(model, step_deg=10.0)
     assert found.smaller == "motor" and found.motor_limit_m_s2 < found.traction_m_s2
     assert found.recommended_m_s2 == 0.0  # at half the top speed, half the torque is less than the drag's
     stronger = nominal_model(
         replace(robot, motor=Motor(max_speed_rad_s=60.0, stall_torque_N_m=0.12)), "paper"
     )
-    enough = bounds(stronger, sets=False, step_deg=10.0)
+    enough = bounds(stronger, step_deg=10.0)
     assert 0.0 < enough.recommended_m_s2 < 0.45 * enough.motor_limit_m_s2
     assert found.motor_limit_m_s2 == pytest.approx(np.min(starting_by_motor(model, headings(10.0))))
 
