@@ -249,23 +249,29 @@ def _other_forms(court: Court, state: State, fewer: State, rounds: list[Round]) 
     yield from sorted(found, key=lambda s: s.chi)
 
 
+def _place(state: State) -> tuple[frozenset[str], int | None]:
+    """Where the search stands: the effects it has, and how long the pieces are."""
+    return frozenset(c.label for c in state.structure), state.view.piece
+
+
 def _further(
     court: Court, held: Checked, rounds: list[Round], rejected: list[Rejected], progress: Watch
 ) -> Checked:
     """What holds, with what the search finds beside it where it has not stood there before.
 
-    That is so where an effect took another form, or was dropped because a later one made it superfluous.
-    Its rounds are added to ``rounds``.
+    That is so where an effect took another form, or was dropped because a later one made it superfluous, or
+    where the pieces that showed it are too short to show more.  Its rounds are added to ``rounds``.
     """
     while rounds and held.state is not None and not progress.expired:
         state, trials = held.state, rounds[0].before.fit.trials
-        stood = [{c.label for c in r.before.structure} for r in rounds]
-        if {c.label for c in state.structure} in stood or len(state.structure) >= SETTINGS.most_effects:
+        stood = [_place(r.before) for r in rounds]
+        known = state.view.piece is None and _place(state) in stood
+        if known or len(state.structure) >= SETTINGS.most_effects:
             break
         own = [court.runs[i] for i in trials]
         start = fitted(state.view, state.structure, state.fit.x, trials, own)
         start = longer(court.problem, start, own)
-        if not worthwhile(start, SETTINGS.floor_chi):
+        if _place(start) in stood or not worthwhile(start, SETTINGS.floor_chi):
             break
         step = take_step(start, own, _candidates(rounds), court.seed, progress.staged("going on"))
         rounds.append(step)

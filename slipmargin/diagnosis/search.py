@@ -149,7 +149,7 @@ def search(
         rounds.append(step)
         if not step.taken or step.best is None:
             break
-        state = longer(problem, step.best, own)
+        state = whole(problem, step.best, own)
         if unknown and any(c.wheel_phase for c in state.structure):
             at = evaluate(problem, state.structure, state.fit.x, seen)
             problem, better = wheel_phase.refined(problem, at)
@@ -202,6 +202,9 @@ def take_step(
         return nothing
     tried.sort(key=lambda s: s.chi)
     best = choose(tried)
+    names = [s for s in tried if s.named]  # far above the noise a form takes up much that no name does
+    if names and before.view.piece is not None and not worthwhile(before, best.chi, named=best.named):
+        best = choose(names)
     return Round(
         before=before,
         screening=screening,
@@ -368,22 +371,27 @@ def nothing_sure(state: State) -> list[bool]:
     return [c.named and c.nested and bool(e.all()) for c, e in zip(state.structure, each, strict=True)]
 
 
-def longer(problem: Problem, state: State, runs: Sequence[int]) -> State:
-    """A state found in pieces, fitted to whole runs where these come near the noise, else to longer pieces.
-
-    What a model still lacks adds up along a run: pieces in which the rest is near the noise hide it.
-    """
+def whole(problem: Problem, state: State, runs: Sequence[int]) -> State:
+    """A state found in pieces, fitted to whole runs where these come near the noise."""
     if state.view.piece is None:
         return state
     trials = state.fit.trials
     off = float(np.sum(problem.residuals([state.fit.effects], [trials])[0] ** 2))
-    if np.sqrt(off / state.samples) <= SETTINGS.within_reach * SETTINGS.far_chi:
-        whole = fitted(problem, state.structure, state.fit.x, trials, runs)
-        if whole.chi <= SETTINGS.far_chi:
-            return whole
+    if np.sqrt(off / state.samples) > SETTINGS.within_reach * SETTINGS.far_chi:
+        return state
+    full = fitted(problem, state.structure, state.fit.x, trials, runs)
+    return full if full.chi <= SETTINGS.far_chi else state
+
+
+def longer(problem: Problem, state: State, runs: Sequence[int]) -> State:
+    """A state found in pieces, fitted to whole runs, or to the shortest pieces in which the rest stands out.
+
+    What a model still lacks adds up along a run: pieces in which the rest is near the noise hide it.
+    """
+    state = whole(problem, state, runs)
+    trials, x = state.fit.trials, state.fit.x
     while state.chi < SETTINGS.far_chi and 2.0 * state.view.piece_s <= _longest_s(problem, trials):
-        view = problem.in_pieces(2.0 * state.view.piece_s)
-        state = fitted(view, state.structure, state.fit.x, trials, runs)
+        state = fitted(problem.in_pieces(2.0 * state.view.piece_s), state.structure, x, trials, runs)
     return state
 
 

@@ -23,7 +23,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array, real
+from slipmargin.checks import Array, Index, real
 from slipmargin.errors import NoSolution
 from slipmargin.limits.bounds import spin
 from slipmargin.limits.bounds_pace import pace, yaw_rate
@@ -48,8 +48,9 @@ ROUNDS, CLOSE = 12, 1e-3
 #: After so many rounds in a row a motion's rows are drawn in further each time: where others bind, a ratio
 #: near one took more rounds than there are to be felt [1].
 PATIENCE = 3
-#: Ends of a round set that are tried all round.
-SPREAD = 48
+#: Ends of a round set that are tried all round, and at most along rows' normals: of more than eleven wheels
+#: the normals that lie farthest apart; what is between, the way uphill finds.
+SPREAD, ALONG_ROWS = 48, 128
 
 
 @final
@@ -312,7 +313,20 @@ def _normals(model: Model, motion: Motion, share: float, contact: Contact) -> Ar
     rows = acceleration_rows(model, motion, share=share, contact=contact, pace=PACE).A @ shift
     size = np.sqrt(np.mean(rows**2, axis=(0, 1)))
     round_ = np.broadcast_to((sphere(SPREAD) * size)[:, None], (SPREAD, motion.count, 3))
-    return np.concatenate([np.swapaxes(rows, 0, 1), round_])
+    apart = _farthest_apart(unit(rows.mean(axis=0) / np.where(size > 0.0, size, 1.0)), ALONG_ROWS)
+    return np.concatenate([np.swapaxes(rows[:, apart], 0, 1), round_])
+
+
+def _farthest_apart(directions: Array, most: int) -> Index:
+    """Indices of at most so many of the directions (R, 3): each the farthest from those before it."""
+    if len(directions) <= most:
+        return np.arange(len(directions))
+    chosen = [0]
+    nearest = directions @ directions[0]
+    for _ in range(most - 1):
+        chosen.append(int(np.argmin(nearest)))
+        nearest = np.maximum(nearest, directions @ directions[chosen[-1]])
+    return np.sort(np.array(chosen))
 
 
 def _modules(model: Model) -> Array:

@@ -69,8 +69,8 @@ class Effort:
     torque_N_m: Array
 
     def of_motors(self, limit_N_m: Array) -> Array:
-        """Largest share (R, M) of a motor's torque, where motors give ``limit_N_m`` (2, M, N)."""
-        limit = limit_N_m[:, None]
+        """Largest share (R, M) of a motor's torque, where motors give ``limit_N_m`` (2, M or R and M, N)."""
+        limit = limit_N_m if limit_N_m.ndim == 4 else limit_N_m[:, None]
         share = np.full(self.torque_N_m.shape, np.inf)
         np.divide(self.torque_N_m, limit, out=share, where=limit > 0.0)
         return np.asarray(np.where(self.torque_N_m > 0.0, share, 0.0).max(axis=(0, 3)))

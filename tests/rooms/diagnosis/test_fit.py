@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
 from slipmargin.checks import Array, Index
+from slipmargin.diagnosis import search
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.evidence import intervals
 from slipmargin.diagnosis.fit import evaluate, fit, score_test_gain, shifted_by, tangents
 from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
+from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.search import State, choose
+from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect, Trace
 from slipmargin.effects.camera_rotation import CameraRotation
 from slipmargin.effects.camera_scale import CameraScale
@@ -217,20 +221,21 @@ def test_a_refit_does_not_follow_a_tangent_that_is_too_long() -> None:
         assert cost[1] <= cost[0]
 
 
-def test_of_equal_explanations_the_named_and_simple_one_is_chosen() -> None:
+def state(structure: tuple[Candidate, ...], chi: float) -> State:
+    """Candidates at their null, as if they left this chi."""
     problem = Line((0.2, 0.0), 0.01, 3)
+    found = evaluate(problem, structure, np.concatenate([np.zeros(0), *(c.null for c in structure)]), EVERY)
+    return State(
+        fit=found,
+        scores=np.full(TRIALS, chi**2 * SAMPLES),
+        samples=float(TRIALS * SAMPLES),
+        view=problem,
+        parts=(),
+        xs=np.zeros((0, len(found.x))),
+    )
 
-    def state(structure: tuple[Candidate, ...], chi: float) -> State:
-        found = evaluate(problem, structure, np.concatenate([c.null for c in structure]), EVERY)
-        return State(
-            fit=found,
-            scores=np.full(TRIALS, chi**2 * SAMPLES),
-            samples=float(TRIALS * SAMPLES),
-            view=problem,
-            parts=(),
-            xs=np.zeros((0, len(found.x))),
-        )
 
+def test_of_equal_explanations_the_named_and_simple_one_is_chosen() -> None:
     one, other = candidate(CameraRotation), candidate(CameraScale)
     unnamed = replace(one, name="unnamed_measurement", named=False)
     assert choose([state((one, other), 1.00), state((one,), 1.01)]).structure == (one,)
@@ -270,3 +275,21 @@ def test_another_log_that_the_runs_refute_does_not_widen_an_interval() -> None:
     either = moved_by(level, found)
     assert 0.05 < either[1] <= 0.1 + 1e-6
     assert np.abs(moved_by(wrong, found)).max() < 1e-6
+
+
+@pytest.mark.parametrize(("piece", "taken"), [(15, True), (None, False)])
+def test_far_above_the_noise_a_name_is_taken_where_no_form_may_be(
+    monkeypatch: pytest.MonkeyPatch, piece: int | None, taken: bool
+) -> None:
+    one, other = candidate(CameraRotation), candidate(CameraScale)
+    unnamed = replace(other, name="unnamed_measurement", label="unnamed", named=False)
+    view = SimpleNamespace(piece=piece)
+    before = replace(state((one,), 3.0), view=view)  # type: ignore[arg-type]
+    found = {"form": state((one, unnamed), 2.0), "name": state((one, other), 2.5)}
+    entry = Screened(parts=(), gain=0.9 * before.fit.cost, step=np.zeros(0))
+    listed = Screening(entries=(entry,), total=before.fit.cost, chance=np.zeros(199))
+    monkeypatch.setattr(search, "screened", lambda *_: listed)
+    monkeypatch.setattr(search, "finalists", lambda _: [SimpleNamespace(label=word) for word in found])
+    monkeypatch.setattr(search, "_added", lambda _, entry, *__: found[entry.label])
+    step = search.take_step(before, range(TRIALS), [], 0, Watch(report=lambda *_: None))
+    assert step.taken is taken and step.best is found["name" if taken else "form"]
