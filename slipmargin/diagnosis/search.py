@@ -143,8 +143,8 @@ def search(
         state = _in_pieces(problem, trials, own)
     rounds: list[Round] = []
     for number in range(SETTINGS.most_effects):
-        if progress.expired or (quiet(state) if not number else not worthwhile(state, SETTINGS.floor_chi)):
-            break
+        if quiet(state) if not number else progress.expired or not worthwhile(state, SETTINGS.floor_chi):
+            break  # the first list is made in any case: without it there is no answer, not even a lead
         step = take_step(state, own, candidates, seed, progress.staged(f"round {number + 1}"))
         rounds.append(step)
         if not step.taken or step.best is None:

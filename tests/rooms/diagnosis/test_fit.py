@@ -244,6 +244,39 @@ def test_of_equal_explanations_the_named_and_simple_one_is_chosen() -> None:
     assert choose([state((unnamed,), 1.00), state((one,), 1.20)]).structure == (unnamed,)
 
 
+def test_of_two_names_that_the_runs_do_not_tell_apart_the_one_with_fewer_parameters_is_meant() -> None:
+    problem = Line((0.2, 0.0), 0.01, 3)
+
+    def state(one: Candidate, scores: Array) -> State:
+        found = evaluate(problem, (one,), one.null, EVERY)
+        return State(
+            fit=found, scores=scores, samples=540.0, view=problem, parts=(), xs=np.zeros((0, len(one.null)))
+        )
+
+    rotation, scale = candidate(CameraRotation), candidate(CameraScale)
+    best = state(scale, np.full(TRIALS, 90.0))
+    now_and_then = np.array([1.5, -1.0, 1.0, -1.0, 1.0, -1.0])
+    level = state(rotation, best.scores + now_and_then)
+    assert level.chi > best.chi and choose([best, level]).structure == (rotation,)
+    always = state(rotation, best.scores + 1.0)
+    assert choose([best, always]).structure == (scale,)
+
+
+def test_another_log_that_the_runs_refute_does_not_widen_an_interval() -> None:
+    """What the parameters move by counts by how probable the runs make the other log."""
+    from slipmargin.diagnosis.findings import moved_by
+
+    problem, level, wrong = (Line((0.2, -0.1), 0.0, 5) for _ in range(3))
+    random = np.random.default_rng(4)
+    problem.y = problem.y + random.standard_normal(problem.y.shape)
+    level.y = problem.y + 0.1 * level.v
+    wrong.y = problem.y + 0.1 * level.v + 2.0 * np.sin(9.0 * level.u)
+    found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+    either = moved_by(level, found)
+    assert 0.05 < either[1] <= 0.1 + 1e-6
+    assert np.abs(moved_by(wrong, found)).max() < 1e-6
+
+
 @pytest.mark.parametrize(("piece", "taken"), [(15, True), (None, False)])
 def test_far_above_the_noise_a_name_is_taken_where_no_form_may_be(
     monkeypatch: pytest.MonkeyPatch, piece: int | None, taken: bool
