@@ -13,7 +13,7 @@ from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.fit import fit
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.search import fitted
+from slipmargin.diagnosis.search import fitted, longer
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import Trace
 from slipmargin.effects.wheel_loads import WheelLoads
@@ -57,3 +57,14 @@ def test_what_wanders_is_fitted_better_in_pieces(problem: Problem) -> None:
         whole.append(off(fit(astray, (loads,), SHIFT, EVERY).x))
         last.append(off(fit(astray.in_pieces(SETTINGS.piece_s), (loads,), SHIFT, EVERY).x))
     assert np.sqrt(np.mean(np.square(last))) < 0.5 * np.sqrt(np.mean(np.square(whole)))
+
+
+def test_pieces_grow_until_what_is_left_stands_out(problem: Problem) -> None:
+    first = fitted(problem.in_pieces(0.1), (), np.zeros(0), EVERY, EVERY)
+    assert first.chi < SETTINGS.far_chi
+    grown = longer(problem, first, EVERY)
+    assert grown.chi >= SETTINGS.far_chi and grown.view.piece_s < 7.5
+    before = fitted(problem.in_pieces(0.5 * grown.view.piece_s), (), np.zeros(0), EVERY, EVERY)
+    assert before.chi < SETTINGS.far_chi, "no longer than needed"
+    right = fitted(problem.in_pieces(0.1), (candidate(problem),), SHIFT, EVERY, EVERY)
+    assert longer(problem, right, EVERY).view.piece is None, "whole runs where they come near the noise"
