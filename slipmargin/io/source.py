@@ -79,9 +79,7 @@ def lines_of(path: Path, *, strict: bool = True) -> Iterator[str]:
     with _told(path), Path(path).open("rb") as raw:
         size = max(1, os.fstat(raw.fileno()).st_size)
         seeks = raw.seekable()  # a pipe does not, and nobody knows its length
-        text = io.TextIOWrapper(
-            raw, encoding="utf-8-sig", errors="surrogateescape" if strict else "replace"
-        )
+        text = io.TextIOWrapper(raw, encoding="utf-8-sig", errors="surrogateescape" if strict else "replace")
         for number, line in enumerate(utf8(text, str(path)) if strict else text):
             if seeks and number % EACH == EACH - 1:
                 reading(path.name, raw.tell() / size)

