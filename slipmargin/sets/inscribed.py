@@ -23,7 +23,7 @@ from slipmargin.errors import NoSolution
 GAP = 1e-9
 #: The weight of the barrier falls by this factor a stage; Newton steps a stage at most.
 _FALL, _STEPS = 8.0, 80
-#: Of more than twice so many rows so many are added at a time; how far within them the next search starts [1].
+#: Of more than twice so many rows so many are added at a time; how far within all the next search starts.
 _PART, _NEAR = 1000, 0.9
 #: Rows whose least and greatest spread are in less than this ratio do not span all dimensions [1].
 FLAT = 1e-14

@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 import json_schemas
+
 from fuzz.cases import BUILT_IN, Case, draw
 from fuzz.judge import BAD, judge
 from fuzz.page import answer_requests
