@@ -256,7 +256,7 @@ class SlipMonitor:
 
     @staticmethod
     def lines(source: Path | str, stream: Iterable[str] | None = None) -> Lines:
-        """Lines of a log file or of a given stream, read one at a time; the first can be looked at."""
+        """Lines of a log file, read one at a time, or of a given stream; the first can be looked at."""
         from slipmargin.io.source import lines_of, utf8
         from slipmargin.onboard.stream import Lines
 
