@@ -37,7 +37,7 @@ def estimate_delay(records: tuple[Record, ...], contacts: WheelGeometry) -> Dela
     InputError
         Where no run starts to move.
     """
-    found = [d for d in (_one(r, contacts) for r in records) if d is not None]
+    found = [d for d in (_one(r.first(), contacts) for r in records) if d is not None]
     if not found:
         raise InputError(
             "trials",

@@ -108,7 +108,7 @@ def joined(parts: list[Pieces]) -> Pieces:
 
 def all_pieces(data_set: DataSet) -> list[Pieces | None]:
     """The pieces of each run."""
-    return [pieces(trial, data_set.wheel_signal) for trial in data_set.trials]
+    return [pieces(trial.first(), data_set.wheel_signal) for trial in data_set.trials]
 
 
 def mismatch(part: Pieces, arrangement: Arrangement | None, geometry: WheelGeometry) -> float:

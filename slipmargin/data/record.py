@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -17,6 +17,9 @@ WHEEL_SIGNALS = {
     "omega_cmd": "commanded wheel speed [rad/s]",
     "current": "motor current [A]",
 }
+#: Rows of a run from which what concerns all of it is told, a delay or wheels in another order: more than an
+#: hour at 100 Hz.  All of the longest logs would ask for gigabytes.
+LONG = 400_000
 
 
 @final
@@ -89,6 +92,16 @@ class Record:
             if value is not None:
                 return int(value.shape[1])
         return 0
+
+    def first(self, rows: int = LONG) -> Record:
+        """The run up to so many rows after its first whole pose; itself where it is no longer."""
+        stop = int(np.argmax(self.seen)) + rows
+        if stop >= len(self.t_s):
+            return self
+        cut = {
+            name: None if (value := getattr(self, name)) is None else value[:stop] for name in WHEEL_SIGNALS
+        }
+        return replace(self, t_s=self.t_s[:stop], pose=self.pose[:stop], **cut)
 
     @property
     def duration_s(self) -> float:

@@ -27,6 +27,8 @@ _LEAST_PIECES = 6
 
 def alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     """The data set with the wheel columns of every run as in most runs."""
+    if len(data_set.trials) < 3:
+        return data_set, ()
     pieces = all_pieces(data_set)
     geometry = data_set.recipe.build(data_set.surface).geometry
     known = [p for p in pieces if p is not None]

@@ -108,7 +108,7 @@ def _columns(
         if not fits(last, ROWS):
             raise InputError(
                 f"{last + 1}:1",
-                f"there are more than {ROWS:.0g} rows",
+                f"there are more than {ROWS} rows",
                 f"cut the file into shorter ones, thin it, or set {FACTOR}=10 to read ten times as many",
             )
         values = _quick([row for _, row in full], len(names))

@@ -126,6 +126,18 @@ def test_no_safe_set_where_the_robot_must_slip(model: Model) -> None:
     assert found.recommended_m_s2 == 0.0 and len(found.slipping_rad) == 12
 
 
+def test_of_many_directions_those_farthest_apart_are_kept() -> None:
+    """600 ends of each set of 24 wheels were driven through 500 motions: 24 s."""
+    from slipmargin.limits.bounds_inside import _farthest_apart
+
+    draw = np.random.default_rng(5).normal(size=(552, 3))
+    draw /= np.linalg.norm(draw, axis=1, keepdims=True)
+    kept = _farthest_apart(draw, 128)
+    assert len(set(kept.tolist())) == 128
+    assert np.min(np.max(draw @ draw[kept].T, axis=1)) > np.cos(np.radians(15.0))
+    np.testing.assert_array_equal(_farthest_apart(draw[:100], 128), np.arange(100))
+
+
 def test_of_mirrored_directions_the_first_is_the_weakest() -> None:
     """Rounding chose between them, and differently after each change of the code."""
     found = bounds(read_recipe("mecanum4").build("floor"), step_deg=1.0).full

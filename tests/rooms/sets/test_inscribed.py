@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from slipmargin.errors import NoSolution
+from slipmargin.sets import inscribed
 from slipmargin.sets.inscribed import largest_box, largest_ellipsoid
 
 
@@ -45,3 +46,16 @@ def test_rows_that_leave_a_direction_free_are_refused() -> None:
     for rows in (flat, np.full((4, 3), np.inf), np.zeros((4, 3))):
         with pytest.raises(NoSolution, match="free"):
             largest_ellipsoid(rows)
+
+
+def test_of_very_many_rows_a_part_gives_the_same_sets(monkeypatch: pytest.MonkeyPatch) -> None:
+    draw = np.random.default_rng(3)
+    rows = draw.normal(size=(6000, 3)) * (1.0, 3.0, 0.2)
+    found = inscribed.largest_ellipsoid(rows), inscribed.largest_box(np.abs(rows))
+    monkeypatch.setattr(inscribed, "_PART", len(rows))
+    of_all = inscribed.largest_ellipsoid(rows), inscribed.largest_box(np.abs(rows))
+    assert np.max(np.linalg.norm(rows @ found[0], axis=1)) <= 1.0 + 1e-9
+    for one, other in zip(found, of_all, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-4, atol=1e-5)
+    assert np.linalg.det(found[0]) == pytest.approx(np.linalg.det(of_all[0]), rel=1e-7)
+    assert np.prod(found[1]) == pytest.approx(np.prod(of_all[1]), rel=1e-7)
