@@ -81,7 +81,13 @@ class Files:
 
     ``fast``, ``slow``: Nav2's velocity smoother; ``even``: its MPPI controller; ``circle`` and ``yaw``: the
     larger of Road Runner's and PathPlanner's; ``coefficient``: the larger of PathPlanner's and Choreo's;
-    speeds forward, sideways, any way and turning, infinite where the file has none.
+    speeds forward, sideways, any way and turning (the largest of Nav2's, Road Runner's and PathPlanner's),
+    infinite where the file has none.
+
+    ``rolling``: Road Runner's maxWheelVel, how fast a wheel rolls along its drive direction [m/s].  ``held``:
+    PathPlanner's maxDriveSpeed, what the motors reach against drag with all of their torque.  ``module`` and
+    ``push``: Choreo's vmax times the radius, how fast a swerve module moves over the floor, and tmax over the
+    radius, how hard it pushes [N].
     """
 
     fast: np.ndarray
@@ -91,6 +97,10 @@ class Files:
     yaw: float
     coefficient: float
     speeds: tuple[float, float, float, float]
+    rolling: float
+    held: float
+    module: float
+    push: float
 
     @classmethod
     def of(cls, found: Bounds) -> Files:
@@ -115,9 +125,22 @@ class Files:
                 nav2.get("vx_max", math.inf),
                 nav2.get("vy_max", math.inf),
                 planner.get("defaultMaxVel", math.inf),
-                nav2.get("wz_max", math.inf),
+                max(
+                    nav2.get("wz_max", math.inf),
+                    java.get("maxAngVel", math.inf),
+                    math.radians(planner.get("defaultMaxAngVel", math.inf)),
+                ),
             ),
+            rolling=java.get("maxWheelVel", math.inf * INCH_M) * INCH_M,
+            held=planner.get("maxDriveSpeed", math.inf),
+            module=value(config, "vmax") * config["radius"]["val"],
+            push=value(config, "tmax") / config["radius"]["val"],
         )
+
+
+def value(config: dict[str, Any], name: str) -> float:
+    """A number of a .chor file; infinite where it has none."""
+    return float(config[name]["val"]) if name in config else math.inf
 
 
 def fields(pattern: str, text: str) -> dict[str, Any]:
@@ -203,14 +226,54 @@ def drawn(seed: int, k: int) -> dict[str, Any]:
             torque["turning"] = max(torque["turning"], there["torque"])
             worst["turning"] = max(worst.get("turning", 0.0), there["grip"], there["tipping"])
             speed = max(speed, there["speed"])
+    tools, fastest = planned(rng, model, files)
+    torque |= tools
     return {
         **told(model, refused),
         "recommended_m_s2": found.recommended_m_s2,
         "used": worst,
         "torque": torque if model.drives.stall_torque_N_m is not None else {},
-        "top_speed": speed,
+        "top_speed": max(speed, fastest),
         "beyond": beyond(rng, bare),
     }
+
+
+def planned(rng: np.random.Generator, model: Model, files: Files) -> tuple[dict[str, float], float]:
+    """Shares of the motors' torque, and of their top speed, at the fastest that each tool plans.
+
+    Road Runner: a wheel rolls at maxWheelVel while the robot turns no faster than maxAngVel.  Choreo: a
+    module moves at vmax, and all push as hard as friction and tmax allow.  PathPlanner's maxDriveSpeed is
+    what the motors hold with all of their torque: its share is counted in that which the margin leaves.
+    """
+    torque, speed = {"wheel speed": 0.0, "drive speed": 0.0, "modules' speed": 0.0}, 0.0
+
+    def driven(name: str, velocity: np.ndarray, end: np.ndarray, part: float = 1.0) -> None:
+        # What turning takes for the mass off the middle, the files leave to whoever turns while driving.
+        nonlocal speed
+        inward = velocity[2] ** 2 * np.append(model.inertia.com_m, 0.0)
+        there = used(model, velocity, end + inward)
+        torque[name], speed = max(torque[name], part * there["torque"]), max(speed, there["speed"])
+
+    coefficient = min(files.coefficient, files.push * model.count / model.inertia.weight_N)
+    for _ in range(ENDS // 5 if np.isfinite(files.module) else 0):
+        ahead, turn = (
+            ahead_of(rng.uniform(-np.pi, np.pi, 1))[0],
+            np.array([0.0, 0.0, rng.choice((-1.0, 1.0))]),
+        )
+        angle = rng.uniform(-np.pi, np.pi)
+        circle = files.circle * np.array([np.cos(angle), np.sin(angle), 0.0]) + files.yaw * turn
+        straight, spin = model.geometry.wheel_speeds(np.stack([ahead, turn])) * model.geometry.radius_m
+        yaw = rng.uniform(0.0, 1.0) * min(files.speeds[3], files.rolling / np.max(np.abs(spin)))
+        fast = np.min((files.rolling - np.sign(straight) * yaw * spin) / np.abs(straight))
+        driven("wheel speed", files.rolling / np.max(np.abs(straight)) * ahead, circle)
+        driven("wheel speed", fast * ahead + yaw * turn, circle)
+        driven("drive speed", files.held * ahead, np.zeros(3), 1.0 - MARGIN)
+        place, rate = model.geometry.position_m, rng.normal()
+        moves = np.hypot(ahead[0] - rate * place[:, 1], ahead[1] + rate * place[:, 0])
+        end = modules_end(model, coefficient, rng.normal(size=3))
+        driven("modules' speed", files.module * ahead, end)
+        driven("modules' speed", files.module / np.max(moves) * (ahead + rate * np.abs(turn)), end)
+    return torque, speed
 
 
 def told(model: Model, refused: list[str]) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """A real robot: what explains its slip, on headings and speeds that no fit has seen.
 
-Run: ``python benchmarks/robotino.py LOGS [FILE.json] [--judge FILE]``; LOGS (none: nothing to do) holds
-the folders ``table_0.1``, ``gray_0.1``, ``gray_0.2`` of the public repository
+Run: ``python benchmarks/robotino.py LOGS [FILE.json] [--alone] [--judge FILE]``; LOGS (none: nothing to do)
+holds the folders ``table_0.1``, ``gray_0.1``, ``gray_0.2`` of the public repository
 BrOleg5/research-wheel-slippage, one run a file.
 
 Split: fitted on ``gray`` at 0.1 m/s with commanded headings 0, 10, 20, … degrees (36 runs); held out are
@@ -9,8 +9,9 @@ the other 36 and all 72 at 0.2 m/s.  Calibration (scale, rotation, delay and til
 ``table`` and is held fixed, but for the row that refits the scale, the honest baseline.
 
 Rows are fitted run by run in pieces of two seconds, as what is left stays far above the noise.
-The last one is what ``slipmargin diagnose`` finds when it is left alone with the fitted half.  Errors
-are those of ``robotino_campaign.py``; with ``--judge FILE`` those of any robot file.
+The last one is what ``slipmargin diagnose`` finds when it is left alone with the fitted half.  With
+``--alone`` only this one, and what follows from it, is measured again; FILE.json keeps the other rows.
+Errors are those of ``robotino_campaign.py``; with ``--judge FILE`` those of any robot file.
 """
 
 from __future__ import annotations
@@ -46,6 +47,8 @@ from slipmargin.io.writes import write_text
 
 LAW = "slip_ratio_friction"
 ACROSS = f"{LAW} with its own constants across"
+#: The row of the loop by itself.
+ALONE = "slipmargin diagnose, left alone"
 #: Length of a piece in the fits of the rows [s].
 PIECE_S = 2.0
 #: Rows of the table: candidates of the loop, by label.
@@ -133,22 +136,16 @@ def physical(recipe: Recipe, found: Fit) -> dict[str, tuple[float, float, float]
     return told
 
 
-def study(folder: Path) -> dict[str, Any]:
-    """Everything the table needs, as data."""
+def study(folder: Path, known: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Everything the table needs, as data; rows that are told what to fit from ``known``, if given."""
     campaign = Campaign.read(folder)
-    recipes = {
-        "paper's model, calibration of table": campaign.recipe,
-        "the same, scale refitted on gray (honest baseline)": rescaled(campaign),
-    }
-    known: dict[str, float] = {}
-    for name, labels in ROWS.items():
-        found = fitted(campaign.slow, campaign.recipe, labels, campaign.seen, known)
-        known |= values(found)
-        recipes[name] = campaign.recipe.with_effects(*found.effects)
-    began = time.perf_counter()
+    if known is None:
+        known = fitted_rows(campaign)
+    began = time.process_time()
     alone = left_alone(campaign)
-    seconds = time.perf_counter() - began
-    recipes["slipmargin diagnose, left alone"] = recipe = alone.corrected
+    seconds = time.process_time() - began
+    recipe = alone.corrected
+    last = {"model": ALONE, "errors": campaign.judged(recipe)}
     steepness = next((e.steepness for e in recipe.effects if isinstance(e, SlipRatioFriction)), None)
     return {
         "calibration": list(campaign.calibration.lines()),
@@ -156,14 +153,11 @@ def study(folder: Path) -> dict[str, Any]:
             "fitted": len(campaign.seen),
             "held out": len(campaign.slow.names) + len(campaign.fast.names) - len(campaign.seen),
         },
-        "rows": [{"model": name, "errors": campaign.judged(r)} for name, r in recipes.items()],
+        "rows": [*(row for row in known["rows"] if row["model"] != ALONE), last],
         "found": [f.label for f in alone.findings],
         "remarks": list(alone.remarks),
-        "diagnose_s": seconds,
-        "physical": {
-            k: dict(zip(("value", "low", "high"), v, strict=True))
-            for k, v in physical(campaign.recipe, found).items()
-        },
+        "diagnose_cpu_s": seconds,
+        "physical": known["physical"],
         "limits": {
             "before": limits(campaign.recipe),
             "after": limits(recipe, steepness),
@@ -172,6 +166,26 @@ def study(folder: Path) -> dict[str, Any]:
         "standing": standing({"0.1 m/s": campaign.slow, "0.2 m/s": campaign.fast}, recipe),
         "turning": turning({"0.1 m/s": campaign.slow, "0.2 m/s": campaign.fast}, recipe),
         "floor": floor(campaign, recipe),
+    }
+
+
+def fitted_rows(campaign: Campaign) -> dict[str, Any]:
+    """The rows of models that are told what to fit, and what the last of them says of the robot."""
+    recipes = {
+        "paper's model, calibration of table": campaign.recipe,
+        "the same, scale refitted on gray (honest baseline)": rescaled(campaign),
+    }
+    start: dict[str, float] = {}
+    for name, labels in ROWS.items():
+        found = fitted(campaign.slow, campaign.recipe, labels, campaign.seen, start)
+        start |= values(found)
+        recipes[name] = campaign.recipe.with_effects(*found.effects)
+    return {
+        "rows": [{"model": name, "errors": campaign.judged(r)} for name, r in recipes.items()],
+        "physical": {
+            k: dict(zip(("value", "low", "high"), v, strict=True))
+            for k, v in physical(campaign.recipe, found).items()
+        },
     }
 
 
@@ -217,7 +231,9 @@ def told(result: dict[str, Any]) -> list[str]:
         f"{PROMISED['all effects / honest baseline']}); promised at most "
         f"{100 * PROMISED['all effects, held out']:g} % of the distance"
     )
-    lines.append(f"diagnose took {result['diagnose_s']:.0f} s and found {', '.join(result['found'])}")
+    lines.append(
+        f"diagnose took {result['diagnose_cpu_s']:.0f} s of CPU and found {', '.join(result['found'])}"
+    )
     lines += [f"  {remark}" for remark in result["remarks"]]
     alone = list(last)[-1]
     lines.append(f"the last row, {alone}: {100 * last[alone]['displacement']:.2f} %")
@@ -238,6 +254,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("logs", type=Path, nargs="?")
     parser.add_argument("json", type=Path, nargs="?")
+    parser.add_argument("--alone", action="store_true")
     parser.add_argument("--judge", type=Path)
     chosen = parser.parse_args()
     if chosen.logs is None:
@@ -250,7 +267,8 @@ def main() -> None:
             way, length = 100 * e["displacement"], 100 * e["length"]
             print(f"{runs:45s}{way:6.2f} %  in length {length:5.2f} %{e['heading_deg']:8.1f} deg")
         return
-    result = study(chosen.logs)
+    known = json.loads(chosen.json.read_text(encoding="utf-8")) if chosen.alone else None
+    result = study(chosen.logs, known)
     print("\n".join(told(result)))
     if chosen.json is not None:
         write_text(chosen.json, json.dumps(result, indent=1) + "\n")

@@ -62,7 +62,10 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
 
 
 def add_examples(command: object, name: str = "") -> None:
-    """Put the examples below the help of a command and of the commands under it."""
+    """Put the examples below the help of a command and of the commands under it, and lists' lines in full."""
+    text = " ".join((getattr(command, "help", None) or "").partition("\n\n")[0].split())
+    if name and text:  # else what does not fit into one line of a list is cut
+        command.short_help = text  # type: ignore[attr-defined]
     lines = EXAMPLES.get(name)
     if lines is not None:
         plural = "s" if len(lines) > 1 else ""

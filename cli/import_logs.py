@@ -10,7 +10,7 @@ import typer
 
 from .import_options import Believed, Calibrate, Calibration, Files, Floor, ForceOpt, Out, Segment, Sign
 from .options import JsonOpt, PoseOpt, WheelOpt, check_outputs, deliver
-from .render import at_options
+from .render import at_options, read_with_progress
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -308,18 +308,21 @@ def run_import(
     import slipmargin as sm
 
     check_outputs(json, data_set=out, replace=force)
-    with at_options(
-        calibrate="--calibrate",
-        joints="--joint",
-        pose_rotation_deg="--pose-rotation",
-        columns="--map",
-        wheels="--wheel",
-        length_unit="--length-unit",
-        tracker="--tracker",
-        tracker_start_s="--tracker-start",
-        segment_s="--segment",
-        rate_Hz="--rate",
-        ticks_per_turn="--ticks-per-turn",
+    with (
+        read_with_progress(),
+        at_options(
+            calibrate="--calibrate",
+            joints="--joint",
+            pose_rotation_deg="--pose-rotation",
+            columns="--map",
+            wheels="--wheel",
+            length_unit="--length-unit",
+            tracker="--tracker",
+            tracker_start_s="--tracker-start",
+            segment_s="--segment",
+            rate_Hz="--rate",
+            ticks_per_turn="--ticks-per-turn",
+        ),
     ):
         found = sm.import_logs(
             files,

@@ -197,4 +197,5 @@ def _usage(fault: Any) -> str:
     elif parameter is not None:
         problem = str(fault.message).rstrip(".")
     place = f"{name}: " if name else ""
-    return " ".join(f"command line: {place}{problem}, see {path} --help".split())
+    ends = "" if problem.endswith("?") else ","
+    return " ".join(f"command line: {place}{problem}{ends} see {path} --help".split())

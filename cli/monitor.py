@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import sys
+from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TextIO
 
 import typer
 
 from .options import JsonOpt, PlotOpt, ReportOpt, RobotArg, SeedOpt, SurfaceOpt, check_outputs, deliver
-from .render import at_options, refuse, say, stages, warn
+from .render import at_options, read_with_progress, refuse, say, warn
 
 
 def monitor(
@@ -45,18 +46,16 @@ def monitor(
     for place in (out, plot, report, None if json is None else Path(str(json))):
         if place is not None and place.exists() and Path(log).exists() and place.samefile(log):
             refuse(str(place), "is the log itself", "give another file for what is written")
-    reading, live = "reading the log", log == "-" and not (out or plot or json or report)
+    live = log == "-" and not (out or plot or json or report)
     with (
-        stages(reading) as progress,
+        read_with_progress(),
         at_options(
             surface="--surface",
             false_alarm_rate="--false-alarms",
             torque_per_ampere_N_m="--torque-per-ampere",
         ),
     ):
-        lines = sm.SlipMonitor.lines(
-            log, sys.stdin if log == "-" else None, lambda share: progress(reading, share)
-        )
+        lines = sm.SlipMonitor.lines(log, _stdin() if log == "-" else None)
         watch = sm.SlipMonitor.of_header(
             robot,
             surface,
@@ -73,3 +72,12 @@ def monitor(
     warn(*watch.warnings)
     for line in watch.stream(lines):
         say(line)
+
+
+def _stdin() -> TextIO:
+    """What is piped in, as UTF-8 in any locale; bytes that are none are refused when they are met."""
+    if sys.stdin is None:
+        refuse("-", "there is no stdin", "pipe a log in, or name a file")
+    if isinstance(sys.stdin, TextIOWrapper):
+        sys.stdin.reconfigure(encoding="utf-8-sig", errors="surrogateescape")
+    return sys.stdin

@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 from unicodedata import category
 
 from slipmargin.errors import InputError
+from slipmargin.notice import heard
 
 
 def say(*lines: str) -> None:
@@ -150,3 +151,10 @@ def stages(
     with Progress(*layout, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(first, total=1.0 if counted else None)
         yield lambda stage, share: bar.update(task, description=stage, completed=min(1.0, max(0.0, share)))
+
+
+@contextlib.contextmanager
+def read_with_progress() -> Iterator[None]:
+    """A progress bar of every long file that is read meanwhile."""
+    with stages("reading") as progress, heard(progress):
+        yield

@@ -1,4 +1,4 @@
-"""Run ``slipmargin diagnose`` on every set of a drawn collection, one process a set.
+"""Diagnose every set of a drawn collection as ``slipmargin diagnose`` does, one process a set, no pictures.
 
     python benchmarks/judged/run.py DIR --out results.json [--jobs 2] [--budget 300]
 
@@ -13,7 +13,6 @@ import json
 import os
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -21,6 +20,19 @@ from pathlib import Path
 from typing import Any
 
 _FIRST_LEADS = 3
+#: The search stops at the budget; judgement, tables and pages may take as long again and this [s].
+_AFTERWARDS_S = 60.0
+#: What each process runs: report.json on its output, or one line of error and the command's exit status.
+_DIAGNOSE = """
+import sys
+import slipmargin as sm
+from slipmargin.errors import InputError
+try:
+    print(sm.diagnose(sys.argv[1], budget_s=float(sys.argv[2])).to_json())
+except InputError as fault:
+    print(f"error: {fault}", file=sys.stderr)
+    sys.exit(2)
+"""
 
 
 def short(report: dict[str, Any]) -> dict[str, Any]:
@@ -56,22 +68,20 @@ def short(report: dict[str, Any]) -> dict[str, Any]:
 def judge(folder: Path, budget_s: float, command: Sequence[str]) -> dict[str, Any]:
     """The row of one set: its report in short, or why there is none."""
     began = time.monotonic()
-    with tempfile.TemporaryDirectory() as made:
-        out = Path(made) / "report"
-        words = [*command, "diagnose", str(folder), "--out", str(out)]
-        try:
-            done = subprocess.run(
-                words, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=budget_s, check=False
-            )
-        except subprocess.TimeoutExpired:
-            return {"verdict": "out-of-time", "seconds": round(time.monotonic() - began, 1)}
-        seconds = round(time.monotonic() - began, 1)
-        file = out / "report.json"
-        if done.returncode != 0 or not file.is_file():
-            said = (done.stderr.strip().splitlines() or ["no word"])[-1][:300]
-            verdict = "refused" if done.returncode == 2 else "failed"
-            return {"verdict": verdict, "status": done.returncode, "said": said, "seconds": seconds}
-        return short(json.loads(file.read_text(encoding="utf-8"))) | {"seconds": seconds}
+    words = [*command, str(folder), f"{budget_s:g}"]
+    latest_s = 2.0 * budget_s + _AFTERWARDS_S
+    try:
+        done = subprocess.run(
+            words, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=latest_s, check=False
+        )
+    except subprocess.TimeoutExpired:
+        return {"verdict": "out-of-time", "seconds": round(time.monotonic() - began, 1)}
+    seconds = round(time.monotonic() - began, 1)
+    if done.returncode != 0:
+        said = (done.stderr.strip().splitlines() or ["no word"])[-1][:300]
+        verdict = "refused" if done.returncode == 2 else "failed"
+        return {"verdict": verdict, "status": done.returncode, "said": said, "seconds": seconds}
+    return short(json.loads(done.stdout)) | {"seconds": seconds}
 
 
 def keep(path: Path, held: dict[str, Any]) -> None:
@@ -90,7 +100,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("folder", type=Path, metavar="DIR")
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--budget", type=float, default=600.0, help="seconds that a set may take")
+    parser.add_argument("--budget", type=float, default=600.0, help="seconds that a search may take")
     parser.add_argument("--only", default="", help="names of sets, with commas")
     given = parser.parse_args(words)
     sets = sorted(path for path in (given.folder / "sets").glob("*") if path.is_dir())
@@ -102,7 +112,7 @@ def main(words: Sequence[str] | None = None) -> int:
     if given.out.exists():
         held["sets"] = json.loads(given.out.read_text(encoding="utf-8"))["sets"]
     left = [path for path in sets if path.name not in held["sets"]]
-    command = [sys.executable, "-m", "slipmargin"]
+    command = [sys.executable, "-c", _DIAGNOSE]
     began, done = time.monotonic(), 0
     pool = ThreadPoolExecutor(given.jobs)
     try:

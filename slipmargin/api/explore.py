@@ -11,7 +11,7 @@ from slipmargin.api.robots import RobotLike, model_of, read_robot
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
-    from slipmargin.api.bounds import BoundsResult
+    from slipmargin.limits.bounds_summary import Bounds, SafeSets
     from slipmargin.live.server import Server
     from slipmargin.live.settings import Settings, Slider
     from slipmargin.study.robot_on_surface import RobotOnSurface
@@ -26,8 +26,8 @@ class Explorer:
     name: str  #: how the commands that the page shows call the robot
     report: str | None  #: the text of a report that the page shows
     warnings: tuple[str, ...]
-    #: The newest settings and their limits: another tool's file for the same robot costs nothing.
-    kept: dict[tuple[tuple[str, float], ...], tuple[BoundsResult, float | None]] = field(default_factory=dict)
+    #: The newest settings and their safe sets: another tool's file for the same robot costs nothing.
+    kept: dict[tuple[tuple[str, float], ...], SafeSets] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return f"<explorer of {self.design.robot.name} on {self.design.surface}>"
@@ -74,13 +74,15 @@ class Explorer:
             If no acceleration is safe in every direction.
         """
         from slipmargin.io.robot_text import write_recipe
+        from slipmargin.limits.bounds_inside import YAW_SHARE
         from slipmargin.live.settings import MARGIN
+        from slipmargin.report.exports import export_text, sets_text
 
         if tool not in _ENDING:
             raise InputError("export", f"is {tool!r}", f"use one of: {', '.join(_ENDING)}")
-        now = self._settings(values)
-        found, yaw = self._limits(values)
-        text = found.export_text(tool)
+        now, found = self._settings(values), self._sets(values)
+        yaw = None if now.yaw_share == YAW_SHARE else found.reserved_rad_s2
+        text = export_text(tool, self._bounds(now, yaw)) if tool == "json" else sets_text(tool, found)
         robot = f"{now.design.robot.name}.toml" if now.changed else self.name
         words = ["slipmargin bounds", robot, "--surface", now.design.surface]
         words += ["--margin", repr(now.margin)] if now.margin != MARGIN else []
@@ -91,24 +93,24 @@ class Explorer:
             "command": " ".join([*words, "--export", tool, f"limits.{_ENDING[tool]}"]),
         }
 
-    def _limits(self, values: Mapping[str, float]) -> tuple[BoundsResult, float | None]:
-        """The limits with sliders at ``values``, and the yaw reserve that a command must be told."""
-        from slipmargin.api.bounds import bounds
-        from slipmargin.limits.bounds import spin
-        from slipmargin.limits.bounds_inside import YAW_SHARE
+    def _sets(self, values: Mapping[str, float]) -> SafeSets:
+        """What planning tools are told with sliders at ``values``."""
+        from slipmargin.limits.bounds_summary import safe_sets
 
         key = tuple(sorted(values.items()))
-        known = self.kept.get(key)
-        if known is None:
-            now, yaw = self._settings(values), None
-            if now.yaw_share != YAW_SHARE:
-                turn = spin(now.design.build(), share=1.0 - now.margin)
-                yaw = now.yaw_share * max(0.0, min(turn.starting_rad_s2, turn.braking_rad_s2))
-            found = bounds(now.design.recipe, now.design.surface, margin=now.margin, yaw_rad_s2=yaw)
-            known = found, yaw
+        if key not in self.kept:
+            now = self._settings(values)
+            model, _ = model_of(now.design.recipe, now.design.surface, spread=True, band=True)
+            found = safe_sets(model, margin=now.margin, yaw_share=now.yaw_share, ellipsoid=False)
             self.kept.clear()
-            self.kept[key] = known
-        return known
+            self.kept[key] = found
+        return self.kept[key]
+
+    def _bounds(self, now: Settings, yaw_rad_s2: float | None) -> Bounds:
+        """All that the command would compute."""
+        from slipmargin.api.bounds import bounds
+
+        return bounds(now.design.recipe, now.design.surface, margin=now.margin, yaw_rad_s2=yaw_rad_s2).bounds
 
     def serve(self, port: int = 0) -> Server:
         """A server for the page at 127.0.0.1; a free port where none is given.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
@@ -255,25 +255,13 @@ class SlipMonitor:
             )
 
     @staticmethod
-    def lines(
-        source: Path | str,
-        stream: Iterable[str] | None = None,
-        progress: Callable[[float], None] = lambda share: None,
-    ) -> Lines:
-        """Lines of a log file, read one at a time, or of a stream that is given; the first can be looked at.
-
-        Parameters
-        ----------
-        progress : callable
-            Called now and then with the share of the file that is read.
-        """
+    def lines(source: Path | str, stream: Iterable[str] | None = None) -> Lines:
+        """Lines of a log file, read one at a time, or of a given stream; the first can be looked at."""
+        from slipmargin.io.source import lines_of, utf8
         from slipmargin.onboard.stream import Lines
 
-        if stream is None:
-            from slipmargin.io.source import lines_of
-
-            stream = lines_of(Path(source), progress)
-        return Lines(str(source), iter(stream))
+        read = lines_of(Path(source)) if stream is None else utf8(stream, str(source))
+        return Lines(str(source), read)
 
     @classmethod
     def of_header(cls, robot: RobotLike, surface: str, lines: Lines, **others: Any) -> SlipMonitor:

@@ -60,6 +60,9 @@ class Candidate:
         Which parameters have no influence at null: tangents are taken at each of their starts.
     scope : Scope, optional
         What it belongs to, which data sets of a campaign may share; None: what its variable says.
+    subject : str, optional
+        What it is one form of, as others may be: an effect on its wheels, in its group; empty: it has no
+        other forms.
     """
 
     name: str
@@ -81,6 +84,7 @@ class Candidate:
     usual: Array | None = None
     idle: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     scope: Scope | None = None
+    subject: str = ""
 
     def __post_init__(self) -> None:
         count = len(self.keys)
@@ -125,11 +129,10 @@ def named_candidate(
     sets = [tuple(s * reach.get(p.along, 1.0) for s in p.starts) or (p.null + p.scale,) for p in rows]
     count = max(len(s) for s in sets)
     starts = np.array([[s[min(i, len(s) - 1)] for s in sets] for i in range(count)])
+    subject = effect.name + (f"[{','.join(wheels)}]" if wheels else "")
     return Candidate(
         name=effect.name,
-        label=effect.name
-        + (f"[{','.join(wheels)}]" if wheels else "")
-        + (f" {variant.label}" if variant.label else ""),
+        label=subject + (f" {variant.label}" if variant.label else ""),
         trace=effect.traced_to,
         named=True,
         keys=tuple(p.name for p in rows),
@@ -146,6 +149,7 @@ def named_candidate(
         wheels=wheels,
         wheel_phase=effect.needs_wheel_phase,
         scope=effect.scope,
+        subject=subject,
     )
 
 

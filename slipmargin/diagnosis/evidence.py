@@ -29,10 +29,8 @@ class Intervals:
     excitation: Array
 
 
-def intervals(
-    found: Fit, leave_one_out: Array, scale: Array, log_shift: Array, *, together: bool = True
-) -> Intervals:
-    """Intervals from whole trials, 95 %.
+def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) -> Intervals:
+    """Intervals from whole trials, 95 % for each parameter.
 
     Where the trials agree with one another as closely as their noise says, the inverse normal matrix (times
     the reduced χ² where that is above 1) is right, and nothing is added to it.  Whether they agree is
@@ -51,8 +49,6 @@ def intervals(
         Units of the parameters.
     log_shift : array (P,)
         How far they move when the wheels' motion between samples is rebuilt another way that may be right.
-    together : bool
-        Whether the intervals hold for all P parameters at once (Šidák), or each for itself.
     """
     from scipy.special import ndtri, stdtrit
 
@@ -62,7 +58,7 @@ def intervals(
     reduced = max(1.0, found.cost / max(1, seen - size))
     covariance = np.linalg.pinv(flat.T @ flat) * reduced
     deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0)) * scale
-    sure = 0.5 * (1.0 + (_SURE ** (1.0 / size) if together else _SURE))
+    sure = 0.5 * (1.0 + _SURE)
     quantile = float(ndtri(sure))
     apart, agree = _disagreement(found, scale)
     if not agree and count > 1:

@@ -10,7 +10,7 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.evidence import Intervals, intervals
-from slipmargin.diagnosis.fit import Fit, build, limits_of, shifted_by, steps_inside
+from slipmargin.diagnosis.fit import Fit, Residuals, build, limits_of, shifted_by, steps_inside
 from slipmargin.diagnosis.left_out import leave_one_out
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.problem import Problem
@@ -118,14 +118,31 @@ def findings(
 
 
 def _other_log(problem: Problem, final: Fit) -> Array:
-    """How far (P,) the parameters move if the wheels' motion between samples was another one.
+    """What (P,) is added to the parameters' deviations since the wheels may have moved otherwise.
 
-    Angles and speeds together determine it: nothing then.  From speeds alone, or angles alone, it is a guess.
+    Angles and speeds together determine their motion between samples: nothing then.  From speeds alone, or
+    angles alone, it is a guess, and another one is tried too.
     """
     records = [t.record for t in problem.trials]
     if not problem.commanded and all(r.theta is not None and r.omega is not None for r in records):
         return np.zeros(len(final.x))
-    return shifted_by(problem.rebuilt(InterpolationScheme.OTHER), final)
+    return moved_by(problem.rebuilt(InterpolationScheme.OTHER), final)
+
+
+def moved_by(other: Residuals, final: Fit) -> Array:
+    """Standard deviations (P,) that another way to read the log adds.
+
+    How far the parameters move with it counts by how probable the runs make it against the first, both being
+    equally likely before (Bayesian averaging of models; J. A. Hoeting and others, Statistical Science 14,
+    382, 1999): speeds that are held from row to row are half a row late, and runs that show this to be wrong
+    do not make friction uncertain.
+    """
+    shift = shifted_by(other, final)
+    moved = other.residuals([build(final.structure, final.x + shift)], [final.trials])[0]
+    misfit = max(1.0, final.cost / max(1, int(np.count_nonzero(final.residual))))
+    worse = (float(np.sum(moved**2)) - final.cost) / misfit
+    probable = 0.5 * (1.0 - np.tanh(0.25 * worse))
+    return np.asarray(np.sqrt(probable) * np.abs(shift))
 
 
 def _doubts(candidate: Candidate, x: Array, low: Array, high: Array, stuck: Sequence[str]) -> tuple[str, ...]:

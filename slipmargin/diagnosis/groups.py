@@ -79,6 +79,7 @@ def _confined(candidate: Candidate, scope: Scope, groups: dict[str, frozenset[in
     return replace(
         candidate,
         label=f"{candidate.label} in {scope.value} {where}",
+        subject=f"{candidate.subject} in {scope.value} {where}" if candidate.subject else "",
         keys=tuple(
             k if many == 1 else f"{k} ({scope.value} {word})" for word in groups for k in candidate.keys
         ),

@@ -1,8 +1,10 @@
 """From what the search proposes to what may be claimed: the largest structure that unseen runs bear out.
 
 Every proposal is first judged on the searched runs, each predicted without its own fold; only what holds
-there is put to the runs that nothing has seen.  A proposal that fails loses its last effect.  If nothing
-is left, the best single candidates of other kinds are asked, and if these fail too, nothing is found.
+there is put to the runs that nothing has seen.  Where a proposal fails, the other forms of its last effect
+are asked before it is dropped.  If nothing is left, the best single candidates of other kinds are asked, and
+if these fail too, nothing is found.  From a structure that holds and that the search has not stood at, the
+search goes on.
 
 Far above the noise runs are judged in pieces, as the search compares them; what is reported are the errors of
 whole runs.
@@ -11,7 +13,7 @@ whole runs.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -20,6 +22,7 @@ from numpy.typing import NDArray
 from slipmargin.checks import Index
 from slipmargin.data.record import Record
 from slipmargin.diagnosis import wheel_phase
+from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import evaluate
 from slipmargin.diagnosis.held_out import (
     Prediction,
@@ -30,7 +33,18 @@ from slipmargin.diagnosis.held_out import (
 )
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Rejected
-from slipmargin.diagnosis.search import Round, State, fitted, nothing_sure, without
+from slipmargin.diagnosis.search import (
+    Round,
+    State,
+    fitted,
+    longer,
+    needed,
+    nothing_sure,
+    refitted,
+    take_step,
+    without,
+    worthwhile,
+)
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.verdict import Judgement, RunErrors, judge
@@ -127,7 +141,7 @@ def check(court: Court, proposed: State, rounds: list[Round], progress: Watch) -
         progress("predicting runs with parameters fitted to others", min(0.9, 0.2 * number))
         found = _put(court, state, rejected)
         if found is not None:
-            return found
+            return _further(court, found, rounds, rejected, progress)
     plain = court.believed(None)
     errors = by_run(plain.errors, court.runs)
     return Checked(
@@ -186,7 +200,10 @@ def _in_turn(court: Court, proposed: State, rounds: list[Round], progress: Watch
     state = proposed
     while state.structure:
         yield state
-        state = without(state, len(state.structure) - 1, court.seen_runs)
+        fewer = without(state, len(state.structure) - 1, court.seen_runs)
+        if not progress.expired:
+            yield from _other_forms(court, state, fewer, rounds)
+        state = fewer
     if not rounds or (not proposed.structure and rounds[0].before.chi <= SETTINGS.noise_chi):
         return
     # A name that fails does not speak against free coefficients over its variable, nor the reverse.
@@ -199,8 +216,71 @@ def _in_turn(court: Court, proposed: State, rounds: list[Round], progress: Watch
         if len(other.structure) == 1 and kind not in asked and other.chi < rounds[0].before.chi:
             asked.add(kind)
             left -= 1
-            view, x = other.view, other.fit.x
-            if other.last.wheel_phase and wheel_phase.is_unknown(view):  # guessed for the searched runs alone
-                view, near = wheel_phase.refined(view, evaluate(view, other.structure, x, court.seen))
-                x = near.x
-            yield fitted(view, other.structure, x, court.seen, court.seen_runs)
+            yield _fitted_to_seen(court, other)
+
+
+def _fitted_to_seen(court: Court, found: State) -> State:
+    """What was fitted to the trials searched, fitted to all trials that are not held out."""
+    view, x = found.view, found.fit.x
+    if found.last.wheel_phase and wheel_phase.is_unknown(view):  # guessed for the searched runs alone
+        view, near = wheel_phase.refined(view, evaluate(view, found.structure, x, court.seen))
+        x = near.x
+    return fitted(view, found.structure, x, court.seen, court.seen_runs)
+
+
+def _candidates(rounds: list[Round]) -> list[Candidate]:
+    """Everything that was screened."""
+    return list({c.label: c for r in rounds for e in r.screening.entries for c in e.structure}.values())
+
+
+def _other_forms(court: Court, state: State, fewer: State, rounds: list[Round]) -> Iterator[State]:
+    """The state with its last effect in other forms, where these are worth having at all, best first.
+
+    ``fewer`` is the state without this effect.
+    """
+    last, found = state.last, []
+    kept = state.fit.x[: len(state.fit.x) - last.size]
+    for other in _candidates(rounds):
+        if last.subject and other.subject == last.subject and other.label != last.label:
+            start = np.concatenate([kept, other.starts[0]])
+            tried = refitted(state, (*state.structure[:-1], other), start, court.seen_runs)
+            if worthwhile(fewer, tried.chi, other.named):
+                found.append(tried)
+    yield from sorted(found, key=lambda s: s.chi)
+
+
+def _place(state: State) -> tuple[frozenset[str], int | None]:
+    """Where the search stands: the effects it has, and how long the pieces are."""
+    return frozenset(c.label for c in state.structure), state.view.piece
+
+
+def _further(
+    court: Court, held: Checked, rounds: list[Round], rejected: list[Rejected], progress: Watch
+) -> Checked:
+    """What holds, with what the search finds beside it where it has not stood there before.
+
+    That is so where an effect took another form, or was dropped because a later one made it superfluous, or
+    where the pieces that showed it are too short to show more.  Its rounds are added to ``rounds``.
+    """
+    while rounds and held.state is not None and not progress.expired:
+        state, trials = held.state, rounds[0].before.fit.trials
+        stood = [_place(r.before) for r in rounds]
+        known = state.view.piece is None and _place(state) in stood
+        if known or len(state.structure) >= SETTINGS.most_effects:
+            break
+        own = [court.runs[i] for i in trials]
+        start = fitted(state.view, state.structure, state.fit.x, trials, own)
+        start = longer(court.problem, start, own)
+        if _place(start) in stood or not worthwhile(start, SETTINGS.floor_chi):
+            break
+        step = take_step(start, own, _candidates(rounds), court.seed, progress.staged("going on"))
+        rounds.append(step)
+        if not step.taken or step.best is None:
+            break
+        best = longer(court.problem, step.best, own)
+        more = needed(_fitted_to_seen(court, best), court.seen_runs)
+        found = _put(court, more, rejected)
+        if found is None or found.after.chi() >= held.after.chi():
+            break
+        held = found
+    return replace(held, rejected=tuple(rejected))

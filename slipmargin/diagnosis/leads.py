@@ -19,16 +19,16 @@ _MOST = 6
 def leads(
     entries: Sequence[MapEntry],
     turns: Sequence[Periodicity],
-    rounds: Sequence[Round],
+    last: Round | None,
     rejected: Sequence[Rejected],
     found: Sequence[Trace],
 ) -> tuple[Lead, ...]:
     """What to look at next, best first.
 
-    First what the map supports, then what repeats with a wheel's
-    angle, then what fits the searched runs best.  What was ``found`` already is no lead.
+    First what the map supports, then what repeats with a wheel's angle, then what fits the searched runs
+    best beside what was ``found``, in the round that began with it (``last``).  What was found is no lead.
     """
-    fits = _fits(rounds, len(found))
+    fits = {} if last is None else _fits(last)
     refused = {label: r for r in rejected for label in r.labels}
     made: list[Lead] = []
 
@@ -80,13 +80,10 @@ def leads(
     return tuple(made[:_MOST])
 
 
-def _fits(rounds: Sequence[Round], found: int) -> dict[Trace, tuple[str, float]]:
+def _fits(last: Round) -> dict[Trace, tuple[str, float]]:
     """The best single addition to what was found, for every variable, and by what share chi falls with it."""
     best: dict[Trace, tuple[str, float]] = {}
-    for done in rounds[found : found + 1]:
-        for state in done.tried:
-            drop = 1.0 - state.chi / done.before.chi
-            added = state.structure[len(done.before.structure) :]
-            if len(added) == 1:
-                best.setdefault(added[0].trace, (added[0].label, drop))
+    for state in last.tried:
+        if last.single(state):
+            best.setdefault(state.last.trace, (state.last.label, 1.0 - state.chi / last.before.chi))
     return best

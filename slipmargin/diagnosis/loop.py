@@ -13,7 +13,7 @@ from slipmargin.data.data_set import DataSet
 from slipmargin.data.jitter import jitter
 from slipmargin.data.noise import white_noise
 from slipmargin.data.repair import Repair
-from slipmargin.diagnosis.candidate import named_candidates
+from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.conditions import problem_of, ready
 from slipmargin.diagnosis.events import cut_apart, find_events, with_measured_velocity
 from slipmargin.diagnosis.findings import findings
@@ -23,6 +23,7 @@ from slipmargin.diagnosis.groups import in_groups
 from slipmargin.diagnosis.held_out import held_out_runs, score, searched_runs
 from slipmargin.diagnosis.ladder import Checked, Court, check
 from slipmargin.diagnosis.leads import leads
+from slipmargin.diagnosis.left_over import left_over, like
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import Periodicity, order_analysis
 from slipmargin.diagnosis.problem import Problem
@@ -63,7 +64,7 @@ class Searched:
     held: Index
     seen: Index
     seen_runs: Index
-    candidates: int
+    candidates: list[Candidate]
     state: State
     rounds: list[Round]
 
@@ -104,7 +105,7 @@ def searched(data_set: DataSet, seed: int, progress: Watch | None = None) -> Sea
         held=held,
         seen=seen,
         seen_runs=seen_runs,
-        candidates=len(candidates),
+        candidates=candidates,
         state=state,
         rounds=rounds,
     )
@@ -168,14 +169,16 @@ def diagnose(
     if fitted:
         where_after = dependences(rates_after, variables, seed)
     turns = order_analysis(problem, rates_after, seed)
-    entries, remaining = _maps(s.rounds, state)
+    entries = s.rounds[0].map() if s.rounds else ()
     found, final = _reported(s, checked, entries)
     verdict = _verdict(checked)
-    following = (
-        ()
-        if after.chi <= SETTINGS.noise_chi and verdict is not Verdict.UNEXPLAINED
-        else leads(remaining, turns, s.rounds, checked.rejected, [f.traced_to for f in found])
-    )
+    explained = after.chi <= SETTINGS.noise_chi and verdict is not Verdict.UNEXPLAINED
+    last = like(state, s.rounds)
+    if not explained and last is None and state is not None and s.rounds:
+        last = left_over(state, s.rounds, s.runs, s.candidates, seed)
+    remaining = () if last is None else last.map()
+    traces = [f.traced_to for f in found]
+    following = () if explained else leads(remaining, turns, last, checked.rejected, traces)
     return Diagnosis(
         data_set=data_set.name,
         surface=data_set.surface,
@@ -216,6 +219,7 @@ def diagnose(
         remarks=(
             *(_cut_short(budget_s) if cut_short else ()),
             *_clock(data_set),
+            *_pieces(state),
             *_remarks(final, events, turns, phased=checked.phased, held=len(held) > 0),
         ),
     )
@@ -239,7 +243,7 @@ def _reported(
     )
     seen_runs = [s.runs[i] for i in s.seen]
     useful = [without(state, index, seen_runs).chi for index in range(len(state.structure))]
-    return findings(view, state, useful, s.rounds, final, s.candidates, entries), final
+    return findings(view, state, useful, s.rounds, final, len(s.candidates), entries), final
 
 
 def _events(problem: Problem, effects: tuple[AnyEffect, ...], ordinary: Index) -> tuple[Event, ...]:
@@ -252,15 +256,6 @@ def _verdict(checked: Checked) -> Verdict:
         return Verdict.EFFECT_FOUND
     explained = checked.before.chi() <= SETTINGS.noise_chi
     return Verdict.NO_MISSING_EFFECT if explained else Verdict.UNEXPLAINED
-
-
-def _maps(rounds: list[Round], state: State | None) -> tuple[tuple[MapEntry, ...], tuple[MapEntry, ...]]:
-    """What the residual follows before anything is added, and beside what was found."""
-    if not rounds:
-        return (), ()
-    labels = set() if state is None else {c.label for c in state.structure}
-    like = [r for r in rounds if {c.label for c in r.before.structure} == labels]
-    return rounds[0].map(), like[-1].map() if like else ()
 
 
 def _step(done: Round) -> Step:
@@ -313,6 +308,17 @@ def _cut_short(budget_s: float | None) -> tuple[str, ...]:
     return (
         f"The time budget of {budget_s:g} s ended the search: this is the best answer until then; candidates "
         "that were not reached, and further effects, were not tried.",
+    )
+
+
+def _pieces(state: State | None) -> tuple[str, ...]:
+    """That runs were judged in pieces, and how long these are."""
+    if state is None or state.view.piece is None:
+        return ()
+    return (
+        f"The model is so far off that runs were searched and judged in pieces of "
+        f"{state.view.piece * state.view.step_s:.2g} s, each begun where it was measured; reported "
+        "errors are those of whole runs, which must fall too.",
     )
 
 

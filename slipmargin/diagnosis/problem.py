@@ -282,6 +282,11 @@ class Problem:
         """The same problem compared piece by piece, each with a start pose of its own."""
         return replace(self, piece=max(4, round(duration_s / self.step_s)))
 
+    @property
+    def piece_s(self) -> float:
+        """Length of a piece [s]; infinite for whole runs."""
+        return np.inf if self.piece is None else self.piece * self.step_s
+
     def as_seen_in(self, view: Problem) -> Problem:
         """The same problem, compared in pieces as long as those of a view; whole where it has none."""
         return self if view.piece is None else replace(self, piece=view.piece)

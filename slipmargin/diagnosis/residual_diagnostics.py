@@ -89,6 +89,8 @@ def dependences(
         for axis, channel in enumerate(CHANNELS):
             rate = np.concatenate([r[:, axis] for r in rates])
             seen = np.isfinite(rate)
+            if not seen.any():  # too many gaps to differentiate the pose anywhere
+                continue
             share = _ratio(np.concatenate(bins)[seen], rate[seen])
             null = np.array([_ratio(np.concatenate(s)[seen], rate[seen]) for s in shifted])
             deviation = float(null.std()) or 1e-12

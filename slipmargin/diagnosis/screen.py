@@ -337,14 +337,12 @@ def _left_out(own: tuple[Columns, ...], gram: Array, pulls: Array, misfit: float
         at += many
     whole = gram.sum(axis=0)
     lift = prior + np.diag(SETTINGS.ridge * np.diag(whole) + 1e-12 * np.trace(whole) + 1e-12)
-    all_pulls = pulls.sum(axis=1)
-    gains = np.zeros(len(pulls))
-    for fold in range(len(gram)):
-        steps = -np.linalg.solve(whole - gram[fold] + lift, (all_pulls - pulls[:, fold]).T).T
-        steps = np.clip(steps, low, high)
-        gains -= 2.0 * np.einsum("sm,sm->s", steps, pulls[:, fold])
-        gains -= np.einsum("sm,mn,sn->s", steps, gram[fold], steps, optimize=True)
-    return gains, np.clip(-np.linalg.solve(whole + lift, all_pulls[0]), low, high)
+    by_fold = pulls.transpose(1, 2, 0)  # (F, M, 1 + S): all folds and surrogates in one call
+    all_pulls = by_fold.sum(axis=0)
+    steps = np.linalg.solve(whole - gram + lift, by_fold - all_pulls)
+    steps = np.minimum(np.maximum(steps, low[:, None]), high[:, None])
+    gains = -np.sum(steps * (2.0 * by_fold + gram @ steps), axis=(0, 1))
+    return gains, np.clip(-np.linalg.solve(whole + lift, all_pulls[:, 0]), low, high)
 
 
 def _starts_of_each(found: Sequence[tuple[tuple[Columns, ...], Array, Array]]) -> list[list[int]]:

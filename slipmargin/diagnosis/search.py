@@ -18,8 +18,10 @@ import numpy as np
 
 from slipmargin.checks import Array, Index
 from slipmargin.diagnosis import wheel_phase
+from slipmargin.diagnosis.bends import bends
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.evidence import intervals
+from slipmargin.diagnosis.finalists import finalists
 from slipmargin.diagnosis.fit import Fit, build, evaluate, fit
 from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
 from slipmargin.diagnosis.map_entry import MapEntry
@@ -127,8 +129,7 @@ def search(
     unknown = wheel_phase.is_unknown(problem)
     needs_phases = unknown and wheel_phase.matters_to(problem.model(()))
     problem = problem.with_rough()
-    many = int(np.clip(SETTINGS.most_samples / problem.knots, SETTINGS.folds, SETTINGS.most_searched))
-    trials = seen[np.unique(np.linspace(0, len(seen) - 1, many).round().astype(int))]
+    trials = enough(seen, problem.knots)
     own = [runs[i] for i in np.searchsorted(seen, trials)]
     if needs_phases:
         progress("estimating wheel phases", 0.0)
@@ -138,17 +139,17 @@ def search(
         progress("estimating wheel phases", 0.0)
         problem = wheel_phase.guessed(problem, trials, candidates)
         state = fitted(problem, (), np.zeros(0), trials, own)
-    if state.chi > SETTINGS.far_chi and _bends(problem, state):
+    if state.chi > SETTINGS.far_chi and bends(problem, trials, state.fit.effects):
         state = _in_pieces(problem, trials, own)
     rounds: list[Round] = []
     for number in range(SETTINGS.most_effects):
-        if progress.expired or (quiet(state) if not number else not worthwhile(state, SETTINGS.floor_chi)):
-            break
+        if quiet(state) if not number else progress.expired or not worthwhile(state, SETTINGS.floor_chi):
+            break  # the first list is made in any case: without it there is no answer, not even a lead
         step = take_step(state, own, candidates, seed, progress.staged(f"round {number + 1}"))
         rounds.append(step)
         if not step.taken or step.best is None:
             break
-        state = _whole(problem, step.best, own)
+        state = whole(problem, step.best, own)
         if unknown and any(c.wheel_phase for c in state.structure):
             at = evaluate(problem, state.structure, state.fit.x, seen)
             problem, better = wheel_phase.refined(problem, at)
@@ -161,17 +162,28 @@ def search(
     return problem, needed(state, runs if len(state.fit.trials) == len(seen) else own), rounds
 
 
+def enough(seen: Index, knots: float) -> Index:
+    """Trials to search with, spread over ``seen``: the fewer the more samples of the wheels each has."""
+    many = int(np.clip(SETTINGS.most_samples / knots, SETTINGS.folds, SETTINGS.most_searched))
+    return np.asarray(seen[np.unique(np.linspace(0, len(seen) - 1, many).round().astype(int))])
+
+
+def screened(before: State, runs: Sequence[int], candidates: list[Candidate], seed: int) -> Screening:
+    """The list of what may be added to ``before``, by tangents alone."""
+    inside = {c.label for c in before.structure}
+    fresh = [c for c in candidates if c.label not in inside and possible(before, c)]
+    block = max(1, round(SETTINGS.piece_s / before.view.step_s))
+    parts = folds(runs, SETTINGS.folds)
+    return screen(before.view, before.fit, fresh, probes(before.view, before.fit), parts, block, seed)
+
+
 def take_step(
     before: State, runs: Sequence[int], candidates: list[Candidate], seed: int, progress: Watch
 ) -> Round:
     """The best addition to ``before``, and whether it is significant and worth its parameters."""
-    inside = {c.label for c in before.structure}
-    fresh = [c for c in candidates if c.label not in inside and possible(before, c)]
     progress("screening every candidate", 0.0)
     base = before.fit
-    parts = folds(runs, SETTINGS.folds)
-    block = max(1, round(SETTINGS.piece_s / before.view.step_s))
-    screening = screen(before.view, base, fresh, probes(before.view, base), parts, block, seed)
+    screening = screened(before, runs, candidates, seed)
     nothing = Round(before=before, screening=screening, tried=(), best=None, taken=False)
     promised = np.sqrt(max(0.0, 1.0 - max((e.gain for e in screening.entries), default=0.0) / base.cost))
     worth = (
@@ -190,6 +202,9 @@ def take_step(
         return nothing
     tried.sort(key=lambda s: s.chi)
     best = choose(tried)
+    names = [s for s in tried if s.named]  # far above the noise a form takes up much that no name does
+    if names and before.view.piece is not None and not worthwhile(before, best.chi, named=best.named):
+        best = choose(names)
     return Round(
         before=before,
         screening=screening,
@@ -198,34 +213,6 @@ def take_step(
         taken=worthwhile(before, best.chi, named=best.named)
         and screening.p_value(explained(before, best)) <= SETTINGS.significance,
     )
-
-
-def finalists(screening: Screening) -> list[Screened]:
-    """What is fitted: the best of the list that have names, the best general forms, and the best pairs.
-
-    The best name is fitted in its other forms too, since tangents say little about which of them is meant.
-    A pair is fitted only where its two tangents together leave clearly less than any single one.
-    """
-    able = [e for e in screening.entries if e.structure and e.gain > 0.0]
-    single = [e for e in able if len(e.parts) == 1]
-    best = single[0].gain if single else 0.0
-    pairs = [
-        e
-        for e in able
-        if len(e.parts) == 2 and screening.total - e.gain < SETTINGS.pair_leaves * (screening.total - best)
-    ]
-    most = max([best, *(e.gain for e in pairs)])
-    single, pairs = ([e for e in some if e.gain > SETTINGS.hopeless * most] for some in (single, pairs))
-    names = [e for e in single if e.named]
-    first = names[: SETTINGS.finalists]
-    forms = [e for e in names if e not in first and e.structure[0].name == first[0].structure[0].name]
-    chosen = [
-        *first,
-        *forms[: SETTINGS.finalists // 2],
-        *[e for e in single if not e.named][: SETTINGS.finalists // 2],
-        *pairs[: SETTINGS.finalists // 2],
-    ]
-    return sorted(chosen, key=lambda e: -e.gain)
 
 
 def _added(before: State, entry: Screened, runs: Sequence[int], best: float) -> State:
@@ -274,27 +261,39 @@ def explained(before: State, after: State) -> float:
 def choose(tried: Sequence[State]) -> State:
     """Of those as good as the best: with names, not stuck at a bound, fewest effects, then the least error.
 
-    Of two forms of the same effects that are as good as each other the one with fewer parameters is meant.
+    Of two forms of the same effects that are as good as each other, and of two names whose errors do not
+    differ beyond the spread of the runs, the one with fewer parameters is meant.
     """
     good = [s for s in tried if as_good(s, tried[0])]
-    first = min(good, key=lambda s: (not s.named, bool(s.fit.at_bound()), len(s.structure), s.chi))
+
+    def kind(state: State) -> tuple[bool, bool, int]:
+        return not state.named, bool(state.fit.at_bound()), len(state.structure)
+
+    first = min(good, key=lambda s: (*kind(s), s.chi))
     names = [c.name for c in first.structure]
-    forms = [
+    simple = [
         s
         for s in good
-        if [c.name for c in s.structure] == names and as_good(s, first) and not s.fit.at_bound()
+        if not s.fit.at_bound()
+        and (
+            (as_good(s, first) and [c.name for c in s.structure] == names)
+            or (kind(s) == kind(first) and _level(s, first) and s.chi <= first.chi + SETTINGS.least_chi)
+        )
     ]
-    return min(forms, key=lambda s: (len(s.fit.x), s.chi), default=first)
+    return min(simple, key=lambda s: (len(s.fit.x), s.chi), default=first)
 
 
 def as_good(one: State, best: State) -> bool:
     """Whether a left-out error is no larger than the best one's but for the spread from run to run."""
     if one.chi <= best.chi + SETTINGS.least_chi:
         return True
+    return _level(one, best) and one.chi <= SETTINGS.as_good_factor * best.chi
+
+
+def _level(one: State, best: State) -> bool:
     gap = one.scores - best.scores
     spread = float(np.std(gap, ddof=1)) * np.sqrt(len(gap)) if len(gap) > 1 else 0.0
-    within = float(gap.sum()) <= SETTINGS.as_good_errors * spread
-    return within and one.chi <= SETTINGS.as_good_factor * best.chi
+    return float(gap.sum()) <= SETTINGS.as_good_errors * spread
 
 
 def worthwhile(before: State, chi: float, named: bool = True) -> bool:
@@ -315,28 +314,12 @@ def quiet(state: State) -> bool:
     return state.chi <= SETTINGS.quiet_chi and bool(np.all(above <= 0.0))
 
 
-def _bends(problem: Problem, state: State) -> bool:
-    """Whether predicted runs are so far off that whole ones do not change in proportion to parameters."""
-    trials = state.fit.trials
-    seen = problem.seen[trials]
-    off = np.where(seen, problem.measured[trials] - problem.predict([state.fit.effects], [trials])[0], 0.0)
-    off = np.where(np.isfinite(off), off, np.inf)
-    place, turn = (
-        np.sqrt(np.sum(off[..., axes] ** 2) / max(1, np.count_nonzero(seen[..., axes]) / len(axes)))
-        for axes in ([0, 1], [2])
-    )
-    way = np.where(seen[..., :2], problem.measured[trials][..., :2], np.nan)
-    reach = np.median(np.nanmax(way, axis=1) - np.nanmin(way, axis=1), axis=0).max()
-    return bool(place > SETTINGS.far_share * reach or turn > SETTINGS.far_rad)
-
-
 def _in_pieces(problem: Problem, trials: Index, runs: Sequence[int]) -> State:
     """The model as it is, in the shortest pieces in which what it lacks is well above the noise."""
-    longest = 0.5 * float(np.median([problem.trials[i].t_s[-1] for i in trials]))
     piece_s = SETTINGS.piece_s
     while True:
         state = fitted(problem.in_pieces(piece_s), (), np.zeros(0), trials, runs)
-        if state.chi >= SETTINGS.far_chi or 2.0 * piece_s > longest:
+        if state.chi >= SETTINGS.far_chi or 2.0 * piece_s > _longest_s(problem, trials):
             return state
         piece_s *= 2.0
 
@@ -382,13 +365,13 @@ def nothing_sure(state: State) -> list[bool]:
         return [False] * len(state.structure)
     scale = np.concatenate([c.scale for c in state.structure])
     null = np.concatenate([c.null for c in state.structure])
-    spread = intervals(state.fit, leave_one_out(state.fit), scale, np.zeros(len(null)), together=False)
+    spread = intervals(state.fit, leave_one_out(state.fit), scale, np.zeros(len(null)))
     holds = (spread.low <= null) & (null <= spread.high)
     each = np.split(holds, np.cumsum([c.size for c in state.structure])[:-1])
     return [c.named and c.nested and bool(e.all()) for c, e in zip(state.structure, each, strict=True)]
 
 
-def _whole(problem: Problem, state: State, runs: Sequence[int]) -> State:
+def whole(problem: Problem, state: State, runs: Sequence[int]) -> State:
     """A state found in pieces, fitted to whole runs where these come near the noise."""
     if state.view.piece is None:
         return state
@@ -396,5 +379,22 @@ def _whole(problem: Problem, state: State, runs: Sequence[int]) -> State:
     off = float(np.sum(problem.residuals([state.fit.effects], [trials])[0] ** 2))
     if np.sqrt(off / state.samples) > SETTINGS.within_reach * SETTINGS.far_chi:
         return state
-    whole = fitted(problem, state.structure, state.fit.x, trials, runs)
-    return whole if whole.chi <= SETTINGS.far_chi else state
+    full = fitted(problem, state.structure, state.fit.x, trials, runs)
+    return full if full.chi <= SETTINGS.far_chi else state
+
+
+def longer(problem: Problem, state: State, runs: Sequence[int]) -> State:
+    """A state found in pieces, fitted to whole runs, or to the shortest pieces in which the rest stands out.
+
+    What a model still lacks adds up along a run: pieces in which the rest is near the noise hide it.
+    """
+    state = whole(problem, state, runs)
+    trials, x = state.fit.trials, state.fit.x
+    while state.chi < SETTINGS.far_chi and 2.0 * state.view.piece_s <= _longest_s(problem, trials):
+        state = fitted(problem.in_pieces(2.0 * state.view.piece_s), state.structure, x, trials, runs)
+    return state
+
+
+def _longest_s(problem: Problem, trials: Index) -> float:
+    """The longest pieces [s]: half a run, that there are two of them."""
+    return 0.5 * float(np.median([problem.trials[i].t_s[-1] for i in trials]))

@@ -28,6 +28,10 @@ class SearchSettings:
     #: [runs] With fewer changed runs than five no pattern is rarer than 5 %; then all must get better, and
     #: there must be so many (all runs of a smaller set).
     fewest_runs: int = 3
+    #: [runs] Fewer unseen runs than this cannot rule out chance by themselves.  Far above the noise runs
+    #: differ by what the form of a model leaves: where they get better, but by less than is asked, all runs
+    #: decide, unless the unseen ones fare worse than chance would have it.
+    few_unseen: int = 5
     #: [1] Share of the runs that may get clearly worse: one in ten may hold an accident of its own.
     worse_share: float = 0.1
     #: [chi] Above this a residual is well above the noise: three times what the reconstruction leaves.

@@ -7,7 +7,7 @@ the correction; what comes out is yes or no, with every reason for a no and the 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import product
+from itertools import combinations, product
 from typing import final
 
 import numpy as np
@@ -128,7 +128,13 @@ def judge(
     failures = []
     explained = explained_share(before.chi(fresh), after.chi(fresh))
     least = min(s.least_chi, before.chi(fresh))
-    if explained < s.explained_share or before.chi(fresh) - after.chi(fresh) < least:
+    few = 0 < int(np.count_nonzero(unseen)) < min(s.few_unseen, len(everyone)) and before.chi() > s.far_chi
+    enough = explained >= s.explained_share or (
+        few
+        and explained_share(before.chi(), after.chi()) >= s.explained_share
+        and share_as_low(before, after, fresh, (0, 1, 2)) > s.level
+    )
+    if not enough or before.chi(fresh) - after.chi(fresh) < least:
         failures.append(
             f"on runs that nothing has seen chi goes from {before.chi(fresh):.3g} to {after.chi(fresh):.3g}, "
             f"which is {100.0 * explained:.0f} % of the mean square beyond the noise; "
@@ -137,7 +143,8 @@ def judge(
     for word, channels in (("position", _POSITION), ("heading", _HEADING)):
         for rows, whose in ((fresh, "on runs that nothing has seen"), (everyone, "over all runs")):
             one, two = before.chi(rows, channels), after.chi(rows, channels)
-            if clearly_worse(one, two, s):
+            chance = few and rows is fresh and share_as_low(before, after, fresh, channels) > s.level
+            if clearly_worse(one, two, s) and not chance:
                 failures.append(f"{whose} the {word} gets worse (chi {one:.3g} to {two:.3g})")
                 break
     change = np.log(np.maximum(before.squares.sum(axis=1), 1e-12))
@@ -190,6 +197,18 @@ def explained_share(before: float, after: float) -> float:
     if beyond <= 0.0:
         return 0.0
     return float(np.clip(1.0 - max(0.0, after**2 - 1.0) / beyond, -99.0, 1.0))
+
+
+def share_as_low(before: RunErrors, after: RunErrors, some: Index, channels: tuple[int, ...]) -> float:
+    """Share of all choices of as many runs that get better by as little as ``some`` of them do, or by less.
+
+    A run gets better by the logarithm of its sum of squares, which no single run outweighs.
+    """
+    floor = 1e-12
+    one, two = (np.maximum(e.squares[:, channels].sum(axis=1), floor) for e in (before, after))
+    gain = np.log(one / two)
+    chosen = [float(gain[list(rows)].sum()) for rows in combinations(range(len(gain)), len(some))]
+    return float(np.mean(np.array(chosen) <= float(gain[some].sum()) + 1e-12))
 
 
 def clearly_worse(before: float, after: float, settings: SearchSettings = SETTINGS) -> bool:

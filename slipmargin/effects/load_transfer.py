@@ -28,6 +28,7 @@ class LoadTransfer(Effect):
             (-0.5, 0.0, 1.0),
             0.02,
             "height of the centre of mass above the floor, on top of the file’s",
+            starts=(0.02, 0.05, 0.15),
         ),
         parameter(
             "com_share",

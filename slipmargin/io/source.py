@@ -5,10 +5,11 @@ from __future__ import annotations
 import contextlib
 import io
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from slipmargin.errors import InputError
+from slipmargin.notice import reading
 
 #: Lines after which the progress of reading is told.
 EACH = 20_000
@@ -23,30 +24,50 @@ def read_text(path: Path) -> str:
         Where there is no such file, it is a folder, may not be read, or is not UTF-8 (with the
         ``line:column`` of the first bad byte).
     """
-    data = read_bytes(path)
+    return text_of(read_bytes(path), str(path))
+
+
+def text_of(data: bytes, source: str) -> str:
+    """The UTF-8 text of what a file held, as :func:`read_text`."""
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as fault:
         before = data[: fault.start]
-        line = before.count(b"\n") + 1
         column = fault.start - (before.rfind(b"\n") + 1) + 1
-        raise InputError(
-            f"{line}:{column}",
-            f"byte 0x{data[fault.start]:02x} is not UTF-8 text",
-            "save the file as UTF-8",
-            str(path),
-        ) from None
+        raise _not_text(before.count(b"\n") + 1, column, data[fault.start], source) from None
 
 
-def lines_of(
-    path: Path, progress: Callable[[float], None] = lambda share: None, *, strict: bool = True
-) -> Iterator[str]:
+def _not_text(line: int, column: int, byte: int, source: str) -> InputError:
+    return InputError(
+        f"{line}:{column}", f"byte 0x{byte:02x} is not UTF-8 text", "save the file as UTF-8", source
+    )
+
+
+def utf8(lines: Iterable[str], source: str) -> Iterator[str]:
+    """The lines of a stream whose bytes that are no UTF-8 became marks (Python's ``surrogateescape``).
+
+    Raises
+    ------
+    InputError
+        With the ``line:column`` of the first such byte, when it is met.
+    """
+    for number, line in enumerate(lines, 1):
+        if not line.isascii():
+            try:
+                line.encode()
+            except UnicodeEncodeError as fault:
+                column = len(line[: fault.start].encode()) + 1
+                raise _not_text(number, column, ord(line[fault.start]) & 0xFF, source) from None
+        yield line
+
+
+def lines_of(path: Path, *, strict: bool = True) -> Iterator[str]:
     """The lines of a UTF-8 file, one at a time, so that a log of any length is read in little memory.
+
+    Who listens (:func:`slipmargin.notice.heard`) is told now and then how far it is.
 
     Parameters
     ----------
-    progress : callable
-        Called now and then with the share of the file that is read.
     strict : bool
         Whether bytes that are no UTF-8 are refused; else they become marks.
 
@@ -58,19 +79,15 @@ def lines_of(
     with _told(path), Path(path).open("rb") as raw:
         size = max(1, os.fstat(raw.fileno()).st_size)
         seeks = raw.seekable()  # a pipe does not, and nobody knows its length
-        text = io.TextIOWrapper(raw, encoding="utf-8-sig", errors="strict" if strict else "replace")
-        try:
-            for number, line in enumerate(text):
-                if seeks and number % EACH == EACH - 1:
-                    progress(raw.tell() / size)
-                yield line.rstrip("\n")
-        except UnicodeDecodeError:
-            read_text(path)  # says where
-            raise
+        text = io.TextIOWrapper(raw, encoding="utf-8-sig", errors="surrogateescape" if strict else "replace")
+        for number, line in enumerate(utf8(text, str(path)) if strict else text):
+            if seeks and number % EACH == EACH - 1:
+                reading(path.name, raw.tell() / size)
+            yield line.rstrip("\n")
 
 
-def read_bytes(path: Path) -> bytes:
-    """The bytes of a file.
+def read_bytes(path: Path, unless: tuple[bytes, ...] = ()) -> bytes:
+    """The bytes of a file; only the first ones where it starts like one of ``unless``.
 
     Raises
     ------
@@ -78,7 +95,11 @@ def read_bytes(path: Path) -> bytes:
         Where there is no such file, it is a folder, or it may not be read.
     """
     with _told(path):
-        return Path(path).read_bytes()
+        if not unless:
+            return Path(path).read_bytes()
+        with Path(path).open("rb") as raw:  # a pipe can be read only once
+            start = raw.read(max(map(len, unless)))
+            return start if start.startswith(unless) else start + raw.read()
 
 
 @contextlib.contextmanager

@@ -6,8 +6,8 @@ both counted from 1, the column being the cell's number.
 
 from __future__ import annotations
 
-import io
 import math
+import re
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -21,6 +21,7 @@ from slipmargin.checks import Array, Index, read_only
 from slipmargin.errors import InputError
 from slipmargin.io.source import lines_of
 from slipmargin.io.toml_table import nearest
+from slipmargin.work import FACTOR, ROWS, fits
 
 #: Lines that are read at once: a log of any length passes through little memory.
 BLOCK = 1 << 16
@@ -87,7 +88,8 @@ def columns_from_text(
     least: int = 1,
 ) -> Columns:
     """As :func:`read_columns`, from the text itself."""
-    return _columns((line.rstrip("\n") for line in io.StringIO(text, None)), required, known, empty, least)
+    lines = (found[0].rstrip("\r\n") for found in re.finditer(r"[^\r\n]*(?:\r\n?|\n)|[^\r\n]+", text))
+    return _columns(lines, required, known, empty, least)
 
 
 def _columns(
@@ -103,6 +105,12 @@ def _columns(
     while block := list(islice(lines, BLOCK)):
         full = [(number, row) for number, row in enumerate(block, last + 1) if row.strip()]
         last += len(block)
+        if not fits(last, ROWS):
+            raise InputError(
+                f"{last + 1}:1",
+                f"there are more than {ROWS:.0g} rows",
+                f"cut the file into shorter ones, thin it, or set {FACTOR}=10 to read ten times as many",
+            )
         values = _quick([row for _, row in full], len(names))
         if values is None:
             values = np.array([_numbers(number, row, names, empty) for number, row in full], dtype=float)

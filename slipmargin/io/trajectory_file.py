@@ -17,7 +17,7 @@ import numpy as np
 
 from slipmargin.errors import InputError
 from slipmargin.io.json_read import LARGEST
-from slipmargin.io.source import read_bytes, read_text
+from slipmargin.io.source import read_bytes, text_of
 from slipmargin.io.table import columns_from_text
 from slipmargin.io.trajectory_json import (
     SAME_POSE,
@@ -67,10 +67,10 @@ def read_trajectory(
     """
     path = Path(path)
     try:
-        is_bag = path.is_dir() or read_bytes(path).startswith(BAGS)
-        if is_bag:
+        data = b"" if path.is_dir() else read_bytes(path, unless=BAGS)
+        if path.is_dir() or data.startswith(BAGS):
             return _turned(_from_bag(path, topic), convention)
-        found = _turned(_with_contradictions(_from_text(read_text(path))), convention)
+        found = _turned(_with_contradictions(_from_text(text_of(data, str(path)))), convention)
     except InputError as fault:
         raise fault.in_file(fault.source or str(path)) from None
     if topic is not None:

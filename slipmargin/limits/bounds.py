@@ -27,6 +27,9 @@ from slipmargin.model import Model
 from slipmargin.physics.frames import directions as unit_directions
 from slipmargin.physics.kinematics import com_acceleration
 
+#: Directions whose limits differ by less than this share are equal [1].
+ALIKE = 1e-9
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -45,6 +48,21 @@ class Directions:
     braking_m_s2: Array
     steady_use: Array
     starting: AccelerationLimit
+
+    @property
+    def weakest(self) -> int:
+        """Index of the least speeding up; of mirrored directions, which rounding tells apart, the first."""
+        return _first(-self.starting_m_s2)
+
+    @property
+    def strongest(self) -> int:
+        """Index of the greatest speeding up; of mirrored directions the first."""
+        return _first(self.starting_m_s2)
+
+
+def _first(values: Array) -> int:
+    most = float(np.max(values))
+    return int(np.argmax(values >= most - ALIKE * max(abs(most), 1e-300)))
 
 
 @final

@@ -17,16 +17,17 @@ and of the motors' torque.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array, real
+from slipmargin.checks import Array, Index, real
 from slipmargin.errors import NoSolution
 from slipmargin.limits.bounds import spin
 from slipmargin.limits.bounds_pace import pace, yaw_rate
-from slipmargin.limits.effort import Most, most_asked
+from slipmargin.limits.effort import Demands, Most
 from slipmargin.limits.ends import Ends, circle_end, ellipsoid_end, even_corners, sided_corners, unit
 from slipmargin.limits.every_motion import all_motions
 from slipmargin.limits.margin import sphere
@@ -47,8 +48,9 @@ ROUNDS, CLOSE = 12, 1e-3
 #: After so many rounds in a row a motion's rows are drawn in further each time: where others bind, a ratio
 #: near one took more rounds than there are to be felt [1].
 PATIENCE = 3
-#: Ends of a round set that are tried all round.
-SPREAD = 48
+#: Ends of a round set that are tried all round, and at most along rows' normals: of more than eleven wheels
+#: the normals that lie farthest apart; what is between, the way uphill finds.
+SPREAD, ALONG_ROWS = 48, 128
 
 
 @final
@@ -143,7 +145,12 @@ def _way(velocity: Array) -> str:
 
 
 def inside(
-    model: Model, *, share: float = 1.0, contact: Contact = Contact.ROLLERS, yaw_rad_s2: float | None = None
+    model: Model,
+    *,
+    share: float = 1.0,
+    contact: Contact = Contact.ROLLERS,
+    yaw_rad_s2: float | None = None,
+    with_ellipsoid: bool = True,
 ) -> Inside:
     """The largest safe box, circle and ellipsoid; see the module for the programs.
 
@@ -152,6 +159,8 @@ def inside(
     yaw_rad_s2 : float, optional
         Yaw acceleration that box and circle keep in reserve, by default :data:`YAW_SHARE` of what spinning
         on the spot allows.
+    with_ellipsoid : bool
+        Without it the ellipsoid is NaN.
 
     Raises
     ------
@@ -179,9 +188,13 @@ def inside(
         reach = np.linalg.norm(np.einsum("ka,nac->knc", A, modules), axis=2).sum(axis=1)
         return (np.array([np.min(b / reach)]),)
 
+    each = np.ascontiguousarray(np.swapaxes(modules, 0, 1)).reshape(
+        3, -1
+    )  # a module's two pushes side by side
+
     def swerve_end(coefficient: Array, normal: Array) -> Array:
-        push = unit(np.einsum("rma,nac->rmnc", normal, modules))
-        return np.asarray(coefficient[0] * np.einsum("rmnc,nac->rma", push, modules))
+        push = unit((normal @ each).reshape(*normal.shape[:2], -1, 2))
+        return np.asarray(coefficient[0] * (push.reshape(*normal.shape[:2], -1) @ each.T))
 
     asked: list[Array] = []
     states = _States.of(model, share, contact)
@@ -196,10 +209,10 @@ def inside(
     even = safe(lambda A, b, sign: _boxes(A, b, sign, yaw)[2:], Ends(corners=even_corners))
     ball = safe(circle, Ends(farthest=circle_end))
     grip = safe(swerve, Ends(farthest=swerve_end))
-    try:
-        round_ = safe(ellipsoid, Ends(farthest=ellipsoid_end), counts=False)[0]
-    except NoSolution:  # nothing else follows from it: its failure must not cost the box
-        round_ = np.full((3, 3), np.nan)
+    round_ = np.full((3, 3), np.nan)
+    if with_ellipsoid:
+        with suppress(NoSolution):  # nothing else follows from it: its failure must not cost the box
+            round_ = safe(ellipsoid, Ends(farthest=ellipsoid_end), counts=False)[0]
     return Inside(
         fast=sided[0],
         slow=sided[1],
@@ -239,10 +252,12 @@ class _States:
         if model.drives.stall_torque_N_m is not None:
             limit = torque_limit(model, at_pace(model, motion.velocity, PACE))
 
+        demands = Demands.of(model, friction, external)
+
         def effort(at: Array) -> Most:
             flat = at.reshape(-1, 3)
             at_com = com_acceleration(model.inertia.com_m, np.zeros_like(flat), flat).reshape(at.shape)
-            return most_asked(model, friction, external, at_com, limit)
+            return demands.most(at_com, limit)
 
         still, normals = effort(np.zeros((1, motion.count, 3))), _normals(model, motion, share, contact)
         least = np.stack([needed_share(model, motion, contact=contact), still.motors[0]])
@@ -298,7 +313,20 @@ def _normals(model: Model, motion: Motion, share: float, contact: Contact) -> Ar
     rows = acceleration_rows(model, motion, share=share, contact=contact, pace=PACE).A @ shift
     size = np.sqrt(np.mean(rows**2, axis=(0, 1)))
     round_ = np.broadcast_to((sphere(SPREAD) * size)[:, None], (SPREAD, motion.count, 3))
-    return np.concatenate([np.swapaxes(rows, 0, 1), round_])
+    apart = _farthest_apart(unit(rows.mean(axis=0) / np.where(size > 0.0, size, 1.0)), ALONG_ROWS)
+    return np.concatenate([np.swapaxes(rows[:, apart], 0, 1), round_])
+
+
+def _farthest_apart(directions: Array, most: int) -> Index:
+    """Indices of at most so many of the directions (R, 3): each the farthest from those before it."""
+    if len(directions) <= most:
+        return np.arange(len(directions))
+    chosen = [0]
+    nearest = directions @ directions[0]
+    for _ in range(most - 1):
+        chosen.append(int(np.argmin(nearest)))
+        nearest = np.maximum(nearest, directions @ directions[chosen[-1]])
+    return np.sort(np.array(chosen))
 
 
 def _modules(model: Model) -> Array:

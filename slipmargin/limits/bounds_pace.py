@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.limits.effort import efforts
 from slipmargin.limits.every_motion import all_motions
 from slipmargin.limits.motion import along
 from slipmargin.limits.motion_realised import realised
-from slipmargin.limits.motion_rows import acceleration_rows, at_pace, torque_limit
+from slipmargin.limits.motion_rows import acceleration_rows, at_pace, prepare, torque_limit
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
+from slipmargin.physics.frames import directions
 from slipmargin.physics.kinematics import com_acceleration
+
+#: Rates between two that are tried at once, and rounds: the rate is found to 1e-8 of what grip alone allows.
+RATES, RATE_ROUNDS = 15, 7
 
 
 def pace(model: Model, torque_N_m: Array, share: float) -> float | None:
@@ -28,6 +33,25 @@ def pace(model: Model, torque_N_m: Array, share: float) -> float | None:
     return float(np.clip(np.min(left / np.maximum(np.abs(speed), 1e-9)), 0.0, share))
 
 
+def held_speed(model: Model, heading_rad: Array, contact: Contact) -> float:
+    """Fastest straight motion [m/s] that the motors hold against full drag in every direction (H,).
+
+    A wheel that drives with the torque T turns at most at θ̇_max (1 − T / T_stall).  Without a stall torque
+    nothing is lost to drag; infinite without a top speed.
+    """
+    stall, top = model.drives.stall_torque_N_m, model.drives.max_speed_rad_s
+    if top is None:
+        return np.inf
+    ahead = np.column_stack([directions(heading_rad), np.zeros(len(heading_rad))])
+    speed = model.geometry.wheel_speeds(ahead)  # per 1 m/s
+    left = np.ones_like(speed)
+    if stall is not None:
+        friction, external = prepare(model, Motion.full_drag(ahead), 1.0, contact)[1:]
+        torque = efforts(model, friction, external, np.zeros((1, *ahead.shape))).torque_N_m[:, 0]
+        left = 1.0 - np.maximum(np.where(speed > 0.0, torque[0], torque[1]), 0.0) / stall
+    return float(max(0.0, np.min(top * left / np.maximum(np.abs(speed), 1e-9))))
+
+
 def yaw_rate(model: Model, yaw_rad_s2: float, share: float, contact: Contact) -> float:
     """Fastest turn on the spot [rad/s] at which the centripetal force leaves a yaw acceleration."""
     turn = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
@@ -41,20 +65,28 @@ def yaw_rate(model: Model, yaw_rad_s2: float, share: float, contact: Contact) ->
     squared = min(float(np.min(along(model, rows, start, inward).value)) for start in starts)
     high = np.sqrt(max(0.0, squared))
 
-    def there(rate: float) -> bool:
-        # At this rate a wheel may slide so slowly that its drag, which helped, is not full.
-        turning = np.vstack([rate * turn, rate * turn])
-        really = Motion(velocity=turning, acceleration=np.vstack(list(ways)))
-        if np.max(realised(model, really, contact=contact, share=share).use) > share:
-            return False
+    def there(rates: Array) -> NDArray[np.bool_]:
+        # At such a rate a wheel may slide so slowly that its drag, which helped, is not full.
+        each = len(rates)
+        turning = rates[:, None, None] * np.tile(turn, (2, 1))
+        really = Motion(
+            velocity=turning.reshape(-1, 3), acceleration=np.tile(np.vstack(list(ways)), (each, 1))
+        )
+        use = realised(model, really, contact=contact, share=share).use.reshape(each, -1)
+        holds = np.max(use, axis=1) <= share
         if model.drives.stall_torque_N_m is None:
-            return True
-        asked = efforts(model, rows.friction, rows.external, starts + rate**2 * inward)
-        limit = share * torque_limit(model, model.geometry.wheel_speeds(rate * turn))
-        return bool(np.max(asked.of_motors(limit)) <= 1.0)
+            return np.asarray(holds)
+        asked = (starts[:, None] + rates[:, None, None] ** 2 * inward).reshape(-1, 2, 3)
+        speed = model.geometry.wheel_speeds(np.tile(rates[:, None, None] * turn, (2, 1, 1)))
+        may = share * torque_limit(model, speed)
+        motors = efforts(model, rows.friction, rows.external, asked).of_motors(may)
+        return np.asarray(holds & (motors.reshape(2, each, 2).max(axis=(0, 2)) <= 1.0))
 
+    if there(np.array([high]))[0]:
+        return float(high)
     low = 0.0
-    for _ in range(40 if not there(high) else 0):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if there(middle) else (low, middle)
+    for _ in range(RATE_ROUNDS):
+        tried = np.linspace(low, high, RATES + 2)
+        first = int(np.argmin(np.append(there(tried[1:-1]), False)))
+        low, high = tried[first], tried[first + 1]
     return float(high if low == 0.0 else low)

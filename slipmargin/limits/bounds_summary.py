@@ -21,7 +21,8 @@ from slipmargin.limits.bounds import (
     starting_by_motor,
     top_speed,
 )
-from slipmargin.limits.bounds_inside import PACE, Inside, inside
+from slipmargin.limits.bounds_inside import PACE, YAW_SHARE, Inside, inside
+from slipmargin.limits.bounds_pace import held_speed
 from slipmargin.limits.every_motion import turning_points
 from slipmargin.limits.motion import steady_share
 from slipmargin.limits.motion_state import Contact, Motion
@@ -36,36 +37,103 @@ CURVATURES = np.array([0.2, 0.5, 1.0, 2.0, 5.0])
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SafeSets:
+    """The safe sets of accelerations of a model and the speeds at which they are there: what is exported.
+
+    ``inside`` is None where ``why_not`` says so.  ``reserved_rad_s2`` is the yaw acceleration kept in
+    reserve, ``contact`` what the wheels were taken to stand on.
+    """
+
+    model: Model
+    margin: float
+    spin: Spin
+    reserved_rad_s2: float
+    inside: Inside | None
+    why_not: str
+    contact: Contact = Contact.ROLLERS
+
+    @property
+    def speeds(self) -> tuple[float, float, float, float]:
+        """Speeds at which the safe sets are there: forward, sideways, any way [m/s] and turning [rad/s].
+
+        Each alone, infinite where nothing limits it.
+        """
+        if self.inside is None or self.inside.pace is None:
+            turn = np.inf if self.inside is None else self.inside.yaw_rate_rad_s
+            return np.inf, np.inf, np.inf, turn
+        front = self.model.convention.front_rad
+        ways = np.append(self._slowest_rad, [front, front - 0.5 * np.pi])
+        top = self.inside.pace * top_speed(self.model, ways)
+        turn = min(self.inside.pace * self.spin.top_rad_s, self.inside.yaw_rate_rad_s)
+        return float(top[-2]), float(top[-1]), float(np.min(top)), turn
+
+    @property
+    def held_m_s(self) -> float:
+        """Fastest straight motion in the slowest direction [m/s] that the whole motors hold against drag.
+
+        The motors' top speed under load; without a stall torque their free one, infinite without motors.
+        """
+        even = headings(1.0)
+        return held_speed(
+            self.model, np.concatenate([even, self._slowest_rad, self._slowest_rad + np.pi]), self.contact
+        )
+
+    @property
+    def _slowest_rad(self) -> Array:
+        """Directions in which some wheel turns fastest: along its row."""
+        fastest = self.model.geometry.rolling_rows()[:, :2]
+        return np.asarray(np.arctan2(fastest[:, 1], fastest[:, 0]))
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Bounds:
     """The motion limits of a model.
 
-    ``full`` uses all of the grip and asks no motor; ``safe``, ``spin``, ``cornering`` and ``inside`` use
-    1 − margin of it, and of the motors' torque at half their top speed.
+    ``full`` uses all of the grip and asks no motor; ``safe``, ``cornering`` and ``sets`` use 1 − margin of
+    it, and of the motors' torque at half their top speed.
     ``rigid`` is the share of the grip that constant speed needs in the worst roller/rigid state; above 1 even
     constant speed must slip.  ``motor_m_s2`` and ``top_m_s`` (H,) are the motors' limits (infinite: none).
     ``weakest_m_s2`` is the least safe speeding up over directions every degree and on both sides of those in
     which a wheel's drag turns round.
-    ``inside`` is None where ``why_not`` says so.  On an uneven floor all of them are the worst of the loads'
-    band, and ``even`` says what an even floor allows with all of the grip.  ``rolling_m_s2`` is the traction
-    limit of rollers that turn freely (disc-strip), where the grip is the box.  ``contact`` is what the wheels
-    were taken to stand on.
+    On an uneven floor all of them are the worst of the loads' band, and ``even`` says what an even floor
+    allows with all of the grip.  ``rolling_m_s2`` is the traction limit of rollers that turn freely
+    (disc-strip), where the grip is the box.  ``contact`` is what the wheels were taken to stand on.
     """
 
     model: Model
     margin: float
     full: Directions
     safe: Directions
-    spin: Spin
+    sets: SafeSets
     cornering: Cornering
     rigid_use: Array
     motor_m_s2: Array
     top_m_s: Array
     weakest_m_s2: float
-    inside: Inside | None
-    why_not: str
     even: Directions | None = None
     rolling_m_s2: float | None = None
     contact: Contact = Contact.ROLLERS
+
+    @property
+    def inside(self) -> Inside | None:
+        """The safe sets; None where :attr:`why_not` says so."""
+        return self.sets.inside
+
+    @property
+    def why_not(self) -> str:
+        """Why there are no safe sets."""
+        return self.sets.why_not
+
+    @property
+    def spin(self) -> Spin:
+        """Limits of turning on the spot, with the margin."""
+        return self.sets.spin
+
+    @property
+    def speeds(self) -> tuple[float, float, float, float]:
+        """Speeds at which the safe sets are there: forward, sideways, any way [m/s] and turning [rad/s]."""
+        return self.sets.speeds
 
     @property
     def traction_m_s2(self) -> float:
@@ -91,22 +159,6 @@ class Bounds:
         return max(0.0, min(self.weakest_m_s2, float(np.min(self.safe.starting_m_s2))))
 
     @property
-    def speeds(self) -> tuple[float, float, float, float]:
-        """Speeds at which the safe sets are there: forward, sideways, any way [m/s] and turning [rad/s].
-
-        Each alone, infinite where nothing limits it.
-        """
-        if self.inside is None or self.inside.pace is None:
-            turn = np.inf if self.inside is None else self.inside.yaw_rate_rad_s
-            return np.inf, np.inf, np.inf, turn
-        front = self.model.convention.front_rad
-        fastest = self.model.geometry.rolling_rows()[:, :2]  # a wheel turns fastest along its row
-        ways = np.append(np.arctan2(fastest[:, 1], fastest[:, 0]), [front, front - 0.5 * np.pi])
-        top = self.inside.pace * top_speed(self.model, ways)
-        turn = min(self.inside.pace * self.spin.top_rad_s, self.inside.yaw_rate_rad_s)
-        return float(top[-2]), float(top[-1]), float(np.min(top)), turn
-
-    @property
     def isotropic_m_s2(self) -> float:
         """μ g of the drive direction: what a tool with one friction coefficient believes [m/s²]."""
         return float(np.mean(self.model.grip.roller[:, 0])) * GRAVITY_M_S2
@@ -122,13 +174,50 @@ class Bounds:
         return np.asarray(self.full.heading_rad[self.rigid_use > 1.0])
 
 
+def safe_sets(
+    model: Model,
+    *,
+    margin: float = 0.1,
+    contact: Contact = Contact.ROLLERS,
+    yaw_rad_s2: float | None = None,
+    yaw_share: float = YAW_SHARE,
+    ellipsoid: bool = True,
+) -> SafeSets:
+    """The safe sets of a model, without its limits by direction: what tools that plan are told.
+
+    Parameters
+    ----------
+    yaw_rad_s2 : float, optional
+        Yaw acceleration that the sets keep in reserve; ``yaw_share`` of spinning on the spot if left out.
+    ellipsoid : bool
+        Whether the ellipsoid is looked for, which takes a third of the time and which no tool reads.
+    """
+    turn, found, why = spin(model, share=1.0 - margin, contact=contact), None, ""
+    if yaw_rad_s2 is None:
+        yaw_rad_s2 = yaw_share * max(0.0, min(turn.starting_rad_s2, turn.braking_rad_s2))
+    try:
+        found = inside(
+            model, share=1.0 - margin, contact=contact, yaw_rad_s2=yaw_rad_s2, with_ellipsoid=ellipsoid
+        )
+    except NoSolution as fault:
+        why = str(fault)
+    return SafeSets(
+        model=model,
+        margin=margin,
+        spin=turn,
+        reserved_rad_s2=yaw_rad_s2,
+        inside=found,
+        why_not=why,
+        contact=contact,
+    )
+
+
 def bounds(
     model: Model,
     *,
     margin: float = 0.1,
     step_deg: float = 1.0,
     contact: Contact = Contact.ROLLERS,
-    sets: bool = True,
     yaw_rad_s2: float | None = None,
 ) -> Bounds:
     """All motion limits of a model.
@@ -141,8 +230,6 @@ def bounds(
         Step of the directions [deg].
     contact : Contact
         What the wheels stand on (UNKNOWN: the worst of rollers and rigid sectors).
-    sets : bool
-        Also find the largest box and ellipsoid (about a second, mostly to load the solver).
     yaw_rad_s2 : float, optional
         Yaw acceleration that the sets keep in reserve (:func:`~slipmargin.limits.bounds_inside.inside`).
     """
@@ -154,12 +241,6 @@ def bounds(
         level = replace(model, loads=replace(model.loads, uneven_N=np.zeros((0, model.count))))
         even = directions(level, heading, contact=contact, motor=False)
     full = directions(model, heading, contact=contact, motor=False)
-    found, why = None, ""
-    if sets:
-        try:
-            found = inside(model, share=share, contact=contact, yaw_rad_s2=yaw_rad_s2)
-        except NoSolution as fault:
-            why = str(fault)
     fine = np.concatenate([headings(1.0), turning_points(model, 0.0) % (2.0 * np.pi)])
     weakest = directions(model, np.sort(fine), share=share, contact=contact, pace=PACE).starting_m_s2
     return Bounds(
@@ -167,14 +248,12 @@ def bounds(
         margin=margin,
         full=full,
         safe=directions(model, heading, share=share, contact=contact, pace=PACE),
-        spin=spin(model, share=share, contact=contact),
+        sets=safe_sets(model, margin=margin, contact=contact, yaw_rad_s2=yaw_rad_s2),
         cornering=cornering(model, CURVATURES, heading, share=share, contact=contact),
         rigid_use=_rigid_use(model, heading),
         motor_m_s2=starting_by_motor(model, heading),
         top_m_s=top_speed(model, heading),
         weakest_m_s2=float(np.min(weakest)),
-        inside=found,
-        why_not=why,
         even=even,
         rolling_m_s2=_rolling(model, heading, contact),
         contact=contact,

@@ -129,13 +129,18 @@ def solve3(H: Array, b: Array, x: Array) -> None:
 
 
 @inner
-def balance(law: int, knee: float, A: Array, wheels: Array, ask: Array, eps: Array, tables: Array) -> float:
-    """The creep at which r(ε) = 0, by damped Newton from ``eps``, in place; returns the size of r there."""
+def balance(
+    law: int, knee: float, A: Array, wheels: Array, ask: Array, eps: Array, exact: float, tables: Array
+) -> float:
+    """The creep at which r(ε) = 0, by damped Newton from ``eps``, in place; returns the size of r there.
+
+    It ends where that is at most ``exact``.
+    """
     H, other, rows = tables[0], tables[1], tables[2]
     out, step, trial = rows[0], rows[1], rows[2]
     miss = residual(law, knee, A, wheels, ask, eps, out, H)
     for _ in range(100):
-        if miss <= EXACT:
+        if miss <= exact:
             break
         solve3(H, out, step)
         size, less = 1.0, math.inf
@@ -156,6 +161,41 @@ def balance(law: int, knee: float, A: Array, wheels: Array, ask: Array, eps: Arr
     return miss
 
 
+@inner
+def at_rest(
+    law: int,
+    knee: float,
+    A: Array,
+    wheels: Array,
+    ask: Array,
+    eps: Array,
+    exact: float,
+    tables: Array,
+    use: Array,
+) -> bool:
+    """Whether a creep with r(ε) = 0 is found, from ``eps`` and else from rest, in place; ``use`` (N,) there.
+
+    Where none is found the wheel that was worst uses ``RUNAWAY``.
+    """
+    miss = math.inf
+    for attempt in range(2):
+        if attempt == 1 or not math.isfinite(eps[0] + eps[1] + eps[2]):
+            for r in range(3):
+                eps[r] = 0.0
+        miss = balance(law, knee, A, wheels, ask, eps, exact, tables)
+        if miss <= max(FOUND, exact):
+            break
+    worst = 0
+    for i in range(len(wheels)):
+        use[i] = abs(continued(law, knee, slip(A, wheels[i, STEEP], eps, i))[0])
+        if use[i] > use[worst]:
+            worst = i
+    found = miss <= max(FOUND, exact)
+    if not found:
+        use[worst] = max(use[worst], RUNAWAY)
+    return found
+
+
 @kernel
 def _creep(
     law: int,
@@ -167,30 +207,13 @@ def _creep(
     twist: Array,
     use: Array,
 ) -> None:
-    """Damped Newton over all samples, each from its neighbour and else from rest.
-
-    Samples not found get the use ``RUNAWAY`` on the wheel that was worst.
-    """
+    """Damped Newton over all samples, each from its neighbour and else from rest."""
     eps = tables[3, 0]
     for m in range(len(wheels)):
-        miss = math.inf
-        for attempt in range(2):
-            if attempt == 1 or not math.isfinite(eps[0] + eps[1] + eps[2]):
-                for r in range(3):
-                    eps[r] = 0.0
-            miss = balance(law, knee, A, wheels[m], asks[m], eps, tables)
-            if miss <= FOUND:
-                break
-        worst = 0
-        for i in range(wheels.shape[1]):
-            use[m, i] = abs(continued(law, knee, slip(A, wheels[m, i, STEEP], eps, i))[0])
-            if use[m, i] > use[m, worst]:
-                worst = i
-        if not miss <= FOUND:
-            use[m, worst] = max(use[m, worst], RUNAWAY)
+        found = at_rest(law, knee, A, wheels[m], asks[m], eps, EXACT, tables, use[m])
         for r in range(3):
             twist[m, r] = eps[r]
-            if not miss <= FOUND:
+            if not found:
                 eps[r] = 0.0
 
 

@@ -2,22 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
 from slipmargin.checks import Array
-from slipmargin.limits.creep import Balance, continued_share
+from slipmargin.limits.creep import (
+    ASKED,
+    EXACT,
+    GRIP,
+    NEED,
+    SCALE,
+    SLIDE,
+    STEEP,
+    TABLES,
+    WHEEL,
+    at_rest,
+    continued,
+    knee,
+    slip,
+)
 from slipmargin.limits.motion_external import External
 from slipmargin.limits.motion_friction import Friction, material_states
 from slipmargin.limits.motion_realised import LIGHTEST
-from slipmargin.limits.motion_rows import BLOCK
 from slipmargin.model import Model
+from slipmargin.physics.compiled import kernel
 
 #: Share of its grip that no wheel exceeds; above 1 because the friction law is continued there [1].
 WHOLE = 1.1
+#: Size of the residual, as a share of a wrench to compare with, at which a creep is known well enough for
+#: sets that keep a share to a thousandth [1].
+NEARLY = 1e-7
 
 
 @final
@@ -53,28 +69,24 @@ class Effort:
     torque_N_m: Array
 
     def of_motors(self, limit_N_m: Array) -> Array:
-        """Largest share (R, M) of a motor's torque, where motors give ``limit_N_m`` (2, M, N)."""
-        limit = limit_N_m[:, None]
+        """Largest share (R, M) of a motor's torque, where motors give ``limit_N_m`` (2, M or R and M, N)."""
+        limit = limit_N_m if limit_N_m.ndim == 4 else limit_N_m[:, None]
         share = np.full(self.torque_N_m.shape, np.inf)
         np.divide(self.torque_N_m, limit, out=share, where=limit > 0.0)
         return np.asarray(np.where(self.torque_N_m > 0.0, share, 0.0).max(axis=(0, 3)))
 
 
-def most_asked(
-    model: Model, friction: Friction, external: External, acceleration: Array, limit_N_m: Array
-) -> Most:
-    """What accelerations (R, M, 3) ask for at most, where motors give ``limit_N_m`` (2, M, N).
+def efforts(model: Model, friction: Friction, external: External, acceleration: Array) -> Effort:
+    """What accelerations (R, M, 3) of the centre of mass and in yaw ask for in each of M states.
 
-    In blocks: the torques of every wheel at every acceleration of 24 wheels would take half a gigabyte.
+    The worst over the materials that the wheels may stand on and over external wrenches that are not known.
     """
-    rows = max(1, BLOCK // (acceleration.shape[1] * model.count))
-    found: Most | None = None
-    for first in range(0, len(acceleration), rows):
-        each = efforts(model, friction, external, acceleration[first : first + rows])
-        block = Most(use=each.use, motors=each.of_motors(limit_N_m), torque_N_m=each.torque_N_m.max(axis=1))
-        found = block if found is None else found.and_(block)
-    assert found is not None
-    return found
+    return Demands.of(model, friction, external).each(acceleration)
+
+
+def coasting_use(model: Model, friction: Friction, external: External, count: int) -> Array:
+    """Largest realised share (M,) of any wheel's grip at constant speed in each of ``count`` states M."""
+    return np.asarray(efforts(model, friction, external, np.zeros((1, count, 3))).use[0])
 
 
 def greatest_torque(model: Model, friction: Friction, external: External, acceleration: Array) -> Array:
@@ -90,60 +102,133 @@ def greatest_torque(model: Model, friction: Friction, external: External, accele
     return np.asarray(worst * np.maximum(load + moved, lightest))
 
 
-def efforts(model: Model, friction: Friction, external: External, acceleration: Array) -> Effort:
-    """What accelerations (R, M, 3) of the centre of mass and in yaw ask for in each of M states.
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Demands:
+    """M states of a model, ready to be asked what accelerations take; every combination that may be met.
 
-    The worst over the materials that the wheels may stand on and over external wrenches that are not known.
+    ``fixed`` and each of ``cases`` are the arguments of :func:`_raise`.
     """
-    c, moved = model.geometry, (*acceleration.shape[:2], model.count)
-    on_drive, on_side = (-c.radius_m * np.sum(c.drive * axis, axis=1) for axis in (c.grip, c.free))
-    use, torque = np.zeros(moved[:2]), np.zeros((2, *moved))
-    for balance, side in _balances(model, friction, external, acceleration):
-        twist, share = balance.rest()
-        np.maximum(use, share.max(axis=1).reshape(use.shape), out=use)
-        drive = -balance.grip * continued_share(balance.law, balance.steep * (twist @ balance.along))
-        each = on_drive * drive.reshape(moved) + on_side * side
-        np.maximum(torque, np.stack([each, -each]), out=torque)
-    return Effort(use=use, torque_N_m=torque)
+
+    states: int
+    count: int
+    fixed: tuple[Any, ...]
+    cases: tuple[tuple[Array, ...], ...]
+
+    @staticmethod
+    def of(model: Model, friction: Friction, external: External) -> Demands:
+        """The states of ``friction`` and ``external``."""
+        c, states = model.geometry, friction.drive.shape[1]
+        along, across = model.wrench_maps()
+        lever = float(np.max(np.abs(along[2]))) or 1.0
+        middle = 0.5 * (friction.drag_low + friction.drag_high)
+        cases = []
+        for pick in material_states(friction.possible):
+            mu = _full(np.where(pick, friction.drive[1], friction.drive[0]), states, model.count)
+            drag = _full(np.where(pick, middle[1], middle[0]), states, model.count)
+            for wrench, load in external.corners():
+                cases.append((mu, drag, _full(load, states, model.count), _full(wrench, states, 3)))
+        fixed = (
+            model.grip.law,
+            knee(model.grip.law),
+            np.concatenate([along, across]),
+            np.array(model.loads.per_acceleration_kg, dtype=float),
+            np.array(model.inertia.diagonal, dtype=float),
+            np.stack([-c.radius_m * np.sum(c.drive * axis, axis=1) for axis in (c.grip, c.free)]),
+            model.inertia.weight_N * float(np.max(model.grip.roller[:, 0])) * np.array([1.0, 1.0, lever]),
+            LIGHTEST * model.inertia.weight_N / model.count,
+            _full(friction.drive_stiffness, states, model.count),
+        )
+        return Demands(states=states, count=model.count, fixed=fixed, cases=tuple(cases))
+
+    def most(self, acceleration: Array, limit_N_m: Array) -> Most:
+        """What accelerations (R, M, 3) ask for at most, where motors give ``limit_N_m`` (2, M, N)."""
+        use, motors, torque = self._asked(acceleration, limit_N_m, 1, NEARLY)
+        return Most(use=use, motors=motors, torque_N_m=torque[:, 0])
+
+    def each(self, acceleration: Array) -> Effort:
+        """What each of the accelerations (R, M, 3) asks for."""
+        none = np.full((2, self.states, self.count), np.inf)
+        use, _, torque = self._asked(acceleration, none, len(acceleration), EXACT)
+        return Effort(use=use, torque_N_m=torque)
+
+    def _asked(
+        self, acceleration: Array, limit_N_m: Array, rows: int, exact: float
+    ) -> tuple[Array, Array, Array]:
+        """Shares of grip and torque (R, M) and torques (2, rows, M, N): the worst over all combinations.
+
+        ``rows`` is R, or 1 for the greatest torques over all accelerations.
+        """
+        use, motors = np.zeros((2, len(acceleration), self.states))
+        torque = np.zeros((2, rows, self.states, self.count))
+        tables = np.zeros((self.count, WHEEL)), np.zeros(ASKED), np.zeros(self.count), np.zeros(TABLES)
+        asked = np.ascontiguousarray(acceleration, dtype=float), np.ascontiguousarray(limit_N_m, dtype=float)
+        more: tuple[Any, ...] = (*asked, exact, *tables, use, motors, torque)
+        for case in self.cases:
+            _raise(*self.fixed, *case, *more)
+        return use, motors, torque
 
 
-def coasting_use(model: Model, friction: Friction, external: External, count: int) -> Array:
-    """Largest realised share (M,) of any wheel's grip at constant speed in each of ``count`` states M."""
-    at_rest = np.zeros((1, count, 3))
-    each = [b.rest()[1].max(axis=1) for b, _ in _balances(model, friction, external, at_rest)]
-    return np.asarray(np.max(each, axis=0) if len(each) > 1 else each[0])
+def _full(values: Array, states: int, count: int) -> Array:
+    return np.array(np.broadcast_to(values, (states, count)), dtype=float)
 
 
-def _balances(
-    model: Model, friction: Friction, external: External, acceleration: Array
-) -> Iterator[tuple[Balance, Array]]:
-    """The R·M balances of forces for each combination that may be met, and the drag (R, M, N) in it [N]."""
-    along, across = (np.ascontiguousarray(b) for b in model.wrench_maps())
-    lever = float(np.max(np.abs(along[2]))) or 1.0
-    scale = model.inertia.weight_N * float(np.max(model.grip.roller[:, 0])) * np.array([1.0, 1.0, lever])
-    lightest = LIGHTEST * model.inertia.weight_N / model.count
-    moved = acceleration[..., :2] @ model.loads.per_acceleration_kg.T
-    steep = np.broadcast_to(friction.drive_stiffness, moved.shape).reshape(-1, model.count)
-    middle = 0.5 * (friction.drag_low + friction.drag_high)
-    none = np.zeros_like(steep)
-    for pick in material_states(friction.possible):
-        mu = np.where(pick, friction.drive[1], friction.drive[0])
-        drag = np.where(pick, middle[1], middle[0])
-        for wrench, load in external.corners():
-            side = -drag * (load + moved)
-            yield (
-                Balance(
-                    law=model.grip.law,
-                    along=along,
-                    across=along,
-                    grip=(mu * np.maximum(load + moved, lightest)).reshape(steep.shape),
-                    drag=none,
-                    steep=steep,
-                    steep_across=steep,
-                    slide=none,
-                    need=(acceleration * model.inertia.diagonal - wrench - side @ across.T).reshape(-1, 3),
-                    carried=np.zeros((len(steep), 4)),
-                    scale=scale,
-                ),
-                side,
-            )
+@kernel
+def _raise(
+    law: int,
+    top: float,
+    forces: Array,
+    per_acceleration: Array,
+    inertia: Array,
+    on_wheel: Array,
+    scale: Array,
+    lightest: float,
+    steep: Array,
+    mu: Array,
+    drag: Array,
+    load: Array,
+    wrench: Array,
+    acceleration: Array,
+    limit: Array,
+    exact: float,
+    wheels: Array,
+    ask: Array,
+    share: Array,
+    tables: Array,
+    use: Array,
+    motors: Array,
+    torque: Array,
+) -> None:
+    """Raise ``use``, ``motors`` (R, M) and ``torque`` (2, R or 1, M, N) to what one combination asks for.
+
+    M a = w + Σ b_i f_i − Σ t_i D_i N_i with one creep of all wheels (:mod:`slipmargin.limits.creep`).
+    ``forces`` (6, N) are the wrenches of unit forces along ĝ and f̂, ``on_wheel`` (2, N) their torques T.
+    """
+    eps = tables[3, 0]
+    for r in range(3):
+        ask[SCALE + r], eps[r] = scale[r], 0.0
+    for k in range(len(acceleration)):
+        row = min(k, torque.shape[1] - 1)
+        for m in range(acceleration.shape[1]):
+            a = acceleration[k, m]
+            for r in range(3):
+                ask[NEED + r] = a[r] * inertia[r] - wrench[m, r]
+            for i in range(len(wheels)):
+                carried = load[m, i] + a[0] * per_acceleration[i, 0] + a[1] * per_acceleration[i, 1]
+                wheels[i, GRIP] = mu[m, i] * max(carried, lightest)
+                wheels[i, STEEP] = steep[m, i]
+                wheels[i, SLIDE] = -drag[m, i] * carried  # the force across the rollers: it is known
+                for r in range(3):
+                    ask[NEED + r] -= forces[3 + r, i] * wheels[i, SLIDE]
+            found = at_rest(law, top, forces, wheels, ask, eps, exact, tables, share)
+            for i in range(len(wheels)):
+                use[k, m] = max(use[k, m], share[i])
+                along = -wheels[i, GRIP] * continued(law, top, slip(forces, steep[m, i], eps, i))[0]
+                turn = on_wheel[0, i] * along + on_wheel[1, i] * wheels[i, SLIDE]
+                side = 0 if turn > 0.0 else 1
+                torque[side, row, m, i] = max(torque[side, row, m, i], abs(turn))
+                if turn != 0.0:
+                    motors[k, m] = max(motors[k, m], abs(turn) / max(limit[side, m, i], 0.0))
+            if not found:
+                for r in range(3):
+                    eps[r] = 0.0

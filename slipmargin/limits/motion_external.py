@@ -62,6 +62,9 @@ class External:
         is linear in both takes its extremes there.  ``acceleration`` is (2,), and the loads (N,) where no
         force has a height, or (M, 2 or more).  On an uneven floor every corner of the loads' band is a case.
         """
+        if not self.tilts and not len(self.loads.uneven_N):  # what most robots are: one case
+            yield self.low[0], self.high[0], self._loads(acceleration, [])
+            return
         shifts = self.loads.shifts()
         corners: list[list[tuple[Array, Array]]] = []
         for height, low, high in zip(self.height_m, self.low, self.high, strict=True):
@@ -90,7 +93,10 @@ class External:
     def corners(self) -> Iterator[tuple[Array, Array]]:
         """Wrenches (M, 3) at the corners of the boxes without acceleration, each with its loads."""
         for low, high, load in self.cases():
-            unknown = np.flatnonzero(np.any(low < high, axis=0))
+            if not np.any(wide := low < high):
+                yield low, load
+                continue
+            unknown = np.flatnonzero(np.any(wide, axis=0))
             for sides in product((low, high), repeat=len(unknown)):
                 corner = low.copy()
                 for j, side in zip(unknown, sides, strict=True):

@@ -186,7 +186,9 @@ def _possible(grip: Grip, motion: Motion, contact: Contact) -> Mask:
 def material_states(possible: Mask) -> list[Mask]:
     """The combinations (M, N) of materials to try; one where every wheel's is known."""
     roller, rigid = possible
-    free = np.flatnonzero(np.any(roller & rigid, axis=0))
+    if not np.any(either := roller & rigid):
+        return [rigid]
+    free = np.flatnonzero(np.any(either, axis=0))
     allow_states("wheel", len(free), MOVING_STATES)
     states = []
     for code in range(2 ** len(free)):

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array, read_only
 from slipmargin.limits.bias import refuse_lifting
+from slipmargin.limits.motion_compiled import facet_worth, fill_rows, own, torque_by_drag
 from slipmargin.limits.motion_external import External, external_in_motion
 from slipmargin.limits.motion_friction import Friction, friction_in_motion
 from slipmargin.limits.motion_state import Contact, Motion
@@ -191,27 +192,17 @@ def prepare(
 
 def facet_coefficients(facets: Facets, friction: Friction, share: Array | float) -> Array:
     """κ (M, K, N): how much each newton of load is worth to each facet, worst over what is unknown."""
-    part = np.broadcast_to(np.asarray(share, dtype=float), (friction.drive.shape[1],))
-    worst = np.full((len(part), *facets.drive.shape), np.inf)
-    for first in range(0, len(part), size := max(1, BLOCK // facets.drive.size)):
-        at = slice(first, first + size)
-        for possible, drive, low, high in zip(
-            friction.possible, friction.drive, friction.drag_low, friction.drag_high, strict=True
-        ):
-            if not np.any(possible):
-                continue
-            each = facets.drive * (part[at, None] * drive[at])[:, None]
-            each -= np.maximum(facets.across * low[at, None], facets.across * high[at, None])
-            if not np.all(possible):
-                each[np.broadcast_to(~possible[at, None], each.shape)] = np.inf
-            np.minimum(worst[at], each, out=worst[at])
-    return worst
+    grip = own(np.reshape(share, (-1, 1)) * friction.drive)
+    worth = np.empty((friction.drive.shape[1], *facets.drive.shape))
+    low, high = own(friction.drag_low), own(friction.drag_high)
+    facet_worth(own(facets.drive), own(facets.across), own(friction.possible), grip, low, high, worth)
+    return worth
 
 
 def facet_rows(model: Model, facets: Facets, kappa: Array, external: External) -> tuple[Array, Array]:
     """A (M, K, 3) and b (M, K) of the facets."""
-    A = np.broadcast_to(facets.normals * model.inertia.diagonal, (*kappa.shape[:2], 3)).copy()
-    A[..., :2] -= kappa @ model.loads.per_acceleration_kg
+    A = np.empty((*kappa.shape[:2], 3))
+    fill_rows(facets.normals * model.inertia.diagonal, kappa, own(model.loads.per_acceleration_kg), A)
     return A, external.least(facets.normals, kappa)
 
 
@@ -247,16 +238,15 @@ def torque_rows(model: Model, friction: Friction, external: External) -> TorqueR
     # f = L (M a − w + B_T N D), T = −ρ (ŝ·ĝ) f + ρ (ŝ·f̂) N D
     on_wrench = (-c.radius_m * along_grip)[:, None] * even_distribution(model)
     on_drag = on_wrench @ across + np.diag(c.radius_m * along_free)
-    low = np.where(friction.possible, friction.drag_low, np.inf).min(axis=0)
-    high = np.where(friction.possible, friction.drag_high, -np.inf).max(axis=0)
-    ends = on_drag * low[:, None], on_drag * high[:, None]  # (M, N, N)
-    A, b = np.empty((2, *low.shape, 3)), np.empty((2, *low.shape))
-    for s, (wrench, drag) in enumerate(
-        ((on_wrench, np.maximum(*ends)), (-on_wrench, -np.minimum(*ends))),
-    ):
-        A[s] = wrench * model.inertia.diagonal
-        A[s, ..., :2] += drag @ model.loads.per_acceleration_kg
-        b[s] = external.least(wrench, -drag)
+    shape = friction.drive.shape[1:]
+    most, least = np.empty((*shape, model.count)), np.empty((*shape, model.count))
+    low, high = own(friction.drag_low), own(friction.drag_high)
+    torque_by_drag(own(on_drag), own(friction.possible), low, high, most, least)
+    A, b = np.empty((2, *shape, 3)), np.empty((2, *shape))
+    per = own(model.loads.per_acceleration_kg)
+    for s, (wrench, per_load) in enumerate(((on_wrench, -most), (-on_wrench, least))):
+        fill_rows(wrench * model.inertia.diagonal, per_load, per, A[s])
+        b[s] = external.least(wrench, per_load)
     return TorqueRows(A=A, b=b)
 
 

@@ -21,10 +21,11 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.limits.creep import BEYOND, FAITHFUL, SCALE, TABLES, WHEEL, knee
+from slipmargin.limits.motion_compiled import fill_rays, own
 from slipmargin.limits.motion_external import External
 from slipmargin.limits.motion_friction import Friction, material_states
 from slipmargin.limits.motion_realised import LIGHTEST, comparable
-from slipmargin.limits.realised_newton import GRIP_0, GRIP_1, LEAST, RAY, SLOPE, leave_share
+from slipmargin.limits.realised_newton import RAY, leave_share
 from slipmargin.model import Model
 from slipmargin.physics.friction_laws import law_inverse
 
@@ -94,21 +95,31 @@ def _cases(
     One case for every combination of materials and, where a wrench is not known, for its extremes; both
     arrays are filled anew for each.
     """
-    across, mass = model.wrench_maps()[1], model.inertia.diagonal
-    shape = start.shape[:2]
+    shape, states = start.shape[:2], start.shape[1]
+    across, mass, per = (
+        own(x) for x in (model.wrench_maps()[1], model.inertia.diagonal, model.loads.per_acceleration_kg)
+    )
     lightest = LIGHTEST * model.inertia.weight_N / model.count
-    load1 = direction[..., :2] @ model.loads.per_acceleration_kg.T
-    moved = start[..., :2] @ model.loads.per_acceleration_kg.T
     middle = 0.5 * (friction.drag_low + friction.drag_high)
+    slope = own(friction.drive_stiffness / np.mean(friction.drive_stiffness))
     rays, wrench = np.empty((*shape, model.count, RAY)), np.empty((*shape, 6))
-    rays[..., SLOPE] = friction.drive_stiffness / np.mean(friction.drive_stiffness)
+    start, direction = own(start), own(direction)
     for pick in material_states(friction.possible):
         mu = np.where(pick, friction.drive[1], friction.drive[0])
         drag = np.where(pick, middle[1], middle[0])
-        rays[..., GRIP_1], rays[..., LEAST] = mu * load1, mu * lightest
-        wrench[..., 3:] = direction * mass + (drag * load1) @ across.T
         for pushed, load in external.corners():
-            load0 = load + moved
-            rays[..., GRIP_0] = mu * load0
-            wrench[..., :3] = start * mass - pushed + (drag * load0) @ across.T
+            loads = own(np.broadcast_to(load, (states, model.count)))
+            fill_rays(
+                rays,
+                wrench,
+                across,
+                mass,
+                per,
+                (mu, drag, slope),
+                loads,
+                own(pushed),
+                start,
+                direction,
+                lightest,
+            )
             yield rays.reshape(-1, model.count, RAY), wrench.reshape(-1, 6)

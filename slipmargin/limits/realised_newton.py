@@ -8,7 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array
-from slipmargin.limits.creep import FOUND, GRIP, NEED, SCALE, SLIP, STEEP, balance, continued, slip, solve3
+from slipmargin.limits.creep import (
+    EXACT,
+    FOUND,
+    GRIP,
+    NEED,
+    SCALE,
+    SLIP,
+    STEEP,
+    balance,
+    continued,
+    slip,
+    solve3,
+)
 from slipmargin.physics.compiled import inner, kernel
 
 #: Points of the search over t where no neighbour's solution helps.
@@ -52,7 +64,7 @@ def _fastest(rule: Rule, work: Work, ray: Array, wrench: Array, x: Array, t: flo
         wheels[i, GRIP] = max(ray[i, GRIP_0] + t * ray[i, GRIP_1], ray[i, LEAST])
     for r in range(3):
         ask[NEED + r] = wrench[r] + t * wrench[3 + r]
-    if not balance(law, knee, A, wheels, ask, x, tables) <= FOUND:
+    if not balance(law, knee, A, wheels, ask, x, EXACT, tables) <= FOUND:
         for r in range(3):
             x[r] = 0.0
         return math.inf

@@ -37,7 +37,7 @@ def picture(now: Settings) -> dict[str, Any]:
     heading = headings(STEP_DEG)
     full = directions(model, heading, motor=False)
     safe = directions(model, heading, share=1.0 - now.margin, pace=PACE)
-    weak = int(np.argmin(full.starting_m_s2))
+    weak = full.weakest
     recommended = max(0.0, _weakest(model, now.margin))
     turn = spin(model, share=1.0 - now.margin)
     ring = section(wrench_set(model).body())

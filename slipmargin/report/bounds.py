@@ -23,7 +23,7 @@ NEEDLE = 0.9
 def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:
     """Lines of the answer; the first four are traction, motor, isotropic and recommended."""
     full, lines = b.full, []
-    weak, strong = int(np.argmin(full.starting_m_s2)), int(np.argmax(full.starting_m_s2))
+    weak, strong = full.weakest, full.strongest
     lines.append(
         f"traction    {b.traction_m_s2:.4g} m/s² in the weakest direction "
         f"({degrees(full.heading_rad[weak])}; {_tips(b, weak)}{', '.join(full.starting.wheels[weak])}), "
@@ -82,7 +82,7 @@ def _grip(b: Bounds) -> list[str]:
 def _slipping(b: Bounds) -> str:
     """Where the robot slips without accelerating, and what is left elsewhere."""
     held, rigid = b.full.starting_m_s2 > 0.0, " on rigid sectors" if b.on_rigid_sectors else ""
-    wheels = ", ".join(b.full.starting.wheels[int(np.argmin(b.full.starting_m_s2))])
+    wheels = ", ".join(b.full.starting.wheels[b.full.weakest])
     if not np.any(held):
         return f"it must slip at constant speed{rigid} in every direction (wheel {wheels} first)"
     strong = int(np.argmax(b.full.starting_m_s2))
@@ -201,7 +201,7 @@ def _speeds(b: Bounds) -> list[str]:
 def direction_rows(b: Bounds, most: int) -> tuple[list[str], list[list[str]]]:
     """Head and at most ``most`` rows of the limits by direction, the weakest among them."""
     head = ["direction", "speed up", "turn", "brake [m/s²]", "steady use", "limited by"]
-    pick = thinned(len(b.full.heading_rad), most, [int(np.argmin(b.full.starting_m_s2))])
+    pick = thinned(len(b.full.heading_rad), most, [b.full.weakest])
     return head, [
         [
             degrees(b.full.heading_rad[k]),

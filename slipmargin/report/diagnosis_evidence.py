@@ -168,7 +168,7 @@ def parameters(d: Diagnosis) -> tuple[Block, ...]:
         note = f"; {more} more coefficients are in report.json" if more > 0 else ""
         blocks.append(
             Table(
-                caption=f"Value and interval (95 % for all together){note}",
+                caption=f"Value and interval (95 % each){note}",
                 head=("parameter", "value", "unit", ""),
                 rows=rows,
             )

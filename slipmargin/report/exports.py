@@ -22,7 +22,7 @@ from slipmargin.errors import InputError, NoSolution
 from slipmargin.io.json_text import json_text
 from slipmargin.limits.bounds import Directions
 from slipmargin.limits.bounds_inside import Inside
-from slipmargin.limits.bounds_summary import Bounds
+from slipmargin.limits.bounds_summary import Bounds, SafeSets
 from slipmargin.limits.uncertainty import SlipChance
 from slipmargin.model import Model
 from slipmargin.report.not_given import with_reasons
@@ -40,23 +40,28 @@ def export_text(tool: str, found: Bounds) -> str:
     NoSolution
         If no acceleration is safe in every direction of motion, so that no number can be given.
     """
-    if tool not in TOOLS:
+    return plain_json(found) if tool == "json" else sets_text(tool, found.sets)
+
+
+def sets_text(tool: str, found: SafeSets) -> str:
+    """:func:`export_text` for the tools that need the safe sets only: all but JSON."""
+    if tool not in _OF_SETS:
         raise InputError("export", f"is {tool!r}", f"use one of: {', '.join(TOOLS)}")
-    return TOOLS[tool](found)
+    return _OF_SETS[tool](found)
 
 
-def _sets(found: Bounds) -> Inside:
+def _sets(found: SafeSets) -> Inside:
     if found.inside is None:
         raise NoSolution("export", found.why_not or "the safe box was not computed", "use a smaller margin")
     return found.inside
 
 
-def _speeds(found: Bounds) -> list[float | None]:
+def _speeds(found: SafeSets) -> list[float | None]:
     """Speed forward, to the side, any way [m/s] and turning [rad/s]; None where no motor limits it."""
     return [v if math.isfinite(v) else None for v in found.speeds]
 
 
-def _head(found: Bounds, tool: str, comment: str) -> list[str]:
+def _head(found: SafeSets, tool: str, comment: str) -> list[str]:
     model = found.model
     return [
         f"{comment} {tool} limits of {model.robot} on {model.surface}, slip margin {found.margin:g} "
@@ -66,7 +71,7 @@ def _head(found: Bounds, tool: str, comment: str) -> list[str]:
     ]
 
 
-def _stated(found: Bounds) -> list[str]:
+def _stated(found: SafeSets) -> list[str]:
     """The one set that every export comes from, in words."""
     sets = _sets(found)
     lines = [
@@ -79,10 +84,16 @@ def _stated(found: Bounds) -> list[str]:
             f"speeds: {100.0 * sets.pace:.3g} % of the wheels' top speed, each axis alone; up to there these "
             f"accelerations take at most {100.0 * (1.0 - found.margin):.3g} % of the motors"
         )
+    off = math.hypot(*found.model.inertia.com_m)
+    if off > 0.0:
+        lines.append(
+            f"the centre of mass lies {off:.4g} m off the middle: turning at w rad/s while driving takes "
+            f"{off:.4g} w^2 m/s^2 of these accelerations"
+        )
     return lines
 
 
-def nav2(found: Bounds) -> str:
+def nav2(found: SafeSets) -> str:
     """YAML for the velocity smoother and the MPPI controller [m/s, m/s², rad/s, rad/s²]."""
     sets = _sets(found)
     fast, slow, even = (_forward(found, v) for v in (sets.fast, sets.slow, sets.even))
@@ -112,7 +123,7 @@ def nav2(found: Bounds) -> str:
     return "\n".join(lines) + "\n"
 
 
-def roadrunner(found: Bounds) -> str:
+def roadrunner(found: SafeSets) -> str:
     """Java fields of MecanumDrive.Params: inches and radians."""
     sets, drives = _sets(found), found.model.drives
     lines = [*_head(found, "Road Runner", "//"), "// path profile parameters (in inches)"]
@@ -131,7 +142,7 @@ def roadrunner(found: Bounds) -> str:
     return "\n".join(lines) + "\n"
 
 
-def pathplanner(found: Bounds) -> str:
+def pathplanner(found: SafeSets) -> str:
     """Keys of PathPlanner's settings.json: metres, kilograms and degrees."""
     sets, model = _sets(found), found.model
     speed, turn = _speeds(found)[2:]
@@ -145,18 +156,28 @@ def pathplanner(found: Bounds) -> str:
         "defaultMaxAccel": sets.circle_m_s2,
         "defaultMaxAngAccel": math.degrees(sets.yaw_rad_s2),
     }
-    if speed is not None:
-        table |= {"defaultMaxVel": speed, "maxDriveSpeed": speed}
+    if (
+        speed is not None
+    ):  # its motor has no torque left at maxDriveSpeed: not the speed that plans are kept to
+        table |= {"defaultMaxVel": speed, "maxDriveSpeed": found.held_m_s}
     if turn is not None:
         table["defaultMaxAngVel"] = math.degrees(turn)
     return json_text(table)
 
 
-def choreo(found: Bounds) -> str:
-    """The ``config`` of a .chor file; its torque is what is left of the motors at its speed."""
+def choreo(found: SafeSets) -> str:
+    """The ``config`` of a .chor file; its torque is what is left of the motors at its speed.
+
+    ``vmax`` times the radius is how fast a swerve module may move any way, which rollers make a wheel turn
+    faster for than that.
+    """
     model, sets = found.model, _sets(found)
-    stall, top = model.drives.stall_torque_N_m, model.drives.max_speed_rad_s
-    vmax = None if top is None or sets.pace is None else sets.pace * top
+    radius, stall, any_way = (
+        float(np.mean(model.geometry.radius_m)),
+        model.drives.stall_torque_N_m,
+        _speeds(found)[2],
+    )
+    vmax = None if any_way is None else any_way / radius
     tmax = None
     if stall is not None and sets.pace is not None:
         tmax = (1.0 - found.margin) * stall * (1.0 - sets.pace)
@@ -164,7 +185,7 @@ def choreo(found: Bounds) -> str:
         "mass": (model.inertia.mass_kg, "kg"),
         "inertia": (model.inertia.inertia_kg_m2, "kg m ^ 2"),
         "gearing": (1.0, ""),
-        "radius": (float(np.mean(model.geometry.radius_m)), "m"),
+        "radius": (radius, "m"),
         "vmax": (vmax, "rad / s"),
         "tmax": (tmax, "N * m"),
         "cof": (sets.coefficient, ""),
@@ -177,7 +198,7 @@ def choreo(found: Bounds) -> str:
     return json_text({"comment": "; ".join([*_stated(found), _swerve(found)]), "config": config})
 
 
-def _swerve(found: Bounds) -> str:
+def _swerve(found: SafeSets) -> str:
     """What the friction coefficient of a tool for swerve drives stands for."""
     return (
         f"friction: with {_sets(found).coefficient:.4g}, all that modules in the wheels' places do is safe "
@@ -255,7 +276,7 @@ def bounds_table(found: Bounds, likely: SlipChance | None = None) -> dict[str, A
     }
 
 
-def _forward(found: Bounds, box: Any) -> list[float]:
+def _forward(found: SafeSets, box: Any) -> list[float]:
     """(x, y, yaw) → (forward, left, yaw): half sizes, so the sign does not matter."""
     side, ahead = found.model.convention.right_forward(float(box[0]), float(box[1]))
     return [abs(ahead), abs(side), float(box[2])]
@@ -269,10 +290,11 @@ def _finite(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-TOOLS: dict[str, Callable[[Bounds], str]] = {
+_OF_SETS: dict[str, Callable[[SafeSets], str]] = {
     "nav2": nav2,
     "roadrunner": roadrunner,
     "pathplanner": pathplanner,
     "choreo": choreo,
-    "json": plain_json,
 }
+#: What limits can be exported for.
+TOOLS = (*_OF_SETS, "json")

@@ -21,7 +21,7 @@ def bounds_page(
 ) -> Page:
     """What the robot may do on this floor, and what would raise it."""
     front = b.model.convention.from_front
-    weak = int(np.argmin(b.full.starting_m_s2))
+    weak = b.full.weakest
     way = towards(float(front(b.full.heading_rad[weak])))
     wheels = " and ".join(b.full.starting.wheels[weak])
     robot, floor = b.model.robot, b.model.surface

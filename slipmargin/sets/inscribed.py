@@ -12,12 +12,13 @@ nearly parallel rows into as many slack variables.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
 
 import numpy as np
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, Index
 from slipmargin.errors import NoSolution
+from slipmargin.physics.compiled import inner, kernel
 
 #: The optimum is approached until the objective is this close to it [1].
 GAP = 1e-9
@@ -28,9 +29,6 @@ FLAT = 1e-14
 #: A stage ends where half the squared Newton decrement is below this [1].
 _CENTRED = 1e-6
 
-#: An objective: its value at x (−∞ outside its domain), gradient and Hessian.
-_Objective = Callable[[Array], tuple[float, Array, Array]]
-
 
 def largest_box(rows: Array) -> Array:
     """The box of largest volume: sides x (n,) > 0 with ``rows`` (K, n) x ≤ 1, rows ≥ 0.
@@ -39,14 +37,9 @@ def largest_box(rows: Array) -> Array:
     """
     bounded = np.max(rows, axis=0) > 0.0
     rows = rows[:, bounded]
-
-    def volume(x: Array) -> tuple[float, Array, Array]:
-        if np.min(x) <= 0.0:
-            return -np.inf, x, np.diag(x)
-        return float(np.sum(np.log(x))), 1.0 / x, -np.diag(1.0 / x**2)
-
+    none = np.zeros(0, dtype=np.intp)
     out = np.full(len(bounded), np.inf)
-    out[bounded] = _maximise(volume, rows, 0.5 / (rows.shape[1] * np.max(rows, axis=0)))
+    out[bounded] = _largest(rows, 0.5 / (rows.shape[1] * np.max(rows, axis=0)), none, none)
     return out
 
 
@@ -68,60 +61,181 @@ def largest_ellipsoid(rows: Array) -> Array:
     frame = turn / np.sqrt(value)  # it does not depend on the axes: in these it is no needle
     rows = rows @ frame
     i, j = np.triu_indices(d)
-    basis = np.zeros((len(i), d, d))
-    basis[np.arange(len(i)), i, j] = basis[np.arange(len(i)), j, i] = 1.0
-
-    def volume(x: Array) -> tuple[float, Array, Array]:
-        try:
-            root = np.linalg.cholesky(np.tensordot(x, basis, 1))
-        except np.linalg.LinAlgError:
-            return -np.inf, x, np.diag(x)
-        inverse = np.linalg.inv(root)
-        seen = inverse @ basis @ inverse.T
-        flat = seen.reshape(len(x), -1)
-        return 2.0 * float(np.sum(np.log(np.diag(root)))), np.trace(seen, axis1=1, axis2=2), -flat @ flat.T
-
-    start = np.where(i == j, 0.5 / (d * np.max(rows**2, axis=0)[i]), 0.0)
-    x = _maximise(volume, np.einsum("ka,nab,kb->kn", rows, basis, rows), start)
-    axes, size, _ = np.linalg.svd(frame @ np.linalg.cholesky(np.tensordot(x, basis, 1)))
+    squares = (
+        rows[:, i] * rows[:, j] * np.where(i == j, 1.0, 2.0)
+    )  # a·P a in the entries of P above its diagonal
+    x = _largest(squares, np.where(i == j, 0.5 / (d * np.max(rows**2, axis=0)[i]), 0.0), i, j)
+    root = np.zeros((d, d))
+    root[i, j] = root[j, i] = x
+    axes, size, _ = np.linalg.svd(frame @ np.linalg.cholesky(root))
     return np.asarray((axes * size) @ axes.T)  # not by eigenvalues: rounding makes those of a needle negative
 
 
-def _maximise(objective: _Objective, rows: Array, x: Array) -> Array:
-    """The x with rows x < 1 that is within :data:`GAP` of the largest objective, from an inner x."""
+def _largest(rows: Array, start: Array, i: Index, j: Index) -> Array:
+    """The x with rows x < 1 that is within :data:`GAP` of the largest objective, from an inner ``start``.
+
+    The objective is Σ log x, or log det P of the P whose entries ``i``, ``j`` are x.
+    """
+    n, x = len(start), np.array(start)
+    tables = np.zeros((7, n, n)), np.zeros((7, n)), np.zeros((2, len(rows)))
+    _maximise(np.ascontiguousarray(rows), x, i, j, *tables)
+    return x
+
+
+@kernel
+def _maximise(
+    rows: Array, x: Array, i: Index, j: Index, squares: Array, lines: Array, columns: Array
+) -> None:
+    """The maximum, in place, of objectives that lean less and less on the barrier."""
     weight = 1.0
     while True:
-        x = _centre(objective, rows, x, weight)
+        _centre(rows, x, weight, i, j, squares, lines, columns)
         if weight * len(rows) <= GAP:
-            return x
+            return
         weight /= _FALL
 
 
-def _centre(objective: _Objective, rows: Array, x: Array, weight: float) -> Array:
-    """The maximum of objective + weight Σ log(1 − rows x), by damped Newton steps."""
-    value, gradient, hessian = objective(x)
-    room = 1.0 - rows @ x
-    value += weight * float(np.sum(np.log(room)))
+@inner
+def _centre(
+    rows: Array,
+    x: Array,
+    weight: float,
+    i: Index,
+    j: Index,
+    squares: Array,
+    lines: Array,
+    columns: Array,
+) -> None:
+    """The maximum of objective + weight Σ log(1 − rows x), by damped Newton steps, in place."""
+    n = len(x)
+    slope, size_of, step, new = lines[0], lines[1], lines[2], lines[3]
+    gradient, there = lines[4], lines[5]
+    curved, root, curvature, bend = squares[0], squares[1], squares[2], squares[3]
+    room, left = columns[0], columns[1]
+    value = _objective(x, i, j, gradient, curvature, squares) + weight * _room(rows, x, room)
     for _ in range(_STEPS):
-        slope = gradient - weight * (rows / room[:, None]).sum(axis=0)
-        scaled = rows / room[:, None]
-        curved = weight * scaled.T @ scaled - hessian
-        size_of = 1.0 / np.sqrt(np.diag(curved))
-        step = size_of * np.linalg.solve(size_of[:, None] * curved * size_of, size_of * slope)
-        gain = float(slope @ step)
-        if gain <= 2.0 * _CENTRED * max(weight, GAP):
+        for a in range(n):
+            slope[a] = gradient[a]
+            for b in range(a + 1):
+                curved[a, b] = curvature[a, b]
+        for k in range(len(rows)):
+            for a in range(n):
+                scaled = rows[k, a] / room[k]
+                slope[a] -= weight * scaled
+                for b in range(a + 1):
+                    curved[a, b] += weight * scaled * rows[k, b] / room[k]
+        for a in range(n):
+            size_of[a] = 1.0 / math.sqrt(curved[a, a])
+        for a in range(n):
+            new[a] = size_of[a] * slope[a]
+            for b in range(a + 1):
+                curved[a, b] *= size_of[a] * size_of[b]
+        if not _cholesky(curved, root):
             break
-        size = 1.0
+        _solve(root, new, step)
+        gain = 0.0
+        for a in range(n):
+            step[a] *= size_of[a]
+            gain += slope[a] * step[a]
+        if not gain > 2.0 * _CENTRED * max(weight, GAP):
+            break
+        size, high, better = 1.0, value, False
         while size > 1e-12:
-            new = x + size * step
-            left = 1.0 - rows @ new
-            if np.min(left) > 0.0:
-                high, gradient_there, hessian_there = objective(new)
-                high += weight * float(np.sum(np.log(left)))
+            for a in range(n):
+                new[a] = x[a] + size * step[a]
+            inside = _room(rows, new, left)
+            if inside > -math.inf:
+                high = _objective(new, i, j, there, bend, squares) + weight * inside
                 if high >= value + 0.1 * size * gain:
+                    better = True
                     break
             size *= 0.5
-        else:
+        if not better:
             break
-        x, room, value, gradient, hessian = new, left, high, gradient_there, hessian_there
-    return x
+        value = high
+        for a in range(n):
+            x[a], gradient[a] = new[a], there[a]
+            for b in range(n):
+                curvature[a, b] = bend[a, b]
+        for k in range(len(rows)):
+            room[k] = left[k]
+
+
+@inner
+def _room(rows: Array, x: Array, room: Array) -> float:
+    """1 − rows x, and the sum of its logarithms; −∞ where one is not positive."""
+    total = 0.0
+    for k in range(len(rows)):
+        room[k] = 1.0
+        for a in range(len(x)):
+            room[k] -= rows[k, a] * x[a]
+        if not room[k] > 0.0:
+            return -math.inf
+        total += math.log(room[k])
+    return total
+
+
+@inner
+def _objective(x: Array, i: Index, j: Index, gradient: Array, curvature: Array, squares: Array) -> float:
+    """Σ log x, or log det P where ``i``, ``j`` name its entries; its gradient and −Hessian.  −∞ outside."""
+    n, total = len(x), 0.0
+    if len(i) == 0:
+        for a in range(n):
+            if not x[a] > 0.0:
+                return -math.inf
+            total += math.log(x[a])
+            gradient[a] = 1.0 / x[a]
+            for b in range(n):
+                curvature[a, b] = 1.0 / x[a] ** 2 if a == b else 0.0
+        return total
+    d = i[n - 1] + 1
+    P, root, inverse = squares[4][:d, :d], squares[5][:d, :d], squares[6][:d, :d]
+    for a in range(n):
+        P[i[a], j[a]] = P[j[a], i[a]] = x[a]
+    if not _cholesky(P, root):
+        return -math.inf
+    for a in range(d):
+        total += 2.0 * math.log(root[a, a])
+        for b in range(d):
+            P[0, b] = 1.0 if a == b else 0.0  # P itself is not needed any more
+        _solve(root, P[0], inverse[a])
+    for a in range(n):
+        gradient[a] = inverse[i[a], j[a]] * (1.0 if i[a] == j[a] else 2.0)
+        for b in range(n):
+            # tr(P⁻¹ A P⁻¹ B) of the symmetric unit matrices A and B of two entries
+            one = inverse[j[b], i[a]] * inverse[j[a], i[b]]
+            two = inverse[i[b], i[a]] * inverse[j[a], j[b]]
+            curvature[a, b] = (one + two) * (0.5 if i[a] == j[a] else 1.0) * (1.0 if i[b] == j[b] else 2.0)
+    return total
+
+
+@inner
+def _cholesky(A: Array, root: Array) -> bool:
+    """L of A = L Lᵀ from the lower triangle of A; False where A is not definite."""
+    for a in range(len(A)):
+        for b in range(a + 1):
+            left = A[a, b]
+            for c in range(b):
+                left -= root[a, c] * root[b, c]
+            if a != b:
+                root[a, b] = left / root[b, b]
+            elif left > 0.0:
+                root[a, a] = math.sqrt(left)
+            else:
+                return False
+    return True
+
+
+@inner
+def _solve(root: Array, b: Array, x: Array) -> None:
+    """x with L Lᵀ x = b."""
+    n = len(root)
+    for a in range(n):
+        x[a] = b[a]
+        for c in range(a):
+            x[a] -= root[a, c] * x[c]
+        x[a] /= root[a, a]
+    for a in range(n - 1, -1, -1):
+        for c in range(a + 1, n):
+            x[a] -= root[c, a] * x[c]
+        x[a] /= root[a, a]

@@ -22,6 +22,8 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
+import json_schemas
+
 from fuzz.cases import BUILT_IN, Case, draw
 from fuzz.judge import BAD, judge
 from fuzz.page import answer_requests
@@ -32,9 +34,9 @@ RESULTS = ROOT / "benchmarks" / "results" / "fuzz.json"
 #: warm process's [B].
 CPU_S, WALL_S, MEMORY_B = 20, 400, 2 << 30
 #: Studies, which take their time and show progress, have more processor time [s].
-LONG_S = {"design": 120, "diagnose": 60}
+LONG_S = {"design": 120, "diagnose": 60, "reproduce": 120}
 #: Commands that compute little: what they need is loaded at once.
-LIGHT = ("import", "explore", "monitor", "robots", "measure", "export", "other")
+LIGHT = ("import", "explore", "robots", "measure", "export", "other")
 MIXED_WORDS = ("ok", "refused", *BAD)
 
 
@@ -46,6 +48,8 @@ def warm(command: str | None = None) -> None:
     here = os.getcwd()
     os.chdir(good)
     (good / "w.csv").write_text("x_m,y_m,phi_rad\n0,0,0\n1,0,0.5\n1,1,1\n")
+    speeds = ",".join(f"omega{i}_rad_s" for i in range(1, 5))
+    (good / "l.csv").write_text(f"t_s,{speeds}\n0,1,1,1,1\n0.1,1,1,1,1\n")
     quiet, loud = os.dup(1), os.dup(2)
     null = os.open(os.devnull, os.O_WRONLY)
     os.dup2(null, 1)
@@ -81,6 +85,8 @@ def warm(command: str | None = None) -> None:
             status(["simulate", name, "t.csv", "--surface", surface])
             status(["design", name, "--surface", surface, "--vary", "mass_kg=1,2"])
             status(["design", name, "--surface", surface, "--vary", "mass_kg=1,2", "--static"])
+            status(["monitor", name, "l.csv", "--surface", surface, "--false-alarms", "0.5"])
+        status(["design", "omni4", "mecanum4", "--surface", "floor"])
         status(["export", "c", "ohio-kiwi", "--surface", "paper", "--out", "o.h"])
         import numpy as np  # noqa: F401
         import scipy.optimize
@@ -95,6 +101,8 @@ def warm(command: str | None = None) -> None:
         os.dup2(loud, 2)
         os.chdir(here)
         shutil.rmtree(good)
+    for name in filter(None, json_schemas.SCHEMAS.values()):
+        json_schemas.validator(name)
     gc.collect()
     gc.freeze()
 
@@ -146,7 +154,8 @@ def _child(words: list[str], work: Path, out: Path, err: Path) -> None:
         warnings.simplefilter("ignore")
         from slipmargin_cli.main import status
 
-        code = status(words)
+        with json_schemas.checked():  # what does not keep its schema is told as a defect
+            code = status(words)
         sys.stdout.flush()
         sys.stderr.flush()
     except SystemExit as end:
@@ -232,6 +241,8 @@ def main() -> int:
         word, shows, used = run(case, base)
         counts = known["counts"].setdefault(case.command, {})
         counts[word] = counts.get(word, 0) + 1
+        spent = known.setdefault("cpu_s", {})
+        spent[case.command] = round(spent.get(case.command, 0.0) + used, 2)
         if word in BAD:
             known["bad"].append({"case": number, "what": word, "words": case.words[:12], "shows": shows})
             print(

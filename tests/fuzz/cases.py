@@ -376,12 +376,17 @@ def monitor(random: Random) -> Case:
     text = "\n".join([",".join(names), *rows]) + "\n"
     files["l.csv"] = mutate.table(random, text, random.choice((0, 0, 1, 2))).encode()
     words = ["monitor", "r.toml", "l.csv", "--surface", surface]
-    words += option(random, "--false-alarms", (0.01, 0.5), 0.2)
+    words += ["--false-alarms", "0.5"] if random.random() < 0.7 else option(random, "--false-alarms", (0.1,))
+    if random.random() < 0.5:  # logged runs train in little time
+        rig_data(random, files, trials=random.choice((1, 2)), rows=60)
+        words += ["--train", random.choice(("d", "d", "d", "d", "d/trials", "no"))]
+        if random.random() < 0.5:
+            words[1], words[4] = "d/robot.toml", "floor"
     if random.random() < 0.4:
         words[2], files["stdin"] = "-", files.pop("l.csv")
         if random.random() < 0.1:
             files["stdin"] = mutate.raw(random, files["stdin"], 2)
-    return Case([*words, *(["--out", "o.csv"] if random.random() < 0.5 else [])], files)
+    return Case([*words, *outputs(random)], files)
 
 
 def explore(random: Random) -> Case:
@@ -408,7 +413,10 @@ def export(random: Random) -> Case:
 
 
 def design(random: Random) -> Case:
+    """Dimensions varied, or several robots side by side."""
     files: dict[str, bytes] = {}
+    if random.random() < 0.4:
+        return ideas(random, files)
     # A study takes its time, with progress: of robots with many wheels and a coupled grip it is minutes.
     words = ["design", "r.toml", "--surface", robot_file(random, files, count=random.choice((3, 4)))]
     keys = ("delta_deg=0:60:20", "mass_kg=1,5", "com_y_m=-0.01:0.01:0.01", "wheels=3,4",
@@ -426,6 +434,39 @@ def design(random: Random) -> Case:
     return Case([w.replace("\0", "") for w in words] + outputs(random), files)
 
 
+def ideas(random: Random, files: dict[str, bytes]) -> Case:
+    """Two or three robots compared; mostly one robot with a few numbers changed."""
+    surface = robot_file(random, files, count=random.choice((3, 4)))
+    words = ["design", "r.toml"]
+    for name in ("s.toml", "t.toml")[: random.choice((1, 1, 2))]:
+        if random.random() < 0.7:
+            with suppress(ValueError):
+                other = tomllib.loads(files["r.toml"].decode())
+                mutate.sizes(random, other, random.choice((1, 2, 4)))
+                files[name] = mutate.toml(other).encode()
+        else:
+            robot_file(random, files, name, count=random.choice((3, 4)))
+        words.append(name)
+    words += [random.choice(("ohio-kiwi", "r.toml"))] if random.random() < 0.1 else []
+    words += ["--html", "o.html"] if random.random() < 0.05 else []
+    return Case([*words, "--surface", surface, *outputs(random)], files)
+
+
+def reproduce(random: Random) -> Case:
+    """The published numbers; what can be damaged is where they go and the words."""
+    files = random.choice(({}, {"o": b"a file"}, {"o/reproduce.json": b"of another run"}, {"o.json": b"old"}))
+    words = [
+        "reproduce",
+        "--out",
+        random.choice(("o", "o", "o", "no/such", "", "o.json", "o/reproduce.json")),
+    ]
+    words += option(random, "--seed", (0, 1, -1, "x", 1e300), 0.6)
+    words += ["--json", random.choice(("o.json", "-", "o", "o/reproduce.json", "no/o.json"))] * (
+        random.random() < 0.6
+    )
+    return Case(_words(random, words) if random.random() < 0.6 else words, dict(files))
+
+
 def measure(random: Random) -> Case:
     files: dict[str, bytes] = {}
     surface = robot_file(random, files, count=3)
@@ -438,20 +479,23 @@ def diagnose(random: Random) -> Case:
     if way < 0.35:
         return Case(*(foreign.campaign if way < 0.2 else foreign.pulls)(random))
     files: dict[str, bytes] = {}
+    rig_data(random, files, trials=random.choice((0, 1, 2, 3)), rows=40)
+    return Case(["diagnose", "d", "--out", "o", "--budget", "1"], files)
+
+
+def rig_data(random: Random, files: dict[str, bytes], trials: int, rows: int) -> None:
+    """Put a data set of the rig among the files, in ``d``: short, and mostly with something changed."""
     folder = DATA / "rig" / "a-null"
     table = tomllib.loads((folder / "robot.toml").read_text())
-    table = mutate.tree(random, table, random.choice((0, 1)))
-    files["d/robot.toml"] = mutate.toml(table).encode()
+    files["d/robot.toml"] = mutate.toml(mutate.tree(random, table, random.choice((0, 1)))).encode()
     head = tomllib.loads((folder / "dataset.toml").read_text())
     files["d/dataset.toml"] = mutate.toml(mutate.tree(random, head, random.choice((0, 0, 1)))).encode()
     if random.random() < 0.5:
         text = _short((folder / "pulls.csv").read_text(), 30)
         files["d/pulls.csv"] = mutate.table(random, text, random.choice((0, 1))).encode()
-    trials = sorted((folder / "trials").glob("*.csv"))[: random.choice((0, 1, 2, 3))]
-    for file in trials:
-        text = _short(file.read_text(), 40)
+    for file in sorted((folder / "trials").glob("*.csv"))[:trials]:
+        text = _short(file.read_text(), rows)
         files[f"d/trials/{file.name}"] = mutate.table(random, text, random.choice((0, 0, 1, 2))).encode()
-    return Case(["diagnose", "d", "--out", "o", "--budget", "1"], files)
 
 
 def robotino(random: Random) -> Case:
@@ -618,5 +662,6 @@ DRAWS: dict[str, tuple[float, Callable[[Random], Case]]] = {
     "import": (8, imported),
     "explore": (4, explore),
     "robots": (4, robots_command),
+    "reproduce": (1, reproduce),
     "other": (2, other),
 }

@@ -143,6 +143,7 @@ def test_the_graph_of_rooms_can_be_drawn() -> None:
 BEHIND_THE_DOOR = (
     ("slipmargin_cli.options", "slipmargin.io.writes", "outputs are checked before any work"),
     ("slipmargin_cli.main", "slipmargin.notice", "the first run says that it compiles"),
+    ("slipmargin_cli.render", "slipmargin.notice", "reading a long log shows how far it is"),
     ("slipmargin_cli.options", "slipmargin.io.folder", "outputs are checked before any work"),
     ("slipmargin_cli.options", "slipmargin.io.data_set_write", "outputs are checked before any work"),
     ("notebooks.data_loop", "slipmargin.effects", "the truth is planted"),

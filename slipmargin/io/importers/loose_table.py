@@ -48,7 +48,9 @@ class LooseTable:
         return self.units[self.names.index(name)] if self.units else ""
 
 
-def read_loose(path: Path, needed: Sequence[str], separator: str, unit_line: bool = False) -> LooseTable:
+def read_loose(
+    path: Path, needed: Sequence[str], separator: str, *, others: bool = False, unit_line: bool = False
+) -> LooseTable:
     """Read a delimited file.
 
     Parameters
@@ -56,6 +58,7 @@ def read_loose(path: Path, needed: Sequence[str], separator: str, unit_line: boo
     path : path
     needed : column names that must be there; the first is the time, which must increase.
     separator : what should stand between cells; another one is recognised and noted.
+    others : whether the other columns are read too; else they may hold anything.
     unit_line : whether the line above the names holds units.
 
     Raises
@@ -74,7 +77,9 @@ def read_loose(path: Path, needed: Sequence[str], separator: str, unit_line: boo
     notes = [] if mark == separator else [f"cells are separated by {mark!r} instead of {separator!r}"]
     units = tuple(_cells(top[at - 1], mark)) if unit_line and at > 0 else ()
     units = units if len(units) == len(names) else ()
-    rows = _Rows(names=names, mark=mark, needed=needed)
+    taken = names if others else tuple(name for name in names if name in needed)
+    units = tuple(units[names.index(name)] for name in taken) if units else ()
+    rows = _Rows(names=names, taken=taken, mark=mark, time=needed[0])
     rows.read(top, every, at + 1)
     notes += rows.notes()
     if not rows.lines:
@@ -84,17 +89,18 @@ def read_loose(path: Path, needed: Sequence[str], separator: str, unit_line: boo
             "give the log as it was written",
         )
     values, lines = rows.table(), np.array(rows.lines)
-    keep, order_note = increasing(values[:, names.index(needed[0])])
+    keep, order_note = increasing(values[:, taken.index(needed[0])])
     notes += order_note
     dropped = list(rows.dropped)
-    gone = np.setdiff1d(np.arange(len(values)), keep)
+    whole = len(keep) == len(values) and keep[0] == 0
+    gone = keep[:0] if whole else np.setdiff1d(np.arange(len(values)), keep)
     why = "its time does not come after the row before"
     dropped += [Dropped(line=int(lines[i[0]]), count=len(i), why=why) for i in runs_of(gone)]
     return LooseTable(
-        names=names,
+        names=taken,
         units=units,
-        values=values if len(keep) == len(values) and keep[0] == 0 else values[keep],
-        lines=lines[keep],
+        values=values if whole else values[keep],
+        lines=lines if whole else lines[keep],
         rows=rows.seen,
         dropped=tuple(sorted(dropped, key=lambda d: d.line)),
         notes=tuple(notes),
@@ -197,8 +203,9 @@ def _cells(line: str, mark: str) -> list[str]:
 class _Rows:
     """The rows of one file as they are sorted into good and dropped."""
 
-    def __init__(self, *, names: tuple[str, ...], mark: str, needed: Sequence[str]) -> None:
-        self.names, self.mark, self.time = names, mark, names.index(needed[0])
+    def __init__(self, *, names: tuple[str, ...], taken: tuple[str, ...], mark: str, time: str) -> None:
+        self.names, self.taken, self.mark, self.time = names, taken, mark, time
+        self.places = [names.index(name) for name in taken]
         self.values, self.lines = array("d"), array("q")
         self.dropped: list[Dropped] = []
         self.seen = 0
@@ -216,6 +223,12 @@ class _Rows:
             block = list(islice(rest, BLOCK))
 
     def _read(self, block: Sequence[str], start: int, ended: bool) -> None:
+        values = self._quick(block, ended)
+        if values is not None:
+            self.seen += len(values)
+            self.values.frombytes(values.tobytes())
+            self.lines.frombytes(np.arange(start, start + len(values)).tobytes())
+            return
         for number, line in enumerate(block, start):
             if not line.strip():
                 continue
@@ -227,9 +240,22 @@ class _Rows:
                 self.values.extend(row)
                 self.lines.append(number)
 
+    def _quick(self, block: Sequence[str], ended: bool) -> Array | None:
+        """The numbers of rows that are all whole and finite; None where each must be looked at on its own."""
+        marks = len(self.names) - (0 if ended else 1)
+        if any(line.count(self.mark) != marks or "x" in line or "X" in line for line in block):
+            return None
+        try:
+            values = np.loadtxt(
+                block, delimiter=self.mark, usecols=self.places, ndmin=2, comments=None, dtype=np.float64
+            )
+        except ValueError:
+            return None
+        return values if len(values) == len(block) and np.isfinite(values).all() else None
+
     def table(self) -> Array:
-        """The good rows (rows, columns)."""
-        return np.frombuffer(self.values).reshape(-1, len(self.names))
+        """The good rows (rows, columns taken)."""
+        return np.frombuffer(self.values).reshape(-1, len(self.taken))
 
     def _row(self, number: int, line: str, ended: bool) -> tuple[list[float] | None, str]:
         cells, mark = self._split(number, line)
@@ -242,6 +268,7 @@ class _Rows:
             return None, f"it has {len(cells)} cells instead of {full}"
         if ended and not line.rstrip().endswith(mark):
             return None, "it is cut (the closing separator is missing)"
+        cells = [cells[place] for place in self.places]
         try:
             quick = [float(cell) for cell in cells]  # the common case, at full speed
         except ValueError:
@@ -249,13 +276,13 @@ class _Rows:
         if quick and np.isfinite(sum(quick)):
             return quick, ""
         row: list[float] = []
-        for name, cell in zip(self.names, cells, strict=True):
+        for name, cell in zip(self.taken, cells, strict=True):
             value = self._number(number, cell)
             if value is None:
                 return None, f"{name} is {cell.strip()[:20]!r}, not a number"
             row.append(value)
-        if not np.isfinite(row[self.time]):
-            return None, f"it has no time ({self.names[self.time]})"
+        if not np.isfinite(row[self.taken.index(self.time)]):
+            return None, f"it has no time ({self.time})"
         return row, ""
 
     def _split(self, number: int, line: str) -> tuple[list[str], str]:

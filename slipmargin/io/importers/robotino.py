@@ -73,7 +73,7 @@ class RobotinoImporter:
         InputError
             Where it is no such log, or fewer than two rows or no camera frame can be used.
         """
-        table = read_loose(path, _NEEDED, ";", unit_line=True)
+        table = read_loose(path, _NEEDED, ";", others=True, unit_line=True)
         t = table["t"] * _factor(table, "t", "time")
         ticks = np.stack([table[f"m{i}pos"] for i in _WHEELS], axis=1)
         theta = -ticks * 2.0 * np.pi / (self.ticks_per_turn * self.gear)

@@ -56,6 +56,12 @@ def test_help_ends_with_its_examples(name: str, capsys: pytest.CaptureFixture[st
     assert all(f"\n    {line}\n" in shown for line in EXAMPLES[name])
 
 
+@pytest.mark.parametrize("name", ["", "robots", "import", "export", "effects", "surfaces"])
+def test_lists_of_commands_are_not_cut(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert status([*name.split(), "--help"]) == 0
+    assert "..." not in capsys.readouterr().out.partition("Commands:")[2]
+
+
 @pytest.mark.parametrize("name", list(EXAMPLES))
 def test_the_options_of_an_example_exist(name: str) -> None:
     known = {word for one in every_command()[name].params for word in one.opts}

@@ -46,7 +46,7 @@ def fitted(found: DataSet, structure: tuple[Candidate, ...]) -> Fit:
 
 
 def within(made: Fit, key: str, truth: float) -> tuple[float, float]:
-    """Low and high of a parameter (95 %, all together); fails where they miss the truth."""
+    """Low and high of a parameter (95 %); fails where they miss the truth."""
     keys = [k for c in made.structure for k in c.keys]
     scale = limits_of(made.structure)[2]
     spread = intervals(made, leave_one_out(made), scale, np.zeros(len(made.x)))

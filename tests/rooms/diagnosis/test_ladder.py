@@ -15,10 +15,12 @@ from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.screen import Screening
-from slipmargin.diagnosis.search import Round, State, fitted, nothing_sure
+from slipmargin.diagnosis.search import Round, State, fitted, nothing_sure, take_step
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.watch import Watch
-from slipmargin.effects import Trace
+from slipmargin.effects import AnyEffect
+from slipmargin.effects.camera_delay import CameraDelay
+from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
 from slipmargin.effects.wheel_loads import WheelLoads
 from slipmargin.physics.frames import rotated
 
@@ -27,10 +29,9 @@ COUNT = 8
 SEEN = np.arange(6)
 
 
-@pytest.fixture(scope="module")
-def court() -> Court:
-    truth = WheelLoads(shift_x_m=0.012, shift_y_m=-0.008, com_share=1.0)
-    plant = Plant(name="loads", traces=(Trace.WHEEL_LOAD,), effects=(truth,))
+def court_of(*effects: AnyEffect) -> Court:
+    """A court over runs of a robot that has these effects."""
+    plant = Plant(name="planted", traces=(), effects=effects)
     data = planted(smooth_kiwi(), plant, seed=2, count=COUNT, duration_s=2.0, rate_hz=50.0)
     trials = tuple(clean(record, SIGMA) for record in data.trials)
     return Court(
@@ -44,14 +45,23 @@ def court() -> Court:
 
 
 def proposed(court: Court, *labels: str) -> State:
-    named = {c.label: c for c in named_candidates(court.problem.nominal.geometry.names, False, ())}
-    structure: tuple[Candidate, ...] = tuple(named[label] for label in labels)
+    structure = tuple(candidates(court, *labels))
     start = np.concatenate([np.zeros(0), *(c.starts[0] for c in structure)])
     return fitted(court.problem, structure, start, SEEN, court.seen_runs)
 
 
 def checked(court: Court, *labels: str) -> Checked:
     return check(court, proposed(court, *labels), [], Watch(report=no_progress))
+
+
+@pytest.fixture(scope="module")
+def court() -> Court:
+    return court_of(WheelLoads(shift_x_m=0.012, shift_y_m=-0.008, com_share=1.0))
+
+
+def candidates(court: Court, *labels: str) -> list[Candidate]:
+    named = {c.label: c for c in named_candidates(court.problem.nominal.geometry.names, False, ())}
+    return [named[label] for label in labels]
 
 
 def labels_of(found: Checked) -> list[str]:
@@ -87,6 +97,33 @@ def test_another_candidate_is_asked_where_the_proposal_fails(court: Court) -> No
     done = Round(before=proposed(court), screening=nothing, tried=(right, wrong), best=wrong, taken=True)
     found = check(court, wrong, [done], Watch(report=no_progress))
     assert labels_of(found) == ["wheel_loads"] and found.rejected[0].labels == ("camera_scale",)
+
+
+def test_other_forms_are_asked_before_an_effect_is_dropped() -> None:
+    rollers = {"steepness": 40.0, "transverse_factor": 2.0, "transverse_coefficient_factor": 8.0}
+    creep = court_of(SlipRatioFriction(share=1.0, crawl_m_s=1e-3, **rollers))
+    first, across = "slip_ratio_friction", "slip_ratio_friction with its own constants across"
+    assert labels_of(checked(creep, first)) == []
+    watch = Watch(report=no_progress)
+    step = take_step(proposed(creep), creep.seen_runs, candidates(creep, first, across), 0, watch)
+    found = check(creep, proposed(creep, first), [replace(step, tried=())], watch)
+    assert labels_of(found) == [across] and found.rejected[0].labels == (first,)
+    assert found.after.chi() < 1.15
+
+
+def test_the_search_goes_on_from_what_holds() -> None:
+    late = court_of(WheelLoads(shift_x_m=0.012, shift_y_m=-0.008, com_share=1.0), CameraDelay(delay_s=0.02))
+    watch = Watch(report=no_progress)
+    known = candidates(late, "camera_delay", "wheel_loads", "camera_scale")
+    first = take_step(proposed(late), late.seen_runs, known, 0, watch)
+    second = take_step(proposed(late, "camera_delay"), late.seen_runs, known, 0, watch)
+    rounds = [first, second]
+    found = check(late, proposed(late, "wheel_loads"), rounds, watch)
+    assert labels_of(found) == ["wheel_loads", "camera_delay"] and len(rounds) > 2
+    assert found.judgement is not None and found.after.chi() < 1.15
+    stood = [first, replace(second, before=proposed(late, "wheel_loads"))]
+    assert labels_of(check(late, proposed(late, "wheel_loads"), stood, watch)) == ["wheel_loads"]
+    assert len(stood) == 2, "the search stood there before"
 
 
 def knocked(problem: Problem, effects: tuple[WheelLoads, ...], runs: tuple[int, ...]) -> Problem:

@@ -2,19 +2,36 @@
 
 from __future__ import annotations
 
-from diagnoses import residual_map
+from dataclasses import replace
 
+import numpy as np
+import pytest
+from diagnoses import residual_map
+from spoilt import good
+
+from slipmargin.diagnosis.candidate import named_candidates
+from slipmargin.diagnosis.conditions import problem_of
 from slipmargin.diagnosis.leads import leads
+from slipmargin.diagnosis.left_over import left_over, like
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import Periodicity
 from slipmargin.diagnosis.result import LeadSource
+from slipmargin.diagnosis.screen import Screening
+from slipmargin.diagnosis.search import Round, State, fitted
 from slipmargin.effects import Trace
 
 TURN = Periodicity(per_turn=1, wheels=("2",), p_value=0.003)
 
 
+@pytest.fixture(scope="module")
+def state() -> State:
+    problem = problem_of(good(3))
+    every = np.arange(4, dtype=np.int64)
+    return fitted(problem, (), np.zeros(0), every, every.tolist())
+
+
 def test_the_map_leads_and_what_it_does_not_support_does_not() -> None:
-    made = leads(residual_map(), [TURN], [], [], [])
+    made = leads(residual_map(), [TURN], None, [], [])
     assert [x.traced_to for x in made] == [Trace.ACCELERATION, Trace.WHEEL_ANGLE]
     assert [x.source for x in made] == [LeadSource.MAP, LeadSource.ORDER]
     assert "40 % off the squared residual" in made[0].why and "p = 0.005" in made[0].why
@@ -23,6 +40,30 @@ def test_the_map_leads_and_what_it_does_not_support_does_not() -> None:
 
 def test_a_variable_is_listed_once_and_not_if_it_was_found() -> None:
     angle = MapEntry(traced_to=Trace.WHEEL_ANGLE, form="once a turn", share=0.1, p_value=0.005)
-    assert [x.source for x in leads([angle], [TURN], [], [], [])] == [LeadSource.MAP]
-    assert leads([angle], [TURN], [], [], [Trace.WHEEL_ANGLE]) == ()
-    assert leads((), (), (), (), ()) == ()
+    assert [x.source for x in leads([angle], [TURN], None, [], [])] == [LeadSource.MAP]
+    assert leads([angle], [TURN], None, [], [Trace.WHEEL_ANGLE]) == ()
+    assert leads((), (), None, (), ()) == ()
+
+
+def test_leads_come_from_the_round_that_began_with_what_was_kept(state: State) -> None:
+    def begun(*labels: str) -> Round:
+        kept = tuple(c for c in named_candidates(("1", "2", "3"), False, ()) if c.label in labels)
+        at = replace(state, fit=replace(state.fit, structure=kept))
+        nothing = Screening(entries=(), total=1.0, chance=np.zeros(0))
+        return Round(before=at, screening=nothing, tried=(), best=None, taken=False)
+
+    rounds = [begun(), begun("floor_tilt"), begun("floor_tilt", "wheel_toe[1]")]
+    assert like(None, rounds) is rounds[0]
+    assert like(begun("floor_tilt").before, rounds) is rounds[1]
+    assert like(begun("wheel_toe[1]").before, rounds) is None, "the first effect was dropped: look again"
+
+
+def test_what_no_round_began_with_is_looked_at_again(state: State) -> None:
+    screened = named_candidates(("1", "2", "3"), False, ())
+    tilt = next(c for c in screened if c.label == "floor_tilt")
+    kept = fitted(state.view, (tilt,), tilt.null, state.fit.trials, state.fit.trials.tolist())
+    nothing = Screening(entries=(), total=1.0, chance=np.zeros(0))
+    first = Round(before=state, screening=nothing, tried=(), best=None, taken=False)
+    found = left_over(kept, [first], state.fit.trials.tolist(), screened[:4], 0)
+    assert found.before.structure == (tilt,) and not found.taken
+    assert {e.traced_to for e in found.map()} >= {c.trace for c in screened[:4]}

@@ -49,6 +49,21 @@ def test_nothing_is_found_where_the_error_on_held_out_runs_grows(before: float, 
     assert f"chi goes from {before:.3g} to {after:.3g}" in found.failures[0]
 
 
+def test_two_unseen_runs_do_not_decide_alone() -> None:
+    """Chi of the last two falls by less than is asked, as that of two others does: all runs decide."""
+    before, after = errors(10.0), errors([4.0] * 6 + [9.6, 9.2, 9.0, 9.0])
+    assert judged(before, after).explained < 0.25 and judged(before, after).holds
+    turned = errors(10.0, 9.6), errors([4.0] * 6 + [9.6, 9.2, 9.0, 9.0], [4.0] * 6 + [11.0, 11.0, 11.0, 9.6])
+    assert judged(*turned).holds
+    lowest = judged(before, errors([4.0] * 8 + [9.0, 9.0]))
+    assert "19 % of the mean square beyond the noise" in lowest.failures[0]
+    many = judged(before, errors([4.0] * 3 + [9.6, 9.2] + [9.0] * 5), np.arange(10) >= 5)
+    assert "25 % are asked for" in many.failures[0], "five can rule out chance"
+    assert not judged(before, errors([4.0] * 6 + [11.0, 11.0, 10.2, 9.9])).holds, "together they get worse"
+    near = errors(3.0), errors(0.3 * np.array([4.0] * 6 + [9.6, 9.2, 9.0, 9.0]))
+    assert not judged(*near).holds, "near the noise runs are alike"
+
+
 def test_a_run_that_diverges_is_not_outweighed_by_the_others() -> None:
     after = np.ones(10)
     after[[2, 3]] = 1e4

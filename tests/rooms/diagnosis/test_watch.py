@@ -35,4 +35,6 @@ def test_a_search_out_of_time_gives_its_best_answer_and_says_so() -> None:
     tried: list[str] = []
     found = diagnose(data, seed=1, budget_s=1e-6, progress=lambda text, share: tried.append(text))
     assert any("time budget" in remark for remark in found.remarks)
+    assert len(found.steps) == 1 and len(found.steps[0].tried) == 1, "one list, one fit"
+    assert found.findings or found.leads
     assert sum(": trying " in text for text in tried) <= 3  # one of each kind instead of some hundred

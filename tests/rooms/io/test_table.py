@@ -116,5 +116,5 @@ def test_a_pipe_of_any_length_is_read(tmp_path: Path) -> None:
     os.mkfifo(pipe)
     writer = threading.Thread(target=pipe.write_text, args=("t_s\n" + "1\n" * 45_000,))
     writer.start()
-    assert sum(1 for _ in lines_of(pipe, lambda share: None)) == 45_001
+    assert sum(1 for _ in lines_of(pipe)) == 45_001
     writer.join()

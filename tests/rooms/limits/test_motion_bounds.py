@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from strategies import kiwi, models
 
 from slipmargin.errors import InputError, NoSolution
+from slipmargin.io.robot_file import read_recipe
 from slipmargin.limits.bounds import cornering, directions, headings, spin, starting_by_motor, top_speed
 from slipmargin.limits.bounds_inside import inside, safe_rows
 from slipmargin.limits.bounds_summary import bounds
@@ -76,13 +77,13 @@ def test_spinning_and_motors() -> None:
     assert top_speed(model, np.array([np.pi / 2]))[0] == pytest.approx(60.0 * 0.0254 / np.cos(np.pi / 12))
     assert np.isinf(top_speed(nominal_model(kiwi(), "paper"), np.zeros(1))[0])
     assert np.isinf(starting_by_motor(nominal_model(kiwi(), "paper"), np.zeros(1))[0])
-    found = bounds(model, sets=False, step_deg=10.0)
+    found = bounds(model, step_deg=10.0)
     assert found.smaller == "motor" and found.motor_limit_m_s2 < found.traction_m_s2
     assert found.recommended_m_s2 == 0.0  # at half the top speed, half the torque is less than the drag's
     stronger = nominal_model(
         replace(robot, motor=Motor(max_speed_rad_s=60.0, stall_torque_N_m=0.12)), "paper"
     )
-    enough = bounds(stronger, sets=False, step_deg=10.0)
+    enough = bounds(stronger, step_deg=10.0)
     assert 0.0 < enough.recommended_m_s2 < 0.45 * enough.motor_limit_m_s2
     assert found.motor_limit_m_s2 == pytest.approx(np.min(starting_by_motor(model, headings(10.0))))
 
@@ -123,3 +124,14 @@ def test_no_safe_set_where_the_robot_must_slip(model: Model) -> None:
     found = bounds(nominal_model(kiwi(grip=GripShape.ELLIPSE), "paper"), step_deg=30.0)
     assert found.inside is None and "drag uses the whole grip" in found.why_not
     assert found.recommended_m_s2 == 0.0 and len(found.slipping_rad) == 12
+
+
+def test_of_mirrored_directions_the_first_is_the_weakest() -> None:
+    """Rounding chose between them, and differently after each change of the code."""
+    found = bounds(read_recipe("mecanum4").build("floor"), step_deg=1.0).full
+    least = float(np.min(found.starting_m_s2))
+    alike = np.flatnonzero(found.starting_m_s2 <= least * (1.0 + 1e-9))
+    assert len(alike) > 1 and found.weakest == alike[0]
+    swapped = found.starting_m_s2.copy()
+    swapped[alike[-1]] = np.nextafter(least, 0.0)
+    assert replace(found, starting_m_s2=swapped).weakest == alike[0]

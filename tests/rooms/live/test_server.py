@@ -5,7 +5,9 @@ from __future__ import annotations
 import http.client
 import json
 import math
+import statistics
 import threading
+import time
 from collections.abc import Iterator
 
 import numpy as np
@@ -153,10 +155,35 @@ def test_another_tools_file_for_the_same_numbers_is_not_computed_again() -> None
     page = sm.explore("ohio-kiwi", "paper")
     first = page.export("nav2", mu=0.3)
     (kept,) = page.kept.values()
-    page.export("json", mu=0.3)
+    page.export("choreo", mu=0.3)
     assert [found is kept for found in page.kept.values()] == [True]
     page.export("nav2", mu=0.31)
     assert page.export("nav2", mu=0.3) == first
+
+
+@pytest.mark.parametrize("tool", ["nav2", "roadrunner", "pathplanner", "choreo", "json"])
+@pytest.mark.parametrize("name", ["ohio-kiwi", "mecanum4"])
+def test_an_export_is_what_bounds_says_to_the_last_digit(name: str, tool: str) -> None:
+    """The page finds the safe sets alone, ``bounds`` everything: the files are the same."""
+    page = sm.explore(name)
+    floor = page.design.surface
+    assert page.export(tool)["text"] == sm.bounds(name, floor).export_text(tool)
+    moved = page.export(tool, margin=0.2, yaw_share=0.2)
+    yaw = float(moved["command"].split("--yaw ")[1].split()[0])
+    assert moved["text"] == sm.bounds(name, floor, margin=0.2, yaw_rad_s2=yaw).export_text(tool)
+
+
+@pytest.mark.parametrize(("name", "most_ms"), [("ohio-kiwi", 50.0), ("mecanum4", 140.0)])
+def test_an_export_follows_a_slider(name: str, most_ms: float) -> None:
+    """Processor time of one position: 26 ms with three wheels and 66 with four, 105 and 283 before."""
+    page, spent = sm.explore(name), []
+    own = {s.key: s.value for s in page.sliders}["mu"]
+    page.export("nav2")
+    for k in range(7):
+        start = time.process_time()
+        page.export("nav2", mu=own * (1.0 - 0.01 * k))
+        spent.append(1e3 * (time.process_time() - start))
+    assert statistics.median(spent[1:]) < most_ms
 
 
 def test_answers_are_json_whatever_they_hold_and_a_defect_is_told(server: Server) -> None:

@@ -43,7 +43,7 @@ def test_plan_and_check_figures(robot: object) -> None:
 
 def test_a_robot_that_must_slip_has_no_spokes() -> None:
     """On rigid sectors the paper's robot can only brake, in four directions: points, and it is said."""
-    found = bounds(nominal_model(kiwi(), "paper"), step_deg=5.0, contact=Contact.UNKNOWN, sets=False)
+    found = bounds(nominal_model(kiwi(), "paper"), step_deg=5.0, contact=Contact.UNKNOWN)
     figure = bounds_figure(found)
     limits, steady, corner = figure.axes
     assert "must slip on rigid sectors in 72 of 72 directions" in limits.get_title(loc="left")
@@ -63,7 +63,7 @@ def test_a_robot_that_must_slip_has_no_spokes() -> None:
 
 
 def test_bounds_figure() -> None:
-    found = bounds(nominal_model(kiwi(), "paper"), step_deg=15.0, sets=False)
+    found = bounds(nominal_model(kiwi(), "paper"), step_deg=15.0)
     figure = bounds_figure(found)
     limits, steady, corner = figure.axes
     labels = [line.get_label() for line in limits.lines]

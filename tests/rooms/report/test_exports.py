@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from strategies import kiwi
 
+from slipmargin.api.robots import read_robot
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.limits.bounds_summary import Bounds, bounds
 from slipmargin.limits.motion_realised import realised
@@ -81,6 +82,57 @@ def test_motors_have_the_exported_accelerations_at_the_exported_speeds() -> None
             forces = realised(model, Motion(velocity=speed * ahead, acceleration=asked))
             wheels = model.geometry.wheel_speeds(speed * ahead)
             assert np.max(torque_use(model, forces.torque_N_m, wheels)) <= 0.9 + 1e-6
+
+
+def rolling(degrees: float) -> Bounds:
+    """A robot with four wheels whose rollers stand at an angle, and motors."""
+    robot = read_robot("mecanum4").robot
+    wheels = tuple(
+        replace(w, roller_angle_deg=float(np.copysign(degrees, w.roller_angle_deg))) for w in robot.wheels
+    )
+    motor = Motor(max_speed_rad_s=40.0, stall_torque_N_m=1.5)
+    return bounds(nominal_model(replace(robot, wheels=wheels, motor=motor), "floor"), step_deg=15.0)
+
+
+@pytest.mark.parametrize("degrees", [45.0, 60.0])
+def test_a_swerve_modules_speed_is_not_a_wheels(degrees: float) -> None:
+    """Choreo's vmax is how fast a module may move any way; a wheel with rollers at 45° turns √2 as fast.
+
+    It was the wheels' speed, so that plans in the slow direction asked for 1.41 times the exported speed.
+    """
+    found = rolling(degrees)
+    config = json.loads(export_text("choreo", found))["config"]
+    speed = config["vmax"]["val"] * config["radius"]["val"]
+    assert speed == pytest.approx(json.loads(export_text("pathplanner", found))["defaultMaxVel"])
+    ways = np.deg2rad(np.arange(0.0, 360.0, 5.0))
+    wheels = found.model.geometry.wheel_speeds(
+        speed * np.column_stack([np.cos(ways), np.sin(ways), 0.0 * ways])
+    )
+    assert np.max(np.abs(wheels)) == pytest.approx(40.0 * found.inside.pace, rel=1e-3)
+
+
+def test_pathplanners_top_speed_is_what_the_motors_hold() -> None:
+    """PathPlanner takes the torque at maxDriveSpeed for lost: at half of the top speed that was half."""
+    found = rolling(45.0)
+    table, model = json.loads(export_text("pathplanner", found)), found.model
+    speed = table["maxDriveSpeed"]
+    assert speed > 1.05 * table["defaultMaxVel"]
+    worst = []
+    for way in np.deg2rad(np.arange(0.0, 360.0, 5.0)):
+        velocity = speed * np.array([[np.cos(way), np.sin(way), 0.0]])
+        torque = realised(model, Motion(velocity=velocity, acceleration=np.zeros((1, 3)))).torque_N_m
+        worst.append(np.max(torque_use(model, torque, model.geometry.wheel_speeds(velocity))))
+    assert max(worst) == pytest.approx(1.0, abs=5e-3)
+
+
+def test_mass_off_the_middle_is_told_to_who_turns_while_driving() -> None:
+    model = nominal_model(read_robot("mecanum4").robot, "floor")
+    assert "off the middle" not in export_text("nav2", bounds(model, step_deg=45.0))
+    moved = replace(model, inertia=replace(model.inertia, com_m=np.array([0.03, -0.04])))
+    for tool in ("nav2", "roadrunner", "pathplanner", "choreo"):
+        assert "0.05 m off the middle: turning at w rad/s while driving takes 0.05 w^2 m/s^2" in export_text(
+            tool, bounds(moved, step_deg=45.0)
+        )
 
 
 def test_json_holds_everything(found: Bounds) -> None:

@@ -1,0 +1,34 @@
+"""Which entries of the screened list are worth a fit by simulation."""
+
+from __future__ import annotations
+
+from slipmargin.diagnosis.screen import Screened, Screening
+from slipmargin.diagnosis.settings import SETTINGS
+
+
+def finalists(screening: Screening) -> list[Screened]:
+    """What is fitted: the best of the list that have names, the best general forms, and the best pairs.
+
+    The best name is fitted in its other forms too, since tangents say little about which of them is meant.
+    A pair is fitted only where its two tangents together leave clearly less than any single one.
+    """
+    able = [e for e in screening.entries if e.structure and e.gain > 0.0]
+    single = [e for e in able if len(e.parts) == 1]
+    best = single[0].gain if single else 0.0
+    pairs = [
+        e
+        for e in able
+        if len(e.parts) == 2 and screening.total - e.gain < SETTINGS.pair_leaves * (screening.total - best)
+    ]
+    most = max([best, *(e.gain for e in pairs)])
+    single, pairs = ([e for e in some if e.gain > SETTINGS.hopeless * most] for some in (single, pairs))
+    names = [e for e in single if e.named]
+    first = names[: SETTINGS.finalists]
+    forms = [e for e in names if e not in first and e.structure[0].name == first[0].structure[0].name]
+    chosen = [
+        *first,
+        *forms[: SETTINGS.finalists // 2],
+        *[e for e in single if not e.named][: SETTINGS.finalists // 2],
+        *pairs[: SETTINGS.finalists // 2],
+    ]
+    return sorted(chosen, key=lambda e: -e.gain)

@@ -1,0 +1,46 @@
+"""What a structure leaves where no round of the search began with it: the list is made once more.
+
+The judgement may keep only a part of what the search proposed, or something else; what the residual follows
+then is no matter of the rounds before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.fit import evaluate
+from slipmargin.diagnosis.left_out import folds
+from slipmargin.diagnosis.search import Round, State, screened
+from slipmargin.diagnosis.settings import SETTINGS
+
+
+def like(state: State | None, rounds: Sequence[Round]) -> Round | None:
+    """The last round that began with the candidates of ``state`` (None: with none), if there is one."""
+    labels = set() if state is None else {c.label for c in state.structure}
+    return next((r for r in reversed(rounds) if {c.label for c in r.before.structure} == labels), None)
+
+
+def left_over(
+    state: State, rounds: Sequence[Round], runs: Sequence[int], candidates: list[Candidate], seed: int
+) -> Round:
+    """A round that begins with ``state`` on the trials that were searched, and tries nothing.
+
+    ``runs`` is the run that each trial of the problem is, or is cut from.
+    """
+    trials = rounds[0].before.fit.trials
+    at = evaluate(state.view, state.structure, state.fit.x, trials)
+    own = [runs[i] for i in trials]
+    parts = tuple(folds(own, SETTINGS.folds))
+    before = State(
+        fit=at,
+        scores=np.asarray(np.sum(at.residual**2, axis=1)),
+        samples=state.view.samples(trials),
+        view=state.view,
+        parts=parts,
+        xs=np.tile(at.x, (len(parts), 1)),
+    )
+    screening = screened(before, own, candidates, seed)
+    return Round(before=before, screening=screening, tried=(), best=None, taken=False)

@@ -1,0 +1,70 @@
+"""Input from a pipe: it can be read only once, and bytes that are no text are refused in one line."""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+
+import pytest
+from slipmargin_cli.main import status
+
+pytestmark = pytest.mark.skipif(not os.path.exists("/dev/fd"), reason="there is no /dev/fd")
+
+WAYS = "x_m,y_m,phi_rad\n0,0,0\n1,0,0\n1,1,0\n"
+MOTION = "t_s,x_m,y_m,phi_rad\n" + "".join(f"{0.1 * k:.1f},{0.001 * k**2:.4f},0,0\n" for k in range(8))
+SPEEDS = "t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n" + "".join(f"{0.1 * k:.1f},1,1,1\n" for k in range(4))
+PULLS = "phi_rad,force_N\n0,5\n0.5,5.1\n1,4.9\n"
+KIWI = ("--surface", "paper")
+#: Command line, with FILE where the pipe stands → what is piped.
+READERS = {
+    ("plan", "ohio-kiwi", "FILE", *KIWI, "--points", "40"): WAYS,
+    ("check", "ohio-kiwi", "FILE", *KIWI): MOTION,
+    ("simulate", "ohio-kiwi", "FILE", *KIWI): SPEEDS,
+    ("monitor", "ohio-kiwi", "FILE", *KIWI): SPEEDS,
+    ("sweep", "ohio-kiwi", *KIWI, "--step", "45", "--measured", "FILE"): PULLS,
+}
+
+
+def piped(words: tuple[str, ...], data: bytes) -> int:
+    """The exit status of a command that reads ``data`` from a pipe."""
+    read, write = os.pipe()
+    try:
+        os.write(write, data)
+        os.close(write)
+        return status([f"/dev/fd/{read}" if word == "FILE" else word for word in words])
+    finally:
+        os.close(read)
+
+
+@pytest.mark.parametrize("words", READERS, ids=lambda words: words[0])
+def test_a_pipe_is_read_as_a_file(words: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+    assert piped(words, READERS[words].encode()) == 0, capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", READERS, ids=lambda words: words[0])
+def test_a_pipe_that_is_no_text_is_refused(
+    words: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    good = READERS[words].encode()
+    lines = good.count(b"\n")
+    assert piped(words, good + b"caf\xc3\xa9 \xff\n") == 2
+    told = capsys.readouterr().err
+    assert f"{lines + 1}:7: byte 0xff is not UTF-8 text" in told and told.count("\n") == 1
+
+
+@pytest.mark.parametrize("locale", ["utf-8", "ascii", "latin-1"])
+def test_a_stream_that_is_no_text_is_refused(
+    locale: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    data = io.BytesIO(SPEEDS.encode() + b"\xe9,1,1,1\n")
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(data, encoding=locale))
+    assert status(["monitor", "ohio-kiwi", "-", *KIWI]) == 2
+    told = capsys.readouterr()
+    assert "6:1: byte 0xe9 is not UTF-8 text" in told.err and len(told.out.splitlines()) == 5
+
+
+def test_no_stdin_is_refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(sys, "stdin", None)
+    assert status(["monitor", "ohio-kiwi", "-", *KIWI]) == 2
+    assert "there is no stdin" in capsys.readouterr().err
