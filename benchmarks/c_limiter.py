@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import shutil
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +33,7 @@ int twists(long n, const R *v, const R *w, const R *dt, const R *h, R *out, int 
     code[k] = (int)sm_limit_twist(now, to, dt[k], h[k], &next);
     out[3 * k] = next.vx_m_s; out[3 * k + 1] = next.vy_m_s; out[3 * k + 2] = next.wz_rad_s;
   }
-  return SM_ROWS;
+  return SM_WHEELS;
 }
 int accelerations(long n, const R *v, const R *w, const R *h, R *out, int *code) {
   long k;
@@ -44,7 +45,7 @@ int accelerations(long n, const R *v, const R *w, const R *h, R *out, int *code)
     code[k] = (int)sm_limit_acceleration(now, h[k], to, &next);
     out[3 * k] = next.ax_m_s2; out[3 * k + 1] = next.ay_m_s2; out[3 * k + 2] = next.alpha_rad_s2;
   }
-  return SM_ROWS;
+  return SM_WHEELS;
 }
 int margins(long n, const R *v, const R *a, const R *h, R *out, int *wheel) {
   long k;
@@ -55,7 +56,7 @@ int margins(long n, const R *v, const R *a, const R *h, R *out, int *wheel) {
     to.ax_m_s2 = a[3 * k]; to.ay_m_s2 = a[3 * k + 1]; to.alpha_rad_s2 = a[3 * k + 2];
     out[k] = sm_margin(now, to, h[k], wheel + k);
   }
-  return SM_ROWS;
+  return SM_WHEELS;
 }
 #ifdef __cplusplus
 }
@@ -92,12 +93,25 @@ class CompiledLimiter:
         self.dtype = np.float64 if double else np.float32
         self._library = ctypes.CDLL(str(library))
 
-    def _call(self, name: str, inputs: list[np.ndarray], columns: int) -> tuple[np.ndarray, np.ndarray]:
+    def prepared(
+        self, name: str, inputs: list[np.ndarray], columns: int
+    ) -> tuple[Callable[[], None], np.ndarray, np.ndarray]:
+        """A function that runs the C loop over inputs of its type, its answers and its codes."""
         given = [np.ascontiguousarray(values, dtype=self.dtype) for values in inputs]
         count = len(given[0])
         out, code = np.empty((count, columns), dtype=self.dtype), np.empty(count, dtype=np.int32)
-        pointers = [ctypes.c_void_p(a.ctypes.data) for a in (*given, out, code)]
-        getattr(self._library, name)(ctypes.c_long(count), *pointers)
+        arrays = (*given, out, code)
+        pointers = [ctypes.c_void_p(a.ctypes.data) for a in arrays]
+        loop = getattr(self._library, name)
+
+        def run(arrays: tuple[np.ndarray, ...] = arrays) -> None:
+            loop(ctypes.c_long(count), *pointers)
+
+        return run, out, code
+
+    def _call(self, name: str, inputs: list[np.ndarray], columns: int) -> tuple[np.ndarray, np.ndarray]:
+        run, out, code = self.prepared(name, inputs, columns)
+        run()
         return out.astype(float), code
 
     def limit_twist(self, now, wanted, dt_s, heading_rad):  # type: ignore[no-untyped-def]

@@ -1,53 +1,60 @@
-"""The functions of the C header that a robot calls, and how far they go within the rows."""
+"""What the C header promises, and the functions that a robot calls."""
 
 from __future__ import annotations
 
+#: Types and what the functions promise.
+DECLARATIONS = """
+#if defined(SM_REAL) /* a number type of your own, with SM_SQRT */
+typedef SM_REAL sm_real;
+#elif defined(SM_DOUBLE)
+typedef double sm_real;
+#define SM_SQRT(x) sqrt(x)
+#else
+typedef float sm_real;
+#define SM_SINGLE 1
+#define SM_SQRT(x) sqrtf(x)
+#endif
+#ifndef SM_SINGLE
+#define SM_SINGLE 0
+#endif
+#define SM_C(x) ((sm_real)(x))
+
+/* Velocity of the body frame's origin in body axes, and yaw rate. */
+typedef struct { sm_real vx_m_s, vy_m_s, wz_rad_s; } sm_twist;
+/* Acceleration of the body frame's origin in body axes, and yaw acceleration. */
+typedef struct { sm_real ax_m_s2, ay_m_s2, alpha_rad_s2; } sm_acceleration;
+
+/* What a limiting function did. */
+typedef enum {
+  SM_REACHED = 0, /* all that was wanted */
+  SM_CUT = 1,     /* cut back, direction kept */
+  SM_BRAKED = 2,  /* no step towards what was wanted holds: it brakes */
+  SM_OVER = 3,    /* nothing keeps the margin: half-way between what misses it least */
+  SM_NO_INPUT = 4 /* an input is no finite number, or no time passed */
+} sm_code;
+"""
+
 #: The functions.
 CALLS = """
-/* Narrows [least, most], where row . (start + t slope) <= b. */
-static inline void sm_narrow(sm_real room, sm_real rise, sm_real *least, sm_real *most) {
-  if (rise > SM_C(0)) { if (room < *most * rise) *most = room / rise; }
-  else if (rise < SM_C(0)) { if (room < *least * rise) *least = room / rise; }
-  else if (room < SM_C(0)) *most = -SM_HUGE;
-}
-
-/* A row times an acceleration by turning, whose third part is zero. */
-static inline sm_real sm_flat(const sm_row *row, const sm_real *x) {
-  return row->a[0] * x[0] + row->a[1] * x[1];
-}
-
-/* Room of a row at an acceleration by turning, with the tolerance for rounding. */
-static inline sm_real sm_room(const sm_row *row, const sm_real *turning) {
-  return row->b - sm_flat(row, turning) + SM_ROUNDING * sm_size(row->b);
-}
-
-/* First t in [0, most] at which room - p t - q t^2 falls below zero, or most. */
-static inline sm_real sm_first(sm_real room, sm_real p, sm_real q, sm_real most) {
-  sm_real inside, below;
-  if (room < SM_C(0) || room >= most * (sm_most_of(p, SM_C(0)) + sm_most_of(q, SM_C(0)) * most)) return most;
-  inside = p * p + SM_C(4) * q * room;
-  if (inside < SM_C(0)) return most;
-  below = p + SM_SQRT(inside);
-  return below > SM_C(0) ? sm_least_of(most, SM_C(2) * room / below) : most;
-}
-
-/* Greatest t in [0, 1] and [least, most]; 0 where there is none, and then the middle of the miss. */
-static inline int sm_pick(sm_real least, sm_real most, sm_real *t) {
-  const int holds = least <= most && least <= SM_C(1) && most >= SM_C(0);
-  const sm_real up = sm_between(most, SM_C(0), SM_C(1));
-  *t = holds ? up : SM_C(0.5) * (sm_between(least, SM_C(0), SM_C(1)) + up);
+/* Greatest share of a range; 0 where there is none, and then the middle of the miss. */
+static inline int sm_pick(const sm_range *range, sm_real *t) {
+  const int holds = range->least <= range->most;
+  if (holds) *t = sm_least_of(range->most, sm_most_of(range->ends, range->least));
+  else *t = SM_C(0.5) * (sm_least_of(range->least, SM_C(1)) + sm_most_of(range->most, SM_C(0)));
   return holds;
 }
 
-/* Acceleration of the centre of mass by turning at the twist v + t d: c + l t + s t^2. */
-static inline void sm_turning(const sm_real *v, const sm_real *d, sm_real *c, sm_real *l, sm_real *s) {
-  c[0] = -v[2] * v[1] - v[2] * v[2] * sm_com[0];
-  c[1] = v[2] * v[0] - v[2] * v[2] * sm_com[1];
-  l[0] = -(v[2] * d[1] + d[2] * v[1]) - SM_C(2) * v[2] * d[2] * sm_com[0];
-  l[1] = v[2] * d[0] + d[2] * v[0] - SM_C(2) * v[2] * d[2] * sm_com[1];
-  s[0] = -d[2] * d[1] - d[2] * d[2] * sm_com[0];
-  s[1] = d[2] * d[0] - d[2] * d[2] * sm_com[1];
-  c[2] = l[2] = s[2] = SM_C(0);
+/* Acceleration of the centre of mass by turning at the twist v + t d. */
+static inline void sm_turning(const sm_real *v, const sm_real *d, sm_course *course) {
+  sm_real *at = course->at, *turn = course->turn, *curl = course->curl;
+  course->turns = 1;
+  at[0] = -v[2] * v[1] - v[2] * v[2] * sm_com[0];
+  at[1] = v[2] * v[0] - v[2] * v[2] * sm_com[1];
+  turn[0] = -(v[2] * d[1] + d[2] * v[1]) - SM_C(2) * v[2] * d[2] * sm_com[0];
+  turn[1] = v[2] * d[0] + d[2] * v[0] - SM_C(2) * v[2] * d[2] * sm_com[1];
+  curl[0] = -d[2] * d[1] - d[2] * d[2] * sm_com[0];
+  curl[1] = d[2] * d[0] - d[2] * d[2] * sm_com[1];
+  at[2] = turn[2] = curl[2] = SM_C(0);
 }
 
 /* What the centre of mass gets by the yaw rate alone. */
@@ -64,43 +71,28 @@ static inline void sm_to_centre(const sm_real *a, sm_real *out) {
   out[2] = a[2];
 }
 
-/* Greatest share t of a step within the rows: at its start, at its end, and steady from there on. */
-static inline int sm_reach(const sm_row *rows, const sm_real *c, const sm_real *rate, const sm_real *l,
-                           const sm_real *s, sm_real *t) {
-  sm_real least = -SM_HUGE, most = SM_HUGE, ends = SM_C(1);
-  int k, holds;
-  for (k = 0; k < SM_ROWS; ++k) {
-    const sm_real room = sm_room(rows + k, c), rise = sm_dot(rows[k].a, rate);
-    const sm_real p = sm_flat(rows + k, l), q = sm_flat(rows + k, s);
-    sm_narrow(room, rise, &least, &most);
-    ends = sm_first(room, rise + p, q, ends);
-    ends = sm_first(room, p, q, ends);
-  }
-  holds = sm_pick(least, most, t);
-  if (holds) *t = sm_least_of(*t, sm_most_of(ends, sm_most_of(least, SM_C(0))));
-  return holds;
-}
-
 /* One step from now towards a target; 0 where no part of it keeps the margin. */
 static inline int sm_toward(const sm_real *now, const sm_real *drag_low, const sm_real *drag_high,
                             const sm_real *target, sm_real dt, sm_real heading, sm_real *next) {
-  sm_real step[3], per_s[3], rate[3], c[3], l[3], s[3], near_by[3], end[3], far_, t = SM_C(0);
-  sm_row rows[SM_ROWS];
+  sm_real step[3], per_s[3], near_by[3], end[3], far_, t = SM_C(0);
+  sm_course course;
+  const sm_real *c = course.at, *rate = course.rate;
+  sm_range range;
   int j, part, holds;
   for (j = 0; j < 3; ++j) { step[j] = target[j] - now[j]; per_s[j] = step[j] / dt; }
-  sm_turning(now, step, c, l, s);
-  sm_to_centre(per_s, rate);
+  sm_turning(now, step, &course);
+  sm_to_centre(per_s, course.rate);
   far_ = SM_PULL / sm_most_of(SM_SQRT(rate[0] * rate[0] + rate[1] * rate[1]), SM_PULL);
   for (j = 0; j < 3; ++j) near_by[j] = c[j] + far_ * rate[j];
-  sm_rows(now, now, drag_low, drag_high, heading, near_by, rows);
-  holds = sm_reach(rows, c, rate, l, s, &far_);
+  range = sm_reach(now, now, drag_low, drag_high, heading, near_by, &course);
+  holds = sm_pick(&range, &far_);
   if (holds) {
     for (j = 0; j < 3; ++j) near_by[j] = c[j] + far_ * rate[j];
     for (part = 0; part < 2; ++part) {
       const sm_real most = (part ? SM_C(0.25) : SM_C(1)) * far_;
       for (j = 0; j < 3; ++j) end[j] = now[j] + most * step[j];
-      sm_rows(now, end, drag_low, drag_high, heading, near_by, rows);
-      if (sm_reach(rows, c, rate, l, s, &t)) { t = sm_least_of(t, most); break; }
+      range = sm_reach(now, end, drag_low, drag_high, heading, near_by, &course);
+      if (sm_pick(&range, &t)) { t = sm_least_of(t, most); break; }
       t = SM_C(0);
     }
   } else {
@@ -174,20 +166,18 @@ static inline sm_code sm_limit_acceleration(sm_twist now, sm_real heading_rad, s
   sm_real v[3] = {now.vx_m_s, now.vy_m_s, now.wz_rad_s};
   sm_real w[3] = {wanted.ax_m_s2, wanted.ay_m_s2, wanted.alpha_rad_s2};
   const int fine = sm_cleaned(v) & sm_cleaned(w) & sm_cleaned_heading(&heading_rad);
-  sm_real c[3], slope[3], near_by[3], low[SM_WHEELS], high[SM_WHEELS], t = SM_C(0);
-  sm_row rows[SM_ROWS];
-  int j, k, round, holds = 0;
-  sm_outwards(v, c);
-  sm_to_centre(w, slope);
+  sm_real near_by[3], low[SM_WHEELS], high[SM_WHEELS], t = SM_C(0);
+  sm_course course;
+  int j, round, holds = 0;
+  sm_outwards(v, course.at);
+  sm_to_centre(w, course.rate);
   sm_drag(v, low, high);
-  for (j = 0; j < 3; ++j) near_by[j] = c[j];
+  course.turns = 0;
+  for (j = 0; j < 3; ++j) near_by[j] = course.at[j];
   for (round = 0; round < 1 + SM_SHARES_BY_LOAD; ++round) {
-    sm_real least = -SM_HUGE, most = SM_HUGE;
-    sm_rows(v, v, low, high, heading_rad, near_by, rows);
-    for (k = 0; k < SM_ROWS; ++k)
-      sm_narrow(sm_room(rows + k, c), sm_dot(rows[k].a, slope), &least, &most);
-    holds = sm_pick(least, most, &t);
-    for (j = 0; j < 3; ++j) near_by[j] = c[j] + t * slope[j];
+    const sm_range range = sm_reach(v, v, low, high, heading_rad, near_by, &course);
+    holds = sm_pick(&range, &t);
+    for (j = 0; j < 3; ++j) near_by[j] = course.at[j] + t * course.rate[j];
   }
   if (!fine) t = SM_C(0);
   allowed->ax_m_s2 = t * w[0];
@@ -221,7 +211,7 @@ static inline sm_real sm_margin(sm_twist now, sm_acceleration acceleration, sm_r
     for (i = 0; i < SM_WHEELS; ++i) {
       load[i] = sm_rest[which][i] + shift[i];
 #if SM_TRANSFERS
-      load[i] += sm_transfer[i][0] * a[0] + sm_transfer[i][1] * a[1];
+      load[i] += sm_moved(i, a);
 #endif
       load[i] = sm_most_of(load[i], SM_LIGHTEST);
       for (j = 0; j < 3; ++j) wrench[j] += low[i] * load[i] * sm_across[i][j];

@@ -2,46 +2,20 @@
 
 from __future__ import annotations
 
-#: Types and what the functions promise.
-DECLARATIONS = """
-#if defined(SM_REAL) /* a number type of your own, with SM_SQRT */
-typedef SM_REAL sm_real;
-#elif defined(SM_DOUBLE)
-typedef double sm_real;
-#define SM_SQRT(x) sqrt(x)
-#else
-typedef float sm_real;
-#define SM_SINGLE 1
-#define SM_SQRT(x) sqrtf(x)
-#endif
-#ifndef SM_SINGLE
-#define SM_SINGLE 0
-#endif
-#define SM_C(x) ((sm_real)(x))
-
-/* Velocity of the body frame's origin in body axes, and yaw rate. */
-typedef struct { sm_real vx_m_s, vy_m_s, wz_rad_s; } sm_twist;
-/* Acceleration of the body frame's origin in body axes, and yaw acceleration. */
-typedef struct { sm_real ax_m_s2, ay_m_s2, alpha_rad_s2; } sm_acceleration;
-
-/* What a limiting function did. */
-typedef enum {
-  SM_REACHED = 0, /* all that was wanted */
-  SM_CUT = 1,     /* cut back, direction kept */
-  SM_BRAKED = 2,  /* no step towards what was wanted holds: it brakes */
-  SM_OVER = 3,    /* nothing keeps the margin: half-way between what misses it least */
-  SM_NO_INPUT = 4 /* an input is no finite number, or no time passed */
-} sm_code;
-"""
-
 #: Friction, external forces, and the rows that limit an acceleration.
 ROWS = """
-/* One row: a . acceleration of the centre of mass <= b. */
-typedef struct { sm_real a[3], b; } sm_row;
+/* A number that depends on the acceleration of the centre of mass, along a step of which a share t is done:
+   at + t rate at its start, at + t (rate + turn) + t^2 curl at its end, at + t turn + t^2 curl in steady
+   motion from there on. */
+typedef struct { sm_real at, rate, turn, curl; } sm_parts;
+/* The acceleration itself along the step; whether it turns: else turn and curl are not looked at. */
+typedef struct { sm_real at[3], rate[3], turn[3], curl[3]; int turns; } sm_course;
+/* Which shares of a step are left: from least to most at its start, up to ends afterwards. */
+typedef struct { sm_real least, most, ends; } sm_range;
 
 static inline sm_real sm_least_of(sm_real x, sm_real y) { return x < y ? x : y; }
 static inline sm_real sm_most_of(sm_real x, sm_real y) { return x > y ? x : y; }
-static inline sm_real sm_size(sm_real x) { return x < SM_C(0) ? -x : x; }
+static inline sm_real sm_size(sm_real x) { return sm_most_of(x, -x); }
 static inline sm_real sm_between(sm_real x, sm_real low, sm_real high) {
   return x < low ? low : (x > high ? high : x);
 }
@@ -52,25 +26,23 @@ static inline sm_real sm_dot(const sm_real *x, const sm_real *y) {
 
 /* Share of its grip that a contact uses at z = k u. */
 static inline sm_real sm_friction(sm_real z) {
-#if SM_LAW == 0 /* (2/pi) atan z: the angle is halved twice, then its series */
-  const sm_real size = sm_size(z);
-  const int large = size > SM_C(1);
-  sm_real x = large ? SM_C(1) / size : size, x2, series;
-  x = x / (SM_C(1) + SM_SQRT(SM_C(1) + x * x));
+#if SM_LAW == 0 /* (2/pi) atan z: 1/z where z is large, the angle halved, then a polynomial up to tan(pi/8) */
+  const sm_real size = sm_size(z), whole = sm_between(z, -SM_C(1), SM_C(1));
+  sm_real x = whole / sm_most_of(size, SM_C(1)), x2, series;
   x = x / (SM_C(1) + SM_SQRT(SM_C(1) + x * x));
   x2 = x * x;
-#if !SM_SINGLE
-  series = -SM_C(1) / SM_C(19) + x2 * (SM_C(1) / SM_C(21) - x2 / SM_C(23));
-  series = -SM_C(1) / SM_C(15) + x2 * (SM_C(1) / SM_C(17) + x2 * series);
-  series = -SM_C(1) / SM_C(11) + x2 * (SM_C(1) / SM_C(13) + x2 * series);
-#else
-  series = -SM_C(1) / SM_C(11);
+#if SM_SINGLE /* off by at most 2.3e-9 of the angle */
+  series = -SM_C(0.1426395559798464) + x2 * (SM_C(0.10743731490791084) - x2 * SM_C(0.06451928208121749));
+  series = -SM_C(0.3333333176116852) + x2 * (SM_C(0.19999540483648964) + x2 * series);
+#else /* off by at most 1.4e-16 */
+  series = -SM_C(0.04483334622272886) + x2 * SM_C(0.022750526993361674);
+  series = -SM_C(0.06649613695291669) + x2 * (SM_C(0.05736332165907643) + x2 * series);
+  series = -SM_C(0.09090852557176049) + x2 * (SM_C(0.0769105515839315) + x2 * series);
+  series = -SM_C(0.1428571426609662) + x2 * (SM_C(0.11111109636534361) + x2 * series);
+  series = -SM_C(0.3333333333333325) + x2 * (SM_C(0.19999999999898407) + x2 * series);
 #endif
-  series = -SM_C(1) / SM_C(7) + x2 * (SM_C(1) / SM_C(9) + x2 * series);
-  series = -SM_C(1) / SM_C(3) + x2 * (SM_C(1) / SM_C(5) + x2 * series);
-  x = SM_C(4) * (x + x * x2 * series) * SM_C(0.63661977236758134308);
-  if (large) x = SM_C(1) - x;
-  return z < SM_C(0) ? -x : x;
+  x = SM_C(2) * (x + x * x2 * series) * SM_C(0.63661977236758134308);
+  return size > SM_C(1) ? whole - x : x;
 #elif SM_LAW == 1 /* tanh z: a continued fraction at z/32, doubled five times */
   const sm_real x = sm_between(z, SM_C(-20), SM_C(20)) / SM_C(32), x2 = x * x;
   sm_real t = SM_C(9) + x2 / SM_C(11);
@@ -169,6 +141,13 @@ static inline void sm_external(const sm_real *twist, sm_real heading, sm_real *w
 #endif
 }
 
+#if SM_TRANSFERS
+/* What an acceleration adds to the load of wheel i. */
+static inline sm_real sm_moved(int i, const sm_real *acceleration) {
+  return sm_transfer[i][0] * acceleration[0] + sm_transfer[i][1] * acceleration[1];
+}
+#endif
+
 /* How the wheels share a wrench: a table, or by their grip at the acceleration near_by.  Then it is the mean
    of what every three wheels would do alone, weighted by the product of their grips: nothing cancels. */
 static inline void sm_sharing(const sm_real *left, const sm_real *shift, const sm_real *near_by,
@@ -178,7 +157,7 @@ static inline void sm_sharing(const sm_real *left, const sm_real *shift, const s
   sm_real grip[SM_WHEELS], all = SM_C(0);
   int k;
   for (i = 0; i < SM_WHEELS; ++i) {
-    const sm_real moved = sm_transfer[i][0] * near_by[0] + sm_transfer[i][1] * near_by[1];
+    const sm_real moved = sm_moved(i, near_by);
     const sm_real share = sm_most_of(left[i], SM_LEAST_LEFT);
     grip[i] = share * sm_most_of(sm_least_rest(0, i) + shift[i] + moved, SM_LIGHTEST);
     for (j = 0; j < 3; ++j) spread[i][j] = SM_C(0);
@@ -200,51 +179,106 @@ static inline void sm_sharing(const sm_real *left, const sm_real *shift, const s
 #endif
 }
 
-/* Two rows: a part with either sign, and what is worst for both. */
-static inline void sm_pair(sm_row *rows, const sm_row *mean, const sm_row *worst) {
-  int k;
-  for (k = 0; k < 3; ++k) {
-    rows[0].a[k] = worst->a[k] + mean->a[k];
-    rows[1].a[k] = worst->a[k] - mean->a[k];
-  }
-  rows[0].b = worst->b + mean->b;
-  rows[1].b = worst->b - mean->b;
+/* First t in [0, most] at which room - p t - q t^2 falls below zero, or most. */
+static inline sm_real sm_first(sm_real room, sm_real p, sm_real q, sm_real most) {
+  sm_real inside, below;
+  if (room >= most * (p + sm_size(q) * most)) return most;
+  inside = p * p + SM_C(4) * q * room;
+  if (inside < SM_C(0)) return most;
+  below = p + SM_SQRT(inside);
+  return below > SM_C(0) ? sm_least_of(most, SM_C(2) * room / below) : most;
 }
 
-/* Adds a force per load of wheel j to a row. */
-static inline void sm_add_load(sm_row *row, sm_real part, int j, sm_real load) {
-#if SM_TRANSFERS
-  row->a[0] += part * sm_transfer[j][0];
-  row->a[1] += part * sm_transfer[j][1];
-#else
-  (void)j;
-#endif
-  row->b -= part * load;
+/* Narrows a range by a row of which there is room at the start; one that fails there already says nothing of
+   the end of the step. */
+static inline void sm_row(sm_range *range, int turns, sm_real room, sm_real rate, sm_real turn,
+                          sm_real curl) {
+  const sm_real none = SM_C(0);
+  if (room < none) {
+    if (rate >= none) range->most = -SM_HUGE;
+    else if (room < range->least * rate) range->least = room / rate;
+    return;
+  }
+  if (room < range->most * rate) range->most = room / rate;
+  if (turns) {
+    range->ends = sm_first(room, rate + turn, curl, sm_least_of(range->ends, range->most));
+    range->ends = sm_first(room, turn, curl, range->ends);
+  }
 }
+
+/* Two rows: force with either sign <= grip, and what there is more of with one sign. */
+static inline void sm_pair(sm_range *range, int turns, const sm_parts *force, const sm_parts *grip,
+                           sm_real plus, sm_real minus) {
+  sm_row(range, turns, grip->at - force->at + plus, force->rate - grip->rate, force->turn - grip->turn,
+         force->curl - grip->curl);
+  sm_row(range, turns, grip->at + force->at + minus, -force->rate - grip->rate, -force->turn - grip->turn,
+         -force->curl - grip->curl);
+}
+
+/* Adds a part of a load. */
+static inline void sm_add_load(sm_parts *sum, int turns, sm_real part, const sm_parts *load) {
+  sum->at += part * load->at;
+#if SM_TRANSFERS
+  sum->rate += part * load->rate;
+  if (turns) {
+    sum->turn += part * load->turn;
+    sum->curl += part * load->curl;
+  }
+#else
+  (void)turns;
+#endif
+}
+
+/* The force of a wheel out of the three parts of a wrench. */
+static inline sm_parts sm_force(const sm_real *s, int turns, const sm_parts *push) {
+  sm_parts force = {SM_C(0), SM_C(0), SM_C(0), SM_C(0)};
+  force.at = s[0] * push[0].at + s[1] * push[1].at + s[2] * push[2].at;
+  force.rate = s[0] * push[0].rate + s[1] * push[1].rate + s[2] * push[2].rate;
+  if (turns) {
+    force.turn = s[0] * push[0].turn + s[1] * push[1].turn + s[2] * push[2].turn;
+    force.curl = s[0] * push[0].curl + s[1] * push[1].curl + s[2] * push[2].curl;
+  }
+  return force;
+}
+
+#if SM_MOTOR
+/* Parts times a number. */
+static inline sm_parts sm_scaled(const sm_parts *x, sm_real by) {
+  sm_parts out;
+  out.at = x->at * by;
+  out.rate = x->rate * by;
+  out.turn = x->turn * by;
+  out.curl = x->curl * by;
+  return out;
+}
+#endif
 
 #if !SM_EXACT_REST
-/* What loads that are known within a band only take from two rows; part: force per drag of each wheel. */
-static inline void sm_band(sm_row *rows, const sm_real *part, const sm_real *mid, const sm_real *half,
-                           int which, int own, sm_real grip) {
+/* What loads that are known within a band only take from a row; part: force per drag of each wheel. */
+static inline sm_real sm_band(sm_real sign, const sm_real *part, const sm_real *mid, const sm_real *half,
+                              int which, int own, sm_real grip) {
+  sm_real takes = SM_C(0);
   int j;
   for (j = 0; j < SM_WHEELS; ++j) {
     const sm_real worst = sm_size(part[j]) * half[j] - (j == own ? grip : SM_C(0));
-    rows[0].b -= sm_size(worst + part[j] * mid[j]) * sm_rest_half[which][j];
-    rows[1].b -= sm_size(worst - part[j] * mid[j]) * sm_rest_half[which][j];
+    takes += sm_size(worst + sign * part[j] * mid[j]) * sm_rest_half[which][j];
   }
+  return takes;
 }
 #endif
 
-/* Rows on the acceleration a that hold while the twist goes from start, whose drag is known, to end.
+/* What the rows leave of a course while the twist goes from start, whose drag is known, to end.
    The drag per load of wheel j lies within mid +- half; cross = spread . across is its part of a force:
-   |spread . (M a - w + across mid N(a))| + |cross| half N(a) <= share left N(a), with the load
-   N(a) = load + transfer a. */
-static inline void sm_rows(const sm_real *start, const sm_real *end, const sm_real *drag_low,
-                           const sm_real *drag_high, sm_real heading, const sm_real *near_by, sm_row *rows) {
-  const int wide = start != end || !SM_EXACT_DRAG;
+   |spread . (M a - w + across mid N(a))| + |cross| half N(a) <= share left N(a). */
+static inline sm_range sm_reach(const sm_real *start, const sm_real *end, const sm_real *drag_low,
+                                const sm_real *drag_high, sm_real heading, const sm_real *near_by,
+                                const sm_course *course) {
+  const int wide = start != end || !SM_EXACT_DRAG, turns = course->turns;
+  const sm_parts nothing = {SM_C(0), SM_C(0), SM_C(0), SM_C(0)};
+  sm_range range = {SM_C(0), SM_C(1), SM_C(1)};
   sm_real mid[SM_WHEELS], half[SM_WHEELS], left[SM_WHEELS], shift[SM_WHEELS], spread[SM_WHEELS][3];
-  sm_real external[3], known[3];
-  int i, j, k, which, at = 0;
+  sm_real external[3];
+  int i, j, k, which;
   if (start != end) sm_drag(end, mid, half);
   for (i = 0; i < SM_WHEELS; ++i) {
     const sm_real low = start != end ? sm_least_of(mid[i], drag_low[i]) : drag_low[i];
@@ -256,83 +290,83 @@ static inline void sm_rows(const sm_real *start, const sm_real *end, const sm_re
   sm_external(start, heading, external, shift);
   sm_sharing(left, shift, near_by, spread);
   for (which = 0; which < SM_CASES; ++which) {
-    sm_real load[SM_WHEELS];
-#if SM_TRANSFERS
-    sm_real by_x[3] = {SM_C(0), SM_C(0), SM_C(0)}, by_y[3] = {SM_C(0), SM_C(0), SM_C(0)};
-#endif
-    for (k = 0; k < 3; ++k) known[k] = external[k];
+    sm_parts load[SM_WHEELS], push[3];
     for (j = 0; j < SM_WHEELS; ++j) {
-      load[j] = sm_rest[which][j] + shift[j];
-      for (k = 0; k < 3; ++k) {
-        const sm_real drag = sm_across[j][k] * mid[j];
-        known[k] -= drag * load[j];
+      load[j] = nothing;
+      load[j].at = sm_rest[which][j] + shift[j];
 #if SM_TRANSFERS
-        by_x[k] += drag * sm_transfer[j][0];
-        by_y[k] += drag * sm_transfer[j][1];
-#endif
+      load[j].at += sm_moved(j, course->at);
+      load[j].rate = sm_moved(j, course->rate);
+      if (turns) {
+        load[j].turn = sm_moved(j, course->turn);
+        load[j].curl = sm_moved(j, course->curl);
       }
+      if (which == 0) {
+        const sm_real room = SM_SLACK * (sm_least_rest(0, j) + shift[j]) + sm_moved(j, course->at);
+        sm_row(&range, turns, room, -load[j].rate, -load[j].turn, -load[j].curl);
+      }
+#endif
+    }
+    for (k = 0; k < 3; ++k) {
+      push[k] = nothing;
+      push[k].at = sm_mass[k] * course->at[k] - external[k];
+      push[k].rate = sm_mass[k] * course->rate[k];
+      if (turns) {
+        push[k].turn = sm_mass[k] * course->turn[k];
+        push[k].curl = sm_mass[k] * course->curl[k];
+      }
+      for (j = 0; j < SM_WHEELS; ++j) sm_add_load(push + k, turns, sm_across[j][k] * mid[j], load + j);
     }
     for (i = 0; i < SM_WHEELS; ++i) {
       const sm_real *s = spread[i], grip = SM_SHARE * left[i];
-      sm_row mean, worst = {{SM_C(0), SM_C(0), SM_C(0)}, SM_C(0)}, bound;
+      const sm_real slack = (SM_SLACK - SM_SHARE) * left[i] * (sm_rest[which][i] + shift[i]);
+      sm_parts force = sm_force(s, turns, push), room = nothing, bound;
+      sm_real plus = slack, minus = slack;
 #if SM_MOTOR || !SM_EXACT_REST
       const sm_real own = sm_dot(s, sm_across[i]);
 #endif
-      for (k = 0; k < 3; ++k) mean.a[k] = s[k] * sm_mass[k];
-#if SM_TRANSFERS
-      mean.a[0] += sm_dot(s, by_x);
-      mean.a[1] += sm_dot(s, by_y);
-#endif
-      mean.b = sm_dot(s, known);
       if (wide)
         for (j = 0; j < SM_WHEELS; ++j)
-          sm_add_load(&worst, sm_size(sm_dot(s, sm_across[j])) * half[j], j, load[j]);
+          sm_add_load(&room, turns, -sm_size(sm_dot(s, sm_across[j])) * half[j], load + j);
 #if !SM_EXACT_WRENCH
-      for (k = 0; k < 3; ++k) worst.b -= sm_size(s[k]) * sm_wrench_half[k];
+      for (k = 0; k < 3; ++k) room.at -= sm_size(s[k]) * sm_wrench_half[k];
 #endif
-      bound = worst;
-      sm_add_load(&bound, -grip, i, load[i]);
-      sm_pair(rows + at, &mean, &bound);
 #if !SM_EXACT_REST
       {
         sm_real cross[SM_WHEELS];
         for (j = 0; j < SM_WHEELS; ++j) cross[j] = sm_dot(s, sm_across[j]);
-        sm_band(rows + at, cross, mid, half, which, i, grip);
+        plus -= sm_band(SM_C(1), cross, mid, half, which, i, grip);
+        minus -= sm_band(-SM_C(1), cross, mid, half, which, i, grip);
       }
 #endif
-      at += 2;
+      bound = room;
+      sm_add_load(&bound, turns, grip, load + i);
+      sm_pair(&range, turns, &force, &bound, plus, minus);
 #if SM_MOTOR
       {
-        const sm_real force = sm_torque_force[i], size = sm_size(force), direct = sm_torque_drag[i];
-        for (k = 0; k < 3; ++k) { mean.a[k] *= force; worst.a[k] *= size; }
-        mean.b *= force;
-        worst.b *= size;
-        sm_add_load(&mean, direct * mid[i], i, load[i]);
+        const sm_real arm = sm_torque_force[i], size = sm_size(arm), direct = sm_torque_drag[i];
+        const sm_real more = (SM_SLACK - SM_SHARE) * SM_STALL;
+        plus = SM_SHARE * sm_torque(i, SM_C(1), start, end) + more;
+        minus = SM_SHARE * sm_torque(i, SM_C(-1), start, end) + more;
+        force = sm_scaled(&force, arm);
+        room = sm_scaled(&room, size);
+        sm_add_load(&force, turns, direct * mid[i], load + i);
         if (wide)
-          sm_add_load(&worst, (sm_size(force * own + direct) - size * sm_size(own)) * half[i], i, load[i]);
-        sm_pair(rows + at, &mean, &worst);
+          sm_add_load(&room, turns, (size * sm_size(own) - sm_size(arm * own + direct)) * half[i], load + i);
 #if !SM_EXACT_REST
         {
           sm_real cross[SM_WHEELS];
           for (j = 0; j < SM_WHEELS; ++j)
-            cross[j] = force * sm_dot(s, sm_across[j]) + (i == j ? direct : SM_C(0));
-          sm_band(rows + at, cross, mid, half, which, -1, SM_C(0));
+            cross[j] = arm * sm_dot(s, sm_across[j]) + (i == j ? direct : SM_C(0));
+          plus -= sm_band(SM_C(1), cross, mid, half, which, -1, SM_C(0));
+          minus -= sm_band(-SM_C(1), cross, mid, half, which, -1, SM_C(0));
         }
 #endif
-        rows[at].b += SM_SHARE * sm_torque(i, SM_C(1), start, end);
-        rows[at + 1].b += SM_SHARE * sm_torque(i, SM_C(-1), start, end);
-        at += 2;
+        sm_pair(&range, turns, &force, &room, plus, minus);
       }
 #endif
     }
   }
-#if SM_TRANSFERS
-  for (i = 0; i < SM_WHEELS; ++i) {
-    rows[at].a[0] = -sm_transfer[i][0];
-    rows[at].a[1] = -sm_transfer[i][1];
-    rows[at].a[2] = SM_C(0);
-    rows[at++].b = SM_SHARE * (sm_least_rest(0, i) + shift[i]);
-  }
-#endif
+  return range;
 }
 """

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.limits.motion_realised import LIGHTEST
-from slipmargin.onboard.c_calls import CALLS
-from slipmargin.onboard.c_code import DECLARATIONS, ROWS
+from slipmargin.onboard.c_calls import CALLS, DECLARATIONS
+from slipmargin.onboard.c_code import ROWS
 from slipmargin.onboard.limiter import LARGEST, LEAST_LEFT, SHORTER, tolerance
 from slipmargin.onboard.table import LimitTable, threes
 from slipmargin.physics.grips import GripShape
@@ -57,17 +57,18 @@ def operations(table: LimitTable) -> dict[str, int]:
     drag = n * (12 + 2 * (friction + 4))
     external = 20 + (2 * n + 110) * int(table.turned)
     sharing = (12 * n + 24 * len(threes(table.along)[0]) + 8) if table.shares_by_load else 0
-    load = 2 + 4 * moving
-    wheel = 40 + 12 * moving + n * (8 + load) + 2 * load + 20 * n * band
+    load = 2 + 6 * moving  # adding a part of a load
+    wheel = 42 + n * (8 + load) + 2 * load + 24 * n * band
     wheel += motor * (70 + 2 * load + 24 * n * band)
-    making = drag + external + sharing + 24 * n + cases * n * (10 + 15 * moving + wheel) + 4 * n * moving
-    reading = 58 * count
+    making = drag + external + sharing + 8 * n
+    making += cases * (n * (1 + 18 * moving) + 3 * (5 + n * (1 + load)) + n * wheel)
+    reading = 56 * count
     turning = 60
     toward = turning + 60 + 3 * (making + reading + 40)
     rounds = 2 if table.shares_by_load else 1
     return {
         "sm_limit_twist": 2 * toward + 60 + 8 * n,
-        "sm_limit_acceleration": turning + 60 + rounds * (making + count * 20 + 20),
+        "sm_limit_acceleration": turning + 60 + rounds * (making + count * 16 + 20),
         "sm_margin": turning + drag + external + 20 * n + 20 + sharing + cases * (12 + n * 30),
     }
 
@@ -114,7 +115,6 @@ def _switches(table: LimitTable) -> list[str]:
     named: list[tuple[str, str, str]] = [
         ("SM_WHEELS", str(table.count), "wheels"),
         ("SM_CASES", str(len(table.rest_low_N)), "cases of the loads: more than one on an uneven floor"),
-        ("SM_ROWS", str(row_count(table)), "rows that limit an acceleration"),
         ("SM_LAW", str(table.law), "friction law: 0 atan, 1 tanh, 2 rational"),
         ("SM_COUPLED", str(coupled), "1 or 2: drag takes from the drive grip (disc-strip, ellipse)"),
         ("SM_EXACT_DRAG", str(int(exact)), "whether the drag is known, not a range"),
@@ -133,7 +133,7 @@ def _switches(table: LimitTable) -> list[str]:
         ("SM_LIGHTEST", _number(LIGHTEST * table.mean_load_N), "least load that counts [N]"),
         ("SM_LEAST_LEFT", _number(LEAST_LEFT), "least share of the grip beside the drag that counts"),
         ("SM_PULL", _number(table.pull_m_s2), "acceleration that the grip alone would give [m/s^2]"),
-        ("SM_ROUNDING", _number(tolerance(table)), "tolerance of a row [1]"),
+        ("SM_SLACK", _number(table.share * (1.0 + tolerance(table))), "and with the tolerance of a row"),
         ("SM_LARGEST", _number(LARGEST), "largest input that counts"),
         ("SM_HUGE", _number(1e30), "more than any share"),
     ]

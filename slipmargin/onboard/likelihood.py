@@ -11,7 +11,9 @@ samples that grip in run r exceed τ, judged by a ratio that has not seen the ru
 
 gives E[a] ≤ α E[g] for a further run like these: the second term is the worst that one more run can add.
 With runs of equal length that takes at least 1/α − 1 runs; with fewer no threshold is known to keep the rate
-and there is no alarm at all.
+and there is no alarm at all.  One long recording may be cut into blocks (:meth:`LabelledRun.blocks`) that
+take the runs' place, if they are longer than its samples hang together: then E is over further stretches of
+that recording, its floor and its battery, no more.
 """
 
 from __future__ import annotations
@@ -48,6 +50,25 @@ class LabelledRun:
     slips: NDArray[np.bool_]
     wheels: Array
     truth: Array
+
+    def blocks(self, samples: int) -> list[LabelledRun]:
+        """Blocks of so many samples in their order; a rest of less than half of one is left out.
+
+        Parameters
+        ----------
+        samples : int
+            Length of a block: several times as long as the samples hang together.
+        """
+        starts = range(0, len(self.slips) - samples // 2 + 1, samples)
+        return [
+            LabelledRun(
+                numbers=self.numbers[a : a + samples],
+                slips=self.slips[a : a + samples],
+                wheels=self.wheels[a : a + samples],
+                truth=self.truth[a : a + samples],
+            )
+            for a in starts
+        ]
 
 
 @final

@@ -1,9 +1,9 @@
 """Cutting a wanted acceleration or twist back to the limit, direction kept: the algorithm of the C header.
 
-The header that ``slipmargin export c`` writes does the same steps in the same order on one state; here they
-run on M states at once.  Rows A a ≤ b hold the grip of every wheel, the load that keeps it on the floor and
-the torque of its motor (:mod:`~slipmargin.onboard.table`).  While the twist goes from v to v + t Δ within dt
-the acceleration of the origin in body axes is
+The header that ``slipmargin export c`` writes does the same on one state, row by row along the step; here
+it runs on M states at once.  Rows A a ≤ b hold the grip of every wheel, the load that keeps it on the floor
+and the torque of its motor (:mod:`~slipmargin.onboard.table`).  While the twist goes from v to v + t Δ within
+dt the acceleration of the origin in body axes is
 
     a(t) = t Δ/dt + ω(t) ẑ × v(t),
 
@@ -37,19 +37,20 @@ SHORTEST_S = 1e-6
 #: A wheel whose drag uses its whole grip is taken to have this share of it left when wheels share a
 #: wrench: else no wheel might be left to share [1].
 LEAST_LEFT = 0.01
-#: A row may be missed by this share of its bound, so that rounding stops no robot that just keeps it; the
-#: second where loads decide how a wrench is shared, which is known for an acceleration close by only [1].
+#: A row may be missed by this share of the grip at rest (of the stall torque, of the load at rest), so that
+#: rounding stops no robot that just keeps it; the second where loads decide how a wrench is shared, which is
+#: known for an acceleration close by only [1].
 ROUNDING, SHARING = 1e-6, 1e-2
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Rows:
-    """A (M, R, 3) a ≤ b (M, R) on the acceleration of the centre of mass, b with a ``tolerance`` [1]."""
+    """A (M, R, 3) a ≤ b (M, R) on the acceleration of the centre of mass; ``slack`` is the tolerance of b."""
 
     A: Array
     b: Array
-    tolerance: float
+    slack: Array
 
 
 def rows(table: LimitTable, start: Array, end: Array, heading: Array, near: Array) -> Rows:
@@ -64,13 +65,14 @@ def rows(table: LimitTable, start: Array, end: Array, heading: Array, near: Arra
     spread = _spread(table, left, shift, near)
     cross = spread @ table.across
     own = np.arange(table.count)
-    A, b = [], []
+    A, b, slack = [], [], []
     for lightest, heaviest in zip(table.rest_low_N, table.rest_high_N, strict=True):
         for sign in (1.0, -1.0):
             H = _worst(sign * cross, low, high)
             H[:, own, own] -= table.share * left
             A.append(_on_acceleration(sign * spread, table, H))
             b.append(_offset(sign * spread, wrench_low, wrench_high, H, lightest + shift, heaviest + shift))
+            slack.append(table.share * left * (0.5 * (lightest + heaviest) + shift))
         if table.stall_torque_N_m is not None:
             turned = table.torque_force[:, None] * cross
             turned[:, own, own] += table.torque_drag
@@ -79,16 +81,22 @@ def rows(table: LimitTable, start: Array, end: Array, heading: Array, near: Arra
                 A.append(_on_acceleration(by_wrench, table, H))
                 offset = _offset(by_wrench, wrench_low, wrench_high, H, lightest + shift, heaviest + shift)
                 b.append(offset + table.share * _torque(table, sign, start, end))
+                slack.append(np.full(offset.shape, table.share * table.stall_torque_N_m))
     if table.transfers:
         tip = np.zeros((len(start), table.count, 3))
         tip[..., :2] = -table.per_acceleration_kg
         A.append(tip)
         b.append(table.share * (table.rest_low_N[0] + shift))
-    return Rows(A=np.concatenate(A, axis=1), b=np.concatenate(b, axis=1), tolerance=tolerance(table))
+        slack.append(b[-1])
+    return Rows(
+        A=np.concatenate(A, axis=1),
+        b=np.concatenate(b, axis=1),
+        slack=tolerance(table) * np.concatenate(slack, axis=1),
+    )
 
 
 def tolerance(table: LimitTable) -> float:
-    """Share of its bound by which a row may be missed [1]."""
+    """Share of the grip at rest by which a row may be missed [1]."""
     return SHARING if table.shares_by_load else ROUNDING
 
 
@@ -164,7 +172,7 @@ def _torque(table: LimitTable, sign: float, start: Array, end: Array) -> Array:
 
 def _range(held: Rows, start: Array, slope: Array) -> tuple[Array, Array]:
     """Least and greatest t (M,) with A (start + t slope) ≤ b; the first above the second where none is."""
-    room = held.b - np.einsum("mrc,mc->mr", held.A, start) + held.tolerance * np.abs(held.b)
+    room = held.b - np.einsum("mrc,mc->mr", held.A, start) + held.slack
     rise = np.einsum("mrc,mc->mr", held.A, slope)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         t = room / rise
@@ -175,7 +183,7 @@ def _range(held: Rows, start: Array, slope: Array) -> tuple[Array, Array]:
 
 def _first(held: Rows, constant: Array, linear: Array, square: Array) -> Array:
     """First t ≥ 0 (M,) at which A (c + l t + s t²) ≤ b ends; rows that fail at 0 already do not count."""
-    room = held.b - np.einsum("mrc,mc->mr", held.A, constant) + held.tolerance * np.abs(held.b)
+    room = held.b - np.einsum("mrc,mc->mr", held.A, constant) + held.slack
     p = np.einsum("mrc,mc->mr", held.A, linear)
     q = np.einsum("mrc,mc->mr", held.A, square)
     inside = p * p + 4.0 * q * room

@@ -129,8 +129,8 @@ def test_single_precision_is_as_near_as_its_numbers_allow(
     off = measured.compared(limiter, compiled, states)
     some = np.flatnonzero(off.max(axis=0) > measured.WORTH_SHAKING)
     moved = measured.conditioned(limiter, [x[some] for x in states])
-    assert np.all(off[:, some] <= np.maximum(1e-5, moved)), name
-    assert np.all(off[:, some] <= 3.0 * np.maximum(moved, measured.WORTH_SHAKING)), name
+    assert np.sum(off > 1e-5) <= 2, "of 15 000 answers"
+    assert np.all(off[:, some] <= np.maximum(moved, measured.WORTH_SHAKING)), name
 
 
 def test_wheels_whose_drag_uses_the_whole_grip_still_share(tmp_path: Path) -> None:

@@ -100,6 +100,32 @@ def test_the_rate_is_kept_where_runs_differ_from_one_another() -> None:
     assert np.mean(np.array(alarms) > rate) < 0.1
 
 
+def test_one_long_recording_in_blocks_keeps_the_rate_on_its_further_stretches() -> None:
+    """Samples hang together over about five, 4000 a recording: blocks of 20 alarm at the rate that is set.
+
+    Blocks of 100 are too few for 1 %.
+    """
+    rng, alarms, quiet = np.random.default_rng(3), [], []
+    for _ in range(40):
+        whole, fresh = stretch(rng, 4000), stretch(rng, 4000)
+        ratio = learn(whole.blocks(20))
+        quiet.append(not np.isfinite(learn(whole.blocks(100)).threshold(0.01)))
+        alarms.append(np.mean(ratio.value(fresh.numbers[~fresh.slips]) > ratio.threshold(0.05)))
+    assert all(quiet) and 0.03 < np.mean(alarms) <= 0.05
+    assert sum(len(block.slips) for block in whole.blocks(30)) == 3990  # a rest of 10 is left out
+
+
+def stretch(rng: np.random.Generator, count: int) -> LabelledRun:
+    """Two clouds whose samples hang together over about five."""
+    noise = rng.normal(size=(count + 20, 3))
+    numbers = np.array([np.sum(noise[k : k + 5], axis=0) for k in range(count)]) / np.sqrt(5.0)
+    slips = np.repeat(rng.uniform(size=count // 10) < 0.4, 10)
+    none = np.zeros((count, 3))
+    return LabelledRun(
+        numbers=numbers + np.outer(1.5 * slips, [1.0, 0.0, 0.0]), slips=slips, wheels=none, truth=none
+    )
+
+
 def test_too_few_runs_are_told_and_give_no_alarm() -> None:
     rng = np.random.default_rng(2)
     ratio = learn([clouds(rng, 100) for _ in range(12)])
