@@ -29,9 +29,9 @@ from slipmargin.onboard.likelihood import LabelledRun, learn
 FOLDS = 5
 #: The monitor's filters answer late; a label is compared with the answer so much later [s].
 LATE_S = 0.06
-#: Samples of the one SSL log that count as a run: 0.5 s.  By then false alarms hang together no more
+#: Samples of the one SSL log that count as a run: 0.8 s.  By then false alarms hang together no more
 #: (:func:`hanging_together`: 0.5 from one sample to the next, below 0.1 after this many).
-BLOCK = 30
+BLOCK = 50
 SSL = """schema = 1
 name = "ssl"
 [body]
