@@ -14,7 +14,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from slipmargin.checks import Array, frozen
+from slipmargin.checks import Array, frozen, shaped
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import AnyEffect, Effect, Scope, Trace, Variant, WheelEffect
 from slipmargin.effects.catalogue import CATALOGUE
@@ -95,6 +95,7 @@ class Candidate:
         for key in ("null", "scale", "low", "high"):
             object.__setattr__(self, key, frozen(key, getattr(self, key), (count,)))
         idle = np.array(self.idle if len(self.idle) else np.zeros(count), dtype=bool)
+        shaped("idle", idle, (count,))
         idle.setflags(write=False)
         object.__setattr__(self, "idle", idle)
         object.__setattr__(self, "starts", frozen("starts", self.starts, (None, count)))

@@ -90,6 +90,7 @@ def _confined(candidate: Candidate, scope: Scope, groups: dict[str, frozenset[in
         high=tiled(candidate.high),
         usual=tiled(candidate.usual),
         starts=np.tile(candidate.starts, (1, many)),
+        idle=np.tile(candidate.idle, many),
         prior=prior,
         build=build,
     )

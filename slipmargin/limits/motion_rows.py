@@ -98,8 +98,6 @@ SPENT = "drag uses the whole grip"
 #: A torque below this share of the stall torque is none: rounding at the top speed, where no torque is left
 #: [1].
 NO_TORQUE = 1e-9
-#: Numbers in one array of a block of states: what many wheels make of it then fits into the cache.
-BLOCK = 1 << 17
 
 
 def acceleration_rows(

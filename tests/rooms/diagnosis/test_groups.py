@@ -72,6 +72,10 @@ def test_what_an_effect_belongs_to_decides_who_shares_it() -> None:
     shifts = [e.shift_x_m for m in range(3) for e in acting((effect,), m) if isinstance(e, WheelLoads)]
     assert shifts == [0.01, 0.02, 0.01]
     assert all(scope_of(c) in Scope for c in found.values())
+    transfer = found["load_transfer in loading each"]
+    assert len(transfer.idle) == transfer.size, (
+        "a campaign stopped at its first round: half of them were missing"
+    )
     alone = in_groups(named_candidates(("1", "2", "3"), False, ()), ())
     assert [c.label for c in alone] == [c.label for c in named_candidates(("1", "2", "3"), False, ())]
 
