@@ -29,7 +29,7 @@ from slipmargin.diagnosis.probes import probes
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.screen import Screened, Screening, screen
 from slipmargin.diagnosis.settings import SETTINGS
-from slipmargin.diagnosis.telling import enough, telling
+from slipmargin.diagnosis.telling import enough
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
 from slipmargin.errors import InputError
@@ -130,7 +130,7 @@ def search(
     unknown = wheel_phase.is_unknown(problem)
     needs_phases = unknown and wheel_phase.matters_to(problem.model(()))
     problem = problem.with_rough()
-    trials = enough(seen, problem.knots, None if needs_phases else telling(problem, seen))
+    trials = enough(seen, problem.knots)
     own = [runs[i] for i in np.searchsorted(seen, trials)]
     if needs_phases:
         progress("estimating wheel phases", 0.0)
