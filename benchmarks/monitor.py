@@ -29,8 +29,9 @@ from slipmargin.onboard.likelihood import LabelledRun, learn
 FOLDS = 5
 #: The monitor's filters answer late; a label is compared with the answer so much later [s].
 LATE_S = 0.06
-#: Rows of the one SSL log that count as a run: 1.7 s, many times what the filters remember.
-BLOCK = 100
+#: Samples of the one SSL log that count as a run: 0.8 s.  By then false alarms hang together no more
+#: (:func:`hanging_together`: 0.5 from one sample to the next, below 0.1 after this many).
+BLOCK = 50
 SSL = """schema = 1
 name = "ssl"
 [body]
@@ -115,8 +116,8 @@ def ssl_robot() -> Any:
     return read(SSL.format(wheels=wheels))
 
 
-def ssl_logs(file: Path, delay: int) -> list[Log]:
-    """Blocks of the SSL log; slip: the camera's velocity is 0.15 m/s off the scaled wheels'."""
+def ssl_log(file: Path, delay: int) -> Log:
+    """The SSL log; slip: the camera's velocity is 0.15 m/s off the scaled wheels'."""
     table = np.loadtxt(file, skiprows=1)
     t = np.arange(len(table)) / 60.0
     omega = table[:, 4:8] / 6144.0 * 2.0 * np.pi * 60.0
@@ -131,10 +132,7 @@ def ssl_logs(file: Path, delay: int) -> list[Log]:
     apart = np.hypot(*(twist - scale * wheels)[:, :2].T)
     twist[~on] = np.nan
     gyro = np.gradient(over(pose[:, 2:], 1)[:, 0], t)
-    return [
-        Log(t[k], omega[k], twist[k], apart[k] > 0.15, "ssl", {"gyro_rad_s": gyro[k]})
-        for k in (slice(a, a + BLOCK) for a in range(0, len(t), BLOCK))
-    ]
+    return Log(t, omega, twist, apart > 0.15, "ssl", {"gyro_rad_s": gyro})
 
 
 def robotino_logs(folder: Path) -> list[Log]:
@@ -193,17 +191,26 @@ def numbers(monitor: sm.SlipMonitor, log: Log, names: Sequence[str]) -> Labelled
 def judged(
     monitor: sm.SlipMonitor, logs: list[Log], names: Sequence[str], baseline: str | None
 ) -> dict[str, Any]:
-    """Scores of every fold's runs by a ratio learnt from the others."""
+    """Scores of every fold's runs by a ratio learnt from the others.
+
+    One log alone is cut into blocks, and a fold is a fifth of it in one piece.
+    """
     runs = [numbers(monitor, log, names) for log in logs]
+    names_of = [log.group for log in logs]
+    of_fold = np.arange(len(runs)) % FOLDS
+    if len(logs) == 1:
+        runs = runs[0].blocks(BLOCK)
+        names_of = names_of * len(runs)
+        of_fold = np.arange(len(runs)) * FOLDS // len(runs)
     scores, slips, plain, groups, above = [], [], [], [], {0.05: [], 0.01: []}
     column = None if baseline is None else monitor._signals.names.index(baseline)
     for fold in range(FOLDS):
-        ratio = learn([run for k, run in enumerate(runs) if k % FOLDS != fold])
-        for log, run in list(zip(logs, runs, strict=True))[fold::FOLDS]:
+        ratio = learn([run for run, of in zip(runs, of_fold, strict=True) if of != fold])
+        for group, run in ((names_of[k], runs[k]) for k in np.flatnonzero(of_fold == fold)):
             value = ratio.value(run.numbers)
             scores.append(value)
             slips.append(run.slips)
-            groups += [log.group] * len(value)
+            groups += [group] * len(value)
             for rate, found in above.items():
                 found.append(value > ratio.threshold(rate))
             if column is not None:
@@ -211,19 +218,22 @@ def judged(
     score, slip, group = np.concatenate(scores), np.concatenate(slips), np.array(groups)
     alarm = {rate: np.concatenate(found) for rate, found in above.items()}
     out: dict[str, Any] = {
-        "runs": len(logs),
+        "runs": len(runs),
         "samples": len(score),
         "slipping": float(slip.mean()),
         "auc": auc(score, slip),
         "detected at 5 %": detection(score, slip, 0.05),
         "detected at 1 %": detection(score, slip, 0.01),
-        "training runs": len(runs) - len(runs[::FOLDS]),
+        "training runs": int(np.sum(of_fold != FOLDS - 1)),
         "training runs with grip": len(ratio.gripping),
         "runs needed for 5 %, for 1 %": [ratio.runs_needed(rate) for rate in above],
         "detected, set 5 %": float(alarm[0.05][slip].mean()),
         "false alarms, set 5 %": float(alarm[0.05][~slip].mean()),
+        "detected, set 1 %": float(alarm[0.01][slip].mean()),
         "false alarms, set 1 %": float(alarm[0.01][~slip].mean()),
     }
+    if len(logs) == 1:
+        out["false alarms hang together, after 1, a block"] = hanging_together(score, slip)
     if plain:
         base = np.concatenate(plain)
         out["baseline"] = {
@@ -237,6 +247,18 @@ def judged(
             g: float(alarm[0.05][group == g].mean()) for g in sorted(set(groups))
         }
         out["slipping by group"] = {g: float(slip[group == g].mean()) for g in sorted(set(groups))}
+    return out
+
+
+def hanging_together(score: np.ndarray, slips: np.ndarray) -> list[float]:
+    """Correlation of being above the 5 % mark between samples that grip, 1 and :data:`BLOCK` apart."""
+    above = np.where(slips, 0.0, (score > np.quantile(score[~slips], 0.95)) - 0.05)
+    out = []
+    for lag in (1, BLOCK):
+        both = ~slips[:-lag] & ~slips[lag:]
+        out.append(
+            float(np.sum((above[:-lag] * above[lag:])[both]) / both.sum() / np.mean(above[~slips] ** 2))
+        )
     return out
 
 
@@ -284,6 +306,7 @@ def cost() -> dict[str, float]:
     for _ in monitor.stream(lines(20_000)):
         pass
     busy = (time.process_time() - start) / 20.0
+    monitor.restart()
     tracemalloc.start()
     marks = []
     for k, _ in enumerate(monitor.stream(lines(60_000))):
@@ -291,6 +314,26 @@ def cost() -> dict[str, float]:
             marks.append(tracemalloc.get_traced_memory()[0])
     tracemalloc.stop()
     return {"share of a core at 1 kHz": busy, "bytes gained in 55 000 lines": float(marks[1] - marks[0])}
+
+
+def table(sets: dict[str, Any]) -> list[str]:
+    """The rows of docs/how-to/monitor.md."""
+    out = []
+    for name, row in sets.items():
+        quiet = row["runs needed for 5 %, for 1 %"]
+        kept = [
+            f"{row[f'false alarms, set {rate} %']:.3f}, {row[f'detected, set {rate} %']:.2f}"
+            if row["training runs with grip"] >= needed
+            else "quiet"
+            for rate, needed in zip((5, 1), quiet, strict=True)
+        ]
+        base = row.get("baseline")
+        plain = f"{base['auc']:.3f}, {base['detected at 5 %']:.2f}" if base else "none: three wheels"
+        out.append(
+            f"| {name} | {row['auc']:.3f} | {row['detected at 5 %']:.2f} | {row['detected at 1 %']:.2f} | "
+            f"{kept[0]} | {kept[1]} | {row['training runs with grip']} of {quiet[0]}, {quiet[1]} | {plain} |"
+        )
+    return out
 
 
 def main(words: list[str]) -> None:
@@ -305,11 +348,11 @@ def main(words: list[str]) -> None:
     if (ssl / "enc_vis_first_part.txt").is_file():
         robot = ssl_robot()
         for delay in (2, 4, 6, 8):
-            logs = ssl_logs(ssl / "enc_vis_first_part.txt", delay)
+            logs = [ssl_log(ssl / "enc_vis_first_part.txt", delay)]
             found["sets"][f"SSL, wheels only, delay {delay}"] = judged(
                 sm.SlipMonitor(robot, "field"), logs, (), null
             )
-        logs = ssl_logs(ssl / "enc_vis_first_part.txt", 6)
+        logs = [ssl_log(ssl / "enc_vis_first_part.txt", 6)]
         watch = sm.SlipMonitor(robot, "field", gyro=True)
         found["sets"]["SSL, camera's yaw rate as a gyro, delay 6"] = judged(
             watch, logs, ("gyro_rad_s",), null
@@ -337,14 +380,7 @@ def main(words: list[str]) -> None:
     found["no-slip control, alarms, set 1 %"] = control(0.01)
     found["cost"] = cost()
     given.out.write_text(json.dumps(found, indent=1) + "\n")
-    for name, row in found["sets"].items():
-        base = row.get("baseline")
-        print(
-            f"{name:<44} AUC {row['auc']:.3f}, {row['detected at 5 %']:.2f} at 5 %, "
-            f"{row['detected at 1 %']:.2f} at 1 %"
-            + (f"; baseline {base['auc']:.3f}, {base['detected at 5 %']:.2f}" if base else "")
-            + f"; false alarms {row['false alarms, set 5 %']:.3f}, {row['false alarms, set 1 %']:.3f}"
-        )
+    print("\n".join(table(found["sets"])))
     print(found["no-slip control, alarms, set 1 %"], found["cost"], found["not there"])
 
 

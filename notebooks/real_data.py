@@ -98,7 +98,7 @@ for name, e in errors.items():
 # ## Numbers that somebody could check with a scale, a ruler or a spring balance
 #
 # Once the effects have proved themselves on runs they had not seen, all eight runs at 0.1 m/s may speak.
-# Intervals hold for all together; eight runs are few, those of the whole campaign stand in the README.
+# Intervals are 95 % for each number; eight runs are few, those of the whole campaign stand in the README.
 
 # %%
 everyone = np.arange(len(campaign.slow.names))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
@@ -98,7 +98,7 @@ class Record:
         stop = int(np.argmax(self.seen)) + rows
         if stop >= len(self.t_s):
             return self
-        cut = {
+        cut: dict[str, Any] = {
             name: None if (value := getattr(self, name)) is None else value[:stop] for name in WHEEL_SIGNALS
         }
         return replace(self, t_s=self.t_s[:stop], pose=self.pose[:stop], **cut)

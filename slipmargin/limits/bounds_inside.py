@@ -48,9 +48,9 @@ ROUNDS, CLOSE = 12, 1e-3
 #: After so many rounds in a row a motion's rows are drawn in further each time: where others bind, a ratio
 #: near one took more rounds than there are to be felt [1].
 PATIENCE = 3
-#: Ends of a round set that are tried all round, and at most along rows' normals: of more than eleven wheels
+#: Ends of a round set that are tried all round, and at most along rows' normals: of more than eight wheels
 #: the normals that lie farthest apart; what is between, the way uphill finds.
-SPREAD, ALONG_ROWS = 48, 128
+SPREAD, ALONG_ROWS = 48, 64
 
 
 @final

@@ -319,9 +319,10 @@ static inline sm_range sm_reach(const sm_real *start, const sm_real *end, const 
     }
     for (i = 0; i < SM_WHEELS; ++i) {
       const sm_real *s = spread[i], grip = SM_SHARE * left[i];
-      const sm_real slack = (SM_SLACK - SM_SHARE) * left[i] * (sm_rest[which][i] + shift[i]);
+      const sm_real rest = grip * (sm_rest[which][i] + shift[i]), still = sm_dot(s, external);
       sm_parts force = sm_force(s, turns, push), room = nothing, bound;
-      sm_real plus = slack, minus = slack;
+      sm_real plus = (SM_SLACK / SM_SHARE - SM_C(1)) * sm_size(rest + still);
+      sm_real minus = (SM_SLACK / SM_SHARE - SM_C(1)) * sm_size(rest - still);
 #if SM_MOTOR || !SM_EXACT_REST
       const sm_real own = sm_dot(s, sm_across[i]);
 #endif

@@ -58,7 +58,7 @@ def operations(table: LimitTable) -> dict[str, int]:
     external = 20 + (2 * n + 110) * int(table.turned)
     sharing = (12 * n + 24 * len(threes(table.along)[0]) + 8) if table.shares_by_load else 0
     load = 2 + 6 * moving  # adding a part of a load
-    wheel = 42 + n * (8 + load) + 2 * load + 24 * n * band
+    wheel = 54 + n * (8 + load) + 2 * load + 24 * n * band
     wheel += motor * (70 + 2 * load + 24 * n * band)
     making = drag + external + sharing + 8 * n
     making += cases * (n * (1 + 18 * moving) + 3 * (5 + n * (1 + load)) + n * wheel)

@@ -72,7 +72,8 @@ def rows(table: LimitTable, start: Array, end: Array, heading: Array, near: Arra
             H[:, own, own] -= table.share * left
             A.append(_on_acceleration(sign * spread, table, H))
             b.append(_offset(sign * spread, wrench_low, wrench_high, H, lightest + shift, heaviest + shift))
-            slack.append(table.share * left * (0.5 * (lightest + heaviest) + shift))
+            still = sign * np.einsum("mnk,mk->mn", spread, 0.5 * (wrench_low + wrench_high))
+            slack.append(np.abs(table.share * left * (0.5 * (lightest + heaviest) + shift) + still))
         if table.stall_torque_N_m is not None:
             turned = table.torque_force[:, None] * cross
             turned[:, own, own] += table.torque_drag

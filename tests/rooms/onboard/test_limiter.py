@@ -424,4 +424,15 @@ def test_the_page_quotes_what_was_measured() -> None:
         assert f"{loop[f'robots over the margin by 0.02, {kind}']} of 50" in page
     for rows in found["cortex-m4, instructions a call"].values():
         assert f"{rows['sm_limit_twist']['most']:.0f}" in page
-    assert found["against python"]["largest difference"]["double"] < 1e-12
+    against = found["against python"]
+    single, cost = against["single precision"], against["microseconds a call"]
+    assert against["states"] == 100_000 and against["largest difference"]["double"] < 1e-12
+    assert f"{against['largest difference']['double']:.1e} of the inputs" in page
+    assert f"{single['over 1e-5']} are not, the worst is {against['largest difference']['float']:.1e}" in page
+    assert single["of them where half a digit of inputs and tables moves the exact answer by less"] == 0
+    assert single["over 1e-5"] <= 5 and single["largest, in such movements"] < 1.0
+    assert f"{single['largest, in such movements']:.2f} times such a movement" in page
+    for kind in ("float", "double"):
+        for name in ("ohio-kiwi", "mecanum4"):
+            assert f"{cost[f'{name}, {kind}']['sm_limit_twist']:.2f}" in page
+    assert max(row["sm_limit_twist"] for row in cost.values()) <= 1.0
