@@ -195,12 +195,6 @@ def _over_place(model: Model, r: Ranges) -> list[Candidate]:
             model,
             [(Variable.SLIP_HEADING, Basis.FOURIER, turn, 4, both, None)],
         ),
-        friction(  # twice and four times a turn: tiles, boards, cloth
-            Trace.HEADING,
-            "friction over sliding direction, there as back",
-            model,
-            [(Variable.SLIP_HEADING, Basis.FOURIER, (np.pi, 0.0), 4, both, None)],
-        ),
         forces(
             Trace.HEADING,
             "force over heading",
@@ -245,12 +239,5 @@ def _over_place(model: Model, r: Ranges) -> list[Candidate]:
             model,
             Frame.BODY,
             [(Variable.UNITY, Basis.CONSTANT, (1.0, 0.0), 1, (0, 1, 2), 1.0)],
-        ),
-        forces(
-            Trace.CONSTANT_FORCE,
-            "constant moment",
-            model,
-            Frame.BODY,
-            [(Variable.UNITY, Basis.CONSTANT, (1.0, 0.0), 1, (2,), 1.0)],
         ),
     ]
