@@ -1,19 +1,86 @@
-"""Leads: the variables that a residual may follow, in order, each with its evidence and the next run."""
+"""Leads: the variables that a residual may follow, in order, each with its evidence and the next run.
+
+They are ordered by what they take off the logarithm of the chi of each run, on average over the runs: a sum
+of squares would let the one or two runs that are farthest off decide.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
 
+import numpy as np
+
+from slipmargin.checks import Array
+from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import Periodicity
 from slipmargin.diagnosis.result import Lead, LeadSource, Rejected
-from slipmargin.diagnosis.search import Round
+from slipmargin.diagnosis.screen import standpoints
+from slipmargin.diagnosis.search import Round, explained
 from slipmargin.diagnosis.separate import TRIALS
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import Trace
 
 #: At most so many leads are listed.
 _MOST = 6
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Followed:
+    """How well one candidate, alone beside what is known, predicts runs that were left out of its fit.
+
+    ``gain`` is what the logarithm of a run's chi falls by on average, ``better`` and ``worse`` count the runs
+    whose chi changes clearly, ``share`` is that of the sum of squares; ``fitted``: by simulation, not by its
+    tangent alone.
+    """
+
+    trace: Trace
+    label: str
+    gain: float
+    better: int
+    worse: int
+    share: float
+    fitted: bool
+
+    @property
+    def hurts(self) -> bool:
+        """Whether no more runs get clearly better than get clearly worse."""
+        return self.worse > 0 and self.worse >= self.better
+
+
+def followed(last: Round) -> list[Followed]:
+    """Every single candidate of a round, largest gain per run first; its fit counts where it has one."""
+    made: dict[str, Followed] = {}
+    for state in last.tried:
+        if last.single(state):
+            by_run = 0.5 * np.log(np.maximum(last.before.scores, 1e-12) / np.maximum(state.scores, 1e-12))
+            share = explained(last.before, state)
+            made[state.last.label] = _followed(state.last.trace, state.last, by_run, share, state.last.label)
+    for entry in last.screening.entries:
+        if len(entry.parts) == 1 and entry.label not in made and len(entry.by_run):
+            part, share = entry.parts[0], last.screening.share(entry)
+            made[entry.label] = _followed(part.trace, part.candidate, entry.by_run, share, entry.label, False)
+    return sorted(made.values(), key=lambda f: (f.hurts, -f.gain))
+
+
+def _followed(
+    trace: Trace, candidate: Candidate | None, by_run: Array, share: float, label: str, fitted: bool = True
+) -> Followed:
+    """The best of several places or times gains by having been picked: the logarithm of their number."""
+    places = 1 if candidate is None else len(standpoints(candidate))
+    clear = np.log1p(SETTINGS.worse_factor)
+    return Followed(
+        trace=trace,
+        label=label,
+        gain=float(np.sum(by_run) - np.log(places)) / len(by_run),
+        better=int(np.count_nonzero(by_run > clear)),
+        worse=int(np.count_nonzero(by_run < -clear)),
+        share=share,
+        fitted=fitted,
+    )
 
 
 def leads(
@@ -26,9 +93,17 @@ def leads(
     """What to look at next, best first.
 
     First what the map supports, then what repeats with a wheel's angle, then what fits the searched runs
-    best beside what was ``found``, in the round that began with it (``last``).  What was found is no lead.
+    best beside what was ``found``, in the round that began with it (``last``), and where there is nothing of
+    all that the best there is, said to be weak.  What was found is no lead.
     """
-    fits = {} if last is None else _fits(last)
+    rows = [] if last is None else followed(last)
+    best: dict[Trace, Followed] = {}
+    for row in rows:
+        best.setdefault(row.trace, row)
+    fits: dict[Trace, str] = {}
+    for row in rows:
+        if row.fitted:
+            fits.setdefault(row.trace, row.label)
     refused = {label: r for r in rejected for label in r.labels}
     made: list[Lead] = []
 
@@ -36,20 +111,24 @@ def leads(
         if lead.traced_to not in {*found, *(m.traced_to for m in made)}:
             made.append(lead)
 
-    for entry in entries:
+    def place(entry: MapEntry) -> tuple[bool, float]:
+        row = best.get(entry.traced_to)
+        return (False, 0.0) if row is None else (row.hurts, -row.gain)
+
+    for entry in sorted(entries, key=place):
         no = refused.get(entry.form)
         if entry.supported and not (no is not None and no.chi_after >= no.chi_before):
-            label = fits.get(entry.traced_to, (None, 0.0))[0]
             add(
                 Lead(
                     traced_to=entry.traced_to,
                     source=LeadSource.MAP,
                     why=f"{entry.form} takes {100.0 * entry.share:.2g} % off the squared residual of runs "
-                    f"left out (p = {entry.p_value:.2g} among all candidates)",
+                    f"left out (p = {entry.p_value:.2g} among all candidates)"
+                    + _of_runs(best.get(entry.traced_to), entry.form),
                     next_run=TRIALS[entry.traced_to],
                     share=entry.share,
                     p_value=entry.p_value,
-                    candidate=label,
+                    candidate=fits.get(entry.traced_to),
                 )
             )
     for turn in turns:
@@ -60,30 +139,55 @@ def leads(
                 why=turn.sentence,
                 next_run=TRIALS[Trace.WHEEL_ANGLE],
                 p_value=turn.p_value,
-                candidate=fits.get(Trace.WHEEL_ANGLE, (None, 0.0))[0],
+                candidate=fits.get(Trace.WHEEL_ANGLE),
             )
         )
-    for trace, (label, drop) in fits.items():
-        if drop < SETTINGS.least_lead:
+    for row in rows:
+        if not row.fitted or row.hurts or row.share < _least_share():
             continue
-        no = refused.get(label)
+        no = refused.get(row.label)
         add(
             Lead(
-                traced_to=trace,
+                traced_to=row.trace,
                 source=LeadSource.FIT if no is None else LeadSource.REJECTED,
-                why=f"`{label}` lowers chi by {100.0 * drop:.0f} % on the runs it was searched with"
-                + ("" if no is None else f"; not claimed: {no.failures[0]}"),
-                next_run=TRIALS[trace],
-                candidate=label,
+                why=f"`{row.label}` lowers chi by {100.0 * (1.0 - np.sqrt(1.0 - row.share)):.0f} % on the "
+                "runs it was searched with" + ("" if no is None else f"; not claimed: {no.failures[0]}"),
+                next_run=TRIALS[row.trace],
+                candidate=row.label,
+            )
+        )
+    if not made and entries:
+        entry = max(entries, key=lambda e: e.share)
+        add(
+            Lead(
+                traced_to=entry.traced_to,
+                source=LeadSource.MAP,
+                why=f"weak: nothing stands out; {entry.form} comes nearest (p = {entry.p_value:.2g} among all"
+                " candidates)" + _of_runs(best.get(entry.traced_to), entry.form),
+                next_run=TRIALS[entry.traced_to],
+                share=entry.share,
+                p_value=entry.p_value,
+                candidate=fits.get(entry.traced_to),
             )
         )
     return tuple(made[:_MOST])
 
 
-def _fits(last: Round) -> dict[Trace, tuple[str, float]]:
-    """The best single addition to what was found, for every variable, and by what share chi falls with it."""
-    best: dict[Trace, tuple[str, float]] = {}
-    for state in last.tried:
-        if last.single(state):
-            best.setdefault(state.last.trace, (state.last.label, 1.0 - state.chi / last.before.chi))
-    return best
+def _least_share() -> float:
+    """The share of the sum of squares that belongs to the share of chi that a fit must take off."""
+    return 1.0 - (1.0 - SETTINGS.least_lead) ** 2
+
+
+def _of_runs(row: Followed | None, form: str) -> str:
+    if row is None:
+        return ""
+    return f"; {'' if row.label == form else f'{row.label}: '}{_counted(row)}"
+
+
+def _counted(row: Followed) -> str:
+    """How many runs a candidate predicts better and worse."""
+    by = 100.0 * (1.0 - np.exp(-row.gain))
+    change = f"{by:.0f} % lower" if by >= 0.0 else f"{-by:.0f} % higher"
+    return (
+        f"of the runs left out {row.better} get clearly better, {row.worse} worse, chi {change} in the mean"
+    )

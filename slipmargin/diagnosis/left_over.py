@@ -10,11 +10,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from slipmargin.checks import Index
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import evaluate
 from slipmargin.diagnosis.left_out import folds
 from slipmargin.diagnosis.search import Round, State, screened
 from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.telling import enough, telling
 
 
 def like(state: State | None, rounds: Sequence[Round]) -> Round | None:
@@ -28,9 +30,11 @@ def left_over(
 ) -> Round:
     """A round that begins with ``state`` on the trials that were searched, and tries nothing.
 
-    ``runs`` is the run that each trial of the problem is, or is cut from.
+    ``runs`` is the run that each trial of the problem is, or is cut from.  Where the searched trials held
+    nothing but noise, so that there are no rounds, trials of all that are not quiet are taken, whether they
+    were held out or not: what comes of it is never claimed.
     """
-    trials = rounds[0].before.fit.trials
+    trials = rounds[0].before.fit.trials if rounds else _loud(state)
     at = evaluate(state.view, state.structure, state.fit.x, trials)
     own = [runs[i] for i in trials]
     parts = tuple(folds(own, SETTINGS.folds))
@@ -44,3 +48,8 @@ def left_over(
     )
     screening = screened(before, own, candidates, seed)
     return Round(before=before, screening=screening, tried=(), best=None, taken=False)
+
+
+def _loud(state: State) -> Index:
+    everyone = np.arange(len(state.view.trials), dtype=np.int64)
+    return enough(everyone, state.view.knots, telling(state.view, everyone))

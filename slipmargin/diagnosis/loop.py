@@ -177,6 +177,10 @@ def diagnose(
     if not explained and last is None and state is not None and s.rounds:
         last = left_over(state, s.rounds, s.runs, s.candidates, seed)
     remaining = () if last is None else last.map()
+    if verdict is Verdict.UNEXPLAINED and not any(entry.supported for entry in remaining):
+        # Too few of the searched runs show it: a lead, which claims nothing, may look at all.
+        last = left_over(s.state if last is None else last.before, (), s.runs, s.candidates, seed)
+        remaining = last.map()
     traces = [f.traced_to for f in found]
     following = () if explained else leads(remaining, turns, last, checked.rejected, traces)
     return Diagnosis(

@@ -12,7 +12,7 @@ go through all of it, and the largest gain of any candidate from them is what ch
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations
 from typing import final
 
@@ -82,13 +82,14 @@ class Screened:
 
     ``gain`` is what the sum of squares of left-out runs falls by, ``step`` the step that suits all runs;
     ``starts`` are the parameters (P,) after that step, and after those from a candidate's next best places
-    or times.
+    or times.  ``by_run`` (R,) is what the logarithm of each run's chi falls by, left out.
     """
 
     parts: tuple[Columns, ...]
     gain: float
     step: Array
     starts: tuple[Array, ...] = ()
+    by_run: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def structure(self) -> tuple[Candidate, ...]:
@@ -161,17 +162,27 @@ def screen(
     if not groups:
         return Screening(entries=(), total=base.cost, chance=np.zeros(0))
     columns = _beside(base, np.concatenate([g.columns for g in groups], axis=2))
-    gram = np.array([_gram(columns[part]) for part in parts])
+    of_runs = np.array([run.T @ run for run in columns])
+    gram = np.array([of_runs[part].sum(axis=0) for part in parts])
+    pull_of_runs = np.einsum("rk,rkm->rm", base.residual, columns)
+    squares = np.sum(base.residual**2, axis=1)
     pulls = _pulls(base.residual, columns, parts, block, seed)
     place = np.cumsum([0, *(g.columns.shape[2] for g in groups)])
     misfit = max(1.0, base.cost / max(1, int(np.count_nonzero(base.residual))))
-    found: list[tuple[tuple[Columns, ...], Array, Array]] = []
+    found: list[tuple[tuple[Columns, ...], Array, Array, Array]] = []
 
     def add(*numbers: int) -> None:
         own = tuple(groups[n] for n in numbers)
         rows = np.concatenate([np.arange(place[n], place[n + 1]) for n in numbers])
-        gains, step = _left_out(own, gram[:, rows[:, None], rows], pulls[:, :, rows], misfit)
-        found.append((own, gains, step))
+        gains, step, steps = _left_out(own, gram[:, rows[:, None], rows], pulls[:, :, rows], misfit)
+        logs = np.zeros(len(squares))
+        for part, one in zip(parts, steps, strict=True):
+            left = squares[part] + 2.0 * pull_of_runs[part][:, rows] @ one
+            left += np.einsum("rij,i,j->r", of_runs[part][:, rows[:, None], rows], one, one)
+            logs[part] = 0.5 * np.log(
+                (squares[part] + 1e-12) / np.maximum(left, 1e-6 * squares[part] + 1e-12)
+            )
+        found.append((own, gains, step, logs))
 
     for number in range(len(groups)):
         add(number)
@@ -182,13 +193,14 @@ def screen(
         if _can_be_two(groups[one], groups[two]):
             add(one, two)
     kept = [*ordered, *([n] for n in range(len(groups), len(found)))]
-    most = np.array([gains[1:] for _, gains, _ in found]).max(axis=0)
+    most = np.array([gains[1:] for _, gains, _, _ in found]).max(axis=0)
     entries = [
         Screened(
             parts=found[numbers[0]][0],
             gain=float(found[numbers[0]][1][0]),
             step=found[numbers[0]][2],
             starts=tuple(_start(found[n][0], found[n][2]) for n in numbers[: 2 * SETTINGS.starts]),
+            by_run=found[numbers[0]][3],
         )
         for numbers in kept
     ]
@@ -204,7 +216,7 @@ def tangents(problem: Residuals, base: Fit, known: Array, candidates: Sequence[C
     points: list[tuple[AnyEffect, ...]] = []
     plans: list[tuple[Candidate, Array, list[tuple[int, float]]]] = []
     for candidate in candidates:
-        for at in _standpoints(candidate):
+        for at in standpoints(candidate):
             columns: list[tuple[int, float]] = [] if candidate.nested else [(-1, 1.0)]
             for j in range(candidate.size):
                 if candidate.idle[j] and candidate.nested:
@@ -285,7 +297,7 @@ def _in_parts(problem: Residuals, points: list[tuple[AnyEffect, ...]], trials: I
     return out
 
 
-def _standpoints(candidate: Candidate) -> list[Array]:
+def standpoints(candidate: Candidate) -> list[Array]:
     """Where a candidate's tangents are taken: it does nothing there, its idle parameters at each start."""
     if not candidate.idle.any():
         return [np.array(candidate.null)]
@@ -301,11 +313,6 @@ def _beside(base: Fit, columns: Array) -> Array:
     own = base.jacobian.reshape(-1, len(base.x))
     keep = np.linalg.qr(own / np.maximum(np.linalg.norm(own, axis=0), 1e-300))[0]
     return np.asarray((flat - keep @ (keep.T @ flat)).reshape(columns.shape))
-
-
-def _gram(columns: Array) -> Array:
-    flat = columns.reshape(-1, columns.shape[2])
-    return np.asarray(flat.T @ flat)
 
 
 def _pulls(residual: Array, columns: Array, parts: Sequence[Index], block: int, seed: int) -> Array:
@@ -326,8 +333,10 @@ def _pulls(residual: Array, columns: Array, parts: Sequence[Index], block: int, 
     return out
 
 
-def _left_out(own: tuple[Columns, ...], gram: Array, pulls: Array, misfit: float) -> tuple[Array, Array]:
-    """Gain (1 + S,) on folds left out, and the step (M,) that suits all runs."""
+def _left_out(
+    own: tuple[Columns, ...], gram: Array, pulls: Array, misfit: float
+) -> tuple[Array, Array, Array]:
+    """Gain (1 + S,) on folds left out, the step (M,) that suits all runs, those (F, M) without each."""
     low, high = np.concatenate([c.low for c in own]), np.concatenate([c.high for c in own])
     prior = np.zeros(gram.shape[1:])
     at = 0
@@ -342,13 +351,13 @@ def _left_out(own: tuple[Columns, ...], gram: Array, pulls: Array, misfit: float
     steps = np.linalg.solve(whole - gram + lift, by_fold - all_pulls)
     steps = np.minimum(np.maximum(steps, low[:, None]), high[:, None])
     gains = -np.sum(steps * (2.0 * by_fold + gram @ steps), axis=(0, 1))
-    return gains, np.clip(-np.linalg.solve(whole + lift, all_pulls[:, 0]), low, high)
+    return gains, np.clip(-np.linalg.solve(whole + lift, all_pulls[:, 0]), low, high), steps[:, :, 0]
 
 
-def _starts_of_each(found: Sequence[tuple[tuple[Columns, ...], Array, Array]]) -> list[list[int]]:
+def _starts_of_each(found: Sequence[tuple[tuple[Columns, ...], Array, Array, Array]]) -> list[list[int]]:
     """Numbers of the starts of each candidate, best first."""
     numbers: dict[str, list[int]] = {}
-    for number, (own, _, _) in enumerate(found):
+    for number, (own, _, _, _) in enumerate(found):
         numbers.setdefault(own[0].label, []).append(number)
     return [sorted(of_one, key=lambda n: -float(found[n][1][0])) for of_one in numbers.values()]
 

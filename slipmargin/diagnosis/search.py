@@ -29,6 +29,7 @@ from slipmargin.diagnosis.probes import probes
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.screen import Screened, Screening, screen
 from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.telling import enough
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
 from slipmargin.errors import InputError
@@ -160,12 +161,6 @@ def search(
         progress("fitting all trials that are not held out", 0.0)
         state = fitted(state.view, state.structure, state.fit.x, seen, runs)
     return problem, needed(state, runs if len(state.fit.trials) == len(seen) else own), rounds
-
-
-def enough(seen: Index, knots: float) -> Index:
-    """Trials to search with, spread over ``seen``: the fewer the more samples of the wheels each has."""
-    many = int(np.clip(SETTINGS.most_samples / knots, SETTINGS.folds, SETTINGS.most_searched))
-    return np.asarray(seen[np.unique(np.linspace(0, len(seen) - 1, many).round().astype(int))])
 
 
 def screened(before: State, runs: Sequence[int], candidates: list[Candidate], seed: int) -> Screening:

@@ -11,13 +11,14 @@ from spoilt import good
 
 from slipmargin.diagnosis.candidate import named_candidates
 from slipmargin.diagnosis.conditions import problem_of
-from slipmargin.diagnosis.leads import leads
+from slipmargin.diagnosis.leads import followed, leads
 from slipmargin.diagnosis.left_over import left_over, like
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import Periodicity
 from slipmargin.diagnosis.result import LeadSource
 from slipmargin.diagnosis.screen import Screening
 from slipmargin.diagnosis.search import Round, State, fitted
+from slipmargin.diagnosis.telling import enough
 from slipmargin.effects import Trace
 
 TURN = Periodicity(per_turn=1, wheels=("2",), p_value=0.003)
@@ -67,3 +68,40 @@ def test_what_no_round_began_with_is_looked_at_again(state: State) -> None:
     found = left_over(kept, [first], state.fit.trials.tolist(), screened[:4], 0)
     assert found.before.structure == (tilt,) and not found.taken
     assert {e.traced_to for e in found.map()} >= {c.trace for c in screened[:4]}
+
+
+def test_searched_trials_are_those_that_say_something_and_some_that_are_quiet() -> None:
+    seen = np.arange(16, dtype=np.int64)
+    loud = np.isin(seen, [1, 4, 9, 14])
+    plain = enough(seen, 100.0)
+    some = enough(seen, 100.0, loud)
+    assert len(some) == len(plain) == 8 and set(seen[loud]) <= set(some.tolist())
+    assert np.array_equal(enough(seen, 100.0, np.zeros(16, dtype=bool)), plain)
+    assert np.count_nonzero(np.isin(enough(seen, 100.0, seen > 3), [0, 1, 2, 3])) == 2, "a fold is quiet"
+
+
+def test_many_runs_outweigh_the_one_that_is_farthest_off(state: State) -> None:
+    listed = {c.label: c for c in named_candidates(("1", "2", "3"), False, ())}
+
+    def tried(label: str, scores: list[float]) -> State:
+        kept = replace(state.fit, structure=(listed[label],))
+        return replace(state, fit=kept, scores=np.array(scores))
+
+    before = replace(state, scores=np.array([1000.0, 10.0, 10.0, 10.0]))
+    one_run = tried("floor_nap", [300.0, 10.0, 10.0, 10.0])
+    every_run = tried("floor_tilt", [900.0, 3.0, 3.0, 3.0])
+    hurting = tried("rolling_resistance", [1.0, 15.0, 15.0, 15.0])
+    nothing = Screening(entries=(), total=1.0, chance=np.zeros(199))
+    last = Round(
+        before=before, screening=nothing, tried=(hurting, one_run, every_run), best=None, taken=False
+    )
+    assert [f.label for f in followed(last)] == ["floor_tilt", "floor_nap", "rolling_resistance"]
+    made = leads(last.map(), (), last, (), ())
+    assert [x.candidate for x in made] == ["floor_tilt", "floor_nap", "rolling_resistance"]
+    assert "3 get clearly better, 0 worse" in made[0].why and "1 get clearly better, 3 worse" in made[2].why
+
+
+def test_where_nothing_stands_out_the_nearest_is_given_and_said_to_be_weak() -> None:
+    faint = MapEntry(traced_to=Trace.POSITION, form="floor_patch", share=0.05, p_value=0.3)
+    [lead] = leads([replace(faint, traced_to=Trace.TIME, share=0.01), faint], (), None, (), ())
+    assert lead.traced_to is Trace.POSITION and lead.why.startswith("weak")
