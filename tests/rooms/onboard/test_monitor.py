@@ -169,6 +169,7 @@ def test_the_page_shows_the_rates_that_were_measured() -> None:
     assert all(row["false alarms, set 5 %"] <= 0.05 for row in RESULTS["sets"].values())
     assert all(row["false alarms, set 1 %"] <= 0.01 for row in RESULTS["sets"].values())
     assert max(RESULTS["no-slip control, alarms, set 1 %"].values()) <= 0.01
+    assert f"blocks of {measured.BLOCK / 60.0:.1f} s: false alarms" in page  # 60 Hz
 
 
 def test_a_stream_is_answered_line_by_line_in_flat_memory(watch: sm.SlipMonitor) -> None:
