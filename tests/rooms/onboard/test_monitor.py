@@ -169,6 +169,13 @@ def test_the_page_shows_the_rates_that_were_measured() -> None:
     assert all(row["false alarms, set 5 %"] <= 0.05 for row in RESULTS["sets"].values())
     assert all(row["false alarms, set 1 %"] <= 0.01 for row in RESULTS["sets"].values())
     assert max(RESULTS["no-slip control, alarms, set 1 %"].values()) <= 0.01
+    hours = json.loads((ROOT / "benchmarks/results/monitor_stream.json").read_text(encoding="utf-8"))
+    rows = hours["hours, resident bytes, share of a core"]
+    grown = max(row[1] for row in rows) - rows[0][1]
+    assert f"{hours['samples']:,} samples (10 hours)" in page
+    assert f"grew by {grown / 1e6:.2f} MB" in page and grown < 5e6
+    assert f"took {100 * hours['largest share of a core']:.1f} % of a core" in page
+    assert hours["largest share of a core"] < 0.2
     assert f"blocks of {measured.BLOCK / 60.0:.1f} s: false alarms" in page  # 60 Hz
 
 
