@@ -67,8 +67,8 @@ def read_trajectory(
     """
     path = Path(path)
     try:
-        data = b"" if path.is_dir() else read_bytes(path, unless=BAGS)
-        if path.is_dir() or data.startswith(BAGS):
+        data = None if path.is_dir() else read_bytes(path, unless=BAGS)
+        if data is None or data.startswith(BAGS):
             return _turned(_from_bag(path, topic), convention)
         found = _turned(_with_contradictions(_from_text(text_of(data, str(path)))), convention)
     except InputError as fault:

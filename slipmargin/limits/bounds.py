@@ -75,6 +75,11 @@ class Spin:
     steady_use: float
     top_rad_s: float
 
+    @property
+    def weaker_rad_s2(self) -> float:
+        """What turning on the spot holds, speeding up and slowing down [rad/s²]; 0 where it holds neither."""
+        return max(0.0, min(self.starting_rad_s2, self.braking_rad_s2))
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

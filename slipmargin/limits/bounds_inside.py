@@ -168,8 +168,7 @@ def inside(
         If no acceleration is safe in every motion, or none beside that yaw acceleration.
     """
     if yaw_rad_s2 is None:
-        turn = spin(model, share=share, contact=contact)
-        yaw_rad_s2 = YAW_SHARE * max(0.0, min(turn.starting_rad_s2, turn.braking_rad_s2))
+        yaw_rad_s2 = YAW_SHARE * spin(model, share=share, contact=contact).weaker_rad_s2
     yaw = real("yaw", yaw_rad_s2, low=0.0, cure="give a yaw acceleration [rad/s²], 0 for none")
 
     def circle(A: Array, b: Array, sign: Array) -> tuple[Array, ...]:
@@ -188,13 +187,11 @@ def inside(
         reach = np.linalg.norm(np.einsum("ka,nac->knc", A, modules), axis=2).sum(axis=1)
         return (np.array([np.min(b / reach)]),)
 
-    each = np.ascontiguousarray(np.swapaxes(modules, 0, 1)).reshape(
-        3, -1
-    )  # a module's two pushes side by side
+    side_by_side = np.ascontiguousarray(np.swapaxes(modules, 0, 1)).reshape(3, -1)  # each module's two pushes
 
     def swerve_end(coefficient: Array, normal: Array) -> Array:
-        push = unit((normal @ each).reshape(*normal.shape[:2], -1, 2))
-        return np.asarray(coefficient[0] * (push.reshape(*normal.shape[:2], -1) @ each.T))
+        push = unit((normal @ side_by_side).reshape(*normal.shape[:2], -1, 2))
+        return np.asarray(coefficient[0] * (push.reshape(*normal.shape[:2], -1) @ side_by_side.T))
 
     asked: list[Array] = []
     states = _States.of(model, share, contact)

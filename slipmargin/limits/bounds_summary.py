@@ -194,7 +194,7 @@ def safe_sets(
     """
     turn, found, why = spin(model, share=1.0 - margin, contact=contact), None, ""
     if yaw_rad_s2 is None:
-        yaw_rad_s2 = yaw_share * max(0.0, min(turn.starting_rad_s2, turn.braking_rad_s2))
+        yaw_rad_s2 = yaw_share * turn.weaker_rad_s2
     try:
         found = inside(
             model, share=1.0 - margin, contact=contact, yaw_rad_s2=yaw_rad_s2, with_ellipsoid=ellipsoid

@@ -25,7 +25,7 @@ from slipmargin.limits.creep import (
 )
 from slipmargin.limits.motion_external import External
 from slipmargin.limits.motion_friction import Friction, material_states
-from slipmargin.limits.motion_realised import LIGHTEST
+from slipmargin.limits.motion_realised import LIGHTEST, comparable
 from slipmargin.model import Model
 from slipmargin.physics.compiled import kernel
 
@@ -120,7 +120,6 @@ class Demands:
         """The states of ``friction`` and ``external``."""
         c, states = model.geometry, friction.drive.shape[1]
         along, across = model.wrench_maps()
-        lever = float(np.max(np.abs(along[2]))) or 1.0
         middle = 0.5 * (friction.drag_low + friction.drag_high)
         cases = []
         for pick in material_states(friction.possible):
@@ -135,7 +134,7 @@ class Demands:
             np.array(model.loads.per_acceleration_kg, dtype=float),
             np.array(model.inertia.diagonal, dtype=float),
             np.stack([-c.radius_m * np.sum(c.drive * axis, axis=1) for axis in (c.grip, c.free)]),
-            model.inertia.weight_N * float(np.max(model.grip.roller[:, 0])) * np.array([1.0, 1.0, lever]),
+            comparable(model),
             LIGHTEST * model.inertia.weight_N / model.count,
             _full(friction.drive_stiffness, states, model.count),
         )

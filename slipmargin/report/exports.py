@@ -156,9 +156,8 @@ def pathplanner(found: SafeSets) -> str:
         "defaultMaxAccel": sets.circle_m_s2,
         "defaultMaxAngAccel": math.degrees(sets.yaw_rad_s2),
     }
-    if (
-        speed is not None
-    ):  # its motor has no torque left at maxDriveSpeed: not the speed that plans are kept to
+    if speed is not None:
+        # Its motor has no torque left at maxDriveSpeed: that is not the speed that plans are kept to.
         table |= {"defaultMaxVel": speed, "maxDriveSpeed": found.held_m_s}
     if turn is not None:
         table["defaultMaxAngVel"] = math.degrees(turn)
@@ -172,11 +171,8 @@ def choreo(found: SafeSets) -> str:
     faster for than that.
     """
     model, sets = found.model, _sets(found)
-    radius, stall, any_way = (
-        float(np.mean(model.geometry.radius_m)),
-        model.drives.stall_torque_N_m,
-        _speeds(found)[2],
-    )
+    radius, stall = float(np.mean(model.geometry.radius_m)), model.drives.stall_torque_N_m
+    any_way = _speeds(found)[2]
     vmax = None if any_way is None else any_way / radius
     tmax = None
     if stall is not None and sets.pace is not None:

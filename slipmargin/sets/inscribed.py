@@ -63,9 +63,8 @@ def largest_ellipsoid(rows: Array) -> Array:
     frame = turn / np.sqrt(value)  # it does not depend on the axes: in these it is no needle
     rows = rows @ frame
     i, j = np.triu_indices(d)
-    squares = (
-        rows[:, i] * rows[:, j] * np.where(i == j, 1.0, 2.0)
-    )  # a·P a in the entries of P above its diagonal
+    # a·P a in the entries of P above its diagonal
+    squares = rows[:, i] * rows[:, j] * np.where(i == j, 1.0, 2.0)
     x = _largest(squares, np.where(i == j, 0.5 / (d * np.max(rows**2, axis=0)[i]), 0.0), i, j)
     root = np.zeros((d, d))
     root[i, j] = root[j, i] = x
