@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from slipmargin.errors import InputError
-from slipmargin.io.stage import NEW, staged
+from slipmargin.io.stage import NEW, check_possible, staged
 from slipmargin.io.writes import write_together
 
 
@@ -17,9 +17,10 @@ def check_folder(folder: Path | str) -> None:
     Raises
     ------
     InputError
-        Where it, or a folder on the way to it, is a file, or writing is not permitted.
+        Where it, or a folder on the way to it, is a file, or no path can be so, or writing is not permitted.
     """
     path = Path(folder)
+    check_possible(path)
     near = next(p for p in (path, *path.absolute().parents) if p.exists())
     if not near.is_dir():
         raise InputError("", "is a file", "give a folder", str(near))

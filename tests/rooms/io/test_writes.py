@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+from collections.abc import Callable
 from enum import Enum
 from pathlib import Path
 
@@ -13,6 +14,8 @@ import pytest
 
 from slipmargin.errors import InputError
 from slipmargin.io import writes
+from slipmargin.io.data_set_write import check_new
+from slipmargin.io.folder import check_folder
 from slipmargin.io.json_text import json_text
 from slipmargin.io.writes import check_writable, write_bytes, write_text, write_together
 
@@ -59,6 +62,23 @@ def test_nothing_is_written_where_one_place_is_impossible(tmp_path: Path) -> Non
     with pytest.raises(InputError, match="not a possible path"):
         write_text(tmp_path / "a\0b", "x")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("check", [check_writable, check_folder, check_new, lambda p: write_text(p, "x")])
+@pytest.mark.parametrize(
+    ("name", "problem"),
+    [("loop", "leads to itself"), ("loop/in", "leads to itself"), (250 * "a", "too long"),
+     (9999 * "a", "too long"), ("a\0b", "not a possible path")],
+    ids=lambda word: word[:12],
+)  # fmt: skip
+def test_a_place_where_nothing_can_be_is_refused_before_any_work(
+    check: Callable[[Path], None], name: str, problem: str, tmp_path: Path
+) -> None:
+    """A link to itself was an internal error, and a name without room for its stage cost the finding."""
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    with pytest.raises(InputError, match=problem):
+        check(tmp_path / name)
+    assert [p.name for p in tmp_path.iterdir()] == ["loop"]
 
 
 def test_a_link_is_written_through_and_rights_are_kept(tmp_path: Path) -> None:
