@@ -2,9 +2,9 @@
 
     python benchmarks/many_wheels.py benchmarks/results/many_wheels.json
 
-Each command is run in this process after a first one that compiles, at its default settings.  Times are processor
-time, so that other work on the machine counts little.  Plain: omnidirectional and mecanum wheels, no two
-at the same radius.  With effects: those that change the grip, the loads and the drag at once.
+Each command runs in this process after a first one that compiles, at its default settings.  Times are those
+of the processor, so that other work on the machine counts little.  Plain: omnidirectional and mecanum wheels,
+no two at the same radius.  With effects: those that change the grip, the loads and the drag at once.
 """
 
 from __future__ import annotations

@@ -422,20 +422,21 @@ def design(random: Random) -> Case:
     files: dict[str, bytes] = {}
     if random.random() < 0.4:
         return ideas(random, files)
-    # A study takes its time, with progress: of robots with many wheels and a coupled grip it is minutes.
     words = ["design", "r.toml", "--surface", robot_file(random, files, count=random.choice((3, 3, 4)))]
-    if random.random() < 0.9:  # a coupled grip takes a hundred times as long
-        for coupled in (b"disc-strip", b"ellipse"):
-            files["r.toml"] = files["r.toml"].replace(b'grip = "' + coupled, b'grip = "box')
-    keys = ("delta_deg=0:60:20", "mass_kg=1,5", "com_y_m=-0.01:0.01:0.01", "wheels=3,4",
-            "circle_radius_m=0.1,0.2",
+    keys = ("delta_deg=0:60:30", "mass_kg=1,5", "com_y_m=-0.01,0.01", "wheels=3,4", "circle_radius_m=0.1,0.2",
             "coefficient_ratio=0.1,1", "wheel_radius_m=0.02,0.05", "com_height_m=0,0.1")  # fmt: skip
-    for _ in range(random.choice((1, 1, 2))):
+    coupled = any(b'grip = "' + grip in files["r.toml"] for grip in (b"disc-strip", b"ellipse"))
+    if coupled and random.random() < 0.8:
+        for grip in (b"disc-strip", b"ellipse"):
+            files["r.toml"] = files["r.toml"].replace(b'grip = "' + grip, b'grip = "box')
+    elif coupled:  # a cone program a heading: a hundred times as long, so it is one design
+        keys = ("mass_kg=2", "com_y_m=0.01", "circle_radius_m=0.1", "com_height_m=0.1")
+    for _ in range(random.choice((1, 1, 1, 2))):
         words += [
             "--vary",
             random.choice(keys) if random.random() < 0.85 else mutate.mixed(random, random.choice(keys)),
         ]
-    words += flag(random, "--static", 0.7)
+    words += ["--static"] if len(keys) == 4 else flag(random, "--static", 0.8)
     words += option(random, "--uncertain", ("mass_kg=1:3", "com_y_m=-0.01:0.01"), 0.1)
     words += option(random, "--objective", ("f_worst", "start_worst_m_s2", "yaw_moment_N_m"), 0.1)
     words += ["--html", "o.html"] if random.random() < 0.05 else []
