@@ -51,7 +51,7 @@ def main() -> int:
     words = argparse.ArgumentParser(description=__doc__)
     words.add_argument("--count", type=int, default=1000)
     words.add_argument("--data", choices=("pulls", "runs", "both"), default="both")
-    words.add_argument("--budget", type=float, default=1.0, help="seconds a search may take")
+    words.add_argument("--budget", type=float, default=0.3, help="seconds a search may take")
     words.add_argument("--minutes", type=float, default=1e9, help="stop after this time")
     words.add_argument("--json", type=Path, default=RESULTS, help="where the figures are kept")
     asked = words.parse_args()

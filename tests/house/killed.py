@@ -28,6 +28,8 @@ RESULTS = ROOT / "benchmarks" / "results" / "killed.json"
 FAULTS = ("half a file", "not resumed", "other bytes", "left behind")
 #: After a file has appeared the kill comes within this time [s].
 SOON_S = 0.03
+#: A run that had ended before the kill is no kill; another is tried, up to so many for each that is wanted.
+TRIES = 4
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,7 @@ def jobs() -> dict[str, Job]:
     pulls, runs = _data_set("d", runs=False), _data_set("d", runs=True)
     return {
         "sweep": Job(("sweep", *kiwi, "--to", "360", "--step", "0.1", *all_kinds)),
-        "polytope": Job(("polytope", *omni, "--json", "o.json", "--report", "o.html", "--plot", "o.svg")),
+        "polytope": Job(("polytope", *omni, "--json", "o.json", "--plot", "o.svg")),
         "bounds": Job(("bounds", *omni, "--robust", "--export", "json", "o.rec", *all_kinds)),
         "plan": Job(
             ("plan", *omni[:1], "w.csv", *omni[1:], "--verify", "--export", "choreo", "o.traj", *most),
@@ -78,18 +80,21 @@ def jobs() -> dict[str, Job]:
         "import": Job(("import", "csv", "l.csv", "--out", "o", *columns), csv, replaces=False),
         "import --force": Job(("import", "csv", "l.csv", "--out", "o", "--force", *columns), csv),
         "measure": Job(
-            ("measure", "p.csv", *kiwi, "--json", "o.json", "--report", "o.html"),
+            ("measure", "p.csv", *kiwi, "--json", "o.json"),
             {"p.csv": _pulls().encode()},
         ),
-        "monitor": Job(("monitor", *kiwi[:1], "s.csv", *kiwi[1:], *most), {"s.csv": _stream().encode()}),
+        "monitor": Job(
+            ("monitor", *kiwi[:1], "s.csv", *kiwi[1:], "--false-alarms", "0.5", *most),
+            {"s.csv": _stream().encode()},
+        ),
         "export c": Job(("export", "c", *omni, "--out", "o.h", "--json", "o.json")),
         "reproduce": Job(("reproduce", "--out", "o", "--json", "o.json"), share=0.5),
-        "diagnose, pulls": Job(("diagnose", "d", "--out", "o", "--json", "o.json"), pulls),
-        "diagnose, runs": Job(("diagnose", "d", "--out", "o", "--json", "o.json"), runs, share=0.5),
+        "diagnose, pulls": Job(("diagnose", "d", "--out", "o", "--json", "o.json"), pulls, share=0.3),
+        "diagnose, runs": Job(("diagnose", "d", "--out", "o", "--json", "o.json"), runs, share=0.4),
         "diagnose, campaign": Job(
             ("diagnose", "campaign.toml", "--out", "o", "--json", "o.json"),
             {"campaign.toml": CAMPAIGN, **runs, **_data_set("e", runs=True)},
-            share=0.5,
+            share=0.3,
         ),
     }
 
@@ -109,7 +114,8 @@ def _data_set(place: str, *, runs: bool) -> dict[str, bytes]:
     folder = ROOT / "tests" / "data" / "rig" / "a-null"
     files = {f"{place}/{name}": (folder / name).read_bytes() for name in ("robot.toml", "dataset.toml")}
     if not runs:
-        return files | {f"{place}/pulls.csv": (folder / "pulls.csv").read_bytes()}
+        lines = (folder / "pulls.csv").read_text().split("\n")
+        return files | {f"{place}/pulls.csv": ("\n".join(lines[:1] + lines[1:49:6]) + "\n").encode()}
     for file in sorted((folder / "trials").glob("*.csv"))[:3]:
         lines = file.read_text().split("\n")[:40]
         files[f"{place}/trials/{file.name}"] = ("\n".join(lines) + "\n").encode()
@@ -260,7 +266,10 @@ def kill_all(
             good = {k: v for k, v in contents(place / "whole").items() if k not in job.files}
             if good != {k: v for k, v in contents(place / "again").items() if k not in job.files}:
                 raise SystemExit(f"{name}: two runs that nobody disturbed differ")
-            for k in range(max(1, round(count * job.share / whole))):
+            wanted = max(1, round(count * job.share / whole))
+            for k in range(TRIES * wanted):
+                if counts["killed"] == wanted:
+                    break
                 one = place / "killed"
                 fill(one, job.files)
                 old = {n: b"as it was " + d[:20] for n, d in good.items()} if job.replaces and k % 3 else {}
@@ -269,9 +278,11 @@ def kill_all(
                 fill(one, old)
                 before = {str(p.relative_to(one)) for p in one.rglob("*")}
                 seen = bool(k % 2)
-                moment = drawn.uniform(0.0, SOON_S if seen else lasts)
+                moment, begin = drawn.uniform(0.0, SOON_S if seen else lasts), time.monotonic()
                 alive = until_killed(started(job.words, one), one, before, moment, seen=seen)
                 counts["killed" if alive else "had ended"] += 1
+                if not alive:  # the machine was busier when it was timed
+                    lasts = min(lasts, time.monotonic() - begin)
                 counts.update(faults(job, good, old, one))
                 shutil.rmtree(one)
         finally:
