@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -51,8 +52,14 @@ def write_folder(folder: Path | str, files: Mapping[str, str | bytes]) -> None:
         with staged(path) as stage:
             (stage / NEW).mkdir()
             write_together({stage / NEW / name: content for name, content in files.items()})
-            (stage / NEW).rename(path)
+            with contextlib.suppress(OSError):
+                (stage / NEW).rename(path)
+                return
+        if not path.is_dir():
+            raise InputError("", "cannot be made", "choose another place", str(path))
+        write_together({path / name: content for name, content in files.items()})  # another run made it first
     except BaseException:
         for parent in made:
-            parent.rmdir()
+            with contextlib.suppress(OSError):  # another run's results stand in it
+                parent.rmdir()
         raise

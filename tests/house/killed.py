@@ -62,21 +62,20 @@ def jobs() -> dict[str, Job]:
     kiwi, omni = ("ohio-kiwi", "--surface", "paper"), ("omni4", "--surface", "floor")
     two = ("--out", "o.csv", "--json", "o.json")
     most = (*two, "--report", "o.html")
-    all_kinds = (*most, "--plot", "o.svg")
     pulls, runs = _data_set("d", runs=False), _data_set("d", runs=True)
     return {
-        "sweep": Job(("sweep", *kiwi, "--to", "360", "--step", "0.1", *all_kinds)),
-        "polytope": Job(("polytope", *omni, "--json", "o.json", "--plot", "o.svg")),
-        "bounds": Job(("bounds", *omni, "--robust", "--export", "json", "o.rec", *all_kinds)),
+        "sweep": Job(("sweep", *kiwi, "--to", "360", "--step", "0.2", *two, "--plot", "o.svg")),
+        "polytope": Job(("polytope", *omni, "--json", "o.json")),
+        "bounds": Job(("bounds", *omni, "--robust", "--export", "json", "o.rec", *most)),
         "plan": Job(
-            ("plan", *omni[:1], "w.csv", *omni[1:], "--verify", "--export", "choreo", "o.traj", *most),
+            ("plan", *omni[:1], "w.csv", *omni[1:], "--verify", "--export", "choreo", "o.traj", *two),
             {"w.csv": ways},
         ),
-        "check": Job(("check", *kiwi[:1], "t.csv", *kiwi[1:], *most), {"t.csv": _trajectory().encode()}),
-        "simulate": Job(("simulate", *kiwi[:1], "c.csv", *kiwi[1:], *most), {"c.csv": told.encode()}),
+        "check": Job(("check", *kiwi[:1], "t.csv", *kiwi[1:], *two), {"t.csv": _trajectory().encode()}),
+        "simulate": Job(("simulate", *kiwi[:1], "c.csv", *kiwi[1:], *two), {"c.csv": told.encode()}),
         "stop": Job(("stop", *kiwi, "--step", "45", *most)),
         "design": Job(("design", *kiwi, "--vary", "delta_deg=0:60:4", *two), share=2.0),
-        "design, several": Job(("design", "omni4", "mecanum4", "--surface", "floor", *most)),
+        "design, several": Job(("design", "omni4", "mecanum4", "--surface", "floor", *two)),
         "import": Job(("import", "csv", "l.csv", "--out", "o", *columns), csv, replaces=False),
         "import --force": Job(("import", "csv", "l.csv", "--out", "o", "--force", *columns), csv),
         "measure": Job(
@@ -84,17 +83,17 @@ def jobs() -> dict[str, Job]:
             {"p.csv": _pulls().encode()},
         ),
         "monitor": Job(
-            ("monitor", *kiwi[:1], "s.csv", *kiwi[1:], "--false-alarms", "0.5", *most),
+            ("monitor", *kiwi[:1], "s.csv", *kiwi[1:], "--false-alarms", "0.5", *two),
             {"s.csv": _stream().encode()},
         ),
         "export c": Job(("export", "c", *omni, "--out", "o.h", "--json", "o.json")),
-        "reproduce": Job(("reproduce", "--out", "o", "--json", "o.json"), share=0.5),
-        "diagnose, pulls": Job(("diagnose", "d", "--out", "o", "--json", "o.json"), pulls, share=0.3),
-        "diagnose, runs": Job(("diagnose", "d", "--out", "o", "--json", "o.json"), runs, share=0.4),
+        "reproduce": Job(("reproduce", "--out", "o", "--json", "o.json"), share=0.4),
+        "diagnose, pulls": Job(("diagnose", "d", "--out", "o", "--json", "o.json"), pulls, share=0.2),
+        "diagnose, runs": Job(("diagnose", "d", "--out", "o", "--json", "o.json"), runs, share=0.2),
         "diagnose, campaign": Job(
             ("diagnose", "campaign.toml", "--out", "o", "--json", "o.json"),
             {"campaign.toml": CAMPAIGN, **runs, **_data_set("e", runs=True)},
-            share=0.3,
+            share=0.2,
         ),
     }
 
