@@ -71,7 +71,8 @@ def monitor(
         return
     warn(*watch.warnings)
     for line in watch.stream(lines):
-        say(line)
+        if not say(line):
+            return  # nobody reads any more
 
 
 def _stdin() -> TextIO:

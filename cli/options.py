@@ -132,10 +132,11 @@ def deliver(
     found.write_files(table=out, plot=plot, json=None if json == "-" else json, texts=texts)
     warn(*getattr(found, "warnings", ()))
     if json == "-":
-        return say(found.to_json().rstrip("\n"))
+        say(found.to_json().rstrip("\n"))
+        return
     table = found.table_lines() if out is None else []
     named = [path for path in (out, plot, *texts, *written) if path]
-    return say(*found.lines(), *(["", *table] if table else []), *(f"written: {path}" for path in named))
+    say(*found.lines(), *(["", *table] if table else []), *(f"written: {path}" for path in named))
 
 
 def exported(found: Any, export: tuple[str, Path] | None) -> list[Path | str]:

@@ -13,9 +13,15 @@ from slipmargin.errors import InputError
 from slipmargin.notice import heard
 
 
-def say(*lines: str) -> None:
-    """Print lines on stdout; a reader that went away (``| head``) does not stop the work."""
-    _write(sys.stdout, lines)
+def say(*lines: str) -> bool:
+    """Print lines on stdout; a reader that went away (``| head``) does not stop the work.
+
+    Returns
+    -------
+    bool
+        Whether they could be printed: a stream that nobody reads need not go on.
+    """
+    return _write(sys.stdout, lines)
 
 
 #: The words of the command line that is carried out.
@@ -80,11 +86,12 @@ def finish_output(code: int) -> int:
     return code
 
 
-def _write(stream: Any, lines: Sequence[str]) -> None:
+def _write(stream: Any, lines: Sequence[str]) -> bool:
     try:
         for line in lines:
             stream.write(_shown(line) + "\n")
         stream.flush()
+        return True
     except OSError as fault:
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, stream.fileno())  # what is buffered still goes somewhere
@@ -93,6 +100,7 @@ def _write(stream: Any, lines: Sequence[str]) -> None:
             raise InputError(
                 "", f"cannot be written ({fault.strerror})", "make room, or write to another place", "stdout"
             ) from None
+        return False
 
 
 def refuse(option: str, problem: str, cure: str) -> NoReturn:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -88,3 +89,24 @@ def test_no_stdin_is_refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Cap
     monkeypatch.setattr(sys, "stdin", None)
     assert status(["monitor", "ohio-kiwi", "-", *KIWI]) == 2
     assert "there is no stdin" in capsys.readouterr().err
+
+
+def test_a_stream_that_nobody_reads_any_more_ends(tmp_path: Path) -> None:
+    """``slipmargin monitor … - | head`` went on as long as the log did."""
+    head = "t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,omega4_rad_s\n"
+    words = ["monitor", "omni4", "-", "--surface", "floor", "--false-alarms", "0.5"]
+    fed = subprocess.Popen(
+        [sys.executable, "-m", "slipmargin", *words],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(p or os.getcwd() for p in sys.path)},
+    )  # fmt: skip
+    assert fed.stdin is not None and fed.stdout is not None and fed.stderr is not None
+    with pytest.raises(BrokenPipeError), fed:  # the feeder is told that nobody listens
+        fed.stdin.write(f"{head}0.00,1,1,1,1\n0.01,1,1,1,1\n".encode())
+        fed.stdin.flush()
+        assert fed.stdout.readline().startswith(b"t_s,")
+        fed.stdout.close()
+        for k in range(2, 10**6):
+            fed.stdin.write(f"{0.01 * k:.2f},1,1,1,1\n".encode())
+            fed.stdin.flush()
+    assert fed.returncode == 0
