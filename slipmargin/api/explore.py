@@ -73,6 +73,8 @@ class Explorer:
         NoSolution
             If no acceleration is safe in every direction.
         """
+        import shlex  # names in a file are data, also in a shell
+
         from slipmargin.io.robot_text import write_recipe
         from slipmargin.limits.bounds_inside import YAW_SHARE
         from slipmargin.live.settings import MARGIN
@@ -84,13 +86,13 @@ class Explorer:
         yaw = None if now.yaw_share == YAW_SHARE else found.reserved_rad_s2
         text = export_text(tool, self._bounds(now, yaw)) if tool == "json" else sets_text(tool, found)
         robot = f"{now.design.robot.name}.toml" if now.changed else self.name
-        words = ["slipmargin bounds", robot, "--surface", now.design.surface]
+        words = ["slipmargin", "bounds", robot, "--surface", now.design.surface]
         words += ["--margin", repr(now.margin)] if now.margin != MARGIN else []
         words += ["--yaw", repr(yaw)] if yaw is not None else []
         return {
             "text": text,
             "robot": write_recipe(now.design.recipe),
-            "command": " ".join([*words, "--export", tool, f"limits.{_ENDING[tool]}"]),
+            "command": shlex.join([*words, "--export", tool, f"limits.{_ENDING[tool]}"]),
         }
 
     def _sets(self, values: Mapping[str, float]) -> SafeSets:

@@ -5,13 +5,16 @@ from __future__ import annotations
 import http.client
 import json
 import math
+import shlex
 import statistics
 import threading
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
+from robot_files import GOOD
 
 import slipmargin as sm
 from slipmargin.errors import InputError
@@ -159,6 +162,20 @@ def test_another_tools_file_for_the_same_numbers_is_not_computed_again() -> None
     assert [found is kept for found in page.kept.values()] == [True]
     page.export("nav2", mu=0.31)
     assert page.export("nav2", mu=0.3) == first
+
+
+def test_a_name_is_one_word_of_the_command_to_copy(tmp_path: Path) -> None:
+    """A robot file from elsewhere could name itself so that pasting the command ran what it liked."""
+    name = "kiwi; touch x `id` $(id)"
+    file = tmp_path / "r.toml"
+    file.write_text(
+        GOOD.replace('name = "kiwi"', f'name = "{name}"').replace("[surface.paper", '[surface."a $(id)"')
+    )
+    page = sm.explore(file, "a $(id)")
+    words = shlex.split(page.export("nav2", margin=0.2)["command"])
+    assert words[:5] == ["slipmargin", "bounds", str(file), "--surface", "a $(id)"]
+    words = shlex.split(page.export("nav2", com_height_m=0.01)["command"])
+    assert words[:5] == ["slipmargin", "bounds", f"{name}.toml", "--surface", "a $(id)"]
 
 
 @pytest.mark.parametrize("tool", ["nav2", "roadrunner", "pathplanner", "choreo", "json"])
