@@ -184,7 +184,8 @@ def inside(
     modules = _modules(model)
 
     def swerve(A: Array, b: Array, sign: Array) -> tuple[Array, ...]:
-        reach = np.linalg.norm(np.einsum("ka,nac->knc", A, modules), axis=2).sum(axis=1)
+        pushed = A @ side_by_side
+        reach = np.sqrt(pushed[:, ::2] ** 2 + pushed[:, 1::2] ** 2).sum(axis=1)
         return (np.array([np.min(b / reach)]),)
 
     side_by_side = np.ascontiguousarray(np.swapaxes(modules, 0, 1)).reshape(3, -1)  # each module's two pushes
@@ -379,7 +380,7 @@ def _once(rows: Array) -> Array:
 
 def _tightest(A: Array, b: Array, sign: Array) -> tuple[Array, Array, Array]:
     """One row for each normal and sign pattern: the least b."""
-    kind, _ = alike(np.round(np.column_stack([A / np.max(np.abs(A)), sign]), 10))
-    order = np.lexsort((b, kind))
-    first = order[np.concatenate([[True], np.diff(kind[order]) > 0])]
+    kind, first = alike(np.round(np.column_stack([A / np.max(np.abs(A)), sign]), 10))
+    last_is_least = np.argsort(b, kind="stable")[::-1]  # of equal ones the first
+    first[kind[last_is_least]] = last_is_least
     return A[first], b[first], sign[first]

@@ -18,7 +18,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -75,7 +75,7 @@ def jobs() -> dict[str, Job]:
         "simulate": Job(("simulate", *kiwi[:1], "c.csv", *kiwi[1:], *two), {"c.csv": told.encode()}),
         "stop": Job(("stop", *kiwi, "--step", "45", *most)),
         "design": Job(("design", *kiwi, "--vary", "delta_deg=0:60:4", *two), share=2.0),
-        "design, several": Job(("design", "omni4", "mecanum4", "--surface", "floor", *two)),
+        "design several": Job(("design", "omni4", "mecanum4", "--surface", "floor", *two)),
         "import": Job(("import", "csv", "l.csv", "--out", "o", *columns), csv, replaces=False),
         "import --force": Job(("import", "csv", "l.csv", "--out", "o", "--force", *columns), csv),
         "measure": Job(
@@ -88,9 +88,9 @@ def jobs() -> dict[str, Job]:
         ),
         "export c": Job(("export", "c", *omni, "--out", "o.h", "--json", "o.json")),
         "reproduce": Job(("reproduce", "--out", "o", "--json", "o.json"), share=0.4),
-        "diagnose, pulls": Job(("diagnose", "d", "--out", "o", "--json", "o.json"), pulls, share=0.2),
-        "diagnose, runs": Job(("diagnose", "d", "--out", "o", "--json", "o.json"), runs, share=0.2),
-        "diagnose, campaign": Job(
+        "diagnose pulls": Job(("diagnose", "d", "--out", "o", "--json", "o.json"), pulls, share=0.2),
+        "diagnose runs": Job(("diagnose", "d", "--out", "o", "--json", "o.json"), runs, share=0.2),
+        "diagnose campaign": Job(
             ("diagnose", "campaign.toml", "--out", "o", "--json", "o.json"),
             {"campaign.toml": CAMPAIGN, **runs, **_data_set("e", runs=True)},
             share=0.2,
@@ -242,16 +242,13 @@ def _ended(child: int) -> int:
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
-def kill_all(
-    count: int, seed: int, only: list[str], say: Callable[[str], None] = print
-) -> dict[str, dict[str, float]]:
-    """Command → how often it was killed and what went wrong; ``count`` kills in all."""
+def kill_all(count: int, seed: int, only: list[str]) -> Iterator[tuple[str, dict[str, float]]]:
+    """Commands, how often each was killed and what went wrong; of all together ``count`` kills."""
     known = {name: job for name, job in jobs().items() if not only or name in only}
-    drawn, base = random.Random(seed), Path("/dev/shm") if Path("/dev/shm").is_dir() else None
-    whole = sum(job.share for job in known.values())
-    table: dict[str, dict[str, float]] = {}
+    base = Path("/dev/shm") if Path("/dev/shm").is_dir() else None
+    whole = sum(job.share for job in jobs().values())
     for name, job in known.items():
-        counts: Counter[str] = Counter()
+        drawn, counts = random.Random(f"{seed}/{name}"), Counter[str]()
         place = Path(tempfile.mkdtemp(prefix="killed", dir=base))
         try:
             for folder in ("whole", "again"):
@@ -286,9 +283,7 @@ def kill_all(
                 shutil.rmtree(one)
         finally:
             shutil.rmtree(place, ignore_errors=True)
-        table[name] = dict(counts) | {"undisturbed_s": round(lasts, 2)}
-        say(row(name, counts))
-    return table
+        yield name, dict(counts) | {"undisturbed_s": round(lasts, 2)}
 
 
 def row(name: str, counts: Mapping[str, float]) -> str:
@@ -299,19 +294,26 @@ def row(name: str, counts: Mapping[str, float]) -> str:
 def main() -> int:
     """Kill, print the table, keep it; 1 where anything was wrong."""
     words = argparse.ArgumentParser(description=__doc__)
-    words.add_argument("--count", type=int, default=100, help="kills in all")
+    words.add_argument("--count", type=int, default=100, help="kills of all commands together")
     words.add_argument("--seed", type=int, default=1)
-    words.add_argument("--only", default="", help="commands, with commas between")
+    words.add_argument(
+        "--only", default="", help="commands, with commas between; what is kept of others stays"
+    )
     words.add_argument("--json", type=Path, default=RESULTS, help="where the table is kept")
     asked = words.parse_args()
     print(f"{'command':<19}" + "".join(f"{w:>14}" for w in ("killed", "had ended", *FAULTS)), flush=True)
-    table = kill_all(asked.count, asked.seed, [w for w in asked.only.split(",") if w])
+    kept = json.loads(asked.json.read_text()) if asked.json.exists() else {}
+    table = kept["commands"] if asked.only and kept.get("seed") == asked.seed else {}
     total: Counter[str] = Counter()
-    for counts in table.values():
-        total.update({name: int(count) for name, count in counts.items() if name != "undisturbed_s"})
+    for name, found in kill_all(asked.count, asked.seed, [w for w in asked.only.split(",") if w]):
+        table[name] = found
+        print(row(name, found), flush=True)
+        total = Counter()
+        for counts in table.values():
+            total.update({word: int(count) for word, count in counts.items() if word != "undisturbed_s"})
+        text = json.dumps({"seed": asked.seed, "commands": table, "all": dict(total)}, indent=1)
+        asked.json.write_text(text + "\n", encoding="utf-8")
     print(row("all", total))
-    kept = {"seed": asked.seed, "commands": table, "all": dict(total)}
-    asked.json.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
     return 1 if any(total[fault] for fault in FAULTS) else 0
 
 
