@@ -42,8 +42,8 @@ def check_possible(path: Path) -> None:
         except ValueError:
             raise InputError("", "is not a possible path", "give another name", repr(str(path))) from None
         except OSError as fault:
-            if fault.errno in _IMPOSSIBLE:
-                problem = _IMPOSSIBLE[fault.errno]
+            problem = _IMPOSSIBLE.get(fault.errno or 0)
+            if problem is not None:
                 raise InputError("", problem, "give another name", str(path)) from None
 
 

@@ -41,7 +41,8 @@ def facet_worth(
     for m in range(count):
         known = 0
         for i in range(wheels):
-            known += possible[0, m, i] != possible[1, m, i]
+            if possible[0, m, i] != possible[1, m, i]:
+                known += 1
             if not possible[0, m, i]:  # what is known stands in the first place
                 for one in (grip, low, high):
                     one[0, m, i] = one[1, m, i]
