@@ -33,33 +33,18 @@ def facet_worth(
 ) -> None:
     """κ (M, K, N) = grip |n·b_i| − max over D of (n·t_i) D, the least over the materials that are possible.
 
-    drive, across (K, N) are |n·b_i| and n·t_i; the others (2, M, N).  Where every wheel stands on a material
-    that is known, the loop over wheels holds no branch and takes a fifth of the time.  ``grip``, ``low`` and
-    ``high`` are overwritten.
+    drive, across (K, N) are |n·b_i| and n·t_i; the others (2, M, N).
     """
     count, facets, wheels = worth.shape
     for m in range(count):
-        known = 0
-        for i in range(wheels):
-            if possible[0, m, i] != possible[1, m, i]:
-                known += 1
-            if not possible[0, m, i]:  # what is known stands in the first place
-                for one in (grip, low, high):
-                    one[0, m, i] = one[1, m, i]
-        if known == wheels:
-            g, lower, upper = grip[0, m], low[0, m], high[0, m]
-            for k in range(facets):
-                for i in range(wheels):
-                    drag = max(across[k, i] * lower[i], across[k, i] * upper[i])
-                    worth[m, k, i] = drive[k, i] * g[i] - drag
-            continue
         for k in range(facets):
             for i in range(wheels):
-                drag = max(across[k, i] * low[0, m, i], across[k, i] * high[0, m, i])
-                worth[m, k, i] = drive[k, i] * grip[0, m, i] - drag
-                if possible[0, m, i] and possible[1, m, i]:
-                    drag = max(across[k, i] * low[1, m, i], across[k, i] * high[1, m, i])
-                    worth[m, k, i] = min(worth[m, k, i], drive[k, i] * grip[1, m, i] - drag)
+                least = np.inf
+                for s in range(2):
+                    if possible[s, m, i]:
+                        drag = max(across[k, i] * low[s, m, i], across[k, i] * high[s, m, i])
+                        least = min(least, drive[k, i] * grip[s, m, i] - drag)
+                worth[m, k, i] = least
 
 
 @kernel
