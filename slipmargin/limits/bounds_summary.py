@@ -21,8 +21,9 @@ from slipmargin.limits.bounds import (
     starting_by_motor,
     top_speed,
 )
-from slipmargin.limits.bounds_inside import PACE, YAW_SHARE, Inside, inside
+from slipmargin.limits.bounds_inside import YAW_SHARE, Inside, inside
 from slipmargin.limits.bounds_pace import held_speed
+from slipmargin.limits.bounds_states import PACE
 from slipmargin.limits.every_motion import turning_points
 from slipmargin.limits.motion import steady_share
 from slipmargin.limits.motion_state import Contact, Motion

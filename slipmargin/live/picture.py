@@ -11,7 +11,7 @@ from slipmargin.checks import Array
 from slipmargin.errors import NoSolution
 from slipmargin.limits import sweep, wrench_set
 from slipmargin.limits.bounds import directions, headings, spin
-from slipmargin.limits.bounds_inside import PACE
+from slipmargin.limits.bounds_states import PACE
 from slipmargin.limits.every_motion import turning_points
 from slipmargin.limits.motion_rows import CAUSES, TIPS
 from slipmargin.live.settings import Settings

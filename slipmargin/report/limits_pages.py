@@ -81,12 +81,20 @@ def bounds_page(
             ),
         ),
         tables=(
-            _table("Limits by direction of motion", *bounds_words.direction_rows(b, 24)),
+            _table(_by_direction(b), *bounds_words.direction_rows(b, 24)),
             _table("Fastest cornering by curvature", *bounds_words.corner_rows(b)),
         ),
         next_steps=_bounds_next(b, way, caps[0]),
         lines=lines,
         warnings=warnings,
+    )
+
+
+def _by_direction(b: Bounds) -> str:
+    ahead = math.degrees(b.model.convention.front_rad)
+    return (
+        f"Limits by direction of motion, counted counter-clockwise; {ahead:g}° is straight ahead. Steady use: "
+        "the share of the grip that constant speed needs"
     )
 
 
