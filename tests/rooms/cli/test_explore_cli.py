@@ -30,7 +30,7 @@ def exploring(*words: str) -> Iterator[tuple[subprocess.Popen[str], int]]:
     try:
         assert process.stdout is not None
         address = re.search(r"http://127\.0\.0\.1:(\d+)/", process.stdout.readline())
-        assert address is not None
+        assert address is not None and process.stdout.readline() == "Ctrl-C ends it.\n"
         yield process, int(address[1])
     finally:
         process.kill()
@@ -51,7 +51,7 @@ def test_ctrl_c_says_one_line_with_status_130_and_frees_the_port() -> None:
         assert get(port) == 200
         first.send_signal(signal.SIGINT)
         out, err = first.communicate(timeout=60)
-    assert (first.returncode, out) == (130, "Ctrl-C ends it.\n")
+    assert (first.returncode, out) == (130, "")
     assert err == f"stopped: http://127.0.0.1:{port}/ is closed\n"
     with exploring("--port", str(port)) as (_, again):
         assert again == port and get(port) == 200
