@@ -129,7 +129,7 @@ def named(keys: Sequence[str], values: Sequence[Any]) -> str:
 
 
 def in_words(text: str) -> str:
-    """A sentence about a study for a page: ``wheel angle δ 30°``, and what an objective means for its name."""
+    """A sentence about a study for a page: ``wheel angle δ 30°``, and an objective by what it means."""
     text = _SET.sub(lambda found: f"{label(found[1])} {_of_unit(found[2], _UNITS[found[1]])}", text)
     text = _KEY.sub(lambda found: label(found[0]), text)
     return _NAME.sub(lambda found: BY_NAME[found[0]].meaning, text)

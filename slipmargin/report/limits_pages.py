@@ -93,8 +93,8 @@ def bounds_page(
 def _by_direction(b: Bounds) -> str:
     ahead = math.degrees(b.model.convention.front_rad)
     return (
-        f"Limits by direction of motion, counted counter-clockwise; {ahead:g}° is straight ahead. Steady use: "
-        "the share of the grip that constant speed needs"
+        f"Limits by direction of motion, counted counter-clockwise; {ahead:g}° is straight ahead. "
+        "Steady use is the share of the grip that constant speed needs"
     )
 
 
