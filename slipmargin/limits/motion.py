@@ -212,7 +212,8 @@ def _where_it_turns(
     The Illinois method (M. Dowell, P. Jarratt, BIT 11, 1971): the chord's zero, with the weight of an end
     that stays halved; where the function is infinite at the upper end, the middle.
     """
-    low, high, at_low, at_high = low.copy(), high.copy(), at_low.copy(), at_high.copy()
+    unsought = low
+    low, high, at_low, at_high = (np.where(sought, end, 0.0) for end in (low, high, at_low, at_high))
     stayed = np.zeros(low.shape)  # which end stayed last: −1 the lower, 1 the upper
     left = at_low.copy()
     for _ in range(TORQUE_ROUNDS):
@@ -232,7 +233,7 @@ def _where_it_turns(
         at_low, at_high = np.where(holds, found, at_low), np.where(fails, found, at_high)
         left = np.where(holds, found, left)
         stayed = np.where(holds, 1.0, np.where(fails, -1.0, stayed))
-    return low
+    return np.where(sought, low, unsought)
 
 
 def _coasted(
