@@ -118,6 +118,13 @@ def _bounds_next(b: Bounds, way: str, fastest: float) -> list[str]:
     return steps
 
 
+#: What the columns of a sweep are.
+_BY_ORIENTATION = (
+    "Pull by orientation φ: F_max with all wheels on rollers, low and high whatever the wheels stand on, "
+    "and the wheels that slip first"
+)
+
+
 def sweep_page(
     s: Sweep,
     limiting: Sequence[Sequence[str]],
@@ -190,7 +197,7 @@ def sweep_page(
                 caption="The same by direction of the pull, seen from the robot.",
             ),
         ),
-        tables=(_table("Pull by orientation", *sweep_words.rows(s, limiting, measured, 24)),),
+        tables=(_table(_BY_ORIENTATION, *sweep_words.rows(s, limiting, measured, 24)),),
         next_steps=next_steps,
         lines=lines,
         warnings=warnings,
