@@ -224,7 +224,7 @@ def simulate_page(
         else ["The same commands on a more slippery floor: `--surface` names another floor of the file."]
     )
     at = thinned(len(run.t_s), _ROWS, [when])
-    head = ("t [s]", "x [m]", "y [m]", "φ [deg]", *(f"slip {name} [m/s]" for name in run.wheels))
+    head = ("t [s]", "x [m]", "y [m]", "φ [°]", *(f"slip {name} [m/s]" for name in run.wheels))
     table = Table(
         caption="The run",
         head=head,
@@ -272,7 +272,7 @@ def _use_picture(images: Mapping[str, Image]) -> Picture:
 def _grip_table(t_s: Array, pose: Array, use: Array, wheels: Sequence[str]) -> Table:
     return Table(
         caption="Share of its grip that each wheel uses",
-        head=("t [s]", "x [m]", "y [m]", "φ [deg]", *(f"{name} [%]" for name in wheels)),
+        head=("t [s]", "x [m]", "y [m]", "φ [°]", *(f"{name} [%]" for name in wheels)),
         rows=tuple(
             (
                 f"{t:.3f}",
