@@ -33,7 +33,7 @@ from slipmargin.diagnosis.result import Diagnosis, Event, Finding, Step, TrialTr
 from slipmargin.diagnosis.search import Round, State, search, without
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
-from slipmargin.diagnosis.watch import Watch
+from slipmargin.diagnosis.watch import Watch, cut_short
 from slipmargin.effects import AnyEffect
 from slipmargin.effects.confined import acting
 
@@ -144,7 +144,7 @@ def diagnose(
     conditions = ready(data_set, repairs, seed)
     data_set = conditions.data_set
     s = searched(data_set, seed, watch)
-    cut_short = watch.expired
+    was_cut = watch.expired
     held, trials = s.held, s.problem.trials
     everyone = np.arange(len(trials), dtype=np.int64)
     court = Court(
@@ -221,7 +221,7 @@ def diagnose(
         corrected=data_set.recipe.with_effects(*(() if final is None else acting(final.effects, 0))),
         repairs=conditions.repairs,
         remarks=(
-            *(_cut_short(budget_s) if cut_short else ()),
+            *(cut_short(budget_s) if was_cut else ()),
             *_clock(data_set),
             *_pieces(state),
             *_remarks(final, events, turns, phased=checked.phased, held=len(held) > 0),
@@ -306,13 +306,6 @@ def _clock(data_set: DataSet) -> tuple[str, ...]:
         "on it.",
     )
     return said if found is None else (*said, found.sentence)
-
-
-def _cut_short(budget_s: float | None) -> tuple[str, ...]:
-    return (
-        f"The time budget of {budget_s:g} s ended the search: this is the best answer until then; candidates "
-        "that were not reached, and further effects, were not tried.",
-    )
 
 
 def _pieces(state: State | None) -> tuple[str, ...]:
