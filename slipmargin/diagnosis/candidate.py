@@ -184,6 +184,9 @@ def named_candidates(
         widest = SETTINGS.stamped_clock if effect.is_the_clock and timed else np.inf
         single = issubclass(effect, WheelEffect) and effect.one_wheel
         for variant in effect.variants or (None,):
+            if variant is not None:
+                able = {p.name for p in effect.parameters if p.least_wheels <= len(wheels)}
+                variant = replace(variant, free=tuple(name for name in variant.free if name in able))
             found += [
                 _within(named_candidate(effect, variant, on, reach), widest)
                 for on in ([(w,) for w in wheels] if single else [()])

@@ -25,6 +25,7 @@ from slipmargin.diagnosis.ladder import Checked, Court, check
 from slipmargin.diagnosis.leads import leads
 from slipmargin.diagnosis.left_over import left_over, like
 from slipmargin.diagnosis.map_entry import MapEntry
+from slipmargin.diagnosis.mimics import mimics
 from slipmargin.diagnosis.order_analysis import Periodicity, order_analysis
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.ranges import ranges, variables_of
@@ -222,7 +223,7 @@ def diagnose(
         repairs=conditions.repairs,
         remarks=(
             *(cut_short(budget_s) if was_cut else ()),
-            *_clock(data_set),
+            *_clock(data_set, checked, final, s.candidates),
             *_pieces(state),
             *_remarks(final, events, turns, phased=checked.phased, held=len(held) > 0),
         ),
@@ -295,8 +296,10 @@ def _excitation(final: Fit | None) -> tuple[float, ...]:
     return tuple(float(v) for v in np.linalg.svd(flat, compute_uv=False))
 
 
-def _clock(data_set: DataSet) -> tuple[str, ...]:
-    """What is known of the times of a log without time stamps."""
+def _clock(
+    data_set: DataSet, checked: Checked, final: Fit | None, candidates: list[Candidate]
+) -> tuple[str, ...]:
+    """What is known of the times of a log without time stamps, and what cannot be known without them."""
     if data_set.nominal_rate_Hz is None:
         return ()
     found = jitter(data_set.trials)
@@ -305,6 +308,8 @@ def _clock(data_set: DataSet) -> tuple[str, ...]:
         "coefficients times the square of the sampling period are known, not both; slip ratios do not depend "
         "on it.",
     )
+    if final is not None and checked.state is not None:
+        said += mimics(checked.problem.as_seen_in(checked.state.view), final, candidates)
     return said if found is None else (*said, found.sentence)
 
 

@@ -44,6 +44,10 @@ _FINE_RTOL = 1e-6
 _MUCH_FEWER = 0.5
 #: Steps after which a run counts as diverged (an ordinary one takes a few hundred a second of motion).
 _MOST_STEPS = 40_000
+#: What was measured did not tip: a prediction ends only where the floor pulls a wheel down by more than this
+#: [m g/N].  Below, a wheel lifts for a moment: as where a run begins while its wheels slip, or on
+#: four wheels, of which one may hang in the air.
+_HELD_DOWN = 1.0
 
 
 @final
@@ -194,6 +198,7 @@ class Problem:
                     signal=run,
                     rtol=self.rtol,
                     max_steps=_MOST_STEPS,
+                    held_down=_HELD_DOWN,
                 )
                 .pose
             )
