@@ -21,7 +21,7 @@ from slipmargin.data.data_set import DataSet, WheelSignal
 from slipmargin.data.noise import lasting_noise, white_noise
 from slipmargin.data.record import Record
 from slipmargin.data.repair import Repair, in_runs
-from slipmargin.diagnosis.held_out import searched_runs
+from slipmargin.diagnosis.held_out import held_out_runs, searched_runs
 from slipmargin.diagnosis.noise_reading import lasts, stated_wrong, tails
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
@@ -38,11 +38,15 @@ _FRICTIONS = np.geomspace(0.45, 1.8, 8)
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Ready:
-    """A data set to search in, with its noise, and everything that was mended or left out on the way."""
+    """A data set to search in, with its noise, and everything that was mended or left out on the way.
+
+    ``held`` are the numbers of the runs to hold out of the search.
+    """
 
     data_set: DataSet
     noise_estimated: bool
     repairs: tuple[Repair, ...]
+    held: Index
 
 
 def ready(data_set: DataSet, repairs: tuple[Repair, ...] | None = None, seed: int = 0) -> Ready:
@@ -62,11 +66,25 @@ def ready(data_set: DataSet, repairs: tuple[Repair, ...] | None = None, seed: in
     done = [*repairs]
     data_set, more = each(data_set, _alike)
     done += more
-    stated = data_set.sigma
-    data_set, more = _measured_noise(data_set, searched_runs(len(data_set.trials), seed))
+    stated, off = data_set.sigma, misses(data_set)
+    data_set, more = _measured_noise(data_set, searched_runs(off, seed))
     assert data_set.sigma is not None
     estimated = stated is None or not np.array_equal(data_set.sigma, stated)
-    return Ready(data_set=data_set, noise_estimated=estimated, repairs=(*done, *more))
+    return Ready(
+        data_set=data_set,
+        noise_estimated=estimated,
+        repairs=(*done, *more),
+        held=held_out_runs(off, seed),
+    )
+
+
+def misses(data_set: DataSet) -> Array:
+    """Root mean square (R,) of what the model as it is misses each run by, in about the noise."""
+    problem = problem_of(data_set)
+    everyone = np.arange(len(problem.trials), dtype=np.int64)
+    residual = problem.residuals([()], [everyone])[0]
+    counts = np.maximum(1, np.count_nonzero(residual, axis=1))
+    return np.asarray(np.nan_to_num(np.sqrt(np.sum(residual**2, axis=1) / counts), nan=np.inf))
 
 
 def _alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
@@ -282,6 +300,10 @@ def _measured_noise(data_set: DataSet, runs: Index) -> tuple[DataSet, tuple[Repa
     residuals = [residuals[i] for i in runs]
     whole, lasting = lasting_noise(residuals, data_set.sigma)
     white = white_noise(tuple(data_set.trials[i] for i in runs))
+    # Between the frames of a slow camera the robot turns and stops, which looks like noise; not so what the
+    # model leaves of it.
+    left = tuple(replace(data_set.trials[i], pose=r) for i, (_, r) in zip(runs, residuals, strict=True))
+    white = np.minimum(white, white_noise(left))
     lasts_in = np.zeros(3, dtype=bool) if lasting is None else lasting.share > 0.0
     sigma = np.where(lasts_in & (whole > 0.0), whole, white)
     sigma = sigma * np.where(lasts_in, 1.0, tails(residuals, sigma))

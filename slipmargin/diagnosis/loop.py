@@ -13,14 +13,15 @@ from slipmargin.data.data_set import DataSet
 from slipmargin.data.jitter import jitter
 from slipmargin.data.noise import white_noise
 from slipmargin.data.repair import Repair
+from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
-from slipmargin.diagnosis.conditions import problem_of, ready
+from slipmargin.diagnosis.conditions import misses, problem_of, ready
 from slipmargin.diagnosis.events import cut_apart, find_events, with_measured_velocity
 from slipmargin.diagnosis.findings import findings
 from slipmargin.diagnosis.fit import Fit, fit
 from slipmargin.diagnosis.general_forms import general_candidates
 from slipmargin.diagnosis.groups import in_groups
-from slipmargin.diagnosis.held_out import held_out_runs, score, searched_runs
+from slipmargin.diagnosis.held_out import held_out_runs, score
 from slipmargin.diagnosis.ladder import Checked, Court, check
 from slipmargin.diagnosis.leads import leads
 from slipmargin.diagnosis.left_over import left_over, like
@@ -69,17 +70,47 @@ class Searched:
     rounds: list[Round]
 
 
-def searched(data_set: DataSet, seed: int, progress: Watch | None = None) -> Searched:
-    """Noise, cuts, ranges, wheel phases and effects, all from the trials that are not held out."""
+def searched(
+    data_set: DataSet, seed: int, progress: Watch | None = None, held_runs: Index | None = None
+) -> Searched:
+    """Noise, cuts, ranges, wheel phases and effects, all from the trials that are not held out.
+
+    ``held_runs`` are the numbers of the runs to hold out; by default they are drawn.  Where something seems
+    to have happened once in a run, the runs are searched whole first: a slip that only some runs hold looks
+    like an event.  They are cut where what is found does not explain it.
+    """
     progress = progress or Watch(report=no_progress)
     progress("reading the noise", 0.0)
     count = len(data_set.trials)
-    held_runs, seen_runs = held_out_runs(count, seed), searched_runs(count, seed)
+    if held_runs is None:
+        held_runs = held_out_runs(misses(data_set), seed)
+    seen_runs = np.setdiff1d(np.arange(count), held_runs).astype(np.int64)
     if data_set.sigma is None:
         data_set = replace(data_set, sigma=white_noise(tuple(data_set.trials[i] for i in seen_runs)))
-    uncut = problem = problem_of(data_set)
-    runs: tuple[int, ...] = tuple(range(count))
+    uncut = problem_of(data_set)
+    found = _searched(data_set, uncut, (), held_runs, seed, progress)
     if events := _events(uncut, (), seen_runs):
+        if found.state.structure:
+            phased = uncut.with_wheel_phases(found.problem.wheel_phases)
+            events = _events(phased, found.state.fit.effects, seen_runs)
+        if events:
+            found = _searched(data_set, uncut, events, held_runs, seed, progress)
+    return found
+
+
+def _searched(
+    data_set: DataSet,
+    uncut: Problem,
+    events: tuple[Event, ...],
+    held_runs: Index,
+    seed: int,
+    progress: Watch,
+) -> Searched:
+    """What a search finds in the runs, cut at these events."""
+    problem, count = uncut, len(data_set.trials)
+    seen_runs = np.setdiff1d(np.arange(count), held_runs).astype(np.int64)
+    runs: tuple[int, ...] = tuple(range(count))
+    if events:
         records, runs = cut_apart(data_set.trials, events)
         problem = with_measured_velocity(problem_of(data_set, records, runs), runs)
     held = np.flatnonzero(np.isin(runs, held_runs))
@@ -89,9 +120,10 @@ def searched(data_set: DataSet, seed: int, progress: Watch | None = None) -> Sea
     covered = ranges(tuple(problem.trials[i] for i in seen))
     reach = {"position": covered.position_m, "time": covered.duration_s}
     timed = data_set.nominal_rate_Hz is None
+    angles = not commanded and not wheel_phase.is_unknown(problem)
     candidates = in_groups(
         [
-            *named_candidates(model.geometry.names, commanded, known, reach, timed=timed),
+            *named_candidates(model.geometry.names, commanded, known, reach, timed=timed, angles=angles),
             *general_candidates(model, covered, commanded),
         ],
         data_set.members,
@@ -143,7 +175,7 @@ def diagnose(
     watch("mending the data", 0.0)
     conditions = ready(data_set, repairs, seed)
     data_set = conditions.data_set
-    s = searched(data_set, seed, watch)
+    s = searched(data_set, seed, watch, conditions.held)
     cut_short = watch.expired
     held, trials = s.held, s.problem.trials
     everyone = np.arange(len(trials), dtype=np.int64)

@@ -36,8 +36,9 @@ from slipmargin.sim.signal import WheelSignal, angles_at
 
 #: Residuals are clipped here [σ]: one diverging run must not outweigh all the others.
 _WILD = 1e4
-#: Integration tolerance: its error stays below a hundredth of any camera's noise.
-_RTOL = 1e-4
+#: Relative tolerance of a simulation per noise of the position [1/m], and its range [1]: friction on the edge
+#: of slipping makes its errors grow to about a tenth of the noise at worst, as seen against the finest.
+_RTOL_PER_M, _RTOL = 0.1, (1e-5, 1e-4)
 _FINE_RTOL = 1e-6
 #: The wheels' motion by few samples is used where it has less than this share of the others' samples: the
 #: run that differences are taken from must be simulated once more.
@@ -71,7 +72,7 @@ class Problem:
     commanded: bool
     wheel_phases: Array
     scheme: InterpolationScheme = InterpolationScheme.THIN
-    rtol: float = _RTOL
+    rtol: float = _RTOL[0]
     piece: int | None = None
     lasting: LastingNoise | None = None
     members: tuple[tuple[Recipe, Model], ...] = ()
@@ -120,6 +121,7 @@ class Problem:
             members=members,
             member_of=own,
             signals=signals,
+            rtol=float(np.clip(_RTOL_PER_M * np.min(sigma[:2]), *_RTOL)),
         )
 
     def model(self, effects: Sequence[AnyEffect], member: int = 0) -> Model:

@@ -29,9 +29,10 @@ from slipmargin.diagnosis.probes import probes
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.screen import Screened, Screening, screen
 from slipmargin.diagnosis.settings import SETTINGS
-from slipmargin.diagnosis.telling import enough
+from slipmargin.diagnosis.telling import enough, telling
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
+from slipmargin.effects.catalogue import CATALOGUE
 from slipmargin.errors import InputError
 
 
@@ -130,7 +131,7 @@ def search(
     unknown = wheel_phase.is_unknown(problem)
     needs_phases = unknown and wheel_phase.matters_to(problem.model(()))
     problem = problem.with_rough()
-    trials = enough(seen, problem.knots)
+    trials = enough(seen, problem.knots, telling(problem, seen))
     own = [runs[i] for i in np.searchsorted(seen, trials)]
     if needs_phases:
         progress("estimating wheel phases", 0.0)
@@ -257,7 +258,8 @@ def choose(tried: Sequence[State]) -> State:
     """Of those as good as the best: with names, not stuck at a bound, fewest effects, then the least error.
 
     Of two forms of the same effects that are as good as each other, and of two names whose errors do not
-    differ beyond the spread of the runs, the one with fewer parameters is meant.
+    differ beyond the spread of the runs, the one with fewer parameters is meant; of two that differ by no
+    more than a log's reconstruction does, the more usual one.
     """
     good = [s for s in tried if as_good(s, tried[0])]
 
@@ -275,7 +277,17 @@ def choose(tried: Sequence[State]) -> State:
             or (kind(s) == kind(first) and _level(s, first) and s.chi <= first.chi + SETTINGS.least_chi)
         )
     ]
-    return min(simple, key=lambda s: (len(s.fit.x), s.chi), default=first)
+    if not simple:
+        return first
+    least = min((len(s.fit.x), s.chi) for s in simple)
+    same = [s for s in simple if len(s.fit.x) == least[0] and s.chi <= least[1] + SETTINGS.least_chi]
+    return min(same, key=lambda s: (_unusual(s), s.chi))
+
+
+def _unusual(state: State) -> int:
+    """How far down the catalogue, which begins with what is most often wrong, its last effect stands."""
+    names = [effect.name for effect in CATALOGUE]
+    return names.index(state.last.name) if state.last.name in names else len(names)
 
 
 def as_good(one: State, best: State) -> bool:

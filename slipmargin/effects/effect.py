@@ -169,6 +169,8 @@ class Effect(ABC):
     is_the_clock: ClassVar[bool] = False
     #: Whether it depends on where a wheel stands, so that wheel angles need a known zero.
     needs_wheel_phase: ClassVar[bool] = False
+    #: Whether only logs that hold wheel angles show it: a whole turn's phase cannot be guessed.
+    needs_wheel_angles: ClassVar[bool] = False
     #: Parameters that no fit varies, with the values that a diagnosis compares once all else is fitted.
     scanned: ClassVar[Mapping[str, tuple[float, ...]]] = {}
 

@@ -75,7 +75,7 @@ def test_what_a_held_out_run_did_later_reaches_neither_parameters_nor_its_phases
     run = int(one.held[0])
     end = first_part(plain.trials[run]).t_s[-1]
     assert 0.1 < end < 1.0
-    other = searched(spoilt(plain, run, end), 1)
+    other = searched(spoilt(plain, run, end), 1, held_runs=one.held)
     assert one.state.structure[0].name == "rigid_sector"
     assert [c.label for c in other.state.structure] == [c.label for c in one.state.structure]
     np.testing.assert_array_equal(other.state.fit.x, one.state.fit.x)
