@@ -140,7 +140,7 @@ def named_candidate(
         units=tuple(p.unit for p in rows),
         null=np.array([s[0] if p.idle and p.starts else p.null for p, s in zip(rows, sets, strict=True)]),
         scale=np.array([p.scale for p in rows]),
-        usual=np.array([p.null for p in rows]),
+        usual=np.array([p.null if p.usual is None else p.usual for p in rows]),
         idle=np.array([p.idle for p in rows]),
         low=np.array([p.low for p in rows]),
         high=np.array([p.high for p in rows]),

@@ -15,8 +15,9 @@ from slipmargin.diagnosis.left_out import leave_one_out
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Estimate, Finding
-from slipmargin.diagnosis.search import Round, State
+from slipmargin.diagnosis.search import Round
 from slipmargin.diagnosis.signals import InterpolationScheme
+from slipmargin.diagnosis.state import State
 from slipmargin.effects import Effect, Quantity, Trace
 from slipmargin.effects.confined import Confined, bare
 from slipmargin.effects.general import PREFIX

@@ -60,9 +60,9 @@ def held_out_runs(misses: Array, seed: int) -> Index:
     return np.sort([random.choice(part) for part in (far, *others)]).astype(np.int64)
 
 
-def searched_runs(misses: Array, seed: int) -> Index:
+def searched_runs(count: int, held: Index) -> Index:
     """Numbers of the other runs."""
-    return np.setdiff1d(np.arange(len(misses)), held_out_runs(misses, seed)).astype(np.int64)
+    return np.setdiff1d(np.arange(count), held).astype(np.int64)
 
 
 def predicted(

@@ -35,7 +35,6 @@ from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Rejected
 from slipmargin.diagnosis.search import (
     Round,
-    State,
     fitted,
     longer,
     needed,
@@ -43,10 +42,10 @@ from slipmargin.diagnosis.search import (
     refitted,
     take_step,
     without,
-    worthwhile,
 )
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
+from slipmargin.diagnosis.state import State, worthwhile
 from slipmargin.diagnosis.verdict import Judgement, RunErrors, judge
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect
@@ -174,6 +173,8 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
     failures += tuple(
         f"every interval of the parameters of {label} contains the value that does nothing" for label in idle
     )
+    if not state.named and one.chi() <= SETTINGS.noise_chi:
+        failures += ("so near the noise free coefficients are not claimed: they also take up what is noise",)
     if failures:
         rejected.append(
             Rejected(

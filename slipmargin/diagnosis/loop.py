@@ -21,7 +21,7 @@ from slipmargin.diagnosis.findings import findings
 from slipmargin.diagnosis.fit import Fit, fit
 from slipmargin.diagnosis.general_forms import general_candidates
 from slipmargin.diagnosis.groups import in_groups
-from slipmargin.diagnosis.held_out import held_out_runs, score
+from slipmargin.diagnosis.held_out import held_out_runs, score, searched_runs
 from slipmargin.diagnosis.ladder import Checked, Court, check
 from slipmargin.diagnosis.leads import leads
 from slipmargin.diagnosis.left_over import left_over, like
@@ -31,9 +31,10 @@ from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.ranges import ranges, variables_of
 from slipmargin.diagnosis.residual_diagnostics import dependences
 from slipmargin.diagnosis.result import Diagnosis, Event, Finding, Step, TrialTrajectories, Tried, Verdict
-from slipmargin.diagnosis.search import Round, State, search, without
+from slipmargin.diagnosis.search import Round, search, without
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
+from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect
 from slipmargin.effects.confined import acting
@@ -84,7 +85,7 @@ def searched(
     count = len(data_set.trials)
     if held_runs is None:
         held_runs = held_out_runs(misses(data_set), seed)
-    seen_runs = np.setdiff1d(np.arange(count), held_runs).astype(np.int64)
+    seen_runs = searched_runs(count, held_runs)
     if data_set.sigma is None:
         data_set = replace(data_set, sigma=white_noise(tuple(data_set.trials[i] for i in seen_runs)))
     uncut = problem_of(data_set)
@@ -108,7 +109,7 @@ def _searched(
 ) -> Searched:
     """What a search finds in the runs, cut at these events."""
     problem, count = uncut, len(data_set.trials)
-    seen_runs = np.setdiff1d(np.arange(count), held_runs).astype(np.int64)
+    seen_runs = searched_runs(count, held_runs)
     runs: tuple[int, ...] = tuple(range(count))
     if events:
         records, runs = cut_apart(data_set.trials, events)

@@ -92,6 +92,7 @@ class Parameter:
     starts: tuple[float, ...] = ()  #: where fits start; empty: one scale above null
     idle: bool = False  #: whether it has no influence while the effect's first parameter is at null
     along: str = ""  #: "position" or "time": starts are shares of what the runs cover of it
+    usual: float | None = None  #: an end of the range that is an ordinary value; the null by default
 
 
 def parameter(
@@ -104,6 +105,7 @@ def parameter(
     starts: tuple[float, ...] = (),
     idle: bool = False,
     along: str = "",
+    usual: float | None = None,
 ) -> Parameter:
     """A :class:`Parameter` in one line; ``span`` is (lowest, null, highest) value."""
     low, null, high = span
@@ -118,6 +120,7 @@ def parameter(
         starts=starts,
         idle=idle,
         along=along,
+        usual=usual,
     )
 
 

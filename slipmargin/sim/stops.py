@@ -138,7 +138,8 @@ def next_stop(
             _, after, rises = turn(coef[piece, i], lag, 0.0)
             jumps = jumps or abs(after - before) > 1e-9 * (1.0 + abs(after))
             # A wheel that begins to follow a new command is past it before a long step looks again.
-            jumps = jumps or abs(rises - rising) * lag > FOLLOWS * (1.0 + abs(after))
+            if coef[piece, i, 4] != 0.0:
+                jumps = jumps or abs(rises - rising) * lag > FOLLOWS * (1.0 + abs(after))
     while pk < len(push) - 2 and push[pk + 1, 0] <= t + SAME_S:
         pk += 1
     stop = knots[piece + 1]
