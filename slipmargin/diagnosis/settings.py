@@ -125,8 +125,8 @@ class SearchSettings:
     stated_wrong: float = 1.5
     #: [1] … or this many times, where part of it lasts: whitening needs the sizes of both parts.
     stated_wrong_lasting: float = 1.1
-    #: [1] A camera is too slow for the motion where the roughness of what the model leaves is at most this share
-    #: of the poses' own: two estimates of one noise differ by 5 %.
+    #: [1] A camera is too slow for the motion where the roughness of what the model leaves is at most this
+    #: share of the poses' own: two estimates of one noise differ by 5 %.
     motion_seen_as_noise: float = 0.75
     #: [1] Noise is called smaller than stated where the whole residual is at most this share of the stated
     #: noise: nothing else is in it then.
