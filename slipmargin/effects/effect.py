@@ -174,6 +174,8 @@ class Effect(ABC):
     needs_wheel_phase: ClassVar[bool] = False
     #: Whether only logs that hold wheel angles show it: a whole turn's phase cannot be guessed.
     needs_wheel_angles: ClassVar[bool] = False
+    #: Where it counts, in words, where that is not in every command.
+    counts_in: ClassVar[str] = ""
     #: Parameters that no fit varies, with the values that a diagnosis compares once all else is fitted.
     scanned: ClassVar[Mapping[str, tuple[float, ...]]] = {}
 

@@ -35,6 +35,7 @@ class WheelRunout(WheelEffect):
     one_wheel = True
     needs_wheel_phase = True
     needs_wheel_angles = True
+    counts_in = "simulated motions and diagnose; limits and plans are those of round wheels"
     source = "eq. (2) with a radius that depends on the wheel's angle; positive = larger there"
     confirm = "lift the robot, turn the wheel against a dial gauge and read how far its rim moves in one turn"
 
