@@ -251,10 +251,11 @@ def judged() -> list[str]:
             ],
         ),
         "",
-        f"In {len(grew)} of {found['sets']} sets an effect was claimed although an error on held-out runs grew.",
-        f"Of {inside['intervals']} intervals {100.0 * inside['coverage']:.0f} % hold the planted value (95 % are",
-        f"stated); the median error is {inside['median_error_over_half_width']:.2f} of the half width.",
-        f"A set takes {found['seconds']['median']:.0f} s in the median, {found['seconds']['largest']:.0f} s at",
+        f"In {len(grew)} of {found['sets']} sets an effect was claimed although an error on held-out runs",
+        f"grew.  Of {inside['intervals']} intervals {100.0 * inside['coverage']:.0f} % hold the planted value,",
+        "95 % are stated; the median error is",
+        f"{inside['median_error_over_half_width']:.2f} of the half width.  A set takes",
+        f"{found['seconds']['median']:.0f} s in the median and {found['seconds']['largest']:.0f} s at",
         "most, two at a time on two cores.",
     ]
 

@@ -1,10 +1,10 @@
 """Wheel phases that are not in the log: the angle of each wheel at the start of a trial.
 
 Where only wheel speeds are logged, a wheel's angle is known but for a constant, its phase.  It matters
-only to models that depend on the wheel angle, and only within one roller's pitch, or a turn where a wheel is out
-of round.  On trials that a search
-may see, phases are fitted to the whole trial.  On a trial that is to be predicted they are fitted to its
-first part alone, with parameters that come from other trials; the score is then that of the rest.
+only to models that depend on the wheel angle, and only within one roller's pitch, or a turn where a wheel is
+out of round.  On trials that a search may see, phases are fitted to the whole trial.  On a trial that is to
+be predicted they are fitted to its first part alone, with parameters that come from other trials; the score
+is then that of the rest.
 """
 
 from __future__ import annotations

@@ -162,11 +162,8 @@ def test_a_robot_can_be_changed_while_it_is_read() -> None:
 @pytest.mark.parametrize(
     ("effect", "where"),
     [
-        ({"name": "camera_scale", "scale_x": 1.01}, "diagnose only"),
-        (
-            {"name": "wheel_runout", "cosine": 0.02, "wheels": ["1"]},
-            "limits and plans are those of round wheels",
-        ),
+        ({"name": "camera_rotation", "rotation_rad": 0.01}, "diagnose only"),
+        ({"name": "wheel_runout", "cosine": 0.02, "sine": 0.0, "wheels": ["rear"]}, "those of round wheels"),
     ],
 )
 def test_an_effect_that_a_command_does_not_use_is_said(
