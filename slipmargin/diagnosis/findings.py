@@ -57,9 +57,7 @@ def findings(
     """
     if not len(final.x):
         return ()
-    low, high, scale = limits_of(final.structure)
-    spread = intervals(final, leave_one_out(final), scale, _other_log(problem, final))
-    spread = replace(spread, low=np.maximum(spread.low, low), high=np.minimum(spread.high, high))
+    spread = _spread(problem, final)
     stuck = final.at_bound()
     found = []
     at = 0
@@ -116,6 +114,23 @@ def findings(
             )
         )
     return tuple(found)
+
+
+def doubted(problem: Problem, final: Fit) -> bool:
+    """Whether the evidence of some named effect of a fit does not carry its name."""
+    spread, stuck = _spread(problem, final), final.at_bound()
+    at = np.cumsum([0, *(c.size for c in final.structure)])
+    spans = [slice(*ends) for ends in zip(at[:-1], at[1:], strict=True)]
+    return any(
+        _doubts(candidate, final.x[span], spread.low[span], spread.high[span], stuck)
+        for candidate, span in zip(final.structure, spans, strict=True)
+    )
+
+
+def _spread(problem: Problem, final: Fit) -> Intervals:
+    low, high, scale = limits_of(final.structure)
+    spread = intervals(final, leave_one_out(final), scale, _other_log(problem, final))
+    return replace(spread, low=np.maximum(spread.low, low), high=np.minimum(spread.high, high))
 
 
 def _other_log(problem: Problem, final: Fit) -> Array:

@@ -23,6 +23,7 @@ from slipmargin.checks import Index
 from slipmargin.data.record import Record
 from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.findings import doubted
 from slipmargin.diagnosis.fit import evaluate
 from slipmargin.diagnosis.held_out import (
     Prediction,
@@ -173,8 +174,8 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
     failures += tuple(
         f"every interval of the parameters of {label} contains the value that does nothing" for label in idle
     )
-    if not state.named and one.chi() <= SETTINGS.noise_chi:
-        failures += ("so near the noise free coefficients are not claimed: they also take up what is noise",)
+    if one.chi() <= SETTINGS.noise_chi and (not state.named or doubted(state.view, state.fit)):
+        failures += ("so near the noise only names that their own evidence carries are claimed",)
     if failures:
         rejected.append(
             Rejected(
