@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -120,7 +121,7 @@ def doubted(problem: Problem, final: Fit) -> bool:
     """Whether the evidence of some named effect of a fit does not carry its name."""
     spread, stuck = _spread(problem, final), final.at_bound()
     at = np.cumsum([0, *(c.size for c in final.structure)])
-    spans = [slice(*ends) for ends in zip(at[:-1], at[1:], strict=True)]
+    spans = [slice(a, b) for a, b in pairwise(at)]
     return any(
         _doubts(candidate, final.x[span], spread.low[span], spread.high[span], stuck)
         for candidate, span in zip(final.structure, spans, strict=True)
