@@ -51,3 +51,5 @@ def test_few_runs_that_show_it_are_on_both_sides(seed: int) -> None:
     assert len(held) == 2 and 4 in held and 1 not in held
     assert {tuple(held_out_runs(np.linspace(9.0, 8.0, 20), s)) for s in range(5)} != {tuple(held)}
     assert len(held_out_runs(misses[:5], seed)) == 0
+    near = np.array([1.0, 3.7, 1.01, 0.93, 0.96, 1.33, 1.11])
+    assert 5 in held_out_runs(near, seed) and 1 not in held_out_runs(near, seed)
