@@ -174,8 +174,8 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
     failures += tuple(
         f"every interval of the parameters of {label} contains the value that does nothing" for label in idle
     )
-    if one.chi() <= SETTINGS.noise_chi and (not state.named or doubted(state.view, state.fit)):
-        failures += ("so near the noise only names that their own evidence carries are claimed",)
+    if one.chi() <= SETTINGS.noise_chi and doubted(state.view, state.fit):
+        failures += ("so near the noise only a name that its own evidence carries is claimed",)
     if failures:
         rejected.append(
             Rejected(
