@@ -99,7 +99,10 @@ def values(found: Fit) -> dict[str, float]:
 
 
 def physical(recipe: Recipe, found: Fit) -> dict[str, tuple[float, float, float]]:
-    """Value, low, high (95 %, all together) of what a scale, a spring balance or a ruler could check."""
+    """Value, low, high of what a scale, a spring balance or a ruler could check.
+
+    95 % of each parameter; a load reaches to the farthest corner of these.
+    """
     low, high, scale = limits_of(found.structure)
     sure = intervals(found, leave_one_out(found), scale, np.zeros(len(found.x)))
     low, high = np.maximum(low, sure.low), np.minimum(high, sure.high)

@@ -54,10 +54,7 @@ def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) 
 
     count, size = leave_one_out.shape
     flat = found.jacobian.reshape(-1, size) * scale
-    seen = int(np.count_nonzero(found.residual))
-    reduced = max(1.0, found.cost / max(1, seen - size))
-    covariance = np.linalg.pinv(flat.T @ flat) * reduced
-    deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0)) * scale
+    deviation = deviations(found, scale)
     sure = 0.5 * (1.0 + _SURE)
     quantile = float(ndtri(sure))
     apart, agree = _disagreement(found, scale)
@@ -73,6 +70,15 @@ def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) 
         deviation=deviation,
         excitation=np.asarray(np.linalg.svd(flat, compute_uv=False)),
     )
+
+
+def deviations(found: Fit, scale: Array) -> Array:
+    """Standard deviations (P,) where the trials agree within their noise, times the reduced χ² above 1."""
+    flat = found.jacobian.reshape(-1, len(scale)) * scale
+    seen = int(np.count_nonzero(found.residual))
+    reduced = max(1.0, found.cost / max(1, seen - len(scale)))
+    covariance = np.linalg.pinv(flat.T @ flat) * reduced
+    return np.asarray(np.sqrt(np.maximum(np.diag(covariance), 0.0)) * scale)
 
 
 def _disagreement(found: Fit, scale: Array) -> tuple[Array, bool]:

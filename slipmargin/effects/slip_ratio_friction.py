@@ -22,7 +22,7 @@ class SlipRatioFriction(WheelEffect):
     v_hub is the speed at which the floor passes under the wheel; far below ``crawl_m_s`` v_0 the law is
     one of speed again.  Along f̂ (over free rollers) κ is ``transverse_factor`` times what it is along ĝ.
     A law has constants of its own: its μ_T is ``transverse_coefficient_factor`` times what was stated for
-    eq. (11); that of μ_W steady motion does not show.
+    eq. (11), its μ_W ``drive_coefficient_factor`` times, which only accelerating shows.
     """
 
     name = "slip_ratio_friction"
@@ -65,6 +65,13 @@ class SlipRatioFriction(WheelEffect):
             0.1,
             "transverse coefficient of this law over the stated one",
         ),
+        parameter(
+            "drive_coefficient_factor",
+            "1",
+            (0.1, 1.0, 10.0),
+            0.1,
+            "drive coefficient of this law over the stated one",
+        ),
     )
     variants = (
         Variant(free=("steepness",), fixed={"share": 1.0}),
@@ -72,6 +79,16 @@ class SlipRatioFriction(WheelEffect):
             free=("steepness", "transverse_factor", "transverse_coefficient_factor"),
             fixed={"share": 1.0},
             label="with its own constants across",
+        ),
+        Variant(
+            free=(
+                "steepness",
+                "transverse_factor",
+                "transverse_coefficient_factor",
+                "drive_coefficient_factor",
+            ),
+            fixed={"share": 1.0},
+            label="with its own constants along and across",
         ),
         Variant(free=("steepness", "crawl_m_s"), fixed={"share": 1.0}, label="from a crawl on"),
     )
@@ -85,6 +102,7 @@ class SlipRatioFriction(WheelEffect):
     transverse_factor: float = 1.0
     crawl_m_s: float = 1e-3
     transverse_coefficient_factor: float = 1.0
+    drive_coefficient_factor: float = 1.0
 
     def rewrite(self, part: Grip, nominal: Model) -> Grip:
         """Grip whose steepness goes with the inverse of the hub's speed."""
@@ -106,5 +124,6 @@ class SlipRatioFriction(WheelEffect):
         else:
             terms = (creep(along, Target.STIFFNESS_DRIVE), creep(across, Target.STIFFNESS_TRANSVERSE))
         coefficients = part.roller.copy()
-        coefficients[:, 1] *= 1.0 + weights * (self.transverse_coefficient_factor - 1.0)
+        factors = np.array([self.drive_coefficient_factor, self.transverse_coefficient_factor])
+        coefficients *= 1.0 + weights[:, None] * (factors - 1.0)
         return replace(part, roller=coefficients, multipliers=(*part.multipliers, *terms))

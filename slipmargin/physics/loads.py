@@ -130,6 +130,22 @@ def sharing_matrix(position_m: Array) -> Array:
     return np.asarray(np.linalg.pinv(moments), dtype=np.float64)
 
 
+def out_of_plane(position_m: Array) -> Array:
+    """(N,) load shifts where the first wheel carries 1 more because its contact is below the others' plane.
+
+    They have neither resultant nor moment: Π e_1 / Π_11 with the projector Π = 1 − A A⁺, A = [1, x, y].
+    Zero for three wheels; every such shift for four; for more, one of several.
+    """
+    left = _projector(position_m)
+    return np.asarray(left[:, 0] / left[0, 0] if left[0, 0] > 1e-9 else 0.0 * left[:, 0])
+
+
+def _projector(position_m: Array) -> Array:
+    """Π (N, N): what is left of heights of the contacts less the plane that fits them best."""
+    plane = np.column_stack([np.ones(len(position_m)), position_m])
+    return np.asarray(np.eye(len(plane)) - plane @ np.linalg.pinv(plane))
+
+
 def uneven_shifts(position_m: Array, stiffness_N_per_m: float, unevenness_m: float) -> Array:
     """(V, N) load shifts [N] where one wheel's contact lies above or below the plane of the others.
 
@@ -137,10 +153,8 @@ def uneven_shifts(position_m: Array, stiffness_N_per_m: float, unevenness_m: flo
     fits the heights best, and what is left presses, N ← N + c (1 − A A⁺) δ with A = [1, x, y].  Corners that
     lie within others are left out: four wheels have two.
     """
-    plane = np.column_stack([np.ones(len(position_m)), position_m])
-    left = np.eye(len(plane)) - plane @ np.linalg.pinv(plane)
-
-    if len(plane) == 4:  # one pattern (+, −, +, −): the wheel that shifts most is the band's end
+    left = _projector(position_m)
+    if len(left) == 4:  # one pattern (+, −, +, −): the wheel that shifts most is the band's end
         left = left[:, [int(np.argmax(np.round(np.diag(left), 9)))]]
     corners = stiffness_N_per_m * unevenness_m * left.T
     return np.vstack([corners, -corners])

@@ -26,6 +26,8 @@ from slipmargin.sim.wheels import follow
 
 RTOL = 1e-6
 MAX_STEPS = 2_000_000
+#: A load below zero by more than rounding: the wheel has lifted [m g/N].
+LIFTED = 1e-9
 _THREADS = os.cpu_count() or 1
 #: Fewer runs than this are over sooner than threads are handed their work.
 _FEW = 4
@@ -175,6 +177,7 @@ class Batch:
         rtol: float = RTOL,
         atol: float | None = None,
         max_steps: int = MAX_STEPS,
+        held_down: float = LIFTED,
     ) -> Outcome:
         """Simulate.
 
@@ -192,6 +195,8 @@ class Batch:
             Also return wheel angles, slip, forces, loads and grip utilisation.
         rtol, atol : float
             Error per step: rtol |state| + atol [m, rad, m/s, rad/s]; atol is rtol/100 by default.
+        held_down : float
+            A run ends where the floor would have to pull a wheel down by more than this [m g/N].
 
         Returns
         -------
@@ -213,7 +218,7 @@ class Batch:
         tasks = np.zeros((runs, TASK + n))
         tasks[:, :3] = start_pose
         tasks[:, 3:6] = 0.0 if start_twist is None else start_twist
-        tasks[:, 6:TASK] = rtol, 0.01 * rtol if atol is None else atol, max_steps
+        tasks[:, 6:TASK] = rtol, 0.01 * rtol if atol is None else atol, max_steps, held_down
         _to_centre(tasks, com)
         out = np.empty((runs, longest, 6 + TOLD * n if tell else 6))
         rows = models.copy()  # writable like all other arrays: one compilation serves them

@@ -48,9 +48,10 @@ _CW, _CT = at.VISCOUS_W, at.VISCOUS_T
 DONE, TIPS, NOT_FINITE, STUCK, TOO_LONG = range(5)
 #: Columns of what is told of each wheel: angle, slip (2), force (2), load, coefficients (2), slopes (2).
 TOLD = 10
-#: Entries of a run's task: state at the start (6), relative and absolute error, most steps; and of what
-#: comes back in their place: status, time reached, steps taken and rejected.
-START, RTOL, ATOL, MOST, TASK = 0, 6, 7, 8, 9
+#: Entries of a run's task: state at the start (6), relative and absolute error, most steps, the pull that
+#: a wheel may bear before the run ends [m g/N]; and of what comes back in their place: status, time
+#: reached, steps taken and rejected.
+START, RTOL, ATOL, MOST, PULL, TASK = 0, 6, 7, 8, 9, 10
 
 
 @spliced
@@ -178,7 +179,7 @@ def run(
     pose = len(columns) > 0 and (columns[0] < 3 or (columns[0] >= moving and columns[0] < m))
     status, steps, rejected = DONE, 0, 0
     row, total, pk = 0, len(times), 0
-    least, h, restart, t = -1e-9 * P[_LEAST], 1e-4, 1e-4, knots[0]
+    least, h, restart, t = -task[PULL] * P[_LEAST], 1e-4, 1e-4, knots[0]
     stop, until, first, fresh, switched = t, knots[len(knots) - 1], True, True, True
     c, k0 = coef[0], t
     while True:
