@@ -29,7 +29,8 @@ def explore(
 ) -> None:
     """Open a page with sliders for friction, centre of mass, wheel angle and margin; limits follow at once.
 
-    The page is served to this machine only (127.0.0.1) and asks no other host for anything.  Ctrl-C ends it.
+    The page is served to this machine only (127.0.0.1) and asks no other host for anything.  Ctrl-C ends it,
+    with exit status 130.
     """
     from webbrowser import open_new_tab
 
@@ -38,13 +39,14 @@ def explore(
     with at_options(surface="--surface", port="--port"):
         page = sm.explore(robot, surface, report=report)
         server = page.serve(port)
-    say(f"{page.design.robot.name} on {page.design.surface}: {server.address}", "Ctrl-C ends it.")
-    say_at_once(*(f"warning: {line}" for line in page.warnings))
-    if not no_browser:
-        open_new_tab(server.address)
     try:
+        say(f"{page.design.robot.name} on {page.design.surface}: {server.address}", "Ctrl-C ends it.")
+        say_at_once(*(f"warning: {line}" for line in page.warnings))
+        if not no_browser:
+            open_new_tab(server.address)
         server.serve_forever()
     except KeyboardInterrupt:
-        pass
+        say_at_once(f"stopped: {server.address} is closed")
+        raise
     finally:
         server.server_close()

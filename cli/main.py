@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import importlib
 import io
+import logging
 import os
 import sys
 import warnings
@@ -68,6 +69,7 @@ def run() -> None:
     """Entry point of the ``slipmargin`` script; libraries' warnings only for those who ask for them."""
     if not sys.warnoptions and not os.environ.get("SLIPMARGIN_DEBUG"):
         warnings.simplefilter("ignore")
+        logging.getLogger("matplotlib").setLevel(logging.ERROR)  # where its cache is
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed before the program began
             setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_WRONLY), "w", encoding="utf-8"))

@@ -64,8 +64,8 @@ axes.legend()
 print(f"lost at 0.1 m/s: {100 * lost_by_speed[0]:.1f} %, at 0.2 m/s: {100 * lost_by_speed[1]:.1f} %")
 
 # %% [markdown]
-# It depends on the direction and hardly on the speed. Eq. (11), F = μ N (2/π) atan(k u), cannot say that: the
-# sliding speed u that a force needs is the same at any driving speed, so the lost share would halve at
+# It depends on the direction and hardly on the speed. Eq. (11), F = μ N (2/π) atan(k u), cannot say that. In
+# it the sliding speed u that a force needs is the same at any driving speed, so the lost share would halve at
 # twice the speed. First candidate: creep, u over driving speed (`slip_ratio_friction`). A force that depends
 # on the direction: drag of the
 # rollers (the law's own constants across the wheels), loads (`wheel_loads`). A run
@@ -119,9 +119,9 @@ for name, value in witness.items():
 # %% [markdown]
 # ## What it means for the robot: slip limits on this floor, before and after
 #
-# In units of the weight times the drive coefficient (steady runs tell only ratios of coefficients; the
-# currents of the whole campaign say that the coefficient is about 1.1 times the gear's efficiency). And the
-# limit is no cliff: with the steepness found, the share λ of the grip costs tan(π λ / 2) / κ of the way.
+# The unit is the weight times the drive coefficient: steady runs tell only ratios of coefficients. The
+# currents of the whole campaign say that the coefficient is about 1.1 times the gear's efficiency. And the
+# limit is no cliff. With the steepness found, the share λ of the grip costs tan(π λ / 2) / κ of the way.
 
 # %%
 kappa = values(found)[f"{LAW}.steepness"]
@@ -133,8 +133,9 @@ for label, told in (("before", limits(campaign.recipe)), ("after", limits(recipe
 # ## What remains
 #
 # The rest of the residual comes round with the wheels. Encoders begin at 0 in every run, so nobody knows
-# where the rollers stood; but whatever the angle, what is left repeats 6 times a turn, in the whole campaign
-# at both speeds and in all three wheels, and 3 times in two of them, as two rows of three rollers would.
+# where the rollers stood. But whatever the angle, what is left repeats 6 times a turn: in the whole campaign,
+# at both speeds and in all three wheels. In two of them it also repeats 3 times, as two rows of three rollers
+# would.
 # It is the paper's own effect, the wheel's angle, on another robot. The runs here are too few to show it.
 
 # %%
@@ -144,9 +145,9 @@ for speed, lines in rest.items():
     print(speed, "; ".join(lines) or "nothing that so few runs could show")
 
 # %% [markdown]
-# * A wheel that rolls averages over its rollers. One that stands keeps one angle for the whole run: in the
-#   four runs straight along wheel 2's axle the error goes from −5 to +12 % of the way, the runs 5° beside
-#   them do not follow, and the motors of the other two feel it: their currents rise in the same order.
+# * A wheel that rolls averages over its rollers. One that stands keeps one angle for the whole run. In the
+#   four runs straight along wheel 2's axle the error goes from −5 to +12 % of the way. The runs 5° beside
+#   them do not follow. The motors of the other two feel it: their currents rise in the same order.
 # * Only ratios of coefficients follow from steady runs. The level comes from the currents, but for the gear.
 # * The shape of the friction law (atan, tanh, brush) is not decided by these data.
 

@@ -14,8 +14,8 @@
 # # The static limit is not an acceleration limit
 #
 # Fig. 8 says how hard a *standing* robot can be pulled.  It is tempting to divide by the mass and call the
-# result an acceleration.  For this robot that is 3.3 times too optimistic along X: a standing wheel may push
-# sideways either way, but in motion its rollers turn, and their friction can only be drag.
+# result an acceleration.  For this robot that is 3.3 times too optimistic along X. A standing wheel may push
+# sideways either way. In motion its rollers turn, and their friction can only be drag.
 
 # %%
 # %matplotlib inline

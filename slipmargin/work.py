@@ -19,6 +19,8 @@ STANDING_STATES, MOVING_STATES, ROBUST_STATES = 1024, 256, 64
 CONE_WHEELS = 60_000
 #: Rows of a table that a command makes: a planned or simulated motion, a log on one clock.
 ROWS = 2_000_000
+#: Bytes of a file that is held whole (a robot, a trajectory), and letters of one line of any text.
+FILE_B, LINE = 1 << 29, 1 << 24
 
 
 def allow(place: str, size: float, most: float, what: str, cure: str) -> None:

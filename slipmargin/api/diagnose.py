@@ -154,7 +154,7 @@ def diagnose(
         return _campaign(data, source, seed, progress, budget_s)
     if not data.trials:
         _check_sense(data, source)
-        return _pulls(data, source, seed, progress)
+        return _pulls(data, source, seed, progress, budget_s)
     turned = data_set_in(data, FRAME)
     mended = repaired(turned)
     _check_sense(data_set_in(mended.data_set, data.recipe.robot.convention), source)
@@ -189,14 +189,14 @@ def _campaign(
 
 
 def _pulls(
-    data: DataSet, source: str, seed: int, progress: Callable[[str, float], None]
+    data: DataSet, source: str, seed: int, progress: Callable[[str, float], None], budget_s: float | None
 ) -> PullDiagnosisResult:
     from slipmargin.api.diagnose_pulls import PullDiagnosisResult
     from slipmargin.diagnosis.limits_change import limits_change
     from slipmargin.diagnosis.pull_diagnosis import diagnose_pulls
 
     try:
-        found = diagnose_pulls(data, seed=seed, progress=progress)
+        found = diagnose_pulls(data, seed=seed, progress=progress, budget_s=budget_s)
     except InputError as fault:
         raise fault if fault.source else fault.in_file(source) from None
     progress("limits before and after", 0.2)

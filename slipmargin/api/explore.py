@@ -80,9 +80,10 @@ class Explorer:
 
         if tool not in _ENDING:
             raise InputError("export", f"is {tool!r}", f"use one of: {', '.join(_ENDING)}")
-        now, found = self._settings(values), self._sets(values)
-        yaw = None if now.yaw_share == YAW_SHARE else found.reserved_rad_s2
-        text = export_text(tool, self._bounds(now, yaw)) if tool == "json" else sets_text(tool, found)
+        now = self._settings(values)
+        yaw = None if now.yaw_share == YAW_SHARE else self._sets(values).reserved_rad_s2
+        whole = tool == "json"
+        text = export_text(tool, self._bounds(now, yaw)) if whole else sets_text(tool, self._sets(values))
         robot = f"{now.design.robot.name}.toml" if now.changed else self.name
         words = ["slipmargin bounds", robot, "--surface", now.design.surface]
         words += ["--margin", repr(now.margin)] if now.margin != MARGIN else []

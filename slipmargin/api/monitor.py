@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from io import TextIOBase
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
@@ -257,11 +258,13 @@ class SlipMonitor:
     @staticmethod
     def lines(source: Path | str, stream: Iterable[str] | None = None) -> Lines:
         """Lines of a log file, read one at a time, or of a given stream; the first can be looked at."""
-        from slipmargin.io.source import lines_of, utf8
+        from slipmargin.io.source import lines_of, utf8, whole_lines
         from slipmargin.onboard.stream import Lines
 
-        read = lines_of(Path(source)) if stream is None else utf8(stream, str(source))
-        return Lines(str(source), read)
+        if stream is None:
+            return Lines(str(source), lines_of(Path(source)))
+        given = whole_lines(stream, str(source)) if isinstance(stream, TextIOBase) else stream
+        return Lines(str(source), utf8(given, str(source)))
 
     @classmethod
     def of_header(cls, robot: RobotLike, surface: str, lines: Lines, **others: Any) -> SlipMonitor:

@@ -29,11 +29,14 @@ from slipmargin.diagnosis.pull_search import (
 )
 from slipmargin.diagnosis.pull_unseen import LEAST_SHARE, WORSE, PullScore, Unseen
 from slipmargin.diagnosis.result import Estimate, Finding, Step, Tried, Verdict
+from slipmargin.diagnosis.watch import Watch, cut_short
 from slipmargin.effects import Effect, Quantity, Recipe, Trace
 from slipmargin.errors import InputError
 
 #: Parts of the settings that are left out of the whole search in turn.
 _FOLDS = 5
+#: Share of the time for the search in all pulls; the others are for those without a part, in equal shares.
+_FIRST_SHARE = 0.3
 #: Coverage of the intervals.
 _SURE = 0.95
 _GENERAL_CONFIRM = "pull in further directions, at other points of the body, and see whether it holds"
@@ -85,7 +88,11 @@ class PullDiagnosis:
 
 
 def diagnose_pulls(
-    data_set: DataSet, *, seed: int = 0, progress: Callable[[str, float], None] = lambda stage, share: None
+    data_set: DataSet,
+    *,
+    seed: int = 0,
+    progress: Callable[[str, float], None] = lambda stage, share: None,
+    budget_s: float | None = None,
 ) -> PullDiagnosis:
     """Find what the model of a data set lacks from its pulls alone.
 
@@ -97,6 +104,9 @@ def diagnose_pulls(
         Draws the parts that are left out and the surrogate noise; the same seed gives the same answer.
     progress : callable (stage, share)
         Called with what is being done and how far it is (0 … 1).
+    budget_s : float, optional
+        Seconds after which the searches stop; what they found until then is judged, which takes a few seconds
+        more.
 
     Raises
     ------
@@ -106,24 +116,29 @@ def diagnose_pulls(
     pulls = data_set.pulls
     if pulls is None:
         raise InputError("pulls.csv", "is not there", "add it", data_set.name)
+    watch = Watch.of(progress, budget_s)
     progress("reading the noise", 0.0)
     sigma, freedom, repeated = noise_N(pulls)
     problem = PullProblem.of(data_set.recipe, data_set.surface, pulls, sigma)
     candidates = pull_candidates(problem)
     progress("searching in all pulls", 0.0)
-    state, rounds = search(problem, problem.everyone, candidates, seed)
+    first = watch.part(_FIRST_SHARE)
+    state, rounds = search(problem, problem.everyone, candidates, seed, first)
     scatter = _scatter(problem, state.fit)
     if pulls.sigma_N is None and scatter < (1.0 - LEAST_SHARE) * sigma:
         # What the wheels stood on is part of the scatter of repeats; the model found says how large a part.
         sigma = scatter
         problem = PullProblem.of(data_set.recipe, data_set.surface, pulls, sigma)
-        state, rounds = search(problem, problem.everyone, candidates, seed)
+        state, rounds = search(problem, problem.everyone, candidates, seed, first)
+    was_cut = first.expired
     split = _parts(len(problem.rows), seed)
     without: list[PullState] = []
     for number, part in enumerate(split):
         progress("searching without some of the orientations", number / len(split))
         others = np.setdiff1d(problem.everyone, part).astype(np.int64)
-        without.append(search(problem, others, candidates, seed)[0])
+        left = watch.part(1.0 / (len(split) - number))
+        without.append(search(problem, others, candidates, seed, left)[0])
+        was_cut |= left.expired
     unseen = Unseen.of(problem, split, without, freedom, seed)
     names = [{c.name for c in s.structure} for s in without]
     own = {c.name for c in state.structure}
@@ -159,7 +174,10 @@ def diagnose_pulls(
         next_pulls=ahead,
         recipe=data_set.recipe,
         corrected=data_set.recipe.with_effects(*state.fit.effects) if taken else data_set.recipe,
-        remarks=_remarks(problem, state, unseen, repeated, taken=taken),
+        remarks=(
+            *(cut_short(budget_s) if was_cut else ()),
+            *_remarks(problem, state, unseen, repeated, taken=taken),
+        ),
     )
 
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from slipmargin.checks import Array, Index
 from slipmargin.data.pulls import Pulls
+from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.effects.recipe import with_effects
 from slipmargin.errors import InputError, NoSolution
@@ -146,6 +147,7 @@ class PullProblem:
     settings: Array
     which: Index
     rows: Index
+    watch: Watch | None = None  #: ends a search, where it is asked for residuals after its time
 
     @staticmethod
     def of(recipe: Recipe, surface: str, pulls: Pulls, sigma_N: float) -> PullProblem:
@@ -188,6 +190,11 @@ class PullProblem:
         """For each set of effects, the residuals (R_k, 2 K) of its groups, zero where there is no pull.
 
         They are :data:`_WILD` where the model cannot stand.
+
+        Raises
+        ------
+        OutOfTime
+            Once the time of ``watch`` is over.
         """
         return [self._residual(e, groups) for e, groups in zip(effects, trials, strict=True)]
 
@@ -196,6 +203,8 @@ class PullProblem:
         return self
 
     def _residual(self, effects: tuple[AnyEffect, ...], groups: Index) -> Array:
+        if self.watch is not None:
+            self.watch.check()
         rows = self.rows[groups]
         there = rows >= 0
         which, theta = np.nonzero(there)[0], self.pulls.theta_rad

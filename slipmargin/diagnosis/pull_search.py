@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -28,6 +28,7 @@ from slipmargin.diagnosis.fit import (
     tangents,
 )
 from slipmargin.diagnosis.pull_problem import PullProblem
+from slipmargin.diagnosis.watch import OutOfTime, Watch
 from slipmargin.errors import InputError
 
 #: An effect is taken only if luck gives as much, among all candidates, no more often than this [1].
@@ -174,13 +175,24 @@ def no_worse(state: PullState, best: PullState) -> bool:
 
 
 def search(
-    problem: PullProblem, groups: Index, candidates: Sequence[Candidate], seed: int
+    problem: PullProblem,
+    groups: Index,
+    candidates: Sequence[Candidate],
+    seed: int,
+    watch: Watch | None = None,
 ) -> tuple[PullState, list[PullRound]]:
-    """The effects that these groups of pulls ask for, and the rounds in which they were found."""
+    """The effects that these groups of pulls ask for, and the rounds in which they were found.
+
+    The round in which the time of the ``watch`` ends tries nothing and takes nothing.
+    """
     state = state_of(problem, evaluate(problem, (), np.zeros(0), groups))
     rounds: list[PullRound] = []
+    timed = replace(problem, watch=watch)
     while len(state.structure) < MOST_EFFECTS:
-        step = _take_step(problem, state, candidates, seed)
+        try:
+            step = _take_step(timed, state, candidates, seed)
+        except OutOfTime:
+            step = PullRound(before=state, tried=(), best=None, p_value=1.0, taken=False)
         rounds.append(step)
         if not step.taken or step.best is None:
             break

@@ -12,6 +12,19 @@ from slipmargin.errors import InputError
 
 
 @final
+class OutOfTime(Exception):
+    """A step of a search was left because its time is over; what earlier steps found stands."""
+
+
+def cut_short(budget_s: float | None) -> tuple[str, ...]:
+    """What a report says of a search that its budget ended."""
+    return (
+        f"The time budget of {budget_s:g} s ended the search: this is the best answer until then; candidates "
+        "that were not reached, and further effects, were not tried.",
+    )
+
+
+@final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Watch:
     """Reports progress; ``until_s`` is when time runs out on the process's monotonic clock, None: never."""
@@ -43,6 +56,24 @@ class Watch:
     def expired(self) -> bool:
         """Whether the time is over."""
         return self.until_s is not None and time.monotonic() >= self.until_s
+
+    def check(self) -> None:
+        """Leave the step of a search that is being made.
+
+        Raises
+        ------
+        OutOfTime
+            If the time is over.
+        """
+        if self.expired:
+            raise OutOfTime
+
+    def part(self, share: float) -> Watch:
+        """The same watch for a share (0 to 1) of the time that is left."""
+        if self.until_s is None:
+            return self
+        now = time.monotonic()
+        return replace(self, until_s=now + share * max(0.0, self.until_s - now))
 
     def staged(self, stage: str) -> Watch:
         """The same watch with texts that begin with the stage."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from slipmargin.data.data_set import DataSet
 from slipmargin.errors import InputError
 from slipmargin.io.robot_text import write_recipe
-from slipmargin.io.stage import NEW, OLD, staged, sweep
+from slipmargin.io.stage import NEW, OLD, check_possible, staged, sweep
 from slipmargin.io.trial_file import pulls_text, trial_parts, trial_text
 
 
@@ -52,6 +52,7 @@ def check_data_set_place(folder: Path) -> None:
     InputError
         Where the folder exists and is neither empty nor a data set, or its parent does not exist.
     """
+    check_possible(folder)
     sweep(folder.resolve())  # what a killed run took away comes back
     if folder.is_dir():
         if any(folder.iterdir()) and not (folder / "dataset.toml").is_file():

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Mapping
 from pathlib import Path
 
 from slipmargin.errors import InputError
-from slipmargin.io.stage import NEW, staged
+from slipmargin.io.stage import NEW, check_possible, staged
 from slipmargin.io.writes import write_together
 
 
@@ -17,9 +18,10 @@ def check_folder(folder: Path | str) -> None:
     Raises
     ------
     InputError
-        Where it, or a folder on the way to it, is a file, or writing is not permitted.
+        Where it, or a folder on the way to it, is a file, or no path can be so, or writing is not permitted.
     """
     path = Path(folder)
+    check_possible(path)
     near = next(p for p in (path, *path.absolute().parents) if p.exists())
     if not near.is_dir():
         raise InputError("", "is a file", "give a folder", str(near))
@@ -50,8 +52,14 @@ def write_folder(folder: Path | str, files: Mapping[str, str | bytes]) -> None:
         with staged(path) as stage:
             (stage / NEW).mkdir()
             write_together({stage / NEW / name: content for name, content in files.items()})
-            (stage / NEW).rename(path)
+            with contextlib.suppress(OSError):
+                (stage / NEW).rename(path)
+                return
+        if not path.is_dir():
+            raise InputError("", "cannot be made", "choose another place", str(path))
+        write_together({path / name: content for name, content in files.items()})  # another run made it first
     except BaseException:
         for parent in made:
-            parent.rmdir()
+            with contextlib.suppress(OSError):  # another run's results stand in it
+                parent.rmdir()
         raise

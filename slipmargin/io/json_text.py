@@ -17,6 +17,10 @@ def json_text(value: Any, indent: int | None = 1) -> str:
 
 
 def _plain(value: Any) -> Any:
+    if type(value) is float:  # nearly every value of a table
+        return value if math.isfinite(value) else None
+    if type(value) is str:
+        return value
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, Enum):

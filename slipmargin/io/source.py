@@ -6,13 +6,18 @@ import contextlib
 import io
 import os
 from collections.abc import Iterable, Iterator
+from functools import partial
 from pathlib import Path
+from typing import BinaryIO, TextIO
 
 from slipmargin.errors import InputError
 from slipmargin.notice import reading
+from slipmargin.work import FACTOR, FILE_B, LINE, fits
 
 #: Lines after which the progress of reading is told.
 EACH = 20_000
+#: Bytes that are read at once of a file that is held whole.
+_PART = 1 << 24
 
 
 def read_text(path: Path) -> str:
@@ -61,6 +66,21 @@ def utf8(lines: Iterable[str], source: str) -> Iterator[str]:
         yield line
 
 
+def whole_lines(text: TextIO | io.TextIOBase, source: str) -> Iterator[str]:
+    """The lines of a stream, each with its end; what never ends a line is not waited for.
+
+    Raises
+    ------
+    InputError
+        With the number of a line of more than :data:`~slipmargin.work.LINE` letters.
+    """
+    for number, line in enumerate(iter(partial(text.readline, LINE), ""), 1):
+        if len(line) == LINE and not line.endswith("\n"):
+            problem, cure = f"this line has more than {LINE} letters", "give a text file with a line a row"
+            raise InputError(f"{number}:1", problem, cure, source)
+        yield line
+
+
 def lines_of(path: Path, *, strict: bool = True) -> Iterator[str]:
     """The lines of a UTF-8 file, one at a time, so that a log of any length is read in little memory.
 
@@ -80,7 +100,8 @@ def lines_of(path: Path, *, strict: bool = True) -> Iterator[str]:
         size = max(1, os.fstat(raw.fileno()).st_size)
         seeks = raw.seekable()  # a pipe does not, and nobody knows its length
         text = io.TextIOWrapper(raw, encoding="utf-8-sig", errors="surrogateescape" if strict else "replace")
-        for number, line in enumerate(utf8(text, str(path)) if strict else text):
+        lines = whole_lines(text, str(path))
+        for number, line in enumerate(utf8(lines, str(path)) if strict else lines):
             if seeks and number % EACH == EACH - 1:
                 reading(path.name, raw.tell() / size)
             yield line.rstrip("\n")
@@ -92,14 +113,22 @@ def read_bytes(path: Path, unless: tuple[bytes, ...] = ()) -> bytes:
     Raises
     ------
     InputError
-        Where there is no such file, it is a folder, or it may not be read.
+        Where there is no such file, it is a folder, it may not be read, or it is too large to be held.
     """
-    with _told(path):
-        if not unless:
-            return Path(path).read_bytes()
-        with Path(path).open("rb") as raw:  # a pipe can be read only once
-            start = raw.read(max(map(len, unless)))
-            return start if start.startswith(unless) else start + raw.read()
+    with _told(path), Path(path).open("rb") as raw:  # a pipe can be read only once
+        start = raw.read(max(map(len, unless), default=0))
+        return start if unless and start.startswith(unless) else start + _rest(raw, path)
+
+
+def _rest(raw: BinaryIO, path: Path) -> bytes:
+    parts, size = [], 0
+    while part := raw.read(_PART):
+        parts.append(part)
+        size += len(part)
+        if not fits(size, FILE_B):
+            problem = f"holds more than {FILE_B >> 20} MiB"
+            raise InputError("", problem, f"give a smaller file, or set {FACTOR}=10", str(path))
+    return b"".join(parts)
 
 
 @contextlib.contextmanager

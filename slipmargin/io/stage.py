@@ -7,6 +7,7 @@ locked while its run lives, and the system frees the lock however the run ends.
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import shutil
 import sys
@@ -14,9 +15,36 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+from slipmargin.errors import InputError
+
 #: Names in a stage: what is made, and what it replaces until it has replaced it.
 NEW, OLD = "new", "old"
 _END = ".part"
+#: What the system says of a path that nothing can ever have.
+_IMPOSSIBLE = {
+    errno.ELOOP: "is a symbolic link that leads to itself",
+    errno.ENAMETOOLONG: "is too long a name",
+}
+
+
+def check_possible(path: Path) -> None:
+    """Refuse a path at which nothing can be made, before any work is done.
+
+    Raises
+    ------
+    InputError
+        Where it holds a null, leads to itself, or is so long that it, or its stage, has no room for its name.
+    """
+    stage = os.path.join(path.parent, f".{path.name}.{8 * 'x'}{_END}")
+    for place in (str(path), stage):
+        try:
+            os.stat(place)
+        except ValueError:
+            raise InputError("", "is not a possible path", "give another name", repr(str(path))) from None
+        except OSError as fault:
+            if fault.errno in _IMPOSSIBLE:
+                problem = _IMPOSSIBLE[fault.errno]
+                raise InputError("", problem, "give another name", str(path)) from None
 
 
 @contextlib.contextmanager

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from slipmargin.errors import InputError
-from slipmargin.io.stage import NEW, staged
+from slipmargin.io.stage import NEW, check_possible, staged
 
 #: Formats of pictures, by the ending of the file's name.
 FORMATS = ("png", "svg", "pdf")
@@ -119,8 +119,7 @@ def check_format(path: Path | str) -> str:
 
 
 def _check_place(path: Path) -> None:
-    if "\0" in str(path):
-        raise InputError("", "is not a possible path", "give a file name", repr(str(path)))
+    check_possible(path)
     if path.is_dir():
         raise InputError("", "is a folder", "give a file name", str(path))
     if path.exists() and not path.is_file():  # renaming over a device would remove the device

@@ -60,6 +60,20 @@ class Directions:
         return _first(self.starting_m_s2)
 
 
+def starting(
+    model: Model,
+    heading_rad: Array,
+    *,
+    share: float = 1.0,
+    contact: Contact = Contact.ROLLERS,
+    pace: float = 0.0,
+) -> Array:
+    """Speeding up (H,) [m/s²] alone, as :func:`directions` has it, in a quarter of the time."""
+    ahead = ahead_of(heading_rad)
+    rows = acceleration_rows(model, Motion.full_drag(ahead), share=share, contact=contact, pace=pace)
+    return along(model, rows, np.zeros_like(ahead), ahead).value  # straight ahead nothing is centripetal
+
+
 def _first(values: Array) -> int:
     most = float(np.max(values))
     return int(np.argmax(values >= most - ALIKE * max(abs(most), 1e-300)))
@@ -253,6 +267,7 @@ __all__ = [
     "directions",
     "headings",
     "spin",
+    "starting",
     "starting_by_motor",
     "top_speed",
 ]

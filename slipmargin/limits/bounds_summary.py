@@ -18,11 +18,13 @@ from slipmargin.limits.bounds import (
     directions,
     headings,
     spin,
+    starting,
     starting_by_motor,
     top_speed,
 )
-from slipmargin.limits.bounds_inside import PACE, YAW_SHARE, Inside, inside
+from slipmargin.limits.bounds_inside import YAW_SHARE, Inside, inside
 from slipmargin.limits.bounds_pace import held_speed
+from slipmargin.limits.bounds_states import PACE
 from slipmargin.limits.every_motion import turning_points
 from slipmargin.limits.motion import steady_share
 from slipmargin.limits.motion_state import Contact, Motion
@@ -242,7 +244,7 @@ def bounds(
         even = directions(level, heading, contact=contact, motor=False)
     full = directions(model, heading, contact=contact, motor=False)
     fine = np.concatenate([headings(1.0), turning_points(model, 0.0) % (2.0 * np.pi)])
-    weakest = directions(model, np.sort(fine), share=share, contact=contact, pace=PACE).starting_m_s2
+    weakest = starting(model, np.sort(fine), share=share, contact=contact, pace=PACE)
     return Bounds(
         model=model,
         margin=margin,

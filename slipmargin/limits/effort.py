@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 from typing import Any, final
 
 import numpy as np
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, Index
 from slipmargin.limits.creep import (
     ASKED,
     EXACT,
@@ -48,12 +50,13 @@ class Most:
     motors: Array
     torque_N_m: Array
 
-    def and_(self, other: Most) -> Most:
-        """These accelerations and more of the same M states."""
+    @staticmethod
+    def of(parts: Sequence[Most]) -> Most:
+        """The most that any of several sets of accelerations of the same M states asks, as one (1, M)."""
         return Most(
-            use=np.concatenate([self.use, other.use]),
-            motors=np.concatenate([self.motors, other.motors]),
-            torque_N_m=np.maximum(self.torque_N_m, other.torque_N_m),
+            use=np.max([part.use.max(axis=0) for part in parts], axis=0)[None],
+            motors=np.max([part.motors.max(axis=0) for part in parts], axis=0)[None],
+            torque_N_m=reduce(np.maximum, [part.torque_N_m for part in parts]),
         )
 
 
@@ -107,17 +110,20 @@ def greatest_torque(model: Model, friction: Friction, external: External, accele
 class Demands:
     """M states of a model, ready to be asked what accelerations take; every combination that may be met.
 
-    ``fixed`` and each of ``cases`` are the arguments of :func:`_raise`.
+    ``run`` (M,) is equal for neighbours that are alike in all but the torque that their motors have: what one
+    acceleration asks of their wheels is found once.  ``fixed`` and each of ``cases`` are the arguments of
+    :func:`_raise`.
     """
 
     states: int
     count: int
+    run: Index
     fixed: tuple[Any, ...]
     cases: tuple[tuple[Array, ...], ...]
 
     @staticmethod
-    def of(model: Model, friction: Friction, external: External) -> Demands:
-        """The states of ``friction`` and ``external``."""
+    def of(model: Model, friction: Friction, external: External, run: Index | None = None) -> Demands:
+        """The states of ``friction`` and ``external``; without ``run`` each is one of its own."""
         c, states = model.geometry, friction.drive.shape[1]
         along, across = model.wrench_maps()
         middle = 0.5 * (friction.drag_low + friction.drag_high)
@@ -138,7 +144,8 @@ class Demands:
             LIGHTEST * model.inertia.weight_N / model.count,
             _full(friction.drive_stiffness, states, model.count),
         )
-        return Demands(states=states, count=model.count, fixed=fixed, cases=tuple(cases))
+        alone = np.arange(states) if run is None else run
+        return Demands(states=states, count=model.count, run=alone, fixed=fixed, cases=tuple(cases))
 
     def most(self, acceleration: Array, limit_N_m: Array) -> Most:
         """What accelerations (R, M, 3) ask for at most, where motors give ``limit_N_m`` (2, M, N)."""
@@ -160,9 +167,10 @@ class Demands:
         """
         use, motors = np.zeros((2, len(acceleration), self.states))
         torque = np.zeros((2, rows, self.states, self.count))
-        tables = np.zeros((self.count, WHEEL)), np.zeros(ASKED), np.zeros(self.count), np.zeros(TABLES)
+        each = np.zeros((2, self.count))  # a wheel's share of its grip, and its torque
+        tables = np.zeros((self.count, WHEEL)), np.zeros(ASKED), each, np.zeros(TABLES)
         asked = np.ascontiguousarray(acceleration, dtype=float), np.ascontiguousarray(limit_N_m, dtype=float)
-        more: tuple[Any, ...] = (*asked, exact, *tables, use, motors, torque)
+        more: tuple[Any, ...] = (self.run, *asked, exact, *tables, use, motors, torque)
         for case in self.cases:
             _raise(*self.fixed, *case, *more)
         return use, motors, torque
@@ -187,12 +195,13 @@ def _raise(
     drag: Array,
     load: Array,
     wrench: Array,
+    run: Index,
     acceleration: Array,
     limit: Array,
     exact: float,
     wheels: Array,
     ask: Array,
-    share: Array,
+    each: Array,
     tables: Array,
     use: Array,
     motors: Array,
@@ -202,32 +211,37 @@ def _raise(
 
     M a = w + Σ b_i f_i − Σ t_i D_i N_i with one creep of all wheels (:mod:`slipmargin.limits.creep`).
     ``forces`` (6, N) are the wrenches of unit forces along ĝ and f̂, ``on_wheel`` (2, N) their torques T.
+    What is asked again of a state's neighbour in its ``run`` (M,) has the same answer.
     """
+    share, turn = each[0], each[1]
     eps = tables[3, 0]
     for r in range(3):
         ask[SCALE + r], eps[r] = scale[r], 0.0
     for k in range(len(acceleration)):
         row = min(k, torque.shape[1] - 1)
         for m in range(acceleration.shape[1]):
-            a = acceleration[k, m]
-            for r in range(3):
-                ask[NEED + r] = a[r] * inertia[r] - wrench[m, r]
-            for i in range(len(wheels)):
-                carried = load[m, i] + a[0] * per_acceleration[i, 0] + a[1] * per_acceleration[i, 1]
-                wheels[i, GRIP] = mu[m, i] * max(carried, lightest)
-                wheels[i, STEEP] = steep[m, i]
-                wheels[i, SLIDE] = -drag[m, i] * carried  # the force across the rollers: it is known
+            a, last = acceleration[k, m], acceleration[k, max(m - 1, 0)]
+            known = m > 0 and run[m] == run[m - 1]
+            if not (known and a[0] == last[0] and a[1] == last[1] and a[2] == last[2]):
                 for r in range(3):
-                    ask[NEED + r] -= forces[3 + r, i] * wheels[i, SLIDE]
-            found = at_rest(law, top, forces, wheels, ask, eps, exact, tables, share)
+                    ask[NEED + r] = a[r] * inertia[r] - wrench[m, r]
+                for i in range(len(wheels)):
+                    carried = load[m, i] + a[0] * per_acceleration[i, 0] + a[1] * per_acceleration[i, 1]
+                    wheels[i, GRIP] = mu[m, i] * max(carried, lightest)
+                    wheels[i, STEEP] = steep[m, i]
+                    wheels[i, SLIDE] = -drag[m, i] * carried  # the force across the rollers: it is known
+                    for r in range(3):
+                        ask[NEED + r] -= forces[3 + r, i] * wheels[i, SLIDE]
+                found = at_rest(law, top, forces, wheels, ask, eps, exact, tables, share)
+                for i in range(len(wheels)):
+                    along = -wheels[i, GRIP] * continued(law, top, slip(forces, steep[m, i], eps, i))[0]
+                    turn[i] = on_wheel[0, i] * along + on_wheel[1, i] * wheels[i, SLIDE]
+                if not found:
+                    for r in range(3):
+                        eps[r] = 0.0
             for i in range(len(wheels)):
                 use[k, m] = max(use[k, m], share[i])
-                along = -wheels[i, GRIP] * continued(law, top, slip(forces, steep[m, i], eps, i))[0]
-                turn = on_wheel[0, i] * along + on_wheel[1, i] * wheels[i, SLIDE]
-                side = 0 if turn > 0.0 else 1
-                torque[side, row, m, i] = max(torque[side, row, m, i], abs(turn))
-                if turn != 0.0:
-                    motors[k, m] = max(motors[k, m], abs(turn) / max(limit[side, m, i], 0.0))
-            if not found:
-                for r in range(3):
-                    eps[r] = 0.0
+                side = 0 if turn[i] > 0.0 else 1
+                torque[side, row, m, i] = max(torque[side, row, m, i], abs(turn[i]))
+                if turn[i] != 0.0:
+                    motors[k, m] = max(motors[k, m], abs(turn[i]) / max(limit[side, m, i], 0.0))

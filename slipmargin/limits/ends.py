@@ -10,7 +10,9 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.limits.bounds_states import States
 from slipmargin.limits.effort import Most
+from slipmargin.limits.margin import unit
 
 #: Steps uphill from the worst end of a round set, and how far the slope is looked for in each axis [1].
 UPHILL, NEARBY = 3, 1e-3
@@ -24,39 +26,32 @@ class Ends:
     corners: Callable[..., Array] | None = None
     farthest: Callable[..., Array] | None = None
 
-    def driven(
-        self,
-        found: tuple[Array, ...],
-        sign: Array,
-        normals: Array,
-        effort: Callable[[Array], Most],
-        motors: bool,
-    ) -> Most:
-        """What the ends of a set ask of each motion (R, M).
+    def driven(self, found: tuple[Array, ...], states: States) -> Most:
+        """What the ends of a set ask of each motion at most (1, M).
 
         A round set's ends are those along the rows' normals and all round.  Shares of the realised
         distribution are greatest between them: from the worst end of each motion the next one is the farthest
         uphill.
         """
         if self.corners is not None:
-            return effort(self.corners(*found, sign))
+            return Most.of([states.effort(self.corners(*found, states.sign))])
         assert self.farthest is not None
-        at = self.farthest(*found, normals)
-        seen = effort(at)
+        at = self.farthest(*found, states.normals)
         size = np.max(np.abs(at), axis=(0, 1))
         step = np.vstack([np.zeros(3), NEARBY * np.diag(size)])[:, None]
+        at = at[:, states.run]
+        seen = [states.effort(at)]
         shares: tuple[Callable[[Most], Array], ...] = (lambda e: e.use,)
-        if motors:
+        if states.model.drives.stall_torque_N_m is not None:
             shares = (*shares, lambda e: e.motors)
         for share in shares:
-            first = np.argmax(share(seen)[: len(at)], axis=0)
-            worst = np.take_along_axis(at, first[None, :, None], axis=0)
+            worst = at[np.argmax(share(seen[0]), axis=0), np.arange(len(states.run))][None]
             for _ in range(UPHILL):
-                near = share(effort(worst + step))
+                near = share(states.effort(worst + step))
                 uphill = (near[1:] - near[0]).T / np.maximum(size, 1e-300)
                 worst = self.farthest(*found, uphill[None])
-                seen = seen.and_(effort(worst))
-        return seen
+                seen.append(states.effort(worst))
+        return Most.of(seen)
 
 
 def sided_corners(fast: Array, slow: Array, sign: Array) -> Array:
@@ -84,9 +79,3 @@ def circle_end(circle: Array, normal: Array) -> Array:
 def ellipsoid_end(E: Array, normal: Array) -> Array:
     """The ellipsoid's point farthest along each normal (R, M, 3)."""
     return np.asarray(unit(normal @ E) @ E.T)
-
-
-def unit(vectors: Array) -> Array:
-    """Vectors of length 1, and none of none."""
-    size = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.asarray(vectors / np.where(size > 0.0, size, 1.0))

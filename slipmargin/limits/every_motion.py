@@ -16,12 +16,16 @@ BESIDE = 1e-5
 
 
 def all_motions(model: Model) -> Motion:
-    """Directions of motion without and with turning, each at full drag, and turning on the spot."""
+    """Directions of motion without and with turning, each at full drag, and turning on the spot.
+
+    Directions go round in order, so that neighbours are alike in all but the wheels' speeds.
+    """
     arm = float(np.mean(np.hypot(*(model.geometry.position_m - model.inertia.com_m).T)))
     even = 2.0 * np.pi * np.arange(HEADINGS) / HEADINGS
     moves = []
     for yaw in YAW:
-        ahead = directions(np.concatenate([even, turning_points(model, yaw / arm)]))
+        turning = turning_points(model, yaw / arm) % (2.0 * np.pi)
+        ahead = directions(np.sort(np.concatenate([even, turning])))
         moves.append(np.column_stack([ahead, np.full(len(ahead), yaw / arm)]))
     return Motion.full_drag(np.vstack([*moves, [[0.0, 0.0, 1.0 / arm], [0.0, 0.0, -1.0 / arm]]]))
 

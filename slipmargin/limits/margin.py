@@ -79,7 +79,7 @@ def margin(wrenches: WrenchSet, wrench: Array, length_m: float | None = None) ->
         np.divide(wrenches.support(normal / per), along, out=out, where=along > 1e-12 * np.max(np.abs(along)))
         return out
 
-    start = _unit(wrenches.normals * per)
+    start = unit(wrenches.normals * per)
     if not wrenches.polyhedral:
         start = np.vstack([start, sphere(_SPREAD)])
     nearest = _best(room, start, wrenches.polyhedral)
@@ -126,12 +126,14 @@ def _best(value: Callable[[Array], Array], start: Array, exact: bool) -> Array:
         return np.asarray(start[order[0]])
     here, size, steps = start[order[:_FEW]], 0.3, sphere(_RING)
     for _ in range(_ROUNDS):
-        tries = _unit(here[:, None] + size * np.concatenate([np.zeros((1, 3)), steps]))
+        tries = unit(here[:, None] + size * np.concatenate([np.zeros((1, 3)), steps]))
         found = value(tries.reshape(-1, 3)).reshape(tries.shape[:2])
         here = tries[np.arange(len(here)), np.argmin(found, axis=1)]
         size *= 0.75
     return np.asarray(here[int(np.argmin(value(here)))])
 
 
-def _unit(vectors: Array) -> Array:
-    return np.asarray(vectors / np.sqrt(np.sum(vectors**2, axis=-1, keepdims=True)))
+def unit(vectors: Array) -> Array:
+    """Vectors of length 1, and none of none."""
+    size = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.asarray(vectors / np.where(size > 0.0, size, 1.0))

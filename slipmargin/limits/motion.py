@@ -6,6 +6,7 @@ their friction is drag (docs/theory.md, section 4).  Directions and velocities a
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -16,7 +17,7 @@ from slipmargin.checks import Array
 from slipmargin.errors import NoSolution
 from slipmargin.limits.effort import coasting_use, efforts, greatest_torque
 from slipmargin.limits.motion_external import External, least_product
-from slipmargin.limits.motion_friction import Friction, material_states
+from slipmargin.limits.motion_friction import Friction, Mask, material_states
 from slipmargin.limits.motion_rows import (
     CAUSES,
     GRIP,
@@ -35,8 +36,9 @@ from slipmargin.limits.realised_limit import decided_by_creep, realised_limit, w
 from slipmargin.model import Model
 from slipmargin.physics.kinematics import com_acceleration
 
-#: Halvings with which the acceleration is found whose torques the motors have.
-TORQUE_ROUNDS = 30
+#: Rounds at most in which the acceleration is found whose torques the motors have, and how close to the
+#: torque that may be used it is [1].
+TORQUE_ROUNDS, TORQUE_CLOSE = 40, 1e-9
 
 
 @final
@@ -186,21 +188,52 @@ def _within_torque(
         at = start + np.where(none, 0.0, t)[..., None] * direction
         return efforts(model, rows.friction, rows.external, at).of_motors(limit)
 
-    over = ~none & (asked(value) > 1.0 + 1e-9)
+    too_much = asked(value) - 1.0
+    over = ~none & (too_much > TORQUE_CLOSE)
     if not np.any(over):
         return value, best
-    below = np.where(np.isfinite(low), np.maximum(low, np.minimum(0.0, value)), np.minimum(0.0, value))
-    above, fits = value.copy(), asked(below) <= 1.0
-    for _ in range(TORQUE_ROUNDS):
-        middle = 0.5 * (below + above)
-        holds = asked(middle) <= 1.0
-        below, above = np.where(holds, middle, below), np.where(holds, above, middle)
+    least = np.where(np.isfinite(low), np.maximum(low, np.minimum(0.0, value)), np.minimum(0.0, value))
+    at_least = asked(least) - 1.0
+    fits = at_least <= 0.0
+    below = _where_it_turns(lambda t: asked(t) - 1.0, least, at_least, value, too_much, over & fits)
     motors = int(np.flatnonzero(rows.cause == MOTOR)[0])
     at = start + np.where(none, 0.0, below)[..., None] * direction
     torque = efforts(model, rows.friction, rows.external, at).torque_N_m
     wheel = np.argmax((torque / np.maximum(limit[:, None], 1e-300)).max(axis=0), axis=2)
     found = np.where(fits, below, -np.inf)
     return np.where(over, found, value), np.where(over, motors + wheel, best)
+
+
+def _where_it_turns(
+    excess: Callable[[Array], Array], low: Array, at_low: Array, high: Array, at_high: Array, sought: Mask
+) -> Array:
+    """Where a growing function is zero, from below, between ``low`` and ``high`` where ``sought``.
+
+    The Illinois method (M. Dowell, P. Jarratt, BIT 11, 1971): the chord's zero, with the weight of an end
+    that stays halved; where the function is infinite at the upper end, the middle.
+    """
+    unsought = low
+    low, high, at_low, at_high = (np.where(sought, end, 0.0) for end in (low, high, at_low, at_high))
+    stayed = np.zeros(low.shape)  # which end stayed last: −1 the lower, 1 the upper
+    left = at_low.copy()
+    for _ in range(TORQUE_ROUNDS):
+        open_ = sought & (left < -TORQUE_CLOSE) & (high - low > 1e-15 * np.abs(high))
+        if not np.any(open_):
+            break
+        with np.errstate(invalid="ignore", divide="ignore"):
+            part = at_low / (at_low - at_high)
+        part = np.where(np.isfinite(at_high) & (part > 0.0) & (part < 1.0), part, 0.5)
+        middle = np.where(open_, low + part * (high - low), low)
+        found = excess(middle)
+        holds = open_ & (found <= 0.0)
+        fails = open_ & ~holds
+        at_high[holds & (stayed == 1.0)] *= 0.5
+        at_low[fails & (stayed == -1.0)] *= 0.5
+        low, high = np.where(holds, middle, low), np.where(fails, middle, high)
+        at_low, at_high = np.where(holds, found, at_low), np.where(fails, found, at_high)
+        left = np.where(holds, found, left)
+        stayed = np.where(holds, 1.0, np.where(fails, -1.0, stayed))
+    return np.where(sought, low, unsought)
 
 
 def _coasted(

@@ -107,8 +107,9 @@ def acceleration_rows(
     share: Array | float = 1.0,
     contact: Contact = Contact.ROLLERS,
     motor: bool = True,
-    torque_share: Array | float | None = None,
     pace: float = 0.0,
+    torque_N_m: Array | None = None,
+    parts: tuple[Facets, Friction, External] | None = None,
 ) -> AccelerationRows:
     """Rows on the acceleration of the centre of mass at each sample.
 
@@ -119,13 +120,15 @@ def acceleration_rows(
         every wheel keeps 1 − λ of the load that it has without acceleration.
     motor : bool
         Whether the motor's torque–speed line counts.
-    torque_share : float or (M,), optional
-        Share of the motors' torque that may be used, by default λ.
     pace : float
         Where above 0, torques are those of motions in which the fastest wheel turns at this share of the
         motors' top speed.
+    torque_N_m : (2, M, N), optional
+        Torque that may be used along and against each wheel's axle, by default λ of what the motors have.
+    parts : optional
+        What :func:`prepare` gave for these samples.
     """
-    facets, friction, external = prepare(model, motion, share, contact)
+    facets, friction, external = parts or prepare(model, motion, share, contact)
     refuse_lifting(model, external.standing_N(), "loads", external)
     kappa = facet_coefficients(facets, friction, share)
     A, b = facet_rows(model, facets, kappa, external)
@@ -141,8 +144,9 @@ def acceleration_rows(
         wheels.append(np.eye(n, dtype=bool))
     if motor and model.drives.stall_torque_N_m is not None:
         torque = torque_rows(model, friction, external)
-        part = np.reshape(share if torque_share is None else torque_share, (-1, 1))
-        may = part * torque_limit(model, at_pace(model, motion.velocity, pace))
+        may = torque_N_m
+        if may is None:
+            may = np.reshape(share, (-1, 1)) * torque_limit(model, at_pace(model, motion.velocity, pace))
         rows += list(torque.A)
         bounds += list(may + torque.b)
         causes += [2] * (2 * n)

@@ -10,8 +10,8 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.errors import NoSolution
 from slipmargin.limits import sweep, wrench_set
-from slipmargin.limits.bounds import directions, headings, spin
-from slipmargin.limits.bounds_inside import PACE
+from slipmargin.limits.bounds import directions, headings, spin, starting
+from slipmargin.limits.bounds_states import PACE
 from slipmargin.limits.every_motion import turning_points
 from slipmargin.limits.motion_rows import CAUSES, TIPS
 from slipmargin.live.settings import Settings
@@ -36,9 +36,13 @@ def picture(now: Settings) -> dict[str, Any]:
     model = now.design.build()
     heading = headings(STEP_DEG)
     full = directions(model, heading, motor=False)
-    safe = directions(model, heading, share=1.0 - now.margin, pace=PACE)
+    # The directions that ``bounds`` looks at; those of the picture are among them.
+    fine = np.concatenate([headings(1.0), turning_points(model, 0.0) % (2.0 * np.pi)])
+    order = np.argsort(fine, kind="stable")
+    safe = np.empty(len(fine))
+    safe[order] = starting(model, fine[order], share=1.0 - now.margin, pace=PACE)
     weak = full.weakest
-    recommended = max(0.0, _weakest(model, now.margin))
+    recommended = max(0.0, float(np.min(safe)))
     turn = spin(model, share=1.0 - now.margin)
     ring = section(wrench_set(model).body())
     right, forward = model.convention.right_forward(ring[:, 0], ring[:, 1])
@@ -49,7 +53,7 @@ def picture(now: Settings) -> dict[str, Any]:
         "starting": _plain(np.maximum(full.starting_m_s2, 0.0)),
         "turning": _plain(np.maximum(full.turning_m_s2, 0.0)),
         "braking": _plain(np.maximum(full.braking_m_s2, 0.0)),
-        "safe": _plain(np.maximum(safe.starting_m_s2, 0.0)),
+        "safe": _plain(np.maximum(safe[: 360 : round(STEP_DEG)], 0.0)),
         "tips": tips,
         "weakest": {
             "value": _plain(full.starting_m_s2[weak]),
@@ -66,12 +70,6 @@ def picture(now: Settings) -> dict[str, Any]:
         "good": not slips and recommended > 0.0,
         "verdict": _verdict(model, recommended, now.margin, slips, len(heading), any(tips)),
     }
-
-
-def _weakest(model: Model, margin: float) -> float:
-    """The weakest direction of speeding up [m/s²], over the directions that ``bounds`` looks at."""
-    fine = np.sort(np.concatenate([headings(1.0), turning_points(model, 0.0) % (2.0 * np.pi)]))
-    return float(np.min(directions(model, fine, share=1.0 - margin, pace=PACE).starting_m_s2))
 
 
 def _plain(values: Any) -> Any:

@@ -62,7 +62,7 @@ def draw_curves(axes: Axes, study: Study, robust: Robust | None = None) -> Axes:
             ("f_worst_equal", "worst, equal loads", PURPLE, ":"),
         ):
             _line(axes, study, study.columns[name], label, colour, style)
-        axes.set(ylabel="F_emax / (m g)", title="Pull before a wheel slips, on rollers")
+        axes.set(ylabel="pull / (m g)", title="Pull before a wheel slips, on rollers")
     else:
         _families(axes, study, goal)
         axes.set(ylabel=label_of(goal), title=goal.meaning)
@@ -77,7 +77,7 @@ def draw_second(axes: Axes, study: Study) -> Axes:
     """Worst starting and braking over the quantity; without limits in motion, isotropy."""
     if "start_worst_m_s2" not in study.columns:
         _families(axes, study, BY_NAME["isotropy"])
-        axes.set(ylabel="least / greatest F_emax", title="Isotropy of the pull")
+        axes.set(ylabel="weakest / strongest pull", title="Isotropy of the pull")
     elif len(study.keys) == 1:
         for name, label, colour in (
             ("brake_worst_m_s2", "braking", GREEN),

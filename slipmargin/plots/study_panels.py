@@ -45,7 +45,7 @@ def draw_polar_family(axes: PolarAxes, study: Study) -> PolarAxes:
     forwards_up(axes)
     axes.set_ylim(0.0, None)
     axes.yaxis.set_major_locator(MaxNLocator(4))
-    axes.set_title("F_emax / (m g) by direction of the pull")
+    axes.set_title("Pull before a wheel slips / (m g), by its direction")
     legend = axes.legend(loc="lower left", bbox_to_anchor=(-0.27, -0.08), title="\n".join(study.keys))
     legend.set_in_layout(False)
     return axes

@@ -200,7 +200,7 @@ def _speeds(b: Bounds) -> list[str]:
 
 def direction_rows(b: Bounds, most: int) -> tuple[list[str], list[list[str]]]:
     """Head and at most ``most`` rows of the limits by direction, the weakest among them."""
-    head = ["direction", "speed up", "turn", "brake [m/s²]", "steady use", "limited by"]
+    head = ["direction", "speed up [m/s²]", "turn [m/s²]", "brake [m/s²]", "steady use [1]", "limited by"]
     pick = thinned(len(b.full.heading_rad), most, [b.full.weakest])
     return head, [
         [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,11 +13,17 @@ from slipmargin.report.text import ROWS, columns, left_out, thinned
 from slipmargin.study.influence import Influence
 from slipmargin.study.objectives import BY_NAME, Objective
 from slipmargin.study.optimum import Optimum
+from slipmargin.study.quantities import QUANTITIES
 from slipmargin.study.reason import Reason
 from slipmargin.study.robust import Robust
 from slipmargin.study.study import Study
 
-#: Columns of that table.
+#: What a page says in words: ``key = value``, a key, the name of an objective.
+_UNITS = {q.key: q.unit for q in QUANTITIES}
+_ANY = "|".join(sorted(map(re.escape, _UNITS), key=len, reverse=True))
+_SET, _KEY = re.compile(rf"\b({_ANY}) = ([^\s,;:()]+)"), re.compile(rf"\b({_ANY})\b")
+_NAME = re.compile(r"\b({})\b".format("|".join(sorted(BY_NAME, key=len, reverse=True))))
+#: Columns of the table of designs.
 SHOWN = (
     "f_worst",
     "f_mean",
@@ -119,6 +126,29 @@ def best_by_objective(study: Study) -> tuple[tuple[str, ...], list[tuple[str, ..
 def named(keys: Sequence[str], values: Sequence[Any]) -> str:
     """``delta_deg = 30, wheels = 3``."""
     return ", ".join(f"{k} = {_plain(v)}" for k, v in zip(keys, values, strict=True))
+
+
+def in_words(text: str) -> str:
+    """A sentence about a study for a page: ``wheel angle δ 30°``, and an objective by what it means."""
+    text = _SET.sub(lambda found: f"{label(found[1])} {_of_unit(found[2], _UNITS[found[1]])}", text)
+    text = _KEY.sub(lambda found: label(found[0]), text)
+    return _NAME.sub(lambda found: BY_NAME[found[0]].meaning, text)
+
+
+def label(key: str) -> str:
+    """What a quantity is called where nobody types it: its key without the unit, in words."""
+    unit = _UNITS[key].replace(" ", "_").replace("²", "2")
+    plain = key.removesuffix("_" + unit.replace("/", "_")).removesuffix("_" + unit.replace("/", "_per_"))
+    if plain.startswith("mu_"):
+        return f"{plain[3:]} coefficient"
+    plain = plain.replace("com_", "centre of mass ").replace("_", " ")
+    return "wheel angle δ" if plain == "delta" else plain
+
+
+def _of_unit(value: str, unit: str) -> str:
+    if unit in ("", "1") or not value[-1].isdigit():
+        return value
+    return f"{value}°" if unit == "deg" else f"{value} {unit}"
 
 
 def _own(study: Study, goal: Objective, best: float) -> str:

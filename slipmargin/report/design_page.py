@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from slipmargin.report.design import best_at
+from slipmargin.report.design import best_at, in_words, label, named
 from slipmargin.report.page import (
     Bullets,
     Fact,
@@ -23,6 +23,12 @@ from slipmargin.study.objectives import BY_NAME
 from slipmargin.study.robust import Robust
 from slipmargin.study.study import Study
 
+#: What the lines of the answer are called on a page.
+_LABELS = {
+    "own": "the file’s own",
+    "between": "between the designs that were tried",
+    "influence": "what changes it most",
+}
 #: Designs listed on the page; more belong in the CSV file.
 LISTED = 200
 
@@ -38,7 +44,7 @@ def design_page(
     """The page of a study: the best design, why, and what else was looked at."""
     goal, best, design = study.problem.objective, study.best(), study.problem.base
     value, own = float(study.columns[goal.name][best]), study.own[goal.name]
-    at = best_at(study, goal.name)
+    at = in_words(best_at(study, goal.name))
     facts = [
         Fact(label="Best design", value=at),
         Fact(
@@ -58,21 +64,21 @@ def design_page(
         name="study",
         image=image,
         caption="Limits over the study, pulls all round for a few designs, and those that no other beats.",
-        alt=f"Four panels; best design {at} with {goal.name} {value:.4g} {goal.unit}",
+        alt=f"Four panels; best design {at} with {value:.4g} {goal.unit} of {goal.meaning}",
     )
     sections = [
         Section(
             heading="The answer",
             blocks=(
                 Facts(facts=tuple(facts)),
-                Bullets(items=tuple(f"{label}: {text}" for label, text in summary)),
+                Bullets(items=tuple(f"{_LABELS.get(k, k)}: {in_words(text)}" for k, text in summary)),
             ),
         ),
         Section(heading="Figures", blocks=(figure,)),
         Section(heading="Best by objective", blocks=(_by_objective(study),)),
     ]
     if influences:
-        table = _influence_table(influences, goal.name)
+        table = _influence_table(influences, goal.meaning)
         sections.append(Section(heading="What changes it most", blocks=(table,)))
     sections.append(Section(heading="Designs", blocks=(_designs(study, front, robust),)))
     return Page(
@@ -93,7 +99,7 @@ def _by_objective(study: Study) -> Table:
                 (
                     BY_NAME[name].meaning,
                     BY_NAME[name].unit,
-                    best_at(study, name),
+                    in_words(best_at(study, name)),
                     _number(float(column[row])),
                     _number(study.own[name]),
                     f"`{name}`",
@@ -101,20 +107,20 @@ def _by_objective(study: Study) -> Table:
             )
     return Table(
         caption="For each objective the best design and the file’s own",
-        head=("objective", "unit", "best at", "value", "file’s own", "name"),
+        head=("objective", "unit", "best at", "value", "file’s own", "for `--objective`"),
         rows=tuple(rows),
         numbers=False,
     )
 
 
-def _influence_table(influences: Sequence[Influence], name: str) -> Table:
+def _influence_table(influences: Sequence[Influence], meaning: str) -> Table:
     rows = tuple(
-        (f"`{i.key}`", _number(i.value), i.unit, _number(i.slope), "turns here" if i.peak else "")
+        (label(i.key), _number(i.value), i.unit, _number(i.slope), "turns here" if i.peak else "")
         for i in influences
     )
     return Table(
-        caption=f"Change of {name} per unit of each quantity, at the best design",
-        head=("quantity", "value", "unit", "slope", ""),
+        caption=f"What changes {meaning}, at the best design",
+        head=("quantity", "value", "unit", "change per unit", ""),
         rows=rows,
     )
 
@@ -136,9 +142,7 @@ def _designs(study: Study, front: Sequence[str], robust: Robust | None) -> Fold 
     )
     return Fold(
         summary=f"All {len(study.values)} designs",
-        blocks=(
-            Table(caption="One row a design", head=(", ".join(study.keys), *names, *extra, ""), rows=rows),
-        ),
+        blocks=(Table(caption="One row a design", head=("design", *names, *extra, ""), rows=rows),),
     )
 
 
@@ -147,10 +151,7 @@ def _is_best(at: str) -> str:
 
 
 def _design(study: Study, row: int) -> str:
-    return ", ".join(
-        f"{k} = {v}" if isinstance(v, str) else f"{k} = {v:.6g}"
-        for k, v in zip(study.keys, study.values[row], strict=True)
-    )
+    return in_words(named(study.keys, study.values[row]))
 
 
 def _number(value: float) -> str:

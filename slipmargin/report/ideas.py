@@ -144,7 +144,7 @@ def ideas_page(
                 name=q.key,
                 image=images[q.key],
                 alt=f"A bar an idea: {q.word}",
-                caption=f"{q.word.capitalize()} {q.meaning}: more is better.",
+                caption=_caption(q),
             )
             for q in QUESTIONS
             if q.key in images
@@ -161,6 +161,12 @@ def ideas_page(
         lines=lines,
         warnings=warnings,
     )
+
+
+def _caption(question: Question) -> str:
+    if question.key == PLACE:
+        return "Starting as it is, of what it would be with the battery in the best place: more is better."
+    return f"{question.word.capitalize()} {question.meaning}: more is better."
 
 
 def _and(names: Sequence[str]) -> str:

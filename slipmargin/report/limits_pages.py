@@ -81,12 +81,20 @@ def bounds_page(
             ),
         ),
         tables=(
-            _table("Limits by direction of motion", *bounds_words.direction_rows(b, 24)),
+            _table(_by_direction(b), *bounds_words.direction_rows(b, 24)),
             _table("Fastest cornering by curvature", *bounds_words.corner_rows(b)),
         ),
         next_steps=_bounds_next(b, way, caps[0]),
         lines=lines,
         warnings=warnings,
+    )
+
+
+def _by_direction(b: Bounds) -> str:
+    ahead = math.degrees(b.model.convention.front_rad)
+    return (
+        f"Limits by direction of motion, counted counter-clockwise; {ahead:g}° is straight ahead. "
+        "Steady use is the share of the grip that constant speed needs"
     )
 
 
@@ -108,6 +116,13 @@ def _bounds_next(b: Bounds, way: str, fastest: float) -> list[str]:
             '`com_height_m` and `model = "quasi-static"` in the robot file.'
         )
     return steps
+
+
+#: What the columns of a sweep are.
+_BY_ORIENTATION = (
+    "Pull by orientation φ: F_max with all wheels on rollers, low and high whatever the wheels stand on, "
+    "and the wheels that slip first"
+)
 
 
 def sweep_page(
@@ -182,7 +197,7 @@ def sweep_page(
                 caption="The same by direction of the pull, seen from the robot.",
             ),
         ),
-        tables=(_table("Pull by orientation", *sweep_words.rows(s, limiting, measured, 24)),),
+        tables=(_table(_BY_ORIENTATION, *sweep_words.rows(s, limiting, measured, 24)),),
         next_steps=next_steps,
         lines=lines,
         warnings=warnings,

@@ -20,6 +20,8 @@ from slipmargin.report.result_page import result_page
 from slipmargin.report.text import thinned
 from slipmargin.sim.run import Run
 
+#: Wheels whose largest slips differ by less than this share slip alike [1].
+_ALIKE = 0.01
 #: Rows of a table that shows a motion.
 _ROWS = 16
 #: A wheel that slips so fast that it uses this share of its friction is said to slide; below it creeps [1].
@@ -162,6 +164,17 @@ def plan_page(
     )
 
 
+def _who(wheels: Sequence[str], slip: Array) -> str:
+    """Which wheels slip most: one, or those that slip alike."""
+    alike = np.flatnonzero(slip >= (1.0 - _ALIKE) * np.max(slip))
+    if len(alike) == len(wheels):
+        return "all wheels slip"
+    names = [wheels[int(k)] for k in alike]
+    if len(names) == 1:
+        return f"wheel {names[0]} slips"
+    return f"wheels {', '.join(names[:-1])} and {names[-1]} slip"
+
+
 def simulate_page(
     run: Run,
     model: Model,
@@ -177,11 +190,12 @@ def simulate_page(
     x, y, phi = (float(v) for v in np.round(run.pose[-1], 6) + 0.0)
     creep = float(law_inverse(model.grip.law, SLIDES)) / model.grip.k_s_per_m
     slides = float(slip[when, wheel]) > creep
+    who = _who(run.wheels, slip.max(axis=0))
     lead = (
         f"After {run.duration_s:.3g} s the robot stands {math.hypot(x, y):.3g} m from the origin, turned by "
         f"{math.degrees(phi):.3g}°. "
         + (
-            f"Wheel {run.wheels[wheel]} slips, at most by {slip[when, wheel]:.3g} m/s."
+            f"{who[:1].upper()}{who[1:]}, at most by {slip[when, wheel]:.3g} m/s."
             if slides
             else "No wheel slides: the largest slip is the creep that any driven wheel has."
         )
@@ -191,7 +205,7 @@ def simulate_page(
         Fact(
             label="Largest drive slip",
             value=f"{slip[when, wheel]:.3g} m/s",
-            note=f"wheel {run.wheels[wheel]} at {run.t_s[when]:.3g} s",
+            note=f"{who.rpartition(' ')[0]} at {run.t_s[when]:.3g} s",
         ),
         Fact(label="Energy lost to sliding", value=f"{-work_J:.3g} J"),
     ]
@@ -210,7 +224,7 @@ def simulate_page(
         else ["The same commands on a more slippery floor: `--surface` names another floor of the file."]
     )
     at = thinned(len(run.t_s), _ROWS, [when])
-    head = ("t [s]", "x [m]", "y [m]", "φ [deg]", *(f"slip {name} [m/s]" for name in run.wheels))
+    head = ("t [s]", "x [m]", "y [m]", "φ [°]", *(f"slip {name} [m/s]" for name in run.wheels))
     table = Table(
         caption="The run",
         head=head,
@@ -258,7 +272,7 @@ def _use_picture(images: Mapping[str, Image]) -> Picture:
 def _grip_table(t_s: Array, pose: Array, use: Array, wheels: Sequence[str]) -> Table:
     return Table(
         caption="Share of its grip that each wheel uses",
-        head=("t [s]", "x [m]", "y [m]", "φ [deg]", *(f"{name} [%]" for name in wheels)),
+        head=("t [s]", "x [m]", "y [m]", "φ [°]", *(f"{name} [%]" for name in wheels)),
         rows=tuple(
             (
                 f"{t:.3f}",

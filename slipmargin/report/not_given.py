@@ -60,6 +60,8 @@ def with_reasons(found: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _clean(value: Any, path: str, missing: dict[str, str]) -> Any:
+    if type(value) is str or (type(value) is float and abs(value) <= SPENT):  # nearly every value of a table
+        return value
     if isinstance(value, Enum):
         return _clean(value.value, path, missing)
     if isinstance(value, Mapping):

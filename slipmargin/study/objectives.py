@@ -44,27 +44,27 @@ def _less(name: str, unit: str, kind: Kind, meaning: str) -> Objective:
 
 
 OBJECTIVES: tuple[Objective, ...] = (
-    _more("f_worst", "m g", Kind.STATIC, "least F_emax over all headings"),
-    _more("f_mean", "m g", Kind.STATIC, "mean F_emax over all headings"),
-    _more("f_best", "m g", Kind.STATIC, "greatest F_emax over all headings"),
-    _more("isotropy", "1", Kind.STATIC, "least over greatest F_emax"),
-    _more("f_low_worst", "m g", Kind.STATIC, "least F_emax over headings and roller/rigid states"),
-    _more("f_rigid_worst", "m g", Kind.STATIC, "least F_emax with every wheel on rigid material"),
-    _more("f_worst_equal", "m g", Kind.STATIC, "f_worst under equal loads m g / N"),
-    _more("f_worst_static", "m g", Kind.STATIC, "f_worst under the loads of statics"),
+    _more("f_worst", "m g", Kind.STATIC, "weakest pull without slip, over all headings"),
+    _more("f_mean", "m g", Kind.STATIC, "mean pull without slip, over all headings"),
+    _more("f_best", "m g", Kind.STATIC, "strongest pull without slip, over all headings"),
+    _more("isotropy", "1", Kind.STATIC, "weakest over strongest pull"),
+    _more("f_low_worst", "m g", Kind.STATIC, "weakest pull over headings and roller/rigid states"),
+    _more("f_rigid_worst", "m g", Kind.STATIC, "weakest pull with every wheel on rigid material"),
+    _more("f_worst_equal", "m g", Kind.STATIC, "weakest pull under equal loads m g / N"),
+    _more("f_worst_static", "m g", Kind.STATIC, "weakest pull under the loads of statics"),
     _more(
         "yaw_moment_N_m", "N m", Kind.STATIC, "largest pure yaw moment held in both senses at every heading"
     ),
     _more("load_least", "m g", Kind.STATIC, "load of the lightest wheel at any heading"),
-    _more("start_worst_m_s2", "m/s²", Kind.MOTION, "least speeding up along the motion, any direction"),
+    _more("start_worst_m_s2", "m/s²", Kind.MOTION, "speeding up in the weakest direction"),
     _more("start_mean_m_s2", "m/s²", Kind.MOTION, "mean speeding up over directions"),
-    _more("brake_worst_m_s2", "m/s²", Kind.MOTION, "least braking, any direction"),
+    _more("brake_worst_m_s2", "m/s²", Kind.MOTION, "braking in the weakest direction"),
     _more("brake_mean_m_s2", "m/s²", Kind.MOTION, "mean braking over directions"),
     _more(
         "start_unknown_m_s2",
         "m/s²",
         Kind.MOTION,
-        "least speeding up where each wheel may stand on roller or rigid material",
+        "speeding up in the weakest direction where each wheel may stand on roller or rigid material",
     ),
     _more("corner_m_s", "m/s", Kind.MOTION, "slowest of the fastest bends of 0.5 m radius, heading held"),
     _more("spin_rad_s2", "rad/s²", Kind.MOTION, "speeding up of a turn on the spot"),

@@ -102,6 +102,7 @@ def in_pieces(
     with contextlib.closing(_computed(work, [(k, pieces[k]) for k in missing], executor)) as answers:
         for k, found in answers:
             if executor.folder is not None:
+                make_folder(executor.folder)  # another run of this study, ending, may have removed it
                 write_text(executor.folder / names[k], _text(found))
             rows[k] = found
             advance(len(found))

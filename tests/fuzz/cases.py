@@ -65,7 +65,7 @@ def robots() -> tuple[dict[str, Any], ...]:
 def drawn_robot(random: Random) -> dict[str, Any]:
     """A robot of 3 to 24 wheels that nobody has built."""
     size = 10.0 ** random.uniform(-1.5, 0.5)
-    count = random.choice((3, 3, 4, 4, 4, 5, 6, 8, 12, 24))
+    count = random.choice((3, 3, 3, 4, 4, 4, 4, 4, 5, 5, 6, 6, 8, 8, 12, 24))
     mecanum = random.random() < 0.4
     turn = random.uniform(0.0, 360.0)
     wheels = []
@@ -102,7 +102,7 @@ def drawn_robot(random: Random) -> dict[str, Any]:
         "wheel": wheels,
         "surface": {
             "floor": {
-                "roller": {"drive": random.uniform(0.02, 1.2), "transverse": random.uniform(0.0, 0.8)},
+                "roller": {"drive": random.uniform(0.02, 1.2), "transverse": _across(random)},
                 "rigid": {"drive": random.uniform(0.02, 1.2), "transverse": random.uniform(0.0, 1.2)},
             }
         },
@@ -111,6 +111,11 @@ def drawn_robot(random: Random) -> dict[str, Any]:
         speed, torque = 10.0 ** random.uniform(-1, 3), 10.0 ** random.uniform(-2, 2)
         robot["motor"] = {"max_speed_rad_s": speed, "stall_torque_N_m": torque}
     return robot
+
+
+def _across(random: Random) -> float:
+    """Mostly so little friction across that the wheels can roll that way."""
+    return random.uniform(0.0, random.choice((0.02, 0.1, 0.8)))
 
 
 def effect(random: Random, wheels: list[str]) -> dict[str, Any]:
@@ -170,9 +175,9 @@ def robot_table(random: Random, count: int | None = None) -> dict[str, Any]:
         )
     if random.random() < 0.1:
         good["body"]["mass_kg"] = f"{good['body']['mass_kg']} ± {0.05 * good['body']['mass_kg']}"
-    if random.random() < 0.45:
-        mutate.sizes(random, good, random.choice((1, 2, 5)))
-    changes = random.choice((0, 0, 0, 0, 0, 0, 0, 1, 1, 3))
+    if random.random() < 0.35:
+        mutate.sizes(random, good, random.choice((1, 1, 2, 5)))
+    changes = random.choice((0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 3))
     return mutate.tree(random, good, changes) if changes else good
 
 
@@ -208,7 +213,7 @@ def option(random: Random, name: str, usual: tuple[Any, ...], share: float = 0.3
     if random.random() > share:
         return []
     value = (
-        random.choice(usual) if random.random() < 0.85 else random.choice((*mutate.NUMBERS, *mutate.WORDS))
+        random.choice(usual) if random.random() < 0.92 else random.choice((*mutate.NUMBERS, *mutate.WORDS))
     )
     return [name, str(value)[:400].replace("\0", "")]
 
@@ -288,7 +293,7 @@ def plan(random: Random) -> Case:
         x, y = x + size * math.cos(way), y + size * math.sin(way)
         phi += random.choice((0.0, random.gauss(0, 0.5)))
     text = "\n".join(rows) + "\n"
-    files["w.csv"] = mutate.table(random, text, random.choice((0, 0, 1, 2))).encode()
+    files["w.csv"] = mutate.table(random, text, random.choice((0, 0, 0, 1, 2))).encode()
     words = ["plan", "r.toml", "w.csv", "--surface", surface, "--points", random.choice(("40", "80", "11"))]
     words += (
         ["--step", random.choice(("0.05", "0.02"))]
@@ -318,7 +323,7 @@ def check(random: Random) -> Case:
         rows = [f"{i * step:.6g},{a * (1 - math.cos(i * step)):.6g},{b * i:.6g},{c * math.sin(i * step):.6g}"
                 for i in range(count)]  # fmt: skip
         text = "\n".join(["t_s,x_m,y_m,phi_rad", *rows]) + "\n"
-        files["t"] = mutate.table(random, text, random.choice((0, 1, 1, 3))).encode()
+        files["t"] = mutate.table(random, text, random.choice((0, 0, 1, 3))).encode()
     else:
         file = random.choice(
             sorted(p for p in (DATA / "trajectories").iterdir() if p.suffix in (".traj", ".json"))
@@ -342,7 +347,7 @@ def simulate(random: Random) -> Case:
     rows = [",".join(f"{v:.6g}" for v in (0.05 * k, *(random.gauss(0.0, 5.0) for _ in range(min(count, 40)))))
             for k in range(random.choice((1, 2, 5)))]  # fmt: skip
     files["c.csv"] = mutate.table(
-        random, "\n".join([names, *rows]) + "\n", random.choice((0, 0, 1, 2))
+        random, "\n".join([names, *rows]) + "\n", random.choice((0, 0, 0, 1, 2))
     ).encode()
     words = ["simulate", "r.toml", "c.csv", "--surface", surface]
     words += option(random, "--step", (0.01, 0.1), 0.2) + option(random, "--until", (0.2, 0.5), 0.3)
@@ -417,20 +422,21 @@ def design(random: Random) -> Case:
     files: dict[str, bytes] = {}
     if random.random() < 0.4:
         return ideas(random, files)
-    # A study takes its time, with progress: of robots with many wheels and a coupled grip it is minutes.
     words = ["design", "r.toml", "--surface", robot_file(random, files, count=random.choice((3, 3, 4)))]
-    if random.random() < 0.9:  # a coupled grip takes a hundred times as long
-        for coupled in (b"disc-strip", b"ellipse"):
-            files["r.toml"] = files["r.toml"].replace(b'grip = "' + coupled, b'grip = "box')
-    keys = ("delta_deg=0:60:20", "mass_kg=1,5", "com_y_m=-0.01:0.01:0.01", "wheels=3,4",
-            "circle_radius_m=0.1,0.2",
+    keys = ("delta_deg=0:60:30", "mass_kg=1,5", "com_y_m=-0.01,0.01", "wheels=3,4", "circle_radius_m=0.1,0.2",
             "coefficient_ratio=0.1,1", "wheel_radius_m=0.02,0.05", "com_height_m=0,0.1")  # fmt: skip
-    for _ in range(random.choice((1, 1, 2))):
+    coupled = any(b'grip = "' + grip in files["r.toml"] for grip in (b"disc-strip", b"ellipse"))
+    if coupled and random.random() < 0.8:
+        for grip in (b"disc-strip", b"ellipse"):
+            files["r.toml"] = files["r.toml"].replace(b'grip = "' + grip, b'grip = "box')
+    elif coupled:  # a cone program a heading: a hundred times as long, so it is one design
+        keys = ("mass_kg=2", "com_y_m=0.01", "circle_radius_m=0.1", "com_height_m=0.1")
+    for _ in range(random.choice((1, 1, 1, 2))):
         words += [
             "--vary",
             random.choice(keys) if random.random() < 0.85 else mutate.mixed(random, random.choice(keys)),
         ]
-    words += flag(random, "--static", 0.7)
+    words += ["--static"] if len(keys) == 4 else flag(random, "--static", 0.8)
     words += option(random, "--uncertain", ("mass_kg=1:3", "com_y_m=-0.01:0.01"), 0.1)
     words += option(random, "--objective", ("f_worst", "start_worst_m_s2", "yaw_moment_N_m"), 0.1)
     words += ["--html", "o.html"] if random.random() < 0.05 else []
@@ -458,16 +464,13 @@ def ideas(random: Random, files: dict[str, bytes]) -> Case:
 def reproduce(random: Random) -> Case:
     """The published numbers; what can be damaged is where they go and the words."""
     files = random.choice(({}, {"o": b"a file"}, {"o/reproduce.json": b"of another run"}, {"o.json": b"old"}))
-    words = [
-        "reproduce",
-        "--out",
-        random.choice(("o", "o", "o", "no/such", "", "o.json", "o/reproduce.json")),
-    ]
-    words += option(random, "--seed", (0, 1, -1, "x", 1e300), 0.6)
+    folders = ("o", "o", "o", "no/such", "", "o.json", "o/reproduce.json", ".", "o" * 300, "=1+1", "$x^2$")
+    words = ["reproduce", "--out", random.choice(folders)]
+    words += option(random, "--seed", (0, 1, -1, "x", 1e300), 0.8)
     words += ["--json", random.choice(("o.json", "-", "o", "o/reproduce.json", "no/o.json"))] * (
         random.random() < 0.6
     )
-    return Case(_words(random, words) if random.random() < 0.6 else words, dict(files))
+    return Case(_words(random, words) if random.random() < 0.7 else words, dict(files))
 
 
 def measure(random: Random) -> Case:
@@ -482,23 +485,39 @@ def diagnose(random: Random) -> Case:
     if way < 0.35:
         return Case(*(foreign.campaign if way < 0.2 else foreign.pulls)(random))
     files: dict[str, bytes] = {}
-    rig_data(random, files, trials=random.choice((0, 1, 2, 3)), rows=40)
-    return Case(["diagnose", "d", "--out", "o", "--budget", "1"], files)
+    rig_data(random, files, trials=random.choice((0, 1, 2, 3, 3, 3, 3)), rows=random.choice((20, 40)))
+    words = ["diagnose", "d", "--out", "o", "--budget", random.choice(("0.2", "0.2", "1"))]
+    words += option(random, "--seed", (0, 1, 7), 0.2)
+    return Case(words + (["--json", "o.json"] if random.random() < 0.3 else []), files)
 
 
 def rig_data(random: Random, files: dict[str, bytes], trials: int, rows: int) -> None:
-    """Put a data set of the rig among the files, in ``d``: short, and mostly with something changed."""
+    """Put a data set of the rig among the files, in ``d``: short, and mostly with one file changed."""
     folder = DATA / "rig" / "a-null"
+    logs = sorted((folder / "trials").glob("*.csv"))[:trials]
+    names = [
+        "robot",
+        "head",
+        *(["pulls"] if not logs or random.random() < 0.3 else []),
+        *(p.name for p in logs),
+    ]
+    spoilt = set(random.sample(names, random.choice((0, 1, 1, 1, 2))))
     table = tomllib.loads((folder / "robot.toml").read_text())
-    files["d/robot.toml"] = mutate.toml(mutate.tree(random, table, random.choice((0, 1)))).encode()
+    if "robot" in spoilt:
+        if random.random() < 0.6:
+            mutate.sizes(random, table, random.choice((1, 2)))
+        else:
+            table = mutate.tree(random, table, 1)
+    files["d/robot.toml"] = mutate.toml(table).encode()
     head = tomllib.loads((folder / "dataset.toml").read_text())
-    files["d/dataset.toml"] = mutate.toml(mutate.tree(random, head, random.choice((0, 0, 1)))).encode()
-    if random.random() < 0.5:
+    files["d/dataset.toml"] = mutate.toml(mutate.tree(random, head, int("head" in spoilt))).encode()
+    if "pulls" in names:
         text = _short((folder / "pulls.csv").read_text(), 30)
-        files["d/pulls.csv"] = mutate.table(random, text, random.choice((0, 1))).encode()
-    for file in sorted((folder / "trials").glob("*.csv"))[:trials]:
+        files["d/pulls.csv"] = mutate.table(random, text, int("pulls" in spoilt)).encode()
+    for file in logs:
         text = _short(file.read_text(), rows)
-        files[f"d/trials/{file.name}"] = mutate.table(random, text, random.choice((0, 0, 1, 2))).encode()
+        changes = random.choice((1, 1, 2)) if file.name in spoilt else 0
+        files[f"d/trials/{file.name}"] = mutate.table(random, text, changes).encode()
 
 
 def robotino(random: Random) -> Case:
@@ -650,21 +669,21 @@ URDF = (
 
 #: Command → how often it is drawn, and how.
 DRAWS: dict[str, tuple[float, Callable[[Random], Case]]] = {
-    "sweep": (20, sweep),
-    "polytope": (8, polytope),
-    "bounds": (20, bounds),
-    "plan": (14, plan),
-    "check": (14, check),
+    "sweep": (13, sweep),
+    "polytope": (7, polytope),
+    "bounds": (10, bounds),
+    "plan": (12, plan),
+    "check": (12, check),
     "simulate": (9, simulate),
-    "stop": (4, stop),
-    "monitor": (4, monitor),
-    "export": (4, export),
-    "design": (3, design),
-    "measure": (3, measure),
-    "diagnose": (0.7, diagnose),
+    "stop": (5, stop),
+    "monitor": (5, monitor),
+    "export": (6, export),
+    "design": (4, design),
+    "measure": (4, measure),
+    "diagnose": (5, diagnose),
     "import": (8, imported),
     "explore": (4, explore),
     "robots": (4, robots_command),
-    "reproduce": (1, reproduce),
-    "other": (2, other),
+    "reproduce": (2, reproduce),
+    "other": (3, other),
 }

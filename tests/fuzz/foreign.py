@@ -141,29 +141,30 @@ def campaign(random: Random) -> tuple[list[str], dict[str, bytes]]:
     for name in ("d", "e"):
         for file in ("robot.toml", "dataset.toml"):
             files[f"{name}/{file}"] = (folder / file).read_bytes()
-        for trial in sorted((folder / "trials").glob("*.csv"))[: random.choice((1, 2))]:
+        for trial in sorted((folder / "trials").glob("*.csv"))[: random.choice((1, 2, 3))]:
             text = _short(trial.read_text(), 30)
-            files[f"{name}/trials/{trial.name}"] = mutate.table(
-                random, text, random.choice((0, 0, 1))
-            ).encode()
+            changes = int(random.random() < 0.1)
+            files[f"{name}/trials/{trial.name}"] = mutate.table(random, text, changes).encode()
     rows: list[dict[str, Any]] = [{"path": "d"}, {"path": "e", "floor": "other", "instrument": "camera 2"}]
     if random.random() < 0.5:
         rows[1]["loading"] = "payload"
     table = {"schema": 1, "name": "c", "loading": {"payload": {"mass_kg": 12.7}}, "data_set": rows}
-    files["campaign.toml"] = mutate.toml(mutate.tree(random, table, random.choice((0, 1, 1, 2)))).encode()
+    files["campaign.toml"] = mutate.toml(mutate.tree(random, table, random.choice((0, 0, 1, 1, 2)))).encode()
     where = random.choice(("campaign.toml", ".", "campaign.toml"))
-    return ["diagnose", where, "--out", "o", "--budget", "1"], files
+    return ["diagnose", where, "--out", "o", "--budget", random.choice(("0.2", "1"))], files
 
 
 def pulls(random: Random) -> tuple[list[str], dict[str, bytes]]:
     """A data set of pulls alone."""
     folder = DATA / "rig" / "b-natural-loads"
-    robot = mutate.tree(random, tomllib.loads((folder / "robot.toml").read_text()), random.choice((0, 0, 1)))
+    spoilt = random.choice(("robot", "head", "pulls", "pulls", ""))
+    robot = mutate.tree(random, tomllib.loads((folder / "robot.toml").read_text()), int(spoilt == "robot"))
     head = tomllib.loads((DATA / "rig" / "a-null" / "dataset.toml").read_text())
-    text = mutate.table(random, (folder / "pulls.csv").read_text(), random.choice((0, 1, 2)))
+    changes = random.choice((1, 1, 2)) if spoilt == "pulls" else 0
+    text = mutate.table(random, (folder / "pulls.csv").read_text(), changes)
     files = {
         "d/robot.toml": mutate.toml(robot).encode(),
-        "d/dataset.toml": mutate.toml(mutate.tree(random, head, random.choice((0, 0, 1)))).encode(),
+        "d/dataset.toml": mutate.toml(mutate.tree(random, head, int(spoilt == "head"))).encode(),
         "d/pulls.csv": text.encode(),
     }
     return ["diagnose", "d", "--out", "o", "--budget", "1"], files

@@ -38,6 +38,13 @@ def prose(text: str) -> list[str]:
     return found
 
 
+def notebook_prose(script: str) -> str:
+    """The Markdown cells of a notebook that is kept as a script, as one page."""
+    cells = re.split(r"^# %%", script, flags=re.MULTILINE)
+    told = [cell.splitlines()[1:] for cell in cells if cell.startswith(" [markdown]")]
+    return "\n\n".join("\n".join(line[2:] for line in cell if line.startswith("#")) for cell in told)
+
+
 def sentences(text: str) -> list[str]:
     """Every sentence of a page; what has fewer than three words is none."""
     split = [one.strip() for part in prose(text) for one in _splitter().segment(part)]
@@ -55,5 +62,6 @@ if __name__ == "__main__":
 
     for name in sys.argv[1:]:
         page = Path(name).read_text(encoding="utf-8")
+        page = notebook_prose(page) if name.endswith(".py") else page
         counts = sorted((len(s.split()) for s in sentences(page)), reverse=True)
         print(f"{median_words(page):5.1f} {len(counts):4d} longest {counts[:3]} {name}")

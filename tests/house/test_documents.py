@@ -208,13 +208,17 @@ def test_three_robots_from_nothing_to_an_exported_file(
         assert Path(commands[-1][-1]).read_text(encoding="utf-8").strip()
 
 
-@pytest.mark.parametrize("page", PAGES, ids=page_id)
+@pytest.mark.parametrize("page", [*PAGES, *sorted((ROOT / "notebooks").glob("*.py"))], ids=page_id)
 def test_sentences_are_short(page: Path) -> None:
-    """Half of a page's sentences have fewer than twenty words."""
-    pytest.importorskip("pysbd")
-    from reading import median_words
+    """Half of the sentences of a page and of a notebook have fewer than twenty words.
 
-    assert median_words(page.read_text(encoding="utf-8")) < 20
+    What else the site has is made of docstrings and of help texts.
+    """
+    pytest.importorskip("pysbd")
+    from reading import median_words, notebook_prose
+
+    text = page.read_text(encoding="utf-8")
+    assert median_words(notebook_prose(text) if page.suffix == ".py" else text) < 20
 
 
 #: Files that the site does not link: the glossary itself, and pages that are outside the site.

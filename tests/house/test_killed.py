@@ -22,7 +22,7 @@ def test_killed_runs_leave_whole_files_and_end_with_the_same_bytes(tmp_path: Pat
     done = subprocess.run([*words, "--json", str(found)], capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stdout + done.stderr
     counts = json.loads(found.read_text())["all"]
-    assert counts["killed"] + counts.get("had ended", 0) == 6
+    assert counts["killed"] >= 1 and counts["killed"] + counts.get("had ended", 0) >= 6
 
 
 @pytest.mark.parametrize(

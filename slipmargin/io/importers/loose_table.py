@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from array import array
 from bisect import bisect_left
@@ -118,24 +119,24 @@ def increasing(t: Array) -> tuple[Index, list[str]]:
         return len(t) - 1 - keep, ["the rows stand in reverse order of time; turned round"]
     if np.all(step > 0.0) and np.all(np.isfinite(t)):  # as it should be
         return np.arange(len(t), dtype=np.int64), []
-    tails: list[float] = []
-    ends: list[int] = []
-    before = np.full(len(t), -1)
-    for i, value in enumerate(t):
-        if not np.isfinite(value):
-            continue
-        k = bisect_left(tails, value)
-        before[i] = ends[k - 1] if k else -1
-        if k == len(tails):
-            tails.append(value)
-            ends.append(i)
-        else:
-            tails[k], ends[k] = value, i
-    chain: list[int] = []
-    at = ends[-1] if ends else -1
+    tails, ends, before = array("d"), array("q"), array("q")  # lists take three times the memory
+    for first in range(0, len(t), BLOCK):
+        for i, value in enumerate(t[first : first + BLOCK].tolist(), first):
+            before.append(-1)
+            if not math.isfinite(value):
+                continue
+            k = len(tails) if not tails or value > tails[-1] else bisect_left(tails, value)
+            if k:
+                before[i] = ends[k - 1]
+            if k == len(tails):
+                tails.append(value)
+                ends.append(i)
+            else:
+                tails[k], ends[k] = value, i
+    chain, at = array("q"), ends[-1] if ends else -1
     while at >= 0:
         chain.append(at)
-        at = int(before[at])
+        at = before[at]
     return np.array(chain[::-1], dtype=np.int64), []
 
 

@@ -78,6 +78,14 @@ def test_neither_home_nor_locale(tmp_path: Path) -> None:
     assert sorted(p.name for p in tmp_path.iterdir()) == ["o.csv", "o.svg"]
 
 
+def test_a_home_that_cannot_be_written(tmp_path: Path) -> None:
+    """matplotlib said in two lines where it keeps its fonts instead."""
+    words = ["sweep", "omni4", "--surface", "floor", "--step", "45", "--plot", "o.svg"]
+    done = run(words, tmp_path, HOME="/proc", XDG_CONFIG_HOME=None, XDG_CACHE_HOME=None, MPLCONFIGDIR=None)
+    assert done.returncode == 0 and done.stderr == ""
+    assert [p.name for p in tmp_path.iterdir()] == ["o.svg"]
+
+
 def test_optimised_and_with_warnings_as_errors(tmp_path: Path) -> None:
     done = run([*SWEEP, "--json", "o.json", "--plot", "o.svg"], tmp_path, "-O", "-W", "error")
     assert done.returncode == 0, done.stderr

@@ -5,9 +5,12 @@ from __future__ import annotations
 import io
 import os
 import sys
+from pathlib import Path
 
 import pytest
 from slipmargin_cli.main import status
+
+from slipmargin.io import source
 
 pytestmark = pytest.mark.skipif(not os.path.exists("/dev/fd"), reason="there is no /dev/fd")
 
@@ -51,6 +54,23 @@ def test_a_pipe_that_is_no_text_is_refused(
     assert piped(words, good + b"caf\xc3\xa9 \xff\n") == 2
     told = capsys.readouterr().err
     assert f"{lines + 1}:7: byte 0xff is not UTF-8 text" in told and told.count("\n") == 1
+
+
+def test_what_never_ends_is_not_read_to_the_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """``/dev/zero`` as a robot or a log filled the memory."""
+    monkeypatch.setattr(source, "FILE_B", 1 << 20)
+    monkeypatch.setattr(source, "LINE", 1 << 16)
+    assert status(["robots", "check", "/dev/zero"]) == 2
+    assert "holds more than 1 MiB" in capsys.readouterr().err
+    for command in ("simulate", "monitor"):
+        assert status([command, "ohio-kiwi", "/dev/zero", *KIWI]) == 2
+        assert "/dev/zero: 1:1: this line has more than 65536 letters" in capsys.readouterr().err
+    with open("/dev/zero", encoding="utf-8") as endless:
+        monkeypatch.setattr(sys, "stdin", endless)
+        assert status(["monitor", "ohio-kiwi", "-", *KIWI]) == 2
+    assert "this line has more than" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("locale", ["utf-8", "ascii", "latin-1"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from slipmargin.diagnosis.pull_search import noise_N, search
 from slipmargin.diagnosis.result import Verdict
 from slipmargin.effects import GeneralEffect, Part, Trace
 from slipmargin.errors import InputError
+from slipmargin.io.data_set import read_data_set
 from slipmargin.io.data_set_write import write_data_set
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.io.trial_file import read_pulls
@@ -228,3 +230,15 @@ def test_friction_over_load_has_a_band_at_many_orientations() -> None:
     want = limit(model, FULL, Pull())
     np.testing.assert_allclose(low, want, rtol=1e-12)
     np.testing.assert_allclose(high, want, rtol=1e-12)
+
+
+def test_a_budget_ends_the_searches_in_pulls() -> None:
+    """It was ignored: pulls of a coupled grip took minutes, whatever was allowed."""
+    data = replace(read_data_set(RIG / "a-null"), trials=())
+    start = time.process_time()
+    found = diagnose_pulls(data, budget_s=1e-3)
+    assert time.process_time() - start < 5.0
+    assert found.verdict is not Verdict.EFFECT_FOUND and not found.findings
+    assert any("time budget of 0.001 s" in said for said in found.remarks)
+    with pytest.raises(InputError, match="budget_s"):
+        diagnose_pulls(data, budget_s=0.0)

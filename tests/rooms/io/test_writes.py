@@ -5,14 +5,18 @@ from __future__ import annotations
 import json
 import math
 import os
+from collections.abc import Callable
 from enum import Enum
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from slipmargin.errors import InputError
 from slipmargin.io import writes
+from slipmargin.io.data_set_write import check_new
+from slipmargin.io.folder import check_folder, write_folder
 from slipmargin.io.json_text import json_text
 from slipmargin.io.writes import check_writable, write_bytes, write_text, write_together
 
@@ -59,6 +63,38 @@ def test_nothing_is_written_where_one_place_is_impossible(tmp_path: Path) -> Non
     with pytest.raises(InputError, match="not a possible path"):
         write_text(tmp_path / "a\0b", "x")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_two_runs_may_end_in_one_folder(tmp_path: Path) -> None:
+    """The second found the folder that was not there when it began, and its results were lost."""
+    place = tmp_path / "new" / "results"
+
+    class Slow(dict[str, str | bytes]):
+        def items(self) -> Any:
+            if not place.exists():
+                write_folder(place, {"a.txt": "first", "b.txt": "first"})
+            return super().items()
+
+    write_folder(place, Slow({"a.txt": "second"}))
+    assert {p.name: p.read_text() for p in place.iterdir()} == {"a.txt": "second", "b.txt": "first"}
+    assert [p.name for p in place.parent.iterdir()] == ["results"]
+
+
+@pytest.mark.parametrize("check", [check_writable, check_folder, check_new, lambda p: write_text(p, "x")])
+@pytest.mark.parametrize(
+    ("name", "problem"),
+    [("loop", "leads to itself"), ("loop/in", "leads to itself"), (250 * "a", "too long"),
+     (9999 * "a", "too long"), ("a\0b", "not a possible path")],
+    ids=lambda word: word[:12],
+)  # fmt: skip
+def test_a_place_where_nothing_can_be_is_refused_before_any_work(
+    check: Callable[[Path], None], name: str, problem: str, tmp_path: Path
+) -> None:
+    """A link to itself was an internal error, and a name without room for its stage cost the finding."""
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    with pytest.raises(InputError, match=problem):
+        check(tmp_path / name)
+    assert [p.name for p in tmp_path.iterdir()] == ["loop"]
 
 
 def test_a_link_is_written_through_and_rights_are_kept(tmp_path: Path) -> None:

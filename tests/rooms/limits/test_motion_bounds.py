@@ -12,7 +12,8 @@ from strategies import kiwi, models
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.limits.bounds import cornering, directions, headings, spin, starting_by_motor, top_speed
-from slipmargin.limits.bounds_inside import inside, safe_rows
+from slipmargin.limits.bounds_inside import inside
+from slipmargin.limits.bounds_states import States
 from slipmargin.limits.bounds_summary import bounds
 from slipmargin.limits.motion import acceleration_limit
 from slipmargin.limits.motion_realised import realised
@@ -90,7 +91,7 @@ def test_spinning_and_motors() -> None:
 
 def test_the_box_and_the_ellipsoid_are_inside_and_touch(model: Model) -> None:
     sets = inside(model, share=0.9)
-    A, b, _ = safe_rows(model, share=0.9)
+    A, b, _ = States.of(model, 0.9, Contact.ROLLERS).rows
     room = b - np.abs(A) @ sets.even
     assert -1e-7 <= np.min(room) < 1e-6
     room = b - np.linalg.norm(A @ sets.ellipsoid, axis=1)
@@ -128,7 +129,7 @@ def test_no_safe_set_where_the_robot_must_slip(model: Model) -> None:
 
 def test_of_many_directions_those_farthest_apart_are_kept() -> None:
     """600 ends of each set of 24 wheels were driven through 500 motions: 24 s."""
-    from slipmargin.limits.bounds_inside import _farthest_apart
+    from slipmargin.limits.bounds_states import _farthest_apart
 
     draw = np.random.default_rng(5).normal(size=(552, 3))
     draw /= np.linalg.norm(draw, axis=1, keepdims=True)

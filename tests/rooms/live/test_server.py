@@ -9,6 +9,7 @@ import statistics
 import threading
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -175,7 +176,7 @@ def test_an_export_is_what_bounds_says_to_the_last_digit(name: str, tool: str) -
 
 @pytest.mark.parametrize(("name", "most_ms"), [("ohio-kiwi", 50.0), ("mecanum4", 140.0)])
 def test_an_export_follows_a_slider(name: str, most_ms: float) -> None:
-    """Processor time of one position: 26 ms with three wheels and 66 with four, 105 and 283 before."""
+    """Processor time of one position: 12 ms with three wheels and 31 with four, 105 and 283 at first."""
     page, spent = sm.explore(name), []
     own = {s.key: s.value for s in page.sliders}["mu"]
     page.export("nav2")
@@ -196,3 +197,28 @@ def test_answers_are_json_whatever_they_hold_and_a_defect_is_told(server: Server
     assert json.loads(ask(server, "/api/odd")[2]) == {"x": [None, None]}
     status, _, body = ask(server, "/api/bad")
     assert status == 500 and "ZeroDivisionError" in json.loads(body)["error"]
+
+
+def test_the_page_on_explore_quotes_what_was_measured() -> None:
+    root = Path(__file__).resolve().parents[3]
+    page = " ".join((root / "docs/how-to/explore.md").read_text(encoding="utf-8").split())
+    measured = json.loads((root / "benchmarks/results/explore.json").read_text(encoding="utf-8"))
+
+    def rows(kind: str, *wheels: int) -> list[dict[str, float]]:
+        return [
+            times
+            for row in measured.values()
+            for name, times in row.items()
+            if row["wheels"] in wheels and name.startswith(f"{kind}, ")
+        ]
+
+    def medians(kind: str, *wheels: int) -> str:
+        found = [times["median_ms"] for times in rows(kind, *wheels)]
+        return f"{min(found):.0f} to {max(found):.0f} ms"
+
+    assert f"A picture takes {medians('picture', 3, 4)} of computing" in page
+    assert f"and {max(times['most_ms'] for times in rows('picture', 3, 4)):.0f} ms at most" in page
+    assert f"{medians('file', 3)} with three wheels and {medians('file', 4)} with four" in page
+    assert f"take up to {max(times['most_ms'] for times in rows('file', 4)):.0f} ms" in page
+    assert f"takes {medians('JSON', 4)} with four wheels" in page
+    assert max(times["median_ms"] for times in rows("file", 3, 4)) < 50.0

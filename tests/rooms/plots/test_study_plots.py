@@ -10,6 +10,7 @@ from strategies import kiwi
 from slipmargin.effects import Recipe
 from slipmargin.plots.study import study_figure
 from slipmargin.plots.style import image
+from slipmargin.report.design import in_words
 from slipmargin.report.design_page import design_page
 from slipmargin.report.page import html
 from slipmargin.study.objectives import BY_NAME, Kind
@@ -70,3 +71,18 @@ def test_every_kind_of_study_can_be_drawn_and_told(texts: tuple[str, ...]) -> No
     drawn = image(study_figure(found, ("f_worst", "f_mean"), None))
     page = html(design_page(found, ("f_worst", "f_mean"), None, (), [("best", "it")], drawn))
     assert page.count("<h2") == 4 and "<svg" in page
+
+
+def test_a_page_says_in_words_what_a_command_calls_by_its_key() -> None:
+    """The page said "f_worst" and "front_angle_deg = 30", which nobody had typed."""
+    said = in_words("best: delta_deg = 30, mu_drive = 0.4 and 1 more; k_s_per_m = 1000, load_model = static")
+    assert said == (
+        "best: wheel angle δ 30°, drive coefficient 0.4 and 1 more; k 1000 s/m, load model static"
+    )
+    assert in_words("0.001 m more com_y_m: f_worst") == (
+        f"0.001 m more centre of mass y: {BY_NAME['f_worst'].meaning}"
+    )
+    found = made("delta_deg=10:40:10")
+    drawn = image(study_figure(found, ("f_worst", "f_mean"), None))
+    lead = design_page(found, ("f_worst", "f_mean"), None, (), [("best", "it")], drawn).lead
+    assert "wheel angle δ" in lead and "_" not in lead

@@ -16,6 +16,7 @@ from slipmargin_cli.main import status
 
 import slipmargin as sm
 from slipmargin.errors import InputError
+from slipmargin.report.motion_pages import _who
 from slipmargin.report.page import inline
 from slipmargin.report.page_style import CSS, FIGURE_COLOURS
 from slipmargin.report.text import thinned, towards
@@ -100,7 +101,7 @@ def test_a_page_stands_alone_and_says_how_it_was_made(pages: dict[str, str], nam
         ("plan", "good", "mecanum4 can drive this path of 2 m in 2.49 s on floor: no wheel slips"),
         ("check", "good", "This trajectory can be driven"),
         ("slips", "attention", "does not slip, but leaves too little in reserve"),
-        ("simulate", "attention", "After 1.5 s the robot stands 0.5 m from the origin, turned by 0°. Wheel"),
+        ("simulate", "attention", "After 1.5 s the robot stands 0.5 m from the origin, turned by 0°. All"),
     ],
 )
 def test_the_verdict_comes_first(pages: dict[str, str], name: str, kind: str, said: str) -> None:
@@ -232,3 +233,11 @@ def test_paper_shows_the_details(pages: dict[str, str], chromium: Any, tmp_path:
     if subprocess.run(["which", "pdftotext"], capture_output=True).returncode == 0:
         done = subprocess.run(["pdftotext", str(paper), "-"], capture_output=True, text=True, check=True)
         assert {"bounds": "isotropic", "check": "worst"}[name] in done.stdout
+
+
+def test_wheels_that_slip_alike_are_named_together() -> None:
+    """The page named the first of four wheels that slipped alike."""
+    wheels = ("fl", "fr", "rl")
+    assert _who(wheels, np.array([0.3, 0.2999, 0.3])) == "all wheels slip"
+    assert _who(wheels, np.array([0.3, 0.2, 0.299])) == "wheels fl and rl slip"
+    assert _who(wheels, np.array([0.1, 0.2, 0.1])) == "wheel fr slips"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -196,3 +197,15 @@ def test_a_cluster_needs_its_packages(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pieces, "find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"slipmargin\[cluster\]"):
         study(problem(), executor=Executor(scheduler="tcp://127.0.0.1:9"))
+
+
+def test_another_run_of_the_same_study_may_end_first(tmp_path: Path) -> None:
+    """It takes the folder of pieces with it; what this run has computed was lost."""
+    folder = tmp_path / "o.csv.work"
+
+    def work(item: int) -> dict[str, float]:
+        shutil.rmtree(folder, ignore_errors=True)
+        return {"x": float(item)}
+
+    done = in_pieces(work, [1, 2, 3], key="k", size=1, executor=Executor(folder=folder))
+    assert [row["x"] for row in done.rows] == [1.0, 2.0, 3.0]
