@@ -22,6 +22,7 @@ from slipmargin.data.noise import LastingNoise
 from slipmargin.diagnosis.prepare import Trial
 from slipmargin.diagnosis.residual_diagnostics import residual_rate
 from slipmargin.diagnosis.sense import is_ideal, measure
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme, rolling_twist, wheel_signal, with_phases
 from slipmargin.diagnosis.start_pose import WILD, aligned, fitted_start, fitted_to_lasting
 from slipmargin.effects import AnyEffect, Recipe
@@ -43,10 +44,6 @@ _FINE_RTOL = 1e-6
 _MUCH_FEWER = 0.5
 #: Steps after which a run counts as diverged (an ordinary one takes a few hundred a second of motion).
 _MOST_STEPS = 40_000
-#: What was measured did not tip: a prediction ends only where the floor pulls a wheel down by more than this
-#: [m g/N].  Below, a wheel lifts for a moment: as where a run begins while its wheels slip, or on
-#: four wheels, of which one may hang in the air.
-_HELD_DOWN = 1.0
 
 
 @final
@@ -198,7 +195,7 @@ class Problem:
                     signal=run,
                     rtol=self.rtol,
                     max_steps=_MOST_STEPS,
-                    held_down=_HELD_DOWN,
+                    held_down=SETTINGS.held_down,
                 )
                 .pose
             )
