@@ -60,7 +60,7 @@ def test_the_page_is_self_contained(tmp_path: Path) -> None:
         pages.append((tmp_path / name).read_text(encoding="utf-8").replace(name, ""))
     assert pages[0] == pages[1]
     assert "<svg" in pages[0] and "src=" not in pages[0] and "<script" not in pages[0]
-    assert "delta_deg = 35" in pages[0] and "The answer" in pages[0]
+    assert "wheel angle δ 35°" in pages[0] and "The answer" in pages[0]
     assert (tmp_path / "f.png").read_bytes().startswith(b"\x89PNG")
 
 
