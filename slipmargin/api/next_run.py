@@ -233,6 +233,7 @@ def _pulls(
         share=share,
         misfit=max(1.0, found.after.chi),
         noise=np.full(3, np.nan),
+        front_rad=data.recipe.robot.convention.front_rad,
         pulls=found.next_pulls,
     )
     return NextRunResult(next_runs=made)

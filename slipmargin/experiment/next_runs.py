@@ -82,7 +82,20 @@ def next_runs(
     reach = reach_m(data_set.recipe.build(data_set.surface))
     _space(data_set, request, reach).room_m(reach)  # what is too small is refused before the work
     left = remaining(data_set, repairs, request.seed, progress)
-    space = _space(left.data_set, request, reach)
+    return proposed(left, request, progress)
+
+
+def proposed(left: Remaining, request: Request, progress: Watch) -> NextRuns:
+    """The runs that tell most of what is left open.
+
+    Raises
+    ------
+    InputError
+        If the robot does not fit into the space, or no motion is possible in it.
+    """
+    data_set = left.data_set
+    reach = reach_m(data_set.recipe.build(data_set.surface))
+    space = _space(data_set, request, reach)
     able = _able(left, space, request, progress)
     progress("simulating every motion", 0.6)
     new = problem_of_drives(left.problem, able, request.seed)
@@ -117,7 +130,7 @@ def next_runs(
         verdict=left.verdict,
         question=left.question,
         explanations=tuple(name_of(f) for f in left.fits),
-        runs=_proposed([able[k] for k in chosen], driven, left.fits),
+        runs=_written([able[k] for k in chosen], driven, left.fits),
         separations=_separations(left, driven, every, chosen, progress),
         narrowings=narrowings,
         compared=len(able),
@@ -126,6 +139,7 @@ def next_runs(
         share=request.share,
         misfit=left.misfit,
         noise=left.problem.sigma,
+        front_rad=data_set.recipe.robot.convention.front_rad,
     )
 
 
@@ -205,7 +219,7 @@ def _separations(
     return tuple(made)
 
 
-def _proposed(chosen: Sequence[Drive], driven: Problem, fits: Sequence[Fit]) -> tuple[ProposedRun, ...]:
+def _written(chosen: Sequence[Drive], driven: Problem, fits: Sequence[Fit]) -> tuple[ProposedRun, ...]:
     everyone = np.arange(len(driven.trials), dtype=np.int64)
     poses: list[Array] = driven.predict([f.effects for f in fits], [everyone] * len(fits))
     return tuple(

@@ -100,6 +100,8 @@ class NextRuns:
         What the best explanation leaves, times the noise.
     noise : array (3,)
         Of x, y [m] and φ [rad], as the data have it.
+    front_rad : float
+        Direction of the robot's front in the body frame.
     pulls : tuple of NextPull
         Where there are pulls alone, what to pull next.
     """
@@ -119,6 +121,7 @@ class NextRuns:
     share: float
     misfit: float
     noise: Array
+    front_rad: float
     pulls: tuple[NextPull, ...] = ()
 
     @property

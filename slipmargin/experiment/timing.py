@@ -25,7 +25,7 @@ PACES = {"as hard as the margin allows": 1.0, "at half the pace": 2.0, "slowly":
 REST_S = 0.25
 #: Grid points of a leg's plan.
 _POINTS = 120
-#: The check of a whole motion is by its samples; this much more of the grip is the sampling's [1].
+#: Motions are planned with so much less of the grip: the check of the whole motion goes by its samples [1].
 _SAMPLING = 0.01
 #: Smaller sizes that are tried, how much smaller than should fit, and the smallest that is driven [m].
 _SIZES, _SMALLER, _SMALLEST_M = 4, 0.9, 0.1
@@ -74,13 +74,16 @@ def drives(motion: Motion, models: Sequence[Model], pace: Pace) -> list[Drive]:
     does not, and left out where slowing down does not help.  A motion that lasts less than half of the
     longest run is repeated; one that would last longer than it is driven smaller.
     """
-    made = []
+    made: list[Drive] = []
+    planned: dict[float, list[Plan]] = {}
     for words, factor in PACES.items():
         size = 1.0
         for _ in range(_SIZES):
+            sized = motion.sized(size)
             try:
-                sized = motion.sized(size)
-                found = _slowed(_planned(sized, models[0], pace), models, pace, factor)
+                if size not in planned:
+                    planned[size] = _planned(sized, models[0], pace)
+                found = _slowed(planned[size], models, pace, factor)
             except (NoSolution, InputError):
                 break
             if isinstance(found, Trajectory):
@@ -96,7 +99,7 @@ def drives(motion: Motion, models: Sequence[Model], pace: Pace) -> list[Drive]:
 def _planned(motion: Motion, model: Model, pace: Pace) -> list[Plan]:
     offset = model.geometry.position_m - model.inertia.com_m
     arm = float(np.mean(np.hypot(offset[:, 0], offset[:, 1])))
-    request = Request(share=pace.share, points=_POINTS, caps=pace.caps)
+    request = Request(share=max(0.01, pace.share - _SAMPLING), points=_POINTS, caps=pace.caps)
     return [plan(model, through(leg, arm=arm), request) for leg in motion.legs]
 
 
@@ -118,8 +121,7 @@ def _slowed(plans: Sequence[Plan], models: Sequence[Model], pace: Pace, factor: 
             rests = REST_S * len(plans)
             return max(0.0, (room - rests) / (once - rests)) ** 2
         rows = _rows(plans, factor, max(1, int(room / once)), pace.step_s)
-        share = min(1.0, pace.share + _SAMPLING)
-        needed = max(check(m, rows.t_s, rows.pose, share=share).time_scale_needed for m in models)
+        needed = max(check(m, rows.t_s, rows.pose, share=pace.share).time_scale_needed for m in models)
         if needed <= 1.0:
             return _with_use(rows, models)
         if not np.isfinite(needed):

@@ -26,6 +26,7 @@ def next_runs_in(found: NextRuns, old: Convention, new: Convention) -> NextRuns:
         narrowings=tuple(_narrowing(n) for n in found.narrowings),
         space=space,
         noise=found.noise[[1, 0, 2]],
+        front_rad=new.front_rad,
     )
 
 

@@ -36,8 +36,8 @@ def next_runs_figure(found: NextRuns) -> Figure:
         axes.quiver(
             pose[marks, 0],
             pose[marks, 1],
-            -np.sin(pose[marks, 2]),
-            np.cos(pose[marks, 2]),
+            np.cos(pose[marks, 2] + found.front_rad),
+            np.sin(pose[marks, 2] + found.front_rad),
             color=BLUE,
             width=0.006,
             scale=16.0,
