@@ -36,6 +36,7 @@ from slipmargin.sim.batch import Batch
 from slipmargin.sim.pack import pack
 from slipmargin.sim.signal import hermite
 
+OUT = Path(__file__).resolve().parent / "results" / "next_run.json"
 #: Length [s] and rate [Hz] of a run, standard runs of a set, runs that are added, the floor [m].
 LENGTH_S, RATE_HZ, STANDARD, ADDED, SPACE_M = 4.0, 100.0, 10, 3, (3.0, 2.0)
 #: How well a robot is put at the start of a run: 1 s.d. [m, m, rad].
@@ -190,7 +191,7 @@ def alone(answer: dict[str, Any], truth: list[str]) -> bool:
 def main() -> None:
     """Measure every case, or some, and write what is new into the file."""
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    words.add_argument("out", type=Path)
+    words.add_argument("out", type=Path, nargs="?", default=OUT)
     words.add_argument("--only", action="append")
     words.add_argument("--seed", type=int, default=1)
     asked = words.parse_args()

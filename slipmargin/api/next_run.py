@@ -160,7 +160,7 @@ def next_run(
     from slipmargin.data.clean_up import repaired
     from slipmargin.diagnosis.turned import FRAME, data_set_in
     from slipmargin.diagnosis.watch import Watch
-    from slipmargin.experiment.motions import checked_space
+    from slipmargin.experiment.motions import Space, checked_space, reach_m
     from slipmargin.experiment.next_runs import Request, next_runs
     from slipmargin.experiment.turned import next_runs_in
     from slipmargin.robot.warnings import unused
@@ -188,6 +188,8 @@ def next_run(
     if not data.trials:
         check_sense(data, source)
         return _pulls(data, source, share, seed, progress)
+    if size is not None:  # what is too small is refused before the work, in the file's axes
+        Space(middle_m=(0.0, 0.0), size_m=size).room_m(reach_m(data.recipe.build(data.surface)))
     mended = repaired(data_set_in(data, FRAME))
     check_sense(data_set_in(mended.data_set, own), source)
     request = Request(

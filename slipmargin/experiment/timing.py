@@ -156,7 +156,7 @@ def _rows(plans: Sequence[Plan], factor: float, repeats: int, step_s: float) -> 
             stand(leg.path.pose(np.array([leg.path.length]))[0])
     pose, velocity, acceleration, omega = (np.concatenate(part) for part in zip(*blocks, strict=True))
     return Trajectory(
-        t_s=step_s * np.arange(len(pose)),
+        t_s=np.asarray(step_s * np.arange(len(pose)), dtype=np.float64),
         pose=pose,
         velocity=velocity,
         acceleration=acceleration,
