@@ -220,6 +220,42 @@ def drawn() -> list[str]:
     )
 
 
+def answered(answer: dict[str, Any]) -> str:
+    """What a diagnosis names, and what it cannot tell from that."""
+    names = " + ".join(f"`{label}`" for label in answer["found"]) or answer["verdict"]
+    others = [f"`{label}`" for label in answer["confused_with"]]
+    return names + (f", or {', '.join(others)}" if others else "")
+
+
+def next_run() -> list[str]:
+    """What three proposed runs decide that three more standard runs do not."""
+
+    def noises(chi_square: float) -> str:
+        return f"{max(0.0, chi_square) ** 0.5:.2g}"
+
+    return table(
+        [
+            "planted",
+            "ten runs",
+            "after them",
+            "with three proposed runs",
+            "with three more standard runs",
+            "noises",
+        ],
+        [
+            [
+                ", ".join(f"`{name}`" for name in row["truth"]),
+                row["standard"],
+                answered(row["before"]),
+                answered(row["after"]),
+                answered(row["after_standard"]),
+                f"{noises(row['today'])} → {noises(row['expected'])}",
+            ]
+            for row in results("next_run.json")
+        ],
+    )
+
+
 def robotino() -> list[str]:
     """The real robot."""
     found = results("robotino.json")
@@ -241,6 +277,7 @@ def page() -> str:
         "<!-- worth -->": worth,
         "<!-- synthetic -->": synthetic,
         "<!-- drawn -->": drawn,
+        "<!-- nextrun -->": next_run,
         "<!-- robotino -->": robotino,
     }
     text = (HERE / "page.md").read_text(encoding="utf-8")
