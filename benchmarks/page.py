@@ -231,7 +231,8 @@ def next_run() -> list[str]:
     """What three proposed runs decide that three more standard runs do not."""
 
     def noises(chi_square: float) -> str:
-        return f"{max(0.0, chi_square) ** 0.5:.2g}"
+        size = max(0.0, chi_square) ** 0.5
+        return f"{size:.2g}" if size < 10.0 else f"{size:,.0f}"
 
     return table(
         [
