@@ -14,7 +14,7 @@ from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit, evaluate, limits_of, tangents
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.experiment.gain import Contrast, information, known
-from slipmargin.experiment.remaining import Remaining
+from slipmargin.experiment.remaining import Remaining, can_be
 from slipmargin.experiment.result import Narrowing
 from slipmargin.experiment.timing import Drive
 
@@ -114,8 +114,10 @@ def unseen(left: Remaining, new: Problem) -> list[Unseen]:
     """The named effects that a run could show, each alone beside the best explanation, by its tangent."""
     seen: dict[str, Candidate] = {}
     for c in left.candidates:
-        if c.named and c.nested and not c.idle.any() and not c.wheel_phase:
-            seen.setdefault(c.subject, c)
+        plain = c.named and c.nested and not c.idle.any() and not c.wheel_phase
+        beside = (*left.fits[0].structure, c), np.concatenate([left.fits[0].x, c.starts[0]])
+        if plain and c.subject not in seen and can_be(left.problem, *beside):
+            seen[c.subject] = c
     candidates = list(seen.values())
     parts = []
     for problem in (left.problem.rough(), new.rough()):

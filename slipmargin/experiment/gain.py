@@ -85,7 +85,7 @@ def problem_of_drives(problem: Problem, drives: Sequence[Drive], seed: int) -> P
     """
     rng = np.random.default_rng([seed, 6])
     held = problem.commanded and any(t.record.commands_held for t in problem.trials)
-    logged = problem.commanded or any(t.record.theta is not None for t in problem.trials)
+    angles = not problem.commanded and any(t.record.theta is not None for t in problem.trials)
     trials = []
     for k, drive in enumerate(drives):
         t, omega = drive.trajectory.t_s, drive.trajectory.omega
@@ -96,7 +96,7 @@ def problem_of_drives(problem: Problem, drives: Sequence[Drive], seed: int) -> P
             t_s=t,
             pose=drive.trajectory.pose,
             omega=None if problem.commanded else omega,
-            theta=theta if logged and not problem.commanded else None,
+            theta=theta if angles else None,
             omega_cmd=omega if problem.commanded else None,
             commands_held=held,
         )

@@ -54,7 +54,12 @@ class Space:
         return x, y
 
     def excess_m(self, pose: Array, reach_m: float) -> float:
-        """How far a robot of this reach gets out of the space along poses (T, 3) [m]; 0 where it does not."""
+        """How far a robot of this reach gets out of the space along poses (T, 3) [m]; 0 where it does not.
+
+        Infinite where a pose is not finite: a motion that ran away.
+        """
+        if not np.all(np.isfinite(pose)):
+            return np.inf
         off = np.abs(pose[:, :2] - self.middle_m) + reach_m - 0.5 * np.array(self.size_m)
         return float(max(0.0, np.max(off)))
 

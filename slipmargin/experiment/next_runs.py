@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -85,8 +85,21 @@ def next_runs(
     return proposed(left, request, progress)
 
 
-def proposed(left: Remaining, request: Request, progress: Watch) -> NextRuns:
+def proposed(
+    left: Remaining, request: Request, progress: Watch, kinds: Collection[str] | None = None
+) -> NextRuns:
     """The runs that tell most of what is left open.
+
+    Parameters
+    ----------
+    left : Remaining
+        What a diagnosis leaves.
+    request : Request
+        What is asked for.
+    progress : Watch
+        Told what is being done.
+    kinds : collection of str, optional
+        Motions of these kinds alone; by default the whole library.
 
     Raises
     ------
@@ -96,7 +109,7 @@ def proposed(left: Remaining, request: Request, progress: Watch) -> NextRuns:
     data_set = left.data_set
     reach = reach_m(data_set.recipe.build(data_set.surface))
     space = _space(data_set, request, reach)
-    able = _able(left, space, request, progress)
+    able = _able(left, space, request, progress, kinds)
     progress("simulating every motion", 0.6)
     new = problem_of_drives(left.problem, able, request.seed)
     keep = _inside(left, able, new, space, reach)
@@ -154,7 +167,9 @@ def _space(data_set: DataSet, request: Request, reach: float) -> Space:
     return Space(middle_m=(x, y), size_m=(a, b))
 
 
-def _able(left: Remaining, space: Space, request: Request, progress: Watch) -> list[Drive]:
+def _able(
+    left: Remaining, space: Space, request: Request, progress: Watch, kinds: Collection[str] | None
+) -> list[Drive]:
     """Every motion of the library at every pace that keeps the limits of all explanations."""
     models = [left.problem.model(f.effects) for f in left.fits]
     spans = [float(t.t_s[-1] - t.t_s[0]) for t in left.problem.trials]
@@ -165,7 +180,7 @@ def _able(left: Remaining, space: Space, request: Request, progress: Watch) -> l
         longest_s=max(_LONG_S, *spans) if request.longest_s is None else request.longest_s,
     )
     made: list[Drive] = []
-    motions = library(space, models[0])
+    motions = [m for m in library(space, models[0]) if kinds is None or m.kind in kinds]
     for number, motion in enumerate(motions):
         progress("timing the motions", number / len(motions))
         made += drives(motion, models, pace)

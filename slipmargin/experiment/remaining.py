@@ -9,12 +9,12 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Index
+from slipmargin.checks import Array, Index
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.repair import Repair
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.conditions import ready
-from slipmargin.diagnosis.fit import Fit, fit
+from slipmargin.diagnosis.fit import Fit, build, fit
 from slipmargin.diagnosis.ladder import Checked, Court, check
 from slipmargin.diagnosis.left_over import like
 from slipmargin.diagnosis.loop import Searched, searched
@@ -127,7 +127,7 @@ def _left(found: Searched, checked: Checked) -> tuple[Question, Verdict, Problem
         believed = _fitted(view, (), np.zeros(0), everyone)
         leads = [_fitted(view, s.structure, s.fit.x, everyone) for s in _leads(rounds[:1])]
         fits = sorted(leads, key=lambda f: f.cost) if len(leads) > 1 else [*leads, believed]
-        return (Question.ANYTHING if quiet else Question.WHICH), verdict, view, fits
+        return (Question.WHICH if len(fits) > 1 else Question.ANYTHING), verdict, view, fits
     view = checked.problem.as_seen_in(state.view)
     best = _fitted(view, state.structure, state.fit.x, everyone)
     rivals = [_fitted(view, c, x, everyone) for c, x in _rivals(view, state, found.rounds)]
@@ -140,7 +140,7 @@ def _left(found: Searched, checked: Checked) -> tuple[Question, Verdict, Problem
     return question, Verdict.EFFECT_FOUND, view, [best, *rivals[: MOST - 1]]
 
 
-def _fitted(view: Problem, structure: tuple[Candidate, ...], x: np.ndarray, trials: Index) -> Fit:
+def _fitted(view: Problem, structure: tuple[Candidate, ...], x: Array, trials: Index) -> Fit:
     return fit(view, structure, x, trials, iterations=_STEPS)
 
 
@@ -157,12 +157,12 @@ def _names(structure: Sequence[Candidate]) -> frozenset[str]:
 
 def _rivals(
     view: Problem, state: State, rounds: Sequence[Round]
-) -> list[tuple[tuple[Candidate, ...], np.ndarray]]:
+) -> list[tuple[tuple[Candidate, ...], Array]]:
     """Structures with other names that were as good as the one that holds, and where to start their fits.
 
     What was level with an effect in the round that took it stands in its place; the other effects stay.
     """
-    found: dict[frozenset[str], tuple[tuple[Candidate, ...], np.ndarray]] = {}
+    found: dict[frozenset[str], tuple[tuple[Candidate, ...], Array]] = {}
     kept = dict(zip((c.label for c in state.structure), _split(state), strict=True))
     for step in rounds:
         if step.best is None:
@@ -180,21 +180,23 @@ def _rivals(
             parts = [*((c, kept[c.label]) for c in state.structure if c.label not in taken), *own]
             structure = tuple(c for c, _ in parts)
             names = _names(structure)
-            if not own or names >= _names(state.structure) or names in found or not _can_be(view, parts):
+            x = np.concatenate([np.zeros(0), *(part for _, part in parts)])
+            if not own or names >= _names(state.structure) or names in found:
                 continue
-            found[names] = structure, np.concatenate([x for _, x in parts])
+            if can_be(view, structure, x):
+                found[names] = structure, x
     return list(found.values())
 
 
-def _split(state: State) -> list[np.ndarray]:
+def _split(state: State) -> list[Array]:
     """The parameters of each candidate."""
     return np.split(state.fit.x, np.cumsum([c.size for c in state.structure])[:-1])
 
 
-def _can_be(view: Problem, parts: Sequence[tuple[Candidate, np.ndarray]]) -> bool:
-    """Whether these effects can stand beside each other."""
+def can_be(problem: Problem, structure: Sequence[Candidate], x: Array) -> bool:
+    """Whether these effects can stand beside each other in the robot: two laws for one thing refuse."""
     try:
-        view.model(tuple(c.build(x) for c, x in parts))
+        problem.model(build(structure, x))
     except InputError:
         return False
     return True

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from slipmargin.diagnosis.result import Verdict
 from slipmargin.diagnosis.separate import separating_trial, trace_of
 from slipmargin.experiment.remaining import Question
 from slipmargin.experiment.result import Narrowing, NextRuns, ProposedRun, Separation
@@ -47,10 +48,10 @@ def answer(found: NextRuns) -> str:
         return "These are pulls alone: pull the robot in the orientations below next."
     count = f"{len(found.runs)} run{'s' if len(found.runs) != 1 else ''}"
     if found.question is Question.ANYTHING:
-        return (
-            f"Nothing is missing as far as the runs show. The {count} below show best what these runs could "
-            "have missed."
-        )
+        first = "The model misses something, and nothing that was tried explains it."
+        if found.verdict is not Verdict.UNEXPLAINED:
+            first = "Nothing is missing as far as the runs show."
+        return f"{first} The {count} below show best what these runs could have missed."
     if found.question is Question.HOW_MUCH:
         return (
             f"One explanation is left: {found.explanations[0]}. The {count} below narrow its widest "

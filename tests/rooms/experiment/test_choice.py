@@ -20,6 +20,8 @@ from slipmargin.experiment.result import NextRuns
 from slipmargin.experiment.timing import Drive
 from slipmargin.paths.trajectory import Trajectory
 
+#: A few motions are enough here.
+KINDS = ("spin", "line-y", "turning-line-y", "quarter-turns")
 CASE = next(c for c in CASES if c.name == "radius")
 
 
@@ -53,7 +55,7 @@ def two() -> Remaining:
 
 @pytest.fixture(scope="module")
 def found(two: Remaining) -> NextRuns:
-    return proposed(two, ask(2), Watch(report=quiet))
+    return proposed(two, ask(2), Watch(report=quiet), KINDS)
 
 
 def ask(runs: int) -> Request:
@@ -108,7 +110,7 @@ def test_runs_stay_inside_and_keep_the_margin(found: NextRuns) -> None:
 
 def test_one_explanation_has_its_widest_interval_narrowed() -> None:
     left = left_by(("floor_tilt",), Question.HOW_MUCH)
-    narrower = proposed(left, ask(1), Watch(report=quiet))
+    narrower = proposed(left, ask(1), Watch(report=quiet), KINDS)
     assert not narrower.separations and len(narrower.narrowings) == 2
     assert narrower.narrowings[0].today >= narrower.narrowings[1].today
     for one in narrower.narrowings:
@@ -119,7 +121,7 @@ def test_where_nothing_is_missing_runs_show_what_could_hide() -> None:
     """Straight runs cannot see where the camera's marker sits: a run that turns can."""
     left = left_by(("none",), Question.ANYTHING)
     assert left.fits[0].structure == ()
-    shown = {n.parameter: n for n in proposed(left, ask(1), Watch(report=quiet)).narrowings}
+    shown = {n.parameter: n for n in proposed(left, ask(1), Watch(report=quiet), KINDS).narrowings}
     marker = shown["marker_offset.marker_x_m"]
     assert marker.today > 0.1 and marker.expected < 0.01
 

@@ -57,3 +57,9 @@ def test_a_smaller_motion_turns_as_far() -> None:
     one, two = (np.concatenate(m.legs) for m in (motion, half))
     assert np.array_equal(one[:, 2], two[:, 2])
     assert np.allclose(one[:, :2].mean(axis=0) - two[:, :2].mean(axis=0), 0.0, atol=0.02)
+
+
+def test_a_motion_that_ran_away_is_outside() -> None:
+    space = Space(middle_m=(0.0, 0.0), size_m=(3.0, 2.0))
+    assert space.excess_m(np.array([[1.5, 0.0, 0.0]]), 0.1) == pytest.approx(0.1)
+    assert space.excess_m(np.array([[0.0, np.nan, 0.0]]), 0.1) == np.inf
