@@ -8,14 +8,17 @@ import json
 from pathlib import Path
 
 import pytest
+from diagnoses import diagnosis, wheel_loads
 from json_schemas import faults
 from proposals import next_runs, separation
 
 import slipmargin as sm
 from slipmargin.api.next_run import NextRunResult
 from slipmargin.diagnosis.pull_next import NextPull
+from slipmargin.diagnosis.result import Verdict
 from slipmargin.errors import InputError
 from slipmargin.experiment.remaining import Question
+from slipmargin.report.diagnosis_evidence import next_steps
 
 
 def result(question: Question | None = Question.WHICH, **change: object) -> NextRunResult:
@@ -79,3 +82,20 @@ def test_files_are_what_plan_writes_and_reads(tmp_path: Path) -> None:
     assert planned.plan.path.length == pytest.approx(1.0)
     driven = sm.simulate("ohio-kiwi-symmetric", "paper", tmp_path / "next" / "run-1.csv")
     assert driven.run.t_s[-1] == 4.0
+
+
+@pytest.mark.parametrize(
+    ("verdict", "rivals", "asked"),
+    [
+        (Verdict.EFFECT_FOUND, (), True),  # a lead is left over
+        (Verdict.EFFECT_FOUND, ("floor_nap",), True),
+        (Verdict.UNEXPLAINED, (), True),
+        (Verdict.NO_MISSING_EFFECT, (), False),
+    ],
+)
+def test_a_diagnosis_names_the_command_where_something_is_open(
+    verdict: Verdict, rivals: tuple[str, ...], asked: bool
+) -> None:
+    findings = (wheel_loads(confused_with=rivals),) if verdict is Verdict.EFFECT_FOUND else ()
+    shown = str(next_steps(diagnosis(verdict, findings)))
+    assert ("Drive this next: `slipmargin next-run drawn`" in shown) is asked
