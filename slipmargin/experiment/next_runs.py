@@ -110,16 +110,13 @@ def proposed(
     reach = reach_m(data_set.recipe.build(data_set.surface))
     space = _space(data_set, request, reach)
     able = _able(left, space, request, progress, kinds)
+    if not able:
+        raise _no_motion(space)
     progress("simulating every motion", 0.6)
     new = problem_of_drives(left.problem, able, request.seed)
     keep = _inside(left, able, new, space, reach)
     if not keep:
-        raise InputError(
-            "space",
-            f"is {space.size_m[0]:.3g} m x {space.size_m[1]:.3g} m, in which no motion of the list keeps the "
-            "limits of every explanation that is left",
-            "give more space, longer runs or a larger margin",
-        )
+        raise _no_motion(space)
     able, new = [able[k] for k in keep], only(new, keep)
     on_new = evaluated(new, left.fits)
     progress("choosing", 0.7)
@@ -156,6 +153,15 @@ def proposed(
     )
 
 
+def _no_motion(space: Space) -> InputError:
+    return InputError(
+        "space",
+        f"is {space.size_m[0]:.3g} m x {space.size_m[1]:.3g} m, in which no motion of the list keeps the "
+        "limits of every explanation that is left",
+        "give more space or longer runs, or drive what slipmargin diagnose proposes in words",
+    )
+
+
 def _space(data_set: DataSet, request: Request, reach: float) -> Space:
     """The space that is asked for, about the middle of the runs; or what these have covered."""
     seen = np.concatenate([t.pose[:, :2] for t in data_set.trials])
@@ -189,8 +195,6 @@ def _able(
 
 def _inside(left: Remaining, able: Sequence[Drive], new: Problem, space: Space, reach: float) -> list[int]:
     """The drives in which no explanation leaves the space."""
-    if not able:
-        return []
     everyone = np.arange(len(new.trials), dtype=np.int64)
     poses = new.predict([f.effects for f in left.fits], [everyone] * len(left.fits))
     return [

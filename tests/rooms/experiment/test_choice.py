@@ -11,6 +11,7 @@ from slipmargin.diagnosis.conditions import problem_of
 from slipmargin.diagnosis.fit import fit
 from slipmargin.diagnosis.result import Verdict
 from slipmargin.diagnosis.watch import Watch
+from slipmargin.errors import InputError
 from slipmargin.experiment.choose import greedy, pairs
 from slipmargin.experiment.gain import evaluated, known, problem_of_drives
 from slipmargin.experiment.motions import Motion
@@ -109,12 +110,18 @@ def test_runs_stay_inside_and_keep_the_margin(found: NextRuns) -> None:
 
 
 def test_one_explanation_has_its_widest_interval_narrowed() -> None:
-    left = left_by(("floor_tilt",), Question.HOW_MUCH)
+    left = left_by(("wheel_radius[1]",), Question.HOW_MUCH)
     narrower = proposed(left, ask(1), Watch(report=quiet), KINDS)
-    assert not narrower.separations and len(narrower.narrowings) == 2
-    assert narrower.narrowings[0].today >= narrower.narrowings[1].today
-    for one in narrower.narrowings:
-        assert one.expected < one.today
+    (one,) = narrower.narrowings
+    assert not narrower.separations and one.parameter == "wheel_radius.radius_factor"
+    assert one.expected < one.today < 1e-3
+
+
+def test_a_model_that_cannot_drive_at_all_is_said_so() -> None:
+    """A tilt fitted to what a wheel's radius does is steeper than the grip holds."""
+    left = left_by(("floor_tilt",), Question.HOW_MUCH)
+    with pytest.raises(InputError, match=r"space: is 1\.2 m x 1 m, in which no motion of the list keeps"):
+        proposed(left, ask(1), Watch(report=quiet), KINDS)
 
 
 def test_where_nothing_is_missing_runs_show_what_could_hide() -> None:
