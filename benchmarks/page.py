@@ -257,6 +257,46 @@ def next_run() -> list[str]:
     )
 
 
+def judged() -> list[str]:
+    """The collection that was drawn and run once."""
+    found = results("judged.json")
+
+    def share(key: str) -> str:
+        right, of = found[key]
+        return f"{right} of {of}"
+
+    grew, inside = found["found_and_error_grew"], found["coverage"]
+    return [
+        *table(
+            ["planted", "name right", "variable right", "variable or first lead right", "false alarms"],
+            [
+                [
+                    "effects of the catalogue",
+                    share("names"),
+                    share("variables_catalogue"),
+                    "",
+                    "",
+                ],
+                [
+                    "inventions in no catalogue",
+                    "",
+                    share("variables_inventions"),
+                    share("variable_or_first_lead_inventions"),
+                    "",
+                ],
+                ["nothing, or a fault of the instrument", "", "", "", share("false_alarms")],
+            ],
+        ),
+        "",
+        f"In {len(grew)} of {found['sets']} sets an effect was claimed although an error on held-out runs",
+        f"grew.  Of {inside['intervals']} intervals {100.0 * inside['coverage']:.0f} % hold the planted",
+        "value, 95 % are stated; the median error is",
+        f"{inside['median_error_over_half_width']:.2f} of the half width.  A set takes",
+        f"{found['seconds']['median']:.0f} s in the median and {found['seconds']['largest']:.0f} s at",
+        "most, two at a time on two cores.",
+    ]
+
+
 def robotino() -> list[str]:
     """The real robot."""
     found = results("robotino.json")
@@ -279,6 +319,7 @@ def page() -> str:
         "<!-- synthetic -->": synthetic,
         "<!-- drawn -->": drawn,
         "<!-- nextrun -->": next_run,
+        "<!-- judged -->": judged,
         "<!-- robotino -->": robotino,
     }
     text = (HERE / "page.md").read_text(encoding="utf-8")

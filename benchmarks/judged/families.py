@@ -386,7 +386,7 @@ def _gain(d: Draw) -> Apply:
         g = 1.0 + 0.2 * s * sign
         return Planted(
             machine=d.machine,
-            camera=lambda t, p, r: at_rows(t, p, r) * np.array([1.0, 1.0, g]),
+            camera=lambda t, p, r: (at_rows(t, p, r) - p[0]) * np.array([1.0, 1.0, g]) + p[0],
             parameters={"gain": g},
         )
 

@@ -114,7 +114,17 @@ def model_of(
     recipe = read_robot(robot)
     one_of("surface", surface, [s.name for s in recipe.robot.surfaces])
     ignored = unused(recipe.robot, surface, spread=spread, band=band)
-    return recipe.build(surface), (*warnings(recipe.robot), *ignored)
+    return recipe.build(surface), (*warnings(recipe.robot), *ignored, *_partly_used(recipe))
+
+
+def _partly_used(recipe: Recipe) -> tuple[str, ...]:
+    """A sentence for each effect of a robot file that does not count everywhere."""
+    from slipmargin.effects import Effect, Part
+
+    measured = "diagnose only: it is a fault of what is measured, not of the robot"
+    found = {e.name: measured for e in recipe.effects if e.part is Part.SENSING}
+    found |= {e.name: e.counts_in for e in recipe.effects if isinstance(e, Effect) and e.counts_in}
+    return tuple(f"effect {name}: counts in {where}" for name, where in found.items())
 
 
 def checked_margin(margin: float) -> float:

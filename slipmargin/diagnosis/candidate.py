@@ -140,7 +140,7 @@ def named_candidate(
         units=tuple(p.unit for p in rows),
         null=np.array([s[0] if p.idle and p.starts else p.null for p, s in zip(rows, sets, strict=True)]),
         scale=np.array([p.scale for p in rows]),
-        usual=np.array([p.null for p in rows]),
+        usual=np.array([p.null if p.usual is None else p.usual for p in rows]),
         idle=np.array([p.idle for p in rows]),
         low=np.array([p.low for p in rows]),
         high=np.array([p.high for p in rows]),
@@ -161,6 +161,7 @@ def named_candidates(
     reach: Mapping[str, float] = MappingProxyType({}),
     *,
     timed: bool = True,
+    angles: bool = True,
 ) -> list[Candidate]:
     """Every effect of the catalogue that these data could show.
 
@@ -176,10 +177,14 @@ def named_candidates(
         How far the runs cover "position" [m] and "time" [s], for starts that are spread over them.
     timed : bool
         Whether the rows have time stamps, which limit how wrong the clock may be, not only a nominal rate.
+    angles : bool
+        Whether the logs hold wheel angles.
     """
     found: list[Candidate] = []
     for effect in CATALOGUE:
         if effect.name in known or (effect.needs_commands and not commanded):
+            continue
+        if effect.needs_wheel_angles and not angles:
             continue
         widest = SETTINGS.stamped_clock if effect.is_the_clock and timed else np.inf
         single = issubclass(effect, WheelEffect) and effect.one_wheel

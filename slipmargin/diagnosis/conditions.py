@@ -21,7 +21,7 @@ from slipmargin.data.data_set import DataSet, WheelSignal
 from slipmargin.data.noise import lasting_noise, white_noise
 from slipmargin.data.record import Record
 from slipmargin.data.repair import Repair, in_runs
-from slipmargin.diagnosis.held_out import searched_runs
+from slipmargin.diagnosis.held_out import held_out_runs, searched_runs
 from slipmargin.diagnosis.noise_reading import lasts, stated_wrong, tails
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
@@ -38,14 +38,23 @@ _FRICTIONS = np.geomspace(0.45, 1.8, 8)
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Ready:
-    """A data set to search in, with its noise, and everything that was mended or left out on the way."""
+    """A data set to search in, with its noise, and everything that was mended or left out on the way.
+
+    ``held`` are the numbers of the runs to hold out of the search.
+    """
 
     data_set: DataSet
     noise_estimated: bool
     repairs: tuple[Repair, ...]
+    held: Index
 
 
-def ready(data_set: DataSet, repairs: tuple[Repair, ...] | None = None, seed: int = 0) -> Ready:
+def ready(
+    data_set: DataSet,
+    repairs: tuple[Repair, ...] | None = None,
+    seed: int = 0,
+    held: Index | None = None,
+) -> Ready:
     """The data set mended, with the noise that it has, and without runs from another floor.
 
     Parameters
@@ -56,6 +65,8 @@ def ready(data_set: DataSet, repairs: tuple[Repair, ...] | None = None, seed: in
         What was mended already; by default it is done here.
     seed : int
         That of the diagnosis: the noise is measured on the runs that it does not hold out.
+    held : array of int, optional
+        The runs to hold out of those that are left; by default they are drawn.
     """
     if repairs is None:
         data_set, repairs = each(data_set, lambda d: ((fixed := repaired(d)).data_set, fixed.repairs))
@@ -63,10 +74,25 @@ def ready(data_set: DataSet, repairs: tuple[Repair, ...] | None = None, seed: in
     data_set, more = each(data_set, _alike)
     done += more
     stated = data_set.sigma
-    data_set, more = _measured_noise(data_set, searched_runs(len(data_set.trials), seed))
+    held = held_out_runs(misses(data_set), seed) if held is None else held
+    data_set, more = _measured_noise(data_set, searched_runs(len(data_set.trials), held))
     assert data_set.sigma is not None
     estimated = stated is None or not np.array_equal(data_set.sigma, stated)
-    return Ready(data_set=data_set, noise_estimated=estimated, repairs=(*done, *more))
+    return Ready(
+        data_set=data_set,
+        noise_estimated=estimated,
+        repairs=(*done, *more),
+        held=held,
+    )
+
+
+def misses(data_set: DataSet) -> Array:
+    """Root mean square (R,) of what the model as it is misses each run by, in about the noise."""
+    problem = problem_of(data_set)
+    everyone = np.arange(len(problem.trials), dtype=np.int64)
+    residual = problem.residuals([()], [everyone])[0]
+    counts = np.maximum(1, np.count_nonzero(residual, axis=1))
+    return np.asarray(np.nan_to_num(np.sqrt(np.sum(residual**2, axis=1) / counts), nan=np.inf))
 
 
 def _alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
@@ -274,14 +300,20 @@ def _two(costs: Array) -> tuple[int, int, float] | None:
 
 def _measured_noise(data_set: DataSet, runs: Index) -> tuple[DataSet, tuple[Repair, ...]]:
     """With the noise of these runs: its size where none or a wrong one is stated, and the part that lasts."""
-    problem = problem_of(data_set)
+    white = white_noise(tuple(data_set.trials[i] for i in runs))
+    problem = problem_of(data_set if data_set.sigma is not None else replace(data_set, sigma=white))
     everyone = np.arange(len(problem.trials), dtype=np.int64)
     predicted = problem.predict([()], [everyone])[0]
     residuals = [(t.t_s, t.pose - p[: len(t.t_s)]) for t, p in zip(problem.trials, predicted, strict=True)]
-    data_set, said = _without_lone(data_set, residuals, white_noise(tuple(data_set.trials[i] for i in runs)))
+    data_set, said = _without_lone(data_set, residuals, white)
     residuals = [residuals[i] for i in runs]
     whole, lasting = lasting_noise(residuals, data_set.sigma)
     white = white_noise(tuple(data_set.trials[i] for i in runs))
+    # Between the frames of a slow camera the robot turns and stops, which looks like noise; not so what the
+    # model leaves of it.
+    left = tuple(replace(data_set.trials[i], pose=r) for i, (_, r) in zip(runs, residuals, strict=True))
+    less = white_noise(left)
+    white = np.where(less < SETTINGS.motion_seen_as_noise * white, less, white)
     lasts_in = np.zeros(3, dtype=bool) if lasting is None else lasting.share > 0.0
     sigma = np.where(lasts_in & (whole > 0.0), whole, white)
     sigma = sigma * np.where(lasts_in, 1.0, tails(residuals, sigma))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -15,8 +16,9 @@ from slipmargin.diagnosis.left_out import leave_one_out
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Estimate, Finding
-from slipmargin.diagnosis.search import Round, State
+from slipmargin.diagnosis.search import Round
 from slipmargin.diagnosis.signals import InterpolationScheme
+from slipmargin.diagnosis.state import State
 from slipmargin.effects import Effect, Quantity, Trace
 from slipmargin.effects.confined import Confined, bare
 from slipmargin.effects.general import PREFIX
@@ -56,9 +58,7 @@ def findings(
     """
     if not len(final.x):
         return ()
-    low, high, scale = limits_of(final.structure)
-    spread = intervals(final, leave_one_out(final), scale, _other_log(problem, final))
-    spread = replace(spread, low=np.maximum(spread.low, low), high=np.minimum(spread.high, high))
+    spread = _spread(problem, final)
     stuck = final.at_bound()
     found = []
     at = 0
@@ -115,6 +115,23 @@ def findings(
             )
         )
     return tuple(found)
+
+
+def doubted(problem: Problem, final: Fit) -> bool:
+    """Whether the evidence of some named effect of a fit does not carry its name."""
+    spread, stuck = _spread(problem, final), final.at_bound()
+    at = np.cumsum([0, *(c.size for c in final.structure)])
+    spans = [slice(a, b) for a, b in pairwise(at)]
+    return any(
+        _doubts(candidate, final.x[span], spread.low[span], spread.high[span], stuck)
+        for candidate, span in zip(final.structure, spans, strict=True)
+    )
+
+
+def _spread(problem: Problem, final: Fit) -> Intervals:
+    low, high, scale = limits_of(final.structure)
+    spread = intervals(final, leave_one_out(final), scale, _other_log(problem, final))
+    return replace(spread, low=np.maximum(spread.low, low), high=np.minimum(spread.high, high))
 
 
 def _other_log(problem: Problem, final: Fit) -> Array:

@@ -45,9 +45,9 @@ def _over_contact(model: Model, r: Ranges) -> list[Candidate]:
         ),
         friction(
             Trace.WHEEL_ANGLE,
-            "once and twice a turn",
+            "up to four times a turn",
             model,
-            [(angle, Basis.FOURIER, turn, 4, both, row) for row in one],
+            [(angle, Basis.FOURIER, turn, 8, both, row) for row in one],
         ),
         friction(
             Trace.SLIP_SPEED,
@@ -193,7 +193,7 @@ def _over_place(model: Model, r: Ranges) -> list[Candidate]:
             Trace.HEADING,
             "friction over sliding direction",
             model,
-            [(Variable.SLIP_HEADING, Basis.FOURIER, turn, 4, both, None)],
+            [(Variable.SLIP_HEADING, Basis.FOURIER, turn, 8, both, None)],
         ),
         forces(
             Trace.HEADING,

@@ -43,17 +43,28 @@ class Prediction:
     phased: bool
 
 
-def held_out_runs(count: int, seed: int) -> Index:
-    """Numbers of whole runs that nothing but the final comparison may see."""
+def held_out_runs(misses: Array, seed: int) -> Index:
+    """Numbers of whole runs that nothing but the final comparison may see.
+
+    Runs that the model as it is misses by much are as rare among them as among all: sorted by ``misses``
+    (R,), the root mean squares in units of the noise of what the model as it is misses them by, one of each
+    of equally large parts is drawn.  The run that is farthest off stays with the search; the first one drawn
+    is about as far off as the next.
+    """
+    count = len(misses)
     if count < ENOUGH_TO_HOLD_OUT:
         return np.zeros(0, dtype=np.int64)
-    many = max(2, round(_HELD_OUT_SHARE * count))
-    return np.sort(np.random.default_rng(seed).choice(count, size=many, replace=False)).astype(np.int64)
+    order = np.argsort(-np.asarray(misses), kind="stable")
+    first, *others = np.array_split(order, max(2, round(_HELD_OUT_SHARE * count)))
+    beyond = np.maximum(misses[first[1:]] - 1.0, 0.0)  # what the noise does not explain
+    far = first[1:][beyond >= 0.5 * beyond[0]]
+    random = np.random.default_rng(seed)
+    return np.sort([random.choice(part) for part in (far, *others)]).astype(np.int64)
 
 
-def searched_runs(count: int, seed: int) -> Index:
+def searched_runs(count: int, held: Index) -> Index:
     """Numbers of the other runs."""
-    return np.setdiff1d(np.arange(count), held_out_runs(count, seed)).astype(np.int64)
+    return np.setdiff1d(np.arange(count), held).astype(np.int64)
 
 
 def predicted(

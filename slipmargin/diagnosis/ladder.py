@@ -23,6 +23,7 @@ from slipmargin.checks import Index
 from slipmargin.data.record import Record
 from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.findings import doubted
 from slipmargin.diagnosis.fit import evaluate
 from slipmargin.diagnosis.held_out import (
     Prediction,
@@ -35,7 +36,6 @@ from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Rejected
 from slipmargin.diagnosis.search import (
     Round,
-    State,
     fitted,
     longer,
     needed,
@@ -43,10 +43,10 @@ from slipmargin.diagnosis.search import (
     refitted,
     take_step,
     without,
-    worthwhile,
 )
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
+from slipmargin.diagnosis.state import State, worthwhile
 from slipmargin.diagnosis.verdict import Judgement, RunErrors, judge
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect
@@ -174,6 +174,8 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
     failures += tuple(
         f"every interval of the parameters of {label} contains the value that does nothing" for label in idle
     )
+    if one.chi() <= SETTINGS.noise_chi and doubted(state.view, state.fit):
+        failures += ("so near the noise only a name that its own evidence carries is claimed",)
     if failures:
         rejected.append(
             Rejected(

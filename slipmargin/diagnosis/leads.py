@@ -18,9 +18,10 @@ from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import Periodicity
 from slipmargin.diagnosis.result import Lead, LeadSource, Rejected
 from slipmargin.diagnosis.screen import standpoints
-from slipmargin.diagnosis.search import Round, explained
+from slipmargin.diagnosis.search import Round
 from slipmargin.diagnosis.separate import TRIALS
 from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.state import explained
 from slipmargin.effects import Trace
 
 #: At most so many leads are listed.

@@ -13,8 +13,9 @@ from slipmargin.data.data_set import DataSet
 from slipmargin.data.jitter import jitter
 from slipmargin.data.noise import white_noise
 from slipmargin.data.repair import Repair
+from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
-from slipmargin.diagnosis.conditions import problem_of, ready
+from slipmargin.diagnosis.conditions import misses, problem_of, ready
 from slipmargin.diagnosis.events import cut_apart, find_events, with_measured_velocity
 from slipmargin.diagnosis.findings import findings
 from slipmargin.diagnosis.fit import Fit, fit
@@ -31,9 +32,10 @@ from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.ranges import ranges, variables_of
 from slipmargin.diagnosis.residual_diagnostics import dependences
 from slipmargin.diagnosis.result import Diagnosis, Event, Finding, Step, TrialTrajectories, Tried, Verdict
-from slipmargin.diagnosis.search import Round, State, search, without
+from slipmargin.diagnosis.search import Round, search, without
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
+from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.watch import Watch, cut_short
 from slipmargin.effects import AnyEffect
 from slipmargin.effects.confined import acting
@@ -70,17 +72,47 @@ class Searched:
     rounds: list[Round]
 
 
-def searched(data_set: DataSet, seed: int, progress: Watch | None = None) -> Searched:
-    """Noise, cuts, ranges, wheel phases and effects, all from the trials that are not held out."""
+def searched(
+    data_set: DataSet, seed: int, progress: Watch | None = None, held_runs: Index | None = None
+) -> Searched:
+    """Noise, cuts, ranges, wheel phases and effects, all from the trials that are not held out.
+
+    ``held_runs`` are the numbers of the runs to hold out; by default they are drawn.  Where something seems
+    to have happened once in a run, the runs are searched whole first: a slip that only some runs hold looks
+    like an event.  They are cut where what is found does not explain it.
+    """
     progress = progress or Watch(report=no_progress)
     progress("reading the noise", 0.0)
     count = len(data_set.trials)
-    held_runs, seen_runs = held_out_runs(count, seed), searched_runs(count, seed)
+    if held_runs is None:
+        held_runs = held_out_runs(misses(data_set), seed)
+    seen_runs = searched_runs(count, held_runs)
     if data_set.sigma is None:
         data_set = replace(data_set, sigma=white_noise(tuple(data_set.trials[i] for i in seen_runs)))
-    uncut = problem = problem_of(data_set)
-    runs: tuple[int, ...] = tuple(range(count))
+    uncut = problem_of(data_set)
+    found = _searched(data_set, uncut, (), held_runs, seed, progress)
     if events := _events(uncut, (), seen_runs):
+        if found.state.structure:
+            phased = uncut.with_wheel_phases(found.problem.wheel_phases)
+            events = _events(phased, found.state.fit.effects, seen_runs)
+        if events:
+            found = _searched(data_set, uncut, events, held_runs, seed, progress)
+    return found
+
+
+def _searched(
+    data_set: DataSet,
+    uncut: Problem,
+    events: tuple[Event, ...],
+    held_runs: Index,
+    seed: int,
+    progress: Watch,
+) -> Searched:
+    """What a search finds in the runs, cut at these events."""
+    problem, count = uncut, len(data_set.trials)
+    seen_runs = searched_runs(count, held_runs)
+    runs: tuple[int, ...] = tuple(range(count))
+    if events:
         records, runs = cut_apart(data_set.trials, events)
         problem = with_measured_velocity(problem_of(data_set, records, runs), runs)
     held = np.flatnonzero(np.isin(runs, held_runs))
@@ -90,9 +122,10 @@ def searched(data_set: DataSet, seed: int, progress: Watch | None = None) -> Sea
     covered = ranges(tuple(problem.trials[i] for i in seen))
     reach = {"position": covered.position_m, "time": covered.duration_s}
     timed = data_set.nominal_rate_Hz is None
+    angles = not commanded and not wheel_phase.is_unknown(problem)
     candidates = in_groups(
         [
-            *named_candidates(model.geometry.names, commanded, known, reach, timed=timed),
+            *named_candidates(model.geometry.names, commanded, known, reach, timed=timed, angles=angles),
             *general_candidates(model, covered, commanded),
         ],
         data_set.members,
@@ -144,7 +177,7 @@ def diagnose(
     watch("mending the data", 0.0)
     conditions = ready(data_set, repairs, seed)
     data_set = conditions.data_set
-    s = searched(data_set, seed, watch)
+    s = searched(data_set, seed, watch, conditions.held)
     was_cut = watch.expired
     held, trials = s.held, s.problem.trials
     everyone = np.arange(len(trials), dtype=np.int64)
@@ -303,7 +336,7 @@ def _clock(
     if data_set.nominal_rate_Hz is None:
         return ()
     found = jitter(data_set.trials)
-    said = (
+    said: tuple[str, ...] = (
         f"Rows have no time stamps, only a nominal rate of {data_set.nominal_rate_Hz:g} Hz: friction "
         "coefficients times the square of the sampling period are known, not both; slip ratios do not depend "
         "on it.",

@@ -1,7 +1,8 @@
 """Probes: dependences that no candidate writes, as velocities that come on top of the predicted motion.
 
 A probe has no law that could be simulated.  It is a body-frame velocity disturbance, linear in its
-coefficients, that is added up along the predicted path and stands in the screened list beside the tangents of
+coefficients, that is added up along the predicted path, or a shift of the pose as it is seen, and stands in
+the screened list beside the tangents of
 the candidates: it can lead to a variable, and is never claimed.  A push acts on the velocity until the wheels
 have caught the robot again, so that forces are low-passed.
 """
@@ -77,6 +78,14 @@ class _Motion:
             [self._sum(x - turn * rate[:, 1:2]), self._sum(y + turn * rate[:, 0:1]), turn], axis=1
         )
 
+    def seen_through_a_lens(self) -> Array:
+        """Shifts (T, 3, 18) along x and y by every product x^i y^j, 1 ≤ i + j ≤ 3, of the place [m]."""
+        x, y = self.pose[:, :1], self.pose[:, 1:2]
+        powers = np.concatenate([x**i * y**j for i in range(4) for j in range(4 - i) if i + j], axis=1)
+        nothing = np.zeros_like(powers)
+        along = [(powers, nothing), (nothing, powers)]
+        return np.concatenate([np.stack([*pair, nothing], axis=1) for pair in along], axis=2)
+
     def _sum(self, rate: Array) -> Array:
         steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(self.t_s)[:, None]
         return np.vstack([np.zeros((1, rate.shape[1])), np.cumsum(steps, axis=0)])
@@ -91,7 +100,11 @@ def probes(problem: Problem, base: Fit) -> list[Columns]:
         moved = [m.added_up(velocity(m)) for m in motions]
         if moved[0].shape[2]:
             found.append(_columns(problem, base, pose, moved, trace, label))
-    return found
+    lens = [m.seen_through_a_lens() for m in motions]
+    return [
+        *found,
+        _columns(problem, base, pose, lens, Trace.MEASUREMENT, "pose over the place, as by a lens"),
+    ]
 
 
 def _columns(

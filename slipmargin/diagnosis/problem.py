@@ -23,21 +23,20 @@ from slipmargin.diagnosis.prepare import Trial
 from slipmargin.diagnosis.residual_diagnostics import residual_rate
 from slipmargin.diagnosis.sense import is_ideal, measure
 from slipmargin.diagnosis.signals import InterpolationScheme, rolling_twist, wheel_signal, with_phases
-from slipmargin.diagnosis.whitening import whitened
+from slipmargin.diagnosis.start_pose import WILD, aligned, fitted_start, fitted_to_lasting
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.effects.confined import acting
 from slipmargin.effects.recipe import with_effects
 from slipmargin.errors import InputError
 from slipmargin.model import Model, nominal_model
-from slipmargin.physics.frames import rotate_rows, rotated
+from slipmargin.physics.frames import rotate_rows
 from slipmargin.sim.batch import Batch
 from slipmargin.sim.pack import pack, stack
 from slipmargin.sim.signal import WheelSignal, angles_at
 
-#: Residuals are clipped here [σ]: one diverging run must not outweigh all the others.
-_WILD = 1e4
-#: Integration tolerance: its error stays below a hundredth of any camera's noise.
-_RTOL = 1e-4
+#: Relative tolerance of a simulation per noise of the position [1/m], and its range [1]: friction on the edge
+#: of slipping makes its errors grow to about a tenth of the noise at worst, as seen against the finest.
+_RTOL_PER_M, _RTOL = 0.1, (1e-5, 1e-4)
 _FINE_RTOL = 1e-6
 #: The wheels' motion by few samples is used where it has less than this share of the others' samples: the
 #: run that differences are taken from must be simulated once more.
@@ -75,7 +74,7 @@ class Problem:
     commanded: bool
     wheel_phases: Array
     scheme: InterpolationScheme = InterpolationScheme.THIN
-    rtol: float = _RTOL
+    rtol: float = _RTOL[0]
     piece: int | None = None
     lasting: LastingNoise | None = None
     members: tuple[tuple[Recipe, Model], ...] = ()
@@ -124,6 +123,7 @@ class Problem:
             members=members,
             member_of=own,
             signals=signals,
+            rtol=float(np.clip(_RTOL_PER_M * np.min(sigma[:2]), *_RTOL)),
         )
 
     def model(self, effects: Sequence[AnyEffect], member: int = 0) -> Model:
@@ -151,7 +151,7 @@ class Problem:
         pose = self._simulated(models, which.ravel(), runs)
         pose, gap = self.gaps(pose, runs)
         impossible = np.asarray([m is None for m in built], dtype=bool)[which.ravel()]
-        gap = np.where(self.seen[runs] & impossible[:, None, None], _WILD, gap)
+        gap = np.where(self.seen[runs] & impossible[:, None, None], WILD, gap)
         parts = np.split(np.arange(len(runs)), np.cumsum([len(t) for t in trials])[:-1])
         return [(pose[part], gap[part]) for part in parts]
 
@@ -161,12 +161,12 @@ class Problem:
         # Not seen at first: the start may be far from what is assumed.
         moving: NDArray[np.bool_] = ~np.all(seen[:, :1], axis=2)
         if self.piece is None and moving.any():
-            turned = _aligned(pose, self.measured[runs], seen)
+            turned = aligned(pose, self.measured[runs], seen)
             pose = np.where(moving[..., None], turned, pose)
         if self.piece is None:
             return self._fitted(pose, self.measured[runs], seen)
         cut = [_cut(array, self.piece) for array in (pose, self.measured[runs], seen)]
-        fitted = self._fitted(_aligned(*cut), cut[1], cut[2])
+        fitted = self._fitted(aligned(*cut), cut[1], cut[2])
         moved, gap = (a.reshape(len(runs), -1, 3)[:, : pose.shape[1]] for a in fitted)
         return moved, gap
 
@@ -214,8 +214,8 @@ class Problem:
     def _fitted(self, pose: Array, measured: Array, seen: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Predicted poses (M, T, 3) moved to where the start fits best, and the whitened gap left."""
         if self.lasting is None:
-            return _fitted(pose, measured, seen, self.sigma)
-        return _fitted_to_lasting(pose, measured, seen, self.sigma, self.lasting, self.step_s)
+            return fitted_start(pose, measured, seen, self.sigma)
+        return fitted_to_lasting(pose, measured, seen, self.sigma, self.lasting, self.step_s)
 
     @property
     def step_s(self) -> float:
@@ -319,85 +319,3 @@ def _cut(array: NDArray[Any], piece: int) -> NDArray[Any]:
     """(M, T, 3) into pieces (M W, piece, 3); the last is filled up with zeros, which count as not seen."""
     fill = -array.shape[1] % piece
     return np.pad(array, ((0, 0), (0, fill), (0, 0))).reshape(-1, piece, 3)
-
-
-def _aligned(pose: Array, measured: Array, seen: NDArray[np.bool_]) -> Array:
-    """Each piece rotated about its first point by the mean difference of heading, then moved likewise."""
-    known = seen[..., 2]
-    off = np.sum(np.where(known, measured[..., 2] - pose[..., 2], 0.0), axis=1)
-    off = off / np.maximum(1, known.sum(axis=1))
-    arm = pose[..., :2] - pose[:, :1, :2]
-    place = np.stack(rotated(off[:, None], arm[..., 0], arm[..., 1]), axis=-1)
-    middle = np.sum(np.where(seen[..., :2], measured[..., :2] - place, 0.0), axis=1) / np.maximum(
-        1, seen[..., :2].sum(axis=1)
-    )
-    return np.concatenate([place + middle[:, None], pose[..., 2:] + off[:, None, None]], axis=-1)
-
-
-def _fitted(pose: Array, measured: Array, seen: NDArray[np.bool_], sigma: Array) -> tuple[Array, Array]:
-    """Predicted poses (M, T, 3) moved to where the start fits best, and the whitened gap left."""
-    gap = np.where(seen, measured - pose, 0.0)
-    gap = np.where(np.isfinite(gap), gap, _WILD * sigma)
-    shift = _start_shift(pose, gap, seen, sigma)
-    return pose + shift, np.where(seen, (gap - shift) / sigma, 0.0).clip(-_WILD, _WILD)
-
-
-def _fitted_to_lasting(
-    pose: Array,
-    measured: Array,
-    seen: NDArray[np.bool_],
-    sigma: Array,
-    lasting: LastingNoise,
-    step_s: float,
-) -> tuple[Array, Array]:
-    """As :func:`_fitted` where part of the noise lasts: gap and start tangents pass through one filter."""
-    gap = np.where(seen, measured - pose, 0.0)
-    gap = np.where(np.isfinite(gap), gap, _WILD * sigma)
-    first = np.where(np.isfinite(pose[:, :1, :2]), pose[:, :1, :2], 0.0)
-    arm = np.where(np.isfinite(pose[..., :2]), pose[..., :2], 0.0) - first
-    one = np.ones(seen.shape[:2])
-    turning = (-arm[..., 1], arm[..., 0], one)
-
-    def white(values: Array, axis: int) -> Array:
-        return whitened(values, seen[..., axis], float(sigma[axis]), lasting, axis, step_s)
-
-    left = np.stack([white(gap[..., axis], axis) for axis in range(3)], axis=-1)
-    tangents = np.zeros((*left.shape, 3))
-    for axis in range(3):
-        tangents[..., axis, 2] = white(turning[axis], axis)
-        if axis < 2:
-            tangents[..., axis, axis] = white(one, axis)
-    rows = tangents.reshape(len(pose), -1, 3)
-    normal = np.einsum("mri,mrj->mij", rows, rows)
-    normal += (1e-12 * np.trace(normal, axis1=1, axis2=2) + 1e-30)[:, None, None] * np.eye(3)
-    right = np.einsum("mri,mr->mi", rows, left.reshape(len(pose), -1))
-    x, y, turn = np.linalg.solve(normal, right[..., None])[..., 0].T[..., None]
-    shift = np.stack([x + turn * turning[0], y + turn * turning[1], turn * one], axis=-1)
-    left = left - np.einsum("mtai,mi->mta", tangents, np.concatenate([x, y, turn], axis=1))
-    return pose + shift, np.where(seen, left, 0.0).clip(-_WILD, _WILD)
-
-
-def _start_shift(pose: Array, gap: Array, seen: NDArray[np.bool_], sigma: Array) -> Array:
-    """The change (M, T, 3) of each prediction by the start shift and turn that fit it best.
-
-    The tangents of a shift are (1, 0, 0) and (0, 1, 0), that of a turn is (−b, a, 1) at (a, b) from
-    the start; the 3 × 3 normal equations are written out.
-    """
-    first = np.where(np.isfinite(pose[:, :1, :2]), pose[:, :1, :2], 0.0)
-    arm = np.where(np.isfinite(pose[..., :2]), pose[..., :2], 0.0) - first
-    a, b = arm[..., 0], arm[..., 1]
-    wx, wy, wt = (seen[..., i] / sigma[i] ** 2 for i in range(3))
-    xb, ya = wx * b, wy * a
-    normal = np.zeros((len(pose), 3, 3))
-    normal[:, 0, 0], normal[:, 1, 1] = wx.sum(axis=1), wy.sum(axis=1)
-    normal[:, 0, 2] = normal[:, 2, 0] = -xb.sum(axis=1)
-    normal[:, 1, 2] = normal[:, 2, 1] = ya.sum(axis=1)
-    normal[:, 2, 2] = (xb * b + ya * a + wt).sum(axis=1)
-    gx, gy, gt = gap[..., 0], gap[..., 1], gap[..., 2]
-    right = np.stack(
-        [(wx * gx).sum(axis=1), (wy * gy).sum(axis=1), (ya * gy - xb * gx + wt * gt).sum(axis=1)], axis=1
-    )
-    normal += (1e-12 * np.trace(normal, axis1=1, axis2=2) + 1e-30)[:, None, None] * np.eye(3)
-    shift = np.linalg.solve(normal, right[..., None])
-    turn = shift[:, 2]
-    return np.stack([shift[:, 0] - turn * b, shift[:, 1] + turn * a, np.broadcast_to(turn, a.shape)], axis=-1)

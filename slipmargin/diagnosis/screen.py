@@ -336,7 +336,11 @@ def _pulls(residual: Array, columns: Array, parts: Sequence[Index], block: int, 
 def _left_out(
     own: tuple[Columns, ...], gram: Array, pulls: Array, misfit: float
 ) -> tuple[Array, Array, Array]:
-    """Gain (1 + S,) on folds left out, the step (M,) that suits all runs, those (F, M) without each."""
+    """Gain (1 + S,) on folds left out, the step (M,) that suits all runs, those (F, M) without each.
+
+    Free coefficients are held back by the ridge that gains most on the folds left out, surrogates' by the
+    one that suits them: many coefficients need one, and how strong it should be depends on what is there.
+    """
     low, high = np.concatenate([c.low for c in own]), np.concatenate([c.high for c in own])
     prior = np.zeros(gram.shape[1:])
     at = 0
@@ -348,10 +352,21 @@ def _left_out(
     lift = prior + np.diag(SETTINGS.ridge * np.diag(whole) + 1e-12 * np.trace(whole) + 1e-12)
     by_fold = pulls.transpose(1, 2, 0)  # (F, M, 1 + S): all folds and surrogates in one call
     all_pulls = by_fold.sum(axis=0)
-    steps = np.linalg.solve(whole - gram + lift, by_fold - all_pulls)
-    steps = np.minimum(np.maximum(steps, low[:, None]), high[:, None])
-    gains = -np.sum(steps * (2.0 * by_fold + gram @ steps), axis=(0, 1))
-    return gains, np.clip(-np.linalg.solve(whole + lift, all_pulls[:, 0]), low, high), steps[:, :, 0]
+    free = len(own) == 1 and not own[0].named and len(low) > 1
+    best: tuple[Array, Array, Array] | None = None
+    for ridge in (0.0, *(SETTINGS.ridges if free else ())):
+        held = lift + ridge * np.trace(whole) / len(low) * np.eye(len(low))
+        steps = np.linalg.solve(whole - gram + held, by_fold - all_pulls)
+        steps = np.minimum(np.maximum(steps, low[:, None]), high[:, None])
+        gains = -np.sum(steps * (2.0 * by_fold + gram @ steps), axis=(0, 1))
+        if best is None or gains[0] > best[0][0]:
+            step = np.clip(-np.linalg.solve(whole + held, all_pulls[:, 0]), low, high)
+            most = gains if best is None else np.maximum(gains, best[0])
+            best = most, step, steps[:, :, 0]
+        else:
+            best = np.maximum(gains, best[0]), best[1], best[2]
+    assert best is not None
+    return best
 
 
 def _starts_of_each(found: Sequence[tuple[tuple[Columns, ...], Array, Array, Array]]) -> list[list[int]]:

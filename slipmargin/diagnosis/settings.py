@@ -28,6 +28,9 @@ class SearchSettings:
     #: [runs] With fewer changed runs than five no pattern is rarer than 5 %; then all must get better, and
     #: there must be so many (all runs of a smaller set).
     fewest_runs: int = 3
+    #: [runs] … or so many, where each of them, predicted by what was fitted to others, falls to the noise: an
+    #: accident of one run does not explain another one to the last sample.
+    fewest_explained: int = 2
     #: [runs] Fewer unseen runs than this cannot rule out chance by themselves.  Far above the noise runs
     #: differ by what the form of a model leaves: where they get better, but by less than is asked, all runs
     #: decide, unless the unseen ones fare worse than chance would have it.
@@ -58,6 +61,9 @@ class SearchSettings:
     secants: int = 3
     #: [1] Ridge of the linear steps, as a share of a column's own sum of squares: above rounding only.
     ridge: float = 1e-6
+    #: [1] Ridges that hold back the free coefficients of a form or a probe, as shares of its columns' mean
+    #: sum of squares; the one that predicts left-out runs best is taken, three steps of ten are enough.
+    ridges: tuple[float, ...] = (0.01, 0.1, 1.0)
     #: [1] A fit is a lead if it takes off at least this share of chi: half of what a later effect must.
     least_lead: float = 0.05
     #: [draws] Surrogate residuals that go through the whole screening: they resolve p = 0.005.
@@ -119,6 +125,9 @@ class SearchSettings:
     stated_wrong: float = 1.5
     #: [1] … or this many times, where part of it lasts: whitening needs the sizes of both parts.
     stated_wrong_lasting: float = 1.1
+    #: [1] A camera is too slow for the motion where the roughness of what the model leaves is at most this
+    #: share of the poses' own: two estimates of one noise differ by 5 %.
+    motion_seen_as_noise: float = 0.75
     #: [1] Noise is called smaller than stated where the whole residual is at most this share of the stated
     #: noise: nothing else is in it then.
     understood: float = 0.75

@@ -156,7 +156,10 @@ def judge(
     better = int(np.count_nonzero(change[tell] > 0.0))
     p_value = sign_flip_p_value(change[tell], seed)
     runs = int(np.count_nonzero(tell))
-    every_one = better == runs >= min(s.fewest_runs, len(everyone))
+    fewest = s.fewest_runs
+    if np.all(twos[tell] <= s.noise_chi):  # explained to the noise, each by parameters from the others
+        fewest = s.fewest_explained
+    every_one = better == runs >= min(fewest, len(everyone))
     if by_chance and p_value > s.level and not every_one:
         failures.append(
             f"{better} of the {runs} runs whose error changes at all get better, which may be chance "

@@ -1,9 +1,10 @@
 """Wheel phases that are not in the log: the angle of each wheel at the start of a trial.
 
 Where only wheel speeds are logged, a wheel's angle is known but for a constant, its phase.  It matters
-only to models that depend on the wheel angle, and only within one roller's pitch.  On trials that a search
-may see, phases are fitted to the whole trial.  On a trial that is to be predicted they are fitted to its
-first part alone, with parameters that come from other trials; the score is then that of the rest.
+only to models that depend on the wheel angle, and only within one roller's pitch, or a turn where a wheel is
+out of round.  On trials that a search may see, phases are fitted to the whole trial.  On a trial that is to
+be predicted they are fitted to its first part alone, with parameters that come from other trials; the score
+is then that of the rest.
 """
 
 from __future__ import annotations
@@ -46,10 +47,12 @@ def is_unknown(problem: Problem) -> bool:
 
 
 def matters_to(model: Model) -> bool:
-    """Whether the friction of a model depends on where its wheels stand."""
+    """Whether friction or rolling of a model depends on where its wheels stand."""
     grip = model.grip
     sectors = (grip.rigid_fraction > 0.0) & np.any(grip.rigid != grip.roller, axis=1)
-    return bool(sectors.any()) or any(m.variable is Variable.WHEEL_ANGLE for m in grip.multipliers)
+    if sectors.any() or model.geometry.runout.any():
+        return True
+    return any(m.variable is Variable.WHEEL_ANGLE for m in grip.multipliers)
 
 
 def guessed(problem: Problem, trials: Index, candidates: Sequence[Candidate]) -> Problem:
@@ -181,7 +184,10 @@ def _swept(
 
     ``effects`` are one set for all ``trials`` or one for each.
     """
+    models = [problem.model(own) for own in effects]
     turn = pitch(problem.nominal.grip.rollers)
+    if any(model.geometry.runout.any() for model in models):  # that repeats once a turn, not once a roller
+        turn = np.full_like(turn, 2.0 * np.pi)
     best = problem.wheel_phases.copy()
     view = problem.in_pieces(_PIECE_S)
     cost = _costs(view, best, effects, trials)

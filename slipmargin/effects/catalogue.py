@@ -33,6 +33,7 @@ from slipmargin.effects.tether import Tether
 from slipmargin.effects.trailing_load import TrailingLoad
 from slipmargin.effects.wheel_loads import WheelLoads
 from slipmargin.effects.wheel_radius import WheelRadius
+from slipmargin.effects.wheel_runout import WheelRunout
 from slipmargin.effects.wheel_toe import WheelToe
 from slipmargin.errors import InputError
 
@@ -103,6 +104,7 @@ CATALOGUE = Catalogue(
         Push,
         Tether,
         WheelRadius,
+        WheelRunout,
         WheelToe,
         MotorLag,
         SpeedDroop,

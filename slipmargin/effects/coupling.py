@@ -10,7 +10,9 @@ from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.grips import GripShape
 
-STRENGTH = parameter("strength", "1", (0.0, 0.0, 1.0), 0.2, "share of the coupled law", starts=(1.0,))
+STRENGTH = parameter(
+    "strength", "1", (0.0, 0.0, 1.0), 0.2, "share of the coupled law", starts=(1.0,), usual=1.0
+)
 CONFIRM = (
     "drag the robot with one wheel locked at 45 degrees to its drive direction and compare the force"
     " with the straight pulls"

@@ -93,6 +93,7 @@ class Parameter:
     idle: bool = False  #: whether it has no influence while the effect's first parameter is at null
     along: str = ""  #: "position" or "time": starts are shares of what the runs cover of it
     least_wheels: int = 0  #: with fewer wheels it has no influence
+    usual: float | None = None  #: an end of the range that is an ordinary value; the null by default
 
 
 def parameter(
@@ -106,6 +107,7 @@ def parameter(
     idle: bool = False,
     along: str = "",
     least_wheels: int = 0,
+    usual: float | None = None,
 ) -> Parameter:
     """A :class:`Parameter` in one line; ``span`` is (lowest, null, highest) value."""
     low, null, high = span
@@ -121,6 +123,7 @@ def parameter(
         idle=idle,
         along=along,
         least_wheels=least_wheels,
+        usual=usual,
     )
 
 
@@ -172,6 +175,10 @@ class Effect(ABC):
     is_the_clock: ClassVar[bool] = False
     #: Whether it depends on where a wheel stands, so that wheel angles need a known zero.
     needs_wheel_phase: ClassVar[bool] = False
+    #: Whether only logs that hold wheel angles show it: a whole turn's phase cannot be guessed.
+    needs_wheel_angles: ClassVar[bool] = False
+    #: Where it counts, in words, where that is not in every command.
+    counts_in: ClassVar[str] = ""
     #: Parameters that no fit varies, with the values that a diagnosis compares once all else is fitted.
     scanned: ClassVar[Mapping[str, tuple[float, ...]]] = {}
 

@@ -13,6 +13,9 @@ from slipmargin.model.parts import Grip
 from slipmargin.physics.terms import Multiplier
 from slipmargin.physics.variables import Basis, Target, Variable
 
+#: Where fits start: a nap of 0.3 in three directions [1].
+_X, _Y = (0.3, -0.15, -0.15), (0.0, 0.26, -0.26)
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,10 +29,20 @@ class FloorNap(WheelEffect):
     scope = Scope.FLOOR
     parameters = (
         parameter(
-            "nap_x", "1", (-0.9, 0.0, 0.9), 0.05, "relative change of friction when sliding towards +x"
+            "nap_x",
+            "1",
+            (-0.9, 0.0, 0.9),
+            0.05,
+            "relative change of friction when sliding towards +x",
+            starts=_X,
         ),
         parameter(
-            "nap_y", "1", (-0.9, 0.0, 0.9), 0.05, "relative change of friction when sliding towards +y"
+            "nap_y",
+            "1",
+            (-0.9, 0.0, 0.9),
+            0.05,
+            "relative change of friction when sliding towards +y",
+            starts=_Y,
         ),
     )
     source = "directional friction of pile fabrics; positive = more friction sliding towards +x, +y"

@@ -13,7 +13,7 @@ from slipmargin.model.parts import MeasurementModel
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HeadingGain(Effect):
-    """φ_meas ← g φ."""
+    """φ_meas ← φ_0 + g (φ − φ_0), φ_0 the heading at which a run begins, as a gyroscope adds it up."""
 
     name = "heading_gain"
     summary = "The heading sensor’s scale is off."

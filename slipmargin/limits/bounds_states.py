@@ -8,7 +8,7 @@ a run, whose rows and whose forces are found once.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -137,8 +137,17 @@ class States:
 
 def _begins(friction: Friction, external: External, sign: Array) -> NDArray[np.bool_]:
     """Which of M states (M,) differ from the one before."""
-    tables = (friction.drive, friction.drag_low, friction.drag_high, friction.possible)
-    tables += (friction.drive_stiffness, external.low, external.high, external.load_change_N, sign)
+    tables: tuple[NDArray[Any], ...] = (
+        friction.drive,
+        friction.drag_low,
+        friction.drag_high,
+        friction.possible,
+        friction.drive_stiffness,
+        external.low,
+        external.high,
+        external.load_change_N,
+        sign,
+    )
     columns = np.hstack([np.moveaxis(table, -2, 0).reshape(len(sign), -1) for table in tables])
     return np.append(True, np.any(columns[1:] != columns[:-1], axis=1))
 

@@ -5,13 +5,15 @@ f̂.  With the body twist (v, ω) of the origin and the wheel's rate θ̇ its co
 
     u = v + ω ẑ×p + ρ θ̇ ŝ           (eq. 3; positive θ̇ moves the contact along +ŝ)
 
+A wheel that is out of round has ρ (1 + a cos θ + b sin θ) in place of ρ; limits are those of round wheels.
+
 and no slip along the grip means u·ĝ = 0.  A unit force of the wheel along ĝ has the wrench
 (ĝ, (p − c) × ĝ) about the centre of mass c (eqs 14–15).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, final
 
@@ -39,6 +41,8 @@ class WheelGeometry:
         convention of ROS ŝ is the negative of the file's drive direction, ĝ and f̂ belong to the latter.
     radius_m : (N,)
         ρ [m].
+    runout : (N, 2), optional
+        a and b [1], how far each wheel is out of round; zero by default.
     """
 
     names: tuple[str, ...]
@@ -47,10 +51,13 @@ class WheelGeometry:
     grip: Array
     free: Array
     radius_m: Array
+    runout: Array = field(default_factory=lambda: np.zeros((0, 2)))
 
     def __post_init__(self) -> None:
         n, put = len(self.names), object.__setattr__
-        for name in ("position_m", "drive", "grip", "free"):
+        if not len(self.runout):
+            put(self, "runout", np.zeros((n, 2)))
+        for name in ("position_m", "drive", "grip", "free", "runout"):
             put(self, name, frozen(name, getattr(self, name), (n, 2)))
         put(self, "radius_m", frozen("radius_m", self.radius_m, (n,)))
 

@@ -169,7 +169,7 @@ def _who(wheels: Sequence[str], slip: Array) -> str:
     alike = np.flatnonzero(slip >= (1.0 - _ALIKE) * np.max(slip))
     if len(alike) == len(wheels):
         return "all wheels slip"
-    names = [wheels[k] for k in alike]
+    names = [wheels[int(k)] for k in alike]
     if len(names) == 1:
         return f"wheel {names[0]} slips"
     return f"wheels {', '.join(names[:-1])} and {names[-1]} slip"

@@ -32,6 +32,7 @@ _FX, _FY, _FM, _FR = at.FREE_X, at.FREE_Y, at.FREE_MOMENT, at.FREE_ROLLS
 _RHO, _REST, _LX, _LY, _MU = at.RADIUS, at.REST, at.LOAD_X, at.LOAD_Y, at.ROLLER_W
 _PLACE = at.PLACE
 _TX, _TY, _NSX = at.TILT_X, at.TILT_Y, at.NO_SLIP_X
+_OUT_COS, _OUT_SIN = at.RUNOUT_COS, at.RUNOUT_SIN
 
 #: Columns of the contact table C (N, CONTACT): what is known of each wheel at one instant.
 OMEGA, THETA, ALPHA, RIGID = 0, 1, 2, 3  #: ω [rad/s], θ [rad], ω̇ [rad/s²], 1 on rigid material
@@ -42,7 +43,8 @@ WW, WT, TT = 10, 11, 12  #: slopes of the law, f_W over u_T being that of f_T ov
 MU_W, MU_T, K_W, K_T = 13, 14, 15, 16  #: coefficients [1] and slopes of the law [s/m] in force now
 RISE_W, RISE_T = 17, 18  #: derivatives of the force [N] along ĝ, f̂, while slopes are taken
 BY_TORQUE, BY_SPEED = 19, 20  #: derivatives of a driven wheel's acceleration
-CONTACT = 21
+ROUND = 21  #: radius at this angle over the mean radius [1]
+CONTACT = 22
 #: Entries of the body table B: external push in the floor frame (3) and its height, inverse of the mass
 #: matrix of a (2 × 2 row by row), yaw moment per acceleration that loads bring about, factors of a
 #: wheel (6), external wrench in the body frame (3), its moment h F (2), lift.
@@ -224,8 +226,14 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
             w, c = W[i], C[i]
             gx, gy, gm = w[_GX], w[_GY], w[_GM]
             ex, ey, em = w[_FX], w[_FY], w[_FM]
-            uw = gx * vx + gy * vy + gm * vw + w[_GR] * c[OMEGA]
-            ut = ex * vx + ey * vy + em * vw + w[_FR] * c[OMEGA]
+            rolls = c[OMEGA]
+            if w[_OUT_COS] != 0.0 or w[_OUT_SIN] != 0.0:
+                c[ROUND] = 1.0 + w[_OUT_COS] * math.cos(c[THETA]) + w[_OUT_SIN] * math.sin(c[THETA])
+                rolls *= c[ROUND]
+            else:
+                c[ROUND] = 1.0
+            uw = gx * vx + gy * vy + gm * vw + w[_GR] * rolls
+            ut = ex * vx + ey * vy + em * vw + w[_FR] * rolls
             still = left * w[_REST] + w[_TX] * hx + w[_TY] * hy
             c[SLIP_W], c[SLIP_T], c[STILL] = uw, ut, still
             if turn == 0:
@@ -277,6 +285,7 @@ def wheel_rate(P: Any, w: Any, c: Any, asked: float, rising: float) -> float:
     """
     torque = (c[LOAD] * c[FORCE_W] + P[_CW] * c[SLIP_W]) * w[_GR]
     torque += (c[LOAD] * c[FORCE_T] + P[_CT] * c[SLIP_T]) * w[_FR]
+    torque *= c[ROUND]
     lag, omega, droop = max(w[_LAG], LEAST_LAG_S), c[OMEGA], w[_DROOP]
     rate = (asked - droop * torque - omega) / lag
     if w[_LAG] == 0.0:
@@ -313,7 +322,7 @@ def slopes(P: Any, W: Any, y: Any, C: Any, B: Any, J: Any, speeds: int) -> None:
                 rolls = c[ALPHA]
                 if speeds > 0:
                     rolls = 1.0 if i == k - 3 else 0.0
-                w, v = w * rolls, v * rolls
+                w, v = w * rolls * c[ROUND], v * rolls * c[ROUND]
             load, wt = c[LOAD], c[WT]
             a = load * (c[WW] * w + wt * v) + P[_CW] * w
             b = load * (wt * w + c[TT] * v) + P[_CT] * v
@@ -330,6 +339,7 @@ def slopes(P: Any, W: Any, y: Any, C: Any, B: Any, J: Any, speeds: int) -> None:
             load = row[_LX] * ax + row[_LY] * ay
             torque = (c[RISE_W] + c[FORCE_W] * load) * row[_GR]
             torque += (c[RISE_T] + c[FORCE_T] * load) * row[_FR]
+            torque *= c[ROUND]
             J[3 + i, column] = c[BY_TORQUE] * torque + (c[BY_SPEED] if k - 3 == i else 0.0)
     # v̇ = a − ω × v
     J[0, 4] += y[5]

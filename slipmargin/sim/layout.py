@@ -28,7 +28,7 @@ BY_HEADING = 16  #: 1 where forces depend on the heading
 BY_TIME = 17  #: 1 where friction or forces depend on time other than through wheel speeds
 BY_VELOCITY = 18  #: 1 where the velocity derivative needs finite differences
 BY_POSITION = 19  #: 1 where forces depend on the place
-BY_ANGLE = 20  #: 1 where friction depends on the wheel angle other than by sectors
+BY_ANGLE = 20  #: 1 where friction or rolling depends on the wheel angle other than by sectors
 SHARE = 21  #: m g / N [N]
 DELAY = 22  #: dead time of the drives [s]
 DRIVEN = 23  #: 1 where commanded wheel speeds are states (droop, torque–speed line)
@@ -74,7 +74,9 @@ NO_SLIP_X = 25  #: body acceleration per wheel acceleration without slip [m]
 NO_SLIP_Y = 26
 NO_SLIP_W = 27
 INERTIA_OF_WHEEL = 28  #: of the wheel with its motor, at the wheel [kg m²]
-WHEEL = 29
+RUNOUT_COS = 29  #: the radius is ρ (1 + a cos θ + b sin θ): a [1]
+RUNOUT_SIN = 30  #: b [1]
+WHEEL = 31
 
 # --- a term -----------------------------------------------------------------------------------
 #: A modulation: variable, basis, target, count, shape a, shape b, place (3), N weights, count coefficients.

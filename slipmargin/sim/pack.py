@@ -111,13 +111,14 @@ def _fill(head: Array, model: Model) -> None:
     head[at.LOAD_ITERATES] = follows and Variable.WHEEL_LOAD in variables
     head[at.BY_HEADING] = bool((variables | terms) & _HEADING) or floor
     head[at.BY_POSITION] = bool((variables | terms) & _PLACE)
-    head[at.BY_TIME] = bool((variables | terms) & _TIME)
+    out_of_round = bool(np.any(model.geometry.runout))
+    head[at.BY_TIME] = bool((variables | terms) & _TIME) or out_of_round
     against = any(f.frame is Frame.AGAINST_MOTION for f in model.external.terms)
     boxed = grip.shape is GripShape.BOX or grip.coupling == 0.0
     calm = _CALM | {Variable.WHEEL_LOAD} | ({Variable.SLIP_SPEED} if boxed else set())
     stiff = any(m.target >= Target.STIFFNESS and m.variable not in _CALM for m in grip.multipliers)
     head[at.BY_VELOCITY] = bool(variables - calm) or bool(terms - _CALM) or against or stiff
-    head[at.BY_ANGLE] = Variable.WHEEL_ANGLE in variables
+    head[at.BY_ANGLE] = Variable.WHEEL_ANGLE in variables or out_of_round
     head[at.SHARE], head[at.LIFTED] = model.inertia.weight_N / model.count, float(np.sum(loads.rest_N))
     head[at.LAW] = grip.law
     head[at.DELAY] = transients.delay_s
@@ -153,6 +154,7 @@ def _wheels(model: Model) -> Array:
     rows[:, at.LAG] = model.actuators.lag_s
     rows[:, at.GAIN] = model.actuators.gain
     rows[:, at.DROOP] = model.actuators.droop_rad_s_per_N_m
+    rows[:, [at.RUNOUT_COS, at.RUNOUT_SIN]] = c.runout
     rows[:, [at.NO_SLIP_X, at.NO_SLIP_Y, at.NO_SLIP_W]] = model.geometry.no_slip_map().T
     return rows
 

@@ -112,11 +112,17 @@ def first_switch(W: Any, coef: Any, since: float, y: Any, z: Any, K: Any, span: 
     return found
 
 
+#: A step is begun anew where a wheel's lag has to take up this share of its speed, 1 rad/s added [1].
+FOLLOWS = 1e-3
+
+
 @inner
 def next_stop(
     W: Any, knots: Any, coef: Any, push: Any, edges: Any, t: float, place: Any
 ) -> tuple[float, bool]:
     """When the next knot or edge comes after t, and whether a wheel's speed, a force or friction jumps at t.
+
+    A wheel that lags counts as well where its acceleration jumps.
 
     ``place`` holds the numbers of the wheels' piece, of the push's and of the first edge to come (−1, 0, 0
     before the first call) and receives those from t on.
@@ -127,9 +133,13 @@ def next_stop(
         piece += 1
     if 0 <= was < piece:
         for i in range(len(W)):
-            before = turn(coef[piece - 1, i], W[i, _LAG], knots[piece] - knots[piece - 1])[1]
-            after = coef[piece, i, 1] + coef[piece, i, 4]
+            lag = W[i, _LAG]
+            _, before, rising = turn(coef[piece - 1, i], lag, knots[piece] - knots[piece - 1])
+            _, after, rises = turn(coef[piece, i], lag, 0.0)
             jumps = jumps or abs(after - before) > 1e-9 * (1.0 + abs(after))
+            # A wheel that begins to follow a new command is past it before a long step looks again.
+            if coef[piece, i, 4] != 0.0:
+                jumps = jumps or abs(rises - rising) * lag > FOLLOWS * (1.0 + abs(after))
     while pk < len(push) - 2 and push[pk + 1, 0] <= t + SAME_S:
         pk += 1
     stop = knots[piece + 1]

@@ -36,7 +36,9 @@ class _Instant:
         c, com = model.geometry, model.inertia.com_m
         arm = c.position_m - com
         self.hub = v + w * np.column_stack([-arm[:, 1], arm[:, 0]])
-        u = self.hub + (c.radius_m * self.omega)[:, None] * c.drive
+        waves = np.column_stack([np.cos(self.theta), np.sin(self.theta)])
+        radius = c.radius_m * (1.0 + np.sum(c.runout * waves, axis=1))
+        u = self.hub + (radius * self.omega)[:, None] * c.drive
         self.slip = np.stack([np.sum(u * c.grip, axis=1), np.sum(u * c.free, axis=1)])  # (2, N)
         self.turn = np.array([[np.cos(self.phi), -np.sin(self.phi)], [np.sin(self.phi), np.cos(self.phi)]])
         self.origin = self.com - self.turn @ com

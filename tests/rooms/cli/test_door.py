@@ -10,6 +10,7 @@ import pkgutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -157,3 +158,21 @@ def test_a_robot_can_be_changed_while_it_is_read() -> None:
     found = sm.sweep(plain, "paper", step_deg=45.0)
     assert np.array_equal(found.f_low_N, found.f_high_N) and found.method == "cones"
     assert not found.warnings and sm.sweep("ohio-kiwi", "paper", step_deg=45.0).warnings
+
+
+@pytest.mark.parametrize(
+    ("effect", "where"),
+    [
+        ({"name": "camera_rotation", "rotation_rad": 0.01}, "diagnose only"),
+        ({"name": "wheel_runout", "cosine": 0.02, "sine": 0.0, "wheels": ["rear"]}, "those of round wheels"),
+    ],
+)
+def test_an_effect_that_a_command_does_not_use_is_said(
+    tmp_path: Path, effect: dict[str, Any], where: str
+) -> None:
+    robot = tmp_path / "robot.toml"
+    lines = "\n".join(f"{key} = {json.dumps(value)}" for key, value in effect.items())
+    known = Path(sm.__file__).parent / "robots" / "ohio-kiwi.toml"
+    robot.write_text(f"{known.read_text(encoding='utf-8')}\n[[effect]]\n{lines}\n", encoding="utf-8")
+    told = [w for w in sm.sweep(robot, "paper", step_deg=45.0).warnings if w.startswith("effect ")]
+    assert told == [w for w in told if effect["name"] in w and where in w] and len(told) == 1

@@ -17,7 +17,7 @@ from slipmargin.diagnosis.evidence import intervals
 from slipmargin.diagnosis.fit import evaluate, fit, score_test_gain, shifted_by, tangents
 from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
 from slipmargin.diagnosis.screen import Screened, Screening
-from slipmargin.diagnosis.search import State, choose
+from slipmargin.diagnosis.state import State, choose
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect, Trace
 from slipmargin.effects.camera_rotation import CameraRotation

@@ -31,13 +31,25 @@ def test_chi_of_noise_that_lasts_is_that_of_whitened_gaps() -> None:
 
 def test_the_noise_is_measured_on_runs_that_are_not_held_out() -> None:
     data = replace(good(4), sigma=None)
-    held = held_out_runs(len(data.trials), 3)
+    held = ready(data, seed=3).held
     random = np.random.default_rng(0)
     trials = tuple(
         replace(t, pose=t.pose + 0.01 * random.standard_normal(t.pose.shape)) if i in held else t
         for i, t in enumerate(data.trials)
     )
-    one, two = ready(data, seed=3).data_set, ready(replace(data, trials=trials), seed=3).data_set
+    one = ready(data, seed=3).data_set
+    two = ready(replace(data, trials=trials), seed=3, held=held).data_set
     assert one.sigma is not None and two.sigma is not None
     np.testing.assert_array_equal(two.sigma, one.sigma)
-    assert sorted([*held, *searched_runs(len(data.trials), 3)]) == list(range(len(data.trials)))
+    assert sorted([*held, *searched_runs(len(data.trials), held)]) == list(range(len(data.trials)))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_few_runs_that_show_it_are_on_both_sides(seed: int) -> None:
+    misses = np.array([1.0, 9.0, 1.01, 0.99, 5.0, 1.02, 0.98, 1.0])
+    held = held_out_runs(misses, seed)
+    assert len(held) == 2 and 4 in held and 1 not in held
+    assert {tuple(held_out_runs(np.linspace(9.0, 8.0, 20), s)) for s in range(5)} != {tuple(held)}
+    assert len(held_out_runs(misses[:5], seed)) == 0
+    near = np.array([1.0, 3.7, 1.01, 0.93, 0.96, 1.33, 1.11])
+    assert 5 in held_out_runs(near, seed) and 1 not in held_out_runs(near, seed)

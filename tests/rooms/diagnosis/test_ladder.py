@@ -15,8 +15,9 @@ from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.screen import Screening
-from slipmargin.diagnosis.search import Round, State, fitted, nothing_sure, take_step
+from slipmargin.diagnosis.search import Round, fitted, nothing_sure, take_step
 from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect
 from slipmargin.effects.camera_delay import CameraDelay

@@ -17,7 +17,8 @@ from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import Periodicity
 from slipmargin.diagnosis.result import LeadSource
 from slipmargin.diagnosis.screen import Screening
-from slipmargin.diagnosis.search import Round, State, fitted
+from slipmargin.diagnosis.search import Round, fitted
+from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.telling import enough
 from slipmargin.effects import Trace
 

@@ -12,8 +12,9 @@ from slipmargin.checks import Array
 from slipmargin.diagnosis.bends import bends
 from slipmargin.diagnosis.conditions import problem_of
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.search import State, fitted, quiet
+from slipmargin.diagnosis.search import fitted
 from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.state import State, quiet
 from slipmargin.diagnosis.telling import enough
 
 

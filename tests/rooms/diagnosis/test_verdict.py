@@ -106,13 +106,17 @@ def test_what_some_runs_gain_and_others_lose_is_chance() -> None:
     assert not judged(errors(5.0), errors(np.where(np.arange(10) % 3 == 0, 1.0, 5.3)), NONE).holds
 
 
-def test_an_effect_that_only_three_runs_show_is_found_if_the_others_stay() -> None:
+def test_an_effect_that_only_few_runs_show_is_found_if_the_others_stay() -> None:
     before = np.ones(10)
     before[[1, 5, 9]] = 9.0
     found = judged(errors(before), errors(1.0))
     assert found.holds and found.runs == 3 and found.p_value == pytest.approx(0.125)
     before[1] = 1.0
-    assert not judged(errors(before), errors(1.0)).holds  # two runs are too few
+    assert judged(errors(before), errors(1.0)).holds  # two that fall to the noise are enough
+    after = np.where(before > 1.0, 2.0, 1.0)
+    assert not judged(errors(before), errors(after)).holds  # two that fall a part of the way are not
+    before[5] = 1.0
+    assert not judged(errors(before), errors(1.0)).holds  # one run is too few
 
 
 def test_a_run_that_stays_at_the_noise_says_nothing() -> None:

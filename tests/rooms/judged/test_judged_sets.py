@@ -15,6 +15,7 @@ from judged.motions import draw_run
 from judged.robots import KINDS, Wishes, draw_robot
 
 from slipmargin.effects.catalogue import effect_class
+from slipmargin.effects.wheel_runout import WheelRunout
 from slipmargin.io.data_set import read_data_set
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.sim.signal import held, hermite
@@ -137,6 +138,21 @@ def test_a_planted_effect_is_the_catalogues(family: Family, tmp_path: Path) -> N
     off = _off(files, tmp_path, planted, run, (effect(**words),))
     without = _off(files, tmp_path, planted, run, ())
     assert without > 5e-4 and off < 0.05 * without, (off, without)
+
+
+def test_an_out_of_round_wheel_is_wheel_runout(tmp_path: Path) -> None:
+    rng = np.random.default_rng(6)
+    robot = draw_robot(rng, Wishes(plain_loads=True, box=True, no_rigid=True, no_motor=True))
+    run = draw_run(rng, robot.machine, 200, spread=True, commanded=False, hardest=2.5)
+    family = next(f for f in INVENTIONS if f.name == "out_of_round_wheel")
+    planted = family.draws(Draw(rng=rng, machine=robot.machine, runs=[run]))(0.1)
+    size, phase = (planted.parameters[key] for key in ("relative_amplitude", "phase_rad"))
+    wheels = tuple(str(i) for i in planted.wheels)
+    effect = WheelRunout(cosine=size * np.cos(phase), sine=size * np.sin(phase), wheels=wheels)
+    files = {"robot.toml": robot.text}
+    off = _off(files, tmp_path, planted, run, (effect,))
+    without = _off(files, tmp_path, planted, run, ())
+    assert without > 5e-4 and off < 0.01 * without, (off, without)
 
 
 def _answer(verdict: str, name: str, traced_to: str, after: float, leads: list[str]) -> dict[str, Any]:

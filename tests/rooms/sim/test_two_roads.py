@@ -34,6 +34,7 @@ from slipmargin.sim.body import (
     wheel_rate,
 )
 from slipmargin.sim.pack import pack
+from slipmargin.sim.signal import linear
 from slipmargin.sim.simulate import simulate
 
 SHAPES = tuple(GripShape)
@@ -94,6 +95,31 @@ def test_accelerations_agree(model, seed, law, coupling, raised):
     np.testing.assert_allclose(acc, want, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(slip, want_slip, rtol=1e-12, atol=1e-14)
     np.testing.assert_allclose(load, want_load, rtol=1e-8, atol=1e-9)
+
+
+@given(models(shapes=SHAPES), st.integers(0, 2**31))
+@settings(max_examples=40, deadline=None)
+def test_wheels_that_are_out_of_round_agree(model, seed):
+    runout = np.random.default_rng(seed).uniform(-0.1, 0.1, (model.count, 2))
+    bent = replace(model, geometry=replace(model.geometry, runout=runout))
+    y, wheels, rigid, push = somewhere(model.count, seed)
+    acc, slip, _ = compiled(bent, 0.1, y, wheels, rigid, push)
+    want, want_slip, _, _ = acceleration(bent, 0.1, y, wheels, rigid, push)
+    np.testing.assert_allclose(acc, want, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(slip, want_slip, rtol=1e-12, atol=1e-14)
+    assert np.abs(slip - compiled(model, 0.1, y, wheels, rigid, push)[1]).max() > 1e-6
+
+
+def test_a_run_on_a_wheel_that_is_out_of_round_agrees():
+    model = nominal_model(kiwi(), "paper")
+    bent = replace(model, geometry=replace(model.geometry, runout=[[0.04, -0.02], [0.0, 0.0], [0.0, 0.03]]))
+    rates = np.array([[0.0, 0.0, 0.0], [9.0, -4.0, -6.0], [9.0, -4.0, -6.0]])
+    signal = linear(np.array([0.0, 0.1, 0.8]), rates)
+    times = np.linspace(0.0, 0.8, 5)
+    pose = simulate(bent, signal, times).pose
+    want = reference_motion(bent, wheel_motion(signal), signal.knots_s, times)
+    assert np.abs(pose - want).max() <= 1e-6 * np.abs(want).max()
+    assert np.abs(pose - simulate(model, signal, times).pose).max() > 1e-4
 
 
 @pytest.mark.parametrize("variable", [v for v in Variable if v is not Variable.COMMAND_SPEED])
@@ -211,8 +237,6 @@ def test_motions_agree_to_a_millionth(case):
     ],
 )
 def test_motions_with_terms_agree(variable):
-    from slipmargin.sim.signal import linear
-
     robot = four_wheels(load_rule=LoadRule.QUASI_STATIC, com_height_m=0.05)
     basis = Basis.WINDOW if variable is Variable.TIME else Basis.POLYNOMIAL
     basis = Basis.STEP if variable in OF_PLACE else basis

@@ -1,0 +1,125 @@
+"""Effects fitted to trials, and which of several is to be preferred."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array, Index
+from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.fit import Fit
+from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.effects.catalogue import CATALOGUE
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class State:
+    """Effects fitted to trials; ``scores`` (R,) are their sums of squares, each left out of a refit.
+
+    ``view`` is how runs are compared, whole or in pieces; ``samples`` are the measured values compared;
+    ``xs`` (F, P) are the parameters without each of the folds ``parts``.
+    """
+
+    fit: Fit
+    scores: Array
+    samples: float
+    view: Problem
+    parts: tuple[Index, ...]
+    xs: Array
+
+    @property
+    def chi(self) -> float:
+        """Root mean square of left-out residual over noise."""
+        return float(np.sqrt(self.scores.sum() / self.samples))
+
+    @property
+    def structure(self) -> tuple[Candidate, ...]:
+        """The candidates in it."""
+        return self.fit.structure
+
+    @property
+    def last(self) -> Candidate:
+        """The candidate added last."""
+        return self.fit.structure[-1]
+
+    @property
+    def named(self) -> bool:
+        """Whether every effect in it has a name."""
+        return all(c.named for c in self.structure)
+
+
+def explained(before: State, after: State) -> float:
+    """Share of the left-out sum of squares that falls away."""
+    return float(1.0 - after.scores.sum() / before.scores.sum())
+
+
+def choose(tried: Sequence[State]) -> State:
+    """Of those as good as the best: with names, not stuck at a bound, fewest effects, then the least error.
+
+    Of two forms of the same effects that are as good as each other, and of two names whose errors do not
+    differ beyond the spread of the runs, the one with fewer parameters is meant; of two that differ by no
+    more than a log's reconstruction does, the more usual one.
+    """
+    good = [s for s in tried if as_good(s, tried[0])]
+
+    def kind(state: State) -> tuple[bool, bool, int]:
+        return not state.named, bool(state.fit.at_bound()), len(state.structure)
+
+    first = min(good, key=lambda s: (*kind(s), s.chi))
+    names = [c.name for c in first.structure]
+    simple = [
+        s
+        for s in good
+        if not s.fit.at_bound()
+        and (
+            (as_good(s, first) and [c.name for c in s.structure] == names)
+            or (kind(s) == kind(first) and _level(s, first) and s.chi <= first.chi + SETTINGS.least_chi)
+        )
+    ]
+    if not simple:
+        return first
+    least = min((len(s.fit.x), s.chi) for s in simple)
+    same = [s for s in simple if len(s.fit.x) == least[0] and s.chi <= least[1] + SETTINGS.least_chi]
+    return min(same, key=lambda s: (_unusual(s), s.chi))
+
+
+def _unusual(state: State) -> int:
+    """How far down the catalogue, which begins with what is most often wrong, its last effect stands."""
+    names = [effect.name for effect in CATALOGUE]
+    return names.index(state.last.name) if state.last.name in names else len(names)
+
+
+def as_good(one: State, best: State) -> bool:
+    """Whether a left-out error is no larger than the best one's but for the spread from run to run."""
+    if one.chi <= best.chi + SETTINGS.least_chi:
+        return True
+    return _level(one, best) and one.chi <= SETTINGS.as_good_factor * best.chi
+
+
+def _level(one: State, best: State) -> bool:
+    gap = one.scores - best.scores
+    spread = float(np.std(gap, ddof=1)) * np.sqrt(len(gap)) if len(gap) > 1 else 0.0
+    return float(gap.sum()) <= SETTINGS.as_good_errors * spread
+
+
+def worthwhile(before: State, chi: float, named: bool = True) -> bool:
+    """Whether chi falls by more than what the log's reconstruction, or an unnamed form, may leave."""
+    if chi >= before.chi:
+        return False
+    if before.structure and not (named and before.named):
+        return chi <= SETTINGS.with_unnamed * before.chi
+    share = SETTINGS.later_effect if before.structure else SETTINGS.first_effect
+    return before.chi - max(chi, SETTINGS.floor_chi) >= max(SETTINGS.least_chi, share * before.chi)
+
+
+def quiet(state: State) -> bool:
+    """Whether a state leaves nothing but noise in the runs that are searched, in all and in each of them."""
+    counts = np.maximum(1.0, np.count_nonzero(state.fit.residual, axis=1))
+    of_runs = np.sqrt(np.sum(state.fit.residual**2, axis=1) / counts)
+    above = of_runs - SETTINGS.quiet_chi - SETTINGS.quiet_deviations / np.sqrt(2.0 * counts)
+    return state.chi <= SETTINGS.quiet_chi and bool(np.all(above <= 0.0))

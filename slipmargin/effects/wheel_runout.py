@@ -1,0 +1,57 @@
+"""The effect ``wheel_runout``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from slipmargin.effects.effect import Part, Quantity, Scope, Trace, WheelEffect, parameter
+from slipmargin.model import Model
+from slipmargin.physics.kinematics import WheelGeometry
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WheelRunout(WheelEffect):
+    """ρ_i ← ρ_i (1 + cosine · cos θ_i + sine · sin θ_i): the axle is not in the middle of the wheel.
+
+    The robot moves ahead of, and behind, where round wheels put it, once a turn.  Limits are those of
+    round wheels.
+    """
+
+    name = "wheel_runout"
+    summary = "A wheel is out of round: worn on one side, bent or not centred on its axle."
+    traced_to = Trace.WHEEL_ANGLE
+    part = Part.CONTACTS
+    scope = Scope.MACHINE
+    parameters = (
+        parameter(
+            "cosine", "1", (-0.3, 0.0, 0.3), 0.005, "change of the radius at wheel angle 0 over the mean"
+        ),
+        parameter("sine", "1", (-0.3, 0.0, 0.3), 0.005, "the same a quarter of a turn later"),
+    )
+    one_wheel = True
+    needs_wheel_phase = True
+    needs_wheel_angles = True
+    counts_in = "simulated motions and diagnose; limits and plans are those of round wheels"
+    source = "eq. (2) with a radius that depends on the wheel's angle; positive = larger there"
+    confirm = "lift the robot, turn the wheel against a dial gauge and read how far its rim moves in one turn"
+
+    cosine: float
+    sine: float = 0.0
+
+    def rewrite(self, part: WheelGeometry, nominal: Model) -> WheelGeometry:
+        """WheelGeometry whose wheels are out of round by as much more."""
+        more = self.mask(nominal)[:, None] * np.array([self.cosine, self.sine])
+        return replace(part, runout=part.runout + more)
+
+    def derived(self, model: Model) -> tuple[Quantity, ...]:
+        """How far the rim moves in one turn."""
+        radius = float(np.max(self.mask(model) * model.geometry.radius_m))
+        return (
+            Quantity(
+                name="rim_moves_m", value=2.0 * radius * float(np.hypot(self.cosine, self.sine)), unit="m"
+            ),
+        )
