@@ -20,8 +20,9 @@ from slipmargin.diagnosis.left_over import like
 from slipmargin.diagnosis.loop import Searched, searched
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Verdict
-from slipmargin.diagnosis.search import Round, State
+from slipmargin.diagnosis.search import Round
 from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.errors import InputError
 
@@ -95,7 +96,7 @@ def remaining(data_set: DataSet, repairs: tuple[Repair, ...] | None, seed: int, 
     """
     progress("mending the data", 0.0)
     conditions = ready(data_set, repairs, seed)
-    found = searched(conditions.data_set, seed, progress)
+    found = searched(conditions.data_set, seed, progress, conditions.held)
     court = Court(
         problem=found.problem,
         runs=found.runs,
