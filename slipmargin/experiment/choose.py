@@ -146,7 +146,7 @@ def showing(count: int, able: Sequence[Drive], hidden: Sequence[Unseen]) -> list
 
 def hideable(hidden: Sequence[Unseen], chosen: Sequence[int]) -> tuple[Narrowing, ...]:
     """What can hide today and with the chosen runs, what shrinks most first."""
-    made = []
+    made: list[Narrowing] = []
     for u in hidden:
         keys = [
             (f"{u.candidate.label}.{key}", unit)

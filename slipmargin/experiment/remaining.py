@@ -24,6 +24,7 @@ from slipmargin.diagnosis.search import Round
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.watch import Watch
+from slipmargin.effects import Trace
 from slipmargin.errors import InputError
 
 #: Gauss–Newton steps of the fits to all runs, which start where the search ended.
@@ -72,7 +73,7 @@ class Remaining:
     def misfit(self) -> float:
         """What the best explanation leaves, times the noise [1]: 1 where it leaves nothing but noise."""
         best = self.fits[0]
-        return float(np.sqrt(max(1.0, best.cost / max(1, np.count_nonzero(best.residual)))))
+        return float(np.sqrt(max(1.0, best.cost / max(1, int(np.count_nonzero(best.residual))))))
 
 
 def name_of(found: Fit) -> str:
@@ -207,7 +208,8 @@ def _leads(rounds: Sequence[Round]) -> list[State]:
     """The best fit over each variable in a round that settled nothing, best first."""
     if not rounds:
         return []
-    before, best = rounds[0].before, {}
+    before = rounds[0].before
+    best: dict[Trace, State] = {}
     for state in sorted(rounds[0].tried, key=lambda s: s.chi):
         if rounds[0].single(state) and state.chi < (1.0 - SETTINGS.least_lead) * before.chi:
             best.setdefault(state.last.trace, state)

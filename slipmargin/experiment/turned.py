@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
+import numpy as np
+
 from slipmargin.experiment.result import Narrowing, NextRuns, ProposedRun
 from slipmargin.physics.convention import Convention
 from slipmargin.robot.turned import vectors
@@ -18,7 +20,7 @@ def next_runs_in(found: NextRuns, old: Convention, new: Convention) -> NextRuns:
         return found
     space = found.space
     if space is not None:
-        (a, b), turned = space.size_m, vectors([[*space.middle_m, 0.0]], old, new)[0]
+        (a, b), turned = space.size_m, vectors(np.array(space.middle_m), old, new)
         space = replace(space, middle_m=(float(turned[0]), float(turned[1])), size_m=(b, a))
     return replace(
         found,

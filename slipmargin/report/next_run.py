@@ -11,6 +11,7 @@ import numpy as np
 
 from slipmargin.diagnosis.result import Verdict
 from slipmargin.diagnosis.separate import separating_trial, trace_of
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.experiment.remaining import Question
 from slipmargin.experiment.result import Narrowing, NextRuns, ProposedRun, Separation
 from slipmargin.report import diagnosis_words as words
@@ -113,7 +114,7 @@ def lines(found: NextRuns) -> list[str]:
     said.append(
         f"compared {found.compared} motions at several paces, {100.0 * found.share:.3g} % of the grip"
     )
-    if found.misfit > words.SETTINGS.noise_chi:
+    if found.misfit > SETTINGS.noise_chi:
         said.append(
             f"note     the best explanation leaves {found.misfit:.3g} times the noise: differences are "
             "counted in that"
