@@ -220,6 +220,43 @@ def drawn() -> list[str]:
     )
 
 
+def answered(answer: dict[str, Any]) -> str:
+    """What a diagnosis names, and what it cannot tell from that."""
+    names = " + ".join(f"`{label}`" for label in answer["found"]) or answer["verdict"]
+    others = [f"`{label}`" for label in answer["confused_with"]]
+    return names + (f", or {', '.join(others)}" if others else "")
+
+
+def next_run() -> list[str]:
+    """What three proposed runs decide that three more standard runs do not."""
+
+    def noises(chi_square: float) -> str:
+        size = max(0.0, chi_square) ** 0.5
+        return f"{size:.2g}" if size < 10.0 else f"{size:,.0f}"
+
+    return table(
+        [
+            "planted",
+            "ten runs",
+            "after them",
+            "with three proposed runs",
+            "with three more standard runs",
+            "noises",
+        ],
+        [
+            [
+                ", ".join(f"`{name}`" for name in row["truth"]),
+                row["standard"],
+                answered(row["before"]),
+                answered(row["after"]),
+                answered(row["after_standard"]),
+                f"{noises(row['today'])} → {noises(row['expected'])}",
+            ]
+            for row in results("next_run.json")
+        ],
+    )
+
+
 def judged() -> list[str]:
     """The collection that was drawn and run once."""
     found = results("judged.json")
@@ -281,6 +318,7 @@ def page() -> str:
         "<!-- worth -->": worth,
         "<!-- synthetic -->": synthetic,
         "<!-- drawn -->": drawn,
+        "<!-- nextrun -->": next_run,
         "<!-- judged -->": judged,
         "<!-- robotino -->": robotino,
     }

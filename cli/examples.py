@@ -32,6 +32,10 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "--vary rear_angle_deg=30:60:10",
     ),
     "diagnose": ("slipmargin diagnose runs --out report",),
+    "next-run": (
+        "slipmargin next-run runs --space 3x2 --out next",
+        "slipmargin next-run runs --space 3x2 --runs 2 --margin 0.3 --max-speed 0.5 --report next.html",
+    ),
     "import ros": ("slipmargin import ros run1.bag run2.bag --robot mybot.toml --out runs",),
     "import csv": (
         "slipmargin import csv run1.csv --robot mybot.toml --out runs --time t:ms --x x:mm --y y:mm "

@@ -1,8 +1,9 @@
 """Draw the pictures of the README and the site into docs/pictures.
 
-    python docs/pictures.py [limits] [diagnosis]       all of them, or those that are named
+    python docs/pictures.py [limits] [diagnosis] [next-run]       all of them, or those that are named
 
-``diagnosis`` makes ten runs of a robot with rigid rims, diagnoses them and takes about half a minute.
+``diagnosis`` makes ten runs of a robot with rigid rims, diagnoses them and takes about half a minute;
+``next-run`` asks which runs would tell a wheel's radius from its toe, and takes as long.
 """
 
 from __future__ import annotations
@@ -108,6 +109,16 @@ def diagnosis_picture():
     return figure
 
 
+def next_run_picture():
+    """The runs that would tell a wheel's radius from its toe after ten runs straight ahead."""
+    sys.path.insert(0, str(FOLDER.parents[1] / "benchmarks"))
+    from next_run import CASES, data_set, logged, standard_runs
+
+    case = next(c for c in CASES if c.name == "radius")
+    runs = logged(case, standard_runs(case, range(10)), seed=1)
+    return sm.next_run(data_set(runs), space_m=(3.0, 2.0)).plot()
+
+
 def main(names: list[str]) -> None:
     """Draw what is asked for."""
     FOLDER.mkdir(exist_ok=True)
@@ -115,6 +126,8 @@ def main(names: list[str]) -> None:
         save(limits_picture(), FOLDER / "limits.png")
     if not names or "diagnosis" in names:
         save(diagnosis_picture(), FOLDER / "diagnosis.png")
+    if not names or "next-run" in names:
+        save(next_run_picture(), FOLDER / "next-run.png")
 
 
 if __name__ == "__main__":

@@ -40,6 +40,7 @@ _CONTENTS = {
     "import_logs": "slipmargin.api.import_logs",
     "known_effects": "slipmargin.api.effects",
     "new_robot": "slipmargin.api.robot_files",
+    "next_run": "slipmargin.api.next_run",
     "known_quantities": "slipmargin.api.design",
     "known_surfaces": "slipmargin.api.surfaces",
     "measure": "slipmargin.api.measure",
@@ -66,6 +67,7 @@ if TYPE_CHECKING:
     from slipmargin.api.limiter import Limiter as Limiter, export_c as export_c
     from slipmargin.api.measure import measure as measure
     from slipmargin.api.monitor import SlipMonitor as SlipMonitor
+    from slipmargin.api.next_run import next_run as next_run
     from slipmargin.api.plan import plan as plan
     from slipmargin.api.polytope import polytope as polytope
     from slipmargin.api.reproduce import reproduce as reproduce

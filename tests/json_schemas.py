@@ -25,6 +25,7 @@ SCHEMAS = {
     "Limiter": "export-c",
     "MeasureResult": "measure",
     "MonitoredLog": "monitor",
+    "NextRunResult": "next-run",
     "PlanResult": "plan",
     "PolytopeResult": "polytope",
     "PullDiagnosisResult": "diagnose-pulls",

@@ -149,15 +149,15 @@ def diagnose(
 
     if seed < 0:
         raise InputError("seed", f"is {seed}", "give a whole number from 0")
-    data, source = _read(data_set)
+    data, source = read_data(data_set)
     if data.members:
         return _campaign(data, source, seed, progress, budget_s)
     if not data.trials:
-        _check_sense(data, source)
+        check_sense(data, source)
         return _pulls(data, source, seed, progress, budget_s)
     turned = data_set_in(data, FRAME)
     mended = repaired(turned)
-    _check_sense(data_set_in(mended.data_set, data.recipe.robot.convention), source)
+    check_sense(data_set_in(mended.data_set, data.recipe.robot.convention), source)
     diagnosis = search(
         mended.data_set, seed=seed, progress=progress, repairs=mended.repairs, budget_s=budget_s
     )
@@ -179,7 +179,7 @@ def _campaign(
 
     data, repairs = each(data, lambda d: ((mended := repaired(d)).data_set, mended.repairs))
     for member in apart(data):
-        _check_sense(member, f"{source}: {member.name}")
+        check_sense(member, f"{source}: {member.name}")
     diagnosis = search(data, seed=seed, progress=progress, repairs=repairs, budget_s=budget_s)
     progress("evidence of each data set", 0.2)
     diagnosis, members = by_group(data, diagnosis)
@@ -204,7 +204,8 @@ def _pulls(
     return PullDiagnosisResult(diagnosis=found, change=change)
 
 
-def _read(data_set: DataSet | Path | str) -> tuple[DataSet, str]:
+def read_data(data_set: DataSet | Path | str) -> tuple[DataSet, str]:
+    """A data set or campaign, read where a place is given, and what messages call it."""
     if isinstance(data_set, Path | str):
         from slipmargin.io.campaign_file import campaign_file, read_joined
         from slipmargin.io.data_set import read_data_set
@@ -216,7 +217,7 @@ def _read(data_set: DataSet | Path | str) -> tuple[DataSet, str]:
     return data_set, data_set.name
 
 
-def _check_sense(data_set: DataSet, source: str) -> None:
+def check_sense(data_set: DataSet, source: str) -> None:
     """Refuse data whose fault is not the robot's: wrong units, swapped wheels, a mirrored frame."""
     from slipmargin.data.checks import check_data_set
 

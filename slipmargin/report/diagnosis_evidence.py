@@ -199,6 +199,7 @@ def next_steps(d: Diagnosis) -> tuple[Block, ...]:
             for lead in d.leads
         ]
         items += [
+            *_drive_next(d),
             "Do not trust the limits of this model beyond the error shown above.",
             f"Tried in a general form each, and not borne out by unseen runs: {names}."
             if names
@@ -213,6 +214,7 @@ def next_steps(d: Diagnosis) -> tuple[Block, ...]:
         return (Bullets(items=tuple(items), numbered=True),)
     items = [f"Confirm `{f.name}`: {f.confirm}." for f in d.findings if f.confirm]
     items += [f"Separate {_rival(f, name)}" for f in d.findings for name in f.confused_with]
+    items += _drive_next(d)
     stuck = [f"`{f.name}.{e.name}`" for f in d.findings for e in f.parameters if e.at_bound]
     if stuck:
         items.append(
@@ -224,3 +226,13 @@ def next_steps(d: Diagnosis) -> tuple[Block, ...]:
         f"(`slipmargin sweep corrected.toml --surface {d.surface}`)."
     )
     return (Bullets(items=tuple(items), numbered=True),)
+
+
+def _drive_next(d: Diagnosis) -> list[str]:
+    """The command that proposes runs, where something is open."""
+    if not words.open_questions(d):
+        return []
+    return [
+        f"Drive this next: `{words.next_run_command(d)}` proposes runs, with commands, that tell what is "
+        "left apart, within the limits and in the space that you give."
+    ]

@@ -72,6 +72,16 @@ def certain(diagnosis: Diagnosis) -> bool:
     return d.verdict is not Verdict.UNEXPLAINED and not unsure
 
 
+def open_questions(diagnosis: Diagnosis) -> bool:
+    """Whether further runs are to decide something: leads, or names that cannot be told apart."""
+    return bool(diagnosis.leads) or any(f.confused_with for f in diagnosis.findings)
+
+
+def next_run_command(diagnosis: Diagnosis) -> str:
+    """The command that proposes the runs to drive next."""
+    return f"slipmargin next-run {diagnosis.data_set}"
+
+
 def _named(finding: Finding) -> str:
     names = [finding.name, *(_short(label) for label in finding.confused_with)]
     either = " or ".join(dict.fromkeys(names))
@@ -224,6 +234,8 @@ def summary_lines(d: Diagnosis, change: LimitsChange) -> list[str]:
         lines += [
             f"lead {i}   {VARIABLES[lead.traced_to]}: {lead.why}" for i, lead in enumerate(d.leads[:3], 1)
         ]
+    if open_questions(d):
+        lines.append(f"next     the runs that would decide: {next_run_command(d)}")
     lines.append(
         f"error    {error(d.before)}" + (f" → {error(d.after)}" if d.findings else "") + " on held-out runs"
     )

@@ -270,6 +270,7 @@ def test_every_command_is_held_to_both_conventions() -> None:
     elsewhere = {
         "diagnose": "rooms/io/test_ros_conventions.py",  # the same report to the last digit
         "import": "rooms/io/test_log_formats.py",
+        "next-run": "rooms/experiment/test_turned.py",  # computed in one frame, as a diagnosis is
         "robots": "rooms/study/test_layouts_in_ros.py",  # words and drawings
     }
     without_axes = {"reproduce", "surfaces", "effects", "explore"}

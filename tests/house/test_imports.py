@@ -47,6 +47,7 @@ PROHIBITED = {
     "slipmargin.data": {"slipmargin.io", "slipmargin.limits", "slipmargin.sim", "slipmargin.diagnosis"},
     "slipmargin.model": {"slipmargin.effects"},
     "slipmargin.diagnosis": {"slipmargin.io", "slipmargin.report", "slipmargin.plots"},
+    "slipmargin.experiment": {"slipmargin.io", "slipmargin.report", "slipmargin.plots", "slipmargin.api"},
     "slipmargin.io": {"slipmargin.report", "slipmargin.plots", "slipmargin.limits"},
     "slipmargin.study": {"slipmargin.report", "slipmargin.plots", "slipmargin.sim", "slipmargin.diagnosis"},
     "slipmargin.report": {"slipmargin.plots", "slipmargin.api", "slipmargin_cli"},

@@ -45,6 +45,7 @@ CONTENTS = [
     "known_surfaces",
     "measure",
     "new_robot",
+    "next_run",
     "plan",
     "polytope",
     "read_robot",

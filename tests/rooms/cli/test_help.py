@@ -21,7 +21,7 @@ import slipmargin as sm
 WAY = "x_m,y_m,phi_rad\n0,0,0\n1,0,0\n"
 SPEEDS = "t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,omega4_rad_s\n0,3,3,3,3\n0.5,0,0,0,0\n"
 #: Examples that need a reader's own logs, a browser, the time of a whole search or an option's package.
-NOT_RUN = {"diagnose", "reproduce", "explore", "monitor"} | {
+NOT_RUN = {"diagnose", "next-run", "reproduce", "explore", "monitor"} | {
     name for name in EXAMPLES if name.startswith("import ")
 }
 

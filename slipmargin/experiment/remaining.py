@@ -1,0 +1,216 @@
+"""What a diagnosis leaves open: the models that its runs cannot tell apart, each fitted to all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import final
+
+import numpy as np
+
+from slipmargin.checks import Array, Index
+from slipmargin.data.data_set import DataSet
+from slipmargin.data.repair import Repair
+from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.conditions import ready
+from slipmargin.diagnosis.fit import Fit, build, fit
+from slipmargin.diagnosis.ladder import Checked, Court, check
+from slipmargin.diagnosis.left_over import like
+from slipmargin.diagnosis.loop import Searched, searched
+from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.result import Verdict
+from slipmargin.diagnosis.search import Round
+from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.state import State
+from slipmargin.diagnosis.watch import Watch
+from slipmargin.effects import Trace
+from slipmargin.errors import InputError
+
+#: Gauss–Newton steps of the fits to all runs, which start where the search ended.
+_STEPS = 8
+#: So many explanations are compared at most: each pair of them is one more thing that runs must tell.
+MOST = 4
+
+
+class Question(Enum):
+    """What the next runs are to answer."""
+
+    WHICH = "which"  #: which of several explanations is right
+    HOW_MUCH = "how-much"  #: how large the parameters of the one explanation are
+    ANYTHING = "anything"  #: whether anything is missing that these runs could not show
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Remaining:
+    """The explanations that are left, the best first, each fitted to every run.
+
+    Parameters
+    ----------
+    problem : Problem
+        The runs, in the view in which they were compared.
+    fits : tuple of Fit
+        The explanations; one without candidates is the model as believed.
+    question : Question
+        What is open.
+    verdict : Verdict
+        That of the diagnosis.
+    candidates : tuple of Candidate
+        Everything that the diagnosis tried.
+    data_set : DataSet
+        The runs as they were mended.
+    """
+
+    problem: Problem
+    fits: tuple[Fit, ...]
+    question: Question
+    verdict: Verdict
+    candidates: tuple[Candidate, ...]
+    data_set: DataSet
+
+    @property
+    def misfit(self) -> float:
+        """What the best explanation leaves, times the noise [1]: 1 where it leaves nothing but noise."""
+        best = self.fits[0]
+        return float(np.sqrt(max(1.0, best.cost / max(1, int(np.count_nonzero(best.residual))))))
+
+
+def name_of(found: Fit) -> str:
+    """An explanation as a reader calls it."""
+    return " + ".join(c.label for c in found.structure) or "the model as believed"
+
+
+def remaining(data_set: DataSet, repairs: tuple[Repair, ...] | None, seed: int, progress: Watch) -> Remaining:
+    """Diagnose the runs, and fit to all of them every explanation that is as good as the best.
+
+    Parameters
+    ----------
+    data_set : DataSet
+        In the frame in which diagnoses are computed.
+    repairs : tuple of Repair, optional
+        What was mended in it already.
+    seed : int
+        That of the diagnosis.
+    progress : Watch
+        Told what is being done.
+    """
+    progress("mending the data", 0.0)
+    conditions = ready(data_set, repairs, seed)
+    found = searched(conditions.data_set, seed, progress, conditions.held)
+    court = Court(
+        problem=found.problem,
+        runs=found.runs,
+        held=found.held,
+        seen=found.seen,
+        records=tuple(conditions.data_set.trials),
+        seed=seed,
+    )
+    checked = check(court, found.state, found.rounds, progress)
+    progress("fitting what is left to all runs", 0.0)
+    question, verdict, problem, fits = _left(found, checked)
+    return Remaining(
+        problem=problem,
+        fits=tuple(fits),
+        question=question,
+        verdict=verdict,
+        candidates=tuple(found.candidates),
+        data_set=conditions.data_set,
+    )
+
+
+def _left(found: Searched, checked: Checked) -> tuple[Question, Verdict, Problem, list[Fit]]:
+    state, everyone = checked.state, np.arange(len(checked.problem.trials), dtype=np.int64)
+    if state is None:
+        quiet = checked.before.chi() <= SETTINGS.noise_chi
+        verdict = Verdict.NO_MISSING_EFFECT if quiet else Verdict.UNEXPLAINED
+        rounds = [] if quiet else found.rounds
+        view = checked.problem if not rounds else checked.problem.as_seen_in(rounds[0].before.view)
+        believed = _fitted(view, (), np.zeros(0), everyone)
+        leads = [_fitted(view, s.structure, s.fit.x, everyone) for s in _leads(rounds[:1])]
+        fits = sorted(leads, key=lambda f: f.cost) if len(leads) > 1 else [*leads, believed]
+        return (Question.WHICH if len(fits) > 1 else Question.ANYTHING), verdict, view, fits
+    view = checked.problem.as_seen_in(state.view)
+    best = _fitted(view, state.structure, state.fit.x, everyone)
+    rivals = [_fitted(view, c, x, everyone) for c, x in _rivals(view, state, found.rounds)]
+    rivals = [r for r in rivals if _as_good(r, best)]
+    if not rivals and checked.after.chi() > SETTINGS.noise_chi:  # something else is missing as well
+        last = like(state, found.rounds)
+        rivals = [_fitted(view, s.structure, s.fit.x, everyone) for s in _leads([last] if last else [])]
+    rivals.sort(key=lambda f: f.cost)
+    question = Question.WHICH if rivals else Question.HOW_MUCH
+    return question, Verdict.EFFECT_FOUND, view, [best, *rivals[: MOST - 1]]
+
+
+def _fitted(view: Problem, structure: tuple[Candidate, ...], x: Array, trials: Index) -> Fit:
+    return fit(view, structure, x, trials, iterations=_STEPS)
+
+
+def _as_good(rival: Fit, best: Fit) -> bool:
+    """Whether all runs together do not tell a rival from the best: the rule of the search, without folds."""
+    samples = max(1, int(np.count_nonzero(best.residual)))
+    one, two = (float(np.sqrt(f.cost / samples)) for f in (rival, best))
+    return one <= max(two + SETTINGS.least_chi, SETTINGS.as_good_factor * two)
+
+
+def _names(structure: Sequence[Candidate]) -> frozenset[str]:
+    return frozenset(c.name for c in structure)
+
+
+def _rivals(
+    view: Problem, state: State, rounds: Sequence[Round]
+) -> list[tuple[tuple[Candidate, ...], Array]]:
+    """Structures with other names that were as good as the one that holds, and where to start their fits.
+
+    What was level with an effect in the round that took it stands in its place; the other effects stay.
+    """
+    found: dict[frozenset[str], tuple[tuple[Candidate, ...], Array]] = {}
+    kept = dict(zip((c.label for c in state.structure), _split(state), strict=True))
+    for step in rounds:
+        if step.best is None:
+            continue
+        before = {c.label for c in step.before.structure}
+        taken = {c.label for c in step.best.structure} - before
+        if not taken & set(kept):
+            continue
+        for rival in (step.best, *step.rivals()):
+            own = [
+                (c, x)
+                for c, x in zip(rival.structure, _split(rival), strict=True)
+                if c.label not in before and c.label not in kept
+            ]
+            parts = [*((c, kept[c.label]) for c in state.structure if c.label not in taken), *own]
+            structure = tuple(c for c, _ in parts)
+            names = _names(structure)
+            x = np.concatenate([np.zeros(0), *(part for _, part in parts)])
+            if not own or names >= _names(state.structure) or names in found:
+                continue
+            if can_be(view, structure, x):
+                found[names] = structure, x
+    return list(found.values())
+
+
+def _split(state: State) -> list[Array]:
+    """The parameters of each candidate."""
+    return np.split(state.fit.x, np.cumsum([c.size for c in state.structure])[:-1])
+
+
+def can_be(problem: Problem, structure: Sequence[Candidate], x: Array) -> bool:
+    """Whether these effects can stand beside each other in the robot: two laws for one thing refuse."""
+    try:
+        problem.model(build(structure, x))
+    except InputError:
+        return False
+    return True
+
+
+def _leads(rounds: Sequence[Round]) -> list[State]:
+    """The best fit over each variable in a round that settled nothing, best first."""
+    if not rounds:
+        return []
+    before = rounds[0].before
+    best: dict[Trace, State] = {}
+    for state in sorted(rounds[0].tried, key=lambda s: s.chi):
+        if rounds[0].single(state) and state.chi < (1.0 - SETTINGS.least_lead) * before.chi:
+            best.setdefault(state.last.trace, state)
+    return list(best.values())[:MOST]

@@ -1,0 +1,53 @@
+"""Proposed runs on the floor."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Rectangle
+
+from slipmargin.experiment.result import NextRuns
+from slipmargin.plots.style import BLUE, GREY, INK, PALE, RED, styled
+
+#: Headings that are drawn along a path.
+_MARKS = 8
+
+
+@styled
+def next_runs_figure(found: NextRuns) -> Figure:
+    """Each run from above: its path, the robot's circle at the start, headings along the way."""
+    assert found.space is not None
+    count = max(1, len(found.runs))
+    columns = min(3, count)
+    rows = -(-count // columns)
+    figure = Figure(figsize=(3.3 * columns, 3.3 * rows), layout="constrained")
+    panels = np.atleast_1d(figure.subplots(rows, columns, squeeze=False)).ravel()
+    (x, y), (a, b) = found.space.middle_m, found.space.size_m
+    for axes in panels[count:]:
+        axes.set_axis_off()
+    for axes, run in zip(panels, found.runs, strict=False):
+        axes.add_patch(Rectangle((x - 0.5 * a, y - 0.5 * b), a, b, fill=False, ec=GREY, lw=1.2))
+        pose = run.trajectory.pose
+        for k, (there, colour) in enumerate(zip(run.predicted[:2], (RED, INK), strict=False)):
+            axes.plot(there[:, 0], there[:, 1], color=colour, lw=0.9, ls="--" if k else ":")
+        axes.plot(pose[:, 0], pose[:, 1], color=BLUE, lw=1.6)
+        axes.add_patch(Circle(pose[0, :2], found.reach_m, fc=PALE, ec=INK, lw=0.8, alpha=0.6))
+        marks = np.linspace(0, len(pose) - 1, _MARKS).astype(int)
+        axes.quiver(
+            pose[marks, 0],
+            pose[marks, 1],
+            np.cos(pose[marks, 2] + found.front_rad),
+            np.sin(pose[marks, 2] + found.front_rad),
+            color=BLUE,
+            width=0.006,
+            scale=16.0,
+        )
+        axes.plot(*pose[0, :2], "o", color=INK, ms=4)
+        axes.set(
+            title=f"{run.name}: {run.trajectory.duration_s:.3g} s",
+            xlabel="x [m]",
+            ylabel="y [m]",
+            aspect="equal",
+        )
+        axes.margins(0.06)
+    return figure
