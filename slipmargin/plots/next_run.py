@@ -31,7 +31,9 @@ def next_runs_figure(found: NextRuns) -> Figure:
         for k, (there, colour) in enumerate(zip(run.predicted[:2], (RED, INK), strict=False)):
             axes.plot(there[:, 0], there[:, 1], color=colour, lw=0.9, ls="--" if k else ":")
         axes.plot(pose[:, 0], pose[:, 1], color=BLUE, lw=1.6)
-        axes.add_patch(Circle(pose[0, :2], found.reach_m, fc=PALE, ec=INK, lw=0.8, alpha=0.6))
+        axes.add_patch(
+            Circle((float(pose[0, 0]), float(pose[0, 1])), found.reach_m, fc=PALE, ec=INK, lw=0.8, alpha=0.6)
+        )
         marks = np.linspace(0, len(pose) - 1, _MARKS).astype(int)
         axes.quiver(
             pose[marks, 0],
