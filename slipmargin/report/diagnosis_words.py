@@ -234,8 +234,6 @@ def summary_lines(d: Diagnosis, change: LimitsChange) -> list[str]:
         lines += [
             f"lead {i}   {VARIABLES[lead.traced_to]}: {lead.why}" for i, lead in enumerate(d.leads[:3], 1)
         ]
-    if open_questions(d):
-        lines.append(f"next     the runs that would decide: {next_run_command(d)}")
     lines.append(
         f"error    {error(d.before)}" + (f" → {error(d.after)}" if d.findings else "") + " on held-out runs"
     )
@@ -252,6 +250,8 @@ def summary_lines(d: Diagnosis, change: LimitsChange) -> list[str]:
         lines.append(f"limits   unchanged: weakest pull {b.f_max_min_N:.3g} N, mean {b.f_max_mean_N:.3g} N")
     if change.moved and change.pulls is not None:
         lines.append(f"pulls    {pulls_sentence(change.pulls)}")
+    if open_questions(d):
+        lines.append(f"next     the runs that would decide: {next_run_command(d)}")
     lines += [f"data     {repair.sentence}" for repair in d.repairs]
     lines += [f"note     {remark}" for remark in (*change.missing, *d.remarks)]
     return lines
