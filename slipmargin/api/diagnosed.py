@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from slipmargin.api.result import Result
+from slipmargin.api.result import FolderResult, Result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from slipmargin.report.page import Image, Page
 
 
-class Diagnosed(Result):
+class Diagnosed(FolderResult):
     """Base of the results of a diagnosis; a subclass says of what it is, in a sentence and on a page."""
 
     __slots__ = ()
@@ -88,17 +88,3 @@ class Diagnosed(Result):
             self.write_files(texts={path: self.corrected_text()})
         else:
             Result.write(self, path)
-
-    def write_folder(self, folder: Path | str) -> list[str]:
-        """Write :meth:`files` into a folder, all or none, and return their names.
-
-        Raises
-        ------
-        InputError
-            Where the folder cannot be written; then nothing has changed.
-        """
-        from slipmargin.io.folder import write_folder
-
-        files = self.files()
-        write_folder(folder, files)
-        return list(files)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from slipmargin.api.result import Result
+from slipmargin.api.result import FolderResult
 from slipmargin.api.robots import checked_margin
 from slipmargin.checks import real
 from slipmargin.errors import InputError
@@ -27,7 +27,7 @@ _MOST_RUNS = 20
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class NextRunResult(Result):
+class NextRunResult(FolderResult):
     """The runs to drive next, what was compared, and what is expected of them.
 
     ``next_runs.runs`` hold each a ``trajectory`` with wheel speeds that :func:`slipmargin.simulate` and a
@@ -82,21 +82,6 @@ class NextRunResult(Result):
                 columns = dict(zip(("x_m", "y_m", "phi_rad"), np.asarray(leg).T, strict=True))
                 made[f"{run.name}-path-{k}.csv"] = columns_text(columns)
         return made
-
-    def write_folder(self, folder: Path | str) -> list[str]:
-        """Write :meth:`files` into a folder, all or none, and return their names.
-
-        Raises
-        ------
-        InputError
-            Where the folder cannot be written; then nothing has changed.
-        """
-        from slipmargin.io.folder import write_folder
-
-        files = self.files()
-        if files:
-            write_folder(folder, files)
-        return list(files)
 
 
 def next_run(

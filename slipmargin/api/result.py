@@ -144,3 +144,28 @@ class Result:
 
             drawn = image(self.plot())
         return cell(self.summary(), self.lines(), drawn)
+
+
+class FolderResult(Result):
+    """Base of results that are written as a folder of files."""
+
+    __slots__ = ()
+
+    def files(self) -> dict[str, str | bytes]:
+        """File name → content; empty where there is nothing to write."""
+        raise NotImplementedError
+
+    def write_folder(self, folder: Path | str) -> list[str]:
+        """Write :meth:`files` into a folder, all or none, and return their names.
+
+        Raises
+        ------
+        InputError
+            Where the folder cannot be written; then nothing has changed.
+        """
+        from slipmargin.io.folder import write_folder
+
+        files = self.files()
+        if files:
+            write_folder(folder, files)
+        return list(files)

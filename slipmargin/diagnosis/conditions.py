@@ -26,6 +26,7 @@ from slipmargin.diagnosis.noise_reading import lasts, stated_wrong, tails
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.telling import misses
 from slipmargin.effects import GeneralEffect, Part, Trace
 from slipmargin.model import nominal_model
 from slipmargin.physics.terms import Multiplier
@@ -74,7 +75,7 @@ def ready(
     data_set, more = each(data_set, _alike)
     done += more
     stated = data_set.sigma
-    held = held_out_runs(misses(data_set), seed) if held is None else held
+    held = held_runs_of(data_set, seed) if held is None else held
     data_set, more = _measured_noise(data_set, searched_runs(len(data_set.trials), held))
     assert data_set.sigma is not None
     estimated = stated is None or not np.array_equal(data_set.sigma, stated)
@@ -86,13 +87,10 @@ def ready(
     )
 
 
-def misses(data_set: DataSet) -> Array:
-    """Root mean square (R,) of what the model as it is misses each run by, in about the noise."""
+def held_runs_of(data_set: DataSet, seed: int) -> Index:
+    """Numbers of the runs of a data set to hold out, drawn by what the model as it is misses each by."""
     problem = problem_of(data_set)
-    everyone = np.arange(len(problem.trials), dtype=np.int64)
-    residual = problem.residuals([()], [everyone])[0]
-    counts = np.maximum(1, np.count_nonzero(residual, axis=1))
-    return np.asarray(np.nan_to_num(np.sqrt(np.sum(residual**2, axis=1) / counts), nan=np.inf))
+    return held_out_runs(misses(problem, np.arange(len(problem.trials), dtype=np.int64)), seed)
 
 
 def _alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:

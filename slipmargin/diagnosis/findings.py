@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.evidence import Intervals, intervals
-from slipmargin.diagnosis.fit import Fit, Residuals, build, limits_of, shifted_by, steps_inside
+from slipmargin.diagnosis.fit import Fit, Residuals, build, limits_of, shifted_by, spans, steps_inside
 from slipmargin.diagnosis.left_out import leave_one_out
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.problem import Problem
@@ -61,10 +60,8 @@ def findings(
     spread = _spread(problem, final)
     stuck = final.at_bound()
     found = []
-    at = 0
-    for index, (candidate, effect) in enumerate(zip(final.structure, final.effects, strict=True)):
-        span = slice(at, at + candidate.size)
-        at += candidate.size
+    own = zip(final.structure, final.effects, spans(final.structure), strict=True)
+    for index, (candidate, effect, span) in enumerate(own):
         kind = bare(effect)
         doubts = _doubts(candidate, final.x[span], spread.low[span], spread.high[span], stuck)
         taken = next(
@@ -120,11 +117,9 @@ def findings(
 def doubted(problem: Problem, final: Fit) -> bool:
     """Whether the evidence of some named effect of a fit does not carry its name."""
     spread, stuck = _spread(problem, final), final.at_bound()
-    at = np.cumsum([0, *(c.size for c in final.structure)])
-    spans = [slice(a, b) for a, b in pairwise(at)]
     return any(
         _doubts(candidate, final.x[span], spread.low[span], spread.high[span], stuck)
-        for candidate, span in zip(final.structure, spans, strict=True)
+        for candidate, span in zip(final.structure, spans(final.structure), strict=True)
     )
 
 

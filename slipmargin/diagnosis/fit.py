@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Protocol, final
 
 import numpy as np
@@ -72,12 +73,12 @@ class Fit:
 
 def build(structure: Sequence[Candidate], x: Array) -> tuple[AnyEffect, ...]:
     """The effects of a structure at parameters ``x``."""
-    made: list[AnyEffect] = []
-    at = 0
-    for candidate in structure:
-        made.append(candidate.build(x[at : at + candidate.size]))
-        at += candidate.size
-    return tuple(made)
+    return tuple(c.build(x[span]) for c, span in zip(structure, spans(structure), strict=True))
+
+
+def spans(structure: Sequence[Candidate]) -> list[slice]:
+    """Where the parameters of each candidate stand among those of the structure."""
+    return [slice(*ends) for ends in pairwise(np.cumsum([0, *(c.size for c in structure)]).tolist())]
 
 
 def limits_of(structure: Sequence[Candidate]) -> tuple[Array, Array, Array]:
@@ -114,11 +115,8 @@ class GaussianPrior:
         """The prior of a structure's parameters where ``residual`` (R, K) is left."""
         size = sum(c.size for c in structure)
         precision = np.zeros((size, size))
-        at = 0
-        for candidate in structure:
-            span = slice(at, at + candidate.size)
+        for candidate, span in zip(structure, spans(structure), strict=True):
             precision[span, span] = candidate.prior.T @ candidate.prior
-            at += candidate.size
         misfit = float(np.sum(residual**2) / max(1, int(np.count_nonzero(residual))))
         return GaussianPrior(
             precision=max(1.0, misfit) * precision,

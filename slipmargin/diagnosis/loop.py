@@ -15,13 +15,13 @@ from slipmargin.data.noise import white_noise
 from slipmargin.data.repair import Repair
 from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
-from slipmargin.diagnosis.conditions import misses, problem_of, ready
+from slipmargin.diagnosis.conditions import held_runs_of, problem_of, ready
 from slipmargin.diagnosis.events import cut_apart, find_events, with_measured_velocity
 from slipmargin.diagnosis.findings import findings
 from slipmargin.diagnosis.fit import Fit, fit
 from slipmargin.diagnosis.general_forms import general_candidates
 from slipmargin.diagnosis.groups import in_groups
-from slipmargin.diagnosis.held_out import held_out_runs, score, searched_runs
+from slipmargin.diagnosis.held_out import score, searched_runs
 from slipmargin.diagnosis.ladder import Checked, Court, check
 from slipmargin.diagnosis.leads import leads
 from slipmargin.diagnosis.left_over import left_over, like
@@ -71,6 +71,17 @@ class Searched:
     state: State
     rounds: list[Round]
 
+    def court(self, data_set: DataSet, seed: int) -> Court:
+        """The runs of the data set, before which what was found is judged."""
+        return Court(
+            problem=self.problem,
+            runs=self.runs,
+            held=self.held,
+            seen=self.seen,
+            records=tuple(data_set.trials),
+            seed=seed,
+        )
+
 
 def searched(
     data_set: DataSet, seed: int, progress: Watch | None = None, held_runs: Index | None = None
@@ -85,7 +96,7 @@ def searched(
     progress("reading the noise", 0.0)
     count = len(data_set.trials)
     if held_runs is None:
-        held_runs = held_out_runs(misses(data_set), seed)
+        held_runs = held_runs_of(data_set, seed)
     seen_runs = searched_runs(count, held_runs)
     if data_set.sigma is None:
         data_set = replace(data_set, sigma=white_noise(tuple(data_set.trials[i] for i in seen_runs)))
@@ -181,9 +192,7 @@ def diagnose(
     was_cut = watch.expired
     held, trials = s.held, s.problem.trials
     everyone = np.arange(len(trials), dtype=np.int64)
-    court = Court(
-        problem=s.problem, runs=s.runs, held=held, seen=s.seen, records=tuple(data_set.trials), seed=seed
-    )
+    court = s.court(data_set, seed)
     checked = check(court, s.state, s.rounds, watch)
     problem, state = checked.problem, checked.state
     fresh = np.flatnonzero(court.unseen) if len(held) else np.arange(len(checked.before.squares))

@@ -2,9 +2,8 @@
 
 A probe has no law that could be simulated.  It is a body-frame velocity disturbance, linear in its
 coefficients, that is added up along the predicted path, or a shift of the pose as it is seen, and stands in
-the screened list beside the tangents of
-the candidates: it can lead to a variable, and is never claimed.  A push acts on the velocity until the wheels
-have caught the robot again, so that forces are low-passed.
+the screened list beside the tangents of the candidates: it can lead to a variable, and is never claimed.  A
+push acts on the velocity until the wheels have caught the robot again, so that forces are low-passed.
 """
 
 from __future__ import annotations

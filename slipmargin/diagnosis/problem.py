@@ -143,7 +143,7 @@ class Problem:
         sets = np.repeat(np.arange(len(effects)), [len(t) for t in trials])
         runs = np.concatenate([np.asarray(t, dtype=np.int64) for t in trials])
         pairs, which = np.unique(np.column_stack([sets, self.member_of[runs]]), axis=0, return_inverse=True)
-        built = [self._possible(effects[k], int(member)) for k, member in pairs]
+        built = [self.possible(effects[k], int(member)) for k, member in pairs]
         models = [self.nominal if m is None else m for m in built]
         pose = self._simulated(models, which.ravel(), runs)
         pose, gap = self.gaps(pose, runs)
@@ -219,7 +219,7 @@ class Problem:
         """The usual time from sample to sample [s]."""
         return float(np.median(np.concatenate([np.diff(t.t_s) for t in self.trials])))
 
-    def _possible(self, effects: Sequence[AnyEffect], member: int = 0) -> Model | None:
+    def possible(self, effects: Sequence[AnyEffect], member: int = 0) -> Model | None:
         """The model, or None where no machine is like that (a wheel would lift)."""
         try:
             return self.model(effects, member)

@@ -15,7 +15,7 @@ import numpy as np
 from slipmargin.checks import Array, Index
 from slipmargin.data.data_set import DataSet
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.fit import Fit, build, limits_of, steps_inside
+from slipmargin.diagnosis.fit import Fit, build, limits_of, spans, steps_inside
 from slipmargin.diagnosis.pull_candidates import pull_candidates
 from slipmargin.diagnosis.pull_next import NextPull, next_pulls
 from slipmargin.diagnosis.pull_problem import PullProblem
@@ -325,8 +325,8 @@ def _without(problem: PullProblem, state: PullState, index: int, unseen: Unseen)
     kept = [i for i in range(len(state.structure)) if i != index]
     if not kept:
         return unseen.before.chi
-    ends = np.cumsum([0, *(c.size for c in state.structure)])
-    x = np.concatenate([state.fit.x[ends[i] : ends[i + 1]] for i in kept])
+    own = spans(state.structure)
+    x = np.concatenate([state.fit.x[own[i]] for i in kept])
     rest = fit(problem, tuple(state.structure[i] for i in kept), x, state.fit.trials)
     return _chi(state_of(problem, rest).score, problem.count(state.fit.trials))
 

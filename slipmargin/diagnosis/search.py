@@ -22,7 +22,7 @@ from slipmargin.diagnosis.bends import bends
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.evidence import intervals
 from slipmargin.diagnosis.finalists import finalists
-from slipmargin.diagnosis.fit import Fit, build, evaluate, fit
+from slipmargin.diagnosis.fit import Fit, build, evaluate, fit, spans
 from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.probes import probes
@@ -33,7 +33,6 @@ from slipmargin.diagnosis.state import State, as_good, choose, explained, quiet,
 from slipmargin.diagnosis.telling import enough, telling
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
-from slipmargin.errors import InputError
 
 
 @final
@@ -224,18 +223,14 @@ def _in_pieces(problem: Problem, trials: Index, runs: Sequence[int]) -> State:
 
 def possible(before: State, candidate: Candidate) -> bool:
     """Whether the candidate can stand beside what is known: two laws for one thing refuse each other."""
-    try:
-        before.view.model((*before.fit.effects, candidate.build(candidate.starts[0])))
-    except InputError:
-        return False
-    return True
+    return before.view.possible((*before.fit.effects, candidate.build(candidate.starts[0]))) is not None
 
 
 def without(state: State, index: int, runs: Sequence[int]) -> State:
     """The state less one of its effects, the others fitted again."""
     kept = [i for i in range(len(state.structure)) if i != index]
-    each = np.split(state.fit.x, np.cumsum([c.size for c in state.structure])[:-1])
-    x = np.concatenate([np.zeros(0), *(each[i] for i in kept)])
+    own = spans(state.structure)
+    x = np.concatenate([np.zeros(0), *(state.fit.x[own[i]] for i in kept)])
     return refitted(state, tuple(state.structure[i] for i in kept), x, runs)
 
 
@@ -265,8 +260,8 @@ def nothing_sure(state: State) -> list[bool]:
     null = np.concatenate([c.null for c in state.structure])
     spread = intervals(state.fit, leave_one_out(state.fit), scale, np.zeros(len(null)))
     holds = (spread.low <= null) & (null <= spread.high)
-    each = np.split(holds, np.cumsum([c.size for c in state.structure])[:-1])
-    return [c.named and c.nested and bool(e.all()) for c, e in zip(state.structure, each, strict=True)]
+    own = zip(state.structure, spans(state.structure), strict=True)
+    return [c.named and c.nested and bool(holds[span].all()) for c, span in own]
 
 
 def whole(problem: Problem, state: State, runs: Sequence[int]) -> State:

@@ -14,8 +14,8 @@ from slipmargin.data.data_set import DataSet
 from slipmargin.data.repair import Repair
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.conditions import ready
-from slipmargin.diagnosis.fit import Fit, build, fit
-from slipmargin.diagnosis.ladder import Checked, Court, check
+from slipmargin.diagnosis.fit import Fit, build, fit, spans
+from slipmargin.diagnosis.ladder import Checked, check
 from slipmargin.diagnosis.left_over import like
 from slipmargin.diagnosis.loop import Searched, searched
 from slipmargin.diagnosis.problem import Problem
@@ -25,7 +25,6 @@ from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
-from slipmargin.errors import InputError
 
 #: Gauss–Newton steps of the fits to all runs, which start where the search ended.
 _STEPS = 8
@@ -98,14 +97,7 @@ def remaining(data_set: DataSet, repairs: tuple[Repair, ...] | None, seed: int, 
     progress("mending the data", 0.0)
     conditions = ready(data_set, repairs, seed)
     found = searched(conditions.data_set, seed, progress, conditions.held)
-    court = Court(
-        problem=found.problem,
-        runs=found.runs,
-        held=found.held,
-        seen=found.seen,
-        records=tuple(conditions.data_set.trials),
-        seed=seed,
-    )
+    court = found.court(conditions.data_set, seed)
     checked = check(court, found.state, found.rounds, progress)
     progress("fitting what is left to all runs", 0.0)
     question, verdict, problem, fits = _left(found, checked)
@@ -192,16 +184,12 @@ def _rivals(
 
 def _split(state: State) -> list[Array]:
     """The parameters of each candidate."""
-    return np.split(state.fit.x, np.cumsum([c.size for c in state.structure])[:-1])
+    return [state.fit.x[span] for span in spans(state.structure)]
 
 
 def can_be(problem: Problem, structure: Sequence[Candidate], x: Array) -> bool:
     """Whether these effects can stand beside each other in the robot: two laws for one thing refuse."""
-    try:
-        problem.model(build(structure, x))
-    except InputError:
-        return False
-    return True
+    return problem.possible(build(structure, x)) is not None
 
 
 def _leads(rounds: Sequence[Round]) -> list[State]:

@@ -226,12 +226,11 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
             w, c = W[i], C[i]
             gx, gy, gm = w[_GX], w[_GY], w[_GM]
             ex, ey, em = w[_FX], w[_FY], w[_FM]
-            rolls = c[OMEGA]
-            if w[_OUT_COS] != 0.0 or w[_OUT_SIN] != 0.0:
-                c[ROUND] = 1.0 + w[_OUT_COS] * math.cos(c[THETA]) + w[_OUT_SIN] * math.sin(c[THETA])
-                rolls *= c[ROUND]
-            else:
+            if turn == 0:
                 c[ROUND] = 1.0
+                if w[_OUT_COS] != 0.0 or w[_OUT_SIN] != 0.0:
+                    c[ROUND] += w[_OUT_COS] * math.cos(c[THETA]) + w[_OUT_SIN] * math.sin(c[THETA])
+            rolls = c[OMEGA] * c[ROUND]
             uw = gx * vx + gy * vy + gm * vw + w[_GR] * rolls
             ut = ex * vx + ey * vy + em * vw + w[_FR] * rolls
             still = left * w[_REST] + w[_TX] * hx + w[_TY] * hy
