@@ -32,6 +32,7 @@ from slipmargin.effects.stribeck import Stribeck
 from slipmargin.effects.tether import Tether
 from slipmargin.effects.trailing_load import TrailingLoad
 from slipmargin.effects.wheel_loads import WheelLoads
+from slipmargin.effects.wheel_play import WheelPlay
 from slipmargin.effects.wheel_radius import WheelRadius
 from slipmargin.effects.wheel_runout import WheelRunout
 from slipmargin.effects.wheel_toe import WheelToe
@@ -108,6 +109,7 @@ CATALOGUE = Catalogue(
         WheelToe,
         MotorLag,
         SpeedDroop,
+        WheelPlay,
         CameraScale,
         CameraRotation,
         CameraDelay,

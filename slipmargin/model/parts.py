@@ -123,6 +123,10 @@ class ActuatorDynamics:
     that the wheel delivers [rad/(s N m)], ``delay_s`` [s].  ``multipliers`` multiply ω_cmd,i over
     COMMAND_SPEED or TIME.  They act only where wheel speeds are commanded, not where measured.  Where a
     droop or a motor's torque line makes a wheel answer to its load, one without lag follows ω̇_cmd too.
+
+    ``play_rad`` (N,), zero by default, is the whole play between motor and wheel [rad].  It acts on
+    measured wheel motions too: their encoder sits on the motor.  Where a wheel answers to its load, the
+    play is taken up by what it is asked for.
     """
 
     lag_s: Array
@@ -130,10 +134,13 @@ class ActuatorDynamics:
     droop_rad_s_per_N_m: Array
     delay_s: float = 0.0
     multipliers: tuple[Multiplier, ...] = ()
+    play_rad: Array = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         n = len(np.asarray(self.lag_s))
-        _freeze(self, lag_s=(n,), gain=(n,), droop_rad_s_per_N_m=(n,))
+        if not len(self.play_rad):
+            object.__setattr__(self, "play_rad", np.zeros(n))
+        _freeze(self, lag_s=(n,), gain=(n,), droop_rad_s_per_N_m=(n,), play_rad=(n,))
 
     @staticmethod
     def none(count: int) -> ActuatorDynamics:

@@ -125,6 +125,7 @@ def _fill(head: Array, model: Model) -> None:
     stall, top = drives.stall_torque_N_m, drives.max_speed_rad_s
     head[at.STALL_TORQUE], head[at.SLOWING] = stall or 0.0, 0.0 if top is None else 1.0 / top
     head[at.DRIVEN] = stall is not None or bool(np.any(transients.droop_rad_s_per_N_m))
+    head[at.PLAYS] = bool(np.any(transients.play_rad))
     head[at.LAGGED] = bool(
         np.any(transients.lag_s)
         or np.any(transients.gain != 1.0)
@@ -154,6 +155,7 @@ def _wheels(model: Model) -> Array:
     rows[:, at.LAG] = model.actuators.lag_s
     rows[:, at.GAIN] = model.actuators.gain
     rows[:, at.DROOP] = model.actuators.droop_rad_s_per_N_m
+    rows[:, at.PLAY] = model.actuators.play_rad
     rows[:, [at.RUNOUT_COS, at.RUNOUT_SIN]] = c.runout
     rows[:, [at.NO_SLIP_X, at.NO_SLIP_Y, at.NO_SLIP_W]] = model.geometry.no_slip_map().T
     return rows
