@@ -314,6 +314,47 @@ def reference_motion(
     return poses
 
 
+def played(wheels: WheelMotion, knots_s: Array, play_rad: Array) -> tuple[WheelMotion, Array]:
+    """What wheels do behind whole plays (N,) for what their motors do, and all instants at which that kinks.
+
+    From rest in the middle: the sequence of clips on a fine grid, its changes made sharp by bisection.
+    """
+    half, grid = 0.5 * play_rad, np.linspace(knots_s[0], knots_s[-1], 4001)
+    motor = np.array([wheels(t)[0] for t in grid])
+    rest, sense = motor[0].copy(), np.where(half > 0.0, 0, 1)
+    rows: list[list[tuple[float, int, float]]] = [
+        [(grid[0], int(s), float(r))] for s, r in zip(sense, rest, strict=True)
+    ]
+    for low, high in itertools.pairwise(grid):
+        for i in np.flatnonzero(half):
+            start, s, at = rows[i][-1]
+            inner = [low, high]
+            if wheels(low)[1][i] * wheels(high)[1][i] < 0.0:
+                inner.insert(1, brentq(lambda t, i=i: wheels(t)[1][i], low, high, xtol=1e-15))
+            for a, b in itertools.pairwise(inner):
+                up = np.sign(wheels(b)[0][i] - wheels(a)[0][i])
+                if s == -up and s:
+                    s, at = 0, wheels(a)[0][i] + up * half[i]
+                    rows[i].append((a, 0, at))
+                if s == 0 and up and up * (wheels(b)[0][i] - at) > half[i]:
+
+                    def gap(t: float, i: int = i, goal: float = at + up * half[i]) -> float:
+                        return float(wheels(t)[0][i] - goal)
+
+                    s, start = int(up), a if gap(a) * up >= 0.0 else brentq(gap, a, b, xtol=1e-15)
+                    rows[i].append((start, s, 0.0))
+
+    def behind(t: float) -> tuple[Array, Array, Array]:
+        theta, omega, alpha = (np.array(x) for x in wheels(t))
+        for i, changes in enumerate(rows):
+            _, s, at = [c for c in changes if c[0] <= t][-1]
+            theta[i] = theta[i] - s * half[i] if s else at
+            omega[i], alpha[i] = omega[i] * bool(s), alpha[i] * bool(s)
+        return theta, omega, alpha
+
+    return behind, np.unique([*knots_s, *(c[0] for changes in rows for c in changes)])
+
+
 def _rigid(model: Model, theta: Array) -> Array:
     pitch = 2.0 * np.pi / model.grip.rollers
     return np.asarray(np.mod(theta, pitch) >= (1.0 - model.grip.rigid_fraction) * pitch)
