@@ -15,6 +15,8 @@ from slipmargin.effects.elliptic_grip import EllipticGrip
 from slipmargin.effects.floor_border import FloorBorder
 from slipmargin.effects.floor_nap import FloorNap
 from slipmargin.effects.floor_patch import FloorPatch
+from slipmargin.effects.floor_ramp import FloorRamp
+from slipmargin.effects.floor_seam import FloorSeam
 from slipmargin.effects.floor_tilt import FloorTilt
 from slipmargin.effects.friction_coefficients import FrictionCoefficients
 from slipmargin.effects.general import PREFIX
@@ -102,6 +104,8 @@ CATALOGUE = Catalogue(
         FloorNap,
         FloorPatch,
         FloorBorder,
+        FloorRamp,
+        FloorSeam,
         Push,
         Tether,
         WheelRadius,

@@ -17,6 +17,7 @@ from slipmargin.errors import InputError
 from slipmargin.physics.constants import GRAVITY_M_S2
 from slipmargin.physics.friction_laws import ATAN
 from slipmargin.physics.grips import GripShape
+from slipmargin.physics.relief import Relief
 from slipmargin.physics.terms import ForceTerm, Multiplier, PoseShift
 
 #: Inertia of a wheel whose inertia is not stated, as a share of m ρ²/N [1].
@@ -83,9 +84,10 @@ class Grip:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExternalWrench:
-    """Forces on the body that are not wheel friction."""
+    """Forces that are not wheel friction: ``terms`` on the body, and at its wheels those of the ``reliefs``."""
 
     terms: tuple[ForceTerm, ...] = ()
+    reliefs: tuple[Relief, ...] = ()
 
 
 @final

@@ -3,10 +3,11 @@
 The state begins with (X, Y, φ, v_x, v_y, ω): centre of mass in the floor frame, velocity of the centre
 of mass in the body frame.  Equations of motion about the centre of mass (eqs 4–7 for any wheels):
 
-    m (v̇ + ω × v) = F,   I ω̇ = M,   F = −Σ N_i (f_W,i ĝ_i + f_T,i f̂_i) + external forces
+    m (v̇ + ω × v) = F,   I ω̇ = M,   F = −Σ N_i (f_W,i ĝ_i + f_T,i f̂_i + ∇h_i) + external forces
 
+with the slope ∇h_i of the floor under wheel i (physics/relief.py).
 Loads are N_i = S_i + P_i·a with a = F/m and S_i = rest_i (1 − lift/Σ rest) + tilt_i·Σ h_k F_k
-(physics/loads.py), so they are solved with the motion: with φ_i = f_W ĝ_i + f_T f̂_i,
+(physics/loads.py), so they are solved with the motion: with φ_i = f_W ĝ_i + f_T f̂_i + ∇h_i,
 (m 1 + Σ φ_i P_iᵀ) a = −Σ S_i φ_i + external forces: two linear equations.
 """
 
@@ -15,7 +16,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from slipmargin.physics import contact as contacts, frames, terms
+from slipmargin.physics import contact as contacts, frames, relief, terms
 from slipmargin.physics.compiled import inner, spliced, twin
 from slipmargin.physics.constants import CRAWL_M_S, SLOW_M_S, SLOW_RAD_S
 from slipmargin.sim import layout as at
@@ -33,6 +34,7 @@ _RHO, _REST, _LX, _LY, _MU = at.RADIUS, at.REST, at.LOAD_X, at.LOAD_Y, at.ROLLER
 _PLACE = at.PLACE
 _TX, _TY, _NSX = at.TILT_X, at.TILT_Y, at.NO_SLIP_X
 _OUT_COS, _OUT_SIN = at.RUNOUT_COS, at.RUNOUT_SIN
+_RELIEFS, _RELIEFS_AT, _RELIEF = at.RELIEFS, at.RELIEFS_AT, at.RELIEF
 
 #: Columns of the contact table C (N, CONTACT): what is known of each wheel at one instant.
 OMEGA, THETA, ALPHA, RIGID = 0, 1, 2, 3  #: ω [rad/s], θ [rad], ω̇ [rad/s²], 1 on rigid material
@@ -44,7 +46,8 @@ MU_W, MU_T, K_W, K_T = 13, 14, 15, 16  #: coefficients [1] and slopes of the law
 RISE_W, RISE_T = 17, 18  #: derivatives of the force [N] along ĝ, f̂, while slopes are taken
 BY_TORQUE, BY_SPEED = 19, 20  #: derivatives of a driven wheel's acceleration
 ROUND = 21  #: radius at this angle over the mean radius [1]
-CONTACT = 22
+HILL_X, HILL_Y = 22, 23  #: slope of the floor under the wheel, body axes [1]
+CONTACT = 24
 #: Entries of the body table B: external push in the floor frame (3) and its height, inverse of the mass
 #: matrix of a (2 × 2 row by row), yaw moment per acceleration that loads bring about, factors of a
 #: wheel (6), external wrench in the body frame (3), its moment h F (2), lift.
@@ -53,6 +56,7 @@ BODY = 22
 
 _contact, _basis, _basis_slope = twin(contacts.contact), twin(terms.basis_function), twin(terms.basis_slope)
 _place_variable = twin(terms.place_variable)
+_rise, _beyond = twin(relief.rise), twin(relief.beyond)
 _to_body, _to_floor, _velocity_at = twin(frames.to_body), twin(frames.to_floor), twin(frames.velocity_at)
 
 
@@ -206,6 +210,21 @@ def _external(P: Any, W: Any, t: float, y: Any, C: Any, B: Any) -> None:
     B[TILTING], B[TILTING + 1], B[LIFT] = hx, hy, lift
 
 
+@inner
+def _climb(P: Any, w: Any, y: Any, c: Any) -> None:
+    """The slope of the floor under a wheel, into its row of C."""
+    px, py = _to_floor(y[2], w[_AX], w[_AY])
+    x, z = 0.0, 0.0
+    q = int(P[_RELIEFS_AT])
+    for _ in range(int(P[_RELIEFS])):
+        away = P[q + 5]
+        along = _rise(int(P[q]), P[q + 1], P[q + 2], P[q + 3], _beyond(P[q + 4], away, y[0] + px, y[1] + py))
+        x += along * math.cos(away)
+        z += along * math.sin(away)
+        q += _RELIEF
+    c[HILL_X], c[HILL_Y] = _to_body(y[2], x, z)
+
+
 @spliced
 def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None:
     """Acceleration acc (3) = (a, ω̇) in body axes; fills the rest of C and B.
@@ -218,6 +237,7 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
     law, shape, coupling = int(P[_LAW]), int(P[_SHAPE]), P[_COUPLING]
     k, cw, ct = P[_K], P[_CW], P[_CT]
     modulated, follows, mass = P[_MODS] > 0.0, P[_FOLLOWS] > 0.0, P[_MASS]
+    uneven = P[_RELIEFS] > 0.0
     for turn in range(60 if P[_ITERATES] > 0.0 else 1):
         fx, fy, mz = B[WRENCH], B[WRENCH + 1], B[WRENCH + 2]
         mxx, mxy, lx = mass, 0.0, 0.0
@@ -255,9 +275,16 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
             fx -= a * gx + b * ex
             fy -= a * gy + b * ey
             mz -= a * gm + b * em
+            sx, sy, sm = 0.0, 0.0, 0.0
+            if uneven:
+                if turn == 0:
+                    _climb(P, w, y, c)
+                sx, sy = c[HILL_X], c[HILL_Y]
+                sm = w[_AX] * sy - w[_AY] * sx
+                fx, fy, mz = fx - still * sx, fy - still * sy, mz - still * sm
             if follows:
                 px, py = w[_LX], w[_LY]
-                x, v, m = f * gx + g * ex, f * gy + g * ey, f * gm + g * em
+                x, v, m = f * gx + g * ex + sx, f * gy + g * ey + sy, f * gm + g * em + sm
                 mxx, mxy = mxx + x * px, mxy + x * py
                 myx, myy = myx + v * px, myy + v * py
                 lx, ly = lx - m * px, ly - m * py

@@ -42,7 +42,9 @@ LIFTED = 30  #: Σ of the loads at rest [N]
 EDGES = 31  #: how many instants at which a term over time jumps or kinks
 EDGES_AT = 32
 PLAYS = 33  #: 1 where a wheel has play
-HEAD = 34
+RELIEFS = 34  #: how many ramps and ridges the floor has
+RELIEFS_AT = 35
+HEAD = 36
 
 # --- a wheel ----------------------------------------------------------------------------------
 #: Sliding velocity along ĝ = the next four · (v_x, v_y, ω, wheel speed), of the centre of mass; likewise f̂.
@@ -86,3 +88,5 @@ PLACE = 6
 TERM = 9
 #: A force: variable, basis, frame, count, shape a, shape b, height [m], lift [N], 3 × count coefficients.
 FORCE = 8
+#: A ramp or ridge of the floor: profile, size, extent [m], edge [m], offset [m], direction [rad].
+RELIEF = 6

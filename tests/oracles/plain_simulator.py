@@ -12,9 +12,11 @@ from collections.abc import Callable
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
+from scipy.special import expit
 
 from slipmargin.checks import Array
 from slipmargin.model import Model
+from slipmargin.physics.relief import Profile
 from slipmargin.physics.terms import Multiplier
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.robot import GripShape
@@ -208,6 +210,20 @@ def _push_of_terms(at: _Instant) -> tuple[Array, Array, float]:
     return total, tilting, lift
 
 
+def _slopes(model: Model, contact: Array) -> Array:
+    """∇h (N, 2) of the floor under contacts (N, 2): of heights written out again, by a complex step."""
+    total = np.zeros_like(contact)
+    for r in model.external.reliefs:
+        normal = np.array([np.cos(r.direction_rad), np.sin(r.direction_rad)])
+        d = contact @ normal - r.offset_m + 1e-30j
+        if r.profile is Profile.RAMP:
+            steep = r.size * (expit(d.real / r.edge_m) - expit((d.real - r.extent_m) / r.edge_m))
+        else:
+            steep = np.imag(r.size * 0.5 ** ((2.0 * d / r.extent_m) ** 2)) / 1e-30
+        total = total + steep[:, None] * normal
+    return total
+
+
 def acceleration(
     model: Model,
     t: float,
@@ -231,6 +247,7 @@ def acceleration(
     shifted = np.linalg.lstsq(balance, np.append(0.0, tilting), rcond=None)[0]
     still = model.loads.rest_N * (1.0 - lift / model.loads.rest_N.sum()) + shifted
     viscous = model.grip.viscous_N_s_per_m[:, None] * at.slip
+    hill = _slopes(model, at.contact) @ at.turn
 
     def result(a: Array) -> tuple[Array, Array, Array]:
         load = still + model.loads.per_acceleration_kg @ a
@@ -243,6 +260,7 @@ def acceleration(
         ).T
         force = -(load * f) - viscous
         xy = force[0][:, None] * model.geometry.grip + force[1][:, None] * model.geometry.free
+        xy = xy - load[:, None] * hill
         total = outside + np.append(xy.sum(axis=0), np.sum(arm[:, 0] * xy[:, 1] - arm[:, 1] * xy[:, 0]))
         return total / np.array([model.inertia.mass_kg] * 2 + [model.inertia.inertia_kg_m2]), force, load
 
