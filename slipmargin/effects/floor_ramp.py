@@ -12,17 +12,18 @@ from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
 from slipmargin.physics.relief import Profile, Relief
 
-#: Where fits start: strips across half of what the runs cover, their lines turned by 45 degrees each.
+#: Where fits start: strips whose both ends the runs pass, their lines turned by 45 degrees each; an end that
+#: no run passes would have no slope to follow.
 _AHEAD = tuple(k * pi / 4.0 for k in range(4))
-_FROM, _LENGTH = (-0.8, -0.25, 0.3), 0.55
+_FROM, _LENGTH = (-0.75, -0.25, 0.25), 0.5
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FloorRamp(Effect):
-    """F_i = −N_i tan(slope) n for wheels from the line n·x = offset on for ``length_m``, n at ``direction_rad``.
+    """F_i = −N_i tan(slope) n for each wheel on the strip offset < n·x_i < offset + length.
 
-    n·x_i lies between offset and offset + length, with ends as wide as ``edge_m``.  Each wheel is pulled by
+    n points in ``direction_rad``, and the strip's ends are as wide as ``edge_m``.  Each wheel is pulled by
     its own load's share, at its contact, so the robot turns where some of its wheels stand on the slope.  A
     slope under all of every run is ``floor_tilt``; a patch of other friction stands against the motion, a
     slope pulls to one side whatever the motion is, and a robot at rest as well.

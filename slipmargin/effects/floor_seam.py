@@ -12,9 +12,9 @@ from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
 from slipmargin.physics.relief import Profile, Relief
 
-#: Where fits start: wide ridges across what the runs cover, their lines turned by 45 degrees each.
-_AHEAD = tuple(k * pi / 4.0 for k in range(4))
-_AT, _WIDE = (-0.6, -0.2, 0.2, 0.6), 0.3
+#: Where fits start: wide ridges across what the runs cover, their lines turned by 30 degrees each.
+_AHEAD = tuple(k * pi / 6.0 for k in range(6))
+_AT, _WIDE = (-0.75, -0.25, 0.25, 0.75), 0.2
 
 
 @final

@@ -84,7 +84,7 @@ class Grip:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExternalWrench:
-    """Forces that are not wheel friction: ``terms`` on the body, and at its wheels those of the ``reliefs``."""
+    """Forces that are not wheel friction: ``terms`` on the body, those of a floor's ``reliefs`` at wheels."""
 
     terms: tuple[ForceTerm, ...] = ()
     reliefs: tuple[Relief, ...] = ()
