@@ -46,13 +46,13 @@ MU_W, MU_T, K_W, K_T = 13, 14, 15, 16  #: coefficients [1] and slopes of the law
 RISE_W, RISE_T = 17, 18  #: derivatives of the force [N] along ĝ, f̂, while slopes are taken
 BY_TORQUE, BY_SPEED = 19, 20  #: derivatives of a driven wheel's acceleration
 ROUND = 21  #: radius at this angle over the mean radius [1]
-HILL_X, HILL_Y = 22, 23  #: slope of the floor under the wheel, body axes [1]
-CONTACT = 24
+CONTACT = 22
 #: Entries of the body table B: external push in the floor frame (3) and its height, inverse of the mass
 #: matrix of a (2 × 2 row by row), yaw moment per acceleration that loads bring about, factors of a
-#: wheel (6), external wrench in the body frame (3), its moment h F (2), lift.
-PUSH, INVERSE, LEVER, FACTORS, WRENCH, TILTING, LIFT = 0, 4, 8, 10, 16, 19, 21
-BODY = 22
+#: wheel (6), external wrench in the body frame (3), its moment h F (2), lift, and what the loads that
+#: follow the acceleration change of the wrench on a floor that rises (3 × 2).
+PUSH, INVERSE, LEVER, FACTORS, WRENCH, TILTING, LIFT, HILL = 0, 4, 8, 10, 16, 19, 21, 22
+BODY = 28
 
 _contact, _basis, _basis_slope = twin(contacts.contact), twin(terms.basis_function), twin(terms.basis_slope)
 _place_variable = twin(terms.place_variable)
@@ -172,8 +172,42 @@ def _factors(P: Any, W: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
 
 
 @inner
+def _climb(P: Any, W: Any, y: Any, B: Any) -> None:
+    """What the slope of the floor under the wheels adds to the wrench, and to its change with acceleration.
+
+    The loads without acceleration push, into B[WRENCH]; those that follow it, row by row, into B[HILL].
+    """
+    left = 1.0 - B[LIFT] / P[_LIFTED]
+    for r in range(6):
+        B[HILL + r] = 0.0
+    for i in range(len(W)):
+        w = W[i]
+        px, py = _to_floor(y[2], w[_AX], w[_AY])
+        x, z = 0.0, 0.0
+        q = int(P[_RELIEFS_AT])
+        for _ in range(int(P[_RELIEFS])):
+            away = P[q + 5]
+            d = _beyond(P[q + 4], away, y[0] + px, y[1] + py)
+            along = _rise(int(P[q]), P[q + 1], P[q + 2], P[q + 3], d)
+            x += along * math.cos(away)
+            z += along * math.sin(away)
+            q += _RELIEF
+        x, z = _to_body(y[2], x, z)
+        m = w[_AX] * z - w[_AY] * x
+        still = left * w[_REST] + w[_TX] * B[TILTING] + w[_TY] * B[TILTING + 1]
+        B[WRENCH] -= still * x
+        B[WRENCH + 1] -= still * z
+        B[WRENCH + 2] -= still * m
+        for k in range(2):
+            more = w[_LX + k]
+            B[HILL + k] += x * more
+            B[HILL + 2 + k] += z * more
+            B[HILL + 4 + k] -= m * more
+
+
+@inner
 def _external(P: Any, W: Any, t: float, y: Any, C: Any, B: Any) -> None:
-    """Push and force terms as one wrench in the body frame about the centre of mass, its moment and lift."""
+    """Push, force terms and slopes as one wrench in the body frame at the centre of mass, moment and lift."""
     fx, fy = B[PUSH], B[PUSH + 1]
     if fx != 0.0 or fy != 0.0:
         fx, fy = _to_body(y[2], fx, fy)
@@ -208,21 +242,8 @@ def _external(P: Any, W: Any, t: float, y: Any, C: Any, B: Any) -> None:
         q = place + 3 * count
     B[WRENCH], B[WRENCH + 1], B[WRENCH + 2] = fx, fy, mz
     B[TILTING], B[TILTING + 1], B[LIFT] = hx, hy, lift
-
-
-@inner
-def _climb(P: Any, w: Any, y: Any, c: Any) -> None:
-    """The slope of the floor under a wheel, into its row of C."""
-    px, py = _to_floor(y[2], w[_AX], w[_AY])
-    x, z = 0.0, 0.0
-    q = int(P[_RELIEFS_AT])
-    for _ in range(int(P[_RELIEFS])):
-        away = P[q + 5]
-        along = _rise(int(P[q]), P[q + 1], P[q + 2], P[q + 3], _beyond(P[q + 4], away, y[0] + px, y[1] + py))
-        x += along * math.cos(away)
-        z += along * math.sin(away)
-        q += _RELIEF
-    c[HILL_X], c[HILL_Y] = _to_body(y[2], x, z)
+    if P[_RELIEFS] > 0.0:
+        _climb(P, W, y, B)
 
 
 @spliced
@@ -237,11 +258,10 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
     law, shape, coupling = int(P[_LAW]), int(P[_SHAPE]), P[_COUPLING]
     k, cw, ct = P[_K], P[_CW], P[_CT]
     modulated, follows, mass = P[_MODS] > 0.0, P[_FOLLOWS] > 0.0, P[_MASS]
-    uneven = P[_RELIEFS] > 0.0
     for turn in range(60 if P[_ITERATES] > 0.0 else 1):
         fx, fy, mz = B[WRENCH], B[WRENCH + 1], B[WRENCH + 2]
-        mxx, mxy, lx = mass, 0.0, 0.0
-        myx, myy, ly = 0.0, mass, 0.0
+        mxx, mxy, lx = mass + B[HILL], B[HILL + 1], B[HILL + 4]
+        myx, myy, ly = B[HILL + 2], mass + B[HILL + 3], B[HILL + 5]
         for i in range(len(W)):
             w, c = W[i], C[i]
             gx, gy, gm = w[_GX], w[_GY], w[_GM]
@@ -275,16 +295,9 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
             fx -= a * gx + b * ex
             fy -= a * gy + b * ey
             mz -= a * gm + b * em
-            sx, sy, sm = 0.0, 0.0, 0.0
-            if uneven:
-                if turn == 0:
-                    _climb(P, w, y, c)
-                sx, sy = c[HILL_X], c[HILL_Y]
-                sm = w[_AX] * sy - w[_AY] * sx
-                fx, fy, mz = fx - still * sx, fy - still * sy, mz - still * sm
             if follows:
                 px, py = w[_LX], w[_LY]
-                x, v, m = f * gx + g * ex + sx, f * gy + g * ey + sy, f * gm + g * em + sm
+                x, v, m = f * gx + g * ex, f * gy + g * ey, f * gm + g * em
                 mxx, mxy = mxx + x * px, mxy + x * py
                 myx, myy = myx + v * px, myy + v * py
                 lx, ly = lx - m * px, ly - m * py
