@@ -12,10 +12,9 @@ from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
 from slipmargin.physics.relief import Profile, Relief
 
-#: Where fits start: strips whose both ends the runs pass, their lines turned by 45 degrees each; an end that
-#: no run passes would have no slope to follow.
+#: Where fits start: strips over either half of what the runs cover, their lines turned by 45 degrees each.
 _AHEAD = tuple(k * pi / 4.0 for k in range(4))
-_FROM, _LENGTH = (-0.75, -0.25, 0.25), 0.5
+_FROM, _LENGTH = (-0.9, 0.0), 0.9
 
 
 @final
