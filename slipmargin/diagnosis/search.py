@@ -54,13 +54,15 @@ class Round:
     def map(self) -> tuple[MapEntry, ...]:
         """The best candidate of each variable: what the residual follows, strongest first.
 
-        Its share is that of the fit by simulation where there is one, else that of its tangent.
+        A candidate's share is that of its fit by simulation or that of its tangent, whichever is larger:
+        both are of runs left out, and a fit may end beside a place that its tangent has seen.
         """
         rows = [(explained(self.before, s), s.last.trace, s.last.label) for s in self.tried if self.single(s)]
-        fits = {label for _, _, label in rows}
-        for entry in self.screening.entries:
-            if len(entry.parts) == 1 and entry.label not in fits:
-                rows.append((self.screening.share(entry), entry.parts[0].trace, entry.label))
+        rows += [
+            (self.screening.share(entry), entry.parts[0].trace, entry.label)
+            for entry in self.screening.entries
+            if len(entry.parts) == 1
+        ]
         best: dict[Trace, MapEntry] = {}
         for share, trace, label in sorted(rows, key=lambda row: -row[0]):
             p_value = self.screening.p_value(share)

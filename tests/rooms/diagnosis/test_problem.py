@@ -75,3 +75,22 @@ def test_turning_the_rotors_by_a_pitch_changes_nothing_by_half_a_pitch_does(prob
     whole, half = (chi(problem.with_wheel_phases(np.tile(f * pitch, (3, 1)))) for f in (1.0, 0.5))
     assert whole == pytest.approx(chi(problem), rel=1e-3)
     assert half > 1.5 * whole
+
+
+def test_no_trial_outweighs_the_middle_one_of_those_that_are_missed(problem: Problem) -> None:
+    everyone = np.arange(len(problem.trials))
+    wave = np.sin(np.arange(problem.measured.shape[1]))[:, None] * [1.0, 0.0, 0.0]
+    bent = predicted(problem) + np.array([0.002, 0.004, 0.4])[:, None, None] * wave
+    plain = replace(problem, measured=bent)
+
+    def of_runs(view: Problem) -> Array:
+        return np.asarray(np.sqrt(np.mean(view.residuals([()], [everyone])[0] ** 2, axis=1)))
+
+    low, middle, high = of_runs(plain)
+    assert high > 50.0 * middle
+    np.testing.assert_allclose(of_runs(plain.evened(())), [low, middle, middle], rtol=1e-9)
+    assert np.array_equal(plain.evened(()).evened(()).weights, plain.evened(()).weights), "weighed once"
+    backwards = plain.evened(()).residuals([()], [everyone[::-1]])[0]
+    assert np.array_equal(backwards, plain.evened(()).residuals([()], [everyone])[0][::-1])
+    quiet = replace(problem, measured=predicted(problem))
+    assert not len(quiet.evened(()).weights), "nothing is missed, nothing is weighed"
