@@ -36,7 +36,7 @@ def left_over(
     were held out or not: what comes of it is never claimed.
     """
     trials = rounds[0].before.fit.trials if rounds else _loud(state)
-    view = state.view.evened(state.fit.effects)
+    view = state.view.evened(state.fit.effects, trials)
     at = evaluate(view, state.structure, state.fit.x, trials)
     own = [runs[i] for i in trials]
     parts = tuple(folds(own, SETTINGS.folds))

@@ -293,7 +293,7 @@ def _reported(
     # With phases from their first parts alone, held-out trials are no match for the others in a fit.
     everyone = np.arange(len(s.problem.trials), dtype=np.int64)
     fitted = s.seen if checked.phased and len(s.held) else everyone
-    view = checked.problem.as_seen_in(state.view)
+    view = checked.problem.as_seen_in(state.view).evened(state.fit.effects, fitted)
     final = fit(view, state.structure, state.fit.x, fitted, iterations=_FINAL_STEPS)
     # The last step takes every sample of the log and integrates finely: the numbers to report.
     final = fit(

@@ -298,20 +298,22 @@ class Problem:
         """The same problem, compared as a view does: in pieces as long, trials weighted alike."""
         return replace(self, piece=view.piece, weights=view.weights)
 
-    def evened(self, effects: tuple[AnyEffect, ...]) -> Problem:
-        """The same problem, in which no trial outweighs the middle one of those that ``effects`` miss.
+    def evened(self, effects: tuple[AnyEffect, ...], trials: Index) -> Problem:
+        """The same problem, in which none of these trials far outweighs the middle one of those missed.
 
         What a model lacks may show a hundred times as strongly in one run as in all others, and in a sum of
         squares that run alone would say what it is.
         """
         plain = replace(self, weights=np.zeros(0))
-        residual = plain.residuals([effects], [np.arange(len(self.trials))])[0]
+        residual = plain.residuals([effects], [trials])[0]
         counts = np.maximum(1, np.count_nonzero(residual, axis=1))
         chi = np.nan_to_num(np.sqrt(np.sum(residual**2, axis=1) / counts), nan=WILD)
         loud = chi[chi > SETTINGS.noise_chi]
         if not len(loud):
             return plain
-        return replace(plain, weights=np.minimum(1.0, np.median(loud) / np.maximum(chi, 1e-12)))
+        weights = np.ones(len(self.trials))
+        weights[trials] = np.minimum(1.0, SETTINGS.loudest * np.median(loud) / np.maximum(chi, 1e-12))
+        return replace(plain, weights=weights)
 
     def samples(self, trials: Index) -> float:
         """Number of measured values in these trials."""

@@ -105,9 +105,9 @@ def search(
         progress("estimating wheel phases", 0.0)
         problem = wheel_phase.guessed(problem, trials, candidates)
         state = fitted(problem, (), np.zeros(0), trials, own)
-    state = evened(state, own)
+    state = evened(state, seen, own)
     if state.chi > SETTINGS.far_chi and bends(problem, trials, state.fit.effects):
-        state = evened(_in_pieces(problem, trials, own), own)
+        state = evened(_in_pieces(problem, trials, own), seen, own)
     rounds: list[Round] = []
     for number in range(SETTINGS.most_effects):
         if quiet(state) if not number else progress.expired or not worthwhile(state, SETTINGS.floor_chi):
@@ -116,7 +116,7 @@ def search(
         rounds.append(step)
         if not step.taken or step.best is None:
             break
-        state = evened(whole(problem, step.best, own), own)
+        state = evened(whole(problem, step.best, own), seen, own)
         if unknown and any(c.wheel_phase for c in state.structure):
             at = evaluate(problem, state.structure, state.fit.x, seen)
             problem, better = wheel_phase.refined(problem, at)
@@ -213,9 +213,9 @@ def refitted(state: State, structure: tuple[Candidate, ...], x: Array, runs: Seq
     return fitted(state.view, structure, x, state.fit.trials, runs)
 
 
-def evened(state: State, runs: Sequence[int]) -> State:
-    """The state in the view in which no run outweighs the others."""
-    view = state.view.evened(state.fit.effects)
+def evened(state: State, seen: Index, runs: Sequence[int]) -> State:
+    """The state in the view in which none of the trials ``seen`` outweighs the others."""
+    view = state.view.evened(state.fit.effects, seen)
     if np.array_equal(view.weights, state.view.weights):
         return state
     return fitted(view, state.structure, state.fit.x, state.fit.trials, runs)
