@@ -198,7 +198,7 @@ def chromium() -> Iterator[Any]:
 def test_a_page_fits_a_telephone(
     pages: dict[str, str], chromium: Any, tmp_path: Path, name: str, scheme: str
 ) -> None:
-    """At 400 px neither the page nor (but for design's figure) a picture is scrolled sideways."""
+    """At 400 px neither the page nor a picture is scrolled sideways."""
     file = tmp_path / "page.html"
     file.write_text(pages[name], encoding="utf-8")
     page = chromium.new_page(viewport={"width": 400, "height": 800}, color_scheme=scheme)
@@ -209,7 +209,7 @@ def test_a_page_fits_a_telephone(
     over = page.eval_on_selector_all(
         ".plot", "all => all.filter(e => e.scrollWidth > e.clientWidth + 1).length"
     )
-    assert over == (1 if name == "design" else 0)
+    assert over == 0
     ground = page.evaluate("getComputedStyle(document.querySelector('.plot svg path')).fill")
     assert ground == {"light": "rgb(255, 255, 255)", "dark": "rgb(22, 25, 29)"}[scheme]
     assert not said
