@@ -20,19 +20,8 @@ from slipmargin.physics.terms import OF_PLACE, PER_WHEEL
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.robot import GripShape, LoadRule
 from slipmargin.sim import layout as at
-from slipmargin.sim.body import (
-    ALPHA,
-    BODY,
-    CONTACT,
-    LOAD,
-    OMEGA,
-    RIGID,
-    SLIP_W,
-    THETA,
-    evaluate,
-    slopes,
-    wheel_rate,
-)
+from slipmargin.sim.body import evaluate, slopes, wheel_rate
+from slipmargin.sim.columns import ALPHA, BODY, CONTACT, LOAD, OMEGA, RIGID, SLIP_W, THETA
 from slipmargin.sim.pack import pack
 from slipmargin.sim.signal import linear
 from slipmargin.sim.simulate import simulate
