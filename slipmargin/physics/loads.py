@@ -222,7 +222,11 @@ def sinking(
     a, c, e = xx * yy - xy * xy, xy * y - x * yy, x * xy - xx * y
     d, f, g = n * yy - y * y, x * y - n * xy, n * xx - x * x
     over = 1.0 / (n * a + x * c + y * e)
-    return (a * b + c * bx + e * by) * over, (c * b + d * bx + f * by) * over, (e * b + f * bx + g * by) * over
+    return (
+        (a * b + c * bx + e * by) * over,
+        (c * b + d * bx + f * by) * over,
+        (e * b + f * bx + g * by) * over,
+    )
 
 
 def spread(n: float, x: float, y: float, xx: float, xy: float, yy: float) -> float:

@@ -75,8 +75,8 @@ class Outcome:
     ``pose`` (R, T, 3): x, y [m], φ [rad] of the body frame's origin in the floor frame; ``state``
     (R, T, 6): centre of mass in the floor frame, body-frame velocity of the centre of mass;
     ``ending`` (R,) :class:`Ending`; ``stopped_s`` (R,) time reached; ``steps`` (R, 2) taken, rejected;
-    ``lifts_s`` (R,) when a wheel first hung in the air (NaN: none did), ``in_air_s`` (R, N) for how long each
-    did, to a step of the integration.
+    ``lifts_s`` (R,) time after which a wheel first hung in the air (NaN: none did), ``in_air_s`` (R, N) for
+    how long each did, to a step of the integration.
     Where asked for: ``theta``, ``load`` (R, T, N), ``slip``, ``force`` (R, T, N, 2) [drive, transverse],
     ``coefficient`` and ``steepness`` (R, T, N, 2) μ [1] and k [s/m] that were in force at that instant,
     ``utilisation`` (R, T, N) |f_W| over what the coefficient and the transverse force left of it.

@@ -7,7 +7,7 @@ of mass in the body frame.  Equations of motion about the centre of mass (eqs 4�
 
 Loads are N_i = S_i + P_i·a with a = F/m and S_i = rest_i (1 − lift/Σ rest) + tilt_i·Σ h_k F_k
 (physics/loads.py), so they are solved with the motion: with φ_i = f_W ĝ_i + f_T f̂_i,
-(m 1 + Σ φ_i P_iᵀ) a = −Σ S_i φ_i + external forces: two linear equations.  Where a wheel of four or more
+(m 1 + Σ φ_i P_iᵀ) a = −Σ S_i φ_i + external forces: two linear equations.  Where a wheel
 lifts, S and P are those of :mod:`slipmargin.sim.lifting`.
 """
 

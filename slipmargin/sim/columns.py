@@ -13,11 +13,16 @@ RISE_W, RISE_T = 17, 18  #: derivatives of the force [N] along ĝ, f̂, while sl
 BY_TORQUE, BY_SPEED = 19, 20  #: derivatives of a driven wheel's acceleration
 ROUND = 21  #: radius at this angle over the mean radius [1]
 AIR = 22  #: while wheels hang in the air: 1 for those
-SHARED, SHARED_X, SHARED_Y = 23, 24, 25  #: and what each carries without acceleration [N], per acceleration [kg]
+SHARED, SHARED_X, SHARED_Y = (
+    23,
+    24,
+    25,
+)  #: and what each carries without acceleration [N], per acceleration [kg]
 HUNG = 26  #: AIR at the step before
 CONTACT = 27
 #: Entries of the body table B: external push in the floor frame (3) and its height, inverse of the mass
 #: matrix of a (2 × 2 row by row), yaw moment per acceleration that loads bring about, factors of a
-#: wheel (6), external wrench in the body frame (3), its moment h F (2), lift, wheels in the air.
-PUSH, INVERSE, LEVER, FACTORS, WRENCH, TILTING, LIFT, UP = 0, 4, 8, 10, 16, 19, 21, 22
-BODY = 23
+#: wheel (6), external wrench in the body frame (3), its moment h F (2), lift, wheels in the air and the pull
+#: on one that would keep the robot upright [N].
+PUSH, INVERSE, LEVER, FACTORS, WRENCH, TILTING, LIFT, UP, PULLED = 0, 4, 8, 10, 16, 19, 21, 22, 23
+BODY = 24

@@ -1,10 +1,13 @@
-"""Wheels that hang in the air, on robots of four wheels or more (compiled).
+"""Wheels that hang in the air (compiled).
 
 Springs of equal stiffness press or let go, they never pull: N_i = max(0, N_i + l + l_x x_i + l_y y_i) with
 the plane by which the body sinks, so that the loads keep their sum and both moments.  These are the loads
 N ≥ 0 nearest to those of :mod:`slipmargin.physics.loads` (docs/theory.md, section 3).  Which wheels touch is
-found together with the acceleration that the loads follow.  Where no three wheels that touch span an area
-the robot tips: those in the air then show the pull that it would take to keep it upright.
+found together with the acceleration that the loads follow.
+
+Where no three wheels that touch span an area the robot begins to tip: no loads balance the moments.  Those
+that touch then carry the weight between them, and what the floor would have to pull to keep the robot upright
+is told: this model knows no turn about a horizontal axis, so a run ends where that lasts or grows.
 
 A wheel in the air has no friction; viscous friction, which does not know the load, stays.
 """
@@ -23,6 +26,7 @@ from slipmargin.sim.columns import (
     INVERSE,
     LEVER,
     LOAD,
+    PULLED,
     SHARED,
     SHARED_X,
     SHARED_Y,
@@ -45,24 +49,24 @@ LIFTED = 1e-9
 _GLUE = 1e-9
 #: Wheels span an area if their :func:`~slipmargin.physics.loads.spread` is this share of all wheels' [1].
 _AREA = 1e-8
-#: Searches for the wheels that touch end by themselves after two or three turns; this many stop one that
-#: goes to and fro.
-_TURNS = 30
+#: Searches for the wheels that touch end by themselves after two or three turns.  One that goes to and fro
+#: takes half steps after so many, and stops after so many.
+_WHOLE, _TURNS = 6, 40
 
 
 @spliced
 def lifts(P: Any, C: Any) -> bool:
-    """Whether some wheel of a robot that has one to spare would be pulled down by the floor."""
+    """Whether the floor would have to pull some wheel down."""
     least, found = -LIFTED * P[_SHARE], False
     for i in range(len(C)):
         if C[i, LOAD] < least:
             found = True
-    return found and len(C) > 3
+    return found
 
 
 @inner
 def _share(W: Any, C: Any, glue: float) -> None:
-    """What each wheel carries without acceleration and per acceleration, those in the air being this stiff."""
+    """What each wheel carries, without and per acceleration, those in the air being this stiff."""
     n, x, y, xx, xy, yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(len(W)):
         k, p, q = 1.0 + C[i, AIR] * (glue - 1.0), W[i, _AX], W[i, _AY]
@@ -107,23 +111,44 @@ def _accelerate(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
 
 
 @inner
+def _changes(C: Any) -> bool:
+    """Whether other wheels hang in the air than those for which the loads were found."""
+    found = False
+    for i in range(len(C)):
+        found = found or (C[i, LOAD] < 0.0) != (C[i, AIR] > 0.0)
+    return found
+
+
+@inner
+def _settle(W: Any, C: Any, ax: float, ay: float) -> None:
+    """Which wheels hang in the air at an acceleration, by Newton's steps, and the loads there."""
+    for _ in range(_TURNS):
+        _share(W, C, _GLUE)
+        for i in range(len(W)):
+            C[i, LOAD] = C[i, SHARED] + C[i, SHARED_X] * ax + C[i, SHARED_Y] * ay
+        if not _changes(C):
+            break
+        for i in range(len(W)):
+            C[i, AIR] = 1.0 if C[i, LOAD] < 0.0 else 0.0
+
+
+@inner
 def hang(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
-    """Acceleration and loads with wheels in the air, where :func:`lifts`; the friction in C stays as it is."""
-    up = 0.0
+    """Acceleration and loads with wheels in the air, where one :func:`lifts`; the friction in C stays."""
+    ax, ay, part = acc[0], acc[1], 1.0
     for i in range(len(W)):
         C[i, AIR] = 0.0
-    for _ in range(_TURNS):
-        changed, up = False, 0.0
-        for i in range(len(W)):
-            air = 1.0 if C[i, LOAD] < 0.0 else 0.0
-            changed = changed or air != C[i, AIR]
-            C[i, AIR] = air
-            up += air
-        if not changed:
-            break
-        _share(W, C, _GLUE)
+    for turn in range(_TURNS):
+        _settle(W, C, ax, ay)
         _accelerate(P, W, C, B, acc)
-    B[UP] = up
+        if not _changes(C):
+            break
+        if turn >= _WHOLE:
+            part = 0.5
+        ax, ay = ax + part * (acc[0] - ax), ay + part * (acc[1] - ay)
+    B[UP], B[PULLED] = 0.0, 0.0
+    for i in range(len(W)):
+        B[UP] += C[i, AIR]
     whole, touching = 0.0, 0.0
     for r in range(2):
         n, x, y, xx, xy, yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -136,3 +161,26 @@ def hang(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
         _accelerate(P, W, C, B, acc)
         for i in range(len(W)):
             C[i, LOAD] = max(0.0, C[i, LOAD])
+    else:
+        _tip(P, W, C, B, acc)
+
+
+@inner
+def _tip(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
+    """Acceleration and loads where no loads balance the moments: the wheels that touch carry the weight."""
+    ax, ay = acc[0], acc[1]
+    for turn in range(_TURNS):
+        _settle(W, C, ax, ay)
+        weight, pressing, pull = 0.0, 0.0, 0.0
+        for i in range(len(W)):
+            weight, pressing = weight + C[i, LOAD], pressing + max(0.0, C[i, LOAD])
+            pull = max(pull, -C[i, LOAD])
+        for i in range(len(W)):
+            C[i, SHARED] = max(0.0, C[i, LOAD]) * weight / pressing
+            C[i, SHARED_X], C[i, SHARED_Y] = 0.0, 0.0
+        _accelerate(P, W, C, B, acc)
+        B[PULLED] = pull
+        if abs(acc[0] - ax) + abs(acc[1] - ay) <= 1e-12 * (1.0 + abs(ax) + abs(ay)):
+            break
+        part = 1.0 if turn < _WHOLE else 0.5
+        ax, ay = ax + part * (acc[0] - ax), ay + part * (acc[1] - ay)

@@ -30,6 +30,7 @@ from slipmargin.sim.columns import (
     MU_T,
     MU_W,
     OMEGA,
+    PULLED,
     PUSH,
     RIGID,
     SLIP_T,
@@ -207,9 +208,10 @@ def run(
             for i in range(speeds):
                 C[i, RIGID] = sector(W[i], y[moving + i], y[6 + i], AHEAD) % 2.0
             rates(P, W, t, y, c, k0, push, pk, C, B, acc, f)
-            for i in range(n):
-                if C[i, LOAD] < least:
-                    status = TIPS
+            if B[UP] > 0.0 and B[PULLED] > -least:
+                status = TIPS
+            if status == TIPS and lifted < 0.0:
+                lifted = t
             if status != DONE:
                 break
             if hung or B[UP] > 0.0:
