@@ -162,8 +162,13 @@ def exchanged(state: State, rounds: Sequence[Round], runs: Sequence[int], progre
                 continue
             progress(f"fitting {rival.last.label} in place of {state.structure[at].label}", 1.0)
             own, new = spans(state.structure)[at], rival.fit.x[spans(rival.structure)[-1]]
-            x = np.concatenate([state.fit.x[: own.start], new, state.fit.x[own.stop :]])
-            found = refitted(state, structure, x, runs)
+            later = state.fit.x[own.stop :]
+            starts = (
+                np.concatenate([rival.fit.x, later]),
+                np.concatenate([state.fit.x[: own.start], new, later]),
+            )
+            fits = [fit(state.view, structure, x, state.fit.trials) for x in starts]
+            found = scored(state.view, min(fits, key=lambda f: f.cost), state.samples, runs)
             if found.chi < state.chi - SETTINGS.least_chi:
                 state = found
     return state

@@ -30,7 +30,8 @@ def state(*labels, piece=8):
         named=True,
         chi=CHI[labels],
         scores=np.full(4, CHI[labels] ** 2),
-        fit=SimpleNamespace(x=np.concatenate([c.starts[0] for c in structure])),
+        samples=4.0,
+        fit=SimpleNamespace(x=np.concatenate([c.starts[0] for c in structure]), trials=np.arange(4)),
         view=SimpleNamespace(piece=piece, possible=lambda effects: object()),
     )
 
@@ -49,12 +50,16 @@ def step(before, *tried, taken, best):
 def quick(monkeypatch):
     asked = []
 
-    def refitted(state_, structure, x, runs):
-        asked.append(tuple(c.label for c in structure))
+    def fit(view, structure, x, trials):
         assert len(x) == sum(c.size for c in structure)
+        return SimpleNamespace(structure=structure, x=x, cost=0.0)
+
+    def scored(view, found, samples, runs):
+        asked.append(tuple(c.label for c in found.structure))
         return state(*asked[-1])
 
-    monkeypatch.setattr(search, "refitted", refitted)
+    monkeypatch.setattr(search, "fit", fit)
+    monkeypatch.setattr(search, "scored", scored)
     return asked
 
 
