@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from slipmargin.report.page import Page
 
 #: A motion that asks for so many times a wheel's grip is a mistake of units or of time stamps [1].
-ABSURD_USE = 1e6
+ABSURD_USE = 1e4
 
 
 @final

@@ -49,6 +49,17 @@ class Ready:
     repairs: tuple[Repair, ...]
     held: Index
 
+    def with_white_noise(self) -> Ready:
+        """The same data set with the white part of its noise alone."""
+        data_set, lasting = self.data_set, self.data_set.lasting
+        if lasting is None or data_set.sigma is None:
+            return self
+        return replace(
+            self,
+            data_set=replace(data_set, sigma=data_set.sigma * np.sqrt(1.0 - lasting.share), lasting=None),
+            repairs=tuple(r for r in self.repairs if r.kind != "lasting_noise"),
+        )
+
 
 def ready(
     data_set: DataSet,

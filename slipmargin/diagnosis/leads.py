@@ -35,7 +35,7 @@ class Followed:
 
     ``gain`` is what the logarithm of a run's chi falls by on average, ``better`` and ``worse`` count the runs
     whose chi changes clearly, ``share`` is that of the sum of squares; ``fitted``: by simulation, not by its
-    tangent alone.
+    tangent alone, which may still be what counts.
     """
 
     trace: Trace
@@ -53,18 +53,22 @@ class Followed:
 
 
 def followed(last: Round) -> list[Followed]:
-    """Every single candidate of a round, largest gain per run first; its fit counts where it has one."""
-    made: dict[str, Followed] = {}
+    """Every single candidate of a round, by its fit or its tangent, largest gain per run first."""
+    made: list[Followed] = []
     for state in last.tried:
         if last.single(state):
             by_run = 0.5 * np.log(np.maximum(last.before.scores, 1e-12) / np.maximum(state.scores, 1e-12))
             share = explained(last.before, state)
-            made[state.last.label] = _followed(state.last.trace, state.last, by_run, share, state.last.label)
+            made.append(_followed(state.last.trace, state.last, by_run, share, state.last.label))
     for entry in last.screening.entries:
-        if len(entry.parts) == 1 and entry.label not in made and len(entry.by_run):
+        if len(entry.parts) == 1 and len(entry.by_run):
             part, share = entry.parts[0], last.screening.share(entry)
-            made[entry.label] = _followed(part.trace, part.candidate, entry.by_run, share, entry.label, False)
-    return sorted(made.values(), key=lambda f: (f.hurts, -f.gain))
+            fit = any(row.label == entry.label for row in made)
+            made.append(_followed(part.trace, part.candidate, entry.by_run, share, entry.label, fit))
+    best: dict[str, Followed] = {}
+    for row in sorted(made, key=lambda f: (f.hurts, -f.gain)):
+        best.setdefault(row.label, row)
+    return list(best.values())
 
 
 def _followed(

@@ -36,14 +36,15 @@ def left_over(
     were held out or not: what comes of it is never claimed.
     """
     trials = rounds[0].before.fit.trials if rounds else _loud(state)
-    at = evaluate(state.view, state.structure, state.fit.x, trials)
+    view = state.view.evened(state.fit.effects, trials)
+    at = evaluate(view, state.structure, state.fit.x, trials)
     own = [runs[i] for i in trials]
     parts = tuple(folds(own, SETTINGS.folds))
     before = State(
         fit=at,
         scores=np.asarray(np.sum(at.residual**2, axis=1)),
-        samples=state.view.samples(trials),
-        view=state.view,
+        samples=view.samples(trials),
+        view=view,
         parts=parts,
         xs=np.tile(at.x, (len(parts), 1)),
     )

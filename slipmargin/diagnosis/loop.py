@@ -10,12 +10,11 @@ import numpy as np
 
 from slipmargin.checks import Index
 from slipmargin.data.data_set import DataSet
-from slipmargin.data.jitter import jitter
-from slipmargin.data.noise import white_noise
+from slipmargin.data.noise import lasting_noise, white_noise
 from slipmargin.data.repair import Repair
 from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
-from slipmargin.diagnosis.conditions import held_runs_of, problem_of, ready
+from slipmargin.diagnosis.conditions import Ready, held_runs_of, problem_of, ready
 from slipmargin.diagnosis.events import cut_apart, find_events, with_measured_velocity
 from slipmargin.diagnosis.findings import findings
 from slipmargin.diagnosis.fit import Fit, fit
@@ -26,10 +25,10 @@ from slipmargin.diagnosis.ladder import Checked, Court, check
 from slipmargin.diagnosis.leads import leads
 from slipmargin.diagnosis.left_over import left_over, like
 from slipmargin.diagnosis.map_entry import MapEntry
-from slipmargin.diagnosis.mimics import mimics
-from slipmargin.diagnosis.order_analysis import Periodicity, order_analysis
+from slipmargin.diagnosis.order_analysis import order_analysis
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.ranges import ranges, variables_of
+from slipmargin.diagnosis.remarks import of_pieces, of_the_clock, of_the_fit
 from slipmargin.diagnosis.residual_diagnostics import dependences
 from slipmargin.diagnosis.result import Diagnosis, Event, Finding, Step, TrialTrajectories, Tried, Verdict
 from slipmargin.diagnosis.search import Round, search, without
@@ -187,6 +186,18 @@ def diagnose(
     watch = Watch.of(progress, budget_s)
     watch("mending the data", 0.0)
     conditions = ready(data_set, repairs, seed)
+    found = _diagnosed(conditions, seed, watch, budget_s)
+    if found.verdict is Verdict.EFFECT_FOUND or conditions.data_set.lasting is None or watch.expired:
+        return found
+    # Noise that lasts moves the robot as an effect may: what leaves nothing but white noise on runs that it
+    # has not seen explains more.
+    white = _diagnosed(conditions.with_white_noise(), seed, watch.staged("with white noise"), budget_s)
+    left = [(t.t_s, t.measured - t.after) for t in white.trials]
+    return white if white.verdict is Verdict.EFFECT_FOUND and lasting_noise(left)[1] is None else found
+
+
+def _diagnosed(conditions: Ready, seed: int, watch: Watch, budget_s: float | None) -> Diagnosis:
+    """The diagnosis of a data set that was mended and whose noise is known."""
     data_set = conditions.data_set
     s = searched(data_set, seed, watch, conditions.held)
     was_cut = watch.expired
@@ -197,7 +208,7 @@ def diagnose(
     problem, state = checked.problem, checked.state
     fresh = np.flatnonzero(court.unseen) if len(held) else np.arange(len(checked.before.squares))
     before, after = (score(e, fresh) for e in (checked.before, checked.after))
-    progress("what is left", 0.0)
+    watch("what is left", 0.0)
     fitted = () if state is None else state.fit.effects
     drawn_before = drawn_after = problem.predict([()], [everyone])[0]
     if fitted:
@@ -265,9 +276,9 @@ def diagnose(
         repairs=conditions.repairs,
         remarks=(
             *(cut_short(budget_s) if was_cut else ()),
-            *_clock(data_set, checked, final, s.candidates),
-            *_pieces(state),
-            *_remarks(final, events, turns, phased=checked.phased, held=len(held) > 0),
+            *of_the_clock(data_set, checked, final, s.candidates),
+            *of_pieces(state),
+            *of_the_fit(final, events, turns, phased=checked.phased, held=len(held) > 0),
         ),
     )
 
@@ -282,7 +293,7 @@ def _reported(
     # With phases from their first parts alone, held-out trials are no match for the others in a fit.
     everyone = np.arange(len(s.problem.trials), dtype=np.int64)
     fitted = s.seen if checked.phased and len(s.held) else everyone
-    view = checked.problem.as_seen_in(state.view)
+    view = checked.problem.as_seen_in(state.view).evened(state.fit.effects, fitted)
     final = fit(view, state.structure, state.fit.x, fitted, iterations=_FINAL_STEPS)
     # The last step takes every sample of the log and integrates finely: the numbers to report.
     final = fit(
@@ -336,57 +347,3 @@ def _excitation(final: Fit | None) -> tuple[float, ...]:
     scale = np.concatenate([c.scale for c in final.structure])
     flat = final.jacobian.reshape(-1, len(final.x)) * scale
     return tuple(float(v) for v in np.linalg.svd(flat, compute_uv=False))
-
-
-def _clock(
-    data_set: DataSet, checked: Checked, final: Fit | None, candidates: list[Candidate]
-) -> tuple[str, ...]:
-    """What is known of the times of a log without time stamps, and what cannot be known without them."""
-    if data_set.nominal_rate_Hz is None:
-        return ()
-    found = jitter(data_set.trials)
-    said: tuple[str, ...] = (
-        f"Rows have no time stamps, only a nominal rate of {data_set.nominal_rate_Hz:g} Hz: friction "
-        "coefficients times the square of the sampling period are known, not both; slip ratios do not depend "
-        "on it.",
-    )
-    if final is not None and checked.state is not None:
-        said += mimics(checked.problem.as_seen_in(checked.state.view), final, candidates)
-    return said if found is None else (*said, found.sentence)
-
-
-def _pieces(state: State | None) -> tuple[str, ...]:
-    """That runs were judged in pieces, and how long these are."""
-    if state is None or state.view.piece is None:
-        return ()
-    return (
-        f"The model is so far off that runs were searched and judged in pieces of "
-        f"{state.view.piece * state.view.step_s:.2g} s, each begun where it was measured; reported "
-        "errors are those of whole runs, which must fall too.",
-    )
-
-
-def _remarks(
-    final: Fit | None,
-    events: tuple[Event, ...],
-    turns: tuple[Periodicity, ...],
-    *,
-    phased: bool,
-    held: bool,
-) -> tuple[str, ...]:
-    said = []
-    if phased:
-        which = "held-out run" if held else "run"
-        said.append(
-            f"No log holds the wheel angles.  On each {which} the start angles of the wheels were estimated "
-            "from the first half of the way they turn, with parameters fitted to other runs; the errors "
-            "reported are those of the rest of the run."
-        )
-    if final is not None and final.at_bound():
-        said.append("Stuck at the edge of its range: " + ", ".join(final.at_bound()) + ".")
-    if events:
-        said.append(
-            "Something happened once in a trial; it is listed under events, not explained by physics."
-        )
-    said += [r.sentence for r in turns]
-    return tuple(said)

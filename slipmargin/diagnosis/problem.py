@@ -53,6 +53,7 @@ class Problem:
 
     ``measured`` (R, T, 3) and ``seen`` (R, T, 3) are padded to the longest trial; ``wheel_phases`` (R, N)
     are added to the wheel angles [rad]; ``piece`` is the number of samples a piece, None for whole runs;
+    ``weights`` (R,) are those of the trials in residuals, none where all are one;
     ``lasting`` is the part of the noise that lasts, None where it is white.  The trials of a campaign are of
     several ``members``, each a recipe and its nominal model; ``member_of`` (R,) says of which.  ``signals``
     is the wheels' motion without these phases; ``rough_signals`` is that by fewer samples, where it is known.
@@ -74,6 +75,7 @@ class Problem:
     rtol: float = _RTOL[0]
     piece: int | None = None
     lasting: LastingNoise | None = None
+    weights: Array = field(default_factory=lambda: np.zeros(0))
     members: tuple[tuple[Recipe, Model], ...] = ()
     member_of: Index = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     signals: tuple[WheelSignal, ...] = ()
@@ -133,8 +135,11 @@ class Problem:
         return [pose for pose, _ in self.compare(effects, trials)]
 
     def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
-        """Whitened residual (R_k, 3 T) of each set of effects on its trials; 0 where nothing was seen."""
-        return [gap.transpose(0, 2, 1).reshape(len(gap), -1) for _, gap in self.compare(effects, trials)]
+        """Whitened, weighted residual (R_k, 3 T) of each set of effects on its trials; 0 where not seen."""
+        flat = [gap.transpose(0, 2, 1).reshape(len(gap), -1) for _, gap in self.compare(effects, trials)]
+        if not len(self.weights):
+            return flat
+        return [self.weights[part][:, None] * gap for part, gap in zip(trials, flat, strict=True)]
 
     def compare(
         self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]
@@ -290,8 +295,25 @@ class Problem:
         return np.inf if self.piece is None else self.piece * self.step_s
 
     def as_seen_in(self, view: Problem) -> Problem:
-        """The same problem, compared in pieces as long as those of a view; whole where it has none."""
-        return self if view.piece is None else replace(self, piece=view.piece)
+        """The same problem, compared as a view does: in pieces as long, trials weighted alike."""
+        return replace(self, piece=view.piece, weights=view.weights)
+
+    def evened(self, effects: tuple[AnyEffect, ...], trials: Index) -> Problem:
+        """The same problem, in which none of these trials far outweighs the middle one of those missed.
+
+        What a model lacks may show a hundred times as strongly in one run as in all others, and in a sum of
+        squares that run alone would say what it is.
+        """
+        plain = replace(self, weights=np.zeros(0))
+        residual = plain.residuals([effects], [trials])[0]
+        counts = np.maximum(1, np.count_nonzero(residual, axis=1))
+        chi = np.nan_to_num(np.sqrt(np.sum(residual**2, axis=1) / counts), nan=WILD)
+        loud = chi[chi > SETTINGS.noise_chi]
+        if not len(loud):
+            return plain
+        weights = np.ones(len(self.trials))
+        weights[trials] = np.minimum(1.0, SETTINGS.loudest * np.median(loud) / np.maximum(chi, 1e-12))
+        return replace(plain, weights=weights)
 
     def samples(self, trials: Index) -> float:
         """Number of measured values in these trials."""

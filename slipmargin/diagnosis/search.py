@@ -54,13 +54,15 @@ class Round:
     def map(self) -> tuple[MapEntry, ...]:
         """The best candidate of each variable: what the residual follows, strongest first.
 
-        Its share is that of the fit by simulation where there is one, else that of its tangent.
+        A candidate's share is that of its fit by simulation or that of its tangent, whichever is larger:
+        both are of runs left out, and a fit may end beside a place that its tangent has seen.
         """
         rows = [(explained(self.before, s), s.last.trace, s.last.label) for s in self.tried if self.single(s)]
-        fits = {label for _, _, label in rows}
-        for entry in self.screening.entries:
-            if len(entry.parts) == 1 and entry.label not in fits:
-                rows.append((self.screening.share(entry), entry.parts[0].trace, entry.label))
+        rows += [
+            (self.screening.share(entry), entry.parts[0].trace, entry.label)
+            for entry in self.screening.entries
+            if len(entry.parts) == 1
+        ]
         best: dict[Trace, MapEntry] = {}
         for share, trace, label in sorted(rows, key=lambda row: -row[0]):
             p_value = self.screening.p_value(share)
@@ -103,8 +105,9 @@ def search(
         progress("estimating wheel phases", 0.0)
         problem = wheel_phase.guessed(problem, trials, candidates)
         state = fitted(problem, (), np.zeros(0), trials, own)
+    state = evened(state, seen, own)
     if state.chi > SETTINGS.far_chi and bends(problem, trials, state.fit.effects):
-        state = _in_pieces(problem, trials, own)
+        state = evened(_in_pieces(problem, trials, own), seen, own)
     rounds: list[Round] = []
     for number in range(SETTINGS.most_effects):
         if quiet(state) if not number else progress.expired or not worthwhile(state, SETTINGS.floor_chi):
@@ -114,7 +117,7 @@ def search(
         rounds.append(step)
         if not step.taken or step.best is None:
             break
-        state = whole(problem, step.best, own)
+        state = evened(whole(problem, step.best, own), seen, own)
         if unknown and any(c.wheel_phase for c in state.structure):
             at = evaluate(problem, state.structure, state.fit.x, seen)
             problem, better = wheel_phase.refined(problem, at)
@@ -238,10 +241,9 @@ def _added(before: State, entry: Screened, runs: Sequence[int], best: float) -> 
     order = np.argsort([np.sum(r**2) for r in found], kind="stable")
     x = starts[order[0]]
     if len(entry.starts) > 1:  # places and times: what is near one of them has its own optimum
-        short = [
-            fit(before.view, structure, starts[i], trials, SETTINGS.first_steps)
-            for i in order[: SETTINGS.starts]
-        ]
+        # As simulated, a start that does nothing may beat all others: that by tangents is tried in any case.
+        tried = [0, *(i for i in order.tolist() if i)][: SETTINGS.starts]
+        short = [fit(before.view, structure, starts[i], trials, SETTINGS.first_steps) for i in tried]
         x = min(short, key=lambda f: f.cost).x
     full = fit(before.view, structure, x, trials, give_up_above=SETTINGS.out_of_reach * best)
     return scored(before.view, full, before.samples, runs)
@@ -265,6 +267,14 @@ def fitted(
 def refitted(state: State, structure: tuple[Candidate, ...], x: Array, runs: Sequence[int]) -> State:
     """Another structure in the view, and on the trials, of ``state``."""
     return fitted(state.view, structure, x, state.fit.trials, runs)
+
+
+def evened(state: State, seen: Index, runs: Sequence[int]) -> State:
+    """The state in the view in which none of the trials ``seen`` outweighs the others."""
+    view = state.view.evened(state.fit.effects, seen)
+    if np.array_equal(view.weights, state.view.weights):
+        return state
+    return fitted(view, state.structure, state.fit.x, state.fit.trials, runs)
 
 
 def _in_pieces(problem: Problem, trials: Index, runs: Sequence[int]) -> State:

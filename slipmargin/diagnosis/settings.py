@@ -102,6 +102,9 @@ class SearchSettings:
     #: [1] A clock that stamps every row is wrong by this share at most: friction that differs by more than
     #: about twice this, which looks the same, is no clock.
     stamped_clock: float = 0.05
+    #: [1] A run that the model misses counts as if it were missed by at most this many times as much as the
+    #: middle one of those: four times its weight in a sum of squares.
+    loudest: float = 2.0
     #: [runs] So many are enough to search with, one in four left out of each fold; the parameters are then
     #: fitted to all.
     most_searched: int = 8

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
+import numpy as np
 import pytest
 from inventions import force
 from planting import Plant, planted
 
+from slipmargin.data.noise import LastingNoise
+from slipmargin.diagnosis import loop
 from slipmargin.diagnosis.loop import diagnose
 from slipmargin.diagnosis.result import Verdict
 from slipmargin.effects import Recipe, Trace
+from slipmargin.effects.friction_coefficients import FrictionCoefficients
 from slipmargin.effects.rigid_sector import RigidSector
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.physics.variables import Frame, Variable
@@ -55,6 +60,27 @@ def test_nothing_is_missing_where_nothing_is() -> None:
     assert found.findings == () and found.after == found.before
     assert found.before.chi == pytest.approx(1.0, abs=0.06)
     assert found.corrected.effects == ()
+
+
+def test_an_effect_that_leaves_white_noise_explains_more_than_noise_that_lasts(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What a model lacks may look like noise that lasts for seconds: seen in a judged set."""
+    plain = loop.ready
+
+    def taken_for_noise(*given: Any) -> Any:
+        made = plain(*given)
+        lasting = LastingNoise(share=np.full(3, 0.99), time_s=np.full(3, 2.0))
+        data_set = replace(made.data_set, sigma=10.0 * made.data_set.sigma, lasting=lasting)
+        return replace(made, data_set=data_set)
+
+    monkeypatch.setattr(loop, "ready", taken_for_noise)
+    worn = FrictionCoefficients(drive_factor=0.8, transverse_factor=0.9)
+    plant = Plant(name="worn", traces=(Trace.COEFFICIENT,), effects=(worn,))
+    found = diagnose(planted(initial_model(), plant, seed=3, **SMALL), seed=1)
+    assert found.verdict is Verdict.EFFECT_FOUND and found.after.chi < 1.1
+    still = diagnose(planted(initial_model(), None, seed=5, **SMALL), seed=1)
+    assert still.verdict is Verdict.NO_MISSING_EFFECT
 
 
 def test_an_effect_nobody_named_is_traced_and_added() -> None:

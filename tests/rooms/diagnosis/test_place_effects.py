@@ -13,6 +13,8 @@ from slipmargin.diagnosis.fit import Fit, build, fit
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.ranges import ranges
+from slipmargin.diagnosis.screen import Columns, Screened
+from slipmargin.diagnosis.search import _added, fitted as fitted_state
 from slipmargin.effects import AnyEffect, GeneralEffect, Part, Recipe, Trace
 from slipmargin.effects.floor_border import FloorBorder
 from slipmargin.effects.floor_patch import FloorPatch
@@ -87,6 +89,38 @@ def test_a_slick_patch_is_found_where_it_is(believed: Recipe) -> None:
     assert before > 3.0 and after < 1.1
     np.testing.assert_allclose(found.values()[1:4], patch.values()[1:4], atol=0.01)
     assert found.factor == pytest.approx(0.4, abs=0.05)
+
+
+def test_a_fit_begins_where_the_tangent_puts_a_patch_though_doing_nothing_costs_less(
+    believed: Recipe,
+) -> None:
+    """Seen in a judged set: starts that change nothing kept the one beside the patch from being fitted."""
+    patch = FloorPatch(factor=0.8, centre_x_m=0.12, centre_y_m=-0.08, radius_m=0.16)
+    trials = tuple(clean(r, SIGMA) for r in runs(believed.with_effects(patch)))
+    problem, everyone = Problem.of(believed, "paper", trials, SIGMA, False), list(range(len(trials)))
+    names = problem.model(()).geometry.names
+    reach = {"position": ranges(trials).position_m, "time": ranges(trials).duration_s}
+    (candidate,) = [c for c in named_candidates(names, False, (), reach) if c.name == "floor_patch"]
+    beside = np.array([0.3, 0.15, -0.1, 0.2, 0.05])
+    idle = [np.array([1.01, 0.9, 0.0, 0.2, 0.05]), np.array([1.01, -0.9, 0.0, 0.2, 0.05])]
+    part = Columns(
+        trace=candidate.trace,
+        label=candidate.label,
+        columns=np.zeros((0, 0, 0)),
+        prior=np.zeros((0, 0)),
+        low=np.zeros(0),
+        high=np.zeros(0),
+        candidate=candidate,
+    )
+    entry = Screened(parts=(part,), gain=1.0, step=np.zeros(0), starts=(beside, *idle))
+    before = fitted_state(problem, (), np.zeros(0), np.arange(len(trials)), everyone)
+    costs = [
+        float(np.sum(problem.residuals([build((candidate,), x)], [before.fit.trials])[0] ** 2))
+        for x in entry.starts
+    ]
+    assert costs[0] > max(costs[1:]), "what does nothing costs less than too much beside the place"
+    found = _added(before, entry, everyone, np.inf)
+    np.testing.assert_allclose(found.fit.x[1:3], patch.values()[1:3], atol=0.02)
 
 
 def test_a_border_between_floors_is_found(believed: Recipe) -> None:

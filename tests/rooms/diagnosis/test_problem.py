@@ -11,6 +11,7 @@ from planting import planted
 from slipmargin.checks import Array
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.io.robot_file import read_recipe
 
 PIECE_S = 0.4
@@ -75,3 +76,26 @@ def test_turning_the_rotors_by_a_pitch_changes_nothing_by_half_a_pitch_does(prob
     whole, half = (chi(problem.with_wheel_phases(np.tile(f * pitch, (3, 1)))) for f in (1.0, 0.5))
     assert whole == pytest.approx(chi(problem), rel=1e-3)
     assert half > 1.5 * whole
+
+
+def test_no_trial_outweighs_the_middle_one_of_those_that_are_missed(problem: Problem) -> None:
+    everyone = np.arange(len(problem.trials))
+    wave = np.sin(np.arange(problem.measured.shape[1]))[:, None] * [1.0, 0.0, 0.0]
+    bent = predicted(problem) + np.array([0.002, 0.004, 0.4])[:, None, None] * wave
+    plain = replace(problem, measured=bent)
+
+    def of_runs(view: Problem) -> Array:
+        return np.asarray(np.sqrt(np.mean(view.residuals([()], [everyone])[0] ** 2, axis=1)))
+
+    low, middle, high = of_runs(plain)
+    assert high > 50.0 * middle
+    np.testing.assert_allclose(
+        of_runs(plain.evened((), everyone)), [low, middle, SETTINGS.loudest * middle], rtol=1e-9
+    )
+    assert np.array_equal(
+        plain.evened((), everyone).evened((), everyone).weights, plain.evened((), everyone).weights
+    ), "weighed once"
+    backwards = plain.evened((), everyone).residuals([()], [everyone[::-1]])[0]
+    assert np.array_equal(backwards, plain.evened((), everyone).residuals([()], [everyone])[0][::-1])
+    quiet = replace(problem, measured=predicted(problem))
+    assert not len(quiet.evened((), everyone).weights), "nothing is missed, nothing is weighed"

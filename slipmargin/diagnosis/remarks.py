@@ -1,0 +1,68 @@
+"""Sentences of a diagnosis that are neither findings nor leads: how it was made, and what limits it."""
+
+from __future__ import annotations
+
+from slipmargin.data.data_set import DataSet
+from slipmargin.data.jitter import jitter
+from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.fit import Fit
+from slipmargin.diagnosis.ladder import Checked
+from slipmargin.diagnosis.mimics import mimics
+from slipmargin.diagnosis.order_analysis import Periodicity
+from slipmargin.diagnosis.result import Event
+from slipmargin.diagnosis.state import State
+
+
+def of_the_clock(
+    data_set: DataSet, checked: Checked, final: Fit | None, candidates: list[Candidate]
+) -> tuple[str, ...]:
+    """What is known of the times of a log without time stamps, and what cannot be known without them."""
+    if data_set.nominal_rate_Hz is None:
+        return ()
+    found = jitter(data_set.trials)
+    said: tuple[str, ...] = (
+        f"Rows have no time stamps, only a nominal rate of {data_set.nominal_rate_Hz:g} Hz: friction "
+        "coefficients times the square of the sampling period are known, not both; slip ratios do not depend "
+        "on it.",
+    )
+    if final is not None and checked.state is not None:
+        said += mimics(checked.problem.as_seen_in(checked.state.view), final, candidates)
+    return said if found is None else (*said, found.sentence)
+
+
+def of_pieces(state: State | None) -> tuple[str, ...]:
+    """That runs were judged in pieces, and how long these are."""
+    if state is None or state.view.piece is None:
+        return ()
+    return (
+        f"The model is so far off that runs were searched and judged in pieces of "
+        f"{state.view.piece * state.view.step_s:.2g} s, each begun where it was measured; reported "
+        "errors are those of whole runs, which must fall too.",
+    )
+
+
+def of_the_fit(
+    final: Fit | None,
+    events: tuple[Event, ...],
+    turns: tuple[Periodicity, ...],
+    *,
+    phased: bool,
+    held: bool,
+) -> tuple[str, ...]:
+    """How held-out runs were judged, what stands at an edge, what happened once and what repeats."""
+    said = []
+    if phased:
+        which = "held-out run" if held else "run"
+        said.append(
+            f"No log holds the wheel angles.  On each {which} the start angles of the wheels were estimated "
+            "from the first half of the way they turn, with parameters fitted to other runs; the errors "
+            "reported are those of the rest of the run."
+        )
+    if final is not None and final.at_bound():
+        said.append("Stuck at the edge of its range: " + ", ".join(final.at_bound()) + ".")
+    if events:
+        said.append(
+            "Something happened once in a trial; it is listed under events, not explained by physics."
+        )
+    said += [r.sentence for r in turns]
+    return tuple(said)
