@@ -11,7 +11,7 @@ Far above the noise runs are compared in pieces: an error early in a run must no
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import final
 
 import numpy as np
@@ -112,8 +112,7 @@ def search(
     for number in range(SETTINGS.most_effects):
         if quiet(state) if not number else progress.expired or not worthwhile(state, SETTINGS.floor_chi):
             break  # the first list is made in any case: without it there is no answer, not even a lead
-        stage = progress.staged(f"round {number + 1}")
-        step = reconsidered(take_step(state, own, candidates, seed, stage), rounds, own, stage)
+        step = take_step(state, own, candidates, seed, progress.staged(f"round {number + 1}"))
         rounds.append(step)
         if not step.taken or step.best is None:
             break
@@ -128,61 +127,6 @@ def search(
         progress("fitting all trials that are not held out", 0.0)
         state = fitted(state.view, state.structure, state.fit.x, seen, runs)
     return problem, needed(state, runs if len(state.fit.trials) == len(seen) else own), rounds
-
-
-def reconsidered(step: Round, rounds: Sequence[Round], runs: Sequence[int], progress: Watch) -> Round:
-    """A round far above the noise, its earlier effects asked again beside what it found or nearly found.
-
-    The first rounds choose while most is still missing: what looks best there may only stand for two effects
-    that show together, and the second of these then adds little.  Near the noise the first choice is kept.
-    """
-    before = step.before
-    if before.view.piece is None or not rounds or step.best is None:
-        return step
-    starts = [step.best] if step.taken else _names([s for s in step.tried if s.named and step.single(s)])
-    found = [exchanged(s, rounds, runs, progress) for s in starts]
-    best = min(
-        (s for s in found if all(s is not start for start in starts)), key=lambda s: s.chi, default=None
-    )
-    if best is None or not worthwhile(before, best.chi):
-        return step
-    if step.screening.p_value(explained(before, best)) > SETTINGS.significance:
-        return step
-    return replace(step, tried=(best, *step.tried), best=best, taken=True)
-
-
-def exchanged(state: State, rounds: Sequence[Round], runs: Sequence[int], progress: Watch) -> State:
-    """A state, each of its earlier effects replaced by what came near it in its round if that is better."""
-    for step in rounds:
-        if step.best is None or not step.single(step.best):
-            continue
-        at, inside = len(step.before.structure), {c.name for c in state.structure}
-        near = SETTINGS.near_rival * step.best.chi
-        others = [s for s in step.tried if s.named and step.single(s) and s.chi <= near]
-        for rival in _names([s for s in others if s.last.name not in inside]):
-            structure = (*state.structure[:at], rival.last, *state.structure[at + 1 :])
-            if progress.expired or state.view.possible([c.build(c.starts[0]) for c in structure]) is None:
-                continue
-            progress(f"fitting {rival.last.label} in place of {state.structure[at].label}", 1.0)
-            own, new = spans(state.structure)[at], rival.fit.x[spans(rival.structure)[-1]]
-            later = state.fit.x[own.stop :]
-            starts = (
-                np.concatenate([rival.fit.x, later]),
-                np.concatenate([state.fit.x[: own.start], new, later]),
-            )
-            fits = [fit(state.view, structure, x, state.fit.trials) for x in starts]
-            found = scored(state.view, min(fits, key=lambda f: f.cost), state.samples, runs)
-            if found.chi < state.chi - SETTINGS.least_chi:
-                state = found
-    return state
-
-
-def _names(tried: Sequence[State]) -> list[State]:
-    """The best form of each of the best few names that were added last."""
-    best: dict[str, State] = {}
-    for s in tried:
-        best.setdefault(s.last.name, s)
-    return list(best.values())[: SETTINGS.near_rivals]
 
 
 def screened(before: State, runs: Sequence[int], candidates: list[Candidate], seed: int) -> Screening:

@@ -159,11 +159,6 @@ class SearchSettings:
     #: more than this.  Below, a wheel lifts for a moment: as where a run begins while its wheels slip, or
     #: on four wheels, of which one may hang in the air.
     held_down: float = 1.0
-    #: [1] Far above the noise a name whose error was at most so many times that of the one taken is asked
-    #: again beside later effects …
-    near_rival: float = 1.25
-    #: [names] … so many of a round at most.
-    near_rivals: int = 2
     #: [chi] Below this no run differs from the others.
     differs_chi: float = 1.5
 
