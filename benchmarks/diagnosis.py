@@ -58,6 +58,7 @@ SIZES: dict[str, tuple[tuple[str, float, float, bool], ...]] = {
     "wheel_radius": (("radius_factor", 1.01, 1.03, False),),
     "wheel_toe": (("toe_rad", 0.015, 0.05, True),),
     "motor_lag": (("lag_s", 0.04, 0.12, False),),
+    "wheel_play": (("play_rad", 0.006, 0.03, False),),
     "speed_droop": (("droop_rad_s_per_N_m", 4.0, 20.0, False),),
 }
 

@@ -15,7 +15,7 @@ import numpy as np
 
 import slipmargin as sm
 from slipmargin.plots.machine import draw_machine
-from slipmargin.plots.polar import forwards_up, from_forwards, polar_axes
+from slipmargin.plots.polar import forwards_up, polar_axes
 from slipmargin.plots.style import BLUE, INK, RED, SKY, save, styled
 
 FOLDER = Path(__file__).resolve().parent / "pictures"
@@ -27,6 +27,7 @@ def limits_picture(robot: str = "mecanum4", surface: str = "carpet"):
     from matplotlib.figure import Figure
 
     found = sm.bounds(robot, surface).bounds
+    turned = found.model.convention.from_front
     heading = np.append(found.safe.heading_rad, found.safe.heading_rad[0] + 2.0 * np.pi)
     figure = Figure(figsize=(9.0, 4.4), layout="constrained")
     grid = figure.add_gridspec(1, 2, width_ratios=(1.0, 1.25))
@@ -37,17 +38,15 @@ def limits_picture(robot: str = "mecanum4", surface: str = "carpet"):
     axes = polar_axes(figure, grid[1])
     edge = np.append(found.full.starting_m_s2, found.full.starting_m_s2[0])
     safe = np.append(found.safe.starting_m_s2, found.safe.starting_m_s2[0])
-    axes.fill(
-        from_forwards(heading), safe, color=SKY, alpha=0.45, lw=0, label="safe: 10 % of the grip in reserve"
-    )
-    axes.plot(from_forwards(heading), edge, color=BLUE, label="a wheel begins to slip")
+    axes.fill(turned(heading), safe, color=SKY, alpha=0.45, lw=0, label="safe: 10 % of the grip in reserve")
+    axes.plot(turned(heading), edge, color=BLUE, label="a wheel begins to slip")
     for degrees, beside_deg in ((90.0, 104.0), (45.0, 45.0), (0.0, 0.0)):
         apart = np.abs(np.angle(np.exp(1j * (found.safe.heading_rad - np.deg2rad(degrees)))))
         near = apart < np.deg2rad(3.0)  # not the tip of a needle
         axes.annotate(
             f"{np.min(found.safe.starting_m_s2[near]):.1f}",
             (
-                float(from_forwards(np.deg2rad(beside_deg))),
+                float(turned(np.deg2rad(beside_deg))),
                 float(np.min(found.full.starting_m_s2[near])) + 0.45,
             ),
             ha="center",

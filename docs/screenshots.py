@@ -125,6 +125,7 @@ def photograph(browser: Browser, address: str, name: str, folder: Path) -> tuple
         for width in WIDTHS:
             page.set_viewport_size({"width": width, "height": 900})
             page.goto(address)
+            page.wait_for_load_state("networkidle")
             page.wait_for_timeout(SETTLE_MS)
             wide = page.evaluate("document.documentElement.scrollWidth")
             if wide > width:

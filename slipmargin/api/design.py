@@ -95,12 +95,12 @@ class DesignResult(Result):
 
     def page(self) -> Page:
         """The page that sums up."""
-        from slipmargin.plots.style import image
+        from slipmargin.plots.study import study_panels
+        from slipmargin.plots.style import images
         from slipmargin.report.design_page import design_page
 
-        return design_page(
-            self.study, self.front, self.robust, self.influences, self.labelled(), image(self.plot())
-        )
+        drawn = images(study_panels(self.study, self.front, self.robust))
+        return design_page(self.study, self.front, self.robust, self.influences, self.labelled(), drawn)
 
     def forget_work(self) -> None:
         """Remove the pieces kept for a run that is interrupted; call it once the result is written."""

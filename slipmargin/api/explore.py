@@ -83,9 +83,11 @@ class Explorer:
         if tool not in _ENDING:
             raise InputError("export", f"is {tool!r}", f"use one of: {', '.join(_ENDING)}")
         now = self._settings(values)
-        yaw = None if now.yaw_share == YAW_SHARE else self._sets(values).reserved_rad_s2
+        yaw = None if now.yaw_share == YAW_SHARE else self._sets(values, now).reserved_rad_s2
         whole = tool == "json"
-        text = export_text(tool, self._bounds(now, yaw)) if whole else sets_text(tool, self._sets(values))
+        text = (
+            export_text(tool, self._bounds(now, yaw)) if whole else sets_text(tool, self._sets(values, now))
+        )
         robot = f"{now.design.robot.name}.toml" if now.changed else self.name
         words = ["slipmargin", "bounds", robot, "--surface", now.design.surface]
         words += ["--margin", repr(now.margin)] if now.margin != MARGIN else []
@@ -96,13 +98,12 @@ class Explorer:
             "command": shlex.join([*words, "--export", tool, f"limits.{_ENDING[tool]}"]),
         }
 
-    def _sets(self, values: Mapping[str, float]) -> SafeSets:
-        """What planning tools are told with sliders at ``values``."""
+    def _sets(self, values: Mapping[str, float], now: Settings) -> SafeSets:
+        """What planning tools are told with sliders at ``values``, which make the robot ``now``."""
         from slipmargin.limits.bounds_summary import safe_sets
 
         key = tuple(sorted(values.items()))
         if key not in self.kept:
-            now = self._settings(values)
             model, _ = model_of(now.design.recipe, now.design.surface, spread=True, band=True)
             found = safe_sets(model, margin=now.margin, yaw_share=now.yaw_share, ellipsoid=False)
             self.kept.clear()

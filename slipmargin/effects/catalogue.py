@@ -15,6 +15,8 @@ from slipmargin.effects.elliptic_grip import EllipticGrip
 from slipmargin.effects.floor_border import FloorBorder
 from slipmargin.effects.floor_nap import FloorNap
 from slipmargin.effects.floor_patch import FloorPatch
+from slipmargin.effects.floor_ramp import FloorRamp
+from slipmargin.effects.floor_seam import FloorSeam
 from slipmargin.effects.floor_tilt import FloorTilt
 from slipmargin.effects.friction_coefficients import FrictionCoefficients
 from slipmargin.effects.general import PREFIX
@@ -32,6 +34,7 @@ from slipmargin.effects.stribeck import Stribeck
 from slipmargin.effects.tether import Tether
 from slipmargin.effects.trailing_load import TrailingLoad
 from slipmargin.effects.wheel_loads import WheelLoads
+from slipmargin.effects.wheel_play import WheelPlay
 from slipmargin.effects.wheel_radius import WheelRadius
 from slipmargin.effects.wheel_runout import WheelRunout
 from slipmargin.effects.wheel_toe import WheelToe
@@ -101,6 +104,8 @@ CATALOGUE = Catalogue(
         FloorNap,
         FloorPatch,
         FloorBorder,
+        FloorRamp,
+        FloorSeam,
         Push,
         Tether,
         WheelRadius,
@@ -108,6 +113,7 @@ CATALOGUE = Catalogue(
         WheelToe,
         MotorLag,
         SpeedDroop,
+        WheelPlay,
         CameraScale,
         CameraRotation,
         CameraDelay,

@@ -15,7 +15,6 @@ import numpy as np
 from slipmargin.checks import Array, real
 from slipmargin.limits.motion import (
     AccelerationLimit,
-    acceleration_limit,
     along,
     along_each,
     steady_share,
@@ -156,10 +155,11 @@ def spin(model: Model, *, share: float = 1.0, contact: Contact = Contact.ROLLERS
     """Limits of turning on the spot, about the body's origin."""
     turn = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
     motion = Motion.full_drag(turn)
-    limits = [
-        acceleration_limit(model, motion, sign * turn, share=share, contact=contact, motor=motor)
-        for sign in (1.0, -1.0)
-    ]
+    rows = acceleration_rows(model, motion, share=share, contact=contact, motor=motor)
+    com, still = model.inertia.com_m, np.zeros_like(turn)
+    start = com_acceleration(com, motion.velocity, still)
+    ways = np.stack([com_acceleration(com, still, way) for way in (turn, -turn)])
+    limits = along_each(model, rows, np.broadcast_to(start, ways.shape), ways)
     top = model.drives.max_speed_rad_s
     rate = np.abs(model.geometry.rolling_rows()[:, 2]) / model.geometry.radius_m
     return Spin(

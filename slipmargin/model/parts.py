@@ -17,6 +17,7 @@ from slipmargin.errors import InputError
 from slipmargin.physics.constants import GRAVITY_M_S2
 from slipmargin.physics.friction_laws import ATAN
 from slipmargin.physics.grips import GripShape
+from slipmargin.physics.relief import Relief
 from slipmargin.physics.terms import ForceTerm, Multiplier, PoseShift
 
 #: Inertia of a wheel whose inertia is not stated, as a share of m ρ²/N [1].
@@ -83,9 +84,10 @@ class Grip:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExternalWrench:
-    """Forces on the body that are not wheel friction."""
+    """Forces that are not wheel friction: ``terms`` on the body, those of a floor's ``reliefs`` at wheels."""
 
     terms: tuple[ForceTerm, ...] = ()
+    reliefs: tuple[Relief, ...] = ()
 
 
 @final
@@ -123,6 +125,10 @@ class ActuatorDynamics:
     that the wheel delivers [rad/(s N m)], ``delay_s`` [s].  ``multipliers`` multiply ω_cmd,i over
     COMMAND_SPEED or TIME.  They act only where wheel speeds are commanded, not where measured.  Where a
     droop or a motor's torque line makes a wheel answer to its load, one without lag follows ω̇_cmd too.
+
+    ``play_rad`` (N,), zero by default, is the whole play between motor and wheel [rad].  It acts on
+    measured wheel motions too: their encoder sits on the motor.  Where a wheel answers to its load, the
+    play is taken up by what it is asked for.
     """
 
     lag_s: Array
@@ -130,10 +136,13 @@ class ActuatorDynamics:
     droop_rad_s_per_N_m: Array
     delay_s: float = 0.0
     multipliers: tuple[Multiplier, ...] = ()
+    play_rad: Array = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         n = len(np.asarray(self.lag_s))
-        _freeze(self, lag_s=(n,), gain=(n,), droop_rad_s_per_N_m=(n,))
+        if not len(self.play_rad):
+            object.__setattr__(self, "play_rad", np.zeros(n))
+        _freeze(self, lag_s=(n,), gain=(n,), droop_rad_s_per_N_m=(n,), play_rad=(n,))
 
     @staticmethod
     def none(count: int) -> ActuatorDynamics:

@@ -41,14 +41,14 @@ def draw_limits(axes: PolarAxes, found: Bounds) -> PolarAxes:
     angle = found.model.convention.from_front(_round(full.heading_rad))
     for values, colour, label in (
         (full.braking_m_s2, GREEN, "braking"),
-        (full.turning_m_s2, ORANGE, "turning at speed"),
         (full.starting_m_s2, BLUE, "speeding up"),
+        (full.turning_m_s2, ORANGE, "turning at speed"),  # often the same: dashes let it be seen
     ):
         held = np.where(np.isfinite(values) & (values > 0.0), values, np.nan)
         if np.all(np.isnan(held)):
             continue
         alone = np.isnan(np.roll(held, 1)) & np.isnan(np.roll(held, -1))
-        axes.plot(angle, _shut(held), color=colour, label=label)
+        axes.plot(angle, _shut(held), color=colour, label=label, ls=(0, (4, 3)) if colour == ORANGE else "-")
         if np.any(alone & np.isfinite(held)):  # a single direction has no line
             axes.plot(angle[:-1][alone], held[alone], color=colour, marker="o", ms=4, ls="none")
     if np.any(found.safe.starting_m_s2 > 0.0):
@@ -82,8 +82,8 @@ def draw_steady(axes: PolarAxes, found: Bounds) -> PolarAxes:
     angle, rigid = found.model.convention.from_front(_round(found.full.heading_rad)), found.rigid_use
     both = np.concatenate([rigid, found.full.steady_use])
     top = 1.15 * float(np.max(both, where=np.isfinite(both), initial=1.0))
-    axes.fill_between(angle, np.ones_like(angle), top, color=RED, alpha=0.10, lw=0, label="must slip")
-    axes.plot(angle, np.ones_like(angle), color=RED, lw=1.0)
+    axes.fill_between(angle, np.ones_like(angle), top, color=RED, alpha=0.10, lw=0)
+    axes.plot(angle, np.ones_like(angle), color=RED, lw=1.0, label="outside it must slip")
     if float(np.max(rigid)) > float(np.max(found.full.steady_use)) * (1.0 + 1e-9):
         axes.plot(angle, _shut(rigid), color=INK, label="worst roller/rigid state")
     contact = "worst roller/rigid state" if found.on_rigid_sectors else "all wheels on rollers"

@@ -38,7 +38,7 @@ def draw_motion(axes: Axes, run: Run) -> Axes:
     for k, (name, colour) in enumerate(
         zip(("x [m]", "y [m]", "φ [rad]"), (BLUE, ORANGE, GREEN), strict=True)
     ):
-        axes.plot(run.t_s, run.pose[:, k], color=colour, label=name)
+        axes.plot(run.t_s, run.pose[:, k], color=colour, label=name, lw=(4.2, 2.8, 1.4)[k])
     axes.axhline(0.0, color=GREY, lw=0.8)
     axes.set(xlabel="time [s]", ylabel="displacement [m], heading [rad]", title="Displacements")
     below(axes, 3)
@@ -53,8 +53,7 @@ def draw_slip(axes: Axes, run: Run) -> Axes:
             run.slip[:, i, 0],
             color=WHEELS[i % len(WHEELS)],
             label=f"wheel {name}",
-            lw=1.2 + 1.4 * (i == 0),
-            alpha=0.5 if i == 0 else 1.0,
+            lw=1.2 + 1.6 * (len(run.wheels) - 1 - i),
         )
     axes.set(xlabel="time [s]", ylabel="sliding speed, drive direction [m/s]", title="Drive slip")
     below(axes, 2)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -68,20 +71,13 @@ def _plan_path(axes: Axes, plan: Plan, rows: Trajectory) -> None:
 
 
 def _check_path(axes: Axes, model: Model, found: Check, rows: Trajectory) -> None:
-    verdict = "admissible" if found.admissible else "not admissible"
-    _path(axes, rows, found.share, f"{model.robot} on “{model.surface}”: {verdict}", model.convention)
+    verdict = "within what is allowed" if found.admissible else "too hard for a wheel"
     _, x, y, k = found.worst
-    axes.plot([x], [y], marker="o", ms=9, mfc="none", mec=RED, mew=1.6, ls="none", zorder=5)
-    axes.annotate(
-        f"worst: {model.geometry.names[k]}, {found.max_use:.3g}",
-        (x, y),
-        xytext=(8, 8),
-        textcoords="offset points",
-        color=RED,
-        fontsize=8.5,
-        bbox={"fc": "white", "ec": "none", "pad": 0.8, "alpha": 0.85},
-        zorder=6,
-    )
+    ring: dict[str, Any] = {"marker": "o", "ms": 9, "mfc": "none", "mec": RED, "mew": 1.6, "ls": "none"}
+    worst = Line2D([], [], label=f"worst: {model.geometry.names[k]}, {found.max_use:.3g}", **ring)
+    title = f"{model.robot} on “{model.surface}”: {verdict}"
+    _path(axes, rows, found.share, title, model.convention, [worst])
+    axes.plot([x], [y], zorder=5, **ring)
 
 
 def _check_use(axes: Axes, found: Check, rows: Trajectory) -> None:
@@ -97,7 +93,14 @@ def _check_use(axes: Axes, found: Check, rows: Trajectory) -> None:
     axes.plot([found.worst[0]], [found.max_use], marker="o", ms=9, mfc="none", mec=RED, mew=1.6, ls="none")
 
 
-def _path(axes: Axes, rows: Trajectory, share: float, title: str, convention: Convention) -> None:
+def _path(
+    axes: Axes,
+    rows: Trajectory,
+    share: float,
+    title: str,
+    convention: Convention,
+    more: Sequence[Line2D] = (),
+) -> None:
     who = limiting(rows, share)
     points = rows.pose[:, :2]
     segments = np.stack([points[:-1], points[1:]], axis=1)
@@ -128,6 +131,7 @@ def _path(axes: Axes, rows: Trajectory, share: float, title: str, convention: Co
     marks.append(Line2D([], [], color=GREY, lw=3.2, label="no wheel near its limit"))
     marks.append(Line2D([], [], color=INK, lw=0, marker=">", ms=7, label="front of the robot"))
     marks.append(Line2D([], [], color=INK, lw=0, marker="o", ms=6, label="start"))
+    marks += more
     figure = axes.get_figure(root=True)
     assert isinstance(figure, Figure)
     figure.legend(

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.projections.polar import PolarAxes
+from matplotlib.ticker import MaxNLocator
 
 from slipmargin.checks import Array
 from slipmargin.physics.convention import Convention
@@ -28,6 +29,7 @@ def forwards_up(axes: PolarAxes) -> None:
     axes.set_theta_direction(1)
     axes.set_thetagrids(range(0, 360, 45), ["forwards", "", "left", "", "backwards", "", "right", ""])
     axes.set_rlabel_position(22.5)
+    axes.yaxis.set_major_locator(MaxNLocator(4))
     axes.grid(color="#CFCFCF", lw=0.6)
     axes.spines["polar"].set_visible(False)
 

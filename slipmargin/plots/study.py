@@ -13,7 +13,8 @@ from slipmargin.checks import Array
 from slipmargin.physics.constants import GRAVITY_M_S2
 from slipmargin.plots.polar import polar_axes
 from slipmargin.plots.study_panels import COLOURS, draw_front, draw_polar_family, label_of, not_too_low, short
-from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, below, styled
+from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PANEL, PURPLE, RED, SKY, below, styled
+from slipmargin.report.design import label as in_words_of
 from slipmargin.study.objectives import BY_NAME, Objective
 from slipmargin.study.robust import Robust
 from slipmargin.study.study import Study
@@ -24,18 +25,44 @@ def study_figure(study: Study, front: Sequence[str], robust: Robust | None = Non
     """Four panels: the objective over what was varied, limits in motion, polar pulls, the front."""
     figure = Figure(figsize=(11.5, 9.6), layout="constrained")
     grid = figure.add_gridspec(2, 2)
-    two = [k for k, axis in enumerate(study.problem.grids) if axis.numeric and len(axis.values) > 1]
-    if len(two) > 1:
-        draw_heat(figure.add_subplot(grid[0, 0]), study, study.problem.objective.name)
-        draw_heat(figure.add_subplot(grid[0, 1]), study, second_objective(study))
-    else:
-        draw_curves(figure.add_subplot(grid[0, 0]), study, robust)
-        draw_second(figure.add_subplot(grid[0, 1]), study)
+    _draw_goal(figure.add_subplot(grid[0, 0]), study, robust)
+    _draw_other(figure.add_subplot(grid[0, 1]), study)
     draw_polar_family(polar_axes(figure, grid[1, 0]), study)
     draw_front(figure.add_subplot(grid[1, 1]), study, front)
     design = study.problem.base
     figure.suptitle(f"Design study of {design.robot.name}, surface “{design.surface}”\n", x=0.01, ha="left")
     return figure
+
+
+@styled
+def study_panels(study: Study, front: Sequence[str], robust: Robust | None = None) -> dict[str, Figure]:
+    """The four panels, each a figure of its own."""
+    goal, other, pulls, beaten = (Figure(figsize=PANEL, layout="constrained") for _ in range(4))
+    _draw_goal(goal.add_subplot(), study, robust)
+    _draw_other(other.add_subplot(), study)
+    draw_polar_family(polar_axes(pulls), study)
+    draw_front(beaten.add_subplot(), study, front)
+    return {"goal": goal, "other": other, "pulls": pulls, "front": beaten}
+
+
+def _draw_goal(axes: Axes, study: Study, robust: Robust | None) -> None:
+    """The objective: a map over two quantities, else curves."""
+    if _over_two(study):
+        draw_heat(axes, study, study.problem.objective.name)
+    else:
+        draw_curves(axes, study, robust)
+
+
+def _draw_other(axes: Axes, study: Study) -> None:
+    """A second objective beside it."""
+    if _over_two(study):
+        draw_heat(axes, study, second_objective(study))
+    else:
+        draw_second(axes, study)
+
+
+def _over_two(study: Study) -> bool:
+    return sum(grid.numeric and len(grid.values) > 1 for grid in study.problem.grids) > 1
 
 
 def second_objective(study: Study) -> str:
@@ -168,7 +195,9 @@ def _families(axes: Axes, study: Study, goal: Objective) -> None:
     shown = np.unique(np.linspace(0, flat.shape[1] - 1, min(len(COLOURS), flat.shape[1])).round().astype(int))
     for colour, column in zip(COLOURS, shown.tolist(), strict=False):
         index = np.unravel_index(column, table.shape[1:]) if rest else ()
-        label = ", ".join(f"{g.key} = {short(g.values[int(i)])}" for g, i in zip(rest, index, strict=True))
+        label = ", ".join(
+            f"{in_words_of(g.key)} = {short(g.values[int(i)])}" for g, i in zip(rest, index, strict=True)
+        )
         axes.plot(
             _positions(study),
             flat[:, column],

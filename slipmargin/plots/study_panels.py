@@ -10,11 +10,11 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.projections.polar import PolarAxes
-from matplotlib.ticker import MaxNLocator
 
 from slipmargin.checks import Array
 from slipmargin.plots.polar import forwards_up, of_pull
 from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, RED, SKY, below
+from slipmargin.report.design import label as in_words_of
 from slipmargin.study.batch import batches
 from slipmargin.study.objectives import BY_NAME, Objective
 from slipmargin.study.robot_on_surface import RobotOnSurface
@@ -44,9 +44,10 @@ def draw_polar_family(axes: PolarAxes, study: Study) -> PolarAxes:
         )
     forwards_up(axes)
     axes.set_ylim(0.0, None)
-    axes.yaxis.set_major_locator(MaxNLocator(4))
     axes.set_title("Pull before a wheel slips / (m g), by its direction")
-    legend = axes.legend(loc="lower left", bbox_to_anchor=(-0.27, -0.08), title="\n".join(study.keys))
+    legend = axes.legend(
+        loc="lower left", bbox_to_anchor=(-0.27, -0.08), title="\n".join(map(in_words_of, study.keys))
+    )
     legend.set_in_layout(False)
     return axes
 
@@ -74,7 +75,8 @@ def draw_front(axes: Axes, study: Study, names: Sequence[str]) -> Axes:
     axes.margins(0.1)
     not_too_low(axes)
     _name_ends(axes, study, [int(row) for row in order], x, y)
-    axes.set(xlabel=label_of(one), ylabel=label_of(two), title="Pareto front: " + ", ".join(study.keys))
+    names_of = ", ".join(map(in_words_of, study.keys))
+    axes.set(xlabel=label_of(one), ylabel=label_of(two), title=f"By {names_of}: what no other beats")
     below(axes, 2)
     return axes
 
@@ -88,11 +90,11 @@ def _name_ends(axes: Axes, study: Study, order: list[int], x: Array, y: Array) -
             axes.annotate(
                 ", ".join(short(v) for v in study.values[row]),
                 (x[row], y[row]),
-                xytext=(-7, 7 if k == 0 else -7),
+                xytext=(7, 5) if k == 0 else (-7, -7),
                 textcoords="offset points",
                 fontsize=8,
                 color=INK,
-                ha="right",
+                ha="left" if k == 0 else "right",
                 va="bottom" if k == 0 else "top",
                 zorder=7,
             )

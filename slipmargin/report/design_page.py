@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from slipmargin.report.design import best_at, in_words, label, named
 from slipmargin.report.page import (
@@ -14,6 +14,7 @@ from slipmargin.report.page import (
     Image,
     Page,
     Picture,
+    Row,
     Section,
     Table,
     Text,
@@ -29,6 +30,13 @@ _LABELS = {
     "between": "between the designs that were tried",
     "influence": "what changes it most",
 }
+#: What each picture shows.
+_CAPTIONS = {
+    "goal": "What was asked for, over what was varied.",
+    "other": "Another objective, over the same.",
+    "pulls": "The pull before a wheel slips, by its direction, for a few designs.",
+    "front": "Two objectives at once. A design on the line is beaten by no other in both.",
+}
 #: Designs listed on the page; more belong in the CSV file.
 LISTED = 200
 
@@ -39,7 +47,7 @@ def design_page(
     robust: Robust | None,
     influences: Sequence[Influence],
     summary: Sequence[tuple[str, str]],
-    image: Image,
+    images: Mapping[str, Image],
 ) -> Page:
     """The page of a study: the best design, why, and what else was looked at."""
     goal, best, design = study.problem.objective, study.best(), study.problem.base
@@ -60,11 +68,14 @@ def design_page(
                 note=f"from {own:.4g}",
             )
         )
-    figure = Picture(
-        name="study",
-        image=image,
-        caption="Limits over the study, pulls all round for a few designs, and those that no other beats.",
-        alt=f"Four panels; best design {at} with {value:.4g} {goal.unit} of {goal.meaning}",
+    said = f"best design {at} with {value:.4g} {goal.unit} of {goal.meaning}"
+    figures = Row(
+        pictures=tuple(
+            Picture(
+                name=f"study-{name}", image=image, caption=_CAPTIONS[name], alt=f"{_CAPTIONS[name]} {said}"
+            )
+            for name, image in images.items()
+        )
     )
     sections = [
         Section(
@@ -74,7 +85,7 @@ def design_page(
                 Bullets(items=tuple(f"{_LABELS.get(k, k)}: {in_words(text)}" for k, text in summary)),
             ),
         ),
-        Section(heading="Figures", blocks=(figure,)),
+        Section(heading="Figures", blocks=(figures,)),
         Section(heading="Best by objective", blocks=(_by_objective(study),)),
     ]
     if influences:
@@ -97,17 +108,16 @@ def _by_objective(study: Study) -> Table:
             row = study.best(name)
             rows.append(
                 (
-                    BY_NAME[name].meaning,
+                    f"{BY_NAME[name].meaning} `{name}`",
                     BY_NAME[name].unit,
                     in_words(best_at(study, name)),
                     _number(float(column[row])),
                     _number(study.own[name]),
-                    f"`{name}`",
                 )
             )
     return Table(
-        caption="For each objective the best design and the file’s own",
-        head=("objective", "unit", "best at", "value", "file’s own", "for `--objective`"),
+        caption="For each objective, with its name for `--objective`, the best design and the file’s own",
+        head=("objective", "unit", "best at", "value", "file’s own"),
         rows=tuple(rows),
         numbers=False,
     )
@@ -147,7 +157,9 @@ def _designs(study: Study, front: Sequence[str], robust: Robust | None) -> Fold 
 
 
 def _is_best(at: str) -> str:
-    return "it makes no difference" if at == "every design alike" else f"{at} is best"
+    if at == "every design alike":
+        return "it makes no difference"
+    return f"{at} are best" if at.endswith(" more") else f"{at} is best"
 
 
 def _design(study: Study, row: int) -> str:

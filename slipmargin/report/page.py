@@ -187,6 +187,8 @@ def _block(block: Block, pictures: list[int]) -> str:
     )
 
 
+#: What no narrow window should have to show in one line.
+_LONG_WORD = re.compile(r"\S{15,}")
 #: A picture below the first width is shown whole in a window of 400 px; then it is at least so wide [px].
 WIDE, NARROW = 620.0, 250.0
 
@@ -198,11 +200,11 @@ def _fact(fact: Fact) -> str:
 
 def _table(table: Table) -> str:
     kind = ' class="numbers"' if table.numbers else ""
-    head = "".join(f'<th scope="col">{_rich(cell)}</th>' for cell in table.head)
+    head = "".join(f'<th scope="col"{_long(cell)}>{_rich(cell)}</th>' for cell in table.head)
     rows = "".join(
         "<tr>"
-        + f'<th scope="row">{_rich(row[0])}</th>'
-        + "".join(f"<td>{_rich(cell)}</td>" for cell in row[1:])
+        + f'<th scope="row"{_long(row[0])}>{_rich(row[0])}</th>'
+        + "".join(f"<td{_long(cell)}>{_rich(cell)}</td>" for cell in row[1:])
         + "</tr>\n"
         for row in table.rows
     )
@@ -210,6 +212,11 @@ def _table(table: Table) -> str:
         f'<div class="wide" tabindex="0"><table{kind}><caption>{_rich(table.caption)}</caption>\n'
         f"<thead><tr>{head}</tr></thead>\n<tbody>{rows}</tbody></table></div>"
     )
+
+
+def _long(cell: str) -> str:
+    """The class of a cell with a word so long that a narrow window must break it; numbers stay whole."""
+    return ' class="long"' if _LONG_WORD.search(cell) else ""
 
 
 def _rich(text: str) -> str:

@@ -140,6 +140,8 @@ def _left_out(model: Model) -> list[str]:
         out.append("friction that depends on place, speed, load or time")
     if model.external.terms:
         out.append("forces on the body that are not wheel friction")
+    if model.external.reliefs:
+        out.append("ramps and ridges of the floor")
     if model.grip.viscous_N_s_per_m.any():
         out.append("viscous friction of the wheels")
     return out

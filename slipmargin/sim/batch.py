@@ -22,6 +22,7 @@ from slipmargin.sim import layout as at
 from slipmargin.sim.cold import warm_up
 from slipmargin.sim.lifting import LIFTED
 from slipmargin.sim.motion import TASK, TOLD, probed, run, workspace
+from slipmargin.sim.play import taken_up
 from slipmargin.sim.signal import WheelSignal
 from slipmargin.sim.wheels import follow
 
@@ -234,6 +235,8 @@ class Batch:
             tasks[r, TASK:] = spin
             if row[at.LAGGED] > 0.0:
                 knots, coef = follow(row, knots, coef, spin)
+            if row[at.PLAYS] > 0.0:
+                knots, coef = taken_up(row, knots, coef)
             columns, wheels = probed(row, len(push) > 0), row[at.HEAD : at.HEAD + n * at.WHEEL]
             first = int(row[at.EDGES_AT])
             edges = np.sort(np.concatenate([push[:, 0], row[first : first + int(row[at.EDGES])]]))

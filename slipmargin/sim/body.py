@@ -3,10 +3,11 @@
 The state begins with (X, Y, φ, v_x, v_y, ω): centre of mass in the floor frame, velocity of the centre
 of mass in the body frame.  Equations of motion about the centre of mass (eqs 4–7 for any wheels):
 
-    m (v̇ + ω × v) = F,   I ω̇ = M,   F = −Σ N_i (f_W,i ĝ_i + f_T,i f̂_i) + external forces
+    m (v̇ + ω × v) = F,   I ω̇ = M,   F = −Σ N_i (f_W,i ĝ_i + f_T,i f̂_i + ∇h_i) + external forces
 
+with the slope ∇h_i of the floor under wheel i (physics/relief.py).
 Loads are N_i = S_i + P_i·a with a = F/m and S_i = rest_i (1 − lift/Σ rest) + tilt_i·Σ h_k F_k
-(physics/loads.py), so they are solved with the motion: with φ_i = f_W ĝ_i + f_T f̂_i,
+(physics/loads.py), so they are solved with the motion: with φ_i = f_W ĝ_i + f_T f̂_i + ∇h_i,
 (m 1 + Σ φ_i P_iᵀ) a = −Σ S_i φ_i + external forces: two linear equations.  Where a wheel
 lifts, S and P are those of :mod:`slipmargin.sim.lifting`.
 """
@@ -16,46 +17,25 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from slipmargin.physics import contact as contacts, frames, terms
+from slipmargin.physics import contact as contacts, frames, relief, terms
 from slipmargin.physics.compiled import inner, spliced, twin
 from slipmargin.physics.constants import CRAWL_M_S, SLOW_M_S, SLOW_RAD_S
-from slipmargin.sim import layout as at
-from slipmargin.sim.columns import (
-    ALPHA,
-    BY_SPEED,
-    BY_TORQUE,
-    FACTORS,
-    FORCE_T,
-    FORCE_W,
-    INVERSE,
-    K_T,
-    K_W,
-    LEVER,
-    LIFT,
-    LOAD,
-    MU_T,
-    MU_W,
-    OMEGA,
-    PUSH,
-    RIGID,
-    RISE_T,
-    RISE_W,
-    ROUND,
-    SHARED_X,
-    SHARED_Y,
-    SLIP_T,
-    SLIP_W,
-    STILL,
-    THETA,
-    TILTING,
-    TT,
-    UP,
-    WRENCH,
-    WT,
-    WW,
-)
+from slipmargin.sim import columns as col, layout as at
 from slipmargin.sim.lifting import hang, lifts
 
+ALPHA, BY_SPEED, BY_TORQUE, FACTORS, FORCE_T = (
+    col.ALPHA,
+    col.BY_SPEED,
+    col.BY_TORQUE,
+    col.FACTORS,
+    col.FORCE_T,
+)
+FORCE_W, HILL, INVERSE, K_T, K_W = col.FORCE_W, col.HILL, col.INVERSE, col.K_T, col.K_W
+LEVER, LIFT, LOAD, MU_T, MU_W = col.LEVER, col.LIFT, col.LOAD, col.MU_T, col.MU_W
+OMEGA, PUSH, RIGID, RISE_T, RISE_W = col.OMEGA, col.PUSH, col.RIGID, col.RISE_T, col.RISE_W
+ROUND, SHARED_X, SHARED_Y, SLIP_T, SLIP_W = col.ROUND, col.SHARED_X, col.SHARED_Y, col.SLIP_T, col.SLIP_W
+STILL, THETA, TILTING, TT, UP = col.STILL, col.THETA, col.TILTING, col.TT, col.UP
+WRENCH, WT, WW = col.WRENCH, col.WT, col.WW
 _TERM, _FORCE, _MASS, _INERTIA = at.TERM, at.FORCE, at.MASS, at.INERTIA
 _COM_X, _COM_Y, _LAG, _DROOP = at.COM_X, at.COM_Y, at.LAG, at.DROOP
 _STALL, _SLOWING, _WHEEL_INERTIA = at.STALL_TORQUE, at.SLOWING, at.INERTIA_OF_WHEEL
@@ -69,9 +49,11 @@ _RHO, _REST, _LX, _LY, _MU = at.RADIUS, at.REST, at.LOAD_X, at.LOAD_Y, at.ROLLER
 _PLACE = at.PLACE
 _TX, _TY, _NSX = at.TILT_X, at.TILT_Y, at.NO_SLIP_X
 _OUT_COS, _OUT_SIN = at.RUNOUT_COS, at.RUNOUT_SIN
+_RELIEFS, _RELIEFS_AT, _RELIEF = at.RELIEFS, at.RELIEFS_AT, at.RELIEF
 
 _contact, _basis, _basis_slope = twin(contacts.contact), twin(terms.basis_function), twin(terms.basis_slope)
 _place_variable = twin(terms.place_variable)
+_rise, _beyond = twin(relief.rise), twin(relief.beyond)
 _to_body, _to_floor, _velocity_at = twin(frames.to_body), twin(frames.to_floor), twin(frames.velocity_at)
 
 
@@ -187,8 +169,42 @@ def _factors(P: Any, W: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
 
 
 @inner
+def _climb(P: Any, W: Any, y: Any, B: Any) -> None:
+    """What the slope of the floor under the wheels adds to the wrench, and to its change with acceleration.
+
+    The loads without acceleration push, into B[WRENCH]; those that follow it, row by row, into B[HILL].
+    """
+    left = 1.0 - B[LIFT] / P[_LIFTED]
+    for r in range(6):
+        B[HILL + r] = 0.0
+    for i in range(len(W)):
+        w = W[i]
+        px, py = _to_floor(y[2], w[_AX], w[_AY])
+        x, z = 0.0, 0.0
+        q = int(P[_RELIEFS_AT])
+        for _ in range(int(P[_RELIEFS])):
+            away = P[q + 5]
+            d = _beyond(P[q + 4], away, y[0] + px, y[1] + py)
+            along = _rise(int(P[q]), P[q + 1], P[q + 2], P[q + 3], d)
+            x += along * math.cos(away)
+            z += along * math.sin(away)
+            q += _RELIEF
+        x, z = _to_body(y[2], x, z)
+        m = w[_AX] * z - w[_AY] * x
+        still = left * w[_REST] + w[_TX] * B[TILTING] + w[_TY] * B[TILTING + 1]
+        B[WRENCH] -= still * x
+        B[WRENCH + 1] -= still * z
+        B[WRENCH + 2] -= still * m
+        for k in range(2):
+            more = w[_LX + k]
+            B[HILL + k] += x * more
+            B[HILL + 2 + k] += z * more
+            B[HILL + 4 + k] -= m * more
+
+
+@inner
 def _external(P: Any, W: Any, t: float, y: Any, C: Any, B: Any) -> None:
-    """Push and force terms as one wrench in the body frame about the centre of mass, its moment and lift."""
+    """Push, force terms and slopes as one wrench in the body frame at the centre of mass, moment and lift."""
     fx, fy = B[PUSH], B[PUSH + 1]
     if fx != 0.0 or fy != 0.0:
         fx, fy = _to_body(y[2], fx, fy)
@@ -223,6 +239,8 @@ def _external(P: Any, W: Any, t: float, y: Any, C: Any, B: Any) -> None:
         q = place + 3 * count
     B[WRENCH], B[WRENCH + 1], B[WRENCH + 2] = fx, fy, mz
     B[TILTING], B[TILTING + 1], B[LIFT] = hx, hy, lift
+    if P[_RELIEFS] > 0.0:
+        _climb(P, W, y, B)
 
 
 @spliced
@@ -239,8 +257,8 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
     modulated, follows, mass = P[_MODS] > 0.0, P[_FOLLOWS] > 0.0, P[_MASS]
     for turn in range(60):
         fx, fy, mz = B[WRENCH], B[WRENCH + 1], B[WRENCH + 2]
-        mxx, mxy, lx = mass, 0.0, 0.0
-        myx, myy, ly = 0.0, mass, 0.0
+        mxx, mxy, lx = mass + B[HILL], B[HILL + 1], B[HILL + 4]
+        myx, myy, ly = B[HILL + 2], mass + B[HILL + 3], B[HILL + 5]
         for i in range(len(W)):
             w, c = W[i], C[i]
             gx, gy, gm = w[_GX], w[_GY], w[_GM]

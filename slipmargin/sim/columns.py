@@ -25,4 +25,6 @@ CONTACT = 27
 #: wheel (6), external wrench in the body frame (3), its moment h F (2), lift, wheels in the air and the pull
 #: on one that would keep the robot upright [N].
 PUSH, INVERSE, LEVER, FACTORS, WRENCH, TILTING, LIFT, UP, PULLED = 0, 4, 8, 10, 16, 19, 21, 22, 23
-BODY = 24
+#: What the loads that follow the acceleration change of the wrench on a floor that rises (3 × 2).
+HILL = 24
+BODY = 30

@@ -41,7 +41,10 @@ LAW = 29  #: the friction law's number (physics/friction_laws.py)
 LIFTED = 30  #: Σ of the loads at rest [N]
 EDGES = 31  #: how many instants at which a term over time jumps or kinks
 EDGES_AT = 32
-HEAD = 33
+PLAYS = 33  #: 1 where a wheel has play
+RELIEFS = 34  #: how many ramps and ridges the floor has
+RELIEFS_AT = 35
+HEAD = 36
 
 # --- a wheel ----------------------------------------------------------------------------------
 #: Sliding velocity along ĝ = the next four · (v_x, v_y, ω, wheel speed), of the centre of mass; likewise f̂.
@@ -76,7 +79,8 @@ NO_SLIP_W = 27
 INERTIA_OF_WHEEL = 28  #: of the wheel with its motor, at the wheel [kg m²]
 RUNOUT_COS = 29  #: the radius is ρ (1 + a cos θ + b sin θ): a [1]
 RUNOUT_SIN = 30  #: b [1]
-WHEEL = 31
+PLAY = 31  #: whole play between motor and wheel [rad]
+WHEEL = 32
 
 # --- a term -----------------------------------------------------------------------------------
 #: A modulation: variable, basis, target, count, shape a, shape b, place (3), N weights, count coefficients.
@@ -84,3 +88,5 @@ PLACE = 6
 TERM = 9
 #: A force: variable, basis, frame, count, shape a, shape b, height [m], lift [N], 3 × count coefficients.
 FORCE = 8
+#: A ramp or ridge of the floor: profile, size, extent [m], edge [m], offset [m], direction [rad].
+RELIEF = 6

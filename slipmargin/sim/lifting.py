@@ -9,7 +9,8 @@ Where no three wheels that touch span an area the robot begins to tip: no loads 
 that touch then carry the weight between them, and what the floor would have to pull to keep the robot upright
 is told: this model knows no turn about a horizontal axis, so a run ends where that lasts or grows.
 
-A wheel in the air has no friction; viscous friction, which does not know the load, stays.
+A wheel in the air has no friction; viscous friction, which does not know the load, stays, and so does the
+force of a floor that rises under it.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from slipmargin.sim.columns import (
     AIR,
     FORCE_T,
     FORCE_W,
+    HILL,
     INVERSE,
     LEVER,
     LOAD,
@@ -88,8 +90,8 @@ def _share(W: Any, C: Any, glue: float) -> None:
 def _accelerate(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
     """The acceleration and the loads that follow it, from what each wheel carries."""
     fx, fy, mz = B[WRENCH], B[WRENCH + 1], B[WRENCH + 2]
-    mxx, mxy, lx = P[_MASS], 0.0, 0.0
-    myx, myy, ly = 0.0, P[_MASS], 0.0
+    mxx, mxy, lx = P[_MASS] + B[HILL], B[HILL + 1], B[HILL + 4]
+    myx, myy, ly = B[HILL + 2], P[_MASS] + B[HILL + 3], B[HILL + 5]
     for i in range(len(W)):
         w, c = W[i], C[i]
         f, g, still, px, py = c[FORCE_W], c[FORCE_T], c[SHARED], c[SHARED_X], c[SHARED_Y]

@@ -13,6 +13,7 @@ from slipmargin.physics import sectors
 from slipmargin.physics.contact import BOX, DISC_STRIP, ELLIPSE
 from slipmargin.physics.frames import moment
 from slipmargin.physics.grips import GripShape
+from slipmargin.physics.relief import Relief
 from slipmargin.physics.terms import OF_PLACE, ForceTerm, Multiplier
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.sim import layout as at
@@ -65,9 +66,10 @@ def pack(model: Model) -> Array:
     ):
         head[count], head[start] = len(blocks), place
         place += sum(len(b) for b in blocks)
-    edges = _edges(model)
+    edges, reliefs = _edges(model), [_relief(r) for r in model.external.reliefs]
     head[at.EDGES], head[at.EDGES_AT] = len(edges), place
-    flat = np.concatenate([head, wheels.ravel(), *mods, *forces, *commands, edges])
+    head[at.RELIEFS], head[at.RELIEFS_AT] = len(reliefs), place + len(edges)
+    flat = np.concatenate([head, wheels.ravel(), *mods, *forces, *commands, edges, *reliefs])
     if not np.all(np.isfinite(flat)):
         raise InputError("model", "holds a number that is not finite", "give finite parameters")
     return read_only(flat)
@@ -109,8 +111,9 @@ def _fill(head: Array, model: Model) -> None:
     head[at.VISCOUS_W], head[at.VISCOUS_T] = grip.viscous_N_s_per_m
     head[at.LOAD_FOLLOWS] = follows
     head[at.LOAD_ITERATES] = follows and Variable.WHEEL_LOAD in variables
-    head[at.BY_HEADING] = bool((variables | terms) & _HEADING) or floor
-    head[at.BY_POSITION] = bool((variables | terms) & _PLACE)
+    uneven = bool(model.external.reliefs)
+    head[at.BY_HEADING] = bool((variables | terms) & _HEADING) or floor or uneven
+    head[at.BY_POSITION] = bool((variables | terms) & _PLACE) or uneven
     out_of_round = bool(np.any(model.geometry.runout))
     head[at.BY_TIME] = bool((variables | terms) & _TIME) or out_of_round
     against = any(f.frame is Frame.AGAINST_MOTION for f in model.external.terms)
@@ -125,6 +128,7 @@ def _fill(head: Array, model: Model) -> None:
     stall, top = drives.stall_torque_N_m, drives.max_speed_rad_s
     head[at.STALL_TORQUE], head[at.SLOWING] = stall or 0.0, 0.0 if top is None else 1.0 / top
     head[at.DRIVEN] = stall is not None or bool(np.any(transients.droop_rad_s_per_N_m))
+    head[at.PLAYS] = bool(np.any(transients.play_rad))
     head[at.LAGGED] = bool(
         np.any(transients.lag_s)
         or np.any(transients.gain != 1.0)
@@ -154,6 +158,7 @@ def _wheels(model: Model) -> Array:
     rows[:, at.LAG] = model.actuators.lag_s
     rows[:, at.GAIN] = model.actuators.gain
     rows[:, at.DROOP] = model.actuators.droop_rad_s_per_N_m
+    rows[:, at.PLAY] = model.actuators.play_rad
     rows[:, [at.RUNOUT_COS, at.RUNOUT_SIN]] = c.runout
     rows[:, [at.NO_SLIP_X, at.NO_SLIP_Y, at.NO_SLIP_W]] = model.geometry.no_slip_map().T
     return rows
@@ -187,6 +192,10 @@ def _force(f: ForceTerm, model: Model) -> Array:
             coefficients.ravel(),
         ]
     )
+
+
+def _relief(r: Relief) -> Array:
+    return np.array([float(r.profile), r.size, r.extent_m, r.edge_m, r.offset_m, r.direction_rad])
 
 
 def _edges(model: Model) -> Array:

@@ -308,6 +308,17 @@ def test_the_page_of_benchmarks_is_what_its_script_makes() -> None:
     assert done.stdout == (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
 
 
+def test_the_scripts_of_pictures_name_what_there_is() -> None:
+    """docs/pictures.py imported a function that had been removed, and no picture could be drawn again."""
+    script = ast.parse((ROOT / "docs" / "pictures.py").read_text(encoding="utf-8"))
+    taken = [node for node in ast.walk(script) if isinstance(node, ast.ImportFrom)]
+    ours = [node for node in taken if (node.module or "").startswith("slipmargin")]
+    assert len(ours) >= 3
+    for node in ours:
+        module = importlib.import_module(node.module or "")
+        assert [name.name for name in node.names if not hasattr(module, name.name)] == []
+
+
 def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
     """As ``make docs`` does, with notebooks that were not run."""
     pytest.importorskip("mkdocs")

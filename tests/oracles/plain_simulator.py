@@ -12,9 +12,11 @@ from collections.abc import Callable
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
+from scipy.special import expit
 
 from slipmargin.checks import Array
 from slipmargin.model import Model
+from slipmargin.physics.relief import Profile
 from slipmargin.physics.terms import Multiplier
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.robot import GripShape
@@ -208,6 +210,20 @@ def _push_of_terms(at: _Instant) -> tuple[Array, Array, float]:
     return total, tilting, lift
 
 
+def _slopes(model: Model, contact: Array) -> Array:
+    """∇h (N, 2) of the floor under contacts (N, 2): of heights written out again, by a complex step."""
+    total = np.zeros_like(contact)
+    for r in model.external.reliefs:
+        normal = np.array([np.cos(r.direction_rad), np.sin(r.direction_rad)])
+        d = contact @ normal - r.offset_m + 1e-30j
+        if r.profile is Profile.RAMP:
+            steep = r.size * (expit(d.real / r.edge_m) - expit((d.real - r.extent_m) / r.edge_m))
+        else:
+            steep = np.imag(r.size * 0.5 ** ((2.0 * d / r.extent_m) ** 2)) / 1e-30
+        total = total + steep[:, None] * normal
+    return total
+
+
 def acceleration(
     model: Model,
     t: float,
@@ -234,6 +250,7 @@ def acceleration(
     shifted = np.linalg.lstsq(balance, np.append(0.0, tilting), rcond=None)[0]
     still = model.loads.rest_N * (1.0 - lift / model.loads.rest_N.sum()) + shifted
     viscous = model.grip.viscous_N_s_per_m[:, None] * at.slip
+    hill = _slopes(model, at.contact) @ at.turn
 
     def result(a: Array) -> tuple[Array, Array, Array]:
         load = pressing(balance.T, still + model.loads.per_acceleration_kg @ a)
@@ -246,6 +263,7 @@ def acceleration(
         ).T
         force = -(load * f) - viscous
         xy = force[0][:, None] * model.geometry.grip + force[1][:, None] * model.geometry.free
+        xy = xy - load[:, None] * hill
         total = outside + np.append(xy.sum(axis=0), np.sum(arm[:, 0] * xy[:, 1] - arm[:, 1] * xy[:, 0]))
         return total / np.array([model.inertia.mass_kg] * 2 + [model.inertia.inertia_kg_m2]), force, load
 
@@ -335,6 +353,47 @@ def reference_motion(
             poses[j] = np.append(state[:2] - np.array([[c, -s], [s, c]]) @ model.inertia.com_m, state[2])
         y = done.y[:, -1]
     return poses
+
+
+def played(wheels: WheelMotion, knots_s: Array, play_rad: Array) -> tuple[WheelMotion, Array]:
+    """What wheels do behind whole plays (N,) for what their motors do, and all instants at which that kinks.
+
+    From rest in the middle: the sequence of clips on a fine grid, its changes made sharp by bisection.
+    """
+    half, grid = 0.5 * play_rad, np.linspace(knots_s[0], knots_s[-1], 4001)
+    motor = np.array([wheels(t)[0] for t in grid])
+    rest, sense = motor[0].copy(), np.where(half > 0.0, 0, 1)
+    rows: list[list[tuple[float, int, float]]] = [
+        [(grid[0], int(s), float(r))] for s, r in zip(sense, rest, strict=True)
+    ]
+    for low, high in itertools.pairwise(grid):
+        for i in np.flatnonzero(half):
+            start, s, at = rows[i][-1]
+            inner = [low, high]
+            if wheels(low)[1][i] * wheels(high)[1][i] < 0.0:
+                inner.insert(1, brentq(lambda t, i=i: wheels(t)[1][i], low, high, xtol=1e-15))
+            for a, b in itertools.pairwise(inner):
+                up = np.sign(wheels(b)[0][i] - wheels(a)[0][i])
+                if s == -up and s:
+                    s, at = 0, wheels(a)[0][i] + up * half[i]
+                    rows[i].append((a, 0, at))
+                if s == 0 and up and up * (wheels(b)[0][i] - at) > half[i]:
+
+                    def gap(t: float, i: int = i, goal: float = at + up * half[i]) -> float:
+                        return float(wheels(t)[0][i] - goal)
+
+                    s, start = int(up), a if gap(a) * up >= 0.0 else brentq(gap, a, b, xtol=1e-15)
+                    rows[i].append((start, s, 0.0))
+
+    def behind(t: float) -> tuple[Array, Array, Array]:
+        theta, omega, alpha = (np.array(x) for x in wheels(t))
+        for i, changes in enumerate(rows):
+            _, s, at = [c for c in changes if c[0] <= t][-1]
+            theta[i] = theta[i] - s * half[i] if s else at
+            omega[i], alpha[i] = omega[i] * bool(s), alpha[i] * bool(s)
+        return theta, omega, alpha
+
+    return behind, np.unique([*knots_s, *(c[0] for changes in rows for c in changes)])
 
 
 def _rigid(model: Model, theta: Array) -> Array:

@@ -81,7 +81,10 @@ function polar(data) {
     node(svg, "polygon", { class: "curve " + key, id: "curve-" + name, points: curve(data[name]) });
   const [x, y] = place(data.weakest.angle, Math.max(data.weakest.value || 0, 0) * scale);
   node(svg, "circle", { class: "ring", cx: x, cy: y, r: 5 });
+  readable(svg);
 }
+
+const readable = (svg) => svg.append(...svg.querySelectorAll("text")); // words stand over the curves
 
 function section(data) {
   const svg = byId("section"), right = data.section.right, forward = data.section.forward;
@@ -89,6 +92,7 @@ function section(data) {
   node(svg, "polygon", { class: "area safe", points: points(right.map((v, k) => [v * scale, -forward[k] * scale])) });
   node(svg, "polygon", { class: "curve turning", id: "curve-section",
     points: points(right.map((v, k) => [v * scale, -forward[k] * scale])) });
+  readable(svg);
 }
 
 function robot(data) {

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from matplotlib.collections import QuadMesh
 from strategies import kiwi
 
 from slipmargin.effects import Recipe
-from slipmargin.plots.study import study_figure
-from slipmargin.plots.style import image
+from slipmargin.plots.study import study_figure, study_panels
+from slipmargin.plots.style import images
 from slipmargin.report.design import in_words
 from slipmargin.report.design_page import design_page
-from slipmargin.report.page import html
+from slipmargin.report.page import Page, Section, Table, html
+from slipmargin.report.page_style import CSS
 from slipmargin.study.objectives import BY_NAME, Kind
 from slipmargin.study.robot_on_surface import RobotOnSurface
 from slipmargin.study.robust import parse_interval, robust
@@ -68,9 +71,19 @@ def test_two_numbers_make_a_heat_map() -> None:
 def test_every_kind_of_study_can_be_drawn_and_told(texts: tuple[str, ...]) -> None:
     found = made(*texts)
     assert len(study_figure(found, ("f_worst", "f_mean")).axes) >= 4
-    drawn = image(study_figure(found, ("f_worst", "f_mean"), None))
+    drawn = images(study_panels(found, ("f_worst", "f_mean"), None))
     page = html(design_page(found, ("f_worst", "f_mean"), None, (), [("best", "it")], drawn))
-    assert page.count("<h2") == 4 and "<svg" in page
+    assert page.count("<h2") == 4 and page.count("<svg") == 4
+    assert not re.search(r"<text[^>]*>[^<]*(delta_deg|load_model|mass_kg)", page)  # nobody typed a key
+
+
+def test_only_long_words_break_in_a_narrow_table() -> None:
+    """At 400 px the last column was broken letter by letter: "0.2" over "25", "f_w" over "ors" over "t"."""
+    table = Table(caption="c", head=("a", "limited by"), rows=(("0.2366", "front-left+rear-right"),))
+    page = html(Page(title="t", lead="l", sections=(Section(heading="h", blocks=(table,)),)))
+    assert '<th scope="row">0.2366</th><td class="long">front-left+rear-right</td>' in page
+    narrow = CSS.split("@media (max-width: 34rem)")[1].split("@media print")[0]
+    assert re.findall(r"([^{};]*)\{ overflow-wrap: anywhere", narrow) == [" .long "]
 
 
 def test_a_page_says_in_words_what_a_command_calls_by_its_key() -> None:
@@ -83,6 +96,6 @@ def test_a_page_says_in_words_what_a_command_calls_by_its_key() -> None:
         f"0.001 m more centre of mass y: {BY_NAME['f_worst'].meaning}"
     )
     found = made("delta_deg=10:40:10")
-    drawn = image(study_figure(found, ("f_worst", "f_mean"), None))
+    drawn = images(study_panels(found, ("f_worst", "f_mean"), None))
     lead = design_page(found, ("f_worst", "f_mean"), None, (), [("best", "it")], drawn).lead
     assert "wheel angle δ" in lead and "_" not in lead

@@ -1,0 +1,144 @@
+"""Play between a motor and its wheel: what the wheel does while the motor takes it up (compiled).
+
+With the whole play 2 b the wheel's angle is the nearest to its last one within the motor's ± b (the play
+operator; A. Visintin, Differential Models of Hysteresis, Springer 1994, section III.2):
+
+    θ(t) = min(max(θ(t − 0), θ_m(t) − b), θ_m(t) + b)
+
+So a wheel turns as its motor does, or stands: between two changes nothing but a number is subtracted.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from slipmargin.physics.compiled import fast, spliced
+from slipmargin.physics.constants import SLOW_RAD_S
+from slipmargin.sim import layout as at
+from slipmargin.sim.stops import SAME_S
+from slipmargin.sim.wheels import turn
+
+_H, _W, _COUNT, _LAG, _PLAY = at.HEAD, at.WHEEL, at.COUNT, at.LAG, at.PLAY
+
+#: A piece is looked at so many times for instants at which its motor turns back.
+_LOOKS = 8
+#: Halvings after which such an instant is known to the last digit.
+_HALVINGS = 52
+
+
+@spliced
+def _turns_back(c: Any, lag: float, low: float, high: float) -> float:
+    """When the speed changes its sign between two times into a piece."""
+    before = turn(c, lag, low)[1]
+    for _ in range(_HALVINGS):
+        mid = 0.5 * (low + high)
+        if turn(c, lag, mid)[1] * before > 0.0:
+            low = mid
+        else:
+            high = mid
+    return high
+
+
+@spliced
+def _reaches(c: Any, lag: float, low: float, high: float, angle: float, way: int) -> float:
+    """When a motor that turns one way (1 or −1) reaches an angle."""
+    for _ in range(_HALVINGS):
+        mid = 0.5 * (low + high)
+        if way * (turn(c, lag, mid)[0] - angle) < 0.0:
+            low = mid
+        else:
+            high = mid
+    return high
+
+
+@fast
+def _changes(P: Any, knots: Any, coef: Any) -> tuple[Any, Any]:
+    """When each wheel begins to follow its motor or to stand, and where each wheel's rows (N + 1) begin.
+
+    Rows: time [s], 1 or −1 where the wheel follows forwards or backwards, 0 where it stands, and then at
+    which angle [rad].  A wheel whose motor turns at the start has taken its play up; one whose motor stands
+    is in the middle.
+    """
+    n, k = int(P[_COUNT]), len(knots) - 1
+    rows, found = np.empty((64, 3)), 0
+    first = np.zeros(n + 1, dtype=np.int64)
+    for i in range(n):
+        lag, half = P[_H + i * _W + _LAG], 0.5 * P[_H + i * _W + _PLAY]
+        angle, speed, _ = turn(coef[0, i], lag, 0.0)
+        way = 0 if half > 0.0 and abs(speed) <= SLOW_RAD_S else (1 if speed >= 0.0 else -1)
+        stands = angle - way * half
+        first[i] = found
+        for j in range(k):
+            if found + 4 * _LOOKS + 1 > len(rows):
+                more = np.empty((2 * len(rows), 3))
+                more[:found] = rows[:found]
+                rows = more
+            if j == 0:
+                rows[found, 0], rows[found, 1], rows[found, 2] = knots[0], way, stands
+                found += 1
+            if half == 0.0:
+                break
+            c, h = coef[j, i], knots[j + 1] - knots[j]
+            for look in range(_LOOKS):
+                low, end = h * look / _LOOKS, h * (look + 1) / _LOOKS
+                high, back = end, turn(c, lag, low)[1] * turn(c, lag, end)[1] < 0.0
+                if back:
+                    high = _turns_back(c, lag, low, end)
+                for part in range(2 if back else 1):
+                    if part == 1:
+                        low, high = high, end
+                    here, there = turn(c, lag, low)[0], turn(c, lag, high)[0]
+                    if there == here:
+                        continue
+                    ahead = 1 if there > here else -1
+                    if way == -ahead:
+                        way = 0
+                        rows[found, 0], rows[found, 1], rows[found, 2] = knots[j] + low, 0, stands
+                        found += 1
+                    if way == 0 and ahead * (there - stands) > half:
+                        x = _reaches(c, lag, low, high, stands + ahead * half, ahead)
+                        way = ahead
+                        rows[found, 0], rows[found, 1], rows[found, 2] = knots[j] + x, way, stands
+                        found += 1
+                    if way == ahead:
+                        stands = there - ahead * half
+    first[n] = found
+    return rows[:found], first
+
+
+@fast
+def taken_up(P: Any, knots: Any, coef: Any) -> tuple[Any, Any]:
+    """Knots and pieces of the wheels for those of their motors: more of them, as each wheel's changes ask."""
+    n = int(P[_COUNT])
+    rows, first = _changes(P, knots, coef)
+    every = np.sort(np.concatenate((knots, rows[:, 0])))
+    times, kept = np.empty(len(every)), 1
+    times[0] = every[0]
+    for t in every:
+        if t > times[kept - 1] + SAME_S:
+            times[kept] = t
+            kept += 1
+    times = times[:kept]
+    times[kept - 1] = knots[len(knots) - 1]
+    out, now, j = np.zeros((kept - 1, n, 5)), first[:n].copy(), 0
+    for m in range(kept - 1):
+        mid = 0.5 * (times[m] + times[m + 1])
+        while j < len(knots) - 2 and knots[j + 1] <= mid:
+            j += 1
+        x = times[m] - knots[j]
+        for i in range(n):
+            while now[i] + 1 < first[i + 1] and rows[now[i] + 1, 0] <= mid:
+                now[i] += 1
+            way, p = rows[now[i], 1], out[m, i]
+            if way == 0.0:
+                p[0] = rows[now[i], 2]
+                continue
+            c, lag, half = coef[j, i], P[_H + i * _W + _LAG], 0.5 * P[_H + i * _W + _PLAY]
+            p[0] = turn(c, lag, x)[0] - way * half
+            p[1] = c[1] + x * (2.0 * c[2] + 3.0 * c[3] * x)
+            p[2], p[3] = c[2] + 3.0 * c[3] * x, c[3]
+            if c[4] != 0.0:
+                p[4] = c[4] * np.exp(-x / lag)
+    return times, out
