@@ -375,7 +375,7 @@ def driven_beyond(model: Model, heading: float, a: float, slope: float = STEEP) 
         wheels=model.geometry.names,
     )
     run = verify(model, planned)
-    tips = run.ending is Ending.TIPS
+    tips = run.ending is Ending.TIPS or run.lifts_s is not None
     over = run.share > GROSS
     begins = np.argmax(over, axis=0)
     order = np.lexsort(

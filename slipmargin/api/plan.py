@@ -141,6 +141,8 @@ class PlanResult(Result):
             "simulated": {
                 name: {
                     "slips": v.slips,
+                    "lifts_s": v.lifts_s,
+                    "in_air_s": v.in_air_s,
                     "max_share": v.peak,
                     "wheel": v.wheel,
                     "max_drive_slip_m_s": float(np.max(v.slip_m_s)),

@@ -103,6 +103,8 @@ class SimulationResult(Result):
             "friction_work_J": self._work(),
             "peak_drive_slip_m_s": np.abs(self.run.slip[..., 0]).max(axis=0),
             "least_load_N": self.run.load.min(axis=0),
+            "lifts_s": self.run.lifts_s,
+            "in_air_s": self.run.in_air_s,
             **self.run.columns(),
         }
 
@@ -162,7 +164,8 @@ def simulate(
     InputError
         For a fault in the robot file, the commands or an argument.
     MotionStopped
-        If the robot tips or the motion overflows.
+        If the robot tips or the motion overflows.  It tips where no three wheels carry it; while three do, a
+        wheel may hang in the air: ``run.in_air_s`` says for how long each does, ``run.lifts_s`` from when on.
 
     Examples
     --------

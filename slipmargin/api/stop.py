@@ -31,7 +31,8 @@ _STEP_S, _AFTER_S = 0.002, 0.1
 class StopResult(Result):
     """Stopping distances (H, S) and times, and what the simulated robot did (NaN where not simulated).
 
-    ``use`` (H, S) is the largest share of a wheel's grip in simulation.
+    ``use`` (H, S) is the largest share of a wheel's grip in simulation, ``in_air_s`` (H, S) the longest time
+    that a wheel hung in the air there.
     """
 
     model: Model
@@ -42,13 +43,14 @@ class StopResult(Result):
     time_s: Array
     simulated_m: Array
     use: Array
+    in_air_s: Array
     braking: Braking
     warnings: tuple[str, ...]
 
     @property
     def verified(self) -> bool:
-        """Whether every stop was simulated and none used more than the margin leaves, by 0.02 at most."""
-        return bool(np.all(self.use <= 1.0 - self.margin + 0.02))
+        """Whether all were simulated, none used more than the margin leaves, by 0.02, and no wheel lifted."""
+        return bool(np.all((self.use <= 1.0 - self.margin + 0.02) & (self.in_air_s == 0.0)))
 
     @property
     def limited(self) -> tuple[str, ...]:
@@ -83,6 +85,12 @@ class StopResult(Result):
                 f"simulated {self.use.size} stops: {verdict}, uses at most {np.max(self.use):.3f} of a "
                 f"wheel's grip, {1.0 - self.margin:.3g} allowed; distances within {100.0 * apart:.1f} %"
             )
+            lifted = self.in_air_s > 0.0
+            if np.any(lifted):
+                out.append(
+                    f"in {np.count_nonzero(lifted)} of them a wheel hangs in the air, for "
+                    f"{np.nanmax(self.in_air_s):.3g} s at most; the others carry its share"
+                )
         return out
 
     def table_lines(self) -> list[str]:
@@ -146,6 +154,7 @@ class StopResult(Result):
             "time_s": self.time_s,
             "simulated_distance_m": self.simulated_m,
             "simulated_use": self.use,
+            "simulated_in_air_s": self.in_air_s,
             "verified": self.verified,
             "limiting": ["+".join(w) for w in self.braking.wheels],
             "cause": list(self.braking.cause),
@@ -208,12 +217,12 @@ def stop(
     distance, time = (
         np.column_stack([found.at(table, v) for v in speeds]) for table in (found.distance_m, found.time_s)
     )
-    simulated, use = np.full(distance.shape, np.nan), np.full(distance.shape, np.nan)
+    simulated, use, in_air = (np.full(distance.shape, np.nan) for _ in range(3))
     if verify:
         level = replace(model, grip=replace(model.grip, rigid_fraction=np.zeros(model.count)))
         for h in range(len(heading)):
             for k, v in enumerate(speeds):
-                simulated[h, k], use[h, k] = _driven(level, found, h, float(v))
+                simulated[h, k], use[h, k], in_air[h, k] = _driven(level, found, h, float(v))
     return StopResult(
         model=model,
         margin=margin,
@@ -223,6 +232,7 @@ def stop(
         time_s=time,
         simulated_m=simulated,
         use=use,
+        in_air_s=in_air,
         braking=found,
         warnings=warnings,
     )
@@ -246,8 +256,8 @@ def _speeds(model: Model, heading: Array, asked: Sequence[float] | Array | None)
     return np.asarray(np.minimum(speeds, most))
 
 
-def _driven(model: Model, found: Braking, h: int, speed: float) -> tuple[float, float]:
-    """Distance and largest share of a simulated stop from steady motion."""
+def _driven(model: Model, found: Braking, h: int, speed: float) -> tuple[float, float, float]:
+    """Distance, largest share and longest time of a wheel in the air of a simulated stop."""
     from slipmargin.sim.signal import linear
     from slipmargin.sim.simulate import simulate
 
@@ -262,4 +272,7 @@ def _driven(model: Model, found: Braking, h: int, speed: float) -> tuple[float, 
         start_twist=speed * way,
         rtol=1e-6,
     )
-    return float(run.pose[-1, :2] @ way[:2]), float(np.max(run.utilisation))
+    # a wheel that lifted for less than a step of the integration hung for more than no time
+    least = 0.0 if run.lifts_s is None else 1e-9
+    in_air = max(least, float(np.max(run.in_air_s)))
+    return float(run.pose[-1, :2] @ way[:2]), float(np.max(run.utilisation)), in_air

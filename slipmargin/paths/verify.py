@@ -32,7 +32,8 @@ class Verified:
     """What the simulated wheels did: T times, N wheels.
 
     ``share`` (T, N) of the drive grip used, ``slip_m_s`` (T, N) drive slip, ``pose`` (T, 3) simulated,
-    ``drift_m``, ``drift_rad`` at the end against the plan; ``ending`` how the run ended.
+    ``drift_m``, ``drift_rad`` at the end against the plan; ``ending`` how the run ended; ``lifts_s`` when the
+    first wheel lifted (None: none did), ``in_air_s`` (N,) for how long each hung in the air.
     """
 
     t_s: Array
@@ -43,6 +44,8 @@ class Verified:
     drift_rad: float
     ending: Ending
     wheels: tuple[str, ...]
+    lifts_s: float | None
+    in_air_s: Array
 
     @property
     def peak(self) -> float:
@@ -100,4 +103,6 @@ def verify(
         drift_rad=float(abs(off[2])),
         ending=Ending(int(run.ending[0])),
         wheels=model.geometry.names,
+        lifts_s=None if np.isnan(run.lifts_s[0]) else float(t[0] + run.lifts_s[0]),
+        in_air_s=run.in_air_s[0],
     )

@@ -209,3 +209,26 @@ def wheel_loads(
 def transfer(position_m: Array, mass_kg: float, height_m: float) -> Array:
     """(N, 2) change of load per acceleration of a mass at a height, −m h S [kg]."""
     return np.asarray(-mass_kg * height_m * sharing_matrix(position_m)[:, 1:])
+
+
+def sinking(
+    n: float, x: float, y: float, xx: float, xy: float, yy: float, b: float, bx: float, by: float
+) -> tuple[float, float, float]:
+    """The plane l + l_x x + l_y y by which springs press more so that loads have a resultant (b, b_x, b_y).
+
+    Sums over the springs of their stiffness times 1, x, y, x², x y, y²: (l, l_x, l_y) solves A l = b with the
+    matrix of these.  Infinite where the springs stand on one line.
+    """
+    a, c, e = xx * yy - xy * xy, xy * y - x * yy, x * xy - xx * y
+    d, f, g = n * yy - y * y, x * y - n * xy, n * xx - x * x
+    over = 1.0 / (n * a + x * c + y * e)
+    return (
+        (a * b + c * bx + e * by) * over,
+        (c * b + d * bx + f * by) * over,
+        (e * b + f * bx + g * by) * over,
+    )
+
+
+def spread(n: float, x: float, y: float, xx: float, xy: float, yy: float) -> float:
+    """Determinant of the matrix of :func:`sinking`: zero where no three springs span an area."""
+    return n * (xx * yy - xy * xy) + x * (xy * y - x * yy) + y * (x * xy - xx * y)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -23,7 +24,20 @@ def run_lines(run: Run, model: Model, work_J: float, planned_end: Array | None) 
         f"wheel {run.wheels[wheel]} at {run.t_s[when]:.3g} s; "
         f"sliding takes {-work_J:.3g} J",
     ]
+    if run.lifts_s is not None:
+        lines.append(in_air(run.wheels, run.in_air_s, run.lifts_s))
     if planned_end is not None:
         miss = run.pose[-1] - planned_end
         lines.append(f"misses the planned end by {1e3 * math.hypot(*miss[:2]):.2f} mm and {miss[2]:.4f} rad")
     return lines
+
+
+def in_air(wheels: Sequence[str], in_air_s: Array, lifts_s: float) -> str:
+    """Which wheels hang in the air, for how long and from when on."""
+    order = np.argsort(-in_air_s, kind="stable")
+    told = [f"wheel {wheels[i]} for {in_air_s[i]:.3g} s" for i in order if in_air_s[i] > 0.0]
+    if not told:
+        return f"a wheel lifts off, first at {lifts_s:.3g} s"
+    return (
+        f"wheels hang in the air: {', '.join(told)}, first at {lifts_s:.3g} s; the others carry their share"
+    )

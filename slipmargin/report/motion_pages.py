@@ -124,6 +124,9 @@ def plan_page(
     steps = ["`--export choreo FILE` (or `pathplanner`, `ros-path`) writes the motion for your robot."]
     if not proofs:
         steps.insert(0, "Run again with `--verify`: the simulator drives the plan and says whether it slips.")
+    lifts = [name for name, proof in proofs.items() if proof.lifts_s is not None]
+    if lifts:
+        steps.insert(0, f"In the simulator a wheel lifts {' and '.join(lifts)}: use a larger `--margin`.")
     if slips:
         steps.insert(0, f"In the simulator the plan slips {' and '.join(slips)}: use a larger `--margin`.")
     at = thinned(len(rows.t_s), _ROWS)
@@ -131,7 +134,7 @@ def plan_page(
         title=f"Plan for {p.model.robot} on {p.model.surface}",
         lead=f"{p.model.robot} can drive this path of {p.path.length:.3g} m in {p.duration_s:.3g} s on "
         f"{p.model.surface}: no wheel slips, and {100 * (1.0 - share):.3g} % of the grip stays in reserve.",
-        good=not slips,
+        good=not slips and not lifts,
         facts=(
             Fact(label="Time", value=f"{p.duration_s:.4g} s", note=f"for {p.path.length:.4g} m"),
             Fact(label="Top speed", value=f"{speed:.3g} m/s"),

@@ -19,6 +19,7 @@ SPENT = 1e3
 NO_MOTOR = "no motor in the robot file limits it"
 SLIPS = "it slips there whatever the acceleration"
 DRAG = f"at constant speed drag leaves no grip to drive with, or less than 1/{SPENT:g} of what it takes"
+FLOOR = "no wheel lifted off the floor"
 OTHERS = "it was not asked for, not measured or has no finite value"
 #: The last part of a key → why it may be null.
 REASONS = {
@@ -43,6 +44,7 @@ REASONS = {
     "residual_N": "nothing was measured at this orientation",
     "place": "the loads of the robot file do not follow the centre of mass",
     "place_share": "the loads of the robot file do not follow the centre of mass",
+    "lifts_s": FLOOR,
     "pulls": "nothing was measured at this orientation",
 } | {
     f"{safe}{way}_{unit}": SLIPS

@@ -14,6 +14,7 @@ from slipmargin.paths.check import Check
 from slipmargin.paths.plan import Plan
 from slipmargin.paths.trajectory import Trajectory
 from slipmargin.paths.verify import Verified
+from slipmargin.report.motion import in_air
 
 
 def plan_lines(
@@ -41,6 +42,8 @@ def plan_lines(
         lines.append(_chance(likely))
     for name, proof in proofs.items():
         words = "slips" if proof.slips else "does not slip"
+        if proof.lifts_s is not None:
+            words += f" but {in_air(proof.wheels, proof.in_air_s, proof.lifts_s)}"
         lines.append(
             f"simulated   {name}: {words}; uses at most {proof.peak:.4f} of the grip (wheel {proof.wheel}), "
             f"drive slip up to {1e3 * np.max(proof.slip_m_s):.3g} mm/s; open loop it ends "

@@ -20,6 +20,7 @@ from slipmargin.physics.frames import to_body, to_floor, velocity_at
 from slipmargin.physics.grips import GripShape, drive_left
 from slipmargin.sim import layout as at
 from slipmargin.sim.cold import warm_up
+from slipmargin.sim.lifting import LIFTED
 from slipmargin.sim.motion import TASK, TOLD, probed, run, workspace
 from slipmargin.sim.play import taken_up
 from slipmargin.sim.signal import WheelSignal
@@ -27,8 +28,6 @@ from slipmargin.sim.wheels import follow
 
 RTOL = 1e-6
 MAX_STEPS = 2_000_000
-#: A load below zero by more than rounding: the wheel has lifted [m g/N].
-LIFTED = 1e-9
 _THREADS = os.cpu_count() or 1
 #: Fewer runs than this are over sooner than threads are handed their work.
 _FEW = 4
@@ -40,7 +39,7 @@ class Ending(IntEnum):
     """How a run ended; the text says what to change."""
 
     DONE = 0  #: it reached its last output time
-    TIPS = 1  #: a wheel's load fell below zero
+    TIPS = 1  #: no three wheels carry the robot any more
     NOT_FINITE = 2  #: forces or velocities overflowed
     STUCK = 3  #: the step size fell to nothing
     TOO_LONG = 4  #: more steps than allowed
@@ -76,7 +75,9 @@ class Outcome:
 
     ``pose`` (R, T, 3): x, y [m], φ [rad] of the body frame's origin in the floor frame; ``state``
     (R, T, 6): centre of mass in the floor frame, body-frame velocity of the centre of mass;
-    ``ending`` (R,) :class:`Ending`; ``stopped_s`` (R,) time reached; ``steps`` (R, 2) taken, rejected.
+    ``ending`` (R,) :class:`Ending`; ``stopped_s`` (R,) time reached; ``steps`` (R, 2) taken, rejected;
+    ``lifts_s`` (R,) time after which a wheel first hung in the air (NaN: none did), ``in_air_s`` (R, N) for
+    how long each did, to a step of the integration.
     Where asked for: ``theta``, ``load`` (R, T, N), ``slip``, ``force`` (R, T, N, 2) [drive, transverse],
     ``coefficient`` and ``steepness`` (R, T, N, 2) μ [1] and k [s/m] that were in force at that instant,
     ``utilisation`` (R, T, N) |f_W| over what the coefficient and the transverse force left of it.
@@ -87,6 +88,8 @@ class Outcome:
     ending: NDArray[np.int64]
     stopped_s: Array
     steps: NDArray[np.int64]
+    lifts_s: Array
+    in_air_s: Array
     theta: Array | None = None
     slip: Array | None = None
     force: Array | None = None
@@ -256,6 +259,8 @@ class Batch:
             ending=tasks[:, 0].astype(np.int64),
             stopped_s=tasks[:, 1],
             steps=tasks[:, 2:4].astype(np.int64),
+            lifts_s=np.where(tasks[:, 4] < 0.0, np.nan, tasks[:, 4]),
+            in_air_s=tasks[:, TASK:],
             **(_told(out[..., 6:].reshape(runs, longest, n, TOLD), models[which]) if tell else {}),
         )
 

@@ -8,7 +8,8 @@ of mass in the body frame.  Equations of motion about the centre of mass (eqs 4�
 with the slope ∇h_i of the floor under wheel i (physics/relief.py).
 Loads are N_i = S_i + P_i·a with a = F/m and S_i = rest_i (1 − lift/Σ rest) + tilt_i·Σ h_k F_k
 (physics/loads.py), so they are solved with the motion: with φ_i = f_W ĝ_i + f_T f̂_i + ∇h_i,
-(m 1 + Σ φ_i P_iᵀ) a = −Σ S_i φ_i + external forces: two linear equations.
+(m 1 + Σ φ_i P_iᵀ) a = −Σ S_i φ_i + external forces: two linear equations.  Where a wheel
+lifts, S and P are those of :mod:`slipmargin.sim.lifting`.
 """
 
 from __future__ import annotations
@@ -19,8 +20,22 @@ from typing import Any
 from slipmargin.physics import contact as contacts, frames, relief, terms
 from slipmargin.physics.compiled import inner, spliced, twin
 from slipmargin.physics.constants import CRAWL_M_S, SLOW_M_S, SLOW_RAD_S
-from slipmargin.sim import layout as at
+from slipmargin.sim import columns as col, layout as at
+from slipmargin.sim.lifting import hang, lifts
 
+ALPHA, BY_SPEED, BY_TORQUE, FACTORS, FORCE_T = (
+    col.ALPHA,
+    col.BY_SPEED,
+    col.BY_TORQUE,
+    col.FACTORS,
+    col.FORCE_T,
+)
+FORCE_W, HILL, INVERSE, K_T, K_W = col.FORCE_W, col.HILL, col.INVERSE, col.K_T, col.K_W
+LEVER, LIFT, LOAD, MU_T, MU_W = col.LEVER, col.LIFT, col.LOAD, col.MU_T, col.MU_W
+OMEGA, PUSH, RIGID, RISE_T, RISE_W = col.OMEGA, col.PUSH, col.RIGID, col.RISE_T, col.RISE_W
+ROUND, SHARED_X, SHARED_Y, SLIP_T, SLIP_W = col.ROUND, col.SHARED_X, col.SHARED_Y, col.SLIP_T, col.SLIP_W
+STILL, THETA, TILTING, TT, UP = col.STILL, col.THETA, col.TILTING, col.TT, col.UP
+WRENCH, WT, WW = col.WRENCH, col.WT, col.WW
 _TERM, _FORCE, _MASS, _INERTIA = at.TERM, at.FORCE, at.MASS, at.INERTIA
 _COM_X, _COM_Y, _LAG, _DROOP = at.COM_X, at.COM_Y, at.LAG, at.DROOP
 _STALL, _SLOWING, _WHEEL_INERTIA = at.STALL_TORQUE, at.SLOWING, at.INERTIA_OF_WHEEL
@@ -35,24 +50,6 @@ _PLACE = at.PLACE
 _TX, _TY, _NSX = at.TILT_X, at.TILT_Y, at.NO_SLIP_X
 _OUT_COS, _OUT_SIN = at.RUNOUT_COS, at.RUNOUT_SIN
 _RELIEFS, _RELIEFS_AT, _RELIEF = at.RELIEFS, at.RELIEFS_AT, at.RELIEF
-
-#: Columns of the contact table C (N, CONTACT): what is known of each wheel at one instant.
-OMEGA, THETA, ALPHA, RIGID = 0, 1, 2, 3  #: ω [rad/s], θ [rad], ω̇ [rad/s²], 1 on rigid material
-SLIP_W, SLIP_T = 4, 5  #: sliding velocity along ĝ, f̂ [m/s]
-FORCE_W, FORCE_T = 6, 7  #: f_W, f_T per unit of load [1]
-LOAD, STILL = 8, 9  #: the load, and what it would be without acceleration [N]
-WW, WT, TT = 10, 11, 12  #: slopes of the law, f_W over u_T being that of f_T over u_W [s/m]
-MU_W, MU_T, K_W, K_T = 13, 14, 15, 16  #: coefficients [1] and slopes of the law [s/m] in force now
-RISE_W, RISE_T = 17, 18  #: derivatives of the force [N] along ĝ, f̂, while slopes are taken
-BY_TORQUE, BY_SPEED = 19, 20  #: derivatives of a driven wheel's acceleration
-ROUND = 21  #: radius at this angle over the mean radius [1]
-CONTACT = 22
-#: Entries of the body table B: external push in the floor frame (3) and its height, inverse of the mass
-#: matrix of a (2 × 2 row by row), yaw moment per acceleration that loads bring about, factors of a
-#: wheel (6), external wrench in the body frame (3), its moment h F (2), lift, and what the loads that
-#: follow the acceleration change of the wrench on a floor that rises (3 × 2).
-PUSH, INVERSE, LEVER, FACTORS, WRENCH, TILTING, LIFT, HILL = 0, 4, 8, 10, 16, 19, 21, 22
-BODY = 28
 
 _contact, _basis, _basis_slope = twin(contacts.contact), twin(terms.basis_function), twin(terms.basis_slope)
 _place_variable = twin(terms.place_variable)
@@ -258,7 +255,7 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
     law, shape, coupling = int(P[_LAW]), int(P[_SHAPE]), P[_COUPLING]
     k, cw, ct = P[_K], P[_CW], P[_CT]
     modulated, follows, mass = P[_MODS] > 0.0, P[_FOLLOWS] > 0.0, P[_MASS]
-    for turn in range(60 if P[_ITERATES] > 0.0 else 1):
+    for turn in range(60):
         fx, fy, mz = B[WRENCH], B[WRENCH + 1], B[WRENCH + 2]
         mxx, mxy, lx = mass + B[HILL], B[HILL + 1], B[HILL + 4]
         myx, myy, ly = B[HILL + 2], mass + B[HILL + 3], B[HILL + 5]
@@ -306,11 +303,17 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
         B[INVERSE], B[INVERSE + 1] = myy * det, -mxy * det
         B[INVERSE + 2], B[INVERSE + 3] = -myx * det, mxx * det
         B[LEVER], B[LEVER + 1] = lx, ly
-        change = abs(ax - acc[0]) + abs(ay - acc[1])
+        before_x, before_y = acc[0], acc[1]
         acc[0], acc[1], acc[2] = ax, ay, (mz + lx * ax + ly * ay) / P[_INERTIA]
         if follows:
             for i in range(len(W)):
                 C[i, LOAD] = C[i, STILL] + W[i, _LX] * ax + W[i, _LY] * ay
+        B[UP] = 0.0
+        if lifts(P, C):
+            hang(P, W, C, B, acc)
+        if P[_ITERATES] == 0.0 and not (modulated and B[UP] > 0.0):
+            break
+        change = abs(acc[0] - before_x) + abs(acc[1] - before_y)
         if turn > 0 and change <= 1e-14 * (1.0 + abs(ax) + abs(ay)):
             break
 
@@ -375,7 +378,10 @@ def slopes(P: Any, W: Any, y: Any, C: Any, B: Any, J: Any, speeds: int) -> None:
         J[2, column] = (mz + B[LEVER] * ax + B[LEVER + 1] * ay) / P[_INERTIA]
         for i in range(speeds):  # torques follow the loads, which follow the body
             row, c = W[i], C[i]
-            load = row[_LX] * ax + row[_LY] * ay
+            px, py = row[_LX], row[_LY]
+            if B[UP] > 0.0:
+                px, py = c[SHARED_X], c[SHARED_Y]
+            load = px * ax + py * ay
             torque = (c[RISE_W] + c[FORCE_W] * load) * row[_GR]
             torque += (c[RISE_T] + c[FORCE_T] * load) * row[_FR]
             torque *= c[ROUND]

@@ -15,27 +15,28 @@ from numpy.typing import NDArray
 from slipmargin.checks import Array
 from slipmargin.physics.compiled import kernel, spliced
 from slipmargin.sim import layout as at
-from slipmargin.sim.body import (
+from slipmargin.sim.body import _to_floor, evaluate, slopes, wheel_rate
+from slipmargin.sim.columns import (
+    AIR,
     ALPHA,
     BODY,
     CONTACT,
     FORCE_T,
     FORCE_W,
+    HUNG,
     K_T,
     K_W,
     LOAD,
     MU_T,
     MU_W,
     OMEGA,
+    PULLED,
     PUSH,
     RIGID,
     SLIP_T,
     SLIP_W,
     THETA,
-    _to_floor,
-    evaluate,
-    slopes,
-    wheel_rate,
+    UP,
 )
 from slipmargin.sim.rodas import GAMMA, TIME, WHEN, begin, dense, end, factor, solve
 from slipmargin.sim.stops import AHEAD, SAME_S, first_switch, next_stop, sector
@@ -49,8 +50,9 @@ DONE, TIPS, NOT_FINITE, STUCK, TOO_LONG = range(5)
 #: Columns of what is told of each wheel: angle, slip (2), force (2), load, coefficients (2), slopes (2).
 TOLD = 10
 #: Entries of a run's task: state at the start (6), relative and absolute error, most steps, the pull that
-#: a wheel may bear before the run ends [m g/N]; and of what comes back in their place: status, time
-#: reached, steps taken and rejected.
+#: a wheel may bear before the run ends [m g/N], speeds of the wheels (N); and of what comes back in their
+#: place: status, time reached, steps taken and rejected, when a wheel first hung in the air (−1: never);
+#: and for how long each did (N) [s].
 START, RTOL, ATOL, MOST, PULL, TASK = 0, 6, 7, 8, 9, 10
 
 
@@ -176,6 +178,9 @@ def run(
         y[r] = task[START + r]
     for i in range(speeds):
         y[6 + i], y[moving + i] = task[TASK + i], coef[0, i, 0]
+    for i in range(n):
+        C[i, HUNG], task[TASK + i] = 0.0, 0.0
+    hung, lifted, since = False, -1.0, knots[0]
     pose = len(columns) > 0 and (columns[0] < 3 or (columns[0] >= moving and columns[0] < m))
     status, steps, rejected = DONE, 0, 0
     row, total, pk = 0, len(times), 0
@@ -203,11 +208,21 @@ def run(
             for i in range(speeds):
                 C[i, RIGID] = sector(W[i], y[moving + i], y[6 + i], AHEAD) % 2.0
             rates(P, W, t, y, c, k0, push, pk, C, B, acc, f)
-            for i in range(n):
-                if C[i, LOAD] < least:
-                    status = TIPS
+            if B[UP] > 0.0 and B[PULLED] > -least:
+                status = TIPS
+            if status == TIPS and lifted < 0.0:
+                lifted = t
             if status != DONE:
                 break
+            if hung or B[UP] > 0.0:
+                if lifted < 0.0:
+                    lifted = t
+                hung = B[UP] > 0.0
+                for i in range(n):
+                    up = C[i, AIR] if hung else 0.0
+                    task[TASK + i] += 0.5 * (up + C[i, HUNG]) * (t - since)
+                    C[i, HUNG] = up
+            since = t
             while row < total and times[row] <= t:
                 tell(P, y, C, out[row])
                 row += 1
@@ -279,4 +294,4 @@ def run(
             if status != DONE and (r < 6 or (r - 6) % TOLD > 0):
                 out[k, r] = 0.0
     task[0], task[1] = status, t
-    task[2], task[3] = steps, rejected
+    task[2], task[3], task[4] = steps, rejected, lifted

@@ -37,6 +37,10 @@ class Run:
         instant and the transverse force leave; it slips where it nears 1.
     wheels : tuple of str
         Names of the wheels.
+    in_air_s : array (N,)
+        For how long each wheel hung in the air while three others or more carried the robot [s].
+    lifts_s : float or None
+        When the first of them lifted [s]; None where all wheels pressed all the time.
     """
 
     t_s: Array
@@ -48,6 +52,8 @@ class Run:
     load: Array
     utilisation: Array
     wheels: tuple[str, ...]
+    in_air_s: Array
+    lifts_s: float | None
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -61,6 +67,7 @@ class Run:
             "force": (t, n, 2),
             "load": (t, n),
             "utilisation": (t, n),
+            "in_air_s": (n,),
         }
         for name, shape in shapes.items():
             put(self, name, frozen(name, getattr(self, name), shape))

@@ -19,7 +19,7 @@ RTOL = 1e-7
 #: Why a run ended early, and what to change.
 REASONS = {
     Ending.TIPS: (
-        "a wheel lifts off: its load falls below zero",
+        "a wheel lifts off, and no three others carry the robot: it tips",
         "accelerate less, or lower the centre of mass",
     ),
     Ending.NOT_FINITE: ("velocities or forces overflow", "give smaller wheel speeds, forces or coefficients"),
@@ -64,7 +64,7 @@ def simulate(
     InputError
         If the signal does not fit the robot or the times, or commands more than the motors' top speed.
     MotionStopped
-        If the robot tips or the motion overflows, with the time.
+        If the robot tips (no three wheels carry it) or the motion overflows, with the time.
     """
     pose = np.zeros(3) if start_pose is None else frozen("start_pose", start_pose, (3,))
     twist = np.zeros(3) if start_twist is None else frozen("start_twist", start_twist, (3,))
@@ -77,14 +77,14 @@ def simulate(
     ending = Ending(int(outcome.ending[0]))
     if ending is not Ending.DONE:
         raise MotionStopped(float(signal.knots_s[0] + outcome.stopped_s[0]), *REASONS[ending])
-    return as_run(model, np.asarray(times_s, dtype=float), outcome, 0)
+    return as_run(model, np.asarray(times_s, dtype=float), outcome, 0, float(signal.knots_s[0]))
 
 
-def as_run(model: Model, times_s: Array, outcome: Outcome, r: int) -> Run:
-    """Run ``r`` of an outcome (made with ``tell=True``) as a noun."""
+def as_run(model: Model, times_s: Array, outcome: Outcome, r: int, first_s: float = 0.0) -> Run:
+    """Run ``r`` of an outcome (made with ``tell=True``) as a noun; it began at ``first_s``."""
     assert outcome.theta is not None and outcome.slip is not None
     assert outcome.force is not None and outcome.load is not None and outcome.utilisation is not None
-    count = len(times_s)
+    count, lifts = len(times_s), float(outcome.lifts_s[r])
     return Run(
         t_s=times_s,
         pose=outcome.pose[r, :count],
@@ -95,6 +95,8 @@ def as_run(model: Model, times_s: Array, outcome: Outcome, r: int) -> Run:
         load=outcome.load[r, :count],
         utilisation=outcome.utilisation[r, :count],
         wheels=model.geometry.names,
+        in_air_s=outcome.in_air_s[r],
+        lifts_s=None if np.isnan(lifts) else first_s + lifts,
     )
 
 

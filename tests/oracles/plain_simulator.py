@@ -232,11 +232,14 @@ def acceleration(
     rigid: Array,
     push: Array,
     push_height_m: float = 0.0,
+    guess: Array | None = None,
 ) -> tuple[Array, Array, Array, Array]:
     """(a_x, a_y, ω̇) in body axes, slip (2, N), force on the wheels (2, N), loads (N,).
 
-    The loads follow the acceleration: the fixed point N = N0 + P a is found by Newton's method on a.
+    The loads follow the acceleration: the fixed point N = N0 + P a is found by Newton's method on a,
+    from ``guess``.
     Forces at a height shift the loads N0: the least change δ with Σ δ_i = 0 and Σ δ_i p_i = Σ h_k F_k.
+    Where a wheel of four or more would be pulled down, :func:`pressing` says what each carries.
     """
     at = _Instant(model, t, state, wheels)
     arm = model.geometry.position_m - model.inertia.com_m
@@ -250,7 +253,7 @@ def acceleration(
     hill = _slopes(model, at.contact) @ at.turn
 
     def result(a: Array) -> tuple[Array, Array, Array]:
-        load = still + model.loads.per_acceleration_kg @ a
+        load = pressing(balance.T, still + model.loads.per_acceleration_kg @ a)
         mu, k = _coefficients(at, rigid, load)
         f = np.array(
             [
@@ -264,7 +267,7 @@ def acceleration(
         total = outside + np.append(xy.sum(axis=0), np.sum(arm[:, 0] * xy[:, 1] - arm[:, 1] * xy[:, 0]))
         return total / np.array([model.inertia.mass_kg] * 2 + [model.inertia.inertia_kg_m2]), force, load
 
-    a = np.zeros(2)
+    a = np.zeros(2) if guess is None else np.array(guess)
     for _ in range(50):
         out, force, load = result(a)
         if not model.loads.per_acceleration_kg.any():
@@ -278,6 +281,25 @@ def acceleration(
     return out, at.slip, force, load
 
 
+def pressing(plane: Array, load: Array) -> Array:
+    """The loads N ≥ 0 nearest to ``load`` that have its sum and moments, by trying every set of wheels.
+
+    ``plane`` (N, 3) rows 1, x, y.  As they are where none is negative, or where no loads do (it tips).
+    """
+    if len(load) < 4 or np.min(load) >= 0.0:
+        return load
+    found = []
+    for count in range(3, len(load)):
+        for touch in map(list, itertools.combinations(range(len(load)), count)):
+            left = plane.T @ load - plane[touch].T @ load[touch]
+            step, _, rank, _ = np.linalg.lstsq(plane[touch].T, left, rcond=1e-9)
+            trial = np.zeros_like(load)
+            trial[touch] = load[touch] + step
+            if rank == 3 and np.min(trial) >= -1e-12 * np.sum(np.abs(load)):
+                found.append(np.maximum(trial, 0.0))
+    return min(found, key=lambda trial: float(np.sum((trial - load) ** 2)), default=load)
+
+
 def reference_motion(
     model: Model,
     wheels: WheelMotion,
@@ -286,6 +308,7 @@ def reference_motion(
     *,
     start: Array | None = None,
     push: PushOf | None = None,
+    push_height_m: float = 0.0,
     rtol: float = 1e-11,
     atol: float = 1e-13,
     edges_s: Array | None = None,
@@ -314,7 +337,7 @@ def reference_motion(
 
         def rhs(t: float, y: Array, rigid: Array = rigid, inside: slice = inside) -> Array:
             t = min(max(t, np.nextafter(inside.start, np.inf)), np.nextafter(inside.stop, -np.inf))
-            acc = acceleration(model, t - knots_s[0], y, wheels(t), rigid, push_of(t))[0]
+            acc = acceleration(model, t - knots_s[0], y, wheels(t), rigid, push_of(t), push_height_m)[0]
             c, s, w = np.cos(y[2]), np.sin(y[2]), y[5]
             return np.array(
                 [c * y[3] - s * y[4], s * y[3] + c * y[4], w, acc[0] + w * y[4], acc[1] - w * y[3], acc[2]]

@@ -1,0 +1,188 @@
+"""Wheels that hang in the air (compiled).
+
+Springs of equal stiffness press or let go, they never pull: N_i = max(0, N_i + l + l_x x_i + l_y y_i) with
+the plane by which the body sinks, so that the loads keep their sum and both moments.  These are the loads
+N ≥ 0 nearest to those of :mod:`slipmargin.physics.loads` (docs/theory.md, section 3).  Which wheels touch is
+found together with the acceleration that the loads follow.
+
+Where no three wheels that touch span an area the robot begins to tip: no loads balance the moments.  Those
+that touch then carry the weight between them, and what the floor would have to pull to keep the robot upright
+is told: this model knows no turn about a horizontal axis, so a run ends where that lasts or grows.
+
+A wheel in the air has no friction; viscous friction, which does not know the load, stays, and so does the
+force of a floor that rises under it.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from slipmargin.physics import loads
+from slipmargin.physics.compiled import inner, spliced, twin
+from slipmargin.sim import layout as at
+from slipmargin.sim.columns import (
+    AIR,
+    FORCE_T,
+    FORCE_W,
+    HILL,
+    INVERSE,
+    LEVER,
+    LOAD,
+    PULLED,
+    SHARED,
+    SHARED_X,
+    SHARED_Y,
+    SLIP_T,
+    SLIP_W,
+    STILL,
+    UP,
+    WRENCH,
+)
+
+_MASS, _INERTIA, _SHARE, _CW, _CT = at.MASS, at.INERTIA, at.SHARE, at.VISCOUS_W, at.VISCOUS_T
+_AX, _AY, _LX, _LY = at.ARM_X, at.ARM_Y, at.LOAD_X, at.LOAD_Y
+_GX, _GY, _GM, _FX, _FY, _FM = at.GRIP_X, at.GRIP_Y, at.GRIP_MOMENT, at.FREE_X, at.FREE_Y, at.FREE_MOMENT
+_sinking, _spread = twin(loads.sinking), twin(loads.spread)
+
+#: A load below zero by more than rounding: the wheel has lifted [m g/N].
+LIFTED = 1e-9
+#: Stiffness of a wheel in the air against one that touches while it is sought which do [1]: it decides what
+#: a robot does that no three wheels carry, and rounding is as small.
+_GLUE = 1e-9
+#: Wheels span an area if their :func:`~slipmargin.physics.loads.spread` is this share of all wheels' [1].
+_AREA = 1e-8
+#: Searches for the wheels that touch end by themselves after two or three turns.  One that goes to and fro
+#: takes half steps after so many, and stops after so many.
+_WHOLE, _TURNS = 6, 40
+
+
+@spliced
+def lifts(P: Any, C: Any) -> bool:
+    """Whether the floor would have to pull some wheel down."""
+    least, found = -LIFTED * P[_SHARE], False
+    for i in range(len(C)):
+        if C[i, LOAD] < least:
+            found = True
+    return found
+
+
+@inner
+def _share(W: Any, C: Any, glue: float) -> None:
+    """What each wheel carries, without and per acceleration, those in the air being this stiff."""
+    n, x, y, xx, xy, yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(len(W)):
+        k, p, q = 1.0 + C[i, AIR] * (glue - 1.0), W[i, _AX], W[i, _AY]
+        n, x, y, xx, xy, yy = n + k, x + k * p, y + k * q, xx + k * p * p, xy + k * p * q, yy + k * q * q
+    for r in range(3):
+        b, bx, by = 0.0, 0.0, 0.0
+        for i in range(len(W)):
+            if C[i, AIR] > 0.0:
+                lost = (1.0 - glue) * (C[i, STILL] if r == 0 else W[i, _LX + r - 1])
+                b, bx, by = b + lost, bx + lost * W[i, _AX], by + lost * W[i, _AY]
+        l, lx, ly = _sinking(n, x, y, xx, xy, yy, b, bx, by)
+        for i in range(len(W)):
+            own = C[i, STILL] if r == 0 else W[i, _LX + r - 1]
+            part = own + l + lx * W[i, _AX] + ly * W[i, _AY]
+            C[i, SHARED + r] = (glue if C[i, AIR] > 0.0 else 1.0) * part
+
+
+@inner
+def _accelerate(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
+    """The acceleration and the loads that follow it, from what each wheel carries."""
+    fx, fy, mz = B[WRENCH], B[WRENCH + 1], B[WRENCH + 2]
+    mxx, mxy, lx = P[_MASS] + B[HILL], B[HILL + 1], B[HILL + 4]
+    myx, myy, ly = B[HILL + 2], P[_MASS] + B[HILL + 3], B[HILL + 5]
+    for i in range(len(W)):
+        w, c = W[i], C[i]
+        f, g, still, px, py = c[FORCE_W], c[FORCE_T], c[SHARED], c[SHARED_X], c[SHARED_Y]
+        a, b = still * f + P[_CW] * c[SLIP_W], still * g + P[_CT] * c[SLIP_T]
+        fx -= a * w[_GX] + b * w[_FX]
+        fy -= a * w[_GY] + b * w[_FY]
+        mz -= a * w[_GM] + b * w[_FM]
+        x, v, m = f * w[_GX] + g * w[_FX], f * w[_GY] + g * w[_FY], f * w[_GM] + g * w[_FM]
+        mxx, mxy = mxx + x * px, mxy + x * py
+        myx, myy = myx + v * px, myy + v * py
+        lx, ly = lx - m * px, ly - m * py
+    det = 1.0 / (mxx * myy - mxy * myx)
+    ax, ay = (myy * fx - mxy * fy) * det, (mxx * fy - myx * fx) * det
+    B[INVERSE], B[INVERSE + 1], B[INVERSE + 2], B[INVERSE + 3] = myy * det, -mxy * det, -myx * det, mxx * det
+    B[LEVER], B[LEVER + 1] = lx, ly
+    acc[0], acc[1], acc[2] = ax, ay, (mz + lx * ax + ly * ay) / P[_INERTIA]
+    for i in range(len(W)):
+        C[i, LOAD] = C[i, SHARED] + C[i, SHARED_X] * ax + C[i, SHARED_Y] * ay
+
+
+@inner
+def _changes(C: Any) -> bool:
+    """Whether other wheels hang in the air than those for which the loads were found."""
+    found = False
+    for i in range(len(C)):
+        found = found or (C[i, LOAD] < 0.0) != (C[i, AIR] > 0.0)
+    return found
+
+
+@inner
+def _settle(W: Any, C: Any, ax: float, ay: float) -> None:
+    """Which wheels hang in the air at an acceleration, by Newton's steps, and the loads there."""
+    for _ in range(_TURNS):
+        _share(W, C, _GLUE)
+        for i in range(len(W)):
+            C[i, LOAD] = C[i, SHARED] + C[i, SHARED_X] * ax + C[i, SHARED_Y] * ay
+        if not _changes(C):
+            break
+        for i in range(len(W)):
+            C[i, AIR] = 1.0 if C[i, LOAD] < 0.0 else 0.0
+
+
+@inner
+def hang(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
+    """Acceleration and loads with wheels in the air, where one :func:`lifts`; the friction in C stays."""
+    ax, ay, part = acc[0], acc[1], 1.0
+    for i in range(len(W)):
+        C[i, AIR] = 0.0
+    for turn in range(_TURNS):
+        _settle(W, C, ax, ay)
+        _accelerate(P, W, C, B, acc)
+        if not _changes(C):
+            break
+        if turn >= _WHOLE:
+            part = 0.5
+        ax, ay = ax + part * (acc[0] - ax), ay + part * (acc[1] - ay)
+    B[UP], B[PULLED] = 0.0, 0.0
+    for i in range(len(W)):
+        B[UP] += C[i, AIR]
+    whole, touching = 0.0, 0.0
+    for r in range(2):
+        n, x, y, xx, xy, yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for i in range(len(W)):
+            k, p, q = 1.0 - r * C[i, AIR], W[i, _AX], W[i, _AY]
+            n, x, y, xx, xy, yy = n + k, x + k * p, y + k * q, xx + k * p * p, xy + k * p * q, yy + k * q * q
+        whole, touching = touching, _spread(n, x, y, xx, xy, yy)
+    if touching > _AREA * whole:
+        _share(W, C, 0.0)
+        _accelerate(P, W, C, B, acc)
+        for i in range(len(W)):
+            C[i, LOAD] = max(0.0, C[i, LOAD])
+    else:
+        _tip(P, W, C, B, acc)
+
+
+@inner
+def _tip(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
+    """Acceleration and loads where no loads balance the moments: the wheels that touch carry the weight."""
+    ax, ay = acc[0], acc[1]
+    for turn in range(_TURNS):
+        _settle(W, C, ax, ay)
+        weight, pressing, pull = 0.0, 0.0, 0.0
+        for i in range(len(W)):
+            weight, pressing = weight + C[i, LOAD], pressing + max(0.0, C[i, LOAD])
+            pull = max(pull, -C[i, LOAD])
+        for i in range(len(W)):
+            C[i, SHARED] = max(0.0, C[i, LOAD]) * weight / pressing
+            C[i, SHARED_X], C[i, SHARED_Y] = 0.0, 0.0
+        _accelerate(P, W, C, B, acc)
+        B[PULLED] = pull
+        if abs(acc[0] - ax) + abs(acc[1] - ay) <= 1e-12 * (1.0 + abs(ax) + abs(ay)):
+            break
+        part = 1.0 if turn < _WHOLE else 0.5
+        ax, ay = ax + part * (acc[0] - ax), ay + part * (acc[1] - ay)

@@ -1,0 +1,45 @@
+"""The compiled kernel at one instant, for Python."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from slipmargin.sim import layout as at
+from slipmargin.sim.body import evaluate, slopes, wheel_rate
+from slipmargin.sim.columns import ALPHA, BODY, CONTACT, LOAD, OMEGA, RIGID, SLIP_W, THETA
+from slipmargin.sim.pack import pack
+
+
+@njit(error_model="numpy")  # not kept on disk: numba would not see the kernel change
+def instant(P, t, y, C, B, acc, J, driven, rate):
+    """Everything the kernel knows of one instant, for Python."""
+    W = P[at.HEAD : at.HEAD + len(C) * at.WHEEL].reshape(len(C), at.WHEEL)
+    evaluate(P, W, t, y, C, B, acc)
+    for i in range(driven):
+        rate[i] = wheel_rate(P, W[i], C[i], 3.0, 0.0)
+    slopes(P, W, y, C, B, J, driven)
+
+
+def compiled(model, t, y, wheels, rigid, push):
+    """(a, ω̇), slip, loads and the tables by the compiled road."""
+    C, B, acc = np.zeros((model.count, CONTACT)), np.zeros(BODY), np.zeros(3)
+    C[:, THETA], C[:, OMEGA], C[:, ALPHA], C[:, RIGID] = *wheels, rigid
+    B[:3] = push
+    instant(np.array(pack(model)), t, y, C, B, acc, np.zeros((3, 7)), 0, np.zeros(1))
+    return acc, C[:, SLIP_W : SLIP_W + 2].T, C[:, LOAD]
+
+
+def somewhere(count, seed, speed=0.05):
+    """A state, a wheel motion and sectors in which wheels slide at about ``speed``."""
+    rng = np.random.default_rng(seed)
+    y = np.concatenate(
+        [
+            rng.uniform(-0.3, 0.3, 2),
+            rng.uniform(-2.0, 2.0, 1),
+            speed * rng.uniform(-1.0, 1.0, 2),
+            speed * 5.0 * rng.uniform(-1.0, 1.0, 1),
+        ]
+    )
+    wheels = (rng.uniform(-7.0, 7.0, count), rng.uniform(-3.0, 3.0, count), rng.uniform(-9.0, 9.0, count))
+    return y, wheels, rng.integers(0, 2, count).astype(bool), rng.uniform(-2.0, 2.0, 3)
