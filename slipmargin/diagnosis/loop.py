@@ -83,13 +83,18 @@ class Searched:
 
 
 def searched(
-    data_set: DataSet, seed: int, progress: Watch | None = None, held_runs: Index | None = None
+    data_set: DataSet,
+    seed: int,
+    progress: Watch | None = None,
+    held_runs: Index | None = None,
+    leaves: float = np.inf,
 ) -> Searched:
     """Noise, cuts, ranges, wheel phases and effects, all from the trials that are not held out.
 
     ``held_runs`` are the numbers of the runs to hold out; by default they are drawn.  Where something seems
     to have happened once in a run, the runs are searched whole first: a slip that only some runs hold looks
-    like an event.  They are cut where what is found does not explain it.
+    like an event.  They are cut where what is found does not explain it.  The search ends where its first
+    effect leaves a chi above ``leaves``.
     """
     progress = progress or Watch(report=no_progress)
     progress("reading the noise", 0.0)
@@ -100,13 +105,15 @@ def searched(
     if data_set.sigma is None:
         data_set = replace(data_set, sigma=white_noise(tuple(data_set.trials[i] for i in seen_runs)))
     uncut = problem_of(data_set)
-    found = _searched(data_set, uncut, (), held_runs, seed, progress)
+    found = _searched(data_set, uncut, (), held_runs, seed, progress, leaves)
+    if found.state.chi > leaves:
+        return found
     if events := _events(uncut, (), seen_runs):
         if found.state.structure:
             phased = uncut.with_wheel_phases(found.problem.wheel_phases)
             events = _events(phased, found.state.fit.effects, seen_runs)
         if events:
-            found = _searched(data_set, uncut, events, held_runs, seed, progress)
+            found = _searched(data_set, uncut, events, held_runs, seed, progress, leaves)
     return found
 
 
@@ -117,6 +124,7 @@ def _searched(
     held_runs: Index,
     seed: int,
     progress: Watch,
+    leaves: float,
 ) -> Searched:
     """What a search finds in the runs, cut at these events."""
     problem, count = uncut, len(data_set.trials)
@@ -141,7 +149,9 @@ def _searched(
         data_set.members,
     )
     progress("comparing the residual with measured variables", 0.0)
-    problem, state, rounds = search(problem, seen, [runs[i] for i in seen], candidates, seed, progress)
+    problem, state, rounds = search(
+        problem, seen, [runs[i] for i in seen], candidates, seed, progress, leaves
+    )
     return Searched(
         problem=problem,
         uncut=uncut,
@@ -186,20 +196,27 @@ def diagnose(
     watch = Watch.of(progress, budget_s)
     watch("mending the data", 0.0)
     conditions = ready(data_set, repairs, seed)
-    found = _diagnosed(conditions, seed, watch, budget_s)
-    if found.verdict is Verdict.EFFECT_FOUND or conditions.data_set.lasting is None or watch.expired:
+    s = searched(conditions.data_set, seed, watch, conditions.held)
+    found = _diagnosed(conditions, s, seed, watch, budget_s)
+    lasting = conditions.data_set.lasting
+    if found.verdict is Verdict.EFFECT_FOUND or lasting is None or watch.expired:
         return found
-    # Noise that lasts moves the robot as an effect may: what leaves nothing but white noise on runs that it
-    # has not seen explains more.
-    white = _diagnosed(conditions.with_white_noise(), seed, watch.staged("with white noise"), budget_s)
-    left = [(t.t_s, t.measured - t.after) for t in white.trials]
-    return white if white.verdict is Verdict.EFFECT_FOUND and lasting_noise(left)[1] is None else found
+    if np.max(lasting.time_s * (lasting.share > 0.0)) < SETTINGS.piece_s:
+        return found
+    # Noise that lasts as long as a manoeuvre looks like what an effect does: what leaves nothing but white
+    # noise on runs that it has not seen explains more.
+    white, watch = conditions.with_white_noise(), watch.staged("with white noise")
+    s = searched(white.data_set, seed, watch, white.held, SETTINGS.noise_chi)
+    if s.state.chi > SETTINGS.noise_chi:
+        return found
+    other = _diagnosed(white, s, seed, watch, budget_s)
+    left = [(t.t_s, t.measured - t.after) for t in other.trials]
+    return other if other.verdict is Verdict.EFFECT_FOUND and lasting_noise(left)[1] is None else found
 
 
-def _diagnosed(conditions: Ready, seed: int, watch: Watch, budget_s: float | None) -> Diagnosis:
-    """The diagnosis of a data set that was mended and whose noise is known."""
+def _diagnosed(conditions: Ready, s: Searched, seed: int, watch: Watch, budget_s: float | None) -> Diagnosis:
+    """What was searched, judged on the runs that it has not seen, and reported."""
     data_set = conditions.data_set
-    s = searched(data_set, seed, watch, conditions.held)
     was_cut = watch.expired
     held, trials = s.held, s.problem.trials
     everyone = np.arange(len(trials), dtype=np.int64)

@@ -86,11 +86,13 @@ def search(
     candidates: list[Candidate],
     seed: int,
     progress: Watch,
+    leaves: float = np.inf,
 ) -> tuple[Problem, State, list[Round]]:
     """What the model lacks, judged on the trials ``seen``, and the rounds in which it was found.
 
     The problem comes back as well: wheel phases that were not logged are guessed on the way, for ``seen`` or,
     where the model does not need them, for the trials searched.  ``runs``: which run each is, or is cut from.
+    Where the first effect leaves a chi above ``leaves``, it is not taken.
     """
     unknown = wheel_phase.is_unknown(problem)
     needs_phases = unknown and wheel_phase.matters_to(problem.model(()))
@@ -114,7 +116,7 @@ def search(
             break  # the first list is made in any case: without it there is no answer, not even a lead
         step = take_step(state, own, candidates, seed, progress.staged(f"round {number + 1}"))
         rounds.append(step)
-        if not step.taken or step.best is None:
+        if not step.taken or step.best is None or (not number and step.best.chi > leaves):
             break
         state = evened(whole(problem, step.best, own), seen, own)
         if unknown and any(c.wheel_phase for c in state.structure):
