@@ -129,6 +129,13 @@ def scored(results: Row, truth: Row) -> Row:
         "variable_or_first_lead_inventions": count(
             lambda r, t: variable_right(r, t) or lead_right(r, t), new
         ),
+        "variable_or_first_lead_by_family": {
+            family: count(
+                lambda r, t: variable_right(r, t) or lead_right(r, t),
+                [(r, t) for r, t in new if t["family"] == family],
+            )
+            for family in sorted({t["family"] for _, t in new})
+        },
         "first_lead": count(lead_right, [*known, *new]),
         "found_and_error_grew": sorted(n for n, r, _ in pairs if grew(r)),
         "false_alarms": [sum(a for a, _ in alarms.values()), sum(b for _, b in alarms.values())],

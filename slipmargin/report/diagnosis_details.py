@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from slipmargin.diagnosis.limits_change import LimitsChange
 from slipmargin.diagnosis.result import Diagnosis, Step
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.report import diagnosis_words as words
 from slipmargin.report.diagnosis_json import trial_chi
 from slipmargin.report.page import Block, Bullets, Fold, Image, Picture, Table, Text
@@ -82,7 +83,8 @@ def details(d: Diagnosis) -> tuple[Block, ...]:
         ),
     )
     blocks: list[Block] = [Fold(summary="Every run", blocks=(runs,))]
-    blocks += candidates(d.steps, "Every candidate of round {}", "chi")
+    loud = f"; a run missed by more than {SETTINGS.loudest:g} times the middle one counts as missed by that"
+    blocks += candidates(d.steps, "Every candidate of round {}", "chi", loud)
     if d.excitation:
         text = (
             "Singular values of the fit's whitened Jacobian per unit of parameter: "
@@ -95,14 +97,14 @@ def details(d: Diagnosis) -> tuple[Block, ...]:
     return tuple(blocks)
 
 
-def candidates(steps: Sequence[Step], summary: str, chi: str) -> list[Block]:
-    """A fold for each round of a search with what was tried; ``chi`` heads the column of scores."""
+def candidates(steps: Sequence[Step], summary: str, chi: str, more: str = "") -> list[Block]:
+    """A fold for each round with what was tried; ``chi`` heads the scores, ``more`` says how they count."""
     return [
         Fold(
             summary=summary.format(number),
             blocks=(
                 Table(
-                    caption=f"Without any of them chi is {step.chi_before:.4g}",
+                    caption=f"Without any of them chi is {step.chi_before:.4g}{more}",
                     head=("candidate", "variable", "parameters", chi),
                     rows=tuple(
                         (f"`{t.label}`", t.traced_to.value, str(t.parameters), f"{t.chi:.4g}")
