@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.effects.effect import Effect, Part, Scope, Trace, parameter
-from slipmargin.effects.places import EDGE, EDGE_M, LINE_DIRECTION, LINE_OFFSET
+from slipmargin.effects.places import EDGE, EDGE_M, LINE_DIRECTION, LINE_OFFSET, line
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.terms import Multiplier
@@ -37,24 +37,11 @@ class FloorBorder(Effect):
             "friction beyond the border over that before it",
             starts=(0.7,),
         ),
-        parameter(
-            "offset_m",
-            "m",
-            (-100.0, 0.0, 100.0),
-            0.02,
+        *line(
             "distance of the border from the floor's origin along its normal",
-            starts=LINE_OFFSET,
-            idle=True,
-            along="position",
-        ),
-        parameter(
-            "direction_rad",
-            "rad",
-            (-7.0, 0.0, 7.0),
-            0.2,
             "direction of the normal, which points beyond the border",
-            starts=LINE_DIRECTION,
-            idle=True,
+            LINE_OFFSET,
+            LINE_DIRECTION,
         ),
         EDGE,
     )

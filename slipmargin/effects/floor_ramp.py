@@ -7,7 +7,7 @@ from math import pi, tan
 from typing import final
 
 from slipmargin.effects.effect import Effect, Part, Quantity, Scope, Trace, parameter
-from slipmargin.effects.places import EDGE, EDGE_M
+from slipmargin.effects.places import EDGE, EDGE_M, line
 from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
 from slipmargin.physics.relief import Profile, Relief
@@ -42,24 +42,11 @@ class FloorRamp(Effect):
             "slope of the strip, up in its direction where positive",
             starts=(0.01,),
         ),
-        parameter(
-            "offset_m",
-            "m",
-            (-100.0, 0.0, 100.0),
-            0.02,
+        *line(
             "distance of the line where it begins from the floor's origin, in its direction",
-            starts=tuple(a for a in _FROM for _ in _AHEAD),
-            idle=True,
-            along="position",
-        ),
-        parameter(
-            "direction_rad",
-            "rad",
-            (-7.0, 0.0, 7.0),
-            0.2,
             "direction in which the floor rises",
-            starts=_AHEAD * len(_FROM),
-            idle=True,
+            _FROM,
+            _AHEAD,
         ),
         parameter(
             "length_m",

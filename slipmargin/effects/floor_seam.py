@@ -7,7 +7,7 @@ from math import log, pi
 from typing import final
 
 from slipmargin.effects.effect import Effect, Part, Quantity, Scope, Trace, parameter
-from slipmargin.effects.places import EDGE_M
+from slipmargin.effects.places import EDGE_M, line
 from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
 from slipmargin.physics.relief import Profile, Relief
@@ -42,24 +42,11 @@ class FloorSeam(Effect):
             "height of the ridge; negative: depth of a groove",
             starts=(0.002,),
         ),
-        parameter(
-            "offset_m",
-            "m",
-            (-100.0, 0.0, 100.0),
-            0.02,
+        *line(
             "distance of the ridge from the floor's origin along its normal",
-            starts=tuple(a for a in _AT for _ in _AHEAD),
-            idle=True,
-            along="position",
-        ),
-        parameter(
-            "direction_rad",
-            "rad",
-            (-7.0, 0.0, 7.0),
-            0.2,
             "direction of the normal, across the ridge",
-            starts=_AHEAD * len(_AT),
-            idle=True,
+            _AT,
+            _AHEAD,
         ),
         parameter(
             "width_m",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from slipmargin.effects.effect import parameter
+from slipmargin.effects.effect import Parameter, parameter
 
 #: Starts of a place: the middle and two rings of six, in shares of how far the runs reach from the origin …
 _RINGS = (0.2, 0.55)
@@ -16,8 +16,39 @@ _RADII = (0.15, 0.35, 0.65)
 PLACE_RADIUS = tuple(radius for radius in _RADII for _ in _X)
 PLACE_X, PLACE_Y = _X * len(_RADII), _Y * len(_RADII)
 #: Starts of a line: normals all around [rad], through the origin and some way out, in the same shares.
-LINE_DIRECTION = tuple(k * math.pi / 4.0 for k in range(8)) * 2
-LINE_OFFSET = (0.0,) * 8 + (0.3,) * 8
+LINE_DIRECTION = tuple(k * math.pi / 4.0 for k in range(8))
+LINE_OFFSET = (0.0, 0.3)
+
+
+def line(
+    offset: str, direction: str, offsets: tuple[float, ...], directions: tuple[float, ...]
+) -> tuple[Parameter, Parameter]:
+    """Where a line of the floor lies, with what its two parameters mean; fits start at every direction of
+    ``directions`` [rad] with every offset of ``offsets`` in shares of how far the runs reach.
+    """
+    return (
+        parameter(
+            "offset_m",
+            "m",
+            (-100.0, 0.0, 100.0),
+            0.02,
+            offset,
+            starts=tuple(a for a in offsets for _ in directions),
+            idle=True,
+            along="position",
+        ),
+        parameter(
+            "direction_rad",
+            "rad",
+            (-7.0, 0.0, 7.0),
+            0.2,
+            direction,
+            starts=directions * len(offsets),
+            idle=True,
+        ),
+    )
+
+
 #: Width w of an edge [m]: from 10 to 90 % it is 4.4 w wide, the two millimetres that a contact is long.
 EDGE_M = 0.0005
 #: What everything that has an edge says of it; a fit from a wide one reaches places from farther away.
