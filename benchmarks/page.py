@@ -13,6 +13,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
+if __package__ in (None, ""):
+    sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from judged.families import SINCE
+
 HERE = Path(__file__).resolve().parent
 PAGE = HERE.parent / "docs" / "benchmarks.md"
 
@@ -255,10 +260,6 @@ def next_run() -> list[str]:
             for row in results("next_run.json")
         ],
     )
-
-
-#: Judged families that no catalogue held when they were written, and that have an equation in it since.
-SINCE = ("backlash", "floor_ramp", "floor_seam", "out_of_round_wheel", "push_event", "slick_patch")
 
 
 def judged() -> list[str]:

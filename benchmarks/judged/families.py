@@ -695,3 +695,5 @@ INVENTIONS = (
     _new("lens_distortion", "measurement", _lens, also=("position",), spread=True, held_back=True),
 )
 FAMILIES = CATALOGUE_FAMILIES + INVENTIONS
+#: Inventions that the catalogue has an equation of by now.
+SINCE = ("backlash", "floor_ramp", "floor_seam", "out_of_round_wheel", "push_event", "slick_patch")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from judged import draw, score
 from judged.camera import NULL_KINDS
-from judged.families import CATALOGUE_FAMILIES, FAMILIES, INVENTIONS, Draw, Family, Planted
+from judged.families import CATALOGUE_FAMILIES, FAMILIES, INVENTIONS, SINCE, Draw, Family, Planted
 from judged.motions import draw_run
 from judged.robots import KINDS, Wishes, draw_robot
 
@@ -37,7 +37,10 @@ def test_there_are_enough_families() -> None:
         effect = effect_class(family.catalogue or "")
         assert effect is not None and effect.traced_to.value == family.variable, family.name
     for family in INVENTIONS:
-        assert family.catalogue is None and effect_class(family.name) is None
+        assert family.catalogue is None, "scored by its variable"
+        since = effect_class(family.name)
+        assert since is None or (family.name in SINCE and since.traced_to.value == family.variable)
+    assert {f.name for f in INVENTIONS} >= set(SINCE) and len(INVENTIONS) - len(SINCE) >= 5
 
 
 def test_development_never_sees_what_is_held_back() -> None:
