@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
+from oracles.plain_simulator import acceleration
 
 from slipmargin.sim import layout as at
 from slipmargin.sim.body import evaluate, slopes, wheel_rate
@@ -28,6 +29,16 @@ def compiled(model, t, y, wheels, rigid, push):
     B[:3] = push
     instant(np.array(pack(model)), t, y, C, B, acc, np.zeros((3, 7)), 0, np.zeros(1))
     return acc, C[:, SLIP_W : SLIP_W + 2].T, C[:, LOAD]
+
+
+def agrees(model, seed):
+    """Asserts that both roads give the same acceleration, slip and loads in some state."""
+    y, wheels, rigid, push = somewhere(model.count, seed)
+    acc, slip, load = compiled(model, 0.1, y, wheels, rigid, push)
+    want, want_slip, _, want_load = acceleration(model, 0.1, y, wheels, rigid, push)
+    np.testing.assert_allclose(acc, want, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(slip, want_slip, rtol=1e-12, atol=1e-14)
+    np.testing.assert_allclose(load, want_load, rtol=1e-8, atol=1e-9)
 
 
 def somewhere(count, seed, speed=0.05):

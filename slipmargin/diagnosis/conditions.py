@@ -26,7 +26,6 @@ from slipmargin.diagnosis.noise_reading import lasts, stated_wrong, tails
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.settings import SETTINGS
-from slipmargin.diagnosis.telling import misses
 from slipmargin.effects import GeneralEffect, Part, Trace
 from slipmargin.model import nominal_model
 from slipmargin.physics.terms import Multiplier
@@ -101,7 +100,7 @@ def ready(
 def held_runs_of(data_set: DataSet, seed: int) -> Index:
     """Numbers of the runs of a data set to hold out, drawn by what the model as it is misses each by."""
     problem = problem_of(data_set)
-    return held_out_runs(misses(problem, np.arange(len(problem.trials), dtype=np.int64)), seed)
+    return held_out_runs(problem.misses((), np.arange(len(problem.trials), dtype=np.int64)), seed)
 
 
 def _alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:

@@ -60,10 +60,11 @@ def followed(last: Round) -> list[Followed]:
             by_run = 0.5 * np.log(np.maximum(last.before.scores, 1e-12) / np.maximum(state.scores, 1e-12))
             share = explained(last.before, state)
             made.append(_followed(state.last.trace, state.last, by_run, share, state.last.label))
+    fits = {row.label for row in made}
     for entry in last.screening.entries:
         if len(entry.parts) == 1 and len(entry.by_run):
             part, share = entry.parts[0], last.screening.share(entry)
-            fit = any(row.label == entry.label for row in made)
+            fit = entry.label in fits
             made.append(_followed(part.trace, part.candidate, entry.by_run, share, entry.label, fit))
     best: dict[str, Followed] = {}
     for row in sorted(made, key=lambda f: (f.hurts, -f.gain)):

@@ -304,16 +304,19 @@ class Problem:
         What a model lacks may show a hundred times as strongly in one run as in all others, and in a sum of
         squares that run alone would say what it is.
         """
-        plain = replace(self, weights=np.zeros(0))
-        residual = plain.residuals([effects], [trials])[0]
-        counts = np.maximum(1, np.count_nonzero(residual, axis=1))
-        chi = np.nan_to_num(np.sqrt(np.sum(residual**2, axis=1) / counts), nan=WILD)
+        chi = np.nan_to_num(self.misses(effects, trials), posinf=WILD)
         loud = chi[chi > SETTINGS.noise_chi]
         if not len(loud):
-            return plain
+            return replace(self, weights=np.zeros(0))
         weights = np.ones(len(self.trials))
         weights[trials] = np.minimum(1.0, SETTINGS.loudest * np.median(loud) / np.maximum(chi, 1e-12))
-        return replace(plain, weights=weights)
+        return replace(self, weights=weights)
+
+    def misses(self, effects: tuple[AnyEffect, ...], trials: Index) -> Array:
+        """Root mean square (R,) of what the model with effects misses each trial by, over the noise."""
+        residual = replace(self, weights=np.zeros(0)).residuals([effects], [trials])[0]
+        counts = np.maximum(1, np.count_nonzero(residual, axis=1))
+        return np.asarray(np.nan_to_num(np.sqrt(np.sum(residual**2, axis=1) / counts), nan=np.inf))
 
     def samples(self, trials: Index) -> float:
         """Number of measured values in these trials."""

@@ -182,6 +182,13 @@ class PullProblem:
         """The model with these effects on top of those that the robot file lists."""
         return with_effects(self.nominal, (*self.recipe.effects, *effects))
 
+    def possible(self, effects: tuple[AnyEffect, ...]) -> Model | None:
+        """The model, or None where two of the effects are laws for one thing, which refuse each other."""
+        try:
+            return self.model(effects)
+        except InputError:
+            return None
+
     def expected(self, effects: tuple[AnyEffect, ...]) -> Expectation:
         """What the model with these effects expects of every pull."""
         return expectation(self.model(effects), self.settings, self.which, self.pulls.theta_rad)

@@ -29,6 +29,7 @@ from slipmargin.diagnosis.fit import (
 )
 from slipmargin.diagnosis.pull_problem import PullProblem
 from slipmargin.diagnosis.watch import OutOfTime, Watch
+from slipmargin.effects import AnyEffect
 from slipmargin.errors import InputError
 
 #: An effect is taken only if luck gives as much, among all candidates, no more often than this [1].
@@ -206,9 +207,8 @@ def _take_step(
     groups = before.fit.trials
     taken = {c.name for c in before.structure}
     room = problem.count(groups) - len(before.fit.x)
-    fresh = [
-        c for c in candidates if c.name not in taken and c.size < room // 2 and _possible(problem, before, c)
-    ]
+    small = [c for c in candidates if c.name not in taken and c.size < room // 2]
+    fresh = [c for c in small if problem.possible((*before.fit.effects, *_begun(c))) is not None]
     slopes = tangents(problem, before.fit, fresh)
     worth = _promising(before, fresh, slopes) if before.structure else fresh
     tried = _scored(problem, [_short(problem, before, (c,)) for c in worth], _SHORTLIST)
@@ -260,17 +260,16 @@ def _pairs(
     for first in firsts:
         for second in named:
             key = frozenset((first.label, second.label))
-            if second.name != first.name and key not in pairs and _stand(problem, (first, second)):
+            if second.name == first.name or key in pairs:
+                continue
+            if problem.possible(_begun(first, second)) is not None:
                 pairs[key] = _short(problem, before, (first, second))
     return _scored(problem, list(pairs.values()), _FIRSTS)
 
 
-def _stand(problem: PullProblem, pair: tuple[Candidate, ...]) -> bool:
-    try:
-        problem.model(tuple(c.build(c.starts[0]) for c in pair))
-    except InputError:
-        return False
-    return True
+def _begun(*candidates: Candidate) -> tuple[AnyEffect, ...]:
+    """The candidates where their fits start first."""
+    return tuple(c.build(c.starts[0]) for c in candidates)
 
 
 def _above_noise(problem: PullProblem, state: PullState) -> bool:
@@ -288,15 +287,6 @@ def _unnamed(state: PullState) -> bool:
 def _simplest(good: list[PullState]) -> PullState:
     """Of states that are equally good: those with names, then fewest parameters, then the best score."""
     return min(good, key=lambda s: (_unnamed(s), len(s.fit.x), s.score))
-
-
-def _possible(problem: PullProblem, before: PullState, candidate: Candidate) -> bool:
-    """Whether the candidate can stand beside what is known: two laws for one thing refuse each other."""
-    try:
-        problem.model((*before.fit.effects, candidate.build(candidate.starts[0])))
-    except InputError:
-        return False
-    return True
 
 
 def luck(

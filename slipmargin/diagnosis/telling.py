@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from slipmargin.checks import Array, Index
+from slipmargin.checks import Index
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.settings import SETTINGS
 
@@ -33,11 +33,4 @@ def _spread(some: Index, many: int) -> Index:
 
 def telling(problem: Problem, trials: Index) -> NDArray[np.bool_]:
     """Which trials the model as it is misses by more than noise."""
-    return misses(problem, trials) > SETTINGS.noise_chi
-
-
-def misses(problem: Problem, trials: Index) -> Array:
-    """Root mean square (R,) of what the model as it is misses each trial by, in units of the noise."""
-    residual = problem.residuals([()], [trials])[0]
-    counts = np.maximum(1, np.count_nonzero(residual, axis=1))
-    return np.asarray(np.nan_to_num(np.sqrt(np.sum(residual**2, axis=1) / counts), nan=np.inf))
+    return np.asarray(problem.misses((), trials) > SETTINGS.noise_chi)

@@ -103,6 +103,6 @@ def verify(
         drift_rad=float(abs(off[2])),
         ending=Ending(int(run.ending[0])),
         wheels=model.geometry.names,
-        lifts_s=None if np.isnan(run.lifts_s[0]) else float(t[0] + run.lifts_s[0]),
+        lifts_s=run.lifted_s(0, float(t[0])),
         in_air_s=run.in_air_s[0],
     )

@@ -98,6 +98,11 @@ class Outcome:
     steepness: Array | None = None
     utilisation: Array | None = None
 
+    def lifted_s(self, r: int, first_s: float) -> float | None:
+        """When a wheel of run ``r``, which began at ``first_s``, first hung in the air; None: none did."""
+        after = float(self.lifts_s[r])
+        return None if np.isnan(after) else first_s + after
+
 
 @final
 class Batch:

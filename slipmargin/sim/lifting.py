@@ -67,12 +67,19 @@ def lifts(P: Any, C: Any) -> bool:
 
 
 @inner
-def _share(W: Any, C: Any, glue: float) -> None:
-    """What each wheel carries, without and per acceleration, those in the air being this stiff."""
+def _stiffness(W: Any, C: Any, glue: float) -> tuple[float, float, float, float, float, float]:
+    """Sums of the wheels' stiffness times 1, x, y, x², x y, y², those in the air being this stiff."""
     n, x, y, xx, xy, yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(len(W)):
         k, p, q = 1.0 + C[i, AIR] * (glue - 1.0), W[i, _AX], W[i, _AY]
         n, x, y, xx, xy, yy = n + k, x + k * p, y + k * q, xx + k * p * p, xy + k * p * q, yy + k * q * q
+    return n, x, y, xx, xy, yy
+
+
+@inner
+def _share(W: Any, C: Any, glue: float) -> None:
+    """What each wheel carries, without and per acceleration, those in the air being this stiff."""
+    n, x, y, xx, xy, yy = _stiffness(W, C, glue)
     for r in range(3):
         b, bx, by = 0.0, 0.0, 0.0
         for i in range(len(W)):
@@ -151,14 +158,7 @@ def hang(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
     B[UP], B[PULLED] = 0.0, 0.0
     for i in range(len(W)):
         B[UP] += C[i, AIR]
-    whole, touching = 0.0, 0.0
-    for r in range(2):
-        n, x, y, xx, xy, yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        for i in range(len(W)):
-            k, p, q = 1.0 - r * C[i, AIR], W[i, _AX], W[i, _AY]
-            n, x, y, xx, xy, yy = n + k, x + k * p, y + k * q, xx + k * p * p, xy + k * p * q, yy + k * q * q
-        whole, touching = touching, _spread(n, x, y, xx, xy, yy)
-    if touching > _AREA * whole:
+    if _spread(*_stiffness(W, C, 0.0)) > _AREA * _spread(*_stiffness(W, C, 1.0)):
         _share(W, C, 0.0)
         _accelerate(P, W, C, B, acc)
         for i in range(len(W)):

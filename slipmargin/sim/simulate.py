@@ -84,7 +84,7 @@ def as_run(model: Model, times_s: Array, outcome: Outcome, r: int, first_s: floa
     """Run ``r`` of an outcome (made with ``tell=True``) as a noun; it began at ``first_s``."""
     assert outcome.theta is not None and outcome.slip is not None
     assert outcome.force is not None and outcome.load is not None and outcome.utilisation is not None
-    count, lifts = len(times_s), float(outcome.lifts_s[r])
+    count = len(times_s)
     return Run(
         t_s=times_s,
         pose=outcome.pose[r, :count],
@@ -96,7 +96,7 @@ def as_run(model: Model, times_s: Array, outcome: Outcome, r: int, first_s: floa
         utilisation=outcome.utilisation[r, :count],
         wheels=model.geometry.names,
         in_air_s=outcome.in_air_s[r],
-        lifts_s=None if np.isnan(lifts) else first_s + lifts,
+        lifts_s=outcome.lifted_s(r, first_s),
     )
 
 

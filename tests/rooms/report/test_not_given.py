@@ -62,7 +62,8 @@ def test_the_self_check_of_a_pull_that_is_none_is_no_astronomic_number(tmp_path:
     assert sm.sweep(file, "paper", step_deg=45.0).check < 1e-6
 
 
-def test_a_trajectory_of_no_robot_is_refused() -> None:
-    rows = np.column_stack([np.linspace(0.0, 1e-6, 9), 1e6 * np.arange(9.0) ** 2, np.zeros((9, 2))])
+@pytest.mark.parametrize(("within_s", "far_m"), [(1e-6, 1e6), (0.8, 8e3)])
+def test_a_trajectory_of_no_robot_is_refused(within_s: float, far_m: float) -> None:
+    rows = np.column_stack([np.linspace(0.0, within_s, 9), far_m * np.arange(9.0) ** 2, np.zeros((9, 2))])
     with pytest.raises(InputError, match="no robot's motion"):
         sm.check("ohio-kiwi", "paper", rows)

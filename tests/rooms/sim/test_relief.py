@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from instants import agrees, compiled
 from manoeuvres import wheel_motion
-from oracles.plain_simulator import acceleration, reference_motion
+from oracles.plain_simulator import reference_motion
 from strategies import four_wheels, kiwi, models
 
 from slipmargin.effects.floor_ramp import FloorRamp
@@ -22,8 +23,6 @@ from slipmargin.sim.batch import Batch
 from slipmargin.sim.pack import pack
 from slipmargin.sim.signal import linear
 from slipmargin.sim.simulate import simulate
-
-from .test_two_roads import compiled, somewhere
 
 
 def uneven(model: Model, *reliefs: Relief) -> Model:
@@ -45,13 +44,7 @@ def drawn(seed: int) -> tuple[Relief, Relief]:
 @settings(max_examples=60, deadline=None)
 def test_accelerations_agree(model: Model, seed: int) -> None:
     """Any robot, load rule and grip set."""
-    bumpy = uneven(model, *drawn(seed))
-    y, wheels, rigid, push = somewhere(model.count, seed)
-    acc, slip, load = compiled(bumpy, 0.1, y, wheels, rigid, push)
-    want, want_slip, _, want_load = acceleration(bumpy, 0.1, y, wheels, rigid, push)
-    np.testing.assert_allclose(acc, want, rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(slip, want_slip, rtol=1e-12, atol=1e-14)
-    np.testing.assert_allclose(load, want_load, rtol=1e-8, atol=1e-9)
+    agrees(uneven(model, *drawn(seed)), seed)
 
 
 @pytest.mark.parametrize("robot", [kiwi(com_height_m=0.03, load_rule=LoadRule.QUASI_STATIC), four_wheels()])

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, assume, given, settings, strategies as st
-from instants import compiled, instant, somewhere
+from instants import agrees, compiled, instant, somewhere
 from manoeuvres import driven, force, modulation, wheel_motion, with_terms
 from oracles.plain_simulator import acceleration, reference_motion
 from strategies import four_wheels, kiwi, models, reals
@@ -42,12 +42,7 @@ def test_accelerations_agree(model, seed, law, coupling, raised):
         slope = force(Variable.UNITY, Basis.CONSTANT, Frame.FLOOR, seed % 999, 0.1 * model.inertia.weight_N)
         lift = 0.05 * model.inertia.weight_N
         model = with_terms(model, forces=(replace(slope, height_m=None, lift_N=lift),))
-    y, wheels, rigid, push = somewhere(model.count, seed)
-    acc, slip, load = compiled(model, 0.1, y, wheels, rigid, push)
-    want, want_slip, _, want_load = acceleration(model, 0.1, y, wheels, rigid, push)
-    np.testing.assert_allclose(acc, want, rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(slip, want_slip, rtol=1e-12, atol=1e-14)
-    np.testing.assert_allclose(load, want_load, rtol=1e-8, atol=1e-9)
+    agrees(model, seed)
 
 
 @given(models(shapes=SHAPES), st.integers(0, 2**31))
