@@ -13,6 +13,8 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.effects import AnyEffect, Recipe
+from slipmargin.effects.floor_grain import FloorGrain
+from slipmargin.effects.sliding_direction import SlidingDirection
 from slipmargin.physics.convention import Convention
 from slipmargin.robot import Robot
 
@@ -69,6 +71,8 @@ def effect_in_ros(effect: AnyEffect) -> AnyEffect:
     if hasattr(effect, DIRECTION):
         turned = getattr(effect, DIRECTION) - np.pi / 2.0
         effect = replace(effect, **{DIRECTION: float(np.arctan2(np.sin(turned), np.cos(turned)))})
+    if isinstance(effect, FloorGrain):  # half a turn of 2β; four times a turn nothing changes
+        effect = replace(effect, cosine=-effect.cosine, sine=-effect.sine)
     if hasattr(effect, FACTORS[0]):
         effect = replace(effect, scale_x=effect.scale_y, scale_y=effect.scale_x)
     return effect
@@ -76,4 +80,4 @@ def effect_in_ros(effect: AnyEffect) -> AnyEffect:
 
 def gives_the_floor_a_direction(effect: AnyEffect) -> bool:
     """Whether the floor with this effect is another one once it is turned."""
-    return any(hasattr(effect, name) for name in OF_THE_FLOOR)
+    return isinstance(effect, SlidingDirection) or any(hasattr(effect, name) for name in OF_THE_FLOOR)

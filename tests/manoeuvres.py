@@ -34,6 +34,7 @@ SIZE = {
     Variable.POSITION_Y: 0.1,
     Variable.TIME: 0.3,
     Variable.SLIP_HEADING: 2.0 * np.pi,
+    Variable.SLIP_DIRECTION: 2.0 * np.pi,
     Variable.HUB_SPEED: 0.2,
     Variable.LEAD: 1.0,
     Variable.FROM_PLACE: 0.3,
@@ -101,6 +102,7 @@ def basis_shape(basis: Basis, size: float) -> tuple[np.ndarray, int]:
         Basis.WINDOW: ((0.2 * size, 0.7 * size), 1),
         Basis.ODD: ((size, 0.0), 2),
         Basis.STEP: ((0.5 * size, 0.2 * size), 1),
+        Basis.LOBE: ((0.6, 1.3), 1),
     }
     constants, count = shapes[basis]
     return np.array(constants), count

@@ -696,4 +696,13 @@ INVENTIONS = (
 )
 FAMILIES = CATALOGUE_FAMILIES + INVENTIONS
 #: Inventions that the catalogue has an equation of by now.
-SINCE = ("backlash", "floor_ramp", "floor_seam", "out_of_round_wheel", "push_event", "slick_patch")
+SINCE = (
+    "backlash",
+    "floor_ramp",
+    "floor_seam",
+    "fourfold_floor",
+    "out_of_round_wheel",
+    "push_event",
+    "slick_patch",
+    "sticking_roller",
+)

@@ -195,6 +195,12 @@ def _over_place(model: Model, r: Ranges) -> list[Candidate]:
             model,
             [(Variable.SLIP_HEADING, Basis.FOURIER, turn, 8, both, None)],
         ),
+        friction(
+            Trace.HEADING,
+            "friction over the direction of the whole slip",
+            model,
+            [(Variable.SLIP_DIRECTION, Basis.FOURIER, turn, 8, both, None)],
+        ),
         forces(
             Trace.HEADING,
             "force over heading",

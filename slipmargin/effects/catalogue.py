@@ -13,11 +13,13 @@ from slipmargin.effects.clock_rate import ClockRate
 from slipmargin.effects.effect import Effect
 from slipmargin.effects.elliptic_grip import EllipticGrip
 from slipmargin.effects.floor_border import FloorBorder
+from slipmargin.effects.floor_grain import FloorGrain
 from slipmargin.effects.floor_nap import FloorNap
 from slipmargin.effects.floor_patch import FloorPatch
 from slipmargin.effects.floor_ramp import FloorRamp
 from slipmargin.effects.floor_seam import FloorSeam
 from slipmargin.effects.floor_tilt import FloorTilt
+from slipmargin.effects.floor_weave import FloorWeave
 from slipmargin.effects.friction_coefficients import FrictionCoefficients
 from slipmargin.effects.general import PREFIX
 from slipmargin.effects.heading_gain import HeadingGain
@@ -30,6 +32,7 @@ from slipmargin.effects.roller_coupling import RollerCoupling
 from slipmargin.effects.rolling_resistance import RollingResistance
 from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
 from slipmargin.effects.speed_droop import SpeedDroop
+from slipmargin.effects.stiff_roller import StiffRoller
 from slipmargin.effects.stribeck import Stribeck
 from slipmargin.effects.tether import Tether
 from slipmargin.effects.trailing_load import TrailingLoad
@@ -92,6 +95,7 @@ CATALOGUE = Catalogue(
     (
         FrictionCoefficients,
         RigidSector,
+        StiffRoller,
         WheelLoads,
         LoadTransfer,
         TrailingLoad,
@@ -102,6 +106,8 @@ CATALOGUE = Catalogue(
         RollingResistance,
         FloorTilt,
         FloorNap,
+        FloorGrain,
+        FloorWeave,
         FloorPatch,
         FloorBorder,
         FloorRamp,

@@ -18,6 +18,7 @@ from slipmargin.effects.confined import Confined
 from slipmargin.effects.effect import Effect
 from slipmargin.effects.general import GeneralEffect, Term
 from slipmargin.effects.recipe import AnyEffect, Recipe
+from slipmargin.effects.sliding_direction import SlidingDirection
 from slipmargin.physics.convention import Convention
 from slipmargin.physics.terms import ForceTerm, Multiplier
 from slipmargin.physics.variables import Basis, Frame, Variable
@@ -54,6 +55,11 @@ def effect_in(effect: AnyEffect, old: Convention, new: Convention) -> AnyEffect:
         pair = [getattr(effect, x), getattr(effect, y)]
         turned = pair[::-1] if factors else vectors(np.array(pair), old, new).tolist()
         changes |= {x: turned[0], y: turned[1]}
+    if isinstance(effect, SlidingDirection):
+        phase = effect.repeats * quarter_rad(old, new)
+        c, s = round(math.cos(phase), 15), round(math.sin(phase), 15)
+        changes["cosine"] = c * effect.cosine - s * effect.sine
+        changes["sine"] = s * effect.cosine + c * effect.sine
     if hasattr(effect, DIRECTION):
         changes[DIRECTION] = direction(getattr(effect, DIRECTION), old, new)
     return replace(effect, **changes) if changes else effect  # type: ignore[type-var]
@@ -92,7 +98,7 @@ def _term(term: Term, old: Convention, new: Convention) -> Term:
             if turned.sum() < 0.0:
                 shape, coefficients = _mirrored(term.basis, shape, coefficients)
             break
-    if term.variable is Variable.SLIP_HEADING:
+    if term.variable in (Variable.SLIP_HEADING, Variable.SLIP_DIRECTION):
         shape, coefficients = _shifted(term.basis, shape, coefficients, quarter_rad(old, new))
     return replace(term, shape=shape, coefficients=coefficients, **changes)
 
@@ -113,6 +119,8 @@ def _mirrored(basis: Basis, shape: Array, coefficients: Array) -> tuple[Array, A
         return shape, -coefficients
     if basis in (Basis.RECIPROCAL, Basis.STEP):
         return -shape, coefficients
+    if basis is Basis.LOBE:
+        return np.array([-a, b]), coefficients
     return shape, coefficients  # constants, and decays of |v|
 
 
@@ -128,4 +136,6 @@ def _shifted(basis: Basis, shape: Array, coefficients: Array, by: float) -> tupl
         return shape, turned
     if basis in (Basis.HATS, Basis.WINDOW):
         return shape + by, coefficients
+    if basis is Basis.LOBE:
+        return shape + np.array([by, 0.0]), coefficients
     return shape, coefficients

@@ -74,8 +74,9 @@ def _known(term: Multiplier, model: Model, phi_rad: Array, extreme: Extreme) -> 
     n = model.count
     if term.variable is Variable.WHEEL_LOAD:
         return _by_load(term, model, phi_rad, extreme)
-    if term.variable is Variable.SLIP_HEADING:
-        # A force along +ĝ answers a slip along −ĝ, whose heading is φ + arg ĝ + π.
+    if term.variable in (Variable.SLIP_HEADING, Variable.SLIP_DIRECTION):
+        # A force along +ĝ answers a slip along −ĝ, whose heading is φ + arg ĝ + π.  The contact may slide
+        # along f̂ as well: the band of SLIP_DIRECTION takes every direction.
         axes = np.stack([model.geometry.grip, model.geometry.free], axis=1)
         arg = np.arctan2(axes[..., 1], axes[..., 0])
         v = phi_rad[:, None, None, None] + arg[None, :, :, None] + np.array([0.0, np.pi])
@@ -84,7 +85,11 @@ def _known(term: Multiplier, model: Model, phi_rad: Array, extreme: Extreme) -> 
         v = np.broadcast_to(phi_rad[:, None, None, None], (len(phi_rad), n, 1, 1))
     else:
         v = np.zeros((1, n, 1, 1))  # slip, velocities, accelerations: zero at rest
-    return _factors(term, v, n)
+    factors = _factors(term, v, n)
+    if term.variable is Variable.SLIP_DIRECTION and extreme is not Extreme.NEUTRAL:
+        anywhere = _interval([term], term.variable, n, extreme)
+        return np.asarray((np.maximum if extreme is Extreme.HIGH else np.minimum)(factors, anywhere))
+    return factors
 
 
 def _by_load(term: Multiplier, model: Model, phi_rad: Array, extreme: Extreme) -> Array:

@@ -70,14 +70,26 @@ def probes(
         if motion.theta is not None:
             return np.asarray(motion.theta[None])
         turn = float(shape[0]) if basis is Basis.FOURIER else 2.0 * np.pi
-        return np.linspace(0.0, turn, PROBES)[:, None, None]
+        return np.append(np.linspace(0.0, turn, PROBES), shape[0])[:, None, None]
     if variable is Variable.SLIP_HEADING:
         way = model.geometry.free if transverse else model.geometry.grip
         angle = np.arctan2(way[:, 1], way[:, 0])
         if transverse:
             return np.asarray(_heading(motion) + angle + np.where(slide < 0.0, np.pi, 0.0)[None])
         return np.asarray(np.concatenate([_heading(motion) + angle + half for half in (0.0, np.pi)]))
+    if variable is Variable.SLIP_DIRECTION:
+        return _slip_direction(model, motion, slide, creep)
     return _slip(model, motion, slide, creep, variable, transverse)
+
+
+def _slip_direction(model: Model, motion: Motion, slide: Array, creep: Array) -> Array:
+    """Floor direction (P, M or 1, N) of the whole slip, for every drive slip up to ``creep`` either way."""
+    grip, free = model.geometry.grip, model.geometry.free
+    drive = np.linspace(-1.0, 1.0, 17)[:, None, None] * creep
+    x, y = (drive * grip[:, k] + slide * free[:, k] for k in (0, 1))
+    heading = _heading(motion)
+    every = heading[:, None] + np.arctan2(y, x)[None]
+    return np.asarray(every.reshape(-1, *every.shape[2:]))
 
 
 def _slip(

@@ -24,6 +24,8 @@ def span(basis: Basis, shape: Array, variable: Variable) -> Array:
     if basis is Basis.STEP:
         low = 0.0 if variable is Variable.FROM_PLACE or forward else a - EDGES * b
         return np.linspace(low, a + EDGES * b, SAMPLES)
+    if basis is Basis.LOBE:  # of an angle
+        return np.append(np.linspace(0.0, 2.0 * np.pi, SAMPLES), a)
     if basis is Basis.HATS:
         return np.linspace(a, b, SAMPLES)
     if basis is Basis.FOURIER:

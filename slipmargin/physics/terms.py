@@ -16,7 +16,7 @@ from slipmargin.errors import InputError
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
 
 #: The families as plain numbers, for code that is compiled.
-CONSTANT, POLYNOMIAL, FOURIER, HATS, DECAY, RECIPROCAL, WINDOW, ODD, STEP = (int(basis) for basis in Basis)
+CONSTANT, POLYNOMIAL, FOURIER, HATS, DECAY, RECIPROCAL, WINDOW, ODD, STEP, LOBE = (int(b) for b in Basis)
 
 #: Variables that differ from wheel to wheel; forces, which act on the body, cannot use them.
 PER_WHEEL = frozenset(
@@ -33,6 +33,7 @@ PER_WHEEL = frozenset(
         Variable.LEAD,
         Variable.FROM_PLACE,
         Variable.BEFORE_LINE,
+        Variable.SLIP_DIRECTION,
     }
 )
 #: Variables of a wheel that are measured from the place of a term.
@@ -67,6 +68,8 @@ def basis_function(basis: int, j: int, count: int, a: float, b: float, v: Any) -
         return 2.0 / np.pi * np.arctan(v / a) if j == 0 else v * np.abs(v) ** (j - 1.0)
     if basis == STEP:
         return 0.5 - 0.5 * np.tanh((v - a) / (2.0 * b))
+    if basis == LOBE:
+        return 1.0 / (1.0 + (np.sin(0.5 * (v - a)) / np.sin(0.25 * b)) ** 32)
     return 1.0 + 0.0 * v
 
 
@@ -90,6 +93,9 @@ def basis_slope(basis: int, j: int, count: int, a: float, b: float, v: Any) -> A
         return 2.0 / np.pi * a / (a * a + v * v) if j == 0 else j * np.abs(v) ** (j - 1.0)
     if basis == STEP:
         return 0.25 / b * (np.tanh((v - a) / (2.0 * b)) ** 2 - 1.0)
+    if basis == LOBE:
+        far = np.sin(0.5 * (v - a)) / np.sin(0.25 * b)
+        return -16.0 * far**31 * np.cos(0.5 * (v - a)) / np.sin(0.25 * b) / (1.0 + far**32) ** 2
     return 0.0 * v
 
 

@@ -38,6 +38,7 @@ class Variable(IntEnum):
     FROM_PLACE = 22  #: distance of the contact from the term's place on the floor [m], per wheel
     BEFORE_LINE = 23  #: how far the contact lies before the line through the term's place, whose normal
     #: points ``place[2]`` [rad] [m], per wheel; negative beyond it
+    SLIP_DIRECTION = 24  #: floor-frame direction of the whole slip [rad], per wheel: φ + arg(u_W ĝ + u_T f̂)
 
 
 class Basis(IntEnum):
@@ -52,6 +53,7 @@ class Basis(IntEnum):
     WINDOW = 6  #: 1 for a ≤ v < b, else 0
     ODD = 7  #: (2/π) atan(v/a), then v|v|^(j−1) for j = 1, 2, …; a: speed scale
     STEP = 8  #: 1 far below a, 0 far above: (1 − tanh((v − a)/2b))/2; b: width of the edge
+    LOBE = 9  #: 1/(1 + (sin((v − a)/2)/sin(b/4))³²): 1 over an arc b [rad] around the angle a, else 0
 
 
 class Target(IntEnum):

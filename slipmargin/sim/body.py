@@ -95,7 +95,7 @@ def _body_variable(P: Any, W: Any, code: int, t: float, y: Any, C: Any) -> float
 
 @inner
 def _wheel_variable(P: Any, w: Any, c: Any, code: int, direction: int, m: int, y: Any) -> float:
-    if code >= 22:  # measured from the place of the modulation at m
+    if code == 22 or code == 23:  # measured from the place of the modulation at m
         px, py = _to_floor(y[2], w[_AX], w[_AY])
         m += _PLACE
         return float(_place_variable(code == 23, P[m], P[m + 1], P[m + 2], y[0] + px, y[1] + py))
@@ -111,6 +111,9 @@ def _wheel_variable(P: Any, w: Any, c: Any, code: int, direction: int, m: int, y
     if code == 18:
         d = _FX if direction == 1 else _GX
         return float(y[2] + math.atan2(w[d + 1], w[d]) + (math.pi if u < 0.0 else 0.0))
+    if code == 24:
+        uw, ut = c[SLIP_W], c[SLIP_T]
+        return float(y[2] + math.atan2(uw * w[_GY] + ut * w[_FY], uw * w[_GX] + ut * w[_FX]))
     vx, vy = _velocity_at(y[3], y[4], y[5], w[_AX], w[_AY])
     hub = math.hypot(vx, vy)
     if code == 20:

@@ -21,7 +21,7 @@ from slipmargin.sim import layout as at
 _SHAPES = {GripShape.BOX: BOX, GripShape.DISC_STRIP: DISC_STRIP, GripShape.ELLIPSE: ELLIPSE}
 
 #: Variables of the pose: forces that depend on them give the motion a pose Jacobian.
-_HEADING = frozenset({Variable.HEADING, Variable.SLIP_HEADING}) | OF_PLACE
+_HEADING = frozenset({Variable.HEADING, Variable.SLIP_HEADING, Variable.SLIP_DIRECTION}) | OF_PLACE
 _PLACE = frozenset({Variable.POSITION_X, Variable.POSITION_Y}) | OF_PLACE
 #: Variables known in time alone where wheel speeds are prescribed.
 _TIME = frozenset(
@@ -34,9 +34,9 @@ _TIME = frozenset(
     }
 )
 #: Variables that leave the velocity derivative analytic.
-_CALM = _TIME | _HEADING | _PLACE | {Variable.UNITY}
+_CALM = (_TIME | _HEADING | _PLACE | {Variable.UNITY}) - {Variable.SLIP_DIRECTION}
 #: The bases whose coefficients all stand for one and the same function.
-_SINGLE = frozenset({Basis.CONSTANT, Basis.DECAY, Basis.RECIPROCAL, Basis.WINDOW, Basis.STEP})
+_SINGLE = frozenset({Basis.CONSTANT, Basis.DECAY, Basis.RECIPROCAL, Basis.WINDOW, Basis.STEP, Basis.LOBE})
 
 
 def pack(model: Model) -> Array:

@@ -95,6 +95,9 @@ class _Instant:
         if variable is Variable.SLIP_HEADING:
             axis = (c.grip, c.free)[side]
             return np.asarray(self.phi + np.arctan2(axis[:, 1], axis[:, 0]) + np.where(u < 0.0, np.pi, 0.0))
+        if variable is Variable.SLIP_DIRECTION:
+            slid = self.slip[0][:, None] * c.grip + self.slip[1][:, None] * c.free
+            return np.asarray(self.phi + np.angle(slid @ np.array([1.0, 1j])))
         if variable is Variable.FROM_PLACE:
             return np.asarray(np.linalg.norm(self.contact - place[:2], axis=1))
         if variable is Variable.BEFORE_LINE:
@@ -125,6 +128,9 @@ def _functions(basis: Basis, shape: Array, count: int, v: float) -> Array:
     if basis is Basis.ODD:
         powers = np.sign(v) * np.power(abs(v), order - 1.0)
         return np.append(2.0 / np.pi * np.arctan2(v, a), powers[1:])
+    if basis is Basis.LOBE:
+        half = (1.0 - np.cos(v - a)) / (1.0 - np.cos(0.5 * b))
+        return np.full(count, 1.0 / (1.0 + np.power(half, 16.0)))
     assert basis is Basis.STEP, basis
     return np.full(count, 1.0 / (1.0 + np.exp((v - a) / b)))
 

@@ -54,6 +54,7 @@ BASES = {
     Basis.RECIPROCAL: (3.0, 2.0),
     Basis.ODD: (0.2, 1.0),
     Basis.STEP: (0.1, 0.05),
+    Basis.LOBE: (0.3, 1.2),
 }
 COMPONENTS = (
     Variable.VELOCITY_X,
@@ -71,10 +72,12 @@ def test_general_forms_do_the_same_in_both_conventions(data: st.DataObject) -> N
     numbers = st.lists(st.floats(-0.3, 0.3), min_size=4, max_size=4).map(np.array)
     kind = data.draw(st.sampled_from(["friction", "sliding", "force", "shift"]))
     common = {"basis": basis, "shape": np.array(BASES[basis])}
+    round_ = data.draw(st.sampled_from((Basis.FOURIER, Basis.LOBE)))
     if kind in ("friction", "sliding"):
-        variable = Variable.SLIP_HEADING if kind == "sliding" else data.draw(st.sampled_from(COMPONENTS))
+        sliding = st.sampled_from((Variable.SLIP_HEADING, Variable.SLIP_DIRECTION))
+        variable = data.draw(sliding if kind == "sliding" else st.sampled_from(COMPONENTS))
         common |= (
-            {"shape": np.array(BASES[Basis.FOURIER]), "basis": Basis.FOURIER} if kind == "sliding" else {}
+            {"shape": np.array(BASES[round_]), "basis": round_} if kind == "sliding" else {}
         )
         term = Multiplier(
             variable=variable,

@@ -15,6 +15,8 @@ from judged.motions import draw_run
 from judged.robots import KINDS, Wishes, draw_robot
 
 from slipmargin.effects.catalogue import effect_class
+from slipmargin.effects.floor_weave import FloorWeave
+from slipmargin.effects.stiff_roller import StiffRoller
 from slipmargin.effects.wheel_runout import WheelRunout
 from slipmargin.io.data_set import read_data_set
 from slipmargin.io.robot_file import read_recipe
@@ -208,3 +210,32 @@ def test_the_score_counts_what_the_reports_say() -> None:
         "coverage": 0.0,
         "median_error_over_half_width": pytest.approx(1.3333, abs=1e-4),
     }
+
+
+def test_a_fourfold_floor_is_floor_weave(tmp_path: Path) -> None:
+    rng = np.random.default_rng(6)
+    robot = draw_robot(rng, Wishes(plain_loads=True, box=True, no_rigid=True, no_motor=True))
+    run = draw_run(rng, robot.machine, 200, spread=True, commanded=False, hardest=2.5)
+    family = next(f for f in INVENTIONS if f.name == "fourfold_floor")
+    planted = family.draws(Draw(rng=rng, machine=robot.machine, runs=[run]))(0.4)
+    size, towards = (planted.parameters[key] for key in ("relative_amplitude", "direction_rad"))
+    effect = FloorWeave(cosine=size * np.cos(4.0 * towards), sine=size * np.sin(4.0 * towards))
+    files = {"robot.toml": robot.text}
+    off = _off(files, tmp_path, planted, run, (effect,))
+    without = _off(files, tmp_path, planted, run, ())
+    assert without > 5e-4 and off < 0.01 * without, (off, without)
+
+
+def test_a_sticking_roller_is_a_stiff_one_but_for_its_edges(tmp_path: Path) -> None:
+    rng = np.random.default_rng(6)
+    robot = draw_robot(rng, Wishes(plain_loads=True, box=True, no_rigid=True, no_motor=True))
+    run = draw_run(rng, robot.machine, 200, spread=True, commanded=False, hardest=2.5)
+    family = next(f for f in INVENTIONS if f.name == "sticking_roller")
+    planted = family.draws(Draw(rng=rng, machine=robot.machine, runs=[run]))(0.8)
+    factor, start, width = (planted.parameters[key] for key in ("transverse_factor", "from_rad", "width_rad"))
+    middle = float(np.angle(np.exp(1j * (start + 0.5 * width))))
+    effect = StiffRoller(factor=factor, angle_rad=middle, wheels=tuple(str(i) for i in planted.wheels))
+    files = {"robot.toml": robot.text}
+    off = _off(files, tmp_path, planted, run, (effect,))
+    without = _off(files, tmp_path, planted, run, ())
+    assert without > 5e-4 and off < 0.05 * without, (off, without)

@@ -182,6 +182,7 @@ def test_motions_agree_to_a_millionth(case):
         Variable.LEAD,
         Variable.FROM_PLACE,
         Variable.BEFORE_LINE,
+        Variable.SLIP_DIRECTION,
     ],
 )
 def test_motions_with_terms_agree(variable):
