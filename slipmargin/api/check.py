@@ -13,6 +13,7 @@ from slipmargin.api.robots import RobotLike, checked_margin, model_of
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.paths.trajectory import Trajectory
+from slipmargin.robot.mistakes import ABSURD_USE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,9 +21,6 @@ if TYPE_CHECKING:
     from slipmargin.model import Model
     from slipmargin.paths.check import Check
     from slipmargin.report.page import Page
-
-#: A motion that asks for so many times a wheel's grip is a mistake of units or of time stamps [1].
-ABSURD_USE = 1e4
 
 
 @final

@@ -15,6 +15,7 @@ from slipmargin.api.robots import RobotLike, model_of
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.paths.trajectory import Trajectory
+from slipmargin.robot.mistakes import ABSURD_USE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -185,6 +186,14 @@ def simulate(
         )
     angles = _numbers("wheel_angles_rad", wheel_angles_rad, model.count)
     wrench = _numbers("push", push, 3)
+    reach = float(np.max(np.hypot(*model.geometry.position_m.T)))
+    most = ABSURD_USE * model.inertia.weight_N * np.array([1.0, 1.0, reach])
+    if np.any(np.abs(wrench) > most):
+        raise InputError(
+            "push",
+            f"is {', '.join(f'{v:g}' for v in wrench)}; {ABSURD_USE:g} times the weight is {most[0]:.3g} N",
+            "give newtons and newton metres",
+        )
     signal, start, twist, goal = _commands(model, commands, angles, until_s, linear)
     first, last = float(signal.knots_s[0]), float(signal.knots_s[-1])
     if not 0.0 < step_s < math.inf or (last - first) / step_s > _MOST:

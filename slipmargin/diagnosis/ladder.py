@@ -30,10 +30,11 @@ from slipmargin.diagnosis.held_out import (
     by_run,
     phases_matter,
     predicted,
+    score,
     sets_of_effects,
 )
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.result import Rejected
+from slipmargin.diagnosis.result import Rejected, Score
 from slipmargin.diagnosis.search import (
     Round,
     fitted,
@@ -160,13 +161,11 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
     after = court.errors(state)
     before = court.believed(state)
     one, two = by_run(before.errors, court.runs), by_run(after.errors, court.runs)
-    astray: tuple[str, ...] = ()
+    fresh = np.flatnonzero(court.unseen) if court.unseen.any() else np.arange(len(one.squares))
+    astray = larger(score(one, fresh), score(two, fresh))
     if state.view.piece is None:
         judgement = court.verdict(one, two)
     else:  # a wrong heading early in a whole run outweighs all that is right after it
-        rows = np.flatnonzero(court.unseen) if court.unseen.any() else None
-        if two.chi(rows) >= one.chi(rows):
-            astray = ("on whole runs that it has not seen the error does not fall",)
         pieces = (court.believed(state, in_pieces=True), court.errors(state, in_pieces=True))
         judgement = court.verdict(*(by_run(p.errors, court.runs) for p in pieces))
     idle = [c.label for c, none in zip(state.structure, nothing_sure(state), strict=True) if none]
@@ -194,6 +193,25 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
         problem=after.problem,
         phased=after.phased,
         rejected=tuple(rejected),
+    )
+
+
+def larger(before: Score, after: Score) -> tuple[str, ...]:
+    """Which errors of whole runs that nothing has seen are larger after, in words.
+
+    A correction with which one of them grows is not claimed, however little it grows: what is called found
+    makes every error that is reported smaller, or leaves it as it is.
+    """
+    one, two = before, after
+    rows = (
+        ("chi", one.chi, two.chi, ""),
+        ("the position error", 1e3 * one.rmse_position_m, 1e3 * two.rmse_position_m, " mm"),
+        ("the heading error", 1e3 * one.rmse_heading_rad, 1e3 * two.rmse_heading_rad, " mrad"),
+    )
+    return tuple(
+        f"on whole runs that nothing has seen {what} grows from {was:.4g} to {now:.4g}{unit}"
+        for what, was, now, unit in rows
+        if not now <= was
     )
 
 

@@ -177,8 +177,8 @@ def screen(
         gains, step, steps = _left_out(own, gram[:, rows[:, None], rows], pulls[:, :, rows], misfit)
         logs = np.zeros(len(squares))
         for part, one in zip(parts, steps, strict=True):
-            left = squares[part] + 2.0 * pull_of_runs[part][:, rows] @ one
-            left += np.einsum("rij,i,j->r", of_runs[part][:, rows[:, None], rows], one, one)
+            left = squares[part] + 2.0 * pull_of_runs[np.ix_(part, rows)] @ one
+            left += (of_runs[np.ix_(part, rows, rows)] @ one) @ one
             logs[part] = 0.5 * np.log(
                 (squares[part] + 1e-12) / np.maximum(left, 1e-6 * squares[part] + 1e-12)
             )

@@ -14,6 +14,7 @@ from slipmargin.data.pulls import Pulls
 from slipmargin.data.record import Record
 from slipmargin.errors import InputError
 from slipmargin.io.table import Columns, columns_parts, columns_text, read_columns
+from slipmargin.robot.mistakes import LARGEST_PULL_N
 
 _POSE = ("x_m", "y_m", "phi_rad")
 #: Field of a record → the column's name for wheel i.
@@ -98,7 +99,9 @@ def read_pulls(path: Path, wheels: int) -> Pulls:
             _check_cells(
                 table, name, np.abs(_column(table, name)) > _MOST_TURNED_RAD, "divide degrees by 57.296"
             )
-        _check_cells(table, "force_N", table["force_N"] <= 0.0, "give the size of the pull [N]")
+        force = table["force_N"]
+        wrong = (force <= 0.0) | (force > LARGEST_PULL_N)
+        _check_cells(table, "force_N", wrong, "give the size of the pull in newtons")
         _check_cells(
             table, "height_m", _column(table, "height_m") < 0.0, "give the height above the floor [m]"
         )

@@ -28,6 +28,10 @@ _STICKY = 1.5
 _SIDEWAYS = 0.1
 #: A roller whose grip line passes nearer to the centre than this share of its mirror image's [1].
 _SHORT_LEVER = 0.9
+#: What asks for so many times the grip is a mistake of units or of time stamps [1].
+ABSURD_USE = 1e4
+#: A pull with more than this is no robot's: the weight of 100 000 t [N].
+LARGEST_PULL_N = 1e9
 
 
 def reach_m(robot: Robot) -> float:

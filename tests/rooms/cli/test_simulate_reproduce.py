@@ -100,7 +100,8 @@ def test_bad_commands_are_one_line(tmp_path, capsys, text, says):
 
 
 @pytest.mark.parametrize(("option", "value", "says"), [
-    ("--theta0", "1,2", "give 3 numbers"), ("--push", "a,b,c", "give 3 numbers"), ("--step", "-1", "rows"),
+    ("--theta0", "1,2", "give 3 numbers"), ("--push", "a,b,c", "give 3 numbers"),
+    ("--push", "0,0,1e9", "times the weight"), ("--step", "-1", "rows"),
     ("--until", "2", "after the last row"), ("--rtol", "1", "relative error"),
 ])  # fmt: skip
 def test_bad_options_are_one_line(tmp_path, capsys, option, value, says):

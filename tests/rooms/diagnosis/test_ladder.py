@@ -8,16 +8,20 @@ import numpy as np
 import pytest
 from planting import Plant, planted, smooth_kiwi
 
+from slipmargin.checks import Index
+from slipmargin.diagnosis import ladder
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
-from slipmargin.diagnosis.ladder import Checked, Court, check
+from slipmargin.diagnosis.ladder import Checked, Court, check, larger
 from slipmargin.diagnosis.left_out import folds
 from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.result import Score
 from slipmargin.diagnosis.screen import Screening
 from slipmargin.diagnosis.search import Round, fitted, nothing_sure, take_step
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
+from slipmargin.diagnosis.verdict import RunErrors
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect
 from slipmargin.effects.camera_delay import CameraDelay
@@ -176,3 +180,25 @@ def test_folds_hold_whole_runs_and_every_trial_once() -> None:
         inside = {runs[i] for i in part}
         assert all(i in part for i, run in enumerate(runs) if run in inside)
     assert len(folds([0, 1, 2], 4)) == 3
+
+
+def test_an_error_that_grows_at_all_is_not_called_found(
+    court: Court, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By a thousandth of itself, which no test over runs would call worse."""
+    one = Score(rmse_position_m=2.823e-3, rmse_heading_rad=44e-3, chi=3.49)
+    assert larger(one, replace(one, rmse_heading_rad=8.8e-3, chi=1.03)) == ()
+    (said,) = larger(one, Score(rmse_position_m=2.826e-3, rmse_heading_rad=8.8e-3, chi=1.03))
+    assert said.endswith("the position error grows from 2.823 to 2.826 mm")
+    assert checked(court, "wheel_loads").state is not None
+    real, scores = ladder.score, []
+
+    def grown(errors: RunErrors, runs: Index) -> Score:
+        scores.append(real(errors, runs))
+        return replace(
+            scores[-1], rmse_position_m=scores[0].rmse_position_m * (1.0 + 1e-3 * (len(scores) - 1))
+        )
+
+    monkeypatch.setattr(ladder, "score", grown)
+    found = checked(court, "wheel_loads")
+    assert found.state is None and "the position error grows" in found.rejected[0].failures[-1]

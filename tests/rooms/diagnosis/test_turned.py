@@ -76,9 +76,7 @@ def test_general_forms_do_the_same_in_both_conventions(data: st.DataObject) -> N
     if kind in ("friction", "sliding"):
         sliding = st.sampled_from((Variable.SLIP_HEADING, Variable.SLIP_DIRECTION))
         variable = data.draw(sliding if kind == "sliding" else st.sampled_from(COMPONENTS))
-        common |= (
-            {"shape": np.array(BASES[round_]), "basis": round_} if kind == "sliding" else {}
-        )
+        common |= {"shape": np.array(BASES[round_]), "basis": round_} if kind == "sliding" else {}
         term = Multiplier(
             variable=variable,
             target=Target.BOTH,

@@ -297,6 +297,7 @@ def test_a_data_set_may_hold_pulls_alone(tmp_path: Path) -> None:
     [
         ("phi_rad,force_N\n90,4.5\n", "2:1: phi_rad is 90, divide degrees"),
         ("phi_rad,force_N\n0.1,-4.5\n", "2:2: force_N is -4.5"),
+        ("phi_rad,force_N\n0.1,1e308\n", "2:2: force_N is 1e.308"),
         ("phi_rad,force_N,height_m\n0.1,4.5,-1\n", "2:3: height_m is -1"),
         ("phi_rad,force_N,point_x_m\n0.1,4.5,0\n", "'point_y_m' is missing"),
     ],
