@@ -27,6 +27,7 @@ PAIRS = (
     ("anchor_x_m", "anchor_y_m"),
     ("centre_x_m", "centre_y_m"),
     ("force_x_N", "force_y_N"),
+    ("place_x_m", "place_y_m"),
 )
 #: One that is a direction on the floor.
 DIRECTION = "direction_rad"

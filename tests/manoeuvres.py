@@ -129,7 +129,10 @@ def force(variable: Variable, basis: Basis, frame: Frame, seed: int, newton: flo
     rng = np.random.default_rng(seed)
     shape, size = basis_shape(basis, SIZE[variable])
     rows = newton * rng.uniform(-1.0, 1.0, (3, size)) * np.array([[1.0], [1.0], [0.05]])
-    return ForceTerm(variable=variable, basis=basis, frame=frame, shape=shape, coefficients=rows)
+    place = np.array([0.07, -0.04]) if frame is Frame.AT_PLACE else np.zeros(2)
+    return ForceTerm(
+        variable=variable, basis=basis, frame=frame, shape=shape, coefficients=rows, place_m=place
+    )
 
 
 def with_terms(

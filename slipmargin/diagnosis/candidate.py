@@ -116,7 +116,8 @@ def named_candidate(
 
     Parameters that have no influence at null stand at their first start value there, so that a step of
     the effect's first parameter shows what the effect can do.  ``reach`` says how far the runs cover
-    "position" [m] and "time" [s]: starts of parameters along these are shares of it.
+    "position" [m] and "time" [s], and how far from the middle of the "body" its wheels are [m]: starts of
+    parameters along these are shares of it.
     """
     variant = variant or Variant(free=tuple(p.name for p in effect.parameters))
     rows = [p for p in effect.parameters if p.name in variant.free]
@@ -174,7 +175,8 @@ def named_candidates(
     known : tuple of str
         Effects already in the robot file; they are not proposed again.
     reach : mapping
-        How far the runs cover "position" [m] and "time" [s], for starts that are spread over them.
+        How far the runs cover "position" [m] and "time" [s], and the "body" reaches [m], for starts that are
+        spread over them.
     timed : bool
         Whether the rows have time stamps, which limit how wrong the clock may be, not only a nominal rate.
     angles : bool

@@ -138,7 +138,8 @@ def _searched(
     known = tuple(effect.name for effect in data_set.recipe.effects)
     model, commanded = problem.model(()), problem.commanded
     covered = ranges(tuple(problem.trials[i] for i in seen))
-    reach = {"position": covered.position_m, "time": covered.duration_s}
+    arm = float(np.mean(np.hypot(*model.geometry.position_m.T)))
+    reach = {"position": covered.position_m, "time": covered.duration_s, "body": arm}
     timed = data_set.nominal_rate_Hz is None
     angles = not commanded and not wheel_phase.is_unknown(problem)
     candidates = in_groups(

@@ -10,7 +10,8 @@ from slipmargin.diagnosis.forms import Ranges
 from slipmargin.diagnosis.general_forms import general_candidates
 from slipmargin.diagnosis.pull_problem import PullProblem, expectation
 from slipmargin.errors import InputError, NoSolution
-from slipmargin.physics.variables import Frame, Variable
+from slipmargin.physics.terms import AGAINST
+from slipmargin.physics.variables import Variable
 
 #: What moves a limit by less than this share of it at a start value moves nothing.
 _MOVES = 1e-6
@@ -96,5 +97,5 @@ def unseen(problem: PullProblem, candidate: Candidate, x: Array) -> bool:
     return (
         any(factor.variable in _UNKNOWN for factor in factors)
         or any(force.variable in _UNKNOWN for force in forces)
-        or any(force.frame is Frame.AGAINST_MOTION for force in forces)
+        or any(force.frame in AGAINST for force in forces)
     )

@@ -10,6 +10,7 @@ from slipmargin.effects.camera_delay import CameraDelay
 from slipmargin.effects.camera_rotation import CameraRotation
 from slipmargin.effects.camera_scale import CameraScale
 from slipmargin.effects.clock_rate import ClockRate
+from slipmargin.effects.dragging_point import DraggingPoint
 from slipmargin.effects.effect import Effect
 from slipmargin.effects.elliptic_grip import EllipticGrip
 from slipmargin.effects.floor_border import FloorBorder
@@ -104,6 +105,7 @@ CATALOGUE = Catalogue(
         RollerCoupling,
         EllipticGrip,
         RollingResistance,
+        DraggingPoint,
         FloorTilt,
         FloorNap,
         FloorGrain,

@@ -91,7 +91,7 @@ class Parameter:
     meaning: str
     starts: tuple[float, ...] = ()  #: where fits start; empty: one scale above null
     idle: bool = False  #: whether it has no influence while the effect's first parameter is at null
-    along: str = ""  #: "position" or "time": starts are shares of what the runs cover of it
+    along: str = ""  #: "position", "time" or "body": starts are shares of what runs cover, or of its size
     least_wheels: int = 0  #: with fewer wheels it has no influence
     usual: float | None = None  #: an end of the range that is an ordinary value; the null by default
 

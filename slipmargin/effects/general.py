@@ -99,6 +99,8 @@ def _row(term: Term) -> dict[str, Any]:
             row["height_m"] = _AT_COM if term.height_m is None else term.height_m
         if term.lift_N != 0.0:
             row["lift_N"] = term.lift_N
+        if np.any(term.place_m):
+            row["place_m"] = term.place_m.tolist()
     keys = _TRIPLE[type(term)]
     return row | {key: term.coefficients[i].tolist() for i, key in enumerate(keys)}
 
@@ -107,7 +109,7 @@ _COMMON = {"variable", "basis", "shape"}
 #: The word for a force at the height of the centre of mass.
 _AT_COM = "centre_of_mass"
 _HEIGHT_CURE = f"give a number [m] or {_AT_COM!r}"
-_OPTIONAL = {"height_m", "lift_N"}
+_OPTIONAL = {"height_m", "lift_N", "place_m"}
 _TRIPLE: dict[type, tuple[str, str, str]] = {
     ForceTerm: ("fx_N", "fy_N", "mz_N_m"),
     PoseShift: ("dx_m", "dy_m", "dphi_rad"),
@@ -167,6 +169,7 @@ def _term(place: str, kind: type, row: Mapping[str, Any]) -> Term:
                 frame=frame,
                 height_m=None if height == _AT_COM else real("height_m", height, cure=_HEIGHT_CURE),
                 lift_N=real("lift_N", row.get("lift_N", 0.0), cure="give a number [N]"),
+                place_m=_numbers("place_m", row) if "place_m" in row else np.zeros(2),
             )
         return PoseShift(**common, coefficients=np.array(triple))
     except InputError as error:

@@ -20,8 +20,8 @@ from slipmargin.effects.general import GeneralEffect, Term
 from slipmargin.effects.recipe import AnyEffect, Recipe
 from slipmargin.effects.sliding_direction import SlidingDirection
 from slipmargin.physics.convention import Convention
-from slipmargin.physics.terms import ForceTerm, Multiplier
-from slipmargin.physics.variables import Basis, Frame, Variable
+from slipmargin.physics.terms import AGAINST, ForceTerm, Multiplier
+from slipmargin.physics.variables import Basis, Variable
 from slipmargin.robot.turned import quarter_rad, robot_in, vectors
 
 DIRECTION = "direction_rad"
@@ -85,8 +85,9 @@ def _term(term: Term, old: Convention, new: Convention) -> Term:
             place = vectors(term.place, old, new)
             place[2] = direction(float(place[2]), old, new)
             changes["place"] = place
-    elif isinstance(term, ForceTerm) and term.frame is Frame.AGAINST_MOTION:
+    elif isinstance(term, ForceTerm) and term.frame in AGAINST:
         coefficients = term.coefficients  # along and across the velocity
+        changes["place_m"] = vectors(term.place_m, old, new)
     else:
         coefficients = vectors(term.coefficients.T, old, new).T
     shape = term.shape

@@ -16,7 +16,7 @@ from slipmargin.errors import NoSolution
 from slipmargin.limits.ranges import span
 from slipmargin.model import Model
 from slipmargin.physics.frames import rotate_rows
-from slipmargin.physics.terms import ForceTerm
+from slipmargin.physics.terms import AGAINST, ForceTerm
 from slipmargin.physics.variables import Frame, Variable
 
 #: A load below minus this share of m g is a wheel off the floor [1].
@@ -130,7 +130,7 @@ def bias_samples(model: Model, phi_rad: Array, points: int = 5) -> list[Bias]:
 
 
 def _acts(term: ForceTerm) -> bool:
-    return term.frame is not Frame.AGAINST_MOTION
+    return term.frame not in AGAINST
 
 
 def _unknown_terms(model: Model, variable: Variable) -> list[ForceTerm]:

@@ -15,7 +15,7 @@ from slipmargin.limits.motion_probes import probes
 from slipmargin.limits.motion_state import Motion
 from slipmargin.model import Model
 from slipmargin.physics.constants import SLOW_M_S, SLOW_RAD_S
-from slipmargin.physics.frames import rotate_rows
+from slipmargin.physics.frames import moment, rotate_rows
 from slipmargin.physics.loads import Loads
 from slipmargin.physics.terms import ForceTerm
 from slipmargin.physics.variables import Frame
@@ -169,11 +169,17 @@ def _term(model: Model, motion: Motion, term: ForceTerm) -> Array:
     if term.frame is Frame.FLOOR:
         return _from_floor(motion, wrench)
     v, spin = motion.velocity[:, :2], motion.velocity[:, 2]
+    x, y = term.place_m
+    if term.frame is Frame.AT_PLACE:
+        v = v + spin[:, None] * np.array([-y, x])
     ahead = v / np.sqrt(np.sum(v**2, axis=1, keepdims=True) + SLOW_M_S**2)
     left = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)
     out = np.empty(wrench.shape)
     out[..., :2] = -wrench[..., :1] * ahead + wrench[..., 1:2] * left
     out[..., 2] = -wrench[..., 2] * spin / np.sqrt(spin**2 + SLOW_RAD_S**2)
+    if term.frame is Frame.AT_PLACE:
+        arm = term.place_m - model.inertia.com_m
+        out[..., 2] += moment(arm[0], arm[1], out[..., 0], out[..., 1])
     return out
 
 

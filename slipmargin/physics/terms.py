@@ -38,6 +38,8 @@ PER_WHEEL = frozenset(
 )
 #: Variables of a wheel that are measured from the place of a term.
 OF_PLACE = frozenset({Variable.FROM_PLACE, Variable.BEFORE_LINE})
+#: Frames of forces that act against a motion: at rest there are none.
+AGAINST = frozenset({Frame.AGAINST_MOTION, Frame.AT_PLACE})
 
 
 def place_variable(before_line: Any, at_x: Any, at_y: Any, direction: Any, x: Any, y: Any) -> Any:
@@ -146,6 +148,7 @@ class ForceTerm:
 
     The force acts ``height_m`` above the floor, or at the height of the centre of mass where that is
     None, and shifts the wheel loads by its moment; ``lift_N`` is an upward force that comes with it.
+    ``place_m`` (2,) is the place of the body [m] in whose frame ``AT_PLACE`` it acts.
     """
 
     variable: Variable
@@ -155,11 +158,17 @@ class ForceTerm:
     frame: Frame
     height_m: float | None = 0.0
     lift_N: float = 0.0
+    place_m: Array = field(default_factory=lambda: np.zeros(2))
 
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "coefficients", frozen("coefficients", self.coefficients, (3, None)))
         put(self, "shape", frozen("shape", self.shape, (2,)))
+        put(self, "place_m", frozen("place_m", self.place_m, (2,)))
+        if self.frame is not Frame.AT_PLACE and np.any(self.place_m):
+            raise InputError(
+                "place_m", f"is given with the frame {self.frame.name.lower()}", "use the frame at_place"
+            )
         if self.variable in PER_WHEEL:
             raise InputError(
                 "variable",

@@ -73,3 +73,4 @@ class Frame(IntEnum):
     BODY = 0  #: body x, body y, yaw moment
     FLOOR = 1  #: floor x, floor y, yaw moment
     AGAINST_MOTION = 2  #: against the velocity, to the left of it, against the yaw rate
+    AT_PLACE = 3  #: the same with the velocity of a place of the body, where the force acts

@@ -227,12 +227,15 @@ def _external(P: Any, W: Any, t: float, y: Any, C: Any, B: Any) -> None:
             m += P[place + 2 * count + j] * part
         if frame == 1:
             x, z = _to_body(y[2], x, z)
-        elif frame == 2:
-            vx, vy = _velocity_at(y[3], y[4], y[5], -P[_COM_X], -P[_COM_Y])
+        elif frame >= 2:
+            px, py = (-P[_COM_X], -P[_COM_Y]) if frame == 2 else (P[q + 8], P[q + 9])
+            vx, vy = _velocity_at(y[3], y[4], y[5], px, py)
             size = math.sqrt(vx * vx + vy * vy + SLOW_M_S * SLOW_M_S)
             c, s = vx / size, vy / size
             x, z = -c * x - s * z, -s * x + c * z
             m = -m * y[5] / math.sqrt(y[5] * y[5] + SLOW_RAD_S * SLOW_RAD_S)
+            if frame == 3:
+                m += px * z - py * x
         fx += x
         fy += z
         mz += m

@@ -86,7 +86,8 @@ WHEEL = 32
 #: A modulation: variable, basis, target, count, shape a, shape b, place (3), N weights, count coefficients.
 PLACE = 6
 TERM = 9
-#: A force: variable, basis, frame, count, shape a, shape b, height [m], lift [N], 3 × count coefficients.
-FORCE = 8
+#: A force: variable, basis, frame, count, shape a, shape b, height [m], lift [N], place from the centre of
+#: mass (2) [m], 3 × count coefficients.
+FORCE = 10
 #: A ramp or ridge of the floor: profile, size, extent [m], edge [m], offset [m], direction [rad].
 RELIEF = 6

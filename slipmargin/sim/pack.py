@@ -14,7 +14,7 @@ from slipmargin.physics.contact import BOX, DISC_STRIP, ELLIPSE
 from slipmargin.physics.frames import moment
 from slipmargin.physics.grips import GripShape
 from slipmargin.physics.relief import Relief
-from slipmargin.physics.terms import OF_PLACE, ForceTerm, Multiplier
+from slipmargin.physics.terms import AGAINST, OF_PLACE, ForceTerm, Multiplier
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.sim import layout as at
 
@@ -116,7 +116,7 @@ def _fill(head: Array, model: Model) -> None:
     head[at.BY_POSITION] = bool((variables | terms) & _PLACE) or uneven
     out_of_round = bool(np.any(model.geometry.runout))
     head[at.BY_TIME] = bool((variables | terms) & _TIME) or out_of_round
-    against = any(f.frame is Frame.AGAINST_MOTION for f in model.external.terms)
+    against = any(f.frame in AGAINST for f in model.external.terms)
     boxed = grip.shape is GripShape.BOX or grip.coupling == 0.0
     calm = _CALM | {Variable.WHEEL_LOAD} | ({Variable.SLIP_SPEED} if boxed else set())
     stiff = any(m.target >= Target.STIFFNESS and m.variable not in _CALM for m in grip.multipliers)
@@ -189,6 +189,7 @@ def _force(f: ForceTerm, model: Model) -> Array:
             [float(f.variable), float(f.basis), float(f.frame), float(coefficients.shape[1])],
             f.shape,
             [height, f.lift_N],
+            f.place_m - model.inertia.com_m,
             coefficients.ravel(),
         ]
     )
@@ -215,4 +216,4 @@ def _merged(basis: Basis, coefficients: Array) -> Array:
     return coefficients
 
 
-assert len(Target) == 6 and len(Frame) == 3  # the kernel knows these and no others
+assert len(Target) == 6 and len(Frame) == 4  # the kernel knows these and no others

@@ -204,11 +204,14 @@ def _push_of_terms(at: _Instant) -> tuple[Array, Array, float]:
         w = term.coefficients @ _functions(term.basis, term.shape, term.coefficients.shape[1], v)
         if term.frame is Frame.FLOOR:
             w = np.append(at.turn.T @ w[:2], w[2])
-        elif term.frame is Frame.AGAINST_MOTION:
-            d = at.velocity / np.sqrt(at.velocity @ at.velocity + 1e-6)
+        elif term.frame in (Frame.AGAINST_MOTION, Frame.AT_PLACE):
+            here = at.velocity + at.twist[2] * np.array([-term.place_m[1], term.place_m[0]])
+            d = here / np.sqrt(here @ here + 1e-6)
             left = np.array([-d[1], d[0]])
             rate = at.twist[2] / np.sqrt(at.twist[2] ** 2 + 1e-4)
             w = np.append(-w[0] * d + w[1] * left, -w[2] * rate)
+            if term.frame is Frame.AT_PLACE:
+                w[2] += np.linalg.det([term.place_m - at.model.inertia.com_m, w[:2]])
         total += w
         height = at.model.inertia.com_height_m if term.height_m is None else term.height_m
         tilting += height * w[:2]

@@ -9,6 +9,7 @@ from planting import Plant, planted, smooth_kiwi
 from slipmargin.diagnosis.loop import diagnose
 from slipmargin.diagnosis.result import Verdict
 from slipmargin.effects import Trace
+from slipmargin.effects.dragging_point import DraggingPoint
 from slipmargin.effects.effect import Effect
 from slipmargin.effects.floor_grain import FloorGrain
 from slipmargin.effects.floor_weave import FloorWeave
@@ -22,6 +23,7 @@ SMALL = {"count": 7, "duration_s": 2.5, "rate_hz": 100.0}
     [
         FloorGrain(cosine=0.03, sine=-0.04),
         FloorWeave(cosine=-0.03, sine=0.04),
+        DraggingPoint(force_N=0.6, place_x_m=-0.02, place_y_m=0.06),
         StiffRoller(factor=2.5, angle_rad=1.9, wheels=("2",)),
     ],
     ids=lambda e: e.name,

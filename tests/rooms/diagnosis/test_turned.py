@@ -89,7 +89,8 @@ def test_general_forms_do_the_same_in_both_conventions(data: st.DataObject) -> N
         frame = data.draw(st.sampled_from(list(Frame)))
         three = np.stack([data.draw(numbers) for _ in range(3)])
         variable = data.draw(st.sampled_from(COMPONENTS))
-        term = ForceTerm(variable=variable, frame=frame, coefficients=0.1 * three, **common)
+        place = np.array([0.05, -0.02]) if frame is Frame.AT_PLACE else np.zeros(2)
+        term = ForceTerm(variable=variable, frame=frame, coefficients=0.1 * three, place_m=place, **common)
         part = Part.LOSSES
     else:
         three = np.stack([data.draw(numbers) for _ in range(3)])

@@ -15,6 +15,7 @@ from judged.motions import draw_run
 from judged.robots import KINDS, Wishes, draw_robot
 
 from slipmargin.effects.catalogue import effect_class
+from slipmargin.effects.dragging_point import DraggingPoint
 from slipmargin.effects.floor_weave import FloorWeave
 from slipmargin.effects.stiff_roller import StiffRoller
 from slipmargin.effects.wheel_runout import WheelRunout
@@ -239,3 +240,17 @@ def test_a_sticking_roller_is_a_stiff_one_but_for_its_edges(tmp_path: Path) -> N
     off = _off(files, tmp_path, planted, run, (effect,))
     without = _off(files, tmp_path, planted, run, ())
     assert without > 5e-4 and off < 0.05 * without, (off, without)
+
+
+def test_a_dragging_castor_is_a_dragging_point(tmp_path: Path) -> None:
+    rng = np.random.default_rng(6)
+    robot = draw_robot(rng, Wishes(plain_loads=True, box=True, no_rigid=True, no_motor=True))
+    run = draw_run(rng, robot.machine, 200, spread=True, commanded=False, hardest=2.5)
+    family = next(f for f in INVENTIONS if f.name == "dragging_castor")
+    planted = family.draws(Draw(rng=rng, machine=robot.machine, runs=[run]))(0.4)
+    force, x, y = (planted.parameters[key] for key in ("force_N", "x_m", "y_m"))
+    effect = DraggingPoint(force_N=force, place_x_m=x, place_y_m=y)
+    files = {"robot.toml": robot.text}
+    off = _off(files, tmp_path, planted, run, (effect,))
+    without = _off(files, tmp_path, planted, run, ())
+    assert without > 5e-4 and off < 0.01 * without, (off, without)
