@@ -108,8 +108,9 @@ def inside(
         return (np.array([np.min(left / np.maximum(np.hypot(A[:, 0], A[:, 1]), 1e-300)), yaw]),)
 
     def ellipsoid(A: Array, b: Array, sign: Array) -> tuple[Array, ...]:
+        A, b = _tightest(A, b)
         scale = _sizes(A, b)
-        return (scale[:, None] * largest_ellipsoid(_once(A * scale / b[:, None])),)
+        return (scale[:, None] * largest_ellipsoid(A * scale / b[:, None]),)
 
     modules = _modules(model)
 
@@ -149,7 +150,7 @@ def inside(
         circle_m_s2=float(ball[0][0]),
         yaw_rad_s2=yaw,
         coefficient=float(grip[0][0]),
-        pace=pace(model, np.max(asked, axis=0), share),
+        pace=pace(model, states.motion.velocity, np.max(asked, axis=0), share),
         yaw_rate_rad_s=yaw_rate(model, yaw, share, contact),
     )
 
@@ -164,10 +165,10 @@ def _safe(
     """
     model, share, least, steady = states.model, states.share, states.least, states.steady
     part, aim, rows = np.full(steady.shape, share), share - 0.5 * CLOSE, states.rows
-    again = np.zeros(steady.shape)
+    again, creep = np.zeros(steady.shape), ends.unknown(states)
     for _ in range(ROUNDS):
         found = largest(*rows)
-        seen = ends.driven(found, states)
+        seen = ends.driven(found, states, creep)
         used = np.concatenate([seen.use, seen.motors])
         if share == 1.0 or model.count == 3:  # the rows are exact for the grip
             used[0] = 0.0
@@ -220,14 +221,14 @@ def _sided(A: Array, b: Array, sign: Array, yaw: float) -> tuple[Array, ...]:
     along = flat * sign[:, :2]
     with_v[~still], against[~still] = np.maximum(along, 0.0)[~still], np.maximum(-along, 0.0)[~still]
     with_v[still] = np.abs(flat)[still]  # from rest an axis can only speed up
-    pair = largest_box(_once(np.hstack([with_v, against])))
+    pair = largest_box(np.hstack([with_v, against]))
     return np.append(pair[:2] * scale, yaw), np.append(pair[2:] * scale, yaw)
 
 
 def _even(A: Array, b: Array, sign: Array, yaw: float) -> tuple[Array, ...]:
     """Sides (3,) of the largest box with equal ones."""
     flat, scale = _flat(A, b, yaw)
-    return (np.append(largest_box(_once(np.abs(flat))) * scale, yaw),)
+    return (np.append(largest_box(np.abs(flat)) * scale, yaw),)
 
 
 def _flat(A: Array, b: Array, yaw: float) -> tuple[Array, Array]:
@@ -239,6 +240,9 @@ def _flat(A: Array, b: Array, yaw: float) -> tuple[Array, Array]:
     return A[:, :2] * scale / left[:, None], scale
 
 
-def _once(rows: Array) -> Array:
-    rows = np.round(rows, 9)
-    return rows[alike(rows)[1]]
+def _tightest(A: Array, b: Array) -> tuple[Array, Array]:
+    """One row for each normal: the least b."""
+    kind, first = alike(np.round(A / np.max(np.abs(A)), 10))
+    last_is_least = np.argsort(b, kind="stable")[::-1]  # of equal ones the first
+    first[kind[last_is_least]] = last_is_least
+    return A[first], b[first]

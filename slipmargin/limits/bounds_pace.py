@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array
-from slipmargin.limits.effort import efforts
-from slipmargin.limits.every_motion import all_motions
+from slipmargin.limits.effort import Demands, efforts
 from slipmargin.limits.motion import along
 from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_rows import acceleration_rows, at_pace, prepare, torque_limit
@@ -17,17 +16,17 @@ from slipmargin.physics.frames import directions
 from slipmargin.physics.kinematics import com_acceleration
 
 #: Rates between two that are tried at once, and rounds: the rate is found to 1e-8 of what grip alone allows.
-RATES, RATE_ROUNDS = 15, 7
+RATES, RATE_ROUNDS = 40, 5
 
 
-def pace(model: Model, torque_N_m: Array, share: float) -> float | None:
-    """Share of the top speed up to which a share of the motors' torque is what (2, M, N) asks for."""
+def pace(model: Model, velocity: Array, torque_N_m: Array, share: float) -> float | None:
+    """Share of the top speed up to which motors have the torques (2, M, N) of motions along ``velocity``."""
     stall, top = model.drives.stall_torque_N_m, model.drives.max_speed_rad_s
     if top is None:
         return None
     if stall is None:
         return share
-    speed = at_pace(model, all_motions(model).velocity, 1.0) / top
+    speed = at_pace(model, velocity, 1.0) / top
     driving = np.where(speed > 0.0, torque_N_m[0], torque_N_m[1])
     left = 1.0 - np.maximum(driving, 0.0) / (share * stall)
     return float(np.clip(np.min(left / np.maximum(np.abs(speed), 1e-9)), 0.0, share))
@@ -65,6 +64,8 @@ def yaw_rate(model: Model, yaw_rad_s2: float, share: float, contact: Contact) ->
     squared = min(float(np.min(along(model, rows, start, inward).value)) for start in starts)
     high = np.sqrt(max(0.0, squared))
 
+    demands = Demands.of(model, rows.friction, rows.external)
+
     def there(rates: Array) -> NDArray[np.bool_]:
         # At such a rate a wheel may slide so slowly that its drag, which helped, is not full.
         each = len(rates)
@@ -79,14 +80,15 @@ def yaw_rate(model: Model, yaw_rad_s2: float, share: float, contact: Contact) ->
         asked = (starts[:, None] + rates[:, None, None] ** 2 * inward).reshape(-1, 2, 3)
         speed = model.geometry.wheel_speeds(np.tile(rates[:, None, None] * turn, (2, 1, 1)))
         may = share * torque_limit(model, speed)
-        motors = efforts(model, rows.friction, rows.external, asked).of_motors(may)
+        motors = demands.each(asked).of_motors(may)
         return np.asarray(holds & (motors.reshape(2, each, 2).max(axis=(0, 2)) <= 1.0))
 
-    if there(np.array([high]))[0]:
-        return float(high)
     low = 0.0
     for _ in range(RATE_ROUNDS):
         tried = np.linspace(low, high, RATES + 2)
-        first = int(np.argmin(np.append(there(tried[1:-1]), False)))
+        holds = there(tried[1:])
+        if np.all(holds):
+            return float(high)
+        first = int(np.argmin(holds))
         low, high = tried[first], tried[first + 1]
     return float(high if low == 0.0 else low)

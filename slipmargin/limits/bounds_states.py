@@ -1,8 +1,9 @@
 """The motions that safe sets of accelerations must hold in, and the rows that each of them gives.
 
-The drag of a wheel at full slip depends on which way it slides only.  So neighbouring directions of motion
-ask the same of all wheels and differ by the torque alone that the motors have left at their speeds: they are
-a run, whose rows and whose forces are found once.
+The drag of a wheel at full slip depends on which way it slides only.  So many motions ask the same of all
+wheels and differ by the torque alone that the motors have left at their speeds: they are of one kind, whose
+forces are found once.  Those of a kind in which each axis moves the same way are a run, whose rows are found
+once.
 """
 
 from __future__ import annotations
@@ -25,10 +26,12 @@ from slipmargin.limits.motion_rows import (
     MOTOR,
     AccelerationRows,
     Facets,
+    TorqueRows,
     acceleration_rows,
     at_pace,
     prepare,
     torque_limit,
+    torque_rows,
 )
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
@@ -47,12 +50,13 @@ SPREAD, ALONG_ROWS = 48, 64
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class States:
-    """What all the sets ask of the M motions, in P runs.
+    """What all the sets ask of the M motions, of G kinds, in P runs.
 
-    ``first`` (P,) is where each run begins and ``run`` (M,) to which a motion belongs; ``sign`` (M, 3) of the
-    velocity.  ``normals`` (E, P, 3) are directions in which round sets may end; ``rows`` the safe rows of the
-    whole share.  ``least`` and ``steady`` (2, M): the shares of grip and torque that constant speed needs and
-    really uses.  ``limit_N_m`` (2, M, N): the torque that motors have at :data:`PACE`.
+    ``first`` (P,) is where each run begins and ``run`` (M,) to which a motion belongs, ``kind`` (M,) which
+    kind it is of; ``sign`` (P, 3) of the velocity.  ``normals`` (E, G, 3) are directions in which round sets
+    may end; ``rows`` the safe rows of the whole share.  ``least`` and ``steady`` (2, M): the shares of grip
+    and torque that constant speed needs and really uses.  ``limit_N_m`` (2, M, N): the torque that motors
+    have at :data:`PACE`.
     """
 
     model: Model
@@ -61,7 +65,9 @@ class States:
     motion: Motion
     first: Index
     run: Index
+    kind: Index
     parts: tuple[Facets, Friction, External]  #: of the runs
+    torque: TorqueRows | None  #: of the runs; None where motors have no stall torque
     demands: Demands
     limit_N_m: Array
     sign: Array
@@ -79,21 +85,22 @@ class States:
         NoSolution
             If some motion must slip even at constant speed, or needs more torque than the motors have.
         """
-        motion = all_motions(model)
+        motion, kind, run = _in_runs(model, all_motions(model), share, contact)
+        first = np.flatnonzero(np.diff(run, prepend=-1))
         _, friction, external = prepare(model, motion, share, contact)
-        sign = np.sign(motion.velocity)
-        begins = _begins(friction, external, sign)
-        first, run = np.flatnonzero(begins), np.cumsum(begins) - 1
-        demands = Demands.of(model, friction, external, run)
+        demands = Demands.of(model, friction, external, kind)
         limit = torque_limit(model, at_pace(model, motion.velocity, PACE))
-        still = demands.most(np.zeros((1, motion.count, 3)), limit)
+        still = demands.most(np.zeros((1, 1, 3)), np.zeros_like(kind), limit)
         need = needed_share(model, motion, contact=contact)
         use = need if model.count == 3 else np.where(need < 1.0, np.clip(still.use[0], need, 1.0), need)
         _refuse_steady(motion, use, share)
         parts = prepare(model, motion.take(first), share, contact)
         whole = np.full((2, motion.count), share)
-        rows = _acceleration_rows(model, motion, contact, first, parts, limit, whole)
+        torque = None if model.drives.stall_torque_N_m is None else torque_rows(model, *parts[1:])
+        rows = _acceleration_rows(model, motion, contact, first, parts, torque, limit, whole)
         _refuse_weak(model, motion, contact, rows, share)
+        sign = np.sign(motion.velocity[first])
+        first_kinds = np.flatnonzero(np.diff(kind[first], prepend=-1))
         return States(
             model=model,
             share=share,
@@ -101,12 +108,14 @@ class States:
             motion=motion,
             first=first,
             run=run,
+            kind=kind,
             parts=parts,
+            torque=torque,
             demands=demands,
             limit_N_m=limit,
             sign=sign,
-            normals=_normals(rows.A @ _shift(model), run)[:, first],
-            rows=_safe_rows(model, rows, sign[first]),
+            normals=_normals(rows.A @ _shift(model), run)[:, first_kinds],
+            rows=_safe_rows(model, rows, sign),
             least=np.stack([need, still.motors[0]]),
             steady=np.stack([still.use[0], still.motors[0]]),
         )
@@ -121,22 +130,37 @@ class States:
         NoSolution
             If some motion needs more torque than the motors have.
         """
-        parts, shares = self.parts, np.stack([grip, torque])
-        rows = _acceleration_rows(
-            self.model, self.motion, self.contact, self.first, parts, self.limit_N_m, shares
-        )
+        known = self.first, self.parts, self.torque, self.limit_N_m
+        rows = _acceleration_rows(self.model, self.motion, self.contact, *known, np.stack([grip, torque]))
         _refuse_weak(self.model, self.motion, self.contact, rows, self.share)
-        return _safe_rows(self.model, rows, self.sign[self.first])
+        return _safe_rows(self.model, rows, self.sign)
 
-    def effort(self, acceleration: Array) -> Most:
-        """What accelerations (E, M, 3) of the origin in the motions ask for at most."""
-        flat = acceleration.reshape(-1, 3)
-        at_com = com_acceleration(self.model.inertia.com_m, np.zeros_like(flat), flat)
-        return self.demands.most(at_com.reshape(acceleration.shape), self.limit_N_m)
+    def effort(
+        self, acceleration: Array, which: Index, *, near: bool = False, creep: Array | None = None
+    ) -> Most:
+        """What accelerations (E, G, 3) of the origin ask for: :meth:`Demands.most`."""
+        at_com = acceleration @ _shift(self.model).T
+        return self.demands.most(at_com, which, self.limit_N_m, near=near, creep=creep)
 
 
-def _begins(friction: Friction, external: External, sign: Array) -> NDArray[np.bool_]:
-    """Which of M states (M,) differ from the one before."""
+def _in_runs(model: Model, motion: Motion, share: float, contact: Contact) -> tuple[Motion, Index, Index]:
+    """The motions in an order in which kinds and runs stand together, and the kind and run (M,) of each."""
+    _, friction, external = prepare(model, motion, share, contact)
+    sign = np.sign(motion.velocity)
+    kind = _in_order(alike(_tables(friction, external, motion.count)))
+    run = _in_order(alike(np.column_stack([kind, sign])))
+    order = np.lexsort((run, kind))
+    return motion.take(order), kind[order], np.cumsum(np.diff(run[order], prepend=-1) != 0) - 1
+
+
+def _in_order(found: tuple[Index, Index]) -> Index:
+    """Kinds (M,) numbered in the order in which they first come."""
+    kind, first = found
+    return np.asarray(np.argsort(np.argsort(first))[kind])
+
+
+def _tables(friction: Friction, external: External, count: int) -> Array:
+    """All that is asked of the wheels in each of ``count`` states, a row a state."""
     tables: tuple[NDArray[Any], ...] = (
         friction.drive,
         friction.drag_low,
@@ -146,10 +170,8 @@ def _begins(friction: Friction, external: External, sign: Array) -> NDArray[np.b
         external.low,
         external.high,
         external.load_change_N,
-        sign,
     )
-    columns = np.hstack([np.moveaxis(table, -2, 0).reshape(len(sign), -1) for table in tables])
-    return np.append(True, np.any(columns[1:] != columns[:-1], axis=1))
+    return np.hstack([np.moveaxis(table, -2, 0).reshape(count, -1) for table in tables])
 
 
 def _acceleration_rows(
@@ -158,6 +180,7 @@ def _acceleration_rows(
     contact: Contact,
     first: Index,
     parts: tuple[Facets, Friction, External],
+    torque: TorqueRows | None,
     limit_N_m: Array,
     shares: Array,
 ) -> AccelerationRows:
@@ -169,14 +192,14 @@ def _acceleration_rows(
         contact=contact,
         torque_N_m=np.minimum.reduceat(shares[1][:, None] * limit_N_m, first, axis=1),
         parts=parts,
+        torque=torque,
     )
 
 
 def _safe_rows(model: Model, rows: AccelerationRows, sign: Array) -> tuple[Array, Array, Array]:
-    """Rows on the origin's acceleration, and the signs of the velocities: the tightest of each kind."""
+    """Rows on the origin's acceleration, and the signs of the velocities."""
     A = rows.A @ _shift(model)
-    signs = np.broadcast_to(sign[:, None], A.shape)
-    return _tightest(A.reshape(-1, 3), rows.b.ravel(), signs.reshape(-1, 3))
+    return A.reshape(-1, 3), rows.b.ravel(), np.repeat(sign, A.shape[1], axis=0)
 
 
 def _shift(model: Model) -> Array:
@@ -242,11 +265,3 @@ def _farthest_apart(directions: Array, most: int) -> Index:
         chosen.append(int(np.argmin(nearest)))
         nearest = np.maximum(nearest, directions @ directions[chosen[-1]])
     return np.sort(np.array(chosen))
-
-
-def _tightest(A: Array, b: Array, sign: Array) -> tuple[Array, Array, Array]:
-    """One row for each normal and sign pattern: the least b."""
-    kind, first = alike(np.round(np.column_stack([A / np.max(np.abs(A)), sign]), 10))
-    last_is_least = np.argsort(b, kind="stable")[::-1]  # of equal ones the first
-    first[kind[last_is_least]] = last_is_least
-    return A[first], b[first], sign[first]

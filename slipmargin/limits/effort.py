@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 from typing import Any, final
 
@@ -49,6 +50,11 @@ class Most:
     use: Array
     motors: Array
     torque_N_m: Array
+
+    @property
+    def first(self) -> Most:
+        """What the first of the accelerations asks for, as one (1, M)."""
+        return replace(self, use=self.use[:1], motors=self.motors[:1])
 
     @staticmethod
     def of(parts: Sequence[Most]) -> Most:
@@ -110,20 +116,20 @@ def greatest_torque(model: Model, friction: Friction, external: External, accele
 class Demands:
     """M states of a model, ready to be asked what accelerations take; every combination that may be met.
 
-    ``run`` (M,) is equal for neighbours that are alike in all but the torque that their motors have: what one
-    acceleration asks of their wheels is found once.  ``fixed`` and each of ``cases`` are the arguments of
+    ``kind`` (M,) is equal for neighbours that are alike in all but the torque that their motors have: what
+    one acceleration asks of their wheels is found once.  ``fixed`` and each of ``cases`` are the arguments of
     :func:`_raise`.
     """
 
     states: int
     count: int
-    run: Index
+    kind: Index
     fixed: tuple[Any, ...]
     cases: tuple[tuple[Array, ...], ...]
 
     @staticmethod
-    def of(model: Model, friction: Friction, external: External, run: Index | None = None) -> Demands:
-        """The states of ``friction`` and ``external``; without ``run`` each is one of its own."""
+    def of(model: Model, friction: Friction, external: External, kind: Index | None = None) -> Demands:
+        """The states of ``friction`` and ``external``; without ``kind`` each is one of its own."""
         c, states = model.geometry, friction.drive.shape[1]
         along, across = model.wrench_maps()
         middle = 0.5 * (friction.drag_low + friction.drag_high)
@@ -144,36 +150,63 @@ class Demands:
             LIGHTEST * model.inertia.weight_N / model.count,
             _full(friction.drive_stiffness, states, model.count),
         )
-        alone = np.arange(states) if run is None else run
-        return Demands(states=states, count=model.count, run=alone, fixed=fixed, cases=tuple(cases))
+        alone = np.arange(states) if kind is None else kind
+        return Demands(states=states, count=model.count, kind=alone, fixed=fixed, cases=tuple(cases))
 
-    def most(self, acceleration: Array, limit_N_m: Array) -> Most:
-        """What accelerations (R, M, 3) ask for at most, where motors give ``limit_N_m`` (2, M, N)."""
-        use, motors, torque = self._asked(acceleration, limit_N_m, 1, NEARLY)
+    def most(
+        self,
+        acceleration: Array,
+        which: Index,
+        limit_N_m: Array,
+        *,
+        near: bool = False,
+        creep: Array | None = None,
+    ) -> Most:
+        """What accelerations (R, G, 3) ask for at most, where motors give ``limit_N_m`` (2, M, N).
+
+        ``which`` (M,) of the G columns is for each state.  ``near`` says that all but the first are close to
+        it, for a slope: their torques do not count.  ``creep`` of :meth:`unknown` keeps what was found, for
+        like accelerations that are asked for next.
+        """
+        use, motors, torque = self._asked(acceleration, which, limit_N_m, 1, NEARLY, near, creep)
         return Most(use=use, motors=motors, torque_N_m=torque[:, 0])
+
+    def unknown(self, rows: int, columns: int) -> Array:
+        """The creep of accelerations (rows, columns, 3) of which none has been found."""
+        return np.full((len(self.cases), rows, columns, 3), np.nan)
 
     def each(self, acceleration: Array) -> Effort:
         """What each of the accelerations (R, M, 3) asks for."""
-        none = np.full((2, self.states, self.count), np.inf)
-        use, _, torque = self._asked(acceleration, none, len(acceleration), EXACT)
+        none, each = np.full((2, self.states, self.count), np.inf), np.arange(self.states)
+        use, _, torque = self._asked(acceleration, each, none, len(acceleration), EXACT)
         return Effort(use=use, torque_N_m=torque)
 
     def _asked(
-        self, acceleration: Array, limit_N_m: Array, rows: int, exact: float
+        self,
+        acceleration: Array,
+        which: Index,
+        limit_N_m: Array,
+        rows: int,
+        exact: float,
+        near: bool = False,
+        creep: Array | None = None,
     ) -> tuple[Array, Array, Array]:
         """Shares of grip and torque (R, M) and torques (2, rows, M, N): the worst over all combinations.
 
-        ``rows`` is R, or 1 for the greatest torques over all accelerations.
+        ``rows`` is R, or 1 for the greatest torques over all accelerations; ``creep`` (cases, R, G, 3) is
+        where to start, and becomes what is found.
         """
-        use, motors = np.zeros((2, len(acceleration), self.states))
+        use, motors = np.zeros((2, self.states, len(acceleration)))
         torque = np.zeros((2, rows, self.states, self.count))
-        each = np.zeros((2, self.count))  # a wheel's share of its grip, and its torque
-        tables = np.zeros((self.count, WHEEL)), np.zeros(ASKED), each, np.zeros(TABLES)
+        each = np.zeros((len(acceleration), 2, self.count))  # a wheel's share of its grip, and its torque
+        if creep is None:
+            creep = self.unknown(*acceleration.shape[:2])
         asked = np.ascontiguousarray(acceleration, dtype=float), np.ascontiguousarray(limit_N_m, dtype=float)
-        more: tuple[Any, ...] = (self.run, *asked, exact, *tables, use, motors, torque)
-        for case in self.cases:
+        for case, start in zip(self.cases, creep, strict=True):
+            tables = np.zeros((self.count, WHEEL)), np.zeros(ASKED), each, start, np.zeros(TABLES)
+            more: tuple[Any, ...] = (self.kind, which, *asked, exact, near, *tables, use, motors, torque)
             _raise(*self.fixed, *case, *more)
-        return use, motors, torque
+        return use.T, motors.T, torque
 
 
 def _full(values: Array, states: int, count: int) -> Array:
@@ -195,36 +228,44 @@ def _raise(
     drag: Array,
     load: Array,
     wrench: Array,
-    run: Index,
+    kind: Index,
+    which: Index,
     acceleration: Array,
     limit: Array,
     exact: float,
+    near: bool,
     wheels: Array,
     ask: Array,
     each: Array,
+    creep: Array,
     tables: Array,
     use: Array,
     motors: Array,
     torque: Array,
 ) -> None:
-    """Raise ``use``, ``motors`` (R, M) and ``torque`` (2, R or 1, M, N) to what one combination asks for.
+    """Raise ``use``, ``motors`` (M, R) and ``torque`` (2, R or 1, M, N) to what one combination asks for.
 
     M a = w + Σ b_i f_i − Σ t_i D_i N_i with one creep of all wheels (:mod:`slipmargin.limits.creep`).
     ``forces`` (6, N) are the wrenches of unit forces along ĝ and f̂, ``on_wheel`` (2, N) their torques T.
-    What is asked again of a state's neighbour in its ``run`` (M,) has the same answer.
+    The k-th acceleration of state m is that of column ``which[m]``.  What is asked again of a state's
+    neighbour of its ``kind`` (M,) has the same answer.  ``creep`` (R, G, 3) is where to start, from the
+    neighbour's where it is not a number, and becomes what is found.  Where the accelerations are ``near`` the
+    first one, they start from its creep, and their torques do not count.
     """
-    share, turn = each[0], each[1]
-    eps = tables[3, 0]
     for r in range(3):
-        ask[SCALE + r], eps[r] = scale[r], 0.0
-    for k in range(len(acceleration)):
-        row = min(k, torque.shape[1] - 1)
-        for m in range(acceleration.shape[1]):
-            a, last = acceleration[k, m], acceleration[k, max(m - 1, 0)]
-            known = m > 0 and run[m] == run[m - 1]
+        ask[SCALE + r] = scale[r]
+    for m in range(len(which)):
+        for k in range(len(acceleration)):
+            share, turn, eps = each[k, 0], each[k, 1], creep[k, which[m]]
+            a, last = acceleration[k, which[m]], acceleration[k, which[max(m - 1, 0)]]
+            known = m > 0 and kind[m] == kind[m - 1]
             if not (known and a[0] == last[0] and a[1] == last[1] and a[2] == last[2]):
                 for r in range(3):
                     ask[NEED + r] = a[r] * inertia[r] - wrench[m, r]
+                    if near and k > 0:
+                        eps[r] = creep[0, which[m], r]
+                    elif m > 0 and math.isnan(eps[r]):
+                        eps[r] = creep[k, which[m - 1], r]
                 for i in range(len(wheels)):
                     carried = load[m, i] + a[0] * per_acceleration[i, 0] + a[1] * per_acceleration[i, 1]
                     wheels[i, GRIP] = mu[m, i] * max(carried, lightest)
@@ -239,9 +280,11 @@ def _raise(
                 if not found:
                     for r in range(3):
                         eps[r] = 0.0
+            row = min(k, torque.shape[1] - 1)
             for i in range(len(wheels)):
-                use[k, m] = max(use[k, m], share[i])
+                use[m, k] = max(use[m, k], share[i])
                 side = 0 if turn[i] > 0.0 else 1
-                torque[side, row, m, i] = max(torque[side, row, m, i], abs(turn[i]))
                 if turn[i] != 0.0:
-                    motors[k, m] = max(motors[k, m], abs(turn[i]) / max(limit[side, m, i], 0.0))
+                    motors[m, k] = max(motors[m, k], abs(turn[i]) / max(limit[side, m, i], 0.0))
+                if k == 0 or not near:
+                    torque[side, row, m, i] = max(torque[side, row, m, i], abs(turn[i]))

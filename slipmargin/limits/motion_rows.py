@@ -110,6 +110,7 @@ def acceleration_rows(
     pace: float = 0.0,
     torque_N_m: Array | None = None,
     parts: tuple[Facets, Friction, External] | None = None,
+    torque: TorqueRows | None = None,
 ) -> AccelerationRows:
     """Rows on the acceleration of the centre of mass at each sample.
 
@@ -127,6 +128,8 @@ def acceleration_rows(
         Torque that may be used along and against each wheel's axle, by default λ of what the motors have.
     parts : optional
         What :func:`prepare` gave for these samples.
+    torque : optional
+        What :func:`torque_rows` gave for them.
     """
     facets, friction, external = parts or prepare(model, motion, share, contact)
     refuse_lifting(model, external.standing_N(), "loads", external)
@@ -143,7 +146,7 @@ def acceleration_rows(
         causes += [1] * n
         wheels.append(np.eye(n, dtype=bool))
     if motor and model.drives.stall_torque_N_m is not None:
-        torque = torque_rows(model, friction, external)
+        torque = torque or torque_rows(model, friction, external)
         may = torque_N_m
         if may is None:
             may = np.reshape(share, (-1, 1)) * torque_limit(model, at_pace(model, motion.velocity, pace))

@@ -38,11 +38,40 @@ def largest_box(rows: Array) -> Array:
     Sides that no row bounds are infinite.
     """
     bounded = np.max(rows, axis=0) > 0.0
-    rows = rows[:, bounded]
+    rows = _outermost(rows[:, bounded])
     none = np.zeros(0, dtype=np.intp)
     out = np.full(len(bounded), np.inf)
     out[bounded] = _largest(rows, 0.5 / (rows.shape[1] * np.max(rows, axis=0)), none, none)
     return out
+
+
+def _outermost(rows: Array) -> Array:
+    """The rows (K, n) that none of the others exceeds in every column: C ≥ C' makes C x ≤ 1 the tighter."""
+    sums = rows.sum(axis=1)
+    rows = np.ascontiguousarray(rows[np.argsort(-sums, kind="stable")])  # what exceeds a row stands before it
+    return rows[: _keep_outermost(rows)]
+
+
+@kernel
+def _keep_outermost(rows: Array) -> int:
+    """Move the outermost of rows in falling order of their sums to the front; how many they are."""
+    kept = 0
+    for k in range(len(rows)):
+        outermost = True
+        for o in range(kept):
+            below = True
+            for a in range(rows.shape[1]):
+                if rows[k, a] > rows[o, a]:
+                    below = False
+                    break
+            if below:
+                outermost = False
+                break
+        if outermost:
+            for a in range(rows.shape[1]):
+                rows[kept, a] = rows[k, a]
+            kept += 1
+    return kept
 
 
 def largest_ellipsoid(rows: Array) -> Array:

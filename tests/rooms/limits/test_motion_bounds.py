@@ -15,6 +15,7 @@ from slipmargin.limits.bounds import cornering, directions, headings, spin, star
 from slipmargin.limits.bounds_inside import inside
 from slipmargin.limits.bounds_states import States
 from slipmargin.limits.bounds_summary import bounds
+from slipmargin.limits.every_motion import all_motions
 from slipmargin.limits.motion import acceleration_limit
 from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_state import Contact, Motion
@@ -115,6 +116,29 @@ def test_the_sided_box_is_safe_in_every_motion(model: Model) -> None:
         corner[v == 0.0] = 0.0
         use = realised(model, Motion(velocity=v[None], acceleration=corner[None])).use
         assert np.max(use) <= 0.9 + 0.02
+
+
+def test_motions_of_a_kind_stand_together_and_ask_the_same() -> None:
+    """What wheels are asked for is found once for each kind: 62 runs of four wheels are of 13 kinds."""
+    model = nominal_model(read_recipe("omni4").robot, "floor")
+    states = States.of(model, 0.9, Contact.ROLLERS)
+    moving = np.vstack([states.motion.velocity, all_motions(model).velocity])
+    assert np.array_equal(*(m[np.lexsort(m.T)] for m in np.split(moving, 2)))
+    assert set(np.diff(states.kind)) == set(np.diff(states.run)) == {0, 1}
+    assert states.kind[-1] + 1 == states.normals.shape[1] < len(states.first) == states.run[-1] + 1
+    assert np.array_equal(np.sign(states.motion.velocity), states.sign[states.run])
+    alone = replace(states.demands, kind=np.arange(states.motion.count))
+    draw = np.random.default_rng(2).uniform(-1.0, 1.0, (5, states.kind[-1] + 1, 3))
+    for near in (False, True):
+        one, other = (d.most(draw, states.kind, states.limit_N_m, near=near) for d in (alone, states.demands))
+        for name in ("use", "motors", "torque_N_m"):
+            np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=1e-5, atol=1e-7)
+    again = states.demands.unknown(*draw.shape[:2])
+    first, second = (
+        states.demands.most(draw * by, states.kind, states.limit_N_m, creep=again) for by in (1.1, 1.0)
+    )
+    assert not np.allclose(first.use, second.use, rtol=1e-3)
+    np.testing.assert_allclose(second.use, other.use, rtol=1e-5)
 
 
 def test_no_safe_set_where_the_robot_must_slip(model: Model) -> None:

@@ -48,6 +48,14 @@ def test_rows_that_leave_a_direction_free_are_refused() -> None:
             largest_ellipsoid(rows)
 
 
+def test_rows_that_another_exceeds_in_every_column_change_nothing() -> None:
+    draw = np.random.default_rng(8)
+    rows = np.abs(draw.normal(size=(40, 4)))
+    within = rows[draw.integers(0, 40, 3000)] * draw.uniform(0.0, 1.0, (3000, 1))
+    assert np.array_equal(largest_box(np.vstack([within, rows, rows])), largest_box(rows))
+    assert np.array_equal(largest_box(rows), largest_box(rows[::-1]))
+
+
 def test_of_very_many_rows_a_part_gives_the_same_sets(monkeypatch: pytest.MonkeyPatch) -> None:
     draw = np.random.default_rng(3)
     rows = draw.normal(size=(6000, 3)) * (1.0, 3.0, 0.2)
