@@ -63,10 +63,13 @@ class _Motion:
         return self._kept(np.einsum("tp,ac->tacp", phi, np.eye(3)).reshape(len(phi), 3, -1))
 
     def _kept(self, values: Array) -> Array:
-        from scipy.signal import lfilter
+        """What is left of ``values`` (T, ...): y_k = keep y_{k−1} + (1 − keep) v_k."""
+        from scipy.linalg import solve_banded
 
         keep = float(np.exp(-self.step_s / SETTINGS.probe_memory_s))
-        return np.asarray(lfilter([1.0 - keep], [1.0, -keep], values, axis=0))
+        bands = np.array([[1.0], [-keep]]) * np.ones(len(values))
+        flat = (1.0 - keep) * values.reshape(len(values), -1)
+        return np.asarray(solve_banded((1, 0), bands, flat, check_finite=False).reshape(values.shape))
 
     def added_up(self, velocity: Array) -> Array:
         """How far (T, 3, P) a body-frame velocity (T, 3, P) moves the robot from its predicted path."""

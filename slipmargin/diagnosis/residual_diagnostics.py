@@ -79,13 +79,8 @@ def dependences(
         values = [v[name] for v in variables]
         edges = np.quantile(np.concatenate(values), np.linspace(0.0, 1.0, _BINS + 1)[1:-1])
         bins = [np.searchsorted(edges, v) for v in values]
-        shifted = [
-            [
-                np.roll(b, int(random.integers(len(b) // 10, max(len(b) // 10 + 1, len(b) - len(b) // 10))))
-                for b in bins
-            ]
-            for _ in range(_SHIFTS)
-        ]
+        twice = [np.concatenate([b, b]) for b in bins]
+        shifted = [[_turned(t, random) for t in twice] for _ in range(_SHIFTS)]
         for axis, channel in enumerate(CHANNELS):
             rate = np.concatenate([r[:, axis] for r in rates])
             seen = np.isfinite(rate)
@@ -104,6 +99,13 @@ def dependences(
                 )
             )
     return tuple(sorted(found, key=lambda d: -d.share))
+
+
+def _turned(twice: Array, random: np.random.Generator) -> Array:
+    """Values that stand in ``twice`` two times over, shifted in a circle by a tenth of them at least."""
+    count = len(twice) // 2
+    by = int(random.integers(count // 10, max(count // 10 + 1, count - count // 10)))
+    return twice[count - by : 2 * count - by]
 
 
 def _ratio(bins: Array, values: Array) -> float:

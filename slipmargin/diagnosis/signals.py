@@ -102,13 +102,14 @@ _LONGEST = 32
 
 def _thinned(t: Array, theta: Array, omega: Array, same: tuple[float, float]) -> WheelSignal:
     """The cubic through as few samples as reproduce all the others: the integrator stops at each."""
+    signal = (t, theta, omega)
     keep = [0]
     last = len(t) - 1
     while keep[-1] < last:
         start, span = keep[-1], 1
         while start + 2 * span <= last and span < _LONGEST:
-            inside = slice(start, start + 2 * span + 1)
-            angle, speed = _misses(t[inside], theta[inside], omega[inside])
+            ends, inside = [start, start + 2 * span], slice(start + 1, start + 2 * span)
+            angle, speed = _misses(*(v[ends] for v in signal), *(v[inside] for v in signal))
             if np.max(np.abs(angle)) >= same[0] or np.max(np.abs(speed)) >= same[1]:
                 break
             span *= 2
@@ -124,20 +125,26 @@ def _trust(t: Array, theta: Array, omega: Array) -> tuple[float, float]:
     """
     if len(t) < 5:
         return _SAME
-    misses = [_misses(t[k : k + 3], theta[k : k + 3], omega[k : k + 3]) for k in range(len(t) - 2)]
+    signal = (t, theta, omega)
     found = []
-    for axis in range(2):
-        change = np.diff(np.concatenate([m[axis] for m in misses]), n=2, axis=0)
+    misses = _misses(*(np.stack([v[:-2], v[2:]]) for v in signal), *(v[1:-1] for v in signal))
+    for axis, missed in enumerate(misses):
+        change = np.diff(missed, n=2, axis=0)
         noise = 1.5 * float(np.median(np.max(np.abs(change), axis=1)))
         found.append(min(max(_SAME[axis], 3.0 * noise), _LOOSEST[axis]))
     return found[0], found[1]
 
 
-def _misses(t: Array, theta: Array, omega: Array) -> tuple[Array, Array]:
-    """What the cubic from the first to the last sample misses those between by: (T − 2, N) each."""
-    h = t[-1] - t[0]
-    u = ((t[1:-1] - t[0]) / h)[:, None]
-    th0, th1, w0, w1 = theta[0], theta[-1], omega[0] * h, omega[-1] * h
+def _misses(
+    end_t: Array, end_theta: Array, end_omega: Array, t: Array, theta: Array, omega: Array
+) -> tuple[Array, Array]:
+    """What a cubic misses samples (T), (T, N) between its two ends by: (T, N) each.
+
+    The ends are (2), (2, N) for all samples, or (2, T), (2, T, N) for each its own.
+    """
+    h = np.asarray(end_t[1] - end_t[0])[..., None]
+    u = (t - end_t[0])[:, None] / h
+    th0, th1, w0, w1 = end_theta[0], end_theta[1], end_omega[0] * h, end_omega[1] * h
     angle = (
         (1 + 2 * u) * (1 - u) ** 2 * th0
         + u * (1 - u) ** 2 * w0
@@ -145,7 +152,7 @@ def _misses(t: Array, theta: Array, omega: Array) -> tuple[Array, Array]:
         + u**2 * (u - 1) * w1
     )
     speed = (6 * u * (u - 1) * (th0 - th1) + (3 * u - 1) * (u - 1) * w0 + u * (3 * u - 2) * w1) / h
-    return angle - theta[1:-1], speed - omega[1:-1]
+    return angle - theta, speed - omega
 
 
 def rolling_twist(model: Model, trial: Trial, signal: WheelSignal) -> Array:
