@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
+from slipmargin.effects.effect import Scope
 from slipmargin.effects.sliding_direction import SlidingDirection
 
 
@@ -15,4 +16,5 @@ class FloorGrain(SlidingDirection):
 
     name = "floor_grain"
     summary = "The floor grips differently along and across its grain (planks, brushed or grooved boards)."
+    scope = Scope.FLOOR
     repeats = 2

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
+from slipmargin.effects.effect import Scope
 from slipmargin.effects.sliding_direction import SlidingDirection
 
 
@@ -15,4 +16,5 @@ class FloorWeave(SlidingDirection):
 
     name = "floor_weave"
     summary = "The floor grips differently along its threads or joints and between them (carpet, tiles)."
+    scope = Scope.FLOOR
     repeats = 4

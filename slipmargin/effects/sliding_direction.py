@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from slipmargin.effects.effect import Part, Quantity, Scope, Trace, WheelEffect, parameter
+from slipmargin.effects.effect import Part, Quantity, Trace, WheelEffect, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.terms import Multiplier
@@ -26,7 +26,6 @@ class SlidingDirection(WheelEffect):
     repeats: ClassVar[int]
     traced_to = Trace.HEADING
     part = Part.GRIP
-    scope = Scope.FLOOR
     parameters = (
         parameter("cosine", "1", (-0.9, 0.0, 0.9), 0.05, "relative change of friction when sliding along x"),
         parameter(

@@ -62,7 +62,7 @@ class StiffRoller(WheelEffect):
 
     def rewrite(self, part: Grip, nominal: Model) -> Grip:
         """Grip with one roller that is unlike the others."""
-        on = self.mask(nominal)
+        on, own = self.mask(nominal), pitch(nominal.grip.rollers)
         each = [
             Multiplier(
                 variable=Variable.WHEEL_ANGLE,
@@ -70,8 +70,8 @@ class StiffRoller(WheelEffect):
                 target=Target.TRANSVERSE,
                 shape=np.array([self.angle_rad, width]),
                 coefficients=np.array([self.factor - 1.0]),
-                wheels=on * (pitch(part.rollers) == width),
+                wheels=on * (own == width),
             )
-            for width in np.unique(pitch(part.rollers)[on > 0])
+            for width in np.unique(own[on > 0])
         ]
         return replace(part, multipliers=(*part.multipliers, *each))

@@ -17,236 +17,55 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from slipmargin.physics import contact as contacts, frames, relief, terms
+from slipmargin.physics import contact as contacts
 from slipmargin.physics.compiled import inner, spliced, twin
-from slipmargin.physics.constants import CRAWL_M_S, SLOW_M_S, SLOW_RAD_S
-from slipmargin.sim import columns as col, layout as at
-from slipmargin.sim.lifting import hang, lifts
-
-ALPHA, BY_SPEED, BY_TORQUE, FACTORS, FORCE_T = (
-    col.ALPHA,
-    col.BY_SPEED,
-    col.BY_TORQUE,
-    col.FACTORS,
-    col.FORCE_T,
+from slipmargin.sim import layout as at
+from slipmargin.sim.columns import (
+    ALPHA,
+    BY_SPEED,
+    BY_TORQUE,
+    FACTORS,
+    FORCE_T,
+    FORCE_W,
+    HILL,
+    INVERSE,
+    K_T,
+    K_W,
+    LEVER,
+    LIFT,
+    LOAD,
+    MU_T,
+    MU_W,
+    OMEGA,
+    RIGID,
+    RISE_T,
+    RISE_W,
+    ROUND,
+    SHARED_X,
+    SHARED_Y,
+    SLIP_T,
+    SLIP_W,
+    STILL,
+    THETA,
+    TILTING,
+    TT,
+    UP,
+    WRENCH,
+    WT,
+    WW,
 )
-FORCE_W, HILL, INVERSE, K_T, K_W = col.FORCE_W, col.HILL, col.INVERSE, col.K_T, col.K_W
-LEVER, LIFT, LOAD, MU_T, MU_W = col.LEVER, col.LIFT, col.LOAD, col.MU_T, col.MU_W
-OMEGA, PUSH, RIGID, RISE_T, RISE_W = col.OMEGA, col.PUSH, col.RIGID, col.RISE_T, col.RISE_W
-ROUND, SHARED_X, SHARED_Y, SLIP_T, SLIP_W = col.ROUND, col.SHARED_X, col.SHARED_Y, col.SLIP_T, col.SLIP_W
-STILL, THETA, TILTING, TT, UP = col.STILL, col.THETA, col.TILTING, col.TT, col.UP
-WRENCH, WT, WW = col.WRENCH, col.WT, col.WW
-_TERM, _FORCE, _MASS, _INERTIA = at.TERM, at.FORCE, at.MASS, at.INERTIA
-_COM_X, _COM_Y, _LAG, _DROOP = at.COM_X, at.COM_Y, at.LAG, at.DROOP
-_STALL, _SLOWING, _WHEEL_INERTIA = at.STALL_TORQUE, at.SLOWING, at.INERTIA_OF_WHEEL
-_LAW, _K, _SHAPE, _COUPLING = at.LAW, at.STEEPNESS, at.SHAPE, at.COUPLING
-_CW, _CT, _LIFTED = at.VISCOUS_W, at.VISCOUS_T, at.LIFTED
-_MODS, _MODS_AT, _FORCES, _FORCES_AT = at.MODULATIONS, at.MODULATIONS_AT, at.FORCES, at.FORCES_AT
-_FOLLOWS, _ITERATES, _SHARE = at.LOAD_FOLLOWS, at.LOAD_ITERATES, at.SHARE
-_AX, _AY, _GX, _GY, _GM, _GR = at.ARM_X, at.ARM_Y, at.GRIP_X, at.GRIP_Y, at.GRIP_MOMENT, at.GRIP_ROLLS
-_FX, _FY, _FM, _FR = at.FREE_X, at.FREE_Y, at.FREE_MOMENT, at.FREE_ROLLS
-_RHO, _REST, _LX, _LY, _MU = at.RADIUS, at.REST, at.LOAD_X, at.LOAD_Y, at.ROLLER_W
-_PLACE = at.PLACE
-_TX, _TY, _NSX = at.TILT_X, at.TILT_Y, at.NO_SLIP_X
-_OUT_COS, _OUT_SIN = at.RUNOUT_COS, at.RUNOUT_SIN
-_RELIEFS, _RELIEFS_AT, _RELIEF = at.RELIEFS, at.RELIEFS_AT, at.RELIEF
+from slipmargin.sim.lifting import hang, lifts
+from slipmargin.sim.varying import external, factors
 
-_contact, _basis, _basis_slope = twin(contacts.contact), twin(terms.basis_function), twin(terms.basis_slope)
-_place_variable = twin(terms.place_variable)
-_rise, _beyond = twin(relief.rise), twin(relief.beyond)
-_to_body, _to_floor, _velocity_at = twin(frames.to_body), twin(frames.to_floor), twin(frames.velocity_at)
+_MASS, _INERTIA, _LAG, _DROOP, _STALL = at.MASS, at.INERTIA, at.LAG, at.DROOP, at.STALL_TORQUE
+_SLOWING, _WHEEL_INERTIA, _LAW, _K = at.SLOWING, at.INERTIA_OF_WHEEL, at.LAW, at.STEEPNESS
+_SHAPE, _COUPLING, _CW, _CT, _LIFTED = at.SHAPE, at.COUPLING, at.VISCOUS_W, at.VISCOUS_T, at.LIFTED
+_MODS, _FOLLOWS, _ITERATES, _GX = at.MODULATIONS, at.LOAD_FOLLOWS, at.LOAD_ITERATES, at.GRIP_X
+_GY, _GM, _GR, _FX, _FY = at.GRIP_Y, at.GRIP_MOMENT, at.GRIP_ROLLS, at.FREE_X, at.FREE_Y
+_FM, _FR, _REST, _LX, _LY = at.FREE_MOMENT, at.FREE_ROLLS, at.REST, at.LOAD_X, at.LOAD_Y
+_MU, _TX, _TY, _OUT_COS, _OUT_SIN = at.ROLLER_W, at.TILT_X, at.TILT_Y, at.RUNOUT_COS, at.RUNOUT_SIN
 
-
-@inner
-def series(P: Any, place: int, count: int, basis: int, a: float, b: float, v: float) -> float:
-    """Σ_j c_j φ_j(v) with the coefficients standing at ``P[place:]``."""
-    total = 0.0
-    for j in range(count):
-        total += P[place + j] * _basis(basis, j, count, a, b, v)
-    return total
-
-
-@inner
-def _body_variable(P: Any, W: Any, code: int, t: float, y: Any, C: Any) -> float:
-    w, phi = y[5], y[2]
-    vx, vy = _velocity_at(y[3], y[4], w, -P[_COM_X], -P[_COM_Y])
-    value = t
-    if code == 0:
-        value = 1.0
-    elif code == 7:
-        value = vx
-    elif code == 8:
-        value = vy
-    elif code == 9:
-        value = w
-    elif code == 10:
-        value = math.hypot(vx, vy)
-    elif code <= 13:  # no-slip acceleration that the wheels ask for
-        value = 0.0
-        for i in range(len(W)):
-            value += W[i, _NSX + code - 11] * C[i, ALPHA]
-    elif code == 14:
-        value = phi
-    elif code <= 16:
-        cx, cy = _to_floor(phi, P[_COM_X], P[_COM_Y])
-        value = y[0] - cx if code == 15 else y[1] - cy
-    return value
-
-
-@inner
-def _wheel_variable(P: Any, w: Any, c: Any, code: int, direction: int, m: int, y: Any) -> float:
-    if code == 22 or code == 23:  # measured from the place of the modulation at m
-        px, py = _to_floor(y[2], w[_AX], w[_AY])
-        m += _PLACE
-        return float(_place_variable(code == 23, P[m], P[m + 1], P[m + 2], y[0] + px, y[1] + py))
-    u = c[SLIP_W + direction]
-    if code == 1:
-        return float(c[THETA])
-    if code == 2:
-        return float(c[LOAD] / P[_SHARE] - 1.0)
-    if code == 3:
-        return abs(float(u))
-    if code == 5:
-        return math.atan2(abs(c[SLIP_T]), abs(c[SLIP_W]))
-    if code == 18:
-        d = _FX if direction == 1 else _GX
-        return float(y[2] + math.atan2(w[d + 1], w[d]) + (math.pi if u < 0.0 else 0.0))
-    if code == 24:
-        uw, ut = c[SLIP_W], c[SLIP_T]
-        return float(y[2] + math.atan2(uw * w[_GY] + ut * w[_FY], uw * w[_GX] + ut * w[_FX]))
-    vx, vy = _velocity_at(y[3], y[4], y[5], w[_AX], w[_AY])
-    hub = math.hypot(vx, vy)
-    if code == 20:
-        return hub
-    if code == 21:
-        reach = math.hypot(w[_AX], w[_AY])
-        out = y[3] * w[_AX] + y[4] * w[_AY]
-        return float(out / (reach * (hub + CRAWL_M_S))) if reach > 0.0 else 0.0
-    roll = max(hub, abs(w[_RHO] * c[OMEGA]))
-    if code == 6:
-        return float(roll)
-    return float(abs(u) / (roll + CRAWL_M_S))
-
-
-@inner
-def _factors(P: Any, W: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
-    """What all modulations make of (μ_W, μ_T, k_W, k_T) of wheel i, into B[FACTORS:FACTORS + 4].
-
-    The next two: relative slopes of μ_W over u_W and μ_T over u_T that come from the slip speed.
-    """
-    for r in range(6):
-        B[FACTORS + r] = 1.0 if r < 4 else 0.0
-    n = len(W)
-    q = int(P[_MODS_AT])
-    for _ in range(int(P[_MODS])):
-        m = q
-        code, basis = int(P[q]), int(P[q + 1])
-        target, count = int(P[q + 2]), int(P[q + 3])
-        a, b, weight = P[q + 4], P[q + 5], P[q + _TERM + i]
-        place = q + _TERM + n
-        q = place + count
-        if weight == 0.0:
-            continue
-        own = 1 <= code <= 6 or code == 18 or code >= 20
-        sided = code == 3 or code == 4 or code == 18
-        kind = FACTORS + 2 if target >= 3 else FACTORS
-        first = 1.0
-        for side in range(2):
-            if target in (1 - side, 5 - side):
-                continue
-            if side == 0 or sided or target in (1, 5):
-                v = (
-                    _wheel_variable(P, W[i], C[i], code, side, m, y)
-                    if own
-                    else _body_variable(P, W, code, t, y, C)
-                )
-                first = max(0.0, 1.0 + weight * series(P, place, count, basis, a, b, v))
-                if code == 3 and first > 0.0:
-                    slope = 0.0
-                    for j in range(count):
-                        slope += P[place + j] * _basis_slope(basis, j, count, a, b, v)
-                    u = C[i, SLIP_W + side]
-                    slope *= weight / first
-                    B[FACTORS + 4 + side] += slope if u > 0.0 else (-slope if u < 0.0 else 0.0)
-            B[kind + side] *= first
-
-
-@inner
-def _climb(P: Any, W: Any, y: Any, B: Any) -> None:
-    """What the slope of the floor under the wheels adds to the wrench, and to its change with acceleration.
-
-    The loads without acceleration push, into B[WRENCH]; those that follow it, row by row, into B[HILL].
-    """
-    left = 1.0 - B[LIFT] / P[_LIFTED]
-    for r in range(6):
-        B[HILL + r] = 0.0
-    for i in range(len(W)):
-        w = W[i]
-        px, py = _to_floor(y[2], w[_AX], w[_AY])
-        x, z = 0.0, 0.0
-        q = int(P[_RELIEFS_AT])
-        for _ in range(int(P[_RELIEFS])):
-            away = P[q + 5]
-            d = _beyond(P[q + 4], away, y[0] + px, y[1] + py)
-            along = _rise(int(P[q]), P[q + 1], P[q + 2], P[q + 3], d)
-            x += along * math.cos(away)
-            z += along * math.sin(away)
-            q += _RELIEF
-        x, z = _to_body(y[2], x, z)
-        m = w[_AX] * z - w[_AY] * x
-        still = left * w[_REST] + w[_TX] * B[TILTING] + w[_TY] * B[TILTING + 1]
-        B[WRENCH] -= still * x
-        B[WRENCH + 1] -= still * z
-        B[WRENCH + 2] -= still * m
-        for k in range(2):
-            more = w[_LX + k]
-            B[HILL + k] += x * more
-            B[HILL + 2 + k] += z * more
-            B[HILL + 4 + k] -= m * more
-
-
-@inner
-def _external(P: Any, W: Any, t: float, y: Any, C: Any, B: Any) -> None:
-    """Push, force terms and slopes as one wrench in the body frame at the centre of mass, moment and lift."""
-    fx, fy = B[PUSH], B[PUSH + 1]
-    if fx != 0.0 or fy != 0.0:
-        fx, fy = _to_body(y[2], fx, fy)
-    mz, lift = B[PUSH + 2], 0.0
-    hx, hy = B[PUSH + 3] * fx, B[PUSH + 3] * fy
-    q = int(P[_FORCES_AT])
-    for _ in range(int(P[_FORCES])):
-        code, basis = int(P[q]), int(P[q + 1])
-        frame, count = int(P[q + 2]), int(P[q + 3])
-        a, b, place = P[q + 4], P[q + 5], q + _FORCE
-        v = _body_variable(P, W, code, t, y, C)
-        x, z, m = 0.0, 0.0, 0.0
-        for j in range(count):
-            part = _basis(basis, j, count, a, b, v)
-            x += P[place + j] * part
-            z += P[place + count + j] * part
-            m += P[place + 2 * count + j] * part
-        if frame == 1:
-            x, z = _to_body(y[2], x, z)
-        elif frame >= 2:
-            px, py = (-P[_COM_X], -P[_COM_Y]) if frame == 2 else (P[q + 8], P[q + 9])
-            vx, vy = _velocity_at(y[3], y[4], y[5], px, py)
-            size = math.sqrt(vx * vx + vy * vy + SLOW_M_S * SLOW_M_S)
-            c, s = vx / size, vy / size
-            x, z = -c * x - s * z, -s * x + c * z
-            m = -m * y[5] / math.sqrt(y[5] * y[5] + SLOW_RAD_S * SLOW_RAD_S)
-            if frame == 3:
-                m += px * z - py * x
-        fx += x
-        fy += z
-        mz += m
-        hx += P[q + 6] * x
-        hy += P[q + 6] * z
-        lift += P[q + 7]
-        q = place + 3 * count
-    B[WRENCH], B[WRENCH + 1], B[WRENCH + 2] = fx, fy, mz
-    B[TILTING], B[TILTING + 1], B[LIFT] = hx, hy, lift
-    if P[_RELIEFS] > 0.0:
-        _climb(P, W, y, B)
+_contact = twin(contacts.contact)
 
 
 @spliced
@@ -255,7 +74,7 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
 
     Reads ω, θ, ω̇ and the sector of each wheel from C and the push from B.
     """
-    _external(P, W, t, y, C, B)
+    external(P, W, t, y, C, B)
     vx, vy, vw = y[3], y[4], y[5]
     left, hx, hy = 1.0 - B[LIFT] / P[_LIFTED], B[TILTING], B[TILTING + 1]
     law, shape, coupling = int(P[_LAW]), int(P[_SHAPE]), P[_COUPLING]
@@ -284,7 +103,7 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
             mw, mt = w[z], w[z + 1]
             kw, kt = k, k
             if modulated:
-                _factors(P, W, i, t, y, C, B)
+                factors(P, W, i, t, y, C, B)
                 mw, mt = mw * B[FACTORS], mt * B[FACTORS + 1]
                 kw, kt = kw * B[FACTORS + 2], kt * B[FACTORS + 3]
             f, g, ww, wt, _, tt = _contact(law, shape, coupling, uw, ut, mw, mt, kw, kt)

@@ -18,7 +18,7 @@ from numba import types
 
 from slipmargin.physics.compiled import twin
 from slipmargin.physics.contact import contact
-from slipmargin.sim import body, motion, rodas, stops
+from slipmargin.sim import body, motion, rodas, stops, varying
 
 # Types, not their names: numba keeps what it compiled under the very object it was asked with.
 _N, _INT, _BOOL = types.float64, types.int64, types.boolean
@@ -28,7 +28,7 @@ _FIVE = types.UniTuple(_TABLE, 5)  # type: ignore[no-untyped-call]
 #: What the second process compiles, and for which arguments.
 _APART: tuple[tuple[Any, tuple[Any, ...]], ...] = (
     (twin(contact), (_INT, _INT, *(_N,) * 7)),
-    (body._factors, (_ROW, _TABLE, _INT, _N, _ROW, _TABLE, _ROW)),
+    (varying.factors, (_ROW, _TABLE, _INT, _N, _ROW, _TABLE, _ROW)),
     (stops.first_switch, (_TABLE, _TABLE, _N, _ROW, _ROW, _TABLE, _N)),
     (rodas.solve, (_TABLE, _TABLE, _ROW, _N, _N, _BOOL, _ROW, _ROW, _ROW)),
     (rodas.factor, (_TABLE, _ROW, _N, _TABLE, _ROW)),

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array
-from slipmargin.physics.compiled import kernel, spliced
+from slipmargin.physics import frames
+from slipmargin.physics.compiled import kernel, spliced, twin
 from slipmargin.sim import layout as at
-from slipmargin.sim.body import _to_floor, evaluate, slopes, wheel_rate
+from slipmargin.sim.body import evaluate, slopes, wheel_rate
 from slipmargin.sim.columns import (
     AIR,
     ALPHA,
@@ -44,6 +45,7 @@ from slipmargin.sim.wheels import turn
 
 _LAG, _RADIUS, _DRIVEN, _LEAST = at.LAG, at.RADIUS, at.DRIVEN, at.SHARE
 _CW, _CT = at.VISCOUS_W, at.VISCOUS_T
+_to_floor = twin(frames.to_floor)
 
 #: How a run ended.
 DONE, TIPS, NOT_FINITE, STUCK, TOO_LONG = range(5)

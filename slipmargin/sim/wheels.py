@@ -17,7 +17,7 @@ import numpy as np
 from slipmargin.physics.compiled import fast, inner, spliced
 from slipmargin.physics.variables import Variable
 from slipmargin.sim import layout as at
-from slipmargin.sim.body import series
+from slipmargin.sim.varying import series
 
 _H, _W, _TERM, _COUNT = at.HEAD, at.WHEEL, at.TERM, at.COUNT
 _LAG, _GAIN, _DELAY = at.LAG, at.GAIN, at.DELAY
