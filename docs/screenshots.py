@@ -32,49 +32,76 @@ WAY = "x_m,y_m,phi_rad\n0,0,0\n1,0,0\n1,1,0\n"
 SPEEDS = "t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,omega4_rad_s\n0,10,10,10,10\n1,0,0,0,0\n1.5,0,0,0,0\n"
 
 
-def reports(folder: Path) -> list[Path]:
-    """A report of each command that writes one."""
-    (folder / "way.csv").write_text(WAY, encoding="utf-8")
-    (folder / "speeds.csv").write_text(SPEEDS, encoding="utf-8")
-    at = {
-        name: str(folder / f"{name}.html")
-        for name in ("bounds", "sweep", "plan", "check", "slips", "simulate")
-    }
-    plan, robot = str(folder / "plan.csv"), ("mecanum4",)
-    angles = ("--vary", "front_angle_deg=30:60:10", "--vary", "rear_angle_deg=30:60:10")
-    for words in (
-        ("bounds", *robot, "--surface", "floor", "--report", at["bounds"]),
-        ("sweep", "ohio-kiwi", "--surface", "paper", "--report", at["sweep"]),
-        (
-            "plan",
-            *robot,
-            str(folder / "way.csv"),
-            "--surface",
-            "floor",
-            "--out",
-            plan,
-            "--report",
-            at["plan"],
-        ),
-        ("check", *robot, plan, "--surface", "floor", "--report", at["check"]),
-        ("check", *robot, plan, "--surface", "floor", "--margin", "0.3", "--report", at["slips"]),
-        ("simulate", *robot, str(folder / "speeds.csv"), "--surface", "floor", "--report", at["simulate"]),
-        ("design", "omni4", "--surface", "floor", *angles, "--report", str(folder / "design.html")),
-        (
-            "design",
-            "mecanum4",
-            "omni4",
-            "robotino",
-            "--surface",
-            "floor",
-            "--report",
-            str(folder / "ideas.html"),
-        ),
-    ):
+#: A run of a monitor's log, and a campaign of two floors.
+LOG = "t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,gyro_rad_s\n" + "".join(
+    f"{0.01 * k:.2f},{k / 50:.2f},0,{-k / 50:.2f},{0.4 if k > 150 else 0.0}\n" for k in range(300)
+)
+CAMPAIGN = """schema = 1
+name = "two floors"
+[[data_set]]
+path = "gray"
+[[data_set]]
+path = "table"
+"""
+#: What the logs of the two floors are, and how long a diagnosis may search [s].
+EXCERPT, BUDGET = Path(__file__).resolve().parents[1] / "tests" / "data" / "robotino_excerpt", "15"
+
+
+def commands(folder: Path) -> Iterator[list[str]]:
+    """A command line for each report: bounds, sweep, plan, check, simulate, stop, monitor, design, diagnosis,
+    next run; and for each picture of a command without one."""
+    floor = ["--surface", "floor"]
+
+    def page(name: str) -> list[str]:
+        return ["--report", str(folder / f"{name}.html")]
+
+    plan, pulls = str(folder / "plan.csv"), str(EXCERPT.parent / "rig" / "b-natural-loads" / "pulls.csv")
+    rig = str(EXCERPT.parent / "rig" / "b-natural-loads" / "robot.toml")
+    yield ["bounds", "mecanum4", *floor, *page("bounds")]
+    yield ["sweep", "ohio-kiwi", "--surface", "paper", *page("sweep")]
+    yield ["sweep", rig, *floor, "--measured", pulls, *page("pulls")]
+    yield ["plan", "mecanum4", str(folder / "way.csv"), *floor, "--out", plan, *page("plan")]
+    yield ["check", "mecanum4", plan, *floor, *page("check")]
+    yield ["check", "mecanum4", plan, *floor, "--margin", "0.3", *page("slips")]
+    yield ["simulate", "mecanum4", str(folder / "speeds.csv"), *floor, *page("simulate")]
+    yield ["stop", "mecanum4", *floor, "--speed", "0.5", *page("stop")]
+    yield ["monitor", "ohio-kiwi", str(folder / "log.csv"), "--surface", "paper", *page("monitor")]
+    for name, angle in (("front_angle_deg", "30:60:10"), ("rear_angle_deg", "30:60:10")):
+        yield ["design", "omni4", *floor, "--vary", f"{name}={angle}", *page(f"design-{name[:-10]}")]
+    both = ["--vary", "front_angle_deg=30:60:10", "--vary", "rear_angle_deg=30:60:10"]
+    yield ["design", "omni4", *floor, *both, *page("design")]
+    yield ["design", "mecanum4", "omni4", "robotino", *floor, *page("ideas")]
+    for name in ("gray", "table"):
+        runs = map(str, sorted((EXCERPT / f"{name}_0.1").glob("*.csv")))
+        yield ["import", "robotino", *runs, "--surface", name, "--out", str(folder / name)]
+    end = ["--budget", BUDGET]
+    yield ["diagnose", str(folder / "gray"), "--out", str(folder / "diagnosis"), *end]
+    yield ["diagnose", str(folder / "campaign.toml"), "--out", str(folder / "campaign"), *end]
+    yield ["next-run", str(folder / "gray"), "--space", "3x2", "--runs", "2", *page("next-run"), *end]
+    yield ["diagnose", str(folder / "pulled"), "--out", str(folder / "diagnosis-of-pulls"), *end]
+    yield ["polytope", "mecanum4", *floor, "--plot", str(folder / "polytope.svg")]
+    yield ["reproduce", "--out", str(folder / "paper")]
+
+
+def reports(folder: Path) -> list[tuple[str, Path]]:
+    """Name and file of a report of each command that writes one, and of the pictures of the others."""
+    texts = {"way.csv": WAY, "speeds.csv": SPEEDS, "log.csv": LOG, "campaign.toml": CAMPAIGN}
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    pulled = folder / "pulled"
+    shutil.copytree(EXCERPT.parent / "rig" / "a-null", pulled, dirs_exist_ok=True)
+    shutil.copytree(EXCERPT.parent / "rig" / "b-natural-loads", pulled, dirs_exist_ok=True)
+    shutil.rmtree(pulled / "trials", ignore_errors=True)
+    for words in commands(folder):
+        if words[0] == "import":
+            shutil.rmtree(words[-1], ignore_errors=True)
         with contextlib.redirect_stdout(io.StringIO()):
-            if status(list(words)) != 0:
+            if status(words) != 0:
                 raise SystemExit(f"failed: slipmargin {' '.join(words)}")
-    return sorted(folder.glob("*.html"))
+    pages = [(file.stem, file) for file in sorted(folder.glob("*.html"))]
+    pages += [(file.parent.name, file) for file in sorted(folder.glob("*/report.html"))]
+    drawn = [*folder.glob("*.svg"), *(folder / "paper").glob("*.png"), *(folder / "paper").glob("*.svg")]
+    return pages + [(f"picture-{file.stem}", file) for file in sorted(drawn)]
 
 
 @contextlib.contextmanager
@@ -172,7 +199,7 @@ def main() -> None:
     chromium = shutil.which("chromium") or shutil.which("google-chrome")
     if chromium is None:
         raise SystemExit("no browser: apt-get install chromium")
-    pages = [(file.stem, file.resolve().as_uri()) for file in reports(folder)]
+    pages = [(name, file.resolve().as_uri()) for name, file in reports(folder)]
     site = Path(__file__).resolve().parents[1] / "site"
     if asked.site:
         found = sorted(p for p in site.rglob("*.html") if p.name != "404.html")

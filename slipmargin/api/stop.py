@@ -55,8 +55,14 @@ class StopResult(Result):
     @property
     def limited(self) -> tuple[str, ...]:
         """What limits in each of the H directions at the highest speed."""
-        both = zip(self.braking.cause, self.braking.wheels, strict=True)
-        return tuple(f"{cause} of {'+'.join(wheels)}" for cause, wheels in both)
+        every, both = (
+            len(self.model.geometry.names),
+            zip(self.braking.cause, self.braking.wheels, strict=True),
+        )
+        return tuple(
+            f"{cause} of {'all wheels' if len(wheels) == every else '+'.join(wheels)}"
+            for cause, wheels in both
+        )
 
     def summary(self) -> str:
         """The longest stop from the highest speed."""

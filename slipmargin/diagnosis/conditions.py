@@ -388,7 +388,8 @@ def _without_lone(
             runs=tuple(names),
             size=float(count),
             unit="1",
-            sentence=f"{count} poses are more than {SETTINGS.lone_deviations:g} times the noise from those "
-            f"around them, {in_runs(tuple(names), len(trials))}: what was off in them was taken as missing.",
+            sentence=f"{count} {'pose is' if count == 1 else 'poses are'} more than "
+            f"{SETTINGS.lone_deviations:g} times the noise from those around them, "
+            f"{in_runs(tuple(names), len(trials))}: what was off in them was taken as missing.",
         )
     ]

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from slipmargin.checks import Array
 from slipmargin.physics.convention import Convention
 from slipmargin.plots.polar import forwards_up, polar_axes
-from slipmargin.plots.style import GREY, INK, PANEL, RED, SKY, WHEELS, styled
+from slipmargin.plots.style import GREY, INK, PANEL, RED, WHEELS, styled
 
 
 @styled
@@ -38,7 +38,6 @@ def monitor_figure(t_s: Array, probability: Array, events: Sequence[tuple[float,
     step = float(np.median(np.diff(t_s))) if len(t_s) > 1 else 1.0
     for k, (start, end) in enumerate(events):
         axes.axvspan(start, end + step, color=RED, alpha=0.2, lw=0, label=None if k else "alarm")
-    axes.fill_between(t_s, probability, color=SKY, alpha=0.3, lw=0)
     axes.plot(t_s, probability, color=INK, lw=0.9)
     axes.set(xlabel="time [s]", ylabel="slip probability", ylim=(0.0, 1.02))
     if events:

@@ -77,7 +77,7 @@ def fig8_figure() -> Figure:
             axes.plot(phi[at], force[at] / weight, color=colour, ls="none", marker="o", ms=4)
         axes.set(xlabel="orientation φ [deg]", title=surface, xlim=(0, 90), ylim=(0, 0.9))
         axes.set_xticks(HEADINGS_DEG)
-    panels[0].set_ylabel("F_emax / (m g)")
+    panels[0].set_ylabel("largest pull without slip / (m g)")
     panels[0].legend(loc="upper left")
     return figure
 

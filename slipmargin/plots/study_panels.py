@@ -73,6 +73,7 @@ def draw_front(axes: Axes, study: Study, names: Sequence[str]) -> Axes:
             label="the file’s own",
         )
     axes.margins(0.1)
+    axes.locator_params(axis="x", nbins=5)
     not_too_low(axes)
     _name_ends(axes, study, [int(row) for row in order], x, y)
     names_of = ", ".join(map(in_words_of, study.keys))

@@ -83,7 +83,7 @@ def draw_sweep(
         )
     axes.set(
         xlabel="orientation φ under a pull along the floor’s +x [deg]",
-        ylabel="F_emax [N]",
+        ylabel="largest pull without slip [N]",
         ylim=(0, None),
         title=f"Pull before a wheel slips:\n{sweep.model.robot}, surface “{sweep.model.surface}”",
     )

@@ -49,8 +49,8 @@ def best_at(study: Study, name: str) -> str:
     equal = len(study.ties(name))
     if 1 < equal == int((~np.isnan(study.columns[name])).sum()):
         return "every design alike"
-    more = f" and {equal - 1} more" if equal > 1 else ""
-    return named(study.keys, study.values[study.best(name)]) + more
+    others = "" if equal < 2 else f" ({equal - 1} {'other is' if equal == 2 else 'others are'} as good)"
+    return named(study.keys, study.values[study.best(name)]) + others
 
 
 def summary(
@@ -73,7 +73,7 @@ def summary(
     ]
     if optimum is not None:
         o = optimum
-        proof = "" if math.isnan(o.check) else f"; self-check {o.check:.0e}"
+        proof = "" if math.isnan(o.check) else f"; a second method differs by {o.check:.0e} of it"
         gain = (
             f"{o.gain:.2g} better than any of the grid"
             if o.gain > 0.0

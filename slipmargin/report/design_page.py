@@ -159,7 +159,7 @@ def _designs(study: Study, front: Sequence[str], robust: Robust | None) -> Fold 
 def _is_best(at: str) -> str:
     if at == "every design alike":
         return "it makes no difference"
-    return f"{at} are best" if at.endswith(" more") else f"{at} is best"
+    return f"{at} is best"
 
 
 def _design(study: Study, row: int) -> str:

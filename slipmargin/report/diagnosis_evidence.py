@@ -158,7 +158,7 @@ def parameters(d: Diagnosis) -> tuple[Block, ...]:
             Text(text=f"`{f.name}`: {words.meaning(f)} It depends on {words.VARIABLES[f.traced_to]}.{wheels}")
         )
         if f.equation:
-            blocks.append(Code(text=f.equation))
+            blocks.append(Code(text=f.equation.replace("``", "")))
         shown = (*f.parameters[:_SHOWN], *f.derived)
         rows = tuple(
             (f"`{e.name}`", words.number(e), "" if e.unit == "1" else e.unit, words.edge(e).lstrip(", "))

@@ -181,10 +181,10 @@ def _candidates(d: Diagnosis, images: Mapping[str, Image]) -> tuple[Block, ...]:
         return (Text(text="No candidate was tried."),)
     tried = max([*(len(s.tried) for s in d.steps), *(f.candidates_tried for f in d.findings)])
     text = (
-        f"{tried} candidates were fitted in turn by simulation: effects with a name, and for every "
-        f"measured variable "
-        "a general form with free coefficients. The search compares them by the error on the runs they are "
-        "fitted to and on runs left out of the fit, half and half. The best is proposed if it makes that "
+        f"Candidates that were fitted in turn by simulation: {tried}. They are effects with a name, and for "
+        "every measured variable a general form with free coefficients. The search compares them by the "
+        "error on the runs they are fitted to and on runs left out of the fit, half and half. The best is "
+        "proposed if it makes that "
         f"error clearly smaller and its permutation p-value is at most {SETTINGS.significance:g}; "
         "then the search starts again with it in the model. Whether a proposal is claimed is decided "
         "below, by runs that it has not seen."

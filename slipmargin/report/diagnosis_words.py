@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+import shlex
+
+import numpy as np
 
 from slipmargin.diagnosis.limits_change import LimitsChange
 from slipmargin.diagnosis.plan_change import PlanChange
@@ -78,8 +81,11 @@ def open_questions(diagnosis: Diagnosis) -> bool:
 
 
 def next_run_command(diagnosis: Diagnosis) -> str:
-    """The command that proposes the runs to drive next."""
-    return f"slipmargin next-run {diagnosis.data_set}"
+    """The command that proposes the runs to drive next; of a campaign for the data set that fits worst."""
+    noise = diagnosis.noise
+    left = {t.name: float(np.nansum(((t.measured - t.after) / noise) ** 2)) for t in diagnosis.trials}
+    worst = max(left, key=left.__getitem__, default="")
+    return f"slipmargin next-run {shlex.quote(worst.rpartition('/')[0] or diagnosis.data_set)}"
 
 
 def _named(finding: Finding) -> str:

@@ -130,6 +130,11 @@ def ideas_page(
             value = _with_unit(ideas[found.order[0]].values[question.key], question)
             alike = "alike, up to " if found.alike > 1 else ""
             facts.append(Fact(label=question.word.capitalize(), value=names, note=f"{alike}{value}"))
+    spread = (
+        " ± and the lines on bars (two of them) are standard deviations by the uncertain friction."
+        if any("±" in cell for row in cells for cell in row)
+        else ""
+    )
     steps = [f"Move the battery: {line}." for line in moves(ideas) if "no other place" not in line]
     if steps:
         steps.append("A battery that is a fifth of the whole mass must go five times as far.")
@@ -151,8 +156,8 @@ def ideas_page(
         ),
         tables=(
             Table(
-                caption="A star marks the best, or all that are alike; in the pictures they are blue. "
-                "± and the lines on bars (two of them) are standard deviations by the uncertain friction.",
+                caption="A star marks the best, or all that are alike; in the pictures they are blue."
+                + spread,
                 head=head,
                 rows=tuple(zip(*cells, strict=True)),
             ),

@@ -120,8 +120,8 @@ def _bounds_next(b: Bounds, way: str, fastest: float) -> list[str]:
 
 #: What the columns of a sweep are.
 _BY_ORIENTATION = (
-    "Pull by orientation φ: F_max with all wheels on rollers, low and high whatever the wheels stand on, "
-    "and the wheels that slip first"
+    "The largest pull without slip by orientation φ: with all wheels on rollers, the lowest and the highest "
+    "whatever the wheels stand on, and the wheels that slip first"
 )
 
 
@@ -176,19 +176,32 @@ def sweep_page(
             "If the measured pulls lie all above or all below, correct the coefficients "
             "(`slipmargin measure`). If they differ by orientation, let `slipmargin diagnose` find why."
         ]
+    lead = (
+        f"Standing on {floor}, {robot} holds a pull of {recommended_N:.3g} N at every orientation "
+        f"asked: no wheel slips, and {100 * margin:g} % of the grip stays in reserve."
+    )
+    pulled = measured.get("measured_N", np.full(1, np.nan))
+    too_weak = bool(np.any(pulled < recommended_N))
+    if too_weak:
+        at = int(np.nanargmin(pulled))
+        lead = (
+            f"{robot} on {floor} is computed to hold a pull of {recommended_N:.3g} N with {100 * margin:g} % "
+            f"of the grip in reserve, but it slipped at {pulled[at]:.3g} N, at φ = {degrees(s.phi_rad[at])}. "
+            "Do not rely on the limits before they fit."
+        )
+    band = bool(np.any(s.f_high_N > s.f_low_N * (1.0 + 1e-9)))
     return result_page(
         title=f"Pulls of {robot} on {floor}",
-        lead=f"Standing on {floor}, {robot} holds a pull of {recommended_N:.3g} N at every orientation "
-        f"asked: no wheel slips, and {100 * margin:g} % of the grip stays in reserve.",
-        good=recommended_N > 0.0,
+        lead=lead,
+        good=recommended_N > 0.0 and not too_weak,
         facts=facts,
         pictures=(
             Picture(
                 name="sweep",
                 image=images["sweep"],
                 alt="Pull before a wheel slips over the orientation",
-                caption="The pull at which the first wheel slips. The band is what the wheels may "
-                "stand on, roller or rigid.",
+                caption="The pull at which the first wheel slips."
+                + (" The band is what the wheels may stand on, roller or rigid." if band else ""),
             ),
             Picture(
                 name="polar",

@@ -43,8 +43,8 @@ def stop_page(
         lead += " In simulation a stop used more grip than that: do not rely on these distances."
     used = f"{np.max(use):.3f} of a wheel's grip" if simulated else "not simulated"
     rows = [
-        (way[h], *(f"{s:.4g} m, {t:.3g} s" for s, t in zip(ds, ts, strict=True)), limited[h])
-        for h, (ds, ts) in enumerate(zip(distance_m, time_s, strict=True))
+        (f"{at:.0f}°, {way[h]}", *(f"{s:.4g} m, {t:.3g} s" for s, t in zip(ds, ts, strict=True)), limited[h])
+        for h, (at, ds, ts) in enumerate(zip(np.rad2deg(heading_rad), distance_m, time_s, strict=True))
     ]
     return result_page(
         title=f"Stopping distance of {model.robot} on {model.surface}",
@@ -66,7 +66,7 @@ def stop_page(
         ),
         tables=(
             Table(
-                caption="Distance and time by direction of motion",
+                caption="Distance and time by direction of motion, counter-clockwise from the robot's +x",
                 head=("direction", *(f"from {v:.4g} m/s" for v in speed_m_s), "limited by"),
                 rows=tuple(rows),
             ),

@@ -49,7 +49,7 @@ def _too_much(excess: float) -> str:
 def proof(method: str, difference: float) -> str:
     """How far two methods differ."""
     other = "the support function" if method in ("facets", "cones") else "facets"
-    return f"self-check  {method} against {other}: {difference:.0e} relative"
+    return f"two methods ({method}, {other}) differ by {difference:.0e} of the pull"
 
 
 def chance_line(found: SlipChance, recommended: str, unit: str) -> str:
@@ -87,7 +87,7 @@ def rows(
     ends = [int(np.argmin(sweep.f_max_N)), int(np.argmax(sweep.f_max_N))]
     always = np.flatnonzero(_was_measured(measured)).tolist()
     pick = thinned(len(sweep.phi_rad), most, [*always, *ends][:most])
-    head = ["φ [deg]", "F_max [N]", "low [N]", "high [N]"]
+    head = ["φ [deg]", "on rollers [N]", "lowest [N]", "highest [N]"]
     cells = [
         [f"{math.degrees(p) + 0.0:.6g}" for p in sweep.phi_rad],
         *([f"{v:.3f}" for v in column] for column in (sweep.f_max_N, sweep.f_low_N, sweep.f_high_N)),

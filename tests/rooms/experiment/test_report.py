@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -19,6 +20,7 @@ from slipmargin.diagnosis.result import Verdict
 from slipmargin.errors import InputError
 from slipmargin.experiment.remaining import Question
 from slipmargin.report.diagnosis_evidence import next_steps
+from slipmargin.report.diagnosis_words import next_run_command
 
 
 def result(question: Question | None = Question.WHICH, **change: object) -> NextRunResult:
@@ -99,3 +101,11 @@ def test_a_diagnosis_names_the_command_where_something_is_open(
     findings = (wheel_loads(confused_with=rivals),) if verdict is Verdict.EFFECT_FOUND else ()
     shown = str(next_steps(diagnosis(verdict, findings)))
     assert ("Drive this next: `slipmargin next-run drawn`" in shown) is asked
+
+
+def test_of_a_campaign_the_command_names_the_data_set_that_fits_worst() -> None:
+    """next-run takes no campaign, and the report named one: "slipmargin next-run two floors"."""
+    found = diagnosis(Verdict.UNEXPLAINED)
+    near, far = (replace(found.trials[0], name=f"{part}/one") for part in ("table", "gray floor"))
+    far = replace(far, after=far.after + 1.0)
+    assert next_run_command(replace(found, trials=(near, far))) == "slipmargin next-run 'gray floor'"

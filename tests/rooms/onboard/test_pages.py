@@ -22,6 +22,9 @@ def test_stop_draws_and_reports(tmp_path: Path, capsys: pytest.CaptureFixture[st
     found = sm.stop("mecanum4", "floor", speeds_m_s=[0.5, 1.0], step_deg=90.0, verify=False)
     longest = float(np.max(found.distance_m[:, -1]))
     assert f"{longest:.4g}\u00a0m" in text and "not simulated" in text
+    for at in ("0°, to the right", "90°, forwards", "180°, to the left", "270°, backwards"):
+        assert at in text.replace("\u00a0", " ")
+    assert "grip of all wheels" in text and "front-right+front-left+rear-left+rear-right" not in text
     assert text.count('<th scope="row">') >= 4 and "<svg" in text and "forwards" in text
     assert "from 0.5 m/s" in plot.read_text(encoding="utf-8")
 

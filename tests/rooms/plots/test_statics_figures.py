@@ -38,7 +38,7 @@ def test_fig_8_axes_show_the_sweep(model: Model) -> None:
     line = next(x for x in axes.lines if x.get_label() == "all wheels on rollers")
     np.testing.assert_allclose(line.get_xdata(), np.arange(0.0, 91.0))
     np.testing.assert_allclose(line.get_ydata(), found.f_max_N)
-    assert axes.get_xlabel().endswith("[deg]") and axes.get_ylabel() == "F_emax [N]"
+    assert axes.get_xlabel().endswith("[deg]") and axes.get_ylabel() == "largest pull without slip [N]"
     assert axes.get_ylim()[0] == 0.0 and axes.get_xlim() == pytest.approx((0.0, 90.0))
     labels = [t.get_text() for t in axes.get_legend().get_texts()]
     assert "roller or rigid under each wheel" in labels and any("measured" in x for x in labels)

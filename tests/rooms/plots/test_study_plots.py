@@ -88,9 +88,11 @@ def test_only_long_words_break_in_a_narrow_table() -> None:
 
 def test_a_page_says_in_words_what_a_command_calls_by_its_key() -> None:
     """The page said "f_worst" and "front_angle_deg = 30", which nobody had typed."""
-    said = in_words("best: delta_deg = 30, mu_drive = 0.4 and 1 more; k_s_per_m = 1000, load_model = static")
+    said = in_words(
+        "best: delta_deg = 30, mu_drive = 0.4 (1 other is as good); k_s_per_m = 1000, load_model = static"
+    )
     assert said == (
-        "best: wheel angle δ 30°, drive coefficient 0.4 and 1 more; k 1000 s/m, load model static"
+        "best: wheel angle δ 30°, drive coefficient 0.4 (1 other is as good); k 1000 s/m, load model static"
     )
     assert in_words("0.001 m more com_y_m: f_worst") == (
         f"0.001 m more centre of mass y: {BY_NAME['f_worst'].meaning}"

@@ -241,3 +241,14 @@ def test_wheels_that_slip_alike_are_named_together() -> None:
     assert _who(wheels, np.array([0.3, 0.2999, 0.3])) == "all wheels slip"
     assert _who(wheels, np.array([0.3, 0.2, 0.299])) == "wheels fl and rl slip"
     assert _who(wheels, np.array([0.1, 0.2, 0.1])) == "wheel fr slips"
+
+
+def test_pulls_below_the_recommended_one_are_the_verdict(tmp_path: Path) -> None:
+    """The page was green, "no wheel slips" at 4.59 N, above a measured slip at 4.30 N."""
+    pulls = tmp_path / "pulls.csv"
+    for force, good in ((4.0, False), (5.0, True)):
+        pulls.write_text(f"phi_rad,force_N\n0.0,{force}\n", encoding="utf-8")
+        page = sm.sweep("ohio-kiwi", "paper", measured=pulls).page()
+        assert page.lead_kind == ("good" if good else "attention")
+        assert ("it slipped at 4 N, at φ = 0°" in page.lead) is not good
+        assert ("no wheel slips" in page.lead) is good

@@ -57,7 +57,7 @@ def test_other_layouts_have_no_such_angle(name: str) -> None:
 def test_ties_are_said_as_ties() -> None:
     """Mirrored pairs hold the same; a quantity that does nothing has no winner."""
     found = sm.design("omni4", "floor", ["front_angle_deg=30,60", "rear_angle_deg=30,60"], static=True)
-    assert best_at(found.study, "f_worst").endswith(" and 1 more")
+    assert best_at(found.study, "f_worst").endswith(" (1 other is as good)")
     alike = sm.design("mecanum4", "floor", "com_height_m=0.02:0.08:0.02", static=True)
     assert best_at(alike.study, "f_worst") == "every design alike"
     assert "every design alike" in alike.summary() and "com_height_m = 0.02" not in alike.summary()
