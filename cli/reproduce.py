@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from .options import JsonOpt, SeedOpt, check_outputs, deliver
-from .render import at_options, refuse, stages
+from .render import at_options, stages
 
 Folder = Annotated[
     Path, typer.Option("--out", metavar="DIR", help="Folder for reproduce.json and the figures.")
@@ -36,9 +36,7 @@ def reproduce(
     """
     import slipmargin as sm
 
-    if out.exists() and not out.is_dir():
-        refuse("--out", f"{out} is a file", "name a folder")
-    check_outputs(None if json == "-" else json)
+    check_outputs(None if json == "-" else json, folder=out)
     with stages() as progress, at_options(seed="--seed"):
         found = sm.reproduce(seed=seed, search=calibrate, identifiability=identifiability, progress=progress)
         names = found.write_folder(out)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
-from slipmargin.api.result import Result
+from slipmargin.api.result import FolderResult
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class ReproductionResult(Result):
+class ReproductionResult(FolderResult):
     """The paper's numbers and claims, each with ours and a verdict."""
 
     done: Reproduction
@@ -51,26 +50,12 @@ class ReproductionResult(Result):
         """Fig. 8: F_emax over the orientation on both surfaces."""
         return self.figures()["fig8.png"]
 
-    def write_folder(self, folder: Path | str) -> list[str]:
-        """Write ``reproduce.json`` and the figures into a folder, all or none, and return their names.
-
-        Raises
-        ------
-        InputError
-            Where the folder cannot be written; then nothing has changed.
-        """
-        from slipmargin.io.work_folder import make_folder
-        from slipmargin.io.writes import write_together
+    def files(self) -> dict[str, str | bytes]:
+        """``reproduce.json`` and the figures: file name → content."""
         from slipmargin.plots.style import picture
 
-        place = Path(folder)
-        files: dict[Path | str, str | bytes] = {
-            place / name: picture(f, "png") for name, f in self.figures().items()
-        }
-        files[place / "reproduce.json"] = self.to_json()
-        make_folder(place)
-        write_together(files)
-        return [Path(name).name for name in files]
+        figures: dict[str, str | bytes] = {n: picture(f, "png") for n, f in self.figures().items()}
+        return figures | {"reproduce.json": self.to_json()}
 
 
 def reproduce(

@@ -141,4 +141,4 @@ def test_reproduce_refuses_a_file_as_folder(tmp_path, capsys):
     file = tmp_path / "x"
     file.write_text("kept", encoding="utf-8")
     assert status(["reproduce", "--out", str(file)]) == 2
-    assert "name a folder" in capsys.readouterr().err and file.read_text(encoding="utf-8") == "kept"
+    assert "give a folder" in capsys.readouterr().err and file.read_text(encoding="utf-8") == "kept"
