@@ -18,12 +18,14 @@ Exit status: 0 done; 1 a defect of ours, or ``check --strict`` of a motion that 
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import io
 import logging
 import os
 import sys
 import warnings
+from collections.abc import Iterator
 from importlib.util import find_spec
 from typing import Any
 
@@ -88,6 +90,30 @@ def status(arguments: list[str]) -> int:
     int
         The exit status.
     """
+    with _lost_interruptions() as lost:
+        return _carried_out(arguments, lost)
+
+
+@contextlib.contextmanager
+def _lost_interruptions() -> Iterator[list[object]]:
+    """Ctrl-C that came while LLVM called back into Python, which drops it there: filled as they come."""
+    lost: list[object] = []
+    tell_others = sys.unraisablehook
+
+    def hear(dropped: Any) -> None:
+        if issubclass(dropped.exc_type, KeyboardInterrupt):
+            lost.append(dropped.exc_type)
+        else:
+            tell_others(dropped)
+
+    sys.unraisablehook = hear
+    try:
+        yield lost
+    finally:
+        sys.unraisablehook = tell_others
+
+
+def _carried_out(arguments: list[str], lost: list[object]) -> int:
     note_words(arguments)
     announce_compilation()
     try:
@@ -106,6 +132,8 @@ def status(arguments: list[str]) -> int:
             raise
         return tell(f"error: {_machine(fault)}", 2)
     except Exception as defect:
+        if lost:  # what the compiler then lacks is no defect
+            return finish_output(130)
         if os.environ.get("SLIPMARGIN_DEBUG"):
             raise
         return tell(

@@ -78,6 +78,18 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
 _ROLE = re.compile(r":(?:func|meth|mod|class|data|attr):(<code[^>]*>)(?:~?slipmargin(?:\.\w+)*\.(?=\w)|~)?")
 
 
+#: Characters from which a table's cell is a sentence, which needs a column of some width to be read.
+_SENTENCE = 40
+_CELL = re.compile(r"<td>(.*?)</td>", re.DOTALL)
+
+
 def on_page_content(html: str, page: Page, **_: Any) -> str:
-    """Show a docstring's cross-reference as the name it refers to."""
-    return _ROLE.sub(r"\1", html) if page.file.src_uri == "reference/python.md" else html
+    """Show a docstring's cross-reference as the name it refers to; call long cells of tables long."""
+    if page.file.src_uri == "reference/python.md":
+        html = _ROLE.sub(r"\1", html)
+    return _CELL.sub(_of_width, html)
+
+
+def _of_width(cell: re.Match[str]) -> str:
+    long = len(re.sub(r"<[^>]*>", "", cell[1])) >= _SENTENCE
+    return f'<td class="long">{cell[1]}</td>' if long else cell[0]

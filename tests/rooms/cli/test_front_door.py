@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 import math
 import os
@@ -106,6 +107,26 @@ def test_an_interruption_is_quiet(
     with_command(monkeypatch, stop)
     assert status(["try-me"]) == 130
     assert capsys.readouterr() == ("", "")
+
+
+def test_an_interruption_that_the_compiler_lost_is_quiet_too(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Python drops what a callback from C raises: Ctrl-C while LLVM compiled was an internal error."""
+
+    def compiles() -> None:
+        @ctypes.CFUNCTYPE(None)
+        def notified() -> None:
+            raise KeyboardInterrupt
+
+        notified()
+        raise RuntimeError("no compiled object yet")
+
+    before = sys.unraisablehook
+    with_command(monkeypatch, compiles)
+    assert status(["try-me"]) == 130
+    assert capsys.readouterr() == ("", "")
+    assert sys.unraisablehook is before
 
 
 def test_an_exit_status_of_a_command_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
