@@ -152,6 +152,7 @@ class MonitoredLog(Result):
             count=self.samples,
             alarms=self.alarm_share,
             events=[(e.start_s, e.end_s, e.wheel, e.probability) for e in self.events],
+            highest=float(np.max(self.probability, initial=0.0)),
             quiet=self.quiet,
             image=image(self.plot()),
             lines=self.lines(),

@@ -14,6 +14,8 @@ from slipmargin.report.text import towards
 
 #: Events that a page lists before it says how many more there are.
 MOST_EVENTS = 50
+#: Above this slip is more probable than grip, both being equally likely beforehand [1].
+LIKELY = 0.5
 
 
 def stop_page(
@@ -90,27 +92,36 @@ def monitor_page(
     count: int,
     alarms: float,
     events: Sequence[tuple[float, float, str, float]],
+    highest: float,
     quiet: bool,
     image: Image,
     lines: Sequence[str],
     warnings: Sequence[str],
 ) -> Page:
-    """Where a log slips: events are (start [s], end [s], wheel, highest probability)."""
+    """Where a log slips: events are (start [s], end [s], wheel, highest probability).
+
+    ``highest`` is the highest slip probability of the whole log.
+    """
     often = "once" if len(events) == 1 else f"{len(events)} times"
     if quiet:
         lead = f"{source}: no alarm can be given, the training runs are too few for the rate that was asked."
     elif events:
         share = f"alarm in {100.0 * alarms:.3g} % of the samples"
         lead = f"{source}: {robot} slips {often} on {surface}, {share}."
+    elif highest > LIKELY:
+        lead = (
+            f"{source}: no alarm, although the slip probability reaches {highest:.2g}. While {robot} grips, "
+            f"that happens too often for {100.0 * false_alarm_rate:g} % false alarms."
+        )
     else:
-        lead = f"{source}: no sign of slip beyond what may happen by chance."
+        lead = f"{source}: no sign of slip."
     wheels = sorted({wheel for _, _, wheel, _ in events})
     rows = [(f"{a:.3f} … {b:.3f}", wheel, f"{p:.3f}") for a, b, wheel, p in events[:MOST_EVENTS]]
     more = f" (the first {MOST_EVENTS} of {len(events)})" if len(events) > MOST_EVENTS else ""
     return result_page(
         title=f"Slip of {robot} on {surface}",
         lead=lead,
-        good=not events and not quiet,
+        good=not events and not quiet and highest <= LIKELY,
         facts=(
             Fact(label="Events", value=str(len(events))),
             Fact(label="Samples with alarm", value=f"{100.0 * alarms:.2f} %", note=f"of {count}"),

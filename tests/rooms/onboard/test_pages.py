@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -77,7 +78,10 @@ def test_a_monitored_log_tells_its_events() -> None:
     page = found.page_text()
     assert "slips 2 times" in page and "30.00\u00a0%" in page and "left" in page and "alarm" in page
     assert json.loads(found.to_json())["events"][0]["wheel"] == "left"
-    assert 'class="lead good"' in log("....").page_text()
+    calm = log("....").page_text()
+    assert 'class="lead good"' in calm and "no sign of slip." in calm
+    likely = replace(log("...."), probability=np.array([0.2, 0.99, 0.1, 0.1])).page_text()
+    assert 'class="lead good"' not in likely and "although the slip probability reaches 0.99" in likely
     silent = log("....", quiet=True).page_text()
     assert "too few" in silent and 'class="lead attention"' in silent
     assert "0 samples" in log("").page_text()
