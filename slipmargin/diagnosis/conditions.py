@@ -16,11 +16,11 @@ import numpy as np
 from slipmargin.checks import Array, Index
 from slipmargin.data.campaign import each
 from slipmargin.data.clean_up import repaired
-from slipmargin.data.clocks import at_times
 from slipmargin.data.data_set import DataSet, WheelSignal
 from slipmargin.data.noise import lasting_noise, white_noise
 from slipmargin.data.record import Record
 from slipmargin.data.repair import Repair, in_runs
+from slipmargin.diagnosis.camera_clock import one_clock
 from slipmargin.diagnosis.held_out import held_out_runs, searched_runs
 from slipmargin.diagnosis.noise_reading import lasts, stated_wrong, tails
 from slipmargin.diagnosis.prepare import clean
@@ -106,7 +106,7 @@ def held_runs_of(data_set: DataSet, seed: int) -> Index:
 def _alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     """With the commands, the clock and the floor that most of the runs have."""
     data_set, done = _commands(data_set)
-    data_set, clock = _one_clock(data_set)
+    data_set, clock = one_clock(data_set, problem_of(data_set))
     if clock:  # how the wheels move from row to row shows once the camera keeps their time
         data_set, held = _commands(data_set)
         clock = (*clock, *held)
@@ -159,81 +159,6 @@ def _commands(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
             f"{np.sqrt(held / straight):.2f} times that with commands that run straight from row to row.",
         ),
     )
-
-
-def _one_clock(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
-    """With the camera's poses on the wheels' clock, where the camera's runs faster or slower."""
-    problem = problem_of(data_set)
-    everyone = np.arange(len(problem.trials), dtype=np.int64)
-    predicted = problem.predict([()], [everyone])[0]
-    found = [
-        _rate(t.t_s, t.pose, p[: len(t.t_s)], problem.sigma)
-        for t, p in zip(problem.trials, predicted, strict=True)
-    ]
-    known = np.array([f for f in found if f is not None])
-    if len(known) < 3:
-        return data_set, ()
-    each, weight, without, with_rate = known.T
-    order = np.argsort(each)
-    rate = float(each[order][np.searchsorted(np.cumsum(weight[order]), 0.5 * weight.sum())])
-    spread = 1.4826 * float(np.median(np.abs(each - rate)))
-    if not SETTINGS.clock_least < abs(rate) < SETTINGS.clock_most or spread > SETTINGS.clock_agree * abs(
-        rate
-    ):
-        return data_set, ()
-    if with_rate.sum() > SETTINGS.clock_leaves * without.sum():
-        return data_set, ()
-    trials = tuple(_on_wheel_clock(t, 1.0 + rate) for t in data_set.trials)
-    return replace(data_set, trials=trials), (
-        Repair(
-            kind="camera_clock",
-            runs=tuple(t.name for t in data_set.trials),
-            size=rate,
-            unit="1",
-            sentence=f"What the camera stamps at t the wheels stamp at {1.0 + rate:.4g} t: its clock runs "
-            f"{-100.0 * rate / (1.0 + rate):+.2g} % off. Its poses were brought to the wheels' times.",
-        ),
-    )
-
-
-def _rate(t: Array, pose: Array, predicted: Array, sigma: Array) -> tuple[float, float, float, float] | None:
-    """How much faster the camera sees a run pass, its weight, and the squared residual without and with that.
-
-    The start pose and a constant delay are fitted with it, since neither is a matter of the clock's rate.
-    """
-    seen = np.isfinite(pose).all(axis=1)
-    if seen.sum() < 20:
-        return None
-    since, rate, late = t - t[0], 0.0, 0.0
-    without = with_rate = precision = 0.0
-    for step in range(5):
-        at = t + late + rate * since
-        moved = np.column_stack([np.interp(at, t, c) for c in predicted.T])
-        speed = np.gradient(moved, t, axis=0)
-        arm = moved[:, :2] - moved[0, :2]
-        columns = np.zeros((len(t), 3, 5))
-        columns[:, 0, 0] = columns[:, 1, 1] = columns[:, 2, 2] = 1.0
-        columns[:, 0, 2], columns[:, 1, 2] = -arm[:, 1], arm[:, 0]
-        columns[:, :, 3], columns[:, :, 4] = speed, speed * since[:, None]
-        rows = (columns / sigma[:, None])[seen].reshape(-1, 5)
-        gap = ((pose - moved) / sigma)[seen].ravel()
-        if step == 0:
-            only = np.linalg.lstsq(rows[:, :4], gap, rcond=1e-9)[0]
-            without = float(np.sum((gap - rows[:, :4] @ only) ** 2))
-        found = np.linalg.lstsq(rows, gap, rcond=1e-9)[0]
-        with_rate = float(np.sum((gap - rows @ found) ** 2))
-        late += float(np.clip(found[3], -0.1, 0.1))
-        rate += float(np.clip(found[4], -0.05, 0.05))
-        free = rows[:, 4] - rows[:, :4] @ np.linalg.lstsq(rows[:, :4], rows[:, 4], rcond=1e-9)[0]
-        precision = float(np.sum(free**2))
-    return rate, np.sqrt(precision), without, with_rate
-
-
-def _on_wheel_clock(record: Record, factor: float) -> Record:
-    """The run at the wheels' times of its poses: what the camera saw at t, the wheels did at ``factor`` t."""
-    at = record.t_s[0] + factor * (record.t_s - record.t_s[0])
-    inside = at <= record.t_s[-1]
-    return at_times(record, at[inside], record.pose[inside])
 
 
 def _one_floor(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:

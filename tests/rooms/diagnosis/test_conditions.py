@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from inventions import force
 from planting import Plant, commanded, planted, smooth_kiwi
+from real_logs import EXCERPT, logs
 from spoilt import camera_clock, coloured, good, heavy_tails, noise_stated, other_floor, random_walk
 
+import slipmargin as sm
 from slipmargin.data.data_set import DataSet
 from slipmargin.diagnosis.conditions import Ready, problem_of, ready
 from slipmargin.effects import Trace
@@ -64,6 +66,12 @@ def test_a_camera_with_a_clock_of_its_own(factor: float) -> None:
     assert kinds(found)[0] == "camera_clock"
     assert found.repairs[0].size == pytest.approx(factor - 1.0, abs=0.002)
     assert chi(found.data_set) < 1.12
+
+
+def test_a_real_robot_that_slips_evenly_has_no_clock_of_its_own() -> None:
+    """On the smooth table it falls behind by a tenth, however it drives; it stops when its wheels stop."""
+    found = ready(sm.import_logs(logs(EXCERPT / "table_0.1"), "robotino", "robotino", "table").data_set)
+    assert "camera_clock" not in kinds(found) and chi(found.data_set) > 20.0
 
 
 def test_two_runs_on_another_floor_are_left_out_by_name() -> None:
