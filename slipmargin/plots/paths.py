@@ -71,7 +71,7 @@ def _plan_path(axes: Axes, plan: Plan, rows: Trajectory) -> None:
 
 
 def _check_path(axes: Axes, model: Model, found: Check, rows: Trajectory) -> None:
-    verdict = "within what is allowed" if found.admissible else "too hard for a wheel"
+    verdict = "within what is allowed" if found.admissible else "asks more than is allowed"
     _, x, y, k = found.worst
     ring: dict[str, Any] = {"marker": "o", "ms": 9, "mfc": "none", "mec": RED, "mew": 1.6, "ls": "none"}
     worst = Line2D([], [], label=f"worst: {model.geometry.names[k]}, {found.max_use:.3g}", **ring)

@@ -19,6 +19,8 @@ from slipmargin.study.robust import Robust
 from slipmargin.study.study import Study
 
 #: What a page says in words: ``key = value``, a key, the name of an objective.
+#: Two ways to one number that differ by less than this share of it agree: more digits are rounding [1].
+_SAME = 1e-9
 _UNITS = {q.key: q.unit for q in QUANTITIES}
 _ANY = "|".join(sorted(map(re.escape, _UNITS), key=len, reverse=True))
 _SET, _KEY = re.compile(rf"\b({_ANY}) = ([^\s,;:()]+)"), re.compile(rf"\b({_ANY})\b")
@@ -73,7 +75,8 @@ def summary(
     ]
     if optimum is not None:
         o = optimum
-        proof = "" if math.isnan(o.check) else f"; a second method differs by {o.check:.0e} of it"
+        agrees = "agrees" if o.check < _SAME else f"differs by {o.check:.0e} of it"
+        proof = "" if math.isnan(o.check) else f"; a second method {agrees}"
         gain = (
             f"{o.gain:.2g} better than any of the grid"
             if o.gain > 0.0

@@ -36,7 +36,7 @@ def test_plan_and_check_figures(robot: object) -> None:
     figure.draw_without_rendering()
     audit = check(model, rows.t_s * 0.8, rows.pose, share=0.9)
     figure = check_figure(model, audit, rows)
-    assert "too hard for a wheel" in figure.axes[0].get_title(loc="left")
+    assert "asks more than is allowed" in figure.axes[0].get_title(loc="left")
     assert "stretch time by" in figure.axes[1].get_title(loc="left")
     figure.draw_without_rendering()
 
