@@ -135,6 +135,8 @@ def in_words(text: str) -> str:
     """A sentence about a study for a page: ``wheel angle δ 30°``, and an objective by what it means."""
     text = _SET.sub(lambda found: f"{label(found[1])} {_of_unit(found[2], _UNITS[found[1]])}", text)
     text = _KEY.sub(lambda found: label(found[0]), text)
+    for name in _NAME.findall(text):  # its meaning stands in its place, not behind it as well
+        text = text.replace(f" ({BY_NAME[name].meaning})", "")
     return _NAME.sub(lambda found: BY_NAME[found[0]].meaning, text)
 
 

@@ -101,3 +101,8 @@ def test_a_page_says_in_words_what_a_command_calls_by_its_key() -> None:
     drawn = images(study_panels(found, ("f_worst", "f_mean"), None))
     lead = design_page(found, ("f_worst", "f_mean"), None, (), [("best", "it")], drawn).lead
     assert "wheel angle δ" in lead and "_" not in lead
+
+
+def test_an_objective_is_not_explained_by_itself() -> None:
+    meaning = BY_NAME["f_worst"].meaning
+    assert in_words(f"best: f_worst 0.23 m g ({meaning})") == f"best: {meaning} 0.23 m g"
