@@ -32,12 +32,12 @@ class Intervals:
 def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) -> Intervals:
     """Intervals from whole trials, 95 % for each parameter.
 
-    Where the trials agree with one another as closely as their noise says, the inverse normal matrix (times
-    the reduced χ² where that is above 1) is right, and nothing is added to it.  Whether they agree is
-    tested (:func:`_disagreement`): noise that is stated wrong or correlated in time, a form that is only
-    approximate, or trials that differ make them scatter more.  Then the larger of that and the jackknife
-    over trials, √((R−1)/R Σ (x₋ᵢ − x̄)²), is taken, widened by what the trials scatter beyond their noise,
-    with Student's t of R − 1 degrees of freedom.
+    The inverse normal matrix (times the reduced χ² where that is above 1) is widened by what the trials
+    scatter beyond their noise (:func:`_disagreement`): noise that is stated wrong or correlated in time, a
+    form that is only approximate, or trials that differ make them scatter more.  A test says whether they
+    do; where it says no, that does not show that they agree, so that the widening stays.  Where it says
+    yes, the jackknife over trials, √((R−1)/R Σ (x₋ᵢ − x̄)²), is taken if it is larger, with Student's t
+    of R − 1 degrees of freedom.
 
     Parameters
     ----------
@@ -58,12 +58,13 @@ def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) 
     sure = 0.5 * (1.0 + _SURE)
     quantile = float(ndtri(sure))
     apart, agree = _disagreement(found, scale)
+    wider = np.sqrt(deviation**2 + apart**2)
     if not agree and count > 1:
         spread = leave_one_out - leave_one_out.mean(axis=0)
         jackknife = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0))
-        deviation = np.sqrt(np.maximum(np.maximum(deviation, jackknife) ** 2, deviation**2 + apart**2))
+        wider = np.maximum(wider, np.maximum(deviation, jackknife))
         quantile = float(stdtrit(count - 1, sure))
-    deviation = np.sqrt(deviation**2 + log_shift**2)
+    deviation = np.sqrt(wider**2 + log_shift**2)
     return Intervals(
         low=found.x - quantile * deviation,
         high=found.x + quantile * deviation,

@@ -41,7 +41,7 @@ from slipmargin.effects.confined import acting
 
 #: Steps of the last fit, which starts where the search ended.
 _FINAL_STEPS = 6
-_FINE_STEPS = 1
+_FINE_STEPS = 2
 
 
 Progress = Callable[[str, float], None]
@@ -313,7 +313,9 @@ def _reported(
     fitted = s.seen if checked.phased and len(s.held) else everyone
     view = checked.problem.as_seen_in(state.view).evened(state.fit.effects, fitted)
     final = fit(view, state.structure, state.fit.x, fitted, iterations=_FINAL_STEPS)
-    # The last step takes every sample of the log and integrates finely: the numbers to report.
+    # The last steps start each run where all of its frames put it, take every sample of the log and
+    # integrate finely: the numbers to report.
+    view = view.restarted(final.effects, fitted)
     final = fit(
         view.rebuilt(InterpolationScheme.FULL), state.structure, final.x, fitted, iterations=_FINE_STEPS
     )

@@ -238,6 +238,21 @@ class Problem:
             for t, p in zip(self.trials, predicted, strict=True)
         ]
 
+    def restarted(self, effects: tuple[AnyEffect, ...], trials: Index) -> Problem:
+        """The same problem, whose ``trials`` start where all of their frames together put them.
+
+        The first frame alone says less exactly where a run began and which way the robot looked, and with
+        that what a floor does to it that is not the same everywhere or in every direction.
+        """
+        if self.piece is not None:
+            return self
+        members, which = np.unique(self.member_of[trials], return_inverse=True)
+        pose = self._simulated([self.model(effects, int(m)) for m in members], which.ravel(), trials)
+        shift = self.gaps(pose, trials)[0][:, 0] - pose[:, 0]
+        starts = self.starts.copy()
+        starts[trials] += np.where(np.isfinite(shift), shift, 0.0)
+        return replace(self, starts=starts)
+
     def rebuilt(self, scheme: InterpolationScheme) -> Problem:
         """The same problem with the wheels' motion interpolated differently, and integrated finely."""
         signals = tuple(wheel_signal(t, self.commanded, scheme) for t in self.trials)

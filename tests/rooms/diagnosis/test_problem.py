@@ -6,12 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from planting import planted
+from planting import Plant, planted, smooth_kiwi
 
 from slipmargin.checks import Array
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.effects import Trace
+from slipmargin.effects.floor_tilt import FloorTilt
 from slipmargin.io.robot_file import read_recipe
 
 PIECE_S = 0.4
@@ -99,3 +101,20 @@ def test_no_trial_outweighs_the_middle_one_of_those_that_are_missed(problem: Pro
     assert np.array_equal(backwards, plain.evened((), everyone).residuals([()], [everyone])[0][::-1])
     quiet = replace(problem, measured=predicted(problem))
     assert not len(quiet.evened((), everyone).weights), "nothing is missed, nothing is weighed"
+
+
+def test_a_run_starts_where_all_of_its_frames_put_it() -> None:
+    """A first frame 10 mrad off turned what a tilted floor does by as much."""
+    tilt = FloorTilt(tilt_x_rad=0.03, tilt_y_rad=-0.02)
+    plant = Plant(name="tilt", traces=(Trace.CONSTANT_FORCE,), effects=(tilt,))
+    data = planted(smooth_kiwi(), plant, seed=2, count=3, duration_s=2.0, rate_hz=100.0)
+    sigma = np.array([5e-4, 5e-4, 2e-3])
+    trials = tuple(clean(record, sigma) for record in data.trials)
+    exact = Problem.of(data.recipe, data.surface, trials, sigma, False)
+    runs = np.arange(3)
+    turned = replace(exact, starts=exact.starts + np.array([0.0, 0.0, 0.01]))
+    again = turned.restarted((tilt,), runs)
+    assert np.abs(again.starts - exact.restarted((tilt,), runs).starts).max() < 2e-3  # of 10 mrad
+    cost = [float(np.sum(p.residuals([(tilt,)], [runs])[0] ** 2)) for p in (turned, again)]
+    assert cost[1] < 0.98 * cost[0]
+    assert turned.in_pieces(0.5).restarted((tilt,), runs).starts is turned.starts
