@@ -9,6 +9,7 @@ from slipmargin.diagnosis.settings import SETTINGS
 def finalists(screening: Screening) -> list[Screened]:
     """What is fitted: the best of the list that have names, the best general forms, and the best pairs.
 
+    A name takes one place, in the form that its tangents put first: the forms of one would keep others out.
     The best name is fitted in its other forms too, since tangents say little about which of them is meant.
     A pair is fitted only where its two tangents together leave clearly less than any single one.
     """
@@ -23,7 +24,10 @@ def finalists(screening: Screening) -> list[Screened]:
     most = max([best, *(e.gain for e in pairs)])
     single, pairs = ([e for e in some if e.gain > SETTINGS.hopeless * most] for some in (single, pairs))
     names = [e for e in single if e.named]
-    first = names[: SETTINGS.finalists]
+    of_each: dict[str, Screened] = {}
+    for entry in names:
+        of_each.setdefault(entry.structure[0].name, entry)
+    first = list(of_each.values())[: SETTINGS.finalists]
     forms = [e for e in names if e not in first and e.structure[0].name == first[0].structure[0].name]
     chosen = [
         *first,
