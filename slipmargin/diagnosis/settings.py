@@ -113,9 +113,9 @@ class SearchSettings:
     most_samples: int = 2000
     #: [1] What promises less than this share of the best one's gain is not fitted.
     hopeless: float = 0.2
-    #: [candidates] How many names are fitted by simulation; half as many general forms, and half as
-    #: many pairs.
-    finalists: int = 4
+    #: [candidates] How many names are fitted by simulation, each once; half as many general forms, and
+    #: half as many pairs.
+    finalists: int = 5
     #: [starts] Of places and times so many are fitted: the best by their tangents, then by simulation.
     starts: int = 2
     #: [steps] Gauss–Newton steps after which the best of the starts is known.

@@ -85,7 +85,7 @@ def test_the_most_that_ends_ask_for_is_that_of_each() -> None:
     asked = Demands.of(model, *prepare(model, motion, 0.9, Contact.ROLLERS)[1:])
     at = np.random.default_rng(3).normal(0.0, 2.0, (7, motion.count, 3))
     limit = np.full((2, motion.count, model.count), 0.5)
-    whole, most = asked.each(at), asked.most(at, limit)
+    whole, most = asked.each(at), asked.most(at, np.arange(motion.count), limit)
     near = 100.0 * NEARLY  # what is left of a wrench moves the share of a small grip by more than that
     np.testing.assert_allclose(most.use, whole.use, rtol=near, atol=near)
     np.testing.assert_allclose(most.motors, whole.of_motors(limit), rtol=near, atol=near)
