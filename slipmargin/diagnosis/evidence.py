@@ -62,7 +62,7 @@ def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) 
     if not agree and count > 1:
         spread = leave_one_out - leave_one_out.mean(axis=0)
         jackknife = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0))
-        wider = np.maximum(wider, np.maximum(deviation, jackknife))
+        wider = np.maximum(wider, jackknife)
         quantile = float(stdtrit(count - 1, sure))
     deviation = np.sqrt(wider**2 + log_shift**2)
     return Intervals(

@@ -202,11 +202,10 @@ def larger(before: Score, after: Score) -> tuple[str, ...]:
     A correction with which one of them grows is not claimed, however little it grows: what is called found
     makes every error that is reported smaller, or leaves it as it is.
     """
-    one, two = before, after
     rows = (
-        ("chi", one.chi, two.chi, ""),
-        ("the position error", 1e3 * one.rmse_position_m, 1e3 * two.rmse_position_m, " mm"),
-        ("the heading error", 1e3 * one.rmse_heading_rad, 1e3 * two.rmse_heading_rad, " mrad"),
+        ("chi", before.chi, after.chi, ""),
+        ("the position error", 1e3 * before.rmse_position_m, 1e3 * after.rmse_position_m, " mm"),
+        ("the heading error", 1e3 * before.rmse_heading_rad, 1e3 * after.rmse_heading_rad, " mrad"),
     )
     return tuple(
         f"on whole runs that nothing has seen {what} grows from {was:.4g} to {now:.4g}{unit}"
