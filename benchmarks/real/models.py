@@ -261,7 +261,7 @@ class Diagnosed(Simulated):
         effects = tuple(f.effect for f in found.findings)
         self.recipe = data.recipe.with_effects(*acting(effects, data.member))
         self.said = tuple(
-            f"{f.label}: "
+            (f"{f.name} (fitted: {f.label}, a name that is not claimed): " if f.doubts else f"{f.label}: ")
             + ", ".join(f"{e.name} {e.value:.4g} ({e.low:.4g} … {e.high:.4g})" for e in f.parameters)
             for f in found.findings
         ) or (found.verdict.value,)

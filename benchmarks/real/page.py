@@ -9,6 +9,7 @@ A test compares the page with this script's output.
 from __future__ import annotations
 
 import json
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,9 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "benchmarks" / "results" / "real.json"
 PAGE = ROOT / "docs" / "real-robots.md"
+
+#: The word for an effect that a line begins with.
+EFFECT, CODE = re.compile(r"^[\w\[\]-]+"), r"`\g<0>`"
 
 #: What each set is, in a sentence or two.
 SETS = {
@@ -65,6 +69,11 @@ winning ones.
 """
 
 
+def degrees(value: float) -> str:
+    """Two digits, and no power of ten for what is beyond a hundred."""
+    return f"{value:.0f}°" if value >= 10.0 else f"{value:.2g}°"
+
+
 def cells(row: dict[str, Any]) -> list[str]:
     """A row's figures."""
     found = [row["model"]]
@@ -74,7 +83,7 @@ def cells(row: dict[str, Any]) -> list[str]:
             "–"
             if e is None
             else f"{e['displacement_mm']:.3g} mm ({100 * e['displacement_of_way']:.3g} %), "
-            f"{e['heading_deg']:.2g}°"
+            f"{degrees(e['heading_deg'])}"
         )
     v = row["velocity"]
     return [*found, f"{v['x_m_s']:.3f}, {v['y_m_s']:.3f} m/s", f"{row['nll']:.2f}"]
@@ -94,7 +103,7 @@ def page() -> str:
         parts.append("\n".join(f"| {' | '.join(line)} |" for line in table) + "\n")
         for row in own:
             if row["said"]:
-                told = "\n".join(f"- {line}" for line in row["said"])
+                told = "\n".join(f"- {EFFECT.sub(CODE, line)}" for line in row["said"])
                 parts.append(f"*{row['model']}* found, with 95 % intervals:\n\n{told}\n")
     return "\n".join([*parts, FOOT])
 

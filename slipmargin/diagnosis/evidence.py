@@ -1,4 +1,4 @@
-"""Intervals of fitted parameters from whole trials, and how well the data excite the model."""
+"""Intervals of fitted parameters from whole trials, and whether an effect may do nothing."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit
 
 #: Coverage of the intervals.
@@ -19,14 +20,47 @@ _SURE = 0.95
 class Intervals:
     """Intervals of the parameters: ``low`` and ``high`` (P,), ``deviation`` (P,) 1 s.d.
 
-    ``excitation`` (P,) are the singular values of the whitened Jacobian per unit of scale: a small
-    one is a direction in which these trials say nothing.
+    ``covariance`` (P, P) belongs to the deviations; ``freedom`` is that of their estimate: the trials less 1
+    where trials disagree, infinite where their noise explains how they differ.  ``excitation`` (P,) are the
+    singular values of the whitened Jacobian per unit of scale: a small one is a direction in which these
+    trials say nothing.
     """
 
     low: Array
     high: Array
     deviation: Array
+    covariance: Array
+    freedom: float
     excitation: Array
+
+    def may_do_nothing(self, candidate: Candidate, x: Array, span: slice) -> bool:
+        """Whether these trials leave it open (at 95 %) that one effect of the structure does nothing.
+
+        Each of its parameters may be uncertain although together they are not: the share of rigid material
+        and its coefficient, a force and the place at which it acts.  So the effect is taken away as a whole.
+        The parameters that have no influence then stay where they were fitted, and the distance is measured
+        by the covariance (Hotelling's T², which is χ² where the freedom is infinite).  The place of an effect
+        was chosen too: all of its parameters count.
+
+        Parameters
+        ----------
+        candidate : Candidate
+            The effect.
+        x : array (P,)
+            Fitted parameters of the whole structure.
+        span : slice
+            Which of them are this effect's.
+        """
+        from scipy.special import chdtri, fdtri
+
+        acts = ~candidate.idle
+        away = (x[span] - candidate.null)[acts] / candidate.scale[acts]
+        own = self.covariance[span, span] / np.outer(candidate.scale, candidate.scale)
+        distance = float(away @ np.linalg.pinv(own)[np.ix_(acts, acts)] @ away)
+        size, left = candidate.size, self.freedom - candidate.size + 1
+        if np.isinf(self.freedom):
+            return distance <= float(chdtri(size, 1.0 - _SURE))
+        return left < 1 or distance <= size * self.freedom / left * float(fdtri(size, left, _SURE))
 
 
 def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) -> Intervals:
@@ -54,36 +88,43 @@ def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) 
 
     count, size = leave_one_out.shape
     flat = found.jacobian.reshape(-1, size) * scale
-    deviation = deviations(found, scale)
     sure = 0.5 * (1.0 + _SURE)
-    quantile = float(ndtri(sure))
+    quantile, freedom = float(ndtri(sure)), np.inf
     apart, agree = _disagreement(found, scale)
-    wider = np.sqrt(deviation**2 + apart**2)
+    covariance = _covariance(found, scale) + apart
+    together = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    wider = together
     if not agree and count > 1:
         spread = leave_one_out - leave_one_out.mean(axis=0)
         jackknife = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0))
-        wider = np.maximum(wider, jackknife)
+        wider, freedom = np.maximum(wider, jackknife), float(count - 1)
         quantile = float(stdtrit(count - 1, sure))
     deviation = np.sqrt(wider**2 + log_shift**2)
+    widened = np.divide(wider, together, out=np.ones(size), where=together > 0.0)
     return Intervals(
         low=found.x - quantile * deviation,
         high=found.x + quantile * deviation,
         deviation=deviation,
+        covariance=covariance * np.outer(widened, widened) + np.diag(log_shift**2),
+        freedom=freedom,
         excitation=np.asarray(np.linalg.svd(flat, compute_uv=False)),
     )
 
 
 def deviations(found: Fit, scale: Array) -> Array:
     """Standard deviations (P,) where the trials agree within their noise, times the reduced χ² above 1."""
+    return np.asarray(np.sqrt(np.maximum(np.diag(_covariance(found, scale)), 0.0)))
+
+
+def _covariance(found: Fit, scale: Array) -> Array:
     flat = found.jacobian.reshape(-1, len(scale)) * scale
     seen = int(np.count_nonzero(found.residual))
     reduced = max(1.0, found.cost / max(1, seen - len(scale)))
-    covariance = np.linalg.pinv(flat.T @ flat) * reduced
-    return np.asarray(np.sqrt(np.maximum(np.diag(covariance), 0.0)) * scale)
+    return np.asarray(np.linalg.pinv(flat.T @ flat) * reduced * np.outer(scale, scale))
 
 
 def _disagreement(found: Fit, scale: Array) -> tuple[Array, bool]:
-    """What trials that each have a parameter of their own add to its standard deviation (P,), if they do.
+    """What trials with parameters of their own add to the covariance (P, P), and whether they agree.
 
     One trial may weigh as much as all others together; the jackknife then hardly sees that they
     disagree.  The variance between trials is estimated from what every trial would move the
@@ -107,5 +148,4 @@ def _disagreement(found: Fit, scale: Array) -> tuple[Array, bool]:
     agree = bool(freedom < 1 or scatter.sum() <= chdtri(freedom * len(scatter), 1.0 - _SURE))
     between = np.maximum(0.0, scatter - freedom) / np.maximum(1.0 - np.sum(own**2, axis=0), 1e-300)
     covariance = np.einsum("rzy,y,rxy->zx", weight, between, weight)
-    apart = np.sqrt(np.maximum(np.einsum("pz,zx,px->p", basis, covariance, basis), 0.0)) * scale
-    return np.asarray(apart), agree
+    return np.asarray((basis @ covariance @ basis.T) * np.outer(scale, scale)), agree

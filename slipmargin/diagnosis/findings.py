@@ -63,7 +63,7 @@ def findings(
     own = zip(final.structure, final.effects, spans(final.structure), strict=True)
     for index, (candidate, effect, span) in enumerate(own):
         kind = bare(effect)
-        doubts = _doubts(candidate, final.x[span], spread.low[span], spread.high[span], stuck)
+        doubts = _doubts(candidate, final.x, span, spread, stuck)
         taken = next(
             (
                 r
@@ -118,7 +118,7 @@ def doubted(problem: Problem, final: Fit) -> bool:
     """Whether the evidence of some named effect of a fit does not carry its name."""
     spread, stuck = _spread(problem, final), final.at_bound()
     return any(
-        _doubts(candidate, final.x[span], spread.low[span], spread.high[span], stuck)
+        _doubts(candidate, final.x, span, spread, stuck)
         for candidate, span in zip(final.structure, spans(final.structure), strict=True)
     )
 
@@ -157,19 +157,19 @@ def moved_by(other: Residuals, final: Fit) -> Array:
     return np.asarray(np.sqrt(probable) * np.abs(shift))
 
 
-def _doubts(candidate: Candidate, x: Array, low: Array, high: Array, stuck: Sequence[str]) -> tuple[str, ...]:
+def _doubts(
+    candidate: Candidate, x: Array, span: slice, spread: Intervals, stuck: Sequence[str]
+) -> tuple[str, ...]:
     """Why the effect's own evidence does not carry its name; empty where it does."""
     if not candidate.named:
         return ()
     found = [
         f"{candidate.name}.{key} ended at {value:.3g}, the edge of what makes sense"
-        for key, value in zip(candidate.keys, x, strict=True)
+        for key, value in zip(candidate.keys, x[span], strict=True)
         if f"{candidate.name}.{key}" in stuck
     ]
-    # Of several parameters each may be uncertain although together they are not (a share of rigid material
-    # and its coefficient): whether all of them do nothing is what the judgement on unseen runs has tested.
-    if candidate.nested and candidate.size == 1 and low[0] <= candidate.null[0] <= high[0]:
-        found.append("the interval of its parameter contains the value that does nothing")
+    if candidate.nested and spread.may_do_nothing(candidate, x, span):
+        found.append("runs differ so much that it may do nothing")
     return tuple(found)
 
 

@@ -170,9 +170,7 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
         judgement = court.verdict(*(by_run(p.errors, court.runs) for p in pieces))
     idle = [c.label for c, none in zip(state.structure, nothing_sure(state), strict=True) if none]
     failures = judgement.failures + astray
-    failures += tuple(
-        f"every interval of the parameters of {label} contains the value that does nothing" for label in idle
-    )
+    failures += tuple(f"the runs leave it open that {label} does nothing" for label in idle)
     if one.chi() <= SETTINGS.noise_chi and doubted(state.view, state.fit):
         failures += ("so near the noise only a name that its own evidence carries is claimed",)
     if failures:

@@ -261,7 +261,7 @@ def needed(state: State, runs: Sequence[int]) -> State:
 
 
 def nothing_sure(state: State) -> list[bool]:
-    """For each effect, whether it is a named one and every interval of its parameters holds the null.
+    """For each effect, whether it is a named one and these trials leave it open that it does nothing.
 
     Far above the noise, where runs are compared in pieces, none is: there the runs disagree over whatever is
     still missing, which widens every interval, and the error of runs that are left out decides alone.
@@ -269,11 +269,9 @@ def nothing_sure(state: State) -> list[bool]:
     if state.view.piece is not None:
         return [False] * len(state.structure)
     scale = np.concatenate([c.scale for c in state.structure])
-    null = np.concatenate([c.null for c in state.structure])
-    spread = intervals(state.fit, leave_one_out(state.fit), scale, np.zeros(len(null)))
-    holds = (spread.low <= null) & (null <= spread.high)
+    spread = intervals(state.fit, leave_one_out(state.fit), scale, np.zeros(len(scale)))
     own = zip(state.structure, spans(state.structure), strict=True)
-    return [c.named and c.nested and bool(holds[span].all()) for c, span in own]
+    return [c.named and c.nested and spread.may_do_nothing(c, state.fit.x, span) for c, span in own]
 
 
 def whole(problem: Problem, state: State, runs: Sequence[int]) -> State:

@@ -12,8 +12,28 @@ import numpy as np
 
 
 def json_text(value: Any, indent: int | None = 1) -> str:
-    """``value`` as JSON text: arrays become lists, a number that is not finite becomes null."""
-    return json.dumps(_plain(value), ensure_ascii=False, indent=indent, allow_nan=False) + "\n"
+    """``value`` as JSON text: arrays become lists, a number that is not finite becomes null.
+
+    With an indent each key of a table, and each table of a list, stands on a line of its own, and a list of
+    numbers on one.  Without, everything is one line.
+    """
+    plain = _plain(value)
+    return (_dumped(plain) if indent is None else _indented(plain, " " * indent, "\n")) + "\n"
+
+
+def _dumped(plain: Any) -> str:
+    return json.dumps(plain, ensure_ascii=False, allow_nan=False)
+
+
+def _indented(plain: Any, step: str, start: str) -> str:
+    """A table over several lines, each of which begins with ``start`` and a step more."""
+    inner = start + step
+    if isinstance(plain, dict) and plain:
+        lines = (f"{_dumped(key)}: {_indented(item, step, inner)}" for key, item in plain.items())
+        return "{" + inner + f",{inner}".join(lines) + start + "}"
+    if isinstance(plain, list) and any(isinstance(item, dict) for item in plain):
+        return "[" + inner + f",{inner}".join(_indented(i, step, inner) for i in plain) + start + "]"
+    return _dumped(plain)
 
 
 def _plain(value: Any) -> Any:

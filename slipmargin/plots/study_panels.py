@@ -45,10 +45,12 @@ def draw_polar_family(axes: PolarAxes, study: Study) -> PolarAxes:
     forwards_up(axes)
     axes.set_ylim(0.0, None)
     axes.set_title("Pull before a wheel slips / (m g), by its direction")
-    legend = axes.legend(
-        loc="lower left", bbox_to_anchor=(-0.27, -0.08), title="\n".join(map(in_words_of, study.keys))
+    axes.legend(
+        loc="upper center",
+        bbox_to_anchor=(0.5, -0.1),
+        ncols=3,
+        title=", ".join(map(in_words_of, study.keys)),
     )
-    legend.set_in_layout(False)
     return axes
 
 

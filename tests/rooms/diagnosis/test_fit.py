@@ -13,7 +13,7 @@ from hypothesis import given, settings, strategies as st
 from slipmargin.checks import Array, Index
 from slipmargin.diagnosis import search
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.evidence import intervals
+from slipmargin.diagnosis.evidence import Intervals, intervals
 from slipmargin.diagnosis.fit import evaluate, fit, score_test_gain, shifted_by, tangents
 from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
 from slipmargin.diagnosis.screen import Screened, Screening
@@ -22,6 +22,7 @@ from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect, Trace
 from slipmargin.effects.camera_rotation import CameraRotation
 from slipmargin.effects.camera_scale import CameraScale
+from slipmargin.effects.dragging_point import DraggingPoint
 
 TRIALS, SAMPLES = 6, 30
 
@@ -101,6 +102,54 @@ def test_intervals_cover_the_truth_about_as_often_as_they_say() -> None:
         spread = intervals(found, leave_one_out(found), found.structure[0].scale, np.zeros(2))
         inside += int(np.all((spread.low <= [1.2, 0.9]) & (spread.high >= [1.2, 0.9])))
     assert inside >= 50  # both of two parameters, at 95 % each: 54 of 60 on average
+
+
+def test_an_effect_that_does_nothing_is_left_open_as_often_as_said() -> None:
+    left_open = 0
+    for seed in range(60):
+        problem = Line((0.0, 0.0), 1.0, 500 + seed)
+        found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+        spread = intervals(found, leave_one_out(found), found.structure[0].scale, np.zeros(2))
+        left_open += spread.may_do_nothing(found.structure[0], found.x, slice(0, 2))
+    assert 50 <= left_open < 60  # at 95 %: 57 of 60 on average
+
+
+def _known(covariance: Array, freedom: float = np.inf) -> Intervals:
+    deviation = np.sqrt(np.diag(covariance))
+    return Intervals(
+        low=-deviation,
+        high=deviation,
+        deviation=deviation,
+        covariance=covariance,
+        freedom=freedom,
+        excitation=deviation,
+    )
+
+
+def test_parameters_that_are_uncertain_one_by_one_may_be_certain_together() -> None:
+    """Their sum is known to 0.01, their difference not at all: both intervals hold the null."""
+    both = candidate(CameraScale)
+    tied = _known(np.array([[1.0, -0.9999], [-0.9999, 1.0]]))
+    assert not tied.may_do_nothing(both, both.null + 0.2, slice(0, 2))
+    assert tied.may_do_nothing(both, both.null + np.array([0.2, -0.2]), slice(0, 2))
+
+
+def test_a_place_does_not_carry_an_uncertain_force() -> None:
+    """Where something drags is well known, how hard it drags is not: its place says nothing for it."""
+    drag = candidate(DraggingPoint)
+    assert drag.idle.tolist() == [False, True, True]
+    x = np.array([2.0, 0.5, 0.5])
+    assert _known(np.diag([4.0, 1e-6, 1e-6])).may_do_nothing(drag, x, slice(0, 3))
+    assert not _known(np.diag([0.04, 1e-6, 1e-6])).may_do_nothing(drag, x, slice(0, 3))
+
+
+def test_few_runs_that_disagree_leave_more_open() -> None:
+    """Seven noises from nothing: enough where the noise is known, not where four runs scatter differently."""
+    one = candidate(CameraScale)
+    x = one.null + np.array([7.0, 0.0])
+    assert not _known(np.eye(2)).may_do_nothing(one, x, slice(0, 2))
+    assert _known(np.eye(2), 3.0).may_do_nothing(one, x, slice(0, 2))
+    assert _known(np.eye(2), 1.0).may_do_nothing(one, 1e3 * x, slice(0, 2))  # two runs say nothing of two
 
 
 def test_trials_that_disagree_widen_the_interval() -> None:
