@@ -39,9 +39,7 @@ class WheelRunout(WheelEffect):
             "change of the radius at wheel angle 0 over the mean",
             starts=_COSINE,
         ),
-        parameter(
-            "sine", "1", (-0.3, 0.0, 0.3), 0.005, "the same a quarter of a turn later", starts=_SINE
-        ),
+        parameter("sine", "1", (-0.3, 0.0, 0.3), 0.005, "the same a quarter of a turn later", starts=_SINE),
     )
     one_wheel = True
     needs_wheel_phase = True

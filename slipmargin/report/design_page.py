@@ -125,7 +125,7 @@ def _by_objective(study: Study) -> Table:
 
 def _influence_table(influences: Sequence[Influence], meaning: str) -> Table:
     rows = tuple(
-        (label(i.key), _number(i.value), i.unit, _number(i.slope), "turns here" if i.peak else "")
+        (label(i.key), _number(i.value), i.unit, *(("–", "turns here") if i.peak else (_number(i.slope), "")))
         for i in influences
     )
     return Table(
