@@ -246,7 +246,7 @@ def _diagnosed(conditions: Ready, s: Searched, seed: int, watch: Watch, budget_s
     verdict = _verdict(checked)
     explained = after.chi <= SETTINGS.noise_chi and verdict is not Verdict.UNEXPLAINED
     last = like(state, s.rounds)
-    if not explained and last is None and state is not None and s.rounds:
+    if not explained and last is None and state is not None and s.rounds and not watch.expired:
         last = left_over(state, s.rounds, s.runs, s.candidates, seed)
     remaining = () if last is None else last.map()
     if verdict is Verdict.UNEXPLAINED and not any(entry.supported for entry in remaining):

@@ -24,6 +24,7 @@ from slipmargin.report.page import (
     Section,
     Text,
 )
+from slipmargin.report.text import two_digits
 
 
 def page(diagnosis: Diagnosis, change: LimitsChange, images: Mapping[str, Image]) -> Page:
@@ -108,7 +109,8 @@ def _measured(d: Diagnosis) -> tuple[Block, ...]:
     )
     items = [
         f"{len(d.trials)} runs of {_range(spans)} s, a sample every {1e3 * step:.3g} ms. {held}",
-        f"Measurement noise, {sigma}: {x:.2g} mm in x, {y:.2g} mm in y, {phi:.2g} mrad in heading.",
+        f"Measurement noise, {sigma}: {two_digits(x)} mm in x, {two_digits(y)} mm in y, {two_digits(phi)} "
+        "mrad in heading.",
     ]
     if d.outliers:
         items.append(f"{d.outliers} outlying sample{'s' if d.outliers != 1 else ''} left out.")

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from slipmargin.physics.convention import Convention
 from slipmargin.report.page import Fact, Image, Page, Picture, Table
 from slipmargin.report.result_page import result_page
+from slipmargin.report.text import two_digits
 from slipmargin.study.ideas import PLACE, QUESTIONS, START, WORTH, Idea, Place, Question, ranking
 
 
@@ -109,7 +110,7 @@ def _cell(idea: Idea, question: Question) -> str:
         return "none"
     if value <= 0.0:
         return "slips"
-    return _number(value) + (f" ± {deviation:.2g}" if deviation > 0.0 else "")
+    return _number(value) + (f" ± {two_digits(deviation)}" if deviation > 0.0 else "")
 
 
 def ideas_page(

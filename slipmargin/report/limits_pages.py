@@ -13,7 +13,7 @@ from slipmargin.limits.bounds_summary import Bounds
 from slipmargin.report import bounds as bounds_words, sweep as sweep_words
 from slipmargin.report.page import Fact, Image, Page, Picture, Table
 from slipmargin.report.result_page import result_page
-from slipmargin.report.text import degrees, towards
+from slipmargin.report.text import degrees, towards, two_digits
 
 
 def bounds_page(
@@ -169,7 +169,7 @@ def sweep_page(
             Fact(
                 label="Measured minus the model",
                 value=f"{np.mean(gaps):+.2g} N",
-                note=f"{np.sqrt(np.mean(gaps**2)):.2g} N root mean square, {len(gaps)} orientations",
+                note=f"{two_digits(np.sqrt(np.mean(gaps**2)))} N root mean square, {len(gaps)} orientations",
             )
         )
         next_steps = [

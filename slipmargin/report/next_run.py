@@ -18,6 +18,7 @@ from slipmargin.report import diagnosis_words as words
 from slipmargin.report.page import Fact, Image, Page, Picture, Table
 from slipmargin.report.pulls import next_sentence
 from slipmargin.report.result_page import result_page
+from slipmargin.report.text import two_digits
 
 #: Below this χ² two explanations are still level after the runs: five noises.
 CLEAR = 25.0
@@ -71,13 +72,13 @@ def answer(found: NextRuns) -> str:
 def narrowed(one: Narrowing) -> str:
     """``floor_tilt.tilt_x_rad from ±0.02 to ±0.004 rad``."""
     unit = "" if one.unit in ("", "1") else f" {one.unit}"
-    return f"{one.parameter} from ±{one.today:.2g} to ±{one.expected:.2g}{unit}"
+    return f"{one.parameter} from ±{two_digits(one.today)} to ±{two_digits(one.expected)}{unit}"
 
 
 def _run_line(run: ProposedRun) -> str:
     rows = run.trajectory
     return (
-        f"{run.words} ({rows.duration_s:.3g} s, up to {_speed(run):.2g} m/s, at most "
+        f"{run.words} ({rows.duration_s:.3g} s, up to {two_digits(_speed(run))} m/s, at most "
         f"{np.max(rows.use):.2f} of a wheel's grip)"
     )
 
@@ -87,7 +88,7 @@ def _speed(run: ProposedRun) -> float:
 
 
 def _pair_line(one: Separation) -> str:
-    apart = f"up to {one.apart_mm:.2g} mm and {one.apart_deg:.2g}° apart in the new runs"
+    apart = f"up to {two_digits(one.apart_mm)} mm and {two_digits(one.apart_deg)}° apart in the new runs"
     how = "after a new fit" if one.simulated else "by linear steps"
     return (
         f"{one.right} and {one.rival} will differ by {noises(one.expected)} {how}, {apart}; today by "
@@ -191,7 +192,7 @@ def page(found: NextRuns, images: Mapping[str, Image], warnings: Sequence[str] =
     facts += [
         Fact(
             label=n.parameter,
-            value=f"±{n.today:.2g} → ±{n.expected:.2g}",
+            value=f"±{two_digits(n.today)} → ±{two_digits(n.expected)}",
             note="95 %, as far as noise decides",
         )
         for n in found.narrowings[:1]
@@ -205,7 +206,7 @@ def page(found: NextRuns, images: Mapping[str, Image], warnings: Sequence[str] =
                     run.name,
                     run.words,
                     f"{run.trajectory.duration_s:.3g} s",
-                    f"{_speed(run):.2g} m/s",
+                    f"{two_digits(_speed(run))} m/s",
                     f"{100.0 * float(np.max(run.trajectory.use)):.0f} %",
                 )
                 for run in found.runs
@@ -222,7 +223,8 @@ def page(found: NextRuns, images: Mapping[str, Image], warnings: Sequence[str] =
             caption="Half of each 95 % interval, as far as noise decides",
             head=("parameter", "today", "with the runs", "unit"),
             rows=tuple(
-                (n.parameter, f"±{n.today:.2g}", f"±{n.expected:.2g}", n.unit) for n in found.narrowings
+                (n.parameter, f"±{two_digits(n.today)}", f"±{two_digits(n.expected)}", n.unit)
+                for n in found.narrowings
             ),
         ),
     ]
@@ -236,7 +238,7 @@ def page(found: NextRuns, images: Mapping[str, Image], warnings: Sequence[str] =
     return result_page(
         title=f"What to drive next: {found.robot} on {found.surface}, data set {found.data_set}",
         lead=answer(found),
-        good=not told or told[0].expected >= CLEAR,
+        good=told[0].expected >= CLEAR if told else found.verdict is not Verdict.UNEXPLAINED,
         facts=facts,
         pictures=tuple(
             Picture(

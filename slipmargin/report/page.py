@@ -188,7 +188,7 @@ def _block(block: Block, pictures: list[int]) -> str:
 
 
 #: What no narrow window should have to show in one line.
-_LONG_WORD = re.compile(r"\S{15,}")
+_LONG_WORD, _SHORT_NAME = re.compile(r"\S{15,}"), re.compile(r"\w+-\d+")
 #: A picture below the first width is shown whole in a window of 400 px; then it is at least so wide [px].
 WIDE, NARROW = 620.0, 250.0
 
@@ -215,8 +215,10 @@ def _table(table: Table) -> str:
 
 
 def _long(cell: str) -> str:
-    """The class of a cell with a word so long that a narrow window must break it; numbers stay whole."""
-    return ' class="long"' if _LONG_WORD.search(cell) else ""
+    """The class of a cell that a narrow window must break, or may not: a long word, or a short ``run-1``."""
+    if _LONG_WORD.search(cell):
+        return ' class="long"'
+    return ' class="whole"' if _SHORT_NAME.fullmatch(cell) else ""
 
 
 def _rich(text: str) -> str:

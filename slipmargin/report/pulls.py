@@ -28,6 +28,7 @@ from slipmargin.report.page import (
     Table,
     Text,
 )
+from slipmargin.report.text import two_digits
 
 _KIND = {Verdict.EFFECT_FOUND: "good", Verdict.NO_MISSING_EFFECT: "good", Verdict.UNEXPLAINED: "attention"}
 _NOISE = {
@@ -225,7 +226,7 @@ def _facts(d: PullDiagnosis, change: LimitsChange) -> Facts:
 
 def _measured(d: PullDiagnosis, images: Mapping[str, Image]) -> tuple[Block, ...]:
     said = (
-        f"{len(d.force_N)} pulls in {d.settings} settings; noise of one pull {d.sigma_N:.2g} N, "
+        f"{len(d.force_N)} pulls in {d.settings} settings; noise of one pull {two_digits(d.sigma_N)} N, "
         f"{_NOISE[d.noise_from]}. Every setting was left out of a search once ({d.folds} searches) and "
         "predicted with what was found without it."
     )

@@ -23,6 +23,11 @@ def degrees(rad: float) -> str:
     return f"{math.degrees(rad) + 0.0:.4g}°"
 
 
+def two_digits(value: float) -> str:
+    """A measured spread with two digits, and no power of ten for what is merely above a hundred: ``160``."""
+    return f"{value:.0f}" if 10.0 <= abs(value) < 1e6 else f"{value:.2g}"
+
+
 def labelled(line: str) -> tuple[str, str]:
     """A line ``label   text`` as its label and its text; the label is empty where the line has none."""
     match = _LABELLED.fullmatch(line)
