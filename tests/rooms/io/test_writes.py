@@ -136,3 +136,21 @@ def test_json_holds_plain_values_only() -> None:
     }
     with pytest.raises(TypeError, match="no form in JSON"):
         json_text({"a": object()})
+
+
+def test_json_has_a_line_for_each_key_and_one_for_each_list_of_numbers() -> None:
+    value = {"x_m": np.array([1.0, np.nan]), "wheels": [{"name": "left", "at_m": [0.1, 0.2]}], "none": {}}
+    assert json_text(value).splitlines() == [
+        "{",
+        ' "x_m": [1.0, null],',
+        ' "wheels": [',
+        "  {",
+        '   "name": "left",',
+        '   "at_m": [0.1, 0.2]',
+        "  }",
+        " ],",
+        ' "none": {}',
+        "}",
+    ]
+    assert json_text(value, indent=None).count("\n") == 1
+    assert json.loads(json_text(value)) == json.loads(json_text(value, indent=None))

@@ -19,7 +19,7 @@ from slipmargin.errors import InputError
 from slipmargin.report.motion_pages import _who
 from slipmargin.report.page import inline
 from slipmargin.report.page_style import CSS, FIGURE_COLOURS
-from slipmargin.report.text import thinned, towards
+from slipmargin.report.text import thinned, towards, two_digits
 
 WAY = "x_m,y_m,phi_rad\n0,0,0\n1,0,0\n1,1,0\n"
 SPEEDS = "t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,omega4_rad_s\n0,10,10,10,10\n1,0,0,0,0\n1.5,0,0,0,0\n"
@@ -252,3 +252,19 @@ def test_pulls_below_the_recommended_one_are_the_verdict(tmp_path: Path) -> None
         assert page.lead_kind == ("good" if good else "attention")
         assert ("it slipped at 4 N, at φ = 0°" in page.lead) is not good
         assert ("no wheel slips" in page.lead) is good
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        (160.4, "160"),
+        (16.04, "16"),
+        (1.604, "1.6"),
+        (0.01604, "0.016"),
+        (0.0, "0"),
+        (-160.4, "-160"),
+        (2e7, "2e+07"),
+    ],
+)
+def test_a_spread_has_two_digits_and_no_needless_power_of_ten(value: float, said: str) -> None:
+    assert two_digits(value) == said
