@@ -266,7 +266,7 @@ def judged() -> list[str]:
     """The collections that were each drawn and run once."""
 
     def share(right: int, of: int) -> str:
-        return f"{right} of {of}"
+        return f"{right} of {of}" if of else "–"
 
     rows = []
     for found in results("judged.json"):

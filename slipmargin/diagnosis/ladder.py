@@ -197,8 +197,8 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
 def larger(before: Score, after: Score) -> tuple[str, ...]:
     """Which errors of whole runs that nothing has seen are larger after, in words.
 
-    A correction with which one of them grows is not claimed, however little it grows: what is called found
-    makes every error that is reported smaller, or leaves it as it is.
+    A correction with which one of them grows by more than the simulation is accurate is not claimed: what is
+    called found makes every error that is reported smaller, or leaves it as it is.
     """
     rows = (
         ("chi", before.chi, after.chi, ""),
@@ -208,7 +208,7 @@ def larger(before: Score, after: Score) -> tuple[str, ...]:
     return tuple(
         f"on whole runs that nothing has seen {what} grows from {was:.4g} to {now:.4g}{unit}"
         for what, was, now, unit in rows
-        if not now <= was
+        if not now <= (1.0 + SETTINGS.same_error) * was
     )
 
 

@@ -97,8 +97,7 @@ def search(
     unknown = wheel_phase.is_unknown(problem)
     needs_phases = unknown and wheel_phase.matters_to(problem.model(()))
     problem = problem.with_rough()
-    tells = telling(problem, seen)
-    trials = enough(seen, problem.knots, tells)
+    trials = enough(seen, problem.knots, telling(problem, seen))
     own = [runs[i] for i in np.searchsorted(seen, trials)]
     if needs_phases:
         progress("estimating wheel phases", 0.0)
@@ -119,12 +118,7 @@ def search(
         rounds.append(step)
         if not step.taken or step.best is None or (not number and step.best.chi > leaves):
             break
-        state = whole(problem, step.best, own)
-        more = enough(seen, problem.knots, tells, known=len(rounds))
-        if len(more) > len(trials):
-            trials, own = more, [runs[i] for i in np.searchsorted(seen, more)]
-            state = fitted(state.view, state.structure, state.fit.x, trials, own)
-        state = evened(state, seen, own)
+        state = evened(whole(problem, step.best, own), seen, own)
         if unknown and any(c.wheel_phase for c in state.structure):
             at = evaluate(problem, state.structure, state.fit.x, seen)
             problem, better = wheel_phase.refined(problem, at)

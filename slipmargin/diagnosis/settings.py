@@ -70,6 +70,9 @@ class SearchSettings:
     surrogates: int = 199
     #: [1] Share of chi that a first effect must take off: as least_chi, for sets far above the noise.
     first_effect: float = 0.02
+    #: [1] An error that grows by less than this share has not grown: the simulation's steps follow the
+    #: position, so that a camera's scale alone moved headings by 5e-7 rad and their error by 5e-5 of itself.
+    same_error: float = 3e-4
     #: [1] Share of chi that a further effect must take off: what the first leaves is also its form's fault.
     later_effect: float = 0.1
     #: [1] To this share a further effect must bring chi where one of the two has no name: a general form is

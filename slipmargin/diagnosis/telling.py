@@ -10,13 +10,13 @@ from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.settings import SETTINGS
 
 
-def enough(seen: Index, knots: float, tells: NDArray[np.bool_] | None = None, known: int = 0) -> Index:
+def enough(seen: Index, knots: float, tells: NDArray[np.bool_] | None = None) -> Index:
     """Trials to search with, spread over ``seen``: the fewer the more samples of the wheels each has.
 
     Those that what is missing does not touch say little: where ``tells`` marks others, a fold of them is
-    enough.  With each effect that is ``known`` what is left is smaller, and takes twice as many to show.
+    enough.
     """
-    many = int(np.clip(SETTINGS.most_samples / knots, SETTINGS.folds, SETTINGS.most_searched)) * 2**known
+    many = int(np.clip(SETTINGS.most_samples / knots, SETTINGS.folds, SETTINGS.most_searched))
     some = _spread(seen, many)
     if tells is None or len(some) == len(seen):
         return some

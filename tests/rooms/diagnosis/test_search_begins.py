@@ -58,11 +58,6 @@ def test_fewer_trials_are_searched_where_each_has_more_samples(knots: float, man
     assert len(some) == many and some[0] == 3 and some[-1] == 19 and np.isin(some, seen).all()
 
 
-def test_what_is_left_of_a_known_effect_is_searched_in_twice_as_many_trials() -> None:
-    seen = np.arange(60, dtype=np.int64)
-    assert [len(enough(seen, 10.0, known=number)) for number in range(4)] == [8, 16, 32, 60]
-
-
 def test_few_trials_are_all_searched() -> None:
     seen = np.array([1, 4, 5], dtype=np.int64)
     np.testing.assert_array_equal(enough(seen, 10.0), seen)
