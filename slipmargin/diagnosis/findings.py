@@ -63,7 +63,7 @@ def findings(
     own = zip(final.structure, final.effects, spans(final.structure), strict=True)
     for index, (candidate, effect, span) in enumerate(own):
         kind = bare(effect)
-        doubts = _doubts(candidate, final.x, span, spread, stuck)
+        doubts = _doubts(problem, candidate, final.x, span, spread, stuck)
         taken = next(
             (
                 r
@@ -118,7 +118,7 @@ def doubted(problem: Problem, final: Fit) -> bool:
     """Whether the evidence of some named effect of a fit does not carry its name."""
     spread, stuck = _spread(problem, final), final.at_bound()
     return any(
-        _doubts(candidate, final.x, span, spread, stuck)
+        _doubts(problem, candidate, final.x, span, spread, stuck)
         for candidate, span in zip(final.structure, spans(final.structure), strict=True)
     )
 
@@ -158,7 +158,7 @@ def moved_by(other: Residuals, final: Fit) -> Array:
 
 
 def _doubts(
-    candidate: Candidate, x: Array, span: slice, spread: Intervals, stuck: Sequence[str]
+    problem: Problem, candidate: Candidate, x: Array, span: slice, spread: Intervals, stuck: Sequence[str]
 ) -> tuple[str, ...]:
     """Why the effect's own evidence does not carry its name; empty where it does."""
     if not candidate.named:
@@ -168,7 +168,10 @@ def _doubts(
         for key, value in zip(candidate.keys, x[span], strict=True)
         if f"{candidate.name}.{key}" in stuck
     ]
-    if candidate.nested and spread.may_do_nothing(candidate, x, span):
+    # On whole runs the judgement has asked this of effects with several parameters.  These intervals hold
+    # another reading of the log as well, which says nothing against the name.
+    asked = candidate.size == 1 or problem.piece is not None
+    if candidate.nested and asked and spread.may_do_nothing(candidate, x, span):
         found.append("runs differ so much that it may do nothing")
     return tuple(found)
 
