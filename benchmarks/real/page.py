@@ -14,6 +14,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from slipmargin.report.text import two_digits
+
 ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "benchmarks" / "results" / "real.json"
 PAGE = ROOT / "docs" / "real-robots.md"
@@ -69,11 +71,6 @@ winning ones.
 """
 
 
-def degrees(value: float) -> str:
-    """Two digits, and no power of ten for what is beyond a hundred."""
-    return f"{value:.0f}°" if value >= 10.0 else f"{value:.2g}°"
-
-
 def cells(row: dict[str, Any]) -> list[str]:
     """A row's figures."""
     found = [row["model"]]
@@ -83,7 +80,7 @@ def cells(row: dict[str, Any]) -> list[str]:
             "–"
             if e is None
             else f"{e['displacement_mm']:.3g} mm ({100 * e['displacement_of_way']:.3g} %), "
-            f"{degrees(e['heading_deg'])}"
+            f"{two_digits(e['heading_deg'])}°"
         )
     v = row["velocity"]
     return [*found, f"{v['x_m_s']:.3f}, {v['y_m_s']:.3f} m/s", f"{row['nll']:.2f}"]

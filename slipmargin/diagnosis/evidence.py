@@ -92,7 +92,7 @@ def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) 
     quantile, freedom = float(ndtri(sure)), np.inf
     apart, agree = _disagreement(found, scale)
     covariance = _covariance(found, scale) + apart
-    together = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    together = _deviations(covariance)
     wider = together
     if not agree and count > 1:
         spread = leave_one_out - leave_one_out.mean(axis=0)
@@ -113,7 +113,11 @@ def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) 
 
 def deviations(found: Fit, scale: Array) -> Array:
     """Standard deviations (P,) where the trials agree within their noise, times the reduced χ² above 1."""
-    return np.asarray(np.sqrt(np.maximum(np.diag(_covariance(found, scale)), 0.0)))
+    return _deviations(_covariance(found, scale))
+
+
+def _deviations(covariance: Array) -> Array:
+    return np.asarray(np.sqrt(np.maximum(np.diag(covariance), 0.0)))
 
 
 def _covariance(found: Fit, scale: Array) -> Array:

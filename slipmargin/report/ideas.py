@@ -189,5 +189,4 @@ def _number(value: float) -> str:
 
 def _percent(ratio: float) -> str:
     """How much more than one, with two digits: ``6.1 %``, ``150 %``."""
-    more = 100.0 * (ratio - 1.0)
-    return f"{more:.0f} %" if more >= 10.0 else f"{more:.2g} %"
+    return f"{two_digits(100.0 * (ratio - 1.0))} %"
