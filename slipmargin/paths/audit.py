@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.limits.motion_external import tipping
@@ -64,28 +65,44 @@ def audit(
     share: float,
     caps: Caps,
     theta: Array | None = None,
+    known: Audit | None = None,
+    changed: NDArray[np.bool_] | None = None,
 ) -> Audit:
-    """Check a profile at the samples of ``geometry``."""
-    time = geometry.times(x, u)
+    """Check a profile at the samples of ``geometry``.
+
+    With ``changed`` (n,) only intervals that differ from those of the check ``known`` are looked at, and how
+    the creep settles into each and out of it; of the others the old figures stand, but for their times.
+    """
+    n, samples = geometry.s.shape
+    shape, time = (n, samples, model.count), geometry.times(x, u)
     motion = geometry.motion(x, u, time)
     if theta is not None:
         motion = replace(motion, theta=theta.reshape(-1, model.count))
-    forces = realised(model, motion, contact=contact, share=share)
-    drifting = realised(model, motion, contact=contact, share=share, open_loop=True)
-    shape = (*geometry.s.shape, model.count)
-    torque = torque_use(model, forces.torque_N_m, model.geometry.wheel_speeds(motion.velocity))
-    speed = np.sqrt(geometry.squared_speed(x)) * speed_ratio(model, geometry, caps)
-    use = np.maximum(forces.use, drifting.use)
-    first = np.arange(0, motion.count, shape[1], dtype=np.int64)
+    there = np.ones(n, dtype=bool) if known is None or changed is None else changed
+    settles = there | np.concatenate([[False], there[:-1]])
+    states = motion.take(np.flatnonzero(np.repeat(there, samples)))
+    forces = realised(model, states, contact=contact, share=share)
+    drifting = realised(model, states, contact=contact, share=share, open_loop=True)
+    first = samples * np.flatnonzero(settles)
     jumps = settling(
         model, motion.take(np.maximum(first - 1, 0)), motion.take(first), contact=contact, share=share
     )
+
+    def whole(old: Array | None, fresh: Array, rows: NDArray[np.bool_] = there) -> Array:
+        size = shape if rows is there else (n, model.count)
+        out = np.empty(size) if old is None else old.copy()
+        out[rows] = fresh.reshape(-1, *size[1:])
+        return out
+
     return Audit(
-        use=use.reshape(shape),
-        settling=jumps,
-        torque=torque.reshape(shape),
-        speed=speed,
-        load_N=forces.load_N.reshape(shape),
-        tipping=tipping(model, motion, forces.load_N).reshape(shape),
+        use=whole(known and known.use, np.maximum(forces.use, drifting.use)),
+        settling=whole(known and known.settling, jumps, settles),
+        torque=whole(
+            known and known.torque,
+            torque_use(model, forces.torque_N_m, model.geometry.wheel_speeds(states.velocity)),
+        ),
+        speed=np.sqrt(geometry.squared_speed(x)) * speed_ratio(model, geometry, caps),
+        load_N=whole(known and known.load_N, forces.load_N),
+        tipping=whole(known and known.tipping, tipping(model, states, forces.load_N)),
         time_s=time,
     )

@@ -114,8 +114,9 @@ def plan(model: Model, path: Path, request: Request | None = None, *, grid: Grid
     for _ in range(SETTLING):
         work.drive()
     for k in range(ROUNDS):
-        seen = work.check()
-        if not work.tighten(seen, min(AIM * HASTE**k, COARSEST)):
+        aim = min(AIM * HASTE**k, COARSEST)
+        over = work.tighten(work.check(), aim) or work.tighten(seen := work.check(whole=True), aim)
+        if not over:
             return Plan(
                 model=model,
                 path=path,
@@ -130,6 +131,7 @@ def plan(model: Model, path: Path, request: Request | None = None, *, grid: Grid
                 passes=work.passes,
             )
         work.drive()
+    seen = work.check(whole=True)
     i, wheel = np.unravel_index(int(np.argmax(seen.most)), seen.most.shape)
     raise NoSolution(
         work.place(int(i)),
@@ -151,6 +153,7 @@ class _Work:
         self.binding = np.zeros(n, dtype=np.int64)
         self.passes = 0
         self.rows: Rows
+        self.seen: tuple[Array, Array, Audit] | None = None
         self.turned: list[Array] | None = None
         if request.contact is Contact.ANGLE:
             start = np.zeros(model.count) if request.theta_rad is None else request.theta_rad
@@ -213,9 +216,17 @@ class _Work:
         self.x, self.u, self.highest = x, u, highest
         self.passes += 1
 
-    def check(self) -> Audit:
-        """The dense check of the current profile."""
-        return audit(
+    def check(self, *, whole: bool = False) -> Audit:
+        """The dense check of the profile, or unless ``whole`` of the intervals that changed since the last.
+
+        What depends on the time of an interval alone is seen by a whole check only: one ends every plan.
+        """
+        known = changed = None
+        if self.seen is not None and not whole:
+            x, u, known = self.seen
+            same = x == self.x
+            changed = ~(same[:-1] & same[1:] & (u == self.u))
+        found = audit(
             self.model,
             self.fine,
             self.x,
@@ -224,7 +235,11 @@ class _Work:
             share=self.request.share,
             caps=self.request.caps,
             theta=None if self.turned is None else self.turned[1],
+            known=known,
+            changed=changed,
         )
+        self.seen = self.x, self.u, found
+        return found
 
     def tighten(self, seen: Audit, aim: float) -> bool:
         """Lower the shares of intervals that use too much to ``aim`` below; False where none does."""

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from strategies import four_wheels, kiwi
 
 from slipmargin.errors import InputError, NoSolution
-from slipmargin.limits.motion_state import Contact
+from slipmargin.limits.motion_realised import Realised, realised
+from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model, nominal_model
 from slipmargin.paths import core
 from slipmargin.paths.along import Caps
+from slipmargin.paths.audit import FINER, audit
 from slipmargin.paths.convex import Ellipsoids, convex_profile
 from slipmargin.paths.geometry import Geometry
 from slipmargin.paths.grid import grid_of
@@ -53,6 +56,33 @@ def test_no_sample_uses_more_than_the_share(machine: str, name: str) -> None:
     assert np.min(found.audit.load_N) >= 0.0
     assert found.max_use > 0.8 or machine == "motor"  # and it is no coward
     assert found.audit.use.shape[1] == 21  # 20 times finer than the grid
+
+
+def test_only_what_changed_is_checked_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A way of 60 m was checked as a whole 45 times: half a minute."""
+    looked_at: list[int] = []
+
+    def counted(model: Model, motion: Motion, **words: Any) -> Realised:
+        looked_at.append(motion.count)
+        return realised(model, motion, **words)
+
+    monkeypatch.setattr("slipmargin.paths.audit.realised", counted)
+    found = plan(MODELS["mecanum"], PATHS["corner"], Request(share=0.9, points=120))
+    whole = found.audit.speed.size
+    assert looked_at[0] == looked_at[-1] == whole and max(looked_at[2:-2]) < 0.8 * whole
+    r, model = found.request, found.model
+    fine = Geometry.of(model, found.path, found.grid, np.linspace(0.0, 1.0, FINER + 1))
+    again = audit(model, fine, found.x, found.u, contact=r.contact, share=r.share, caps=r.caps)
+    for field in ("use", "settling", "torque", "speed", "load_N", "tipping", "time_s"):
+        np.testing.assert_array_equal(getattr(found.audit, field), getattr(again, field))
+    half = np.arange(len(found.u)) % 2 == 0
+    for known, changed in ((again, half), (again, ~half)):
+        part = audit(
+            model, fine, 0.9 * found.x, 0.9 * found.u, contact=r.contact, share=r.share, caps=r.caps,
+            known=known, changed=changed,
+        )  # fmt: skip
+        np.testing.assert_array_equal(part.use[~changed], again.use[~changed])
+        assert not np.any(part.use[changed] == again.use[changed])
 
 
 @pytest.mark.parametrize("name", PATHS)
