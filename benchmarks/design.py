@@ -40,7 +40,7 @@ def vectorised() -> Array:
     """F_emax / (m g) of every design at 721 headings, (242, 721): from the grids to the numbers."""
     machines = designs()
     (batch,), _ = batches(machines)
-    return on_rollers(batch, headings(), machines).force
+    return on_rollers(batch, headings(), machines)
 
 
 def every_static_column() -> float:

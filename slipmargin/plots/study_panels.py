@@ -119,7 +119,7 @@ def _spread(study: Study) -> list[int]:
 def _round(designs: Sequence[RobotOnSurface], phi: Array) -> list[Array]:
     out: dict[int, Array] = {}
     for batch in batches(designs)[0]:
-        for row, force in zip(batch.index.tolist(), on_rollers(batch, phi, designs).force, strict=True):
+        for row, force in zip(batch.index.tolist(), on_rollers(batch, phi, designs), strict=True):
             out[row] = force
     return [out[i] for i in range(len(designs))]
 

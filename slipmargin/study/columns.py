@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cache
 
 import numpy as np
 
@@ -28,46 +29,69 @@ WORST_AT = "worst_phi_rad"
 
 
 def static_columns(
-    designs: Sequence[RobotOnSurface | None], phi_rad: Array | None = None
+    designs: Sequence[RobotOnSurface | None],
+    phi_rad: Array | None = None,
+    names: Sequence[str] = (*names_of(Kind.STATIC), WORST_AT),
 ) -> tuple[dict[str, Array], dict[int, str]]:
-    """Static columns (D,) of all designs and the reason of each that is impossible (its columns are NaN)."""
+    """Static columns (D,) of all designs and the reason of each that is impossible (its columns are NaN).
+
+    Only the columns that are asked for by ``names`` are computed.
+    """
     phi = statics.headings() if phi_rad is None else phi_rad
-    names = [*names_of(Kind.STATIC), WORST_AT]
     table = {name: np.full(len(designs), np.nan) for name in names}
     found, refused = batches(designs)
     for batch in found:
-        rollers = statics.on_rollers(batch, phi, designs)
-        force = rollers.force
-        rows = batch.index
-        worst, best = force.min(axis=1), force.max(axis=1)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            isotropy = np.where(best > 0.0, worst / best, 0.0)
-        for name, values in (
-            ("f_worst", worst),
-            ("f_mean", force[:, :-1].mean(axis=1)),
-            ("f_best", best),
-            ("isotropy", isotropy),
-            ("f_low_worst", statics.lowest(batch, phi, designs).min(axis=1)),
-            ("f_rigid_worst", statics.on_rigid(batch, phi, designs).force.min(axis=1)),
-            ("f_worst_equal", _under(batch, phi, designs, LoadRule.EQUAL, worst)),
-            ("f_worst_static", _under(batch, phi, designs, LoadRule.STATIC, worst)),
-            ("yaw_moment_N_m", rollers.moment_m * batch.weight_N),
-            ("load_least", statics.least_loads(batch, phi, designs)),
-            (WORST_AT, phi[np.argmin(force, axis=1)]),
-        ):
-            table[name][rows] = values
+        makers = _makers(batch, phi, designs)
+        for name in names:
+            table[name][batch.index] = makers[name]()
     for column in table.values():
         column[list(refused)] = np.nan
     return table, refused
 
 
+def _makers(
+    batch: Batch, phi: Array, designs: Sequence[RobotOnSurface | None]
+) -> dict[str, Callable[[], Array]]:
+    """What makes each static column (D,) of a batch."""
+
+    @cache
+    def rollers() -> Array:
+        return statics.on_rollers(batch, phi, designs)
+
+    def worst() -> Array:
+        return np.asarray(rollers().min(axis=1))
+
+    def isotropy() -> Array:
+        best = rollers().max(axis=1)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.where(best > 0.0, worst() / best, 0.0)
+
+    return {
+        "f_worst": worst,
+        "f_mean": lambda: np.asarray(rollers()[:, :-1].mean(axis=1)),
+        "f_best": lambda: np.asarray(rollers().max(axis=1)),
+        "isotropy": isotropy,
+        "f_low_worst": lambda: np.asarray(statics.lowest(batch, phi, designs).min(axis=1)),
+        "f_rigid_worst": lambda: np.asarray(statics.on_rigid(batch, phi, designs).min(axis=1)),
+        "f_worst_equal": lambda: _under(batch, phi, designs, LoadRule.EQUAL, worst),
+        "f_worst_static": lambda: _under(batch, phi, designs, LoadRule.STATIC, worst),
+        "yaw_moment_N_m": lambda: statics.yaw_moments(batch, phi, designs),
+        "load_least": lambda: statics.least_loads(batch, phi, designs),
+        WORST_AT: lambda: np.asarray(phi[np.argmin(rollers(), axis=1)]),
+    }
+
+
 def _under(
-    batch: Batch, phi: Array, designs: Sequence[RobotOnSurface | None], rule: LoadRule, own: Array
+    batch: Batch,
+    phi: Array,
+    designs: Sequence[RobotOnSurface | None],
+    rule: LoadRule,
+    own: Callable[[], Array],
 ) -> Array:
     loads = statics.loads_by(batch, rule)
     if np.all(batch.plain) and np.array_equal(loads, batch.rest):
-        return own
-    return np.asarray(statics.on_rollers(batch, phi, designs, rule).force.min(axis=1))
+        return own()
+    return np.asarray(statics.on_rollers(batch, phi, designs, rule).min(axis=1))
 
 
 def moving_columns(design: RobotOnSurface) -> dict[str, float]:

@@ -16,5 +16,5 @@ from slipmargin.study.robot_on_surface import RobotOnSurface
 def evaluate(designs: Sequence[RobotOnSurface | None], goal: Objective) -> Array:
     """(D,) values of an objective; NaN for a design that is impossible (or None)."""
     if goal.kind is Kind.STATIC:
-        return static_columns(designs)[0][goal.name]
+        return static_columns(designs, names=[goal.name])[0][goal.name]
     return np.array([math.nan if m is None else slow_columns(m, (goal.kind,))[goal.name] for m in designs])

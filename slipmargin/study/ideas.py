@@ -177,7 +177,7 @@ def _spread(one: Idea, other: Idea, key: str) -> float:
 
 def _values(designs: Sequence[RobotOnSurface]) -> list[dict[str, float]]:
     """Values of every question but that of the battery."""
-    pull = static_columns(designs)[0]["f_worst"]
+    pull = static_columns(designs, names=["f_worst"])[0]["f_worst"]
     out = []
     for design, least in zip(designs, pull, strict=True):
         moving = slow_columns(design, (Kind.MOTION,))

@@ -187,11 +187,11 @@ def checked_again(design: RobotOnSurface, goal: Objective, value: float) -> floa
     acceleration the grip utilisation that it needs must be exactly 1.
     """
     from slipmargin.limits.bounds import directions, headings
-    from slipmargin.study.columns import static_columns
+    from slipmargin.study.columns import WORST_AT, static_columns
 
     model = design.build()
     if goal.name == "f_worst":
-        phi = static_columns([design])[0]["worst_phi_rad"]
+        phi = static_columns([design], names=[WORST_AT])[0][WORST_AT]
         return self_check(model, phi, np.array([value * model.inertia.weight_N]))
     if goal.name == "start_worst_m_s2":
         way = headings(STEP_DEG)

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import final
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,20 +37,8 @@ def headings(count: int = HEADINGS) -> Array:
     return np.linspace(0.0, 2.0 * np.pi, count)
 
 
-@final
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Forces:
-    """F_emax of D designs at M headings (D, M) and the largest pure yaw moment (D,).
-
-    ``force`` per m g [1]; ``moment_m`` per m g [m].
-    """
-
-    force: Array
-    moment_m: Array
-
-
-def forces(batch: Batch, mu: Array, load: Array, phi_rad: Array) -> Forces:
-    """Limits of a batch by zonotopes; valid where ``batch.plain``.
+def forces(batch: Batch, mu: Array, load: Array, phi_rad: Array) -> Array:
+    """F_emax / (m g) of D designs at M headings (D, M) by zonotopes; valid where ``batch.plain``.
 
     Parameters
     ----------
@@ -59,30 +46,32 @@ def forces(batch: Batch, mu: Array, load: Array, phi_rad: Array) -> Forces:
         Coefficients and loads [shares of m g].
     phi_rad : (M,)
     """
-    generators = (batch.maps * (mu * load[..., None])[:, None]).reshape(len(mu), 3, -1)
     # A centrally symmetric set: the sign of the pull does not matter.
-    along = np.column_stack([*to_body(phi_rad, 1.0, 0.0), np.zeros_like(phi_rad)])
-    rays = np.vstack([along, [0.0, 0.0, 1.0]])
+    return _exits(batch, mu, load, np.column_stack([*to_body(phi_rad, 1.0, 0.0), np.zeros_like(phi_rad)]))
+
+
+def _exits(batch: Batch, mu: Array, load: Array, rays: Array) -> Array:
+    """(D, M) where rays (M, 3) leave the zonotopes [shares of m g]."""
+    generators = (batch.maps * (mu * load[..., None])[:, None]).reshape(len(mu), 3, -1)
     pairs = batch.wheels * (2 * batch.wheels - 1)
     block = max(1, _BLOCK // (pairs * len(rays)))
-    out = np.concatenate([batch_ray_exit(generators[i : i + block], rays) for i in range(0, len(mu), block)])
-    return Forces(force=out[:, :-1], moment_m=out[:, -1])
+    return np.concatenate([batch_ray_exit(generators[i : i + block], rays) for i in range(0, len(mu), block)])
 
 
 def on_rollers(
     batch: Batch, phi_rad: Array, designs: Sequence[RobotOnSurface | None], rule: LoadRule | None = None
-) -> Forces:
-    """All wheels on rollers; designs that no zonotope describes are solved one by one.
+) -> Array:
+    """(D, M) F_emax / (m g) on rollers; designs that no zonotope describes are solved one by one.
 
-    The force is 0 where the robot slips without any pull.
+    It is 0 where the robot slips without any pull.
     ``rule`` EQUAL or STATIC replaces the designs' own load model.
     """
     own = batch.rest if rule is None else loads_by(batch, rule)
     return _corrected(batch, forces(batch, batch.roller, own, phi_rad), phi_rad, designs, None, rule)
 
 
-def on_rigid(batch: Batch, phi_rad: Array, designs: Sequence[RobotOnSurface | None]) -> Forces:
-    """All wheels on rigid material, whatever its share."""
+def on_rigid(batch: Batch, phi_rad: Array, designs: Sequence[RobotOnSurface | None]) -> Array:
+    """(D, M) F_emax / (m g) with all wheels on rigid material, whatever its share."""
     found = forces(batch, batch.rigid, batch.rest, phi_rad)
     return _corrected(batch, found, phi_rad, designs, np.ones(batch.wheels), None)
 
@@ -92,7 +81,7 @@ def lowest(batch: Batch, phi_rad: Array, designs: Sequence[RobotOnSurface | None
     worst = np.full((len(batch.index), len(phi_rad)), np.inf)
     for state in _states(batch):
         mu = np.where(state[..., None], batch.rigid, batch.roller)
-        worst = np.minimum(worst, forces(batch, mu, batch.rest, phi_rad).force)
+        worst = np.minimum(worst, forces(batch, mu, batch.rest, phi_rad))
     for d in np.flatnonzero(~batch.plain).tolist():
         worst[d] = band(_model(designs, batch, d), phi_rad, Pull())[0] / batch.weight_N[d]
     return worst
@@ -117,27 +106,29 @@ def _states(batch: Batch) -> list[NDArray[np.bool_]]:
 
 def _corrected(
     batch: Batch,
-    found: Forces,
+    force: Array,
     phi_rad: Array,
     designs: Sequence[RobotOnSurface | None],
     rigid: Array | None,
     rule: LoadRule | None,
-) -> Forces:
-    force, moment = found.force, found.moment_m
+) -> Array:
     for d in np.flatnonzero(~batch.plain).tolist():
         model = _model(designs, batch, d, rule)
         force[d] = limit_or_zero(model, phi_rad, Pull(), rigid) / batch.weight_N[d]
-        moment[d] = _moment(model, phi_rad, rigid) / batch.weight_N[d]
-    return Forces(force=force, moment_m=moment)
+    return force
 
 
-def _moment(model: Model, phi_rad: Array, rigid: Array | None) -> float:
-    """Largest pure moment held in both senses at every heading [N m]; 0 where the robot slips unpulled."""
-    if not model.external.terms and not any(t.target is not Target.STIFFNESS for t in model.grip.multipliers):
-        phi_rad = phi_rad[:1]  # nothing depends on the heading
-    return min(
-        float(np.min(limit_or_zero(model, phi_rad, Pull(pure_moment=sense), rigid))) for sense in (1.0, -1.0)
-    )
+def yaw_moments(batch: Batch, phi_rad: Array, designs: Sequence[RobotOnSurface | None]) -> Array:
+    """(D,) largest pure moment held on rollers in both senses at every heading [N m]; 0 where it slips."""
+    out = _exits(batch, batch.roller, batch.rest, np.array([[0.0, 0.0, 1.0]]))[:, 0] * batch.weight_N
+    for d in np.flatnonzero(~batch.plain).tolist():
+        model, at = _model(designs, batch, d), phi_rad
+        if not model.external.terms and not any(
+            t.target is not Target.STIFFNESS for t in model.grip.multipliers
+        ):
+            at = at[:1]  # nothing depends on the heading
+        out[d] = min(float(np.min(limit_or_zero(model, at, Pull(pure_moment=w)))) for w in (1.0, -1.0))
+    return out
 
 
 def loads_by(batch: Batch, rule: LoadRule) -> Array:
