@@ -98,12 +98,16 @@ def check_outputs(
     InputError
         Placed at the file.
     """
+    from slipmargin.errors import InputError
     from slipmargin.io.writes import check_format, check_writable
 
     if folder is not None:
         from slipmargin.io.folder import check_folder
 
         check_folder(folder)
+        same = next((f for f in files if f is not None and Path(f).resolve() == Path(folder).resolve()), None)
+        if same is not None:
+            raise InputError("", "is asked for as a file and as a folder", "give them two names", str(same))
     if data_set is not None:
         from slipmargin.io.data_set_write import check_data_set_place, check_new
 

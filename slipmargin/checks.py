@@ -16,6 +16,8 @@ from slipmargin.errors import InputError
 Array = NDArray[np.float64]
 #: Indices of trials, wheels, runs.
 Index = NDArray[np.int64]
+#: Measured and planned numbers are below this in any unit: powers of larger ones overflow in what follows.
+LARGEST = 1e12
 
 
 def shown(value: object) -> str:
@@ -68,6 +70,17 @@ def frozen(place: str, value: Any, shape: tuple[int | None, ...]) -> Array:
     if not np.all(np.isfinite(array)):
         raise InputError(place, "holds a value that is not finite", "give finite numbers")
     return read_only(array)
+
+
+def measurable(place: str, array: Array) -> Array:
+    """The array itself; refused where a number is larger than :data:`LARGEST`, missing ones aside."""
+    size = np.abs(array)
+    if np.any(size >= LARGEST):
+        worst = float(np.nanmax(size))
+        raise InputError(
+            place, f"holds {worst:.3g}, and no robot measures that", f"give numbers below {LARGEST:g}"
+        )
+    return array
 
 
 def read_only(array: Array) -> Array:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, final
 
 from slipmargin.api.result import Result
 from slipmargin.api.robots import RobotLike, read_robot
-from slipmargin.errors import InputError
+from slipmargin.errors import InputError, SlipmarginError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -246,25 +246,25 @@ def design(
 
     with _placed("scheduler"):
         found = study(problem, executor=executor, advance=advance)
+    numeric = any(grid.numeric and len(grid.values) > 1 for grid in problem.grids)
     try:
         with _placed("vary"):
             goal, best = problem.objective, found.best()
         with _placed("uncertain"):
             sure = robust(found.designs, goal, intervals) if intervals else None
-    except InputError:
+        design = found.design(best)
+        return DesignResult(
+            study=found,
+            why=reason(design, goal),
+            front=names,
+            optimum=optimum(found) if numeric else None,
+            robust=sure,
+            influences=influences(design, goal) if goal.kind is not Kind.LAPS else (),
+            work_folder=folder,
+        )
+    except SlipmarginError:
         clear(folder)  # what is refused leaves nothing behind
         raise
-    design = found.design(best)
-    numeric = any(grid.numeric and len(grid.values) > 1 for grid in problem.grids)
-    return DesignResult(
-        study=found,
-        why=reason(design, goal),
-        front=names,
-        optimum=optimum(found) if numeric else None,
-        robust=sure,
-        influences=influences(design, goal) if goal.kind is not Kind.LAPS else (),
-        work_folder=folder,
-    )
 
 
 def _several(texts: Sequence[str] | str) -> tuple[str, ...]:

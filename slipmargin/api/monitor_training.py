@@ -26,6 +26,8 @@ _LENGTH_S, _STEP_S = 2.0, 0.01
 _PER_RATE, _LEAST_RUNS, _MOST_RUNS = 6.0, 60, 1200
 #: A wheel slips where it uses more than this share of its grip in simulation, and grips below the other [1].
 _SLIPS, _GRIPS = 0.97, 0.93
+#: Steps after which a run is left out; the built-in robots need up to 1 300 [1].
+_MOST_STEPS = 20_000
 #: Noise of simulated sensors: wheel speed [share of its rms], gyro [rad/s], current [share].
 _NOISE, _GYRO_NOISE, _CURRENT_NOISE = 0.01, 0.02, 0.05
 #: Half the window of measured velocities [s]; how far they may be from the wheels' and still be grip:
@@ -78,7 +80,7 @@ def simulated(
             twist.append(twist[-1] + step / max(1.0, float(np.linalg.norm(step / most))))
         omega = model.geometry.wheel_speeds(np.array(twist))
         try:
-            run = simulate(model, linear(t, omega), t, rtol=1e-5)
+            run = simulate(model, linear(t, omega), t, rtol=1e-5, max_steps=_MOST_STEPS)
         except MotionStopped:
             continue
         body = rotate_rows(run.pose[:, 2], run.velocity, inverse=True)

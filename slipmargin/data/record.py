@@ -7,7 +7,7 @@ from typing import Any, final
 
 import numpy as np
 
-from slipmargin.checks import Array, read_only, shaped
+from slipmargin.checks import Array, measurable, read_only, shaped
 from slipmargin.errors import InputError
 
 #: The signals of the wheels that a record may hold: field name → meaning.
@@ -114,4 +114,4 @@ def _signal(place: str, value: object, shape: tuple[int | None, ...]) -> Array:
     array = shaped(place, value, shape)
     if np.isinf(array).any():
         raise InputError(place, "holds an infinite value", "leave a missing sample empty")
-    return read_only(array)
+    return read_only(array if place == "t_s" else measurable(place, array))  # times may count from 1970

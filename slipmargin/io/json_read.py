@@ -7,9 +7,6 @@ from typing import Any
 
 from slipmargin.errors import InputError
 
-#: Numbers are below this: the powers of larger ones overflow in what follows.
-LARGEST = 1e12
-
 
 def parse_json(text: str, cure: str) -> Any:
     """What a JSON text holds.

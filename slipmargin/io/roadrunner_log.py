@@ -20,9 +20,9 @@ from typing import Any, final
 
 import numpy as np
 
-from slipmargin.checks import Array
+from slipmargin.checks import LARGEST, Array
 from slipmargin.errors import InputError
-from slipmargin.io.json_read import LARGEST, parse_json
+from slipmargin.io.json_read import parse_json
 
 #: Length units of the robot's constants [m].
 LENGTHS = {"in": 0.0254, "m": 1.0, "cm": 0.01, "mm": 0.001}

@@ -15,8 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
+from slipmargin.checks import LARGEST
 from slipmargin.errors import InputError
-from slipmargin.io.json_read import LARGEST
 from slipmargin.io.source import read_bytes, text_of
 from slipmargin.io.table import columns_from_text
 from slipmargin.io.trajectory_json import (

@@ -26,9 +26,9 @@ from typing import Any, final
 
 import numpy as np
 
-from slipmargin.checks import Array
+from slipmargin.checks import LARGEST, Array
 from slipmargin.errors import InputError
-from slipmargin.io.json_read import LARGEST, parse_json
+from slipmargin.io.json_read import parse_json
 from slipmargin.io.roadrunner_log import LENGTHS, POSE, TARGET, is_road_runner, of_table
 
 #: What is read, for the refusal of anything else.

@@ -158,7 +158,8 @@ def cone_limits(
     # Stationarity in F: d·λ + … = 1 with λ the balance's multipliers, so −λ is the outward normal.
     return ConeLimits(
         family=family,
-        force_N=x[:, 0] * model.inertia.weight_N,
+        force_N=np.maximum(x[:, 0], 0.0)
+        * model.inertia.weight_N,  # never less, but for the solver's rounding
         normals=-z[:, :3] / _units(wrench_maps(model)),
         x=x,
         s=s,

@@ -14,6 +14,8 @@ from slipmargin.physics.compiled import kernel
 NO_SLOPE = 1e-12
 #: Shares by which a row may be missed, and by which ends of rays count as one [1].
 SAME = 1e-9
+#: A robot that is farther from holding than this holds nothing to speak of [m/s² or rad/s²].
+FARTHEST = 1e4
 
 
 @kernel
@@ -62,5 +64,5 @@ def ray_ends(
             ):  # where a wheel lifts its grip ends too: it tips
                 row = wheel
             if never or low > high + SAME * abs(high):
-                low, high = math.inf, (-math.inf if high > 0.0 else high)
+                low, high = math.inf, (high if -FARTHEST < high <= 0.0 else -math.inf)
             least[q, m], value[q, m], best[q, m] = low, high, row

@@ -22,6 +22,7 @@ from slipmargin.model import Model
 from slipmargin.physics.frames import moment
 from slipmargin.physics.grips import GripShape, drive_left
 from slipmargin.physics.kinematics import com_acceleration
+from slipmargin.work import DRAWN_FACETS, allow
 
 #: Draws at once, for the cache.
 _BLOCK = 250
@@ -68,6 +69,9 @@ class _Sampled:
         loose = replace(model, grip=replace(model.grip, shape=GripShape.BOX))
         parts: tuple[Facets, Friction, External] = prepare(loose, motion, 1.0, contact)
         self.facets, self.friction, self.external = parts
+        size = len(material_states(self.friction.possible)) * len(self.facets.normals)
+        cure = "leave out --robust, or the ± of the robot's numbers"
+        allow("wheel", size, DRAWN_FACETS, "facets of contact states for each drawn robot", cure)
 
     def grips(self, drawn: Draws) -> Iterator[tuple[Array, Array, Array]]:
         """Drive grip and drag factor (M, b, N), what facets lose by a drag (M, K, N), for each material."""

@@ -11,7 +11,7 @@ from typing import final
 import numpy as np
 from numba import njit
 
-from slipmargin.checks import Array, frozen, real
+from slipmargin.checks import Array, frozen, measurable, real
 from slipmargin.errors import InputError
 from slipmargin.limits.motion_external import tipping
 from slipmargin.limits.motion_friction import friction_in_motion
@@ -167,8 +167,8 @@ def _parabolas(t: Array, pose: Array, half: float, velocity: Array, acceleration
 
 
 def _checked(t_s: Array, pose: Array) -> tuple[Array, Array]:
-    t_s = frozen("t_s", t_s, (None,))
-    pose = frozen("pose", pose, (len(t_s), 3)).copy()
+    t_s = measurable("t_s", frozen("t_s", t_s, (None,)))
+    pose = measurable("pose", frozen("pose", pose, (len(t_s), 3))).copy()
     if len(t_s) < 6:
         raise InputError("t_s", f"{len(t_s)} samples are too few for accelerations", "give at least 6 rows")
     step = np.diff(t_s)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.paths.path import Path, piece_at
+from slipmargin.work import PATH_POINTS, allow
 
 #: Largest departure of q', q'' and the body axes from straight lines between grid points [1].
 BENDING = 2e-4
@@ -48,7 +49,7 @@ def grid_of(path: Path, points: int = 400) -> Grid:
     Raises
     ------
     InputError
-        If fewer than 10 intervals are asked for.
+        If fewer than 10 intervals are asked for, or the path bends so often that it takes too many.
     """
     if points < 10:
         raise InputError("points", f"is {points}", "use at least 10 grid points")
@@ -67,6 +68,7 @@ def grid_of(path: Path, points: int = 400) -> Grid:
         if not np.any(split):
             break
         s = np.sort(np.concatenate([s, 0.5 * (s[:-1] + s[1:])[split]]))
+        allow("path", len(s), PATH_POINTS, "grid points", "plan it in parts, or turn the robot less on it")
     ends = 0.5 ** np.arange(1, HALVINGS + 1)
     s = np.sort(np.concatenate([s, s[0] + (s[1] - s[0]) * ends, s[-1] - (s[-1] - s[-2]) * ends]))
     return Grid(s=s, piece=piece_at(breaks, 0.5 * (s[:-1] + s[1:])))

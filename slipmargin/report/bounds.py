@@ -104,7 +104,8 @@ def _narrow(b: Bounds, at: int) -> str:
     if len(values) < 4 or beside >= NEEDLE * values[at]:
         return ""
     step = np.rad2deg(b.full.heading_rad[1] - b.full.heading_rad[0])
-    return f" only, {beside:.4g} m/s² {step:.3g}° beside it"
+    falls = f"{beside:.4g} m/s²" if beside > 0.0 else "and it must slip"
+    return f" only, {falls} {step:.3g}° beside it"
 
 
 def _span(values: Array) -> str:

@@ -52,15 +52,8 @@ def facet_normals(directions: Array) -> Array:
     InputError
         If the directions do not span all three dimensions.
     """
-    scale = length_scale(directions)
-    unit = _unit_columns(directions / np.array([[1.0], [1.0], [scale]]))
+    unit, scale = spanning(directions)
     first, second = np.triu_indices(unit.shape[1], 1)
-    if np.linalg.eigvalsh(unit @ unit.T)[0] < FLAT:
-        raise InputError(
-            "generators",
-            "do not span forces in two directions and a moment",
-            "add a wheel or load, so that the set of wrenches has a volume",
-        )
     cross = cross_products(unit.T[first], unit.T[second])
     sine = np.sqrt(np.einsum("pi,pi->p", cross, cross))
     order = np.argsort(-sine, kind="stable")
@@ -68,6 +61,26 @@ def facet_normals(directions: Array) -> Array:
     normal = cross[order] / sine[order, None]
     kept = normal[_distinct(normal, 1e-15 / sine[order])]
     return read_only(kept / np.array([1.0, 1.0, scale]))
+
+
+def spanning(directions: Array) -> tuple[Array, float]:
+    """Directions (3, n) as unit columns of [1, 1, 1/L], and their length scale L.
+
+    Raises
+    ------
+    InputError
+        If they lie in a plane, or there is none: what they span has no volume.
+    """
+    if directions.shape[1] > 0:
+        scale = length_scale(directions)
+        unit = _unit_columns(directions / np.array([[1.0], [1.0], [scale]]))
+        if np.linalg.eigvalsh(unit @ unit.T)[0] >= FLAT:
+            return unit, scale
+    raise InputError(
+        "the wheels' forces",
+        "do not span forces in two directions and a moment",
+        "add a wheel, load or friction, so that the set of wrenches has a volume",
+    )
 
 
 def ray_exit(normals: Array, offsets: Array, rays: Array) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array, frozen
-from slipmargin.sets.facets import length_scale
+from slipmargin.sets.facets import length_scale, spanning
 
 #: Digits [1] to which points, and normals, count as one.
 _DIGITS = 12
@@ -21,12 +21,19 @@ _ROUND, _HIGH = 72, 36
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Hull:
-    """The convex hull of points (V, 3) that all lie on the surface of a convex set in three dimensions."""
+    """The convex hull of points (V, 3) that all lie on the surface of a convex set in three dimensions.
+
+    Raises
+    ------
+    InputError
+        If the points lie in a plane.
+    """
 
     points: Array
 
     def __post_init__(self) -> None:
         points = frozen("points", self.points, (None, 3))
+        spanning(points[np.any(points != 0.0, axis=1)].T)
         size = np.max(np.abs(points), axis=0)
         _, first = np.unique(np.round(points / size, _DIGITS), axis=0, return_index=True)
         object.__setattr__(self, "points", frozen("points", points[np.sort(first)], (None, 3)))

@@ -25,9 +25,9 @@ from slipmargin.sim.motion import TASK, TOLD, probed, run, workspace
 from slipmargin.sim.play import taken_up
 from slipmargin.sim.signal import WheelSignal
 from slipmargin.sim.wheels import follow
+from slipmargin.work import WHEEL_STEPS, raised
 
 RTOL = 1e-6
-MAX_STEPS = 2_000_000
 _THREADS = os.cpu_count() or 1
 #: Fewer runs than this are over sooner than threads are handed their work.
 _FEW = 4
@@ -185,7 +185,7 @@ class Batch:
         tell: bool = False,
         rtol: float = RTOL,
         atol: float | None = None,
-        max_steps: int = MAX_STEPS,
+        max_steps: float | None = None,
         held_down: float = LIFTED,
     ) -> Outcome:
         """Simulate.
@@ -204,6 +204,8 @@ class Batch:
             Also return wheel angles, slip, forces, loads and grip utilisation.
         rtol, atol : float
             Error per step: rtol |state| + atol [m, rad, m/s, rad/s]; atol is rtol/100 by default.
+        max_steps : float, optional
+            Steps, taken or rejected, after which a run ends; by default what :mod:`slipmargin.work` allows.
         held_down : float
             A run ends where the floor would have to pull a wheel down by more than this [m g/N].
 
@@ -223,11 +225,12 @@ class Batch:
         signal = self._all if signal is None else signal
         runs = len(signal)
         which = np.zeros(runs, dtype=np.int64) if which is None else which
+        steps = raised(WHEEL_STEPS) / n if max_steps is None else max_steps
         com = models[which, at.COM_X : at.COM_Y + 1]
         tasks = np.zeros((runs, TASK + n))
         tasks[:, :3] = start_pose
         tasks[:, 3:6] = 0.0 if start_twist is None else start_twist
-        tasks[:, 6:TASK] = rtol, 0.01 * rtol if atol is None else atol, max_steps, held_down
+        tasks[:, 6:TASK] = rtol, 0.01 * rtol if atol is None else atol, steps, held_down
         _to_centre(tasks, com)
         out = np.empty((runs, longest, 6 + TOLD * n if tell else 6))
         rows = models.copy()  # writable like all other arrays: one compilation serves them

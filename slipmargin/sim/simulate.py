@@ -12,6 +12,7 @@ from slipmargin.sim.batch import Batch, Ending, Outcome, Push
 from slipmargin.sim.pack import pack
 from slipmargin.sim.run import Run
 from slipmargin.sim.signal import WheelSignal
+from slipmargin.work import FACTOR
 
 #: Error allowed a step; the pose then errs by a few 1e-8 of its size (tests/rooms/sim).
 RTOL = 1e-7
@@ -24,7 +25,10 @@ REASONS = {
     ),
     Ending.NOT_FINITE: ("velocities or forces overflow", "give smaller wheel speeds, forces or coefficients"),
     Ending.STUCK: ("the step size fell to nothing", "smooth the commands or lower k_s_per_m"),
-    Ending.TOO_LONG: ("it takes too many steps", "loosen rtol or shorten the run"),
+    Ending.TOO_LONG: (
+        "it takes too many steps",
+        f"loosen rtol, lower k_s_per_m, shorten the run, or set {FACTOR}=10 to allow ten times as many",
+    ),
 }
 
 
@@ -38,6 +42,7 @@ def simulate(
     start_twist: Array | None = None,
     push: Push | None = None,
     rtol: float = RTOL,
+    max_steps: float | None = None,
 ) -> Run:
     """What the robot really does under a wheel signal.
 
@@ -58,6 +63,8 @@ def simulate(
         External force on the body.
     rtol : float
         Relative error allowed a step.
+    max_steps : float, optional
+        Steps after which the motion is given up, fewer than :mod:`slipmargin.work` allows.
 
     Raises
     ------
@@ -73,7 +80,7 @@ def simulate(
     if commanded:
         _reachable(model, signal)
     batch = Batch([signal], [times_s], commanded=commanded, pushes=[push])
-    outcome = batch.run(pack(model), pose, start_twist=twist, tell=True, rtol=rtol)
+    outcome = batch.run(pack(model), pose, start_twist=twist, tell=True, rtol=rtol, max_steps=max_steps)
     ending = Ending(int(outcome.ending[0]))
     if ending is not Ending.DONE:
         raise MotionStopped(float(signal.knots_s[0] + outcome.stopped_s[0]), *REASONS[ending])

@@ -13,7 +13,17 @@ from xml.etree import ElementTree
 #: What must not happen, beside "ok" and "refused".
 BAD = ("traceback", "internal", "hang", "memory", "killed", "absurd", "dirty")
 #: Beyond these sizes a number of these units is no robot's.
-LARGEST = {"m_s2": 1e5, "rad_s2": 1e9, "m_s": 1e6, "use": 1e5, "N": 1e10, "s": 1e9, "volume": 1e30}
+LARGEST = {
+    "t_s": 1e12,
+    "m_per_N_s": 1e15,
+    "m_s2": 1e5,
+    "rad_s2": 1e9,
+    "m_s": 1e6,
+    "use": 1e5,
+    "N": 1e10,
+    "s": 1e9,
+    "volume": 1e30,
+}
 _NO_NUMBER = re.compile(r"(?<![\w.])[-+]?(nan|inf|infinity)(?![\w])", re.IGNORECASE)
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029]")
 

@@ -13,11 +13,13 @@ from fuzz import mutate
 from real_logs import EXCERPT
 
 import slipmargin as sm
-from slipmargin.errors import InputError
+from slipmargin.errors import InputError, MotionStopped
 from slipmargin.limits.effort import NEARLY, Demands
 from slipmargin.limits.every_motion import all_motions
 from slipmargin.limits.motion_rows import prepare
 from slipmargin.limits.motion_state import Contact
+from slipmargin.sim.signal import linear
+from slipmargin.sim.simulate import simulate
 from slipmargin.study.measure import _refuse_undecided
 from slipmargin.work import FACTOR, allow
 
@@ -76,6 +78,29 @@ def test_bounds_of_many_wheels_say_what_was_left_out(tmp_path: Path) -> None:
     assert np.all(np.isnan(found.bounds.rigid_use))
     assert any("not computed" in line for line in found.lines())
     assert "steady_use_rigid" in found.to_json().partition("not_given")[2]
+
+
+def test_drawn_robots_are_not_tried_on_too_many_contact_states(tmp_path: Path) -> None:
+    """64 states of 8 wheels took 45 s; the limits stand, and a warning says what was left out."""
+    file = many_wheels(tmp_path, 6)
+    file.write_text(file.read_text().replace("mass_kg = 5.0", 'mass_kg = "5.0 ± 0.2"'))
+    found = sm.bounds(file, "floor", step_deg=90.0, robust=True)
+    assert found.slip_chance is None
+    assert any("for each drawn robot" in line and "leave out --robust" in line for line in found.warnings)
+
+
+def test_a_motion_of_many_wheels_ends_after_fewer_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """24 wheels took a minute until two million steps were over."""
+    monkeypatch.setattr("slipmargin.sim.batch.WHEEL_STEPS", 300)
+    model = sm.read_robot("omni4").build("floor")
+    t_s = np.linspace(0.0, 1.0, 11)
+    signal = linear(t_s, 4.0 * np.sin(7.0 * t_s[:, None] + np.arange(4)))
+    with pytest.raises(MotionStopped, match="SLIPMARGIN_WORK=10 to allow ten times as many"):
+        simulate(model, signal, t_s)
+    monkeypatch.setenv(FACTOR, "100")
+    assert simulate(model, signal, t_s).t_s[-1] == 1.0
+    with pytest.raises(MotionStopped, match="too many steps"):
+        simulate(model, signal, t_s, max_steps=20)
 
 
 def test_the_most_that_ends_ask_for_is_that_of_each() -> None:

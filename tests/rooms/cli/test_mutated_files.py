@@ -1,0 +1,108 @@
+"""What mutated files showed: each of these was a defect, a hang, a file left behind or an absurd number."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from robot_files import GOOD
+from slipmargin_cli.main import status
+
+from slipmargin.data.record import Record
+from slipmargin.errors import InputError
+
+Said = Callable[..., str]
+BASE = GOOD.split("[[effect]]")[0]
+NO_FLOOR = """
+[[effect]]
+name = "floor_border"
+factor = 0.0
+offset_m = -100.0
+"""
+ICE = """
+[[effect]]
+name = "floor_patch"
+factor = 0.0
+centre_y_m = {place}
+radius_m = 10.0
+edge_m = 1.0
+"""
+PULLED_OVER = """
+[[effect]]
+name = "tether"
+stiffness_N_per_m = 200.0
+anchor_x_m = -5.0
+anchor_y_m = 0.0
+height_m = 2.0
+"""
+
+
+@pytest.fixture
+def said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Said:
+    """Run a command in an empty folder; its refusal, one line, or what it prints."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*words: str, refused: bool = False) -> str:
+        assert status([str(word) for word in words]) == (2 if refused else 0)
+        told = capfd.readouterr()
+        assert not refused or (told.err.startswith("error: ") and told.err.count("\n") == 1)
+        return told.err if refused else told.out
+
+    return run
+
+
+@pytest.mark.parametrize("grip", ["box", "ellipse", "disc-strip"])
+def test_a_robot_without_any_grip_has_no_polytope(said: Said, grip: str) -> None:
+    Path("r.toml").write_text((BASE + NO_FLOOR).replace('"box"', f'"{grip}"'))
+    line = said("polytope", "r.toml", "--surface", "paper", "--plot", "o.svg", refused=True)
+    assert "do not span" in line and not Path("o.svg").exists()
+    assert "-0.00 N" not in said("sweep", "r.toml", "--surface", "paper", "--step", "30")
+
+
+def test_almost_no_grip_is_none_and_not_a_huge_deceleration(said: Said) -> None:
+    """The ray against the direction left its rows at −150 000 m/s²."""
+    for place in np.linspace(24.0, 32.0, 9):
+        Path("r.toml").write_text((BASE + ICE.format(place=place)).replace('"equal"', '"quasi-static"'))
+        text = said("bounds", "r.toml", "--surface", "paper", "--step", "15", "--json", "o.json")
+        assert "inf" not in text
+        found = json.loads(Path("o.json").read_text())
+        every = [
+            v for key in ("starting", "turning", "braking") for v in found[f"{key}_m_s2"] if v is not None
+        ]
+        assert all(abs(v) < 1e5 for v in every)
+
+
+def test_a_file_and_a_folder_have_two_names(said: Said) -> None:
+    line = said("reproduce", "--out", "o.json", "--json", "o.json", refused=True)
+    assert "as a file and as a folder" in line and not Path("o.json").exists()
+
+
+def test_a_refused_study_leaves_no_pieces(said: Said) -> None:
+    """The best of no designs that stand was found out after the study's pieces had been kept."""
+    Path("r.toml").write_text((BASE + PULLED_OVER).replace('"equal"', '"quasi-static"'))
+    words = ("design", "r.toml", "--surface", "paper", "--vary", "wheel_radius_m=0.02,0.05", "--out", "o.csv")
+    assert "lifts" in said(*words, refused=True)
+    assert sorted(path.name for path in Path().iterdir()) == ["r.toml"]
+
+
+def test_times_of_a_million_years_are_no_trajectory(said: Said) -> None:
+    rows = "\n".join(f"{k}e13,{0.1 * k},0,0" for k in range(10))
+    Path("t.csv").write_text("t_s,x_m,y_m,phi_rad\n" + rows + "\n")
+    line = said("check", "mecanum4", "t.csv", "--surface", "floor", refused=True)
+    assert "t_s" in line and "give numbers below 1e+12" in line
+
+
+def test_angles_that_no_wheel_turns_are_no_run() -> None:
+    t_s = np.linspace(0.0, 1.0, 30)
+    with pytest.raises(InputError, match="theta: holds 1e\\+15, and no robot measures that"):
+        Record(name="l", t_s=t_s, pose=np.zeros((30, 3)), theta=1e15 * t_s[:, None])
+
+
+def test_a_path_that_turns_a_million_times_is_refused_not_waited_for(said: Said) -> None:
+    """It was checked at seven million places, for minutes."""
+    Path("w.csv").write_text("x_m,y_m,phi_rad\n0,0,0\n-0.1,0.1,0\n-0.2,0.2,382340000\n-0.3,0.3,382340000\n")
+    line = said("plan", "robotino", "w.csv", "--surface", "gray", "--out", "o.csv", refused=True)
+    assert "grid points, and at most 1.5e+04 are made" in line and "SLIPMARGIN_WORK" in line
