@@ -11,11 +11,10 @@ The script searches for a creep above σ⁻¹(λ)/k, the creep at the share aske
 from __future__ import annotations
 
 import json
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from kept import with_file, write_figures
 
 import slipmargin as sm
 from slipmargin.errors import NoSolution
@@ -105,6 +104,7 @@ def search(robots: int, seed: int) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
+    file = with_file(__doc__).parse_args().file
     result = search(ROBOTS, 0)
-    Path(sys.argv[1]).write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    write_figures(file, result)
     print(json.dumps(result, indent=1))

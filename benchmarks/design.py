@@ -8,11 +8,10 @@ of the sample are compared.
 from __future__ import annotations
 
 import statistics
-import sys
 import time
-from pathlib import Path
 
 import numpy as np
+from kept import with_file
 
 from slipmargin.checks import Array
 from slipmargin.io.json_text import json_text
@@ -104,6 +103,7 @@ def measure(repeats: int = 15, points: int = 40) -> dict[str, float]:
 
 def main() -> None:
     """Print the table; write JSON where a file is named."""
+    file = with_file(__doc__).parse_args().file
     found = measure()
     print(f"δ 0–60° in 0.5° steps × 721 headings × 2 surfaces: {found['points']:.0f} limits")
     print(
@@ -118,8 +118,8 @@ def main() -> None:
     print(
         f"  ratio {found['ratio']:.0f}; largest disagreement on the sample {found['worst_disagreement']:.1e}"
     )
-    if len(sys.argv) > 1:
-        Path(sys.argv[1]).write_text(json_text(found), encoding="utf-8")
+    if file is not None:
+        file.write_text(json_text(found), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -193,7 +193,7 @@ def show(line: dict[str, Any]) -> dict[str, Any]:
 
 def main(words: list[str]) -> None:
     """Run one mode."""
-    keeper, words = Keeper.of(words)
+    keeper, words = Keeper.of(words, __doc__)
     mode, *rest = words or ["nulls", "8"]
     if mode == "table":
         summary(collected(rest))

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import json
 import platform
-import sys
 from importlib.metadata import Distribution, PackageNotFoundError, distribution
 from pathlib import Path
 
+from kept import with_file, write_figures
 from packaging.requirements import Requirement
 
 FILE = Path(__file__).resolve().parent / "results" / "environment.json"
@@ -46,6 +46,7 @@ def megabytes(one: Distribution) -> float:
 
 def main() -> None:
     """Weigh and write."""
+    file = with_file(__doc__).parse_args().file or FILE
     own = needed("slipmargin")
     sizes = {name: round(megabytes(one), 1) for name, one in own.items()}
     without = sum(sizes[name] for name in needed("slipmargin", "cvxpy"))
@@ -56,8 +57,7 @@ def main() -> None:
         "largest_MB": dict(sorted(sizes.items(), key=lambda pair: -pair[1])[:8]),
         "by_cvxpy_MB": round(sum(sizes.values()) - without),
     }
-    file = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
-    file.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    write_figures(file, result)
     print(json.dumps(result, indent=1))
 
 

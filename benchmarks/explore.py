@@ -10,15 +10,13 @@ milliseconds mean something on one machine only, ratios on any.
 
 from __future__ import annotations
 
-import json
 import statistics
-import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from kept import with_file, write_figures
 
 import slipmargin as sm
 from slipmargin.errors import SlipmarginError
@@ -84,6 +82,7 @@ def robot_row(name: str, floor: str) -> dict[str, Any]:
 
 def main() -> None:
     """Print the table; write JSON where a file is named."""
+    file = with_file(__doc__).parse_args().file
     found = {name: robot_row(name, floor) for name, floor in ROBOTS.items()}
     for name, row in found.items():
         print(f"{name}: {row['wheels']} wheels, bounds {row['bounds_ms']:.0f} ms")
@@ -93,8 +92,7 @@ def main() -> None:
                     f"  {kind:<28}{times['median_ms']:6.1f} ms median{times['most_ms']:8.1f} most"
                     f"{times['median over bounds']:7.2f} of bounds ({times['positions']} positions)"
                 )
-    if len(sys.argv) > 1:
-        Path(sys.argv[1]).write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    write_figures(file, found)
 
 
 if __name__ == "__main__":

@@ -10,11 +10,10 @@ work against each other: they creep below the limit.
 from __future__ import annotations
 
 import json
-import sys
-from pathlib import Path
 
 import numpy as np
 from engines.rollers import Build, Engine, MovingOff
+from kept import with_file, write_figures
 from rollers import GROSS, LATE_S, cases, limits
 
 ROLLERS, SHARES, HEADINGS_DEG = (9, 18, 36), (0.5, 0.9), (37.0, 97.0)
@@ -30,7 +29,8 @@ def creep(rollers: int, heading_deg: float, share: float) -> float:
 
 
 if __name__ == "__main__":
+    file = with_file(__doc__).parse_args().file
     found = {str(n): {f"{s:g}": max(creep(n, h, s) for h in HEADINGS_DEG) for s in SHARES} for n in ROLLERS}
     result = {"slips_above": GROSS, "worst_creep_per_distance": found}
-    Path(sys.argv[1]).write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    write_figures(file, result)
     print(json.dumps(result, indent=1))

@@ -138,7 +138,7 @@ def summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 def main(words: list[str]) -> None:
     """Prove, or sum up what was proved."""
-    keeper, words = Keeper.of(words)
+    keeper, words = Keeper.of(words, __doc__)
     if words[:1] == ["table"]:
         rows = collected(words[1:])
     else:

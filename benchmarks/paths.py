@@ -235,7 +235,7 @@ def gains(share: float = 0.9) -> dict[str, Any]:
 
 def main(words: list[str]) -> None:
     """Measure and print."""
-    keeper, _ = Keeper.of(words)
+    keeper, _ = Keeper.of(words, __doc__)
     rows = keeper.run([("speed", speed), ("gains", gains)])
     for row in rows:
         for name, value in row.items():

@@ -429,7 +429,7 @@ def summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 def main(words: list[str]) -> None:
     """Drive, or sum up what was driven."""
-    keeper, words = Keeper.of(words)
+    keeper, words = Keeper.of(words, __doc__)
     out = words[words.index("--out") + 1] if "--out" in words else ""
     if words[:1] == ["table"]:
         found = summary(collected([w for w in words[1:] if w not in ("--out", out)]))

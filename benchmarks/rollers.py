@@ -213,7 +213,7 @@ def summary(rows: Sequence[dict[str, Any]]) -> dict[str, float]:
 
 def main(words: Sequence[str]) -> None:
     """Do the jobs of this part, print every row, and the worst of all."""
-    keeper, _ = Keeper.of(words)
+    keeper, _ = Keeper.of(words, __doc__)
     jobs = []
     for name, machine in cases().items():
         jobs += [

@@ -6,15 +6,16 @@ python benchmarks/simulation.py [--json FILE]
 from __future__ import annotations
 
 import argparse
-import json
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from kept import write_figures
 
 from slipmargin.paper.published import DURATION_S, FOUND, command, paper_model, spread, wheel_rates
 from slipmargin.sim.batch import Batch
@@ -244,14 +245,12 @@ def measure() -> dict[str, float]:
 def main() -> None:
     """Print a table; write JSON where asked."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--json")
+    parser.add_argument("--json", type=Path)
+    target = parser.parse_args().json
     found = measure()
     for name, value in found.items():
         print(f"{name:36s} {value:12.6g}")
-    target = parser.parse_args().json
-    if target:
-        with open(target, "w", encoding="utf-8") as file:
-            json.dump(found, file, indent=1)
+    write_figures(target, found)
 
 
 if __name__ == "__main__":

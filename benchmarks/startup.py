@@ -5,13 +5,14 @@ Run: ``python benchmarks/startup.py [FILE.json]``.  Best and median of several r
 
 from __future__ import annotations
 
-import json
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
+
+from kept import with_file, write_figures
 
 SLIPMARGIN = str(Path(sys.executable).with_name("slipmargin"))
 COMMANDS = {
@@ -43,12 +44,12 @@ def measure(repeats: int = 7) -> dict[str, dict[str, float]]:
 
 def main() -> None:
     """Print the table; write JSON where a file is named."""
+    file = with_file(__doc__).parse_args().file
     found = measure()
     for name, row in found.items():
         promise = f"   promised {PROMISED[name]:.1f} s" if name in PROMISED else ""
         print(f"{name:<26}{row['best_s']:8.3f} s best{row['median_s']:8.3f} s median{promise}")
-    if len(sys.argv) > 1:
-        Path(sys.argv[1]).write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    write_figures(file, found)
 
 
 if __name__ == "__main__":

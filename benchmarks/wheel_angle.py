@@ -7,10 +7,9 @@ Run: ``python benchmarks/wheel_angle.py [--laps] [FILE.json]``.  Prints the tabl
 from __future__ import annotations
 
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
+from kept import with_file
 
 from slipmargin.io.json_text import json_text
 from slipmargin.io.robot_file import read_recipe
@@ -115,7 +114,11 @@ def wheel_rows() -> list[dict[str, object]]:
 
 def main() -> None:
     """Print the tables; write JSON where a file is named."""
-    words = sys.argv[1:]
+    parser = with_file(__doc__)
+    parser.add_argument(
+        "--laps", action="store_true", help="times over the benchmark paths too, which is slow"
+    )
+    given = parser.parse_args()
     angles = [
         row
         for surface in ("paper", "carpet")
@@ -135,7 +138,7 @@ def main() -> None:
             f"{'yes' if r['thirty_is_best'] else 'no'}"
         )
     out: dict[str, object] = {"angles": angles}
-    if "--laps" in words:
+    if given.laps:
         laps = {f"{s} {w}": lap_rows(s, w) for s in ("paper", "carpet") for w in ("equal", "static")}
         print("\nTime over the benchmark paths [s] by δ [deg], 10 % margin, – where one must slip")
         print(" " * 16 + "".join(f"{d:>8g}" for d in LAP_ANGLES))
@@ -160,9 +163,8 @@ def main() -> None:
     for r in wheels:
         print(f"{r['layout']:<14}{r['wheels']:>7}" + "".join(f"{_n(r[name]):>18}" for name in shown))
     out["wheels"] = wheels
-    files = [w for w in words if not w.startswith("--")]
-    if files:
-        Path(files[0]).write_text(json_text(out), encoding="utf-8")
+    if given.file is not None:
+        given.file.write_text(json_text(out), encoding="utf-8")
 
 
 def _n(value: object) -> str:
