@@ -98,10 +98,12 @@ def reports(folder: Path) -> list[tuple[str, Path]]:
         with contextlib.redirect_stdout(io.StringIO()):
             if status(words) != 0:
                 raise SystemExit(f"failed: slipmargin {' '.join(words)}")
-    pages = [(file.stem, file) for file in sorted(folder.glob("*.html"))]
-    pages += [(file.parent.name, file) for file in sorted(folder.glob("*/report.html"))]
     drawn = [*folder.glob("*.svg"), *(folder / "paper").glob("*.png"), *(folder / "paper").glob("*.svg")]
-    return pages + [(f"picture-{file.stem}", file) for file in sorted(drawn)]
+    for file in drawn:  # a drawing that is opened by itself is no page: the browser waits for its fonts
+        shown = f'<img src="{file.as_uri()}" style="max-width: 100%">'
+        (folder / f"picture-{file.stem}.html").write_text(f"<!doctype html>\n{shown}\n")
+    pages = [(file.stem, file) for file in sorted(folder.glob("*.html"))]
+    return pages + [(file.parent.name, file) for file in sorted(folder.glob("*/report.html"))]
 
 
 @contextlib.contextmanager
@@ -194,7 +196,7 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--site", action="store_true", help="also every page of site/ (make docs)")
     asked = parser.parse_args()
-    folder: Path = asked.folder
+    folder: Path = asked.folder.resolve()
     folder.mkdir(parents=True, exist_ok=True)
     chromium = shutil.which("chromium") or shutil.which("google-chrome")
     if chromium is None:

@@ -11,6 +11,8 @@ from slipmargin.plots.style import BLUE, GREY, INK, PALE, RED, styled
 
 #: Headings that are drawn along a path.
 _MARKS = 8
+#: Width of a floor on paper [inch].
+_WIDE = 2.6
 
 
 @styled
@@ -20,9 +22,10 @@ def next_runs_figure(found: NextRuns) -> Figure:
     count = max(1, len(found.runs))
     columns = min(3, count)
     rows = -(-count // columns)
-    figure = Figure(figsize=(3.3 * columns, 3.3 * rows), layout="constrained")
-    panels = np.atleast_1d(figure.subplots(rows, columns, squeeze=False)).ravel()
     (x, y), (a, b) = found.space.middle_m, found.space.size_m
+    tall = min(6.0, 0.9 + _WIDE * b / a)  # title and axis, and the floor as it is
+    figure = Figure(figsize=((_WIDE + 0.8) * columns, tall * rows), layout="constrained")
+    panels = np.atleast_1d(figure.subplots(rows, columns, squeeze=False)).ravel()
     for axes in panels[count:]:
         axes.set_axis_off()
     for axes, run in zip(panels, found.runs, strict=False):

@@ -22,6 +22,8 @@ from slipmargin.report.text import two_digits
 
 #: Below this χ² two explanations are still level after the runs: five noises.
 CLEAR = 25.0
+#: A run that never gets faster than this turns on the spot [m/s].
+CREEPS_M_S = 0.01
 #: Intervals that are told in lines.
 _TOLD = 3
 
@@ -78,13 +80,16 @@ def narrowed(one: Narrowing) -> str:
 def _run_line(run: ProposedRun) -> str:
     rows = run.trajectory
     return (
-        f"{run.words} ({rows.duration_s:.3g} s, up to {two_digits(_speed(run))} m/s, at most "
+        f"{run.words} ({rows.duration_s:.3g} s, up to {_fastest(run)}, at most "
         f"{np.max(rows.use):.2f} of a wheel's grip)"
     )
 
 
-def _speed(run: ProposedRun) -> float:
-    return float(np.max(np.hypot(*run.trajectory.velocity[:, :2].T)))
+def _fastest(run: ProposedRun) -> str:
+    """Its greatest speed, or how fast it turns where it stays on the spot."""
+    right, forward, turn = np.abs(run.trajectory.velocity).T
+    ahead = float(np.max(np.hypot(right, forward)))
+    return f"{two_digits(ahead)} m/s" if ahead > CREEPS_M_S else f"{two_digits(float(np.max(turn)))} rad/s"
 
 
 def _pair_line(one: Separation) -> str:
@@ -206,7 +211,7 @@ def page(found: NextRuns, images: Mapping[str, Image], warnings: Sequence[str] =
                     run.name,
                     run.words,
                     f"{run.trajectory.duration_s:.3g} s",
-                    f"{two_digits(_speed(run))} m/s",
+                    _fastest(run),
                     f"{100.0 * float(np.max(run.trajectory.use)):.0f} %",
                 )
                 for run in found.runs
@@ -235,6 +240,8 @@ def page(found: NextRuns, images: Mapping[str, Image], warnings: Sequence[str] =
     ]
     if found.question is None:
         steps = [f"Pull next: {next_sentence(p)}." for p in found.pulls] or ["Nothing more to pull."]
+    several = any(len(run.predicted) > 1 for run in found.runs)
+    expected = "; dotted and dashed: where the first two explanations expect it to go" if several else ""
     return result_page(
         title=f"What to drive next: {found.robot} on {found.surface}, data set {found.data_set}",
         lead=answer(found),
@@ -246,7 +253,7 @@ def page(found: NextRuns, images: Mapping[str, Image], warnings: Sequence[str] =
                 image=image,
                 alt="The space from above with each proposed run's path and where the robot starts",
                 caption="The proposed runs on the floor. The circle is the robot at its start; arrows point "
-                "to its front; dotted and dashed: where the first two explanations expect it to go.",
+                "to its front" + expected + ".",
             )
             for image in images.values()
         ),

@@ -65,11 +65,12 @@ pre { white-space: pre-wrap; overflow-wrap: anywhere;
   }
 code { font-family: ui-monospace, "SF Mono", Menlo, Consolas, "DejaVu Sans Mono", monospace; font-size:
   .92em; }
+.whole { white-space: nowrap; }
 details { margin: .8rem 0; } summary { cursor: pointer; font-weight: 600; }
 footer { margin-top: 2.5rem; color: var(--soft); font-size: .83rem; border-top: 1px solid var(--line);
   padding-top: .6rem; }
 @media (max-width: 34rem) { table { font-size: .72rem; } .plot { padding: .2rem; }
-  th, td { padding-right: .3rem; } .long { overflow-wrap: anywhere; } .whole { white-space: nowrap; }
+  th, td { padding-right: .3rem; } .long { overflow-wrap: anywhere; }
   table.numbers td, table.numbers thead th:not(:first-child) { padding-left: .1rem; } }
 @media print { :root { --ink: #000; --soft: #444; --ground: #fff; --card: #f4f4f4; --line: #bbb;
   --good: #00755a; --attention: #b34700; --plain: #005a94; --blue: #0072b2; --orange: #e69f00;

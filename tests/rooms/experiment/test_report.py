@@ -8,6 +8,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from diagnoses import diagnosis, wheel_loads
 from json_schemas import faults
@@ -109,3 +110,15 @@ def test_of_a_campaign_the_command_names_the_data_set_that_fits_worst() -> None:
     near, far = (replace(found.trials[0], name=f"{part}/one") for part in ("table", "gray floor"))
     far = replace(far, after=far.after + 1.0)
     assert next_run_command(replace(found, trials=(near, far))) == "slipmargin next-run 'gray floor'"
+
+
+def test_a_run_on_the_spot_says_how_fast_it_turns() -> None:
+    """It said "up to 0 m/s"."""
+    (run, *_) = result().next_runs.runs
+    rows = run.trajectory
+    spin = replace(rows, velocity=np.column_stack([*(0.0 * rows.velocity.T[:2]), 0.0 * rows.t_s - 2.5]))
+    found = result(runs=(replace(run, trajectory=spin, predicted=(spin.pose, spin.pose)),))
+    assert any("up to 2.5 rad/s, at most" in line for line in found.lines())
+    assert "2.5 rad/s" in found.page_text() and "where the first two explanations" in found.page_text()
+    alone = result(runs=(replace(run, predicted=(rows.pose,)),))
+    assert "where the first two explanations" not in alone.page_text()
