@@ -119,6 +119,7 @@ def test_a_run_on_the_spot_says_how_fast_it_turns() -> None:
     spin = replace(rows, velocity=np.column_stack([*(0.0 * rows.velocity.T[:2]), 0.0 * rows.t_s - 2.5]))
     found = result(runs=(replace(run, trajectory=spin, predicted=(spin.pose, spin.pose)),))
     assert any("up to 2.5 rad/s, at most" in line for line in found.lines())
-    assert "2.5 rad/s" in found.page_text() and "where the first two explanations" in found.page_text()
+    text = found.page_text().replace("\N{NO-BREAK SPACE}", " ")
+    assert "2.5 rad/s" in text and "where the first two explanations" in text
     alone = result(runs=(replace(run, predicted=(rows.pose,)),))
     assert "where the first two explanations" not in alone.page_text()
