@@ -20,8 +20,9 @@ from slipmargin.limits.motion import (
     steady_share,
     steady_share_of,
 )
-from slipmargin.limits.motion_rows import acceleration_rows
+from slipmargin.limits.motion_rows import MOTOR, acceleration_rows
 from slipmargin.limits.motion_state import Contact, Motion
+from slipmargin.limits.ray_ends import NO_SLOPE
 from slipmargin.model import Model
 from slipmargin.physics.frames import directions as unit_directions
 from slipmargin.physics.kinematics import com_acceleration
@@ -223,15 +224,20 @@ def top_speed(model: Model, heading_rad: Array) -> Array:
 
 
 def starting_by_motor(model: Model, heading_rad: Array) -> Array:
-    """Acceleration (H,) [m/s²] at which the first motor reaches its stall torque; infinite without one."""
+    """Acceleration (H,) [m/s²] at which the first motor reaches its stall torque; infinite without one.
+
+    0 where drag alone takes more than that.
+    """
     motion = _moving(ahead_of(heading_rad), None)
     rows = acceleration_rows(model, motion, motor=True)
-    keep = rows.cause == 2
+    keep = rows.cause == MOTOR
     if not np.any(keep):
         return np.full(len(heading_rad), np.inf)
     slope = np.einsum("mrc,mc->mr", rows.A[:, keep], ahead_of(heading_rad))
-    with np.errstate(divide="ignore"):
-        return np.asarray(np.min(np.where(slope > 1e-12, rows.b[:, keep] / slope, np.inf), axis=1))
+    room, least = rows.b[:, keep], NO_SLOPE * np.max(np.abs(slope), axis=1, keepdims=True)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        most = np.where(slope > least, room / slope, np.where((slope >= -least) & (room < 0.0), 0.0, np.inf))
+    return np.asarray(np.maximum(np.min(most, axis=1), 0.0))
 
 
 def headings(step_deg: float = 1.0) -> Array:

@@ -32,15 +32,12 @@ def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:
         if b.traction_m_s2 > 0.0
         else f"traction    none: {_slipping(b)}"
     )
-    lines.append(
-        "motor       "
-        + (
-            f"{b.motor_limit_m_s2:.4g} m/s² at stall torque"
-            if math.isfinite(b.motor_limit_m_s2)
-            else "no limit in the robot file"
-        )
-        + f"; the smaller is {b.smaller}"
-    )
+    motor = f"{b.motor_limit_m_s2:.4g} m/s² at stall torque"
+    if b.motor_limit_m_s2 == 0.0:
+        motor = "none: drag alone takes more than the stall torque"
+    elif math.isinf(b.motor_limit_m_s2):
+        motor = "no limit in the robot file"
+    lines.append(f"motor       {motor}; the smaller is {b.smaller}")
     lines.append(_isotropic(b))
     lines.append(f"recommended {b.recommended_m_s2:.4g} m/s² in any direction, slip margin {b.margin:g}")
     lines.append(f"braking     {_span(full.braking_m_s2)}; turning at speed {_span(full.turning_m_s2)}")

@@ -30,6 +30,13 @@ centre_y_m = {place}
 radius_m = 10.0
 edge_m = 1.0
 """
+DRAGGED = """
+[[effect]]
+name = "dragging_point"
+force_N = 1000.0
+place_x_m = 1.9
+place_y_m = 4.9
+"""
 PULLED_OVER = """
 [[effect]]
 name = "tether"
@@ -73,6 +80,14 @@ def test_almost_no_grip_is_none_and_not_a_huge_deceleration(said: Said) -> None:
             v for key in ("starting", "turning", "braking") for v in found[f"{key}_m_s2"] if v is not None
         ]
         assert all(abs(v) < 1e5 for v in every)
+
+
+def test_motors_that_drag_stalls_hold_no_acceleration(said: Said) -> None:
+    """A row that hardly depends on the acceleration left −1 700 000 m/s²."""
+    Path("r.toml").write_text(BASE + DRAGGED)
+    text = said("bounds", "r.toml", "--surface", "paper", "--step", "45", "--json", "o.json")
+    assert "motor       none: drag alone takes more than the stall torque" in text
+    assert json.loads(Path("o.json").read_text())["motor_limit_m_s2"] == 0.0
 
 
 def test_a_file_and_a_folder_have_two_names(said: Said) -> None:
