@@ -19,8 +19,9 @@ STANDING_STATES, MOVING_STATES, ROBUST_STATES = 1024, 256, 64
 DRAWN_FACETS = 600
 #: Wheels times cone programs: contact states times orientations, each program 0.1 to 0.2 ms a wheel.
 CONE_WHEELS = 60_000
-#: Wheels times steps of one simulated motion, each 1 to 2 µs.
-WHEEL_STEPS = 8_000_000
+#: Wheels times steps of one simulated motion, each 1 to 2 µs, and up to 9 where wheels hang in the air.  An
+#: ordinary motion takes up to 700 steps a second.
+WHEEL_STEPS = 1_500_000
 #: Grid points of a path, refined where it bends: some 50 from one waypoint to the next.
 PATH_POINTS = 15_000
 #: Rows of a table that a command makes: a planned or simulated motion, a log on one clock.

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from slipmargin.sets.hull import Hull
     from slipmargin.sets.zonotope import Zonotope
 
+#: Facets nearer to the origin than this share of the set's size leave nothing out that is worth a number [1].
+THIN = 1e-9
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -52,7 +55,8 @@ class PolytopeResult(Result):
         if not self.curved:
             return 0.0
         normals, offsets = self.facets
-        return float(np.max(self.wrenches.support(normals) / offsets - 1.0))
+        there = offsets > THIN * (np.abs(normals) @ np.max(np.abs(self.vertices), axis=0))
+        return float(np.max(self.wrenches.support(normals[there]) / offsets[there] - 1.0))
 
     def summary(self) -> str:
         """Corners, facets and volume."""

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 #: Speed [m/s] that is asked for where neither a speed nor the motors' top speed is given.
 USUAL_M_S = 1.0
+#: No robot on wheels is faster [m/s].
+FASTEST_M_S = 1e3
 #: Time step of the simulated wheel speeds, and how long a robot is watched after its wheels stand [s].
 _STEP_S, _AFTER_S = 0.002, 0.1
 
@@ -251,8 +253,8 @@ def _speeds(model: Model, heading: Array, asked: Sequence[float] | Array | None)
     if asked is None:
         return np.array([0.25, 0.5, 1.0]) * (USUAL_M_S if top is None else most)
     speeds = np.sort(np.asarray(asked, dtype=float).ravel())
-    if not len(speeds) or not np.all(np.isfinite(speeds)) or speeds[0] <= 0.0:
-        raise InputError("speeds_m_s", f"is {list(asked)}", "give speeds above 0 [m/s]")
+    if not len(speeds) or not np.all(np.isfinite(speeds)) or not 0.0 < speeds[0] <= speeds[-1] <= FASTEST_M_S:
+        raise InputError("speeds_m_s", f"is {list(asked)}", f"give speeds above 0, up to {FASTEST_M_S:g} m/s")
     if speeds[-1] > most * (1.0 + 1e-9):
         raise InputError(
             "speeds_m_s",

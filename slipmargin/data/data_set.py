@@ -15,6 +15,10 @@ from slipmargin.data.record import Record
 from slipmargin.effects.recipe import Recipe
 from slipmargin.errors import InputError
 
+#: Standard deviations that a camera, or a scale, may be said to have [m, rad, N].
+LEAST_NOISE, MOST_NOISE = 1e-9, 1e3
+NOISE_CURE = f"noise is positive: give it, from {LEAST_NOISE:g} to {MOST_NOISE:g}"
+
 
 class WheelSignal(Enum):
     """What the wheel columns of a data set are."""
@@ -91,8 +95,8 @@ class DataSet:
             )
         if self.sigma is not None:
             sigma = frozen("sigma", self.sigma, (3,))
-            if sigma.min() <= 0.0:
-                raise InputError("sigma", f"is {sigma.tolist()}", "noise is positive")
+            if not LEAST_NOISE <= sigma.min() <= sigma.max() <= MOST_NOISE:
+                raise InputError("sigma", f"is {sigma.tolist()}", NOISE_CURE)
             object.__setattr__(self, "sigma", sigma)
         for trial in self.trials:
             self._check_wheels(trial)

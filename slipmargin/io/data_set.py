@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from slipmargin.checks import Array, real
-from slipmargin.data.data_set import DataSet, WheelSignal
+from slipmargin.data.data_set import LEAST_NOISE, MOST_NOISE, NOISE_CURE, DataSet, WheelSignal
 from slipmargin.errors import InputError
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.io.source import read_text
@@ -81,7 +81,8 @@ def _head(table: Table) -> tuple[str, str, WheelSignal | None, Array | None, flo
         units = {"x_m": "m", "y_m": "m", "phi_rad": "rad", "force_N": "N"}
 
         def noise(key: str) -> float:
-            return real(inner.at(key), inner.number(key, units[key]), above=0.0, cure="noise is positive")
+            said = inner.number(key, units[key])
+            return real(inner.at(key), said, low=LEAST_NOISE, high=MOST_NOISE, cure=NOISE_CURE)
 
         if inner.has("force_N"):
             sigma_N = noise("force_N")

@@ -189,6 +189,8 @@ def checked_again(design: RobotOnSurface, goal: Objective, value: float) -> floa
     from slipmargin.limits.bounds import directions, headings
     from slipmargin.study.columns import WORST_AT, static_columns
 
+    if not value > 0.0:
+        return math.nan  # it slips there: nothing is held that a second method could find
     model = design.build()
     if goal.name == "f_worst":
         phi = static_columns([design], names=[WORST_AT])[0][WORST_AT]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -90,17 +91,45 @@ def test_motors_that_drag_stalls_hold_no_acceleration(said: Said) -> None:
     assert json.loads(Path("o.json").read_text())["motor_limit_m_s2"] == 0.0
 
 
+def test_a_set_that_is_thin_in_a_direction_has_no_share_of_nothing(said: Said) -> None:
+    nap = '\n[[effect]]\nname = "floor_nap"\nnap_x = 0.9\nnap_y = -0.9\n'
+    Path("r.toml").write_text((BASE + nap).replace('"box"', '"disc-strip"'))
+    assert "nan" not in said("polytope", "r.toml", "--surface", "paper")
+
+
+def test_a_stop_from_no_robot_s_speed_is_refused(said: Said) -> None:
+    Path("r.toml").write_text(BASE.replace("[motor]\nmax_speed_rad_s = 60.0\nstall_torque_N_m = 0.9\n", ""))
+    line = said("stop", "r.toml", "--surface", "paper", "--speed", "1e12", "--no-verify", refused=True)
+    assert "up to 1000 m/s" in line
+
+
+def test_what_slips_anyway_has_no_second_method(said: Said) -> None:
+    """The best of designs that all slip was said to differ by inf from a second method."""
+    drags = DRAGGED.replace("1000.0", "2.0").replace("1.9", "0.02").replace("4.9", "0.02")
+    Path("r.toml").write_text(BASE + drags)
+    words = ("--vary", "mass_kg=0.5,0.6", "--objective", "start_worst_m_s2")
+    assert " inf " not in said("design", "r.toml", "--surface", "paper", *words)
+
+
 def test_a_file_and_a_folder_have_two_names(said: Said) -> None:
     line = said("reproduce", "--out", "o.json", "--json", "o.json", refused=True)
     assert "as a file and as a folder" in line and not Path("o.json").exists()
 
 
-def test_a_refused_study_leaves_no_pieces(said: Said) -> None:
-    """The best of no designs that stand was found out after the study's pieces had been kept."""
+def test_a_study_that_is_refused_at_its_end_leaves_no_pieces(
+    said: Said, monkeypatch: pytest.MonkeyPatch
+) -> None:
     Path("r.toml").write_text((BASE + PULLED_OVER).replace('"equal"', '"quasi-static"'))
     words = ("design", "r.toml", "--surface", "paper", "--vary", "wheel_radius_m=0.02,0.05", "--out", "o.csv")
-    assert "lifts" in said(*words, refused=True)
-    assert sorted(path.name for path in Path().iterdir()) == ["r.toml"]
+    said(*words)  # the best of what falls over was checked by a second method, which refused it
+    assert sorted(path.name for path in Path().iterdir()) == ["o.csv", "r.toml"]
+
+    def refuse(*_: object) -> None:
+        raise InputError("design", "is refused", "take another one")
+
+    monkeypatch.setattr(import_module("slipmargin.study.reason"), "reason", refuse)
+    said(*words, refused=True)
+    assert sorted(path.name for path in Path().iterdir()) == ["o.csv", "r.toml"]
 
 
 def test_times_of_a_million_years_are_no_trajectory(said: Said) -> None:

@@ -123,6 +123,7 @@ def test_refuses_a_folder_that_is_none(tmp_path: Path) -> None:
     [
         ({"trials": ()}, "there is no trial"),
         ({"sigma": np.array([1.0, 0.0, 1.0])}, "noise is positive"),
+        ({"sigma": np.array([1.0, 1e-300, 1.0])}, "noise is positive: give it, from 1e-09 to 1000"),
         ({"trials": (record(omega=np.ones((4, 2)), theta=None),)}, "has 2 wheels"),
     ],
 )
