@@ -182,7 +182,7 @@ def test_folds_hold_whole_runs_and_every_trial_once() -> None:
     assert len(folds([0, 1, 2], 4)) == 3
 
 
-def test_an_error_that_grows_at_all_is_not_called_found(
+def test_an_error_that_grows_beyond_rounding_is_not_called_found(
     court: Court, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By a thousandth of itself, which no test over runs would call worse."""
