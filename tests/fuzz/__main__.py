@@ -25,7 +25,7 @@ from typing import Any
 import json_schemas
 
 from fuzz.cases import BUILT_IN, Case, draw
-from fuzz.judge import BAD, judge
+from fuzz.judge import BAD, NO_NUMBER, judge
 from fuzz.page import answer_requests
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -154,6 +154,9 @@ def run(case: Case, base: Path | None = None, keep: Path | None = None) -> tuple
         if why:
             return why, f"status {code}: {_where(said[1])}", used
         stream = case.words[:1] == ["monitor"] and "-" in case.words
+        for word in case.words:
+            if NO_NUMBER.fullmatch(word):  # a file of that name, which a message quotes
+                said[0] = said[0].replace(word, "a word")
         return *judge(code, *said, work, before, stream=stream), used
     finally:
         shutil.rmtree(folder, ignore_errors=True)

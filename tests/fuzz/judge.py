@@ -24,7 +24,7 @@ LARGEST = {
     "s": 1e9,
     "volume": 1e30,
 }
-_NO_NUMBER = re.compile(r"(?<![\w.])[-+]?(nan|inf|infinity)(?![\w])", re.IGNORECASE)
+NO_NUMBER = re.compile(r"(?<![\w.])[-+]?(nan|inf|infinity)(?![\w])", re.IGNORECASE)
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029]")
 
 
@@ -80,7 +80,7 @@ def _absurd(out: str, files: list[Path]) -> Iterator[str]:
             if "<script>fuzz" in text or "<b onfuzz" in text:
                 yield f"{name}: markup of a name is not escaped"
         else:
-            found = _NO_NUMBER.search(text)
+            found = NO_NUMBER.search(text)
             if found:
                 yield f"{name}: {text[max(0, found.start() - 80) : found.end() + 20]!r}"
             if name.endswith(".csv") and re.search(r'(^|,)"?[=@]', text, re.MULTILINE):
