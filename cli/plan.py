@@ -89,6 +89,8 @@ def plan(
         margin="--margin",
         step_s="--step",
         blend_m="--blend",
+        start_speed_m_s="--start-speed",
+        end_speed_m_s="--end-speed",
         max_speed_m_s="--max-speed",
         max_yaw_rate_rad_s="--max-yaw-rate",
         chance="--chance",

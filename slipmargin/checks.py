@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 #: Measured and planned numbers are below this in any unit: powers of larger ones overflow in what follows.
 LARGEST = 1e12
+#: No robot on wheels is faster [m/s].
+FASTEST_M_S = 1e3
 
 
 def shown(value: object) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from slipmargin.api.result import Result, head
 from slipmargin.api.robots import RobotLike, checked_margin, model_of
-from slipmargin.checks import Array, real
+from slipmargin.checks import FASTEST_M_S, Array, real
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 #: Speed [m/s] that is asked for where neither a speed nor the motors' top speed is given.
 USUAL_M_S = 1.0
-#: No robot on wheels is faster [m/s].
-FASTEST_M_S = 1e3
 #: Time step of the simulated wheel speeds, and how long a robot is watched after its wheels stand [s].
 _STEP_S, _AFTER_S = 0.002, 0.1
 

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array, real
+from slipmargin.checks import FASTEST_M_S, Array, real
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
@@ -50,8 +50,9 @@ class Request:
 
     def __post_init__(self) -> None:
         real("margin", 1.0 - self.share, low=0.0, high=0.99, cure="give a slip margin from 0 to 0.99")
-        for place, speed in (("start speed", self.start_m_s), ("end speed", self.end_m_s)):
-            real(place, speed, low=0.0, cure="give a speed along the path ≥ 0 [m/s]")
+        for place, speed in (("start_speed_m_s", self.start_m_s), ("end_speed_m_s", self.end_m_s)):
+            cure = f"give a speed along the path from 0 to {FASTEST_M_S:g} m/s"
+            real(place, speed, low=0.0, high=FASTEST_M_S, cure=cure)
 
 
 @final

@@ -103,6 +103,14 @@ def test_a_stop_from_no_robot_s_speed_is_refused(said: Said) -> None:
     assert "up to 1000 m/s" in line
 
 
+def test_a_path_that_is_to_end_at_no_robot_s_speed_is_refused(said: Said) -> None:
+    """Its square was too large for a number."""
+    Path("w.csv").write_text("x_m,y_m,phi_rad\n0,0,0\n1,0,0\n")
+    words = ("--surface", "floor", "--end-speed", "1e300", "--out", "o.csv")
+    line = said("plan", "mecanum4", "w.csv", *words, refused=True)
+    assert "--end-speed" in line and "from 0 to 1000 m/s" in line
+
+
 def test_what_slips_anyway_has_no_second_method(said: Said) -> None:
     """The best of designs that all slip was said to differ by inf from a second method."""
     drags = DRAGGED.replace("1000.0", "2.0").replace("1.9", "0.02").replace("4.9", "0.02")
