@@ -15,8 +15,8 @@ from slipmargin.errors import InputError
 FACTOR = "SLIPMARGIN_WORK"
 #: Contact states that are tried one by one: of standing wheels, of one motion, and of all motions at once.
 STANDING_STATES, MOVING_STATES, ROBUST_STATES = 1024, 256, 64
-#: Facets times contact states that drawn robots are held against, 15 ms each for 10 000 draws.
-DRAWN_FACETS = 600
+#: Facets times wheels times contact states that drawn robots are held against, 1 to 4 ms each.
+DRAWN_FACETS = 6_000
 #: Wheels times cone programs: contact states times orientations, each program 0.1 to 0.2 ms a wheel.
 CONE_WHEELS = 60_000
 #: Wheels times steps of one simulated motion, each 1 to 2 µs, and up to 9 where wheels hang in the air.  An
@@ -24,7 +24,9 @@ CONE_WHEELS = 60_000
 WHEEL_STEPS = 1_500_000
 #: Grid points of a path, refined where it bends: some 50 from one waypoint to the next.
 PATH_POINTS = 15_000
-#: Rows of a table that a command makes: a planned or simulated motion, a log on one clock.
+#: Numbers of a table that a command makes, a planned motion: 3 µs each as CSV and as JSON.
+TABLE_NUMBERS = 3_000_000
+#: Rows of a table that is read, and of a log on one clock.
 ROWS = 2_000_000
 #: Bytes of a file that is held whole (a robot, a trajectory), and letters of one line of any text.
 FILE_B, LINE = 1 << 29, 1 << 24

@@ -69,9 +69,9 @@ class _Sampled:
         loose = replace(model, grip=replace(model.grip, shape=GripShape.BOX))
         parts: tuple[Facets, Friction, External] = prepare(loose, motion, 1.0, contact)
         self.facets, self.friction, self.external = parts
-        size = len(material_states(self.friction.possible)) * len(self.facets.normals)
+        size = len(material_states(self.friction.possible)) * len(self.facets.normals) * model.count
         cure = "leave out --robust, or the ± of the robot's numbers"
-        allow("wheel", size, DRAWN_FACETS, "facets of contact states for each drawn robot", cure)
+        allow("wheel", size, DRAWN_FACETS, "facets times wheels for each drawn robot", cure)
 
     def grips(self, drawn: Draws) -> Iterator[tuple[Array, Array, Array]]:
         """Drive grip and drag factor (M, b, N), what facets lose by a drag (M, K, N), for each material."""

@@ -14,7 +14,10 @@ from slipmargin.model import Model
 from slipmargin.paths.plan import Plan
 from slipmargin.paths.trajectory import Trajectory
 from slipmargin.physics.frames import rotate_rows
-from slipmargin.work import ROWS, allow
+from slipmargin.work import TABLE_NUMBERS, allow
+
+#: Columns of a trajectory: time, pose, velocity, acceleration; speed and use of each wheel.
+COLUMNS, COLUMNS_OF_WHEEL = 10, 2
 
 
 def node_times(plan: Plan) -> Array:
@@ -33,7 +36,9 @@ def trajectory(plan: Plan, *, step_s: float = 0.005) -> Trajectory:
     """
     step_s = real("step_s", step_s, above=0.0, cure="give a positive time step [s]")
     end = plan.duration_s
-    allow("step_s", end / step_s, ROWS, "rows", "take a longer step, a faster path or a smaller margin")
+    numbers = end / step_s * (COLUMNS + COLUMNS_OF_WHEEL * plan.model.count)
+    cure = "take a longer step, a faster path or a smaller margin"
+    allow("step_s", numbers, TABLE_NUMBERS, "numbers of a table", cure)
     count = max(2, int(np.ceil(end / step_s - 1e-9)) + 1)
     return at_times(plan, np.minimum(np.arange(count) * step_s, end))
 

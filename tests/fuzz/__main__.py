@@ -11,6 +11,7 @@ import faulthandler
 import gc
 import json
 import os
+import re
 import resource
 import shutil
 import signal
@@ -154,9 +155,10 @@ def run(case: Case, base: Path | None = None, keep: Path | None = None) -> tuple
         if why:
             return why, f"status {code}: {_where(said[1])}", used
         stream = case.words[:1] == ["monitor"] and "-" in case.words
-        for word in case.words:
-            if NO_NUMBER.fullmatch(word):  # a file of that name, which a message quotes
-                said[0] = said[0].replace(word, "a word")
+        text = b"".join(case.files.values()).decode("utf-8", errors="replace")
+        for word in {*case.words, *re.findall(r'"(\w+)"', text)}:
+            if NO_NUMBER.fullmatch(word):  # a file or a wheel of that name, which a message quotes
+                said[0] = re.sub(rf"\b{word}\b", "a word", said[0])
         return *judge(code, *said, work, before, stream=stream), used
     finally:
         shutil.rmtree(folder, ignore_errors=True)

@@ -86,7 +86,10 @@ def test_drawn_robots_are_not_tried_on_too_many_contact_states(tmp_path: Path) -
     file.write_text(file.read_text().replace("mass_kg = 5.0", 'mass_kg = "5.0 ± 0.2"'))
     found = sm.bounds(file, "floor", step_deg=90.0, robust=True)
     assert found.slip_chance is None
-    assert any("for each drawn robot" in line and "leave out --robust" in line for line in found.warnings)
+    assert any(
+        "facets times wheels for each drawn robot" in line and "leave out --robust" in line
+        for line in found.warnings
+    )
 
 
 def test_a_motion_of_many_wheels_ends_after_fewer_steps(monkeypatch: pytest.MonkeyPatch) -> None:

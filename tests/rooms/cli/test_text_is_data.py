@@ -126,7 +126,7 @@ def test_a_plan_of_ages_is_refused(tmp_path: Path, capfd: pytest.CaptureFixture[
     words = ["plan", "ohio-kiwi", str(tmp_path / "w.csv"), "--surface", "paper", "--points", "40"]
     assert status([*words, "--step", "1e-8"]) == 2
     said = capfd.readouterr().err
-    assert "rows, and at most 2e+06" in said and "SLIPMARGIN_WORK" in said and "--step" in said
+    assert "numbers of a table, and at most 3e+06" in said and "SLIPMARGIN_WORK" in said and "--step" in said
 
 
 def test_the_good_robot_is_still_good(tmp_path: Path) -> None:
