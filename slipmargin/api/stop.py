@@ -251,7 +251,7 @@ def _speeds(model: Model, heading: Array, asked: Sequence[float] | Array | None)
     if asked is None:
         return np.array([0.25, 0.5, 1.0]) * (USUAL_M_S if top is None else most)
     speeds = np.sort(np.asarray(asked, dtype=float).ravel())
-    if not len(speeds) or not np.all(np.isfinite(speeds)) or not 0.0 < speeds[0] <= speeds[-1] <= FASTEST_M_S:
+    if not len(speeds) or not 0.0 < speeds[0] <= speeds[-1] <= FASTEST_M_S:
         raise InputError("speeds_m_s", f"is {list(asked)}", f"give speeds above 0, up to {FASTEST_M_S:g} m/s")
     if speeds[-1] > most * (1.0 + 1e-9):
         raise InputError(

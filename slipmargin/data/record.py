@@ -52,7 +52,7 @@ class Record:
     commands_held: bool = False
 
     def __post_init__(self) -> None:
-        time = _signal("t_s", self.t_s, (None,))
+        time = _signal("t_s", self.t_s, (None,))  # of any size: it may count from 1970
         if len(time) < 2:
             raise InputError("t_s", f"{len(time)} samples are no motion", "give two rows or more")
         if not np.all(np.isfinite(time)):
@@ -67,13 +67,13 @@ class Record:
             )
         put = object.__setattr__
         put(self, "t_s", time)
-        put(self, "pose", _signal("pose", self.pose, (len(time), 3)))
+        put(self, "pose", measurable("pose", _signal("pose", self.pose, (len(time), 3))))
         count: int | None = None
         for field in WHEEL_SIGNALS:
             value = getattr(self, field)
             if value is None:
                 continue
-            signal = _signal(field, value, (len(time), count))
+            signal = measurable(field, _signal(field, value, (len(time), count)))
             count = signal.shape[1]
             put(self, field, signal)
         if not self.seen.any():
@@ -114,4 +114,4 @@ def _signal(place: str, value: object, shape: tuple[int | None, ...]) -> Array:
     array = shaped(place, value, shape)
     if np.isinf(array).any():
         raise InputError(place, "holds an infinite value", "leave a missing sample empty")
-    return read_only(array if place == "t_s" else measurable(place, array))  # times may count from 1970
+    return read_only(array)

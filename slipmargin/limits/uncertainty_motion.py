@@ -69,14 +69,15 @@ class _Sampled:
         loose = replace(model, grip=replace(model.grip, shape=GripShape.BOX))
         parts: tuple[Facets, Friction, External] = prepare(loose, motion, 1.0, contact)
         self.facets, self.friction, self.external = parts
-        size = len(material_states(self.friction.possible)) * len(self.facets.normals) * model.count
+        self.materials = material_states(self.friction.possible)
+        size = len(self.materials) * len(self.facets.normals) * model.count
         cure = "leave out --robust, or the ± of the robot's numbers"
         allow("wheel", size, DRAWN_FACETS, "facets times wheels for each drawn robot", cure)
 
     def grips(self, drawn: Draws) -> Iterator[tuple[Array, Array, Array]]:
         """Drive grip and drag factor (M, b, N), what facets lose by a drag (M, K, N), for each material."""
         f, across = self.friction, self.facets.across
-        for pick in material_states(f.possible):
+        for pick in self.materials:
             drive, low, high, full = (
                 np.where(pick, both[1], both[0])[:, None]
                 for both in (f.drive, f.drag_low, f.drag_high, f.transverse)

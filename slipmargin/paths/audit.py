@@ -74,7 +74,7 @@ def audit(
     the creep settles into each and out of it; of the others the old figures stand, but for their times.
     """
     n, samples = geometry.s.shape
-    shape, time = (n, samples, model.count), geometry.times(x, u)
+    each, time = (-1, samples, model.count), geometry.times(x, u)
     motion = geometry.motion(x, u, time)
     if theta is not None:
         motion = replace(motion, theta=theta.reshape(-1, model.count))
@@ -89,20 +89,19 @@ def audit(
     )
 
     def whole(old: Array | None, fresh: Array, rows: NDArray[np.bool_] = there) -> Array:
-        size = shape if rows is there else (n, model.count)
-        out = np.empty(size) if old is None else old.copy()
-        out[rows] = fresh.reshape(-1, *size[1:])
+        out = np.empty((n, *fresh.shape[1:])) if old is None else old.copy()
+        out[rows] = fresh
         return out
 
     return Audit(
-        use=whole(known and known.use, np.maximum(forces.use, drifting.use)),
+        use=whole(known and known.use, np.maximum(forces.use, drifting.use).reshape(each)),
         settling=whole(known and known.settling, jumps, settles),
         torque=whole(
             known and known.torque,
-            torque_use(model, forces.torque_N_m, model.geometry.wheel_speeds(states.velocity)),
+            torque_use(model, forces.torque_N_m, model.geometry.wheel_speeds(states.velocity)).reshape(each),
         ),
         speed=np.sqrt(geometry.squared_speed(x)) * speed_ratio(model, geometry, caps),
-        load_N=whole(known and known.load_N, forces.load_N),
-        tipping=whole(known and known.tipping, tipping(model, states, forces.load_N)),
+        load_N=whole(known and known.load_N, forces.load_N.reshape(each)),
+        tipping=whole(known and known.tipping, tipping(model, states, forces.load_N).reshape(each)),
         time_s=time,
     )

@@ -155,6 +155,7 @@ class _Work:
         self.passes = 0
         self.rows: Rows
         self.seen: tuple[Array, Array, Audit] | None = None
+        self.whole = False  # whether what was seen is a whole check
         self.turned: list[Array] | None = None
         if request.contact is Contact.ANGLE:
             start = np.zeros(model.count) if request.theta_rad is None else request.theta_rad
@@ -222,6 +223,8 @@ class _Work:
 
         What depends on the time of an interval alone is seen by a whole check only: one ends every plan.
         """
+        if whole and self.whole and self.seen is not None and self.seen[0] is self.x:
+            return self.seen[2]
         known = changed = None
         if self.seen is not None and not whole:
             x, u, known = self.seen
@@ -239,7 +242,7 @@ class _Work:
             known=known,
             changed=changed,
         )
-        self.seen = self.x, self.u, found
+        self.seen, self.whole = (self.x, self.u, found), known is None
         return found
 
     def tighten(self, seen: Audit, aim: float) -> bool:
