@@ -65,8 +65,8 @@ def short(report: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def judge(folder: Path, budget_s: float, command: Sequence[str]) -> dict[str, Any]:
-    """The row of one set: its report in short, or why there is none."""
+def judge(folder: Path, budget_s: float, command: Sequence[str], also: Sequence[str] = ()) -> dict[str, Any]:
+    """The row of one set: its report in short, with what it holds under ``also``, or why there is none."""
     began = time.monotonic()
     words = [*command, str(folder), f"{budget_s:g}"]
     latest_s = 2.0 * budget_s + _AFTERWARDS_S
@@ -81,7 +81,8 @@ def judge(folder: Path, budget_s: float, command: Sequence[str]) -> dict[str, An
         said = (done.stderr.strip().splitlines() or ["no word"])[-1][:300]
         verdict = "refused" if done.returncode == 2 else "failed"
         return {"verdict": verdict, "status": done.returncode, "said": said, "seconds": seconds}
-    return short(json.loads(done.stdout)) | {"seconds": seconds}
+    report = json.loads(done.stdout)
+    return short(report) | {"seconds": seconds} | {key: report[key] for key in also}
 
 
 def keep(path: Path, held: dict[str, Any]) -> None:

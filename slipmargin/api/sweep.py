@@ -246,7 +246,7 @@ def sweep(
     >>> found
     <sweep of ohio-kiwi on paper: weakest 4.92 N at φ = 0°, recommended 4.42 N>
     """
-    from slipmargin.data.pulls import SAME_RAD
+    from slipmargin.data.settings import SETTINGS
     from slipmargin.limits import isotropic, sweep as limit_sweep, wrench_set
     from slipmargin.limits.self_check import self_check
     from slipmargin.limits.uncertainty import lowest_pulls
@@ -261,7 +261,7 @@ def sweep(
     pulls, outside = None, 0
     if measured is not None:
         pulls, outside = _pulls_between(phi, Path(measured), model.count)
-        on = [float(p) for p in pulls.phi_rad if np.min(np.abs(phi - p)) > SAME_RAD]
+        on = [float(p) for p in pulls.phi_rad if np.min(np.abs(phi - p)) > SETTINGS.same_rad]
         phi = np.sort(np.append(phi, on))
     by_facets = limit_sweep(model, phi)
     if not wrench_set(model).polyhedral:
@@ -319,7 +319,8 @@ def orientations(from_deg: float, to_deg: float, step_deg: float) -> Array:
 
 def _pulls_between(phi: Array, file: Path, wheels: int) -> tuple[PullGroups, int]:
     """The pulls between the first and last orientation (turned by whole turns into it), how many are not."""
-    from slipmargin.data.pulls import SAME_RAD, gather_pulls
+    from slipmargin.data.pulls import gather_pulls
+    from slipmargin.data.settings import SETTINGS
     from slipmargin.io.trial_file import read_pulls
 
     read = read_pulls(file, wheels)
@@ -330,8 +331,8 @@ def _pulls_between(phi: Array, file: Path, wheels: int) -> tuple[PullGroups, int
             "remove these columns, or use slipmargin diagnose",
             str(file),
         )
-    turned = phi[0] - SAME_RAD + np.mod(read.phi_rad - phi[0] + SAME_RAD, 2.0 * np.pi)
-    inside = turned <= phi[-1] + SAME_RAD
+    turned = phi[0] - SETTINGS.same_rad + np.mod(read.phi_rad - phi[0] + SETTINGS.same_rad, 2.0 * np.pi)
+    inside = turned <= phi[-1] + SETTINGS.same_rad
     if not np.any(inside):
         raise InputError("measured", f"no pull of {file} lies in the range swept", "widen the range")
     return gather_pulls(turned[inside], read.force_N[inside]), int(np.count_nonzero(~inside))

@@ -21,16 +21,12 @@ from slipmargin.checks import Array, frozen, real
 from slipmargin.data.delay import estimate_delay
 from slipmargin.data.odometry import bridged, wheel_angles, wheel_path
 from slipmargin.data.record import Record
+from slipmargin.data.settings import SETTINGS
 from slipmargin.effects import Effect
 from slipmargin.effects.camera import camera_effects
 from slipmargin.errors import InputError
 from slipmargin.physics.frames import rotate_rows
 from slipmargin.physics.kinematics import WheelGeometry
-
-#: Length of the pieces a run is cut into [s]: long against the delay, short against the picture.
-PIECE_S = 2.0
-#: A tilt less sure than this many standard deviations is left out.
-SURE = 4.0
 
 
 @final
@@ -141,17 +137,17 @@ def calibrate(records: tuple[Record, ...], contacts: WheelGeometry, tilt: bool =
         Where fewer than two runs move, or wheel angles are missing.
     """
     delay = estimate_delay(records, contacts)
-    pieces = [_pieces(r, contacts, delay.value_s, PIECE_S) for r in records]
+    pieces = [_pieces(r, contacts, delay.value_s, SETTINGS.calibration_piece_s) for r in records]
     pieces = [p for p in pieces if len(p.wheel)]
     if len(pieces) < 2:
         raise InputError(
             "trials",
             f"{len(pieces)} runs move long enough to calibrate by",
-            f"give two or more runs of at least {PIECE_S:g} s",
+            f"give two or more runs of at least {SETTINGS.calibration_piece_s:g} s",
         )
     middle = np.mean(np.concatenate([p.place for p in pieces]), axis=0)
     found, sd, left = _fit(pieces, middle, tilt)
-    if tilt and not np.any(np.abs(found[2:]) > SURE * sd[2:]):
+    if tilt and not np.any(np.abs(found[2:]) > SETTINGS.tilt_sure * sd[2:]):
         found, sd, left = _fit(pieces, middle, False)
     whole = np.array([np.hypot(*r.sum(axis=0)) for r in left])
     length = np.array([np.hypot(*p.wheel.sum(axis=0)) for p in pieces])

@@ -17,23 +17,9 @@ from slipmargin.data.data_set import DataSet
 from slipmargin.data.noise import white_noise
 from slipmargin.data.record import Record
 from slipmargin.data.repair import Repair, run_by_run
+from slipmargin.data.settings import SETTINGS
 
 Flags = NDArray[np.bool_]
-
-#: Frames are repeated if a run has at least so many repeats while the pose is known to change.
-_LEAST_REPEATS = 3
-#: A frame farther than this from where the last frames lead is off [standard deviations of the noise] …
-_OFF_SIGMA = 8.0
-#: … and farther than the robot can accelerate: a rubber wheel on a dry floor gives less [m/s²] …
-_ACCELERATION_M_S2 = 12.0
-#: … with this lever for turning [m]: no robot is smaller.
-_LEVER_M = 0.05
-#: The robot is back from a mistaken marker within this time [s]; otherwise the jump is an event.
-_BACK_WITHIN_S = 0.6
-#: At the ends of a run, where it is not seen to come back, at most so many frames are off.
-_MOST_AT_ENDS = 3
-#: The velocity before a jump is that of so many frames.
-_FRAMES = 6
 
 
 def _rows(record: Record, bad: Flags) -> tuple[Record, float]:
@@ -58,7 +44,7 @@ def without_zeros(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
         near = at[np.abs(np.arange(len(zero))[:, None] - at).argmin(axis=1)]
         step = np.abs(np.diff(record.pose[at], axis=0))
         usual = np.quantile(step, 0.9, axis=0) if len(step) else np.zeros(3)
-        far = np.any(np.abs(record.pose[near]) > 5.0 * usual, axis=1)
+        far = np.any(np.abs(record.pose[near]) > SETTINGS.zero_steps * usual, axis=1)
         return _rows(record, zero & far)
 
     return run_by_run(
@@ -111,7 +97,7 @@ def _repeats(record: Record) -> Flags:
     pose = record.pose
     same = np.zeros(len(pose), dtype=bool)
     same[1:] = np.all(pose[1:] == pose[:-1], axis=1)
-    if same.sum() < _LEAST_REPEATS:
+    if same.sum() < SETTINGS.least_repeats:
         return np.zeros(len(pose), dtype=bool)
     frames = np.flatnonzero(record.seen & ~same)
     if len(frames) < 4:
@@ -132,7 +118,7 @@ def _at_rows(record: Record) -> tuple[Array, float, float] | None:
     """Poses at the times of their rows, the rate of the frames [Hz], and the longest delay [s]."""
     t, seen = record.t_s, np.flatnonzero(record.seen)
     row = float(np.median(np.diff(t)))
-    if len(seen) < 8 or len(seen) > 0.8 * len(t):
+    if len(seen) < 8 or len(seen) > SETTINGS.slow_camera * len(t):
         return None
     at = t[seen]
     span = float(np.median(np.diff(at)))
@@ -183,7 +169,7 @@ def without_excursions(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
 def _excursions(record: Record, sigma: Array) -> Flags:
     bad = np.zeros(len(record.t_s), dtype=bool)
     rows = np.flatnonzero(record.seen)
-    if len(rows) < 2 * _FRAMES or not _jumps(record.t_s[rows], record.pose[rows], sigma):
+    if len(rows) < 2 * SETTINGS.velocity_frames or not _jumps(record.t_s[rows], record.pose[rows], sigma):
         return bad
     gone = _off(record.t_s[rows], record.pose[rows], sigma)
     bad[rows[gone]] = True
@@ -194,7 +180,7 @@ def _jumps(t: Array, pose: Array, sigma: Array) -> bool:
     """Whether any frame is clearly off the line between its neighbours."""
     w = ((t[1:-1] - t[:-2]) / (t[2:] - t[:-2]))[:, None]
     off = np.abs(pose[1:-1] - pose[:-2] * (1.0 - w) - pose[2:] * w)
-    return bool(np.any(off > 0.5 * _OFF_SIGMA * sigma * np.sqrt(1.0 + w**2 + (1.0 - w) ** 2)))
+    return bool(np.any(off > 0.5 * SETTINGS.off_sigma * sigma * np.sqrt(1.0 + w**2 + (1.0 - w) ** 2)))
 
 
 def _off(t: Array, pose: Array, sigma: Array) -> Flags:
@@ -211,40 +197,41 @@ def _forwards(t: Array, pose: Array, sigma: Array, start: int) -> Flags:
         reachable = _reachable(t, pose, sigma, last, k)
         if not reachable:
             back = k + 1
-            while back < len(t) and t[back] - t[last[-1]] <= _BACK_WITHIN_S:
+            while back < len(t) and t[back] - t[last[-1]] <= SETTINGS.back_within_s:
                 if _reachable(t, pose, sigma, last, back):
                     break
                 back += 1
             ends = back >= len(t)
-            if ends and len(t) - k <= _MOST_AT_ENDS:
+            if ends and len(t) - k <= SETTINGS.most_at_ends:
                 gone[k:] = True
                 break
-            inside = list(range(max(k, back - _FRAMES), back))
+            inside = list(range(max(k, back - SETTINGS.velocity_frames), back))
             # Frames that lead on to the one where the robot is believed to be back show where it really is.
             leads_on = not ends and len(inside) >= 3 and _reachable(t, pose, sigma, inside, back)
-            if not ends and not leads_on and t[back] - t[last[-1]] <= _BACK_WITHIN_S:
+            if not ends and not leads_on and t[back] - t[last[-1]] <= SETTINGS.back_within_s:
                 gone[k:back] = True
                 k = back
             else:  # it stays there: an event, after which the last frames say nothing
                 last = []
-        last = [*last[-(_FRAMES - 1) :], k]
+        last = [*last[-(SETTINGS.velocity_frames - 1) :], k]
         k += 1
     return gone
 
 
 def _good_start(t: Array, pose: Array, sigma: Array) -> int:
     """The first frame that is not off, as seen backwards from those after it."""
-    head = slice(4 * _FRAMES, None, -1) if len(t) > 4 * _FRAMES else slice(None, None, -1)
-    if len(t[head]) < 2 * _FRAMES:
+    few, most = 2 * SETTINGS.velocity_frames, SETTINGS.most_at_ends
+    head = slice(2 * few if len(t) > 2 * few else None, None, -1)
+    if len(t[head]) < few:
         return 0
     gone = _forwards(-t[head], pose[head], sigma, 0)[::-1]
-    return int(np.argmin(gone[:_MOST_AT_ENDS])) if not gone[:_MOST_AT_ENDS].all() else _MOST_AT_ENDS
+    return most if gone[:most].all() else int(np.argmin(gone[:most]))
 
 
 def _allowed(sigma: Array, gap: float, back: float) -> Array:
     """How far a frame may be from a straight line of the last ones (3,)."""
-    most = _ACCELERATION_M_S2 * np.array([1.0, 1.0, 1.0 / _LEVER_M])
-    return np.asarray(_OFF_SIGMA * sigma * np.sqrt(2.0) + most * gap * (0.5 * gap + back))
+    most = SETTINGS.acceleration_m_s2 * np.array([1.0, 1.0, 1.0 / SETTINGS.lever_m])
+    return np.asarray(SETTINGS.off_sigma * sigma * np.sqrt(2.0) + most * gap * (0.5 * gap + back))
 
 
 def _reachable(t: Array, pose: Array, sigma: Array, last: list[int], k: int) -> bool:

@@ -17,23 +17,8 @@ import numpy as np
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.odometry_match import Pieces, all_pieces, arrangements, joined, mismatch, ratios
 from slipmargin.data.record import Record
+from slipmargin.data.settings import SETTINGS
 from slipmargin.physics.kinematics import WheelGeometry
-
-#: An arrangement is named when it leaves less than this share of the stated one's mismatch (right data,
-#: whatever
-#: slips: all others leave 0.95 times or more; wrong data: the right one leaves a third or less) …
-CLEARLY = 0.5
-#: … and the stated one misses at least this share of the motion where wheels slip least.
-MISSES = 0.3
-#: Among arrangements that match about as well the one with fewest faults is named.
-_AS_GOOD = 1.1
-#: A channel is dead where its motion is this share of the other's (of the squares: a ten-thousandth).
-_DEAD = 1e-8
-#: Slip and a worn wheel change how far a robot goes for what its wheels roll by less than this factor.
-_SLIP_LEAST, _SLIP_MOST = 0.13, 1.6
-#: A factor is that of a unit if it is at most this share below it (slip takes half) or above it (a worn
-#: wheel).
-_UNIT_BELOW, _UNIT_ABOVE = 0.5, 0.1
 
 
 @final
@@ -63,7 +48,7 @@ def _clock(trial: Record) -> list[Finding]:
     step = np.diff(trial.t_s)
     usual = float(np.median(step))
     found = []
-    if usual > 0.9:
+    if usual > SETTINGS.slowest_row_s:
         found.append(
             Finding(
                 place=f"{trial.name}: t_s",
@@ -71,7 +56,7 @@ def _clock(trial: Record) -> list[Finding]:
                 cause="time in milliseconds, divide it by 1000",
             )
         )
-    elif usual < 2e-5:
+    elif usual < SETTINGS.fastest_row_s:
         found.append(
             Finding(
                 place=f"{trial.name}: t_s",
@@ -80,7 +65,7 @@ def _clock(trial: Record) -> list[Finding]:
             )
         )
     gap = int(np.argmax(step))
-    if step[gap] > max(50.0 * usual, 20.0 * usual + 1.0):
+    if step[gap] > max(SETTINGS.jump_rows * usual, 20.0 * usual + SETTINGS.jump_s):
         found.append(
             Finding(
                 place=f"{trial.name}: t_s",
@@ -94,7 +79,7 @@ def _clock(trial: Record) -> list[Finding]:
 def _motion(pieces: Pieces, contacts: WheelGeometry) -> list[Finding]:
     rolled = float(np.sum((pieces.turned @ contacts.no_slip_map().T) ** 2))
     power = float(np.sum(pieces.seen[0] ** 2))
-    if min(rolled, power) <= _DEAD * max(rolled, power):
+    if min(rolled, power) <= SETTINGS.dead * max(rolled, power):
         still = "wheels" if rolled < power else "pose"
         if max(rolled, power) < 1e-6:
             return []
@@ -109,13 +94,13 @@ def _motion(pieces: Pieces, contacts: WheelGeometry) -> list[Finding]:
     if scaled:
         return scaled
     stated = mismatch(pieces, None, contacts)
-    if not stated > MISSES:
+    if not stated > SETTINGS.misses:
         return []
     others = [(mismatch(pieces, a, contacts), a) for a in arrangements(contacts.names)]
     least = min(value for value, _ in others)
-    if not least < CLEARLY * stated:
+    if not least < SETTINGS.clearly_better * stated:
         return []
-    best, likely = next((value, a) for value, a in others if value <= _AS_GOOD * least + 0.01)
+    best, likely = next((value, a) for value, a in others if value <= SETTINGS.as_good * least + 0.01)
     what = (
         f"where wheels slip least, their motion misses {100 * stated:.0f} % of the measured one, "
         f"{100 * best:.0f} % otherwise"
@@ -141,10 +126,10 @@ _SPUN = {
 def _scale(moved: float, turned: float) -> list[Finding]:
     """Lengths or angles off by a factor that slip and wear do not make, from how far robots move and turn."""
     found = []
-    if not np.isnan(moved) and not _SLIP_LEAST < moved < _SLIP_MOST:
+    if not np.isnan(moved) and not SETTINGS.least_moved < moved < SETTINGS.most_moved:
         both = np.isnan(turned) or 0.5 * moved < turned < 2.0 * moved
         units = {**_SPUN, **_FAR} if both else {**_FAR, **_SPUN}
-        near = (c for f, c in units.items() if 1.0 - _UNIT_BELOW < moved / f < 1.0 + _UNIT_ABOVE)
+        near = (cause for factor, cause in units.items() if _is_unit(moved / factor))
         found.append(
             Finding(
                 place="x_m, y_m",
@@ -152,7 +137,7 @@ def _scale(moved: float, turned: float) -> list[Finding]:
                 problem=f"the robot moved {moved:.3g} times what its wheels rolled",
             )
         )
-    elif not np.isnan(turned) and 1.0 - _UNIT_BELOW < turned * np.pi / 180.0 < 1.0 + _UNIT_ABOVE:
+    elif not np.isnan(turned) and _is_unit(turned * np.pi / 180.0):
         found.append(
             Finding(
                 place="phi_rad",
@@ -161,6 +146,10 @@ def _scale(moved: float, turned: float) -> list[Finding]:
             )
         )
     return found
+
+
+def _is_unit(ratio: float) -> bool:
+    return 1.0 - SETTINGS.unit_below < ratio < 1.0 + SETTINGS.unit_above
 
 
 def _once(found: list[Finding]) -> list[Finding]:

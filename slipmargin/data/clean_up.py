@@ -16,6 +16,7 @@ from slipmargin.data.clocks import from_zero, regular
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.repair import Repair, Stage
 from slipmargin.data.run_arrangement import alike
+from slipmargin.data.settings import SETTINGS
 from slipmargin.data.wheel_signals import fine_angles, speeds_agree, unwrapped
 from slipmargin.work import ROWS, allow
 
@@ -30,10 +31,6 @@ STAGES: tuple[Stage, ...] = (
     without_excursions,
     alike,
 )
-
-
-#: A log that would have so many times its rows on an even clock holds a wrong time stamp [1].
-SPARSE = 100
 
 
 @final
@@ -56,7 +53,7 @@ def _refuse_ages(data_set: DataSet) -> None:
     for trial in data_set.trials:
         step = np.diff(trial.t_s)
         even = float(trial.duration_s / np.median(step)) if len(step) else 0.0
-        if even > SPARSE * len(trial.t_s):
+        if even > SETTINGS.sparse * len(trial.t_s):
             gap = int(np.argmax(step))
             cure = (
                 f"correct or cut out the time at {trial.t_s[gap]:.4g} s, where it jumps by {step[gap]:.3g} s"

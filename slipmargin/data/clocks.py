@@ -11,13 +11,7 @@ from slipmargin.checks import Array
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.record import WHEEL_SIGNALS, Record
 from slipmargin.data.repair import Repair, run_by_run
-
-#: Runs do not start as late as this on a clock of their own [s] (11 days).
-_EPOCH_S = 1e6
-#: Stamps tremble if they miss equal steps by more than this share of a step (root mean square) …
-_TREMBLE = 0.01
-#: … and equal steps make the measured angles smoother by this factor.
-_SMOOTHER = 0.7
+from slipmargin.data.settings import SETTINGS
 
 
 def from_zero(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
@@ -25,7 +19,7 @@ def from_zero(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
 
     def mend(record: Record) -> tuple[Record, float]:
         start = float(record.t_s[0])
-        if abs(start) < _EPOCH_S:
+        if abs(start) < SETTINGS.epoch_s:
             return record, 0.0
         return replace(record, t_s=record.t_s - start), start
 
@@ -57,7 +51,7 @@ def regular(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
         np.sqrt(np.mean([_roughness(x, _signal(t)) ** 2 for t, x in times]))
         for times in ([(t, t.t_s) for t, _ in pairs], pairs)
     )
-    if equal > _SMOOTHER * stamped:
+    if equal > SETTINGS.smoother * stamped:
         return data_set, ()
 
     def mend(record: Record) -> tuple[Record, float]:
@@ -92,7 +86,7 @@ def _grid(record: Record) -> Array | None:
         grid = np.asarray(start + step * number)
         off = np.abs(t - grid)
         if off.max() < step:
-            return grid if float(np.sqrt(np.mean(off**2))) > _TREMBLE * step else None
+            return grid if float(np.sqrt(np.mean(off**2))) > SETTINGS.tremble * step else None
     return None
 
 

@@ -10,11 +10,11 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.data.odometry import body_path, wheel_angles, wheel_path
 from slipmargin.data.record import Record
+from slipmargin.data.settings import SETTINGS
 from slipmargin.errors import InputError
 from slipmargin.physics.kinematics import WheelGeometry
 
 _GRID_S = np.arange(-0.4, 0.4001, 0.005)
-_EARLY_S = 2.5  #: only the start determines the delay: later motion is a straight line
 
 
 @final
@@ -62,7 +62,7 @@ def _one(record: Record, contacts: WheelGeometry) -> float | None:
     if not np.abs(wheel).max() > 0.0 or moving[0] or not moving.any():
         return None
     start = t[int(np.argmax(moving))]
-    near = (t > start - 1.0) & (t < start + _EARLY_S)
+    near = (t > start - 1.0) & (t < start + SETTINGS.early_s)
     if np.count_nonzero(near) < 8:
         return None
     misfit = np.array([_misfit(t[near], seen[near], t, wheel, delay) for delay in _GRID_S])

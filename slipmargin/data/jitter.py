@@ -15,13 +15,10 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.data.odometry import bridged
 from slipmargin.data.record import Record
+from slipmargin.data.settings import SETTINGS
 
 #: The cubic through the two neighbours on each side, in equal steps: its weights at the sample.
 _NEIGHBOURS = np.array([-1.0, 4.0, 0.0, 4.0, -1.0]) / 6.0
-#: A 95 % interval.
-_SURE = 0.95
-#: Samples slower than this share of the fastest tell nothing.
-_MOVES = 0.1
 
 
 @final
@@ -55,7 +52,7 @@ def jitter(records: tuple[Record, ...]) -> Jitter | None:
     value = top.sum() / bottom.sum()
     without = (top.sum() - top) / (bottom.sum() - bottom)
     spread = np.sqrt((count - 1) / count * np.sum((without - without.mean()) ** 2))
-    half = float(stdtrit(count - 1, 0.5 * (1.0 + _SURE))) * spread
+    half = float(stdtrit(count - 1, 0.5 * (1.0 + SETTINGS.sure))) * spread
     low, middle, high = (float(np.sqrt(max(0.0, v))) for v in (value - half, value, value + half))
     return Jitter(value_s=middle, low_s=low, high_s=high)
 
@@ -73,7 +70,7 @@ def _sums(record: Record) -> tuple[float, float] | None:
     even = np.ptp(
         np.lib.stride_tricks.sliding_window_view(np.diff(record.t_s), 4), axis=1
     ) < 1e-3 * np.median(np.diff(record.t_s))
-    rows = even & np.isfinite(misses).all(axis=1) & (speed > _MOVES * np.nanmax(speed))
+    rows = even & np.isfinite(misses).all(axis=1) & (speed > SETTINGS.jitter_moves * np.nanmax(speed))
     if rows.sum() < 20:
         return None
     unit = velocity[rows] / speed[rows, None]

@@ -14,6 +14,7 @@ import numpy as np
 
 from slipmargin.checks import Array, frozen
 from slipmargin.data.record import Record
+from slipmargin.data.settings import SETTINGS
 
 #: Neighbours of a sample that its curve goes through: two make a line, four a cubic.
 _LINE, _CUBIC = (-1, 1), (-2, -1, 1, 2)
@@ -82,34 +83,8 @@ def _against_neighbours(record: Record, axis: int, around: tuple[int, ...]) -> A
     return np.asarray((value[inner] - curve) / np.sqrt(power))
 
 
-#: Samples in the windows whose spectra are read, and the share of the windows below the spectrum that is
-#: taken:
-#: those in which the residual is least anything but noise.
-_WINDOWS, _QUIET = (64, 128, 256), 0.4
-#: A spectrum of longer windows counts if first-order noise fits it as well as this [chi² per line]: low
-#: frequencies
-#: hold most of what a model lacks.
-_GOOD_FIT = 1.5
-#: Lines of a window from this one on are read (the tapered window blurs the first), and in the shortest
-#: windows from
-#: this frequency on [Hz]: below, a residual is mostly motion.
-_FIRST_LINE, _MOTION_HZ = 2, 3.0
-#: Part of the noise lasts where that explains the spectrum better than white noise by so much, and better
-#: than
-#: a steep one (of forces that a model lacks, whose motion has no high frequencies) by so much [chi²].
-_LASTS, _NOT_STEEP = 15.0, 1.0
-#: … and by so much where the residual is far more than noise.
-_NOT_STEEP_FAR = 16.0
-#: Fits within this of the best are as good [chi²].
-_AS_GOOD = 1.0
-#: Least correlation of the noise from sample to sample that is called lasting.
-_LEAST_CORRELATION = 0.15
-#: Long windows are read where the residual is less than this many times the white noise (root mean
-#: square): else a
-#: model lacks something whose motion reaches into their lines.
-_NEARLY_NOISE = 2.5
-#: … or less than this many times the stated noise.
-_AS_STATED = 1.3
+#: Samples in the windows whose spectra are read.
+_WINDOWS = (64, 128, 256)
 #: How many times to fade and how many shares are tried.
 _TIMES, _SHARES = 24, 40
 
@@ -143,14 +118,14 @@ def lasting_noise(
             continue
         pooled = np.concatenate([r[:, axes].ravel() for _, r in residuals])
         size, flat = float(np.sqrt(np.nanmean(pooled**2))), float(np.median(spectra[0][1]))
-        as_stated = stated is not None and size < _AS_STATED * float(
+        as_stated = stated is not None and size < SETTINGS.as_stated * float(
             np.mean(stated[list(axes)] / scale[list(axes)])
         )
-        near = size < _NEARLY_NOISE * np.sqrt(flat) or as_stated
+        near = size < SETTINGS.nearly_noise * np.sqrt(flat) or as_stated
         # One camera sees both: noise that lasts in x and y is expected to last in the heading.
-        apart = _NOT_STEEP if near or share.any() else _NOT_STEEP_FAR
+        apart = SETTINGS.not_steep if near or share.any() else SETTINGS.not_steep_far
         shortest, *longer = [_first_order(*s, apart) for s in (spectra if near else spectra[:1])]
-        good = [fit for fit in longer if fit[3] < _GOOD_FIT and fit[1] > 0.0]
+        good = [fit for fit in longer if fit[3] < SETTINGS.good_spectrum and fit[1] > 0.0]
         white, part, fades, _ = good[-1] if good else shortest
         if near and part > 0.0:
             white, part, fades = _as_large(white, part, fades, size)
@@ -203,15 +178,16 @@ def _spectrum(
                 spectra.append(np.abs(np.fft.rfft((piece - level @ piece) * taper)) ** 2)
     if len(spectra) < 6:
         return None
-    first = _FIRST_LINE
+    first = SETTINGS.first_line
     if window == _WINDOWS[0]:
-        first = max(first, min(size // 4, int(np.ceil(_MOTION_HZ * size * step_s))))
+        first = max(first, min(size // 4, int(np.ceil(SETTINGS.motion_hz * size * step_s))))
     lines = np.arange(first, size // 2)
-    power = np.quantile(np.array(spectra), _QUIET, axis=0)[lines] / -np.log(1.0 - _QUIET)
+    quiet = SETTINGS.quiet_windows
+    power = np.quantile(np.array(spectra), quiet, axis=0)[lines] / -np.log(1.0 - quiet)
     # A quantile of n exponential values; windows that overlap by half count for two thirds, as do lines of
     # a taper.
     count = len(spectra) / 1.5
-    spread = float(np.sqrt(_QUIET / (1.0 - _QUIET) / count) / -np.log(1.0 - _QUIET)) * np.sqrt(1.5)
+    spread = float(np.sqrt(quiet / (1.0 - quiet) / count) / -np.log(1.0 - quiet)) * np.sqrt(1.5)
     return 2.0 * np.pi * lines / size, np.maximum(power, 1e-30), spread, step_s, shortest * step_s
 
 
@@ -238,14 +214,14 @@ def _first_order(
     odds = shares / (1.0 - shares) / within
     fits = misfit(1.0 + odds * lasting)
     found = float(fits.min())
-    if flat - found < _LASTS or steepest - found < apart:
+    if flat - found < SETTINGS.lasts or steepest - found < apart:
         return float(np.exp(level.mean())), 0.0, float(times[0]), flat / len(line)
     # Where a spectrum falls down to its first line, all long times fit: the shortest claims the least.
-    first = int(np.argmax(fits.min(axis=1) < found + _AS_GOOD))
+    first = int(np.argmax(fits.min(axis=1) < found + SETTINGS.as_good_spectrum))
     at = (first, int(np.argmin(fits[first])))
     odd = float(odds[at[0], at[1], 0])
     white = float(np.exp(np.mean(level - np.log(1.0 + odd * lasting[at[0], 0]))))
     part = odd / (1.0 + odd)
-    if part * np.exp(-step_s / times[at[0]]) < _LEAST_CORRELATION:
+    if part * np.exp(-step_s / times[at[0]]) < SETTINGS.least_correlation:
         return float(np.exp(level.mean())), 0.0, float(times[0]), flat / len(line)
     return white, part, float(times[at[0]]), found / len(line)

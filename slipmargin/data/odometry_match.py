@@ -18,15 +18,8 @@ from slipmargin.checks import Array
 from slipmargin.data.data_set import DataSet, WheelSignal
 from slipmargin.data.odometry import body_path, wheel_angles
 from slipmargin.data.record import Record
+from slipmargin.data.settings import SETTINGS
 from slipmargin.physics.kinematics import WheelGeometry
-
-#: Pieces are at least so long [s] and so many samples.
-_PIECE_S, _PIECE_SAMPLES = 0.1, 3
-#: A piece moves if it goes at least this share of the way of the fastest pieces.
-_MOVES = 0.2
-#: The share of the pieces by which an arrangement is judged: the better ones.
-_BETTER = 0.35
-_MOST_WHEELS = 5  #: permutations are tried up to here
 
 
 @final
@@ -86,7 +79,7 @@ def pieces(record: Record, signal: WheelSignal) -> Pieces | None:
     if angle is None or len(rows) < 8:
         return None
     t = record.t_s[rows]
-    span = max(_PIECE_S, _PIECE_SAMPLES * float(np.median(np.diff(t))))
+    span = max(SETTINGS.piece_s, SETTINGS.piece_samples * float(np.median(np.diff(t))))
     edges = np.unique(np.searchsorted(t, np.arange(t[0], t[-1] + 1e-9, span)).clip(0, len(t) - 1))
     if len(edges) < 3:
         return None
@@ -121,7 +114,7 @@ def mismatch(part: Pieces, arrangement: Arrangement | None, geometry: WheelGeome
     weigh = np.array([1.0, 1.0, float(np.mean(np.hypot(*geometry.position_m.T)))])
     by, seen = turned @ geometry.no_slip_map().T * weigh, seen * weigh
     went = np.sqrt(np.maximum(np.sum(by**2, axis=1), np.sum(seen**2, axis=1)))
-    moving = went > _MOVES * np.quantile(went, 0.95)
+    moving = went > SETTINGS.piece_moves * np.quantile(went, 0.95)
     if not moving.any() or not went.max() > 0.0:
         return float("nan")
     by, seen, went = by[moving], seen[moving], went[moving]
@@ -129,7 +122,7 @@ def mismatch(part: Pieces, arrangement: Arrangement | None, geometry: WheelGeome
     rolls = power > 0.0
     factor = float(np.clip(np.median(along[rolls] / power[rolls]), 0.3, 1.5)) if rolls.any() else 1.0
     misses = np.sqrt(np.sum((seen - factor * by) ** 2, axis=1)) / went
-    return float(np.quantile(misses, _BETTER))
+    return float(np.quantile(misses, SETTINGS.better_pieces))
 
 
 def ratios(part: Pieces, geometry: WheelGeometry) -> tuple[float, float]:
@@ -144,7 +137,7 @@ def ratios(part: Pieces, geometry: WheelGeometry) -> tuple[float, float]:
     for columns, lever in ((slice(0, 2), 1.0), (slice(2, 3), reach)):
         rolled = np.sqrt(np.sum(by[:, columns] ** 2, axis=1))
         moved = np.sqrt(np.sum(seen[:, columns] ** 2, axis=1))
-        moving = rolled * lever > _MOVES * went
+        moving = rolled * lever > SETTINGS.piece_moves * went
         out.append(float(np.median(moved[moving] / rolled[moving])) if moving.any() else float("nan"))
     return out[0], out[1]
 
@@ -154,7 +147,7 @@ def arrangements(names: tuple[str, ...]) -> tuple[Arrangement, ...]:
     n = len(names)
     straight = tuple(range(n))
     orders = [straight]
-    if n <= _MOST_WHEELS:
+    if n <= SETTINGS.most_permuted:
         orders += [p for p in permutations(range(n)) if p != straight]
     signs: list[tuple[str, tuple[float, ...]]] = [
         ("", (1.0,) * n),

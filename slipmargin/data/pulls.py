@@ -8,12 +8,8 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array, Index, frozen, real
+from slipmargin.data.settings import SETTINGS
 from slipmargin.errors import InputError
-
-#: Pulls closer together than this belong to one orientation [rad] (a fifth of a degree).
-SAME_RAD = 3.5e-3
-#: Points of pull closer together than this are one [m].
-SAME_M = 1e-3
 
 
 @final
@@ -68,7 +64,7 @@ class Pulls:
         """What was pulled how: settings (G, 5), and which of them each pull (P,) is.
 
         A setting is orientation [rad], direction [rad], point x, y [m] (NaN: the centre of mass) and
-        height [m].  Orientations that agree to :data:`SAME_RAD`, a full turn apart or not, are one.
+        height [m].  Orientations within :attr:`DataSettings.same_rad`, a full turn apart or not, are one.
         """
         count = len(self.phi_rad)
         direction = np.zeros(count) if self.direction_rad is None else self.direction_rad
@@ -77,7 +73,7 @@ class Pulls:
         found: list[Array] = []
         which = np.empty(count, dtype=np.int64)
         rows = np.column_stack([self.phi_rad, direction, point, height])
-        for at in np.lexsort((np.mod(self.phi_rad + 0.5 * SAME_RAD, 2.0 * np.pi),)):
+        for at in np.lexsort((np.mod(self.phi_rad + 0.5 * SETTINGS.same_rad, 2.0 * np.pi),)):
             which[at] = next((g for g, one in enumerate(found) if _same(one, rows[at])), len(found))
             if which[at] == len(found):
                 found.append(rows[at])
@@ -86,8 +82,8 @@ class Pulls:
 
 def _same(one: Array, other: Array) -> bool:
     turned = np.abs(np.mod(one[:2] - other[:2] + np.pi, 2.0 * np.pi) - np.pi)
-    return bool(np.all(turned <= SAME_RAD)) and bool(
-        np.all(np.nan_to_num(np.abs(one[2:] - other[2:])) <= SAME_M)
+    return bool(np.all(turned <= SETTINGS.same_rad)) and bool(
+        np.all(np.nan_to_num(np.abs(one[2:] - other[2:])) <= SETTINGS.same_m)
     )
 
 
@@ -115,14 +111,14 @@ class PullGroups:
         """The group at an orientation, or None where nothing was measured."""
         gap = np.abs(self.phi_rad - phi_rad)
         at = int(np.argmin(gap))
-        return at if gap[at] <= SAME_RAD else None
+        return at if gap[at] <= SETTINGS.same_rad else None
 
 
 def gather_pulls(phi_rad: Array, force_N: Array) -> PullGroups:
-    """Group pulls whose orientations agree to :data:`SAME_RAD`."""
+    """Group pulls whose orientations agree to :attr:`DataSettings.same_rad`."""
     order = np.argsort(phi_rad, kind="stable")
     phi, force = np.asarray(phi_rad)[order], np.asarray(force_N)[order]
-    groups = np.split(np.arange(len(phi)), np.flatnonzero(np.diff(phi) > SAME_RAD) + 1)
+    groups = np.split(np.arange(len(phi)), np.flatnonzero(np.diff(phi) > SETTINGS.same_rad) + 1)
     return PullGroups(
         phi_rad=np.array([phi[g].mean() for g in groups]),
         mean_N=np.array([force[g].mean() for g in groups]),

@@ -8,6 +8,7 @@ from typing import Any, final
 import numpy as np
 
 from slipmargin.checks import Array, measurable, read_only, shaped
+from slipmargin.data.settings import SETTINGS
 from slipmargin.errors import InputError
 
 #: The signals of the wheels that a record may hold: field name → meaning.
@@ -17,9 +18,6 @@ WHEEL_SIGNALS = {
     "omega_cmd": "commanded wheel speed [rad/s]",
     "current": "motor current [A]",
 }
-#: Rows of a run from which what concerns all of it is told, a delay or wheels in another order: more than an
-#: hour at 100 Hz.  All of the longest logs would ask for gigabytes.
-LONG = 400_000
 
 
 @final
@@ -93,7 +91,7 @@ class Record:
                 return int(value.shape[1])
         return 0
 
-    def first(self, rows: int = LONG) -> Record:
+    def first(self, rows: int = SETTINGS.first_rows) -> Record:
         """The run up to so many rows after its first whole pose; itself where it is no longer."""
         stop = int(np.argmax(self.seen)) + rows
         if stop >= len(self.t_s):

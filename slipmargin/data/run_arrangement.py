@@ -11,18 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from slipmargin.data.checks import CLEARLY
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.odometry_match import Arrangement, all_pieces, arrangements, joined, mismatch
 from slipmargin.data.record import WHEEL_SIGNALS, Record
 from slipmargin.data.repair import Repair, in_runs
-
-#: A run is mended where its columns as they stand miss more than this share of the motion …
-_MISSES = 0.45
-#: … and the other arrangement less than this, and less than this share of the former.
-_MATCHES, _CLEARLY = 0.2, 0.35
-#: A run says something of its columns if it has so many pieces.
-_LEAST_PIECES = 6
+from slipmargin.data.settings import SETTINGS
 
 
 def alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
@@ -38,13 +31,13 @@ def alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     taken: dict[str, tuple[Arrangement, list[str]]] = {}
     trials = list(data_set.trials)
     for i, part in enumerate(pieces):
-        if part is None or part.count < _LEAST_PIECES:
+        if part is None or part.count < SETTINGS.least_pieces:
             continue
         stated = mismatch(part, None, geometry)
-        if not stated > _MISSES:
+        if not stated > SETTINGS.run_misses:
             continue
         best = min(possible, key=lambda a: np.nan_to_num(mismatch(part, a, geometry), nan=np.inf))
-        if mismatch(part, best, geometry) < min(_MATCHES, _CLEARLY * stated):
+        if mismatch(part, best, geometry) < min(SETTINGS.run_matches, SETTINGS.run_clearly_better * stated):
             taken.setdefault(best.words, (best, []))[1].append(trials[i].name)
             trials[i] = _arranged(trials[i], best)
     wrong = {name for _, names in taken.values() for name in names}
@@ -53,7 +46,7 @@ def alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
         return data_set, ()
     whole = joined(right)
     stated = mismatch(whole, None, geometry)
-    if not all(stated < CLEARLY * mismatch(whole, a, geometry) for a, _ in taken.values()):
+    if not all(stated < SETTINGS.clearly_better * mismatch(whole, a, geometry) for a, _ in taken.values()):
         return data_set, ()
     repairs = tuple(
         Repair(

@@ -14,14 +14,10 @@ import numpy as np
 
 from slipmargin.checks import real
 from slipmargin.data.record import WHEEL_SIGNALS, Record
-
-#: Lead-in of a run [s]: longer than a camera is late and than friction takes to change a velocity.
-LEAD_S = 0.4
-#: A piece shorter than this share of a segment, at the end of a recording, is left out.
-_SHORTEST = 0.5
+from slipmargin.data.settings import SETTINGS
 
 
-def segments(record: Record, length_s: float, lead_s: float = LEAD_S) -> tuple[Record, ...]:
+def segments(record: Record, length_s: float, lead_s: float = SETTINGS.lead_s) -> tuple[Record, ...]:
     """Runs of ``length_s`` seconds [s], with a lead-in of at most ``lead_s``, in which the wheels move.
 
     Raises
@@ -38,7 +34,8 @@ def segments(record: Record, length_s: float, lead_s: float = LEAD_S) -> tuple[R
         begin, end = t[0] + k * length_s, t[0] + (k + 1) * length_s
         rows = np.flatnonzero((t >= begin - lead_s) & (t < end))
         own = t[rows] >= begin
-        if own.sum() < 2 or end - t[-1] > (1.0 - _SHORTEST) * length_s or not _moves(record, rows):
+        short = end - t[-1] > (1.0 - SETTINGS.shortest_segment) * length_s
+        if own.sum() < 2 or short or not _moves(record, rows):
             continue
         pose = np.array(record.pose[rows])
         pose[~own] = np.nan

@@ -11,33 +11,11 @@ from slipmargin.data.data_set import DataSet
 from slipmargin.data.odometry import bridged
 from slipmargin.data.record import Record
 from slipmargin.data.repair import Repair, run_by_run
+from slipmargin.data.settings import SETTINGS
 
 _TURN = 2.0 * np.pi
-#: Angles are wrapped if at least this share of their large steps are whole turns.
-_WHOLE = 0.8
 #: What wheel speeds may be given in instead of rad/s: the factor that makes them rad/s.
 _SPEED_UNITS = {"turns a minute": _TURN / 60.0, "degrees a second": np.pi / 180.0, "turns a second": _TURN}
-#: A factor between angles and speeds is that of a unit if it is as near as this [1].
-_UNIT_WITHIN = 0.02
-#: Speeds that differ from the rate of the angles by more than this share are no measurement of it.
-_NO_SPEED = 0.1
-#: A clock is wrong if speeds and angles differ by more than this share [1] (an encoder is a count and a
-#: controller's
-#: clock a quartz; both are far better) …
-_CLOCK_LEAST = 0.003
-#: … and by so many standard errors.
-_CLOCK_ERRORS = 5.0
-#: Blocks over which angles and integrated speeds are compared [s].
-_BLOCK_S = 0.25
-#: Encoders of fewer ticks a turn than this are smoothed.
-_FINE_TICKS = 1500.0
-#: Angles agree with integrated speeds if the difference has at most this share of a tick (rms; rounding
-#: makes 0.29).
-_WITHIN_TICK = 0.45
-#: Speeds are no differences of the counts if the third differences of the way they add up to stay below
-#: this share of
-#: a tick while the wheel turns (three quarters of them; differences of counts come in quarters of a tick).
-_OWN_SPEED = 0.15
 
 
 def unwrapped(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
@@ -106,7 +84,8 @@ def _unwrap(angle: Array, expected: Array) -> tuple[Array, int]:
     turns = np.round((step - way) / period)
     left = np.abs(step - period * turns - way)[turns != 0.0]
     # A step of a whole turn is that and little else; one of a marker mistaken for another is anything.
-    if not len(left) or np.mean(left < 0.1 * period + 4.0 * np.median(np.abs(step - way))) < _WHOLE:
+    near = 0.1 * period + 4.0 * np.median(np.abs(step - way))
+    if not len(left) or np.mean(left < near) < SETTINGS.whole_turns:
         return angle, 0
     out = np.array(angle)
     out[known] = values - period * np.append(0.0, np.cumsum(turns))
@@ -131,7 +110,7 @@ def speeds_agree(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     factor = np.sum(by_speed * by_angle, axis=0) / power
     every = tuple(t.name for t in data_set.trials)
     for unit, wanted in _SPEED_UNITS.items():
-        if np.all(np.abs(factor / wanted - 1.0) < _UNIT_WITHIN):
+        if np.all(np.abs(factor / wanted - 1.0) < SETTINGS.unit_within):
             changed = tuple(
                 t if t.omega is None else replace(t, omega=wanted * t.omega) for t in data_set.trials
             )
@@ -146,7 +125,7 @@ def speeds_agree(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
             )
             done, more = speeds_agree(replace(data_set, trials=changed))
             return done, (repair, *more)
-    if np.any(np.abs(factor - 1.0) > _NO_SPEED):
+    if np.any(np.abs(factor - 1.0) > SETTINGS.no_speed):
         worst = int(np.argmax(np.abs(factor - 1.0)))
         changed = tuple(t if t.theta is None else replace(t, omega=None) for t in data_set.trials)
         names = data_set.recipe.robot.wheels
@@ -165,7 +144,7 @@ def speeds_agree(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     each = np.array([float(np.sum(s * a) / np.sum(s**2)) for s, a in parts if np.sum(s**2) > 0.0])
     error = float(np.std(each, ddof=1) / np.sqrt(len(each))) if len(each) > 1 else 1.0
     error = max(error, float(np.ptp(factor)) / len(factor))
-    if abs(pooled - 1.0) < max(_CLOCK_LEAST, _CLOCK_ERRORS * error):
+    if abs(pooled - 1.0) < max(SETTINGS.clock_least, SETTINGS.clock_errors * error):
         return data_set, ()
     changed = tuple(replace(t, t_s=t.t_s[0] + pooled * (t.t_s - t.t_s[0])) for t in data_set.trials)
     return replace(data_set, trials=changed), (
@@ -191,7 +170,7 @@ def _blocks(record: Record) -> tuple[Array, Array] | None:
     from scipy.interpolate import CubicSpline
 
     turned = CubicSpline(t, omega).antiderivative()(t)
-    count = max(1, int(record.duration_s / _BLOCK_S))
+    count = max(1, int(record.duration_s / SETTINGS.block_s))
     edges = np.unique(np.searchsorted(t, np.linspace(t[0], t[-1], count + 1)).clip(0, len(t) - 1))
     return np.diff(turned[edges], axis=0), np.diff(theta[edges], axis=0)
 
@@ -216,7 +195,7 @@ def _fine(record: Record) -> tuple[Record, float]:
     if record.theta is None:
         return record, 0.0
     ticks = np.array([tick(column) for column in record.theta.T])
-    coarse = ticks > _TURN / _FINE_TICKS
+    coarse = ticks > _TURN / SETTINGS.fine_ticks
     if not coarse.any():
         return record, 0.0
     t = record.t_s
@@ -252,8 +231,8 @@ def _smoothed(t: Array, angle: Array, speed: Array | None, step: float) -> tuple
         offset = angle[known] - way[known]
         moving = np.abs(rate[3:]) > 0.1 * np.abs(rate).max()
         rough = np.abs(np.diff(way, n=3))[moving]
-        own = len(rough) > 0 and float(np.quantile(rough, 0.75)) < _OWN_SPEED * step
-        if own and float(np.std(offset)) < _WITHIN_TICK * step:
+        own = len(rough) > 0 and float(np.quantile(rough, 0.75)) < SETTINGS.own_speed * step
+        if own and float(np.std(offset)) < SETTINGS.within_tick * step:
             return way + float(np.mean(offset)), rate
     from scipy.interpolate import make_smoothing_spline
 

@@ -15,15 +15,9 @@ from slipmargin.checks import Array, Index
 from slipmargin.data.record import WHEEL_SIGNALS, Record
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Event
+from slipmargin.diagnosis.settings import SETTINGS
 
-#: Within how long an event happens [s].
-_SPAN_S = 0.1
-#: A jump of the residual must exceed both: so many standard deviations, and so many times the
-#: largest ordinary jump (99th percentile over the other trials).
-_SIGMAS, _ORDINARY = 16.0, 8.0
 _CHANNELS = ("x", "y", "phi")
-#: A part of a cut run is kept if it is as long as this [s].
-_LEAST_S = 0.4
 
 
 def find_events(problem: Problem, predicted: Array, ordinary: Index) -> tuple[Event, ...]:
@@ -41,7 +35,7 @@ def find_events(problem: Problem, predicted: Array, ordinary: Index) -> tuple[Ev
     jumps = []
     for trial, pose in zip(problem.trials, predicted, strict=True):
         gap = (trial.pose - pose[: len(trial.t_s)]) / problem.sigma
-        half = max(2, round(_SPAN_S / max(1e-9, float(np.median(np.diff(trial.t_s))))))
+        half = max(2, round(SETTINGS.event_span_s / max(1e-9, float(np.median(np.diff(trial.t_s))))))
         jumps.append(_jumps(gap, half))
     found = []
     for number, (trial, jump) in enumerate(zip(problem.trials, jumps, strict=True)):
@@ -49,7 +43,7 @@ def find_events(problem: Problem, predicted: Array, ordinary: Index) -> tuple[Ev
         for axis, channel in enumerate(_CHANNELS):
             size = np.nan_to_num(np.abs(jump[:, axis]))
             at = int(np.argmax(size))
-            if size[at] > max(_SIGMAS, _ORDINARY * float(usual[axis])):
+            if size[at] > max(SETTINGS.event_sigmas, SETTINGS.event_ordinary * float(usual[axis])):
                 found.append(
                     Event(
                         trial=trial.name,
@@ -98,7 +92,7 @@ def with_measured_velocity(problem: Problem, runs: Sequence[int]) -> Problem:
     for row, (trial, run) in enumerate(zip(problem.trials, runs, strict=True)):
         if row == 0 or runs[row - 1] != run:
             continue
-        early = (trial.t_s <= trial.t_s[0] + _SPAN_S) & np.isfinite(trial.pose).all(axis=1)
+        early = (trial.t_s <= trial.t_s[0] + SETTINGS.event_span_s) & np.isfinite(trial.pose).all(axis=1)
         if early.sum() >= 4:
             line = np.polyfit(trial.t_s[early] - trial.t_s[0], trial.pose[early], 1)
             twists[row] = line[0]
@@ -106,12 +100,12 @@ def with_measured_velocity(problem: Problem, runs: Sequence[int]) -> Problem:
 
 
 def _parts(record: Record, times: list[float]) -> list[Record]:
-    starts = [-np.inf, *(t + _SPAN_S for t in times)]
-    ends = [*(t - _SPAN_S for t in times), np.inf]
+    starts = [-np.inf, *(t + SETTINGS.event_span_s for t in times)]
+    ends = [*(t - SETTINGS.event_span_s for t in times), np.inf]
     parts = []
     for start, end in zip(starts, ends, strict=True):
         rows = (record.t_s >= start) & (record.t_s <= end)
-        if rows.sum() < 2 or np.ptp(record.t_s[rows]) < _LEAST_S or not record.seen[rows].any():
+        if rows.sum() < 2 or np.ptp(record.t_s[rows]) < SETTINGS.least_part_s or not record.seen[rows].any():
             continue
         signals: dict[str, Any] = {
             f: None if (v := getattr(record, f)) is None else v[rows] for f in WHEEL_SIGNALS

@@ -10,9 +10,7 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit
-
-#: Coverage of the intervals.
-_SURE = 0.95
+from slipmargin.diagnosis.settings import SETTINGS
 
 
 @final
@@ -58,9 +56,10 @@ class Intervals:
         own = self.covariance[span, span] / np.outer(candidate.scale, candidate.scale)
         distance = float(away @ np.linalg.pinv(own)[np.ix_(acts, acts)] @ away)
         size, left = candidate.size, self.freedom - candidate.size + 1
+        level = SETTINGS.interval_level
         if np.isinf(self.freedom):
-            return distance <= float(chdtri(size, 1.0 - _SURE))
-        return left < 1 or distance <= size * self.freedom / left * float(fdtri(size, left, _SURE))
+            return distance <= float(chdtri(size, 1.0 - level))
+        return left < 1 or distance <= size * self.freedom / left * float(fdtri(size, left, level))
 
 
 def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) -> Intervals:
@@ -88,7 +87,7 @@ def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) 
 
     count, size = leave_one_out.shape
     flat = found.jacobian.reshape(-1, size) * scale
-    sure = 0.5 * (1.0 + _SURE)
+    sure = 0.5 * (1.0 + SETTINGS.interval_level)
     quantile, freedom = float(ndtri(sure)), np.inf
     apart, agree = _disagreement(found, scale)
     covariance = _covariance(found, scale) + apart
@@ -149,7 +148,8 @@ def _disagreement(found: Fit, scale: Array) -> tuple[Array, bool]:
     own = np.maximum(np.einsum("rzz->rz", weight), 1e-300)
     scatter = np.sum(pull**2 / own, axis=0)
     freedom = len(own) - 1
-    agree = bool(freedom < 1 or scatter.sum() <= chdtri(freedom * len(scatter), 1.0 - _SURE))
+    by_chance = 1.0 - SETTINGS.interval_level
+    agree = bool(freedom < 1 or scatter.sum() <= chdtri(freedom * len(scatter), by_chance))
     between = np.maximum(0.0, scatter - freedom) / np.maximum(1.0 - np.sum(own**2, axis=0), 1e-300)
     covariance = np.einsum("rzy,y,rxy->zx", weight, between, weight)
     return np.asarray((basis @ covariance @ basis.T) * np.outer(scale, scale)), agree

@@ -19,15 +19,11 @@ from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import build
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Score
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.verdict import RunErrors
 from slipmargin.effects import AnyEffect
 
 Effects = tuple[AnyEffect, ...]
-#: With at least so many runs some are held out altogether; with fewer all are cross-validated.
-ENOUGH_TO_HOLD_OUT = 6
-_HELD_OUT_SHARE = 0.2
-#: A run that diverges counts with this many times the noise, so that sums stay finite.
-_WILD = 1e4
 
 
 @final
@@ -52,10 +48,10 @@ def held_out_runs(misses: Array, seed: int) -> Index:
     is about as far off as the next.
     """
     count = len(misses)
-    if count < ENOUGH_TO_HOLD_OUT:
+    if count < SETTINGS.enough_to_hold_out:
         return np.zeros(0, dtype=np.int64)
     order = np.argsort(-np.asarray(misses), kind="stable")
-    first, *others = np.array_split(order, max(2, round(_HELD_OUT_SHARE * count)))
+    first, *others = np.array_split(order, max(2, round(SETTINGS.held_out_share * count)))
     beyond = np.maximum(misses[first[1:]] - 1.0, 0.0)  # what the noise does not explain
     far = first[1:][beyond >= 0.5 * beyond[0]]
     random = np.random.default_rng(seed)
@@ -125,7 +121,7 @@ def score(errors: RunErrors, runs: Index) -> Score:
 def _errors(problem: Problem, trials: Index, pose: Array, gap: Array) -> RunErrors:
     """Sums over the samples of each trial; ``gap`` (R, T, 3) is whitened."""
     seen = problem.seen[trials]
-    most = _WILD * problem.sigma
+    most = SETTINGS.wild * problem.sigma
     off = np.where(seen, problem.measured[trials] - pose, 0.0)
     off = np.clip(np.where(np.isfinite(off), off, most), -most, most)
     gap = np.where(seen, gap, 0.0)

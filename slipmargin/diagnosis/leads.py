@@ -24,9 +24,6 @@ from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import explained
 from slipmargin.effects import Trace
 
-#: At most so many leads are listed.
-_MOST = 6
-
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -176,7 +173,7 @@ def leads(
                 candidate=fits.get(entry.traced_to),
             )
         )
-    return tuple(made[:_MOST])
+    return tuple(made[: SETTINGS.most_leads])
 
 
 def _least_share() -> float:

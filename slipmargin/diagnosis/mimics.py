@@ -10,12 +10,8 @@ from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.evidence import deviations
 from slipmargin.diagnosis.fit import Fit, limits_of
 from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import Scope
-
-#: A fault is spoken of where the effects found could take up this share of the squared residual it makes …
-_TAKEN_UP = 0.5
-#: … and of those parameters that this moves by more than this many standard deviations of theirs.
-_MOVED = 2.0
 
 
 def mimics(problem: Problem, found: Fit, candidates: Sequence[Candidate]) -> tuple[str, ...]:
@@ -38,8 +34,8 @@ def mimics(problem: Problem, found: Fit, candidates: Sequence[Candidate]) -> tup
         step = np.linalg.lstsq(flat, change, rcond=1e-8)[0]
         total = float(change @ change)
         share = 1.0 - float(np.sum((change - flat @ step) ** 2)) / max(total, 1e-300)
-        moved = np.flatnonzero(np.abs(step * scale) > _MOVED * spread)
-        if share < _TAKEN_UP or not len(moved):
+        moved = np.flatnonzero(np.abs(step * scale) > SETTINGS.moved * spread)
+        if share < SETTINGS.taken_up or not len(moved):
             continue
         most = sorted(moved, key=lambda i: -abs(step[i] * scale[i]) / spread[i])[:3]
         told = ", ".join(f"{keys[i]} by {step[i] * scale[i]:+.2g}" for i in most)

@@ -7,10 +7,7 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.data.noise import LastingNoise
 from slipmargin.data.repair import Repair
-
-#: The noise has heavy tails if its root mean square is this many times what its middle half says.
-_HEAVY = 1.07
-_TAILS_END = 8.0  #: samples farther than this are outliers, no tail [sigma]
+from slipmargin.diagnosis.settings import SETTINGS
 
 
 def tails(residuals: list[tuple[Array, Array]], sigma: Array) -> Array:
@@ -22,12 +19,12 @@ def tails(residuals: list[tuple[Array, Array]], sigma: Array) -> Array:
             known = residual[np.isfinite(residual[:, axis]), axis]
             jumps.append((known[2:] - 2.0 * known[1:-1] + known[:-2]) / np.sqrt(6.0) / sigma[axis])
         values = np.concatenate(jumps)
-        values = values[np.abs(values) < _TAILS_END]
+        values = values[np.abs(values) < SETTINGS.outlier_sigma]
         if len(values) > 100:
             # The middle half of the same values: what is not noise in them is in both.
             middle = 1.4826 * float(np.median(np.abs(values)))
             ratio = float(np.sqrt(np.mean(values**2))) / max(middle, 1e-12)
-            out[axis] = ratio if ratio > _HEAVY and 0.7 < middle < 1.4 else 1.0
+            out[axis] = ratio if ratio > SETTINGS.heavy_tails and 0.7 < middle < 1.4 else 1.0
     return out
 
 

@@ -22,25 +22,10 @@ from numpy.typing import NDArray
 from slipmargin.checks import Array, Index
 from slipmargin.data.odometry import wheel_angles
 from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.settings import SETTINGS
 
-#: Counts a turn that are looked at: 1, 2, … up to this.
-_MOST = 24
-#: Half counts near each whole one that it is compared with.
-_NEAR = 6
-#: A trial in which a wheel turns less cannot distinguish neighbouring counts [turns].
-_LEAST_TURNS = 2.0
-#: A count that advances by more than this between two samples is not seen [periods].
-_FASTEST = 0.2
-#: Nor is anything in a trial with fewer samples.
-_LEAST_SAMPLES = 100
 _DRAWS = 999
-#: Probability of a finding where nothing is periodic.
-_SURE = 0.01
-#: Trials whose wheel turns at paces within this factor are drawn together.
-_ONE_PACE = 1.05
-#: At most so many counts are named.
-_AT_MOST = 6
-_HALVES = 0.5 * np.arange(1, 2 * _MOST + _NEAR)
+_HALVES = 0.5 * np.arange(1, 2 * SETTINGS.most_orders + SETTINGS.near_orders)
 
 
 @final
@@ -101,10 +86,10 @@ def periodicities(
     runs = [_Run.of(*trial) for trial in zip(clocks, rates, angles, strict=True)]
     runs = [run for run in runs if len(run.left)]
     found: list[Periodicity] = []
-    while runs and len(found) < _AT_MOST:
+    while runs and len(found) < SETTINGS.named_orders:
         p, surprise = _against_null(runs, random)
         index = int(np.argmax(surprise.max(axis=0)))
-        sure = p[:, index] <= _SURE
+        sure = p[:, index] <= SETTINGS.order_level
         if not sure.any():
             break
         names = tuple(name for name, s in zip(wheels, sure, strict=True) if s)
@@ -129,7 +114,7 @@ class _Run:
     def of(clock: Array, rate: Array, angle: Array | None) -> _Run:
         rate = rate[:, np.isfinite(rate).any(axis=0)]
         seen = np.isfinite(rate).all(axis=1)
-        if angle is None or not rate.shape[1] or seen.sum() < _LEAST_SAMPLES:
+        if angle is None or not rate.shape[1] or seen.sum() < SETTINGS.order_samples:
             return _Run(left=np.zeros((0, 0)), angle=np.zeros((0, 0)), pace=np.zeros(0))
         t = clock[seen]
         trend = np.polynomial.chebyshev.chebvander(2.0 * (t - t[0]) / (t[-1] - t[0]) - 1.0, 3)
@@ -161,12 +146,12 @@ def _against_null(runs: Sequence[_Run], random: np.random.Generator) -> tuple[Ar
 def _power(run: _Run) -> tuple[Array, NDArray[np.bool_]]:
     """Power (N, F) of a run at whole and half counts, all channels; the whole counts (N, M) it resolves."""
     wheels = run.angle.shape[1]
-    power, resolved = np.zeros((wheels, len(_HALVES))), np.zeros((wheels, _MOST), dtype=bool)
+    power, resolved = np.zeros((wheels, len(_HALVES))), np.zeros((wheels, SETTINGS.most_orders), dtype=bool)
     for wheel, angle in enumerate(run.angle.T):
-        if np.ptp(angle) < 2.0 * np.pi * _LEAST_TURNS:
+        if np.ptp(angle) < 2.0 * np.pi * SETTINGS.least_turns:
             continue
         advance = float(np.quantile(np.abs(np.diff(angle)), 0.9)) / (2.0 * np.pi)
-        resolved[wheel] = np.arange(1, _MOST + 1) * advance <= _FASTEST
+        resolved[wheel] = np.arange(1, SETTINGS.most_orders + 1) * advance <= SETTINGS.fastest_order
         wave = np.exp(-1j * angle[:, None] * _HALVES)
         power[wheel] = np.sum(np.abs(run.left.T @ wave) ** 2, axis=0) / len(angle)
     return power, resolved
@@ -176,9 +161,10 @@ def _pooled(
     waves: Sequence[tuple[Array, NDArray[np.bool_]]], pace: Array, random: np.random.Generator
 ) -> tuple[Array, Array]:
     """Power of all trials together at whole counts (N, M), and with trials' drawn from near it."""
-    whole = 2 * np.arange(1, _MOST + 1) - 1
+    whole = 2 * np.arange(1, SETTINGS.most_orders + 1) - 1
     halves = np.arange(0, len(_HALVES), 2)
-    near = halves[np.argsort(np.abs(halves - whole[:, None]), axis=1, kind="stable")[:, :_NEAR]]
+    nearest = np.argsort(np.abs(halves - whole[:, None]), axis=1, kind="stable")
+    near = halves[nearest[:, : SETTINGS.near_orders]]
     places = np.column_stack([whole, near])  # (M, 1 + near)
     drawn = random.integers(places.shape[1], size=(_DRAWS, len(waves)))
     observed = np.sum([power[:, whole] * resolved for power, resolved in waves], axis=0)
@@ -194,7 +180,7 @@ def _alike(pace: Array) -> NDArray[np.int64]:
     group = np.zeros(len(pace), dtype=np.int64)
     first, number = -np.inf, -1
     for trial in np.argsort(pace, kind="stable"):
-        if number < 0 or pace[trial] > _ONE_PACE * first:
+        if number < 0 or pace[trial] > SETTINGS.one_pace * first:
             first, number = pace[trial], number + 1
         group[trial] = number
     return group

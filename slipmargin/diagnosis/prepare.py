@@ -13,10 +13,7 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array, frozen
 from slipmargin.data.record import Record
-
-#: A sample farther than this many standard deviations from the line between its neighbours, and
-#: from their median, is an outlier.
-OUTLIER_SIGMA = 8.0
+from slipmargin.diagnosis.settings import SETTINGS
 
 
 @final
@@ -63,11 +60,12 @@ def _outlying(t: Array, values: Array, sigma: float) -> NDArray[np.bool_]:
     w = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
     line = values[:-2] * (1.0 - w) + values[2:] * w
     lone = np.zeros(len(values), dtype=bool)
-    lone[1:-1] = np.abs(values[1:-1] - line) > OUTLIER_SIGMA * sigma * np.sqrt(1.0 + w**2 + (1.0 - w) ** 2)
+    far = SETTINGS.outlier_sigma * sigma
+    lone[1:-1] = np.abs(values[1:-1] - line) > far * np.sqrt(1.0 + w**2 + (1.0 - w) ** 2)
     windows = np.lib.stride_tricks.sliding_window_view(np.pad(values, 2, mode="edge"), 5)
     middle = np.median(windows, axis=1)
     travel = np.abs(np.gradient(middle, t)) * np.median(np.diff(t))
-    return np.asarray(lone & (np.abs(values - middle) > OUTLIER_SIGMA * sigma + 2.0 * travel))
+    return np.asarray(lone & (np.abs(values - middle) > far + 2.0 * travel))
 
 
 def _start(record: Record, pose: Array, sigma: Array) -> Array:

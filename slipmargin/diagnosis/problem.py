@@ -24,7 +24,7 @@ from slipmargin.diagnosis.residual_diagnostics import residual_rate
 from slipmargin.diagnosis.sense import is_ideal, measure
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme, rolling_twist, wheel_signal, with_phases
-from slipmargin.diagnosis.start_pose import WILD, aligned, fitted_start, fitted_to_lasting
+from slipmargin.diagnosis.start_pose import aligned, fitted_start, fitted_to_lasting
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.effects.confined import acting
 from slipmargin.effects.recipe import with_effects
@@ -153,7 +153,7 @@ class Problem:
         pose = self._simulated(models, which.ravel(), runs)
         pose, gap = self.gaps(pose, runs)
         impossible = np.asarray([m is None for m in built], dtype=bool)[which.ravel()]
-        gap = np.where(self.seen[runs] & impossible[:, None, None], WILD, gap)
+        gap = np.where(self.seen[runs] & impossible[:, None, None], SETTINGS.wild, gap)
         parts = np.split(np.arange(len(runs)), np.cumsum([len(t) for t in trials])[:-1])
         return [(pose[part], gap[part]) for part in parts]
 
@@ -319,7 +319,7 @@ class Problem:
         What a model lacks may show a hundred times as strongly in one run as in all others, and in a sum of
         squares that run alone would say what it is.
         """
-        chi = np.nan_to_num(self.misses(effects, trials), posinf=WILD)
+        chi = np.nan_to_num(self.misses(effects, trials), posinf=SETTINGS.wild)
         loud = chi[chi > SETTINGS.noise_chi]
         if not len(loud):
             return replace(self, weights=np.zeros(0))

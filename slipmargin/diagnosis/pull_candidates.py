@@ -9,12 +9,11 @@ from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.forms import Ranges
 from slipmargin.diagnosis.general_forms import general_candidates
 from slipmargin.diagnosis.pull_problem import PullProblem, expectation
+from slipmargin.diagnosis.settings import PULLS
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.physics.terms import AGAINST
 from slipmargin.physics.variables import Variable
 
-#: What moves a limit by less than this share of it at a start value moves nothing.
-_MOVES = 1e-6
 #: What a robot at rest shows nothing of: a pull does not say where, when or at which wheel angle it was.
 _UNKNOWN = frozenset(
     {
@@ -60,7 +59,7 @@ def pull_candidates(problem: PullProblem) -> list[Candidate]:
 
 def _equal(one: Array, other: Array) -> bool:
     return one.shape == other.shape and bool(
-        np.allclose(one, other, rtol=0.0, atol=_MOVES * np.abs(one).max())
+        np.allclose(one, other, rtol=0.0, atol=PULLS.moves * np.abs(one).max())
     )
 
 
@@ -85,7 +84,7 @@ def _moves(problem: PullProblem, candidate: Candidate) -> Array | None:
             moved = np.array([mean(x + own) - there for own in np.diag(step)])
         except (InputError, NoSolution):
             continue
-        return moved if bool(np.all(np.abs(moved).max(axis=1) > _MOVES * np.abs(there).max())) else None
+        return moved if bool(np.all(np.abs(moved).max(axis=1) > PULLS.moves * np.abs(there).max())) else None
     return None
 
 

@@ -27,18 +27,13 @@ from slipmargin.diagnosis.pull_search import (
     noise_N,
     search,
 )
-from slipmargin.diagnosis.pull_unseen import LEAST_SHARE, WORSE, PullScore, Unseen
+from slipmargin.diagnosis.pull_unseen import PullScore, Unseen
 from slipmargin.diagnosis.result import Estimate, Finding, Step, Tried, Verdict
+from slipmargin.diagnosis.settings import PULLS, SETTINGS
 from slipmargin.diagnosis.watch import Watch, cut_short
 from slipmargin.effects import Effect, Quantity, Recipe, Trace
 from slipmargin.errors import InputError
 
-#: Parts of the settings that are left out of the whole search in turn.
-_FOLDS = 5
-#: Share of the time for the search in all pulls; the others are for those without a part, in equal shares.
-_FIRST_SHARE = 0.3
-#: Coverage of the intervals.
-_SURE = 0.95
 _GENERAL_CONFIRM = "pull in further directions, at other points of the body, and see whether it holds"
 
 
@@ -122,10 +117,10 @@ def diagnose_pulls(
     problem = PullProblem.of(data_set.recipe, data_set.surface, pulls, sigma)
     candidates = pull_candidates(problem)
     progress("searching in all pulls", 0.0)
-    first = watch.part(_FIRST_SHARE)
+    first = watch.part(PULLS.first_share)
     state, rounds = search(problem, problem.everyone, candidates, seed, first)
     scatter = _scatter(problem, state.fit)
-    if pulls.sigma_N is None and scatter < (1.0 - LEAST_SHARE) * sigma:
+    if pulls.sigma_N is None and scatter < (1.0 - PULLS.least_share) * sigma:
         # What the wheels stood on is part of the scatter of repeats; the model found says how large a part.
         sigma = scatter
         problem = PullProblem.of(data_set.recipe, data_set.surface, pulls, sigma)
@@ -189,7 +184,8 @@ def _scatter(problem: PullProblem, found: Fit) -> float:
 
 def _parts(count: int, seed: int) -> list[Index]:
     order = np.random.default_rng(seed).permutation(count)
-    return [np.sort(order[k :: min(_FOLDS, count)]).astype(np.int64) for k in range(min(_FOLDS, count))]
+    parts = min(PULLS.folds, count)
+    return [np.sort(order[k::parts]).astype(np.int64) for k in range(parts)]
 
 
 def _rivals(state: PullState, rounds: list[PullRound], names: list[set[str]]) -> tuple[str, ...]:
@@ -278,7 +274,8 @@ def _findings(
 
     found = state.fit
     low, high, _ = limits_of(found.structure)
-    half = float(stdtrit(max(1, len(found.trials) - 1), 0.5 * (1.0 + _SURE))) * deviations(problem, found)
+    sure = 0.5 * (1.0 + SETTINGS.interval_level)
+    half = float(stdtrit(max(1, len(found.trials) - 1), sure)) * deviations(problem, found)
     bottom, top = np.maximum(found.x - half, low), np.minimum(found.x + half, high)
     stuck = found.at_bound()
     out, at = [], 0
@@ -373,7 +370,7 @@ def _remarks(
         names = " + ".join(c.label for c in state.structure)
         why = (
             f"one orientation, left out, is then predicted worse by {unseen.worst:.1f} times the noise"
-            if unseen.worst > WORSE
+            if unseen.worst > PULLS.worse
             else f"orientations left out of the search gain too little (chi {unseen.before.chi:.3g} → "
             f"{unseen.after.chi:.3g}, p = {unseen.p_value:.2g})"
         )

@@ -18,6 +18,7 @@ import numpy as np
 
 from slipmargin.checks import Array, Index
 from slipmargin.data.pulls import Pulls
+from slipmargin.diagnosis.settings import PULLS
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.effects.recipe import with_effects
@@ -27,14 +28,6 @@ from slipmargin.limits.pull import Pull
 from slipmargin.limits.sweep import limit_or_zero
 from slipmargin.model import Model, nominal_model
 from slipmargin.physics.sectors import pitch
-
-#: How sharply a measured wheel angle says what the wheel stands on [pitches], one standard deviation: a
-#: contact some millimetre long leaves a roller while its middle is that near the edge.
-_EDGE = 0.02
-#: Contact states rarer than this at every pull are left out [1].
-_RARE = 1e-6
-#: Residuals of a model that cannot stand (a wheel lifts, the robot slips by itself) [σ].
-_WILD = 1e3
 
 
 @final
@@ -69,7 +62,7 @@ def expectation(model: Model, settings: Array, which: Index, theta_rad: Array | 
     rigid = _rigid(model, theta_rad, len(which))
     states = np.array(_states(rigid), dtype=bool)
     share = np.prod(np.where(states, rigid[:, None, :], 1.0 - rigid[:, None, :]), axis=2)
-    kept = np.flatnonzero(share.max(axis=0) > _RARE)
+    kept = np.flatnonzero(share.max(axis=0) > PULLS.rare)
     forces = np.stack([setting_limits(model, settings, state)[which] for state in states[kept]])
     return Expectation(force_N=forces, share=share[:, kept] / share[:, kept].sum(axis=1, keepdims=True))
 
@@ -126,7 +119,7 @@ def _rigid(model: Model, theta_rad: Array | None, pulls: int) -> Array:
     phase = np.mod(theta_rad / pitch(model.grip.rollers), 1.0)
     around = np.zeros(phase.shape)
     for turn in (-1.0, 0.0, 1.0):  # the rigid part is [1 − c, 1) of every pitch
-        around += ndtr((1.0 + turn - phase) / _EDGE) - ndtr((1.0 + turn - part - phase) / _EDGE)
+        around += ndtr((1.0 + turn - phase) / PULLS.edge) - ndtr((1.0 + turn - part - phase) / PULLS.edge)
     return np.clip(np.where(part <= 0.0, 0.0, np.where(part >= 1.0, 1.0, around)), 0.0, 1.0)
 
 
@@ -196,7 +189,7 @@ class PullProblem:
     def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
         """For each set of effects, the residuals (R_k, 2 K) of its groups, zero where there is no pull.
 
-        They are :data:`_WILD` where the model cannot stand.
+        They are :attr:`PullSettings.wild` where the model cannot stand.
 
         Raises
         ------
@@ -216,7 +209,7 @@ class PullProblem:
         there = rows >= 0
         which, theta = np.nonzero(there)[0], self.pulls.theta_rad
         out = np.zeros((*rows.shape, 2))
-        out[there] = _WILD
+        out[there] = PULLS.wild
         angles = None if theta is None else theta[rows[there]]
         try:
             with np.errstate(divide="ignore", invalid="ignore"):  # a fit may try a wheel without friction
@@ -230,7 +223,7 @@ class PullProblem:
 
 def deviance(force_N: Array, found: Expectation, sigma_N: float) -> Array:
     """(P, 2) residuals (a, b) of pulls."""
-    gap = np.clip((force_N[:, None] - found.force_N.T) / sigma_N, -_WILD, _WILD)
+    gap = np.clip((force_N[:, None] - found.force_N.T) / sigma_N, -PULLS.wild, PULLS.wild)
     with np.errstate(divide="ignore"):  # a state that is impossible in one pull
         power = np.log(found.share) - 0.5 * gap**2
     top = power.max(axis=1, keepdims=True)

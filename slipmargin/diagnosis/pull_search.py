@@ -28,27 +28,12 @@ from slipmargin.diagnosis.fit import (
     tangents,
 )
 from slipmargin.diagnosis.pull_problem import PullProblem
+from slipmargin.diagnosis.settings import PULLS
 from slipmargin.diagnosis.watch import OutOfTime, Watch
 from slipmargin.effects import AnyEffect
 from slipmargin.errors import InputError
 
-#: An effect is taken only if luck gives as much, among all candidates, no more often than this [1].
-SIGNIFICANCE = 0.01
-#: At most so many effects.
-MOST_EFFECTS = 3
-#: So many candidates, by the likelihood of what they were fitted to, are scored without it.
-_SHORTLIST = 8
-#: Parts into which settings are divided to be left out in turn.
-_FOLDS = 8
 _SURROGATES = 999
-#: So many first effects are tried in pairs.
-_FIRSTS = 4
-#: A state counts as no worse than the best one while its score is within this many standard errors of the
-#: difference, setting by setting, or within this much: one parameter costs about 1 of noise alone.
-_ERRORS, _ALIKE = 1.0, 2.0
-#: Root mean square over typical difference [1] beyond which repeats are no single Gaussian: 24 pairs of one
-#: reach 1.5 by chance once in a hundred.
-_SCATTERS = 1.5
 
 
 @final
@@ -122,7 +107,7 @@ def noise_N(pulls: Pulls) -> tuple[float, float, bool]:
         spread = math.sqrt(sum(float(np.sum((g - g.mean()) ** 2)) for g in groups) / freedom)
         pairs = np.concatenate([np.abs(g - np.roll(g, 1))[len(g) == 2 :] for g in groups if len(g) > 1])
         typical = float(np.median(pairs)) / (0.6745 * math.sqrt(2.0))
-        if spread > _SCATTERS * typical:  # repeats stood on different material
+        if spread > PULLS.scatters * typical:  # repeats stood on different material
             spread = typical
         least = 1e-4 * float(np.mean(pulls.force_N))
         return max(spread, least), freedom, True
@@ -163,16 +148,16 @@ def left_out(found: Fit, split: Sequence[Index]) -> list[Array]:
 
 
 def parts(count: int) -> list[Index]:
-    """Indices 0 … count − 1 in at most :data:`_FOLDS` parts, neighbours apart."""
-    many = min(_FOLDS, count)
+    """Indices 0 … count − 1 in at most :attr:`PullSettings.search_folds` parts, neighbours apart."""
+    many = min(PULLS.search_folds, count)
     return [np.arange(k, count, many, dtype=np.int64) for k in range(many)]
 
 
 def no_worse(state: PullState, best: PullState) -> bool:
     """Whether a state's score is within chance of the best one's."""
     gap = state.scores - best.scores
-    chance = _ERRORS * float(np.std(gap)) * math.sqrt(len(gap))
-    return float(gap.sum()) <= max(_ALIKE, chance)
+    chance = PULLS.as_good_errors * float(np.std(gap)) * math.sqrt(len(gap))
+    return float(gap.sum()) <= max(PULLS.alike, chance)
 
 
 def search(
@@ -189,7 +174,7 @@ def search(
     state = state_of(problem, evaluate(problem, (), np.zeros(0), groups))
     rounds: list[PullRound] = []
     timed = replace(problem, watch=watch)
-    while len(state.structure) < MOST_EFFECTS:
+    while len(state.structure) < PULLS.most_effects:
         try:
             step = _take_step(timed, state, candidates, seed)
         except OutOfTime:
@@ -211,26 +196,26 @@ def _take_step(
     fresh = [c for c in small if problem.possible((*before.fit.effects, *_begun(c))) is not None]
     slopes = tangents(problem, before.fit, fresh)
     worth = _promising(before, fresh, slopes) if before.structure else fresh
-    tried = _scored(problem, [_short(problem, before, (c,)) for c in worth], _SHORTLIST)
+    tried = _scored(problem, [_short(problem, before, (c,)) for c in worth], PULLS.shortlist)
     if not tried:
         return PullRound(before=before, tried=(), best=None, p_value=1.0, taken=False)
     best = _simplest([s for s in tried if no_worse(s, tried[0])])
     if not before.structure and (_above_noise(problem, tried[0]) or _unnamed(tried[0])):
-        firsts = [s.structure[-1] for s in tried if s.structure[-1].named][:_FIRSTS]
+        firsts = [s.structure[-1] for s in tried if s.structure[-1].named][: PULLS.firsts]
         both = sorted([*tried, *_pairs(problem, before, firsts, fresh)], key=lambda s: s.score)
         pair = _simplest([s for s in both if no_worse(s, both[0])])
         beside_it = tangents(problem, best.fit, fresh)
-        if _unnamed(best) or luck(problem, best, pair, beside_it, seed) <= SIGNIFICANCE:
+        if _unnamed(best) or luck(problem, best, pair, beside_it, seed) <= PULLS.significance:
             tried, best = both, pair
     p_value = luck(problem, before, best, slopes, seed)
-    taken_now = p_value <= SIGNIFICANCE and best.score < before.score and not no_worse(before, best)
+    taken_now = p_value <= PULLS.significance and best.score < before.score and not no_worse(before, best)
     return PullRound(before=before, tried=tuple(tried), best=best, p_value=p_value, taken=taken_now)
 
 
 def _promising(before: PullState, candidates: list[Candidate], slopes: list[Array]) -> list[Candidate]:
     """Those whose tangents promise most, and those that have none where they do nothing."""
     gains = [score_test_gain(before.fit.residual, slope) for slope in slopes]
-    best = set(np.argsort(gains)[::-1][:_SHORTLIST].tolist())
+    best = set(np.argsort(gains)[::-1][: PULLS.shortlist].tolist())
     return [c for i, c in enumerate(candidates) if i in best or not np.any(slopes[i])]
 
 
@@ -264,7 +249,7 @@ def _pairs(
                 continue
             if problem.possible(_begun(first, second)) is not None:
                 pairs[key] = _short(problem, before, (first, second))
-    return _scored(problem, list(pairs.values()), _FIRSTS)
+    return _scored(problem, list(pairs.values()), PULLS.firsts)
 
 
 def _begun(*candidates: Candidate) -> tuple[AnyEffect, ...]:
@@ -273,11 +258,11 @@ def _begun(*candidates: Candidate) -> tuple[AnyEffect, ...]:
 
 
 def _above_noise(problem: PullProblem, state: PullState) -> bool:
-    """Whether noise alone leaves as much as an effect did no more often than :data:`SIGNIFICANCE`."""
+    """Whether noise alone leaves as much only with a probability below :attr:`PullSettings.significance`."""
     from scipy.special import chdtrc
 
     freedom = max(1, problem.count(state.fit.trials) - len(state.fit.x))
-    return bool(chdtrc(freedom, state.off) < SIGNIFICANCE)
+    return bool(chdtrc(freedom, state.off) < PULLS.significance)
 
 
 def _unnamed(state: PullState) -> bool:

@@ -12,15 +12,8 @@ from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.pull_problem import PullProblem
 from slipmargin.diagnosis.pull_search import PullState, beside
 from slipmargin.diagnosis.result import Verdict
+from slipmargin.diagnosis.settings import PULLS
 
-#: chi on settings left out must fall by this share at least [1], and the error in newtons must not grow …
-LEAST_SHARE = 0.1
-#: … luck must give as much no more often than this [1], by random signs …
-_BY_LUCK = 0.05
-#: … and no setting's sum of squares may grow by more than the square of this [σ].
-WORSE = 4.0
-#: Above the scatter of repeats with less than this probability, what is left is no noise [1].
-_NO_NOISE = 0.01
 _FLIPS = 4999
 
 
@@ -92,9 +85,9 @@ class Unseen:
 
     def verdict(self, any_found: bool) -> Verdict:
         """What the held-out predictions allow to say."""
-        better = self.after.chi <= (1.0 - LEAST_SHARE) * self.before.chi
+        better = self.after.chi <= (1.0 - PULLS.least_share) * self.before.chi
         better = better and self.after.rms_N < self.before.rms_N
-        if any_found and better and self.p_value <= _BY_LUCK and self.worst <= WORSE:
+        if any_found and better and self.p_value <= PULLS.by_luck and self.worst <= PULLS.worse:
             return Verdict.EFFECT_FOUND
         return Verdict.UNEXPLAINED if self.misfit_before else Verdict.NO_MISSING_EFFECT
 
@@ -119,4 +112,4 @@ def _misfit(squares: Array, pulls: int, freedom: float) -> bool:
 
     total = float(squares.sum())
     p = chdtrc(pulls, total) if np.isinf(freedom) else fdtrc(pulls, max(freedom, 1.0), total / pulls)
-    return bool(p <= _NO_NOISE)
+    return bool(p <= PULLS.no_noise)

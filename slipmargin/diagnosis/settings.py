@@ -164,6 +164,105 @@ class SearchSettings:
     held_down: float = 1.0
     #: [chi] Below this no run differs from the others.
     differs_chi: float = 1.5
+    #: [1] Coverage of the intervals.
+    interval_level: float = 0.95
+    #: [runs] With at least so many some are held out altogether; with fewer all are left out in turn …
+    enough_to_hold_out: int = 6
+    #: [1] … this share of them: two of ten.
+    held_out_share: float = 0.2
+    #: [standard deviations] A run that diverges counts with so many times the noise: sums stay finite, and
+    #: no such run outweighs all others.
+    wild: float = 1e4
+    #: [leads] At most so many are listed.
+    most_leads: int = 6
+    #: [standard deviations] A sample farther than this from the line between its neighbours, and from their
+    #: median, is an outlier: chance gives none in a million samples.
+    outlier_sigma: float = 8.0
+    #: [s] Within how long an event, a bump or a push, happens.
+    event_span_s: float = 0.1
+    #: [standard deviations] A jump of the residual is an event above this, …
+    event_sigmas: float = 16.0
+    #: [1] … and above so many times the largest ordinary jump, the 99th percentile over the other runs.
+    event_ordinary: float = 8.0
+    #: [s] A part of a run that was cut at an event is kept if it is as long as this.
+    least_part_s: float = 0.4
+    #: [1] A fault of the data is spoken of where the effects found could take up this share of the squared
+    #: residual that it makes …
+    taken_up: float = 0.5
+    #: [standard deviations] … and those parameters are named that this moves by more than so many of theirs.
+    moved: float = 2.0
+    #: [1] The noise has heavy tails if its root mean square is this many times what its middle half says.
+    heavy_tails: float = 1.07
+    #: [1/turn] Counts a turn that are looked at by order analysis: 1, 2, … up to this.
+    most_orders: int = 24
+    #: [counts] Half counts near each whole one that it is compared with.
+    near_orders: int = 6
+    #: [turns] A run in which a wheel turns less cannot tell neighbouring counts apart.
+    least_turns: float = 2.0
+    #: [periods] A count that advances by more than this between two samples is not seen.
+    fastest_order: float = 0.2
+    #: [samples] Nor is anything in a run with fewer.
+    order_samples: int = 100
+    #: [1] Probability of a count that is named where nothing is periodic.
+    order_level: float = 0.01
+    #: [1] Runs whose wheel turns at paces within this factor are drawn together.
+    one_pace: float = 1.05
+    #: [counts] At most so many are named.
+    named_orders: int = 6
+    #: [1] Share of the way its wheels turn in a run after which the first part ends, from which a phase that
+    #: was not logged is guessed.
+    phase_part: float = 0.5
+    #: [samples] The first part has at least so many.
+    phase_samples: int = 8
+    #: [s] Phases are guessed in pieces this long: a wrong one early on must not spoil what follows.
+    phase_piece_s: float = 0.3
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PullSettings:
+    """What decides in a diagnosis by pulls.  A setting: one orientation, direction and point of the pull."""
+
+    #: [1] An effect is taken only if luck gives as much, among all candidates, no more often than this.
+    significance: float = 0.01
+    #: [effects] At most so many: twenty-four pulls bear no more parameters.
+    most_effects: int = 3
+    #: [candidates] So many, by the likelihood of what they were fitted to, are scored without it.
+    shortlist: int = 8
+    #: [parts] Into so many settings are divided, to be left out in turn while searching …
+    search_folds: int = 8
+    #: [parts] … and to be left out of the whole search.
+    folds: int = 5
+    #: [1] Share of the time for the search in all pulls; the others are for those without a part.
+    first_share: float = 0.3
+    #: [effects] So many first effects are tried in pairs.
+    firsts: int = 4
+    #: [standard errors] A state counts as no worse than the best one while its score is within so many of the
+    #: difference, setting by setting, …
+    as_good_errors: float = 1.0
+    #: [log-likelihood] … or within this much: one parameter costs about 1 of noise alone.
+    alike: float = 2.0
+    #: [1] Root mean square over typical difference beyond which repeats are no single Gaussian: 24 pairs of
+    #: one reach 1.5 by chance once in a hundred.
+    scatters: float = 1.5
+    #: [1] chi on settings left out must fall by this share at least, the error in newtons must not grow, …
+    least_share: float = 0.1
+    #: [1] … luck must give as much no more often than this, by random signs, …
+    by_luck: float = 0.05
+    #: [standard deviations] … and no setting's sum of squares may grow by more than the square of this.
+    worse: float = 4.0
+    #: [1] Above the scatter of repeats with less than this probability, what is left is no noise.
+    no_noise: float = 0.01
+    #: [1] What moves a limit by less than this share of it at a start value moves nothing.
+    moves: float = 1e-6
+    #: [pitches] How sharply a measured wheel angle says what the wheel stands on, one standard deviation: a
+    #: contact some millimetre long leaves a roller while its middle is that near the edge.
+    edge: float = 0.02
+    #: [1] Contact states rarer than this at every pull are left out.
+    rare: float = 1e-6
+    #: [standard deviations] Residual of a model that cannot stand: a wheel lifts, the robot slips by itself.
+    wild: float = 1e3
 
 
 SETTINGS = SearchSettings()
+PULLS = PullSettings()

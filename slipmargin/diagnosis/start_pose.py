@@ -7,11 +7,9 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.data.noise import LastingNoise
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.whitening import whitened
 from slipmargin.physics.frames import rotated
-
-#: Residuals are clipped here [σ]: one diverging run must not outweigh all the others.
-WILD = 1e4
 
 
 def aligned(pose: Array, measured: Array, seen: NDArray[np.bool_]) -> Array:
@@ -30,9 +28,9 @@ def aligned(pose: Array, measured: Array, seen: NDArray[np.bool_]) -> Array:
 def fitted_start(pose: Array, measured: Array, seen: NDArray[np.bool_], sigma: Array) -> tuple[Array, Array]:
     """Predicted poses (M, T, 3) moved to where the start fits best, and the whitened gap left."""
     gap = np.where(seen, measured - pose, 0.0)
-    gap = np.where(np.isfinite(gap), gap, WILD * sigma)
+    gap = np.where(np.isfinite(gap), gap, SETTINGS.wild * sigma)
     shift = _start_shift(pose, gap, seen, sigma)
-    return pose + shift, np.where(seen, (gap - shift) / sigma, 0.0).clip(-WILD, WILD)
+    return pose + shift, np.where(seen, (gap - shift) / sigma, 0.0).clip(-SETTINGS.wild, SETTINGS.wild)
 
 
 def fitted_to_lasting(
@@ -45,7 +43,7 @@ def fitted_to_lasting(
 ) -> tuple[Array, Array]:
     """As :func:`fitted_start` where part of the noise lasts: gap and tangents pass through one filter."""
     gap = np.where(seen, measured - pose, 0.0)
-    gap = np.where(np.isfinite(gap), gap, WILD * sigma)
+    gap = np.where(np.isfinite(gap), gap, SETTINGS.wild * sigma)
     first = np.where(np.isfinite(pose[:, :1, :2]), pose[:, :1, :2], 0.0)
     arm = np.where(np.isfinite(pose[..., :2]), pose[..., :2], 0.0) - first
     one = np.ones(seen.shape[:2])
@@ -67,7 +65,7 @@ def fitted_to_lasting(
     x, y, turn = np.linalg.solve(normal, right[..., None])[..., 0].T[..., None]
     shift = np.stack([x + turn * turning[0], y + turn * turning[1], turn * one], axis=-1)
     left = left - np.einsum("mtai,mi->mta", tangents, np.concatenate([x, y, turn], axis=1))
-    return pose + shift, np.where(seen, left, 0.0).clip(-WILD, WILD)
+    return pose + shift, np.where(seen, left, 0.0).clip(-SETTINGS.wild, SETTINGS.wild)
 
 
 def _start_shift(pose: Array, gap: Array, seen: NDArray[np.bool_], sigma: Array) -> Array:

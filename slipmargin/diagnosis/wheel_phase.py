@@ -22,23 +22,18 @@ from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit, build, fit
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import AnyEffect
 from slipmargin.model import Model
 from slipmargin.physics.sectors import pitch
 from slipmargin.physics.variables import Variable
 
-#: Share of the way its wheels turn in a trial after which its first part ends.
-FIRST_PART = 0.5
-#: The first part has at least this many samples.
-_LEAST_SAMPLES = 8
 #: Phases tried, in pitches: over the whole pitch; then ever closer around the best one.
 _AROUND = np.arange(1, 20) / 20.0
 _CLOSE = np.array([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0])
 _FINER = (60.0, 60.0, 120.0, 240.0)
 #: Sweeps of a first guess, from a start of the parameters, which only has to lie in the right valley.
 _GUESS = (_AROUND, _CLOSE / 60.0, _AROUND, _CLOSE / 60.0)
-#: Runs are compared in pieces this long [s]: a wrong phase early on must not spoil what follows.
-_PIECE_S = 0.3
 
 
 def is_unknown(problem: Problem) -> bool:
@@ -97,13 +92,14 @@ def _in_turn(
     for steps in sweeps:
         effects = build(structure, x) if found is None else found.effects
         problem = _swept(problem, [effects], trials, steps)
-        found = fit(problem.in_pieces(_PIECE_S), structure, x if found is None else found.x, trials)
+        view = problem.in_pieces(SETTINGS.phase_piece_s)
+        found = fit(view, structure, x if found is None else found.x, trials)
     assert found is not None
     return problem, found
 
 
 def first_part(record: Record) -> Record:
-    """A trial until its wheels have turned :data:`FIRST_PART` of the way that they turn in all."""
+    """A trial until its wheels have turned :attr:`SearchSettings.phase_part` of all their way."""
     count = int(np.count_nonzero(record.t_s <= _end_of_first_part(record)))
     signals: dict[str, Any] = {
         f: None if (v := getattr(record, f)) is None else v[:count] for f in WHEEL_SIGNALS
@@ -173,8 +169,8 @@ def _turned_before(run: Record, t_s: float, commanded: bool) -> Array:
 def _end_of_first_part(run: Record) -> float:
     rate = np.mean(np.abs(_speeds(run, run.omega is None)), axis=1)
     turned = np.append(0.0, np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(run.t_s)))
-    last = int(np.searchsorted(turned, FIRST_PART * turned[-1], side="right")) - 1
-    return float(run.t_s[min(max(last, _LEAST_SAMPLES - 1), len(run.t_s) - 1)])
+    last = int(np.searchsorted(turned, SETTINGS.phase_part * turned[-1], side="right")) - 1
+    return float(run.t_s[min(max(last, SETTINGS.phase_samples - 1), len(run.t_s) - 1)])
 
 
 def _swept(
@@ -189,7 +185,7 @@ def _swept(
     if any(model.geometry.runout.any() for model in models):  # that repeats once a turn, not once a roller
         turn = np.full_like(turn, 2.0 * np.pi)
     best = problem.wheel_phases.copy()
-    view = problem.in_pieces(_PIECE_S)
+    view = problem.in_pieces(SETTINGS.phase_piece_s)
     cost = _costs(view, best, effects, trials)
     for wheel in (*range(best.shape[1]),) * 2:
         start = best.copy()

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from slipmargin.data.pulls import SAME_RAD, PullGroups, Pulls, gather_pulls
+from slipmargin.data.pulls import PullGroups, Pulls, gather_pulls
+from slipmargin.data.settings import SETTINGS
 from slipmargin.errors import InputError
 
 
@@ -17,7 +18,7 @@ def test_repeated_pulls_become_mean_and_scatter() -> None:
     np.testing.assert_allclose(groups.sd_N, [0.2 * np.sqrt(2), 0.3])
     assert groups.low_N.tolist() == [5.0, 5.7] and groups.high_N.tolist() == [5.4, 6.3]
     assert groups.count.tolist() == [2.0, 3.0]
-    assert groups.nearest(0.2 + SAME_RAD / 2) == 1 and groups.nearest(0.1) is None
+    assert groups.nearest(0.2 + SETTINGS.same_rad / 2) == 1 and groups.nearest(0.1) is None
 
 
 def test_one_pull_has_no_scatter() -> None:

@@ -1,0 +1,181 @@
+"""How the judged score moves when a constant of the diagnosis is halved or doubled.
+
+    python benchmarks/judged/constants.py DIR --sets set001,set002 --out constants.json [--jobs 2]
+
+Each set is diagnosed as it is, and the constants that are read on the way are noted.  Each of these is then
+halved and doubled, one at a time (of a share above one half its distance from one), and the set diagnosed
+again.  A set is right where its first effect is the planted one, or traced to its variable where no catalogue
+entry writes it, and where a set without an effect is quiet.  Sets looked at here are development sets.  What
+is known is kept after every diagnosis: a run that was stopped goes on where it was.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+import time
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+if __package__ in (None, ""):
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from judged.run import judge, keep
+from judged.score import FOUND, false_alarm, grew, said_name, variable_right
+from slipmargin.data import settings as of_data
+from slipmargin.diagnosis import settings as of_search
+
+Row = dict[str, Any]
+#: The constants of runs: prefix → values.
+GROUPS = {"data": of_data.SETTINGS, "diagnosis": of_search.SETTINGS}
+#: What each process runs: the constant asked for is changed before anything else has been imported.
+_DIAGNOSE = """
+import json, sys
+sys.path.insert(0, sys.argv[1])
+from judged.constants import watched
+read = watched(sys.argv[2])
+import slipmargin as sm
+from slipmargin.errors import InputError
+try:
+    report = sm.diagnose(sys.argv[3], budget_s=float(sys.argv[4])).to_json()
+except InputError as fault:
+    print(f"error: {fault}", file=sys.stderr)
+    sys.exit(2)
+print(json.dumps(json.loads(report) | {"read": sorted(read)}))
+"""
+
+
+def changed(value: float, factor: float) -> float | None:
+    """A constant times ``factor``, or a large share's distance from one; None where that changes nothing."""
+    if isinstance(value, int):
+        other = max(1, round(value * factor))
+        return None if other == value else other
+    return 1.0 - (1.0 - value) * factor if 0.5 < value < 1.0 else value * factor
+
+
+def changes(constant: str) -> list[str]:
+    """The changes of a constant, ``"data.piece_s 0.5"``; none of what is no single number."""
+    group, _, name = constant.partition(".")
+    value = getattr(GROUPS[group], name)
+    one = isinstance(value, (int, float))
+    return [f"{constant} {f:g}" for f in (0.5, 2.0) if one and changed(value, f) is not None]
+
+
+class Watched:
+    """Settings that note which of them are read."""
+
+    def __init__(self, group: str, values: dict[str, Any], read: set[str]) -> None:
+        self._group, self._values, self._read = group, values, read
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        self._read.add(f"{self._group}.{name}")
+        return self._values[name]
+
+
+def watched(change: str) -> set[str]:
+    """Put settings that are watched in place of all, one changed: ``"data.piece_s 0.5"``; what is read."""
+    read: set[str] = set()
+    for module, (group, settings) in zip((of_data, of_search), GROUPS.items(), strict=True):
+        values = {f.name: getattr(settings, f.name) for f in fields(settings)}
+        constant, _, factor = change.partition(" ")
+        where, _, name = constant.partition(".")
+        if where == group:
+            values[name] = changed(values[name], float(factor))
+        module.SETTINGS = Watched(group, values, read)  # type: ignore[assignment]
+    return read
+
+
+def right(row: Row, truth: Row) -> bool:
+    """Whether a set was answered as it should be."""
+    if not truth["planted"]:
+        return not false_alarm(row, truth)
+    if grew(row):
+        return False
+    if truth.get("catalogue"):
+        return said_name(row, truth) == truth["catalogue"]
+    return variable_right(row, truth)
+
+
+def table(held: Row, truth: Row) -> list[Row]:
+    """A row for each constant and change: sets in which it is read, and what becomes of them."""
+    plain = {
+        name: row for key, row in held["sets"].items() for name, _, how in [key.partition(":")] if not how
+    }
+    rows: dict[str, Row] = {}
+    for key, row in sorted(held["sets"].items()):
+        name, _, how = key.partition(":")
+        if not how or name not in plain:
+            continue
+        before = plain[name]
+        out = rows.setdefault(how, {"constant": how, "sets": 0, "lost": [], "gained": [], "log_error": []})
+        out["sets"] += 1
+        was, now = right(before, truth[name]), right(row, truth[name])
+        if was != now:
+            out["gained" if now else "lost"].append(name)
+        chis = [(r.get("after") or {}).get("chi") for r in (before, row)]
+        if all(r["verdict"] == FOUND for r in (before, row)) and all(chis):
+            out["log_error"].append(math.log(chis[1] / chis[0]))
+    for out in rows.values():
+        logs = out.pop("log_error")
+        out["worst_chi_factor"] = round(math.exp(max(logs)), 3) if logs else None
+    return list(rows.values())
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("folder", type=Path, metavar="DIR")
+    parser.add_argument("--sets", default="", help="names of sets, with commas; all where not given")
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--budget", type=float, default=120.0, help="seconds that a search may take")
+    given = parser.parse_args(words)
+    sets = sorted(path for path in (given.folder / "sets").glob("*") if path.is_dir())
+    sets = [path for path in sets if not given.sets or path.name in given.sets.split(",")]
+    held: Row = {"budget_s": given.budget, "sets": {}}
+    if given.out.exists():
+        held["sets"] = json.loads(given.out.read_text(encoding="utf-8"))["sets"]
+    _run(given, held, [(path, "") for path in sets])
+    read = {path: held["sets"][f"{path.name}:"].get("read", []) for path in sets}
+    _run(given, held, [(path, change) for path in sets for name in read[path] for change in changes(name)])
+    truth = json.loads((given.folder / "truth.json").read_text(encoding="utf-8"))
+    held["table"] = table(held, truth.get("sets", truth))
+    keep(given.out, held)
+    for row in sorted(held["table"], key=lambda row: -len(row["lost"])):
+        lost, gained = len(row["lost"]), len(row["gained"])
+        print(f"{row['constant']:40s} read in {row['sets']:2d}, lost {lost}, gained {gained}")
+    return 0
+
+
+def _run(given: argparse.Namespace, held: Row, asked: list[tuple[Path, str]]) -> None:
+    """Diagnose what is not known yet, ``given.jobs`` at once."""
+    left = [(path, change) for path, change in asked if f"{path.name}:{change}" not in held["sets"]]
+    command = [sys.executable, "-c", _DIAGNOSE, str(Path(__file__).resolve().parents[1])]
+    pool = ThreadPoolExecutor(given.jobs)
+    try:
+        jobs = {}
+        for path, change in left:
+            also = () if change else ("read",)
+            job = pool.submit(judge, path, given.budget, [*command, change], also)
+            jobs[job] = f"{path.name}:{change}"
+        began = time.monotonic()
+        for number, job in enumerate(as_completed(jobs), 1):
+            held["sets"][jobs[job]] = job.result()
+            keep(given.out, held)
+            rest = (time.monotonic() - began) / number * (len(left) - number) / 60.0
+            share = 100 * number // len(left)
+            print(f"\r{share:3d} %, {rest:.0f} min left ", end="", file=sys.stderr, flush=True)
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,73 @@
+"""The script that halves and doubles constants: what it changes, notes and counts."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from judged.constants import GROUPS, changed, changes, table
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+def test_shares_near_one_keep_below_it() -> None:
+    assert changed(0.3, 2.0) == 0.6 and changed(3, 0.5) == 2 and changed(1, 0.5) is None
+    assert changed(0.95, 2.0) == 1.0 - 2.0 * (1.0 - 0.95) and changed(0.95, 0.5) == 1.0 - 0.5 * (1.0 - 0.95)
+
+
+def test_what_is_no_number_is_not_changed() -> None:
+    assert changes("diagnosis.ridges") == [] and changes("data.piece_s") == [
+        "data.piece_s 0.5",
+        "data.piece_s 2",
+    ]
+
+
+def test_a_changed_constant_reaches_the_modules_and_is_noted() -> None:
+    code = (
+        "from judged.constants import watched\n"
+        "read = watched('data.jump_rows 2')\n"
+        "from slipmargin.data import checks\n"
+        "assert checks.SETTINGS.jump_rows == 100.0, checks.SETTINGS.jump_rows\n"
+        "from slipmargin.diagnosis import verdict\n"
+        "assert verdict.SETTINGS.level == 0.05\n"
+        "assert read >= {'data.jump_rows', 'diagnosis.level'}, read\n"
+    )
+    words = [sys.executable, "-c", code]
+    done = subprocess.run(words, cwd=ROOT / "benchmarks", capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert GROUPS["data"].jump_rows == 50.0, "the settings themselves are as they were"
+
+
+def test_sets_are_counted_as_lost_and_gained() -> None:
+    def row(name: str, chi: float) -> dict[str, Any]:
+        error = {"rmse_position_m": chi, "rmse_heading_rad": chi, "chi": chi}
+        effect = {"name": name, "traced_to": "load", "parameters": {}}
+        return {
+            "verdict": "effect-found",
+            "before": dict.fromkeys(error, 9.0),
+            "after": error,
+            "effects": [effect],
+        }
+
+    truth = {
+        name: {"planted": True, "catalogue": "wheel_loads", "variable": "load", "also": []}
+        for name in ("a", "b")
+    }
+    held = {
+        "a:": row("wheel_loads", 1.0),
+        "b:": row("stribeck", 1.0),
+        "a:data.misses 2": row("stribeck", 1.5),
+        "b:data.misses 2": row("wheel_loads", 0.5),
+        "a:data.misses 0.5": row("wheel_loads", 1.0),
+    }
+    double, half = sorted(table({"sets": held}, truth), key=lambda r: r["constant"], reverse=True)
+    assert double == {
+        "constant": "data.misses 2",
+        "sets": 2,
+        "lost": ["a"],
+        "gained": ["b"],
+        "worst_chi_factor": 1.5,
+    }
+    assert half["lost"] == [] and half["gained"] == [] and half["sets"] == 1
