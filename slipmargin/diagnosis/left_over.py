@@ -18,6 +18,7 @@ from slipmargin.diagnosis.search import Round, screened
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.telling import enough, telling
+from slipmargin.diagnosis.watch import Watch
 
 
 def like(state: State | None, rounds: Sequence[Round]) -> Round | None:
@@ -27,7 +28,12 @@ def like(state: State | None, rounds: Sequence[Round]) -> Round | None:
 
 
 def left_over(
-    state: State, rounds: Sequence[Round], runs: Sequence[int], candidates: list[Candidate], seed: int
+    state: State,
+    rounds: Sequence[Round],
+    runs: Sequence[int],
+    candidates: list[Candidate],
+    seed: int,
+    progress: Watch,
 ) -> Round:
     """A round that begins with ``state`` on the trials that were searched, and tries nothing.
 
@@ -48,7 +54,7 @@ def left_over(
         parts=parts,
         xs=np.tile(at.x, (len(parts), 1)),
     )
-    screening = screened(before, own, candidates, seed)
+    screening = screened(before, own, candidates, seed, progress)
     return Round(before=before, screening=screening, tried=(), best=None, taken=False)
 
 

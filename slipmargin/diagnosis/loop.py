@@ -247,11 +247,11 @@ def _diagnosed(conditions: Ready, s: Searched, seed: int, watch: Watch, budget_s
     explained = after.chi <= SETTINGS.noise_chi and verdict is not Verdict.UNEXPLAINED
     last = like(state, s.rounds)
     if not explained and last is None and state is not None and s.rounds and not watch.expired:
-        last = left_over(state, s.rounds, s.runs, s.candidates, seed)
+        last = left_over(state, s.rounds, s.runs, s.candidates, seed, watch)
     remaining = () if last is None else last.map()
     if verdict is Verdict.UNEXPLAINED and not any(entry.supported for entry in remaining):
         # Too few of the searched runs show it: a lead, which claims nothing, may look at all.
-        last = left_over(s.state if last is None else last.before, (), s.runs, s.candidates, seed)
+        last = left_over(s.state if last is None else last.before, (), s.runs, s.candidates, seed, watch)
         remaining = last.map()
     traces = [f.traced_to for f in found]
     following = () if explained else leads(remaining, turns, last, checked.rejected, traces)

@@ -16,8 +16,8 @@ from slipmargin.checks import Array
 from slipmargin.data.odometry import bridged, wheel_angles
 from slipmargin.diagnosis.fit import Fit
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.screen import Columns
 from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.tangents import Columns
 from slipmargin.effects import Trace
 from slipmargin.model import Model
 from slipmargin.physics.frames import to_body, to_floor

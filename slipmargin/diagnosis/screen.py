@@ -11,7 +11,7 @@ go through all of it, and the largest gain of any candidate from them is what ch
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
 from typing import final
@@ -22,57 +22,7 @@ from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit, Residuals
 from slipmargin.diagnosis.settings import SETTINGS
-from slipmargin.effects import AnyEffect, Trace
-
-#: Forward-difference step in units of a parameter's scale: that of the fits.
-_STEP = 0.05
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Columns:
-    """The tangents of one candidate: ``columns`` (R, K, M), a column a unit of scale.
-
-    Parameters
-    ----------
-    trace : Trace
-        The variable it stands for.
-    label : str
-        That of the candidate.
-    columns : array (R, K, M)
-        How the residual changes.
-    prior : array (M, M)
-        Precision of the prior.
-    low, high : array (M,)
-        How far each column may be followed.
-    candidate : Candidate, optional
-        What a fit can vary; None for a probe.
-    at : array (P,), optional
-        Where the candidate stands.
-    along : array (M, P), optional
-        Which way each column moves its parameters; zero for the change from the present law to that at
-        ``at``.
-    """
-
-    trace: Trace
-    label: str
-    columns: Array
-    prior: Array
-    low: Array
-    high: Array
-    candidate: Candidate | None = None
-    at: Array | None = None
-    along: Array | None = None
-
-    @property
-    def named(self) -> bool:
-        """Whether it has a name."""
-        return self.candidate is not None and self.candidate.named
-
-    def start(self, step: Array) -> Array:
-        """The candidate's parameters after a step (M,), where a fit may start."""
-        assert self.candidate is not None and self.at is not None and self.along is not None
-        return np.asarray(np.clip(self.at + step @ self.along, self.candidate.low, self.candidate.high))
+from slipmargin.diagnosis.tangents import Columns, never, secants, tangents
 
 
 @final
@@ -134,6 +84,7 @@ def screen(
     parts: Sequence[Index],
     block: int,
     seed: int,
+    overdue: Callable[[], bool] = never,
 ) -> Screening:
     """The list for what ``base`` leaves.
 
@@ -153,12 +104,18 @@ def screen(
         Samples whose sign surrogates change together.
     seed : int
         Draws the surrogates.
+    overdue : callable
+        Whether the list is to be ended with the candidates that it has.
     """
     rough = problem.rough()
     here = base.residual
     if rough is not problem:
         here = rough.residuals([base.effects], [base.trials])[0]
-    groups = [*tangents(rough, base, here, candidates), *secants(rough, base, here, candidates), *probes]
+    groups = [
+        *tangents(rough, base, here, candidates, overdue),
+        *secants(rough, base, here, candidates, overdue),
+        *probes,
+    ]
     if not groups:
         return Screening(entries=(), total=base.cost, chance=np.zeros(0))
     columns = _beside(base, np.concatenate([g.columns for g in groups], axis=2))
@@ -206,103 +163,6 @@ def screen(
     ]
     best_first = tuple(sorted(entries, key=lambda e: -e.gain))
     return Screening(entries=best_first, total=base.cost, chance=most)
-
-
-def tangents(problem: Residuals, base: Fit, known: Array, candidates: Sequence[Candidate]) -> list[Columns]:
-    """Columns of every candidate at each of its starts, one simulation a column.
-
-    ``known`` (R, K) is the residual of ``base`` in ``problem``.
-    """
-    points: list[tuple[AnyEffect, ...]] = []
-    plans: list[tuple[Candidate, Array, list[tuple[int, float]]]] = []
-    for candidate in candidates:
-        for at in standpoints(candidate):
-            columns: list[tuple[int, float]] = [] if candidate.nested else [(-1, 1.0)]
-            for j in range(candidate.size):
-                if candidate.idle[j] and candidate.nested:
-                    continue
-                step = _STEP if at[j] + _STEP * candidate.scale[j] <= candidate.high[j] else -_STEP
-                columns.append((j, step))
-            for j, step in columns:
-                moved = at.copy()
-                if j >= 0:
-                    moved[j] += step * candidate.scale[j]
-                points.append((*base.effects, candidate.build(moved)))
-            plans.append((candidate, at, columns))
-    found = iter(_in_parts(problem, points, base.trials))
-    out = []
-    for candidate, at, plan in plans:
-        made, here = [], known
-        for j, step in plan:
-            residual = next(found)
-            made.append((residual - here) / step)
-            here = residual if j < 0 else here
-        free = [j for j, _ in plan]
-        low = [0.0 if j < 0 else (candidate.low[j] - at[j]) / candidate.scale[j] for j in free]
-        high = [1.0 if j < 0 else (candidate.high[j] - at[j]) / candidate.scale[j] for j in free]
-        prior = np.zeros((len(free), len(free)))
-        inner = [k for k, j in enumerate(free) if j >= 0]
-        rows = candidate.prior[:, [free[k] for k in inner]]
-        prior[np.ix_(inner, inner)] = rows.T @ rows
-        out.append(
-            Columns(
-                trace=candidate.trace,
-                label=candidate.label,
-                columns=np.stack(made, axis=2),
-                prior=prior,
-                low=np.array(low),
-                high=np.array(high),
-                candidate=candidate,
-                at=at,
-                along=np.array([np.eye(candidate.size)[j] * candidate.scale[j] * (j >= 0) for j in free]),
-            )
-        )
-    return out
-
-
-def secants(problem: Residuals, base: Fit, known: Array, candidates: Sequence[Candidate]) -> list[Columns]:
-    """A column from each named candidate's null to each of its first starts: sticking hides small changes."""
-    plans = [
-        (c, np.where(c.idle, start, c.null), start)
-        for c in candidates
-        if c.named and c.nested
-        for start in c.starts[: SETTINGS.secants]
-    ]
-    points = [(*base.effects, c.build(start)) for c, _, start in plans]
-    return [
-        Columns(
-            trace=c.trace,
-            label=c.label,
-            columns=(residual - known)[:, :, None],
-            prior=np.zeros((1, 1)),
-            low=np.array([-1.0]),
-            high=np.array([2.0]),
-            candidate=c,
-            at=at,
-            along=(start - at)[None],
-        )
-        for (c, at, start), residual in zip(plans, _in_parts(problem, points, base.trials), strict=True)
-    ]
-
-
-#: Simulations that are compared in one go: their poses stay in the processor's memory.
-_AT_ONCE = 16
-
-
-def _in_parts(problem: Residuals, points: list[tuple[AnyEffect, ...]], trials: Index) -> list[Array]:
-    out: list[Array] = []
-    for at in range(0, len(points), _AT_ONCE):
-        some = points[at : at + _AT_ONCE]
-        out += problem.residuals(some, [trials] * len(some))
-    return out
-
-
-def standpoints(candidate: Candidate) -> list[Array]:
-    """Where a candidate's tangents are taken: it does nothing there, its idle parameters at each start."""
-    if not candidate.idle.any():
-        return [np.array(candidate.null)]
-    rows = [np.where(candidate.idle, start, candidate.null) for start in candidate.starts]
-    return [rows[i] for i in sorted(np.unique(np.array(rows), axis=0, return_index=True)[1])]
 
 
 def _beside(base: Fit, columns: Array) -> Array:

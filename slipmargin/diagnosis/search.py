@@ -131,13 +131,16 @@ def search(
     return problem, needed(state, runs if len(state.fit.trials) == len(seen) else own), rounds
 
 
-def screened(before: State, runs: Sequence[int], candidates: list[Candidate], seed: int) -> Screening:
+def screened(
+    before: State, runs: Sequence[int], candidates: list[Candidate], seed: int, progress: Watch
+) -> Screening:
     """The list of what may be added to ``before``, by tangents alone."""
     inside = {c.label for c in before.structure}
     fresh = [c for c in candidates if c.label not in inside and possible(before, c)]
     block = max(1, round(SETTINGS.piece_s / before.view.step_s))
     parts = folds(runs, SETTINGS.folds)
-    return screen(before.view, before.fit, fresh, probes(before.view, before.fit), parts, block, seed)
+    beside = probes(before.view, before.fit)
+    return screen(before.view, before.fit, fresh, beside, parts, block, seed, lambda: progress.overdue)
 
 
 def take_step(
@@ -146,7 +149,7 @@ def take_step(
     """The best addition to ``before``, and whether it is significant and worth its parameters."""
     progress("screening every candidate", 0.0)
     base = before.fit
-    screening = screened(before, runs, candidates, seed)
+    screening = screened(before, runs, candidates, seed, progress)
     nothing = Round(before=before, screening=screening, tried=(), best=None, taken=False)
     promised = np.sqrt(max(0.0, 1.0 - max((e.gain for e in screening.entries), default=0.0) / base.cost))
     worth = (

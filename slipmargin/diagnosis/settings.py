@@ -66,6 +66,9 @@ class SearchSettings:
     ridges: tuple[float, ...] = (0.01, 0.1, 1.0)
     #: [1] A fit is a lead if it takes off at least this share of chi: half of what a later effect must.
     least_lead: float = 0.05
+    #: [s] So much longer than its time a search takes for a first list, without which it has not even a lead;
+    #: candidates that are not reached by then are left out.
+    list_s: float = 3.0
     #: [draws] Surrogate residuals that go through the whole screening: they resolve p = 0.005.
     surrogates: int = 199
     #: [1] Share of chi that a first effect must take off: as least_chi, for sets far above the noise.

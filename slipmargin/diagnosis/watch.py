@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import final
 
 from slipmargin.checks import real
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.errors import InputError
 
 
@@ -56,6 +57,11 @@ class Watch:
     def expired(self) -> bool:
         """Whether the time is over."""
         return self.until_s is not None and time.monotonic() >= self.until_s
+
+    @property
+    def overdue(self) -> bool:
+        """Whether the time has been over for so long that even a first list is cut."""
+        return self.until_s is not None and time.monotonic() >= self.until_s + SETTINGS.list_s
 
     def check(self) -> None:
         """Leave the step of a search that is being made.

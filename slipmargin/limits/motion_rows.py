@@ -30,6 +30,9 @@ from slipmargin.model import Model
 from slipmargin.physics.kinematics import KEPT, WheelGeometry
 from slipmargin.sets.facets import facet_normals
 
+#: Singular values below this share of the largest one are rounding [1].
+_ROUNDING = 1e-12
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -219,8 +222,8 @@ def even_distribution(model: Model) -> Array:
     """
     along = model.wrench_maps()[0]
     weight = model.grip.roller[:, 0] * np.maximum(model.loads.rest_N, 1e-9 * model.inertia.weight_N)
-    heavy = along * weight
-    return np.asarray(heavy.T @ np.linalg.inv(heavy @ along.T))
+    root = np.sqrt(weight)
+    return np.asarray(root[:, None] * np.linalg.pinv(along * root, rcond=_ROUNDING))
 
 
 @final

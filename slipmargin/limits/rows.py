@@ -52,10 +52,10 @@ class PullGeometry:
         return self.model.loads.rest_N[None] if self.bias is None else self.bias.load_N
 
 
-def pull_geometry(model: Model, phi_rad: Array, pull: Pull) -> PullGeometry:
-    """Everything but the coefficients; phi_rad (M,)."""
+def pull_geometry(model: Model, phi_rad: Array, pull: Pull, normals: Array | None = None) -> PullGeometry:
+    """Everything but the coefficients; phi_rad (M,), the facets' ``normals`` (K, 3) where they are known."""
     maps = wrench_maps(model)
-    normals = box_normals(maps)
+    normals = box_normals(maps) if normals is None else normals
     rays = pull.rays(model, phi_rad)
     return PullGeometry(
         model=model,

@@ -23,7 +23,7 @@ from slipmargin.errors import InputError
 from slipmargin.limits.friction import Extreme, coefficients
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.rows import facet_rows, largest, pull_geometry
-from slipmargin.limits.wrench_set import box_normals, wheel_share, wrench_maps
+from slipmargin.limits.wrench_set import box_normals, moved_normals, wheel_share, wrench_maps
 from slipmargin.model import Model
 from slipmargin.model.loads import nominal_loads
 from slipmargin.physics.grips import polyhedral
@@ -262,12 +262,13 @@ def _cone_normals(model: Model, phi: Array, base: Array) -> Array:
 def _one_by_one(model: Model, phi: Array, base: Array, drawn: Draws) -> Array:
     """The same where friction or forces depend on the heading: rows anew for each draw."""
     state, out = np.zeros(model.count, dtype=bool), np.empty(len(base))
+    normals = box_normals(wrench_maps(model))
     for d, mu in enumerate(base):
-        own = drawn.model(model, d)
+        own, about = drawn.model(model, d), moved_normals(normals, drawn.com_shift_m[d])
         for shift in model.loads.shifts():
             loads = replace(own.loads, rest_N=np.maximum(own.loads.rest_N + shift, 0.0))
             at = replace(own, grip=replace(model.grip, roller=mu), loads=loads)
-            geometry = pull_geometry(at, phi, Pull())
+            geometry = pull_geometry(at, phi, Pull(), about)
             rows = facet_rows(geometry, coefficients(at, state, phi, Extreme.LOW), Extreme.LOW)
             lowest = np.min(np.nan_to_num(largest(*rows), nan=0.0))
             out[d] = lowest if not np.any(shift) else min(out[d], lowest)

@@ -168,6 +168,17 @@ def box_normals(maps: Array) -> Array:
     return np.vstack([half, -half])
 
 
+def moved_normals(normals: Array, shift_m: Array) -> Array:
+    """(K, 3) normals of the same facets for moments about a point moved by (x, y) ``shift_m`` [m].
+
+    With M = M' + x F_y − y F_x the row n·(F, M) is n'·(F, M'), n' = (n_x − y n_z, n_y + x n_z, n_z).
+    """
+    out = normals.copy()
+    out[:, 0] -= shift_m[1] * normals[:, 2]
+    out[:, 1] += shift_m[0] * normals[:, 2]
+    return out
+
+
 def wrench_set(
     model: Model, rigid: Array | None = None, phi_rad: float = 0.0, extreme: Extreme = Extreme.NEUTRAL
 ) -> WrenchSet:

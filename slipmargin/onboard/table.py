@@ -273,7 +273,7 @@ def _uneven(model: Model, share: float) -> float:
     if model.count == 3 or np.min(grip) <= 0.0:
         return 0.0
     way = np.random.default_rng(0).normal(size=(_STATES, 3)) * np.array([1.0, 1.0, np.mean(np.abs(along[2]))])
-    force = grip * (way @ np.linalg.inv((along * grip) @ along.T) @ along)
+    force = way @ even_distribution(model).T
     way *= share / np.max(np.abs(force) / grip, axis=1, keepdims=True)
     none = np.zeros((_STATES, model.count))
     steep = np.full_like(none, model.grip.k_s_per_m)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import socket
 import sys
 import threading
@@ -47,6 +48,6 @@ def _ask(port: int, file: Path) -> None:
     status = head.split(b" ")[1:2] if head.startswith(b"HTTP/") else []  # an old client's answer has no head
     if status and status[0] not in KNOWN:
         os.write(2, b"Traceback: status " + status[0] + b"\n")
-    kind = "json" if b"application/json" in head else "txt"
-    if kind == "json" and body:
-        file.with_name(f"answer-{file.name}.json").write_bytes(body)
+    length = re.search(rb"(?mi)^content-length: *(\d+)", head)
+    if b"application/json" in head and length and body:  # a second answer may follow
+        file.with_name(f"answer-{file.name}.json").write_bytes(body[: int(length[1])])

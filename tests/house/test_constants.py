@@ -33,8 +33,8 @@ NUMERICS = {
     "diagnosis/pull_unseen.py": {"_FLIPS"},
     "diagnosis/ranges.py": {"_SPAN_S"},
     "diagnosis/residual_diagnostics.py": {"_BINS", "_SHIFTS", "_SPAN_S"},
-    "diagnosis/screen.py": {"_STEP", "_AT_ONCE"},
     "diagnosis/signals.py": {"_ROUGHLY", "_SAME", "_LOOSEST", "_LONGEST"},
+    "diagnosis/tangents.py": {"_STEP", "_AT_ONCE"},
     "diagnosis/verdict.py": {"_EXACT", "_DRAWN", "_POSITION", "_HEADING"},
     "diagnosis/wheel_phase.py": {"_AROUND", "_CLOSE", "_FINER", "_GUESS"},
 }

@@ -46,6 +46,43 @@ anchor_x_m = -5.0
 anchor_y_m = 0.0
 height_m = 2.0
 """
+THREE = """
+schema = 1
+name = "three"
+[body]
+mass_kg = 2.5
+inertia_kg_m2 = 0.03
+com_m = [0.0, 0.0]
+com_height_m = 0.1
+[loads]
+model = "quasi-static"
+[friction]
+grip = "disc-strip"
+[motor]
+max_speed_rad_s = 9.4
+stall_torque_N_m = 3.8
+[[wheel]]
+name = "left"
+position_m = [0.0625, 0.10825]
+drive_direction_deg = {}
+radius_m = 0.05
+rollers = 10
+[[wheel]]
+name = "back"
+position_m = [-0.125, 0.0]
+drive_direction_deg = {}
+radius_m = 0.05
+rollers = 10
+[[wheel]]
+name = "right"
+position_m = [0.0625, -0.10825]
+drive_direction_deg = {}
+radius_m = 0.05
+rollers = 10
+[surface.floor]
+roller = {{drive = 0.35, transverse = 0.05}}
+rigid = {{drive = 0.35, transverse = 0.35}}
+"""
 
 
 @pytest.fixture
@@ -158,3 +195,10 @@ def test_a_path_that_turns_a_million_times_is_refused_not_waited_for(said: Said)
     Path("w.csv").write_text("x_m,y_m,phi_rad\n0,0,0\n-0.1,0.1,0\n-0.2,0.2,382340000\n-0.3,0.3,382340000\n")
     line = said("plan", "robotino", "w.csv", "--surface", "gray", "--out", "o.csv", refused=True)
     assert "grid points, and at most 1.5e+04 are made" in line and "SLIPMARGIN_WORK" in line
+
+
+def test_drives_whose_lines_nearly_meet_are_compared_with_others(said: Said) -> None:
+    """Where one wheel carries nothing besides, the matrix of the drive forces could not be inverted."""
+    Path("r.toml").write_text(THREE.format(150.0, -90.0, 30.0))
+    Path("s.toml").write_text(THREE.format(1500.0, -90.0, 30.0))
+    assert "r is best" in said("design", "r.toml", "s.toml", "--surface", "floor")

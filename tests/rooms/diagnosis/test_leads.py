@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -13,13 +14,16 @@ from slipmargin.diagnosis.candidate import named_candidates
 from slipmargin.diagnosis.conditions import problem_of
 from slipmargin.diagnosis.leads import followed, leads
 from slipmargin.diagnosis.left_over import left_over, like
+from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import Periodicity
 from slipmargin.diagnosis.result import LeadSource
 from slipmargin.diagnosis.screen import Screening
-from slipmargin.diagnosis.search import Round, fitted
+from slipmargin.diagnosis.search import Round, fitted, screened
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.telling import enough
+from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
 
 TURN = Periodicity(per_turn=1, wheels=("2",), p_value=0.003)
@@ -61,14 +65,26 @@ def test_leads_come_from_the_round_that_began_with_what_was_kept(state: State) -
 
 
 def test_what_no_round_began_with_is_looked_at_again(state: State) -> None:
-    screened = named_candidates(("1", "2", "3"), False, ())
-    tilt = next(c for c in screened if c.label == "floor_tilt")
+    known = named_candidates(("1", "2", "3"), False, ())
+    tilt = next(c for c in known if c.label == "floor_tilt")
     kept = fitted(state.view, (tilt,), tilt.null, state.fit.trials, state.fit.trials.tolist())
     nothing = Screening(entries=(), total=1.0, chance=np.zeros(0))
     first = Round(before=state, screening=nothing, tried=(), best=None, taken=False)
-    found = left_over(kept, [first], state.fit.trials.tolist(), screened[:4], 0)
+    watch = Watch(report=no_progress)
+    found = left_over(kept, [first], state.fit.trials.tolist(), known[:4], 0, watch)
     assert found.before.structure == (tilt,) and not found.taken
-    assert {e.traced_to for e in found.map()} >= {c.trace for c in screened[:4]}
+    assert {e.traced_to for e in found.map()} >= {c.trace for c in known[:4]}
+
+
+def test_a_list_whose_time_is_long_over_is_cut(state: State) -> None:
+    """With a budget of one second the list of a stiff robot took fifteen more."""
+    known = named_candidates(("1", "2", "3"), False, ())
+    runs = state.fit.trials.tolist()
+    now = time.monotonic()
+    for late_s, cut in ((0.0, False), (SETTINGS.list_s + 1.0, True)):
+        watch = Watch(report=no_progress, until_s=now - late_s)
+        list_ = screened(state, runs, known[:4], 0, watch)
+        assert cut is (not any(part.candidate for entry in list_.entries for part in entry.parts))
 
 
 def test_searched_trials_are_those_that_say_something_and_some_that_are_quiet() -> None:

@@ -14,12 +14,13 @@ import slipmargin as sm
 from slipmargin.effects import Recipe
 from slipmargin.effects.floor_tilt import FloorTilt
 from slipmargin.errors import InputError
-from slipmargin.limits import sweep
+from slipmargin.limits import rows, sweep, uncertainty
 from slipmargin.limits.bounds import directions
 from slipmargin.limits.motion import needed_share
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.limits.uncertainty import Draws, counted, draws, lowest_pulls
 from slipmargin.limits.uncertainty_motion import DIRECTIONS, lowest_starts, needed_shares
+from slipmargin.limits.wrench_set import box_normals
 from slipmargin.model import nominal_model
 from slipmargin.robot import (
     Body,
@@ -165,6 +166,19 @@ def test_draws_with_a_slope_are_their_own_sweeps() -> None:
     for d in range(3):
         slow = np.min(directions(drawn.model(model, d), heading, motor=False).starting_m_s2)
         assert fast[d] == pytest.approx(slow, rel=1e-9)
+
+
+def test_draws_about_other_centres_share_their_facets(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The facets were made anew for each of ten thousand draws: minutes with twenty-four wheels."""
+    robot = on(replace(kiwi(30.0), body=replace(UNSURE, mass_kg=12.0), load_rule=LoadRule.QUASI_STATIC))
+    model = Recipe(robot=robot, effects=(FloorTilt.of(np.array([0.02, 0.01])),)).build("paper")
+    drawn, made = draws(robot, model, 3, 5), []
+    assert np.all(np.ptp(drawn.com_shift_m, axis=0) > 1e-3)
+    slow = [np.min(sweep(drawn.model(model, d), PHI).f_low_N) for d in range(3)]
+    monkeypatch.setattr(uncertainty, "box_normals", lambda maps: made.append(maps) or box_normals(maps))
+    monkeypatch.setattr(rows, "box_normals", None)
+    np.testing.assert_allclose(lowest_pulls(model, PHI, drawn), slow, rtol=1e-9)
+    assert len(made) == 1
 
 
 def test_one_spread_is_the_normal_distribution() -> None:
