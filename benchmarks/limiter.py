@@ -24,6 +24,7 @@ import driving
 import numpy as np
 from c_limiter import CompiledLimiter, compilers
 from drawn_robots import drawn_robot
+from kept import write_figures
 
 import slipmargin as sm
 from slipmargin.model import Model
@@ -334,7 +335,7 @@ def main(words: list[str]) -> None:
     found: dict[str, Any] = {}
     for name, part in parts.items():
         found[name] = part()
-        given.out.write_text(json.dumps(found, indent=1) + "\n")
+        write_figures(given.out, found)
         print(json.dumps({k: v for k, v in found[name].items() if k != "rows"}, indent=1), flush=True)
 
 

@@ -9,7 +9,6 @@ its peak is that of the operating system (``ru_maxrss``).
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import os
 import re
@@ -18,6 +17,8 @@ import tempfile
 import time
 from pathlib import Path
 from typing import Any
+
+from kept import write_figures
 
 from slipmargin.work import FACTOR, ROWS
 
@@ -96,8 +97,7 @@ def main(words: list[str]) -> int:
         write_log(Path(name) / "l.csv", rows)
         found = imported(Path(name), rows)
     print(", ".join(f"{name} {value}" for name, value in found.items()))
-    if given.out is not None:
-        given.out.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    write_figures(given.out, found)
     return int(found["status"] != 0 or found["peak_GiB"] > ALLOWED_GiB)
 
 

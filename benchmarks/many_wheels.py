@@ -10,13 +10,14 @@ no two at the same radius.  With effects: those that change the grip, the loads 
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import sys
 import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
+
+from kept import write_figures
 
 import slipmargin as sm
 
@@ -110,8 +111,7 @@ def main(words: list[str]) -> int:
     parser.add_argument("--command", help="this one only")
     given = parser.parse_args(words)
     rows = measured(given.command)
-    if given.out is not None:
-        given.out.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+    write_figures(given.out, rows)
     return int(any(row["cpu_s"] > ALLOWED_S for row in rows))  # type: ignore[operator]
 
 

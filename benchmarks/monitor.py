@@ -11,7 +11,6 @@ on; labels come from the pose, which the monitor does not see.
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import tempfile
 import time
@@ -22,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from kept import write_figures
 
 import slipmargin as sm
 from slipmargin.onboard.likelihood import LabelledRun, learn
@@ -379,7 +379,7 @@ def main(words: list[str]) -> None:
         found["not there"].append("rig")
     found["no-slip control, alarms, set 1 %"] = control(0.01)
     found["cost"] = cost()
-    given.out.write_text(json.dumps(found, indent=1) + "\n")
+    write_figures(given.out, found)
     print("\n".join(table(found["sets"])))
     print(found["no-slip control, alarms, set 1 %"], found["cost"], found["not there"])
 

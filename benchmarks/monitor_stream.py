@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from kept import write_figures
 
 import slipmargin as sm
 
@@ -86,7 +87,7 @@ def main(words: list[str]) -> None:
     parser.add_argument("--hours", type=float, default=10.0)
     given = parser.parse_args(words)
     found = streamed(given.hours)
-    given.out.write_text(json.dumps(found, indent=1) + "\n")
+    write_figures(given.out, found)
     print(json.dumps(found, indent=1))
 
 

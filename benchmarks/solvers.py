@@ -10,7 +10,6 @@ Run: ``python benchmarks/solvers.py [FILE.json] [--robots 2000]``.
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import tempfile
 from pathlib import Path
@@ -18,6 +17,7 @@ from random import Random
 from typing import Any
 
 import numpy as np
+from kept import write_figures
 from scipy.optimize import linprog
 
 import slipmargin as sm
@@ -189,7 +189,7 @@ def main() -> None:
         print(
             f"{grip:<12}{row['robots']:>8}{row['programs']:>10}{row['not_solved_by_the_other']:>15}{row['worst']:>27.1e}"
         )
-    asked.file.write_text(json.dumps(found, indent=1) + "\n")
+    write_figures(asked.file, found)
 
 
 if __name__ == "__main__":

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import importlib.util
-import json
 import statistics
 import time
 import warnings
@@ -17,6 +16,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from kept import write_figures
 
 from slipmargin.limits import Pull, isotropic, sweep, wrench_set
 from slipmargin.limits.cones import limit_family
@@ -252,8 +252,7 @@ def main() -> None:
             print(f"{name:<52}{row['ms']:12.3f} ms{_promise(name)}")
     for name, row in found["isotropic"].items():
         print(f"{name:<52}{row['least_percent']:6.1f} to {row['most_percent']:.1f} % too much")
-    if asked.file is not None:
-        asked.file.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    write_figures(asked.file, found)
 
 
 def _promise(name: str) -> str:
