@@ -24,6 +24,9 @@ CONE_WHEELS = 60_000
 WHEEL_STEPS = 1_500_000
 #: Grid points of a path, refined where it bends: some 50 from one waypoint to the next.
 PATH_POINTS = 15_000
+#: Wheels times samples times contact states of one check of a motion, each half a microsecond; a plan that is
+#: tightened is checked ten times and more.
+WHEEL_STATES = 3_000_000
 #: Numbers of a table that a command makes, a planned motion: 3 µs each as CSV and as JSON.
 TABLE_NUMBERS = 3_000_000
 #: Rows of a table that is read, and of a log on one clock.

@@ -6,8 +6,8 @@ from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
 
 
-def finalists(screening: Screening) -> list[Screened]:
-    """What is fitted: the best of the list that have names, the best general forms, and the best pairs.
+def finalists(screening: Screening, many: int) -> list[Screened]:
+    """What is fitted: the ``many`` best names of the list, half as many general forms, and as many pairs.
 
     A name takes one place, in the form that its tangents put first: the forms of one would keep others out.
     The best name is fitted in its other forms too, since tangents say little about which of them is meant.
@@ -27,12 +27,12 @@ def finalists(screening: Screening) -> list[Screened]:
     of_each: dict[str, Screened] = {}
     for entry in names:
         of_each.setdefault(entry.structure[0].name, entry)
-    first = list(of_each.values())[: SETTINGS.finalists]
+    first = list(of_each.values())[:many]
     forms = [e for e in names if e not in first and e.structure[0].name == first[0].structure[0].name]
     chosen = [
         *first,
-        *forms[: SETTINGS.finalists // 2],
-        *[e for e in single if not e.named][: SETTINGS.finalists // 2],
-        *pairs[: SETTINGS.finalists // 2],
+        *forms[: many // 2],
+        *[e for e in single if not e.named][: many // 2],
+        *pairs[: many // 2],
     ]
     return sorted(chosen, key=lambda e: -e.gain)

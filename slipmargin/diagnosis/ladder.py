@@ -48,7 +48,7 @@ from slipmargin.diagnosis.search import (
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.state import State, worthwhile
-from slipmargin.diagnosis.verdict import Judgement, RunErrors, judge
+from slipmargin.diagnosis.verdict import Judgement, RunErrors, judge, judged
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect
 
@@ -161,7 +161,7 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
     after = court.errors(state)
     before = court.believed(state)
     one, two = by_run(before.errors, court.runs), by_run(after.errors, court.runs)
-    fresh = np.flatnonzero(court.unseen) if court.unseen.any() else np.arange(len(one.squares))
+    fresh = judged(court.unseen)
     astray = larger(score(one, fresh), score(two, fresh))
     if state.view.piece is None:
         judgement = court.verdict(one, two)
@@ -277,8 +277,10 @@ def _further(
     """What holds, with what the search finds beside it where it has not stood there before.
 
     That is so where an effect took another form, or was dropped because a later one made it superfluous, or
-    where the pieces that showed it are too short to show more.  Its rounds are added to ``rounds``.
+    where the pieces that showed it are too short to show more: what adds up along a run may be hidden in
+    short ones by what changes within them.  Its rounds are added to ``rounds``.
     """
+    least_s = 0.0
     while rounds and held.state is not None and not progress.expired:
         state, trials = held.state, rounds[0].before.fit.trials
         stood = [_place(r.before) for r in rounds]
@@ -287,17 +289,43 @@ def _further(
             break
         own = [court.runs[i] for i in trials]
         start = fitted(state.view, state.structure, state.fit.x, trials, own)
-        start = longer(court.problem, start, own)
+        start = longer(court.problem, start, own, least_s)
         if _place(start) in stood or not worthwhile(start, SETTINGS.floor_chi):
             break
         step = take_step(start, own, _candidates(rounds), court.seed, progress.staged("going on"))
         rounds.append(step)
-        if not step.taken or step.best is None:
+        found = None
+        if step.taken and step.best is not None:
+            best = longer(court.problem, step.best, own)
+            more = needed(_fitted_to_seen(court, best), court.seen_runs)
+            found = _put(court, more, rejected)
+        if found is not None and found.after.chi() < held.after.chi():
+            held = found
+        elif start.view.piece is None:
             break
-        best = longer(court.problem, step.best, own)
-        more = needed(_fitted_to_seen(court, best), court.seen_runs)
-        found = _put(court, more, rejected)
+        else:
+            least_s = 2.0 * start.view.piece_s
+    return replace(_in_all_runs(court, held, rounds, rejected, progress), rejected=tuple(rejected))
+
+
+def _in_all_runs(
+    court: Court, held: Checked, rounds: list[Round], rejected: list[Rejected], progress: Watch
+) -> Checked:
+    """What holds, with names that show in all runs and not in the few that were searched.
+
+    It is asked where much is left.  Simulating all runs takes long: only the first of the list is fitted.
+    """
+    names = [c for c in _candidates(rounds) if c.named]
+    while rounds and held.state is not None and held.after.chi() > SETTINGS.noise_chi:
+        if len(rounds[0].before.fit.trials) == len(court.seen) or progress.expired:
+            break
+        if len(held.state.structure) >= SETTINGS.most_effects:
+            break
+        start = longer(court.problem, held.state, court.seen_runs, np.inf)
+        step = take_step(start, court.seen_runs, names, court.seed, progress.staged("in all runs"), 1)
+        rounds.append(step)
+        found = None if not step.taken or step.best is None else _put(court, step.best, rejected)
         if found is None or found.after.chi() >= held.after.chi():
             break
         held = found
-    return replace(held, rejected=tuple(rejected))
+    return held

@@ -35,6 +35,7 @@ from slipmargin.diagnosis.search import Round, search, without
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.state import State
+from slipmargin.diagnosis.verdict import judged
 from slipmargin.diagnosis.watch import Watch, cut_short
 from slipmargin.effects import AnyEffect
 from slipmargin.effects.confined import acting
@@ -224,8 +225,7 @@ def _diagnosed(conditions: Ready, s: Searched, seed: int, watch: Watch, budget_s
     court = s.court(data_set, seed)
     checked = check(court, s.state, s.rounds, watch)
     problem, state = checked.problem, checked.state
-    fresh = np.flatnonzero(court.unseen) if len(held) else np.arange(len(checked.before.squares))
-    before, after = (score(e, fresh) for e in (checked.before, checked.after))
+    before, after = (score(e, judged(court.unseen)) for e in (checked.before, checked.after))
     watch("what is left", 0.0)
     fitted = () if state is None else state.fit.effects
     drawn_before = drawn_after = problem.predict([()], [everyone])[0]

@@ -144,9 +144,17 @@ def screened(
 
 
 def take_step(
-    before: State, runs: Sequence[int], candidates: list[Candidate], seed: int, progress: Watch
+    before: State,
+    runs: Sequence[int],
+    candidates: list[Candidate],
+    seed: int,
+    progress: Watch,
+    many: int = SETTINGS.finalists,
 ) -> Round:
-    """The best addition to ``before``, and whether it is significant and worth its parameters."""
+    """The best addition to ``before``, and whether it is significant and worth its parameters.
+
+    ``many`` names of the list are fitted, half as many general forms and as many pairs.
+    """
     progress("screening every candidate", 0.0)
     base = before.fit
     screening = screened(before, runs, candidates, seed, progress)
@@ -158,7 +166,7 @@ def take_step(
     if not worth and (before.structure or before.chi <= SETTINGS.noise_chi):
         return nothing
     tried: list[State] = []
-    chosen = finalists(screening)
+    chosen = finalists(screening, many)
     for number, entry in enumerate(chosen):
         progress(f"fitting {entry.label}", 0.2 + 0.8 * number / len(chosen))
         tried.append(_added(before, entry, runs, min((s.fit.cost for s in tried), default=np.inf)))
@@ -289,14 +297,18 @@ def whole(problem: Problem, state: State, runs: Sequence[int]) -> State:
     return full if full.chi <= SETTINGS.far_chi else state
 
 
-def longer(problem: Problem, state: State, runs: Sequence[int]) -> State:
+def longer(problem: Problem, state: State, runs: Sequence[int], least_s: float = 0.0) -> State:
     """A state found in pieces, fitted to whole runs, or to the shortest pieces in which the rest stands out.
 
-    What a model still lacks adds up along a run: pieces in which the rest is near the noise hide it.
+    What a model still lacks adds up along a run: pieces in which the rest is near the noise hide it.  They
+    are at least ``least_s`` long, as far as a run has two of them.
     """
     state = whole(problem, state, runs)
     trials, x = state.fit.trials, state.fit.x
-    while state.chi < SETTINGS.far_chi and 2.0 * state.view.piece_s <= _longest_s(problem, trials):
+    most_s = _longest_s(problem, trials)
+    while state.view.piece is not None and 2.0 * state.view.piece_s <= most_s:
+        if state.chi >= SETTINGS.far_chi and state.view.piece_s >= least_s:
+            break
         state = fitted(problem.in_pieces(2.0 * state.view.piece_s), state.structure, x, trials, runs)
     return state
 

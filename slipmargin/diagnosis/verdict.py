@@ -96,6 +96,11 @@ class Judgement:
         return not self.failures
 
 
+def judged(unseen: NDArray[np.bool_]) -> Index:
+    """The runs by which a finding is judged: those that nothing has seen, or all where there are none."""
+    return np.flatnonzero(unseen if np.any(unseen) else np.ones(len(unseen), dtype=bool))
+
+
 def judge(
     before: RunErrors,
     after: RunErrors,
@@ -124,7 +129,7 @@ def judge(
     """
     s = settings
     everyone = np.arange(len(before.squares))
-    fresh = np.flatnonzero(unseen) if np.any(unseen) else everyone
+    fresh = judged(unseen)
     failures = []
     explained = explained_share(before.chi(fresh), after.chi(fresh))
     least = min(s.least_chi, before.chi(fresh))

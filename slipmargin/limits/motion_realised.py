@@ -24,6 +24,7 @@ from slipmargin.model import Model
 from slipmargin.physics.frames import velocity_at
 from slipmargin.physics.friction_laws import law_share
 from slipmargin.physics.kinematics import com_acceleration
+from slipmargin.work import WHEEL_STATES, allow
 
 #: A wheel that lifts off is taken to carry this share of m g / N, so that its use tells [1].
 LIGHTEST = 0.01
@@ -122,7 +123,15 @@ def _balances(
         carried[:, 0], carried[:, 3] = model.inertia.mass_kg, motion.velocity[:, 2]
         carried[:, 1], carried[:, 2] = velocity_at(*motion.velocity.T, *model.inertia.com_m)
     along, across = model.wrench_maps()
-    for on_rigid, shift in product(material_states(friction.possible), model.loads.shifts()):
+    cases = list(product(material_states(friction.possible), model.loads.shifts()))
+    allow(
+        "wheel",
+        model.count * motion.count * len(cases),
+        WHEEL_STATES,
+        "wheels over all samples and contact states",
+        "give a shorter motion or fewer samples of it, or log the wheel angles and leave --robust away",
+    )
+    for on_rigid, shift in cases:
         pressed = np.maximum(load + shift, lightest)
         yield Balance(
             law=model.grip.law,

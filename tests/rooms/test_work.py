@@ -106,6 +106,13 @@ def test_a_motion_of_many_wheels_ends_after_fewer_steps(monkeypatch: pytest.Monk
         simulate(model, signal, t_s, max_steps=20)
 
 
+def test_a_robust_plan_of_many_wheels_is_refused_not_waited_for(tmp_path: Path) -> None:
+    """Fifty metres of twelve wheels on 64 contact states took half a minute."""
+    file, way = many_wheels(tmp_path, 6), np.array([[0.0, 0.0, 0.0], [60.0, 0.0, 0.0]])
+    with pytest.raises(InputError, match="over all samples and contact states, and at most 3e\\+06 are made"):
+        sm.plan(file, "floor", way, points=800, robust=True)
+
+
 def test_the_most_that_ends_ask_for_is_that_of_each() -> None:
     """The torques of 24 wheels at every end took half a gigabyte, and bounds 45 s of processor time."""
     model = sm.read_robot("omni4").build("floor")

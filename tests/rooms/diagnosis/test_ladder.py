@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -114,6 +116,41 @@ def test_other_forms_are_asked_before_an_effect_is_dropped() -> None:
     found = check(creep, proposed(creep, first), [replace(step, tried=())], watch)
     assert labels_of(found) == [across] and found.rejected[0].labels == (first,)
     assert found.after.chi() < 1.15
+
+
+def test_the_search_goes_on_in_longer_pieces(court: Court, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A thick carpet's pieces of two seconds held much that no effect explains, whole runs one that does."""
+    nothing = Screening(entries=(), total=1.0, chance=np.zeros(0))
+
+    def find_nothing(before: State, *_: object) -> Round:
+        return Round(before=before, screening=nothing, tried=(), best=None, taken=False)
+
+    monkeypatch.setattr(ladder, "take_step", find_nothing)
+    loud = replace(court, problem=replace(court.problem, sigma=0.02 * SIGMA))
+    held = proposed(loud, "wheel_loads")
+    pieces = fitted(loud.problem.in_pieces(0.12), held.structure, held.fit.x, SEEN, loud.seen_runs)
+    rounds = [find_nothing(proposed(loud))]
+    check(loud, pieces, rounds, Watch(report=no_progress))
+    tried = [r.before.view.piece_s for r in rounds[1:]]
+    assert tried == pytest.approx([0.12, 0.24, 0.48, 0.96], rel=0.1)
+
+
+def test_what_is_left_is_looked_for_in_all_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The contact ahead of the axle showed in 72 runs of a robot and not in the eight that were searched."""
+    late = court_of(WheelLoads(shift_x_m=0.012, shift_y_m=-0.008, com_share=1.0), CameraDelay(delay_s=0.02))
+    known = candidates(late, "camera_delay", "camera_scale", "wheel_loads")
+    few = fitted(late.problem, (), np.zeros(0), SEEN[:3], late.seen_runs[:3])
+    first = take_step(few, late.seen_runs[:3], known, 0, Watch(report=no_progress))
+
+    def hides_it(before: State, runs: Sequence[int], screened: list[Candidate], *others: Any) -> Round:
+        if len(before.fit.trials) == len(SEEN):
+            assert all(c.named for c in screened) and others[-1] == 1
+            return take_step(before, runs, screened, *others)
+        return Round(before=before, screening=first.screening, tried=(), best=None, taken=False)
+
+    monkeypatch.setattr(ladder, "take_step", hides_it)
+    found = check(late, proposed(late, "wheel_loads"), [first], Watch(report=no_progress))
+    assert labels_of(found) == ["wheel_loads", "camera_delay"] and found.after.chi() < 1.15
 
 
 def test_the_search_goes_on_from_what_holds() -> None:

@@ -68,3 +68,12 @@ def test_pieces_grow_until_what_is_left_stands_out(problem: Problem) -> None:
     assert before.chi < SETTINGS.far_chi, "no longer than needed"
     right = fitted(problem.in_pieces(0.1), (candidate(problem),), SHIFT, EVERY, EVERY)
     assert longer(problem, right, EVERY).view.piece is None, "whole runs where they come near the noise"
+
+
+def test_pieces_are_as_long_as_asked_while_a_run_has_two(problem: Problem) -> None:
+    first = fitted(problem.in_pieces(0.1), (), np.zeros(0), EVERY, EVERY)
+    enough = longer(problem, first, EVERY).view.piece_s
+    asked = longer(problem, first, EVERY, 2.0 * enough).view.piece_s
+    assert asked == pytest.approx(2.0 * enough, rel=0.1)
+    most_s = 0.5 * problem.trials[0].t_s[-1]
+    assert 0.5 * most_s < longer(problem, first, EVERY, 1e3).view.piece_s <= most_s
