@@ -298,8 +298,8 @@ def _further(
         if step.taken and step.best is not None:
             best = longer(court.problem, step.best, own)
             more = needed(_fitted_to_seen(court, best), court.seen_runs)
-            found = _put(court, more, rejected)
-        if found is not None and found.after.chi() < held.after.chi():
+            found = _better(court, held, more, rejected)
+        if found is not None:
             held = found
         elif start.view.piece is None:
             break
@@ -324,8 +324,16 @@ def _in_all_runs(
         start = longer(court.problem, held.state, court.seen_runs, np.inf)
         step = take_step(start, court.seen_runs, names, court.seed, progress.staged("in all runs"), 1)
         rounds.append(step)
-        found = None if not step.taken or step.best is None else _put(court, step.best, rejected)
-        if found is None or found.after.chi() >= held.after.chi():
+        found = None
+        if step.taken and step.best is not None:
+            found = _better(court, held, step.best, rejected)
+        if found is None:
             break
         held = found
     return held
+
+
+def _better(court: Court, held: Checked, proposed: State, rejected: list[Rejected]) -> Checked | None:
+    """A proposal that the runs bear out, if it predicts them better than what holds."""
+    found = _put(court, proposed, rejected)
+    return found if found is not None and found.after.chi() < held.after.chi() else None
