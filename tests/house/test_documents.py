@@ -355,3 +355,13 @@ def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
         )
     ]
     assert not other_hosts, other_hosts
+
+
+def test_what_the_fuzz_found_is_told() -> None:
+    found = json.loads((ROOT / "benchmarks" / "results" / "fuzz.json").read_text(encoding="utf-8"))
+    cases = sum(sum(counts.values()) for counts in found["counts"].values())
+    kinds = [case["what"] for case in found["bad"]]
+    said = " ".join((ROOT / "SECURITY.md").read_text(encoding="utf-8").split())
+    assert cases == found["next"]
+    assert f"with {len(kinds)} of its {cases // 1000} {cases % 1000:03d} inputs" in said
+    assert f"{kinds.count('hang')} took longer than 20 s, {kinds.count('internal')} met a defect" in said
