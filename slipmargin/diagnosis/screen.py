@@ -22,7 +22,7 @@ from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit, Residuals
 from slipmargin.diagnosis.settings import SETTINGS
-from slipmargin.diagnosis.tangents import Columns, never, secants, tangents
+from slipmargin.diagnosis.tangents import Columns, secants, tangents
 
 
 @final
@@ -84,7 +84,7 @@ def screen(
     parts: Sequence[Index],
     block: int,
     seed: int,
-    overdue: Callable[[], bool] = never,
+    overdue: Callable[[], bool] = lambda: False,
 ) -> Screening:
     """The list for what ``base`` leaves.
 

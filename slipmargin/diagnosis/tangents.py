@@ -19,11 +19,6 @@ from slipmargin.effects import AnyEffect, Trace
 _STEP = 0.05
 
 
-def never() -> bool:
-    """No list is overdue."""
-    return False
-
-
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Columns:
@@ -76,7 +71,7 @@ def tangents(
     base: Fit,
     known: Array,
     candidates: Sequence[Candidate],
-    overdue: Callable[[], bool] = never,
+    overdue: Callable[[], bool],
 ) -> list[Columns]:
     """Columns of every candidate at each of its starts, one simulation a column.
 
@@ -135,7 +130,7 @@ def secants(
     base: Fit,
     known: Array,
     candidates: Sequence[Candidate],
-    overdue: Callable[[], bool] = never,
+    overdue: Callable[[], bool],
 ) -> list[Columns]:
     """A column from each named candidate's null to each of its first starts: sticking hides small changes."""
     plans = [
