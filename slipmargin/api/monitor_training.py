@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array, real
-from slipmargin.errors import InputError, MotionStopped
+from slipmargin.errors import InputError
 from slipmargin.onboard.signals import TAU_S
 from slipmargin.physics.frames import rotate_rows
+from slipmargin.work import TRAINING_STEPS, allow
 
 if TYPE_CHECKING:
     from slipmargin.model import Model
@@ -28,6 +29,8 @@ _PER_RATE, _LEAST_RUNS, _MOST_RUNS = 6.0, 60, 1200
 _SLIPS, _GRIPS = 0.97, 0.93
 #: Steps after which a run is left out; the built-in robots need up to 1 300 [1].
 _MOST_STEPS = 20_000
+#: Runs after which it is estimated how long all of them take.
+_FIRST_RUNS = 10
 #: Noise of simulated sensors: wheel speed [share of its rms], gyro [rad/s], current [share].
 _NOISE, _GYRO_NOISE, _CURRENT_NOISE = 0.01, 0.02, 0.05
 #: Half the window of measured velocities [s]; how far they may be from the wheels' and still be grip:
@@ -45,8 +48,10 @@ def simulated(
 ) -> list[LabelledRun]:
     """Runs of the robot's own model that ask for a tenth to twice the grip's acceleration."""
     from slipmargin.onboard.likelihood import labelled
+    from slipmargin.sim.batch import Batch, Ending
+    from slipmargin.sim.pack import pack
     from slipmargin.sim.signal import linear
-    from slipmargin.sim.simulate import simulate
+    from slipmargin.sim.simulate import as_run
 
     if channels.current and torque_per_ampere_N_m is None:
         raise InputError(
@@ -67,9 +72,9 @@ def simulated(
     t = np.asarray(_STEP_S * np.arange(ticks + 1), dtype=np.float64)
     top = model.drives.max_speed_rad_s
     fastest = 1.0 if top is None else min(1.0, 0.5 * top * float(np.min(model.geometry.radius_m)))
-    out = []
+    out, packed, steps = [], pack(model), 0
     runs = round(min(max(_PER_RATE / false_alarm_rate, _LEAST_RUNS), _MOST_RUNS))
-    for part in rng.permutation(np.geomspace(0.1, 2.0, runs)):
+    for number, part in enumerate(rng.permutation(np.geomspace(0.1, 2.0, runs)), start=1):
         most = part * table.pull_m_s2 * per * _STEP_S
         wish = np.repeat(rng.normal(size=(ticks // 25 + 1, 3)) * per * fastest, 25, axis=0)
         # Drawn to the right and forward, so that a robot trains alike in either convention.
@@ -79,10 +84,16 @@ def simulated(
             step = wish[k] * (0.0 if k // 25 % 4 == 3 else 1.0) - twist[-1]
             twist.append(twist[-1] + step / max(1.0, float(np.linalg.norm(step / most))))
         omega = model.geometry.wheel_speeds(np.array(twist))
-        try:
-            run = simulate(model, linear(t, omega), t, rtol=1e-5, max_steps=_MOST_STEPS)
-        except MotionStopped:
+        batch = Batch([linear(t, omega)], [t])
+        outcome = batch.run(packed, np.zeros(3), tell=True, rtol=1e-5, max_steps=_MOST_STEPS)
+        steps += int(outcome.steps.sum())
+        if number >= _FIRST_RUNS:
+            cure = "train on logged runs with poses, or accept more false alarms"
+            each = model.count * steps / number
+            allow("training", each * runs, TRAINING_STEPS, "wheel steps of simulated runs", cure)
+        if outcome.ending[0] != Ending.DONE:
             continue
+        run = as_run(model, t, outcome, 0)
         body = rotate_rows(run.pose[:, 2], run.velocity, inverse=True)
         used = np.max(run.utilisation, axis=1)
         body[~_settled(used)] = np.nan

@@ -200,7 +200,7 @@ class Problem:
                     signal=run,
                     rtol=self.rtol,
                     max_steps=_MOST_STEPS,
-                    held_down=SETTINGS.held_down,
+                    held_down=np.inf,  # what was measured did not tip: a prediction of it goes on
                 )
                 .pose
             )

@@ -161,10 +161,6 @@ class SearchSettings:
     #: [1] … their frictions differ by this factor at least, and each such run gains this factor.
     floors_differ: float = 1.1
     floor_gains: float = 3.0
-    #: [m g/N] What was measured did not tip: a prediction ends only where the floor pulls a wheel down by
-    #: more than this.  Below, a wheel lifts for a moment: as where a run begins while its wheels slip, or
-    #: on four wheels, of which one may hang in the air.
-    held_down: float = 1.0
     #: [chi] Below this no run differs from the others.
     differs_chi: float = 1.5
     #: [1] Coverage of the intervals.

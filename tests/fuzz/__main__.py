@@ -26,7 +26,7 @@ from typing import Any
 import json_schemas
 
 from fuzz.cases import BUILT_IN, Case, draw
-from fuzz.judge import BAD, NO_NUMBER, judge
+from fuzz.judge import BAD, judge
 from fuzz.page import answer_requests
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -156,10 +156,8 @@ def run(case: Case, base: Path | None = None, keep: Path | None = None) -> tuple
             return why, f"status {code}: {_where(said[1])}", used
         stream = case.words[:1] == ["monitor"] and "-" in case.words
         text = b"".join(case.files.values()).decode("utf-8", errors="replace")
-        for word in {*case.words, *re.findall(r'"(\w+)"', text)}:
-            if NO_NUMBER.fullmatch(word):  # a file or a wheel of that name, which a message quotes
-                said[0] = re.sub(rf"\b{word}\b", "a word", said[0])
-        return *judge(code, *said, work, before, stream=stream), used
+        names = {*case.words, *re.findall(r'"(\w+)"', text)}  # a file or a wheel may be called so
+        return *judge(code, *said, work, before, stream=stream, names=names), used
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -29,9 +29,20 @@ _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029]")
 
 
 def judge(
-    code: int, out: str, err: str, folder: Path, before: set[str], *, stream: bool = False
+    code: int,
+    out: str,
+    err: str,
+    folder: Path,
+    before: set[str],
+    *,
+    stream: bool = False,
+    names: Collection[str] = (),
 ) -> tuple[str, str]:
-    """The word for an ended run and what shows it; of a ``stream`` lines are out before one is refused."""
+    """The word for an ended run and what shows it.
+
+    Of a ``stream`` lines are out before one is refused.  ``names`` are words of its files: a wheel that is
+    called ``nan`` there is no number that went wrong.
+    """
     if "Traceback" in err:
         return "traceback", _last(err)
     if code == 1 and "internal error" in err:
@@ -53,7 +64,7 @@ def judge(
         return "killed", f"status {code}: {_last(err)}"
     if any(not line.startswith("warning: ") for line in err.splitlines()):
         return "dirty", f"not a warning: {err[:300]!r}"
-    for absurd in _absurd(out, left):
+    for absurd in _absurd(out, left, [n for n in names if NO_NUMBER.fullmatch(n)]):
         return "absurd", absurd
     return "ok", ""
 
@@ -62,7 +73,7 @@ def _last(err: str) -> str:
     return (err.strip().splitlines() or [""])[-1][:400]
 
 
-def _absurd(out: str, files: list[Path]) -> Iterator[str]:
+def _absurd(out: str, files: list[Path], names: Collection[str]) -> Iterator[str]:
     texts = {"stdout": out} | {
         p.name: p.read_text(encoding="utf-8", errors="replace")
         for p in files
@@ -80,6 +91,8 @@ def _absurd(out: str, files: list[Path]) -> Iterator[str]:
             if "<script>fuzz" in text or "<b onfuzz" in text:
                 yield f"{name}: markup of a name is not escaped"
         else:
+            for word in names:
+                text = re.sub(rf"\b{word}\b", "a name", text)
             found = NO_NUMBER.search(text)
             if found:
                 yield f"{name}: {text[max(0, found.start() - 80) : found.end() + 20]!r}"

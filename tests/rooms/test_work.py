@@ -4,20 +4,25 @@ from __future__ import annotations
 
 import math
 import tracemalloc
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import tomllib
 from fuzz import mutate
+from fuzz.judge import judge
 from real_logs import EXCERPT
 
 import slipmargin as sm
+from slipmargin.effects.push import Push
 from slipmargin.errors import InputError, MotionStopped
+from slipmargin.io.robot_file import read_recipe
 from slipmargin.limits.effort import NEARLY, Demands
 from slipmargin.limits.every_motion import all_motions
 from slipmargin.limits.motion_rows import prepare
 from slipmargin.limits.motion_state import Contact
+from slipmargin.sim.batch import Batch
 from slipmargin.sim.signal import linear
 from slipmargin.sim.simulate import simulate
 from slipmargin.study.measure import _refuse_undecided
@@ -155,3 +160,21 @@ def test_a_robot_that_holds_no_pull_measures_no_floor() -> None:
     """Slopes were divided by the largest pull, and singular values of what is not finite not found."""
     with pytest.raises(InputError, match="hold any pull"):
         _refuse_undecided(("omni",), np.array([0.3, 0.1]), np.zeros(5), lambda mu: np.zeros(5))
+
+
+def test_training_runs_that_take_minutes_are_refused_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A push of 1 000 N that spins the robot 300 times a second: every run took 14 000 steps."""
+    push = Push(force_x_N=-1000.0, force_y_N=0.0, moment_N_m=50.0, time_s=0.1, duration_s=100.0)
+    recipe = replace(read_recipe("ohio-kiwi"), effects=(push,))
+    ran: list[int] = []
+    run = Batch.run
+    monkeypatch.setattr(Batch, "run", lambda *a, **k: (ran.append(1), run(*a, **k))[1])
+    with pytest.raises(InputError, match="wheel steps of simulated runs"):
+        sm.SlipMonitor(recipe, "paper")
+    assert len(ran) < 20
+
+
+def test_a_wheel_whose_name_reads_like_no_number_is_no_absurd_result(tmp_path: Path) -> None:
+    (tmp_path / "o.csv").write_text("saturated,force_N\nleft+inf,1.0\n")
+    told = {names: judge(0, "", "", tmp_path, set(), names=names)[0] for names in ((), ("left", "inf"))}
+    assert told == {(): "absurd", ("left", "inf"): "ok"}
