@@ -11,7 +11,7 @@ Far above the noise runs are compared in pieces: an error early in a run must no
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -78,6 +78,21 @@ class Round:
         best = self.best
         return [] if best is None else [s for s in self.tried if s is not best and as_good(s, best)]
 
+    def others(self) -> list[State]:
+        """Names worth following beside the best one, the best of each variable: its rivals, and, if it has no
+        name, the best that has one."""
+        best = self.best
+        if best is None or not self.taken:
+            return []
+        named = [s for s in self.tried if s.named and s is not best and worthwhile(self.before, s.chi)]
+        first = [] if best.named else named[:1]
+        found: dict[Trace, State] = {}
+        for state in (*first, *(s for s in named if as_good(s, best))):
+            found.setdefault(state.last.trace, state)
+        if best.named:
+            found.pop(best.last.trace, None)
+        return list(found.values())[: SETTINGS.followed]
+
 
 def search(
     problem: Problem,
@@ -111,24 +126,66 @@ def search(
     if state.chi > SETTINGS.far_chi and bends(problem, trials, state.fit.effects):
         state = evened(_in_pieces(problem, trials, own), seen, own)
     rounds: list[Round] = []
+    ahead: Round | None = None
     for number in range(SETTINGS.most_effects):
         if quiet(state) if not number else progress.expired or not worthwhile(state, SETTINGS.floor_chi):
             break  # the first list is made in any case: without it there is no answer, not even a lead
-        step = take_step(state, own, candidates, seed, progress.staged(f"round {number + 1}"))
+        step = ahead or take_step(state, own, candidates, seed, progress.staged(f"round {number + 1}"))
         rounds.append(step)
         if not step.taken or step.best is None or (not number and step.best.chi > leaves):
             break
-        state = evened(whole(problem, step.best, own), seen, own)
-        if unknown and any(c.wheel_phase for c in state.structure):
-            at = evaluate(problem, state.structure, state.fit.x, seen)
-            problem, better = wheel_phase.refined(problem, at)
-            state = fitted(problem.as_seen_in(state.view), state.structure, better.x, trials, own)
+        problem, state = _entered(problem, step.best, seen, own, unknown)
+        ahead = None
         if len(state.structure) >= SETTINGS.most_effects:
             break
+        if state.view.piece is not None and step.others():
+            tried = [(step.best, problem, state)]
+            tried += [(s, *_entered(problem, s, seen, own, unknown)) for s in step.others()]
+            best, problem, state, ahead = _followed(step, tried, own, candidates, seed, progress)
+            rounds[-1] = replace(step, best=best)
     if state.structure and len(trials) < len(seen):
         progress("fitting all trials that are not held out", 0.0)
         state = fitted(state.view, state.structure, state.fit.x, seen, runs)
     return problem, needed(state, runs if len(state.fit.trials) == len(seen) else own), rounds
+
+
+def _entered(
+    problem: Problem, best: State, seen: Index, runs: Sequence[int], unknown: bool
+) -> tuple[Problem, State]:
+    """What a round found, in the view from which the next one starts, with the wheel phases that it needs."""
+    state = evened(whole(problem, best, runs), seen, runs)
+    if not unknown or not any(c.wheel_phase for c in state.structure):
+        return problem, state
+    at = evaluate(problem, state.structure, state.fit.x, seen)
+    problem, better = wheel_phase.refined(problem, at)
+    view = problem.as_seen_in(state.view)
+    return problem, fitted(view, state.structure, better.x, state.fit.trials, runs)
+
+
+def _followed(
+    step: Round,
+    tried: list[tuple[State, Problem, State]],
+    runs: Sequence[int],
+    candidates: list[Candidate],
+    seed: int,
+    progress: Watch,
+) -> tuple[State, Problem, State, Round]:
+    """Of additions that a round can hardly tell apart, the one beside which the next round finds most.
+
+    Far above the noise an effect shows only beside another one, as load that shifts with the acceleration
+    does beside the loads at rest.  Each is followed by a round of its own; the first is kept unless another
+    leaves less beyond the spread of the runs.
+    """
+    found: list[tuple[State, tuple[State, Problem, State, Round]]] = []
+    for number, (best, problem, state) in enumerate(tried):
+        if number and progress.expired:
+            break
+        ahead = take_step(state, runs, candidates, seed, progress.staged(f"beside {best.last.label}"))
+        end = ahead.best if ahead.taken and ahead.best is not None else state
+        level = refitted(step.before, end.structure, end.fit.x, runs)
+        found.append((level, (best, problem, state, ahead)))
+    least = min(found, key=lambda f: f[0].chi)
+    return (found[0] if as_good(found[0][0], least[0]) else least)[1]
 
 
 def screened(
