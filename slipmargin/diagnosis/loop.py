@@ -31,7 +31,7 @@ from slipmargin.diagnosis.ranges import ranges, variables_of
 from slipmargin.diagnosis.remarks import of_pieces, of_the_clock, of_the_fit
 from slipmargin.diagnosis.residual_diagnostics import dependences
 from slipmargin.diagnosis.result import Diagnosis, Event, Finding, Step, TrialTrajectories, Tried, Verdict
-from slipmargin.diagnosis.search import Round, search, without
+from slipmargin.diagnosis.search import Round, fitted, needed, search, without
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.state import State
@@ -92,9 +92,9 @@ def searched(
 ) -> Searched:
     """Noise, cuts, ranges, wheel phases and effects, all from the trials that are not held out.
 
-    ``held_runs`` are the numbers of the runs to hold out; by default they are drawn.  Where something seems
-    to have happened once in a run, the runs are searched whole first: a slip that only some runs hold looks
-    like an event.  They are cut where what is found does not explain it.  The search ends where its first
+    ``held_runs`` are the numbers of the runs to hold out; by default they are drawn.  The runs are searched
+    whole first: a slip that only some runs hold looks like an event.  They are cut where something seems to
+    have happened once that what is found does not explain.  The search ends where its first
     effect leaves a chi above ``leaves``.
     """
     progress = progress or Watch(report=no_progress)
@@ -109,13 +109,42 @@ def searched(
     found = _searched(data_set, uncut, (), held_runs, seed, progress, leaves)
     if found.state.chi > leaves:
         return found
-    if events := _events(uncut, (), seen_runs):
-        if found.state.structure:
-            phased = uncut.with_wheel_phases(found.problem.wheel_phases)
-            events = _events(phased, found.state.fit.effects, seen_runs)
-        if events:
-            found = _searched(data_set, uncut, events, held_runs, seed, progress, leaves)
+    events = _events(uncut.with_wheel_phases(found.problem.wheel_phases), found.state.fit.effects, seen_runs)
+    if events and _spared(found, events):
+        found = _cut(found, data_set, events)
+    elif events:
+        found = _searched(data_set, uncut, events, held_runs, seed, progress, leaves)
     return found
+
+
+def _spared(found: Searched, events: tuple[Event, ...]) -> bool:
+    """Whether no run that the rounds looked at holds one of these events: they would all be the same."""
+    looked = found.rounds[0].before.fit.trials if found.rounds else found.seen
+    return {e.trial for e in events}.isdisjoint(found.problem.trials[i].name for i in looked)
+
+
+def _cut(found: Searched, data_set: DataSet, events: tuple[Event, ...]) -> Searched:
+    """The same rounds, and what they found fitted to the runs cut at events that no round has looked at."""
+    problem, runs = _apart(data_set, events)
+    problem = problem.with_wheel_phases(found.problem.wheel_phases[list(runs)]).with_rough()
+    held, seen = (np.flatnonzero(np.isin(runs, part)) for part in (found.held, found.seen))
+    last, own = found.state, [runs[i] for i in seen]
+    state = fitted(problem.as_seen_in(last.view, runs), last.structure, last.fit.x, seen, own)
+    return replace(
+        found,
+        problem=problem,
+        runs=runs,
+        held=held,
+        seen=seen,
+        state=needed(state, own),
+        rounds=[step.moved(problem, runs) for step in found.rounds],
+    )
+
+
+def _apart(data_set: DataSet, events: tuple[Event, ...]) -> tuple[Problem, tuple[int, ...]]:
+    """The runs cut at events, and of each part the number of its run."""
+    records, runs = cut_apart(data_set.trials, events)
+    return with_measured_velocity(problem_of(data_set, records, runs), runs), runs
 
 
 def _searched(
@@ -132,8 +161,7 @@ def _searched(
     seen_runs = searched_runs(count, held_runs)
     runs: tuple[int, ...] = tuple(range(count))
     if events:
-        records, runs = cut_apart(data_set.trials, events)
-        problem = with_measured_velocity(problem_of(data_set, records, runs), runs)
+        problem, runs = _apart(data_set, events)
     held = np.flatnonzero(np.isin(runs, held_runs))
     seen = np.flatnonzero(np.isin(runs, seen_runs))
     known = tuple(effect.name for effect in data_set.recipe.effects)

@@ -309,9 +309,15 @@ class Problem:
         """Length of a piece [s]; infinite for whole runs."""
         return np.inf if self.piece is None else self.piece * self.step_s
 
-    def as_seen_in(self, view: Problem) -> Problem:
-        """The same problem, compared as a view does: in pieces as long, trials weighted alike."""
-        return replace(self, piece=view.piece, weights=view.weights)
+    def as_seen_in(self, view: Problem, runs: Sequence[int] | None = None) -> Problem:
+        """The same problem, compared as a view does: in pieces as long, trials weighted alike.
+
+        ``runs`` are the numbers in the view of the trials that those of this problem are cut from.
+        """
+        weights = view.weights
+        if runs is not None and len(weights):
+            weights = weights[list(runs)]
+        return replace(self, piece=view.piece, weights=weights)
 
     def evened(self, effects: tuple[AnyEffect, ...], trials: Index) -> Problem:
         """The same problem, in which none of these trials far outweighs the middle one of those missed.

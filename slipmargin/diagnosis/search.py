@@ -51,6 +51,12 @@ class Round:
         """Probability that noise alone gives as large a gain to the best of the list."""
         return 1.0 if self.best is None else self.screening.p_value(explained(self.before, self.best))
 
+    def moved(self, problem: Problem, runs: tuple[int, ...]) -> Round:
+        """The same of a problem in which trials that it has not looked at are cut."""
+        tried = tuple(s.moved(problem, runs) for s in self.tried)
+        best = next((new for old, new in zip(self.tried, tried, strict=True) if old is self.best), None)
+        return replace(self, before=self.before.moved(problem, runs), tried=tried, best=best)
+
     def map(self) -> tuple[MapEntry, ...]:
         """The best candidate of each variable: what the residual follows, strongest first.
 
@@ -141,7 +147,8 @@ def search(
         if state.view.piece is not None and step.others():
             tried = [(step.best, problem, state)]
             tried += [(s, *_entered(problem, s, seen, own, unknown)) for s in step.others()]
-            best, problem, state, ahead = _followed(step, tried, own, candidates, seed, progress)
+            names = [c for c in candidates if c.named]
+            best, problem, state, ahead = _followed(step, tried, own, names, seed, progress)
             rounds[-1] = replace(step, best=best)
     if state.structure and len(trials) < len(seen):
         progress("fitting all trials that are not held out", 0.0)
@@ -166,24 +173,24 @@ def _followed(
     step: Round,
     tried: list[tuple[State, Problem, State]],
     runs: Sequence[int],
-    candidates: list[Candidate],
+    names: list[Candidate],
     seed: int,
     progress: Watch,
-) -> tuple[State, Problem, State, Round]:
+) -> tuple[State, Problem, State, Round | None]:
     """Of additions that a round can hardly tell apart, the one beside which the next round finds most.
 
     Far above the noise an effect shows only beside another one, as load that shifts with the acceleration
-    does beside the loads at rest.  Each is followed by a round of its own; the first is kept unless another
-    leaves less beyond the spread of the runs.
+    does beside the loads at rest.  Each is followed by a round of its own over the names, which is returned
+    if it took one; the first is kept unless another leaves less beyond the spread of the runs.
     """
-    found: list[tuple[State, tuple[State, Problem, State, Round]]] = []
+    found: list[tuple[State, tuple[State, Problem, State, Round | None]]] = []
     for number, (best, problem, state) in enumerate(tried):
         if number and progress.expired:
             break
-        ahead = take_step(state, runs, candidates, seed, progress.staged(f"beside {best.last.label}"))
+        ahead = take_step(state, runs, names, seed, progress.staged(f"beside {best.last.label}"))
         end = ahead.best if ahead.taken and ahead.best is not None else state
         level = refitted(step.before, end.structure, end.fit.x, runs)
-        found.append((level, (best, problem, state, ahead)))
+        found.append((level, (best, problem, state, ahead if ahead.taken else None)))
     least = min(found, key=lambda f: f[0].chi)
     return (found[0] if as_good(found[0][0], least[0]) else least)[1]
 

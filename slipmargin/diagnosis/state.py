@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -31,6 +31,12 @@ class State:
     view: Problem
     parts: tuple[Index, ...]
     xs: Array
+
+    def moved(self, problem: Problem, runs: tuple[int, ...]) -> State:
+        """The same of a problem in which other trials are cut: ``runs`` says which each of its trials was."""
+        trials = np.array([runs.index(i) for i in self.fit.trials], dtype=np.int64)
+        view = problem.as_seen_in(self.view, runs)
+        return replace(self, view=view, fit=replace(self.fit, trials=trials))
 
     @property
     def chi(self) -> float:

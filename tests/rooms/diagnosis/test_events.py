@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-from planting import planted, smooth_kiwi
+from planting import Plant, planted, smooth_kiwi
 
+from slipmargin.checks import Index
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.record import Record
+from slipmargin.diagnosis import loop, telling
 from slipmargin.diagnosis.events import cut_apart
-from slipmargin.diagnosis.loop import diagnose
+from slipmargin.diagnosis.loop import diagnose, searched
+from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Event, Verdict
+from slipmargin.diagnosis.search import Round, search
+from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.state import State
+from slipmargin.effects.wheel_loads import WheelLoads
 
 
 def kicked(record: Record, at_s: float) -> Record:
@@ -40,6 +48,33 @@ def test_a_kick_is_told_and_explains_nothing(data: DataSet) -> None:
     assert {e.trial for e in found.events} == {"trial03"}
     assert all(e.t_s == pytest.approx(1.2, abs=0.15) for e in found.events)
     assert found.before.chi == pytest.approx(1.0, abs=0.08)
+
+
+def test_a_kick_in_a_run_that_was_not_searched_leaves_the_search_as_it_was(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    loads = Plant(name="loads", traces=(), effects=(WheelLoads(shift_x_m=0.007, shift_y_m=-0.005),))
+    data = planted(smooth_kiwi(), loads, seed=5, count=8, duration_s=2.0, rate_hz=50.0)
+    monkeypatch.setattr(telling, "SETTINGS", replace(SETTINGS, most_searched=SETTINGS.folds))
+    ran: list[Index] = []
+
+    def spied(*given: Any) -> tuple[Problem, State, list[Round]]:
+        found = search(*given)
+        ran.append(found[1].fit.trials)
+        return found
+
+    monkeypatch.setattr(loop, "search", spied)
+    plain = diagnose(data, seed=1)
+    looked = searched(data, 1).rounds[0].before.fit.trials
+    unsearched = next(i for i, t in enumerate(plain.trials) if not t.held_out and i not in looked)
+    trials = tuple(kicked(t, 1.0) if i == unsearched else t for i, t in enumerate(data.trials))
+    ran.clear()
+    found = diagnose(replace(data, trials=trials), seed=1)
+    assert len(ran) == 1, "searched twice"
+    assert {e.trial for e in found.events} == {data.trials[unsearched].name}
+    assert [f.name for f in found.findings] == [f.name for f in plain.findings] == ["wheel_loads"]
+    assert found.after.chi == pytest.approx(plain.after.chi, rel=0.02)
+    assert len(found.trials) == len(plain.trials) + 1 and found.steps[0].taken == plain.steps[0].taken
 
 
 def test_nothing_happened_where_nothing_did(data: DataSet) -> None:
