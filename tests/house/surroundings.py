@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -19,6 +20,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 #: Files, streams, text, arguments and numbers: what depends on where it runs.
 USUAL = ("io", "cli", "robot", "report", "physics", "data", "sets", "test_work.py")
+#: The line in which pytest tells how many passed.
+COUNTS = re.compile(r"\d+ (passed|failed|error)")
 #: pytest's own word under -O; it is about assertions outside tests.
 QUIET = "ignore:assertions not in test modules"
 
@@ -68,10 +71,10 @@ def main(arguments: list[str] | None = None) -> int:
             encoding="utf-8", errors="replace", check=False,
         )  # fmt: skip
         lines = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
-        last = (done.stdout.strip() or done.stderr.strip()).splitlines()[-1:]
-        print(
-            f"{name:<10} {time.monotonic() - start:6.0f} s  {''.join(last)}", *lines, sep="\n  ", flush=True
-        )
+        said = (done.stdout.strip() or done.stderr.strip()).splitlines() or [""]
+        count = next((line for line in reversed(said) if COUNTS.search(line)), said[-1])
+        spent = f"{time.monotonic() - start:6.0f} s"
+        print(f"{name:<10} {spent}  status {done.returncode}: {count}", *lines, sep="\n  ", flush=True)
         red |= done.returncode
     return int(red != 0)
 

@@ -1,0 +1,110 @@
+"""Far above the noise, names that a round can hardly tell apart are each followed by a round of their own."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from planting import Plant, planted, smooth_kiwi
+
+from slipmargin.diagnosis import search
+from slipmargin.diagnosis.candidate import Candidate, named_candidates
+from slipmargin.diagnosis.general_forms import general_candidates
+from slipmargin.diagnosis.loop import no_progress
+from slipmargin.diagnosis.prepare import clean
+from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.ranges import ranges
+from slipmargin.diagnosis.search import Round, fitted, screened
+from slipmargin.diagnosis.state import State
+from slipmargin.diagnosis.watch import Watch
+from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
+from slipmargin.effects.wheel_loads import WheelLoads
+
+SIGMA = np.array([5e-4, 5e-4, 2e-3])
+TRIALS = np.arange(6)
+WATCH = Watch(report=no_progress)
+
+
+class Bench:
+    """Fits to runs of a robot that lacks two effects, and the round in which they were tried alone."""
+
+    def __init__(self) -> None:
+        effects = (SlipRatioFriction(share=1.0, steepness=8.0), WheelLoads(shift_x_m=0.02, shift_y_m=0.01))
+        data = planted(
+            smooth_kiwi(),
+            Plant(name="two", traces=(), effects=effects),
+            seed=4,
+            count=6,
+            duration_s=1.5,
+            rate_hz=50.0,
+        )
+        trials = tuple(clean(record, SIGMA) for record in data.trials)
+        self.problem = Problem.of(data.recipe, data.surface, trials, SIGMA, False)
+        names = named_candidates(self.problem.nominal.geometry.names, False, ())
+        forms = general_candidates(self.problem.model(()), ranges(trials), False)
+        self.known: dict[str, Candidate] = {c.label: c for c in (*names, *forms)}
+        self.plain = self.state()
+        self.screening = screened(self.plain, list(TRIALS), names[:4], 0, WATCH)
+
+    def state(self, *labels: str) -> State:
+        structure = tuple(self.known[label] for label in labels)
+        start = np.concatenate([np.zeros(0), *(c.starts[0] for c in structure)])
+        return fitted(self.problem, structure, start, TRIALS, list(TRIALS))
+
+    def round(self, before: State, *tried: State) -> Round:
+        best = tried[0] if tried else None
+        return Round(before=before, screening=self.screening, tried=tried, best=best, taken=best is not None)
+
+
+@pytest.fixture(scope="module")
+def bench() -> Bench:
+    return Bench()
+
+
+def followed(bench: Bench, first: State, second: State, after: dict[str, State], patch: Any) -> State:
+    """Which of two additions is kept, when the next round finds ``after`` beside them."""
+
+    def take_step(before: State, *_: Any) -> Round:
+        found = after.get(before.last.label)
+        return bench.round(before, *(() if found is None else (found,)))
+
+    patch.setattr(search, "take_step", take_step)
+    step = bench.round(bench.plain, first, second)
+    tried = [(s, bench.problem, s) for s in (first, second)]
+    best, _, state, ahead = search._followed(step, tried, list(TRIALS), [], 0, WATCH)
+    assert state is best and (ahead is not None) == (best.last.label in after)
+    return best
+
+
+def test_the_one_is_kept_beside_which_the_next_round_finds_most(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tilt, loads = bench.state("floor_tilt"), bench.state("wheel_loads")
+    both = bench.state("wheel_loads", "slip_ratio_friction")
+    assert both.chi < 0.5 * min(tilt.chi, loads.chi)
+    assert followed(bench, tilt, loads, {"wheel_loads": both}, monkeypatch) is loads
+
+
+def test_the_first_is_kept_where_what_follows_is_as_good(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    slip, loads = bench.state("slip_ratio_friction"), bench.state("wheel_loads")
+    one = bench.state("slip_ratio_friction", "wheel_loads")
+    two = bench.state("wheel_loads", "slip_ratio_friction")
+    after = {"slip_ratio_friction": one, "wheel_loads": two}
+    assert followed(bench, slip, loads, after, monkeypatch) is slip
+    assert followed(bench, loads, slip, after, monkeypatch) is loads
+
+
+def test_what_is_followed_are_names_of_other_variables(bench: Bench) -> None:
+    form = bench.state("unnamed_velocity: force across the velocity")
+    loads, slip = bench.state("wheel_loads"), bench.state("slip_ratio_friction")
+    stated = bench.state("wheel_loads with the centre of mass where stated")
+    one = bench.round(bench.plain, form, loads, stated)
+    assert one.others()[:1] == [loads] and stated not in one.others()
+    two = bench.round(bench.plain, loads, stated)
+    assert two.others() == []
+    assert bench.round(bench.plain).others() == []
+    far = bench.round(bench.plain, *sorted((loads, slip), key=lambda s: s.chi))
+    assert far.others() == far.rivals()
