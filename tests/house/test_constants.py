@@ -27,7 +27,7 @@ NUMERICS = {
     "diagnosis/order_analysis.py": {"_DRAWS", "_HALVES"},
     "diagnosis/plan_change.py": {"MOVE", "MARGIN", "_POINTS"},
     "diagnosis/probes.py": {"_STEP", "_PRIOR"},
-    "diagnosis/problem.py": {"_RTOL_PER_M", "_RTOL", "_FINE_RTOL", "_MUCH_FEWER", "_MOST_STEPS"},
+    "diagnosis/problem.py": {"_RTOL_PER_M", "_RTOL", "_FINE_RTOL", "_MUCH_FEWER", "_MOST_STEPS", "_MOST_STEPS_PER_S"},
     "diagnosis/pull_next.py": {"_ORIENTATIONS", "_DIRECTIONS", "_MANY", "_APART_RAD"},
     "diagnosis/pull_search.py": {"_SURROGATES"},
     "diagnosis/pull_unseen.py": {"_FLIPS"},
