@@ -18,7 +18,7 @@ from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.effects import AnyEffect
 
 #: Forward-difference step in units of a parameter's scale: large against the integrator's error.
-_STEP = 0.05
+STEP = 0.05
 _ITERATIONS = 12
 _ENOUGH = 1e-4  #: relative decrease of the cost at which a fit has converged
 _FAIR = 2  #: steps that a fit is given before it may be given up
@@ -238,7 +238,7 @@ def _linearise(
     problem: Residuals, structure: tuple[Candidate, ...], x: Array, trials: Index, known: Array | None = None
 ) -> tuple[Array, Array]:
     """Residual (R, K), simulated unless ``known``, and forward-difference Jacobian (R, K, P)."""
-    steps = steps_inside(structure, x, _STEP)
+    steps = steps_inside(structure, x, STEP)
     points = [x + step * unit for step, unit in zip(steps, np.eye(len(x)), strict=True)]
     if not points:
         base = problem.residuals([build(structure, x)], [trials])[0] if known is None else known
@@ -273,7 +273,7 @@ def shifted_by(other: Residuals, found: Fit) -> Array:
     return np.asarray(step * scale)
 
 
-def tangents(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> list[Array]:
+def free_slopes(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> list[Array]:
     """Derivative (R, K, P) of the residual by each candidate's parameters at its null, beside ``base``.
 
     The part that ``base``'s own parameters could take up is removed.
@@ -282,7 +282,7 @@ def tangents(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> 
     steps: list[float] = []
     for candidate in candidates:
         for at, unit in enumerate(np.eye(candidate.size)):
-            step = _STEP * candidate.scale[at]
+            step = STEP * candidate.scale[at]
             step = step if candidate.null[at] + step <= candidate.high[at] else -step
             points.append((*base.effects, candidate.build(candidate.null + step * unit)))
             steps.append(step)

@@ -23,9 +23,9 @@ from slipmargin.diagnosis.fit import (
     build,
     evaluate,
     fit,
+    free_slopes,
     limits_of,
     score_test_gain,
-    tangents,
 )
 from slipmargin.diagnosis.pull_problem import PullProblem
 from slipmargin.diagnosis.settings import PULLS
@@ -194,7 +194,7 @@ def _take_step(
     room = problem.count(groups) - len(before.fit.x)
     small = [c for c in candidates if c.name not in taken and c.size < room // 2]
     fresh = [c for c in small if problem.possible((*before.fit.effects, *_begun(c))) is not None]
-    slopes = tangents(problem, before.fit, fresh)
+    slopes = free_slopes(problem, before.fit, fresh)
     worth = _promising(before, fresh, slopes) if before.structure else fresh
     tried = _scored(problem, [_short(problem, before, (c,)) for c in worth], PULLS.shortlist)
     if not tried:
@@ -204,7 +204,7 @@ def _take_step(
         firsts = [s.structure[-1] for s in tried if s.structure[-1].named][: PULLS.firsts]
         both = sorted([*tried, *_pairs(problem, before, firsts, fresh)], key=lambda s: s.score)
         pair = _simplest([s for s in both if no_worse(s, both[0])])
-        beside_it = tangents(problem, best.fit, fresh)
+        beside_it = free_slopes(problem, best.fit, fresh)
         if _unnamed(best) or luck(problem, best, pair, beside_it, seed) <= PULLS.significance:
             tried, best = both, pair
     p_value = luck(problem, before, best, slopes, seed)

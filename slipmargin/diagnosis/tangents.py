@@ -11,12 +11,9 @@ import numpy as np
 
 from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.fit import Fit, Residuals
+from slipmargin.diagnosis.fit import STEP, Fit, Residuals
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import AnyEffect, Trace
-
-#: Forward-difference step in units of a parameter's scale: that of the fits.
-_STEP = 0.05
 
 
 @final
@@ -85,7 +82,7 @@ def tangents(
             for j in range(candidate.size):
                 if candidate.idle[j] and candidate.nested:
                     continue
-                step = _STEP if at[j] + _STEP * candidate.scale[j] <= candidate.high[j] else -_STEP
+                step = STEP if at[j] + STEP * candidate.scale[j] <= candidate.high[j] else -STEP
                 columns.append((j, step))
             for j, step in columns:
                 moved = at.copy()

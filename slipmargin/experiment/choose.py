@@ -11,7 +11,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.fit import Fit, evaluate, limits_of, tangents
+from slipmargin.diagnosis.fit import Fit, evaluate, free_slopes, limits_of
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.experiment.gain import Contrast, information, known
 from slipmargin.experiment.remaining import Remaining, can_be
@@ -123,7 +123,7 @@ def unseen(left: Remaining, new: Problem) -> list[Unseen]:
     for problem in (left.problem.rough(), new.rough()):
         everyone = np.arange(len(problem.trials), dtype=np.int64)
         base = evaluate(problem, left.fits[0].structure, left.fits[0].x, everyone)
-        parts.append(tangents(problem, base, candidates))
+        parts.append(free_slopes(problem, base, candidates))
     made = []
     for c, old, ahead in zip(candidates, *parts, strict=True):
         # Nothing is larger than its range: what no run shows is as wide as that.

@@ -14,7 +14,7 @@ from slipmargin.checks import Array, Index
 from slipmargin.diagnosis import search
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.evidence import Intervals, intervals
-from slipmargin.diagnosis.fit import evaluate, fit, score_test_gain, shifted_by, tangents
+from slipmargin.diagnosis.fit import evaluate, fit, free_slopes, score_test_gain, shifted_by
 from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.state import State, choose
@@ -81,7 +81,7 @@ def test_bounds_hold_and_are_said() -> None:
 def test_a_tangent_promises_what_a_linear_fit_gains() -> None:
     problem = Line((0.2, -0.1), 0.05, 7)
     base = evaluate(problem, (), np.zeros(0), EVERY)
-    (slope,) = tangents(problem, base, [candidate(CameraScale)])
+    (slope,) = free_slopes(problem, base, [candidate(CameraScale)])
     found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
     assert score_test_gain(base.residual, slope) == pytest.approx(base.cost - found.cost, rel=1e-6)
 
@@ -89,7 +89,7 @@ def test_a_tangent_promises_what_a_linear_fit_gains() -> None:
 def test_a_tangent_beside_a_fit_is_what_the_fit_cannot_take_up() -> None:
     problem = Line((0.2, -0.1), 0.05, 7)
     found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
-    (slope,) = tangents(problem, found, [candidate(CameraRotation)])
+    (slope,) = free_slopes(problem, found, [candidate(CameraRotation)])
     own = found.jacobian.reshape(-1, 2)
     assert np.abs(own.T @ slope.reshape(-1)).max() < 1e-9
 
