@@ -44,7 +44,7 @@ _FINE_RTOL = 1e-6
 _MUCH_FEWER = 0.5
 #: Steps after which a run counts as diverged, and of a short run a second of motion [1, 1/s]: an ordinary
 #: one takes up to 700 a second.
-_MOST_STEPS, _MOST_STEPS_PER_S = 40_000, 4_000
+_MOST_STEPS, _MOST_STEPS_PER_S = 40_000, 2_000
 
 
 @final
