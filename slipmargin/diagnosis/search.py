@@ -188,8 +188,9 @@ def _followed(
         if number and progress.expired:
             break
         ahead = take_step(state, runs, names, seed, progress.staged(f"beside {best.last.label}"))
-        end = ahead.best if ahead.taken and ahead.best is not None else state
-        level = refitted(step.before, end.structure, end.fit.x, runs)
+        level = best
+        if ahead.taken and ahead.best is not None:
+            level = refitted(step.before, ahead.best.structure, ahead.best.fit.x, runs)
         found.append((level, (best, problem, state, ahead if ahead.taken else None)))
     least = min(found, key=lambda f: f[0].chi)
     return (found[0] if as_good(found[0][0], least[0]) else least)[1]

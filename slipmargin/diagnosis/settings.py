@@ -129,8 +129,8 @@ class SearchSettings:
     #: [1] A pair is fitted where its tangents leave at most this share of what the best single one leaves.
     pair_leaves: float = 0.7
     #: [candidates] Far above the noise so many names are followed by a round of their own beside the best:
-    #: as many variables as rolling wheels have (their slip, their load, their geometry).
-    followed: int = 3
+    #: with it they make three, the variables of a wheel that rolls (its slip, its load, its geometry).
+    followed: int = 2
     #: [1] A fit that cannot come within this factor of the best one's cost is not finished.
     out_of_reach: float = 1.3
     #: [1] Stated noise is replaced where the measured one is this many times larger or smaller …
