@@ -187,11 +187,14 @@ def _followed(
     for number, (best, problem, state) in enumerate(tried):
         if number and progress.expired:
             break
-        ahead = take_step(state, runs, names, seed, progress.staged(f"beside {best.last.label}"))
-        level = best
-        if ahead.taken and ahead.best is not None:
+        level, ahead = best, None
+        if best.named:  # beside a form names are hardly ever taken
+            ahead = take_step(state, runs, names, seed, progress.staged(f"beside {best.last.label}"))
+        if ahead is not None and ahead.taken and ahead.best is not None:
             level = refitted(step.before, ahead.best.structure, ahead.best.fit.x, runs)
-        found.append((level, (best, problem, state, ahead if ahead.taken else None)))
+        else:
+            ahead = None
+        found.append((level, (best, problem, state, ahead)))
     least = min(found, key=lambda f: f[0].chi)
     return (found[0] if as_good(found[0][0], least[0]) else least)[1]
 
