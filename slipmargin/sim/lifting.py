@@ -54,6 +54,9 @@ _AREA = 1e-8
 #: Searches for the wheels that touch end by themselves after two or three turns.  One that goes to and fro
 #: takes half steps after so many, and stops after so many.
 _WHOLE, _TURNS = 6, 40
+#: Which wheels touch at the acceleration that follows from it is found in as many turns, or not at all: where
+#: the robot tips, and where it jams because friction presses the wheel down that rubs.
+_SEARCH = 12
 
 
 @spliced
@@ -147,7 +150,7 @@ def hang(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
     ax, ay, part = acc[0], acc[1], 1.0
     for i in range(len(W)):
         C[i, AIR] = 0.0
-    for turn in range(_TURNS):
+    for turn in range(_SEARCH):
         _settle(W, C, ax, ay)
         _accelerate(P, W, C, B, acc)
         if not _changes(C):
