@@ -323,7 +323,7 @@ def _in_all_runs(
             break
         start = longer(court.problem, held.state, court.seen_runs, np.inf)
         step = take_step(start, court.seen_runs, names, court.seed, progress.staged("in all runs"), 1)
-        rounds.append(step)
+        rounds.append(replace(step, names_only=True))
         found = None
         if step.taken and step.best is not None:
             found = _better(court, held, step.best, rejected)

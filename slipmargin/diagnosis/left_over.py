@@ -24,10 +24,10 @@ from slipmargin.diagnosis.watch import Watch
 def like(state: State | None, rounds: Sequence[Round]) -> Round | None:
     """The last round that began with the candidates of ``state`` (None: with none), if there is one.
 
-    A look at all runs lists names alone: it is no round of that kind.
+    A list of names alone is no round of that kind.
     """
     labels = set() if state is None else {c.label for c in state.structure}
-    whole = [r for r in rounds if len(r.before.fit.trials) == len(rounds[0].before.fit.trials)]
+    whole = [r for r in rounds if not r.names_only]
     return next((r for r in reversed(whole) if {c.label for c in r.before.structure} == labels), None)
 
 

@@ -38,13 +38,17 @@ from slipmargin.effects import Trace
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Round:
-    """One step: where it started, the screened list, the fits (best first), the chosen one, if taken."""
+    """One step: where it started, the screened list, the fits (best first), the chosen one, if taken.
+
+    ``names_only``: the list held no general forms, so that it is no map of what is left.
+    """
 
     before: State
     screening: Screening
     tried: tuple[State, ...]
     best: State | None
     taken: bool
+    names_only: bool = False
 
     @property
     def p_value(self) -> float:
@@ -190,10 +194,11 @@ def _followed(
         level, ahead = best, None
         if best.named:  # beside a form names are hardly ever taken
             ahead = take_step(state, runs, names, seed, progress.staged(f"beside {best.last.label}"))
-        if ahead is not None and ahead.taken and ahead.best is not None:
-            level = refitted(step.before, ahead.best.structure, ahead.best.fit.x, runs)
-        else:
+        if ahead is None or not ahead.taken or ahead.best is None:
             ahead = None
+        else:
+            level = refitted(step.before, ahead.best.structure, ahead.best.fit.x, runs)
+            ahead = replace(ahead, names_only=True)
         found.append((level, (best, problem, state, ahead)))
     least = min(found, key=lambda f: f[0].chi)
     return (found[0] if as_good(found[0][0], least[0]) else least)[1]

@@ -149,8 +149,10 @@ def test_what_is_left_is_looked_for_in_all_runs(monkeypatch: pytest.MonkeyPatch)
         return Round(before=before, screening=first.screening, tried=(), best=None, taken=False)
 
     monkeypatch.setattr(ladder, "take_step", hides_it)
-    found = check(late, proposed(late, "wheel_loads"), [first], Watch(report=no_progress))
+    rounds = [first]
+    found = check(late, proposed(late, "wheel_loads"), rounds, Watch(report=no_progress))
     assert labels_of(found) == ["wheel_loads", "camera_delay"] and found.after.chi() < 1.15
+    assert [r.names_only for r in rounds if r.taken][-1]
 
 
 def test_the_search_goes_on_from_what_holds() -> None:
