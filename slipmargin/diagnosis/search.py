@@ -148,9 +148,9 @@ def search(
         ahead = None
         if len(state.structure) >= SETTINGS.most_effects:
             break
-        if state.view.piece is not None and step.others():
+        if state.view.piece is not None and (others := step.others()):
             tried = [(step.best, problem, state)]
-            tried += [(s, *_entered(problem, s, seen, own, unknown)) for s in step.others()]
+            tried += [(s, *_entered(problem, s, seen, own, unknown)) for s in others]
             names = [c for c in candidates if c.named]
             best, problem, state, ahead = _followed(step, tried, own, names, seed, progress)
             rounds[-1] = replace(step, best=best)

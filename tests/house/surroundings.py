@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import re
 import shutil
 import subprocess
 import sys
@@ -20,8 +19,6 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 #: Files, streams, text, arguments and numbers: what depends on where it runs.
 USUAL = ("io", "cli", "robot", "report", "physics", "data", "sets", "test_work.py")
-#: The line in which pytest tells how many passed.
-COUNTS = re.compile(r"\d+ (passed|failed|error)")
 #: pytest's own word under -O; it is about assertions outside tests.
 QUIET = "ignore:assertions not in test modules"
 
@@ -49,7 +46,7 @@ def command(one: Surrounding, rest: list[str]) -> list[str]:
     """How the tests are run there."""
     paths = [word for word in rest if not word.startswith("-")]
     usual = [] if paths else [str(ROOT / "tests" / "rooms" / name) for name in USUAL]
-    words = [*one.under, sys.executable, *one.python, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
+    words = [*one.under, sys.executable, *one.python, "-m", "pytest", "-p", "no:cacheprovider"]
     return [*words, "-W", QUIET, *rest, *usual]
 
 
@@ -71,10 +68,9 @@ def main(arguments: list[str] | None = None) -> int:
             encoding="utf-8", errors="replace", check=False,
         )  # fmt: skip
         lines = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
-        said = (done.stdout.strip() or done.stderr.strip()).splitlines() or [""]
-        count = next((line for line in reversed(said) if COUNTS.search(line)), said[-1])
+        last = "".join((done.stdout.strip() or done.stderr.strip()).splitlines()[-1:])
         spent = f"{time.monotonic() - start:6.0f} s"
-        print(f"{name:<10} {spent}  status {done.returncode}: {count}", *lines, sep="\n  ", flush=True)
+        print(f"{name:<10} {spent}  status {done.returncode}: {last}", *lines, sep="\n  ", flush=True)
         red |= done.returncode
     return int(red != 0)
 
