@@ -15,17 +15,16 @@ import argparse
 import json
 import math
 import sys
-import time
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import fields
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 if __package__ in (None, ""):
     sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from judged.run import judge, keep
+from judged.run import answer, judge, keep
 from judged.score import FOUND, false_alarm, grew, said_name, variable_right
 from slipmargin.data import settings as of_data
 from slipmargin.diagnosis import settings as of_search
@@ -143,9 +142,19 @@ def main(words: Sequence[str] | None = None) -> int:
     held: Row = {"budget_s": given.budget, "sets": {}}
     if given.out.exists():
         held["sets"] = json.loads(given.out.read_text(encoding="utf-8"))["sets"]
-    _run(given, held, [(path, "") for path in sets])
+    command = [sys.executable, "-c", _DIAGNOSE, str(Path(__file__).resolve().parents[1])]
+    plain = {f"{path.name}:": partial(judge, path, given.budget, [*command, ""], ("read",)) for path in sets}
+    if not answer(plain, held, given.out, given.jobs):
+        return 130
     read = {path: held["sets"][f"{path.name}:"].get("read", []) for path in sets}
-    _run(given, held, [(path, change) for path in sets for name in read[path] for change in changes(name)])
+    other = {
+        f"{path.name}:{change}": partial(judge, path, given.budget, [*command, change])
+        for path in sets
+        for name in read[path]
+        for change in changes(name)
+    }
+    if not answer(other, held, given.out, given.jobs):
+        return 130
     truth = json.loads((given.folder / "truth.json").read_text(encoding="utf-8"))
     held["table"] = table(held, truth.get("sets", truth))
     keep(given.out, held)
@@ -153,28 +162,6 @@ def main(words: Sequence[str] | None = None) -> int:
         lost, gained = len(row["lost"]), len(row["gained"])
         print(f"{row['constant']:40s} read in {row['sets']:2d}, lost {lost}, gained {gained}")
     return 0
-
-
-def _run(given: argparse.Namespace, held: Row, asked: list[tuple[Path, str]]) -> None:
-    """Diagnose what is not known yet, ``given.jobs`` at once."""
-    left = [(path, change) for path, change in asked if f"{path.name}:{change}" not in held["sets"]]
-    command = [sys.executable, "-c", _DIAGNOSE, str(Path(__file__).resolve().parents[1])]
-    pool = ThreadPoolExecutor(given.jobs)
-    try:
-        jobs = {}
-        for path, change in left:
-            also = () if change else ("read",)
-            job = pool.submit(judge, path, given.budget, [*command, change], also)
-            jobs[job] = f"{path.name}:{change}"
-        began = time.monotonic()
-        for number, job in enumerate(as_completed(jobs), 1):
-            held["sets"][jobs[job]] = job.result()
-            keep(given.out, held)
-            rest = (time.monotonic() - began) / number * (len(left) - number) / 60.0
-            share = 100 * number // len(left)
-            print(f"\r{share:3d} %, {rest:.0f} min left ", end="", file=sys.stderr, flush=True)
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
 
 
 if __name__ == "__main__":

@@ -14,8 +14,9 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -94,6 +95,34 @@ def keep(path: Path, held: dict[str, Any]) -> None:
     os.replace(new, path)
 
 
+def answer(
+    asked: dict[str, Callable[[], dict[str, Any]]], held: dict[str, Any], out: Path, jobs: int
+) -> bool:
+    """Put the row of every name asked for beside those held, ``jobs`` at once; whether all are there.
+
+    What is held is kept after every row: the same call goes on where Ctrl-C stopped it.
+    """
+    left = {name: make for name, make in asked.items() if name not in held["sets"]}
+    began = time.monotonic()
+    pool = ThreadPoolExecutor(jobs)
+    try:
+        names = {pool.submit(make): name for name, make in left.items()}
+        for done, job in enumerate(as_completed(names), 1):
+            held["sets"][names[job]] = job.result()
+            keep(out, held)
+            share = 100 * (len(asked) - len(left) + done) // len(asked)
+            rest_min = (time.monotonic() - began) / done * (len(left) - done) / 60.0
+            said = f"\r{share:3d} %  {done} of {len(left)}, {rest_min:.0f} min left "
+            print(said, end="", file=sys.stderr, flush=True)
+    except KeyboardInterrupt:
+        print("\nstopped; the same command goes on from here", file=sys.stderr)
+        return False
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+        print(file=sys.stderr)
+    return True
+
+
 def main(words: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -112,31 +141,10 @@ def main(words: Sequence[str] | None = None) -> int:
     held: dict[str, Any] = {"collection": str(given.folder.resolve()), "budget_s": given.budget, "sets": {}}
     if given.out.exists():
         held["sets"] = json.loads(given.out.read_text(encoding="utf-8"))["sets"]
-    left = [path for path in sets if path.name not in held["sets"]]
     command = [sys.executable, "-c", _DIAGNOSE]
-    began, done = time.monotonic(), 0
-    pool = ThreadPoolExecutor(given.jobs)
-    try:
-        jobs = {pool.submit(judge, path, given.budget, command): path.name for path in left}
-        for job in as_completed(jobs):
-            held["sets"][jobs[job]] = job.result()
-            keep(given.out, held)
-            done += 1
-            spent = time.monotonic() - began
-            share = 100 * (len(sets) - len(left) + done) // len(sets)
-            rest = spent / done * (len(left) - done) / 60
-            print(
-                f"\r{share:3d} %  {done} of {len(left)}, {rest:.0f} min left ",
-                end="",
-                file=sys.stderr,
-                flush=True,
-            )
-    except KeyboardInterrupt:
-        print("\nstopped; the same command goes on from here", file=sys.stderr)
+    asked = {path.name: partial(judge, path, given.budget, command) for path in sets}
+    if not answer(asked, held, given.out, given.jobs):
         return 130
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-        print(file=sys.stderr)
     print(f"{len(held['sets'])} sets in {given.out}")
     return 0
 
