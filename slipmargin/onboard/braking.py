@@ -22,6 +22,8 @@ from slipmargin.model import Model
 
 #: Speeds at which the deceleration is asked for; they lie closer where the drag fades.
 STEPS = 160
+#: A stop that would take longer is none: what brakes then is next to nothing [s].
+LONGEST_S = 600.0
 
 
 @final
@@ -58,7 +60,7 @@ def braking(model: Model, heading_rad: Array, fastest_m_s: float, margin: float)
     Raises
     ------
     NoSolution
-        Where the robot cannot brake at all within the margin.
+        Where the robot cannot brake within the margin, or not in ten minutes.
     """
     way = np.column_stack([np.cos(heading_rad), np.sin(heading_rad), np.zeros_like(heading_rad)])
     speed = fastest_m_s * np.linspace(0.0, 1.0, STEPS) ** 3
@@ -76,12 +78,23 @@ def braking(model: Model, heading_rad: Array, fastest_m_s: float, margin: float)
         )
     middle, step = 0.5 * (speed[1:] + speed[:-1]), np.diff(speed)
     slow = 0.5 * (1.0 / found[:, 1:] + 1.0 / found[:, :-1])
+    time = _summed(slow * step)
+    if np.max(time) > LONGEST_S:
+        h = int(np.argmax(time[:, -1]))
+        k = int(np.argmax(slow[h]))
+        raise NoSolution(
+            "stop",
+            f"towards {np.rad2deg(heading_rad[h]):.0f}° it takes {time[h, -1]:.3g} s: at {middle[k]:.3g} m/s "
+            f"only {1.0 / slow[h, k]:.2g} m/s² keep the margin",
+            "ask for a lower speed or a smaller margin",
+            limit,
+        )
     last = np.arange(len(way)) * STEPS + STEPS - 1
     return Braking(
         heading_rad=heading_rad,
         speed=speed,
         deceleration=found,
-        time_s=_summed(slow * step),
+        time_s=time,
         distance_m=_summed(slow * middle * step),
         wheels=tuple(limit.wheels[k] for k in last),
         cause=tuple(limit.cause[k] for k in last),

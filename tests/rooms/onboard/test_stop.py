@@ -11,7 +11,7 @@ import pytest
 from slipmargin_cli.main import status
 
 import slipmargin as sm
-from slipmargin.errors import InputError
+from slipmargin.errors import InputError, NoSolution
 
 BUILT_IN = [("ohio-kiwi", "paper"), ("mecanum4", "floor"), ("robotino", "gray"), ("omni4", "floor")]
 
@@ -59,3 +59,9 @@ def test_refusals(capsys: pytest.CaptureFixture[str]) -> None:
     assert "the motors allow" in capsys.readouterr().err
     with pytest.raises(InputError, match="give speeds above 0"):
         sm.stop("robotino", "gray", speeds_m_s=[0.0])
+
+
+def test_a_stop_that_takes_longer_than_ten_minutes_is_none() -> None:
+    """Simulated, one of years asked for terabytes; not simulated, it was told as a result."""
+    with pytest.raises(NoSolution, match=r"takes .* s: at .* m/s only .* m/s² keep the margin"):
+        sm.stop("robotino", "gray", speeds_m_s=[1.0], step_deg=90.0, margin=1.0 - 1e-12)
