@@ -60,7 +60,7 @@ from slipmargin.sim.varying import external, factors
 _MASS, _INERTIA, _LAG, _DROOP, _STALL = at.MASS, at.INERTIA, at.LAG, at.DROOP, at.STALL_TORQUE
 _SLOWING, _WHEEL_INERTIA, _LAW, _K = at.SLOWING, at.INERTIA_OF_WHEEL, at.LAW, at.STEEPNESS
 _SHAPE, _COUPLING, _CW, _CT, _LIFTED = at.SHAPE, at.COUPLING, at.VISCOUS_W, at.VISCOUS_T, at.LIFTED
-_MODS, _FOLLOWS, _ITERATES, _GX = at.MODULATIONS, at.LOAD_FOLLOWS, at.LOAD_ITERATES, at.GRIP_X
+_MODS, _FOLLOWS, _BY_LOAD, _GX = at.MODULATIONS, at.LOAD_FOLLOWS, at.BY_LOAD, at.GRIP_X
 _GY, _GM, _GR, _FX, _FY = at.GRIP_Y, at.GRIP_MOMENT, at.GRIP_ROLLS, at.FREE_X, at.FREE_Y
 _FM, _FR, _REST, _LX, _LY = at.FREE_MOMENT, at.FREE_ROLLS, at.REST, at.LOAD_X, at.LOAD_Y
 _MU, _TX, _TY, _OUT_COS, _OUT_SIN = at.ROLLER_W, at.TILT_X, at.TILT_Y, at.RUNOUT_COS, at.RUNOUT_SIN
@@ -136,8 +136,8 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
         B[UP] = 0.0
         if lifts(P, C):
             hang(P, W, C, B, acc)
-        if P[_ITERATES] == 0.0 and not (modulated and B[UP] > 0.0):
-            break
+        if P[_BY_LOAD] == 0.0 or not (follows or B[UP] > 0.0):
+            break  # nothing that friction depends on has changed
         change = abs(acc[0] - before_x) + abs(acc[1] - before_y)
         if turn > 0 and change <= 1e-14 * (1.0 + abs(ax) + abs(ay)):
             break

@@ -125,7 +125,7 @@ def workspace(wheels: int, driven: bool) -> tuple[Array, ...]:
 
 def probed(P: Array, pushed: bool) -> NDArray[np.int64]:
     """Columns of the Jacobian that are taken by differences: the pose's, time's, the velocities'."""
-    wheels, driven, iterates = int(P[at.COUNT]), P[_DRIVEN] > 0.0, P[at.LOAD_ITERATES] > 0.0
+    wheels, driven, iterates = int(P[at.COUNT]), P[_DRIVEN] > 0.0, P[at.BY_LOAD] * P[at.LOAD_FOLLOWS] > 0.0
     first = 6 + (wheels if driven else 0)
     m = first + (wheels if driven else 0)
     by_velocity = iterates or P[at.BY_VELOCITY] > 0.0

@@ -110,7 +110,7 @@ def _fill(head: Array, model: Model) -> None:
     head[at.STEEPNESS], head[at.SHAPE], head[at.COUPLING] = grip.k_s_per_m, _SHAPES[grip.shape], grip.coupling
     head[at.VISCOUS_W], head[at.VISCOUS_T] = grip.viscous_N_s_per_m
     head[at.LOAD_FOLLOWS] = follows
-    head[at.LOAD_ITERATES] = follows and Variable.WHEEL_LOAD in variables
+    head[at.BY_LOAD] = Variable.WHEEL_LOAD in variables
     uneven = bool(model.external.reliefs)
     head[at.BY_HEADING] = bool((variables | terms) & _HEADING) or floor or uneven
     head[at.BY_POSITION] = bool((variables | terms) & _PLACE) or uneven
