@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from slipmargin.sets.hull import Hull
     from slipmargin.sets.zonotope import Zonotope
 
-#: Facets nearer to the origin than this share of the set's size leave nothing out that is worth a number [1].
+#: Share of the size of the set [1]: facets nearer to the origin leave out nothing worth a number, and a set
+#: that is thinner has no volume to speak of.
 THIN = 1e-9
 
 
@@ -149,10 +150,25 @@ def polytope(robot: RobotLike, surface: str, *, rigid: bool = False) -> Polytope
 
     model, warnings = model_of(read_robot(robot), surface)
     wrenches = wrench_set(model, np.full(model.count, rigid))
+    body = wrenches.body()
+    _refuse_flat(model, wrenches, body)
     return PolytopeResult(
         model=model,
         wrenches=wrenches,
-        body=wrenches.body(),
+        body=body,
         state="rigid" if rigid else "rollers",
         warnings=warnings,
     )
+
+
+def _refuse_flat(model: Model, wrenches: WrenchSet, body: Zonotope | Hull) -> None:
+    """Refuse a set that is thinner than rounding, a moment counting as its force at the robot's size."""
+    from slipmargin.sets.facets import no_volume
+
+    arm_m = float(np.max(np.hypot(*(model.geometry.position_m - model.inertia.com_m).T)))
+    size = np.array([1.0, 1.0, arm_m])
+    normals = body.half_spaces()[0]
+    width = wrenches.support(normals) + wrenches.support(-normals)
+    reach = np.max(np.linalg.norm((body.vertices() - wrenches.centre) / size, axis=1))
+    if np.min(width / np.linalg.norm(normals * size, axis=1)) < THIN * reach:
+        raise no_volume()

@@ -248,7 +248,7 @@ def sweep(
     """
     from slipmargin.data.settings import SETTINGS
     from slipmargin.limits import isotropic, sweep as limit_sweep, wrench_set
-    from slipmargin.limits.self_check import self_check
+    from slipmargin.limits.self_check import difference, self_check
     from slipmargin.limits.uncertainty import lowest_pulls
 
     recipe = read_robot(robot)
@@ -268,12 +268,12 @@ def sweep(
         method = "cones" if method == "facets" else method
     found = by_facets
     if method not in ("facets", "cones"):
-        found = replace(by_facets, f_max_N=_solved(model, phi, method))
+        found = replace(by_facets, f_max_N=np.maximum(_solved(model, phi, method), 0.0) + 0.0)
     extremes = np.array([found.weakest, found.strongest])
     check = (
         self_check(model, extremes[:, 0], extremes[:, 1])
         if method in ("facets", "cones")
-        else float(np.max(np.abs(found.f_max_N / by_facets.f_max_N - 1.0)))
+        else difference(model, found.f_max_N, by_facets.f_max_N)
     )
     recommended, likely = found.recommended_N(margin), None
     if drawing is not None:

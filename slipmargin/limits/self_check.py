@@ -30,14 +30,19 @@ def self_check(model: Model, phi_rad: Array, force_N: Array) -> float:
     phi_rad, force_N : (M,)
         Headings [rad] and the pull limits there [N]: pull through the centre of mass, all wheels on rollers.
     """
-    worst = 0.0
-    for phi, force in zip(np.atleast_1d(phi_rad), np.atleast_1d(force_N), strict=True):
+    other = []
+    for phi in np.atleast_1d(phi_rad):
         at = np.array([phi])
         ray, bias = Pull().rays(model, at)[0], bias_wrench(model, at)[0]
-        other = least_support(wrench_set(model, phi_rad=float(phi)), ray, bias)
-        least = _NOTHING * float(np.sum(model.loads.rest_N))
-        worst = max(worst, abs(float(force) - other) / max(abs(other), abs(float(force)), least))
-    return worst
+        other.append(least_support(wrench_set(model, phi_rad=float(phi)), ray, bias))
+    return difference(model, np.atleast_1d(force_N), np.array(other))
+
+
+def difference(model: Model, one_N: Array, other_N: Array) -> float:
+    """Return the greatest relative difference [1] between pull limits (M,) [N] found in two ways."""
+    least = _NOTHING * float(np.sum(model.loads.rest_N))
+    size = np.maximum(np.maximum(np.abs(one_N), np.abs(other_N)), least)
+    return float(np.max(np.abs(one_N - other_N) / size))
 
 
 def least_support(wrenches: WrenchSet, ray: Array, bias: Array) -> float:

@@ -23,6 +23,8 @@ from slipmargin.sets.section import section
 STEP_DEG = 2.0
 #: Digits sent to the page: more than a screen shows.
 _DIGITS = 6
+#: No robot speeds up like this [m/s²]: a wheel that lifts only then never does.
+_NEVER_M_S2 = 1e4
 
 
 def picture(now: Settings) -> dict[str, Any]:
@@ -100,7 +102,7 @@ def _wheels(model: Model) -> list[dict[str, Any]]:
 def _tipping(model: Model, heading: Array) -> dict[str, Any] | None:
     """The least acceleration at which a wheel carries nothing, its direction and that wheel.
 
-    None where loads do not follow the acceleration.
+    None where loads do not follow the acceleration, or only one that no robot has.
     """
     if not model.loads.follow_acceleration:
         return None
@@ -108,6 +110,8 @@ def _tipping(model: Model, heading: Array) -> dict[str, Any] | None:
     lost = -(model.loads.at(ways) - model.loads.rest_N)  # per 1 m/s²
     with np.errstate(divide="ignore", invalid="ignore"):
         until = np.where(lost > 1e-12, model.loads.rest_N / lost, np.inf)
+    if not np.min(until) <= _NEVER_M_S2:
+        return None
     at, wheel = (int(k) for k in np.unravel_index(int(np.argmin(until)), until.shape))
     return {
         "m_s2": _plain(until[at, wheel]),

@@ -76,7 +76,12 @@ def spanning(directions: Array) -> tuple[Array, float]:
         unit = _unit_columns(directions / np.array([[1.0], [1.0], [scale]]))
         if np.linalg.eigvalsh(unit @ unit.T)[0] >= FLAT:
             return unit, scale
-    raise InputError(
+    raise no_volume()
+
+
+def no_volume() -> InputError:
+    """Return the refusal of forces that lie in a plane."""
+    return InputError(
         "the wheels' forces",
         "do not span forces in two directions and a moment",
         "add a wheel, load or friction, so that the set of wrenches has a volume",

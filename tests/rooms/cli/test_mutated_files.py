@@ -202,3 +202,17 @@ def test_drives_whose_lines_nearly_meet_are_compared_with_others(said: Said) -> 
     Path("r.toml").write_text(THREE.format(150.0, -90.0, 30.0))
     Path("s.toml").write_text(THREE.format(1500.0, -90.0, 30.0))
     assert "r is best" in said("design", "r.toml", "s.toml", "--surface", "floor")
+
+
+def test_two_methods_agree_on_no_pull_at_all(said: Said) -> None:
+    """Their difference was told as a share of nothing."""
+    Path("r.toml").write_text((BASE + NO_FLOOR).replace("drive = 0.26", "drive = 1e-300"))
+    out = said("sweep", "r.toml", "--surface", "paper", "--method", "cvxpy")
+    assert "of the pull" in out and "by inf" not in out and "-0.00" not in out
+
+
+def test_a_wheel_that_carries_the_robot_alone_gives_no_polytope(said: Said) -> None:
+    """Rounding gave the others a load, and facets with normals of 1e14."""
+    load = BASE.replace('"equal"', '"static"').replace("com_m = [0.0, 0.0]", "com_m = [0.0, -0.09499999999999]")
+    Path("r.toml").write_text(load)
+    assert "do not span forces" in said("polytope", "r.toml", "--surface", "paper", refused=True)

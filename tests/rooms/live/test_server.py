@@ -238,3 +238,10 @@ def test_the_page_on_explore_quotes_what_was_measured() -> None:
     assert f"take up to {max(times['most_ms'] for times in rows('file', 4)):.0f} ms" in page
     assert f"takes {medians('JSON', 4)} with four wheels" in page
     assert max(times["median_ms"] for times in rows("file", 3, 4)) < 50.0
+
+
+def test_a_robot_without_height_never_tips() -> None:
+    """At a height of 1e-12 m its wheels lifted at 3e11 m/s²."""
+    page = sm.explore("mecanum4", "floor")
+    assert page.picture(com_height_m=1e-12)["tipping"] is None
+    assert page.picture(com_height_m=0.1)["tipping"]["m_s2"] < 50.0
