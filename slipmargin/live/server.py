@@ -19,6 +19,7 @@ from slipmargin.errors import InputError, SlipmarginError
 from slipmargin.io.assets import asset
 from slipmargin.io.json_text import json_text
 from slipmargin.io.writes import write_bytes
+from slipmargin.report.not_given import with_reasons
 
 #: The only address that is listened on.
 HOST = "127.0.0.1"
@@ -113,7 +114,9 @@ class _Handler(BaseHTTPRequestHandler):
             return self._send(400, {"error": str(fault)})
         except Exception as defect:
             return self._send(500, {"error": f"internal error: {type(defect).__name__}: {defect}"})
-        self._send(200, found, {"Server-Timing": f"cpu;dur={1e3 * (thread_time() - start):.2f}"})
+        self._send(
+            200, with_reasons(found), {"Server-Timing": f"cpu;dur={1e3 * (thread_time() - start):.2f}"}
+        )
 
     def _send(self, status: int, data: Any, headers: Mapping[str, str] | None = None) -> None:
         self._write(status, json_text(data, indent=None).encode(), "application/json", headers or {})

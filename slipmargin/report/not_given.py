@@ -12,15 +12,25 @@ from typing import Any
 
 import numpy as np
 
-#: No quantity of a robot has a size beyond this, in any SI unit.
-LARGEST = 1e15
+#: Sizes beyond which a number is no robot's, by the unit at the end of its key, and by any other.
+LARGEST = {
+    "t_s": 1e12,
+    "m_per_N_s": 1e15,
+    "m_s2": 1e5,
+    "rad_s2": 1e9,
+    "m_s": 1e6,
+    "N": 1e10,
+    "s": 1e9,
+    "volume": 1e30,
+}
+LARGEST_OF_ANY = 1e12
 #: A wheel that would need so many times its grip at constant speed has none to speak of [1].
 SPENT = 1e3
 NO_MOTOR = "no motor in the robot file limits it"
 SLIPS = "it slips there whatever the acceleration"
 DRAG = f"at constant speed drag leaves no grip to drive with, or less than 1/{SPENT:g} of what it takes"
 FLOOR = "no wheel lifted off the floor"
-OTHERS = "it was not asked for, not measured or has no finite value"
+OTHERS = "it was not asked for, not measured, or is no finite number that a robot has"
 #: The last part of a key → why it may be null.
 REASONS = {
     "motor_limit_m_s2": NO_MOTOR,
@@ -74,9 +84,13 @@ def _clean(value: Any, path: str, missing: dict[str, str]) -> Any:
         return [_clean(item, path, missing) for item in value]
     key = path.rpartition(".")[2]
     if isinstance(value, float | np.floating):
-        largest = SPENT if key in ("steady_use", "steady_use_rigid") else LARGEST
-        size = abs(float(value))
-        value = value if size <= largest else None
+        value = value if abs(float(value)) <= _largest(key) else None
     if value is None:
         missing[path] = REASONS.get(key, OTHERS)
     return value
+
+
+def _largest(key: str) -> float:
+    if key in ("steady_use", "steady_use_rigid"):
+        return SPENT
+    return next((most for unit, most in LARGEST.items() if f"_{key}".endswith(f"_{unit}")), LARGEST_OF_ANY)

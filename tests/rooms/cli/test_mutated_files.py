@@ -213,6 +213,14 @@ def test_two_methods_agree_on_no_pull_at_all(said: Said) -> None:
 
 def test_a_wheel_that_carries_the_robot_alone_gives_no_polytope(said: Said) -> None:
     """Rounding gave the others a load, and facets with normals of 1e14."""
-    load = BASE.replace('"equal"', '"static"').replace("com_m = [0.0, 0.0]", "com_m = [0.0, -0.09499999999999]")
+    load = BASE.replace('"equal"', '"static"').replace(
+        "com_m = [0.0, 0.0]", "com_m = [0.0, -0.09499999999999]"
+    )
     Path("r.toml").write_text(load)
     assert "do not span forces" in said("polytope", "r.toml", "--surface", "paper", refused=True)
+
+
+def test_a_file_is_no_folder_above_another_output(said: Said) -> None:
+    """The folder was made, and the file then refused."""
+    line = said("reproduce", "--out", "o/within", "--json", "o", refused=True)
+    assert "as a file and as a folder" in line and not Path("o").exists()

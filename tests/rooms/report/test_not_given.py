@@ -24,12 +24,17 @@ def test_what_is_not_finite_or_absurd_is_null_with_a_sentence() -> None:
             "d": 1e290,
             "e": 2.0,
             "steady_use": [0.5, 2e5],
+            "starting_m_s2": [1.6, 3e11],
+            "time_s": 5.2e9,
+            "normal": [3.5e14, 1.0],
         }
     )
+    assert found["starting_m_s2"] == [1.6, None] and found["time_s"] is None
+    assert found["normal"] == [None, 1.0]
     assert found["a"] == {"b": [1.0, None]}
     assert found["c"] == [None] and found["d"] is None and found["e"] == 2.0
     assert found["steady_use"] == [0.5, None]
-    assert set(found["not_given"]) == {"a.b", "c", "d", "steady_use"}
+    assert {"a.b", "c", "d", "steady_use", "starting_m_s2", "time_s", "normal"} == set(found["not_given"])
     assert all(found["not_given"].values())
 
 
