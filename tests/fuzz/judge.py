@@ -10,20 +10,12 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+from slipmargin.report.not_given import LARGEST, LARGEST_OF_ANY
+
 #: What must not happen, beside "ok" and "refused".
 BAD = ("traceback", "internal", "hang", "memory", "killed", "absurd", "dirty")
 #: Beyond these sizes a number of these units is no robot's.
-LARGEST = {
-    "t_s": 1e12,
-    "m_per_N_s": 1e15,
-    "m_s2": 1e5,
-    "rad_s2": 1e9,
-    "m_s": 1e6,
-    "use": 1e5,
-    "N": 1e10,
-    "s": 1e9,
-    "volume": 1e30,
-}
+SANE = LARGEST | {"use": 1e5}
 NO_NUMBER = re.compile(r"(?<![\w.])[-+]?(nan|inf|infinity)(?![\w])", re.IGNORECASE)
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029]")
 
@@ -126,5 +118,5 @@ def walk(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def _sane(path: str, value: float) -> bool:
-    unit = next((u for u in LARGEST if path.endswith(f"_{u}") or path.rpartition(".")[2] == u), None)
-    return abs(value) <= LARGEST.get(unit or "", 1e12) and not math.isnan(value)
+    unit = next((u for u in SANE if path.endswith(f"_{u}") or path.rpartition(".")[2] == u), None)
+    return abs(value) <= SANE.get(unit or "", LARGEST_OF_ANY) and not math.isnan(value)
