@@ -80,12 +80,12 @@ def braking(model: Model, heading_rad: Array, fastest_m_s: float, margin: float)
     slow = 0.5 * (1.0 / found[:, 1:] + 1.0 / found[:, :-1])
     time = _summed(slow * step)
     if np.max(time) > LONGEST_S:
-        h = int(np.argmax(time[:, -1]))
-        k = int(np.argmax(slow[h]))
+        far = int(np.argmax(time[:, -1]))
+        at = int(np.argmax(slow[far]))
         raise NoSolution(
             "stop",
-            f"towards {np.rad2deg(heading_rad[h]):.0f}° it takes {time[h, -1]:.3g} s: at {middle[k]:.3g} m/s "
-            f"only {1.0 / slow[h, k]:.2g} m/s² keep the margin",
+            f"towards {np.rad2deg(heading_rad[far]):.0f}° it takes {time[far, -1]:.3g} s: at {middle[at]:.3g} m/s "
+            f"only {1.0 / slow[far, at]:.2g} m/s² keep the margin",
             "ask for a lower speed or a smaller margin",
             limit,
         )
