@@ -81,10 +81,10 @@ def braking(model: Model, heading_rad: Array, fastest_m_s: float, margin: float)
     time = _summed(slow * step)
     if np.max(time) > LONGEST_S:
         far = int(np.argmax(time[:, -1]))
-        at = int(np.argmax(slow[far]))
+        at, most = int(np.argmax(slow[far])), time[far, -1]
         raise NoSolution(
             "stop",
-            f"towards {np.rad2deg(heading_rad[far]):.0f}° it takes {time[far, -1]:.3g} s: at {middle[at]:.3g} m/s "
+            f"towards {np.rad2deg(heading_rad[far]):.0f}° it takes {most:.3g} s: at {middle[at]:.3g} m/s "
             f"only {1.0 / slow[far, at]:.2g} m/s² keep the margin",
             "ask for a lower speed or a smaller margin",
             limit,
