@@ -105,8 +105,9 @@ def check_outputs(
         from slipmargin.io.folder import check_folder
 
         check_folder(folder)
-        inside = Path(folder).resolve() / "its files"
-        same = next((f for f in files if f is not None and Path(f).resolve() in inside.parents), None)
+        place = Path(folder).resolve()
+        above = (place, *place.parents)
+        same = next((f for f in (*files, plot) if f is not None and Path(f).resolve() in above), None)
         if same is not None:
             raise InputError("", "is asked for as a file and as a folder", "give them two names", str(same))
     if data_set is not None:

@@ -268,7 +268,8 @@ def sweep(
         method = "cones" if method == "facets" else method
     found = by_facets
     if method not in ("facets", "cones"):
-        found = replace(by_facets, f_max_N=np.maximum(_solved(model, phi, method), 0.0) + 0.0)
+        force_N = np.maximum(_solved(model, phi, method), 0.0)  # a solver's zero may lie below zero
+        found = replace(by_facets, f_max_N=force_N + 0.0)  # and −0 would print its sign
     extremes = np.array([found.weakest, found.strongest])
     check = (
         self_check(model, extremes[:, 0], extremes[:, 1])

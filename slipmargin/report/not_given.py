@@ -84,13 +84,14 @@ def _clean(value: Any, path: str, missing: dict[str, str]) -> Any:
         return [_clean(item, path, missing) for item in value]
     key = path.rpartition(".")[2]
     if isinstance(value, float | np.floating):
-        value = value if abs(float(value)) <= _largest(key) else None
+        value = value if abs(float(value)) <= largest(key) else None
     if value is None:
         missing[path] = REASONS.get(key, OTHERS)
     return value
 
 
-def _largest(key: str) -> float:
+def largest(key: str) -> float:
+    """Return the size beyond which a number under a key of this name is no robot's."""
     if key in ("steady_use", "steady_use_rigid"):
         return SPENT
     return next((most for unit, most in LARGEST.items() if f"_{key}".endswith(f"_{unit}")), LARGEST_OF_ANY)

@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from slipmargin.report.not_given import LARGEST, LARGEST_OF_ANY
+from slipmargin.report.not_given import largest
 
 #: What must not happen, beside "ok" and "refused".
 BAD = ("traceback", "internal", "hang", "memory", "killed", "absurd", "dirty")
-#: Beyond these sizes a number of these units is no robot's.
-SANE = LARGEST | {"use": 1e5}
+#: A wheel uses no more of its grip [1], where a result tells such a share at all.
+MOST_USE = 1e5
 NO_NUMBER = re.compile(r"(?<![\w.])[-+]?(nan|inf|infinity)(?![\w])", re.IGNORECASE)
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029]")
 
@@ -118,5 +118,6 @@ def walk(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def _sane(path: str, value: float) -> bool:
-    unit = next((u for u in SANE if path.endswith(f"_{u}") or path.rpartition(".")[2] == u), None)
-    return abs(value) <= SANE.get(unit or "", LARGEST_OF_ANY) and not math.isnan(value)
+    key = path.rpartition(".")[2]
+    most = MOST_USE if f"_{key}".endswith("_use") else largest(key)
+    return abs(value) <= most and not math.isnan(value)
