@@ -17,8 +17,9 @@ FACTOR = "SLIPMARGIN_WORK"
 STANDING_STATES, MOVING_STATES, ROBUST_STATES = 1024, 256, 64
 #: Facets times wheels times contact states that drawn robots are held against, 1 to 4 ms each.
 DRAWN_FACETS = 6_000
-#: Wheels times cone programs: contact states times orientations, each program 0.1 to 0.2 ms a wheel.
-CONE_WHEELS = 60_000
+#: Wheels times cone programs of a band: contact states of both its ends, orientations, values of what cannot
+#: be known, and whether the robot stands at all, 15 to 30 µs each.
+CONE_WHEELS = 300_000
 #: Wheels times steps of one simulated motion, each 1 to 2 µs, and up to 9 where wheels hang in the air.  An
 #: ordinary motion takes up to 700 steps a second.
 WHEEL_STEPS = 1_500_000

@@ -6,7 +6,7 @@ Jacobian is a forward difference over whole simulations, all of them in one para
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Protocol, final
@@ -144,6 +144,7 @@ def fit(
     trials: Index,
     iterations: int = _ITERATIONS,
     give_up_above: float = np.inf,
+    expired: Callable[[], bool] = lambda: False,
 ) -> Fit:
     """Least squares from one start.
 
@@ -161,6 +162,8 @@ def fit(
         At most so many Gauss–Newton steps.
     give_up_above : float
         Stop where the cost would stay above this even if every step left took off as much as the last.
+    expired : callable
+        Whether to stop after the step that was made.
 
     Returns
     -------
@@ -181,7 +184,7 @@ def fit(
         spent += tried + len(x)
         left = float(np.sum(new**2)) / cost
         given_up = step >= _FAIR and cost * left ** (iterations - step) > give_up_above
-        if given_up or 1.0 - left < _ENOUGH:
+        if given_up or 1.0 - left < _ENOUGH or expired():
             iterations = step + 1  # one last Jacobian where it stands
         residual, jacobian = _linearise(problem, structure, x, trials, new)
         if step + 1 >= iterations:

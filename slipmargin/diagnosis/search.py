@@ -10,7 +10,7 @@ Far above the noise runs are compared in pieces: an error early in a run must no
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -242,7 +242,8 @@ def take_step(
     chosen = finalists(screening, many)
     for number, entry in enumerate(chosen):
         progress(f"fitting {entry.label}", 0.2 + 0.8 * number / len(chosen))
-        tried.append(_added(before, entry, runs, min((s.fit.cost for s in tried), default=np.inf)))
+        least = min((s.fit.cost for s in tried), default=np.inf)
+        tried.append(_added(before, entry, runs, least, lambda: progress.expired))
         if progress.expired:
             break
     if not tried:
@@ -262,7 +263,9 @@ def take_step(
     )
 
 
-def _added(before: State, entry: Screened, runs: Sequence[int], best: float) -> State:
+def _added(
+    before: State, entry: Screened, runs: Sequence[int], best: float, expired: Callable[[], bool]
+) -> State:
     """An entry of the list, fitted beside what is known; not to the end where it cannot be the best."""
     structure, trials = (*before.structure, *entry.structure), before.fit.trials
     plain = np.concatenate([c.candidate.starts[0] for c in entry.parts if c.candidate is not None])
@@ -273,9 +276,12 @@ def _added(before: State, entry: Screened, runs: Sequence[int], best: float) -> 
     if len(entry.starts) > 1:  # places and times: what is near one of them has its own optimum
         # As simulated, a start that does nothing may beat all others: that by tangents is tried in any case.
         tried = [0, *(i for i in order.tolist() if i)][: SETTINGS.starts]
-        short = [fit(before.view, structure, starts[i], trials, SETTINGS.first_steps) for i in tried]
+        short = [
+            fit(before.view, structure, starts[i], trials, SETTINGS.first_steps, expired=expired)
+            for i in (tried[:1] if expired() else tried)
+        ]
         x = min(short, key=lambda f: f.cost).x
-    full = fit(before.view, structure, x, trials, give_up_above=SETTINGS.out_of_reach * best)
+    full = fit(before.view, structure, x, trials, give_up_above=SETTINGS.out_of_reach * best, expired=expired)
     return scored(before.view, full, before.samples, runs)
 
 

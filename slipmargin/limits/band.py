@@ -17,6 +17,7 @@ from itertools import product
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.limits.bias import bias_samples
 from slipmargin.limits.friction import Extreme, coefficients
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.rows import facet_rows, largest, pull_geometry
@@ -74,9 +75,10 @@ def _even_band(model: Model, phi_rad: Array, pull: Pull) -> tuple[Array, Array]:
     else:
         from slipmargin.limits.cones import cone_extreme  # clarabel is loaded only where a cone needs it
 
-        size = len(states(model, Extreme.LOW)) * len(phi_rad) * model.count
+        programs = len(phi_rad) * len(bias_samples(model, phi_rad)) * (2 if model.external.terms else 1)
+        size = sum(len(states(model, extreme)) for extreme in (Extreme.LOW, Extreme.HIGH)) * programs
         cure = "ask for fewer orientations (--step), or give sectors to fewer wheels"
-        allow("wheel", size, CONE_WHEELS, "wheels in cone programs", cure)
+        allow("wheel", size * model.count, CONE_WHEELS, "wheels in cone programs", cure)
 
         def one(state: Array, extreme: Extreme) -> Array:
             return cone_extreme(model, phi_rad, pull, state, extreme)

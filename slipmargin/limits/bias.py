@@ -116,7 +116,7 @@ def load_extremes(model: Model, phi_rad: Array) -> tuple[Array, Array]:
 
 
 def bias_samples(model: Model, phi_rad: Array, points: int = 5) -> list[Bias]:
-    """The bias at values spread over what cannot be known; the one at v = 0 comes first."""
+    """The different biases at values spread over what cannot be known; the one at v = 0 comes first."""
     out = [_total(model, [t for t in model.external.terms if _acts(t)], None, phi_rad)]
     for variable in _UNKNOWN:
         terms = _unknown_terms(model, variable)
@@ -126,7 +126,8 @@ def bias_samples(model: Model, phi_rad: Array, points: int = 5) -> list[Bias]:
             rest = _total(model, terms, 0.0, phi_rad)
             change = [_total(model, terms, float(v), phi_rad) - rest for v in (0.0, *values)]
             out = [w + step for w in out for step in change]
-    return [_bias(model, force) for force in out]
+    different = {(force + 0.0).tobytes(): force for force in out}
+    return [_bias(model, force) for force in different.values()]
 
 
 def _acts(term: ForceTerm) -> bool:

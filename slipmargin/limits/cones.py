@@ -210,11 +210,12 @@ def _limit(model: Model, phi_rad: Array, pull: Pull, rigid: Array, extreme: Extr
     towards = np.array(at_rest.a)
     load = bias.wrench / (model.inertia.weight_N * _units(wrench_maps(model)))
     size = np.sqrt(np.sum(load**2, axis=1))
-    loaded = size > 0.0
-    ray = np.where(loaded[:, None], load / np.where(loaded, size, 1.0)[:, None], pull.rays(model, phi_rad))
-    towards[:, :3, 0] = ray
-    holds = solve_family(replace(at_rest, a=towards))[0][:, 0] >= size
-    inside = holds | ~loaded
+    inside = size == 0.0
+    towards[:, :3, 0] = load / np.where(inside, 1.0, size)[:, None]
+    loaded = np.flatnonzero(~inside)
+    what = tuple(at_rest.what[m] for m in loaded)
+    family = replace(at_rest, what=what, a=towards[loaded], b=at_rest.b[loaded])
+    inside[loaded] = solve_family(family)[0][:, 0] >= size[loaded]
     if np.any(inside):
         found = cone_limits(model, phi_rad[inside], pull, rigid, extreme, _rows(bias, inside))
         out[inside] = found.force_N

@@ -43,7 +43,7 @@ def solve(program: ConeProgram) -> Solution:
 
 
 def solve_family(family: ConeFamily) -> tuple[Array, Array, Array]:
-    """Solve every program of a family with one set-up.
+    """Solve every program of a family with one set-up; one that is the same as that before it is not solved.
 
     Returns
     -------
@@ -65,7 +65,11 @@ def solve_family(family: ConeFamily) -> tuple[Array, Array, Array]:
     moving_b = np.flatnonzero(np.any(family.b != family.b[0], axis=0))
     solver = _solver(family, family.a[0], family.b[0], shape)
     changes, changes_b = np.ascontiguousarray(data[:, moving]), np.ascontiguousarray(family.b[:, moving_b])
+    same = np.all(changes[1:] == changes[:-1], axis=1) & np.all(changes_b[1:] == changes_b[:-1], axis=1)
     for m in range(count):
+        if m and same[m - 1]:
+            x[m], s[m], z[m] = x[m - 1], s[m - 1], z[m - 1]
+            continue
         if m and len(moving):
             solver.update(A=(moving, changes[m]))
         if m and len(moving_b):

@@ -181,6 +181,16 @@ def test_a_parameter_on_its_bound_leaves_the_shift_to_the_others() -> None:
     assert free[1] == pytest.approx(0.1, abs=1e-6)
 
 
+def test_a_fit_whose_time_is_over_ends_with_the_step_it_made() -> None:
+    problem, scale = Line((0.2, -0.1), 0.0, 5), (candidate(CameraScale),)
+    whole, short = (
+        fit(problem, scale, np.array([1.0, 1.0]), EVERY, expired=lambda over=over: over)
+        for over in (False, True)
+    )
+    assert short.evaluations < whole.evaluations
+    assert whole.cost <= short.cost < evaluate(problem, scale, np.array([1.0, 1.0]), EVERY).cost
+
+
 def test_a_candidate_stands_for_a_variable() -> None:
     assert candidate(CameraScale).trace is Trace.MEASUREMENT
     assert candidate(CameraScale).size == 2

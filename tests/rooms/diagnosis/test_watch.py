@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from planting import Plant, planted, smooth_kiwi
 
+from slipmargin.diagnosis import search
+from slipmargin.diagnosis.fit import Fit, fit
 from slipmargin.diagnosis.loop import diagnose
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
@@ -28,13 +32,23 @@ def test_a_budget_is_a_positive_time(budget: float) -> None:
         Watch.of(lambda *_: None, budget)
 
 
-def test_a_search_out_of_time_gives_its_best_answer_and_says_so() -> None:
+def test_a_search_out_of_time_gives_its_best_answer_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     truth = WheelLoads(shift_x_m=0.012, shift_y_m=-0.008, com_share=1.0)
     plant = Plant(name="loads", traces=(Trace.WHEEL_LOAD,), effects=(truth,))
     data = planted(smooth_kiwi(), plant, seed=2, count=3, duration_s=1.0, rate_hz=50.0)
     tried: list[str] = []
+    fits: list[Fit] = []
+
+    def watched(*args: Any, **options: Any) -> Fit:
+        made = fit(*args, **options)
+        if "expired" in options:
+            fits.append(made)
+        return made
+
+    monkeypatch.setattr(search, "fit", watched)
     found = diagnose(data, seed=1, budget_s=1e-6, progress=lambda text, share: tried.append(text))
     assert any("time budget" in remark for remark in found.remarks)
     assert len(found.steps) == 1 and len(found.steps[0].tried) == 1, "one list, one fit"
+    assert fits and all(f.evaluations <= 5 + 2 * len(f.x) for f in fits), "one step each"
     assert found.findings or found.leads
     assert sum(": trying " in text for text in tried) <= 3  # one of each kind instead of some hundred

@@ -9,9 +9,10 @@ import pytest
 from hypothesis import example, given, settings, strategies as st
 from strategies import four_wheels, kiwi, models, reals
 
+from slipmargin.errors import InputError
 from slipmargin.limits import Pull, wrench_set
 from slipmargin.limits.band import band
-from slipmargin.limits.bias import bias_wrench
+from slipmargin.limits.bias import bias_samples, bias_wrench
 from slipmargin.limits.cones import cone_limits
 from slipmargin.limits.sweep import limit
 from slipmargin.model import Model, nominal_model
@@ -92,6 +93,19 @@ def test_any_coupling_and_any_cable(
         assert force[0] >= box[0] * (1.0 - beyond_the_shape(model, shape) * coupling - 1e-7)
     low, high = band(changed, at, Pull())
     assert low[0] <= force[0] * (1.0 + 1e-7) and high[0] >= force[0] * (1.0 - 1e-7)
+
+
+def test_values_of_the_unknown_that_change_nothing_count_once_and_the_others_count_as_work() -> None:
+    """A sweep with a cable of no stiffness took 20 s: 36 equal programs for each of its headings."""
+    at = np.linspace(0.0, 3.0, 1100)
+    shape = GripShape.ELLIPSE
+    assert len(bias_samples(held(KIWI, 0.0, shape, 1.0), at)) == 1
+    pulled = held(KIWI, 1.0, shape, 1.0)
+    different = bias_samples(pulled, at)
+    assert len(different) == len({b.wrench.tobytes() for b in different}) == 25
+    np.testing.assert_array_equal(different[0].wrench, bias_wrench(pulled, at))
+    with pytest.raises(InputError, match=r"3.3e\+05 wheels in cone programs"):
+        band(pulled, at, Pull())
 
 
 def test_a_cone_too_thin_to_matter_is_a_box_and_one_that_is_not_is_seen() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.solve import clarabel_
 from slipmargin.solve.assemble import Assembly
-from slipmargin.solve.program import Block, ConeKind, ConeProgram, Solution, distance
+from slipmargin.solve.program import Block, ConeFamily, ConeKind, ConeProgram, Solution, distance
 
 
 def knapsack() -> ConeProgram:
@@ -48,6 +49,32 @@ def exact() -> Solution:
         z=np.array([2.0, 0.0, 1.0]),
         solver="hand",
     )
+
+
+def test_equal_programs_are_solved_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    one = knapsack()
+    b = np.array([one.b, one.b, [4.0, 7.0, 2.0], [4.0, 7.0, 2.0], one.b])
+    family = ConeFamily(
+        what=tuple("abcde"), variables=one.variables, blocks=one.blocks, a=np.stack([one.a] * 5), b=b, c=one.c
+    )
+    solved: list[object] = []
+    make = clarabel_._solver
+
+    class Counted:
+        def __init__(self, *args: object) -> None:
+            self.own: Any = make(*args)  # type: ignore[arg-type]
+
+        def update(self, **changes: object) -> None:
+            self.own.update(**changes)
+
+        def solve(self) -> object:
+            solved.append(self.own.solve())
+            return solved[-1]
+
+    monkeypatch.setattr(clarabel_, "_solver", Counted)
+    x = clarabel_.solve_family(family)[0]
+    np.testing.assert_allclose(x, [[3, 1], [3, 1], [2, 5 / 3], [2, 5 / 3], [3, 1]], atol=1e-8)
+    assert len(solved) == 3
 
 
 def test_knapsack_by_clarabel() -> None:
