@@ -23,8 +23,8 @@ CONE_WHEELS = 300_000
 #: Wheels times steps of one simulated motion, each 1 to 2 µs, and up to 9 where wheels hang in the air.  An
 #: ordinary motion takes up to 700 steps a second.
 WHEEL_STEPS = 1_500_000
-#: Wheels times steps of all simulated runs that a slip monitor learns from: a built-in robot takes a quarter.
-TRAINING_STEPS = 12_000_000
+#: Wheels times steps of all simulated runs that a slip monitor learns from: a built-in robot takes 3 million.
+TRAINING_STEPS = 8_000_000
 #: Grid points of a path, refined where it bends: some 50 from one waypoint to the next.
 PATH_POINTS = 15_000
 #: Wheels times samples times contact states of one check of a motion, each half a microsecond; a plan that is
