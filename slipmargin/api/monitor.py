@@ -12,7 +12,7 @@ import numpy as np
 
 from slipmargin.api.monitor_log import MonitoredLog, SlipEstimate, Tally
 from slipmargin.api.robots import RobotLike, model_of, read_robot
-from slipmargin.checks import Array, real
+from slipmargin.checks import Array, measurable, real
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
@@ -168,15 +168,18 @@ class SlipMonitor:
         Raises
         ------
         InputError
-            Where a channel that was announced is missing, a value is not finite, or time goes back.
+            Where a channel that was announced is missing, no robot measures a value, or time goes back.
         """
         omega = self._channel("omega_rad_s", omega_rad_s, True)
         commanded = self._channel("commanded_rad_s", commanded_rad_s, self.channels.commanded)
         current = self._channel("current_A", current_A, self.channels.current)
         if self.channels.gyro and (gyro_rad_s is None or not math.isfinite(gyro_rad_s)):
             raise InputError("gyro_rad_s", "is missing", "give the yaw rate of every sample")
+        if self.channels.gyro:
+            measurable("gyro_rad_s", np.array([gyro_rad_s]))
         if not math.isfinite(t_s):
             raise InputError("t_s", f"is {t_s}", "give a finite time [s]")
+        measurable("t_s", np.array([t_s]))
         if t_s < self._now:
             cure = "give each run a log of its own (in Python: call restart())"
             raise InputError("t_s", f"goes back from {self._now:.10g} to {t_s:.10g} s", cure)
@@ -213,7 +216,7 @@ class SlipMonitor:
         if array.shape != (self.table.count,) or not np.isfinite(array).all():
             problem = "is missing" if value is None else f"is {np.array2string(array, threshold=6)}"
             raise InputError(place, problem, f"give {self.table.count} finite numbers, one a wheel")
-        return array
+        return measurable(place, array)
 
     def stream(self, lines: Iterable[str], kept: list[SlipEstimate] | Tally | None = None) -> Iterator[str]:
         """A CSV line out for every line in: the first line names the columns.

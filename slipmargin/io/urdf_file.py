@@ -118,7 +118,9 @@ def _parsed(text: str) -> Any:
     try:
         with contextlib.redirect_stdout(io.StringIO()):
             model = yourdfpy.URDF.load(
-                io.BytesIO(ElementTree.tostring(root)), build_scene_graph=False, load_meshes=False
+                io.BytesIO(ElementTree.tostring(root, encoding="utf-8")),
+                build_scene_graph=False,
+                load_meshes=False,
             )
     except DAMAGE as fault:
         raise InputError(

@@ -158,6 +158,16 @@ def plain(text: str = "") -> str:
     return f'<robot name="r">{body}{"".join(rows)}{text}</robot>'
 
 
+def test_a_urdf_may_use_the_letters_of_any_language(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    """A name outside ASCII was handed on as ``&#233;``, which is no XML, and the rest was guessed."""
+    pytest.importorskip("yourdfpy")
+    file = tmp_path / "r.urdf"
+    file.write_text(plain('<link name="é" größe="1"/>'), encoding="utf-8")
+    with caplog.at_level("ERROR"):
+        assert len(sm.robot_from_urdf(file).recipe.robot.wheels) == 3
+    assert not caplog.records
+
+
 def test_a_bare_urdf_says_all_that_it_could_not_know(tmp_path: Path) -> None:
     pytest.importorskip("yourdfpy")
     file = tmp_path / "r.urdf"

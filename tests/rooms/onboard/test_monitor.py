@@ -262,6 +262,18 @@ def test_three_wheels_without_more_channels_are_told_so() -> None:
         sm.SlipMonitor("ohio-kiwi", "paper", gyro=True).update(0.0, [0.0, 0.0, 0.0])
 
 
+@pytest.mark.parametrize(
+    ("column", "line"), [(0, "9e300,1,2,3,0"), (2, "1,1,1e308,3,0"), (4, "1,1,2,3,-1e300")]
+)
+def test_a_sample_that_no_robot_measures_is_refused(column: int, line: str) -> None:
+    """One wheel speed of 1e308 made every estimate after it NaN."""
+    names = ["t_s", "omega1_rad_s", "omega2_rad_s", "omega3_rad_s", "gyro_rad_s"]
+    watch = sm.SlipMonitor("ohio-kiwi", "paper", gyro=True)
+    place = "omega_rad_s" if 0 < column < 4 else names[column]
+    with pytest.raises(InputError, match=f"line 3: {place}: holds .* no robot measures that"):
+        list(watch.stream([",".join(names), "0,1,2,3,0", line]))
+
+
 def test_training_on_a_data_set_with_poses() -> None:
     rig = ROOT / "tests" / "data" / "rig" / "a-null"
     if not (rig / "trials").is_dir():
