@@ -120,7 +120,7 @@ def test_a_fit_begins_where_the_tangent_puts_a_patch_though_doing_nothing_costs_
         for x in entry.starts
     ]
     assert costs[0] > max(costs[1:]), "what does nothing costs less than too much beside the place"
-    found = _added(before, entry, everyone, np.inf)
+    found = _added(before, entry, everyone, np.inf, lambda: False)
     np.testing.assert_allclose(found.fit.x[1:3], patch.values()[1:3], atol=0.02)
 
 
