@@ -75,13 +75,14 @@ def _even_band(model: Model, phi_rad: Array, pull: Pull) -> tuple[Array, Array]:
     else:
         from slipmargin.limits.cones import cone_extreme  # clarabel is loaded only where a cone needs it
 
-        programs = len(phi_rad) * len(bias_samples(model, phi_rad)) * (2 if model.external.terms else 1)
+        biases = bias_samples(model, phi_rad)
+        programs = len(phi_rad) * len(biases) * (2 if model.external.terms else 1)
         size = sum(len(states(model, extreme)) for extreme in (Extreme.LOW, Extreme.HIGH)) * programs
         cure = "ask for fewer orientations (--step), or give sectors to fewer wheels"
         allow("wheel", size * model.count, CONE_WHEELS, "wheels in cone programs", cure)
 
         def one(state: Array, extreme: Extreme) -> Array:
-            return cone_extreme(model, phi_rad, pull, state, extreme)
+            return cone_extreme(model, phi_rad, pull, state, extreme, biases)
 
     low = np.min([np.nan_to_num(one(s, Extreme.LOW), nan=0.0) for s in states(model, Extreme.LOW)], axis=0)
     high = np.max([np.nan_to_num(one(s, Extreme.HIGH), nan=0.0) for s in states(model, Extreme.HIGH)], axis=0)

@@ -12,6 +12,7 @@ each force is split into its two senses.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -19,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array
-from slipmargin.limits.bias import LIFTED, Bias, bias as bias_at_rest, bias_samples, shifts_load
+from slipmargin.limits.bias import LIFTED, Bias, bias as bias_at_rest, shifts_load
 from slipmargin.limits.friction import Extreme, coefficients
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.rows import refuse_slipping
@@ -180,11 +181,11 @@ def cone_limit(model: Model, phi_rad: Array, pull: Pull, rigid: Array) -> Array:
     return refuse_slipping(model, force, phi_rad, bias.load_N)
 
 
-def cone_extreme(model: Model, phi_rad: Array, pull: Pull, rigid: Array, extreme: Extreme) -> Array:
-    """(M,) least or greatest F_emax over what is unknown; NaN where the robot slips without any pull."""
-    every = np.stack(
-        [_limit(model, phi_rad, pull, rigid, extreme, bias) for bias in bias_samples(model, phi_rad)]
-    )
+def cone_extreme(
+    model: Model, phi_rad: Array, pull: Pull, rigid: Array, extreme: Extreme, biases: Sequence[Bias]
+) -> Array:
+    """(M,) least or greatest F_emax over ``biases``; NaN where the robot slips without any pull."""
+    every = np.stack([_limit(model, phi_rad, pull, rigid, extreme, bias) for bias in biases])
     slips = np.isnan(every)
     if extreme is Extreme.HIGH:
         best = np.where(slips, -np.inf, every).max(axis=0)
@@ -205,17 +206,16 @@ def _limit(model: Model, phi_rad: Array, pull: Pull, rigid: Array, extreme: Extr
             out[stands] = _limit(model, phi_rad[stands], pull, rigid, extreme, _rows(bias, stands))
         return out
     pressed = np.maximum(bias.load_N, 0.0)
-    unmoved = Bias(wrench=0.0 * bias.wrench, load_N=pressed)
-    at_rest = limit_family(model, phi_rad, replace(pull, height_m=0.0), rigid, extreme, unmoved)
-    towards = np.array(at_rest.a)
     load = bias.wrench / (model.inertia.weight_N * _units(wrench_maps(model)))
     size = np.sqrt(np.sum(load**2, axis=1))
     inside = size == 0.0
-    towards[:, :3, 0] = load / np.where(inside, 1.0, size)[:, None]
-    loaded = np.flatnonzero(~inside)
-    what = tuple(at_rest.what[m] for m in loaded)
-    family = replace(at_rest, what=what, a=towards[loaded], b=at_rest.b[loaded])
-    inside[loaded] = solve_family(family)[0][:, 0] >= size[loaded]
+    if not np.all(inside):
+        loaded = ~inside
+        unmoved = Bias(wrench=0.0 * bias.wrench[loaded], load_N=pressed[loaded])
+        at_rest = limit_family(model, phi_rad[loaded], replace(pull, height_m=0.0), rigid, extreme, unmoved)
+        towards = np.array(at_rest.a)
+        towards[:, :3, 0] = load[loaded] / size[loaded, None]
+        inside[loaded] = solve_family(replace(at_rest, a=towards))[0][:, 0] >= size[loaded]
     if np.any(inside):
         found = cone_limits(model, phi_rad[inside], pull, rigid, extreme, _rows(bias, inside))
         out[inside] = found.force_N
