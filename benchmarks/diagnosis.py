@@ -104,7 +104,7 @@ def sets(folders: list[str]) -> list[Job]:
     jobs = []
     for folder in folders:
         truth_file = Path(folder) / "truth.json"
-        truth = json.loads(truth_file.read_text()) if truth_file.exists() else {}
+        truth = json.loads(truth_file.read_text(encoding="utf-8")) if truth_file.exists() else {}
         traces = tuple(str(truth.get("traced_to") or "").split("+"))
         make = partial(read_data_set, folder)
         jobs.append(Job(name=Path(folder).name, wanted=truth.get("effect", "?"), traces=traces, make=make))

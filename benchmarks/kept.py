@@ -40,7 +40,11 @@ class Keeper:
 
     def run(self, jobs: Sequence[Job]) -> list[dict[str, Any]]:
         """Every row of this part; a row bears its job's name as ``set``."""
-        rows = json.loads(self.target.read_text()) if self.target is not None and self.target.exists() else []
+        rows = (
+            json.loads(self.target.read_text(encoding="utf-8"))
+            if self.target is not None and self.target.exists()
+            else []
+        )
         done = {row["set"] for row in rows}
         for name, job in jobs[self.part - 1 :: self.parts]:
             if name in done:
@@ -72,4 +76,4 @@ def _parser(doc: str | None) -> argparse.ArgumentParser:
 
 def collected(files: Sequence[str]) -> list[dict[str, Any]]:
     """The rows of several files."""
-    return [row for file in files for row in json.loads(Path(file).read_text())]
+    return [row for file in files for row in json.loads(Path(file).read_text(encoding="utf-8"))]

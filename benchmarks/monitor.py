@@ -139,7 +139,7 @@ def robotino_logs(folder: Path) -> list[Log]:
     """Runs of the Robotino; slip: the body goes less than 0.8 of what the wheels say."""
     out = []
     for file in sorted(folder.glob("*/heading_*.csv")):
-        rows = [line.rstrip("; \r").split(";") for line in file.read_text().splitlines()[3:]]
+        rows = [line.rstrip("; \r").split(";") for line in file.read_text(encoding="utf-8").splitlines()[3:]]
         table = np.array([row[:22] for row in rows if len(row) >= 22], dtype=float)
         table = table[np.concatenate([[True], np.diff(table[:, 0]) > 0.0])]
         t = 1e-3 * table[:, 0]

@@ -146,7 +146,7 @@ def compare(count: int, seed: int) -> dict[str, Any]:
         file = Path(folder, "r.toml")
         while robots < count:
             robot = drawn(random)
-            file.write_text(_toml(robot))
+            file.write_text(_toml(robot), encoding="utf-8")
             try:
                 model, _ = model_of(sm.read_robot(file), "floor")
             except SlipmarginError:

@@ -105,7 +105,7 @@ def advantagescope(file: Path, held: Run, *, table: bool = True, swerve: bool = 
         lines = ["Timestamp,Key,Value"]
         for k, t in enumerate(stamps):
             lines += [f"{t},{n},{c[k]}" for n, c in columns.items() if k == 0 or c[k] != c[k - 1]]
-    file.write_text("\n".join(lines))
+    file.write_text("\n".join(lines), encoding="utf-8")
     return file
 
 
@@ -135,7 +135,7 @@ def roadrunner(file: Path, held: Run) -> Path:
         "trackingEncPositions": [[0] * len(held.t_s)],
         "trackingEncVels": [[0] * len(held.t_s)],
     }
-    file.write_text(json.dumps(table, indent=2))
+    file.write_text(json.dumps(table, indent=2), encoding="utf-8")
     return file
 
 
@@ -181,5 +181,5 @@ def tracker(file: Path, held: Run) -> Path:
         f"{t + 100.0:.9f},{1e3 * x:.9f},{1e3 * y:.9f},{np.degrees(yaw):.9f}"
         for t, (x, y, yaw) in zip(held.t_s, held.pose, strict=True)
     ]
-    file.write_text("\n".join(rows) + "\n")
+    file.write_text("\n".join(rows) + "\n", encoding="utf-8")
     return file

@@ -79,17 +79,20 @@ def test_what_commands_write_is_what_the_schema_says(
     words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("way.csv").write_text("x_m,y_m,phi_rad\n0,0,0\n1,0,0.5\n")
+    Path("way.csv").write_text("x_m,y_m,phi_rad\n0,0,0\n1,0,0.5\n", encoding="utf-8")
     Path("pulls.csv").write_text(
-        "phi_rad,force_N\n" + "".join(f"{0.26 * k:.2f},{5 + 0.3 * k % 2:.2f}\n" for k in range(7))
+        "phi_rad,force_N\n" + "".join(f"{0.26 * k:.2f},{5 + 0.3 * k % 2:.2f}\n" for k in range(7)),
+        encoding="utf-8",
     )
     rows = [f"{0.1 * k:.1f},{0.01 * k:.2f},0,0.1,10" for k in range(30)]
-    Path("log.csv").write_text("\n".join(["t,x,y,h,w", *rows]) + "\n")
+    Path("log.csv").write_text("\n".join(["t,x,y,h,w", *rows]) + "\n", encoding="utf-8")
     speeds = [f"{0.01 * k:.2f},{9 * k},{-9 * k},0" for k in range(30)]
-    Path("wheels.csv").write_text("\n".join(["t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s", *speeds]) + "\n")
-    robot = Path(slipmargin.__file__).parent.joinpath("robots", "ohio-kiwi.toml").read_text()
-    Path("spread.toml").write_text(robot.replace("drive = 0.26", 'drive = "0.26 ± 0.02"'))
-    Path("uneven.toml").write_text(UNEVEN)
+    Path("wheels.csv").write_text(
+        "\n".join(["t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s", *speeds]) + "\n", encoding="utf-8"
+    )
+    robot = Path(slipmargin.__file__).parent.joinpath("robots", "ohio-kiwi.toml").read_text(encoding="utf-8")
+    Path("spread.toml").write_text(robot.replace("drive = 0.26", 'drive = "0.26 ± 0.02"'), encoding="utf-8")
+    Path("uneven.toml").write_text(UNEVEN, encoding="utf-8")
     if "t.csv" in words and not words.startswith("plan"):
         assert (
             status(["plan", "ohio-kiwi", "way.csv", "--surface", "paper", "--points", "40", "--out", "t.csv"])
@@ -99,7 +102,10 @@ def test_what_commands_write_is_what_the_schema_says(
     assert status([*command, "--json", "o.json"]) == 0
     kind = "-".join(command[:2]) if command[0] in ("export", "robots", "surfaces") else command[0]
     kind = "design-ideas" if kind == "design" and "--vary" not in command else kind
-    assert faults({"export-sdf": "export-simulator"}.get(kind, kind), Path("o.json").read_text()) == []
+    assert (
+        faults({"export-sdf": "export-simulator"}.get(kind, kind), Path("o.json").read_text(encoding="utf-8"))
+        == []
+    )
 
 
 def test_a_key_that_is_not_published_is_a_fault() -> None:

@@ -174,7 +174,7 @@ def _child(words: list[str], work: Path, out: Path, err: Path) -> None:
         os.chdir(work)
         if words[:1] == ["explore"]:
             answer_requests(work)
-        pages = int(Path("/proc/self/statm").read_text().split()[0])
+        pages = int(Path("/proc/self/statm").read_text(encoding="utf-8").split()[0])
         most = pages * resource.getpagesize() + MEMORY_B
         resource.setrlimit(resource.RLIMIT_AS, (most, most))
         resource.setrlimit(resource.RLIMIT_CPU, (CPU_S, CPU_S + 2))
@@ -235,7 +235,7 @@ def _wait(child: int) -> tuple[int, float, str]:
 
 def _sleeps(child: int) -> tuple[bool, float]:
     """Whether a process waits for something, and its processor time so far [ticks]."""
-    words = Path(f"/proc/{child}/stat").read_text().rpartition(")")[2].split()
+    words = Path(f"/proc/{child}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
     return words[0] == "S", float(words[11]) + float(words[12])
 
 
@@ -270,7 +270,7 @@ def main() -> int:
         return _show(asked.seed, asked.case)
     known: dict[str, Any] = {"seed": asked.seed, "next": asked.first, "counts": {}, "bad": []}
     if asked.json.exists():
-        kept = json.loads(asked.json.read_text())
+        kept = json.loads(asked.json.read_text(encoding="utf-8"))
         known = kept if kept["seed"] == asked.seed else known
     start, base = time.monotonic(), Path("/dev/shm") if Path("/dev/shm").is_dir() else None
     while known["next"] < asked.first + asked.count and time.monotonic() - start < 60.0 * asked.minutes:

@@ -57,8 +57,11 @@ def draw(seed: int, number: int) -> Case:
 @cache
 def robots() -> tuple[dict[str, Any], ...]:
     """The good robots that are changed."""
-    built_in = [resources.files("slipmargin.robots").joinpath(f"{n}.toml").read_text() for n in BUILT_IN]
-    own = [file.read_text() for file in sorted((DATA / "robots").glob("*.toml"))]
+    built_in = [
+        resources.files("slipmargin.robots").joinpath(f"{n}.toml").read_text(encoding="utf-8")
+        for n in BUILT_IN
+    ]
+    own = [file.read_text(encoding="utf-8") for file in sorted((DATA / "robots").glob("*.toml"))]
     return tuple(tomllib.loads(text) for text in (*built_in, *own, GOOD))
 
 
@@ -328,7 +331,7 @@ def check(random: Random) -> Case:
         file = random.choice(
             sorted(p for p in (DATA / "trajectories").iterdir() if p.suffix in (".traj", ".json"))
         )
-        found = mutate.tree(random, json.loads(file.read_text()), random.choice((0, 1, 3)))
+        found = mutate.tree(random, json.loads(file.read_text(encoding="utf-8")), random.choice((0, 1, 3)))
         files["t"] = json.dumps(found, allow_nan=True).encode()
     if random.random() < 0.03:
         files["t"] = mutate.raw(random, files["t"], 2)
@@ -502,20 +505,20 @@ def rig_data(random: Random, files: dict[str, bytes], trials: int, rows: int) ->
         *(p.name for p in logs),
     ]
     spoilt = set(random.sample(names, random.choice((0, 1, 1, 1, 2))))
-    table = tomllib.loads((folder / "robot.toml").read_text())
+    table = tomllib.loads((folder / "robot.toml").read_text(encoding="utf-8"))
     if "robot" in spoilt:
         if random.random() < 0.6:
             mutate.sizes(random, table, random.choice((1, 2)))
         else:
             table = mutate.tree(random, table, 1)
     files["d/robot.toml"] = mutate.toml(table).encode()
-    head = tomllib.loads((folder / "dataset.toml").read_text())
+    head = tomllib.loads((folder / "dataset.toml").read_text(encoding="utf-8"))
     files["d/dataset.toml"] = mutate.toml(mutate.tree(random, head, int("head" in spoilt))).encode()
     if "pulls" in names:
-        text = _short((folder / "pulls.csv").read_text(), 30)
+        text = _short((folder / "pulls.csv").read_text(encoding="utf-8"), 30)
         files["d/pulls.csv"] = mutate.table(random, text, int("pulls" in spoilt)).encode()
     for file in logs:
-        text = _short(file.read_text(), rows)
+        text = _short(file.read_text(encoding="utf-8"), rows)
         changes = random.choice((1, 1, 2)) if file.name in spoilt else 0
         files[f"d/trials/{file.name}"] = mutate.table(random, text, changes).encode()
 
@@ -525,7 +528,9 @@ def robotino(random: Random) -> Case:
     logs = sorted((DATA / "robotino_excerpt" / "gray_0.1").glob("*.csv"))
     names = []
     for k, file in enumerate(random.sample(logs, random.choice((1, 2)))):
-        text = mutate.table(random, _short(file.read_text(), 60), random.choice((0, 1, 2)), ";")
+        text = mutate.table(
+            random, _short(file.read_text(encoding="utf-8"), 60), random.choice((0, 1, 2)), ";"
+        )
         files[f"l{k}.csv"] = text.encode()
         names.append(f"l{k}.csv")
     words = ["import", "robotino", *names, "--out", "o", *flag(random, "--calibrate", 0.2)]

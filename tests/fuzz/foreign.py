@@ -79,7 +79,7 @@ def log_words(random: Random, files: dict[str, bytes]) -> list[str]:
     """Put a log of another tool among the files, changed; the command line that reads it."""
     form = random.choice(("wpilog", "advantagescope", "list", "roadrunner", "ros", "lerobot", "robojackets"))
     if form == "robojackets":
-        text = (DATA / "robojackets_excerpt" / "enc_vis_excerpt.txt").read_text()
+        text = (DATA / "robojackets_excerpt" / "enc_vis_excerpt.txt").read_text(encoding="utf-8")
         text = "\n".join(text.split("\n")[:200]) + "\n"
         files["l.txt"] = mutate.table(random, text, random.choice((0, 1, 3)), " ").encode()
         return ["import", "robojackets", "l.txt"]
@@ -142,7 +142,7 @@ def campaign(random: Random) -> tuple[list[str], dict[str, bytes]]:
         for file in ("robot.toml", "dataset.toml"):
             files[f"{name}/{file}"] = (folder / file).read_bytes()
         for trial in sorted((folder / "trials").glob("*.csv"))[: random.choice((1, 2, 3))]:
-            text = _short(trial.read_text(), 30)
+            text = _short(trial.read_text(encoding="utf-8"), 30)
             changes = int(random.random() < 0.1)
             files[f"{name}/trials/{trial.name}"] = mutate.table(random, text, changes).encode()
     rows: list[dict[str, Any]] = [{"path": "d"}, {"path": "e", "floor": "other", "instrument": "camera 2"}]
@@ -158,10 +158,12 @@ def pulls(random: Random) -> tuple[list[str], dict[str, bytes]]:
     """A data set of pulls alone."""
     folder = DATA / "rig" / "b-natural-loads"
     spoilt = random.choice(("robot", "head", "pulls", "pulls", ""))
-    robot = mutate.tree(random, tomllib.loads((folder / "robot.toml").read_text()), int(spoilt == "robot"))
-    head = tomllib.loads((DATA / "rig" / "a-null" / "dataset.toml").read_text())
+    robot = mutate.tree(
+        random, tomllib.loads((folder / "robot.toml").read_text(encoding="utf-8")), int(spoilt == "robot")
+    )
+    head = tomllib.loads((DATA / "rig" / "a-null" / "dataset.toml").read_text(encoding="utf-8"))
     changes = random.choice((1, 1, 2)) if spoilt == "pulls" else 0
-    text = mutate.table(random, (folder / "pulls.csv").read_text(), changes)
+    text = mutate.table(random, (folder / "pulls.csv").read_text(encoding="utf-8"), changes)
     files = {
         "d/robot.toml": mutate.toml(robot).encode(),
         "d/dataset.toml": mutate.toml(mutate.tree(random, head, int(spoilt == "head"))).encode(),

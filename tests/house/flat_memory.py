@@ -26,7 +26,7 @@ RESULTS = ROOT / "benchmarks" / "results" / "flat_memory.json"
 
 def resident_kb() -> float:
     """Memory of this process that is in use now [kB]."""
-    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    pages = int(Path("/proc/self/statm").read_text(encoding="utf-8").split()[1])
     return pages * resource.getpagesize() / 1024.0
 
 
@@ -37,11 +37,11 @@ def data_set(folder: Path, kind: str) -> Path:
     for name in ("robot.toml", "dataset.toml"):
         (folder / name).write_bytes((rig / name).read_bytes())
     if kind == "pulls":
-        (folder / "pulls.csv").write_text((rig / "pulls.csv").read_text())
+        (folder / "pulls.csv").write_text((rig / "pulls.csv").read_text(encoding="utf-8"))
         return folder
     (folder / "trials").mkdir()
     for file in sorted((rig / "trials").glob("*.csv"))[:3]:
-        lines = file.read_text().split("\n")[:40]
+        lines = file.read_text(encoding="utf-8").split("\n")[:40]
         (folder / "trials" / file.name).write_text("\n".join(lines) + "\n")
     return folder
 

@@ -113,10 +113,10 @@ def _data_set(place: str, *, runs: bool) -> dict[str, bytes]:
     folder = ROOT / "tests" / "data" / "rig" / "a-null"
     files = {f"{place}/{name}": (folder / name).read_bytes() for name in ("robot.toml", "dataset.toml")}
     if not runs:
-        lines = (folder / "pulls.csv").read_text().split("\n")
+        lines = (folder / "pulls.csv").read_text(encoding="utf-8").split("\n")
         return files | {f"{place}/pulls.csv": ("\n".join(lines[:1] + lines[1:49:6]) + "\n").encode()}
     for file in sorted((folder / "trials").glob("*.csv"))[:3]:
-        lines = file.read_text().split("\n")[:40]
+        lines = file.read_text(encoding="utf-8").split("\n")[:40]
         files[f"{place}/trials/{file.name}"] = ("\n".join(lines) + "\n").encode()
     return files
 
@@ -302,7 +302,7 @@ def main() -> int:
     words.add_argument("--json", type=Path, default=RESULTS, help="where the table is kept")
     asked = words.parse_args()
     print(f"{'command':<19}" + "".join(f"{w:>14}" for w in ("killed", "had ended", *FAULTS)), flush=True)
-    kept = json.loads(asked.json.read_text()) if asked.json.exists() else {}
+    kept = json.loads(asked.json.read_text(encoding="utf-8")) if asked.json.exists() else {}
     table = kept["commands"] if asked.only and kept.get("seed") == asked.seed else {}
     total: Counter[str] = Counter()
     for name, found in kill_all(asked.count, asked.seed, [w for w in asked.only.split(",") if w]):

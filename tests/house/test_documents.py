@@ -238,7 +238,11 @@ def test_terms_are_linked_where_a_page_first_uses_them(page: Path) -> None:
     """As the site is built: the first use of every term in running text leads to the glossary."""
     made = terms_module()
     text = made.linked(page.read_text(encoding="utf-8"), "")
-    anchors = set(re.findall(r'id="(term-[a-z-]+)"', made.anchored((ROOT / "docs/glossary.md").read_text())))
+    anchors = set(
+        re.findall(
+            r'id="(term-[a-z-]+)"', made.anchored((ROOT / "docs/glossary.md").read_text(encoding="utf-8"))
+        )
+    )
     targets = re.findall(r"glossary\.md#(term-[a-z-]+)", text)
     assert set(targets) <= anchors and len(targets) == len(set(targets))
     left = {made.terms()[term] for term, _, _ in made.first_uses(page.read_text(encoding="utf-8"))}

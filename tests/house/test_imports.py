@@ -211,6 +211,18 @@ def test_only_io_opens_files() -> None:
     assert not broken, "; ".join(broken)
 
 
+def test_every_text_that_is_read_names_its_encoding() -> None:
+    bare = [
+        f"{path.relative_to(ROOT)}:{node.lineno}"
+        for part in ("slipmargin", "cli", "tests", "benchmarks")
+        for path in sorted((ROOT / part).rglob("*.py"))
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call) and not node.args and not node.keywords
+        if isinstance(node.func, ast.Attribute) and node.func.attr == "read_text"
+    ]
+    assert not bare, f"fails where the locale is not UTF-8: {', '.join(bare)}"
+
+
 def test_the_package_prints_nothing() -> None:
     broken = [
         f"{name}:{node.lineno}"

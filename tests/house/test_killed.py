@@ -21,7 +21,7 @@ def test_killed_runs_leave_whole_files_and_end_with_the_same_bytes(tmp_path: Pat
     words = [sys.executable, killed.__file__, "--count", "46", "--only", "import,import --force"]
     done = subprocess.run([*words, "--json", str(found)], capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stdout + done.stderr
-    counts = json.loads(found.read_text())["all"]
+    counts = json.loads(found.read_text(encoding="utf-8"))["all"]
     assert counts["killed"] >= 1 and counts["killed"] + counts.get("had ended", 0) >= 6
 
 

@@ -77,7 +77,9 @@ def test_the_oldest_python_is_the_one_that_is_promised() -> None:
     """Syntax and standard library of the package need no newer Python than its metadata say (by vermin)."""
     vermin = pytest.importorskip("vermin")
     promised = (3, 10)
-    assert f'requires-python = ">={promised[0]}.{promised[1]}"' in (ROOT / "pyproject.toml").read_text()
+    assert f'requires-python = ">={promised[0]}.{promised[1]}"' in (ROOT / "pyproject.toml").read_text(
+        encoding="utf-8"
+    )
     config = vermin.Config()
     config.set_eval_annotations(False)
     newer = {}

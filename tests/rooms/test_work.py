@@ -88,7 +88,7 @@ def test_bounds_of_many_wheels_say_what_was_left_out(tmp_path: Path) -> None:
 def test_drawn_robots_are_not_tried_on_too_many_contact_states(tmp_path: Path) -> None:
     """64 states of 8 wheels took 45 s; the limits stand, and a warning says what was left out."""
     file = many_wheels(tmp_path, 6)
-    file.write_text(file.read_text().replace("mass_kg = 5.0", 'mass_kg = "5.0 ± 0.2"'))
+    file.write_text(file.read_text(encoding="utf-8").replace("mass_kg = 5.0", 'mass_kg = "5.0 ± 0.2"'))
     found = sm.bounds(file, "floor", step_deg=90.0, robust=True)
     assert found.slip_chance is None
     assert any(
@@ -134,7 +134,7 @@ def test_the_most_that_ends_ask_for_is_that_of_each() -> None:
 
 def test_bounds_of_24_wheels_hold_no_table_of_all_ends(tmp_path: Path) -> None:
     file = many_wheels(tmp_path, 24)
-    table = tomllib.loads(file.read_text())
+    table = tomllib.loads(file.read_text(encoding="utf-8"))
     for i, wheel in enumerate(table["wheel"]):  # no symmetry: every wheel has facets of its own
         wheel["position_m"] = [(1.0 + 0.02 * i) * x for x in wheel["position_m"]]
     file.write_text(mutate.toml(table))
@@ -148,7 +148,7 @@ def test_bounds_of_24_wheels_hold_no_table_of_all_ends(tmp_path: Path) -> None:
 
 def test_one_wrong_time_stamp_makes_no_table_of_ages(tmp_path: Path) -> None:
     """It made arrays of 535 GiB, or took 80 s."""
-    lines = (EXCERPT / "gray_0.1" / "heading_005.csv").read_text().rstrip("\n").split("\n")
+    lines = (EXCERPT / "gray_0.1" / "heading_005.csv").read_text(encoding="utf-8").rstrip("\n").split("\n")
     cells = lines[-1].split(";")
     lines[-1] = ";".join([str(1e9 * float(cells[0])), *cells[1:]])
     (tmp_path / "l.csv").write_text("\n".join(lines) + "\n")

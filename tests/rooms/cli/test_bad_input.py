@@ -231,7 +231,11 @@ def test_no_value_makes_it_crash(tmp_path_factory: pytest.TempPathFactory, data:
 def test_the_good_file_is_good(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
     (folder / "robot.toml").write_text(GOOD)
     assert status(["sweep", "robot.toml", "--surface", "paper", "--out", "out.csv"]) == 0
-    assert (folder / "out.csv").read_text().startswith("phi_rad,f_max_N,f_low_N,f_high_N,limiting\n")
+    assert (
+        (folder / "out.csv")
+        .read_text(encoding="utf-8")
+        .startswith("phi_rad,f_max_N,f_low_N,f_high_N,limiting\n")
+    )
 
 
 def test_a_key_without_its_unit_is_told(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -149,7 +149,7 @@ def test_interrupted_process_writes_nothing(tmp_path: Path) -> None:
     if process.returncode == 0:
         pytest.skip("it was done before it could be interrupted")
     assert (process.returncode, out, err) == (130, "", "")
-    assert {p.name: p.read_text() for p in tmp_path.iterdir()} == {"f.csv": "before"}
+    assert {p.name: p.read_text(encoding="utf-8") for p in tmp_path.iterdir()} == {"f.csv": "before"}
 
 
 def test_a_reader_that_goes_away_does_not_stop_the_work(tmp_path: Path) -> None:
@@ -163,7 +163,7 @@ def test_a_reader_that_goes_away_does_not_stop_the_work(tmp_path: Path) -> None:
     assert done.stdout.splitlines()[0].startswith("weakest")
     assert done.stdout.splitlines()[1] == "0"
     assert "Error" not in done.stderr and "Traceback" not in done.stderr
-    assert json.loads((tmp_path / "f.json").read_text())["schema"] == 1
+    assert json.loads((tmp_path / "f.json").read_text(encoding="utf-8"))["schema"] == 1
 
 
 def test_as_a_process(tmp_path: Path) -> None:
@@ -186,7 +186,7 @@ def test_sweep_says_the_answer_in_four_lines(
     assert recommended.split()[:3] == ["recommended", "3.93", "N:"] and "20 %" in recommended
     # docs/theory.md, section 3: statics gives the rear wheel 0.2056 m g.
     assert err.startswith("warning: loads: ") and "0.2056 m g" in err and err.count("\n") == 1
-    rows = (tmp_path / "f.csv").read_text().splitlines()
+    rows = (tmp_path / "f.csv").read_text(encoding="utf-8").splitlines()
     assert rows[0] == "phi_rad,f_max_N,f_low_N,f_high_N,limiting" and len(rows) == 92
     last = rows[-1].split(",")
     assert float(last[0]) == pytest.approx(math.pi / 2) and float(last[1]) == pytest.approx(6.2674, abs=2e-4)
@@ -198,7 +198,9 @@ def test_methods_agree(method: str, grip: str, tmp_path: Path, monkeypatch: pyte
     monkeypatch.chdir(tmp_path)
     arguments = ["sweep", "omni4", "--surface", "floor", "--to", "360", "--step", "45", "--method", method]
     assert status([*arguments, "--grip", grip, "--json", "f.json"]) == 0
-    assert json.loads((tmp_path / "f.json").read_text())["self_check"] < (1e-9 if grip == "box" else 1e-6)
+    assert json.loads((tmp_path / "f.json").read_text(encoding="utf-8"))["self_check"] < (
+        1e-9 if grip == "box" else 1e-6
+    )
 
 
 def test_measured_pulls_stand_in_the_table(
@@ -228,15 +230,15 @@ def test_measured_pulls_stand_in_the_table(
         == 0
     )
     assert "4 pulls at 3 orientations" in capsys.readouterr().out
-    head, *rows = [line.split(",") for line in (tmp_path / "f.csv").read_text().splitlines()]
+    head, *rows = [line.split(",") for line in (tmp_path / "f.csv").read_text(encoding="utf-8").splitlines()]
     assert head[5:] == ["measured_N", "scatter_N", "residual_N", "pulls"]
     assert len(rows) == 9  # seven of the grid and two orientations between
     first, between = rows[0], rows[1]
     assert [float(c) for c in first[5:]] == pytest.approx([5.1, 0.1414214, 5.1 - float(first[1]), 2.0])
     assert float(between[0]) == pytest.approx(0.1234567) and between[6] == ""  # one pull has no scatter
     assert float(rows[2][7]) == pytest.approx(5.6 - float(rows[2][1])) and rows[2][8] == "1"
-    assert (tmp_path / "f.svg").read_text().startswith("<?xml")
-    assert json.loads((tmp_path / "f.json").read_text())["residual_N"][3] is None
+    assert (tmp_path / "f.svg").read_text(encoding="utf-8").startswith("<?xml")
+    assert json.loads((tmp_path / "f.json").read_text(encoding="utf-8"))["residual_N"][3] is None
 
 
 def test_json_to_stdout_is_json_alone(capsys: pytest.CaptureFixture[str]) -> None:

@@ -49,12 +49,14 @@ def test_calibrate_on_one_floor_and_hold_on_the_other(
     assert [e.name for e in held.recipe.effects] == ["camera_scale", "camera_rotation", "camera_delay"]
     assert held.recipe.effects == read_data_set(table).recipe.effects
     assert report["calibration"]["scale"] == held.recipe.effects[0].scale_x  # type: ignore[union-attr]
-    assert (gray / "calibration.toml").read_text() == (table / "calibration.toml").read_text()
+    assert (gray / "calibration.toml").read_text(encoding="utf-8") == (table / "calibration.toml").read_text(
+        encoding="utf-8"
+    )
 
 
 def test_damage_is_told_and_the_rest_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     cut = tmp_path / "cut.csv"
-    cut.write_text(Path(GRAY[0]).read_text().rstrip("\n")[:-50])
+    cut.write_text(Path(GRAY[0]).read_text(encoding="utf-8").rstrip("\n")[:-50])
     (tmp_path / "letter.csv").write_text("dear reader\n")
     out = tmp_path / "set"
     assert status(["import", "robotino", str(cut), str(tmp_path / "letter.csv"), "--out", str(out)]) == 0
@@ -65,7 +67,7 @@ def test_damage_is_told_and_the_rest_kept(tmp_path: Path, capsys: pytest.Capture
 
 def test_swapped_wheels_are_warned_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for path in GRAY[:4]:
-        lines = Path(path).read_text()
+        lines = Path(path).read_text(encoding="utf-8")
         (tmp_path / Path(path).name).write_text(
             lines.replace("m1pos", "m9pos").replace("m2pos", "m1pos").replace("m9pos", "m2pos")
         )

@@ -42,12 +42,12 @@ def test_a_disk_without_room(tmp_path: Path) -> None:
     (tmp_path / "o.csv").write_text("as it was")
     line = one_line(run([*SWEEP, "--out", "o.csv", "--json", "o.json"], tmp_path, most_bytes=64))
     assert "o." in line and "too large" in line
-    assert {p.name: p.read_text() for p in tmp_path.iterdir()} == {"o.csv": "as it was"}
+    assert {p.name: p.read_text(encoding="utf-8") for p in tmp_path.iterdir()} == {"o.csv": "as it was"}
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full on this system")
 def test_a_terminal_without_room(tmp_path: Path) -> None:
-    with Path("/dev/full").open("w") as full:
+    with Path("/dev/full").open("w", encoding="utf-8") as full:
         done = subprocess.run(
             [sys.executable, "-m", "slipmargin", *SWEEP],
             stdout=full, stderr=subprocess.PIPE, encoding="utf-8", timeout=300,

@@ -25,7 +25,7 @@ def way(tmp_path: Path) -> Path:
 
 
 def rows(file: Path) -> dict[str, np.ndarray]:
-    with file.open() as text:
+    with file.open(encoding="utf-8") as text:
         table = list(csv.DictReader(text))
     return {name: np.array([float(row[name]) for row in table]) for name in table[0]}
 
@@ -54,7 +54,7 @@ def test_plan_then_check(way: Path, tmp_path: Path, capsys: pytest.CaptureFixtur
     said = capsys.readouterr().out
     assert said.startswith("duration") and "simulated   on rollers: does not slip" in said
     assert "with its rigid sectors" in said and (tmp_path / "p.png").stat().st_size > 10_000
-    assert out.read_text().splitlines()[0] == COLUMNS
+    assert out.read_text(encoding="utf-8").splitlines()[0] == COLUMNS
     table = rows(out)
     assert max(table[f"use{i}"].max() for i in (1, 2, 3)) <= 0.9 * (1.0 + 1e-6)
     assert table["t_s"][0] == 0.0 and np.all(np.diff(table["t_s"]) > 0.0)
@@ -62,7 +62,7 @@ def test_plan_then_check(way: Path, tmp_path: Path, capsys: pytest.CaptureFixtur
         status(["check", "ohio-kiwi", str(out), "--surface", "paper", "--margin", "0.1", "--json", str(told)])
         == 0
     )
-    verdict = json.loads(told.read_text())
+    verdict = json.loads(told.read_text(encoding="utf-8"))
     assert verdict["admissible"] and verdict["max_use"] <= 0.9 and verdict["time_scale_needed"] == 1.0
     assert np.array(verdict["use"]).shape == (len(table["t_s"]), 3)
     assert "admissible" in capsys.readouterr().out
@@ -91,7 +91,7 @@ def test_check_names_the_cure(way: Path, tmp_path: Path, capsys: pytest.CaptureF
     )
     said = capsys.readouterr().out
     assert "not admissible" in said and "wheel rear" in said and "stretch time by 1.4" in said
-    assert (tmp_path / "full.csv").read_text().splitlines()[0] == COLUMNS
+    assert (tmp_path / "full.csv").read_text(encoding="utf-8").splitlines()[0] == COLUMNS
     assert status(["check", "ohio-kiwi", str(file), "--surface", "paper", "--robust"]) == 0
     assert "none by slowing down" in capsys.readouterr().out
 
@@ -120,8 +120,8 @@ def test_bounds_says_the_four_lines_and_exports(tmp_path: Path, capsys: pytest.C
     )
     said = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in said[:4]] == ["traction", "motor", "isotropic", "recommended"]
-    assert "0.5017" in said[0] and "max_accel" in yaml.read_text()
-    assert out.read_text().startswith("heading_rad,starting_m_s2,turning_m_s2,braking_m_s2,")
+    assert "0.5017" in said[0] and "max_accel" in yaml.read_text(encoding="utf-8")
+    assert out.read_text(encoding="utf-8").startswith("heading_rad,starting_m_s2,turning_m_s2,braking_m_s2,")
     assert status(["bounds", "ohio-kiwi", "--surface", "paper", "--step", "45", "--json", "-"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["starting_m_s2"][0] == pytest.approx(0.5017, abs=5e-5)

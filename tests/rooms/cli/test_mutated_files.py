@@ -101,7 +101,7 @@ def said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureF
 
 @pytest.mark.parametrize("grip", ["box", "ellipse", "disc-strip"])
 def test_a_robot_without_any_grip_has_no_polytope(said: Said, grip: str) -> None:
-    Path("r.toml").write_text((BASE + NO_FLOOR).replace('"box"', f'"{grip}"'))
+    Path("r.toml").write_text((BASE + NO_FLOOR).replace('"box"', f'"{grip}"'), encoding="utf-8")
     line = said("polytope", "r.toml", "--surface", "paper", "--plot", "o.svg", refused=True)
     assert "do not span" in line and not Path("o.svg").exists()
     assert "-0.00 N" not in said("sweep", "r.toml", "--surface", "paper", "--step", "30")
@@ -110,10 +110,12 @@ def test_a_robot_without_any_grip_has_no_polytope(said: Said, grip: str) -> None
 def test_almost_no_grip_is_none_and_not_a_huge_deceleration(said: Said) -> None:
     """The ray against the direction left its rows at −150 000 m/s²."""
     for place in np.linspace(24.0, 32.0, 9):
-        Path("r.toml").write_text((BASE + ICE.format(place=place)).replace('"equal"', '"quasi-static"'))
+        Path("r.toml").write_text(
+            (BASE + ICE.format(place=place)).replace('"equal"', '"quasi-static"'), encoding="utf-8"
+        )
         text = said("bounds", "r.toml", "--surface", "paper", "--step", "15", "--json", "o.json")
         assert "inf" not in text
-        found = json.loads(Path("o.json").read_text())
+        found = json.loads(Path("o.json").read_text(encoding="utf-8"))
         every = [
             v for key in ("starting", "turning", "braking") for v in found[f"{key}_m_s2"] if v is not None
         ]
@@ -122,27 +124,29 @@ def test_almost_no_grip_is_none_and_not_a_huge_deceleration(said: Said) -> None:
 
 def test_motors_that_drag_stalls_hold_no_acceleration(said: Said) -> None:
     """A row that hardly depends on the acceleration left −1 700 000 m/s²."""
-    Path("r.toml").write_text(BASE + DRAGGED)
+    Path("r.toml").write_text(BASE + DRAGGED, encoding="utf-8")
     text = said("bounds", "r.toml", "--surface", "paper", "--step", "45", "--json", "o.json")
     assert "motor       none: drag alone takes more than the stall torque" in text
-    assert json.loads(Path("o.json").read_text())["motor_limit_m_s2"] == 0.0
+    assert json.loads(Path("o.json").read_text(encoding="utf-8"))["motor_limit_m_s2"] == 0.0
 
 
 def test_a_set_that_is_thin_in_a_direction_has_no_share_of_nothing(said: Said) -> None:
     nap = '\n[[effect]]\nname = "floor_nap"\nnap_x = 0.9\nnap_y = -0.9\n'
-    Path("r.toml").write_text((BASE + nap).replace('"box"', '"disc-strip"'))
+    Path("r.toml").write_text((BASE + nap).replace('"box"', '"disc-strip"'), encoding="utf-8")
     assert "nan" not in said("polytope", "r.toml", "--surface", "paper")
 
 
 def test_a_stop_from_no_robot_s_speed_is_refused(said: Said) -> None:
-    Path("r.toml").write_text(BASE.replace("[motor]\nmax_speed_rad_s = 60.0\nstall_torque_N_m = 0.9\n", ""))
+    Path("r.toml").write_text(
+        BASE.replace("[motor]\nmax_speed_rad_s = 60.0\nstall_torque_N_m = 0.9\n", ""), encoding="utf-8"
+    )
     line = said("stop", "r.toml", "--surface", "paper", "--speed", "1e12", "--no-verify", refused=True)
     assert "up to 1000 m/s" in line
 
 
 def test_a_path_that_is_to_end_at_no_robot_s_speed_is_refused(said: Said) -> None:
     """Its square was too large for a number."""
-    Path("w.csv").write_text("x_m,y_m,phi_rad\n0,0,0\n1,0,0\n")
+    Path("w.csv").write_text("x_m,y_m,phi_rad\n0,0,0\n1,0,0\n", encoding="utf-8")
     words = ("--surface", "floor", "--end-speed", "1e300", "--out", "o.csv")
     line = said("plan", "mecanum4", "w.csv", *words, refused=True)
     assert "--end-speed" in line and "from 0 to 1000 m/s" in line
@@ -151,7 +155,7 @@ def test_a_path_that_is_to_end_at_no_robot_s_speed_is_refused(said: Said) -> Non
 def test_what_slips_anyway_has_no_second_method(said: Said) -> None:
     """The best of designs that all slip was said to differ by inf from a second method."""
     drags = DRAGGED.replace("1000.0", "2.0").replace("1.9", "0.02").replace("4.9", "0.02")
-    Path("r.toml").write_text(BASE + drags)
+    Path("r.toml").write_text(BASE + drags, encoding="utf-8")
     words = ("--vary", "mass_kg=0.5,0.6", "--objective", "start_worst_m_s2")
     assert " inf " not in said("design", "r.toml", "--surface", "paper", *words)
 
@@ -164,7 +168,7 @@ def test_a_file_and_a_folder_have_two_names(said: Said) -> None:
 def test_a_study_that_is_refused_at_its_end_leaves_no_pieces(
     said: Said, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    Path("r.toml").write_text((BASE + PULLED_OVER).replace('"equal"', '"quasi-static"'))
+    Path("r.toml").write_text((BASE + PULLED_OVER).replace('"equal"', '"quasi-static"'), encoding="utf-8")
     words = ("design", "r.toml", "--surface", "paper", "--vary", "wheel_radius_m=0.02,0.05", "--out", "o.csv")
     said(*words)  # the best of what falls over was checked by a second method, which refused it
     assert sorted(path.name for path in Path().iterdir()) == ["o.csv", "r.toml"]
@@ -179,7 +183,7 @@ def test_a_study_that_is_refused_at_its_end_leaves_no_pieces(
 
 def test_times_of_a_million_years_are_no_trajectory(said: Said) -> None:
     rows = "\n".join(f"{k}e13,{0.1 * k},0,0" for k in range(10))
-    Path("t.csv").write_text("t_s,x_m,y_m,phi_rad\n" + rows + "\n")
+    Path("t.csv").write_text("t_s,x_m,y_m,phi_rad\n" + rows + "\n", encoding="utf-8")
     line = said("check", "mecanum4", "t.csv", "--surface", "floor", refused=True)
     assert "t_s" in line and "give numbers below 1e+12" in line
 
@@ -192,21 +196,23 @@ def test_angles_that_no_wheel_turns_are_no_run() -> None:
 
 def test_a_path_that_turns_a_million_times_is_refused_not_waited_for(said: Said) -> None:
     """It was checked at seven million places, for minutes."""
-    Path("w.csv").write_text("x_m,y_m,phi_rad\n0,0,0\n-0.1,0.1,0\n-0.2,0.2,382340000\n-0.3,0.3,382340000\n")
+    Path("w.csv").write_text(
+        "x_m,y_m,phi_rad\n0,0,0\n-0.1,0.1,0\n-0.2,0.2,382340000\n-0.3,0.3,382340000\n", encoding="utf-8"
+    )
     line = said("plan", "robotino", "w.csv", "--surface", "gray", "--out", "o.csv", refused=True)
     assert "grid points, and at most 1.5e+04 are made" in line and "SLIPMARGIN_WORK" in line
 
 
 def test_drives_whose_lines_nearly_meet_are_compared_with_others(said: Said) -> None:
     """Where one wheel carries nothing besides, the matrix of the drive forces could not be inverted."""
-    Path("r.toml").write_text(THREE.format(150.0, -90.0, 30.0))
-    Path("s.toml").write_text(THREE.format(1500.0, -90.0, 30.0))
+    Path("r.toml").write_text(THREE.format(150.0, -90.0, 30.0), encoding="utf-8")
+    Path("s.toml").write_text(THREE.format(1500.0, -90.0, 30.0), encoding="utf-8")
     assert "r is best" in said("design", "r.toml", "s.toml", "--surface", "floor")
 
 
 def test_two_methods_agree_on_no_pull_at_all(said: Said) -> None:
     """Their difference was told as a share of nothing."""
-    Path("r.toml").write_text((BASE + NO_FLOOR).replace("drive = 0.26", "drive = 1e-300"))
+    Path("r.toml").write_text((BASE + NO_FLOOR).replace("drive = 0.26", "drive = 1e-300"), encoding="utf-8")
     out = said("sweep", "r.toml", "--surface", "paper", "--method", "cvxpy")
     assert "of the pull" in out and "by inf" not in out and "-0.00" not in out
 
@@ -216,7 +222,7 @@ def test_a_wheel_that_carries_the_robot_alone_gives_no_polytope(said: Said) -> N
     load = BASE.replace('"equal"', '"static"').replace(
         "com_m = [0.0, 0.0]", "com_m = [0.0, -0.09499999999999]"
     )
-    Path("r.toml").write_text(load)
+    Path("r.toml").write_text(load, encoding="utf-8")
     assert "do not span forces" in said("polytope", "r.toml", "--surface", "paper", refused=True)
 
 

@@ -62,7 +62,9 @@ def test_it_writes_runs_report_and_json(
     assert sorted(p.name for p in out.iterdir()) == ["run-1-path-1.csv", "run-1-path-2.csv", "run-1.csv"]
     told = capsys.readouterr().out
     assert told.startswith("effect-found: The runs leave") and f"written: {out / 'run-1.csv'}" in told
-    assert json.loads(numbers.read_text())["question"] == "which" and "<svg" in page.read_text()
+    assert json.loads(numbers.read_text(encoding="utf-8"))[
+        "question"
+    ] == "which" and "<svg" in page.read_text(encoding="utf-8")
 
 
 def test_json_on_stdout_is_json_alone(

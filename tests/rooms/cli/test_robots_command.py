@@ -227,7 +227,7 @@ def test_damaged_urdf_is_refused_in_one_line(
 def test_damaged_xacro_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("xacrodoc")
     file = tmp_path / "r.urdf.xacro"
-    file.write_text(XACRO.read_text().replace("$(arg battery_kg)", "${no_such_name}"))
+    file.write_text(XACRO.read_text(encoding="utf-8").replace("$(arg battery_kg)", "${no_such_name}"))
     assert status(["robots", "from-urdf", str(file), "--out", str(tmp_path / "r")]) == 2
     told = capsys.readouterr().err
     assert "xacro cannot expand it" in told and told.count("\n") == 1

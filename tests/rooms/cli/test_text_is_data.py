@@ -36,11 +36,11 @@ def test_names_of_any_letters(
     )
     assert status(["export", "c", *on, "--out", "o.h"]) == 0
     assert status(["export", "sdf", *on, "--out", "o.sdf"]) == 0
-    assert json.loads((tmp_path / "o.json").read_text())["robot"] == name
-    assert not re.search(r'(^|,)"?[=+@]', (tmp_path / "o.csv").read_text(), re.MULTILINE)
+    assert json.loads((tmp_path / "o.json").read_text(encoding="utf-8"))["robot"] == name
+    assert not re.search(r'(^|,)"?[=+@]', (tmp_path / "o.csv").read_text(encoding="utf-8"), re.MULTILINE)
     for file in ("o.svg", "o.sdf"):
         ElementTree.parse(tmp_path / file)
-    header = (tmp_path / "o.h").read_text()
+    header = (tmp_path / "o.h").read_text(encoding="utf-8")
     assert header.count("/*") == header.count("*/") or "*/ int x" not in header
     said = capfd.readouterr()
     assert "Traceback" not in said.err

@@ -12,7 +12,7 @@ from slipmargin_cli.main import status
 
 ROOT = Path(__file__).parents[3]
 ROBOTS = ROOT / "tests" / "data" / "robots"
-PAGE = (ROOT / "docs" / "how-to" / "three-robots.md").read_text()
+PAGE = (ROOT / "docs" / "how-to" / "three-robots.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```text\n\$ slipmargin (.*?)\n(.*?)…\nwritten: (.*?)\n```", PAGE, flags=re.S)
 NUMBER = r"-?\d+(?:\.\d+)?"
 
@@ -38,9 +38,9 @@ def test_the_page_says_what_the_command_does(
     monkeypatch.chdir(tmp_path)
     assert status(words) == 0
     same(capsys.readouterr().out.split("\n\n")[0], printed.rstrip())
-    written = (tmp_path / file).read_text()
-    same(written, (ROBOTS / file).read_text())
-    assert (ROBOTS / file).read_text().rstrip() in PAGE
+    written = (tmp_path / file).read_text(encoding="utf-8")
+    same(written, (ROBOTS / file).read_text(encoding="utf-8"))
+    assert (ROBOTS / file).read_text(encoding="utf-8").rstrip() in PAGE
 
 
 def test_there_are_three() -> None:

@@ -205,7 +205,7 @@ def test_a_folder_of_pulls_is_diagnosed_from_end_to_end(tmp_path: Path) -> None:
     assert found.verdict == "effect-found"
     written = found.write_folder(tmp_path / "out")
     assert {"report.html", "report.json", "corrected.toml", "pulls.png"} <= set(written)
-    report = json.loads((tmp_path / "out" / "report.json").read_text())
+    report = json.loads((tmp_path / "out" / "report.json").read_text(encoding="utf-8"))
     assert report["judged_on"] == "pulls" and report["before"]["rmse_position_m"] is None
     assert report["after"]["rms_force_N"] < 0.5 * report["before"]["rms_force_N"]
     assert report["effects"][0]["name"] == "floor_tilt" and report["leads"] and report["next_pulls"]

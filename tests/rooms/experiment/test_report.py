@@ -79,7 +79,7 @@ def test_json_keeps_its_schema_and_the_page_holds_the_answer(question: Question)
 def test_files_are_what_plan_writes_and_reads(tmp_path: Path) -> None:
     names = result().write_folder(tmp_path / "next")
     assert names == ["run-1.csv", "run-1-path-1.csv", "run-1-path-2.csv"]
-    rows = list(csv.DictReader(io.StringIO((tmp_path / "next" / "run-1.csv").read_text())))
+    rows = list(csv.DictReader(io.StringIO((tmp_path / "next" / "run-1.csv").read_text(encoding="utf-8"))))
     assert list(rows[0])[:4] == ["t_s", "x_m", "y_m", "phi_rad"] and "omega3_rad_s" in rows[0]
     planned = sm.plan("ohio-kiwi-symmetric", "paper", tmp_path / "next" / "run-1-path-1.csv", points=40)
     assert planned.plan.path.length == pytest.approx(1.0)

@@ -180,7 +180,7 @@ def road_runner_files(folder: Path) -> tuple[list[str], bytes, dict[str, Damage]
     """A log of Road Runner's quickstart."""
     file = logs.roadrunner(folder / "good.json", RUN)
     special: dict[str, Damage] = {}
-    table = json.loads(file.read_text())
+    table = json.loads(file.read_text(encoding="utf-8"))
 
     def put(name: str, **changes: object) -> None:
         special[name] = json.dumps({k: v for k, v in {**table, **changes}.items() if v is not ...}).encode()

@@ -168,7 +168,7 @@ def test_comes_back_as_it_was_written(tmp_path: Path) -> None:
     assert back.sigma is not None and back.sigma.tolist() == [1e-3, 1e-3, 2e-3]
     assert back.pulls is not None and back.pulls.theta_rad is not None
     assert back.pulls.theta_rad.tolist() == [[0, 1, 2], [3, 4, 5]]
-    assert (tmp_path / "s" / "notes.txt").read_text() == "hello"
+    assert (tmp_path / "s" / "notes.txt").read_text(encoding="utf-8") == "hello"
     assert data_set_files(back) == data_set_files(given)
 
 
@@ -192,7 +192,7 @@ def test_replaces_a_data_set_whole_and_nothing_else(tmp_path: Path) -> None:
 def test_a_failed_write_leaves_the_old_data_set(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     place = tmp_path / "s"
     write_data_set(place, data_set())
-    before = (place / "dataset.toml").read_text()
+    before = (place / "dataset.toml").read_text(encoding="utf-8")
 
     def full(_: object) -> Iterator[str]:
         yield "t_s"
@@ -201,7 +201,7 @@ def test_a_failed_write_leaves_the_old_data_set(tmp_path: Path, monkeypatch: pyt
     monkeypatch.setattr("slipmargin.io.data_set_write.trial_parts", full)
     with pytest.raises(InputError, match="No space left"):
         write_data_set(place, data_set(sigma=None))
-    assert (place / "dataset.toml").read_text() == before
+    assert (place / "dataset.toml").read_text(encoding="utf-8") == before
     assert [p.name for p in tmp_path.iterdir()] == ["s"]
 
 

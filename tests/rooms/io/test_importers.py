@@ -23,7 +23,7 @@ READ = RobotinoImporter().read
 
 def damaged(tmp_path: Path, change: object) -> Path:
     """A copy of the log with its lines changed by ``change``."""
-    lines = LOG.read_text().split("\n")
+    lines = LOG.read_text(encoding="utf-8").split("\n")
     path = tmp_path / "damaged.csv"
     path.write_text("\n".join(change(lines)))  # type: ignore[operator]
     return path
@@ -94,14 +94,14 @@ def test_wheels_and_camera_turn_and_go_the_same_way() -> None:
 
 def test_a_whole_log_is_read_whole() -> None:
     reading = READ(LOG)
-    rows = len(LOG.read_text().split("\n")) - 4
+    rows = len(LOG.read_text(encoding="utf-8").split("\n")) - 4
     assert reading.rows == rows == len(reading.record.t_s)
     assert not reading.dropped and not reading.notes
     assert dict(reading.facts)["ticks_per_turn_by_logged_speed"] == pytest.approx(1978, rel=0.02)
 
 
 def test_cut_in_the_middle_of_a_row(tmp_path: Path) -> None:
-    text = LOG.read_text()
+    text = LOG.read_text(encoding="utf-8")
     for cut, told in ((60, "cut ("), (len("1;"), "closing separator")):
         path = tmp_path / "cut.csv"
         path.write_text(text.rstrip("\n")[:-cut])

@@ -104,10 +104,10 @@ def test_a_map_without_wheels_and_logs_that_do_not_fit(tmp_path: Path) -> None:
         mapped(tmp_path, MAP[: MAP.index("[[wheel]]")])
     importer = mapped(tmp_path, MAP)
     log = tmp_path / "log.csv"
-    log.write_text(LOG.read_text().replace("m3cur", "m3amp"))
+    log.write_text(LOG.read_text(encoding="utf-8").replace("m3cur", "m3amp"))
     with pytest.raises(InputError, match="'m3cur' is missing"):
         importer.read(log)
-    lines = LOG.read_text().split("\n")
+    lines = LOG.read_text(encoding="utf-8").split("\n")
     log.write_text("\n".join(lines[:4]))
     with pytest.raises(InputError, match="only one row"):
         importer.read(log)

@@ -192,7 +192,7 @@ def test_other_robots_and_twice_the_same_log(tmp_path: Path, capsys: pytest.Capt
     robot, out = tmp_path / "rover.toml", tmp_path / "set"
     robot.write_text(sm.new_robot("rover", "mecanum").text)
     copy = tmp_path / "copy.json"
-    copy.write_text(file.read_text())
+    copy.write_text(file.read_text(encoding="utf-8"))
     words = ["import", "roadrunner", str(file), str(copy), "--robot", str(robot), "--out", str(out)]
     assert status(words) == 0
     assert f"is the same log as {file}" in capsys.readouterr().out

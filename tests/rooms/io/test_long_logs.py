@@ -19,7 +19,7 @@ from slipmargin.notice import heard
 
 def log(path: Path, rows: int, *, word: str = "7") -> Path:
     lines = [f"{10 * k},{k % 7},{word},{-0.5 * k}" for k in range(rows)]
-    path.write_text("t,x,mode,y\n" + "\n".join(lines) + "\n")
+    path.write_text("t,x,mode,y\n" + "\n".join(lines) + "\n", encoding="utf-8")
     return path
 
 
@@ -41,7 +41,7 @@ def test_a_column_that_nobody_asks_for_may_hold_words(tmp_path: Path) -> None:
 @pytest.mark.parametrize("bad", ["1,2,3", "1,2,3,4,5", "1,2,3,", "1,2,3,0x10", "1,2,3,four"])
 def test_one_bad_row_is_dropped_from_a_block(bad: str, tmp_path: Path) -> None:
     path = log(tmp_path / "l.csv", 50)
-    lines = path.read_text().splitlines()
+    lines = path.read_text(encoding="utf-8").splitlines()
     lines[20] = bad.replace("1,", "190,", 1)
     path.write_text("\n".join(lines) + "\n")
     found = read_loose(path, ("t", "y"), ",")

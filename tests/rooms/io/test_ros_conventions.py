@@ -196,7 +196,7 @@ def test_a_planted_effect_is_found_in_bags_without_a_conversion(tmp_path: Path) 
     data, out = tmp_path / "set", tmp_path / "report"
     assert status(["import", "ros", *map(str, folders), "--robot", str(file), "--out", str(data)]) == 0
     assert status(["diagnose", str(data), "--out", str(out)]) == 0
-    report = json.loads((out / "report.json").read_text())
+    report = json.loads((out / "report.json").read_text(encoding="utf-8"))
     (effect,) = report["effects"]
     assert report["verdict"] == "effect-found" and effect["name"] == "wheel_radius"
     assert effect["wheels"] == ["fl"]
@@ -207,7 +207,7 @@ def test_a_planted_effect_is_found_in_bags_without_a_conversion(tmp_path: Path) 
     turned.parent.mkdir()
     in_paper(data, turned)
     assert status(["diagnose", str(turned), "--out", str(tmp_path / "again")]) == 0
-    again = json.loads((tmp_path / "again" / "report.json").read_text())
+    again = json.loads((tmp_path / "again" / "report.json").read_text(encoding="utf-8"))
     assert again.pop("noise") == dict(
         zip(("x_m", "y_m", "phi_rad"), (report["noise"][k] for k in ("y_m", "x_m", "phi_rad")), strict=True)
     )

@@ -47,7 +47,7 @@ def test_what_a_killed_run_took_away_comes_back(tmp_path: Path) -> None:
     killed_while_writing(tmp_path / "set")
     assert not (tmp_path / "set").exists()
     with staged(tmp_path / "set"):
-        assert (tmp_path / "set" / "dataset.toml").read_text() == "kept"
+        assert (tmp_path / "set" / "dataset.toml").read_text(encoding="utf-8") == "kept"
     assert names(tmp_path) == ["set"]
 
 

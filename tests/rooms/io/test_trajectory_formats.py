@@ -255,7 +255,7 @@ def test_a_state_without_the_robots_heading_is_told(planned: Trajectory, tmp_pat
 
 
 def good() -> dict[str, Any]:
-    return json.loads((SAMPLES / "choreo-2025.traj").read_text())  # type: ignore[no-any-return]
+    return json.loads((SAMPLES / "choreo-2025.traj").read_text(encoding="utf-8"))  # type: ignore[no-any-return]
 
 
 def spoilt(change: Callable[[list[Any]], Any]) -> str:
@@ -264,7 +264,7 @@ def spoilt(change: Callable[[list[Any]], Any]) -> str:
     return json.dumps(whole)
 
 
-PLANNER = (SAMPLES / "pathplanner.wpilib.json").read_text()
+PLANNER = (SAMPLES / "pathplanner.wpilib.json").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

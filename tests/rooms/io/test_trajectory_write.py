@@ -58,7 +58,7 @@ def test_choreo_s_file_has_the_keys_of_its_schema(tmp_path: Path) -> None:
     """TrajectoryFile, Parameters, Waypoint and Sample of Choreo's src-core/src/spec/trajectory.rs."""
     found = sm.plan("ohio-kiwi", "paper", WAY, points=60, step_s=0.02)
     sm.export_trajectory(found, "choreo", tmp_path / "drive.traj")
-    file = json.loads((tmp_path / "drive.traj").read_text())
+    file = json.loads((tmp_path / "drive.traj").read_text(encoding="utf-8"))
     assert set(file) == {"name", "version", "snapshot", "params", "trajectory", "events"}
     assert file["name"] == "drive" and file["version"] == 3 and file["events"] == []
     assert set(file["params"]) == {"waypoints", "constraints", "targetDt"}
@@ -154,7 +154,9 @@ def test_exports_have_the_form_of_the_tools_own_files(tmp_path: Path) -> None:
         ("choreo", "choreo-2025-own.traj"),
     ):
         sm.export_trajectory(found, tool, tmp_path / tool)
-        ours, theirs = (shape_of(json.loads(f.read_text())) for f in (tmp_path / tool, OWN / own))
+        ours, theirs = (
+            shape_of(json.loads(f.read_text(encoding="utf-8"))) for f in (tmp_path / tool, OWN / own)
+        )
         if tool == "choreo":
             assert isinstance(ours, dict) and isinstance(theirs, dict)
             # Version 3 dropped two keys of version 2; what a plan has no use for is empty or null.
@@ -170,7 +172,7 @@ def test_a_road_runner_log_has_the_fields_of_its_class(tmp_path: Path) -> None:
     """The public fields of LogFiles.LogFile that a follower fills (quickstart, version "quickstart1 v2")."""
     found = sm.plan("ohio-kiwi", "paper", WAY, points=60, step_s=0.02)
     sm.export_trajectory(found, "roadrunner", tmp_path / "drive.json")
-    table = json.loads((tmp_path / "drive.json").read_text())
+    table = json.loads((tmp_path / "drive.json").read_text(encoding="utf-8"))
     filled = {"nsTimes", "targetXs", "targetYs", "targetHeadings", "xs", "ys", "headings"}
     empty = {f"{kind}Enc{what}" for kind in ("drive", "tracking") for what in ("Positions", "Vels")}
     head = {"version", "opModeName", "msInit", "nsInit", "nsStart", "nsStop"}

@@ -34,7 +34,7 @@ def test_several_files_arrive_together_and_old_readers_keep_what_they_read(tmp_p
     with (tmp_path / "a").open() as reader:
         write_together({tmp_path / "a": "after", tmp_path / "b": b"new"})
         assert reader.read() == "before"  # renamed over, not written into
-    assert {p.name: p.read_text() for p in tmp_path.iterdir()} == {"a": "after", "b": "new"}
+    assert {p.name: p.read_text(encoding="utf-8") for p in tmp_path.iterdir()} == {"a": "after", "b": "new"}
 
 
 def test_an_interrupted_run_leaves_every_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -50,7 +50,10 @@ def test_an_interrupted_run_leaves_every_file(tmp_path: Path, monkeypatch: pytes
     monkeypatch.setattr(writes.os, "fsync", stop)
     with pytest.raises(KeyboardInterrupt):
         write_together({tmp_path / "a": "after", tmp_path / "b": "after"})
-    assert {p.name: p.read_text() for p in tmp_path.iterdir()} == {"a": "before", "b": "before"}
+    assert {p.name: p.read_text(encoding="utf-8") for p in tmp_path.iterdir()} == {
+        "a": "before",
+        "b": "before",
+    }
 
 
 def test_nothing_is_written_where_one_place_is_impossible(tmp_path: Path) -> None:
@@ -76,7 +79,10 @@ def test_two_runs_may_end_in_one_folder(tmp_path: Path) -> None:
             return super().items()
 
     write_folder(place, Slow({"a.txt": "second"}))
-    assert {p.name: p.read_text() for p in place.iterdir()} == {"a.txt": "second", "b.txt": "first"}
+    assert {p.name: p.read_text(encoding="utf-8") for p in place.iterdir()} == {
+        "a.txt": "second",
+        "b.txt": "first",
+    }
     assert [p.name for p in place.parent.iterdir()] == ["results"]
 
 
@@ -102,7 +108,7 @@ def test_a_link_is_written_through_and_rights_are_kept(tmp_path: Path) -> None:
     (tmp_path / "real").chmod(0o640)
     (tmp_path / "link").symlink_to("real")
     write_text(tmp_path / "link", "after")
-    assert (tmp_path / "link").is_symlink() and (tmp_path / "real").read_text() == "after"
+    assert (tmp_path / "link").is_symlink() and (tmp_path / "real").read_text(encoding="utf-8") == "after"
     assert (tmp_path / "real").stat().st_mode & 0o777 == 0o640
 
 

@@ -91,7 +91,9 @@ def test_the_truth_is_not_in_the_folder(tmp_path: Path) -> None:
         assert all(path.parent.name == "trials" for path in inside if path.suffix == ".csv")
         for path in inside:
             assert true["family"] not in path.read_text(encoding="utf-8")
-        assert true["family"] not in name and "effect" not in (out / "sets" / name / "robot.toml").read_text()
+        assert true["family"] not in name and "effect" not in (out / "sets" / name / "robot.toml").read_text(
+            encoding="utf-8"
+        )
     assert draw.main(words) == 2  # never over what is there
 
 

@@ -222,7 +222,7 @@ def test_the_command_on_a_file_and_on_a_stream(
     assert re.search(r"151 samples, alarm in \d+\.\d+ % of them, [1-9]", said) and "most loaded wheel" in said
     monkeypatch.setattr(sys, "stdin", io.StringIO(text))
     assert status(["monitor", "mecanum4", "-", "--surface", "floor"]) == 0
-    assert capsys.readouterr().out == out.read_text()
+    assert capsys.readouterr().out == out.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

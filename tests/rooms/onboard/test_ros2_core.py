@@ -26,12 +26,12 @@ def core() -> ModuleType:
 
 
 def test_it_needs_no_ros() -> None:
-    tree = ast.parse((PACKAGE / "slipmargin_limiter" / "core.py").read_text())
+    tree = ast.parse((PACKAGE / "slipmargin_limiter" / "core.py").read_text(encoding="utf-8"))
     names = {a.name for n in ast.walk(tree) if isinstance(n, ast.Import) for a in n.names}
     names |= {n.module or "" for n in ast.walk(tree) if isinstance(n, ast.ImportFrom)}
     assert not any(name.split(".")[0] in {"rclpy", "geometry_msgs", "nav_msgs"} for name in names)
-    ast.parse((PACKAGE / "slipmargin_limiter" / "node.py").read_text())
-    assert "was not run on a robot" in (PACKAGE / "README.md").read_text()
+    ast.parse((PACKAGE / "slipmargin_limiter" / "node.py").read_text(encoding="utf-8"))
+    assert "was not run on a robot" in (PACKAGE / "README.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(("robot", "surface"), [("mecanum4", "floor"), ("robotino", "gray")])

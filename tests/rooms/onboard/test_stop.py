@@ -49,9 +49,9 @@ def test_the_command_writes_what_it_says(tmp_path: Path, capsys: pytest.CaptureF
     assert status([*words, "--json", str(told), "--out", str(out)]) == 0
     said = capsys.readouterr().out
     assert said.startswith("longest") and "keeps the margin" in said
-    data = json.loads(told.read_text())
+    data = json.loads(told.read_text(encoding="utf-8"))
     assert data["speed_m_s"] == [0.2, 0.5] and data["verified"] is True
-    assert len(out.read_text().splitlines()) == 1 + 4 * 2
+    assert len(out.read_text(encoding="utf-8").splitlines()) == 1 + 4 * 2
 
 
 def test_refusals(capsys: pytest.CaptureFixture[str]) -> None:

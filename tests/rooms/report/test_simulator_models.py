@@ -209,7 +209,10 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     words = ["export", "sdf", "mecanum4", "--surface", "floor", "--out", str(file), "--json", str(report)]
     assert status(words) == 0
     assert f"written: {file}" in capsys.readouterr().out
-    assert file.read_text().startswith("<?xml") and len(json.loads(report.read_text())["wheels"]) == 4
+    assert (
+        file.read_text(encoding="utf-8").startswith("<?xml")
+        and len(json.loads(report.read_text(encoding="utf-8"))["wheels"]) == 4
+    )
     assert status(["export", "obj", "mecanum4", "--out", str(tmp_path / "x")]) == 2
     assert "No such command 'obj', see slipmargin export --help" in capsys.readouterr().err
     with pytest.raises(InputError, match="format: is 'obj', use one of: sdf, mjcf, urdf"):
