@@ -74,9 +74,9 @@ class CompiledLimiter:
 
     def __init__(self, limiter: sm.Limiter, folder: Path, compiler: str, *, double: bool) -> None:
         folder.mkdir(parents=True, exist_ok=True)
-        (folder / "limit.h").write_text(limiter.c_header())
+        (folder / "limit.h").write_text(limiter.c_header(), encoding="utf-8")
         source = folder / ("calls.cpp" if "++" in compiler else "calls.c")
-        source.write_text(_CALLS)
+        source.write_text(_CALLS, encoding="utf-8")
         library = folder / f"limit-{compiler}-{'double' if double else 'float'}.so"
         flags = [
             "-shared",

@@ -95,11 +95,11 @@ def missing() -> list[str]:
 def instructions(limiter: sm.Limiter, states: np.ndarray, folder: Path) -> dict[str, dict[str, float]]:
     """Mean and largest number of instructions of each function over states (K, 6): twist, what is wanted."""
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "limit.h").write_text(limiter.c_header())
+    (folder / "limit.h").write_text(limiter.c_header(), encoding="utf-8")
     cells = ",".join("{" + ",".join(f"{v:.6e}f" for v in row) + "}" for row in states)
     code = _START.replace("COUNT", str(len(states))).replace("REPEAT", str(REPEAT)).replace("STATES", cells)
-    (folder / "main.c").write_text(code)
-    (folder / "link.ld").write_text(_LINK)
+    (folder / "main.c").write_text(code, encoding="utf-8")
+    (folder / "link.ld").write_text(_LINK, encoding="utf-8")
     flags = ["-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard", "-O2", "-std=gnu99"]
     flags += ["-fno-math-errno", "-nostartfiles", "-T", str(folder / "link.ld")]
     image = folder / "limit.elf"

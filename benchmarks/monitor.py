@@ -101,7 +101,7 @@ def read(text: str) -> Any:
     """A robot file's text as a recipe."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "robot.toml"
-        file.write_text(text)
+        file.write_text(text, encoding="utf-8")
         return sm.read_robot(file)
 
 

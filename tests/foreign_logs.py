@@ -161,7 +161,8 @@ def lerobot(folder: Path, held: Run, *, episodes: int = 1, names: tuple[str, ...
     (folder / "data" / "chunk-000").mkdir(parents=True)
     features = {"observation.state": {"dtype": "float32", "shape": [len(names)], "names": list(names)}}
     (folder / "meta" / "info.json").write_text(
-        json.dumps({"codebase_version": "v2.1", "robot_type": "lekiwi", "fps": 20, "features": features})
+        json.dumps({"codebase_version": "v2.1", "robot_type": "lekiwi", "fps": 20, "features": features}),
+        encoding="utf-8",
     )
     for k in range(episodes):
         columns = {

@@ -235,7 +235,7 @@ def test_measured_coefficients_are_turned(tmp_path: Path) -> None:
     for recipe, turn in ((one, 0.0), (two, QUARTER)):  # the same pull, the heading counted from other axes
         rows = [f"{a + turn!r},{f!r}" for a, f in zip(phi.tolist(), forces.tolist(), strict=True)]
         file = tmp_path / f"{recipe.robot.convention.value}.csv"
-        file.write_text("\n".join(["phi_rad,force_N", *rows]) + "\n")
+        file.write_text("\n".join(["phi_rad,force_N", *rows]) + "\n", encoding="utf-8")
         found.append(sm.measure(file, recipe, "paper").measured)
     paper, turned = found
     np.testing.assert_allclose(turned.value, paper.value, rtol=1e-4)

@@ -37,12 +37,12 @@ def data_set(folder: Path, kind: str) -> Path:
     for name in ("robot.toml", "dataset.toml"):
         (folder / name).write_bytes((rig / name).read_bytes())
     if kind == "pulls":
-        (folder / "pulls.csv").write_text((rig / "pulls.csv").read_text(encoding="utf-8"))
+        (folder / "pulls.csv").write_text((rig / "pulls.csv").read_text(encoding="utf-8"), encoding="utf-8")
         return folder
     (folder / "trials").mkdir()
     for file in sorted((rig / "trials").glob("*.csv"))[:3]:
         lines = file.read_text(encoding="utf-8").split("\n")[:40]
-        (folder / "trials" / file.name).write_text("\n".join(lines) + "\n")
+        (folder / "trials" / file.name).write_text("\n".join(lines) + "\n", encoding="utf-8")
     return folder
 
 

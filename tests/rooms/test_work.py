@@ -54,7 +54,7 @@ def many_wheels(folder: Path, count: int, grip: str = "box") -> Path:
         "surface": {"floor": material},
     }
     file = folder / "ring.toml"
-    file.write_text(mutate.toml(table))
+    file.write_text(mutate.toml(table), encoding="utf-8")
     return file
 
 
@@ -88,7 +88,9 @@ def test_bounds_of_many_wheels_say_what_was_left_out(tmp_path: Path) -> None:
 def test_drawn_robots_are_not_tried_on_too_many_contact_states(tmp_path: Path) -> None:
     """64 states of 8 wheels took 45 s; the limits stand, and a warning says what was left out."""
     file = many_wheels(tmp_path, 6)
-    file.write_text(file.read_text(encoding="utf-8").replace("mass_kg = 5.0", 'mass_kg = "5.0 ± 0.2"'))
+    file.write_text(
+        file.read_text(encoding="utf-8").replace("mass_kg = 5.0", 'mass_kg = "5.0 ± 0.2"'), encoding="utf-8"
+    )
     found = sm.bounds(file, "floor", step_deg=90.0, robust=True)
     assert found.slip_chance is None
     assert any(
@@ -137,7 +139,7 @@ def test_bounds_of_24_wheels_hold_no_table_of_all_ends(tmp_path: Path) -> None:
     table = tomllib.loads(file.read_text(encoding="utf-8"))
     for i, wheel in enumerate(table["wheel"]):  # no symmetry: every wheel has facets of its own
         wheel["position_m"] = [(1.0 + 0.02 * i) * x for x in wheel["position_m"]]
-    file.write_text(mutate.toml(table))
+    file.write_text(mutate.toml(table), encoding="utf-8")
     tracemalloc.start()
     try:
         sm.bounds(file, "floor", step_deg=90.0)
@@ -151,7 +153,7 @@ def test_one_wrong_time_stamp_makes_no_table_of_ages(tmp_path: Path) -> None:
     lines = (EXCERPT / "gray_0.1" / "heading_005.csv").read_text(encoding="utf-8").rstrip("\n").split("\n")
     cells = lines[-1].split(";")
     lines[-1] = ";".join([str(1e9 * float(cells[0])), *cells[1:]])
-    (tmp_path / "l.csv").write_text("\n".join(lines) + "\n")
+    (tmp_path / "l.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"rows on an even clock.* where it jumps by"):
         sm.import_logs([tmp_path / "l.csv"], "robotino", "robotino")
 
@@ -175,6 +177,6 @@ def test_training_runs_that_take_minutes_are_refused_not_waited_for(monkeypatch:
 
 
 def test_a_wheel_whose_name_reads_like_no_number_is_no_absurd_result(tmp_path: Path) -> None:
-    (tmp_path / "o.csv").write_text("saturated,force_N\nleft+inf,1.0\n")
+    (tmp_path / "o.csv").write_text("saturated,force_N\nleft+inf,1.0\n", encoding="utf-8")
     told = {names: judge(0, "", "", tmp_path, set(), names=names)[0] for names in ((), ("left", "inf"))}
     assert told == {(): "absurd", ("left", "inf"): "ok"}

@@ -154,7 +154,7 @@ PULLS = {
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     for name in ("out.csv", "out.png", "out.json"):
-        (tmp_path / name).write_text("as it was")
+        (tmp_path / name).write_text("as it was", encoding="utf-8")
     return tmp_path
 
 
@@ -188,7 +188,7 @@ def test_broken_command_line(what: str, folder: Path, capfd: pytest.CaptureFixtu
 @pytest.mark.parametrize("what", PULLS)
 def test_broken_pulls(what: str, folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
     text, place = PULLS[what]
-    (folder / "pulls.csv").write_text(text)
+    (folder / "pulls.csv").write_text(text, encoding="utf-8")
     refused(folder, [*SWEEP, "--measured", "pulls.csv", "--out", "out.csv"], place, capfd)
 
 
@@ -223,13 +223,13 @@ def test_no_value_makes_it_crash(tmp_path_factory: pytest.TempPathFactory, data:
     for at in data.draw(st.lists(st.sampled_from(keys), min_size=1, max_size=3)):
         lines[at] = lines[at].split("=")[0] + "= " + data.draw(st.sampled_from(WILD))
     path = tmp_path_factory.getbasetemp() / "wild.toml"
-    path.write_text("\n".join(lines))
+    path.write_text("\n".join(lines), encoding="utf-8")
     assert status(["sweep", str(path), "--surface", "paper", "--step", "30"]) in (0, 2)
     assert status(["polytope", str(path), "--surface", "paper"]) in (0, 2)
 
 
 def test_the_good_file_is_good(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    (folder / "robot.toml").write_text(GOOD)
+    (folder / "robot.toml").write_text(GOOD, encoding="utf-8")
     assert status(["sweep", "robot.toml", "--surface", "paper", "--out", "out.csv"]) == 0
     assert (
         (folder / "out.csv")
@@ -239,6 +239,6 @@ def test_the_good_file_is_good(folder: Path, capfd: pytest.CaptureFixture[str]) 
 
 
 def test_a_key_without_its_unit_is_told(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    (folder / "robot.toml").write_text(broken("radius_m = 0.0254", "radius = 0.0254"))
+    (folder / "robot.toml").write_text(broken("radius_m = 0.0254", "radius = 0.0254"), encoding="utf-8")
     line = refused(folder, ["sweep", "robot.toml", "--surface", "paper"], "radius_m", capfd)
     assert "rename 'radius' to 'radius_m'" in line

@@ -27,7 +27,7 @@ def offered(shell: str, line: str) -> str:
         [sys.executable, "-m", "slipmargin"],
         env=os.environ | asked,
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         timeout=120,
         check=False,
     )

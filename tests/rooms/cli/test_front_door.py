@@ -139,7 +139,7 @@ def test_an_exit_status_of_a_command_is_kept(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_interrupted_process_writes_nothing(tmp_path: Path) -> None:
     arguments = ["sweep", "ohio-kiwi", "--surface", "paper", "--step", "0.0005", "--out", "f.csv"]
-    (tmp_path / "f.csv").write_text("before")
+    (tmp_path / "f.csv").write_text("before", encoding="utf-8")
     process = subprocess.Popen(
         [str(SCRIPT), *arguments], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
@@ -207,7 +207,9 @@ def test_measured_pulls_stand_in_the_table(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "p.csv").write_text("phi_rad,force_N\n0,5.0\n0,5.2\n0.1234567,5.5\n-6.1,5.6\n3.1,4.4\n")
+    (tmp_path / "p.csv").write_text(
+        "phi_rad,force_N\n0,5.0\n0,5.2\n0.1234567,5.5\n-6.1,5.6\n3.1,4.4\n", encoding="utf-8"
+    )
     assert (
         status(
             [
@@ -319,6 +321,8 @@ def test_a_terminal_of_few_letters_is_enough(tmp_path: Path) -> None:
 
 
 def test_control_characters_do_not_reach_the_terminal(tmp_path: Path) -> None:
-    (tmp_path / "robot.toml").write_text(GOOD.replace("[body]", '"\\u001b[31mred" = 2\n[body]'))
+    (tmp_path / "robot.toml").write_text(
+        GOOD.replace("[body]", '"\\u001b[31mred" = 2\n[body]'), encoding="utf-8"
+    )
     done = run("robots", "show", "robot.toml", cwd=tmp_path)
     assert done.returncode == 2 and "\\x1b[31mred" in done.stderr and done.stderr.count("\n") == 1

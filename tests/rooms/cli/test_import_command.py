@@ -56,8 +56,8 @@ def test_calibrate_on_one_floor_and_hold_on_the_other(
 
 def test_damage_is_told_and_the_rest_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     cut = tmp_path / "cut.csv"
-    cut.write_text(Path(GRAY[0]).read_text(encoding="utf-8").rstrip("\n")[:-50])
-    (tmp_path / "letter.csv").write_text("dear reader\n")
+    cut.write_text(Path(GRAY[0]).read_text(encoding="utf-8").rstrip("\n")[:-50], encoding="utf-8")
+    (tmp_path / "letter.csv").write_text("dear reader\n", encoding="utf-8")
     out = tmp_path / "set"
     assert status(["import", "robotino", str(cut), str(tmp_path / "letter.csv"), "--out", str(out)]) == 0
     told = capsys.readouterr().out
@@ -69,7 +69,8 @@ def test_swapped_wheels_are_warned_of(tmp_path: Path, capsys: pytest.CaptureFixt
     for path in GRAY[:4]:
         lines = Path(path).read_text(encoding="utf-8")
         (tmp_path / Path(path).name).write_text(
-            lines.replace("m1pos", "m9pos").replace("m2pos", "m1pos").replace("m9pos", "m2pos")
+            lines.replace("m1pos", "m9pos").replace("m2pos", "m1pos").replace("m9pos", "m2pos"),
+            encoding="utf-8",
         )
     files = [str(p) for p in sorted(tmp_path.glob("*.csv"))]
     assert status(["import", "robotino", *files, "--out", str(tmp_path / "set")]) == 0
@@ -111,7 +112,8 @@ heading = { column = "ang", unit = "deg", offset_rad = 1.5707963 }
             f'[[wheel]]\nangle = {{ column = "m{i}pos", unit = "ticks", ticks_per_turn = 32000, '
             "scale = -1 }\n"
             for i in (1, 2, 3)
-        )
+        ),
+        encoding="utf-8",
     )
     assert (
         status(

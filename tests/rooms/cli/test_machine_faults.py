@@ -39,7 +39,7 @@ def one_line(done: subprocess.CompletedProcess[str]) -> str:
 
 
 def test_a_disk_without_room(tmp_path: Path) -> None:
-    (tmp_path / "o.csv").write_text("as it was")
+    (tmp_path / "o.csv").write_text("as it was", encoding="utf-8")
     line = one_line(run([*SWEEP, "--out", "o.csv", "--json", "o.json"], tmp_path, most_bytes=64))
     assert "o." in line and "too large" in line
     assert {p.name: p.read_text(encoding="utf-8") for p in tmp_path.iterdir()} == {"o.csv": "as it was"}

@@ -20,7 +20,7 @@ COLUMNS = (
 
 @pytest.fixture
 def way(tmp_path: Path) -> Path:
-    (tmp_path / "way.csv").write_text(WAY)
+    (tmp_path / "way.csv").write_text(WAY, encoding="utf-8")
     return tmp_path / "way.csv"
 
 
@@ -141,7 +141,7 @@ def test_bad_waypoints_leave_no_file(
     text: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file, out = tmp_path / "way.csv", tmp_path / "t.csv"
-    file.write_text(text)
+    file.write_text(text, encoding="utf-8")
     assert status(["plan", "ohio-kiwi", str(file), "--surface", "paper", "--out", str(out)]) == 2
     said = capsys.readouterr().err
     assert said.startswith(f"error: {file}: ") and words in said and said.count("\n") == 1
@@ -206,7 +206,7 @@ def test_strict_exits_1_when_not_admissible(
 
 def test_strict_does_not_hide_bad_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "a.traj"
-    file.write_text("hello")
+    file.write_text("hello", encoding="utf-8")
     assert status(["check", "ohio-kiwi", str(file), "--surface", "paper", "--strict"]) == 2
     said = capsys.readouterr().err
     assert said.startswith(f"error: {file}: is no trajectory of a known form, give a CSV with")

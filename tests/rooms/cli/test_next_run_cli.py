@@ -112,7 +112,7 @@ def test_what_is_no_data_set_is_refused(tmp_path: Path, capsys: pytest.CaptureFi
     assert status(["next-run", str(tmp_path / "none")]) == 2
     assert "there is no such folder" in capsys.readouterr().err
     campaign = tmp_path / "campaign.toml"
-    campaign.write_text("schema = 1\n")
+    campaign.write_text("schema = 1\n", encoding="utf-8")
     assert status(["next-run", str(campaign)]) == 2
     assert capsys.readouterr().err.count("\n") == 1
 

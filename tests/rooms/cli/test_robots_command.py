@@ -171,7 +171,7 @@ def test_a_urdf_may_use_the_letters_of_any_language(tmp_path: Path, caplog: pyte
 def test_a_bare_urdf_says_all_that_it_could_not_know(tmp_path: Path) -> None:
     pytest.importorskip("yourdfpy")
     file = tmp_path / "r.urdf"
-    file.write_text(plain())
+    file.write_text(plain(), encoding="utf-8")
     found = sm.robot_from_urdf(file)
     robot = found.recipe.robot
     assert [w.radius_m for w in robot.wheels] == [0.04] * 3  # the axle's height over base_footprint
@@ -193,7 +193,7 @@ def test_rollers_that_are_joints_give_the_roller_angle(slant: float, tmp_path: P
         f'<origin xyz="0 0 {z}"/><axis xyz="{way}"/></joint>'
         for k, (z, way) in enumerate([(-0.03, axis), (0.03, "1 0 0")])
     )
-    file.write_text(plain(rollers))
+    file.write_text(plain(rollers), encoding="utf-8")
     wheel = sm.robot_from_urdf(file).recipe.robot.wheels[1]
     assert wheel.roller_angle_deg == pytest.approx(slant, abs=1e-3) and wheel.rollers == 2
 
@@ -217,7 +217,7 @@ def test_damaged_urdf_is_refused_in_one_line(
 ) -> None:
     pytest.importorskip("yourdfpy")
     file, out = tmp_path / "r.urdf", tmp_path / "out.toml"
-    file.write_text(DAMAGED[says](plain()))
+    file.write_text(DAMAGED[says](plain()), encoding="utf-8")
     assert status(["robots", "from-urdf", str(file), "--out", str(out)]) == 2
     told = capsys.readouterr().err
     assert says in told and told.count("\n") == 1 and str(file) in told
@@ -227,7 +227,9 @@ def test_damaged_urdf_is_refused_in_one_line(
 def test_damaged_xacro_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("xacrodoc")
     file = tmp_path / "r.urdf.xacro"
-    file.write_text(XACRO.read_text(encoding="utf-8").replace("$(arg battery_kg)", "${no_such_name}"))
+    file.write_text(
+        XACRO.read_text(encoding="utf-8").replace("$(arg battery_kg)", "${no_such_name}"), encoding="utf-8"
+    )
     assert status(["robots", "from-urdf", str(file), "--out", str(tmp_path / "r")]) == 2
     told = capsys.readouterr().err
     assert "xacro cannot expand it" in told and told.count("\n") == 1
@@ -239,7 +241,7 @@ def test_damaged_xacro_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[
 
 def test_without_the_library_the_cure_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = tmp_path / "r.urdf"
-    file.write_text(plain())
+    file.write_text(plain(), encoding="utf-8")
     found = importlib.util.find_spec
     monkeypatch.setattr(
         "slipmargin.io.urdf_file.find_spec", lambda name: None if name == "yourdfpy" else found(name)

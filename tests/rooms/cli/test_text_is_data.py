@@ -61,7 +61,7 @@ def test_names_that_cannot_stand_on_a_line_are_refused(
 def test_what_is_printed_moves_no_cursor(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     """``robots show`` prints the file as it is, with its comments."""
     file = tmp_path / "r.toml"
-    file.write_text("# tab\there \x85 \u2028\n" + GOOD)
+    file.write_text("# tab\there \x85 \u2028\n" + GOOD, encoding="utf-8")
     assert status(["robots", "show", str(file)]) == 0
     said = capfd.readouterr().out
     assert "\x85" not in said and "\u2028" not in said and "\\x85" in said
@@ -106,7 +106,7 @@ def test_terms_of_an_effect_that_do_not_fit(
 ) -> None:
     """Wrong lengths gave "cannot reshape", numbers beyond a float an OverflowError."""
     file = tmp_path / "r.toml"
-    file.write_text(GOOD + TERM.format(weights=weights, values=values))
+    file.write_text(GOOD + TERM.format(weights=weights, values=values), encoding="utf-8")
     assert status(["bounds", str(file), "--surface", "paper", "--step", "45"]) == 2
     assert place in capfd.readouterr().err
 
@@ -115,14 +115,14 @@ def test_pulls_of_no_robot_are_refused(tmp_path: Path, capfd: pytest.CaptureFixt
     """1e300 N gave an SVD that did not converge."""
     pulls = "phi_rad,force_N\n" + "".join(f"{0.3 * k},{'LARGE' if k == 2 else 5}\n" for k in range(6))
     for large, says in (("1e300", "force_N is 1e+300"), ("1e6", "times the robot's weight")):
-        (tmp_path / "p.csv").write_text(pulls.replace("LARGE", large))
+        (tmp_path / "p.csv").write_text(pulls.replace("LARGE", large), encoding="utf-8")
         assert status(["measure", str(tmp_path / "p.csv"), "ohio-kiwi", "--surface", "paper"]) == 2
         assert says in capfd.readouterr().err
 
 
 def test_a_plan_of_ages_is_refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     """Its table took 18 GiB."""
-    (tmp_path / "w.csv").write_text("x_m,y_m,phi_rad\n0,0,0\n1,0,0\n")
+    (tmp_path / "w.csv").write_text("x_m,y_m,phi_rad\n0,0,0\n1,0,0\n", encoding="utf-8")
     words = ["plan", "ohio-kiwi", str(tmp_path / "w.csv"), "--surface", "paper", "--points", "40"]
     assert status([*words, "--step", "1e-8"]) == 2
     said = capfd.readouterr().err
@@ -130,5 +130,5 @@ def test_a_plan_of_ages_is_refused(tmp_path: Path, capfd: pytest.CaptureFixture[
 
 
 def test_the_good_robot_is_still_good(tmp_path: Path) -> None:
-    (tmp_path / "r.toml").write_text(broken('name = "kiwi"', 'name = "' + "x" * 200 + '"'))
+    (tmp_path / "r.toml").write_text(broken('name = "kiwi"', 'name = "' + "x" * 200 + '"'), encoding="utf-8")
     assert status(["sweep", str(tmp_path / "r.toml"), "--surface", "paper", "--step", "45"]) == 0

@@ -91,7 +91,7 @@ def test_effects_are_of_the_measurement_kind_and_keep_the_signs() -> None:
 def test_the_file_comes_back(tmp_path: Path) -> None:
     found = calibrate(made_up(6), CONTACTS)
     path = tmp_path / "calibration.toml"
-    path.write_text(calibration_text(found))
+    path.write_text(calibration_text(found), encoding="utf-8")
     back = read_calibration(path)
     assert calibration_text(back) == calibration_text(found)
     for wrong, told in (
@@ -101,7 +101,7 @@ def test_the_file_comes_back(tmp_path: Path) -> None:
         (("rotation_rad = ", "rotation_rad = 3"), "rotation_rad"),
         (("delay_s = ", "delay_s = 1"), "delay_s"),
     ):
-        path.write_text(calibration_text(found).replace(*wrong, 1))
+        path.write_text(calibration_text(found).replace(*wrong, 1), encoding="utf-8")
         with pytest.raises(InputError, match=told) as refusal:
             read_calibration(path)
         assert "calibration.toml" in str(refusal.value)

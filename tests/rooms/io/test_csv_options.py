@@ -19,7 +19,7 @@ WHEELS = ["--wheel", "fl:rpm", "--wheel", "-fr:rpm", "--wheel", "rl:ticks=4096",
 def log(folder: Path, mark: str = ",", head: str = "ms,px,py,yaw,fl,fr,rl,rr") -> Path:
     rows = [head, *(f"{50 * k},{10 * k},{-5 * k},{k},60,-60,{4096 * k},{0.1 * k}" for k in range(40))]
     file = folder / "run.csv"
-    file.write_text("\n".join(rows).replace(",", mark) + "\n")
+    file.write_text("\n".join(rows).replace(",", mark) + "\n", encoding="utf-8")
     return file
 
 

@@ -460,7 +460,9 @@ def robot_of(name: str, folder: Path) -> list[str]:
     if name in ("robotino", "robojackets"):
         return ["--robot", {"robotino": "robotino", "robojackets": "robojackets-2018"}[name]]
     file = folder / "robot.toml"
-    file.write_text(sm.new_robot("robot", "lekiwi" if name == "lerobot" else "mecanum").text)
+    file.write_text(
+        sm.new_robot("robot", "lekiwi" if name == "lerobot" else "mecanum").text, encoding="utf-8"
+    )
     return ["--robot", str(file)]
 
 

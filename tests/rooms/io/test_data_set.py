@@ -60,12 +60,12 @@ def data_set(**more: object) -> DataSet:
 def folder(tmp_path: Path, head: str = HEAD, trial: str | None = TRIAL, pulls: str | None = None) -> Path:
     there = tmp_path / "set"
     write_data_set(there, data_set())
-    (there / "dataset.toml").write_text(head)
+    (there / "dataset.toml").write_text(head, encoding="utf-8")
     (there / "trials" / "a.csv").unlink()
     if trial is not None:
-        (there / "trials" / "t0.csv").write_text(trial)
+        (there / "trials" / "t0.csv").write_text(trial, encoding="utf-8")
     if pulls is not None:
-        (there / "pulls.csv").write_text(pulls)
+        (there / "pulls.csv").write_text(pulls, encoding="utf-8")
     return there
 
 
@@ -179,10 +179,10 @@ def test_replaces_a_data_set_whole_and_nothing_else(tmp_path: Path) -> None:
     assert [p.name for p in (place / "trials").iterdir()] == ["a.csv"]  # no trial of the old one is left
     assert [p.name for p in tmp_path.iterdir()] == ["s"]  # and no stage
     (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / "thesis.txt").write_text("keep")
+    (tmp_path / "mine" / "thesis.txt").write_text("keep", encoding="utf-8")
     with pytest.raises(InputError, match="holds something else"):
         write_data_set(tmp_path / "mine", data_set())
-    (tmp_path / "file").write_text("")
+    (tmp_path / "file").write_text("", encoding="utf-8")
     with pytest.raises(InputError, match="is a file"):
         check_data_set_place(tmp_path / "file")
     with pytest.raises(InputError, match="parent folder"):
@@ -253,7 +253,7 @@ def test_any_trial_survives_the_round_trip(
     speed = np.stack([np.array([r[4] for r in rows]), np.full(len(t), np.nan), np.ones(len(t))], axis=1)
     given_ = Record(name="t", t_s=t, pose=pose, omega=speed)
     path = tmp_path_factory.mktemp("r") / "t.csv"
-    path.write_text(trial_text(given_))
+    path.write_text(trial_text(given_), encoding="utf-8")
     back = read_trial(path, 3)
     np.testing.assert_allclose(back.t_s, t, rtol=1e-8)
     np.testing.assert_array_equal(back.pose, pose)
@@ -263,7 +263,7 @@ def test_any_trial_survives_the_round_trip(
 
 def test_pulls_by_themselves(tmp_path: Path) -> None:
     path = tmp_path / "p.csv"
-    path.write_text("phi_rad,force_N\n0,1\n")
+    path.write_text("phi_rad,force_N\n0,1\n", encoding="utf-8")
     assert read_pulls(path, 3).theta_rad is None
     with pytest.raises(InputError, match="shape"):
         Pulls(phi_rad=np.zeros(2), force_N=np.zeros(3))

@@ -25,7 +25,7 @@ def damaged(tmp_path: Path, change: object) -> Path:
     """A copy of the log with its lines changed by ``change``."""
     lines = LOG.read_text(encoding="utf-8").split("\n")
     path = tmp_path / "damaged.csv"
-    path.write_text("\n".join(change(lines)))  # type: ignore[operator]
+    path.write_text("\n".join(change(lines)), encoding="utf-8")  # type: ignore[operator]
     return path
 
 
@@ -43,7 +43,8 @@ def test_signs_and_units_by_hand(tmp_path: Path) -> None:
                 "500;16;0;-16;16000;0;-32000;1;2;3;110;190;361;",
                 "",
             ]
-        )
+        ),
+        encoding="utf-8",
     )
     record = READ(path).record
     np.testing.assert_allclose(record.t_s, [0.0, 0.5])
@@ -104,7 +105,7 @@ def test_cut_in_the_middle_of_a_row(tmp_path: Path) -> None:
     text = LOG.read_text(encoding="utf-8")
     for cut, told in ((60, "cut ("), (len("1;"), "closing separator")):
         path = tmp_path / "cut.csv"
-        path.write_text(text.rstrip("\n")[:-cut])
+        path.write_text(text.rstrip("\n")[:-cut], encoding="utf-8")
         reading = READ(path)
         assert reading.rows - len(reading.record.t_s) == 1 == len(reading.dropped)
         assert told in reading.dropped[0].why
@@ -199,7 +200,7 @@ def test_a_run_without_the_marker_is_refused(tmp_path: Path) -> None:
 
 
 def test_one_bad_file_does_not_cost_the_others(tmp_path: Path) -> None:
-    (tmp_path / "notes.csv").write_text("not a log\n")
+    (tmp_path / "notes.csv").write_text("not a log\n", encoding="utf-8")
     summary = import_files(RobotinoImporter(), [LOG, tmp_path / "notes.csv", tmp_path / "gone.csv"])
     assert len(summary.records) == 1 and len(summary.refused) == 2
     text = "\n".join(summary.lines())

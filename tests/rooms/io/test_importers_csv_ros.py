@@ -41,7 +41,7 @@ current = { column = "m3cur", unit = "mA" }
 
 def mapped(tmp_path: Path, text: str = MAP) -> CsvImporter:
     path = tmp_path / "map.toml"
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
     return CsvImporter(map=read_map(path))
 
 
@@ -70,7 +70,9 @@ heading = { column = "h", unit = "turn" }
 [[wheel]]
 speed = { column = "w", unit = "rpm" }
 """
-    (tmp_path / "run.csv").write_text("t,x,y,h,w\n0,0,0,0.9,0\n2000000,100,100,1.1,60\n3000000,,1,1,1\n")
+    (tmp_path / "run.csv").write_text(
+        "t,x,y,h,w\n0,0,0,0.9,0\n2000000,100,100,1.1,60\n3000000,,1,1,1\n", encoding="utf-8"
+    )
     reading = mapped(tmp_path, text).read(tmp_path / "run.csv")
     record = reading.record
     np.testing.assert_allclose(record.t_s, [0, 2, 3])
@@ -104,15 +106,15 @@ def test_a_map_without_wheels_and_logs_that_do_not_fit(tmp_path: Path) -> None:
         mapped(tmp_path, MAP[: MAP.index("[[wheel]]")])
     importer = mapped(tmp_path, MAP)
     log = tmp_path / "log.csv"
-    log.write_text(LOG.read_text(encoding="utf-8").replace("m3cur", "m3amp"))
+    log.write_text(LOG.read_text(encoding="utf-8").replace("m3cur", "m3amp"), encoding="utf-8")
     with pytest.raises(InputError, match="'m3cur' is missing"):
         importer.read(log)
     lines = LOG.read_text(encoding="utf-8").split("\n")
-    log.write_text("\n".join(lines[:4]))
+    log.write_text("\n".join(lines[:4]), encoding="utf-8")
     with pytest.raises(InputError, match="only one row"):
         importer.read(log)
     blind = [";".join([*line.split(";")[:19], "", *line.split(";")[20:]]) for line in lines[3:9]]
-    log.write_text("\n".join([*lines[:3], *blind]))
+    log.write_text("\n".join([*lines[:3], *blind]), encoding="utf-8")
     with pytest.raises(InputError, match="no row holds a whole pose"):
         importer.read(log)
 

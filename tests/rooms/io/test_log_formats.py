@@ -128,7 +128,7 @@ def test_an_episode_is_picked(tmp_path: Path) -> None:
     folder = logs.lerobot(tmp_path / "kiwi", RUN, episodes=2)
     tracker = logs.tracker(tmp_path / "tracker.csv", RUN)
     file, out = tmp_path / "kiwi.toml", tmp_path / "set"
-    file.write_text(sm.new_robot("kiwi", "lekiwi").text)
+    file.write_text(sm.new_robot("kiwi", "lekiwi").text, encoding="utf-8")
     words = [
         "import",
         "lerobot",
@@ -190,9 +190,9 @@ def test_other_robots_and_twice_the_same_log(tmp_path: Path, capsys: pytest.Capt
     with pytest.raises(InputError, match="name the robot file's four wheels fl, fr, rl and rr"):
         one(file, "roadrunner", sm.read_robot("ohio-kiwi").robot)
     robot, out = tmp_path / "rover.toml", tmp_path / "set"
-    robot.write_text(sm.new_robot("rover", "mecanum").text)
+    robot.write_text(sm.new_robot("rover", "mecanum").text, encoding="utf-8")
     copy = tmp_path / "copy.json"
-    copy.write_text(file.read_text(encoding="utf-8"))
+    copy.write_text(file.read_text(encoding="utf-8"), encoding="utf-8")
     words = ["import", "roadrunner", str(file), str(copy), "--robot", str(robot), "--out", str(out)]
     assert status(words) == 0
     assert f"is the same log as {file}" in capsys.readouterr().out
@@ -208,8 +208,8 @@ def test_a_csv_without_a_header_by_numbers(tmp_path: Path, capsys: pytest.Captur
         for t, (x, y, h), w in zip(RUN.t_s, RUN.pose, RUN.theta, strict=True)
     ]
     file, robot, out = tmp_path / "run.csv", tmp_path / "rover.toml", tmp_path / "set"
-    file.write_text("\n".join(rows))
-    robot.write_text(sm.new_robot("rover", "mecanum").text)
+    file.write_text("\n".join(rows), encoding="utf-8")
+    robot.write_text(sm.new_robot("rover", "mecanum").text, encoding="utf-8")
     words = ["import", "csv", str(file), "--robot", str(robot), "--out", str(out)]
     named = [*words, "--time", "t", "--x", "x", "--y", "y", "--heading", "h", *(["--wheel", "a:rad"] * 4)]
     assert status(named) == 2

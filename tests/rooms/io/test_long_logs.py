@@ -43,7 +43,7 @@ def test_one_bad_row_is_dropped_from_a_block(bad: str, tmp_path: Path) -> None:
     path = log(tmp_path / "l.csv", 50)
     lines = path.read_text(encoding="utf-8").splitlines()
     lines[20] = bad.replace("1,", "190,", 1)
-    path.write_text("\n".join(lines) + "\n")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     found = read_loose(path, ("t", "y"), ",")
     assert found.rows == 50 and 21 not in found.lines[np.isfinite(found.values[:, 1])]
 
@@ -76,7 +76,7 @@ def test_too_many_rows_are_refused_in_one_line(
 ) -> None:
     monkeypatch.setattr(table, "ROWS", 100)
     path = tmp_path / "c.csv"
-    path.write_text("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n" + "0,0,0,0\n" * 101)
+    path.write_text("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n" + "0,0,0,0\n" * 101, encoding="utf-8")
     assert status(["simulate", "ohio-kiwi", str(path), "--surface", "paper"]) == 2
     told = capsys.readouterr().err
     assert "more than 100 rows" in told and "SLIPMARGIN_WORK=10" in told and told.count("\n") == 1

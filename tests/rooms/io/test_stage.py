@@ -22,7 +22,7 @@ def killed_while_writing(path: Path) -> None:
     child = os.fork()
     if child == 0:
         with staged(path) as stage:
-            (stage / NEW).write_text("half")
+            (stage / NEW).write_text("half", encoding="utf-8")
             if path.exists():
                 os.replace(path, stage / OLD)
             os.kill(os.getpid(), signal.SIGKILL)
@@ -43,7 +43,7 @@ def test_the_next_run_sweeps_what_a_killed_one_left(tmp_path: Path) -> None:
 
 def test_what_a_killed_run_took_away_comes_back(tmp_path: Path) -> None:
     (tmp_path / "set").mkdir()
-    (tmp_path / "set" / "dataset.toml").write_text("kept")
+    (tmp_path / "set" / "dataset.toml").write_text("kept", encoding="utf-8")
     killed_while_writing(tmp_path / "set")
     assert not (tmp_path / "set").exists()
     with staged(tmp_path / "set"):
@@ -58,7 +58,7 @@ def test_a_finished_piece_whose_writer_was_killed_leaves_no_folder(tmp_path: Pat
     piece = folder / f"piece-{0:032x}.json"
     killed_while_writing(piece)
     write_bytes(piece.with_name("mine.txt"), b"")
-    piece.write_text("{}")
+    piece.write_text("{}", encoding="utf-8")
     clear(folder)
     assert names(folder) == ["mine.txt"]
 

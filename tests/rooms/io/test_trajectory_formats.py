@@ -52,7 +52,7 @@ def wrapped(phi: np.ndarray) -> np.ndarray:
 
 def as_csv(rows: Trajectory, folder: Path) -> Path:
     file = folder / "t.csv"
-    file.write_text(columns_text(rows.columns(), digits=17))
+    file.write_text(columns_text(rows.columns(), digits=17), encoding="utf-8")
     return file
 
 
@@ -66,7 +66,9 @@ def choreo_samples(rows: Trajectory) -> list[dict[str, Any]]:
 def as_choreo(rows: Trajectory, folder: Path) -> Path:
     file = folder / "any-name.txt"
     samples = choreo_samples(rows)
-    file.write_text(json.dumps({"name": "a", "version": 1, "trajectory": {"samples": samples}}))
+    file.write_text(
+        json.dumps({"name": "a", "version": 1, "trajectory": {"samples": samples}}), encoding="utf-8"
+    )
     return file
 
 
@@ -75,7 +77,7 @@ def as_old_choreo(rows: Trajectory, folder: Path) -> Path:
     old = ("t", "x", "y", "heading", "vx", "vy", "omega")
     samples = [{n: s[o] for n, o in zip(new, old, strict=True)} for s in choreo_samples(rows)]
     file = folder / "old.traj"
-    file.write_text(json.dumps({"samples": samples}))
+    file.write_text(json.dumps({"samples": samples}), encoding="utf-8")
     return file
 
 
@@ -101,13 +103,13 @@ def pathplanner_states(rows: Trajectory) -> list[dict[str, Any]]:
 
 def as_pathplanner(rows: Trajectory, folder: Path) -> Path:
     file = folder / "a.wpilib.json"
-    file.write_text(json.dumps(pathplanner_states(rows)))
+    file.write_text(json.dumps(pathplanner_states(rows)), encoding="utf-8")
     return file
 
 
 def as_pathplanner_states(rows: Trajectory, folder: Path) -> Path:
     file = folder / "states.json"
-    file.write_text(json.dumps({"states": pathplanner_states(rows)}))
+    file.write_text(json.dumps({"states": pathplanner_states(rows)}), encoding="utf-8")
     return file
 
 
@@ -227,7 +229,7 @@ def test_what_a_file_states_is_compared_with_its_poses(
     samples = choreo_samples(planned)
     lower(samples, key, factor)
     file = tmp_path / "a.traj"
-    file.write_text(json.dumps({"trajectory": {"samples": samples}}))
+    file.write_text(json.dumps({"trajectory": {"samples": samples}}), encoding="utf-8")
     notes = read_trajectory(file).notes
     assert any(told in note for note in notes) and len(notes) <= 2
     plain = sm.check("ohio-kiwi", "paper", planned)
@@ -238,7 +240,7 @@ def test_a_csv_with_velocities_of_the_body_frame_is_told(planned: Trajectory, tm
     columns = planned.columns()
     columns["vx_m_s"], columns["vy_m_s"] = columns["vy_m_s"], -columns["vx_m_s"]
     file = tmp_path / "t.csv"
-    file.write_text(columns_text(columns, digits=12))
+    file.write_text(columns_text(columns, digits=12), encoding="utf-8")
     assert any("stated velocity" in note for note in read_trajectory(file).notes)
 
 
@@ -247,7 +249,7 @@ def test_a_state_without_the_robots_heading_is_told(planned: Trajectory, tmp_pat
     for state in states:
         del state["holonomicRotation"], state["holonomicAngularVelocity"]
     file = tmp_path / "t.json"
-    file.write_text(json.dumps(states))
+    file.write_text(json.dumps(states), encoding="utf-8")
     found = read_trajectory(file)
     assert any("direction of travel" in note for note in found.notes)
     course = np.unwrap([s["pose"]["rotation"]["radians"] for s in states]) - QUARTER
@@ -302,7 +304,7 @@ PLANNER = (SAMPLES / "pathplanner.wpilib.json").read_text(encoding="utf-8")
 )
 def test_damaged_files_are_refused_in_one_line_with_the_place(text: str, told: str, tmp_path: Path) -> None:
     file = tmp_path / "a.traj"
-    file.write_text(text)
+    file.write_text(text, encoding="utf-8")
     with pytest.raises(InputError) as fault:
         sm.check("ohio-kiwi", "paper", file)
     assert str(fault.value).startswith(f"{file}: ") and told in str(fault.value)
@@ -364,7 +366,7 @@ def read_or_refused(file: Path) -> None:
 @given(value=JSON)
 def test_any_json_is_read_or_refused(value: Any, tmp_path: Path) -> None:
     file = tmp_path / "f.json"
-    file.write_text(json.dumps(value))
+    file.write_text(json.dumps(value), encoding="utf-8")
     read_or_refused(file)
 
 
@@ -385,7 +387,7 @@ def test_a_damaged_file_is_read_or_refused(data: st.DataObject, name: str, tmp_p
 @given(value=JSON, row=st.integers(0, 8), key=st.sampled_from(["t", "x", "heading", "vx", "alpha"]))
 def test_any_value_in_a_sample_is_read_or_refused(value: Any, row: int, key: str, tmp_path: Path) -> None:
     file = tmp_path / "f.traj"
-    file.write_text(spoilt(lambda samples: samples[row].update({key: value})))
+    file.write_text(spoilt(lambda samples: samples[row].update({key: value})), encoding="utf-8")
     read_or_refused(file)
 
 

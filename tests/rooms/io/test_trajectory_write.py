@@ -82,7 +82,7 @@ def test_choreo_s_file_has_the_keys_of_its_schema(tmp_path: Path) -> None:
 
 def test_plan_and_simulate_export_and_check_reads(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     way, table = tmp_path / "way.csv", tmp_path / "plan.csv"
-    way.write_text("x_m,y_m,phi_rad\n0,0,0\n0.5,0.2,0.3\n")
+    way.write_text("x_m,y_m,phi_rad\n0,0,0\n0.5,0.2,0.3\n", encoding="utf-8")
     drive = tmp_path / "drive.traj"
     words = ["plan", "ohio-kiwi", str(way), "--surface", "paper", "--points", "50", "--out", str(table)]
     assert status([*words, "--export", "choreo", str(drive)]) == 0

@@ -30,7 +30,7 @@ def test_text_and_bytes_arrive(tmp_path: Path) -> None:
 
 
 def test_several_files_arrive_together_and_old_readers_keep_what_they_read(tmp_path: Path) -> None:
-    (tmp_path / "a").write_text("before")
+    (tmp_path / "a").write_text("before", encoding="utf-8")
     with (tmp_path / "a").open() as reader:
         write_together({tmp_path / "a": "after", tmp_path / "b": b"new"})
         assert reader.read() == "before"  # renamed over, not written into
@@ -38,8 +38,8 @@ def test_several_files_arrive_together_and_old_readers_keep_what_they_read(tmp_p
 
 
 def test_an_interrupted_run_leaves_every_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "a").write_text("before")
-    (tmp_path / "b").write_text("before")
+    (tmp_path / "a").write_text("before", encoding="utf-8")
+    (tmp_path / "b").write_text("before", encoding="utf-8")
     calls = []
 
     def stop(handle: int) -> None:
@@ -104,7 +104,7 @@ def test_a_place_where_nothing_can_be_is_refused_before_any_work(
 
 
 def test_a_link_is_written_through_and_rights_are_kept(tmp_path: Path) -> None:
-    (tmp_path / "real").write_text("before")
+    (tmp_path / "real").write_text("before", encoding="utf-8")
     (tmp_path / "real").chmod(0o640)
     (tmp_path / "link").symlink_to("real")
     write_text(tmp_path / "link", "after")

@@ -169,7 +169,8 @@ def test_a_name_is_one_word_of_the_command_to_copy(tmp_path: Path) -> None:
     name = "kiwi; touch x `id` $(id)"
     file = tmp_path / "r.toml"
     file.write_text(
-        GOOD.replace('name = "kiwi"', f'name = "{name}"').replace("[surface.paper", '[surface."a $(id)"')
+        GOOD.replace('name = "kiwi"', f'name = "{name}"').replace("[surface.paper", '[surface."a $(id)"'),
+        encoding="utf-8",
     )
     page = sm.explore(file, "a $(id)")
     words = shlex.split(page.export("nav2", margin=0.2)["command"])

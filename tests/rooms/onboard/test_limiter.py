@@ -233,7 +233,7 @@ def read(text: str) -> object:
 
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "robot.toml"
-        file.write_text(text)
+        file.write_text(text, encoding="utf-8")
         return sm.read_robot(file)
 
 
@@ -313,8 +313,8 @@ def test_counted_operations_stay_below_those_the_header_states(tmp_path: Path) -
         pytest.skip("no g++ on this machine")
     for k, (_, robot, surface) in enumerate([*special(), *((n, n, s) for n, s in BUILT_IN)]):
         limiter = sm.Limiter(robot, surface, margin=0.1)
-        (tmp_path / "limit.h").write_text(limiter.c_header())
-        (tmp_path / "count.cpp").write_text(COUNTING)
+        (tmp_path / "limit.h").write_text(limiter.c_header(), encoding="utf-8")
+        (tmp_path / "count.cpp").write_text(COUNTING, encoding="utf-8")
         build = ["g++", "-std=c++17", "-O1", "-w", str(tmp_path / "count.cpp"), "-o", str(tmp_path / f"c{k}")]
         subprocess.run(build, check=True)
         done = subprocess.run([str(tmp_path / f"c{k}")], check=True, capture_output=True, text=True)

@@ -214,7 +214,7 @@ def test_the_command_on_a_file_and_on_a_stream(
         for k, (w, g) in enumerate(zip(omega, gyro, strict=True))
     ]
     text = "\n".join([head, *rows]) + "\n"
-    (tmp_path / "log.csv").write_text(text)
+    (tmp_path / "log.csv").write_text(text, encoding="utf-8")
     out = tmp_path / "slip.csv"
     words = ["monitor", "mecanum4", str(tmp_path / "log.csv"), "--surface", "floor", "--out", str(out)]
     assert status(words) == 0
@@ -242,7 +242,7 @@ def test_the_command_on_a_file_and_on_a_stream(
 def test_refusals_are_one_line(
     text: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (tmp_path / "log.csv").write_text(text)
+    (tmp_path / "log.csv").write_text(text, encoding="utf-8")
     assert status(["monitor", "ohio-kiwi", str(tmp_path / "log.csv"), "--surface", "paper"]) == 2
     said = capsys.readouterr().err.strip().splitlines()
     assert len(said) == 1 and told in said[0]
@@ -250,7 +250,7 @@ def test_refusals_are_one_line(
 
 def test_the_log_itself_is_no_place_for_results(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     log = tmp_path / "log.csv"
-    log.write_text("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n0,1,2,3\n")
+    log.write_text("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n0,1,2,3\n", encoding="utf-8")
     before = log.read_bytes()
     assert status(["monitor", "ohio-kiwi", str(log), "--surface", "paper", "--out", str(log)]) == 2
     assert "is the log itself" in capsys.readouterr().err and log.read_bytes() == before

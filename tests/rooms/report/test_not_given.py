@@ -46,7 +46,7 @@ def test_bounds_of_a_robot_whose_drag_leaves_no_grip(tmp_path: Path) -> None:
     """This gave -inf rad/s² in print, inf in the table and nulls without a word."""
     file = tmp_path / "r.toml"
     text = broken("transverse = 0.09", "transverse = 5.0").replace('grip = "box"', 'grip = "disc-strip"')
-    file.write_text(text.split("[[effect]]")[0])
+    file.write_text(text.split("[[effect]]")[0], encoding="utf-8")
     found = sm.bounds(file, "paper", step_deg=45.0)
     table = json.loads(found.to_json())
     assert table["steady_use"][0] is None and "drag" in table["not_given"]["steady_use"]
@@ -63,7 +63,7 @@ def test_the_self_check_of_a_pull_that_is_none_is_no_astronomic_number(tmp_path:
     """Where a nap leaves no grip the pull is 0 to rounding: this was 5e290."""
     tilt = '[[effect]]\nname = "floor_nap"\nnap_x = 0.9\nnap_y = -0.9\n'
     file = tmp_path / "r.toml"
-    file.write_text(broken("[[effect]]", tilt + "[[effect]]", 1))
+    file.write_text(broken("[[effect]]", tilt + "[[effect]]", 1), encoding="utf-8")
     assert sm.sweep(file, "paper", step_deg=45.0).check < 1e-6
 
 

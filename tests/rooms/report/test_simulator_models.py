@@ -167,7 +167,7 @@ def test_sdf_has_gazebo_s_own_elements_and_our_numbers() -> None:
 def test_urdf_read_back_has_the_same_limits(robot: Robot, tmp_path: Path) -> None:
     pytest.importorskip("yourdfpy", reason="yourdfpy is not installed (extra [urdf])")
     file = tmp_path / "robot.urdf"
-    file.write_text(sm.export_simulator(robot, "urdf", "paper").text)
+    file.write_text(sm.export_simulator(robot, "urdf", "paper").text, encoding="utf-8")
     there = robot_in_ros(robot)
     read = sm.robot_from_urdf(file).recipe.robot
     assert read.body.mass_kg == pytest.approx(robot.body.mass_kg, rel=1e-5)
