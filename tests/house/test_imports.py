@@ -211,14 +211,16 @@ def test_only_io_opens_files() -> None:
     assert not broken, "; ".join(broken)
 
 
-def test_every_text_that_is_read_names_its_encoding() -> None:
+def test_every_text_that_is_read_or_written_names_its_encoding() -> None:
     bare = [
         f"{path.relative_to(ROOT)}:{node.lineno}"
         for part in ("slipmargin", "cli", "tests", "benchmarks")
         for path in sorted((ROOT / part).rglob("*.py"))
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(node, ast.Call) and not node.args and not node.keywords
-        if isinstance(node.func, ast.Attribute) and node.func.attr == "read_text"
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
+        if node.func.attr in ("read_text", "write_text")
+        if not any(word.arg == "encoding" for word in node.keywords)
+        if len(node.args) == (node.func.attr == "write_text")  # one more is the encoding
     ]
     assert not bare, f"fails where the locale is not UTF-8: {', '.join(bare)}"
 
