@@ -11,10 +11,9 @@ from slipmargin.api.robots import Drawing, RobotLike, checked_margin, model_of, 
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from slipmargin.limits.bounds_summary import Bounds
     from slipmargin.limits.uncertainty import SlipChance
+    from slipmargin.plots.style import Figure
     from slipmargin.report.page import Page
 
 

@@ -16,10 +16,9 @@ from slipmargin.paths.trajectory import Trajectory
 from slipmargin.robot.mistakes import ABSURD_USE
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from slipmargin.model import Model
     from slipmargin.paths.check import Check
+    from slipmargin.plots.style import Figure
     from slipmargin.report.page import Page
 
 

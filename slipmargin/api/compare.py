@@ -12,8 +12,7 @@ from slipmargin.api.robots import RobotLike, model_of, read_robot
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
+    from slipmargin.plots.style import Figure
     from slipmargin.report.page import Page
     from slipmargin.study.ideas import Idea
 

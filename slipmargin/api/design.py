@@ -13,8 +13,7 @@ from slipmargin.api.robots import RobotLike, read_robot
 from slipmargin.errors import InputError, SlipmarginError
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
+    from slipmargin.plots.style import Figure
     from slipmargin.report.page import Page
     from slipmargin.study.influence import Influence
     from slipmargin.study.optimum import Optimum

@@ -11,13 +11,12 @@ from slipmargin.api.diagnosed import Diagnosed
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from slipmargin.api.diagnose_pulls import PullDiagnosisResult
     from slipmargin.data.data_set import DataSet
     from slipmargin.diagnosis.campaign import MemberResult
     from slipmargin.diagnosis.limits_change import LimitsChange
     from slipmargin.diagnosis.result import Diagnosis
+    from slipmargin.plots.style import Figure
     from slipmargin.report.page import Image, Page
 
 

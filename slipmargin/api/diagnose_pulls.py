@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any, final
 from slipmargin.api.diagnosed import Diagnosed
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from slipmargin.diagnosis.limits_change import LimitsChange
     from slipmargin.diagnosis.pull_diagnosis import PullDiagnosis
+    from slipmargin.plots.style import Figure
     from slipmargin.report.page import Image, Page
 
 

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from slipmargin.api.result import FolderResult, Result
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from slipmargin.diagnosis.limits_change import LimitsChange
     from slipmargin.diagnosis.pull_diagnosis import PullDiagnosis
     from slipmargin.diagnosis.result import Diagnosis
     from slipmargin.effects import Recipe
+    from slipmargin.plots.style import Figure
     from slipmargin.report.page import Image, Page
 
 
@@ -34,21 +34,21 @@ class Diagnosed(FolderResult):
         """The robot with the effects that were found: every other function accepts it."""
         return self.diagnosis.corrected
 
+    @abstractmethod
     def figures(self) -> dict[str, Figure]:
         """Every figure by name; empty ones are left out."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _sentence(self) -> str:
         """The verdict as a sentence."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _source(self) -> str:
         """What was measured, and its name."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _page(self, images: dict[str, Image]) -> Page:
         """The page of the report."""
-        raise NotImplementedError
 
     def summary(self) -> str:
         """The verdict in one sentence."""

@@ -11,8 +11,7 @@ from slipmargin.api.result import Result, head
 from slipmargin.checks import Array
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
+    from slipmargin.plots.style import Figure
     from slipmargin.report.page import Page
 
 

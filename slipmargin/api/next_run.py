@@ -15,10 +15,9 @@ from slipmargin.checks import real
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from slipmargin.data.data_set import DataSet
     from slipmargin.experiment.result import NextRuns
+    from slipmargin.plots.style import Figure
     from slipmargin.report.page import Page
 
 #: More runs than this are no choice but a list.

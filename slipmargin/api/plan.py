@@ -15,14 +15,13 @@ from slipmargin.checks import Array
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from slipmargin.model import Model
     from slipmargin.paths.chance import PlanChance
     from slipmargin.paths.path import Path as Way
     from slipmargin.paths.plan import Plan
     from slipmargin.paths.trajectory import Trajectory
     from slipmargin.paths.verify import Verified
+    from slipmargin.plots.style import Figure
     from slipmargin.report.page import Page
 
 WAYPOINTS = ("x_m", "y_m", "phi_rad")

@@ -12,10 +12,9 @@ from slipmargin.api.robots import RobotLike, model_of, read_robot
 from slipmargin.checks import Array
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from slipmargin.limits import WrenchSet
     from slipmargin.model import Model
+    from slipmargin.plots.style import Figure
     from slipmargin.sets.hull import Hull
     from slipmargin.sets.zonotope import Zonotope
 

@@ -10,9 +10,8 @@ from slipmargin.api.result import FolderResult
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from slipmargin.paper.reproduction import Reproduction
+    from slipmargin.plots.style import Figure
 
 
 @final

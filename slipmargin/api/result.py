@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -10,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
+    from slipmargin.plots.style import Figure
     from slipmargin.report.page import Page
 
 _PICTURES = (".png", ".svg", ".pdf")
@@ -23,26 +23,26 @@ def head(robot: str, surface: str, margin: float | None = None) -> dict[str, Any
     return found if margin is None else {**found, "margin": margin}
 
 
-class Result:
+class Result(ABC):
     """Base of all results; a result overrides what it has."""
 
     __slots__ = ()
 
+    @abstractmethod
     def summary(self) -> str:
         """The answer in one line, with its unit."""
-        raise NotImplementedError
 
+    @abstractmethod
     def lines(self) -> list[str]:
         """The lines that the command prints, the answer first."""
-        raise NotImplementedError
 
     def table_lines(self) -> list[str]:
         """The table that the command prints below them; empty where there is none."""
         return []
 
+    @abstractmethod
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain data with arrays: what ``--json`` writes."""
-        raise NotImplementedError
 
     def to_json(self) -> str:
         """:meth:`to_dict` as JSON text; a number that is not finite is null, and ``not_given`` says why."""
@@ -151,9 +151,9 @@ class FolderResult(Result):
 
     __slots__ = ()
 
+    @abstractmethod
     def files(self) -> dict[str, str | bytes]:
         """File name → content; empty where there is nothing to write."""
-        raise NotImplementedError
 
     def write_folder(self, folder: Path | str) -> list[str]:
         """Write :meth:`files` into a folder, all or none, and return their names.

@@ -13,7 +13,7 @@ from slipmargin.effects import Recipe
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from slipmargin.plots.style import Figure
 
 
 @final

@@ -13,11 +13,10 @@ from slipmargin.errors import InputError
 from slipmargin.robot import GripShape, Robot
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from slipmargin.checks import Array
     from slipmargin.limits.uncertainty import Draws, SlipChance
     from slipmargin.model import Model
+    from slipmargin.plots.style import Figure
 
 #: The chance for which a number is printed where none is asked for [1].
 USUAL_CHANCE = 0.01

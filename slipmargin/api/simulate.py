@@ -18,10 +18,9 @@ from slipmargin.paths.trajectory import Trajectory
 from slipmargin.robot.mistakes import ABSURD_USE
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from slipmargin.io.table import Columns
     from slipmargin.model import Model
+    from slipmargin.plots.style import Figure
     from slipmargin.report.page import Page
     from slipmargin.sim.run import Run
     from slipmargin.sim.signal import WheelSignal

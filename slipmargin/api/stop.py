@@ -14,10 +14,9 @@ from slipmargin.checks import FASTEST_M_S, Array, real
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from slipmargin.model import Model
     from slipmargin.onboard.braking import Braking
+    from slipmargin.plots.style import Figure
     from slipmargin.report.page import Page
 
 #: Speed [m/s] that is asked for where neither a speed nor the motors' top speed is given.

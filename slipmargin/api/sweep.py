@@ -16,12 +16,11 @@ from slipmargin.errors import InputError
 from slipmargin.physics.constants import GRAVITY_M_S2
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from slipmargin.data.pulls import PullGroups
     from slipmargin.limits import Isotropic, Sweep
     from slipmargin.limits.uncertainty import SlipChance
     from slipmargin.model import Model
+    from slipmargin.plots.style import Figure
     from slipmargin.report.page import Page
 
 METHODS = ("facets", "clarabel", "cvxpy")

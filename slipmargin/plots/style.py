@@ -12,7 +12,7 @@ from typing import ParamSpec, TypeVar
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure as Figure  # what plot() returns: other rooms take its type from here
 
 from slipmargin.io.writes import check_format, write_bytes
 from slipmargin.report.page import Image

@@ -21,7 +21,7 @@ from source import ROOT, cycles, imported, imports, modules, named, room, rooms,
 
 #: Library → the rooms that may import it.
 OWNERS = {
-    "matplotlib": {"slipmargin.plots", "slipmargin.api"},  # api: the type of what plot() returns
+    "matplotlib": {"slipmargin.plots"},
     "mpl_toolkits": {"slipmargin.plots"},
     "typer": {"slipmargin_cli"},
     "click": set(),
