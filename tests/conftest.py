@@ -16,7 +16,9 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 # No test may fail because the machine is busy: no deadline for an example, no complaint about slow draws.
-settings.register_profile("desk", deadline=None, suppress_health_check=(HealthCheck.too_slow,))
+# What a seed draws depends on which tests run with it: a failure prints what repeats it alone.
+SLOW = (HealthCheck.too_slow,)
+settings.register_profile("desk", deadline=None, print_blob=True, suppress_health_check=SLOW)
 settings.register_profile("ci", settings.get_profile("desk"), derandomize=True)
 settings.load_profile("ci" if os.environ.get("CI") else "desk")
 

@@ -47,8 +47,8 @@ _sinking, _spread = twin(loads.sinking), twin(loads.spread)
 #: A load below zero by more than rounding: the wheel has lifted [m g/N].
 LIFTED = 1e-9
 #: Stiffness of a wheel in the air against one that touches while it is sought which do [1]: it decides what
-#: a robot does that no three wheels carry, and rounding is as small.
-_GLUE = 1e-9
+#: a robot does that no three wheels carry.  Rounding over it, 1e-10, is what such loads are wrong by.
+_GLUE = 1e-6
 #: Wheels span an area if their :func:`~slipmargin.physics.loads.spread` is this share of all wheels' [1].
 _AREA = 1e-8
 #: Searches for the wheels that touch end by themselves after two or three turns.  One that goes to and fro
@@ -176,13 +176,19 @@ def _tip(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
     ax, ay = acc[0], acc[1]
     for turn in range(_TURNS):
         _settle(W, C, ax, ay)
-        weight, pressing, pull = 0.0, 0.0, 0.0
+        weight, pressing, x, y, pull = 0.0, 0.0, 0.0, 0.0, 0.0
         for i in range(len(W)):
-            weight, pressing = weight + C[i, LOAD], pressing + max(0.0, C[i, LOAD])
+            weight += C[i, LOAD]
             pull = max(pull, -C[i, LOAD])
-        for i in range(len(W)):
-            C[i, SHARED] = max(0.0, C[i, LOAD]) * weight / pressing
-            C[i, SHARED_X], C[i, SHARED_Y] = 0.0, 0.0
+            if C[i, LOAD] > 0.0:
+                pressing, x, y = pressing + C[i, LOAD], x + C[i, SHARED_X], y + C[i, SHARED_Y]
+        for i in range(len(W)):  # N weight / Σ N of those that touch, and its slope
+            load, own, px, py = C[i, LOAD], 0.0, 0.0, 0.0
+            if load > 0.0:
+                own = weight / pressing
+                px = own * (C[i, SHARED_X] - load * x / pressing)
+                py = own * (C[i, SHARED_Y] - load * y / pressing)
+            C[i, SHARED], C[i, SHARED_X], C[i, SHARED_Y] = own * load - px * ax - py * ay, px, py
         _accelerate(P, W, C, B, acc)
         B[PULLED] = pull
         if abs(acc[0] - ax) + abs(acc[1] - ay) <= 1e-12 * (1.0 + abs(ax) + abs(ay)):

@@ -248,7 +248,7 @@ def acceleration(
     The loads follow the acceleration: the fixed point N = N0 + P a is found by Newton's method on a,
     from ``guess``.
     Forces at a height shift the loads N0: the least change δ with Σ δ_i = 0 and Σ δ_i p_i = Σ h_k F_k.
-    Where a wheel of four or more would be pulled down, :func:`pressing` says what each carries.
+    Where a wheel would be pulled down, :func:`pressing` says what each carries.
     """
     at = _Instant(model, t, state, wheels)
     arm = model.geometry.position_m - model.inertia.com_m
@@ -293,9 +293,9 @@ def acceleration(
 def pressing(plane: Array, load: Array) -> Array:
     """The loads N ≥ 0 nearest to ``load`` that have its sum and moments, by trying every set of wheels.
 
-    ``plane`` (N, 3) rows 1, x, y.  As they are where none is negative, or where no loads do (it tips).
+    ``plane`` (N, 3) rows 1, x, y.  Where no loads do (it tips), the wheels that press carry the weight.
     """
-    if len(load) < 4 or np.min(load) >= 0.0:
+    if np.min(load) >= 0.0:
         return load
     found = []
     for count in range(3, len(load)):
@@ -306,7 +306,9 @@ def pressing(plane: Array, load: Array) -> Array:
             trial[touch] = load[touch] + step
             if rank == 3 and np.min(trial) >= -1e-12 * np.sum(np.abs(load)):
                 found.append(np.maximum(trial, 0.0))
-    return min(found, key=lambda trial: float(np.sum((trial - load) ** 2)), default=load)
+    pressed = np.maximum(load, 0.0)
+    tipped = pressed * (np.sum(load) / np.sum(pressed))
+    return min(found, key=lambda trial: float(np.sum((trial - load) ** 2)), default=tipped)
 
 
 def reference_motion(

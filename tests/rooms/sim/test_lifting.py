@@ -35,10 +35,10 @@ def gust(model, x: float = 0.36, y: float = 0.48):
 
 
 def tall(height_m: float = 0.05, rule: LoadRule = LoadRule.QUASI_STATIC, wheels: int = 4, surface="paper"):
-    """Four wheels at a rectangle's corners, or six on an ellipse."""
+    """Four wheels at a rectangle's corners, or another number on an ellipse."""
     robot = four_wheels(load_rule=rule, com_height_m=height_m)
-    if wheels == 6:
-        around = np.deg2rad(np.arange(20.0, 380.0, 60.0))
+    if wheels != 4:
+        around = np.deg2rad(20.0 + 360.0 / wheels * np.arange(wheels))
         robot = replace(
             robot,
             wheels=tuple(
@@ -150,32 +150,52 @@ def test_the_motion_is_that_of_the_plain_road(rule):
     assert np.abs(found.pose[0] - want).max() <= 1e-6 * np.abs(want).max()
 
 
+def test_three_wheels_that_tip_agree_with_the_plain_road():
+    """Friction holds the foot of a tall robot: one of three wheels would have to be pulled down."""
+    model, tips = tall(0.2, wheels=3), 0
+    plane = np.column_stack([np.ones(3), model.geometry.position_m - model.inertia.com_m])
+    for seed in range(200):
+        y, motion, rigid, push = somewhere(3, seed, 0.4)
+        acc, _, load = compiled(model, 0.0, y, motion, rigid, push)
+        free = model.loads.at(acc)
+        want = acceleration(model, 0.0, y, motion, rigid, push, guess=acc[:2])[0]
+        np.testing.assert_allclose(acc, want, rtol=1e-8, atol=1e-9)
+        np.testing.assert_allclose(load, pressing(plane, free), atol=1e-9 * model.inertia.weight_N)
+        tips += np.min(free) < 0.0
+    assert 10 < tips < 190
+
+
 def everything(flat, y, omega, motion, rigid, push, J):
     """Accelerations of body and driven wheels in one row, and the kernel's tables."""
-    C, B, acc, rate = np.zeros((4, CONTACT)), np.zeros(BODY), np.zeros(3), np.zeros(4)
+    n = len(omega)
+    C, B, acc, rate = np.zeros((n, CONTACT)), np.zeros(BODY), np.zeros(3), np.zeros(n)
     C[:, THETA], C[:, OMEGA], C[:, ALPHA], C[:, RIGID] = motion[0], omega, motion[2], rigid
     B[:3] = push
-    instant(flat, 0.0, y, C, B, acc, J, 4, rate)
+    instant(flat, 0.0, y, C, B, acc, J, n, rate)
     turning = y[5] * np.array([y[4], -y[3], 0.0])
     return np.concatenate([acc + turning, rate]), C, B
 
 
-def test_slopes_are_those_of_the_loads_in_force():
+@pytest.mark.parametrize(
+    ("wheels", "height_m", "tipping"), [(4, 0.35, False), (4, 0.35, True), (3, 0.2, True)]
+)
+def test_slopes_are_those_of_the_loads_in_force(wheels, height_m, tipping):
     """Derivatives of body and driven wheels by central differences, a wheel being in the air."""
-    model = replace(tall(0.35), drives=Drives(stall_torque_N_m=0.5, max_speed_rad_s=40.0))
+    model = replace(tall(height_m, wheels=wheels), drives=Drives(stall_torque_N_m=0.5, max_speed_rad_s=40.0))
     flat, seen = np.array(pack(model)), 0
     for seed in range(60):
-        y, motion, rigid, push = somewhere(4, seed, 0.4)
-        J, rest = np.zeros((7, 15)), (motion, rigid, 3.0 * push)
+        y, motion, rigid, push = somewhere(wheels, seed, 0.4)
+        J, rest = np.zeros((3 + wheels, 7 + 2 * wheels)), (motion, rigid, 3.0 * push)
         _, C, B = everything(flat, y, motion[1], *rest, J)
-        if B[UP] == 0.0 or B[PULLED] > 0.0 or np.min(C[C[:, AIR] == 0.0, LOAD]) < 0.1:
+        other = (B[PULLED] > 0.0) != tipping or 0.0 < B[PULLED] < 0.1
+        if B[UP] == 0.0 or other or np.min(C[C[:, AIR] == 0.0, LOAD]) < 0.1:
             continue
         seen += 1
-        for k in range(7):
+        for k in range(3 + wheels):
             ends = []
-            for d in (np.eye(7)[k] * 1e-7, np.eye(7)[k] * -1e-7):
+            for d in (np.eye(3 + wheels)[k] * 1e-7, np.eye(3 + wheels)[k] * -1e-7):
                 moved = y + np.append(np.zeros(3), d[:3])
-                ends.append(everything(flat, moved, motion[1] + d[3:], *rest, np.zeros((7, 15)))[0])
+                ends.append(everything(flat, moved, motion[1] + d[3:], *rest, np.zeros_like(J))[0])
             atol = 2e-4 * np.abs(J).max()
             np.testing.assert_allclose(J[:, 3 + k], (ends[0] - ends[1]) / 2e-7, rtol=2e-4, atol=atol)
     assert seen > 5
