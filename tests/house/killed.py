@@ -26,6 +26,8 @@ ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "benchmarks" / "results" / "killed.json"
 #: What must not be found, each counted in a column of its own.
 FAULTS = ("half a file", "not resumed", "other bytes", "left behind")
+#: What is counted of each command.
+COUNTED = ("killed", "had ended", *FAULTS)
 #: After a file has appeared the kill comes within this time [s].
 SOON_S = 0.03
 #: A run that had ended before the kill is no kill; another is tried, up to so many for each that is wanted.
@@ -248,7 +250,7 @@ def kill_all(count: int, seed: int, only: list[str]) -> Iterator[tuple[str, dict
     base = Path("/dev/shm") if Path("/dev/shm").is_dir() else None
     whole = sum(job.share for job in jobs().values())
     for name, job in known.items():
-        drawn, counts = random.Random(f"{seed}/{name}"), Counter[str]()
+        drawn, counts = random.Random(f"{seed}/{name}"), Counter(dict.fromkeys(COUNTED, 0))
         place = Path(tempfile.mkdtemp(prefix="killed", dir=base))
         try:
             for folder in ("whole", "again"):
@@ -288,7 +290,7 @@ def kill_all(count: int, seed: int, only: list[str]) -> Iterator[tuple[str, dict
 
 def row(name: str, counts: Mapping[str, float]) -> str:
     """A line of the printed table."""
-    return f"{name:<19}" + "".join(f"{counts.get(w, 0):>14}" for w in ("killed", "had ended", *FAULTS))
+    return f"{name:<19}" + "".join(f"{counts.get(w, 0):>14}" for w in COUNTED)
 
 
 def main() -> int:
@@ -301,7 +303,7 @@ def main() -> int:
     )
     words.add_argument("--json", type=Path, default=RESULTS, help="where the table is kept")
     asked = words.parse_args()
-    print(f"{'command':<19}" + "".join(f"{w:>14}" for w in ("killed", "had ended", *FAULTS)), flush=True)
+    print(f"{'command':<19}" + "".join(f"{w:>14}" for w in COUNTED), flush=True)
     kept = json.loads(asked.json.read_text(encoding="utf-8")) if asked.json.exists() else {}
     table = kept["commands"] if asked.only and kept.get("seed") == asked.seed else {}
     total: Counter[str] = Counter()
