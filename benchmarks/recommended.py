@@ -326,12 +326,14 @@ def beyond(rng: np.random.Generator, model: Model) -> list[dict[str, Any]]:
         at_once, tips = np.min(lifts) < 1.0 + AT_ONCE, cause == CAUSES[TIPS]
         by = BEYOND if at_once else min(BEYOND, 0.5 * (1.0 + float(np.min(lifts))))
         heading = float(full.heading_rad[h])
-        run = driven_beyond(on_rollers(model), heading, by * float(a))
         ends_at = dict(zip(model.geometry.names, ending(full, h, GRIP) / a, strict=True))
-        run["as_named"] = (named_slips(run["slips"], named, ends_at, by) and not tips) or bool(
-            run["tips"] and at_once
-        )
-        out.append({"heading_rad": heading, "cause": cause, "named": list(named), "beyond": by, **run})
+        for share in (by, *halfway(ends_at, by)):
+            run = driven_beyond(on_rollers(model), heading, share * float(a))
+            as_named = named_slips(run["slips"], named, ends_at, share) and not tips
+            run |= {"beyond": share, "as_named": as_named or bool(run["tips"] and at_once)}
+            if run["as_named"]:
+                break
+        out.append({"heading_rad": heading, "cause": cause, "named": list(named), **run})
         if len(out) == DIRECTIONS:
             break
     return out
@@ -344,6 +346,15 @@ def ending(full: Directions, h: int, cause: int) -> np.ndarray:
     ends_at = np.where(slope > 0.0, rows.b[h] / np.where(slope > 0.0, slope, 1.0), np.inf)
     about = (rows.cause == cause)[:, None] & rows.wheels
     return np.asarray(np.min(np.where(about, ends_at[:, None], np.inf), axis=0))
+
+
+def halfway(ends_at: dict[str, float], by: float) -> list[float]:
+    """How far beyond the limit no other wheel is: half way to the next one's, where ``by`` lies beyond it.
+
+    A wheel that slips takes from the others what they carried: the named one may then hold.
+    """
+    others = [end for end in ends_at.values() if 1.0 + AT_ONCE <= end < by]
+    return [0.5 * (1.0 + float(min(others)))] if others else []
 
 
 def named_slips(slipped: list[str], named: Sequence[str], ends_at: dict[str, float], by: float) -> bool:

@@ -47,6 +47,10 @@ def test_ellipses_that_did_not(seed: int) -> None:
     keeps_its_margin(row)
 
 
-def test_of_two_wheels_beyond_their_limits_either_may_slip_first() -> None:
-    """411: the next wheel's limit lies 2.7 % above that of the named one, and it slipped 2 ms earlier."""
-    keeps_its_margin(recommended.drawn(411, 0))
+@pytest.mark.parametrize("seed", [411, 909])
+def test_of_two_wheels_beyond_their_limits_either_may_slip_first(seed: int) -> None:
+    """The next wheel's limit lies a little above that of the named one.
+
+    411: by 2.7 %, and it slipped 2 ms earlier.  909: by 2.4 %, and the named one held since this one slipped.
+    """
+    keeps_its_margin(recommended.drawn(seed, 0))
