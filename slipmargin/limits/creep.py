@@ -14,6 +14,10 @@ more on the way than before and after.
 and ω + ε_ω, and must be accelerated by m [(ω + ε_ω) ẑ×(v + ε_v) − ω ẑ×v] more (the wheels prescribe the
 velocity in the body frame).
 
+Then r is no gradient, and other creeps may satisfy r(ε) = 0 at which the turning pulls harder than the wheels
+resist: the robot leaves those, as a pencil leaves its tip.  Only creeps that it settles to count
+(det ∂r/∂ε > 0); where there is none the creep runs away.
+
 **Beyond the limit.** σ stops at 1, so no ε exists outside the wrench set.  Above the share 0.98 σ is
 continued by a straight line of slope 0.02 per unit of k u: the use then exceeds 1 and says by how much,
 and below 0.98 nothing is changed.
@@ -48,6 +52,8 @@ RUNAWAY = 1.5
 #: Newton's method ends at this size of the residual, as a share of the wrench to compare with; a creep whose
 #: residual is above the second has not been found [1].
 EXACT, FOUND = 1e-11, 1e-8
+#: Stages from a held pose to an open loop in which a rest is sought that Newton's method has missed [1].
+STAGES = 8
 #: Share of the largest slope that stands in for none: a creep that no wheel resists then stays small [1].
 UNRESISTED = 1e-12
 #: Columns of a wheel: c, k along ĝ, d, k along f̂, u_T0, and k b_i·ε where it was last looked at.  What the
@@ -161,6 +167,16 @@ def balance(
     return miss
 
 
+@spliced
+def returns(H: Array) -> bool:
+    """Whether a small departure from rest fades: det H ≥ 0, which changes its sign where two rests meet."""
+    one, two = H[0, 0] * H[1, 1] * H[2, 2], H[0, 1] * H[1, 2] * H[2, 0]
+    three, four = H[0, 2] * H[1, 0] * H[2, 1], H[0, 2] * H[1, 1] * H[2, 0]
+    five, six = H[0, 1] * H[1, 0] * H[2, 2], H[0, 0] * H[1, 2] * H[2, 1]
+    size = abs(one) + abs(two) + abs(three) + abs(four) + abs(five) + abs(six)
+    return bool(one + two + three - four - five - six >= -UNRESISTED * size)
+
+
 @inner
 def at_rest(
     law: int,
@@ -173,24 +189,28 @@ def at_rest(
     tables: Array,
     use: Array,
 ) -> bool:
-    """Whether a creep with r(ε) = 0 is found, from ``eps`` and else from rest, in place; ``use`` (N,) there.
+    """Whether a creep is found to which the robot settles, from ``eps`` and else from rest, in place.
 
-    Where none is found the wheel that was worst uses ``RUNAWAY``.
+    ``use`` (N,) is taken there; where none is found the wheel that was worst uses ``RUNAWAY``.
     """
-    miss = math.inf
+    carried, found, worst = ask[CARRIED], False, 0
     for attempt in range(2):
         if attempt == 1 or not math.isfinite(eps[0] + eps[1] + eps[2]):
             for r in range(3):
                 eps[r] = 0.0
+            for stage in range(STAGES if carried != 0.0 else 0):  # held, a robot has one rest: from there
+                ask[CARRIED] = carried * (stage / STAGES)
+                balance(law, knee, A, wheels, ask, eps, exact, tables)
+            ask[CARRIED] = carried
         miss = balance(law, knee, A, wheels, ask, eps, exact, tables)
-        if miss <= max(FOUND, exact):
+        found = miss <= max(FOUND, exact) and (carried == 0.0 or returns(tables[0]))
+        worst = 0
+        for i in range(len(wheels)):
+            use[i] = abs(continued(law, knee, slip(A, wheels[i, STEEP], eps, i))[0])
+            if use[i] > use[worst]:
+                worst = i
+        if found and (carried == 0.0 or use[worst] <= 1.0):  # beyond the limit there may be others, less far
             break
-    worst = 0
-    for i in range(len(wheels)):
-        use[i] = abs(continued(law, knee, slip(A, wheels[i, STEEP], eps, i))[0])
-        if use[i] > use[worst]:
-            worst = i
-    found = miss <= max(FOUND, exact)
     if not found:
         use[worst] = max(use[worst], RUNAWAY)
     return found
@@ -257,12 +277,12 @@ def _settle(
         for r in range(3):
             eps[r] = start[m, r]
         for _ in range(SETTLING_STEPS):
-            off = 0.0
+            off, most = 0.0, 0.0
             for i in range(wheels.shape[1]):
                 share = continued(law, knee, slip(A, wheels[m, i, STEEP], eps, i))[0]
-                peak[m, i] = max(peak[m, i], abs(share))
-                off = max(off, abs(share - finish[m, i]))
-            if off <= SETTLED:
+                peak[m, i] = max(peak[m, i], min(abs(share), RUNAWAY))
+                off, most = max(off, abs(share - finish[m, i])), max(most, abs(share))
+            if off <= SETTLED or not most < RUNAWAY:
                 break
             residual(law, knee, A, wheels[m], asks[m], eps, out, H)
             h = STEP * _fastest(H, mass) if h == 0.0 else GROWTH * h
@@ -309,13 +329,20 @@ class Balance:
         _creep(*self._packed(), twist, use)
         return twist, use
 
-    def settling(self, start: Array, mass: Array) -> Array:
-        """Largest use (M, N) on the way from creep ``start`` (M, 3) to rest; ``mass`` (3,) is (m, m, I)."""
-        twists = start, self.rest()[0]
-        begin, finish = (continued_share(self.law, self.steep * (twist @ self.along)) for twist in twists)
-        peak = np.maximum(np.abs(begin), np.abs(finish))
-        jumps = np.flatnonzero(np.max(np.abs(finish - begin), axis=1) >= NO_JUMP)
-        _settle(*self._packed(), np.array(mass), np.ascontiguousarray(start), finish, jumps, peak)
+    def settling(self, before: Balance, mass: Array) -> Array:
+        """Largest use (M, N) while the creep goes from rest as ``before`` to rest; ``mass`` (3,): m, m, I.
+
+        A creep that runs away on the way uses ``RUNAWAY``; where one of both has no rest, the larger of what
+        they use stands.
+        """
+        (start, used), (end, use) = before.rest(), self.rest()
+        peak = np.maximum(used, use)
+        begin, finish = (
+            continued_share(self.law, self.steep * (twist @ self.along)) for twist in (start, end)
+        )
+        far = np.max(np.abs(finish - begin), axis=1) >= NO_JUMP
+        jumps = np.flatnonzero(far & (np.max(peak, axis=1) < RUNAWAY))
+        _settle(*self._packed(), np.array(mass), start, finish, jumps, peak)
         return peak
 
     def _packed(self) -> tuple[int, float, Array, Array, Array, Array]:

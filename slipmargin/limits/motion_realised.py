@@ -101,7 +101,7 @@ def settling(
         strict=True,
     )
     for old, new in pairs:
-        peak = np.maximum(peak, new.settling(old.rest()[0], mass))
+        peak = np.maximum(peak, new.settling(old, mass))
     return peak
 
 
