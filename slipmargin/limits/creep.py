@@ -15,8 +15,8 @@ and ω + ε_ω, and must be accelerated by m [(ω + ε_ω) ẑ×(v + ε_v) − �
 velocity in the body frame).
 
 Then r is no gradient, and other creeps may satisfy r(ε) = 0 at which the turning pulls harder than the wheels
-resist: the robot leaves those, as a pencil leaves its tip.  Only creeps that it settles to count
-(det ∂r/∂ε > 0); where there is none the creep runs away.
+resist: the robot leaves those, as a pencil leaves its tip.  Only a creep counts that it settles to
+(det ∂r/∂ε ≥ 0) and that the one rest of the held pose grows into; where there is none the creep runs away.
 
 **Beyond the limit.** σ stops at 1, so no ε exists outside the wrench set.  Above the share 0.98 σ is
 continued by a straight line of slope 0.02 per unit of k u: the use then exceeds 1 and says by how much,
@@ -52,6 +52,8 @@ RUNAWAY = 1.5
 #: Newton's method ends at this size of the residual, as a share of the wrench to compare with; a creep whose
 #: residual is above the second has not been found [1].
 EXACT, FOUND = 1e-11, 1e-8
+#: Where no wheel uses more, the rest that the neighbouring state leads to is the only one it settles to [1].
+ALONE = 0.92
 #: Stages from a held pose to an open loop in which a rest is sought that Newton's method has missed [1].
 STAGES = 8
 #: Share of the largest slope that stands in for none: a creep that no wheel resists then stays small [1].
@@ -189,27 +191,30 @@ def at_rest(
     tables: Array,
     use: Array,
 ) -> bool:
-    """Whether a creep is found to which the robot settles, from ``eps`` and else from rest, in place.
+    """Whether a creep is found to which the robot settles, from ``eps`` and else from a held pose, in place.
 
     ``use`` (N,) is taken there; where none is found the wheel that was worst uses ``RUNAWAY``.
     """
-    carried, found, worst = ask[CARRIED], False, 0
+    carried, found, led, worst = ask[CARRIED], False, True, 0
     for attempt in range(2):
         if attempt == 1 or not math.isfinite(eps[0] + eps[1] + eps[2]):
             for r in range(3):
                 eps[r] = 0.0
             for stage in range(STAGES if carried != 0.0 else 0):  # held, a robot has one rest: from there
                 ask[CARRIED] = carried * (stage / STAGES)
-                balance(law, knee, A, wheels, ask, eps, exact, tables)
+                miss = balance(law, knee, A, wheels, ask, eps, exact, tables)
+                led = miss <= max(FOUND, exact) and (stage == 0 or returns(tables[0]))
+                if not led:
+                    break
             ask[CARRIED] = carried
         miss = balance(law, knee, A, wheels, ask, eps, exact, tables)
-        found = miss <= max(FOUND, exact) and (carried == 0.0 or returns(tables[0]))
+        found = led and miss <= max(FOUND, exact) and (carried == 0.0 or returns(tables[0]))
         worst = 0
         for i in range(len(wheels)):
             use[i] = abs(continued(law, knee, slip(A, wheels[i, STEEP], eps, i))[0])
             if use[i] > use[worst]:
                 worst = i
-        if found and (carried == 0.0 or use[worst] <= 1.0):  # beyond the limit there may be others, less far
+        if found and (carried == 0.0 or use[worst] <= ALONE):
             break
     if not found:
         use[worst] = max(use[worst], RUNAWAY)
