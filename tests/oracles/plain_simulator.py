@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
+from scipy.optimize import brentq, nnls
 from scipy.special import expit
 
 from slipmargin.checks import Array
@@ -293,7 +293,8 @@ def acceleration(
 def pressing(plane: Array, load: Array) -> Array:
     """The loads N ≥ 0 nearest to ``load`` that have its sum and moments, by trying every set of wheels.
 
-    ``plane`` (N, 3) rows 1, x, y.  Where no loads do (it tips), the wheels that press carry the weight.
+    ``plane`` (N, 3) rows 1, x, y.  Where no loads do (it tips), the floor pulls
+    as little as would keep the robot upright, and the wheels that press there carry the weight.
     """
     if np.min(load) >= 0.0:
         return load
@@ -306,9 +307,14 @@ def pressing(plane: Array, load: Array) -> Array:
             trial[touch] = load[touch] + step
             if rank == 3 and np.min(trial) >= -1e-12 * np.sum(np.abs(load)):
                 found.append(np.maximum(trial, 0.0))
-    pressed = np.maximum(load, 0.0)
-    tipped = pressed * (np.sum(load) / np.sum(pressed))
-    return min(found, key=lambda trial: float(np.sum((trial - load) ** 2)), default=tipped)
+    if found:
+        return min(found, key=lambda trial: float(np.sum((trial - load) ** 2)))
+    each, exact, loose = len(load), 1e6, 1e-6  # a wheel in the air is held by a spring this weak
+    springs = np.diag(np.append(np.full(each, np.sqrt(loose)), np.ones(each)))
+    rows = np.vstack([exact * np.hstack([plane.T, -plane.T]), springs])
+    wanted = np.concatenate([exact * (plane.T @ load), np.sqrt(loose) * load, -loose * load])
+    both = nnls(rows, wanted)[0]
+    return both[:each] * (np.sum(load) / np.sum(both[:each]))
 
 
 def reference_motion(
