@@ -6,9 +6,7 @@ and u_T = u_T0 + t_i·ε.  At rest in the moving frame ε solves
     r(ε) = Σ_i b_i c_i σ(k b_i·ε) + Σ_i t_i d_i σ(k (u_T0 + t_i·ε)) + (M a − w_loss) = 0,
 
 the gradient of a convex potential, with c_i = μ_W N_i, d_i = μ_T N_i and σ the model's friction law.  A
-wheel's *use* is |σ(k b_i·ε)|.  After a jump of the acceleration ε settles within milliseconds by
-M dε/dt = −r(ε), and since the creep of some wheels settles sooner than that of others, a wheel may use
-more on the way than before and after.
+wheel's *use* is |σ(k b_i·ε)|.  :mod:`slipmargin.limits.creep_states` follows ε from one rest to the next.
 
 **Open loop.** Where nothing corrects the pose, the creep itself turns the robot: it moves with v + ε_v
 and ω + ε_ω, and must be accelerated by m [(ω + ε_ω) ẑ×(v + ε_v) − ω ẑ×v] more (the wheels prescribe the
@@ -26,35 +24,26 @@ and below 0.98 nothing is changed.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array, Index
-from slipmargin.physics.compiled import inner, kernel, spliced, twin
+from slipmargin.checks import Array
+from slipmargin.physics.compiled import inner, spliced, twin
 from slipmargin.physics.friction_laws import law_inverse, law_share, law_slope
 
 #: Share up to which the friction law is used as it stands [1].
 FAITHFUL = 0.98
 #: Slope of the continuation above it, per unit of k·u [1].
 BEYOND = 0.02
-#: A jump that changes no wheel's use by this much is none [1].
-NO_JUMP = 5e-3
-#: Settling ends where every wheel's use is this close to what it comes to, or after so many steps [1].
-SETTLED, SETTLING_STEPS = 1e-3, 400
-#: The first step of the settling in units of the fastest time constant, and each further one's growth [1].
-STEP, GROWTH = 0.2, 1.1
-#: ROS2's γ that makes it L-stable [1].
-GAMMA = 1.0 - math.sqrt(0.5)
 #: Use of a wheel where no steady creep is found: far outside the wrench set, or the creep runs away [1].
 RUNAWAY = 1.5
 #: Newton's method ends at this size of the residual, as a share of the wrench to compare with; a creep whose
 #: residual is above the second has not been found [1].
 EXACT, FOUND = 1e-11, 1e-8
-#: Where no wheel uses more, the rest that the neighbouring state leads to is the only one it settles to [1].
+#: Where no wheel uses more, a rest that the neighbouring state leads to is taken for the only one: others
+#: have been seen from 0.93 up [1].
 ALONE = 0.92
-#: Stages from a held pose to an open loop in which a rest is sought that Newton's method has missed [1].
+#: Stages from a held pose to an open loop: 8 and 32 of them led equally far [1].
 STAGES = 8
 #: Share of the largest slope that stands in for none: a creep that no wheel resists then stays small [1].
 UNRESISTED = 1e-12
@@ -180,6 +169,32 @@ def returns(H: Array) -> bool:
 
 
 @inner
+def _settles(
+    law: int, knee: float, A: Array, wheels: Array, ask: Array, eps: Array, exact: float, tables: Array
+) -> bool:
+    """Whether :func:`balance` finds, from ``eps`` and in place, a creep to which the robot settles."""
+    miss = balance(law, knee, A, wheels, ask, eps, exact, tables)
+    return bool(miss <= max(FOUND, exact) and (ask[CARRIED] == 0.0 or returns(tables[0])))
+
+
+@inner
+def _lead(
+    law: int, knee: float, A: Array, wheels: Array, ask: Array, eps: Array, exact: float, tables: Array
+) -> bool:
+    """Whether the one rest of the held pose grows towards that of an open loop, all stages but the last."""
+    carried, led = ask[CARRIED], True
+    for r in range(3):
+        eps[r] = 0.0
+    for stage in range(STAGES if carried != 0.0 else 0):
+        ask[CARRIED] = carried * (stage / STAGES)
+        led = _settles(law, knee, A, wheels, ask, eps, exact, tables)
+        if not led:
+            break
+    ask[CARRIED] = carried
+    return led
+
+
+@inner
 def at_rest(
     law: int,
     knee: float,
@@ -195,169 +210,23 @@ def at_rest(
 
     ``use`` (N,) is taken there; where none is found the wheel that was worst uses ``RUNAWAY``.
     """
-    carried, found, led, worst = ask[CARRIED], False, True, 0
-    for attempt in range(2):
-        if attempt == 1 or not math.isfinite(eps[0] + eps[1] + eps[2]):
-            for r in range(3):
-                eps[r] = 0.0
-            for stage in range(STAGES if carried != 0.0 else 0):  # held, a robot has one rest: from there
-                ask[CARRIED] = carried * (stage / STAGES)
-                miss = balance(law, knee, A, wheels, ask, eps, exact, tables)
-                led = miss <= max(FOUND, exact) and (stage == 0 or returns(tables[0]))
-                if not led:
-                    break
-            ask[CARRIED] = carried
-        miss = balance(law, knee, A, wheels, ask, eps, exact, tables)
-        found = led and miss <= max(FOUND, exact) and (carried == 0.0 or returns(tables[0]))
+    found, led, worst = False, True, 0
+    afresh = not math.isfinite(eps[0] + eps[1] + eps[2])
+    while True:
+        if afresh:
+            led = _lead(law, knee, A, wheels, ask, eps, exact, tables)
+        found = _settles(law, knee, A, wheels, ask, eps, exact, tables) and led
         worst = 0
         for i in range(len(wheels)):
             use[i] = abs(continued(law, knee, slip(A, wheels[i, STEEP], eps, i))[0])
             if use[i] > use[worst]:
                 worst = i
-        if found and (carried == 0.0 or use[worst] <= ALONE):
+        if afresh or (found and (ask[CARRIED] == 0.0 or use[worst] <= ALONE)):
             break
+        afresh = True
     if not found:
         use[worst] = max(use[worst], RUNAWAY)
     return found
-
-
-@kernel
-def _creep(
-    law: int,
-    knee: float,
-    A: Array,
-    wheels: Array,
-    asks: Array,
-    tables: Array,
-    twist: Array,
-    use: Array,
-) -> None:
-    """Damped Newton over all samples, each from its neighbour and else from rest."""
-    eps = tables[3, 0]
-    for m in range(len(wheels)):
-        found = at_rest(law, knee, A, wheels[m], asks[m], eps, EXACT, tables, use[m])
-        for r in range(3):
-            twist[m, r] = eps[r]
-            if not found:
-                eps[r] = 0.0
-
-
-@inner
-def _fastest(H: Array, mass: Array) -> float:
-    """No time constant of M dε/dt = −H ε is shorter [s]: Gershgorin's circles."""
-    rate = 0.0
-    for r in range(3):
-        row = 0.0
-        for q in range(3):
-            row += abs(H[r, q]) / math.sqrt(mass[r] * mass[q])
-        rate = max(rate, row)
-    return 1.0 / max(rate, 1e-300)
-
-
-@kernel
-def _settle(
-    law: int,
-    knee: float,
-    A: Array,
-    wheels: Array,
-    asks: Array,
-    tables: Array,
-    mass: Array,
-    start: Array,
-    finish: Array,
-    jumps: Index,
-    peak: Array,
-) -> None:
-    """Raise ``peak`` (M, N) to the largest use while ε goes from ``start`` (M, 3) to rest.
-
-    Only for the samples ``jumps``, until the shares are ``finish`` (M, N), by the two-stage Rosenbrock
-    method ROS2 (Verwer et al., SIAM J. Sci. Comput. 20, 1999): loaded wheels are forty times slower than
-    idle ones.  Steps grow as the fast part fades.
-    """
-    H, other, lhs = tables[0], tables[1], tables[2]
-    eps, at, out = tables[3, 0], tables[3, 1], tables[3, 2]
-    one, two = tables[4, 0], tables[4, 1]
-    for m in jumps:
-        h = 0.0
-        for r in range(3):
-            eps[r] = start[m, r]
-        for _ in range(SETTLING_STEPS):
-            off, most = 0.0, 0.0
-            for i in range(wheels.shape[1]):
-                share = continued(law, knee, slip(A, wheels[m, i, STEEP], eps, i))[0]
-                peak[m, i] = max(peak[m, i], min(abs(share), RUNAWAY))
-                off, most = max(off, abs(share - finish[m, i])), max(most, abs(share))
-            if off <= SETTLED or not most < RUNAWAY:
-                break
-            residual(law, knee, A, wheels[m], asks[m], eps, out, H)
-            h = STEP * _fastest(H, mass) if h == 0.0 else GROWTH * h
-            for r in range(3):
-                for q in range(3):
-                    lhs[r, q] = GAMMA * h * H[r, q] + (mass[r] if r == q else 0.0)
-            solve3(lhs, out, one)
-            for r in range(3):
-                at[r] = eps[r] - h * one[r]
-            residual(law, knee, A, wheels[m], asks[m], at, out, other)
-            for r in range(3):
-                out[r] -= 2.0 * mass[r] * one[r]
-            solve3(lhs, out, two)
-            for r in range(3):
-                eps[r] -= h * (1.5 * one[r] + 0.5 * two[r])
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Balance:
-    """What M states ask of N wheels, all on known material.
-
-    ``law`` is the friction law; ``along``, ``across`` (3, N): wrench of a unit force along ĝ and f̂; ``grip``,
-    ``drag`` (M, N) c and d [N]; ``steep``, ``steep_across`` (M, N) k [s/m]; ``slide`` (M, N) u_T0 [m/s];
-    ``need`` (M, 3) M a − w_loss; ``carried`` (M, 4) is (m, v_x, v_y, ω), m = 0 where the pose is held;
-    ``scale`` (3,) a wrench to compare with.
-    """
-
-    law: int
-    along: Array
-    across: Array
-    grip: Array
-    drag: Array
-    steep: Array
-    steep_across: Array
-    slide: Array
-    need: Array
-    carried: Array
-    scale: Array
-
-    def rest(self) -> tuple[Array, Array]:
-        """Creep twist ε (M, 3) [m/s, m/s, rad/s] at which r(ε) = 0, and the use (M, N) there."""
-        twist, use = np.empty((len(self.grip), 3)), np.empty(self.grip.shape)
-        _creep(*self._packed(), twist, use)
-        return twist, use
-
-    def settling(self, before: Balance, mass: Array) -> Array:
-        """Largest use (M, N) while the creep goes from rest as ``before`` to rest; ``mass`` (3,): m, m, I.
-
-        A creep that runs away on the way uses ``RUNAWAY``; where one of both has no rest, the larger of what
-        they use stands.
-        """
-        (start, used), (end, use) = before.rest(), self.rest()
-        peak = np.maximum(used, use)
-        begin, finish = (
-            continued_share(self.law, self.steep * (twist @ self.along)) for twist in (start, end)
-        )
-        far = np.max(np.abs(finish - begin), axis=1) >= NO_JUMP
-        jumps = np.flatnonzero(far & (np.max(peak, axis=1) < RUNAWAY))
-        _settle(*self._packed(), np.array(mass), start, finish, jumps, peak)
-        return peak
-
-    def _packed(self) -> tuple[int, float, Array, Array, Array, Array]:
-        """Law, knee, wrenches of unit forces (6, N), wheels (M, N, WHEEL), what they are asked, tables."""
-        columns = [self.grip, self.steep, self.drag, self.steep_across, self.slide, np.zeros(self.grip.shape)]
-        wheels = np.stack(columns, axis=2)
-        scale = np.broadcast_to(self.scale, (len(wheels), 3))
-        asks = np.concatenate([self.need, self.carried, scale], axis=1)
-        forces = np.concatenate([self.along, self.across])
-        return self.law, knee(self.law), forces, wheels, asks, np.zeros(TABLES)
 
 
 def knee(law: int) -> float:

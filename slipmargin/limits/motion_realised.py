@@ -16,7 +16,8 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array
-from slipmargin.limits.creep import Balance, continued_share
+from slipmargin.limits.creep import continued_share
+from slipmargin.limits.creep_states import Balance
 from slipmargin.limits.motion_external import external_in_motion
 from slipmargin.limits.motion_friction import friction_in_motion, material_states
 from slipmargin.limits.motion_state import Contact, Motion

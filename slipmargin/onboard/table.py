@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from slipmargin.checks import Array, frozen
 from slipmargin.errors import InputError
 from slipmargin.limits.bias import height_m, lift_N
-from slipmargin.limits.creep import Balance
+from slipmargin.limits.creep_states import Balance
 from slipmargin.limits.motion import steady_share
 from slipmargin.limits.motion_external import external_in_motion
 from slipmargin.limits.motion_friction import friction_in_motion
