@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from strategies import four_wheels, kiwi, reals
 
-from slipmargin.limits.creep import RUNAWAY, Balance
+from slipmargin.limits.creep import RUNAWAY
+from slipmargin.limits.creep_states import Balance
 from slipmargin.model import nominal_model
 from slipmargin.robot import Wheel
 
