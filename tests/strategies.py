@@ -3,8 +3,8 @@
 ``robots()`` and ``models()`` draw machines that a maker could build: three to six wheels round a
 body, omni or mecanum (or mixed), each with its own radius and direction, any load rule, loads that
 press every wheel down, grip directions that make all three wrenches comfortably.  ``effects()`` draws
-effects of the catalogue.  ``kiwi()`` and
-``four_wheels()`` are fixed machines for tests that need a known one.
+effects of the catalogue.  ``kiwi()``,
+``four_wheels()`` and ``tall()`` are fixed machines for tests that need a known one.
 
 Nothing here is random outside Hypothesis.
 """
@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from hypothesis import assume, strategies as st
@@ -126,6 +127,33 @@ def four_wheels(
         body=Body(mass_kg=12.0, inertia_kg_m2=0.4, com_height_m=com_height_m),
         friction=FrictionLaw(grip=grip),
     )
+
+
+def tall(
+    height_m: float = 0.05,
+    rule: LoadRule = LoadRule.QUASI_STATIC,
+    wheels: int = 4,
+    surface: str = "paper",
+) -> Model:
+    """Four wheels at a rectangle's corners, or another number on an ellipse."""
+    robot = four_wheels(load_rule=rule, com_height_m=height_m)
+    if wheels != 4:
+        around = np.deg2rad(20.0 + 360.0 / wheels * np.arange(wheels))
+        robot = replace(
+            robot,
+            wheels=tuple(
+                Wheel(
+                    name=str(i),
+                    position_m=np.array([0.15 * np.cos(a), 0.2 * np.sin(a)]),
+                    drive_direction_deg=float(np.rad2deg(a)) + 90.0,
+                    radius_m=0.05,
+                    roller_angle_deg=0.0,
+                    rollers=9,
+                )
+                for i, a in enumerate(around)
+            ),
+        )
+    return nominal_model(robot, surface)
 
 
 #: Wheels whose grips are nearly parallel: x, y [m], drive direction, roller angle [deg]; then μ_W.

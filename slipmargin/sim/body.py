@@ -27,7 +27,8 @@ from slipmargin.sim.columns import (
     FACTORS,
     FORCE_T,
     FORCE_W,
-    HILL,
+    GROW_T,
+    GROW_W,
     INVERSE,
     K_T,
     K_W,
@@ -38,8 +39,9 @@ from slipmargin.sim.columns import (
     MU_W,
     OMEGA,
     RIGID,
-    RISE_T,
-    RISE_W,
+    RISE_M,
+    RISE_X,
+    RISE_Y,
     ROUND,
     SHARED_X,
     SHARED_Y,
@@ -82,8 +84,8 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
     modulated, follows, mass = P[_MODS] > 0.0, P[_FOLLOWS] > 0.0, P[_MASS]
     for turn in range(60):
         fx, fy, mz = B[WRENCH], B[WRENCH + 1], B[WRENCH + 2]
-        mxx, mxy, lx = mass + B[HILL], B[HILL + 1], B[HILL + 4]
-        myx, myy, ly = B[HILL + 2], mass + B[HILL + 3], B[HILL + 5]
+        mxx, mxy, lx = mass, 0.0, 0.0
+        myx, myy, ly = 0.0, mass, 0.0
         for i in range(len(W)):
             w, c = W[i], C[i]
             gx, gy, gm = w[_GX], w[_GY], w[_GM]
@@ -114,12 +116,13 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
             c[MU_W], c[MU_T] = mw, mt
             c[K_W], c[K_T] = kw, kt
             a, b = still * f + cw * uw, still * g + ct * ut
-            fx -= a * gx + b * ex
-            fy -= a * gy + b * ey
-            mz -= a * gm + b * em
+            rx, ry, rm = c[RISE_X], c[RISE_Y], c[RISE_M]
+            fx -= a * gx + b * ex + still * rx
+            fy -= a * gy + b * ey + still * ry
+            mz -= a * gm + b * em + still * rm
             if follows:
                 px, py = w[_LX], w[_LY]
-                x, v, m = f * gx + g * ex, f * gy + g * ey, f * gm + g * em
+                x, v, m = f * gx + g * ex + rx, f * gy + g * ey + ry, f * gm + g * em + rm
                 mxx, mxy = mxx + x * px, mxy + x * py
                 myx, myy = myx + v * px, myy + v * py
                 lx, ly = lx - m * px, ly - m * py
@@ -193,7 +196,7 @@ def slopes(P: Any, W: Any, y: Any, C: Any, B: Any, J: Any, speeds: int) -> None:
             load, wt = c[LOAD], c[WT]
             a = load * (c[WW] * w + wt * v) + P[_CW] * w
             b = load * (wt * w + c[TT] * v) + P[_CT] * v
-            c[RISE_W], c[RISE_T] = a, b
+            c[GROW_W], c[GROW_T] = a, b
             fx -= a * row[_GX] + b * row[_FX]
             fy -= a * row[_GY] + b * row[_FY]
             mz -= a * row[_GM] + b * row[_FM]
@@ -207,8 +210,8 @@ def slopes(P: Any, W: Any, y: Any, C: Any, B: Any, J: Any, speeds: int) -> None:
             if B[UP] > 0.0:
                 px, py = c[SHARED_X], c[SHARED_Y]
             load = px * ax + py * ay
-            torque = (c[RISE_W] + c[FORCE_W] * load) * row[_GR]
-            torque += (c[RISE_T] + c[FORCE_T] * load) * row[_FR]
+            torque = (c[GROW_W] + c[FORCE_W] * load) * row[_GR]
+            torque += (c[GROW_T] + c[FORCE_T] * load) * row[_FR]
             torque *= c[ROUND]
             J[3 + i, column] = c[BY_TORQUE] * torque + (c[BY_SPEED] if k - 3 == i else 0.0)
     # v̇ = a − ω × v

@@ -9,7 +9,7 @@ FORCE_W, FORCE_T = 6, 7  #: f_W, f_T per unit of load [1]
 LOAD, STILL = 8, 9  #: the load, and what it would be without acceleration [N]
 WW, WT, TT = 10, 11, 12  #: slopes of the law, f_W over u_T being that of f_T over u_W [s/m]
 MU_W, MU_T, K_W, K_T = 13, 14, 15, 16  #: coefficients [1] and slopes of the law [s/m] in force now
-RISE_W, RISE_T = 17, 18  #: derivatives of the force [N] along ĝ, f̂, while slopes are taken
+GROW_W, GROW_T = 17, 18  #: derivatives of the force [N] along ĝ, f̂, while slopes are taken
 BY_TORQUE, BY_SPEED = 19, 20  #: derivatives of a driven wheel's acceleration
 ROUND = 21  #: radius at this angle over the mean radius [1]
 AIR = 22  #: while wheels hang in the air: 1 for those
@@ -19,12 +19,11 @@ SHARED, SHARED_X, SHARED_Y = (
     25,
 )  #: and what each carries without acceleration [N], per acceleration [kg]
 HUNG = 26  #: AIR at the step before
-CONTACT = 27
+RISE_X, RISE_Y, RISE_M = 27, 28, 29  #: slope of the floor under the wheel, body axes [1], and its moment [m]
+CONTACT = 30
 #: Entries of the body table B: external push in the floor frame (3) and its height, inverse of the mass
 #: matrix of a (2 × 2 row by row), yaw moment per acceleration that loads bring about, factors of a
 #: wheel (6), external wrench in the body frame (3), its moment h F (2), lift, wheels in the air and the pull
 #: on one that would keep the robot upright [N].
 PUSH, INVERSE, LEVER, FACTORS, WRENCH, TILTING, LIFT, UP, PULLED = 0, 4, 8, 10, 16, 19, 21, 22, 23
-#: What the loads that follow the acceleration change of the wrench on a floor that rises (3 × 2).
-HILL = 24
-BODY = 30
+BODY = 24

@@ -9,8 +9,8 @@ Where no three wheels that touch span an area the robot begins to tip: no loads 
 that touch then carry the weight between them, and what the floor would have to pull to keep the robot upright
 is told: this model knows no turn about a horizontal axis, so a run ends where that lasts or grows.
 
-A wheel in the air has no friction; viscous friction, which does not know the load, stays, and so does the
-force of a floor that rises under it.
+A wheel in the air has no friction, and a floor that rises under it does not push it; viscous friction,
+which does not know the load, stays.
 """
 
 from __future__ import annotations
@@ -24,11 +24,13 @@ from slipmargin.sim.columns import (
     AIR,
     FORCE_T,
     FORCE_W,
-    HILL,
     INVERSE,
     LEVER,
     LOAD,
     PULLED,
+    RISE_M,
+    RISE_X,
+    RISE_Y,
     SHARED,
     SHARED_X,
     SHARED_Y,
@@ -100,16 +102,18 @@ def _share(W: Any, C: Any, glue: float) -> None:
 def _accelerate(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
     """The acceleration and the loads that follow it, from what each wheel carries."""
     fx, fy, mz = B[WRENCH], B[WRENCH + 1], B[WRENCH + 2]
-    mxx, mxy, lx = P[_MASS] + B[HILL], B[HILL + 1], B[HILL + 4]
-    myx, myy, ly = B[HILL + 2], P[_MASS] + B[HILL + 3], B[HILL + 5]
+    mxx, mxy, lx = P[_MASS], 0.0, 0.0
+    myx, myy, ly = 0.0, P[_MASS], 0.0
     for i in range(len(W)):
         w, c = W[i], C[i]
         f, g, still, px, py = c[FORCE_W], c[FORCE_T], c[SHARED], c[SHARED_X], c[SHARED_Y]
         a, b = still * f + P[_CW] * c[SLIP_W], still * g + P[_CT] * c[SLIP_T]
-        fx -= a * w[_GX] + b * w[_FX]
-        fy -= a * w[_GY] + b * w[_FY]
-        mz -= a * w[_GM] + b * w[_FM]
-        x, v, m = f * w[_GX] + g * w[_FX], f * w[_GY] + g * w[_FY], f * w[_GM] + g * w[_FM]
+        rx, ry, rm = c[RISE_X], c[RISE_Y], c[RISE_M]
+        fx -= a * w[_GX] + b * w[_FX] + still * rx
+        fy -= a * w[_GY] + b * w[_FY] + still * ry
+        mz -= a * w[_GM] + b * w[_FM] + still * rm
+        x, v = f * w[_GX] + g * w[_FX] + rx, f * w[_GY] + g * w[_FY] + ry
+        m = f * w[_GM] + g * w[_FM] + rm
         mxx, mxy = mxx + x * px, mxy + x * py
         myx, myy = myx + v * px, myy + v * py
         lx, ly = lx - m * px, ly - m * py

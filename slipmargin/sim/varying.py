@@ -16,11 +16,13 @@ from slipmargin.sim import layout as at
 from slipmargin.sim.columns import (
     ALPHA,
     FACTORS,
-    HILL,
     LIFT,
     LOAD,
     OMEGA,
     PUSH,
+    RISE_M,
+    RISE_X,
+    RISE_Y,
     SLIP_T,
     SLIP_W,
     THETA,
@@ -28,12 +30,11 @@ from slipmargin.sim.columns import (
     WRENCH,
 )
 
-_TERM, _FORCE, _COM_X, _COM_Y, _LIFTED = at.TERM, at.FORCE, at.COM_X, at.COM_Y, at.LIFTED
+_TERM, _FORCE, _COM_X, _COM_Y = at.TERM, at.FORCE, at.COM_X, at.COM_Y
 _MODS, _MODS_AT, _FORCES, _FORCES_AT = at.MODULATIONS, at.MODULATIONS_AT, at.FORCES, at.FORCES_AT
 _SHARE, _AX, _AY, _GX, _GY, _FX = at.SHARE, at.ARM_X, at.ARM_Y, at.GRIP_X, at.GRIP_Y, at.FREE_X
-_FY, _RHO, _REST, _LX, _PLACE, _TX = at.FREE_Y, at.RADIUS, at.REST, at.LOAD_X, at.PLACE, at.TILT_X
-_TY, _NSX, _RELIEFS, _RELIEFS_AT = at.TILT_Y, at.NO_SLIP_X, at.RELIEFS, at.RELIEFS_AT
-_RELIEF = at.RELIEF
+_FY, _RHO, _PLACE, _NSX = at.FREE_Y, at.RADIUS, at.PLACE, at.NO_SLIP_X
+_RELIEFS, _RELIEFS_AT, _RELIEF = at.RELIEFS, at.RELIEFS_AT, at.RELIEF
 
 _basis, _basis_slope = twin(terms.basis_function), twin(terms.basis_slope)
 _place_variable = twin(terms.place_variable)
@@ -156,14 +157,8 @@ def factors(P: Any, W: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
 
 
 @inner
-def _climb(P: Any, W: Any, y: Any, B: Any) -> None:
-    """What the slope of the floor under the wheels adds to the wrench, and to its change with acceleration.
-
-    The loads without acceleration push, into B[WRENCH]; those that follow it, row by row, into B[HILL].
-    """
-    left = 1.0 - B[LIFT] / P[_LIFTED]
-    for r in range(6):
-        B[HILL + r] = 0.0
+def _climb(P: Any, W: Any, y: Any, C: Any) -> None:
+    """The slope of the floor under each wheel, in body axes, and its moment about the centre of mass."""
     for i in range(len(W)):
         w = W[i]
         px, py = _to_floor(y[2], w[_AX], w[_AY])
@@ -177,21 +172,12 @@ def _climb(P: Any, W: Any, y: Any, B: Any) -> None:
             z += along * math.sin(away)
             q += _RELIEF
         x, z = _to_body(y[2], x, z)
-        m = w[_AX] * z - w[_AY] * x
-        still = left * w[_REST] + w[_TX] * B[TILTING] + w[_TY] * B[TILTING + 1]
-        B[WRENCH] -= still * x
-        B[WRENCH + 1] -= still * z
-        B[WRENCH + 2] -= still * m
-        for k in range(2):
-            more = w[_LX + k]
-            B[HILL + k] += x * more
-            B[HILL + 2 + k] += z * more
-            B[HILL + 4 + k] -= m * more
+        C[i, RISE_X], C[i, RISE_Y], C[i, RISE_M] = x, z, w[_AX] * z - w[_AY] * x
 
 
 @inner
 def external(P: Any, W: Any, t: float, y: Any, C: Any, B: Any) -> None:
-    """Push, force terms and slopes as one wrench in the body frame at the centre of mass, moment and lift."""
+    """Push and force terms as one wrench in the body frame, its moment h F and lift; slopes of the floor."""
     fx, fy = B[PUSH], B[PUSH + 1]
     if fx != 0.0 or fy != 0.0:
         fx, fy = _to_body(y[2], fx, fy)
@@ -230,4 +216,4 @@ def external(P: Any, W: Any, t: float, y: Any, C: Any, B: Any) -> None:
     B[WRENCH], B[WRENCH + 1], B[WRENCH + 2] = fx, fy, mz
     B[TILTING], B[TILTING + 1], B[LIFT] = hx, hy, lift
     if P[_RELIEFS] > 0.0:
-        _climb(P, W, y, B)
+        _climb(P, W, y, C)

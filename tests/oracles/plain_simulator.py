@@ -287,6 +287,8 @@ def acceleration(
         d = 1e-4
         slope = np.column_stack([(result(a + d * e)[0][:2] - out[:2]) / d for e in np.eye(2)])
         a = a + np.linalg.solve(np.eye(2) - slope, miss)
+    else:
+        raise ArithmeticError(f"Newton's steps did not end: {miss} m/s² are left at t = {t} s")
     return out, at.slip, force, load
 
 

@@ -11,13 +11,13 @@ from instants import compiled, instant, same_acceleration, somewhere
 from manoeuvres import wheel_motion
 from oracles.plain_simulator import acceleration, pressing, reference_motion
 from scipy.optimize import nnls
-from strategies import four_wheels, kiwi
+from strategies import kiwi, tall
 
 from slipmargin.api.simulate import SimulationResult
 from slipmargin.errors import MotionStopped
 from slipmargin.model import nominal_model
 from slipmargin.model.parts import Drives
-from slipmargin.robot import LoadRule, Wheel
+from slipmargin.robot import LoadRule
 from slipmargin.sim.batch import Batch, Push
 from slipmargin.sim.columns import AIR, ALPHA, BODY, CONTACT, LOAD, OMEGA, PULLED, RIGID, THETA, UP
 from slipmargin.sim.pack import pack
@@ -32,28 +32,6 @@ def gust(model, x: float = 0.36, y: float = 0.48):
     """Towards a corner, 300 mm up, for a moment: the corner behind lifts, and comes down again."""
     wrench = model.inertia.weight_N * np.outer([0.0, 1.0, 0.0, 0.0], [x, y, 0.01])
     return Push(t_s=np.array([1.0, 1.2, 1.3, 1.6]), wrench=wrench, height_m=0.3)
-
-
-def tall(height_m: float = 0.05, rule: LoadRule = LoadRule.QUASI_STATIC, wheels: int = 4, surface="paper"):
-    """Four wheels at a rectangle's corners, or another number on an ellipse."""
-    robot = four_wheels(load_rule=rule, com_height_m=height_m)
-    if wheels != 4:
-        around = np.deg2rad(20.0 + 360.0 / wheels * np.arange(wheels))
-        robot = replace(
-            robot,
-            wheels=tuple(
-                Wheel(
-                    name=str(i),
-                    position_m=np.array([0.15 * np.cos(a), 0.2 * np.sin(a)]),
-                    drive_direction_deg=float(np.rad2deg(a)) + 90.0,
-                    radius_m=0.05,
-                    roller_angle_deg=0.0,
-                    rollers=9,
-                )
-                for i, a in enumerate(around)
-            ),
-        )
-    return nominal_model(robot, surface)
 
 
 def test_a_run_in_which_a_wheel_lifts_for_a_moment_goes_on_and_says_so():

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from instants import agrees, compiled
+from instants import agrees, compiled, same_acceleration, somewhere
 from manoeuvres import wheel_motion
-from oracles.plain_simulator import reference_motion
-from strategies import four_wheels, kiwi, models
+from oracles.plain_simulator import acceleration, reference_motion
+from strategies import four_wheels, kiwi, models, tall
 
 from slipmargin.effects.floor_ramp import FloorRamp
 from slipmargin.effects.floor_seam import FloorSeam
@@ -45,6 +45,20 @@ def drawn(seed: int) -> tuple[Relief, Relief]:
 def test_accelerations_agree(model: Model, seed: int) -> None:
     """Any robot, load rule and grip set."""
     agrees(uneven(model, *drawn(seed)), seed)
+
+
+@pytest.mark.parametrize(("wheels", "height_m"), [(3, 0.2), (4, 0.35), (5, 0.3)])
+def test_a_floor_that_rises_does_not_push_a_wheel_in_the_air(wheels: int, height_m: float) -> None:
+    """Slopes push with the load that the wheel has in the end; three wheels tip, of more some only lift."""
+    model, up = tall(height_m, wheels=wheels), 0
+    for seed in range(100):
+        hilly, (y, *rest) = uneven(model, *drawn(seed)), somewhere(wheels, seed, 0.4)
+        acc, _, load = compiled(hilly, 0.0, y, *rest)
+        want, _, _, want_load = acceleration(hilly, 0.0, y, *rest)
+        same_acceleration(hilly, acc, want)
+        np.testing.assert_allclose(load, want_load, atol=1e-9 * model.inertia.weight_N)
+        up += np.min(load) < 1e-6
+    assert 5 < up < 95
 
 
 @pytest.mark.parametrize("robot", [kiwi(com_height_m=0.03, load_rule=LoadRule.QUASI_STATIC), four_wheels()])
