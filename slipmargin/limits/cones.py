@@ -108,8 +108,10 @@ def limit_family(
     return put.family(tuple(f"pull at phi = {phi:.6g} rad" for phi in phi_rad))
 
 
-def cone_exit(wrenches: WrenchSet, rays: Array) -> tuple[Array, Array]:
-    """How far rays (M, 3) from the origin go inside a wrench set of any grip, and its normals there.
+def cone_exit(wrenches: WrenchSet, rays: Array, start: Array | None = None) -> tuple[Array, Array]:
+    """How far rays (M, 3) from a start (3,) go inside a wrench set of any grip, and its normals there.
+
+    The start is the origin, or a wrench of the set.
 
     Returns
     -------
@@ -121,7 +123,8 @@ def cone_exit(wrenches: WrenchSet, rays: Array) -> tuple[Array, Array]:
     size = np.sqrt(np.sum((rays / per) ** 2, axis=1))
     put = Assembly(count=len(rays))
     put.variable("F", cost=-1.0)
-    put.equations(_BALANCE, np.zeros((len(rays), 3)))
+    origin = np.zeros(3) if start is None else start / per / weight
+    put.equations(_BALANCE, np.tile(origin, (len(rays), 1)))
     put.column("F", _BALANCE, -rays / per / size[:, None])
     mu = np.broadcast_to(wrenches.coefficients, (len(rays), *wrenches.coefficients.shape))
     build = _Wheels(

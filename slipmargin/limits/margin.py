@@ -18,6 +18,9 @@ from slipmargin.limits.wrench_set import WrenchSet
 
 #: Search over normals of a coupled grip: starting spread, how many are moved, tries a round, rounds.
 _SPREAD, _FEW, _RING, _ROUNDS = 400, 4, 60, 60
+#: From inside, the normal found is then followed to where the ray along it leaves, for so many turns or until
+#: the way gets no shorter by this share [1]: cone programs know it no better.
+_TURNS, _SHORTER = 30, 1e-9
 
 
 @final
@@ -59,8 +62,9 @@ def margin(wrenches: WrenchSet, wrench: Array, length_m: float | None = None) ->
     Notes
     -----
     Friction answers with −w.  Exact by facets for the box grip.  A coupled grip has no facets: the factor
-    is a cone program's, and the distance is searched over normals from an even spread over the sphere, so
-    it is found from above, to about a part in 10⁵.
+    is a cone program's, and the distance is searched over normals from an even spread over the sphere.  From
+    inside cone programs end the search: where the ray along the best normal leaves, the plane that touches
+    the set is no farther, and its normal is the next ray's.
     """
     demand = -frozen("wrench", wrench, (3,))
     scale = (
@@ -84,6 +88,16 @@ def margin(wrenches: WrenchSet, wrench: Array, length_m: float | None = None) ->
         start = np.vstack([start, sphere(_SPREAD)])
     nearest = _best(room, start, wrenches.polyhedral)
     distance = float(room(nearest[None])[0])
+    for _ in range(0 if wrenches.polyhedral or distance <= 0.0 else _TURNS):
+        from slipmargin.limits.cones import cone_exit  # clarabel is loaded only where a cone needs it
+
+        onward = unit(cone_exit(wrenches, (nearest * per)[None], demand)[1] * per)
+        shorter = float(room(onward)[0])
+        if shorter >= distance:
+            break
+        gained, nearest, distance = distance - shorter, onward[0], shorter
+        if gained <= _SHORTER * distance:
+            break
     if not np.any(demand):
         factor, leaving = np.inf, nearest / per
     elif wrenches.polyhedral:
