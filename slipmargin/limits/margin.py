@@ -87,17 +87,9 @@ def margin(wrenches: WrenchSet, wrench: Array, length_m: float | None = None) ->
     if not wrenches.polyhedral:
         start = np.vstack([start, sphere(_SPREAD)])
     nearest = _best(room, start, wrenches.polyhedral)
+    if not wrenches.polyhedral and room(nearest[None])[0] > 0.0:
+        nearest = _followed(wrenches, room, demand, per, nearest)
     distance = float(room(nearest[None])[0])
-    for _ in range(0 if wrenches.polyhedral or distance <= 0.0 else _TURNS):
-        from slipmargin.limits.cones import cone_exit  # clarabel is loaded only where a cone needs it
-
-        onward = unit(cone_exit(wrenches, (nearest * per)[None], demand)[1] * per)
-        shorter = float(room(onward)[0])
-        if shorter >= distance:
-            break
-        gained, nearest, distance = distance - shorter, onward[0], shorter
-        if gained <= _SHORTER * distance:
-            break
     if not np.any(demand):
         factor, leaving = np.inf, nearest / per
     elif wrenches.polyhedral:
@@ -145,6 +137,24 @@ def _best(value: Callable[[Array], Array], start: Array, exact: bool) -> Array:
         here = tries[np.arange(len(here)), np.argmin(found, axis=1)]
         size *= 0.75
     return np.asarray(here[int(np.argmin(value(here)))])
+
+
+def _followed(
+    wrenches: WrenchSet, room: Callable[[Array], Array], demand: Array, per: Array, normal: Array
+) -> Array:
+    # The normal where the ray along this one leaves the set, the normal where the ray along that one does, …
+    from slipmargin.limits.cones import cone_exit  # clarabel is loaded only where a cone needs it
+
+    distance = room(normal[None])[0]
+    for _ in range(_TURNS):
+        onward = unit(cone_exit(wrenches, (normal * per)[None], demand)[1] * per)
+        gained = distance - room(onward)[0]
+        if gained <= 0.0:
+            break
+        normal, distance = onward[0], distance - gained
+        if gained <= _SHORTER * distance:
+            break
+    return normal
 
 
 def unit(vectors: Array) -> Array:

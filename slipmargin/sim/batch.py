@@ -43,6 +43,7 @@ class Ending(IntEnum):
     NOT_FINITE = 2  #: forces or velocities overflowed
     STUCK = 3  #: the step size fell to nothing
     TOO_LONG = 4  #: more steps than allowed
+    JAMS = 5  #: a wheel lifted off, and no loads were found that agree with the acceleration
 
 
 @final
@@ -207,7 +208,8 @@ class Batch:
         max_steps : float, optional
             Steps, taken or rejected, after which a run ends; by default what :mod:`slipmargin.work` allows.
         held_down : float
-            A run ends where the floor would have to pull a wheel down by more than this [m g/N].
+            A run ends where the floor would have to pull a wheel down by more than this [m g/N]; infinite:
+            it goes on where the robot tips and where it jams.
 
         Returns
         -------

@@ -5,11 +5,10 @@ of mass in the body frame.  Equations of motion about the centre of mass (eqs 4�
 
     m (v̇ + ω × v) = F,   I ω̇ = M,   F = −Σ N_i (f_W,i ĝ_i + f_T,i f̂_i + ∇h_i) + external forces
 
-with the slope ∇h_i of the floor under wheel i (physics/relief.py).
-Loads are N_i = S_i + P_i·a with a = F/m and S_i = rest_i (1 − lift/Σ rest) + tilt_i·Σ h_k F_k
-(physics/loads.py), so they are solved with the motion: with φ_i = f_W ĝ_i + f_T f̂_i + ∇h_i,
-(m 1 + Σ φ_i P_iᵀ) a = −Σ S_i φ_i + external forces: two linear equations.  Where a wheel
-lifts, S and P are those of :mod:`slipmargin.sim.lifting`.
+with the slope ∇h_i of the floor under wheel i (physics/relief.py).  Loads are N_i = S_i + P_i·a with
+a = F/m and S_i = rest_i (1 − lift/Σ rest) + tilt_i·Σ h_k F_k (physics/loads.py), so they are solved with
+the motion (:mod:`slipmargin.sim.balance`).  Where a wheel lifts, S and P are those of
+:mod:`slipmargin.sim.lifting`.
 """
 
 from __future__ import annotations
@@ -20,6 +19,7 @@ from typing import Any
 from slipmargin.physics import contact as contacts
 from slipmargin.physics.compiled import inner, spliced, twin
 from slipmargin.sim import layout as at
+from slipmargin.sim.balance import accelerate
 from slipmargin.sim.columns import (
     ALPHA,
     BY_SPEED,
@@ -30,6 +30,7 @@ from slipmargin.sim.columns import (
     GROW_T,
     GROW_W,
     INVERSE,
+    JAMMED,
     K_T,
     K_W,
     LEVER,
@@ -39,10 +40,8 @@ from slipmargin.sim.columns import (
     MU_W,
     OMEGA,
     RIGID,
-    RISE_M,
-    RISE_X,
-    RISE_Y,
     ROUND,
+    SHARED,
     SHARED_X,
     SHARED_Y,
     SLIP_T,
@@ -52,17 +51,16 @@ from slipmargin.sim.columns import (
     TILTING,
     TT,
     UP,
-    WRENCH,
     WT,
     WW,
 )
 from slipmargin.sim.lifting import hang, lifts
-from slipmargin.sim.varying import external, factors
+from slipmargin.sim.varying import climb, external, factors
 
 _MASS, _INERTIA, _LAG, _DROOP, _STALL = at.MASS, at.INERTIA, at.LAG, at.DROOP, at.STALL_TORQUE
 _SLOWING, _WHEEL_INERTIA, _LAW, _K = at.SLOWING, at.INERTIA_OF_WHEEL, at.LAW, at.STEEPNESS
 _SHAPE, _COUPLING, _CW, _CT, _LIFTED = at.SHAPE, at.COUPLING, at.VISCOUS_W, at.VISCOUS_T, at.LIFTED
-_MODS, _FOLLOWS, _BY_LOAD, _GX = at.MODULATIONS, at.LOAD_FOLLOWS, at.BY_LOAD, at.GRIP_X
+_MODS, _RELIEFS, _FOLLOWS, _BY_LOAD, _GX = at.MODULATIONS, at.RELIEFS, at.LOAD_FOLLOWS, at.BY_LOAD, at.GRIP_X
 _GY, _GM, _GR, _FX, _FY = at.GRIP_Y, at.GRIP_MOMENT, at.GRIP_ROLLS, at.FREE_X, at.FREE_Y
 _FM, _FR, _REST, _LX, _LY = at.FREE_MOMENT, at.FREE_ROLLS, at.REST, at.LOAD_X, at.LOAD_Y
 _MU, _TX, _TY, _OUT_COS, _OUT_SIN = at.ROLLER_W, at.TILT_X, at.TILT_Y, at.RUNOUT_COS, at.RUNOUT_SIN
@@ -77,28 +75,25 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
     Reads ω, θ, ω̇ and the sector of each wheel from C and the push from B.
     """
     external(P, W, t, y, C, B)
+    if P[_RELIEFS] > 0.0:
+        climb(P, W, y, C)
     vx, vy, vw = y[3], y[4], y[5]
     left, hx, hy = 1.0 - B[LIFT] / P[_LIFTED], B[TILTING], B[TILTING + 1]
     law, shape, coupling = int(P[_LAW]), int(P[_SHAPE]), P[_COUPLING]
-    k, cw, ct = P[_K], P[_CW], P[_CT]
-    modulated, follows, mass = P[_MODS] > 0.0, P[_FOLLOWS] > 0.0, P[_MASS]
+    k, modulated, follows = P[_K], P[_MODS] > 0.0, P[_FOLLOWS] > 0.0
     for turn in range(60):
-        fx, fy, mz = B[WRENCH], B[WRENCH + 1], B[WRENCH + 2]
-        mxx, mxy, lx = mass, 0.0, 0.0
-        myx, myy, ly = 0.0, mass, 0.0
         for i in range(len(W)):
             w, c = W[i], C[i]
-            gx, gy, gm = w[_GX], w[_GY], w[_GM]
-            ex, ey, em = w[_FX], w[_FY], w[_FM]
             if turn == 0:
                 c[ROUND] = 1.0
                 if w[_OUT_COS] != 0.0 or w[_OUT_SIN] != 0.0:
                     c[ROUND] += w[_OUT_COS] * math.cos(c[THETA]) + w[_OUT_SIN] * math.sin(c[THETA])
             rolls = c[OMEGA] * c[ROUND]
-            uw = gx * vx + gy * vy + gm * vw + w[_GR] * rolls
-            ut = ex * vx + ey * vy + em * vw + w[_FR] * rolls
+            uw = w[_GX] * vx + w[_GY] * vy + w[_GM] * vw + w[_GR] * rolls
+            ut = w[_FX] * vx + w[_FY] * vy + w[_FM] * vw + w[_FR] * rolls
             still = left * w[_REST] + w[_TX] * hx + w[_TY] * hy
             c[SLIP_W], c[SLIP_T], c[STILL] = uw, ut, still
+            c[SHARED], c[SHARED_X], c[SHARED_Y] = still, w[_LX], w[_LY]
             if turn == 0:
                 c[LOAD] = still
             z = _MU + 2 * int(c[RIGID])
@@ -115,34 +110,15 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
             c[WW], c[WT], c[TT] = ww, wt, tt
             c[MU_W], c[MU_T] = mw, mt
             c[K_W], c[K_T] = kw, kt
-            a, b = still * f + cw * uw, still * g + ct * ut
-            rx, ry, rm = c[RISE_X], c[RISE_Y], c[RISE_M]
-            fx -= a * gx + b * ex + still * rx
-            fy -= a * gy + b * ey + still * ry
-            mz -= a * gm + b * em + still * rm
-            if follows:
-                px, py = w[_LX], w[_LY]
-                x, v, m = f * gx + g * ex + rx, f * gy + g * ey + ry, f * gm + g * em + rm
-                mxx, mxy = mxx + x * px, mxy + x * py
-                myx, myy = myx + v * px, myy + v * py
-                lx, ly = lx - m * px, ly - m * py
-        det = 1.0 / (mxx * myy - mxy * myx)
-        ax, ay = (myy * fx - mxy * fy) * det, (mxx * fy - myx * fx) * det
-        B[INVERSE], B[INVERSE + 1] = myy * det, -mxy * det
-        B[INVERSE + 2], B[INVERSE + 3] = -myx * det, mxx * det
-        B[LEVER], B[LEVER + 1] = lx, ly
         before_x, before_y = acc[0], acc[1]
-        acc[0], acc[1], acc[2] = ax, ay, (mz + lx * ax + ly * ay) / P[_INERTIA]
-        if follows:
-            for i in range(len(W)):
-                C[i, LOAD] = C[i, STILL] + W[i, _LX] * ax + W[i, _LY] * ay
-        B[UP] = 0.0
+        accelerate(P, W, C, B, acc)
+        B[UP], B[JAMMED] = 0.0, 0.0
         if lifts(P, C):
             hang(P, W, C, B, acc)
         if P[_BY_LOAD] == 0.0 or not (follows or B[UP] > 0.0):
             break  # nothing that friction depends on has changed
         change = abs(acc[0] - before_x) + abs(acc[1] - before_y)
-        if turn > 0 and change <= 1e-14 * (1.0 + abs(ax) + abs(ay)):
+        if turn > 0 and change <= 1e-14 * (1.0 + abs(acc[0]) + abs(acc[1])):
             break
 
 
@@ -206,10 +182,7 @@ def slopes(P: Any, W: Any, y: Any, C: Any, B: Any, J: Any, speeds: int) -> None:
         J[2, column] = (mz + B[LEVER] * ax + B[LEVER + 1] * ay) / P[_INERTIA]
         for i in range(speeds):  # torques follow the loads, which follow the body
             row, c = W[i], C[i]
-            px, py = row[_LX], row[_LY]
-            if B[UP] > 0.0:
-                px, py = c[SHARED_X], c[SHARED_Y]
-            load = px * ax + py * ay
+            load = c[SHARED_X] * ax + c[SHARED_Y] * ay
             torque = (c[GROW_W] + c[FORCE_W] * load) * row[_GR]
             torque += (c[GROW_T] + c[FORCE_T] * load) * row[_FR]
             torque *= c[ROUND]

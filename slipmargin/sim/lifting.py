@@ -9,6 +9,10 @@ Where no three wheels that touch span an area the robot begins to tip: no loads 
 that touch then carry the weight between them, and what the floor would have to pull to keep the robot upright
 is told: this model knows no turn about a horizontal axis, so a run ends where that lasts or grows.
 
+Of a robot far too tall, friction may press a wheel down harder the harder it rubs, so that no acceleration
+agrees with its own loads (as of a chalk that stutters over a board: Painlevé's paradox).  Where none is
+found that is told, and a run ends: such a robot jams.
+
 A wheel in the air has no friction, and a floor that rises under it does not push it; viscous friction,
 which does not know the load, stays.
 """
@@ -20,30 +24,20 @@ from typing import Any
 from slipmargin.physics import loads
 from slipmargin.physics.compiled import inner, spliced, twin
 from slipmargin.sim import layout as at
+from slipmargin.sim.balance import accelerate
 from slipmargin.sim.columns import (
     AIR,
-    FORCE_T,
-    FORCE_W,
-    INVERSE,
-    LEVER,
+    JAMMED,
     LOAD,
     PULLED,
-    RISE_M,
-    RISE_X,
-    RISE_Y,
     SHARED,
     SHARED_X,
     SHARED_Y,
-    SLIP_T,
-    SLIP_W,
     STILL,
     UP,
-    WRENCH,
 )
 
-_MASS, _INERTIA, _SHARE, _CW, _CT = at.MASS, at.INERTIA, at.SHARE, at.VISCOUS_W, at.VISCOUS_T
-_AX, _AY, _LX, _LY = at.ARM_X, at.ARM_Y, at.LOAD_X, at.LOAD_Y
-_GX, _GY, _GM, _FX, _FY, _FM = at.GRIP_X, at.GRIP_Y, at.GRIP_MOMENT, at.FREE_X, at.FREE_Y, at.FREE_MOMENT
+_SHARE, _AX, _AY, _LX, _LY = at.SHARE, at.ARM_X, at.ARM_Y, at.LOAD_X, at.LOAD_Y
 _sinking, _spread = twin(loads.sinking), twin(loads.spread)
 
 #: A load below zero by more than rounding: the wheel has lifted [m g/N].
@@ -59,6 +53,9 @@ _WHOLE, _TURNS = 6, 40
 #: Which wheels touch at the acceleration that follows from it is found in as many turns, or not at all: where
 #: the robot tips, and where it jams because friction presses the wheel down that rubs.
 _SEARCH = 12
+#: It was not found where a wheel in the air would press, or one that touches is pulled, by more than this
+#: [m g/N]: where the search ends it is some 1e-10 by rounding, where it does not nearly the whole load.
+_AGREED = 1e-6
 
 
 @spliced
@@ -99,34 +96,6 @@ def _share(W: Any, C: Any, glue: float) -> None:
 
 
 @inner
-def _accelerate(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
-    """The acceleration and the loads that follow it, from what each wheel carries."""
-    fx, fy, mz = B[WRENCH], B[WRENCH + 1], B[WRENCH + 2]
-    mxx, mxy, lx = P[_MASS], 0.0, 0.0
-    myx, myy, ly = 0.0, P[_MASS], 0.0
-    for i in range(len(W)):
-        w, c = W[i], C[i]
-        f, g, still, px, py = c[FORCE_W], c[FORCE_T], c[SHARED], c[SHARED_X], c[SHARED_Y]
-        a, b = still * f + P[_CW] * c[SLIP_W], still * g + P[_CT] * c[SLIP_T]
-        rx, ry, rm = c[RISE_X], c[RISE_Y], c[RISE_M]
-        fx -= a * w[_GX] + b * w[_FX] + still * rx
-        fy -= a * w[_GY] + b * w[_FY] + still * ry
-        mz -= a * w[_GM] + b * w[_FM] + still * rm
-        x, v = f * w[_GX] + g * w[_FX] + rx, f * w[_GY] + g * w[_FY] + ry
-        m = f * w[_GM] + g * w[_FM] + rm
-        mxx, mxy = mxx + x * px, mxy + x * py
-        myx, myy = myx + v * px, myy + v * py
-        lx, ly = lx - m * px, ly - m * py
-    det = 1.0 / (mxx * myy - mxy * myx)
-    ax, ay = (myy * fx - mxy * fy) * det, (mxx * fy - myx * fx) * det
-    B[INVERSE], B[INVERSE + 1], B[INVERSE + 2], B[INVERSE + 3] = myy * det, -mxy * det, -myx * det, mxx * det
-    B[LEVER], B[LEVER + 1] = lx, ly
-    acc[0], acc[1], acc[2] = ax, ay, (mz + lx * ax + ly * ay) / P[_INERTIA]
-    for i in range(len(W)):
-        C[i, LOAD] = C[i, SHARED] + C[i, SHARED_X] * ax + C[i, SHARED_Y] * ay
-
-
-@inner
 def _changes(C: Any) -> bool:
     """Whether other wheels hang in the air than those for which the loads were found."""
     found = False
@@ -156,18 +125,21 @@ def hang(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
         C[i, AIR] = 0.0
     for turn in range(_SEARCH):
         _settle(W, C, ax, ay)
-        _accelerate(P, W, C, B, acc)
+        accelerate(P, W, C, B, acc)
         if not _changes(C):
             break
         if turn >= _WHOLE:
             part = 0.5
         ax, ay = ax + part * (acc[0] - ax), ay + part * (acc[1] - ay)
-    B[UP], B[PULLED] = 0.0, 0.0
+    B[UP], B[PULLED], B[JAMMED] = 0.0, 0.0, 0.0
     for i in range(len(W)):
         B[UP] += C[i, AIR]
+        wrong = C[i, LOAD] / _GLUE if C[i, AIR] > 0.0 else -C[i, LOAD]
+        if wrong > _AGREED * P[_SHARE]:
+            B[JAMMED] = 1.0
     if _spread(*_stiffness(W, C, 0.0)) > _AREA * _spread(*_stiffness(W, C, 1.0)):
         _share(W, C, 0.0)
-        _accelerate(P, W, C, B, acc)
+        accelerate(P, W, C, B, acc)
         for i in range(len(W)):
             C[i, LOAD] = max(0.0, C[i, LOAD])
     else:
@@ -178,6 +150,7 @@ def hang(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
 def _tip(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
     """Acceleration and loads where no loads balance the moments: the wheels that touch carry the weight."""
     ax, ay = acc[0], acc[1]
+    B[JAMMED] = 1.0
     for turn in range(_TURNS):
         _settle(W, C, ax, ay)
         weight, pressing, x, y, pull = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -193,9 +166,10 @@ def _tip(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
                 px = own * (C[i, SHARED_X] - load * x / pressing)
                 py = own * (C[i, SHARED_Y] - load * y / pressing)
             C[i, SHARED], C[i, SHARED_X], C[i, SHARED_Y] = own * load - px * ax - py * ay, px, py
-        _accelerate(P, W, C, B, acc)
+        accelerate(P, W, C, B, acc)
         B[PULLED] = pull
         if abs(acc[0] - ax) + abs(acc[1] - ay) <= 1e-12 * (1.0 + abs(ax) + abs(ay)):
+            B[JAMMED] = 0.0
             break
         part = 1.0 if turn < _WHOLE else 0.5
         ax, ay = ax + part * (acc[0] - ax), ay + part * (acc[1] - ay)

@@ -25,6 +25,7 @@ from slipmargin.sim.columns import (
     FORCE_T,
     FORCE_W,
     HUNG,
+    JAMMED,
     K_T,
     K_W,
     LOAD,
@@ -48,7 +49,7 @@ _CW, _CT = at.VISCOUS_W, at.VISCOUS_T
 _to_floor = twin(frames.to_floor)
 
 #: How a run ended.
-DONE, TIPS, NOT_FINITE, STUCK, TOO_LONG = range(5)
+DONE, TIPS, NOT_FINITE, STUCK, TOO_LONG, JAMS = range(6)
 #: Columns of what is told of each wheel: angle, slip (2), force (2), load, coefficients (2), slopes (2).
 TOLD = 10
 #: Entries of a run's task: state at the start (6), relative and absolute error, most steps, the pull that
@@ -212,7 +213,9 @@ def run(
             rates(P, W, t, y, c, k0, push, pk, C, B, acc, f)
             if B[UP] > 0.0 and B[PULLED] > -least:
                 status = TIPS
-            if status == TIPS and lifted < 0.0:
+            if B[JAMMED] > 0.0 and least > -np.inf:
+                status = JAMS
+            if status != DONE and lifted < 0.0:
                 lifted = t
             if status != DONE:
                 break

@@ -23,6 +23,10 @@ REASONS = {
         "a wheel lifts off, and no three others carry the robot: it tips",
         "accelerate less, or lower the centre of mass",
     ),
+    Ending.JAMS: (
+        "a wheel lifts off, and friction presses another down so hard that it jams or tips",
+        "accelerate less, or lower the centre of mass",
+    ),
     Ending.NOT_FINITE: ("velocities or forces overflow", "give smaller wheel speeds, forces or coefficients"),
     Ending.STUCK: ("the step size fell to nothing", "smooth the commands or lower k_s_per_m"),
     Ending.TOO_LONG: (
@@ -71,7 +75,7 @@ def simulate(
     InputError
         If the signal does not fit the robot or the times, or commands more than the motors' top speed.
     MotionStopped
-        If the robot tips (no three wheels carry it) or the motion overflows, with the time.
+        If the robot tips (no three wheels carry it), jams, or the motion overflows, with the time.
     """
     pose = np.zeros(3) if start_pose is None else frozen("start_pose", start_pose, (3,))
     twist = np.zeros(3) if start_twist is None else frozen("start_twist", start_twist, (3,))

@@ -157,7 +157,7 @@ def factors(P: Any, W: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
 
 
 @inner
-def _climb(P: Any, W: Any, y: Any, C: Any) -> None:
+def climb(P: Any, W: Any, y: Any, C: Any) -> None:
     """The slope of the floor under each wheel, in body axes, and its moment about the centre of mass."""
     for i in range(len(W)):
         w = W[i]
@@ -177,7 +177,7 @@ def _climb(P: Any, W: Any, y: Any, C: Any) -> None:
 
 @inner
 def external(P: Any, W: Any, t: float, y: Any, C: Any, B: Any) -> None:
-    """Push and force terms as one wrench in the body frame, its moment h F and lift; slopes of the floor."""
+    """Push and force terms as one wrench in the body frame, its moment h F and lift."""
     fx, fy = B[PUSH], B[PUSH + 1]
     if fx != 0.0 or fy != 0.0:
         fx, fy = _to_body(y[2], fx, fy)
@@ -215,5 +215,3 @@ def external(P: Any, W: Any, t: float, y: Any, C: Any, B: Any) -> None:
         q = place + 3 * count
     B[WRENCH], B[WRENCH + 1], B[WRENCH + 2] = fx, fy, mz
     B[TILTING], B[TILTING + 1], B[LIFT] = hx, hy, lift
-    if P[_RELIEFS] > 0.0:
-        _climb(P, W, y, C)

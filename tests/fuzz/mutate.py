@@ -35,11 +35,20 @@ def number(random: Random, value: Any) -> Any:
         return random.choice(NUMBERS)
     if isinstance(value, int) and way < 0.7:
         return value + random.choice((-2, -1, 1, 2, 5))
+    value = _float(value)
     if way < 0.6:
         return value * math.exp(random.gauss(0.0, 0.5)) if value else random.gauss(0.0, 1.0)
     if way < 0.8:
         return -value
     return value * 10.0 ** random.choice((-6, -3, -1, 1, 3, 6))
+
+
+def _float(value: float) -> float:
+    """The value as a float: infinite where it is too large for one."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
 
 
 def scalar(random: Random, value: Any) -> Any:
@@ -50,6 +59,7 @@ def scalar(random: Random, value: Any) -> Any:
         return random.choice((random.choice(WORDS), [], {}, [1, 2], [[1]], None))
     if isinstance(value, int | float):
         if random.random() < 0.05:
+            value = _float(value)
             spread = abs(value) * random.choice((0.01, 0.1, 1.0))
             return random.choice((f"{value} ± {spread}", [value - spread, value + spread]))
         return number(random, value)

@@ -6,9 +6,11 @@ import json
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
+from random import Random
 
 import numpy as np
 import pytest
+from fuzz.mutate import number, scalar
 from robot_files import GOOD
 from slipmargin_cli.main import status
 
@@ -230,3 +232,11 @@ def test_a_file_is_no_folder_above_another_output(said: Said) -> None:
     """The folder was made, and the file then refused."""
     line = said("reproduce", "--out", "o/within", "--json", "o", refused=True)
     assert "as a file and as a folder" in line and not Path("o").exists()
+
+
+def test_integers_too_large_for_a_float_are_mutated_as_well() -> None:
+    """The fuzzer itself ended at one of them."""
+    for seed in range(2000):
+        for value in (10**400, -(10**400)):
+            number(Random(seed), value)
+            scalar(Random(seed), value)

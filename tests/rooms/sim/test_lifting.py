@@ -18,7 +18,7 @@ from slipmargin.errors import MotionStopped
 from slipmargin.model import nominal_model
 from slipmargin.model.parts import Drives
 from slipmargin.robot import LoadRule
-from slipmargin.sim.batch import Batch, Push
+from slipmargin.sim.batch import Batch, Ending, Push
 from slipmargin.sim.columns import AIR, ALPHA, BODY, CONTACT, LOAD, OMEGA, PULLED, RIGID, THETA, UP
 from slipmargin.sim.pack import pack
 from slipmargin.sim.signal import held, linear
@@ -208,3 +208,28 @@ def test_a_signal_that_lifts_nothing_is_what_it_was():
     signal = linear(np.array([0.0, 0.5]), np.outer([0.0, 3.0], [1.0, 1.0, -1.0, -1.0]))
     found = simulate(model, signal, np.linspace(0.0, 0.5, 6))
     assert found.lifts_s is None and np.all(found.in_air_s == 0.0) and np.min(found.load) > 0.0
+
+
+def test_a_robot_that_jams_is_told() -> None:
+    """No acceleration agrees with its own loads: a run ends there, and no other has loads out of balance.
+
+    Of 400 states of a robot far taller than wide some jam; their loads summed up to several weights.
+    """
+    model, count, times = tall(1.0, wheels=6, surface="carpet"), 400, np.array([0.0, 1e-3])
+    rng = np.random.default_rng(4)
+    signals = [linear(times, np.tile(row, (2, 1))) for row in rng.uniform(-7.0, 7.0, (count, 6))]
+    twist = rng.uniform(-1.0, 1.0, (count, 3)) * [0.4, 0.4, 2.0]
+    batch, poses = Batch(signals, [times] * count), np.zeros((count, 3))
+    outcome = batch.run(pack(model), poses, start_twist=twist, tell=True)
+    jams = outcome.ending == Ending.JAMS
+    assert 3 < jams.sum() < 0.1 * count
+    assert np.all(outcome.stopped_s[jams] < times[-1]) and np.isfinite(outcome.lifts_s[jams]).all()
+    assert outcome.load is not None
+    on = outcome.load[outcome.ending == Ending.DONE]
+    np.testing.assert_allclose(on.sum(axis=2), model.inertia.weight_N, rtol=1e-9)
+    assert np.min(on) >= 0.0
+    first = int(np.flatnonzero(jams)[0])
+    with pytest.raises(MotionStopped, match="friction presses another down so hard"):
+        simulate(model, signals[first], times, start_twist=twist[first])
+    followed = batch.run(pack(model), poses, start_twist=twist, held_down=np.inf)
+    assert np.all(followed.ending == Ending.DONE)
