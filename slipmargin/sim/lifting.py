@@ -105,16 +105,33 @@ def _changes(C: Any) -> bool:
 
 
 @inner
+def _carry(W: Any, C: Any, ax: float, ay: float, glue: float) -> None:
+    """The loads at an acceleration, those in the air being this stiff."""
+    _share(W, C, glue)
+    for i in range(len(W)):
+        C[i, LOAD] = C[i, SHARED] + C[i, SHARED_X] * ax + C[i, SHARED_Y] * ay
+
+
+@inner
 def _settle(W: Any, C: Any, ax: float, ay: float) -> None:
     """Which wheels hang in the air at an acceleration, by Newton's steps, and the loads there."""
+    _carry(W, C, ax, ay, _GLUE)
     for _ in range(_TURNS):
-        _share(W, C, _GLUE)
-        for i in range(len(W)):
-            C[i, LOAD] = C[i, SHARED] + C[i, SHARED_X] * ax + C[i, SHARED_Y] * ay
         if not _changes(C):
             break
         for i in range(len(W)):
             C[i, AIR] = 1.0 if C[i, LOAD] < 0.0 else 0.0
+        _carry(W, C, ax, ay, _GLUE)
+
+
+@inner
+def _agree(P: Any, C: Any) -> bool:
+    """Whether loads, those in the air being as stiff as glue, press where wheels touch and nowhere else."""
+    agree = True
+    for i in range(len(C)):
+        wrong = C[i, LOAD] / _GLUE if C[i, AIR] > 0.0 else -C[i, LOAD]
+        agree = agree and wrong <= _AGREED * P[_SHARE]
+    return agree
 
 
 @inner
@@ -134,12 +151,13 @@ def hang(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
     B[UP], B[PULLED], B[JAMMED] = 0.0, 0.0, 0.0
     for i in range(len(W)):
         B[UP] += C[i, AIR]
-        wrong = C[i, LOAD] / _GLUE if C[i, AIR] > 0.0 else -C[i, LOAD]
-        if wrong > _AGREED * P[_SHARE]:
-            B[JAMMED] = 1.0
     if _spread(*_stiffness(W, C, 0.0)) > _AREA * _spread(*_stiffness(W, C, 1.0)):
         _share(W, C, 0.0)
         accelerate(P, W, C, B, acc)
+        _carry(W, C, acc[0], acc[1], _GLUE)
+        if not _agree(P, C):
+            B[JAMMED] = 1.0
+        _carry(W, C, acc[0], acc[1], 0.0)
         for i in range(len(W)):
             C[i, LOAD] = max(0.0, C[i, LOAD])
     else:
@@ -153,6 +171,7 @@ def _tip(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
     B[JAMMED] = 1.0
     for turn in range(_TURNS):
         _settle(W, C, ax, ay)
+        agree = _agree(P, C)
         weight, pressing, x, y, pull = 0.0, 0.0, 0.0, 0.0, 0.0
         for i in range(len(W)):
             weight += C[i, LOAD]
@@ -169,7 +188,7 @@ def _tip(P: Any, W: Any, C: Any, B: Any, acc: Any) -> None:
         accelerate(P, W, C, B, acc)
         B[PULLED] = pull
         if abs(acc[0] - ax) + abs(acc[1] - ay) <= 1e-12 * (1.0 + abs(ax) + abs(ay)):
-            B[JAMMED] = 0.0
+            B[JAMMED] = 0.0 if agree else 1.0
             break
         part = 1.0 if turn < _WHOLE else 0.5
         ax, ay = ax + part * (acc[0] - ax), ay + part * (acc[1] - ay)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from instants import compiled, instant, same_acceleration, somewhere
+from instants import agrees, compiled, instant, same_acceleration, somewhere
 from manoeuvres import wheel_motion
 from oracles.plain_simulator import acceleration, pressing, reference_motion
 from scipy.optimize import nnls
@@ -141,6 +141,13 @@ def test_three_wheels_that_tip_agree_with_the_plain_road():
         np.testing.assert_allclose(load, pressing(plane, free), atol=1e-9 * model.inertia.weight_N)
         tips += np.min(free) < 0.0
     assert 10 < tips < 190
+
+
+@pytest.mark.parametrize("height_m", [0.3, 0.4, 0.6])
+def test_a_robot_far_too_tall_agrees_with_the_plain_road(height_m):
+    """It may tip in two ways, and jam: what is found is an acceleration that agrees with its own loads."""
+    for seed in range(300):
+        agrees(tall(height_m, wheels=6), seed, 0.4)
 
 
 def everything(flat, y, omega, motion, rigid, push, J):
