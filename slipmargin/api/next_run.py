@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from slipmargin.report.page import Page
 
 #: More runs than this are no choice but a list.
-_MOST_RUNS = 20
+_MOST_RUNS, _RUNS = 20, 3
 
 
 @final
@@ -87,7 +87,7 @@ def next_run(
     data_set: DataSet | Path | str,
     *,
     space_m: tuple[float, float] | None = None,
-    runs: int = 3,
+    runs: int = _RUNS,
     margin: float = 0.1,
     longest_s: float | None = None,
     max_speed_m_s: float | None = None,
@@ -171,7 +171,17 @@ def next_run(
     own = data.recipe.robot.convention
     if not data.trials:
         check_sense(data, source)
-        return _pulls(data, source, share, seed, progress)
+        given = {
+            "runs": runs != _RUNS,
+            "space_m": space_m is not None,
+            "longest_s": longest_s is not None,
+            "max_speed_m_s": max_speed_m_s is not None,
+            "max_yaw_rate_rad_s": max_yaw_rate_rad_s is not None,
+        }
+        unused_here = tuple(
+            f"{name} has no effect: the data set holds pulls and no runs" for name, on in given.items() if on
+        )
+        return _pulls(data, source, share, seed, progress, budget_s, unused_here)
     if size is not None:  # what is too small is refused before the work, in the file's axes
         Space(middle_m=(0.0, 0.0), size_m=size).room_m(reach_m(data.recipe.build(data.surface)))
     mended = repaired(data_set_in(data, FRAME))
@@ -191,7 +201,13 @@ def next_run(
 
 
 def _pulls(
-    data: DataSet, source: str, share: float, seed: int, progress: Callable[[str, float], None]
+    data: DataSet,
+    source: str,
+    share: float,
+    seed: int,
+    progress: Callable[[str, float], None],
+    budget_s: float | None,
+    warnings: tuple[str, ...],
 ) -> NextRunResult:
     """Which pulls to make next: what a diagnosis of pulls says already."""
     from slipmargin.diagnosis.pull_diagnosis import diagnose_pulls
@@ -199,7 +215,7 @@ def _pulls(
     from slipmargin.experiment.result import NextRuns
 
     try:
-        found = diagnose_pulls(data, seed=seed, progress=progress)
+        found = diagnose_pulls(data, seed=seed, progress=progress, budget_s=budget_s)
     except InputError as fault:
         raise fault if fault.source else fault.in_file(source) from None
     names = " + ".join(f.label for f in found.findings) or "the model as believed"
@@ -222,4 +238,4 @@ def _pulls(
         front_rad=data.recipe.robot.convention.front_rad,
         pulls=found.next_pulls,
     )
-    return NextRunResult(next_runs=made)
+    return NextRunResult(next_runs=made, warnings=warnings)

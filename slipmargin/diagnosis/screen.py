@@ -30,7 +30,8 @@ from slipmargin.diagnosis.tangents import Columns, secants, tangents
 class Screened:
     """One entry of the list: one candidate, or two named ones, at their best start.
 
-    ``gain`` is what the sum of squares of left-out runs falls by, ``step`` the step that suits all runs;
+    ``gain`` is what the sum of squares of left-out runs falls by, ``promise`` what a fit may be worth
+    (:mod:`~slipmargin.diagnosis.promise`; the gain by default), ``step`` the step that suits all runs;
     ``starts`` are the parameters (P,) after that step, and after those from a candidate's next best places
     or times.  ``by_run`` (R,) is what the logarithm of each run's chi falls by, left out.
     """
@@ -40,6 +41,10 @@ class Screened:
     step: Array
     starts: tuple[Array, ...] = ()
     by_run: Array = field(default_factory=lambda: np.zeros(0))
+    promise: float = -np.inf
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "promise", max(self.promise, self.gain))
 
     @property
     def structure(self) -> tuple[Candidate, ...]:
@@ -119,8 +124,6 @@ def screen(
     if not groups:
         return Screening(entries=(), total=base.cost, chance=np.zeros(0))
     columns = _beside(base, np.concatenate([g.columns for g in groups], axis=2))
-    of_runs = np.array([run.T @ run for run in columns])
-    gram = np.array([of_runs[part].sum(axis=0) for part in parts])
     pull_of_runs = np.einsum("rk,rkm->rm", base.residual, columns)
     squares = np.sum(base.residual**2, axis=1)
     pulls = _pulls(base.residual, columns, parts, block, seed)
@@ -131,11 +134,13 @@ def screen(
     def add(*numbers: int) -> None:
         own = tuple(groups[n] for n in numbers)
         rows = np.concatenate([np.arange(place[n], place[n + 1]) for n in numbers])
-        gains, step, steps = _left_out(own, gram[:, rows[:, None], rows], pulls[:, :, rows], misfit)
+        of_runs = np.array([run.T @ run for run in columns[:, :, rows]])
+        gram = np.array([of_runs[part].sum(axis=0) for part in parts])
+        gains, step, steps = _left_out(own, gram, pulls[:, :, rows], misfit)
         logs = np.zeros(len(squares))
         for part, one in zip(parts, steps, strict=True):
             left = squares[part] + 2.0 * pull_of_runs[np.ix_(part, rows)] @ one
-            left += (of_runs[np.ix_(part, rows, rows)] @ one) @ one
+            left += (of_runs[part] @ one) @ one
             logs[part] = 0.5 * np.log(
                 (squares[part] + 1e-12) / np.maximum(left, 1e-6 * squares[part] + 1e-12)
             )

@@ -27,6 +27,7 @@ from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.probes import probes
 from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.promise import as_simulated
 from slipmargin.diagnosis.screen import Screened, Screening, screen
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State, as_good, choose, explained, quiet, worthwhile
@@ -239,6 +240,7 @@ def take_step(
     if not worth and (before.structure or before.chi <= SETTINGS.noise_chi):
         return nothing
     tried: list[State] = []
+    screening = as_simulated(before, screening)
     chosen = finalists(screening, many)
     for number, entry in enumerate(chosen):
         progress(f"fitting {entry.label}", 0.2 + 0.8 * number / len(chosen))

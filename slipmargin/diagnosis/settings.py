@@ -117,6 +117,9 @@ class SearchSettings:
     #: [samples of the wheels' motion] … and fewer, but one a fold, where these runs would have more samples
     #: together: a simulation takes as long as it has samples, and the list has four hundred columns.
     most_samples: int = 2000
+    #: [1] A form is simulated at these shares of the step that its tangents put first: one that is too small
+    #: at rest makes the step too long.
+    step_shares: tuple[float, ...] = (1.0, 0.5)
     #: [1] What promises less than this share of the best one's gain is not fitted.
     hopeless: float = 0.2
     #: [candidates] How many names are fitted by simulation, each once; half as many general forms, and

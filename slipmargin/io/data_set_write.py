@@ -8,7 +8,7 @@ from pathlib import Path
 
 from slipmargin.data.data_set import DataSet
 from slipmargin.errors import InputError
-from slipmargin.io.robot_text import write_recipe
+from slipmargin.io.robot_text import quoted, write_recipe
 from slipmargin.io.stage import NEW, OLD, check_possible, staged, sweep
 from slipmargin.io.trial_file import pulls_text, trial_parts, trial_text
 
@@ -25,7 +25,7 @@ def _small_files(data_set: DataSet, comment: str) -> dict[str, str]:
     head += [
         "schema = 1",
         'robot = "robot.toml"',
-        f'surface = "{data_set.surface}"',
+        f"surface = {quoted(data_set.surface)}",
         f'wheel_signal = "{data_set.wheel_signal.value}"',
     ]
     if data_set.nominal_rate_Hz is not None:

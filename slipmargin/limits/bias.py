@@ -102,10 +102,12 @@ def bias_extremes(
     for variable in _UNKNOWN:
         terms = _unknown_terms(model, variable)
         if terms:
-            across = np.stack([along(_total(model, terms, v, phi_rad)) for v in _grid(terms, variable)])
-            rest = along(_total(model, terms, 0.0, phi_rad))
-            low += across.min(axis=0) - rest
-            high += across.max(axis=0) - rest
+            least = most = rest = along(_total(model, terms, 0.0, phi_rad))
+            for v in _corners(terms, variable):
+                at = along(_total(model, terms, float(v), phi_rad))
+                least, most = np.minimum(least, at), np.maximum(most, at)
+            low += least - rest
+            high += most - rest
     return low, high
 
 
@@ -115,14 +117,17 @@ def load_extremes(model: Model, phi_rad: Array) -> tuple[Array, Array]:
     return bias_extremes(model, phi_rad, np.zeros((n, 3)), np.eye(n)[None])
 
 
-def bias_samples(model: Model, phi_rad: Array, points: int = 5) -> list[Bias]:
-    """The different biases at values spread over what cannot be known; the one at v = 0 comes first."""
+def bias_samples(model: Model, phi_rad: Array, most: int = 12) -> list[Bias]:
+    """The different biases at the ends of what cannot be known; the one at v = 0 comes first.
+
+    The largest pull is a concave function of the bias, so it is least at an end.  A force along one line has
+    two, one of hats no more than its knots; of smooth curves so many are taken, those that reach farthest.
+    """
     out = [_total(model, [t for t in model.external.terms if _acts(t)], None, phi_rad)]
     for variable in _UNKNOWN:
         terms = _unknown_terms(model, variable)
         if terms:
-            grid = _grid(terms, variable)
-            values = grid[np.linspace(0, len(grid) - 1, points).astype(int)]
+            values = _farthest(terms, _corners(terms, variable), most)
             rest = _total(model, terms, 0.0, phi_rad)
             change = [_total(model, terms, float(v), phi_rad) - rest for v in (0.0, *values)]
             out = [w + step for w in out for step in change]
@@ -155,5 +160,39 @@ def _bias(model: Model, force: Array) -> Bias:
     return Bias(wrench=force[:, :3], load_N=model.loads.at(np.zeros(2), force[:, 3:], lift_N(model)))
 
 
-def _grid(terms: list[ForceTerm], variable: Variable) -> Array:
-    return np.unique(np.concatenate([np.zeros(1), *(span(t.basis, t.shape, variable)[::12] for t in terms)]))
+#: Wrenches that differ by less than this share of the largest change are one, or lie on one line [1].
+_SAME = 1e-9
+
+
+def _wrenches(terms: list[ForceTerm], values: Array) -> Array:
+    """(S, 3 T) wrenches of all terms, each in its own frame, in shares of the largest change of any."""
+    own = np.hstack([t.wrench(values) for t in terms])
+    own = own - own[0]
+    return np.asarray(own / max(float(np.max(np.abs(own))), 1e-300))
+
+
+def _corners(terms: list[ForceTerm], variable: Variable) -> Array:
+    """Values among which every linear function of the terms' wrenches is least and greatest.
+
+    Of a force along one line these are its two ends; else the values at which it does not go straight on.
+    """
+    spans = [span(t.basis, t.shape, variable, t.coefficients.shape[1]) for t in terms]
+    grid = np.unique(np.concatenate([np.zeros(1), *spans]))
+    own = _wrenches(terms, grid)
+    way = own[int(np.argmax(np.sum(own**2, axis=1)))]
+    along = own @ way / max(float(way @ way), 1e-300)
+    if np.max(np.abs(own - along[:, None] * way)) <= _SAME:
+        return np.asarray(grid[[int(np.argmin(along)), int(np.argmax(along))]])
+    share = ((grid[1:-1] - grid[:-2]) / (grid[2:] - grid[:-2]))[:, None]
+    off = np.abs(own[1:-1] - (own[:-2] + share * (own[2:] - own[:-2])))
+    return np.asarray(grid[np.concatenate([[True], np.max(off, axis=1) > _SAME, [True]])])
+
+
+def _farthest(terms: list[ForceTerm], values: Array, most: int) -> Array:
+    """At most so many of the values: those whose wrenches lie farthest from each other."""
+    own, kept = _wrenches(terms, values), [0]
+    away = np.linalg.norm(own - own[0], axis=1)
+    while len(kept) < most and np.max(away) > _SAME:
+        kept.append(int(np.argmax(away)))
+        away = np.minimum(away, np.linalg.norm(own - own[kept[-1]], axis=1))
+    return np.asarray(values[np.sort(kept)])

@@ -40,6 +40,8 @@ def proven_creep(model: Model, share: float, *, speed_m_s: float = 0.0) -> Array
     """
     lam = real("share", share, low=0.0, high=0.999, cure="give a share from 0 to 0.999")
     along, mass = model.wrench_maps()[0], model.inertia.diagonal
+    if lam == 0.0:
+        return np.zeros(model.count)
     grip, k = model.grip.roller[:, 0] * model.loads.rest_N, model.grip.k_s_per_m
     ways = sphere(DIRECTIONS) / np.sqrt(mass)  # V = ½ r²
     slips = np.abs(ways @ along)

@@ -125,7 +125,11 @@ def _interval(terms: list[Multiplier], variable: Variable, n: int, extreme: Extr
     grid = (
         np.array([_at_origin(terms[0], variable)])
         if extreme is Extreme.NEUTRAL
-        else np.unique(np.concatenate([np.zeros(1), *(span(t.basis, t.shape, variable) for t in terms)]))
+        else np.unique(
+            np.concatenate(
+                [np.zeros(1), *(span(t.basis, t.shape, variable, len(t.coefficients)) for t in terms)]
+            )
+        )
     )
     v = np.broadcast_to(grid[:, None, None, None], (len(grid), n, 1, 1))
     product = np.ones((len(grid), n, 2, 2))

@@ -162,7 +162,7 @@ def external_in_motion(model: Model, motion: Motion) -> External:
 
 def _term(model: Model, motion: Motion, term: ForceTerm) -> Array:
     nothing = np.zeros((motion.count, model.count))
-    v = probes(model, motion, nothing, nothing, term.variable, term.basis, term.shape)[..., 0]
+    v = probes(model, motion, nothing, nothing, term)[..., 0]
     wrench = np.broadcast_to(term.wrench(v), (len(v), motion.count, 3))
     if term.frame is Frame.BODY:
         return np.asarray(wrench)

@@ -21,7 +21,7 @@ from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.friction_laws import law_inverse, law_share
-from slipmargin.physics.grips import drive_left, polyhedral
+from slipmargin.physics.grips import drive_left, most_across, polyhedral
 from slipmargin.physics.sectors import on_rigid, pitch
 from slipmargin.physics.terms import Multiplier
 from slipmargin.physics.variables import Target, Variable
@@ -104,7 +104,12 @@ def friction_in_motion(
     stiffness = grip.k_s_per_m * _factor(model, motion, slide, creep, Target.STIFFNESS_TRANSVERSE)
     bounds = _drag_shares(grip.law, motion, slide, stiffness)
     coefficients = np.stack([grip.roller, grip.rigid])[:, None]  # (2, 1, N, 2)
-    ends = [coefficients[..., 1] * a * s for a in across for s in bounds]
+    full = [
+        most_across(grip.shape, grip.coupling, coefficients[..., 0] * d, coefficients[..., 1] * a)
+        for d in drive
+        for a in across
+    ]
+    ends = [f * s for f in full for s in bounds]
     drag_low, drag_high = reduce(np.minimum, ends), reduce(np.maximum, ends)
     available = coefficients[..., 0] * drive[0]
     left: Array | float = 1.0
@@ -118,7 +123,9 @@ def friction_in_motion(
         drive=np.broadcast_to(available * left, drag_low.shape),
         drag_low=drag_low,
         drag_high=drag_high,
-        transverse=np.broadcast_to(coefficients[..., 1] * 0.5 * (across[0] + across[1]), drag_low.shape),
+        transverse=np.broadcast_to(
+            0.5 * (reduce(np.minimum, full) + reduce(np.maximum, full)), drag_low.shape
+        ),
         possible=_possible(grip, motion, contact),
         slide=slide,
         stiffness=np.broadcast_to(0.5 * (stiffness[0] + stiffness[1]), slide.shape),
@@ -164,8 +171,7 @@ def _values(
         least, most = external.load_change_N
         return load_probes(model, external.standing_N(), most - least)
     across = target in (Target.TRANSVERSE, Target.STIFFNESS_TRANSVERSE)
-    asked = term.variable, term.basis, term.shape
-    return probes(model, motion, slide, creep, *asked, transverse=across, place=term.place)
+    return probes(model, motion, slide, creep, term, transverse=across)
 
 
 def _possible(grip: Grip, motion: Motion, contact: Contact) -> Mask:

@@ -10,7 +10,7 @@ from slipmargin.limits.ranges import span
 from slipmargin.model import Model
 from slipmargin.physics.constants import CRAWL_M_S, GRAVITY_M_S2
 from slipmargin.physics.frames import to_floor
-from slipmargin.physics.terms import OF_PLACE, place_variable
+from slipmargin.physics.terms import OF_PLACE, ForceTerm, Multiplier, place_variable
 from slipmargin.physics.variables import Basis, Variable
 
 #: Probes over an unknown variable.
@@ -28,14 +28,11 @@ def probes(
     motion: Motion,
     slide: Array,
     creep: Array,
-    variable: Variable,
-    basis: Basis,
-    shape: Array,
+    term: Multiplier | ForceTerm,
     *,
     transverse: bool = False,
-    place: Array | None = None,
 ) -> Array:
-    """Values (P, M, N) or (P, M, 1) that ``variable`` may take; wheel loads: :func:`load_probes`.
+    """Values (P, M, N) or (P, M, 1) that the variable of ``term`` may take; wheel loads: :func:`load_probes`.
 
     Parameters
     ----------
@@ -43,14 +40,13 @@ def probes(
         Transverse slip [m/s].
     creep : (M, N)
         Largest drive slip [m/s].
-    basis, shape
-        The family of functions over the variable: an unknown variable is probed over its period or
-        knots.
-    place : (3,), optional
-        Where on the floor FROM_PLACE and BEFORE_LINE are measured from.
+    term
+        Its functions say where a variable that is not known is probed: over their period, at their knots,
+        or as far as they change.
     transverse : bool
         Whether the transverse component is asked for (slip variables).
     """
+    variable, shape = term.variable, term.shape
     if variable in _BODY:
         return np.asarray(motion.velocity[None, :, _BODY[variable], None])
     if variable is Variable.SPEED:
@@ -59,17 +55,17 @@ def probes(
         return _acceleration(model, motion, _ACCELERATION[variable])
     if variable in _PLACE:
         known = None if motion.position is None else motion.position[:, _PLACE[variable]]
-        return _known_or_range(known, basis, shape)
-    if variable in OF_PLACE and place is not None:
-        return _of_place(model, motion, variable, shape, place)
+        return _known_or_range(known, term)
+    if isinstance(term, Multiplier) and variable in OF_PLACE:
+        return _of_place(model, motion, term)
     if variable is Variable.HEADING:
         return _heading(motion)
     if variable is Variable.TIME:
-        return _known_or_range(motion.time_s, basis, shape)
+        return _known_or_range(motion.time_s, term)
     if variable is Variable.WHEEL_ANGLE:
         if motion.theta is not None:
             return np.asarray(motion.theta[None])
-        turn = float(shape[0]) if basis is Basis.FOURIER else 2.0 * np.pi
+        turn = float(shape[0]) if term.basis is Basis.FOURIER else 2.0 * np.pi
         return np.append(np.linspace(0.0, turn, PROBES), shape[0])[:, None, None]
     if variable is Variable.SLIP_HEADING:
         way = model.geometry.free if transverse else model.geometry.grip
@@ -125,24 +121,20 @@ def _heading(motion: Motion) -> Array:
     return np.linspace(-np.pi, np.pi, PROBES)[:, None, None]
 
 
-def _known_or_range(known: Array | None, basis: Basis, shape: Array) -> Array:
+def _known_or_range(known: Array | None, term: Multiplier | ForceTerm) -> Array:
     if known is not None:
         return np.asarray(known[None, :, None])
-    low, high = (
-        (float(shape[0]), float(shape[1]))
-        if basis in (Basis.HATS, Basis.WINDOW)
-        else (0.0 if basis is Basis.FOURIER else -abs(float(shape[0])), abs(float(shape[0])))
-    )
-    return np.linspace(low, high, PROBES)[:, None, None]
+    return span(term.basis, term.shape, term.variable, term.coefficients.shape[-1], PROBES)[:, None, None]
 
 
-def _of_place(model: Model, motion: Motion, variable: Variable, shape: Array, place: Array) -> Array:
+def _of_place(model: Model, motion: Motion, term: Multiplier) -> Array:
     """Where contacts are, seen from a place; the whole range where position or heading is not known."""
+    variable = term.variable
     if motion.position is None or motion.heading is None:
-        return span(Basis.STEP, shape, variable)[:, None, None]
+        return span(Basis.STEP, term.shape, variable, len(term.coefficients))[:, None, None]
     turned = to_floor(motion.heading[:, None], *model.geometry.position_m.T)
     x, y = (motion.position[:, k, None] + turned[k] for k in (0, 1))
-    at_x, at_y, direction = place
+    at_x, at_y, direction = term.place
     return np.asarray(place_variable(variable is Variable.BEFORE_LINE, at_x, at_y, direction, x, y)[None])
 
 

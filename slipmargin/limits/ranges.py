@@ -15,24 +15,27 @@ EDGES = 40.0
 SCALES = 1.0
 
 
-def span(basis: Basis, shape: Array, variable: Variable) -> Array:
-    """Samples (S,) of an unknown variable's range, which follows from the basis and its constants."""
+def span(basis: Basis, shape: Array, variable: Variable, count: int, samples: int = SAMPLES) -> Array:
+    """Values (S,) over an unknown variable's range, which follows from the basis and its constants.
+
+    Kinks, jumps and ends of ``count`` functions are among them, and some ``samples`` in between.
+    """
     a, b = float(shape[0]), float(shape[1])
     if variable is Variable.SLIP_ANGLE:
-        return np.linspace(0.0, np.pi / 2, SAMPLES)
+        return np.linspace(0.0, np.pi / 2, samples)
     forward = variable is Variable.TIME  # time only runs forwards
     if basis is Basis.STEP:
         low = 0.0 if variable is Variable.FROM_PLACE or forward else a - EDGES * b
-        return np.linspace(low, a + EDGES * b, SAMPLES)
+        return np.linspace(low, a + EDGES * b, samples)
     if basis is Basis.LOBE:  # of an angle
-        return np.append(np.linspace(0.0, 2.0 * np.pi, SAMPLES), a)
+        return np.append(np.linspace(0.0, 2.0 * np.pi, samples), a)
     if basis is Basis.HATS:
-        return np.linspace(a, b, SAMPLES)
+        return np.union1d(np.linspace(a, b, samples), np.linspace(a, b, count))
     if basis is Basis.FOURIER:
-        return np.linspace(0.0, abs(a), SAMPLES)
+        return np.linspace(0.0, abs(a), samples)
     if basis is Basis.WINDOW:
         return np.array([max(a, 0.0) if forward else a, 0.5 * (a + b), b + abs(b - a)])
     if basis in (Basis.DECAY, Basis.RECIPROCAL):
-        return np.concatenate([np.linspace(0.0, 5.0 * abs(a), SAMPLES), [1e6 * abs(a)]])
+        return np.concatenate([np.linspace(0.0, 5.0 * abs(a), samples), [1e6 * abs(a)]])
     reach = SCALES * abs(a)
-    return np.linspace(0.0 if forward else -reach, reach, SAMPLES)
+    return np.linspace(0.0 if forward else -reach, reach, samples)

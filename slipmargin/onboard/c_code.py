@@ -119,7 +119,7 @@ static inline void sm_external(const sm_real *twist, sm_real heading, sm_real *w
     const sm_real x = (heading - turn * (sm_real)(long)count) / SM_C(8), x2 = x * x;
     sm_real s = SM_C(1) / SM_C(362880) - x2 / SM_C(39916800);
     sm_real c = SM_C(1) / SM_C(40320) - x2 / SM_C(3628800) + x2 * x2 / SM_C(479001600);
-    sm_real force[2];
+    sm_real moment[2];
     s = SM_C(1) / SM_C(120) + x2 * (-SM_C(1) / SM_C(5040) + x2 * (s + x2 * x2 / SM_C(6227020800.0)));
     s = x * (SM_C(1) + x2 * (-SM_C(1) / SM_C(6) + x2 * s));
     c = SM_C(1) / SM_C(24) + x2 * (-SM_C(1) / SM_C(720) + x2 * c);
@@ -129,12 +129,13 @@ static inline void sm_external(const sm_real *twist, sm_real heading, sm_real *w
       c = SM_C(1) - SM_C(2) * s * s;
       s = s2;
     }
-    force[0] = c * sm_floor[0] + s * sm_floor[1];
-    force[1] = c * sm_floor[1] - s * sm_floor[0];
-    for (i = 0; i < 2; ++i) wrench[i] += force[i];
+    wrench[0] += c * sm_floor[0] + s * sm_floor[1];
+    wrench[1] += c * sm_floor[1] - s * sm_floor[0];
     wrench[2] += sm_floor[2];
+    moment[0] = c * sm_floor_moment[0] + s * sm_floor_moment[1];
+    moment[1] = c * sm_floor_moment[1] - s * sm_floor_moment[0];
     for (i = 0; i < SM_WHEELS; ++i)
-      shift[i] = sm_floor_loads[i][0] * force[0] + sm_floor_loads[i][1] * force[1];
+      shift[i] = sm_floor_loads[i][0] * moment[0] + sm_floor_loads[i][1] * moment[1];
   }
 #else
   (void)heading;

@@ -55,7 +55,7 @@ def operations(table: LimitTable) -> dict[str, int]:
     band = int(not _same(table.rest_low_N, table.rest_high_N))
     friction = 60
     drag = n * (12 + 2 * (friction + 4))
-    external = 20 + (2 * n + 110) * int(table.turned)
+    external = 20 + (2 * n + 116) * int(table.turned)
     sharing = (12 * n + 24 * len(threes(table.along)[0]) + 8) if table.shares_by_load else 0
     load = 2 + 6 * moving  # adding a part of a load
     wheel = 54 + n * (8 + load) + 2 * load + 24 * n * band
@@ -168,7 +168,8 @@ def _tables(table: LimitTable) -> list[str]:
         rows.append(("sm_wrench_half", 0.5 * (table.wrench_high - table.wrench_low), "how far it may be off"))
     if table.turned:
         rows.append(("sm_floor", table.floor_wrench, "wrench of the slope in floor axes [N, N, N m]"))
-        rows.append(("sm_floor_loads", table.floor_loads, "change of the loads per force of the slope [1]"))
+        rows.append(("sm_floor_moment", table.floor_moment_N_m, "and its sum of height x force [N m]"))
+        rows.append(("sm_floor_loads", table.floor_loads, "change of the loads per such moment [1/m]"))
     if table.stall_torque_N_m is not None:
         rows.append(("sm_torque_force", table.torque_force, "motor torque per drive force [m]"))
         rows.append(("sm_torque_drag", table.torque_drag, "and per drag [m]"))

@@ -144,7 +144,7 @@ def _wrench(table: LimitTable, twist: Array, heading: Array) -> tuple[Array, Arr
     if table.turned:
         force = np.stack(to_body(heading, *table.floor_wrench[:2]), axis=1)
         both = both + np.column_stack([force, np.full(len(twist), table.floor_wrench[2])])
-        shift = force @ table.floor_loads.T
+        shift = np.stack(to_body(heading, *table.floor_moment_N_m), axis=1) @ table.floor_loads.T
     return table.wrench_low + both, table.wrench_high + both, shift
 
 

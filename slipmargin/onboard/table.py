@@ -31,7 +31,7 @@ from slipmargin.limits.motion_realised import comparable
 from slipmargin.limits.motion_rows import even_distribution
 from slipmargin.limits.motion_state import Motion
 from slipmargin.model import Model
-from slipmargin.physics.grips import GripShape, polyhedral
+from slipmargin.physics.grips import GripShape, most_across, polyhedral
 from slipmargin.physics.terms import ForceTerm
 from slipmargin.physics.variables import Basis, Frame, Variable
 
@@ -77,8 +77,10 @@ class LimitTable:
         External wrench on the body, body frame; a box where it depends on something unknown.
     floor_wrench : (3,)
         External wrench in floor axes (a slope).
+    floor_moment_N_m : (2,)
+        Sum of height × force of what makes up that wrench, in floor axes.
     floor_loads : (N, 2)
-        Change of the loads by the floor-frame force of a slope, seen in the body frame [1].
+        Change of the loads by that moment, seen in the body frame [1/m].
     viscous : (3, 3)
         Wrench per body twist of the viscous lateral friction.
     """
@@ -109,6 +111,7 @@ class LimitTable:
     wrench_low: Array
     wrench_high: Array
     floor_wrench: Array
+    floor_moment_N_m: Array
     floor_loads: Array
     viscous: Array
     torque_force: Array
@@ -124,7 +127,8 @@ class LimitTable:
             "drag_low": (n,), "drag_high": (n,), "slope_low": (n,),
             "slope_high": (n,), "rest_low_N": (c, n), "rest_high_N": (c, n),
             "per_acceleration_kg": (n, 2), "wrench_low": (3,), "wrench_high": (3,), "floor_wrench": (3,),
-            "floor_loads": (n, 2), "viscous": (3, 3), "torque_force": (n,), "torque_drag": (n,),
+            "floor_moment_N_m": (2,), "floor_loads": (n, 2), "viscous": (3, 3),
+            "torque_force": (n,), "torque_drag": (n,),
         }  # fmt: skip
         for name, shape in shapes.items():
             object.__setattr__(self, name, frozen(name, getattr(self, name), shape))
@@ -157,7 +161,7 @@ class LimitTable:
     @property
     def turned(self) -> bool:
         """Whether the heading matters."""
-        return bool(np.any(self.floor_wrench))
+        return bool(np.any(self.floor_wrench) or np.any(self.floor_moment_N_m))
 
     @property
     def pull_m_s2(self) -> float:
@@ -197,7 +201,12 @@ def limit_table(model: Model, margin: float) -> LimitTable:
     share = 1.0 - margin
     share -= CREEPS + max(0.0, _uneven(model, share))
     motion = _states(model)
-    box = replace(model, grip=replace(model.grip, shape=GripShape.BOX))
+    own = model.grip
+    roller, rigid = (
+        np.column_stack([mu[:, 0], most_across(own.shape, own.coupling, mu[:, 0], mu[:, 1])])
+        for mu in (own.roller, own.rigid)
+    )
+    box = replace(model, grip=replace(own, shape=GripShape.BOX, roller=roller, rigid=rigid))
     friction = friction_in_motion(box, motion, share=share)
     full = friction_in_motion(box, replace(motion, saturated=True), share=share)
     drag = np.stack([np.abs(full.drag_low[0]), np.abs(full.drag_high[0])])
@@ -205,7 +214,7 @@ def limit_table(model: Model, margin: float) -> LimitTable:
     drag_high = drag.max(axis=(0, 1))
     drag_low = np.where(moving.any(axis=0), np.where(moving, drag.min(axis=0), np.inf).min(axis=0), 0.0)
     geometry, (along, across) = model.geometry, model.wrench_maps()
-    low, high, floor, change, floor_loads = _external(model, motion)
+    low, high, floor, moment, change = _external(model, motion)
     rest = model.loads.at(np.zeros(2), lift_N=lift_N(model)) + model.loads.shifts()
     along_grip = np.sum(geometry.drive * geometry.grip, axis=1)
     along_free = np.sum(geometry.drive * geometry.free, axis=1)
@@ -240,7 +249,8 @@ def limit_table(model: Model, margin: float) -> LimitTable:
         wrench_low=low,
         wrench_high=high,
         floor_wrench=floor,
-        floor_loads=floor_loads,
+        floor_moment_N_m=moment,
+        floor_loads=model.loads.per_moment_1_per_m,
         viscous=-model.grip.viscous_N_s_per_m[1] * across @ geometry.lateral_rows(),
         torque_force=-geometry.radius_m * along_grip,
         torque_drag=geometry.radius_m * along_free,
@@ -300,7 +310,7 @@ def _exact(term: ForceTerm) -> bool:
 
 
 def _external(model: Model, motion: Motion) -> tuple[Array, Array, Array, Array, Array]:
-    """Box of body wrenches, floor wrench, load changes (2, N), loads per floor force seen in the body."""
+    """Box of body wrenches; floor wrench and its sum of height × force; load changes (2, N) of the rest."""
     terms = model.external.terms
     exact = [t for t in terms if _exact(t)]
     others = replace(model, external=replace(model.external, terms=tuple(t for t in terms if t not in exact)))
@@ -315,8 +325,7 @@ def _external(model: Model, motion: Motion) -> tuple[Array, Array, Array, Array,
             low, high, change = low + wrench, high + wrench, change + height * per @ wrench[:2]
         else:
             floor, tilt = floor + wrench, tilt + height * wrench[:2]
-    part = float(np.hypot(*tilt) / np.hypot(*floor[:2])) if np.any(floor[:2]) else 0.0
-    return low, high, floor, change, part * per
+    return low, high, floor, tilt, change
 
 
 def steady_warnings(model: Model, margin: float) -> tuple[str, ...]:

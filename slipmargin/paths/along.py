@@ -26,6 +26,8 @@ from slipmargin.paths.geometry import Geometry
 
 #: Speeds of a guessed profile are taken this much slower and faster too [1].
 SLOWER, FASTER = 0.9, 1.1
+#: The torque–speed line is touched at no lower ṡ² than this [m²/s²]: at rest its tangent over ṡ² is upright.
+SLOWEST_TOUCHED = 1e-4
 
 
 @final
@@ -110,7 +112,7 @@ def rows_along(
     caps: Caps,
     cap_share: Array,
     load_share: Array,
-    guess: Array | None,
+    guess: Array,
 ) -> Rows:
     """Rows of every interval.
 
@@ -122,7 +124,7 @@ def rows_along(
         Shares of the grip, the motor's torque and the speed caps that may be used.
     load_share : (n, 1)
         Share of its load at constant speed that a wheel may lose.
-    guess : (n + 1,), optional
+    guess : (n + 1,)
         ṡ² of a profile: where the torque–speed line is touched (√x ≤ ½ (√x̄ + x/√x̄), a tangent from
         above, so that the row is safe whatever the guess).
     """
@@ -165,7 +167,7 @@ def rows_along(
 
 
 def _motor(
-    model: Model, geometry: Geometry, assumed: Assumed, torque_share: Array, guess: Array | None
+    model: Model, geometry: Geometry, assumed: Assumed, torque_share: Array, guess: Array
 ) -> tuple[list[Array], list[Array], list[Array]]:
     stall, top = model.drives.stall_torque_N_m, model.drives.max_speed_rad_s
     assert stall is not None
@@ -177,8 +179,7 @@ def _motor(
         for k, sign in enumerate((1.0, -1.0)):
             rate = np.maximum(sign * spin[:, e], 0.0)
             slope = np.zeros_like(rate) if top is None else rate / top
-            at = np.full(len(slope), 1e-4) if guess is None else np.maximum(guess[node], 1e-4)
-            root = np.sqrt(at)[:, None]
+            root = np.sqrt(np.maximum(guess[node], SLOWEST_TOUCHED))[:, None]
             limit = stall * torque_share[:, None]
             left.append(np.einsum("nic,nc->ni", torque.A[k], geometry.push[:, e]))
             right.append(

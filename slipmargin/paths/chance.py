@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.errors import NoSolution
+from slipmargin.errors import InputError, NoSolution
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.limits.uncertainty import Draws
 from slipmargin.limits.uncertainty_motion import needed_shares
@@ -60,8 +60,8 @@ def plan_chance(
             try:
                 tried = plan(model, way, replace(request, share=share))
                 slips = _slipping(model, drawn, trajectory(tried, step_s=step_s), request.contact)
-            except NoSolution:
-                low = share  # a share below what constant speed needs has no plan
+            except (NoSolution, InputError):
+                low = share  # a share below what constant speed, or the speed at its start, needs has no plan
                 continue
             if slips <= chance:
                 low, margin, duration = share, 1.0 - share, tried.duration_s

@@ -5,7 +5,7 @@ Only t, x, y, φ are needed; sampling may be irregular.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -14,20 +14,16 @@ from numba import njit
 from slipmargin.checks import Array, frozen, measurable, real
 from slipmargin.errors import InputError
 from slipmargin.limits.motion_external import tipping
-from slipmargin.limits.motion_friction import friction_in_motion
 from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_rows import torque_use
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.physics.frames import rotate_rows
-from slipmargin.physics.friction_laws import law_share
 
 #: Half the shortest window of a derivative [s]: below it rounded files make noise of accelerations.
 SHORTEST = 0.005
 #: Largest ratio of two neighbouring steps [1]: its square is what is left of the digits of an acceleration.
 MOST_UNEVEN = 1e7
-#: Share of the full drag below which it fades [1].
-FADING = 0.987
 #: Slowest time scaling tried [1].
 SLOWEST = 1e4
 
@@ -214,7 +210,8 @@ def _time_scale(model: Model, course: _Course, share: float, contact: Contact) -
     """Smallest stretch ≥ 1 that makes everything admissible: bracket, then bisection to 1e-6.
 
     Slower is not always safer sample by sample (less braking means less help from drag is needed, never
-    more), but where constant speed itself needs too much grip no stretch helps: infinite.
+    more), but where constant speed itself needs too much grip, at a quarter of the speed still, none helps
+    before drag fades: infinite.
     """
 
     def fits(stretch: float) -> bool:
@@ -230,7 +227,7 @@ def _time_scale(model: Model, course: _Course, share: float, contact: Contact) -
     low = high = 1.0
     while not fits(high):
         low, high = high, 1.25 * high
-        if high > SLOWEST or (high > 4.0 and _fading(model, course, high)):
+        if high > SLOWEST or (low <= 4.0 < high and _coasting(model, course, high, contact) > share):
             return np.inf
     while high - low > 1e-6 * high:
         middle = 0.5 * (low + high)
@@ -238,9 +235,7 @@ def _time_scale(model: Model, course: _Course, share: float, contact: Contact) -
     return high
 
 
-def _fading(model: Model, course: _Course, stretch: float) -> bool:
-    """Whether the motion has become so slow that drag itself fades: slowing down is no cure then."""
-    velocity = rotate_rows(course.pose[:, 2], course.velocity, inverse=True) / stretch
-    friction = friction_in_motion(model, Motion(velocity=velocity, heading=course.pose[:, 2]))
-    share = law_share(model.grip.law, friction.stiffness * np.abs(friction.slide))
-    return bool(np.max(share) < FADING)
+def _coasting(model: Model, course: _Course, stretch: float, contact: Contact) -> float:
+    """Largest share of a wheel's grip that the course needs without any acceleration, time stretched."""
+    still = replace(course, acceleration=np.zeros_like(course.acceleration))
+    return float(np.max(_shares(model, still, contact, stretch)[0]))

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import FASTEST_M_S, Array, real
+from slipmargin.checks import FASTEST_M_S, Array, Index, real
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
@@ -19,8 +19,9 @@ from slipmargin.paths.grid import Grid, grid_of
 from slipmargin.paths.infeasibility import stuck, too_fast
 from slipmargin.paths.path import Path
 
-#: Passes with fixed shares before the dense check begins: the drag has then settled.
-SETTLING = 3
+#: Passes with fixed shares before the dense check begins: at least so many, for the drag to settle, and until
+#: the duration changes by no more than this share, for the torque–speed line to be touched where it is used.
+SETTLING, MOST_SETTLING, SETTLED = 3, 20, 1e-6
 #: Rounds of tightening before giving up.
 ROUNDS = 60
 #: The dense check aims this much below the limit, so that rounding cannot exceed it [1].
@@ -112,8 +113,7 @@ def plan(model: Model, path: Path, request: Request | None = None, *, grid: Grid
     coarse = Geometry.of(model, path, grid, np.array([0.0, 0.5, 1.0]))
     fine = Geometry.of(model, path, grid, np.linspace(0.0, 1.0, FINER + 1))
     work = _Work(model, request, grid, coarse, fine)
-    for _ in range(SETTLING):
-        work.drive()
+    work.settle()
     for k in range(ROUNDS):
         aim = min(AIM * HASTE**k, COARSEST)
         over = work.tighten(work.check(), aim) or work.tighten(seen := work.check(whole=True), aim)
@@ -125,7 +125,7 @@ def plan(model: Model, path: Path, request: Request | None = None, *, grid: Grid
                 grid=grid,
                 x=work.x,
                 u=work.u,
-                highest=work.highest,
+                highest=work.ceiling(),
                 limited_by=work.named(),
                 rows=work.rows,
                 audit=seen,
@@ -173,39 +173,40 @@ class _Work:
             return motion
         return replace(motion, theta=self.turned[0].reshape(-1, self.model.count))
 
-    def drive(self) -> None:
-        """One backward and forward pass."""
+    def settle(self) -> None:
+        """Passes with fixed shares until neither drag nor torque–speed line moves the profile any more."""
+        before = np.inf
+        for k in range(MOST_SETTLING):
+            self.drive()
+            now = duration(self.grid.step, self.x)
+            if k + 1 >= SETTLING and abs(now - before) <= SETTLED * now:
+                break
+            before = now
+
+    def along(self, guess: Array) -> Rows:
+        """The rows of every interval, the torque–speed line being touched at a profile ṡ² (n + 1,)."""
         r = self.request
-        assumed = assume(self.model, self.coarse, self.states(), share=r.share, contact=r.contact)
-        self.rows = rows_along(
+        return rows_along(
             self.model,
             self.coarse,
-            assumed,
+            assume(self.model, self.coarse, self.states(), share=r.share, contact=r.contact),
             share=r.share * self.grip,
             torque_share=r.share * self.torque,
             load_share=r.share * self.load[:, None],
             caps=r.caps,
             cap_share=self.speed,
-            guess=self.x if self.passes else None,
+            guess=guess,
         )
-        w = self.rows
+
+    def drive(self) -> None:
+        """One backward and forward pass."""
+        r = self.request
+        # At first the torque–speed line is touched at the speeds that are asked for, to let them through.
+        asked = max(r.start_m_s, r.end_m_s) ** 2
+        self.rows = w = self.along(self.x if self.passes else np.full_like(self.x, asked))
         x, u, highest = np.zeros_like(self.x), np.zeros_like(self.u), np.zeros_like(self.x)
-        status, j, one, two = core.profile(
-            self.grid.step,
-            w.a[0],
-            w.b[0],
-            w.c[0],
-            w.a[1],
-            w.b[1],
-            w.c[1],
-            w.cap,
-            r.start_m_s**2,
-            r.end_m_s**2,
-            x,
-            u,
-            highest,
-            self.binding,
-        )
+        ends = r.start_m_s**2, r.end_m_s**2
+        status, j, one, two = _passes(self.grid, w, *ends, x, u, highest, self.binding)
         if status in (core.STUCK, core.REST):
             raise stuck(self.model, self.coarse, w, j, one, two, r.share, r.contact)
         if status != core.OK:
@@ -217,6 +218,18 @@ class _Work:
             )
         self.x, self.u, self.highest = x, u, highest
         self.passes += 1
+
+    def ceiling(self) -> Array:
+        """Largest ṡ² (n + 1,) from which the rest can be driven; the torque–speed line is touched there."""
+        drives, highest = self.model.drives, self.highest
+        for _ in range(SETTLING if drives.stall_torque_N_m is not None and drives.max_speed_rad_s else 0):
+            found, (x, u), binding = highest.copy(), (self.x.copy(), self.u.copy()), self.binding.copy()
+            end = self.request.end_m_s**2
+            status, *_ = _passes(self.grid, self.along(highest), 0.0, end, x, u, found, binding)
+            if status != core.OK:
+                break
+            highest = np.maximum(highest, found)
+        return highest
 
     def check(self, *, whole: bool = False) -> Audit:
         """The dense check of the profile, or unless ``whole`` of the intervals that changed since the last.
@@ -268,6 +281,17 @@ class _Work:
         """Where an interval is, in words."""
         x, y = self.coarse.pose[interval, 0, :2]
         return f"at s = {self.grid.s[interval]:.4g} m (x {x:.4g} m, y {y:.4g} m)"
+
+
+def _passes(
+    grid: Grid, w: Rows, start: float, end: float, x: Array, u: Array, highest: Array, binding: Index
+) -> tuple[int, int, int, int]:
+    """The compiled backward and forward pass over rows; ``start`` and ``end`` are ṡ² there."""
+    sides = w.a[0], w.b[0], w.c[0], w.a[1], w.b[1], w.c[1]
+    found: tuple[int, int, int, int] = core.profile(
+        grid.step, *sides, w.cap, start, end, x, u, highest, binding
+    )
+    return found
 
 
 def wheel_angles(model: Model, geometry: Geometry, start: Array) -> Array:

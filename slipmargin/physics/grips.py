@@ -47,6 +47,13 @@ def drive_left(shape: GripShape, coupling: float, by_limit: Array, by_radius: Ar
     return np.asarray(1.0 - coupling * (1.0 - np.sqrt(1.0 - t**2)))
 
 
+def most_across(shape: GripShape, coupling: float, drive: Array, transverse: Array) -> Array:
+    """Largest transverse force per newton of load [1]: μ_T, but of a disc no more than its radius μ_W."""
+    if shape is not GripShape.DISC_STRIP:
+        return transverse
+    return np.asarray(transverse - coupling * np.maximum(transverse - drive, 0.0))
+
+
 def box_support(seen: Array, mu: Array) -> Array:
     """Support of the box."""
     reach = _reach(seen, mu)

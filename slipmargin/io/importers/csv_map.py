@@ -92,11 +92,11 @@ class CsvImporter:
         pose[seen, 2] = np.unwrap(pose[seen, 2])
         pose[~seen] = np.nan
         channels: dict[str, Any] = {field: self._all(table, field) for field, _ in _CHANNELS.values()}
-        t_s, rows, dropped, notes = _si(table, self.map.time), table.rows, table.dropped, table.notes
+        t, rows, dropped, notes = _si(table, self.map.time), table.rows, table.dropped, table.notes
         del table  # a record copies what it holds: a long log need not be there three times
         return Reading(
             source=str(path),
-            record=Record(name=path.stem, t_s=t_s, pose=pose, **channels),
+            record=Record(name=path.stem, t_s=t - t[0], pose=pose, **channels),
             rows=rows,
             dropped=dropped,
             lost_frames=int(np.count_nonzero(~seen)),

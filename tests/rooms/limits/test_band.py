@@ -190,8 +190,8 @@ def test_forces_against_the_motion_are_silent_at_rest() -> None:
 
 
 def test_time_only_runs_forwards() -> None:
-    assert span(Basis.POLYNOMIAL, np.array([2.0, 0.0]), Variable.TIME).min() == 0.0
-    assert span(Basis.POLYNOMIAL, np.array([2.0, 0.0]), Variable.POSITION_X).min() == -2.0
+    assert span(Basis.POLYNOMIAL, np.array([2.0, 0.0]), Variable.TIME, 1).min() == 0.0
+    assert span(Basis.POLYNOMIAL, np.array([2.0, 0.0]), Variable.POSITION_X, 1).min() == -2.0
 
 
 def test_extremes_bracket_the_neutral_value() -> None:

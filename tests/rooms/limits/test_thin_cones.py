@@ -97,14 +97,14 @@ def test_any_coupling_and_any_cable(
 
 def test_values_of_the_unknown_that_change_nothing_count_once_and_the_others_count_as_work() -> None:
     """A sweep with a cable of no stiffness took 20 s: 36 equal programs for each of its headings."""
-    at = np.linspace(0.0, 3.0, 1100)
+    at = np.linspace(0.0, 3.0, 3100)
     shape = GripShape.ELLIPSE
     assert len(bias_samples(held(KIWI, 0.0, shape, 1.0), at)) == 1
     pulled = held(KIWI, 1.0, shape, 1.0)
     different = bias_samples(pulled, at)
-    assert len(different) == len({b.wrench.tobytes() for b in different}) == 25
+    assert len(different) == len({b.wrench.tobytes() for b in different}) == 9
     np.testing.assert_array_equal(different[0].wrench, bias_wrench(pulled, at))
-    with pytest.raises(InputError, match=r"3.3e\+05 wheels in cone programs"):
+    with pytest.raises(InputError, match=r"3.35e\+05 wheels in cone programs"):
         band(pulled, at, Pull())
 
 
