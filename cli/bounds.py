@@ -66,7 +66,7 @@ def bounds(
     import slipmargin as sm
 
     tool, file = (None, None) if export is None else export
-    check_outputs(out, json, report, file, plot=plot)
+    check_outputs(out, json, report, file, plot=plot, reads=(robot,))
     with at_options(
         surface="--surface",
         grip="--grip",

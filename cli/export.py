@@ -51,7 +51,7 @@ def _simulator(form: str) -> Callable[..., None]:
         with at_options(surface="--surface"):
             found = sm.export_simulator(robot, form, surface)
         file = out or Path(f"{found.robot.name}{_ENDINGS[form]}")
-        check_outputs(file, json)
+        check_outputs(file, json, reads=(robot,))
         deliver(found, texts={file: found.text}, json=json)
 
     return export

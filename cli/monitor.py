@@ -42,10 +42,7 @@ def monitor(
     """
     import slipmargin as sm
 
-    check_outputs(out, json, report, plot=plot)
-    for place in (out, plot, report, None if json is None else Path(str(json))):
-        if place is not None and place.exists() and Path(log).exists() and place.samefile(log):
-            refuse(str(place), "is the log itself", "give another file for what is written")
+    check_outputs(out, json, report, plot=plot, reads=(robot, log))
     live = log == "-" and not (out or plot or json or report)
     with (
         read_with_progress(),

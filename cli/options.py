@@ -88,8 +88,11 @@ def check_outputs(
     folder: Path | None = None,
     data_set: Path | None = None,
     replace: bool = False,
+    reads: Sequence[Path | str | None] = (),
 ) -> None:
     """Refuse an output that cannot be written, or a picture of no known kind, before any work is done.
+
+    So is one that stands among what the command ``reads``, or is named twice.
 
     A data set that stands there already is refused unless it may be replaced.
 
@@ -114,9 +117,29 @@ def check_outputs(
         from slipmargin.io.data_set_write import check_data_set_place, check_new
 
         (check_data_set_place if replace else check_new)(data_set)
+    _check_apart((*files, plot), reads)
     check_writable(*files, plot)
     if plot is not None:
         check_format(plot)
+
+
+def _check_apart(files: Sequence[Path | str | None], reads: Sequence[Path | str | None]) -> None:
+    """Refuse a file that would be written twice, or that is read as well: one of the two would be lost."""
+    from slipmargin.errors import InputError
+
+    read = {Path(f).resolve() for f in reads if f is not None and Path(f).is_file()}
+    seen: set[Path] = set()
+    for file in files:
+        if file is None or str(file) == "-":
+            continue
+        place = Path(file).resolve()
+        if place.exists() and not place.is_file():
+            continue  # a device takes everything
+        if place in read:
+            raise InputError("", "is read as well as written", "give the output another name", str(file))
+        if place in seen:
+            raise InputError("", "is asked for twice", "give the outputs two names", str(file))
+        seen.add(place)
 
 
 def deliver(

@@ -83,7 +83,7 @@ def plan(
         refuse(
             "--blend", "is given with --closed", "close the path with a spline, or repeat the first waypoint"
         )
-    check_outputs(out, json, report, plot=plot)
+    check_outputs(out, json, report, export and export[1], plot=plot, reads=(robot, path))
     with at_options(
         surface="--surface",
         margin="--margin",

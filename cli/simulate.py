@@ -62,7 +62,7 @@ def simulate(
     """
     import slipmargin as sm
 
-    check_outputs(out, json, report, plot=plot)
+    check_outputs(out, json, report, plot=plot, reads=(robot, commands))
     recipe = sm.read_robot(robot)
     with (
         stages("simulating", counted=False),

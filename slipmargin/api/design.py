@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from slipmargin.study.study import DesignProblem, Study
     from slipmargin.study.vary import Vary
 
+#: Objectives of the Pareto front where none are asked for.
+_FRONT = "f_worst,start_worst_m_s2"
+
 #: Seconds that a design takes by kind (roughly), and from which total on every core is used.
 COST_S = {"motion": 0.02, "laps": 0.5}
 MANY_S = 15.0
@@ -39,14 +42,15 @@ class DesignResult(Result):
     robust: Robust | None  #: the best in the worst case of what is uncertain
     influences: tuple[Influence, ...]
     work_folder: Path | None
+    dropped: tuple[str, ...] = ()  #: what was asked for and is not computed
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What the robot file says and a study of designs does not use."""
+        """What the robot file says, or was asked for, and a study of designs does not use."""
         from slipmargin.robot.warnings import unused
 
         base = self.study.problem.base
-        return unused(base.robot, base.surface, spread=False, band=False)
+        return (*unused(base.robot, base.surface, spread=False, band=False), *self.dropped)
 
     @property
     def best(self) -> dict[str, Any]:
@@ -161,7 +165,7 @@ def design(
     vary: Sequence[str] | str,
     *,
     objective: str = "f_worst",
-    front: Sequence[str] | str = "f_worst,start_worst_m_s2",
+    front: Sequence[str] | str = _FRONT,
     uncertain: Sequence[str] | str = (),
     static: bool = False,
     laps: bool = False,
@@ -260,6 +264,7 @@ def design(
             robust=sure,
             influences=influences(design, goal) if goal.kind is not Kind.LAPS else (),
             work_folder=folder,
+            dropped=_dropped(front, names),
         )
     except SlipmarginError:
         clear(folder)  # what is refused leaves nothing behind
@@ -315,6 +320,17 @@ def _front(front: Sequence[str] | str, problem: DesignProblem) -> tuple[str, ...
     if len(found) < 2:
         return (goal.name, "f_mean" if goal.name != "f_mean" else "f_worst")
     return found
+
+
+def _dropped(front: Sequence[str] | str, names: tuple[str, ...]) -> tuple[str, ...]:
+    """What to say of objectives that were asked for and that this study does not compute."""
+    if front == _FRONT:
+        return ()
+    asked = [name.strip() for name in (front.split(",") if isinstance(front, str) else front)]
+    lost = [name for name in asked if name not in names]
+    if not lost:
+        return ()
+    return (f"front: {', '.join(lost)} is not computed in this study, the front is of {' and '.join(names)}",)
 
 
 @contextlib.contextmanager

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 METHODS = ("facets", "clarabel", "cvxpy")
 _MOST = 1_000_000
+#: An orientation that was not swept is spoken of if it holds less than those that were by this share [1].
+_WEAKER = 0.01
 
 
 @final
@@ -275,6 +277,7 @@ def sweep(
         if method in ("facets", "cones")
         else difference(model, found.f_max_N, by_facets.f_max_N)
     )
+    warnings = (*warnings, *_beyond(model, phi, found.weakest[1]))
     recommended, likely = found.recommended_N(margin), None
     if drawing is not None:
         likely, more = drawing.counted(model, lambda drawn: lowest_pulls(model, phi, drawn), recommended)
@@ -291,6 +294,23 @@ def sweep(
         outside=outside,
         warnings=warnings,
         slip_chance=likely,
+    )
+
+
+def _beyond(model: Model, phi: Array, least_N: float) -> tuple[str, ...]:
+    """What to say where an orientation that was not asked for holds less than all that were."""
+    from slipmargin.limits import Pull
+    from slipmargin.limits.sweep import limit
+    from slipmargin.report.text import degrees
+
+    every = np.deg2rad(np.arange(0.0, 360.0, 2.0))
+    force = limit(model, every, Pull())
+    at = int(np.argmin(force))
+    if not force[at] < least_N * (1.0 - _WEAKER):
+        return ()
+    return (
+        f"of all orientations the weakest was not swept: {force[at]:.2f} N at φ = {degrees(every[at])}; "
+        "the recommended pull holds for those swept (--from 0 --to 360 sweeps all)",
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass, field, replace
 from typing import final
 
@@ -131,7 +132,7 @@ def plan(model: Model, path: Path, request: Request | None = None, *, grid: Grid
                 audit=seen,
                 passes=work.passes,
             )
-        work.drive()
+        work.drive(request.start_m_s**2, request.end_m_s**2)
     seen = work.check(whole=True)
     i, wheel = np.unravel_index(int(np.argmax(seen.most)), seen.most.shape)
     raise NoSolution(
@@ -175,9 +176,22 @@ class _Work:
 
     def settle(self) -> None:
         """Passes with fixed shares until neither drag nor torque–speed line moves the profile any more."""
+        ends = self.request.start_m_s**2, self.request.end_m_s**2
+        if max(ends) > 0.0 and self.model.drives.stall_torque_N_m is not None:
+            # The torque–speed line is touched where a profile from rest to rest is, and at the ends' speeds.
+            with contextlib.suppress(NoSolution):
+                self._settle(0.0, 0.0)
+            first, last = (
+                np.logical_and.accumulate(x < most) * most
+                for x, most in zip((self.x, self.x[::-1]), ends, strict=True)
+            )
+            self.x = np.maximum(self.x, np.maximum(first, last[::-1]))
+        self._settle(*ends)
+
+    def _settle(self, start: float, end: float) -> None:
         before = np.inf
         for k in range(MOST_SETTLING):
-            self.drive()
+            self.drive(start, end)
             now = duration(self.grid.step, self.x)
             if k + 1 >= SETTLING and abs(now - before) <= SETTLED * now:
                 break
@@ -198,15 +212,12 @@ class _Work:
             guess=guess,
         )
 
-    def drive(self) -> None:
-        """One backward and forward pass."""
+    def drive(self, start: float, end: float) -> None:
+        """One backward and forward pass between these ṡ²; what was found last is where it is linearised."""
         r = self.request
-        # At first the torque–speed line is touched at the speeds that are asked for, to let them through.
-        asked = max(r.start_m_s, r.end_m_s) ** 2
-        self.rows = w = self.along(self.x if self.passes else np.full_like(self.x, asked))
+        self.rows = w = self.along(self.x)
         x, u, highest = np.zeros_like(self.x), np.zeros_like(self.u), np.zeros_like(self.x)
-        ends = r.start_m_s**2, r.end_m_s**2
-        status, j, one, two = _passes(self.grid, w, *ends, x, u, highest, self.binding)
+        status, j, one, two = _passes(self.grid, w, start, end, x, u, highest, self.binding)
         if status in (core.STUCK, core.REST):
             raise stuck(self.model, self.coarse, w, j, one, two, r.share, r.contact)
         if status != core.OK:
@@ -222,11 +233,12 @@ class _Work:
     def ceiling(self) -> Array:
         """Largest ṡ² (n + 1,) from which the rest can be driven; the torque–speed line is touched there."""
         drives, highest = self.model.drives, self.highest
-        for _ in range(SETTLING if drives.stall_torque_N_m is not None and drives.max_speed_rad_s else 0):
+        touched = drives.stall_torque_N_m is not None and drives.max_speed_rad_s is not None
+        for _ in range(MOST_SETTLING if touched else 0):
             found, (x, u), binding = highest.copy(), (self.x.copy(), self.u.copy()), self.binding.copy()
             end = self.request.end_m_s**2
             status, *_ = _passes(self.grid, self.along(highest), 0.0, end, x, u, found, binding)
-            if status != core.OK:
+            if status != core.OK or np.all(found <= highest * (1.0 + 1e-6)):
                 break
             highest = np.maximum(highest, found)
         return highest

@@ -10,7 +10,7 @@ from matplotlib.patches import Polygon
 from slipmargin.checks import Array
 from slipmargin.model import Model
 from slipmargin.physics.convention import Convention
-from slipmargin.physics.frames import moment
+from slipmargin.physics.frames import moment, to_floor
 from slipmargin.plots.style import BLUE, GREY, INK, ORANGE, PALE, styled
 
 #: What the arrow at a wheel means.
@@ -63,20 +63,25 @@ def machine_figure(model: Model) -> Figure:
     return figure
 
 
-def draw_machine(axes: Axes, model: Model, *, numbers: bool = False) -> Axes:
-    """Body, wheels (mecanum: with their rollers' axles) and a wedge at the front, in metres."""
+def draw_machine(axes: Axes, model: Model, *, numbers: bool = False, forwards_up: bool = False) -> Axes:
+    """Body, wheels (mecanum: with their rollers' axles) and a wedge at the front, in metres.
+
+    In the axes of the robot's own convention, or turned so that forwards is up.
+    """
     contacts, reach = model.geometry, _reach(model)
-    mid = contacts.position_m.mean(axis=0)
-    arm = contacts.position_m - mid
-    order = np.argsort(np.arctan2(arm[:, 1], arm[:, 0]))
-    axes.add_patch(Polygon(contacts.position_m[order], closed=True, fc=PALE, ec=GREY, lw=1.0, alpha=0.6))
-    wedge = mid + reach * np.array(
-        [model.convention.from_right_forward(*p) for p in ((-0.13, 0.22), (0.13, 0.22), (0.0, 0.48))]
+    turn = 0.5 * np.pi - model.convention.front_rad if forwards_up else 0.0
+    places, drives, grips = (
+        np.stack(to_floor(turn, *way.T), axis=1)
+        for way in (contacts.position_m, contacts.drive, contacts.grip)
     )
+    mid = places.mean(axis=0)
+    arm = places - mid
+    order = np.argsort(np.arctan2(arm[:, 1], arm[:, 0]))
+    axes.add_patch(Polygon(places[order], closed=True, fc=PALE, ec=GREY, lw=1.0, alpha=0.6))
+    corners = [model.convention.from_right_forward(*p) for p in ((-0.13, 0.22), (0.13, 0.22), (0.0, 0.48))]
+    wedge = mid + reach * np.stack(to_floor(turn, *np.array(corners).T), axis=1)
     axes.add_patch(Polygon(wedge, closed=True, fc=ORANGE, ec="none"))
-    for number, (place, drive, grip) in enumerate(
-        zip(contacts.position_m, contacts.drive, contacts.grip, strict=True), 1
-    ):
+    for number, (place, drive, grip) in enumerate(zip(places, drives, grips, strict=True), 1):
         across = np.array([-drive[1], drive[0]])
         long, wide = 0.25 * reach * drive, 0.09 * reach * across
         axes.add_patch(
@@ -92,7 +97,7 @@ def draw_machine(axes: Axes, model: Model, *, numbers: bool = False) -> Axes:
             along = 0.12 * reach * grip
             axes.plot(*np.stack([place - along, place + along]).T, color="white", lw=1.4, zorder=4)
         if numbers:
-            out = _outwards(place, contacts.position_m)
+            out = _outwards(place, places)
             axes.annotate(str(number), place + 0.36 * reach * out, ha="center", va="center", fontsize=8)
     return axes
 

@@ -139,7 +139,7 @@ def draw_polar(
         else "By direction of the pull, seen from the robot [N]"
     )
     inset = axes.inset_axes((0.385, 0.385, 0.23, 0.23))
-    draw_machine(inset, circle.model)
+    draw_machine(inset, circle.model, forwards_up=True)
     inset.set_aspect("equal")
     inset.margins(0.12)
     inset.set_axis_off()

@@ -144,7 +144,7 @@ def sweep_page(
     gaps = residual[np.isfinite(residual)]
     facts = [
         Fact(
-            label="Safe at every orientation",
+            label="Safe at every orientation swept",
             value=f"{recommended_N:.3g} N",
             note=f"{100 * margin:g} % in reserve",
         ),

@@ -224,3 +224,37 @@ def test_rigid_material_that_grips_less_turns_the_band_over() -> None:
     found = sweep(slick, PHI)
     np.testing.assert_allclose(found.f_high_N, found.f_max_N, rtol=1e-12)
     np.testing.assert_allclose(found.f_low_N, 0.5 * found.f_max_N, rtol=1e-12)
+
+
+def pushed(
+    basis: Basis, shape: tuple[float, float], newton: list[float], grip: GripShape = GripShape.BOX
+) -> Model:
+    """A kiwi that a force over time drags along the floor's −x or +x."""
+    model = nominal_model(kiwi(grip=grip), "paper")
+    term = ForceTerm(
+        variable=Variable.TIME,
+        basis=basis,
+        shape=np.array(shape),
+        coefficients=np.array([newton, [0.0] * len(newton), [0.0] * len(newton)]),
+        frame=Frame.FLOOR,
+    )
+    return replace(model, external=replace(model.external, terms=(term,)))
+
+
+def test_a_push_from_the_start_on_is_over_as_well() -> None:
+    """A push that helps at t = 0 was taken to last: the pull that was recommended slips after it."""
+    at_once, later = (
+        sweep(pushed(Basis.WINDOW, (start, start + 0.1), [-2.0]), PHI).f_low_N for start in (0.0, 0.5)
+    )
+    np.testing.assert_allclose(at_once, later, rtol=1e-9)
+    assert np.all(at_once <= sweep(nominal_model(kiwi(), "paper"), PHI).f_low_N + 1e-9)
+
+
+@pytest.mark.parametrize("shape", [GripShape.ELLIPSE, GripShape.DISC_STRIP])
+def test_the_band_of_a_coupled_grip_sees_every_knot(shape: GripShape) -> None:
+    """A set inside another one holds no more; five values over time missed a peak between them."""
+    hats = (Basis.HATS, (0.0, 6.0), [0.0, 2.5, 0.0, 0.0, 0.0, 0.0, 0.0])
+    box, inside = (sweep(pushed(*hats, grip), PHI).f_low_N for grip in (GripShape.BOX, shape))
+    assert np.all(inside <= box * (1.0 + 1e-7))
+    at_peak = sweep(pushed(Basis.CONSTANT, (1.0, 0.0), [2.5], shape), PHI).f_low_N
+    assert np.all(inside <= at_peak * (1.0 + 1e-7))

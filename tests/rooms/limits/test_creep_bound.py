@@ -72,3 +72,7 @@ def test_the_page_quotes_how_much_more_the_box_promises() -> None:
     ]
     page = " ".join((ROOT / "docs/theory.md").read_text(encoding="utf-8").split())
     assert f"from {min(more):.1f} to {max(more):.0f} % for the three robots there" in page
+
+
+def test_nothing_asked_nothing_creeps() -> None:
+    np.testing.assert_array_equal(proven_creep(nominal_model(kiwi(), "paper"), 0.0), np.zeros(3))

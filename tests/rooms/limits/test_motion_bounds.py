@@ -17,10 +17,15 @@ from slipmargin.limits.bounds_states import States
 from slipmargin.limits.bounds_summary import bounds
 from slipmargin.limits.every_motion import all_motions
 from slipmargin.limits.motion import acceleration_limit
+from slipmargin.limits.motion_friction import friction_in_motion
 from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model, nominal_model
+from slipmargin.physics.terms import Multiplier
+from slipmargin.physics.variables import Basis, Target, Variable
 from slipmargin.robot import GripShape, Motor
+
+HEADINGS = np.deg2rad(np.arange(0.0, 360.0, 30.0))
 
 
 @pytest.fixture
@@ -172,3 +177,40 @@ def test_of_mirrored_directions_the_first_is_the_weakest() -> None:
     swapped = found.starting_m_s2.copy()
     swapped[alike[-1]] = np.nextafter(least, 0.0)
     assert replace(found, starting_m_s2=swapped).weakest == alike[0]
+
+
+@pytest.mark.parametrize(
+    ("basis", "shape"), [(Basis.STEP, (1.0, 0.05)), (Basis.DECAY, (1.0, 1.0)), (Basis.RECIPROCAL, (1.0, 1.0))]
+)
+def test_friction_that_changes_over_time_is_followed_to_its_end(
+    basis: Basis, shape: tuple[float, float]
+) -> None:
+    """A grip that is better only at first promises nothing; time runs forwards only."""
+    plain = nominal_model(kiwi(), "paper")
+    better = {Basis.STEP: 0.5, Basis.DECAY: -0.5, Basis.RECIPROCAL: 0.5}[basis]
+    term = Multiplier(
+        variable=Variable.TIME,
+        basis=basis,
+        shape=np.array(shape),
+        coefficients=np.array([better]),
+        wheels=np.ones(3),
+        target=Target.DRIVE,
+    )
+    warmed = replace(plain, grip=replace(plain.grip, multipliers=(term,)))
+    after = 1.0 if basis is Basis.STEP else 1.5 if basis is Basis.DECAY else 0.5
+    ended = replace(plain, grip=replace(plain.grip, roller=plain.grip.roller * [min(after, 1.0), 1.0]))
+    ways = np.column_stack([np.cos(HEADINGS), np.sin(HEADINGS), np.zeros_like(HEADINGS)])
+    motion = Motion.full_drag(ways)
+    found, want = (acceleration_limit(m, motion, ways).value for m in (warmed, ended))
+    np.testing.assert_allclose(found, want, rtol=1e-4)
+
+
+def test_drag_of_a_disc_is_no_more_than_its_radius() -> None:
+    """Across, a wheel whose transverse coefficient is the larger one slides at the drive one."""
+    model = nominal_model(kiwi(grip=GripShape.DISC_STRIP), "paper")
+    grip = replace(model.grip, roller=np.tile([0.26, 0.6], (3, 1)))
+    motion = Motion.full_drag(np.array([[1.0, 0.3, 0.0]]))
+    found = friction_in_motion(replace(model, grip=grip), motion)
+    assert np.max(np.abs(found.drag_low[0])) == pytest.approx(0.26)
+    boxed = friction_in_motion(replace(model, grip=replace(grip, shape=GripShape.BOX)), motion)
+    assert np.max(np.abs(boxed.drag_low[0])) == pytest.approx(0.6)

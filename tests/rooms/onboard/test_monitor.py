@@ -253,7 +253,7 @@ def test_the_log_itself_is_no_place_for_results(tmp_path: Path, capsys: pytest.C
     log.write_text("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n0,1,2,3\n", encoding="utf-8")
     before = log.read_bytes()
     assert status(["monitor", "ohio-kiwi", str(log), "--surface", "paper", "--out", str(log)]) == 2
-    assert "is the log itself" in capsys.readouterr().err and log.read_bytes() == before
+    assert "is read as well as written" in capsys.readouterr().err and log.read_bytes() == before
 
 
 def test_three_wheels_without_more_channels_are_told_so() -> None:

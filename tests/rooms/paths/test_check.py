@@ -206,3 +206,16 @@ def test_no_torque_at_the_top_speed_is_no_excess() -> None:
         lost = torque_use(MOTORS, np.array([[0.1, -0.1, 0.0]]), speed)
     assert share.tolist() == [[0.0, pytest.approx(1e-18 / 0.9), 1.0]]
     assert lost.tolist() == [[np.inf, np.inf, 0.0]]
+
+
+@pytest.mark.parametrize(("axis", "size", "quick_s", "slow_s"), [(2, 1.5, 0.12, 0.8), (1, 0.005, 0.02, 0.3)])
+def test_what_only_needs_to_be_slower_is_told_how_much(
+    axis: int, size: float, quick_s: float, slow_s: float
+) -> None:
+    """A turn on the spot and a few millimetres at a walking pace: little slides across there at any speed."""
+    t = np.linspace(0.0, 1.0, 61)
+    pose = np.zeros((61, 3))
+    pose[:, axis] = size * (10.0 * t**3 - 15.0 * t**4 + 6.0 * t**5)
+    quick, slow = (check(KIWI, seconds * t, pose, share=0.9) for seconds in (quick_s, slow_s))
+    assert slow.admissible and not quick.admissible
+    assert 1.0 < quick.time_scale_needed < slow_s / quick_s

@@ -247,3 +247,22 @@ def test_an_ellipsoid_limits_like_its_box_along_an_axis() -> None:
     assert round_.duration_s == pytest.approx(2.0 * np.sqrt(1.0 / 0.4), rel=2e-3)  # 1 m at ±0.4 m/s²
     with pytest.raises(NoSolution, match="convex profile"):
         convex_profile(grid.step, replace(found.rows, c=-np.abs(found.rows.c)))
+
+
+@pytest.mark.parametrize(("start", "end"), [(0.3, 0.0), (0.0, 0.3), (0.6, 0.5)])
+def test_a_path_may_begin_and_end_at_speed_whatever_the_motor(start: float, end: float) -> None:
+    """Any stall torque made a start at 0.3 m/s impossible: the torque–speed line was touched at rest."""
+    way = through(np.array([[0.0, 0, 0], [1.0, 0, 0], [2.0, 0, 0]]))
+    found = plan(MODELS["motor"], way, Request(start_m_s=start, end_m_s=end))
+    assert np.sqrt(found.x[[0, -1]]) == pytest.approx([start, end])
+    rest = plan(MODELS["motor"], way)
+    assert found.duration_s < rest.duration_s and np.sqrt(rest.highest[0]) > 0.6
+
+
+def test_motors_are_used_as_far_as_their_line_allows(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three passes ended where each next one still went faster: 6 % of the time on a straight path."""
+    way = through(np.array([[0.0, 0, 0], [1.0, 0, 0], [2.0, 0, 0]]))
+    found = plan(MODELS["motor"], way)
+    monkeypatch.setattr("slipmargin.paths.plan.SETTLING", 40)
+    monkeypatch.setattr("slipmargin.paths.plan.MOST_SETTLING", 40)
+    assert found.duration_s == pytest.approx(plan(MODELS["motor"], way).duration_s, rel=1e-4)
