@@ -177,3 +177,10 @@ def test_a_study_killed_halfway_goes_on_to_the_same_file(tmp_path: Path) -> None
     assert not work.exists()
     whole.communicate(timeout=120)
     assert (tmp_path / "killed" / "f.csv").read_bytes() == (tmp_path / "whole" / "f.csv").read_bytes()
+
+
+def test_an_objective_that_is_not_computed_is_spoken_of(capsys: pytest.CaptureFixture[str]) -> None:
+    assert status([*QUICK, "--front", "start_worst_m_s2,brake_worst_m_s2"]) == 0
+    said = capsys.readouterr().err
+    assert "front: start_worst_m_s2, brake_worst_m_s2 is not computed in this study" in said
+    assert status(QUICK) == 0 and "front" not in capsys.readouterr().err

@@ -11,6 +11,9 @@ import numpy as np
 import pytest
 from slipmargin_cli.main import status
 
+from slipmargin.io.robot_file import read_recipe
+from slipmargin.io.robot_text import write_recipe
+
 WAY = "x_m,y_m,phi_rad\n0,0,0\n0.5,0.3,0.5\n1.0,0,0\n"
 COLUMNS = (
     "t_s,x_m,y_m,phi_rad,vx_m_s,vy_m_s,wz_rad_s,ax_m_s2,ay_m_s2,alpha_rad_s2,"
@@ -234,3 +237,47 @@ def test_the_page_on_ci_shows_real_output(
         codes.append(status(command.split()))
         assert capsys.readouterr().out.partition("\n\n")[0].strip() == expected.strip()
     assert codes == [0, 1]
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (
+            ["plan", "ohio-kiwi", "way.csv", "--surface", "paper", "--out", "way.csv"],
+            "is read as well as written",
+        ),
+        (["sweep", "own.toml", "--surface", "paper", "--report", "own.toml"], "is read as well as written"),
+        (
+            ["bounds", "ohio-kiwi", "--surface", "paper", "--report", "a", "--json", "./a"],
+            "is asked for twice",
+        ),
+        (
+            ["plan", "ohio-kiwi", "way.csv", "--surface", "paper", "--out", "m", "--export", "choreo", "m"],
+            "is asked for twice",
+        ),
+    ],
+)
+def test_no_output_takes_the_place_of_another_file(
+    words: list[str],
+    told: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Waypoints were replaced by their plan, and of two outputs of one name the first was lost."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "way.csv").write_text("x_m,y_m,phi_rad\n0,0,0\n1,0,0\n", encoding="utf-8")
+    (tmp_path / "own.toml").write_text(write_recipe(read_recipe("ohio-kiwi")), encoding="utf-8")
+    before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
+    assert status(words) == 2
+    assert told in capsys.readouterr().err
+    assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
+
+
+def test_a_sweep_says_where_it_did_not_look(capsys: pytest.CaptureFixture[str]) -> None:
+    """What is recommended holds for the orientations swept: of one it was 40 % above the weakest."""
+    assert status(["sweep", "mecanum4", "--surface", "floor", "--step", "200"]) == 0
+    assert "of all orientations the weakest was not swept" in capsys.readouterr().err
+    assert status(["sweep", "mecanum4", "--surface", "floor", "--to", "360"]) == 0
+    assert status(["sweep", "ohio-kiwi", "--surface", "paper"]) == 0
+    assert "not swept" not in capsys.readouterr().err

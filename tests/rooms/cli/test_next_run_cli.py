@@ -14,6 +14,8 @@ from slipmargin_cli.main import status
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.experiment import next_runs as room
 from slipmargin.io.data_set_write import write_data_set
+from slipmargin.io.robot_file import read_recipe
+from slipmargin.io.robot_text import write_recipe
 
 
 @pytest.fixture(scope="module")
@@ -128,3 +130,29 @@ def test_an_interrupted_run_leaves_nothing(
     words = ["--out", str(tmp_path / "next"), "--json", str(tmp_path / "n.json")]
     assert status(["next-run", str(data), *words]) == 130
     assert sorted(p.name for p in tmp_path.iterdir()) == before
+
+
+def test_pulls_take_the_budget_and_words_about_runs_are_spoken_of(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    import slipmargin.diagnosis.pull_diagnosis as pulls_room
+
+    whole, budgets = pulls_room.diagnose_pulls, []
+
+    def hurried(data: object, *, budget_s: float | None, **more: object) -> object:
+        budgets.append(budget_s)
+        return whole(data, budget_s=budget_s, **more)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(pulls_room, "diagnose_pulls", hurried)
+    folder = tmp_path / "pulled"
+    folder.mkdir()
+    (folder / "robot.toml").write_text(write_recipe(read_recipe("ohio-kiwi")), encoding="utf-8")
+    (folder / "dataset.toml").write_text(
+        'schema = 1\nrobot = "robot.toml"\nsurface = "paper"\nwheel_signal = "measured"\n', encoding="utf-8"
+    )
+    rows = [f"{0.3 * k:.2f},{4.5 + 0.1 * (k % 5):.2f}" for k in range(24)]
+    (folder / "pulls.csv").write_text("\n".join(["phi_rad,force_N", *rows]) + "\n", encoding="utf-8")
+    assert status(["next-run", str(folder), "--budget", "1", "--runs", "5", "--space", "3x2"]) == 0
+    said = capsys.readouterr().err
+    assert budgets == [1.0]
+    assert "runs has no effect" in said and "space_m has no effect" in said

@@ -316,3 +316,11 @@ def test_runs_need_to_say_what_their_wheel_columns_are(tmp_path: Path) -> None:
 def test_noise_of_pulls_without_pulls_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="given without pulls"):
         read_data_set(folder(tmp_path, HEAD + "[sigma]\nforce_N = 0.05\n"))
+
+
+def test_any_name_of_a_surface_comes_back(tmp_path: Path) -> None:
+    recipe = read_recipe("robotino")
+    name = '14" lab \\ "left"'
+    robot = replace(recipe.robot, surfaces=tuple(replace(s, name=name) for s in recipe.robot.surfaces[:1]))
+    write_data_set(tmp_path / "d", data_set(recipe=replace(recipe, robot=robot), surface=name))
+    assert read_data_set(tmp_path / "d").surface == name

@@ -47,7 +47,7 @@ def mapped(tmp_path: Path, text: str = MAP) -> CsvImporter:
 
 def test_a_map_reads_what_the_special_importer_reads(tmp_path: Path) -> None:
     mine, special = mapped(tmp_path).read(LOG).record, RobotinoImporter(smooth_s=0.0).read(LOG).record
-    np.testing.assert_allclose(mine.t_s, special.t_s, rtol=1e-15)
+    np.testing.assert_allclose(mine.t_s, special.t_s - special.t_s[0], rtol=1e-12)
     both = special.seen
     np.testing.assert_allclose(mine.pose[both], special.pose[both], rtol=1e-13)
     assert mine.theta is not None and special.theta is not None and mine.current is not None
@@ -207,3 +207,15 @@ def test_a_damaged_bag_is_refused(tmp_path: Path) -> None:
     store.write_bytes(store.read_bytes()[:3000])
     with pytest.raises(InputError, match="is no bag that can be read"):
         importer().read(good)
+
+
+def test_clock_times_begin_at_zero(tmp_path: Path) -> None:
+    """Seconds since 1970 with nine digits were all the same time once they were written."""
+    lines = LOG.read_text(encoding="utf-8").splitlines()
+    late = [row.split(";", 1) for row in lines[3:] if row]
+    rows = [f"{1.7e12 + float(ms):.3f};{rest}" for ms, rest in late]
+    path = tmp_path / "late.csv"
+    path.write_text("\n".join([*lines[:3], *rows]) + "\n", encoding="utf-8")
+    found, plain = (mapped(tmp_path).read(p).record for p in (path, LOG))
+    assert found.t_s[0] == 0.0
+    np.testing.assert_allclose(found.t_s, plain.t_s - plain.t_s[0], atol=1e-3)

@@ -275,3 +275,12 @@ def test_ten_thousand_draws_take_less_than_a_second(shape: GripShape) -> None:
         start = time.process_time()
         lowest_pulls(model, PHI, draws(robot, model, 10_000, 0))
         assert time.process_time() - start < 1.0
+
+
+def test_a_chance_is_found_where_small_shares_cannot_begin_that_fast() -> None:
+    """Its bisection tries margins at which the start speed is too high: that refused the whole plan."""
+    robot, way = unsure(kiwi()), [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
+    fast = {"points": 60, "start_speed_m_s": 1.3}
+    assert sm.plan(robot, "paper", way, **fast).duration_s > 0.0
+    found = sm.plan(robot, "paper", way, chance=0.05, **fast)
+    assert found.plan_chance is not None and found.plan_chance.chance == 0.05

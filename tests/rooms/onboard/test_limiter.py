@@ -19,12 +19,17 @@ from strategies import four_wheels, robots
 import slipmargin as sm
 from slipmargin.effects.catalogue import CATALOGUE
 from slipmargin.errors import InputError
+from slipmargin.limits.bias import bias
 from slipmargin.limits.motion import acceleration_limit
 from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_state import Motion
-from slipmargin.onboard.limiter import utilisation
+from slipmargin.model import nominal_model
+from slipmargin.onboard.limiter import _wrench as external_wrench, utilisation
+from slipmargin.onboard.table import limit_table
 from slipmargin.physics.friction_laws import LAWS
 from slipmargin.physics.grips import GripShape
+from slipmargin.physics.terms import ForceTerm
+from slipmargin.physics.variables import Basis, Frame, Variable
 from slipmargin.robot import Body, Coefficients, LoadRule, Robot, Surface, Wheel
 
 BUILT_IN = (("ohio-kiwi", "paper"), ("mecanum4", "floor"), ("omni4", "floor"), ("robotino", "gray"))
@@ -436,3 +441,31 @@ def test_the_page_quotes_what_was_measured() -> None:
         for name in ("ohio-kiwi", "mecanum4"):
             assert f"{cost[f'{name}, {kind}']['sm_limit_twist']:.2f}" in page
     assert max(row["sm_limit_twist"] for row in cost.values()) <= 1.0
+
+
+def test_a_slope_and_a_force_at_another_height_shift_the_loads_as_they_do_at_rest() -> None:
+    """Their moments need not point where their sum does, nor vanish with it."""
+    robot = four_wheels(load_rule=LoadRule.QUASI_STATIC, com_height_m=0.1)
+    model = nominal_model(robot, "paper")
+
+    def constant(x: float, y: float, height_m: float) -> ForceTerm:
+        return ForceTerm(
+            variable=Variable.UNITY,
+            basis=Basis.CONSTANT,
+            shape=np.array([1.0, 0.0]),
+            coefficients=np.array([[x], [y], [0.0]]),
+            frame=Frame.FLOOR,
+            height_m=height_m,
+        )
+
+    for forces in (
+        (constant(3.0, 0.0, 0.1), constant(-5.0, 1.0, 0.0)),
+        (constant(2.0, 1.0, 0.1), constant(-2.0, -1.0, 0.0)),
+    ):
+        pushed = replace(model, external=replace(model.external, terms=forces))
+        table = limit_table(pushed, 0.1)
+        for phi in (0.0, 0.7, -2.4):
+            _, _, shift = external_wrench(table, np.zeros((1, 3)), np.array([phi]))
+            want = bias(pushed, np.array([phi])).load_N - bias(model, np.array([phi])).load_N
+            np.testing.assert_allclose(shift, want, atol=1e-12 * model.inertia.weight_N)
+            assert np.ptp(want) > 0.1 and table.turned

@@ -16,7 +16,7 @@ from slipmargin.data.pulls import gather_pulls
 from slipmargin.errors import InputError
 from slipmargin.limits import sweep, wrench_set
 from slipmargin.model import Model, nominal_model
-from slipmargin.plots.machine import machine_figure
+from slipmargin.plots.machine import draw_machine, machine_figure
 from slipmargin.plots.polytope import polytope_figure
 from slipmargin.plots.style import check_format, save
 from slipmargin.plots.sweep import draw_sweep, polar_figure, sweep_figure
@@ -129,3 +129,15 @@ def test_other_endings_are_refused(model: Model, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no picture"):
         save(Figure(), tmp_path / "f.jpg")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["ohio-kiwi", "mecanum4"])
+def test_the_robot_in_the_polar_plot_looks_where_the_labels_say(name: str) -> None:
+    """Forwards is up in both conventions; robots in ROS axes had stood turned by a quarter."""
+    found = sm.sweep(name, sm.read_robot(name).robot.surfaces[0].name, step_deg=45.0)
+    model = found.sweep.model
+    axes = Figure().add_subplot()
+    draw_machine(axes, model, forwards_up=True)
+    body, wedge = axes.patches[0].get_xy(), axes.patches[1].get_xy()
+    way = wedge[:-1].mean(axis=0) - body[:-1].mean(axis=0)
+    assert way[1] > 0.0 and abs(way[0]) < 1e-9 * way[1]
