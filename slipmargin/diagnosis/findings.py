@@ -114,11 +114,11 @@ def findings(
     return tuple(found)
 
 
-def doubted(problem: Problem, final: Fit) -> tuple[bool, ...]:
-    """For each effect of a fit, whether it has a name that its evidence does not carry."""
+def doubted(problem: Problem, final: Fit) -> bool:
+    """Whether the evidence of some named effect of a fit does not carry its name."""
     spread, stuck = _spread(problem, final), final.at_bound()
-    return tuple(
-        bool(_doubts(problem, candidate, final.x, span, spread, stuck))
+    return any(
+        _doubts(problem, candidate, final.x, span, spread, stuck)
         for candidate, span in zip(final.structure, spans(final.structure), strict=True)
     )
 

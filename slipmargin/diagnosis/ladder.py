@@ -24,7 +24,7 @@ from slipmargin.data.record import Record
 from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.findings import doubted
-from slipmargin.diagnosis.fit import evaluate, spans
+from slipmargin.diagnosis.fit import evaluate
 from slipmargin.diagnosis.held_out import (
     Prediction,
     by_run,
@@ -47,7 +47,7 @@ from slipmargin.diagnosis.search import (
 )
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
-from slipmargin.diagnosis.state import State, as_good, worthwhile
+from slipmargin.diagnosis.state import State, worthwhile
 from slipmargin.diagnosis.verdict import Judgement, RunErrors, judge, judged
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect
@@ -142,8 +142,7 @@ def check(court: Court, proposed: State, rounds: list[Round], progress: Watch) -
         progress("predicting runs with parameters fitted to others", min(0.9, 0.2 * number))
         found = _put(court, state, rejected)
         if found is not None:
-            found = _further(court, found, rounds, rejected, progress)
-            return _undoubted(court, found, rounds, rejected, progress)
+            return _further(court, found, rounds, rejected, progress)
     plain = court.believed(None)
     errors = by_run(plain.errors, court.runs)
     return Checked(
@@ -172,7 +171,7 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
     idle = [c.label for c, none in zip(state.structure, nothing_sure(state), strict=True) if none]
     failures = judgement.failures + astray
     failures += tuple(f"the runs leave it open that {label} does nothing" for label in idle)
-    if one.chi() <= SETTINGS.noise_chi and any(doubted(state.view, state.fit)):
+    if one.chi() <= SETTINGS.noise_chi and doubted(state.view, state.fit):
         failures += ("so near the noise only a name that its own evidence carries is claimed",)
     if failures:
         rejected.append(
@@ -307,43 +306,6 @@ def _further(
         else:
             least_s = 2.0 * start.view.piece_s
     return replace(_in_all_runs(court, held, rounds, rejected, progress), rejected=tuple(rejected))
-
-
-def _undoubted(
-    court: Court, held: Checked, rounds: list[Round], rejected: list[Rejected], progress: Watch
-) -> Checked:
-    """What holds, with a rival over another variable in the place of a name that is not claimed.
-
-    A law that ends at the edge of what makes sense has become another one: its variable is no more shown
-    than that of a rival that predicts as well and that nothing speaks against.
-    """
-    while held.state is not None and not progress.expired:
-        other = next(_instead(court, held, held.state, rounds, rejected), None)
-        if other is None:
-            break
-        held = other
-    return replace(held, rejected=tuple(rejected))
-
-
-def _instead(
-    court: Court, held: Checked, state: State, rounds: list[Round], rejected: list[Rejected]
-) -> Iterator[Checked]:
-    """The state with a rival in the place of a name that is not claimed, where the runs bear it out."""
-    doubts, own = doubted(state.view, state.fit), spans(state.structure)
-    for index, candidate in enumerate(state.structure):
-        step = next((r for r in rounds if r.taken and r.best is not None and r.best.last is candidate), None)
-        if not doubts[index] or step is None:
-            continue
-        for rival in filter(step.single, step.rivals()):
-            if rival.last.trace is candidate.trace or rival.fit.at_bound():
-                continue
-            structure, x = list(state.structure), [state.fit.x[span] for span in own]
-            structure[index], x[index] = rival.last, rival.fit.x[-rival.last.size :]
-            tried = refitted(state, tuple(structure), np.concatenate(x), court.seen_runs)
-            if as_good(tried, state) and not doubted(tried.view, tried.fit)[index]:
-                found = _put(court, tried, rejected)
-                if found is not None and found.after.chi() <= SETTINGS.as_good_factor * held.after.chi():
-                    yield found
 
 
 def _in_all_runs(

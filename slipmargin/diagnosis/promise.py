@@ -24,6 +24,8 @@ def as_simulated(before: State, screening: Screening) -> Screening:
     """
     base, shares = before.fit, SETTINGS.step_shares
     asked = [e for e in screening.entries if _is_a_form(e)]
+    if not asked:
+        return screening
     effects = [
         build(
             (*base.structure, form),

@@ -12,10 +12,9 @@ from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
 from slipmargin.physics.relief import Profile, Relief
 
-#: Where fits start: ridges across what the runs cover, their lines turned by 10 degrees each.  A ridge that
-#: lies more than its width beside the real one tells nothing of it.
-_AHEAD = tuple(k * pi / 18.0 for k in range(18))
-_AT, _WIDE = tuple(0.07 * k for k in range(-12, 13)), 0.08
+#: Where fits start: wide ridges across what the runs cover, their lines turned by 30 degrees each.
+_AHEAD = tuple(k * pi / 6.0 for k in range(6))
+_AT, _WIDE = (-0.75, -0.25, 0.25, 0.75), 0.2
 
 
 @final

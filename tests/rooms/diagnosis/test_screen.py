@@ -9,16 +9,20 @@ import pytest
 from inventions import force
 from planting import Plant, planted, smooth_kiwi
 
+from slipmargin.checks import Index
 from slipmargin.data.data_set import DataSet
-from slipmargin.diagnosis.candidate import named_candidates
+from slipmargin.diagnosis.candidate import Candidate, named_candidates
+from slipmargin.diagnosis.finalists import finalists
 from slipmargin.diagnosis.general_forms import general_candidates
 from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.promise import as_simulated
 from slipmargin.diagnosis.ranges import ranges
-from slipmargin.diagnosis.search import fitted, take_step
+from slipmargin.diagnosis.search import fitted, screened, take_step
 from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
 from slipmargin.effects.wheel_radius import WheelRadius
@@ -29,6 +33,12 @@ SIGMA = np.array([5e-4, 5e-4, 2e-3])
 
 
 def mapped(data: DataSet, seed: int = 0) -> tuple[MapEntry, ...]:
+    before, candidates, everyone = begun(data)
+    return take_step(before, everyone, candidates, seed, Watch(report=no_progress)).map()
+
+
+def begun(data: DataSet) -> tuple[State, list[Candidate], Index]:
+    """The model as it is fitted to all runs, what may be added, and the runs."""
     sigma = SIGMA if data.sigma is None else data.sigma
     trials = tuple(clean(record, sigma) for record in data.trials)
     problem = Problem.of(data.recipe, data.surface, trials, sigma, False)
@@ -42,7 +52,7 @@ def mapped(data: DataSet, seed: int = 0) -> tuple[MapEntry, ...]:
     before = fitted(problem, (), np.zeros(0), everyone, everyone)
     if before.chi > SETTINGS.far_chi:
         before = fitted(problem.in_pieces(SETTINGS.piece_s), (), np.zeros(0), everyone, everyone)
-    return take_step(before, everyone, candidates, seed, Watch(report=no_progress)).map()
+    return before, candidates, everyone
 
 
 def test_where_nothing_is_missing_no_variable_is_supported() -> None:
@@ -87,3 +97,27 @@ def test_a_wrong_radius_is_traced_to_the_wheel() -> None:
 def test_the_same_seed_gives_the_same_map(seed: int) -> None:
     data = planted(smooth_kiwi(), None, seed=2, count=3, duration_s=1.5, rate_hz=50.0)
     assert mapped(data, seed) == mapped(data, seed)
+
+
+def test_a_form_promises_what_it_takes_off_as_simulated() -> None:
+    """Tangents at rest knew a twentieth of what a twist takes off that friction holds until it slides."""
+    twist = force(Trace.CONSTANT_FORCE, Variable.UNITY, 2, lambda t: 0.3 + 0.0 * t, 0.0, 1.0, Frame.BODY)
+    plant = Plant(name="twist", traces=(Trace.CONSTANT_FORCE,), effects=(twist,))
+    before, candidates, everyone = begun(planted(smooth_kiwi(), plant, seed=5, **SMALL))
+    listed = screened(before, everyone, candidates, 0, Watch(report=no_progress))
+    found = as_simulated(before, listed)
+    both = [(e, new) for e, new in zip(listed.entries, found.entries, strict=True) if e is not new]
+    assert both and all(len(new.parts) == 1 and not new.named for _, new in both)
+    assert all(new.promise >= new.gain == old.gain == old.promise for old, new in both)
+    steady = next(new for _, new in both if new.label.endswith("constant in the body frame"))
+    assert steady.promise > 0.8 * found.total
+    # What promises most is fitted, however little its tangents know of it.
+    unknown = min((new for _, new in both if new.gain > 0.0), key=lambda e: e.gain)
+    chosen = replace(
+        found,
+        entries=tuple(replace(e, promise=2.0 * found.total) if e is unknown else e for e in found.entries),
+    )
+    assert unknown.label in {e.label for e in finalists(chosen, 5)}
+    assert unknown.label not in {e.label for e in finalists(found, 5)}
+    only_names = replace(listed, entries=tuple(e for e in listed.entries if e.named))
+    assert as_simulated(before, only_names) is only_names
