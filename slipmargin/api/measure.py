@@ -10,13 +10,17 @@ import numpy as np
 
 from slipmargin.api.result import Result
 from slipmargin.api.robots import RobotLike, model_of, read_robot
+from slipmargin.checks import Array
 from slipmargin.errors import InputError
+from slipmargin.physics.constants import GRAVITY_M_S2
 
 if TYPE_CHECKING:
     from slipmargin.study.measure import Measured
 
 
 WAYS = ("drive", "transverse")
+#: Coefficients apart by 9.81 within this factor look like kilograms taken for newtons [1].
+_ABOUT = 1.5
 
 
 @final
@@ -129,4 +133,17 @@ def measure(pulls: Path | str, robot: RobotLike, surface: str, *, seed: int = 0)
         found = fit(model, angles, read, seed=seed)
     except InputError as fault:
         raise fault.in_file(str(pulls)) from None
-    return MeasureResult(measured=found, surface=surface, warnings=warnings)
+    return MeasureResult(
+        measured=found, surface=surface, warnings=(*warnings, *_kilograms(model.grip.roller, found.value))
+    )
+
+
+def _kilograms(stated: Array, found: Array) -> tuple[str, ...]:
+    """What to say where pulls look as if they had been read off a scale in kilograms."""
+    factor = float(np.mean(stated) / np.mean(found))
+    if not GRAVITY_M_S2 / _ABOUT < factor < GRAVITY_M_S2 * _ABOUT:
+        return ()
+    return (
+        f"pulls: the robot file's coefficients are {factor:.3g} times these: were the forces read in "
+        "kilograms? force_N is in newtons, 9.81 of them to a kilogram",
+    )

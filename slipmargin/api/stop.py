@@ -84,11 +84,12 @@ class StopResult(Result):
 
         out = [told("longest", far), told("shortest", near)]
         if np.any(np.isfinite(self.use)):
-            apart = np.max(np.abs(self.simulated_m / self.distance_m - 1.0))
+            longer = 100.0 * (self.simulated_m / self.distance_m - 1.0)
             verdict = "keeps the margin" if self.verified else "does NOT keep the margin"
             out.append(
                 f"simulated {self.use.size} stops: {verdict}, uses at most {np.max(self.use):.3f} of a "
-                f"wheel's grip, {1.0 - self.margin:.3g} allowed; distances within {100.0 * apart:.1f} %"
+                f"wheel's grip, {1.0 - self.margin:.3g} allowed; distances differ by "
+                f"{np.nanmin(longer):+.1f} to {np.nanmax(longer):+.1f} %"
             )
             lifted = self.in_air_s > 0.0
             if np.any(lifted):
@@ -125,6 +126,7 @@ class StopResult(Result):
             speed_m_s=self.speed_m_s,
             distance_m=self.distance_m,
             time_s=self.time_s,
+            simulated_m=self.simulated_m,
             limited=self.limited,
             use=self.use,
             verified=self.verified,

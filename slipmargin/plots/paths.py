@@ -138,11 +138,12 @@ def _path(
         handles=marks, loc="outside lower center", ncols=len(marks) if figure.get_figwidth() > 8.0 else 2
     )
     axes.set(xlabel="x [m]", ylabel="y [m]", title=title)
-    for k, put in ((0, axes.set_xlim), (1, axes.set_ylim)):
-        low, high = float(points[:, k].min()), float(points[:, k].max())
-        half = max(0.5 * (high - low) + 0.12 * span, 0.45 * span)
-        put(0.5 * (low + high) - half, 0.5 * (low + high) + half)
-    axes.set_aspect("equal", adjustable="box")
+    low, high = points.min(axis=0), points.max(axis=0)
+    half = np.maximum(0.5 * (high - low) + 0.12 * span, 0.45 * span)
+    axes.update_datalim(np.stack([0.5 * (low + high) - half, 0.5 * (low + high) + half]))
+    axes.margins(0.0)
+    axes.autoscale_view()
+    axes.set_aspect("equal", adjustable="datalim")
     axes.locator_params(nbins=5)
 
 

@@ -15,7 +15,7 @@ from slipmargin.paths.trajectory import Trajectory
 from slipmargin.paths.verify import Verified
 from slipmargin.physics.friction_laws import law_inverse
 from slipmargin.report.page import Fact, Image, Page, Picture, Table
-from slipmargin.report.paths import limiting_wheel
+from slipmargin.report.paths import covered, limiting_wheel
 from slipmargin.report.result_page import result_page
 from slipmargin.report.text import thinned
 from slipmargin.sim.run import Run
@@ -132,11 +132,11 @@ def plan_page(
     at = thinned(len(rows.t_s), _ROWS)
     return result_page(
         title=f"Plan for {p.model.robot} on {p.model.surface}",
-        lead=f"{p.model.robot} can drive this path of {p.path.length:.3g} m in {p.duration_s:.3g} s on "
+        lead=f"{p.model.robot} can drive this path of {covered(rows)} in {p.duration_s:.3g} s on "
         f"{p.model.surface}: no wheel slips, and {100 * (1.0 - share):.3g} % of the grip stays in reserve.",
         good=not slips and not lifts,
         facts=(
-            Fact(label="Time", value=f"{p.duration_s:.4g} s", note=f"for {p.path.length:.4g} m"),
+            Fact(label="Time", value=f"{p.duration_s:.4g} s", note=f"for {covered(rows)}"),
             Fact(label="Top speed", value=f"{speed:.3g} m/s"),
             Fact(label="Most grip used", value=f"{100 * p.max_use:.3g} %", note="of any wheel"),
             Fact(

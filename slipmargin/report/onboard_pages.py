@@ -27,6 +27,7 @@ def stop_page(
     distance_m: Array,
     time_s: Array,
     limited: Sequence[str],
+    simulated_m: Array,
     use: Array,
     verified: bool,
     image: Image,
@@ -35,6 +36,7 @@ def stop_page(
 ) -> Page:
     """How long a stop is in every direction, and what to give the safety system."""
     last, worst = distance_m[:, -1], int(np.argmax(distance_m[:, -1]))
+    longest = float(np.nanmax([last, simulated_m[:, -1]]))
     way = [towards(float(a)) for a in model.convention.from_front(heading_rad)]
     speed, simulated = speed_m_s[-1], bool(np.all(np.isfinite(use)))
     lead = (
@@ -74,7 +76,7 @@ def stop_page(
             ),
         ),
         next_steps=(
-            f"Give a safety scanner {last[worst]:.3g} m and the way driven while the robot reacts.",
+            f"Give a safety scanner {longest:.3g} m and the way driven while the robot reacts.",
             "Let the robot brake like this: `slipmargin export c` writes the limiter that keeps the margin.",
             "Measure one stop and compare: friction decides, and it differs from floor to floor.",
         ),

@@ -16,6 +16,18 @@ from slipmargin.paths.trajectory import Trajectory
 from slipmargin.paths.verify import Verified
 from slipmargin.report.motion import in_air
 
+#: Turns of less than this all along a path are not spoken of [deg].
+_TURNED_DEG = 0.05
+
+
+def covered(rows: Trajectory) -> str:
+    """How far a trajectory goes on the floor, and how far it turns where it does."""
+    way = float(np.sum(np.hypot(*np.diff(rows.pose[:, :2], axis=0).T)))
+    turned = float(np.rad2deg(np.sum(np.abs(np.diff(rows.pose[:, 2])))))
+    if turned < _TURNED_DEG:
+        return f"{way:.4g} m"
+    return f"{way:.4g} m and {turned:.4g}° of turning"
+
 
 def plan_lines(
     p: Plan, rows: Trajectory, proofs: Mapping[str, Verified], likely: PlanChance | None = None
@@ -25,7 +37,7 @@ def plan_lines(
     i, j, k = p.audit.worst
     speed = np.hypot(rows.velocity[:, 0], rows.velocity[:, 1])
     lines = [
-        f"duration    {p.duration_s:.4f} s for {p.path.length:.4g} m, top speed {np.max(speed):.4g} m/s",
+        f"duration    {p.duration_s:.4f} s for {covered(rows)}, top speed {np.max(speed):.4g} m/s",
         f"grip        at most {p.max_use:.6f} of each wheel's grip, {share:g} allowed (checked at "
         f"{p.audit.speed.size} places); highest: wheel {p.model.geometry.names[k]} at "
         f"t = {p.audit.time_s[i, j]:.3f} s",

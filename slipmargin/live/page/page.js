@@ -123,7 +123,7 @@ function facts(data) {
     ["Limit in the weakest direction", `${number(data.weakest.value)} m/s²`,
       `${data.weakest.direction}, slips first: ${data.weakest.wheels.join(", ")}`],
     ["Spinning on the spot", `${number(data.spinning)} rad/s²`, "with the margin"],
-    ["Tips over at", tipping ? `${number(tipping.m_s2)} m/s²` : "not modelled",
+    ["A wheel lifts at", tipping ? `${number(tipping.m_s2)} m/s²` : "not modelled",
       tipping ? `${tipping.wheel} lifts, speeding up ${tipping.direction}` : "the loads do not follow the acceleration"],
   ];
   byId("facts").replaceChildren(...rows.map(([label, value, note]) => {

@@ -65,3 +65,13 @@ def test_a_stop_that_takes_longer_than_ten_minutes_is_none() -> None:
     """Simulated, one of years asked for terabytes; not simulated, it was told as a result."""
     with pytest.raises(NoSolution, match=r"takes .* s: at .* m/s only .* m/s² keep the margin"):
         sm.stop("robotino", "gray", speeds_m_s=[1.0], step_deg=90.0, margin=1.0 - 1e-12)
+
+
+def test_a_safety_scanner_is_given_the_longest_stop_that_was_seen() -> None:
+    """The simulated stops are a little longer than the computed ones: the page named the shorter number."""
+    found = sm.stop("mecanum4", "floor", speeds_m_s=[0.8], step_deg=45.0)
+    longest = max(float(np.max(found.distance_m)), float(np.max(found.simulated_m)))
+    assert f"Give a safety scanner {longest:.3g} m" in found.page_text(None).replace("\xa0", " ")
+    apart = 100.0 * (found.simulated_m / found.distance_m - 1.0)
+    said = f"distances differ by {np.min(apart):+.1f} to {np.max(apart):+.1f} %"
+    assert any(said in line for line in found.lines())

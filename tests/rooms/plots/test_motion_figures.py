@@ -14,8 +14,9 @@ from slipmargin.paths.path import through
 from slipmargin.paths.plan import Request, plan
 from slipmargin.paths.sample import trajectory
 from slipmargin.plots.bounds import bounds_figure
-from slipmargin.plots.paths import check_figure, limiting, plan_figure
+from slipmargin.plots.paths import check_figure, limiting, plan_figure, plan_panels
 from slipmargin.report.bounds import answer
+from slipmargin.report.paths import covered
 
 pytest.importorskip("matplotlib")
 WAY = through(np.array([[0.0, 0.0, 0.0], [0.6, 0.4, 0.4], [1.2, 0.0, 0.0]]))
@@ -72,3 +73,27 @@ def test_bounds_figure() -> None:
     assert "worst roller/rigid state" in [line.get_label() for line in steady.lines]
     assert "curvature" in corner.get_xlabel()
     figure.draw_without_rendering()
+
+
+def test_the_title_of_a_path_with_a_long_legend_is_whole() -> None:
+    """A path as wide as high under three rows of legend had its title cut off above."""
+    model = nominal_model(four_wheels(), "paper")
+    way = through(np.array([[0, 0, 0], [1, 0.5, 0], [2, 0, 1.5708], [2, 1, 1.5708]], dtype=float))
+    found = plan(model, way, Request(share=0.9, points=60))
+    figure = plan_panels(found, trajectory(found, step_s=0.02))["path"]
+    figure.canvas.draw()
+    axes = figure.axes[0]
+    top = axes.title.get_window_extent().y1
+    assert top <= figure.bbox.height and axes.get_aspect() == 1.0
+    low, high = axes.get_xlim()
+    assert low < 0.0 and high > 2.0
+
+
+def test_a_turn_on_the_spot_is_told_as_a_turn() -> None:
+    """The path's parameter counts turning as a way: it was printed as metres."""
+    model = nominal_model(kiwi(), "paper")
+    found = plan(model, through(np.array([[0.0, 0, 0], [0, 0, 1.0]])), Request(points=60))
+    said = covered(trajectory(found, step_s=0.02))
+    assert said.startswith("0 m and 57.") and said.endswith("° of turning")
+    straight = plan(model, through(np.array([[0.0, 0, 0], [1.0, 0, 0]])), Request(points=60))
+    assert covered(trajectory(straight, step_s=0.02)) == "1 m"

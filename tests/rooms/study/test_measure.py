@@ -98,3 +98,14 @@ def test_the_front_door_reads_the_file_that_sweep_reads(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"pulls\.csv"):
         file.write_text("phi_rad,force_N\n0.0,1.0\n", encoding="utf-8")
         sm.measure(file, kiwi(15.0), "paper")
+
+
+def test_a_scale_that_reads_kilograms_is_spoken_of(tmp_path: Path) -> None:
+    """The likeliest mistake with a luggage scale; its coefficients were printed without a word."""
+    model = nominal_model(kiwi(15.0), "paper")
+    force = limit(model, PHI, Pull())
+    for unit, told in ((1.0, False), (9.81, True)):
+        rows = [f"{a:.6f},{f / unit:.6f}" for a, f in zip(PHI, force, strict=True)]
+        (tmp_path / "p.csv").write_text("\n".join(["phi_rad,force_N", *rows]) + "\n", encoding="utf-8")
+        found = sm.measure(tmp_path / "p.csv", kiwi(15.0), "paper")
+        assert any("kilograms" in w for w in found.warnings) == told
