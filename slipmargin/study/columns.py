@@ -107,8 +107,8 @@ def moving_columns(design: RobotOnSurface) -> dict[str, float]:
     values = (
         float(np.min(ahead.starting_m_s2)),
         float(np.mean(ahead.starting_m_s2)),
-        float(np.min(ahead.braking_m_s2)),
-        float(np.mean(ahead.braking_m_s2)),
+        _held(float(np.min(ahead.braking_m_s2))),
+        _held(float(np.mean(ahead.braking_m_s2))),
         float(np.min(unknown.starting_m_s2)),
         float(np.min(bends.held_m_s)),
         spin(model).starting_rad_s2,
@@ -118,6 +118,11 @@ def moving_columns(design: RobotOnSurface) -> dict[str, float]:
         float(np.max(unknown.steady_use)),
     )
     return dict(zip(names_of(Kind.MOTION), values, strict=True))
+
+
+def _held(braking_m_s2: float) -> float:
+    """A limit of braking, or NaN where it is negative: the robot slips there whether it brakes or not."""
+    return braking_m_s2 if braking_m_s2 >= 0.0 else math.nan
 
 
 def lap_columns(design: RobotOnSurface) -> dict[str, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,7 +16,8 @@ from slipmargin.errors import InputError
 from slipmargin.limits import Pull
 from slipmargin.limits.bounds import directions, headings
 from slipmargin.limits.sweep import limit
-from slipmargin.robot import LoadRule
+from slipmargin.robot import Coefficients, LoadRule, Surface
+from slipmargin.study.columns import moving_columns
 from slipmargin.study.evaluate import evaluate
 from slipmargin.study.influence import influences
 from slipmargin.study.laps import benchmark_paths, lap_times
@@ -262,3 +264,13 @@ def test_laps_are_a_column() -> None:
     found = ask(["mu_transverse=0.09,0.26"], (Kind.LAPS,), "laps_s")
     assert np.isnan(found.columns["laps_s"]).tolist() == [False, True] and found.best() == 0
     assert "seconds by path" in str(reason(found.design(0), BY_NAME["laps_s"]))
+
+
+def test_a_design_that_cannot_brake_has_no_braking() -> None:
+    """Wheels in line hold nothing across: −1 500 m/s² stood in the table, and flattened the picture."""
+    same = Coefficients(drive=0.4, transverse=0.4)
+    heavy = Surface(name="heavy", roller=same, rigid=same)
+    robot = replace(kiwi(0.0), surfaces=(heavy,))
+    found = moving_columns(RobotOnSurface(recipe=Recipe(robot=robot), surface="heavy"))
+    for name in ("brake_worst_m_s2", "brake_mean_m_s2"):
+        assert np.isnan(found[name]) or 0.0 <= found[name] < 100.0
