@@ -37,4 +37,4 @@ def finalists(screening: Screening, many: int) -> list[Screened]:
         *forms[: many // 2],
         *[e for e in pairs if e.gain > least][: many // 2],
     ]
-    return sorted(chosen, key=lambda e: -e.promise)
+    return sorted(chosen, key=lambda e: -e.gain)

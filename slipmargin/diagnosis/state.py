@@ -68,8 +68,8 @@ def choose(tried: Sequence[State]) -> State:
     """Of those as good as the best: with names, not stuck at a bound, fewest effects, then the least error.
 
     Of two forms of the same effects that are as good as each other, and of two names whose errors do not
-    differ beyond the spread of the runs, the one with fewer parameters is meant; of two that differ by no
-    more than a log's reconstruction does, the more usual one.
+    differ beyond the spread of the runs or the worth of their parameters, the one with fewer parameters is
+    meant; of two that differ by no more than a log's reconstruction does, the more usual one.
     """
     good = [s for s in tried if as_good(s, tried[0])]
 
@@ -84,7 +84,11 @@ def choose(tried: Sequence[State]) -> State:
         if not s.fit.at_bound()
         and (
             (as_good(s, first) and [c.name for c in s.structure] == names)
-            or (kind(s) == kind(first) and _level(s, first) and s.chi <= first.chi + SETTINGS.least_chi)
+            or (
+                kind(s) == kind(first)
+                and (_level(s, first) or _by_number(s, first))
+                and s.chi <= first.chi + SETTINGS.least_chi
+            )
         )
     ]
     if not simple:
@@ -111,6 +115,16 @@ def _level(one: State, best: State) -> bool:
     gap = one.scores - best.scores
     spread = float(np.std(gap, ddof=1)) * np.sqrt(len(gap)) if len(gap) > 1 else 0.0
     return float(gap.sum()) <= SETTINGS.as_good_errors * spread
+
+
+def _by_number(one: State, best: State) -> bool:
+    """Whether the best owes its smaller error to further parameters: ln(samples) of noise for each.
+
+    (The Bayesian information criterion: G. Schwarz, The Annals of Statistics 6(2), 1978.)
+    """
+    more = len(best.fit.x) - len(one.fit.x)
+    gap = float(one.scores.sum() - best.scores.sum())
+    return more > 0 and gap <= more * np.log(best.samples) * max(1.0, best.chi**2)
 
 
 def worthwhile(before: State, chi: float, named: bool = True) -> bool:

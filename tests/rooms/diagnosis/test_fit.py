@@ -317,8 +317,11 @@ def test_of_two_names_that_the_runs_do_not_tell_apart_the_one_with_fewer_paramet
     now_and_then = np.array([1.5, -1.0, 1.0, -1.0, 1.0, -1.0])
     level = state(rotation, best.scores + now_and_then)
     assert level.chi > best.chi and choose([best, level]).structure == (rotation,)
-    always = state(rotation, best.scores + 1.0)
+    always = state(rotation, best.scores + 2.0)
     assert choose([best, always]).structure == (scale,)
+    # Less in all runs than ln(540) = 6.3 of noise, the worth of one parameter, is no reason for it.
+    by_number = state(rotation, best.scores + 0.9)
+    assert choose([best, by_number]).structure == (rotation,)
 
 
 def test_another_log_that_the_runs_refute_does_not_widen_an_interval() -> None:
