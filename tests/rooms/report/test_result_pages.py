@@ -98,7 +98,7 @@ def test_a_page_stands_alone_and_says_how_it_was_made(pages: dict[str, str], nam
     [
         ("bounds", "good", "mecanum4 on floor may speed up at 1.52 m/s² in any direction: no wheel slips"),
         ("sweep", "good", "Standing on paper, ohio-kiwi holds a pull of 4.42 N at every orientation asked"),
-        ("plan", "good", "mecanum4 can drive this path of 2 m in 2.49 s on floor: no wheel slips"),
+        ("plan", "good", "mecanum4 can drive this path of 2.061 m in 2.49 s on floor: no wheel slips"),
         ("check", "good", "This trajectory can be driven"),
         ("slips", "attention", "does not slip, but leaves too little in reserve"),
         ("simulate", "attention", "After 1.5 s the robot stands 0.5 m from the origin, turned by 0°. All"),
