@@ -127,7 +127,7 @@ def _check_apart(files: Sequence[Path | str | None], reads: Sequence[Path | str 
     """Refuse a file that would be written twice, or that is read as well: one of the two would be lost."""
     from slipmargin.errors import InputError
 
-    read = {Path(f).resolve() for f in reads if f is not None and Path(f).is_file()}
+    read = [Path(f) for f in reads if f is not None and Path(f).is_file()]
     seen: set[Path] = set()
     for file in files:
         if file is None or str(file) == "-":
@@ -135,7 +135,7 @@ def _check_apart(files: Sequence[Path | str | None], reads: Sequence[Path | str 
         place = Path(file).resolve()
         if place.exists() and not place.is_file():
             continue  # a device takes everything
-        if place in read:
+        if place.exists() and any(place.samefile(f) for f in read):
             raise InputError("", "is read as well as written", "give the output another name", str(file))
         if place in seen:
             raise InputError("", "is asked for twice", "give the outputs two names", str(file))

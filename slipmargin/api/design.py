@@ -312,9 +312,8 @@ def _intervals(texts: Sequence[str], grids: Sequence[Vary]) -> tuple[Interval, .
 def _front(front: Sequence[str] | str, problem: DesignProblem) -> tuple[str, ...]:
     from slipmargin.study.objectives import objective
 
-    names = front.split(",") if isinstance(front, str) else front
     with _placed("front"):
-        goals = [objective(name.strip()) for name in names]
+        goals = [objective(name) for name in _asked(front)]
     there, goal = problem.needed(), problem.objective
     found = tuple(g.name for g in goals if g.kind in there)
     if len(found) < 2:
@@ -322,12 +321,15 @@ def _front(front: Sequence[str] | str, problem: DesignProblem) -> tuple[str, ...
     return found
 
 
+def _asked(front: Sequence[str] | str) -> list[str]:
+    return [name.strip() for name in (front.split(",") if isinstance(front, str) else front)]
+
+
 def _dropped(front: Sequence[str] | str, names: tuple[str, ...]) -> tuple[str, ...]:
     """What to say of objectives that were asked for and that this study does not compute."""
     if front == _FRONT:
         return ()
-    asked = [name.strip() for name in (front.split(",") if isinstance(front, str) else front)]
-    lost = [name for name in asked if name not in names]
+    lost = [name for name in _asked(front) if name not in names]
     if not lost:
         return ()
     return (f"front: {', '.join(lost)} is not computed in this study, the front is of {' and '.join(names)}",)

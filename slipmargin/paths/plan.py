@@ -13,7 +13,7 @@ from slipmargin.errors import InputError, NoSolution
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.paths import core
-from slipmargin.paths.along import FASTER, SLOWER, Caps, Rows, assume, rows_along
+from slipmargin.paths.along import FASTER, SLOWER, Assumed, Caps, Rows, assume, rows_along
 from slipmargin.paths.audit import FINER, Audit, audit
 from slipmargin.paths.geometry import Geometry
 from slipmargin.paths.grid import Grid, grid_of
@@ -197,13 +197,18 @@ class _Work:
                 break
             before = now
 
-    def along(self, guess: Array) -> Rows:
+    def assumed(self) -> Assumed:
+        """Friction and external wrenches of every interval, at the speeds of the last profile."""
+        r = self.request
+        return assume(self.model, self.coarse, self.states(), share=r.share, contact=r.contact)
+
+    def along(self, assumed: Assumed, guess: Array) -> Rows:
         """The rows of every interval, the torque–speed line being touched at a profile ṡ² (n + 1,)."""
         r = self.request
         return rows_along(
             self.model,
             self.coarse,
-            assume(self.model, self.coarse, self.states(), share=r.share, contact=r.contact),
+            assumed,
             share=r.share * self.grip,
             torque_share=r.share * self.torque,
             load_share=r.share * self.load[:, None],
@@ -215,7 +220,7 @@ class _Work:
     def drive(self, start: float, end: float) -> None:
         """One backward and forward pass between these ṡ²; what was found last is where it is linearised."""
         r = self.request
-        self.rows = w = self.along(self.x)
+        self.rows = w = self.along(self.assumed(), self.x)
         x, u, highest = np.zeros_like(self.x), np.zeros_like(self.u), np.zeros_like(self.x)
         status, j, one, two = _passes(self.grid, w, start, end, x, u, highest, self.binding)
         if status in (core.STUCK, core.REST):
@@ -233,12 +238,14 @@ class _Work:
     def ceiling(self) -> Array:
         """Largest ṡ² (n + 1,) from which the rest can be driven; the torque–speed line is touched there."""
         drives, highest = self.model.drives, self.highest
-        touched = drives.stall_torque_N_m is not None and drives.max_speed_rad_s is not None
-        for _ in range(MOST_SETTLING if touched else 0):
-            found, (x, u), binding = highest.copy(), (self.x.copy(), self.u.copy()), self.binding.copy()
-            end = self.request.end_m_s**2
-            status, *_ = _passes(self.grid, self.along(highest), 0.0, end, x, u, found, binding)
-            if status != core.OK or np.all(found <= highest * (1.0 + 1e-6)):
+        if drives.stall_torque_N_m is None or drives.max_speed_rad_s is None:
+            return highest
+        assumed, end = self.assumed(), self.request.end_m_s**2
+        for _ in range(MOST_SETTLING):
+            found, x, u = np.zeros_like(highest), np.zeros_like(self.x), np.zeros_like(self.u)
+            binding = np.zeros_like(self.binding)
+            status, *_ = _passes(self.grid, self.along(assumed, highest), 0.0, end, x, u, found, binding)
+            if status != core.OK or np.all(found <= highest * (1.0 + SETTLED)):
                 break
             highest = np.maximum(highest, found)
         return highest

@@ -254,6 +254,10 @@ def test_the_log_itself_is_no_place_for_results(tmp_path: Path, capsys: pytest.C
     before = log.read_bytes()
     assert status(["monitor", "ohio-kiwi", str(log), "--surface", "paper", "--out", str(log)]) == 2
     assert "is read as well as written" in capsys.readouterr().err and log.read_bytes() == before
+    other = tmp_path / "other-name.csv"
+    other.hardlink_to(log)
+    assert status(["monitor", "ohio-kiwi", str(log), "--surface", "paper", "--out", str(other)]) == 2
+    assert "is read as well as written" in capsys.readouterr().err and log.read_bytes() == before
 
 
 def test_three_wheels_without_more_channels_are_told_so() -> None:
