@@ -282,7 +282,9 @@ def _diagnosed(conditions: Ready, s: Searched, seed: int, watch: Watch, budget_s
         last = left_over(s.state if last is None else last.before, (), s.runs, s.candidates, seed, watch)
         remaining = last.map()
     traces = [f.traced_to for f in found]
-    following = () if explained else leads(remaining, turns, last, checked.rejected, traces)
+    following = leads(remaining, turns, last, checked.rejected, traces)
+    if explained:
+        following = tuple(lead for lead in following if not found and lead.stands_out)
     return Diagnosis(
         data_set=data_set.name,
         surface=data_set.surface,

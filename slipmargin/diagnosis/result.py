@@ -11,6 +11,7 @@ from slipmargin.data.repair import Repair
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import Periodicity
 from slipmargin.diagnosis.residual_diagnostics import ResidualDependence
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.verdict import Judgement
 from slipmargin.effects import AnyEffect, Recipe, Trace
 
@@ -117,6 +118,12 @@ class Lead:
     share: float | None = None
     p_value: float | None = None
     candidate: str | None = None
+
+    @property
+    def stands_out(self) -> bool:
+        """Whether runs left out follow the variable as chance makes them no more often than a proposal may."""
+        significant = self.p_value is not None and self.p_value <= SETTINGS.significance
+        return self.source is LeadSource.MAP and significant
 
 
 @final

@@ -72,27 +72,35 @@ def choose(tried: Sequence[State]) -> State:
     meant; of two that differ by no more than a log's reconstruction does, the more usual one.
     """
     good = [s for s in tried if as_good(s, tried[0])]
+    chosen = min(good, key=lambda s: (*_kind(s), s.chi))
+    while len((simpler := _simpler(chosen, good)).fit.x) < len(chosen.fit.x):
+        chosen = simpler
+    return simpler
 
-    def kind(state: State) -> tuple[bool, bool, int]:
-        return not state.named, bool(state.fit.at_bound()), len(state.structure)
 
-    first = min(good, key=lambda s: (*kind(s), s.chi))
-    names = [c.name for c in first.structure]
+def _kind(state: State) -> tuple[bool, bool, int]:
+    """What counts before the error: names, no parameter at a bound, few effects."""
+    return not state.named, bool(state.fit.at_bound()), len(state.structure)
+
+
+def _simpler(chosen: State, good: Sequence[State]) -> State:
+    """The simplest that means the same as the chosen one, or is as good: fewest parameters, then usual."""
+    names = [c.name for c in chosen.structure]
     simple = [
         s
         for s in good
         if not s.fit.at_bound()
         and (
-            (as_good(s, first) and [c.name for c in s.structure] == names)
+            (as_good(s, chosen) and [c.name for c in s.structure] == names)
             or (
-                kind(s) == kind(first)
-                and (_level(s, first) or _by_number(s, first))
-                and s.chi <= first.chi + SETTINGS.least_chi
+                _kind(s) == _kind(chosen)
+                and (_level(s, chosen) or _by_number(s, chosen))
+                and s.chi <= chosen.chi + SETTINGS.least_chi
             )
         )
     ]
     if not simple:
-        return first
+        return chosen
     least = min((len(s.fit.x), s.chi) for s in simple)
     same = [s for s in simple if len(s.fit.x) == least[0] and s.chi <= least[1] + SETTINGS.least_chi]
     return min(same, key=lambda s: (_unusual(s), s.chi))

@@ -43,6 +43,7 @@ class RollingResistance(Effect):
         ),
     )
     variants = (
+        Variant(free=("coefficient",), label="at any speed the same"),
         Variant(free=("coefficient", "viscous_N_s_per_m")),
         Variant(free=("coefficient", "viscous_N_s_per_m", "yaw_share"), label="with its share of yaw"),
     )

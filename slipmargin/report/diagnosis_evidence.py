@@ -182,6 +182,14 @@ def parameters(d: Diagnosis) -> tuple[Block, ...]:
 def next_steps(d: Diagnosis) -> tuple[Block, ...]:
     """Advice: what to confirm, what to separate, how to use the correction; or what was ruled out."""
     if d.verdict is Verdict.NO_MISSING_EFFECT:
+        if d.leads:
+            return (
+                Text(
+                    text="Nothing has to be done: the limits of the model stand as they were. What is left is "
+                    "near the noise, but it is no chance. Whoever wants it smaller looks here:"
+                ),
+                Bullets(items=(*_leads(d), *_drive_next(d)), numbered=True),
+            )
         return (
             Text(
                 text="Nothing. These runs give no reason to add anything to the model, and its limits "
@@ -194,11 +202,7 @@ def next_steps(d: Diagnosis) -> tuple[Block, ...]:
         ruled = sorted({t.traced_to for s in d.steps for t in s.tried}, key=lambda trace: trace.value)
         names = ", ".join(words.VARIABLES[t] for t in ruled)
         items = [
-            f"{words.VARIABLES[lead.traced_to][0].upper()}{words.VARIABLES[lead.traced_to][1:]}: {lead.why}. "
-            f"To confirm or refute it, {lead.next_run}."
-            for lead in d.leads
-        ]
-        items += [
+            *_leads(d),
             *_drive_next(d),
             "Do not trust the limits of this model beyond the error shown above.",
             f"Tried in a general form each, and not borne out by unseen runs: {names}."
@@ -226,6 +230,15 @@ def next_steps(d: Diagnosis) -> tuple[Block, ...]:
         f"(`slipmargin sweep corrected.toml --surface {d.surface}`)."
     )
     return (Bullets(items=tuple(items), numbered=True),)
+
+
+def _leads(d: Diagnosis) -> list[str]:
+    """Each lead with its reason and the run that confirms or refutes it."""
+    return [
+        f"{words.VARIABLES[lead.traced_to][0].upper()}{words.VARIABLES[lead.traced_to][1:]}: {lead.why}. "
+        f"To confirm or refute it, {lead.next_run}."
+        for lead in d.leads
+    ]
 
 
 def _drive_next(d: Diagnosis) -> list[str]:

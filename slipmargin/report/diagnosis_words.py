@@ -42,6 +42,7 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
         return (
             "No missing effect: the model predicts runs it has not seen as well as the noise and the log "
             f"allow (chi {d.after.chi:.3g}; 1 is pure noise)."
+            + (f" The little that is left follows {VARIABLES[d.leads[0].traced_to]}." if d.leads else "")
         )
     if d.verdict is Verdict.UNEXPLAINED:
         return (

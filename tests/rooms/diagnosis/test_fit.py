@@ -19,7 +19,7 @@ from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.state import State, choose
 from slipmargin.diagnosis.watch import Watch
-from slipmargin.effects import AnyEffect, Trace
+from slipmargin.effects import AnyEffect, Effect, Trace
 from slipmargin.effects.camera_rotation import CameraRotation
 from slipmargin.effects.camera_scale import CameraScale
 from slipmargin.effects.dragging_point import DraggingPoint
@@ -52,7 +52,7 @@ class Line:
         return self
 
 
-def candidate(kind: type[CameraScale] | type[CameraRotation]) -> Candidate:
+def candidate(kind: type[Effect]) -> Candidate:
     from slipmargin.diagnosis.candidate import named_candidate
 
     return named_candidate(kind)
@@ -322,6 +322,12 @@ def test_of_two_names_that_the_runs_do_not_tell_apart_the_one_with_fewer_paramet
     # Less in all runs than ln(540) = 6.3 of noise, the worth of one parameter, is no reason for it.
     by_number = state(rotation, best.scores + 0.9)
     assert choose([best, by_number]).structure == (rotation,)
+    # What is no better than the shorter form of a law need not be as good as its longer one.
+    longer = replace(candidate(DraggingPoint), name=scale.name)
+    longest, short = state(longer, best.scores), state(scale, best.scores + 2.0)
+    shortest = state(rotation, best.scores + 2.9)
+    assert choose([longest, shortest]).structure == (longer,)
+    assert choose([longest, short, shortest]).structure == (rotation,)
 
 
 def test_another_log_that_the_runs_refute_does_not_widen_an_interval() -> None:

@@ -44,6 +44,13 @@ def test_the_map_leads_and_what_it_does_not_support_does_not() -> None:
     assert all(x.next_run for x in made)
 
 
+def test_near_the_noise_only_what_chance_hardly_makes_stands_out() -> None:
+    rare = MapEntry(traced_to=Trace.POSITION, form="over position", share=0.2, p_value=0.005)
+    common = replace(rare, traced_to=Trace.HEADING, p_value=0.04)
+    stands_out = {x.traced_to: x.stands_out for x in leads([rare, common], [TURN], None, [], [])}
+    assert stands_out == {Trace.POSITION: True, Trace.HEADING: False, Trace.WHEEL_ANGLE: False}
+
+
 def test_a_variable_is_listed_once_and_not_if_it_was_found() -> None:
     angle = MapEntry(traced_to=Trace.WHEEL_ANGLE, form="once a turn", share=0.1, p_value=0.005)
     assert [x.source for x in leads([angle], [TURN], None, [], [])] == [LeadSource.MAP]

@@ -195,6 +195,13 @@ def test_unexplained_leads_on() -> None:
     assert "First to look at, without proof: the place on the floor" in words.verdict_sentence(unproved)
 
 
+def test_what_stands_out_near_the_noise_leads_on() -> None:
+    found = diagnosis(Verdict.NO_MISSING_EFFECT, leads=(lead(),))
+    said = " ".join(" ".join(read(text_of(found)).text).split())
+    assert "The little that is left follows the place on the floor." in said and words.certain(found)
+    assert "Nothing has to be done" in said and "To confirm or refute it, repeat one manoeuvre" in said
+
+
 def test_what_was_proposed_and_failed_is_shown_with_the_reason() -> None:
     no = Rejected(
         labels=("friction_coefficients",),
