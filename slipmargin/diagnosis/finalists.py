@@ -9,32 +9,35 @@ from slipmargin.diagnosis.settings import SETTINGS
 def finalists(screening: Screening, many: int) -> list[Screened]:
     """What is fitted: the ``many`` best names of the list, half as many general forms, and as many pairs.
 
-    Forms are taken by what they promise as simulated.  A name takes one place, in the form that its tangents
-    put first: the forms of one would keep others out.  The best name is fitted in its other forms too, since
-    tangents say little about which of them is meant.  A pair is fitted only where its two tangents together
+    Single candidates are taken by what they promise.  A name takes one place, in the form that promises
+    most: the forms of one would keep others out.  The best name is fitted in its other forms too, since
+    a list says little about which of them is meant.  A pair is fitted only where its two tangents together
     leave clearly less than any single one.
     """
-    able = [e for e in screening.entries if e.structure and e.gain > 0.0]
-    single = [e for e in able if len(e.parts) == 1]
-    best = single[0].gain if single else 0.0
-    pairs = [
-        e
-        for e in able
-        if len(e.parts) == 2 and screening.total - e.gain < SETTINGS.pair_leaves * (screening.total - best)
-    ]
-    least = SETTINGS.hopeless * max([best, *(e.gain for e in pairs)])
-    names = [e for e in single if e.named and e.gain > least]
+    alone = sorted((e for e in screening.entries if e.structure and len(e.parts) == 1), key=_first_promised)
+    best = max((e.gain for e in alone), default=0.0)
+    enough = screening.total - SETTINGS.pair_leaves * (screening.total - max(0.0, best))
+    pairs = sorted(
+        (e for e in screening.entries if e.structure and len(e.parts) == 2 and e.gain > enough),
+        key=lambda e: -e.gain,
+    )
+    least = SETTINGS.hopeless * max([0.0, best, *(e.gain for e in pairs)])
+    single = [e for e in alone if e.promise > least]
+    names = [e for e in single if e.named]
     of_each: dict[str, Screened] = {}
     for entry in names:
         of_each.setdefault(entry.structure[0].name, entry)
     first = list(of_each.values())[:many]
     other = [e for e in names if e not in first and e.structure[0].name == first[0].structure[0].name]
-    free = [e for e in screening.entries if e.structure and len(e.parts) == 1 and not e.named]
-    forms = sorted((e for e in free if e.promise > least), key=lambda e: -e.promise)
+    forms = [e for e in single if not e.named]
     chosen = [
         *first,
         *other[: many // 2],
         *forms[: many // 2],
         *[e for e in pairs if e.gain > least][: many // 2],
     ]
-    return sorted(chosen, key=lambda e: -e.gain)
+    return sorted(chosen, key=_first_promised)
+
+
+def _first_promised(entry: Screened) -> float:
+    return -entry.promise

@@ -1,8 +1,8 @@
-"""What general forms take off as simulated where their tangents put them.
+"""What candidates take off as simulated where their tangents put them.
 
-A tangent is taken where the form does nothing, and friction that sticks answers a small force hardly at all:
-a steady push or twist takes off four fifths of a residual of which its tangent knows a twentieth.  Named
-effects are simulated at their starts; a form has none but its own step.
+A tangent is taken where a candidate does nothing, and friction that sticks answers a small force hardly at
+all: a steady push or twist takes off four fifths of a residual of which its tangent knows a twentieth, and
+coefficients that are 5 % off came thirtieth in a list that they explain to the noise.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from slipmargin.checks import Array
 from slipmargin.diagnosis.fit import build
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
@@ -18,21 +19,17 @@ from slipmargin.diagnosis.state import State
 
 
 def as_simulated(before: State, screening: Screening) -> Screening:
-    """The list with what each form that stands alone promises: the better of its tangent and a simulation.
+    """The list with what each candidate that stands alone promises: the better of tangent and simulation.
 
     Its step suits the runs that it is simulated in: two parameters' worth of noise is taken off for each.
     """
     base, shares = before.fit, SETTINGS.step_shares
-    asked = [e for e in screening.entries if _is_a_form(e)]
+    asked = [e for e in screening.entries if _stands_alone(e)]
     if not asked:
         return screening
     effects = [
-        build(
-            (*base.structure, form),
-            np.concatenate([base.x, form.null + share * (entry.starts[0] - form.null)]),
-        )
+        build((*base.structure, *entry.structure), np.concatenate([base.x, _part_way(entry, share)]))
         for entry in asked
-        for form in entry.structure
         for share in shares
     ]
     left = before.view.residuals(effects, [base.trials] * len(effects))
@@ -45,6 +42,13 @@ def as_simulated(before: State, screening: Screening) -> Screening:
     return replace(screening, entries=tuple(found.get(e.label, e) for e in screening.entries))
 
 
-def _is_a_form(entry: Screened) -> bool:
-    """Whether it is one free form that may also do nothing."""
-    return len(entry.parts) == 1 and bool(entry.structure) and not entry.named and entry.structure[0].nested
+def _stands_alone(entry: Screened) -> bool:
+    """Whether it is one candidate, not a pair, and no probe."""
+    return len(entry.parts) == 1 and bool(entry.structure)
+
+
+def _part_way(entry: Screened, share: float) -> Array:
+    """Parameters (P,) at a share of the step from null; those that say where or how stay where it led."""
+    candidate, start = entry.structure[0], entry.starts[0]
+    part = np.where(candidate.idle, 1.0, share)
+    return np.asarray(candidate.null + part * (start - candidate.null))
