@@ -121,7 +121,7 @@ class Lead:
 
     @property
     def stands_out(self) -> bool:
-        """Whether runs left out follow the variable as chance makes them no more often than a proposal may."""
+        """Whether chance makes runs left out follow the variable as rarely as a proposal must."""
         significant = self.p_value is not None and self.p_value <= SETTINGS.significance
         return self.source is LeadSource.MAP and significant
 

@@ -34,7 +34,7 @@ class WheelPlay(WheelEffect):
             (0.0, 0.0, 0.5),
             0.005,
             "how far a wheel turns to and fro while its motor is held",
-            starts=(0.02,),
+            starts=(0.02, 0.1, 0.3),
         ),
     )
     counts_in = "simulated motions and diagnose; limits and plans are those of wheels without play"

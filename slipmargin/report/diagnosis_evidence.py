@@ -185,8 +185,8 @@ def next_steps(d: Diagnosis) -> tuple[Block, ...]:
         if d.leads:
             return (
                 Text(
-                    text="Nothing has to be done: the limits of the model stand as they were. What is left is "
-                    "near the noise, but it is no chance. Whoever wants it smaller looks here:"
+                    text="Nothing has to be done: the limits of the model stand as they were. What is left "
+                    "is near the noise, but it is no chance. Whoever wants it smaller looks here:"
                 ),
                 Bullets(items=(*_leads(d), *_drive_next(d)), numbered=True),
             )
