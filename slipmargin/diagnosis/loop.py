@@ -362,7 +362,10 @@ def _events(problem: Problem, effects: tuple[AnyEffect, ...], ordinary: Index) -
 def _verdict(checked: Checked) -> Verdict:
     if checked.state is not None:
         return Verdict.EFFECT_FOUND
-    explained = checked.before.chi() <= SETTINGS.noise_chi
+    before = checked.before
+    explained = (
+        before.chi() <= SETTINGS.noise_chi and before.size(checked.problem.sigma) <= SETTINGS.noise_size
+    )
     return Verdict.NO_MISSING_EFFECT if explained else Verdict.UNEXPLAINED
 
 

@@ -52,6 +52,11 @@ class RunErrors:
         part = np.ix_(rows, np.array(channels))
         return float(np.sqrt(self.squares[part].sum() / max(1.0, self.counts[part].sum())))
 
+    def size(self, sigma: Array) -> float:
+        """Root mean square of the gaps themselves over the noise's ``sigma`` (3,), whitened or not."""
+        assert self.raw is not None
+        return float(np.sqrt(np.sum(self.raw / sigma**2) / max(1.0, self.counts.sum())))
+
     def of_runs(self) -> Array:
         """Chi (R,) of each run."""
         return np.asarray(np.sqrt(self.squares.sum(axis=1) / np.maximum(1.0, self.counts.sum(axis=1))))

@@ -141,7 +141,7 @@ def _range(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> str:
 def _misfit(d: Diagnosis, images: Mapping[str, Image]) -> tuple[Block, ...]:
     worst = max(d.trials, key=lambda t: np.nan_to_num(trial_chi(t, t.before, d)))
     chi = trial_chi(worst, worst.before, d)
-    if d.verdict is Verdict.NO_MISSING_EFFECT:
+    if d.verdict is Verdict.NO_MISSING_EFFECT and chi <= SETTINGS.noise_size:
         first = (
             f"Nothing sticks out. The run that fits worst ({worst.name}) has chi {chi:.3g}: the colours "
             f"below are "

@@ -45,9 +45,12 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
             + (f" The little that is left follows {VARIABLES[d.leads[0].traced_to]}." if d.leads else "")
         )
     if d.verdict is Verdict.UNEXPLAINED:
+        misses = f"chi {d.before.chi:.3g} on held-out runs; 1 is pure noise"
+        if d.before.chi <= SETTINGS.noise_chi:
+            misses += "; errors change as slowly as noise that lasts, but some are larger than it"
         return (
-            f"Unexplained: the model misses something (chi {d.before.chi:.3g} on held-out runs; 1 is pure "
-            f"noise), but no correction holds on runs that it has not seen. {_first_lead(d)}"
+            f"Unexplained: the model misses something ({misses}), but no correction holds on runs that it "
+            f"has not seen. {_first_lead(d)}"
         )
     names = listed([_named(f) for f in d.findings])
     falls = (

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from slipmargin.diagnosis.ladder import Checked
+from slipmargin.diagnosis.loop import _verdict
 from slipmargin.diagnosis.verdict import (
     Judgement,
     RunErrors,
@@ -145,6 +150,24 @@ def test_three_runs_suffice_only_together() -> None:
 def test_a_finding_that_leaves_much_is_in_part() -> None:
     found = judged(errors(15.7), errors(10.0))
     assert found.holds and found.partial
+
+
+@pytest.mark.parametrize(("size", "said"), [(1.5, "NO_MISSING_EFFECT"), (3.3, "UNEXPLAINED")])
+def test_errors_larger_than_the_noise_are_no_noise_however_slow(size: float, said: str) -> None:
+    """Noise that lasts had taken up a lens of 11 mm where the noise is 2 mm: chi 1.29, nothing missing."""
+    sigma = np.array([2e-3, 2e-3, 8e-3])
+    slow = replace(errors(1.2), raw=SAMPLES * np.broadcast_to((size * sigma) ** 2, (10, 3)))
+    assert slow.size(sigma) == pytest.approx(size)
+    checked = Checked(
+        state=None,
+        before=slow,
+        after=slow,
+        judgement=None,
+        problem=SimpleNamespace(sigma=sigma),  # type: ignore[arg-type]
+        phased=False,
+        rejected=(),
+    )
+    assert _verdict(checked).name == said
 
 
 def test_noise_stated_too_large_explains_nothing() -> None:

@@ -202,6 +202,15 @@ def test_what_stands_out_near_the_noise_leads_on() -> None:
     assert "Nothing has to be done" in said and "To confirm or refute it, repeat one manoeuvre" in said
 
 
+def test_errors_larger_than_noise_are_called_no_noise() -> None:
+    slow = diagnosis(Verdict.UNEXPLAINED, before=Score(rmse_position_m=0.011, rmse_heading_rad=9e-3, chi=1.2))
+    assert "as slowly as noise that lasts, but some are larger than it" in words.verdict_sentence(slow)
+    assert "slowly" not in words.verdict_sentence(diagnosis(Verdict.UNEXPLAINED))
+    far = diagnosis(Verdict.NO_MISSING_EFFECT, trials=trials(wrong=1.0))
+    said = " ".join(" ".join(read(text_of(far)).text).split())
+    assert "Nothing sticks out" not in said and "times the noise" in said
+
+
 def test_what_was_proposed_and_failed_is_shown_with_the_reason() -> None:
     no = Rejected(
         labels=("friction_coefficients",),
