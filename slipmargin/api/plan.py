@@ -117,10 +117,9 @@ class PlanResult(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as numbers."""
-        from slipmargin.report.paths import limiting_wheel
+        from slipmargin.report.paths import limiting
 
         p = self.plan
-        names = (*p.model.geometry.names, "cap")
         return {
             "schema": 1,
             "robot": p.model.robot,
@@ -135,7 +134,7 @@ class PlanResult(Result):
             "s_m": p.grid.s,
             "speed_m_s": np.sqrt(p.x),
             "speed_limit_m_s": np.sqrt(p.highest),
-            "limiting": [names[int(k)] for k in limiting_wheel(p)],
+            "limiting": limiting(p),
             "trajectory": self.trajectory.columns(),
             "simulated": {
                 name: {
