@@ -164,8 +164,8 @@ def _profile(axes: Axes, plan: Plan) -> None:
     )
     axes.plot(s, speed, color=BLUE, label="planned")
     axes.set(
-        xlabel="path length s [m]",
-        ylabel="speed along the path [m/s]",
+        xlabel="s: way, turning counted at the wheels [m]",
+        ylabel="ṡ: speed, turning counted [m/s]",
         ylim=(0.0, top),
         xlim=(s[0], s[-1]),
         title="Speed under its limit",

@@ -153,8 +153,9 @@ def plan_page(
             Picture(
                 name="speed",
                 image=images["speed"],
-                alt="Speed along the path under its limit",
-                caption="Speed under the highest speed from which the rest can be driven.",
+                alt="Speed along the path, turning counted, under its limit",
+                caption="Speed under the highest speed from which the rest can be driven. Turning counts as "
+                "the way of the wheels.",
             ),
             _use_picture(images),
         ),

@@ -31,6 +31,9 @@ def test_plan_and_check_figures(robot: object) -> None:
     path, speed, use = figure.axes
     assert f"{found.duration_s:.3f} s" in path.get_title(loc="left")
     assert np.max(speed.lines[-1].get_ydata()) == pytest.approx(np.sqrt(np.max(found.x)))
+    assert "turning counted" in speed.get_xlabel() and speed.get_ylabel().startswith(
+        "ṡ: speed, turning counted"
+    )
     assert [line.get_label() for line in use.lines[: model.count]] == list(rows.wheels)
     near = limiting(rows, 0.9)
     assert np.any(near) and np.all(rows.use[near] > 0.98 * 0.9 * (1.0 - 1e-3))
