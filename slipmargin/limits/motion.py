@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array
-from slipmargin.errors import NoSolution
 from slipmargin.limits.effort import coasting_use, efforts, greatest_torque
 from slipmargin.limits.motion_external import External, least_product
 from slipmargin.limits.motion_friction import Friction, Mask, material_states
@@ -27,7 +26,6 @@ from slipmargin.limits.motion_rows import (
     AccelerationRows,
     Facets,
     acceleration_rows,
-    even_distribution,
     prepare,
 )
 from slipmargin.limits.motion_state import Contact, Motion
@@ -314,66 +312,6 @@ def _ratio(asked: Array, held: Array) -> Array:
     out = np.where(asked > tiny, np.inf, -np.inf)
     np.divide(asked, held, out=out, where=held > tiny)
     return out
-
-
-def drive_shares(model: Model, motion: Motion) -> Array:
-    """Signed share (M, N) of each wheel's drive grip: exact for three wheels, the even distribution for more.
-
-    Positive along ĝ.  All wheels on rollers, or as ``motion.theta`` says.
-    """
-    contact = Contact.ROLLERS if motion.theta is None else Contact.ANGLE
-    _, friction, external = prepare(model, motion, 1.0, contact)
-    a = _acceleration(model, motion)
-    wrench, load = external.middle(a)
-    on_rigid = friction.possible[1] & ~friction.possible[0]
-    drag = 0.5 * np.where(
-        on_rigid, (friction.drag_low + friction.drag_high)[1], (friction.drag_low + friction.drag_high)[0]
-    )
-    wrench = a * model.inertia.diagonal - wrench + (drag * load) @ model.wrench_maps()[1].T
-    grip = np.where(on_rigid, friction.drive[1], friction.drive[0]) * load
-    return np.asarray(wrench @ even_distribution(model).T / np.maximum(grip, 1e-300))
-
-
-def acceleration_polytope(
-    model: Model, motion: Motion, *, share: float = 1.0, contact: Contact = Contact.ROLLERS
-) -> Array:
-    """Vertices (V, 3) of the admissible accelerations (a_x, a_y, α) of the centre of mass at one state.
-
-    Raises
-    ------
-    NoSolution
-        If no acceleration at all is admissible.
-    """
-    from scipy.optimize import linprog
-    from scipy.spatial import HalfspaceIntersection
-
-    rows = acceleration_rows(model, motion.take(slice(0, 1)), share=share, contact=contact)
-    A, b = rows.A[0], rows.b[0]
-    scale = np.array([1.0, 1.0, _lever(model)])  # accelerations of comparable size
-    A = A / scale
-    size = np.linalg.norm(A, axis=1)
-    A, b = A / size[:, None], b / size
-    centre = linprog(
-        np.array([0.0, 0.0, 0.0, -1.0]),
-        A_ub=np.column_stack([A, np.ones(len(A))]),
-        b_ub=b,
-        bounds=[(None, None)] * 4,
-    )
-    if not centre.success or centre.x[3] <= 1e-9:
-        raise NoSolution(
-            "acceleration polytope",
-            "no acceleration is admissible at this state",
-            "use a smaller margin or a motion with less drag",
-            rows,
-        )
-    corners = HalfspaceIntersection(np.column_stack([A, -b]), centre.x[:3]).intersections
-    corners = corners[np.all(np.isfinite(corners), axis=1)]
-    return np.asarray(np.unique(np.round(corners / scale, 12), axis=0))
-
-
-def _lever(model: Model) -> float:
-    """Radius of gyration [m]: α times it compares with a."""
-    return float(np.sqrt(model.inertia.inertia_kg_m2 / model.inertia.mass_kg))
 
 
 def _acceleration(model: Model, motion: Motion) -> Array:
