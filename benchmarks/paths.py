@@ -68,7 +68,7 @@ def facet_rows(way: Path, grid: Grid, count: int = 22, seed: int = 0) -> Rows:
 def solve(rows: Rows, step: Any) -> tuple[Any, Any]:
     """One backward and forward pass from rest to rest."""
     n = len(step)
-    x, u, highest, binding = np.zeros(n + 1), np.zeros(n), np.zeros(n + 1), np.zeros(n, dtype=np.int64)
+    x, u, highest = np.zeros(n + 1), np.zeros(n), np.zeros(n + 1)
     status = core.profile(
         step,
         rows.a[0],
@@ -83,7 +83,6 @@ def solve(rows: Rows, step: Any) -> tuple[Any, Any]:
         x,
         u,
         highest,
-        binding,
     )
     assert status[0] == core.OK, status
     return x, u

@@ -34,7 +34,9 @@ BlendOpt = Annotated[
         help=("Straight lines, corners rounded from M metres before each waypoint (default: a spline)."),
     ),
 ]
-SpeedOpt = Annotated[float, typer.Option(metavar="V", min=0.0, help="Speed along the path [m/s].")]
+SpeedOpt = Annotated[
+    float, typer.Option(metavar="V", min=0.0, help="Speed there [m/s], turning counted at the wheels.")
+]
 MaxSpeedOpt = Annotated[float | None, typer.Option(metavar="V", help="Speed cap [m/s].")]
 MaxYawRateOpt = Annotated[float | None, typer.Option(metavar="W", help="Yaw rate cap [rad/s].")]
 RobustOpt = Annotated[

@@ -76,10 +76,12 @@ class PlanResult(Result):
 
     def summary(self) -> str:
         """Duration, length and the highest grip utilisation."""
+        from slipmargin.report.paths import covered
+
         p = self.plan
         return (
-            f"plan of {p.model.robot} on {p.model.surface}: {p.duration_s:.4f} s for {p.path.length:.4g} m, "
-            f"at most {p.max_use:.4f} of a wheel's grip"
+            f"plan of {p.model.robot} on {p.model.surface}: {p.duration_s:.4f} s for "
+            f"{covered(self.trajectory)}, at most {p.max_use:.4f} of a wheel's grip"
         )
 
     def lines(self) -> list[str]:
@@ -117,10 +119,9 @@ class PlanResult(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as numbers."""
-        from slipmargin.report.paths import limiting_wheel
+        from slipmargin.report.paths import limiting
 
         p = self.plan
-        names = (*p.model.geometry.names, "cap")
         return {
             "schema": 1,
             "robot": p.model.robot,
@@ -135,7 +136,7 @@ class PlanResult(Result):
             "s_m": p.grid.s,
             "speed_m_s": np.sqrt(p.x),
             "speed_limit_m_s": np.sqrt(p.highest),
-            "limiting": [names[int(k)] for k in limiting_wheel(p)],
+            "limiting": limiting(p),
             "trajectory": self.trajectory.columns(),
             "simulated": {
                 name: {
@@ -190,7 +191,7 @@ def plan(
         Straight lines with corners rounded from so many metres before each waypoint [m]; without it the
         path is a spline.
     start_speed_m_s, end_speed_m_s : float
-        Speed along the path at its ends [m/s].
+        Speed at the ends of the path [m/s], turning counted as the way of the wheels.
     max_speed_m_s, max_yaw_rate_rad_s : float, optional
         Caps [m/s, rad/s].
     robust : bool

@@ -42,17 +42,6 @@ def campaign_file(path: Path) -> Path | None:
     return path if path.suffix.lower() == ".toml" else None
 
 
-def read_campaign(path: Path | str) -> tuple[Part, ...]:
-    """The data sets of a campaign, each with the words of its floor, loading and instrument.
-
-    Raises
-    ------
-    InputError
-        With file and key, what is wrong and what to do.
-    """
-    return _read(Path(path))[1]
-
-
 def read_joined(path: Path | str) -> DataSet:
     """All runs of a campaign as one data set.
 

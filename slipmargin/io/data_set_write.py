@@ -10,13 +10,7 @@ from slipmargin.data.data_set import DataSet
 from slipmargin.errors import InputError
 from slipmargin.io.robot_text import quoted, write_recipe
 from slipmargin.io.stage import NEW, OLD, check_possible, staged, sweep
-from slipmargin.io.trial_file import pulls_text, trial_parts, trial_text
-
-
-def data_set_files(data_set: DataSet, comment: str = "") -> dict[str, str]:
-    """The files of a data set: path inside the folder → text."""
-    runs = {f"trials/{trial.name}.csv": trial_text(trial) for trial in data_set.trials}
-    return _small_files(data_set, comment) | runs
+from slipmargin.io.trial_file import pulls_text, trial_parts
 
 
 def _small_files(data_set: DataSet, comment: str) -> dict[str, str]:

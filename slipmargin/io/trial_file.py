@@ -130,13 +130,8 @@ def _check_cells(table: Columns, name: str, wrong: NDArray[np.bool_], cure: str)
         raise InputError(place, f"{name} is {table[name][row]:g}", cure)
 
 
-def trial_text(record: Record) -> str:
-    """A run as the CSV text that :func:`read_trial` reads back; channels nobody has are left out."""
-    return "".join(trial_parts(record))
-
-
 def trial_parts(record: Record) -> Iterator[str]:
-    """:func:`trial_text` in parts, for runs of any length."""
+    """A run as the CSV that :func:`read_trial` reads back, in parts; channels nobody has are left out."""
     columns: dict[str, Array] = {"t_s": record.t_s}
     columns |= {name: record.pose[:, j] for j, name in enumerate(_POSE)}
     for field, pattern in WHEEL_COLUMNS.items():

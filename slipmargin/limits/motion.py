@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array
-from slipmargin.errors import NoSolution
 from slipmargin.limits.effort import coasting_use, efforts, greatest_torque
 from slipmargin.limits.motion_external import External, least_product
 from slipmargin.limits.motion_friction import Friction, Mask, material_states
@@ -27,12 +26,12 @@ from slipmargin.limits.motion_rows import (
     AccelerationRows,
     Facets,
     acceleration_rows,
-    even_distribution,
     prepare,
 )
 from slipmargin.limits.motion_state import Contact, Motion
-from slipmargin.limits.ray_ends import ray_ends
+from slipmargin.limits.ray_ends import SAME, ray_ends
 from slipmargin.limits.realised_limit import decided_by_creep, realised_limit, wheels_of
+from slipmargin.limits.realised_newton import TIED
 from slipmargin.model import Model
 from slipmargin.physics.kinematics import com_acceleration
 
@@ -46,13 +45,15 @@ TORQUE_ROUNDS, TORQUE_CLOSE = 40, 1e-9
 class AccelerationLimit:
     """Limits of M states: ``value`` (M,) multiples of each direction, and the binding row of each.
 
-    Negative: even without acceleration the robot slips.  ``row`` (M,) of ``rows`` is what binds.  Where the
+    Negative: even without acceleration the robot slips.  ``row`` (M,) of ``rows`` is what binds, at the
+    acceleration ``end`` (M, 3) of the centre of mass (NaN where ``value`` is infinite).  Where the
     drag uses up a coupled grip (an ellipse whose wheel slides sideways at full slip) and no multiple is
     admissible, the value is what drag alone does: the component of coasting along the direction.  ``coasts``
     (M,) says where; rollers at an angle, which turning wheels drag along, may push ahead: it is then above 0.
     """
 
     value: Array
+    end: Array
     row: NDArray[np.int64]
     rows: AccelerationRows
     names: tuple[str, ...]
@@ -68,12 +69,19 @@ class AccelerationLimit:
 
     @property
     def wheels(self) -> tuple[tuple[str, ...], ...]:
-        """The wheels that limit each state."""
-        table = [self._named(row) for row in self.rows.wheels]
-        return tuple(
-            self._named(self.rows.spent[m]) if spent else table[k]
-            for m, (k, spent) in enumerate(zip(self.row, self._spent, strict=True))
+        """The wheels that limit each state: those of every row of one cause that binds there.
+
+        Symmetric robots leave several facets at once; which of them ends the ray is chance.
+        """
+        rows = self.rows
+        count = rows.A.shape[1]
+        room = rows.b - np.einsum("mrc,mc->mr", rows.A, self.end)
+        binds = room <= SAME * np.max(np.abs(rows.b), axis=1, keepdims=True)
+        binds &= rows.cause[:count] == rows.cause[self.row, None]
+        limiting = np.where(
+            self._spent[:, None], rows.spent, rows.wheels[self.row] | (binds @ rows.wheels[:count])
         )
+        return tuple(self._named(wheels) for wheels in limiting)
 
     @property
     def _spent(self) -> NDArray[np.bool_]:
@@ -143,25 +151,33 @@ def along_each(
         found, limiting = realised_limit(
             model, rows.friction, rows.external, start, direction, low, value, share=rows.share
         )
-        binds = limiting > 0
-        if np.any(binds):
-            codes, which = np.unique(limiting[binds], return_inverse=True)
-            best[binds] = len(rows.cause) + which.ravel()
-            rows = replace(
-                rows,
-                wheels=np.concatenate([rows.wheels, wheels_of(codes, model.count)]),
-                cause=np.concatenate([rows.cause, np.full(len(codes), GRIP)]),
-            )
+        rows = _with_wheels(rows, GRIP, wheels_of(limiting, model.count), limiting > 0, best)
         value = found
     if rows.torque_N_m is not None and model.count > 3:
-        value, best = _within_torque(model, rows, start, direction, low, value, best)
+        value, rows = _within_torque(model, rows, start, direction, low, value, best)
     coasts = np.isposinf(low) & np.any(rows.spent, axis=1)
+    end = start + np.where(np.isfinite(value), value, np.nan)[..., None] * direction
     return [
         AccelerationLimit(
-            value=_coasted(rows, s, d, v, c), row=b, rows=rows, names=model.geometry.names, coasts=c
+            value=_coasted(rows, s, d, v, c), end=e, row=b, rows=rows, names=model.geometry.names, coasts=c
         )
-        for s, d, v, b, c in zip(start, direction, value, best, coasts, strict=True)
+        for s, d, v, e, b, c in zip(start, direction, value, end, best, coasts, strict=True)
     ]
+
+
+def _with_wheels(
+    rows: AccelerationRows, cause: int, wheels: Mask, where: Mask, best: NDArray[np.int64]
+) -> AccelerationRows:
+    """``rows`` with one more for each set of ``wheels`` (R, M, N), to which ``best`` is set in place."""
+    if not np.any(where):
+        return rows
+    sets, which = np.unique(wheels[where], axis=0, return_inverse=True)
+    best[where] = len(rows.cause) + which.ravel()
+    return replace(
+        rows,
+        wheels=np.concatenate([rows.wheels, sets]),
+        cause=np.concatenate([rows.cause, np.full(len(sets), cause)]),
+    )
 
 
 def _within_torque(
@@ -172,8 +188,8 @@ def _within_torque(
     low: Array,
     value: Array,
     best: NDArray[np.int64],
-) -> tuple[Array, NDArray[np.int64]]:
-    """``value`` (R, M) lowered until the torques of the realised distribution are there, and what binds.
+) -> tuple[Array, AccelerationRows]:
+    """``value`` (R, M) lowered until the torques of the realised distribution are there; ``best`` in place.
 
     The rows of motors take the even distribution, which is a first estimate.
     """
@@ -182,7 +198,7 @@ def _within_torque(
     none = ~np.isfinite(value)
     at = start + np.where(none, 0.0, value)[..., None] * direction
     if np.all(greatest_torque(model, rows.friction, rows.external, at) <= limit.min(axis=0)):
-        return value, best
+        return value, rows
 
     def asked(t: Array) -> Array:
         at = start + np.where(none, 0.0, t)[..., None] * direction
@@ -191,17 +207,17 @@ def _within_torque(
     too_much = asked(value) - 1.0
     over = ~none & (too_much > TORQUE_CLOSE)
     if not np.any(over):
-        return value, best
+        return value, rows
     least = np.where(np.isfinite(low), np.maximum(low, np.minimum(0.0, value)), np.minimum(0.0, value))
     at_least = asked(least) - 1.0
     fits = at_least <= 0.0
     below = _where_it_turns(lambda t: asked(t) - 1.0, least, at_least, value, too_much, over & fits)
-    motors = int(np.flatnonzero(rows.cause == MOTOR)[0])
     at = start + np.where(none, 0.0, below)[..., None] * direction
     torque = efforts(model, rows.friction, rows.external, at).torque_N_m
-    wheel = np.argmax((torque / np.maximum(limit[:, None], 1e-300)).max(axis=0), axis=2)
+    used = (torque / np.maximum(limit[:, None], 1e-300)).max(axis=0)
+    wheels = used >= (1.0 - TIED) * np.max(used, axis=2, keepdims=True)
     found = np.where(fits, below, -np.inf)
-    return np.where(over, found, value), np.where(over, motors + wheel, best)
+    return np.where(over, found, value), _with_wheels(rows, MOTOR, wheels, over, best)
 
 
 def _where_it_turns(
@@ -296,66 +312,6 @@ def _ratio(asked: Array, held: Array) -> Array:
     out = np.where(asked > tiny, np.inf, -np.inf)
     np.divide(asked, held, out=out, where=held > tiny)
     return out
-
-
-def drive_shares(model: Model, motion: Motion) -> Array:
-    """Signed share (M, N) of each wheel's drive grip: exact for three wheels, the even distribution for more.
-
-    Positive along ĝ.  All wheels on rollers, or as ``motion.theta`` says.
-    """
-    contact = Contact.ROLLERS if motion.theta is None else Contact.ANGLE
-    _, friction, external = prepare(model, motion, 1.0, contact)
-    a = _acceleration(model, motion)
-    wrench, load = external.middle(a)
-    on_rigid = friction.possible[1] & ~friction.possible[0]
-    drag = 0.5 * np.where(
-        on_rigid, (friction.drag_low + friction.drag_high)[1], (friction.drag_low + friction.drag_high)[0]
-    )
-    wrench = a * model.inertia.diagonal - wrench + (drag * load) @ model.wrench_maps()[1].T
-    grip = np.where(on_rigid, friction.drive[1], friction.drive[0]) * load
-    return np.asarray(wrench @ even_distribution(model).T / np.maximum(grip, 1e-300))
-
-
-def acceleration_polytope(
-    model: Model, motion: Motion, *, share: float = 1.0, contact: Contact = Contact.ROLLERS
-) -> Array:
-    """Vertices (V, 3) of the admissible accelerations (a_x, a_y, α) of the centre of mass at one state.
-
-    Raises
-    ------
-    NoSolution
-        If no acceleration at all is admissible.
-    """
-    from scipy.optimize import linprog
-    from scipy.spatial import HalfspaceIntersection
-
-    rows = acceleration_rows(model, motion.take(slice(0, 1)), share=share, contact=contact)
-    A, b = rows.A[0], rows.b[0]
-    scale = np.array([1.0, 1.0, _lever(model)])  # accelerations of comparable size
-    A = A / scale
-    size = np.linalg.norm(A, axis=1)
-    A, b = A / size[:, None], b / size
-    centre = linprog(
-        np.array([0.0, 0.0, 0.0, -1.0]),
-        A_ub=np.column_stack([A, np.ones(len(A))]),
-        b_ub=b,
-        bounds=[(None, None)] * 4,
-    )
-    if not centre.success or centre.x[3] <= 1e-9:
-        raise NoSolution(
-            "acceleration polytope",
-            "no acceleration is admissible at this state",
-            "use a smaller margin or a motion with less drag",
-            rows,
-        )
-    corners = HalfspaceIntersection(np.column_stack([A, -b]), centre.x[:3]).intersections
-    corners = corners[np.all(np.isfinite(corners), axis=1)]
-    return np.asarray(np.unique(np.round(corners / scale, 12), axis=0))
-
-
-def _lever(model: Model) -> float:
-    """Radius of gyration [m]: α times it compares with a."""
-    return float(np.sqrt(model.inertia.inertia_kg_m2 / model.inertia.mass_kg))
 
 
 def _acceleration(model: Model, motion: Motion) -> Array:

@@ -12,7 +12,7 @@ from slipmargin.limits.motion_realised import LIGHTEST
 from slipmargin.onboard.c_calls import CALLS, DECLARATIONS
 from slipmargin.onboard.c_code import ROWS
 from slipmargin.onboard.limiter import LARGEST, LEAST_LEFT, SHORTER, tolerance
-from slipmargin.onboard.table import LimitTable, threes
+from slipmargin.onboard.table import CREEPS, LimitTable, threes
 from slipmargin.physics.grips import GripShape
 
 
@@ -93,7 +93,9 @@ def _comment(table: LimitTable, version: str, robot_hash: str, source: str) -> s
         "-ffast-math: it would drop the tests for numbers that are not finite.",
         "",
         f"Units: m, s, rad, kg, N.  Axes: the body frame of the robot file ({table.axes}).",
-        f"Share of the grip that may be used: {table.share:.6g}.  Wheels: {wheels}.",
+        f"Wheels: {wheels}.",
+        f"Share of the grip that may be used: {table.share:.6g}.  What is kept back of the whole:",
+        *(f"  {part:<8.4g} {why}" for part, why in _kept_back(table) if part > 0.0),
         "Most floating-point operations (+ - * / sqrt and comparisons) of a call, whatever the input:",
         *(f"  {name:<22} {count}" for name, count in counts.items()),
         "",
@@ -102,6 +104,15 @@ def _comment(table: LimitTable, version: str, robot_hash: str, source: str) -> s
         "  sm_margin              share of the grip in use now, and the wheel that uses most",
     ]
     return "/*\n" + "\n".join(f" * {line}".rstrip() for line in lines) + "\n */"
+
+
+def _kept_back(table: LimitTable) -> tuple[tuple[float, str], ...]:
+    """What is taken off the whole grip, and why."""
+    return (
+        (table.margin, "the margin"),
+        (CREEPS, "creep, which overshoots where the acceleration changes"),
+        (table.uneven, "uneven creep: a wheel uses that much more than its part of the grip"),
+    )
 
 
 def _plain(text: str) -> str:

@@ -51,8 +51,8 @@ class LimitTable:
 
     Parameters
     ----------
-    share : float
-        λ, the share of the grip that may be used.
+    margin, uneven : float
+        Shares of the grip kept back: the margin, and what creeping wheels use more than the tables take.
     mass : (3,)
         (m, m, I) [kg, kg, kg m²].
     com_m : (2,)
@@ -89,7 +89,8 @@ class LimitTable:
     surface: str
     names: tuple[str, ...]
     axes: str
-    share: float
+    margin: float
+    uneven: float
     law: int
     shape: GripShape
     coupling: float
@@ -132,6 +133,11 @@ class LimitTable:
         }  # fmt: skip
         for name, shape in shapes.items():
             object.__setattr__(self, name, frozen(name, getattr(self, name), shape))
+
+    @property
+    def share(self) -> float:
+        """λ, the share of the grip that may be used."""
+        return 1.0 - self.margin - (CREEPS + self.uneven)
 
     @property
     def count(self) -> int:
@@ -198,8 +204,8 @@ def limit_table(model: Model, margin: float) -> LimitTable:
     InputError
         Where a wheel's drag leaves it no grip to drive.
     """
-    share = 1.0 - margin
-    share -= CREEPS + max(0.0, _uneven(model, share))
+    uneven = max(0.0, _uneven(model, 1.0 - margin))
+    share = 1.0 - margin - (CREEPS + uneven)
     motion = _states(model)
     own = model.grip
     roller, rigid = (
@@ -227,7 +233,8 @@ def limit_table(model: Model, margin: float) -> LimitTable:
         surface=model.surface,
         names=geometry.names,
         axes=f"+x {model.convention.axes[0]}, +y {model.convention.axes[1]}",
-        share=share,
+        margin=margin,
+        uneven=uneven,
         law=model.grip.law,
         shape=model.grip.shape,
         coupling=model.grip.coupling,

@@ -124,7 +124,6 @@ def profile(
     x: Array,
     u: Array,
     highest: Array,
-    binding: NDArray[np.int64],
 ) -> tuple[int, int, int, int]:
     """The fastest profile.
 
@@ -138,9 +137,8 @@ def profile(
         Bounds on x = ṡ² at the grid points.
     x_start, x_end : float
         ṡ² at both ends.
-    x, u, highest, binding : outputs (n + 1,), (n,), (n + 1,), (n,)
-        Profile, accelerations, highest controllable x, and the row (0 … 2R − 1) that limits u (2R: the
-        later path).
+    x, u, highest : outputs (n + 1,), (n,), (n + 1,)
+        Profile, accelerations and highest controllable x.
 
     Returns
     -------
@@ -176,12 +174,11 @@ def profile(
     for j in range(n):
         count, least, most = _gather(A0[j], B0[j], C0[j], A1[j], B1[j], C1[j], step[j], A, B, C, name)
         count = _reach(A, B, C, name, count, rows, step[j], lowest[j + 1], highest[j + 1])
-        low, high, i, k = _width(A, B, C, count, x[j])
+        low, high, _, _ = _width(A, B, C, count, x[j])
         best = high if high >= low else 0.5 * (low + high)
         new = min(max(x[j] + 2.0 * step[j] * best, lowest[j + 1]), highest[j + 1])
         u[j] = (new - x[j]) / (2.0 * step[j])
         x[j + 1] = max(new, 0.0)
-        binding[j] = _named(name, k)
     return OK, 0, -1, -1
 
 

@@ -8,7 +8,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import FASTEST_M_S, Array, Index, real
+from slipmargin.checks import FASTEST_M_S, Array, real
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
@@ -27,6 +27,8 @@ SETTLING, MOST_SETTLING, SETTLED = 3, 20, 1e-6
 ROUNDS = 60
 #: The dense check aims this much below the limit, so that rounding cannot exceed it [1].
 AIM = 2e-7
+#: A row that leaves no more room than this limits the motion [1].
+BINDS = 1e-6
 #: Each further round aims lower by this factor, down to a coarsest aim, so that rounds come to an end [1].
 HASTE, COARSEST = 1.25, 3e-3
 
@@ -63,7 +65,7 @@ class Plan:
     """A time-optimal profile: x = ṡ² (n + 1,), s̈ (n,) and what limits it.
 
     ``highest`` (n + 1,) is the largest ṡ² from which the rest of the path can be driven; ``limited_by``
-    (n,) indexes ``rows.names`` (−1: a speed cap or the rest of the path); ``audit`` holds the dense check.
+    (n,) indexes ``rows.names`` (−1: a speed cap); ``audit`` holds the dense check.
     """
 
     model: Model
@@ -152,7 +154,6 @@ class _Work:
         n = len(grid.step)
         self.grip, self.torque, self.speed, self.load = np.ones((4, n))
         self.x, self.u, self.highest = np.zeros(n + 1), np.zeros(n), np.zeros(n + 1)
-        self.binding = np.zeros(n, dtype=np.int64)
         self.passes = 0
         self.rows: Rows
         self.seen: tuple[Array, Array, Audit] | None = None
@@ -222,7 +223,7 @@ class _Work:
         r = self.request
         self.rows = w = self.along(self.assumed(), self.x)
         x, u, highest = np.zeros_like(self.x), np.zeros_like(self.u), np.zeros_like(self.x)
-        status, j, one, two = _passes(self.grid, w, start, end, x, u, highest, self.binding)
+        status, j, one, two = _passes(self.grid, w, start, end, x, u, highest)
         if status in (core.STUCK, core.REST):
             raise stuck(self.model, self.coarse, w, j, one, two, r.share, r.contact)
         if status != core.OK:
@@ -243,8 +244,7 @@ class _Work:
         assumed, end = self.assumed(), self.request.end_m_s**2
         for _ in range(MOST_SETTLING):
             found, x, u = np.zeros_like(highest), np.zeros_like(self.x), np.zeros_like(self.u)
-            binding = np.zeros_like(self.binding)
-            status, *_ = _passes(self.grid, self.along(assumed, highest), 0.0, end, x, u, found, binding)
+            status, *_ = _passes(self.grid, self.along(assumed, highest), 0.0, end, x, u, found)
             if status != core.OK or np.all(found <= highest * (1.0 + SETTLED)):
                 break
             highest = np.maximum(highest, found)
@@ -292,9 +292,18 @@ class _Work:
         return found
 
     def named(self) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-        """Which kind of row limits each interval (−1: the rest of the path or a cap)."""
-        count = self.rows.a.shape[2]
-        return np.where((self.binding >= 0) & (self.binding < 2 * count), self.binding % count, -1)
+        """The row that leaves each interval no room at one of its ends; −1 where a speed cap does.
+
+        Where neither does, the next interval limits the speed to begin with: what limits that is named.
+        """
+        w, u = self.rows, self.u[:, None]
+        terms = np.stack([w.a * u, w.b * np.stack([self.x[:-1], self.x[1:]])[..., None], -w.c])
+        left = np.min(-np.sum(terms, axis=0) / np.sum(np.abs(terms), axis=0), axis=0)
+        capped = self.x >= (1.0 - BINDS) * w.cap
+        binds = left.min(axis=1) <= BINDS
+        row, n = np.where(binds, np.argmin(left, axis=1), -1), len(u)
+        found = np.where(binds | capped[:-1] | capped[1:], np.arange(n), n - 1)
+        return row[np.minimum.accumulate(found[::-1])[::-1]]
 
     def place(self, interval: int) -> str:
         """Where an interval is, in words."""
@@ -303,13 +312,11 @@ class _Work:
 
 
 def _passes(
-    grid: Grid, w: Rows, start: float, end: float, x: Array, u: Array, highest: Array, binding: Index
+    grid: Grid, w: Rows, start: float, end: float, x: Array, u: Array, highest: Array
 ) -> tuple[int, int, int, int]:
     """The compiled backward and forward pass over rows; ``start`` and ``end`` are ṡ² there."""
     sides = w.a[0], w.b[0], w.c[0], w.a[1], w.b[1], w.c[1]
-    found: tuple[int, int, int, int] = core.profile(
-        grid.step, *sides, w.cap, start, end, x, u, highest, binding
-    )
+    found: tuple[int, int, int, int] = core.profile(grid.step, *sides, w.cap, start, end, x, u, highest)
     return found
 
 

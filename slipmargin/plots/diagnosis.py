@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -24,7 +25,10 @@ from slipmargin.report.diagnosis_words import plain
 _COLUMNS, _CANDIDATES, _VARIABLES, _RUNS = 240, 12, 10, 4
 #: Candidates that make the error this much larger are counted, not drawn [1].
 _HARMFUL = 1.15
-_LONGEST = 46  # characters of a label
+#: Characters of a label of one line, and of a line of a label of two; their sizes [points]: a row is 0.25
+#: inches high.
+_LONGEST, _LONGER = 46, 56
+_ONE_LINE, _TWO_LINES = 8.5, 7.0
 _SIGNS = ("x", "y", "heading")
 BEFORE, AFTER = RED, BLUE
 
@@ -187,10 +191,9 @@ def _candidates(axes: Axes, step: Step, number: int, already: str | None) -> Non
         face = colour if tried.named else "white"
         axes.plot(tried.chi, row, "o", ms=7 if taken else 5, color=colour, mfc=face, mew=1.4, zorder=3)
     axes.axvline(step.chi_before, color=RED, lw=1.4, ls=(0, (4, 2)))
-    axes.set_yticks(
-        range(len(shown)), [f"{_short(t.label, already)}  ({t.parameters})" for t in shown], fontsize=8.5
-    )
+    axes.set_yticks(range(len(shown)), [f"{_short(t.label, already)}  ({t.parameters})" for t in shown])
     for text, tried in zip(axes.get_yticklabels(), shown, strict=True):
+        text.set(fontsize=_TWO_LINES if "\n" in text.get_text() else _ONE_LINE, linespacing=1.05)
         if tried.label == step.taken:
             text.set_fontweight("bold")
     axes.set_ylim(len(shown) - 0.4, -0.6)
@@ -202,11 +205,11 @@ def _candidates(axes: Axes, step: Step, number: int, already: str | None) -> Non
 
 
 def _short(label: str, already: str | None) -> str:
-    """A candidate's label without what is in the model already, and no longer than fits beside the axes."""
+    """A candidate's label without what is in the model already, in two lines where one is too long."""
     if already and label.startswith(f"{already} + "):
         label = label.removeprefix(f"{already} + ")
     text = " + ".join(plain(part) for part in label.split(" + "))
-    return shortened(text, _LONGEST)
+    return textwrap.fill(shortened(text, 2 * _LONGER - 10), _LONGEST if len(text) <= _LONGEST else _LONGER)
 
 
 def shortened(text: str, longest: int) -> str:
@@ -285,5 +288,11 @@ def held_out_figure(diagnosis: Diagnosis) -> Figure:
     ]
     if both:
         marks.append(Line2D([], [], color=AFTER, label="predicted with what was found"))
-    figure.legend(handles=marks, loc="outside upper left", ncols=3)
+    figure.legend(
+        handles=marks,
+        loc="outside upper left",
+        ncols=3,
+        title="Each prediction begins at the pose that fits its run best,\nnot at the first sample",
+        alignment="left",
+    )
     return figure

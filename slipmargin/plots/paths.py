@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
-from slipmargin.checks import Array
 from slipmargin.model import Model
 from slipmargin.paths.check import Check
 from slipmargin.paths.plan import Plan
@@ -23,6 +23,8 @@ from slipmargin.plots.style import BLUE, GREY, INK, PALE, PANEL, RED, WHEELS, be
 _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)))
 #: A wheel limits the pace where it uses more than this share of what it may [1].
 NEAR = 0.98
+#: Wheels whose use differs by less than this part are near it together [1].
+TIED = 1e-4
 
 
 @styled
@@ -101,10 +103,11 @@ def _path(
     convention: Convention,
     more: Sequence[Line2D] = (),
 ) -> None:
-    who = limiting(rows, share)
+    kinds, who = np.unique(limiting(rows, share), axis=0, return_inverse=True)
+    tones = _tones(kinds)
     points = rows.pose[:, :2]
     segments = np.stack([points[:-1], points[1:]], axis=1)
-    colours = [GREY if k < 0 else WHEELS[int(k) % len(WHEELS)] for k in who[:-1]]
+    colours = [tones[int(k)] for k in who.ravel()[:-1]]
     axes.add_collection(LineCollection(list(segments), colors=colours, linewidths=3.2, capstyle="round"))
     span = max(float(np.ptp(points[:, 0])), float(np.ptp(points[:, 1])), 1e-3)
     at = np.linspace(0, len(points) - 1, 13).astype(int)
@@ -124,9 +127,9 @@ def _path(
     )
     axes.plot(*points[0], marker="o", ms=6, color=INK, zorder=5)
     marks = [
-        Line2D([], [], color=WHEELS[k % len(WHEELS)], lw=3.2, label=f"wheel {name}")
-        for k, name in enumerate(rows.wheels)
-        if np.any(who == k)
+        Line2D([], [], color=tone, lw=3.2, label=_named(rows.wheels, near))
+        for tone, near in zip(tones, kinds, strict=True)
+        if np.any(near)
     ]
     marks.append(Line2D([], [], color=GREY, lw=3.2, label="no wheel near its limit"))
     marks.append(Line2D([], [], color=INK, lw=0, marker=">", ms=7, label="front of the robot"))
@@ -161,8 +164,8 @@ def _profile(axes: Axes, plan: Plan) -> None:
     )
     axes.plot(s, speed, color=BLUE, label="planned")
     axes.set(
-        xlabel="path length s [m]",
-        ylabel="speed along the path [m/s]",
+        xlabel="s: way, turning counted at the wheels [m]",
+        ylabel="ṡ: speed, turning counted [m/s]",
         ylim=(0.0, top),
         xlim=(s[0], s[-1]),
         title="Speed under its limit",
@@ -203,6 +206,20 @@ def _use(axes: Axes, rows: Trajectory, share: float, title: str) -> None:
     below(axes, 4)
 
 
-def limiting(rows: Trajectory, share: float) -> Array:
-    """(T,) index of the wheel near its limit at every sample, −1 where none is."""
-    return np.where(rows.use.max(axis=1) > NEAR * share, rows.use.argmax(axis=1), -1)
+def limiting(rows: Trajectory, share: float) -> NDArray[np.bool_]:
+    """(T, N) the wheel near its limit at every sample, of several all that tie; none where none is near."""
+    most = rows.use.max(axis=1, keepdims=True)
+    return np.asarray((most > NEAR * share) & (rows.use >= (1.0 - TIED) * most))
+
+
+def _tones(kinds: NDArray[np.bool_]) -> list[str]:
+    """A colour for each set of wheels (K, N): a wheel's own, for several together one that no wheel has."""
+    together = iter(range(kinds.shape[1], kinds.shape[1] + len(kinds)))
+    numbers = [int(np.argmax(near)) if near.sum() == 1 else next(together) for near in kinds]
+    return [WHEELS[k % len(WHEELS)] if np.any(near) else GREY for k, near in zip(numbers, kinds, strict=True)]
+
+
+def _named(wheels: Sequence[str], near: NDArray[np.bool_]) -> str:
+    if np.all(near):
+        return "all wheels"
+    return f"wheel{'s' if near.sum() > 1 else ''} {', '.join(np.array(wheels)[near])}"

@@ -141,13 +141,12 @@ def draw_heat(axes: Axes, study: Study, name: str) -> Axes:
     assert isinstance(figure, Figure)
     figure.colorbar(image, ax=axes, label="" if goal.unit == "1" else goal.unit)
     others = [k for k in range(len(study.keys)) if k not in (first, second)]
-    tied = [
+    winners = study.winners(name)
+    shown = [
         study.values[row]
-        for row in study.ties(name)
+        for row in winners
         if all(study.values[row][k] == study.values[best][k] for k in others)
     ]
-    alike = len(study.ties(name)) == np.count_nonzero(~np.isnan(study.columns[name]))
-    shown = [] if alike else tied
     axes.plot(
         [float(at[first]) for at in shown],
         [float(at[second]) for at in shown],
@@ -156,7 +155,7 @@ def draw_heat(axes: Axes, study: Study, name: str) -> Axes:
         mfc="white",
         mec=INK,
         ls="none",
-        label="every design alike" if alike else "best of the grid",
+        label="best of the grid" if len(winners) else "every design alike",
         clip_on=False,
         zorder=5,
     )
@@ -214,10 +213,19 @@ def _line(axes: Axes, study: Study, values: Array, label: str, colour: str, styl
 
 
 def _mark_best(axes: Axes, study: Study, goal: Objective) -> None:
-    best = study.best()
+    best = study.winners(goal.name)
     index = np.unravel_index(best, [len(g.values) for g in study.problem.grids])
-    at, value = _positions(study)[int(index[_main(study)])], float(study.columns[goal.name][best])
-    axes.plot([at], [value], marker="*", ms=14, mfc="white", mec=INK, ls="none", zorder=6, label="best")
+    axes.plot(
+        _positions(study)[index[_main(study)]],
+        study.columns[goal.name][best],
+        marker="*",
+        ms=14,
+        mfc="white",
+        mec=INK,
+        ls="none",
+        zorder=6,
+        label="best" if len(best) else "every design alike",
+    )
 
 
 def _finish(axes: Axes, study: Study) -> None:

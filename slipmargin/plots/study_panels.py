@@ -31,6 +31,7 @@ def draw_polar_family(axes: PolarAxes, study: Study) -> PolarAxes:
     rows = _spread(study)
     chosen = [study.design(r) for r in rows]
     best, phi, others = study.best(), headings(721), itertools.cycle(COLOURS[1:])
+    winners = set(study.winners(study.problem.objective.name).tolist())
     for row, force in zip(rows, _round(chosen, phi), strict=True):
         colour = BLUE if row == best else next(others)
         name = ", ".join(short(v) for v in study.values[row])
@@ -40,7 +41,7 @@ def draw_polar_family(axes: PolarAxes, study: Study) -> PolarAxes:
             color=colour,
             lw=2.8 if row == best else 1.2,
             zorder=4 if row == best else 3,
-            label=name + (" (best)" if row == best else ""),
+            label=name + (" (best)" if row in winners else ""),
         )
     forwards_up(axes)
     axes.set_ylim(0.0, None)

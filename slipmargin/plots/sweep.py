@@ -43,14 +43,6 @@ def sweep_panels(
     return {"sweep": line, "polar": polar}
 
 
-@styled
-def polar_figure(circle: Sweep, pulls: PullGroups | None = None) -> Figure:
-    """The polar plot alone."""
-    figure = Figure(figsize=(5.6, 5.6), layout="constrained")
-    draw_polar(polar_axes(figure), circle, pulls, alone=True)
-    return figure
-
-
 def draw_sweep(
     axes: Axes, sweep: Sweep, pulls: PullGroups | None = None, recommended_N: float | None = None
 ) -> Axes:
@@ -94,12 +86,10 @@ def draw_sweep(
     return axes
 
 
-def draw_polar(
-    axes: PolarAxes, circle: Sweep, pulls: PullGroups | None = None, *, alone: bool = False
-) -> PolarAxes:
+def draw_polar(axes: PolarAxes, circle: Sweep, pulls: PullGroups | None = None) -> PolarAxes:
     """The same over the direction of the pull as the robot sees it: up is forwards, radius in newtons.
 
-    ``alone``: with a legend for everything, not only for what the plot beside it does not explain.
+    The legend has what the plot beside it does not explain.
     """
     angle = of_pull(circle.phi_rad, circle.model.convention)
     if np.any(circle.f_high_N > circle.f_low_N * (1 + 1e-9)):
@@ -127,17 +117,10 @@ def draw_polar(
     )
     if pulls is not None:
         _scatter(axes, of_pull(pulls.phi_rad, circle.model.convention), pulls)
-    if alone:
-        axes.legend(loc="upper left", bbox_to_anchor=(-0.12, -0.07), ncols=3)
-    else:
-        axes.legend(handles=weakest, loc="lower left", bbox_to_anchor=(-0.12, -0.08))
+    axes.legend(handles=weakest, loc="lower left", bbox_to_anchor=(-0.12, -0.08))
     axes.set_ylim(0, 1.06 * float(np.max(circle.f_high_N)))
     forwards_up(axes)
-    axes.set_title(
-        f"Pull before a wheel slips, seen from {circle.model.robot} [N]"
-        if alone
-        else "By direction of the pull, seen from the robot [N]"
-    )
+    axes.set_title("By direction of the pull, seen from the robot [N]")
     inset = axes.inset_axes((0.385, 0.385, 0.23, 0.23))
     draw_machine(inset, circle.model, forwards_up=True)
     inset.set_aspect("equal")

@@ -46,7 +46,7 @@ def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:
         "(with the margin)"
     )
     lines.append(_steady(b))
-    lines += _grip(b)
+    lines += _grip(b) + _standing(b)
     if likely is not None:
         lines.append(chance_line(likely, f"{b.recommended_m_s2:.4g}", "m/s²"))
     if b.even is not None:
@@ -73,6 +73,18 @@ def _grip(b: Bounds) -> list[str]:
     less = 100.0 * (1.0 - b.rolling_m_s2 / b.traction_m_s2)
     return [
         f"grip        box; {free} hold {b.rolling_m_s2:.4g} m/s² in the weakest direction, {less:.0f} % less"
+    ]
+
+
+def _standing(b: Bounds) -> list[str]:
+    """What rollers that do not turn in the strongest direction may add and take, where it is worth a line."""
+    s = b.standing
+    if s is None or s.helped_m_s2 <= (1.0 + WORTH_SAYING) * np.max(b.full.starting_m_s2):
+        return []
+    return [
+        f"rollers     at {degrees(s.heading_rad)} none turns, and the limit counts none: "
+        f"{s.helped_m_s2:.4g} m/s² while their friction helps, {s.dragged_m_s2:.4g} m/s² once a drift to the "
+        "side makes it drag"
     ]
 
 

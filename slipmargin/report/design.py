@@ -7,12 +7,11 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from slipmargin.report.text import ROWS, columns, left_out, thinned
 from slipmargin.study.influence import Influence
 from slipmargin.study.objectives import BY_NAME, Objective
 from slipmargin.study.optimum import Optimum
+from slipmargin.study.pareto import room
 from slipmargin.study.quantities import QUANTITIES
 from slipmargin.study.reason import Reason
 from slipmargin.study.robust import Robust
@@ -48,8 +47,8 @@ def best_sentence(study: Study) -> str:
 
 def best_at(study: Study, name: str) -> str:
     """The best design for an objective, and how many others are as good: a tie is no winner."""
-    equal = len(study.ties(name))
-    if 1 < equal == int((~np.isnan(study.columns[name])).sum()):
+    equal = len(study.winners(name))
+    if not equal:
         return "every design alike"
     others = "" if equal < 2 else f" ({equal - 1} {'other is' if equal == 2 else 'others are'} as good)"
     return named(study.keys, study.values[study.best(name)]) + others
@@ -218,6 +217,6 @@ def _change(value: float, own: float) -> str:
     if math.isnan(own) or math.isnan(value):
         return ""
     if own <= 0.0:
-        return f"{value - own:+.3g}"
+        return f"{value - own:+.3g}" if abs(value - own) > room(own) else "0"
     percent = round(100.0 * (value / own - 1.0), 1)
     return f"{percent:+.1f} %" if percent else "0.0 %"

@@ -213,5 +213,5 @@ def _held_out(d: Diagnosis, images: Mapping[str, Image]) -> Picture:
         name="held-out",
         image=images["held-out"],
         alt="Measured and predicted paths and headings of held-out runs",
-        caption=caption,
+        caption=f"{caption} Each prediction begins at the pose that fits its run best, as for the errors.",
     )

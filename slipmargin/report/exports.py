@@ -80,9 +80,14 @@ def _stated(found: SafeSets) -> list[str]:
         "the largest box for tools with a number an axis, the largest circle for tools with one number",
     ]
     if sets.pace is not None:
+        taken = f"{100.0 * (1.0 - found.margin):.3g} % of the motors"
         lines.append(
-            f"speeds: {100.0 * sets.pace:.3g} % of the wheels' top speed, each axis alone; up to there these "
-            f"accelerations take at most {100.0 * (1.0 - found.margin):.3g} % of the motors"
+            f"speeds: {100.0 * sets.pace:.3g} % of the wheels' top speed, each axis alone; "
+            + (
+                f"there these accelerations and drag take {taken}' torque, which falls with the speed"
+                if sets.pace < 1.0 - found.margin
+                else f"up to there these accelerations take at most {taken}"
+            )
         )
     off = math.hypot(*found.model.inertia.com_m)
     if off > 0.0:

@@ -15,7 +15,7 @@ from slipmargin.paths.trajectory import Trajectory
 from slipmargin.paths.verify import Verified
 from slipmargin.physics.friction_laws import law_inverse
 from slipmargin.report.page import Fact, Image, Page, Picture, Table
-from slipmargin.report.paths import covered, limiting_wheel
+from slipmargin.report.paths import covered, pace
 from slipmargin.report.result_page import result_page
 from slipmargin.report.text import thinned
 from slipmargin.sim.run import Run
@@ -117,11 +117,7 @@ def plan_page(
     """How fast the path can be driven, and what sets the pace."""
     share = p.request.share
     speed = float(np.max(np.hypot(rows.velocity[:, 0], rows.velocity[:, 1])))
-    who = limiting_wheel(p)
-    spent = np.diff(p.audit.time_s[:, [0, -1]], axis=1).ravel()
-    names = (*p.model.geometry.names, "motors, caps or tipping")
-    times = [float(np.sum(spent[who == k])) for k in range(len(names))]
-    first = int(np.argmax(times))
+    first, longest = pace(p)[0]
     slips = [name for name, proof in proofs.items() if proof.slips]
     steps = ["`--export choreo FILE` (or `pathplanner`, `ros-path`) writes the motion for your robot."]
     if not proofs:
@@ -143,8 +139,8 @@ def plan_page(
             Fact(label="Most grip used", value=f"{100 * p.max_use:.3g} %", note="of any wheel"),
             Fact(
                 label="What sets the pace",
-                value=names[first],
-                note=f"{100 * times[first] / p.duration_s:.0f} % of the time",
+                value=first,
+                note=f"{100 * longest:.0f} % of the time",
             ),
         ),
         pictures=(
@@ -157,8 +153,9 @@ def plan_page(
             Picture(
                 name="speed",
                 image=images["speed"],
-                alt="Speed along the path under its limit",
-                caption="Speed under the highest speed from which the rest can be driven.",
+                alt="Speed along the path, turning counted, under its limit",
+                caption="Speed under the highest speed from which the rest can be driven. Turning counts as "
+                "the way of the wheels.",
             ),
             _use_picture(images),
         ),

@@ -11,6 +11,7 @@ from slipmargin.checks import Array
 from slipmargin.model import Model
 from slipmargin.paths.chance import PlanChance
 from slipmargin.paths.check import Check
+from slipmargin.paths.geometry import Geometry
 from slipmargin.paths.plan import Plan
 from slipmargin.paths.trajectory import Trajectory
 from slipmargin.paths.verify import Verified
@@ -18,6 +19,11 @@ from slipmargin.report.motion import in_air
 
 #: Turns of less than this all along a path are not spoken of [deg].
 _TURNED_DEG = 0.05
+#: Wheels whose use differs by less than this part limit together [1].
+_TIED = 1e-4
+#: Rollers stand where a wheel slides sideways by less than this part of the fastest wheel's turning [m], and
+#: where no wheel uses this part of what it may for longer than that part of the time, it is said [1].
+_STANDS, _NEAR, _SPOKEN = 1e-9, 0.98, 0.02
 
 
 def covered(rows: Trajectory) -> str:
@@ -42,6 +48,7 @@ def plan_lines(
         f"{p.audit.speed.size} places); highest: wheel {p.model.geometry.names[k]} at "
         f"t = {p.audit.time_s[i, j]:.3f} s",
         f"limited by  {_limited(p)}",
+        *_standing(p),
     ]
     if p.model.loads.follow_acceleration:
         lost = p.audit.tipping
@@ -76,22 +83,51 @@ def _chance(found: PlanChance) -> str:
     return f"{line}; {100 * found.chance:g} % with --margin {found.margin:.3f}, {found.duration_s:.4f} s"
 
 
+def limiting(p: Plan) -> list[str]:
+    """What limits each interval: the wheels whose grip does, joined by "+", or motor torque, tipping or cap.
+
+    Of the wheels those that use most, all that tie.
+    """
+    most, names = p.audit.most, (*p.rows.names, "cap")
+    tied = most >= (1.0 - _TIED) * most.max(axis=1, keepdims=True)
+    wheels = np.array(p.model.geometry.names)
+    return [
+        "+".join(wheels[on]) if names[row] == "grip" else names[row]
+        for row, on in zip(p.limited_by, tied, strict=True)
+    ]
+
+
+def pace(p: Plan) -> list[tuple[str, float]]:
+    """What sets the pace, and for which share of the time, longest first."""
+    spent = np.diff(p.audit.time_s[:, [0, -1]], axis=1).ravel() / p.duration_s
+    shares: dict[str, float] = {}
+    for name, part in zip(limiting(p), spent, strict=True):
+        shares[name] = shares.get(name, 0.0) + float(part)
+    said = {"+".join(p.model.geometry.names): "all wheels", "motor torque": "motors", "cap": "speed caps"}
+    return sorted(((said.get(name, name), part) for name, part in shares.items()), key=lambda x: -x[1])
+
+
 def _limited(p: Plan) -> str:
     """Share of the time that each wheel's grip (or a motor, a cap) sets the pace."""
-    spent = np.diff(p.audit.time_s[:, [0, -1]], axis=1).ravel()
-    who = limiting_wheel(p)
-    others = "caps, motors or tipping" if p.model.loads.follow_acceleration else "caps or motors"
-    names = [*p.model.geometry.names, others]
-    shares = [(float(np.sum(spent[who == k])) / p.duration_s, name) for k, name in enumerate(names)]
-    return ", ".join(
-        f"{name} {100 * part:.0f} %" for part, name in sorted(shares, reverse=True) if part > 0.005
-    )
+    return ", ".join(f"{name} {100 * part:.0f} %" for name, part in pace(p) if part > 0.005)
 
 
-def limiting_wheel(p: Plan) -> Array:
-    """(n,) index of the wheel that uses most of its grip in each interval, N where none is near its limit."""
-    most = p.audit.use.max(axis=1)
-    return np.where(most.max(axis=1) > 0.98 * p.request.share, most.argmax(axis=1), p.model.count)
+def _standing(p: Plan) -> list[str]:
+    """For how long the grip limits although no wheel uses what it may, since rollers that stand may help."""
+    twist = Geometry.of(p.model, p.path, p.grid, np.array([0.5])).twist[:, 0]
+    slide = np.abs(twist @ p.model.geometry.lateral_rows().T).max(axis=1)
+    stand = slide <= _STANDS * np.max(np.abs(p.model.geometry.wheel_speeds(twist)), axis=1)
+    most = p.audit.most.max(axis=1)
+    spare = stand & (most < _NEAR * p.request.share) & (np.array(p.rows.names)[p.limited_by] == "grip")
+    spare &= p.limited_by >= 0
+    part = np.diff(p.audit.time_s[:, [0, -1]], axis=1).ravel()[spare].sum() / p.duration_s
+    if part <= _SPOKEN:
+        return []
+    return [
+        f"rollers     for {100 * part:.0f} % of the time none turns and no wheel uses more than "
+        f"{np.max(most[spare]):.3g} of its grip: their friction helps to drive, which the plan does not "
+        "count on, as a drift to the side makes it drag"
+    ]
 
 
 def check_lines(model: Model, c: Check) -> list[str]:

@@ -61,11 +61,6 @@ class Zonotope:
         direction = np.asarray(direction, dtype=float)
         return np.asarray(direction @ self.centre + np.abs(direction @ self.generators).sum(axis=-1))
 
-    def witness(self, direction: Array) -> Array:
-        """A point (..., 3) of the set at which the support is attained."""
-        sign = np.sign(np.asarray(direction, dtype=float) @ self.generators)
-        return np.asarray(self.centre + sign @ self.generators.T)
-
     def half_spaces(self) -> tuple[Array, Array]:
         """All facets: normals (2K, 3) and offsets (2K,) with n·w ≤ offset."""
         shift = self.normals @ self.centre

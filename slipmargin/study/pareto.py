@@ -7,6 +7,9 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 
+#: Values that differ by less than this share of the largest are equal: the rest is rounding [1].
+TIE = 1e-9
+
 
 def front(values: Array) -> NDArray[np.bool_]:
     """Which rows are not dominated.
@@ -19,9 +22,10 @@ def front(values: Array) -> NDArray[np.bool_]:
     Returns
     -------
     (D,) bool
-        A row is dominated where another is at least as good in all columns and better in one.
+        A row is dominated where another is at least as good in all columns and better in one; what differs
+        by rounding is equal.
     """
-    values = np.asarray(values, dtype=float)
+    values = np.stack([_ranks(column) for column in np.asarray(values, dtype=float).T], axis=1)
     whole = np.flatnonzero(~np.any(np.isnan(values), axis=1))
     out = np.zeros(len(values), dtype=bool)
     # From best to worst by the first column, then the next: a row can only be dominated by an earlier one.
@@ -35,3 +39,18 @@ def front(values: Array) -> NDArray[np.bool_]:
             out[row] = True
             kept.append(v)
     return out
+
+
+def room(top: float) -> float:
+    """By how much values may fall short of the largest and still equal it."""
+    return TIE * max(1.0, abs(top))
+
+
+def _ranks(column: Array) -> Array:
+    """Values (D,) as whole numbers in the same order, one number for those that are equal; NaN stays."""
+    order = np.argsort(column)
+    least = room(float(np.max(np.abs(column[np.isfinite(column)]), initial=0.0)))
+    ranks = np.zeros_like(column)
+    with np.errstate(invalid="ignore"):  # infinite values equal each other
+        ranks[order[1:]] = np.cumsum(np.diff(column[order]) > least)
+    return np.where(np.isnan(column), np.nan, ranks)

@@ -13,15 +13,13 @@ from slipmargin.checks import Array, read_only
 from slipmargin.errors import InputError
 from slipmargin.study.columns import static_columns
 from slipmargin.study.objectives import BY_NAME, Kind, Objective, names_of, objective
-from slipmargin.study.pareto import front
+from slipmargin.study.pareto import front, room
 from slipmargin.study.pieces import Executor, in_pieces
 from slipmargin.study.quantities import Value, own_value
 from slipmargin.study.robot_on_surface import RobotOnSurface
 from slipmargin.study.task import Task
 from slipmargin.study.vary import Vary, applied, product
 
-#: Designs that count as equally good within this share; the mean pull then decides.
-TIE = 1e-9
 #: Designs in one piece of the long work.
 PIECE = {Kind.MOTION: 8, Kind.LAPS: 1}
 
@@ -93,10 +91,15 @@ class Study:
         return int(tied[np.argmax(np.nan_to_num(self.columns["f_mean"][tied], nan=-np.inf))])
 
     def ties(self, name: str) -> NDArray[np.int_]:
-        """Rows that are as good as the best in an objective, within :data:`TIE`."""
+        """Rows that are as good as the best in an objective but for rounding."""
         score = objective(name).sign * self.columns[name]
         top = float(np.nanmax(score))
-        return np.flatnonzero(score >= top - TIE * max(1.0, abs(top)))
+        return np.flatnonzero(score >= top - room(top))
+
+    def winners(self, name: str) -> NDArray[np.int_]:
+        """The rows of :meth:`ties`; none where every possible design is as good as any other."""
+        tied = self.ties(name)
+        return tied[:0] if 1 < len(tied) == np.count_nonzero(~np.isnan(self.columns[name])) else tied
 
     def design(self, row: int) -> RobotOnSurface:
         """The design of a row that is possible."""

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from oracles.drive_shares import drive_shares
 from strategies import kiwi
 
-from slipmargin.limits.motion import acceleration_limit, drive_shares, needed_share
+from slipmargin.limits.motion import acceleration_limit, needed_share
 from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model, nominal_model

@@ -9,7 +9,7 @@ import pytest
 from planting import planted, smooth_kiwi
 
 from slipmargin.errors import InputError
-from slipmargin.io.campaign_file import campaign_file, read_campaign, read_joined
+from slipmargin.io.campaign_file import campaign_file, read_joined
 from slipmargin.io.data_set import read_data_set
 from slipmargin.io.data_set_write import write_data_set
 
@@ -40,10 +40,10 @@ loading = "payload"
 
 
 def test_a_campaign_says_what_data_sets_share(folder: Path) -> None:
-    one, two = read_campaign(written(folder, TWO))
+    one, two = read_joined(written(folder, TWO)).members
     assert (one.floor, one.loading, one.instrument) == ("paper", "as stated", "the same")
     assert (two.floor, two.loading) == ("paper", "payload")
-    assert one.data_set.recipe.robot.body.mass_kg == 3.0 and two.data_set.recipe.robot.body.mass_kg == 4.5
+    assert one.recipe.robot.body.mass_kg == 3.0 and two.recipe.robot.body.mass_kg == 4.5
     whole = read_joined(written(folder, 'name = "both"\n' + TWO))
     assert whole.name == "both" and len(whole.trials) == 4 and whole.member_of == (0, 0, 1, 1)
 

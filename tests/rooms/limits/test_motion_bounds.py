@@ -214,3 +214,30 @@ def test_drag_of_a_disc_is_no_more_than_its_radius() -> None:
     assert np.max(np.abs(found.drag_low[0])) == pytest.approx(0.26)
     boxed = friction_in_motion(replace(model, grip=replace(grip, shape=GripShape.BOX)), motion)
     assert np.max(np.abs(boxed.drag_low[0])) == pytest.approx(0.6)
+
+
+@pytest.mark.parametrize(
+    ("name", "surface", "heading_deg", "share", "wheels"),
+    [
+        ("mecanum4", "floor", 90.0, 1.0, {"front-right", "front-left", "rear-left", "rear-right"}),
+        ("mecanum4", "floor", 90.0, 0.9, {"front-right", "front-left", "rear-left", "rear-right"}),
+        ("mecanum4", "floor", 45.0, 1.0, {"front-left", "rear-right"}),
+        ("ohio-kiwi", "paper", 90.0, 1.0, {"right", "left"}),
+        ("ohio-kiwi", "paper", 90.0, 0.9, {"right", "left"}),
+    ],
+)
+def test_all_wheels_that_limit_together_are_named(
+    name: str, surface: str, heading_deg: float, share: float, wheels: set[str]
+) -> None:
+    """Two of four wheels were named: those of the facet that rounding chose."""
+    model = read_recipe(name).build(surface)
+    found = directions(model, np.deg2rad([heading_deg]), share=share, motor=False)
+    assert set(found.starting.wheels[0]) == wheels
+
+
+def test_all_motors_that_limit_together_are_named() -> None:
+    model = read_recipe("mecanum4").build("floor")
+    weak = replace(model, drives=replace(model.drives, stall_torque_N_m=0.3))
+    found = directions(weak, np.deg2rad([90.0]), share=0.9)
+    assert found.starting.cause == ("motor torque",)
+    assert found.starting.wheels == (("rear-left", "rear-right"),)  # they carry more and drive more

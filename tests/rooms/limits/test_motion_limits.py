@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings, strategies as st
+from oracles.drive_shares import drive_shares
 from scipy.integrate import solve_ivp
 from scipy.optimize import linprog
 from strategies import four_wheels, kiwi, models, reals
@@ -15,13 +16,7 @@ from strategies import four_wheels, kiwi, models, reals
 from slipmargin.effects import Recipe
 from slipmargin.effects.floor_tilt import FloorTilt
 from slipmargin.effects.rolling_resistance import RollingResistance
-from slipmargin.errors import NoSolution
-from slipmargin.limits.motion import (
-    acceleration_limit,
-    acceleration_polytope,
-    drive_shares,
-    needed_share,
-)
+from slipmargin.limits.motion import acceleration_limit, needed_share
 from slipmargin.limits.motion_realised import realised, settling
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model, nominal_model
@@ -293,22 +288,3 @@ def test_coupled_grips_leave_less_for_the_drive() -> None:
     # a wheel that slides as a whole has no grip left beside full drag: it must slip
     ellipse = nominal_model(kiwi(grip=GripShape.ELLIPSE), "paper")
     assert needed_share(ellipse, motion)[0] > 1.0
-
-
-def test_the_polytope_contains_the_limits_and_refuses_where_nothing_is_left() -> None:
-    model = nominal_model(kiwi(), "paper")
-    motion = Motion(velocity=X, saturated=True)
-    corners = acceleration_polytope(model, motion)
-    assert len(corners) == 8  # a parallelepiped: three wheels
-    for way in np.linspace(0.0, 2.0 * np.pi, 7):
-        d = np.array([np.cos(way), np.sin(way), 0.0])
-        limit = acceleration_limit(model, motion, d[None]).value[0]
-        inside = linprog(
-            np.append(np.zeros(8), -1.0),
-            A_eq=np.vstack([np.column_stack([corners.T, -d]), np.append(np.ones(8), 0.0)]),
-            b_eq=np.array([0, 0, 0, 1.0]),
-            bounds=[(0, None)] * 9,
-        )
-        assert inside.x[-1] == pytest.approx(limit, rel=1e-6)
-    with pytest.raises(NoSolution, match="no acceleration is admissible"):
-        acceleration_polytope(nominal_model(kiwi(grip=GripShape.ELLIPSE), "paper"), motion)

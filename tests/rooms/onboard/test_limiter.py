@@ -308,6 +308,8 @@ def test_what_creep_shares_out_more_unevenly_than_grip_is_kept_back() -> None:
     got, code = limiter.limit_acceleration(now, pull)
     motion = Motion(velocity=now[code <= 1], acceleration=got[code <= 1], heading=heading[code <= 1] * 0.0)
     assert np.max(realised(sm.read_robot(robot).build("floor"), motion).use) <= 0.8 + 0.01
+    table, text = limiter.table, limiter.c_header("make limit.h")
+    assert table.uneven > 0.0 and f" *   {table.uneven:<8.4g} uneven creep" in text
 
 
 def test_counted_operations_stay_below_those_the_header_states(tmp_path: Path) -> None:
@@ -407,6 +409,11 @@ def test_a_margin_that_constant_speed_uses_up_is_a_warning() -> None:
 def test_what_the_header_says_of_itself() -> None:
     text = sm.Limiter("ohio-kiwi", "paper", margin=0.1).c_header("make limit.h")
     assert "make limit.h" in text and sm.__version__ in text and "right, 1: left, 2: rear" in text
+    assert "Share of the grip that may be used: 0.885.  What is kept back of the whole:" in text
+    assert (
+        " *   0.1      the margin\n *   0.015    creep, which overshoots" in text
+        and "uneven creep" not in text
+    )
     assert "malloc" not in text and text.count("#include") == 1 and STRICT
 
 

@@ -23,6 +23,7 @@ from slipmargin.paths.path import Path, corners, through
 from slipmargin.paths.plan import Plan, Request, duration, plan
 from slipmargin.paths.sample import at_use, node_times, stretched, trajectory
 from slipmargin.physics.frames import rotate_rows
+from slipmargin.report.paths import pace
 from slipmargin.robot import GripShape, LoadRule, Motor
 
 T = np.linspace(0.0, 2.0 * np.pi, 17)
@@ -94,6 +95,17 @@ def test_the_convex_program_finds_the_same_time(machine: str, name: str) -> None
     assert found.duration_s >= same.duration_s * (1.0 - 1e-4)
 
 
+def test_what_limits_is_the_row_that_binds() -> None:
+    """Five percent of a plan were the fault of caps or motors, of which the robot had none."""
+    found = plan(MODELS["kiwi"], PATHS["turning"], Request(points=60))
+    assert {found.rows.names[row] for row in found.limited_by} == {"grip"} and np.all(found.limited_by >= 0)
+    assert not any("caps" in name or "motors" in name for name, _ in pace(found))
+    capped = plan(MODELS["kiwi"], PATHS["turning"], Request(points=60, caps=Caps(speed_m_s=0.2)))
+    assert dict(pace(capped))["speed caps"] > 0.5
+    weak = plan(MODELS["motor"], PATHS["straight"], Request(points=60))
+    assert dict(pace(weak))["motors"] > 0.5
+
+
 def test_toppra_finds_the_same_time() -> None:
     ta = pytest.importorskip("toppra")
     constraint = pytest.importorskip("toppra.constraint")
@@ -105,12 +117,12 @@ def test_toppra_finds_the_same_time() -> None:
     normals = np.vstack([normals, -normals])
     jets = [path.at(x, grid.piece) for x in (s[:-1], s[1:])]
     a, b = (np.stack([j[order] @ normals.T for j in jets]) for order in (1, 2))
-    x, u, high, row = np.zeros(401), np.zeros(400), np.zeros(401), np.zeros(400, dtype=np.int64)
+    x, u, high = np.zeros(401), np.zeros(400), np.zeros(401)
     one = np.ones((400, 22))
     assert (
-        core.profile(
-            grid.step, a[0], b[0], one, a[1], b[1], one, np.full(401, np.inf), 0.0, 0.0, x, u, high, row
-        )[0]
+        core.profile(grid.step, a[0], b[0], one, a[1], b[1], one, np.full(401, np.inf), 0.0, 0.0, x, u, high)[
+            0
+        ]
         == core.OK
     )
     limit = constraint.SecondOrderConstraint(lambda q, v, w: w, lambda q: normals, lambda q: np.ones(22), 3)

@@ -23,7 +23,7 @@ from slipmargin.diagnosis.separate import TRIALS, separating_trial, trace_of
 from slipmargin.effects import Trace
 from slipmargin.effects.camera_delay import CameraDelay
 from slipmargin.effects.catalogue import CATALOGUE
-from slipmargin.plots.diagnosis import candidates_figure
+from slipmargin.plots.diagnosis import candidates_figure, held_out_figure
 from slipmargin.plots.style import image
 from slipmargin.report import diagnosis_words as words
 from slipmargin.report.diagnosis_evidence import evidence
@@ -275,10 +275,30 @@ def test_long_labels_leave_room_for_the_dots() -> None:
     long = "wheel_loads with the centre of mass where stated + wheel_radius[left]"
     tried = tuple(replace(t, label=f"{long} + {t.label}") for t in last.tried)
     figure = candidates_figure(diagnosis(steps=(replace(first, taken=long), replace(last, tried=tried))))
-    figure.canvas.draw()  # a collapsed layout would warn, and warnings are errors
+    figure.draw_without_rendering()  # a collapsed layout would warn, and warnings are errors
     labels = [text.get_text() for text in figure.axes[1].get_yticklabels()]
     assert labels[0] == "floor tilt  (2)" and all(len(text) < 55 for text in labels)
     assert all(axes.get_position().width > 0.4 for axes in figure.axes)
+
+
+def test_a_candidates_long_label_is_whole() -> None:
+    """A label of 63 characters lost its middle."""
+    first = diagnosis().steps[0]
+    long = "wheel loads with the centre of mass where stated in loading each"
+    tried = tuple(replace(t, label=f"{t.label} + {long}") for t in first.tried)
+    figure = candidates_figure(diagnosis(steps=(replace(first, tried=tried),)))
+    figure.draw_without_rendering()
+    for text in figure.axes[0].get_yticklabels():
+        assert "…" not in text.get_text() and long in text.get_text().replace("\n", " ")
+        assert text.get_window_extent().height < figure.dpi * 0.25
+        assert text.get_window_extent().x0 >= 0.0
+    assert figure.axes[0].get_position().width > 0.4
+
+
+def test_the_held_out_figure_says_where_predictions_begin(rich: str) -> None:
+    figure = held_out_figure(diagnosis())
+    assert "begins at the pose that fits its run best" in figure.legends[0].get_title().get_text()
+    assert "Each prediction begins at the pose that fits its run best" in rich
 
 
 def test_names_are_escaped() -> None:

@@ -31,15 +31,28 @@ def test_plan_and_check_figures(robot: object) -> None:
     path, speed, use = figure.axes
     assert f"{found.duration_s:.3f} s" in path.get_title(loc="left")
     assert np.max(speed.lines[-1].get_ydata()) == pytest.approx(np.sqrt(np.max(found.x)))
+    assert "turning counted" in speed.get_xlabel() and speed.get_ylabel().startswith(
+        "ṡ: speed, turning counted"
+    )
     assert [line.get_label() for line in use.lines[: model.count]] == list(rows.wheels)
-    who = limiting(rows, 0.9)
-    assert np.all(rows.use[who >= 0].max(axis=1) > 0.98 * 0.9)
+    near = limiting(rows, 0.9)
+    assert np.any(near) and np.all(rows.use[near] > 0.98 * 0.9 * (1.0 - 1e-3))
     figure.draw_without_rendering()
     audit = check(model, rows.t_s * 0.8, rows.pose, share=0.9)
     figure = check_figure(model, audit, rows)
     assert "asks more than is allowed" in figure.axes[0].get_title(loc="left")
     assert "stretch time by" in figure.axes[1].get_title(loc="left")
     figure.draw_without_rendering()
+
+
+def test_wheels_near_their_limit_together_have_one_colour_and_name() -> None:
+    """Rounding coloured the path of a symmetric robot by one of the two front wheels, then by the other."""
+    found = plan(
+        nominal_model(kiwi(), "paper"), through(np.array([[0.0, 0, 0], [0, 1, 0]])), Request(points=60)
+    )
+    figure = plan_figure(found, trajectory(found, step_s=0.02))
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "wheels right, left" in labels and not {"wheel right", "wheel left"} & set(labels)
 
 
 def test_a_robot_that_must_slip_has_no_spokes() -> None:
@@ -81,7 +94,7 @@ def test_the_title_of_a_path_with_a_long_legend_is_whole() -> None:
     way = through(np.array([[0, 0, 0], [1, 0.5, 0], [2, 0, 1.5708], [2, 1, 1.5708]], dtype=float))
     found = plan(model, way, Request(share=0.9, points=60))
     figure = plan_panels(found, trajectory(found, step_s=0.02))["path"]
-    figure.canvas.draw()
+    figure.draw_without_rendering()
     axes = figure.axes[0]
     top = axes.title.get_window_extent().y1
     assert top <= figure.bbox.height and axes.get_aspect() == 1.0

@@ -19,7 +19,7 @@ from slipmargin.model import Model, nominal_model
 from slipmargin.plots.machine import draw_machine, machine_figure
 from slipmargin.plots.polytope import polytope_figure
 from slipmargin.plots.style import check_format, save
-from slipmargin.plots.sweep import draw_sweep, polar_figure, sweep_figure
+from slipmargin.plots.sweep import draw_sweep, sweep_figure, sweep_panels
 from slipmargin.robot import GripShape
 from slipmargin.sets.section import section
 
@@ -46,7 +46,7 @@ def test_fig_8_axes_show_the_sweep(model: Model) -> None:
 
 def test_polar_plot_is_seen_from_the_robot(model: Model) -> None:
     # φ = 0: the pull along floor +x is to the robot's right, a quarter turn clockwise from forwards (up).
-    figure = polar_figure(sweep(model, CIRCLE))
+    figure = sweep_panels(*[sweep(model, CIRCLE)] * 2)["polar"]
     axes = figure.axes[0]
     line = next(x for x in axes.lines if x.get_label() == "all wheels on rollers")
     assert line.get_xdata()[0] == pytest.approx(-np.pi / 2)
@@ -118,7 +118,7 @@ def test_the_section_has_no_corner_twice_and_its_circle_a_radius(name: str) -> N
 
 def test_a_figure_drawn_twice_is_the_same_file(model: Model, tmp_path: Path) -> None:
     for name in ("a.svg", "b.svg"):
-        save(polar_figure(sweep(model, CIRCLE)), tmp_path / name)
+        save(sweep_panels(*[sweep(model, CIRCLE)] * 2)["polar"], tmp_path / name)
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
 
 

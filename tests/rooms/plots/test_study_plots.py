@@ -50,6 +50,14 @@ def test_curves_are_the_columns() -> None:
     assert len(np.asarray(front.get_lines()[1].get_xdata())) == on.sum()
 
 
+def test_all_designs_that_tie_have_a_star() -> None:
+    """A mass as far to the left as to the right is alike: one side had the star."""
+    found = made("com_x_m=-0.02,-0.01,0.01,0.02", name="f_worst_static")
+    stars = study_figure(found, ("f_worst", "f_mean")).axes[0].get_lines()
+    best = next(line for line in stars if line.get_marker() == "*")
+    assert len(np.asarray(best.get_xdata())) == len(found.ties("f_worst_static")) == 2
+
+
 def test_two_numbers_make_a_heat_map() -> None:
     found = made("delta_deg=10:40:10", "com_y_m=-0.02,0,0.09", name="f_worst_static")
     heat = study_figure(found, ("f_worst", "f_mean")).axes[0]

@@ -111,6 +111,19 @@ def test_a_swerve_modules_speed_is_not_a_wheels(degrees: float) -> None:
     assert np.max(np.abs(wheels)) == pytest.approx(40.0 * found.inside.pace, rel=1e-3)
 
 
+@pytest.mark.parametrize("tool", ["nav2", "roadrunner", "choreo"])
+def test_a_part_of_the_top_speed_has_its_reason_beside_it(tool: str) -> None:
+    """A comment said 77.8 % of the top speed and did not say what took the rest."""
+    found = rolling(45.0)
+    text = f"speeds: {100.0 * found.inside.pace:.3g} % of the wheels' top speed, each axis alone; "
+    assert text + "there these accelerations and drag take 90 % of the motors' torque" in export_text(
+        tool, found
+    )
+    motor = replace(found.model.drives, stall_torque_N_m=None)
+    free = bounds(replace(found.model, drives=motor), step_deg=45.0)
+    assert "speeds: 90 % of the wheels' top speed, each axis alone; up to there" in export_text(tool, free)
+
+
 def test_pathplanners_top_speed_is_what_the_motors_hold() -> None:
     """PathPlanner takes the torque at maxDriveSpeed for lost: at half of the top speed that was half."""
     found = rolling(45.0)

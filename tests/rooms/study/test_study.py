@@ -13,6 +13,7 @@ from strategies import kiwi
 
 from slipmargin.effects import Recipe
 from slipmargin.errors import InputError
+from slipmargin.io.robot_file import read_recipe
 from slipmargin.limits import Pull
 from slipmargin.limits.bounds import directions, headings
 from slipmargin.limits.sweep import limit
@@ -141,6 +142,19 @@ def test_front_by_definition(rows: list[tuple[float, ...]]) -> None:
         not np.any(np.isnan(v)) and not any(np.all(w >= v) and np.any(w > v) for w in values) for v in values
     ]
     assert front(values).tolist() == wanted
+
+
+def test_designs_that_differ_by_rounding_are_on_the_front_together() -> None:
+    """Of nine equal designs one had a star."""
+    up = float(np.nextafter(0.225, 1.0))
+    values = np.array([[0.225, 1.7], [up, 1.7], [0.225, 1.6], [-math.inf, 1.8], [up, 1.0]])
+    assert front(values).tolist() == [True, True, False, True, False]
+    design = RobotOnSurface(recipe=read_recipe("mecanum4"), surface="floor")
+    grids = (parse_vary("com_x_m=-0.02,0,0.02"), parse_vary("com_y_m=-0.02,0,0.02"))
+    found = study(DesignProblem(base=design, grids=grids, kinds=()))
+    names = ("f_worst", "f_rigid_worst")
+    assert len(found.ties("f_worst")) == 9 and len(found.winners("f_worst")) == 0
+    assert np.all(found.front(names))
 
 
 def test_the_robust_design_is_the_best_of_the_worst() -> None:
