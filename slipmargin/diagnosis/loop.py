@@ -15,6 +15,7 @@ from slipmargin.data.repair import Repair
 from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.conditions import Ready, held_runs_of, problem_of, ready
+from slipmargin.diagnosis.definitions import redefined
 from slipmargin.diagnosis.events import cut_apart, find_events, with_measured_velocity
 from slipmargin.diagnosis.findings import findings
 from slipmargin.diagnosis.fit import Fit, fit
@@ -182,6 +183,7 @@ def _searched(
     problem, state, rounds = search(
         problem, seen, [runs[i] for i in seen], candidates, seed, progress, leaves
     )
+    state = redefined(state, [runs[i] for i in state.fit.trials], progress)
     return Searched(
         problem=problem,
         uncut=uncut,

@@ -158,8 +158,7 @@ def search(
     if state.structure and len(trials) < len(seen):
         progress("fitting all trials that are not held out", 0.0)
         state = fitted(state.view, state.structure, state.fit.x, seen, runs)
-    known = runs if len(state.fit.trials) == len(seen) else own
-    return problem, needed(redefined(state, known, progress), known), rounds
+    return problem, needed(state, runs if len(state.fit.trials) == len(seen) else own), rounds
 
 
 def _entered(
@@ -350,24 +349,6 @@ def needed(state: State, runs: Sequence[int]) -> State:
         if not idle[least] and worthwhile(fewer[least], state.chi, state.structure[least].named):
             break
         state = fewer[least]
-    return state
-
-
-def redefined(state: State, runs: Sequence[int], progress: Watch) -> State:
-    """The state with each effect under the definition that predicts runs left out best.
-
-    Definitions differ by less than what a model far above the noise still lacks, so they are no candidates:
-    that of the effect as found is kept unless another leaves less beyond the spread of the runs.
-    """
-    for index, known in enumerate(state.structure):
-        for other in known.definitions:
-            if state.chi <= SETTINGS.noise_chi or progress.expired:
-                return state
-            progress(f"fitting {other.label}", 0.0)
-            structure = (*state.structure[:index], other, *state.structure[index + 1 :])
-            found = refitted(state, structure, state.fit.x, runs)
-            if not as_good(state, found):
-                state = found
     return state
 
 

@@ -8,11 +8,12 @@ from planting import Plant, planted, smooth_kiwi
 
 from slipmargin.data.data_set import Member
 from slipmargin.diagnosis.candidate import Candidate, named_candidate, named_candidates
+from slipmargin.diagnosis.definitions import redefined
 from slipmargin.diagnosis.groups import in_groups
 from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.search import fitted, redefined
+from slipmargin.diagnosis.search import fitted
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect, Effect, Recipe
