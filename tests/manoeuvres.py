@@ -39,7 +39,10 @@ SIZE = {
     Variable.LEAD: 1.0,
     Variable.FROM_PLACE: 0.3,
     Variable.BEFORE_LINE: 0.3,
+    Variable.PASSING_SPEED: 0.2,
 }
+#: Variables whose terms have a place, or a share that stands in it.
+_PLACED = OF_PLACE | {Variable.PASSING_SPEED}
 for _variable in Variable:  # shares and ratios
     SIZE.setdefault(_variable, 0.5)
 
@@ -120,7 +123,7 @@ def modulation(variable: Variable, basis: Basis, target: Target, count: int, see
         shape=shape,
         wheels=rng.uniform(0.5, 1.0, count),
         coefficients=0.15 * rng.uniform(-1.0, 1.0, size),
-        place=elsewhere if variable in OF_PLACE else np.zeros(3),
+        place=elsewhere if variable in _PLACED else np.zeros(3),
     )
 
 

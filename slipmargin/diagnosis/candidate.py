@@ -63,6 +63,9 @@ class Candidate:
     subject : str, optional
         What it is one form of, as others may be: an effect on its wheels, in its group; empty: it has no
         other forms.
+    definitions : tuple of Candidate
+        The same parameters with another definition of what they act over: compared with it once all else is
+        found, and no candidates of their own.
     """
 
     name: str
@@ -85,6 +88,7 @@ class Candidate:
     idle: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     scope: Scope | None = None
     subject: str = ""
+    definitions: tuple[Candidate, ...] = ()
 
     def __post_init__(self) -> None:
         count = len(self.keys)
@@ -152,7 +156,21 @@ def named_candidate(
         wheel_phase=effect.needs_wheel_phase,
         scope=effect.scope,
         subject=subject,
+        definitions=tuple(
+            named_candidate(effect, replace(variant, fixed=fixed, label=label), wheels, reach)
+            for fixed, label in _definitions(effect, variant)
+        ),
     )
+
+
+def _definitions(effect: type[Effect], variant: Variant) -> list[tuple[dict[str, float], str]]:
+    """What is fixed in a variant under each other definition, and the variant's label then."""
+    return [
+        ({**variant.fixed, name: value}, ", ".join(filter(None, (variant.label, f"{name} {value:g}"))))
+        for name, values in effect.definitions.items()
+        if name not in variant.free and name not in variant.fixed
+        for value in values
+    ]
 
 
 def named_candidates(

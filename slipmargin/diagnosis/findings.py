@@ -68,9 +68,7 @@ def findings(
             (
                 r
                 for r in rounds
-                if r.taken
-                and r.best is not None
-                and any(c.label == candidate.label for c in r.best.structure)
+                if r.taken and r.best is not None and any(_same(c, candidate) for c in r.best.structure)
             ),
             rounds[0],
         )
@@ -112,6 +110,11 @@ def findings(
             )
         )
     return tuple(found)
+
+
+def _same(one: Candidate, other: Candidate) -> bool:
+    """Whether both are one effect, in whichever form or by whichever definition."""
+    return (one.subject or one.label) == (other.subject or other.label)
 
 
 def doubted(problem: Problem, final: Fit) -> bool:

@@ -93,4 +93,5 @@ def _confined(candidate: Candidate, scope: Scope, groups: dict[str, frozenset[in
         idle=np.tile(candidate.idle, many),
         prior=prior,
         build=build,
+        definitions=tuple(_confined(other, scope, groups) for other in candidate.definitions),
     )

@@ -34,7 +34,7 @@ from slipmargin.diagnosis.held_out import (
     sets_of_effects,
 )
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.result import Rejected, Score
+from slipmargin.diagnosis.result import Rejected, Score, Verdict
 from slipmargin.diagnosis.search import (
     Round,
     fitted,
@@ -68,6 +68,15 @@ class Checked:
     problem: Problem
     phased: bool
     rejected: tuple[Rejected, ...]
+
+    @property
+    def verdict(self) -> Verdict:
+        """Found, nothing missing (errors near the noise, and as large as it), or unexplained."""
+        if self.state is not None:
+            return Verdict.EFFECT_FOUND
+        small = self.before.size(self.problem.sigma) <= SETTINGS.noise_size
+        explained = self.before.chi() <= SETTINGS.noise_chi and small
+        return Verdict.NO_MISSING_EFFECT if explained else Verdict.UNEXPLAINED
 
 
 @final

@@ -15,6 +15,7 @@ from slipmargin.data.repair import Repair
 from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.conditions import Ready, held_runs_of, problem_of, ready
+from slipmargin.diagnosis.definitions import redefined
 from slipmargin.diagnosis.events import cut_apart, find_events, with_measured_velocity
 from slipmargin.diagnosis.findings import findings
 from slipmargin.diagnosis.fit import Fit, fit
@@ -182,6 +183,7 @@ def _searched(
     problem, state, rounds = search(
         problem, seen, [runs[i] for i in seen], candidates, seed, progress, leaves
     )
+    state = redefined(state, [runs[i] for i in state.fit.trials], progress)
     return Searched(
         problem=problem,
         uncut=uncut,
@@ -271,7 +273,7 @@ def _diagnosed(conditions: Ready, s: Searched, seed: int, watch: Watch, budget_s
     turns = order_analysis(problem, rates_after, seed)
     entries = s.rounds[0].map() if s.rounds else ()
     found, final = _reported(s, checked, entries)
-    verdict = _verdict(checked)
+    verdict = checked.verdict
     explained = after.chi <= SETTINGS.noise_chi and verdict is not Verdict.UNEXPLAINED
     last = like(state, s.rounds)
     if not explained and last is None and state is not None and s.rounds and not watch.expired:
@@ -357,16 +359,6 @@ def _reported(
 def _events(problem: Problem, effects: tuple[AnyEffect, ...], ordinary: Index) -> tuple[Event, ...]:
     everyone = np.arange(len(problem.trials), dtype=np.int64)
     return find_events(problem, problem.predict([effects], [everyone])[0], ordinary)
-
-
-def _verdict(checked: Checked) -> Verdict:
-    if checked.state is not None:
-        return Verdict.EFFECT_FOUND
-    before = checked.before
-    explained = (
-        before.chi() <= SETTINGS.noise_chi and before.size(checked.problem.sigma) <= SETTINGS.noise_size
-    )
-    return Verdict.NO_MISSING_EFFECT if explained else Verdict.UNEXPLAINED
 
 
 def _step(done: Round) -> Step:

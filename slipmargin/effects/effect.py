@@ -181,6 +181,9 @@ class Effect(ABC):
     counts_in: ClassVar[str] = ""
     #: Parameters that no fit varies, with the values that a diagnosis compares once all else is fitted.
     scanned: ClassVar[Mapping[str, tuple[float, ...]]] = {}
+    #: Parameters that say what a quantity is taken to be, with the values that a diagnosis compares with null
+    #: once all else is found: no fit varies them.
+    definitions: ClassVar[Mapping[str, tuple[float, ...]]] = {}
 
     def __post_init__(self) -> None:
         known = {f.name for f in fields(self)}  # type: ignore[arg-type]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import final
+from typing import ClassVar, final
 
 import numpy as np
 
@@ -17,10 +18,13 @@ from slipmargin.physics.variables import Basis, Target, Variable
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SlipRatioFriction(WheelEffect):
-    """k ← (1 − s) k + s κ / (v_hub + v_0): eq. (11) in the slip ratio u / v_hub.
+    """k ← (1 − s) k + s κ / (v + v_0): eq. (11) in the slip ratio u / v.
 
-    v_hub is the speed at which the floor passes under the wheel; far below ``crawl_m_s`` v_0 the law is
-    one of speed again.  Along f̂ (over free rollers) κ is ``transverse_factor`` times what it is along ĝ.
+    v = |v_hub − w u_W ĝ| is the rolling speed.  The floor passes the contact at v_hub, the tread at
+    v_hub − u_W ĝ: a roller turns with the floor.  With ``tread_share`` w = 0 it is the floor's speed alone,
+    with w = ½ the mean of both, as in Kalker's creepage: they differ where much of the way is lost.
+    Far below ``crawl_m_s`` v_0 the law is one of speed again.  Along f̂ (over free rollers) κ is
+    ``transverse_factor`` times what it is along ĝ.
     A law has constants of its own: its μ_T is ``transverse_coefficient_factor`` times what was stated for
     eq. (11), its μ_W ``drive_coefficient_factor`` times, which only accelerating shows.
     """
@@ -72,6 +76,15 @@ class SlipRatioFriction(WheelEffect):
             0.1,
             "drive coefficient of this law over the stated one",
         ),
+        parameter(
+            "tread_share",
+            "1",
+            (0.0, 0.0, 1.0),
+            0.1,
+            "share w of the tread's speed in the rolling speed; the rest is the floor's under the wheel",
+            starts=(0.5,),
+            idle=True,
+        ),
     )
     variants = (
         Variant(free=("steepness",), fixed={"share": 1.0}),
@@ -92,8 +105,10 @@ class SlipRatioFriction(WheelEffect):
         ),
         Variant(free=("steepness", "crawl_m_s"), fixed={"share": 1.0}, label="from a crawl on"),
     )
+    definitions: ClassVar[Mapping[str, tuple[float, ...]]] = {"tread_share": (0.5,)}
     source = (
-        "Kalker, Rolling Contact Phenomena (creepage = slip over rolling speed); positive share = creepage"
+        "Kalker, Rolling Contact Phenomena (creepage = slip over rolling speed, the mean of both surfaces' "
+        "speeds; tread_share 0 takes the floor's alone); positive share = creepage"
     )
     confirm = "drive the same path at two speeds: the lost share of the distance is the same"
 
@@ -103,20 +118,22 @@ class SlipRatioFriction(WheelEffect):
     crawl_m_s: float = 1e-3
     transverse_coefficient_factor: float = 1.0
     drive_coefficient_factor: float = 1.0
+    tread_share: float = 0.0
 
     def rewrite(self, part: Grip, nominal: Model) -> Grip:
-        """Grip whose steepness goes with the inverse of the hub's speed."""
+        """Grip whose steepness goes with the inverse of the rolling speed."""
         weights = self.mask(nominal) * self.share
         along, across = self.steepness, self.steepness * self.transverse_factor
 
         def creep(kappa: float, target: Target) -> Multiplier:
             return Multiplier(
-                variable=Variable.HUB_SPEED,
+                variable=Variable.PASSING_SPEED if self.tread_share else Variable.HUB_SPEED,
                 basis=Basis.RECIPROCAL,
                 target=target,
                 shape=np.array([kappa / nominal.grip.k_s_per_m, self.crawl_m_s]),
                 coefficients=np.array([1.0]),
                 wheels=weights,
+                place=np.array([self.tread_share, 0.0, 0.0]),
             )
 
         if across == along:

@@ -75,6 +75,8 @@ def probes(
         return np.asarray(np.concatenate([_heading(motion) + angle + half for half in (0.0, np.pi)]))
     if variable is Variable.SLIP_DIRECTION:
         return _slip_direction(model, motion, slide, creep)
+    if isinstance(term, Multiplier) and variable is Variable.PASSING_SPEED:
+        return _passing(model, motion, creep, float(term.place[0]))
     return _slip(model, motion, slide, creep, variable, transverse)
 
 
@@ -86,6 +88,13 @@ def _slip_direction(model: Model, motion: Motion, slide: Array, creep: Array) ->
     heading = _heading(motion)
     every = heading[:, None] + np.arctan2(y, x)[None]
     return np.asarray(every.reshape(-1, *every.shape[2:]))
+
+
+def _passing(model: Model, motion: Motion, creep: Array, share: float) -> Array:
+    """How fast (P, M, N) floor and tread pass each contact, for drive slips up to ``creep`` either way."""
+    slip = np.linspace(-1.0, 1.0, 17)[:, None, None, None] * creep[..., None]
+    floor = np.einsum("idj,mj->mid", model.geometry.hub_rows(), motion.velocity)
+    return np.asarray(np.linalg.norm(floor - share * slip * model.geometry.grip, axis=-1))
 
 
 def _slip(

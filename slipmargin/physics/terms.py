@@ -34,6 +34,7 @@ PER_WHEEL = frozenset(
         Variable.FROM_PLACE,
         Variable.BEFORE_LINE,
         Variable.SLIP_DIRECTION,
+        Variable.PASSING_SPEED,
     }
 )
 #: Variables of a wheel that are measured from the place of a term.
@@ -117,7 +118,7 @@ class Multiplier:
 
     ``wheels`` (N,) are the weights w_i: 1 where the modulation applies in full, 0 where not at all;
     ``shape`` (2,) are the constants of the basis; ``place`` (3,) is where on the floor the variable is
-    measured from: x, y [m] and a direction [rad].
+    measured from: x, y [m] and a direction [rad]; of ``PASSING_SPEED`` its first number is the tread's share.
     """
 
     variable: Variable

@@ -39,6 +39,8 @@ class Variable(IntEnum):
     BEFORE_LINE = 23  #: how far the contact lies before the line through the term's place, whose normal
     #: points ``place[2]`` [rad] [m], per wheel; negative beyond it
     SLIP_DIRECTION = 24  #: floor-frame direction of the whole slip [rad], per wheel: φ + arg(u_W ĝ + u_T f̂)
+    PASSING_SPEED = 25  #: |hub velocity − w u_W ĝ| [m/s], per wheel: how fast floor and tread pass the
+    #: contact, w the tread's share (``place[0]`` of its term): 0 the floor alone, ½ the mean of both
 
 
 class Basis(IntEnum):

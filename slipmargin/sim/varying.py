@@ -100,6 +100,9 @@ def _wheel_variable(P: Any, w: Any, c: Any, code: int, direction: int, m: int, y
         uw, ut = c[SLIP_W], c[SLIP_T]
         return float(y[2] + math.atan2(uw * w[_GY] + ut * w[_FY], uw * w[_GX] + ut * w[_FX]))
     vx, vy = _velocity_at(y[3], y[4], y[5], w[_AX], w[_AY])
+    if code == 25:  # the tread passes with the floor but for the slip along ĝ: rollers turn with the floor
+        slip = P[m + _PLACE] * c[SLIP_W]
+        return math.hypot(vx - slip * w[_GX], vy - slip * w[_GY])
     hub = math.hypot(vx, vy)
     if code == 20:
         return hub

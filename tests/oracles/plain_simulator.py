@@ -87,6 +87,9 @@ class _Instant:
             return np.asarray(rolling)
         if variable is Variable.HUB_SPEED:
             return np.asarray(np.hypot(*self.hub.T))
+        if variable is Variable.PASSING_SPEED:
+            tread = self.hub - self.slip[0][:, None] * c.grip
+            return np.asarray(np.hypot(*((1.0 - place[0]) * self.hub + place[0] * tread).T))
         if variable is Variable.LEAD:
             arm = c.position_m - self.model.inertia.com_m
             reach = np.hypot(*arm.T)

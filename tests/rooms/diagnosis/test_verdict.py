@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from slipmargin.diagnosis.ladder import Checked
-from slipmargin.diagnosis.loop import _verdict
 from slipmargin.diagnosis.verdict import (
     Judgement,
     RunErrors,
@@ -167,7 +166,7 @@ def test_errors_larger_than_the_noise_are_no_noise_however_slow(size: float, sai
         phased=False,
         rejected=(),
     )
-    assert _verdict(checked).name == said
+    assert checked.verdict.name == said
 
 
 def test_noise_stated_too_large_explains_nothing() -> None:

@@ -181,6 +181,7 @@ def test_motions_agree_to_a_millionth(case):
         Variable.FROM_PLACE,
         Variable.BEFORE_LINE,
         Variable.SLIP_DIRECTION,
+        Variable.PASSING_SPEED,
     ],
 )
 def test_motions_with_terms_agree(variable):
