@@ -28,7 +28,7 @@ def as_simulated(before: State, screening: Screening) -> Screening:
     if not asked:
         return screening
     effects = [
-        build((*base.structure, *entry.structure), np.concatenate([base.x, _part_way(entry, share)]))
+        build((*base.structure, *entry.structure), np.concatenate([base.x, part_way(entry, share)]))
         for entry in asked
         for share in shares
     ]
@@ -47,8 +47,9 @@ def _stands_alone(entry: Screened) -> bool:
     return len(entry.parts) == 1 and bool(entry.structure)
 
 
-def _part_way(entry: Screened, share: float) -> Array:
+def part_way(entry: Screened, share: float) -> Array:
     """Parameters (P,) at a share of the step from null; those that say where or how stay where it led."""
     candidate, start = entry.structure[0], entry.starts[0]
     part = np.where(candidate.idle, 1.0, share)
-    return np.asarray(candidate.null + part * (start - candidate.null))
+    there = candidate.null + part * (start - candidate.null)
+    return np.clip(there, candidate.low, candidate.high)  # a start at a bound must not pass it by rounding

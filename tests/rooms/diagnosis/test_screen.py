@@ -19,12 +19,13 @@ from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.promise import as_simulated
+from slipmargin.diagnosis.promise import as_simulated, part_way
 from slipmargin.diagnosis.ranges import ranges
 from slipmargin.diagnosis.screen import Screened
 from slipmargin.diagnosis.search import fitted, screened, take_step
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
+from slipmargin.diagnosis.tangents import Columns
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
 from slipmargin.effects.friction_coefficients import FrictionCoefficients
@@ -136,6 +137,24 @@ def test_coefficients_that_are_off_promise_most_where_tangents_prefer_another_la
     found = as_simulated(before, listed)
     assert _first_name(sorted(found.entries, key=lambda e: -e.promise)) == worn.name
     assert finalists(found, 1)[0].structure[0].name == worn.name
+
+
+def test_a_start_at_a_bound_is_not_passed_by_rounding() -> None:
+    law = next(c for c in named_candidates(("1",), False, ()) if "drive_coefficient_factor" in c.keys)
+    columns = Columns(
+        trace=law.trace,
+        label=law.label,
+        columns=np.zeros((1, 1, 1)),
+        prior=np.zeros((1, 1)),
+        low=np.zeros(1),
+        high=np.zeros(1),
+        candidate=law,
+        at=law.low,
+        along=np.zeros((1, law.size)),
+    )
+    entry = Screened(parts=(columns,), gain=1.0, step=np.zeros(1), starts=(law.low,))
+    assert np.any(law.null + 1.0 * (law.low - law.null) < law.low)  # what rounding makes of it
+    law.build(part_way(entry, 1.0))
 
 
 def _first_name(entries: Sequence[Screened]) -> str:
