@@ -90,15 +90,16 @@ class Round:
         return [] if best is None else [s for s in self.tried if s is not best and as_good(s, best)]
 
     def others(self) -> list[State]:
-        """Names worth following beside the best one, the best of each variable: its rivals, and, if it has no
-        name, the best that has one."""
-        best = self.best
+        """Names worth following beside the best one, the best of each other variable: those that take off at
+        least a share of what it does, and, if it has no name, the best that has one."""
+        best, before = self.best, self.before
         if best is None or not self.taken:
             return []
-        named = [s for s in self.tried if s.named and s is not best and worthwhile(self.before, s.chi)]
+        named = [s for s in self.tried if s.named and s is not best and worthwhile(before, s.chi)]
         first = [] if best.named else named[:1]
+        least = SETTINGS.followed_share * (before.chi - best.chi)
         found: dict[Trace, State] = {}
-        for state in (*first, *(s for s in named if as_good(s, best))):
+        for state in (*first, *(s for s in named if before.chi - s.chi >= least)):
             found.setdefault(state.last.trace, state)
         if best.named:
             found.pop(best.last.trace, None)

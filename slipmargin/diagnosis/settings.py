@@ -137,6 +137,9 @@ class SearchSettings:
     #: [candidates] Far above the noise so many names are followed by a round of their own beside the best:
     #: with it they make three, the variables of a wheel that rolls (its slip, its load, its geometry).
     followed: int = 2
+    #: [1] … each of which takes off at least this share of what the best does: what is found beside it may
+    #: be worth as much again, while a name's own rank depends on what is still missing.
+    followed_share: float = 0.5
     #: [1] A fit that cannot come within this factor of the best one's cost is not finished.
     out_of_reach: float = 1.3
     #: [1] Stated noise is replaced where the measured one is this many times larger or smaller …
