@@ -41,10 +41,8 @@ def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:
     lines.append(_isotropic(b))
     lines.append(f"recommended {b.recommended_m_s2:.4g} m/s² in any direction, slip margin {b.margin:g}")
     lines.append(f"braking     {_span(full.braking_m_s2)}; turning at speed {_span(full.turning_m_s2)}")
-    lines.append(
-        f"spinning    up {_turn(b.spin.starting_rad_s2)}, down {_turn(b.spin.braking_rad_s2)} "
-        "(with the margin)"
-    )
+    up, down = (_rate(v, "rad/s²") for v in (b.spin.starting_rad_s2, b.spin.braking_rad_s2))
+    lines.append(f"spinning    up {up}, down {down} (with the margin)")
     lines.append(_steady(b))
     lines += _grip(b) + _standing(b)
     if likely is not None:
@@ -58,9 +56,9 @@ def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:
     return lines + _sets(b)
 
 
-def _turn(rad_s2: float) -> str:
-    """A yaw acceleration, or that the robot slips without one."""
-    return f"{rad_s2:.4g} rad/s²" if rad_s2 > 0.0 else "none, it must slip"
+def _rate(value: float, unit: str) -> str:
+    """An acceleration, or that the robot slips without one."""
+    return f"{value:.4g} {unit}" if value > 0.0 else "none, it must slip"
 
 
 def _grip(b: Bounds) -> list[str]:
@@ -83,8 +81,8 @@ def _standing(b: Bounds) -> list[str]:
         return []
     return [
         f"rollers     at {degrees(s.heading_rad)} none turns, and the limit counts none: "
-        f"{s.helped_m_s2:.4g} m/s² while their friction helps, {s.dragged_m_s2:.4g} m/s² once a drift to the "
-        "side makes it drag"
+        f"{s.helped_m_s2:.4g} m/s² while their friction helps; once a drift to the side makes it drag: "
+        f"{_rate(s.dragged_m_s2, 'm/s²')}"
     ]
 
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import slipmargin as sm
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.limits.bounds_summary import Bounds, bounds
+from slipmargin.limits.standing import Standing
 from slipmargin.model import Model
 from slipmargin.report.bounds import answer
 from slipmargin.sim.signal import linear
@@ -60,6 +63,12 @@ def test_bounds_and_plan_say_what_is_not_counted(mecanum: Bounds) -> None:
     )
     sideways = sm.plan("mecanum4", "floor", [[0, 0, 0], [2, 0, 0]], points=100).lines()
     assert not [said for said in sideways if said.startswith("rollers")]
+
+
+def test_where_the_drag_leaves_nothing_it_is_said_in_words(mecanum: Bounds) -> None:
+    none = replace(mecanum, standing=Standing(heading_rad=0.0, helped_m_s2=6.42, dragged_m_s2=-np.inf))
+    (said,) = [line for line in answer(none) if line.startswith("rollers")]
+    assert said.endswith("once a drift to the side makes it drag: none, it must slip") and "inf" not in said
 
 
 def test_robots_whose_rollers_do_not_push_ahead_have_nothing_to_say() -> None:
