@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from .options import JsonOpt, MarginOpt, PlotOpt, ReportOpt, SeedOpt, check_outputs, deliver
-from .render import at_options, refuse, stages, warn
+from .render import at_options, refuse, stages
 
 _Folder = typer.Argument(
     metavar="DATASET", help="Folder with dataset.toml, the robot file and trials/ (or pulls.csv alone)."
@@ -50,8 +50,7 @@ def next_run(
 
     Each run goes into --out as a table of pose and wheel speeds over time (run-1.csv, as plan writes it) and
     as the waypoints of its legs (run-1-path-1.csv, as plan reads them).  It begins and ends at rest inside
-    the space and keeps the margin for every explanation that is left.  Where nothing is left to separate, it
-    says so and proposes none.
+    the space and keeps the margin for every explanation that is left.
     """
     import slipmargin as sm
 
@@ -82,12 +81,6 @@ def next_run(
             budget_s=budget,
         )
     written = [] if out is None else found.write_folder(out)
-    if not found.next_runs.runs:
-        given = {"--out": out, "--plot": plot}
-        warn(
-            *(f"{name} has no effect: no run is proposed" for name, path in given.items() if path is not None)
-        )
-        plot = None
     deliver(found, plot=plot, json=json, report=report, written=[(out or Path()) / name for name in written])
 
 

@@ -59,7 +59,7 @@ class NextRunResult(FolderResult):
         from slipmargin.plots.next_run import next_runs_figure
 
         if not self.next_runs.runs:
-            raise InputError("plot", "has no runs to draw: none is proposed", "leave it out")
+            raise InputError("plot", "there are no runs to draw, only pulls", "use lines()")
         return next_runs_figure(self.next_runs)
 
     def page(self) -> Page:
@@ -100,8 +100,7 @@ def next_run(
 
     Where several explanations are left, the runs are chosen so that the pair that is hardest to tell apart
     is told apart best; where there is one, so that its widest interval becomes narrowest; where nothing is
-    missing, so that what could hide becomes smallest.  Where none of this is above the noise in any motion,
-    no run is proposed.
+    missing, so that what could hide becomes smallest.
 
     Parameters
     ----------

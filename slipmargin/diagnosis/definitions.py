@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from slipmargin.diagnosis.search import refitted
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State, as_good
@@ -25,6 +27,6 @@ def redefined(state: State, runs: Sequence[int], progress: Watch) -> State:
             progress(f"fitting {other.label}", 0.0)
             structure = (*state.structure[:index], other, *state.structure[index + 1 :])
             found = refitted(state, structure, state.fit.x, runs)
-            if not as_good(state, found):
+            if np.isfinite(found.chi) and not as_good(state, found):
                 state = found
     return state

@@ -285,8 +285,10 @@ def _diagnosed(conditions: Ready, s: Searched, seed: int, watch: Watch, budget_s
         remaining = last.map()
     traces = [f.traced_to for f in found]
     following = leads(remaining, turns, last, checked.rejected, traces)
-    if explained:
-        following = tuple(lead for lead in following if not found and lead.stands_out)
+    if verdict is Verdict.NO_MISSING_EFFECT:
+        following = tuple(lead for lead in following if lead.stands_out)
+    elif explained:
+        following = ()
     return Diagnosis(
         data_set=data_set.name,
         surface=data_set.surface,

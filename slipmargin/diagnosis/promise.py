@@ -7,6 +7,7 @@ coefficients that are 5 % off came thirtieth in a list that they explain to the 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -16,14 +17,18 @@ from slipmargin.diagnosis.fit import build
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
+from slipmargin.diagnosis.tangents import in_parts
 
 
-def as_simulated(before: State, screening: Screening) -> Screening:
+def as_simulated(
+    before: State, screening: Screening, overdue: Callable[[], bool] = lambda: False
+) -> Screening:
     """The list with what each candidate that stands alone promises: the better of tangent and simulation.
 
     Its step suits the runs that it is simulated in: two parameters' worth of noise is taken off for each.
+    Once it is ``overdue`` the others, which stand further down the list, keep what their tangents gain.
     """
-    base, shares = before.fit, SETTINGS.step_shares
+    base, shares, problem = before.fit, SETTINGS.step_shares, before.view.rough()
     asked = [e for e in screening.entries if _stands_alone(e)]
     if not asked:
         return screening
@@ -32,13 +37,13 @@ def as_simulated(before: State, screening: Screening) -> Screening:
         for entry in asked
         for share in shares
     ]
-    left = before.view.residuals(effects, [base.trials] * len(effects))
-    costs = np.array([float(np.sum(r**2)) for r in left]).reshape(len(asked), len(shares))
-    misfit = max(1.0, base.cost / max(1, int(np.count_nonzero(base.residual))))
-    found = {
-        entry.label: replace(entry, promise=base.cost - cost.min() - 2.0 * misfit * entry.structure[0].size)
-        for entry, cost in zip(asked, costs, strict=True)
-    }
+    known, *left = in_parts(problem, [base.effects, *effects], base.trials, overdue) or [base.residual]
+    off = float(np.sum(known**2))
+    misfit = max(1.0, off / max(1, int(np.count_nonzero(known))))
+    found = {}
+    for entry, *residuals in zip(asked, *(left[i :: len(shares)] for i in range(len(shares))), strict=False):
+        taken = off - min(float(np.sum(r**2)) for r in residuals)
+        found[entry.label] = replace(entry, promise=taken - 2.0 * misfit * entry.structure[0].size)
     return replace(screening, entries=tuple(found.get(e.label, e) for e in screening.entries))
 
 

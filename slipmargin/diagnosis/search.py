@@ -241,7 +241,7 @@ def take_step(
     if not worth and (before.structure or before.chi <= SETTINGS.noise_chi):
         return nothing
     tried: list[State] = []
-    screening = as_simulated(before, screening)
+    screening = as_simulated(before, screening, lambda: progress.overdue)
     chosen = finalists(screening, many)
     for number, entry in enumerate(chosen):
         progress(f"fitting {entry.label}", 0.2 + 0.8 * number / len(chosen))

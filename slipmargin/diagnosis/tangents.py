@@ -90,7 +90,7 @@ def tangents(
                     moved[j] += step * candidate.scale[j]
                 points.append((*base.effects, candidate.build(moved)))
             plans.append((candidate, at, columns))
-    residuals = _in_parts(problem, points, base.trials, overdue)
+    residuals = in_parts(problem, points, base.trials, overdue)
     reached = np.cumsum([len(plan) for _, _, plan in plans]) <= len(residuals)
     found, out = iter(residuals), []
     for candidate, at, plan in compress(plans, reached):
@@ -137,7 +137,7 @@ def secants(
         for start in c.starts[: SETTINGS.secants]
     ]
     points = [(*base.effects, c.build(start)) for c, _, start in plans]
-    found = _in_parts(problem, points, base.trials, overdue)
+    found = in_parts(problem, points, base.trials, overdue)
     return [
         Columns(
             trace=c.trace,
@@ -158,9 +158,10 @@ def secants(
 _AT_ONCE = 16
 
 
-def _in_parts(
+def in_parts(
     problem: Residuals, points: list[tuple[AnyEffect, ...]], trials: Index, overdue: Callable[[], bool]
 ) -> list[Array]:
+    """The residual of each of several sets of effects, of the first ones only once it is ``overdue``."""
     out: list[Array] = []
     for at in range(0, len(points), _AT_ONCE):
         if overdue():

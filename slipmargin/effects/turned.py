@@ -20,7 +20,7 @@ from slipmargin.effects.general import GeneralEffect, Term
 from slipmargin.effects.recipe import AnyEffect, Recipe
 from slipmargin.effects.sliding_direction import SlidingDirection
 from slipmargin.physics.convention import Convention
-from slipmargin.physics.terms import AGAINST, ForceTerm, Multiplier
+from slipmargin.physics.terms import AGAINST, OF_PLACE, ForceTerm, Multiplier
 from slipmargin.physics.variables import Basis, Variable
 from slipmargin.robot.turned import quarter_rad, robot_in, vectors
 
@@ -81,7 +81,7 @@ def _term(term: Term, old: Convention, new: Convention) -> Term:
     changes: dict[str, Any] = {}
     if isinstance(term, Multiplier):
         coefficients = term.coefficients
-        if np.any(term.place):
+        if term.variable in OF_PLACE:
             place = vectors(term.place, old, new)
             place[2] = direction(float(place[2]), old, new)
             changes["place"] = place

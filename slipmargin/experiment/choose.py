@@ -100,28 +100,14 @@ def narrowed(left: Remaining, on_new: Fit, chosen: Sequence[int]) -> tuple[Narro
     return _sorted(keys, _deviations(before), _deviations(after), scale)
 
 
-def told(before: Array, slopes: Array, scale: Array, misfit: float) -> float:
-    """How far what is not known of parameters moves any sample of new runs at most, in noises.
-
-    Half the 95 % band of the prediction, from the information ``before`` (P, P) and slopes (R, K, P).
-    """
-    scaled = slopes * scale / misfit
-    square = np.einsum("rkp,pq,rkq->rk", scaled, np.linalg.inv(before), scaled)
-    return float(_HALF * np.sqrt(np.max(square, initial=0.0)))
-
-
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Unseen:
-    """An effect that is not there as far as the runs say, and what old and new runs say of it, per scale.
-
-    ``told`` is how far it may move a sample of the new runs and not be seen in the old ones, in noises.
-    """
+    """An effect that is not there as far as the runs say, and what old and new runs say of it, per scale."""
 
     candidate: Candidate
     before: Array
     each: Array
-    told: float
 
 
 def unseen(left: Remaining, new: Problem) -> list[Unseen]:
@@ -143,9 +129,7 @@ def unseen(left: Remaining, new: Problem) -> list[Unseen]:
         # Nothing is larger than its range: what no run shows is as wide as that.
         range_ = np.diag((2.0 * c.scale / (c.high - c.low)) ** 2)
         before = information(old, c.scale, left.misfit).sum(axis=0) + range_
-        each = information(ahead, c.scale, left.misfit)
-        most = told(before, ahead, c.scale, left.misfit)
-        made.append(Unseen(candidate=c, before=before, each=each, told=most))
+        made.append(Unseen(candidate=c, before=before, each=information(ahead, c.scale, left.misfit)))
     return made
 
 

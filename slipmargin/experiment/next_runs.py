@@ -11,9 +11,8 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.repair import Repair
-from slipmargin.diagnosis.fit import Fit, limits_of
+from slipmargin.diagnosis.fit import Fit
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.result import Verdict
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.errors import InputError
 from slipmargin.experiment.choose import (
@@ -24,10 +23,9 @@ from slipmargin.experiment.choose import (
     pairs,
     separating,
     showing,
-    told,
     unseen,
 )
-from slipmargin.experiment.gain import evaluated, known, only, problem_of_drives
+from slipmargin.experiment.gain import evaluated, only, problem_of_drives
 from slipmargin.experiment.motions import Space, library, reach_m
 from slipmargin.experiment.refit import expected_rise
 from slipmargin.experiment.remaining import Question, Remaining, name_of, remaining
@@ -37,8 +35,6 @@ from slipmargin.paths.along import Caps
 
 #: The longest run may take this long [s], however short the runs that there are.
 _LONG_S = 5.0
-#: Where no motion tells as much as this of what is open, none is proposed [noises].
-LEAST_TOLD = 1.0
 #: Rivals with more parameters than this are not fitted again by simulation: it would take minutes.
 _MOST_REFITTED = 6
 
@@ -92,7 +88,7 @@ def next_runs(
 def proposed(
     left: Remaining, request: Request, progress: Watch, kinds: Collection[str] | None = None
 ) -> NextRuns:
-    """The runs that tell most of what is left open; none where no motion tells anything above the noise.
+    """The runs that tell most of what is left open.
 
     Parameters
     ----------
@@ -129,18 +125,13 @@ def proposed(
         every = pairs(left, on_new)
         chosen = separating(request.runs, able, every)
         narrowings = narrowed(left, on_new[0], chosen)
-        most = float(np.sqrt(max(p.contrast.gain(chosen) for p in every)))
     elif left.question is Question.HOW_MUCH:
         chosen = narrowing(request.runs, able, left, on_new[0])
         narrowings = narrowed(left, on_new[0], chosen)
-        best, scale = left.fits[0], limits_of(left.fits[0].structure)[2]
-        most = told(known(best, left.misfit), on_new[0].jacobian, scale, left.misfit)
     else:
         hidden = unseen(left, new)
         chosen = showing(request.runs, able, hidden)
         narrowings = hideable(hidden, chosen)
-        most = max((u.told for u in hidden), default=0.0)
-    open_ = most >= LEAST_TOLD or left.verdict is Verdict.UNEXPLAINED
     driven = only(new, chosen)
     return NextRuns(
         data_set=data_set.name,
@@ -149,8 +140,7 @@ def proposed(
         verdict=left.verdict,
         question=left.question,
         explanations=tuple(name_of(f) for f in left.fits),
-        runs=_written([able[k] for k in chosen], driven, left.fits) if open_ else (),
-        told=most,
+        runs=_written([able[k] for k in chosen], driven, left.fits),
         separations=_separations(left, driven, every, chosen, progress),
         narrowings=narrowings,
         compared=len(able),

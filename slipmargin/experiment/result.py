@@ -83,10 +83,7 @@ class NextRuns:
     explanations : tuple of str
         What is left, the best first.
     runs : tuple of ProposedRun
-        In the order in which they were chosen: each is the best beside those before it.  None where nothing
-        that could be told is above the noise.
-    told : float
-        The most that any motion compared tells of what is open, in noises.
+        In the order in which they were chosen: each is the best beside those before it.
     separations : tuple of Separation
         Every ordered pair of explanations.
     narrowings : tuple of Narrowing
@@ -126,7 +123,6 @@ class NextRuns:
     noise: Array
     front_rad: float
     pulls: tuple[NextPull, ...] = ()
-    told: float = 0.0
 
     @property
     def weakest(self) -> Separation | None:

@@ -91,10 +91,16 @@ def _slip_direction(model: Model, motion: Motion, slide: Array, creep: Array) ->
 
 
 def _passing(model: Model, motion: Motion, creep: Array, share: float) -> Array:
-    """How fast (P, M, N) floor and tread pass each contact, for drive slips up to ``creep`` either way."""
-    slip = np.linspace(-1.0, 1.0, 17)[:, None, None, None] * creep[..., None]
+    """How fast (P, M, N) floor and tread pass each contact, for every drive slip up to ``creep``.
+
+    A wheel that brakes slips at most as fast as the floor passes: then it is locked.
+    """
     floor = np.einsum("idj,mj->mid", model.geometry.hub_rows(), motion.velocity)
-    return np.asarray(np.linalg.norm(floor - share * slip * model.geometry.grip, axis=-1))
+    along = np.sum(floor * model.geometry.grip, axis=-1)
+    most = np.where(along > 0.0, np.minimum(creep, along), creep)
+    least = -np.where(along < 0.0, np.minimum(creep, -along), creep)
+    slip = least + np.linspace(0.0, 1.0, 17)[:, None, None] * (most - least)
+    return np.asarray(np.linalg.norm(floor - share * slip[..., None] * model.geometry.grip, axis=-1))
 
 
 def _slip(

@@ -37,8 +37,11 @@ class Standing:
 def standing(model: Model, found: Directions, contact: Contact) -> Standing | None:
     """The strongest direction of ``found`` (all of the grip) with rollers that help and that drag.
 
-    None where some roller turns in it, or something other than the grip limits it.
+    None where some roller turns in it, where wheels may stand on rigid material, or where something other
+    than the grip limits it.
     """
+    if contact is not Contact.ROLLERS:
+        return None
     at = found.strongest
     heading = float(found.heading_rad[at])
     limit, ahead = float(found.starting_m_s2[at]), ahead_of(np.array([heading]))

@@ -35,6 +35,9 @@ from slipmargin.robot.uncertain import drawn as drawn_values, spread
 _BLOCK = 500
 #: Headings for whose limits a coupled grip's normals are found.
 _HEADINGS = 36
+#: Wheel shares that are computed for a chance where every draw needs facets of its own: 16 ns each, so
+#: that a sweep answers within 10 s.
+_ONE_BY_ONE = 5e8
 #: Draws of which a chance is counted, unless another number is asked for.
 DRAWS = 10_000
 
@@ -173,7 +176,8 @@ def lowest_pulls(model: Model, phi_rad: Array, drawn: Draws) -> Array:
     Raises
     ------
     InputError
-        For a coupled grip with an effect that changes friction or adds an external force.
+        For a coupled grip with an effect that changes friction or adds an external force, and for more
+        wheels and headings with one than are computed within seconds.
     """
     phi = np.atleast_1d(np.asarray(phi_rad, dtype=float))
     base = _lowest_coefficients(model, drawn)
@@ -185,7 +189,16 @@ def lowest_pulls(model: Model, phi_rad: Array, drawn: Draws) -> Array:
                 f"is not computed for the grip {model.grip.shape.value!r} with effects on friction or forces",
                 'use grip = "box", or leave the effects out',
             )
-        found = _one_by_one(model, phi, base, drawn)
+        normals = box_normals(wrench_maps(model))
+        work = len(base) * len(phi) * len(normals) * model.count
+        if work > _ONE_BY_ONE:
+            raise InputError(
+                "chance",
+                f"is not computed for {model.count} wheels at {len(phi)} headings with effects on friction "
+                f"or forces: that asks for {work:.0e} wheel shares, {_ONE_BY_ONE:.0e} at most",
+                "give a larger --step, or leave the effects out",
+            )
+        found = _one_by_one(model, phi, base, drawn, normals)
     else:
         maps = wrench_maps(model)
         normals = box_normals(maps) if box else _cone_normals(model, phi, base)
@@ -259,10 +272,9 @@ def _cone_normals(model: Model, phi: Array, base: Array) -> Array:
     return np.concatenate(found)
 
 
-def _one_by_one(model: Model, phi: Array, base: Array, drawn: Draws) -> Array:
+def _one_by_one(model: Model, phi: Array, base: Array, drawn: Draws, normals: Array) -> Array:
     """The same where friction or forces depend on the heading: rows anew for each draw."""
     state, out = np.zeros(model.count, dtype=bool), np.empty(len(base))
-    normals = box_normals(wrench_maps(model))
     for d, mu in enumerate(base):
         own, about = drawn.model(model, d), moved_normals(normals, drawn.com_shift_m[d])
         for shift in model.loads.shifts():

@@ -298,7 +298,8 @@ class _Work:
         """
         w, u = self.rows, self.u[:, None]
         terms = np.stack([w.a * u, w.b * np.stack([self.x[:-1], self.x[1:]])[..., None], -w.c])
-        left = np.min(-np.sum(terms, axis=0) / np.sum(np.abs(terms), axis=0), axis=0)
+        size = np.maximum(np.sum(np.abs(terms), axis=0), np.finfo(float).tiny)  # a row may ask for nothing
+        left = np.min(np.where(size > np.finfo(float).tiny, -np.sum(terms, axis=0) / size, 1.0), axis=0)
         capped = self.x >= (1.0 - BINDS) * w.cap
         binds = left.min(axis=1) <= BINDS
         row, n = np.where(binds, np.argmin(left, axis=1), -1), len(u)

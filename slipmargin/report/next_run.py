@@ -50,8 +50,6 @@ def answer(found: NextRuns) -> str:
         if not found.pulls:
             return "These are pulls alone, and none of those compared would tell more."
         return "These are pulls alone: pull the robot in the orientations below next."
-    if not found.runs:
-        return _nothing_left(found)
     count = f"{len(found.runs)} run{'s' if len(found.runs) != 1 else ''}"
     if found.question is Question.ANYTHING:
         first = "The model misses something, and nothing that was tried explains it."
@@ -71,25 +69,6 @@ def answer(found: NextRuns) -> str:
     if hardest.expected < CLEAR:
         said += " That is too little: no motion that was compared tells them apart."
     return said
-
-
-def _nothing_left(found: NextRuns) -> str:
-    """That no run is proposed, as what is open is below the noise."""
-    first, most = "Nothing is left to separate", f"{found.told:.2g} of the noise"
-    if found.question is Question.WHICH:
-        return (
-            f"{first} by driving: in none of the {found.compared} motions compared do "
-            f"{words.listed(list(found.explanations))} differ by more than {most} after a new fit."
-        )
-    if found.question is Question.HOW_MUCH:
-        return (
-            f"{first}: {found.explanations[0]} alone explains the runs, and what is not known of it moves "
-            f"none of the {found.compared} motions compared by more than {most}."
-        )
-    return (
-        f"{first}: nothing is missing, and no effect that these runs could have missed moves any of the "
-        f"{found.compared} motions compared by more than {most}."
-    )
 
 
 def narrowed(one: Narrowing) -> str:
@@ -127,8 +106,6 @@ def lines(found: NextRuns) -> list[str]:
     said = [f"{found.verdict.value}: {answer(found)}"]
     if found.question is None:
         return [*said, *(f"next     {next_sentence(p)}" for p in found.pulls)]
-    if not found.runs:
-        return [*said, *(f"note     {one}" for one in _other_ways(found))]
     said += [f"{run.name}    {_run_line(run)}" for run in found.runs]
     said += [f"expected {_pair_line(one)}" for one in pairs(found)]
     label = "hidden  " if found.question is Question.ANYTHING else "interval"
@@ -202,7 +179,7 @@ def report(found: NextRuns) -> dict[str, Any]:
 
 def page(found: NextRuns, images: Mapping[str, Image], warnings: Sequence[str] = ()) -> Page:
     """The page: what is open, the runs on the floor, what each explanation predicts, what to do."""
-    told = pairs(found) if found.runs else []
+    told = pairs(found)
     facts = [Fact(label="Runs proposed", value=str(len(found.runs)), note=f"of {found.compared} compared")]
     if told:
         facts += [
@@ -223,7 +200,7 @@ def page(found: NextRuns, images: Mapping[str, Image], warnings: Sequence[str] =
             value=f"±{two_digits(n.today)} → ±{two_digits(n.expected)}",
             note="95 %, as far as noise decides",
         )
-        for n in found.narrowings[: 1 if found.runs else 0]
+        for n in found.narrowings[:1]
     ]
     tables = [
         Table(
@@ -263,8 +240,6 @@ def page(found: NextRuns, images: Mapping[str, Image], warnings: Sequence[str] =
     ]
     if found.question is None:
         steps = [f"Pull next: {next_sentence(p)}." for p in found.pulls] or ["Nothing more to pull."]
-    elif not found.runs:
-        steps, tables = _other_ways(found) or ["Nothing more to drive."], []
     several = any(len(run.predicted) > 1 for run in found.runs)
     expected = "; dotted and dashed: where the first two explanations expect it to go" if several else ""
     return result_page(

@@ -103,7 +103,11 @@ def pace(p: Plan) -> list[tuple[str, float]]:
     shares: dict[str, float] = {}
     for name, part in zip(limiting(p), spent, strict=True):
         shares[name] = shares.get(name, 0.0) + float(part)
-    said = {"+".join(p.model.geometry.names): "all wheels", "motor torque": "motors", "cap": "speed caps"}
+    said = {
+        "+".join(p.model.geometry.names): "all wheels",
+        "motor torque": "motors",
+        "cap": "speed caps or the motors' top speed",
+    }
     return sorted(((said.get(name, name), part) for name, part in shares.items()), key=lambda x: -x[1])
 
 

@@ -10,6 +10,7 @@ Topics and joints that are not named are guessed from types and names, and the r
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -33,6 +34,8 @@ from slipmargin.physics.convention import Convention
 _Topic = tuple[str, list[tuple[int, Any]]]
 #: Frames of a robot's base (REP 105, REP 120).
 BASES = ("base_link", "base_footprint")
+#: A quaternion whose length is off by more is no rotation [1]: rounding leaves 1e-7, a wrong field anything.
+_UNIT = 0.1
 #: What readers of YAML and CDR stumble over in a damaged bag.
 DAMAGE = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, AssertionError, StructError)
 
@@ -228,7 +231,7 @@ def _stamp(bag_ns: int, message: Any) -> float:
 
 
 def pose_of(message: Any) -> tuple[float, float, float]:
-    """x, y, yaw of any of the pose messages; the quaternion's turn about +z."""
+    """x, y, yaw of any of the pose messages; the quaternion's turn about +z, NaN where it is no rotation."""
     inner = getattr(message, "pose", None) or getattr(message, "transform", None)
     if inner is None:
         raise InputError(
@@ -239,5 +242,8 @@ def pose_of(message: Any) -> tuple[float, float, float]:
     inner = getattr(inner, "pose", inner)
     place = getattr(inner, "position", None) or inner.translation
     q = getattr(inner, "orientation", None) or inner.rotation
-    yaw = np.arctan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y**2 + q.z**2))
-    return float(place.x), float(place.y), float(yaw)
+    length = math.hypot(q.w, q.x, q.y, q.z)  # 0: a message that nobody filled in
+    if length > 0.0 and not abs(length - 1.0) <= _UNIT:
+        return float(place.x), float(place.y), math.nan
+    yaw = math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y**2 + q.z**2))
+    return float(place.x), float(place.y), yaw

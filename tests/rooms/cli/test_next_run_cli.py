@@ -13,7 +13,6 @@ from slipmargin_cli.main import status
 
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.experiment import next_runs as room
-from slipmargin.experiment.remaining import Question
 from slipmargin.io.data_set_write import write_data_set
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.io.robot_text import write_recipe
@@ -38,20 +37,6 @@ def engine(monkeypatch: pytest.MonkeyPatch) -> list[room.Request]:
 
     monkeypatch.setattr(room, "next_runs", answer)
     return asked
-
-
-def test_where_nothing_is_left_to_separate_it_says_so_and_writes_no_runs(
-    data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    nothing = next_runs(Question.HOW_MUCH, runs=(), told=0.02)
-    monkeypatch.setattr(room, "next_runs", lambda *_: nothing)
-    out, page, plot = tmp_path / "next", tmp_path / "next.html", tmp_path / "next.png"
-    words = ["next-run", str(data), "--out", str(out), "--report", str(page), "--plot", str(plot)]
-    assert status(words) == 0
-    told = capsys.readouterr()
-    assert "effect-found: Nothing is left to separate: floor_tilt alone" in told.out
-    assert "warning: --out has no effect: no run is proposed" in told.err
-    assert page.exists() and not out.exists() and not plot.exists()
 
 
 def test_it_writes_runs_report_and_json(

@@ -123,6 +123,8 @@ def test_a_candidate_promises_what_it_takes_off_as_simulated() -> None:
     )
     assert unknown.label in {e.label for e in finalists(chosen, 5)}
     assert unknown.label not in {e.label for e in finalists(found, 5)}
+    late = as_simulated(before, listed, lambda: True)
+    assert [e.promise for e in late.entries] == [e.gain for e in listed.entries]
     only_pairs = replace(listed, entries=tuple(e for e in listed.entries if len(e.parts) == 2))
     assert as_simulated(before, only_pairs) is only_pairs
 

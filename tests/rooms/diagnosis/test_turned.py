@@ -142,3 +142,21 @@ def test_estimates_are_named_by_the_axes_of_the_file() -> None:
         (estimate("scale_x", 1.1, 1.0, 1.2),), CameraScale(scale_x=1.1, scale_y=1.0), PAPER, ROS
     )
     assert [(e.name, e.value, e.low, e.high) for e in scales] == [("scale_y", 1.1, 1.0, 1.2)]
+
+
+@pytest.mark.parametrize(
+    ("variable", "there"),
+    [(Variable.PASSING_SPEED, [0.5, 0.0, 0.0]), (Variable.FROM_PLACE, [0.0, -0.5, 0.0])],
+)
+def test_a_place_is_turned_and_a_share_of_the_tread_is_not(variable: Variable, there: list[float]) -> None:
+    term = Multiplier(
+        variable=variable,
+        basis=Basis.CONSTANT,
+        coefficients=np.array([0.1]),
+        shape=np.zeros(2),
+        wheels=np.ones(3),
+        place=np.array([0.5, 0.0, 0.0]),
+    )
+    written = GeneralEffect(traced_to=Trace.SLIP_RATIO, part=Part.GRIP, terms=(term,))
+    (turned,) = effect_in(written, PAPER, ROS).terms
+    assert turned.place[:2].tolist() == pytest.approx(there[:2], abs=1e-15)

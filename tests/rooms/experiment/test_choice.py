@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from next_run import CASES, LENGTH_S, data_set, logged, standard_runs
@@ -149,17 +147,3 @@ def test_the_choice_takes_other_kinds_first() -> None:
     worth = (3.0, 2.0, 1.0)
     assert greedy(3, [*able, other], lambda runs: (sum(worth[k] for k in runs),)) == [0, 2, 1]
     assert greedy(5, [other], lambda runs: (0.0,)) == [0]
-
-
-def test_what_is_below_the_noise_is_no_reason_to_drive() -> None:
-    """Runs were proposed that would tell micrometres; the camera sees half a millimetre."""
-    one = left_by(("wheel_radius[1]",), Question.HOW_MUCH)
-    few = proposed(one, ask(1), Watch(report=quiet), KINDS)
-    assert (few.runs and few.told >= 1.0) or (not few.runs and few.told < 1.0)
-    best = one.fits[0]
-    sure = replace(one, fits=(replace(best, jacobian=1e3 * best.jacobian),))  # a thousand times the runs
-    none = proposed(sure, ask(1), Watch(report=quiet), KINDS)
-    assert none.runs == () and 0.0 < none.told < 0.01
-    assert none.told == pytest.approx(1e-3 * few.told, rel=0.05)
-    still_wrong = replace(sure, verdict=Verdict.UNEXPLAINED)
-    assert proposed(still_wrong, ask(1), Watch(report=quiet), KINDS).runs

@@ -53,27 +53,6 @@ def test_one_explanation_has_its_interval_narrowed_and_none_what_could_hide() ->
     assert any(line.startswith("hidden   floor_tilt.tilt_x_rad from") for line in hidden)
 
 
-@pytest.mark.parametrize(
-    ("question", "said"),
-    [
-        (Question.WHICH, "Nothing is left to separate by driving: in none of the 49 motions compared do "),
-        (Question.HOW_MUCH, "Nothing is left to separate: floor_tilt alone explains the runs, and what is "),
-        (
-            Question.ANYTHING,
-            "Nothing is left to separate: nothing is missing, and no effect that these runs ",
-        ),
-    ],
-)
-def test_where_nothing_is_open_no_run_is_proposed_and_it_is_said(question: Question, said: str) -> None:
-    found = result(question, runs=(), told=0.031, separations=(separation(expected=1e-3),))
-    assert found.lines()[0].split(": ", 1)[1].startswith(said) and "0.031 of the noise" in found.lines()[0]
-    assert not any(line.startswith(("run-", "expected", "next ")) for line in found.lines())
-    assert found.files() == {} and not faults("next-run", found.to_json())
-    assert "Nothing is left to separate" in found.page().lead
-    with pytest.raises(InputError, match="no runs to draw"):
-        found.plot()
-
-
 def test_pulls_alone_say_which_orientation_to_pull_next() -> None:
     pull = NextPull(phi_rad=0.5, direction_rad=0.0, separates=("stribeck", "floor_tilt"), apart_N=0.4)
     found = result(None, runs=(), space=None, narrowings=(), pulls=(pull,))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from slipmargin.errors import InputError
 from slipmargin.io import extra
 from slipmargin.io.importers.csv_map import CsvImporter, read_map
 from slipmargin.io.importers.robotino import RobotinoImporter
-from slipmargin.io.importers.ros2 import RosImporter
+from slipmargin.io.importers.ros2 import RosImporter, pose_of
 
 LOG = EXCERPT / "gray_0.1" / "heading_155.csv"
 MAP = """
@@ -219,3 +220,18 @@ def test_clock_times_begin_at_zero(tmp_path: Path) -> None:
     found, plain = (mapped(tmp_path).read(p).record for p in (path, LOG))
     assert found.t_s[0] == 0.0
     np.testing.assert_allclose(found.t_s, plain.t_s - plain.t_s[0], atol=1e-3)
+
+
+@pytest.mark.parametrize("q", [(1e200, 0.0, 1e200, 1e200), (2.0, 0.0, 0.0, 0.0), (math.nan, 0.0, 0.0, 0.0)])
+def test_a_quaternion_that_is_no_rotation_is_a_missing_pose(q: tuple[float, ...]) -> None:
+    """Its square overflowed, which ended the import in an internal error."""
+
+    def message(w: float, x: float, y: float, z: float) -> SimpleNamespace:
+        place = SimpleNamespace(x=1.0, y=2.0, z=0.0)
+        return SimpleNamespace(
+            pose=SimpleNamespace(position=place, orientation=SimpleNamespace(w=w, x=x, y=y, z=z))
+        )
+
+    assert pose_of(message(*q))[:2] == (1.0, 2.0) and math.isnan(pose_of(message(*q))[2])
+    assert pose_of(message(0.0, 0.0, 0.0, 0.0))[2] == 0.0
+    assert pose_of(message(math.cos(0.2), 0.0, 0.0, math.sin(0.2)))[2] == pytest.approx(0.4)

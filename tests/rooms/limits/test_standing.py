@@ -10,7 +10,8 @@ import pytest
 import slipmargin as sm
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.limits.bounds_summary import Bounds, bounds
-from slipmargin.limits.standing import Standing
+from slipmargin.limits.motion_state import Contact
+from slipmargin.limits.standing import Standing, standing
 from slipmargin.model import Model
 from slipmargin.report.bounds import answer
 from slipmargin.sim.signal import linear
@@ -69,6 +70,11 @@ def test_where_the_drag_leaves_nothing_it_is_said_in_words(mecanum: Bounds) -> N
     none = replace(mecanum, standing=Standing(heading_rad=0.0, helped_m_s2=6.42, dragged_m_s2=-np.inf))
     (said,) = [line for line in answer(none) if line.startswith("rollers")]
     assert said.endswith("once a drift to the side makes it drag: none, it must slip") and "inf" not in said
+
+
+def test_on_rigid_material_no_roller_stands(mecanum: Bounds) -> None:
+    assert mecanum.standing is not None
+    assert standing(mecanum.model, mecanum.full, Contact.RIGID) is None
 
 
 def test_robots_whose_rollers_do_not_push_ahead_have_nothing_to_say() -> None:

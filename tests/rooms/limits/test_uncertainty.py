@@ -240,7 +240,7 @@ def test_a_chance_without_a_spread_is_refused() -> None:
     assert sm.sweep(kiwi(30.0), "paper", step_deg=30.0).slip_chance is None
 
 
-def test_a_chance_that_is_not_computed_is_said() -> None:
+def test_a_chance_that_is_not_computed_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     robot = on(replace(kiwi(30.0), friction=replace(kiwi().friction, grip=GripShape.ELLIPSE)))
     recipe = Recipe(robot=robot, effects=(FloorTilt.of(np.array([0.02, 0.01])),))
     found = sm.sweep(recipe, "paper", step_deg=45.0)
@@ -249,6 +249,11 @@ def test_a_chance_that_is_not_computed_is_said() -> None:
     )
     with pytest.raises(InputError, match="not computed"):
         sm.sweep(recipe, "paper", step_deg=45.0, chance=0.01)
+    monkeypatch.setattr(uncertainty, "_ONE_BY_ONE", 1e4)
+    boxed = Recipe(robot=on(kiwi(30.0)), effects=recipe.effects)
+    assert (
+        "is not computed for 3 wheels at 3 headings" in sm.sweep(boxed, "paper", step_deg=45.0).warnings[-1]
+    )
     heavy = Recipe(robot=unsure(kiwi(30.0)), effects=(FloorTilt.of(np.array([0.02, 0.01])),))
     assert "uncertain mass" in sm.bounds(heavy, "paper", step_deg=45.0).warnings[-1]
 

@@ -101,7 +101,7 @@ def test_what_limits_is_the_row_that_binds() -> None:
     assert {found.rows.names[row] for row in found.limited_by} == {"grip"} and np.all(found.limited_by >= 0)
     assert not any("caps" in name or "motors" in name for name, _ in pace(found))
     capped = plan(MODELS["kiwi"], PATHS["turning"], Request(points=60, caps=Caps(speed_m_s=0.2)))
-    assert dict(pace(capped))["speed caps"] > 0.5
+    assert dict(pace(capped))["speed caps or the motors' top speed"] > 0.5
     weak = plan(MODELS["motor"], PATHS["straight"], Request(points=60))
     assert dict(pace(weak))["motors"] > 0.5
 

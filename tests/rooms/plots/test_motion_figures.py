@@ -94,7 +94,7 @@ def test_the_title_of_a_path_with_a_long_legend_is_whole() -> None:
     way = through(np.array([[0, 0, 0], [1, 0.5, 0], [2, 0, 1.5708], [2, 1, 1.5708]], dtype=float))
     found = plan(model, way, Request(share=0.9, points=60))
     figure = plan_panels(found, trajectory(found, step_s=0.02))["path"]
-    figure.draw_without_rendering()
+    figure.canvas.draw()
     axes = figure.axes[0]
     top = axes.title.get_window_extent().y1
     assert top <= figure.bbox.height and axes.get_aspect() == 1.0
