@@ -65,7 +65,7 @@ class Plan:
     """A time-optimal profile: x = ṡ² (n + 1,), s̈ (n,) and what limits it.
 
     ``highest`` (n + 1,) is the largest ṡ² from which the rest of the path can be driven; ``limited_by``
-    (n,) indexes ``rows.names`` (−1: a speed cap); ``audit`` holds the dense check.
+    (n,) indexes ``rows.names`` (−1: a speed cap, or the motors' top speed); ``audit`` holds the dense check.
     """
 
     model: Model

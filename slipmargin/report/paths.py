@@ -86,7 +86,7 @@ def _chance(found: PlanChance) -> str:
 def limiting(p: Plan) -> list[str]:
     """What limits each interval: the wheels whose grip does, joined by "+", or motor torque, tipping or cap.
 
-    Of the wheels those that use most, all that tie.
+    Of the wheels those that use most, all that tie; a cap is a speed cap or the motors' top speed.
     """
     most, names = p.audit.most, (*p.rows.names, "cap")
     tied = most >= (1.0 - _TIED) * most.max(axis=1, keepdims=True)
