@@ -10,6 +10,11 @@ import numpy as np
 from slipmargin.checks import Array, frozen
 from slipmargin.errors import InputError
 
+#: A wheel limits the pace where it uses more than this share of what it may [1].
+NEAR = 0.98
+#: Wheels whose use differs by less than this part limit it together [1].
+TIED = 1e-4
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -15,16 +15,12 @@ from numpy.typing import NDArray
 from slipmargin.model import Model
 from slipmargin.paths.check import Check
 from slipmargin.paths.plan import Plan
-from slipmargin.paths.trajectory import Trajectory
+from slipmargin.paths.trajectory import NEAR, TIED, Trajectory
 from slipmargin.physics.convention import Convention
 from slipmargin.physics.frames import directions
 from slipmargin.plots.style import BLUE, GREY, INK, PALE, PANEL, RED, WHEELS, below, styled
 
 _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)))
-#: A wheel limits the pace where it uses more than this share of what it may [1].
-NEAR = 0.98
-#: Wheels whose use differs by less than this part are near it together [1].
-TIED = 1e-4
 
 
 @styled

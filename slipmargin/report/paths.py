@@ -13,17 +13,15 @@ from slipmargin.paths.chance import PlanChance
 from slipmargin.paths.check import Check
 from slipmargin.paths.geometry import Geometry
 from slipmargin.paths.plan import Plan
-from slipmargin.paths.trajectory import Trajectory
+from slipmargin.paths.trajectory import NEAR, TIED, Trajectory
 from slipmargin.paths.verify import Verified
 from slipmargin.report.motion import in_air
 
 #: Turns of less than this all along a path are not spoken of [deg].
 _TURNED_DEG = 0.05
-#: Wheels whose use differs by less than this part limit together [1].
-_TIED = 1e-4
 #: Rollers stand where a wheel slides sideways by less than this part of the fastest wheel's turning [m], and
-#: where no wheel uses this part of what it may for longer than that part of the time, it is said [1].
-_STANDS, _NEAR, _SPOKEN = 1e-9, 0.98, 0.02
+#: where no wheel is near its limit for longer than that part of the time, it is said [1].
+_STANDS, _SPOKEN = 1e-9, 0.02
 
 
 def covered(rows: Trajectory) -> str:
@@ -89,7 +87,7 @@ def limiting(p: Plan) -> list[str]:
     Of the wheels those that use most, all that tie; a cap is a speed cap or the motors' top speed.
     """
     most, names = p.audit.most, (*p.rows.names, "cap")
-    tied = most >= (1.0 - _TIED) * most.max(axis=1, keepdims=True)
+    tied = most >= (1.0 - TIED) * most.max(axis=1, keepdims=True)
     wheels = np.array(p.model.geometry.names)
     return [
         "+".join(wheels[on]) if names[row] == "grip" else names[row]
@@ -122,7 +120,7 @@ def _standing(p: Plan) -> list[str]:
     slide = np.abs(twist @ p.model.geometry.lateral_rows().T).max(axis=1)
     stand = slide <= _STANDS * np.max(np.abs(p.model.geometry.wheel_speeds(twist)), axis=1)
     most = p.audit.most.max(axis=1)
-    spare = stand & (most < _NEAR * p.request.share) & (np.array(p.rows.names)[p.limited_by] == "grip")
+    spare = stand & (most < NEAR * p.request.share) & (np.array(p.rows.names)[p.limited_by] == "grip")
     spare &= p.limited_by >= 0
     part = np.diff(p.audit.time_s[:, [0, -1]], axis=1).ravel()[spare].sum() / p.duration_s
     if part <= _SPOKEN:

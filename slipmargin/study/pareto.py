@@ -41,7 +41,7 @@ def front(values: Array) -> NDArray[np.bool_]:
     return out
 
 
-def room(top: float) -> float:
+def tolerance(top: float) -> float:
     """By how much values may fall short of the largest and still equal it."""
     return TIE * max(1.0, abs(top))
 
@@ -49,7 +49,7 @@ def room(top: float) -> float:
 def _ranks(column: Array) -> Array:
     """Values (D,) as whole numbers in the same order, one number for those that are equal; NaN stays."""
     order = np.argsort(column)
-    least = room(float(np.max(np.abs(column[np.isfinite(column)]), initial=0.0)))
+    least = tolerance(float(np.max(np.abs(column[np.isfinite(column)]), initial=0.0)))
     ranks = np.zeros_like(column)
     with np.errstate(invalid="ignore"):  # infinite values equal each other
         ranks[order[1:]] = np.cumsum(np.diff(column[order]) > least)

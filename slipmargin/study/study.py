@@ -13,7 +13,7 @@ from slipmargin.checks import Array, read_only
 from slipmargin.errors import InputError
 from slipmargin.study.columns import static_columns
 from slipmargin.study.objectives import BY_NAME, Kind, Objective, names_of, objective
-from slipmargin.study.pareto import front, room
+from slipmargin.study.pareto import front, tolerance
 from slipmargin.study.pieces import Executor, in_pieces
 from slipmargin.study.quantities import Value, own_value
 from slipmargin.study.robot_on_surface import RobotOnSurface
@@ -94,7 +94,7 @@ class Study:
         """Rows that are as good as the best in an objective but for rounding."""
         score = objective(name).sign * self.columns[name]
         top = float(np.nanmax(score))
-        return np.flatnonzero(score >= top - room(top))
+        return np.flatnonzero(score >= top - tolerance(top))
 
     def winners(self, name: str) -> NDArray[np.int_]:
         """The rows of :meth:`ties`; none where every possible design is as good as any other."""
