@@ -11,7 +11,7 @@ from slipmargin.report.text import ROWS, columns, left_out, thinned
 from slipmargin.study.influence import Influence
 from slipmargin.study.objectives import BY_NAME, Objective
 from slipmargin.study.optimum import Optimum
-from slipmargin.study.pareto import room
+from slipmargin.study.pareto import tolerance
 from slipmargin.study.quantities import QUANTITIES
 from slipmargin.study.reason import Reason
 from slipmargin.study.robust import Robust
@@ -217,6 +217,6 @@ def _change(value: float, own: float) -> str:
     if math.isnan(own) or math.isnan(value):
         return ""
     if own <= 0.0:
-        return f"{value - own:+.3g}" if abs(value - own) > room(own) else "0"
+        return f"{value - own:+.3g}" if abs(value - own) > tolerance(own) else "0"
     percent = round(100.0 * (value / own - 1.0), 1)
     return f"{percent:+.1f} %" if percent else "0.0 %"
