@@ -206,7 +206,10 @@ def until_killed(child: int, folder: Path, before: set[str], moment: float, *, s
             names = {str(p.relative_to(folder)) for p in folder.rglob("*")}
             start = start if names == before else time.monotonic()
         elif time.monotonic() - start >= moment:
-            os.killpg(child, signal.SIGKILL)
+            try:
+                os.killpg(child, signal.SIGKILL)
+            except ProcessLookupError:  # so early that it has no group of its own yet
+                os.kill(child, signal.SIGKILL)
             os.waitpid(child, 0)
             return True
         else:
