@@ -28,10 +28,11 @@ def as_simulated(
     Its step suits the runs that it is simulated in: two parameters' worth of noise is taken off for each.
     Once it is ``overdue`` the others, which stand further down the list, keep what their tangents gain.
     """
-    base, shares, problem = before.fit, SETTINGS.step_shares, before.view.rough()
+    base, shares = before.fit, SETTINGS.step_shares
     asked = [e for e in screening.entries if _stands_alone(e)]
     if not asked:
         return screening
+    problem = before.view.rough()
     effects = [
         build((*base.structure, *entry.structure), np.concatenate([base.x, part_way(entry, share)]))
         for entry in asked
