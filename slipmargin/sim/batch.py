@@ -209,7 +209,8 @@ class Batch:
             Steps, taken or rejected, after which a run ends; by default what :mod:`slipmargin.work` allows.
         held_down : float
             A run ends where the floor would have to pull a wheel down by more than this [m g/N]; infinite:
-            it goes on where the robot tips and where it jams.
+            it goes on where the robot tips, and where it jams, there with the loads at rest until the
+            signal's next knot.
 
         Returns
         -------

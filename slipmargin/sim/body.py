@@ -39,6 +39,7 @@ from slipmargin.sim.columns import (
     MU_T,
     MU_W,
     OMEGA,
+    RESTING,
     RIGID,
     ROUND,
     SHARED,
@@ -80,7 +81,7 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
     vx, vy, vw = y[3], y[4], y[5]
     left, hx, hy = 1.0 - B[LIFT] / P[_LIFTED], B[TILTING], B[TILTING + 1]
     law, shape, coupling = int(P[_LAW]), int(P[_SHAPE]), P[_COUPLING]
-    k, modulated, follows = P[_K], P[_MODS] > 0.0, P[_FOLLOWS] > 0.0
+    k, modulated, follows, resting = P[_K], P[_MODS] > 0.0, P[_FOLLOWS] > 0.0, B[RESTING] > 0.0
     for turn in range(60):
         for i in range(len(W)):
             w, c = W[i], C[i]
@@ -94,6 +95,8 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
             still = left * w[_REST] + w[_TX] * hx + w[_TY] * hy
             c[SLIP_W], c[SLIP_T], c[STILL] = uw, ut, still
             c[SHARED], c[SHARED_X], c[SHARED_Y] = still, w[_LX], w[_LY]
+            if resting:
+                c[SHARED], c[SHARED_X], c[SHARED_Y] = max(0.0, still), 0.0, 0.0
             if turn == 0:
                 c[LOAD] = still
             z = _MU + 2 * int(c[RIGID])
@@ -113,7 +116,7 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
         before_x, before_y = acc[0], acc[1]
         accelerate(P, W, C, B, acc)
         B[UP], B[JAMMED] = 0.0, 0.0
-        if lifts(P, C):
+        if not resting and lifts(P, C):
             hang(P, W, C, B, acc)
         if P[_BY_LOAD] == 0.0 or not (follows or B[UP] > 0.0):
             break  # nothing that friction depends on has changed

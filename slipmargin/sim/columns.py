@@ -24,7 +24,8 @@ CONTACT = 30
 #: Entries of the body table B: external push in the floor frame (3) and its height, inverse of the mass
 #: matrix of a (2 × 2 row by row), yaw moment per acceleration that loads bring about, factors of a
 #: wheel (6), external wrench in the body frame (3), its moment h F (2), lift, wheels in the air and the pull
-#: on one that would keep the robot upright [N], 1 where no acceleration agrees with its own loads.
+#: on one that would keep the robot upright [N], 1 where no acceleration agrees with its own loads, 1 while
+#: loads stay as they are at rest.
 PUSH, INVERSE, LEVER, FACTORS, WRENCH, TILTING, LIFT, UP, PULLED = 0, 4, 8, 10, 16, 19, 21, 22, 23
-JAMMED = 24
-BODY = 25
+JAMMED, RESTING = 24, 25
+BODY = 26

@@ -11,7 +11,8 @@ is told: this model knows no turn about a horizontal axis, so a run ends where t
 
 Of a robot far too tall, friction may press a wheel down harder the harder it rubs, so that no acceleration
 agrees with its own loads (as of a chalk that stutters over a board: Painlevé's paradox).  Where none is
-found that is told, and a run ends: such a robot jams.
+found that is told, and a run ends: such a robot jams.  What was measured did go on: a prediction of it
+(an infinite ``held_down``) keeps the loads at rest from there to the signal's next knot.
 
 A wheel in the air has no friction, and a floor that rises under it does not push it; viscous friction,
 which does not know the load, stays.

@@ -34,6 +34,7 @@ from slipmargin.sim.columns import (
     OMEGA,
     PULLED,
     PUSH,
+    RESTING,
     RIGID,
     SLIP_T,
     SLIP_W,
@@ -183,6 +184,7 @@ def run(
         y[6 + i], y[moving + i] = task[TASK + i], coef[0, i, 0]
     for i in range(n):
         C[i, HUNG], task[TASK + i] = 0.0, 0.0
+    held, B[RESTING] = task[PULL] == np.inf, 0.0
     hung, lifted, since = False, -1.0, knots[0]
     pose = len(columns) > 0 and (columns[0] < 3 or (columns[0] >= moving and columns[0] < m))
     status, steps, rejected = DONE, 0, 0
@@ -192,6 +194,7 @@ def run(
     c, k0 = coef[0], t
     while True:
         if t >= stop and t < until:  # a new stretch: to where something next jumps or a wheel switches
+            B[RESTING] = 0.0
             stop, jumps = next_stop(W, knots, coef, push, edges, t, place)
             c, k0, pk = coef[place[0]], knots[place[0]], place[1]
             first = jumps or switched
@@ -211,9 +214,12 @@ def run(
             for i in range(speeds):
                 C[i, RIGID] = sector(W[i], y[moving + i], y[6 + i], AHEAD) % 2.0
             rates(P, W, t, y, c, k0, push, pk, C, B, acc, f)
+            if held and B[JAMMED] > 0.0:  # what was measured did go on: until something next jumps
+                B[RESTING] = 1.0
+                rates(P, W, t, y, c, k0, push, pk, C, B, acc, f)
             if B[UP] > 0.0 and B[PULLED] > -least:
                 status = TIPS
-            if B[JAMMED] > 0.0 and least > -np.inf:
+            if B[JAMMED] > 0.0:
                 status = JAMS
             if status != DONE and lifted < 0.0:
                 lifted = t
@@ -271,6 +277,8 @@ def run(
             step *= share
         if not error <= 1.0:
             rejected += 1
+            if held and B[JAMMED] > 0.0:  # it would jam on the way
+                B[RESTING], fresh = 1.0, True
             h = step * (max(1.0 / 6.0, 0.9 * error**-0.25) if error < 1e30 else 0.1)
             if h < 1e-14:
                 status = STUCK if error < 1e30 else NOT_FINITE

@@ -217,6 +217,18 @@ def test_a_signal_that_lifts_nothing_is_what_it_was():
     assert found.lifts_s is None and np.all(found.in_air_s == 0.0) and np.min(found.load) > 0.0
 
 
+def test_a_prediction_of_what_was_measured_goes_on_where_its_robot_jams() -> None:
+    """It chattered there, from one wheel to the other, and most such runs took more steps than allowed."""
+    model, count, times = tall(1.0, surface="carpet"), 20, np.linspace(0.0, 0.5, 26)
+    rng = np.random.default_rng(1)
+    signals = [linear(times, np.cumsum(rng.normal(0.0, 1.0, (26, 4)), axis=0)) for _ in range(count)]
+    batch = Batch(signals, [times] * count)
+    free = batch.run(pack(model), np.zeros((count, 3)))
+    assert np.any(free.ending != Ending.DONE)
+    held = batch.run(pack(model), np.zeros((count, 3)), held_down=np.inf, max_steps=4000)
+    assert np.all(held.ending == Ending.DONE)
+
+
 def test_a_robot_that_jams_is_told() -> None:
     """No acceleration agrees with its own loads: a run ends there, and no other has loads out of balance.
 
@@ -238,5 +250,8 @@ def test_a_robot_that_jams_is_told() -> None:
     first = int(np.flatnonzero(jams)[0])
     with pytest.raises(MotionStopped, match="friction presses another down so hard"):
         simulate(model, signals[first], times, start_twist=twist[first])
-    followed = batch.run(pack(model), poses, start_twist=twist, held_down=np.inf)
+    followed = batch.run(pack(model), poses, start_twist=twist, held_down=np.inf, tell=True)
     assert np.all(followed.ending == Ending.DONE)
+    assert followed.load is not None
+    resting = np.broadcast_to(model.loads.rest_N, (jams.sum(), 6))
+    np.testing.assert_allclose(followed.load[jams, 0], resting, rtol=1e-9)
