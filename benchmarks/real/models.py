@@ -78,6 +78,38 @@ class AsTheyAre:
         return wheels_path(record, self.data)
 
 
+class RunsBeside:
+    """No model: the mean of the two fitted runs whose headings lie beside.
+
+    How well runs repeat: what two runs and this one differ by at random no model of a robot can know.
+    """
+
+    def fit(self, data: RealSet) -> None:
+        """The runs are the fit."""
+        self.beside = data.beside
+
+    def path(self, record: Record) -> Array:
+        """Their mean, as far as it must be lengthened for pointing to the left and to the right."""
+        since = record.t_s - record.t_s[0]
+        one, two = (
+            np.column_stack([np.interp(since, r.t_s - r.t_s[0], column) for column in known(r).T])
+            for r in self.beside[record.name.rsplit("/", 1)[-1]]
+        )
+        mean = 0.5 * (one + two)
+        apart = angle_between(one[-1, :2], two[-1, :2])
+        return mean / np.array([np.cos(0.5 * apart), np.cos(0.5 * apart), 1.0])
+
+
+def known(record: Record) -> Array:
+    """(T, 3) its path in the body frame, frames that are missing bridged."""
+    return body_path(bridged(record.t_s, record.pose))
+
+
+def angle_between(a: Array, b: Array) -> float:
+    """Between two directions in the plane [rad]."""
+    return float(np.arctan2(abs(a[0] * b[1] - a[1] * b[0]), a @ b))
+
+
 class Linear:
     """Velocity as a linear function of features of the wheels' velocity, axis by axis, least squares."""
 
@@ -267,6 +299,9 @@ class Diagnosed(Simulated):
         ) or (found.verdict.value,)
 
 
+#: Row that asks how well runs repeat; it needs runs in many directions.
+REPEATS = "mean of the two runs beside it (no model)"
+
 #: Name in the table → what makes the row.
 ROWS: dict[str, Callable[[], Model]] = {
     "wheels as they are": AsTheyAre,
@@ -274,9 +309,15 @@ ROWS: dict[str, Callable[[], Model]] = {
     "gain, Coulomb, lag per axis (TIGERs-type)": GainCoulombLag,
     "neural network": Network,
     "sparse regression": Sparse,
+    REPEATS: RunsBeside,
     "slipmargin, robot as stated": Simulated,
     "slipmargin diagnose": Diagnosed,
 }
+
+
+def rows_for(data: RealSet) -> list[str]:
+    """The rows that a set can have."""
+    return [name for name in ROWS if name != REPEATS or data.beside]
 
 
 def windows(t: Array, seen: Array, horizon_s: float | None) -> Sequence[tuple[int, int]]:

@@ -28,7 +28,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from real.models import ROWS, Model, measured_path, rate, windows
+from real.models import ROWS, Model, measured_path, rate, rows_for, windows
 from real.sets import RealSet, read
 from slipmargin.checks import Array
 from slipmargin.data.record import Record
@@ -125,7 +125,7 @@ def main() -> None:
         if chosen.set and data.name not in chosen.set:
             continue
         print(f"{data.name}: {len(data.fitted.trials)} runs fitted, {len(data.judged)} judged", flush=True)
-        for name in chosen.row or ROWS:
+        for name in chosen.row or rows_for(data):
             known = next((r for r in rows if (r["set"], r["model"]) == (data.name, name)), None)
             if known is None:
                 known = row(data, name)

@@ -14,7 +14,7 @@ A split is by whole runs and fixed by their names, so that a figure can be compa
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from slipmargin.data.calibration import calibrate
@@ -38,7 +38,8 @@ RUN_S, BLOCK_S = 2.5, 5.0
 class RealSet:
     """A data set with its split: ``fitted`` (a campaign's runs joined) and ``judged`` with their recipe.
 
-    ``member`` is the number of the fitted campaign's member whose robot is judged.
+    ``member`` is the number of the fitted campaign's member whose robot is judged.  Where the robot drove the
+    same run in every direction, ``beside`` gives for a run's name the two fitted runs to its left and right.
     """
 
     name: str
@@ -47,6 +48,7 @@ class RealSet:
     recipe: Recipe
     surface: str
     member: int = 0
+    beside: dict[str, tuple[Record, Record]] = field(default_factory=dict)
 
     @property
     def own(self) -> tuple[Record, ...]:
@@ -55,6 +57,13 @@ class RealSet:
             return self.fitted.trials
         pairs = zip(self.fitted.trials, self.fitted.member_of, strict=True)
         return tuple(t for t, m in pairs if m == self.member)
+
+
+def neighbours(runs: Sequence[Record]) -> dict[str, tuple[Record, Record]]:
+    """Of runs in the order of their headings, all around, the fitted ones (every second) beside each."""
+    apart = [2 - i % 2 for i in range(len(runs))]
+    pairs = [(runs[i - d], runs[(i + d) % len(runs)]) for i, d in enumerate(apart)]
+    return {run.name: pair for run, pair in zip(runs, pairs, strict=True)}
 
 
 def robotino(folder: Path) -> list[RealSet]:
@@ -87,11 +96,17 @@ def robotino(folder: Path) -> list[RealSet]:
             part("load", load[::2], heavy, "gray", "payload"),
             part("table", table[::2], believed, "table", "as stated"),
         ]
-        judged = part("judged", load[1::2], heavy, "gray", "payload").data_set.trials
+        around = part("load", load, heavy, "gray", "payload").data_set.trials
         fitted = joined("robotino-load", parts)
         found.append(
             RealSet(
-                name="robotino-load", fitted=fitted, judged=judged, recipe=heavy, surface="gray", member=1
+                name="robotino-load",
+                fitted=fitted,
+                judged=around[1::2],
+                recipe=heavy,
+                surface="gray",
+                member=1,
+                beside=neighbours(around),
             )
         )
     slow, fast = (
@@ -105,7 +120,14 @@ def robotino(folder: Path) -> list[RealSet]:
         data = replace(runs[0].data_set, name="robotino-green", trials=(*one[::2], *two[::2]))
         judged = (*one[1::2], *two[1::2])
         found.append(
-            RealSet(name="robotino-green", fitted=data, judged=judged, recipe=believed, surface="gray")
+            RealSet(
+                name="robotino-green",
+                fitted=data,
+                judged=judged,
+                recipe=believed,
+                surface="gray",
+                beside=neighbours(one) | neighbours(two),
+            )
         )
     return found
 

@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
-from real.models import ROWS, AsTheyAre, GainCoulombLag, Linear, ScalePerAxis, measured_path, windows
+from real.models import (
+    REPEATS,
+    ROWS,
+    AsTheyAre,
+    GainCoulombLag,
+    Linear,
+    RunsBeside,
+    ScalePerAxis,
+    measured_path,
+    rows_for,
+    windows,
+)
 from real.page import PAGE, page
 from real.run import nll, row, stretches, velocity_error
-from real.sets import RealSet, read, robojackets
+from real.sets import RealSet, neighbours, read, robojackets
 
 from slipmargin.checks import Array
 from slipmargin.data.record import Record
@@ -83,7 +95,23 @@ def test_a_factor_on_each_axis_is_learnt_and_a_lag_explains_more(ssl: RealSet) -
     assert np.all(errors[GainCoulombLag] < errors[ScalePerAxis])
 
 
-@pytest.mark.parametrize("name", [name for name in ROWS if name != "slipmargin diagnose"])
+def test_runs_in_every_direction_say_how_well_a_run_repeats(ssl: RealSet) -> None:
+    """Straight ways all around: the mean of those beside a run is the run's own."""
+    t, runs = np.linspace(0.0, 2.0, 21), []
+    for i in range(12):
+        way = np.outer(t, [np.cos(np.deg2rad(30 * i)), np.sin(np.deg2rad(30 * i)), 0.0])
+        runs.append(Record(name=str(i), t_s=t, theta=np.zeros((21, 4)), pose=way))
+    beside = neighbours(runs)
+    names = {name: [r.name for r in pair] for name, pair in beside.items()}
+    assert (names["0"], names["1"], names["11"]) == (["10", "2"], ["0", "2"], ["10", "0"])
+    model = RunsBeside()
+    model.fit(replace(ssl, beside=beside))
+    for run in runs:
+        np.testing.assert_allclose(model.path(run), measured_path(run), atol=1e-12)
+    assert REPEATS in rows_for(replace(ssl, beside=beside)) and REPEATS not in rows_for(ssl)
+
+
+@pytest.mark.parametrize("name", [name for name in ROWS if name not in ("slipmargin diagnose", REPEATS)])
 def test_every_row_gives_figures(ssl: RealSet, name: str) -> None:
     if name == "neural network":
         pytest.importorskip("sklearn")
