@@ -187,7 +187,7 @@ def _followed(
 
     Far above the noise an effect shows only beside another one, as load that shifts with the acceleration
     does beside the loads at rest.  Each is followed by a round of its own over the names, which is returned
-    if it took one; the first is kept unless another leaves less beyond the spread of the runs.
+    if it took one; the first is kept unless another, which that does not make superfluous, leaves less.
     """
     found: list[tuple[State, tuple[State, Problem, State, Round | None]]] = []
     for number, (best, problem, state) in enumerate(tried):
@@ -196,12 +196,11 @@ def _followed(
         level, ahead = best, None
         if best.named:  # beside a form names are hardly ever taken
             ahead = take_step(state, runs, names, seed, progress.staged(f"beside {best.last.label}"))
-        if ahead is None or not ahead.taken or ahead.best is None:
-            ahead = None
-        else:
-            level = refitted(step.before, ahead.best.structure, ahead.best.fit.x, runs)
-            ahead = replace(ahead, names_only=True)
-        found.append((level, (best, problem, state, ahead)))
+            ahead = replace(ahead, names_only=True) if ahead.taken else None
+        if ahead is not None and ahead.best is not None:
+            level = needed(refitted(step.before, ahead.best.structure, ahead.best.fit.x, runs), runs)
+        if not number or best.last in level.structure:
+            found.append((level, (best, problem, state, ahead)))
     least = min(found, key=lambda f: f[0].chi)
     return (found[0] if as_good(found[0][0], least[0]) else least)[1]
 

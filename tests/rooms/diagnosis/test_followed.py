@@ -98,6 +98,16 @@ def test_the_first_is_kept_where_what_follows_is_as_good(
     assert followed(bench, loads, slip, after, monkeypatch) is loads
 
 
+def test_an_addition_that_the_next_one_makes_superfluous_leads_no_further(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The effects of both rounds leave less than the first alone; without the idle one nothing is gained."""
+    slip, roller = bench.state("slip_ratio_friction"), bench.state("stiff_roller[1]")
+    both = bench.state("stiff_roller[1]", "slip_ratio_friction")
+    assert both.chi < 0.8 * slip.chi
+    assert followed(bench, slip, roller, {"stiff_roller[1]": both}, monkeypatch) is slip
+
+
 def test_what_is_followed_are_names_of_other_variables(bench: Bench) -> None:
     form = bench.state("unnamed_velocity: force across the velocity")
     loads = bench.state("wheel_loads")
