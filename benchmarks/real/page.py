@@ -57,7 +57,9 @@ Gaussian whose covariance comes from the fitted runs, in nats a stretch: lower i
 **Rows.** *Wheels as they are*: no slip. *Scale per axis*: one factor on each axis. *Gain, Coulomb, lag*:
 v = g u − c sign u − τ u̇ on each axis, as SSL teams such as TIGERs Mannheim use it. *Neural network*:
 two layers of 32 on a quarter second of wheel speeds, stopped early by whole runs. *Sparse regression*:
-sequentially thresholded least squares over 19 terms. *slipmargin, robot as stated*: the simulator with
+sequentially thresholded least squares over 19 terms. *Mean of the two runs beside it*: no model; where
+the robot drove in many directions, the fitted runs to the left and right of each say how well a run
+repeats. *slipmargin, robot as stated*: the simulator with
 the robot file (made-up friction, camera as calibrated on the table). *slipmargin diagnose*: the same
 after `diagnose` was left alone with the fitted runs.
 

@@ -130,6 +130,7 @@ def main() -> None:
             if known is None:
                 known = row(data, name)
                 rows.append(known)
+                rows.sort(key=lambda r: (r["set"], list(ROWS).index(r["model"])))
                 if chosen.json:
                     write_text(chosen.json, json.dumps(rows, indent=1) + "\n")
             print(told(known), *(f"    {line}" for line in known["said"]), sep="\n", flush=True)
