@@ -283,12 +283,9 @@ def _diagnosed(conditions: Ready, s: Searched, seed: int, watch: Watch, budget_s
         # Too few of the searched runs show it: a lead, which claims nothing, may look at all.
         last = left_over(s.state if last is None else last.before, (), s.runs, s.candidates, seed, watch)
         remaining = last.map()
-    traces = [f.traced_to for f in found]
-    following = leads(remaining, turns, last, checked.rejected, traces)
-    if verdict is Verdict.NO_MISSING_EFFECT:
-        following = tuple(lead for lead in following if lead.stands_out)
-    elif explained:
-        following = ()
+    near, traces = verdict is Verdict.NO_MISSING_EFFECT, [f.traced_to for f in found]
+    made = leads(remaining, turns, last, checked.rejected, traces) if near or not explained else ()
+    following = tuple(lead for lead in made if lead.stands_out or not near)
     return Diagnosis(
         data_set=data_set.name,
         surface=data_set.surface,
