@@ -53,9 +53,14 @@ def rate(t: Array, path: Array, span_s: float = SPAN_S) -> Array:
     return np.asarray((path[high] - path[low]) / (t[high] - t[low])[:, None])
 
 
+def bridged_path(record: Record) -> Array:
+    """(T, 3) as measured, frames that are missing bridged."""
+    return body_path(bridged(record.t_s, record.pose))
+
+
 def measured_path(record: Record) -> Array:
     """(T, 3) as measured, NaN where the pose is not known."""
-    path = body_path(bridged(record.t_s, record.pose))
+    path = bridged_path(record)
     path[~record.seen] = np.nan
     return path
 
@@ -92,17 +97,12 @@ class RunsBeside:
         """Their mean, as far as it must be lengthened for pointing to the left and to the right."""
         since = record.t_s - record.t_s[0]
         one, two = (
-            np.column_stack([np.interp(since, r.t_s - r.t_s[0], column) for column in known(r).T])
-            for r in self.beside[record.name.rsplit("/", 1)[-1]]
+            np.column_stack([np.interp(since, r.t_s - r.t_s[0], column) for column in bridged_path(r).T])
+            for r in self.beside[record.name]
         )
         mean = 0.5 * (one + two)
         apart = angle_between(one[-1, :2], two[-1, :2])
         return mean / np.array([np.cos(0.5 * apart), np.cos(0.5 * apart), 1.0])
-
-
-def known(record: Record) -> Array:
-    """(T, 3) its path in the body frame, frames that are missing bridged."""
-    return body_path(bridged(record.t_s, record.pose))
 
 
 def angle_between(a: Array, b: Array) -> float:
@@ -124,7 +124,7 @@ class Linear:
         sought: list[list[Array]] = [[], [], []]
         for record in data.own:
             t = record.t_s
-            velocity = rate(t, body_path(bridged(t, record.pose)))
+            velocity = rate(t, bridged_path(record))
             known = record.seen
             features = self.features(t, rate(t, wheels_path(record, data)))
             for axis in range(3):
@@ -226,10 +226,7 @@ class Network:
         """By Adam, until the runs set aside get no better."""
         from sklearn.neural_network import MLPRegressor
 
-        pairs = [
-            (self.features(r)[r.seen], rate(r.t_s, body_path(bridged(r.t_s, r.pose)))[r.seen])
-            for r in data.own
-        ]
+        pairs = [(self.features(r)[r.seen], rate(r.t_s, bridged_path(r))[r.seen]) for r in data.own]
         aside = pairs[::5] if len(pairs) > 1 else pairs
         used = [p for i, p in enumerate(pairs) if i % 5] or pairs
         x, y = (np.concatenate(part) for part in zip(*used, strict=True))

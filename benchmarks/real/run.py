@@ -126,6 +126,9 @@ def main() -> None:
             continue
         print(f"{data.name}: {len(data.fitted.trials)} runs fitted, {len(data.judged)} judged", flush=True)
         for name in chosen.row or rows_for(data):
+            if name not in rows_for(data):
+                print(f"{data.name}: its runs do not lie beside each other, so there is no {name}")
+                continue
             known = next((r for r in rows if (r["set"], r["model"]) == (data.name, name)), None)
             if known is None:
                 known = row(data, name)

@@ -97,7 +97,7 @@ def robotino(folder: Path) -> list[RealSet]:
             part("table", table[::2], believed, "table", "as stated"),
         ]
         around = part("load", load, heavy, "gray", "payload").data_set.trials
-        fitted = joined("robotino-load", parts)
+        fitted, beside = joined("robotino-load", parts), neighbours(around)
         found.append(
             RealSet(
                 name="robotino-load",
@@ -106,7 +106,7 @@ def robotino(folder: Path) -> list[RealSet]:
                 recipe=heavy,
                 surface="gray",
                 member=1,
-                beside=neighbours(around),
+                beside=beside | {f"load/{name}": pair for name, pair in beside.items()},
             )
         )
     slow, fast = (

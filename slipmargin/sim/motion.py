@@ -184,8 +184,7 @@ def run(
         y[6 + i], y[moving + i] = task[TASK + i], coef[0, i, 0]
     for i in range(n):
         C[i, HUNG], task[TASK + i] = 0.0, 0.0
-    held, B[RESTING] = task[PULL] == np.inf, 0.0
-    hung, lifted, since = False, -1.0, knots[0]
+    held, hung, lifted, since = task[PULL] == np.inf, False, -1.0, knots[0]
     pose = len(columns) > 0 and (columns[0] < 3 or (columns[0] >= moving and columns[0] < m))
     status, steps, rejected = DONE, 0, 0
     row, total, pk = 0, len(times), 0
