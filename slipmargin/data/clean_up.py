@@ -1,7 +1,8 @@
 """Measured data as people have them, made ready: every fault that can be mended is, and each is reported.
 
 Each stage decides by one test with a stated unit, takes a data set and returns it mended.  The order
-matters: times and angles first, then single frames, then what only wheels and camera together show.
+matters: times and angles first, then single frames.  What only wheels and camera together show is left to
+the diagnosis, which has a model that slips (:mod:`~slipmargin.data.run_arrangement`).
 """
 
 from __future__ import annotations
@@ -15,7 +16,6 @@ from slipmargin.data.camera_frames import without_excursions, without_repeats, w
 from slipmargin.data.clocks import from_zero, regular
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.repair import Repair, Stage
-from slipmargin.data.run_arrangement import alike
 from slipmargin.data.settings import SETTINGS
 from slipmargin.data.wheel_signals import fine_angles, speeds_agree, unwrapped
 from slipmargin.work import ROWS, allow
@@ -29,7 +29,6 @@ STAGES: tuple[Stage, ...] = (
     fine_angles,
     without_repeats,
     without_excursions,
-    alike,
 )
 
 

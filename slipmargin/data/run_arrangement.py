@@ -2,10 +2,14 @@
 
 A fault of all runs is one of the data set and is refused (:mod:`~slipmargin.data.checks`).  A fault of some
 runs is mended by what the others show to be right.
+
+Wheels that spin on the spot move the robot as other columns would: of a run that seems to be arranged
+otherwise, a model that slips must say so too.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -18,8 +22,11 @@ from slipmargin.data.repair import Repair, in_runs
 from slipmargin.data.settings import SETTINGS
 
 
-def alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
-    """The data set with the wheel columns of every run as in most runs."""
+def alike(data_set: DataSet, better: Callable[[Record, Record], bool]) -> tuple[DataSet, tuple[Repair, ...]]:
+    """The data set with the wheel columns of every run as in most runs.
+
+    ``better`` (run as it stands, run rearranged) says whether a model that slips misses the second by less.
+    """
     if len(data_set.trials) < 3:
         return data_set, ()
     pieces = all_pieces(data_set)
@@ -38,8 +45,10 @@ def alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
             continue
         best = min(possible, key=lambda a: np.nan_to_num(mismatch(part, a, geometry), nan=np.inf))
         if mismatch(part, best, geometry) < min(SETTINGS.run_matches, SETTINGS.run_clearly_better * stated):
-            taken.setdefault(best.words, (best, []))[1].append(trials[i].name)
-            trials[i] = _arranged(trials[i], best)
+            other = _arranged(trials[i], best)
+            if better(trials[i], other):
+                taken.setdefault(best.words, (best, []))[1].append(trials[i].name)
+                trials[i] = other
     wrong = {name for _, names in taken.values() for name in names}
     right = [p for t, p in zip(data_set.trials, pieces, strict=True) if p is not None and t.name not in wrong]
     if not taken or 2 * len(wrong) >= len(known):  # no majority says what is right

@@ -20,6 +20,7 @@ from slipmargin.data.data_set import DataSet, WheelSignal
 from slipmargin.data.noise import lasting_noise, white_noise
 from slipmargin.data.record import Record
 from slipmargin.data.repair import Repair, in_runs
+from slipmargin.data.run_arrangement import alike
 from slipmargin.diagnosis.camera_clock import one_clock
 from slipmargin.diagnosis.held_out import held_out_runs, searched_runs
 from slipmargin.diagnosis.noise_reading import lasts, stated_wrong, tails
@@ -104,14 +105,20 @@ def held_runs_of(data_set: DataSet, seed: int) -> Index:
 
 
 def _alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
-    """With the commands, the clock and the floor that most of the runs have."""
+    """With the wheel columns, the commands, the clock and the floor that most of the runs have."""
+
+    def better(stated: Record, other: Record) -> bool:
+        stays, turns = problem_of(data_set, (stated, other), (0, 0)).misses((), np.arange(2))
+        return bool(turns < stays)
+
+    data_set, columns = alike(data_set, better)
     data_set, done = _commands(data_set)
     data_set, clock = one_clock(data_set, problem_of(data_set))
     if clock:  # how the wheels move from row to row shows once the camera keeps their time
         data_set, held = _commands(data_set)
         clock = (*clock, *held)
     data_set, floor = _one_floor(data_set)
-    return data_set, (*done, *clock, *floor)
+    return data_set, (*columns, *done, *clock, *floor)
 
 
 def problem_of(

@@ -13,6 +13,7 @@ from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.verdict import beyond_noise
 from slipmargin.effects.catalogue import CATALOGUE
 
 
@@ -149,5 +150,4 @@ def quiet(state: State) -> bool:
     """Whether a state leaves nothing but noise in the runs that are searched, in all and in each of them."""
     counts = np.maximum(1.0, np.count_nonzero(state.fit.residual, axis=1))
     of_runs = np.sqrt(np.sum(state.fit.residual**2, axis=1) / counts)
-    above = of_runs - SETTINGS.quiet_chi - SETTINGS.quiet_deviations / np.sqrt(2.0 * counts)
-    return state.chi <= SETTINGS.quiet_chi and bool(np.all(above <= 0.0))
+    return state.chi <= SETTINGS.quiet_chi and not np.any(beyond_noise(of_runs, counts))

@@ -162,7 +162,9 @@ def judge(
     tell = np.abs(change) > s.noise_deviations * np.sqrt(2.0 / np.maximum(1.0, after.counts.sum(axis=1)))
     ones, twos = before.of_runs(), after.of_runs()
     if before.chi() > s.noise_chi:  # a run that was at the noise and stays there says nothing either way
-        tell &= np.maximum(ones, twos) > s.noise_chi
+        worst = np.maximum(ones, twos)
+        partly = after.chi() > s.noise_chi  # what the correction's form leaves counts as noise then
+        tell &= worst > s.noise_chi if partly else beyond_noise(worst, before.counts.sum(axis=1))
     better = int(np.count_nonzero(change[tell] > 0.0))
     p_value = sign_flip_p_value(change[tell], seed)
     runs = int(np.count_nonzero(tell))
@@ -205,10 +207,14 @@ def judge(
 
 
 def explained_share(before: float, after: float) -> float:
-    """Share of the mean square beyond the noise, chi² − 1, that falls away; negative where it grows."""
+    """Share of the mean square beyond the noise, chi² − 1, that falls away; negative where it grows.
+
+    Where chi is below 1 to begin with, the noise was read too large (lasting noise has taken up what is
+    missing), and nobody knows how much of the rest it is: then it is the share of the whole mean square.
+    """
     beyond = before**2 - 1.0
     if beyond <= 0.0:
-        return 0.0
+        return float(1.0 - (after / before) ** 2) if before > 0.0 else 0.0
     return float(np.clip(1.0 - max(0.0, after**2 - 1.0) / beyond, -99.0, 1.0))
 
 
@@ -222,6 +228,12 @@ def share_as_low(before: RunErrors, after: RunErrors, some: Index, channels: tup
     gain = np.log(one / two)
     chosen = [float(gain[list(rows)].sum()) for rows in combinations(range(len(gain)), len(some))]
     return float(np.mean(np.array(chosen) <= float(gain[some].sum()) + 1e-12))
+
+
+def beyond_noise(chi: Array, counts: Array, settings: SearchSettings = SETTINGS) -> NDArray[np.bool_]:
+    """Whether the chi of runs with ``counts`` values is above that of noise whose size is known to 3 %."""
+    chance = settings.quiet_deviations / np.sqrt(2.0 * np.maximum(1.0, counts))
+    return np.asarray(chi > settings.quiet_chi + chance)
 
 
 def clearly_worse(before: float, after: float, settings: SearchSettings = SETTINGS) -> bool:

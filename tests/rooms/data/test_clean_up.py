@@ -227,21 +227,6 @@ def test_coarse_encoders_alone_are_smoothed() -> None:
 
 
 @pytest.mark.parametrize(
-    ("fault", "words"), [(turned_wheel, "Wheel 2 turning"), (swapped, "Columns of wheels 1 and 2")]
-)
-def test_two_runs_that_are_wired_otherwise(fault: Callable[[Record], Record], words: str) -> None:
-    data = good()
-    found = repaired(each(data, fault, {2, 5}))
-    the_only(found, "wheel_columns", runs=2)
-    assert found.repairs[0].runs == ("trial02", "trial05") and words in found.repairs[0].sentence
-    assert worst(found, data, theta) == 0.0 and worst(found, data, omega) == 0.0
-
-
-def test_half_of_the_runs_decide_nothing() -> None:
-    assert repaired(each(good(), turned_wheel, {0, 1, 2, 3})).repairs == ()
-
-
-@pytest.mark.parametrize(
     ("change", "cause"),
     [
         (lambda r: turned_wheel(r), "wheel 2 turning the other way"),

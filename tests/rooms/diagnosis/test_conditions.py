@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -9,10 +10,23 @@ import pytest
 from inventions import force
 from planting import Plant, commanded, planted, smooth_kiwi
 from real_logs import EXCERPT, logs
-from spoilt import camera_clock, coloured, good, heavy_tails, noise_stated, other_floor, random_walk
+from spoilt import (
+    camera_clock,
+    coloured,
+    each,
+    good,
+    heavy_tails,
+    noise_stated,
+    other_floor,
+    random_walk,
+    swapped,
+    turned_wheel,
+)
 
 import slipmargin as sm
 from slipmargin.data.data_set import DataSet
+from slipmargin.data.odometry_match import arrangements, mismatch, pieces
+from slipmargin.data.record import Record
 from slipmargin.diagnosis.conditions import Ready, problem_of, ready
 from slipmargin.effects import Trace
 from slipmargin.physics.variables import Frame, Variable
@@ -114,3 +128,52 @@ def test_a_missing_force_is_no_fault_of_the_data() -> None:
 def test_commands_hold_from_row_to_row_where_that_is_what_was_done() -> None:
     data = commanded(smooth_kiwi(), Plant(name="none", traces=()), 3, count=4, duration_s=2.0, rate_hz=30.0)
     assert not ready(data).data_set.trials[0].commands_held  # these ran straight from row to row
+
+
+@pytest.mark.parametrize(
+    ("fault", "words"), [(turned_wheel, "Wheel 2 turning"), (swapped, "Columns of wheels 1 and 2")]
+)
+def test_two_runs_that_are_wired_otherwise(fault: Callable[[Record], Record], words: str) -> None:
+    data = good()
+    found = ready(each(data, fault, {2, 5}))
+    (repair,) = found.repairs
+    assert repair.kind == "wheel_columns" and repair.runs == ("trial02", "trial05")
+    assert words in repair.sentence and repair.sentence.endswith(".")
+    for mended, right in zip(found.data_set.trials, data.trials, strict=True):
+        np.testing.assert_array_equal(mended.theta, right.theta)
+        np.testing.assert_array_equal(mended.omega, right.omega)
+
+
+def test_half_of_the_runs_decide_nothing() -> None:
+    assert "wheel_columns" not in kinds(ready(each(good(), turned_wheel, {0, 1, 2, 3})))
+
+
+@pytest.mark.parametrize(
+    ("wheels_rad_s", "seems"),
+    [
+        ([42.9, 28.2, 20.2], "wheel 3 turning the other way"),
+        ([-23.3, -50.7, 24.4], "columns of wheels 1 and 3 swapped"),
+        ([-30.9, -7.8, 17.7], "columns of wheels 1 and 2 swapped"),
+    ],
+)
+def test_wheels_that_spin_on_the_spot_are_wired_as_the_others(wheels_rad_s: list[float], seems: str) -> None:
+    """Where all wheels slip, other columns match the robot's motion far better than the right ones."""
+    data = good()
+    run = data.trials[2]
+    ramp = np.clip(np.minimum(run.t_s, run.t_s[-1] - run.t_s) / 0.3, 0.0, 1.0)
+    omega = ramp[:, None] * np.array(wheels_rad_s)
+    theta = np.cumsum(omega, axis=0) * np.gradient(run.t_s)[:, None]
+    spinning = replace(run, omega=omega, theta=theta)
+    (pose,) = problem_of(data, (spinning,)).predict([()], [np.arange(1)])
+    assert data.sigma is not None
+    noise = RANDOM(0).normal(size=pose[0].shape) * data.sigma
+    spinning = replace(spinning, pose=pose[0] + noise)
+
+    geometry = data.recipe.build(data.surface).geometry
+    part = pieces(spinning, data.wheel_signal)
+    assert part is not None
+    others = [a for a in arrangements(geometry.names) if a.parts == 1 and a.view == 0]
+    best = min(others, key=lambda a: mismatch(part, a, geometry))
+    assert best.words.startswith(seems)
+    assert mismatch(part, best, geometry) < 0.2 < 0.45 < mismatch(part, None, geometry)
+    assert "wheel_columns" not in kinds(ready(each(data, lambda _: spinning, {2})))

@@ -123,6 +123,16 @@ def test_an_effect_that_only_few_runs_show_is_found_if_the_others_stay() -> None
     assert not judged(errors(before), errors(1.0)).holds  # one run is too few
 
 
+def test_where_nothing_but_noise_is_left_a_run_a_little_above_it_speaks_too() -> None:
+    """Most of an effect in two runs, a little of it in others: each of these falls to the noise."""
+    before = errors([0.95, 1.21, 3.46, 0.97, 8.61, 1.02, 0.94], runs=7)
+    after = errors([0.95, 1.02, 0.95, 0.98, 1.84, 1.02, 0.94], runs=7)
+    found = judged(before, after, NONE[:7])
+    assert found.holds and (found.runs, found.better) == (3, 3)
+    worse = errors([1.22, 1.02, 0.95, 0.98, 1.84, 1.02, 0.94], runs=7)
+    assert not judged(before, worse, NONE[:7]).holds
+
+
 def test_a_run_that_stays_at_the_noise_says_nothing() -> None:
     """Far above the noise, a run that goes from 1.03 to 1.28 is neither worse nor a vote against."""
     before = errors([1.43, 24.0, 1.03, 43.5, 37.8], runs=5)
@@ -169,9 +179,12 @@ def test_errors_larger_than_the_noise_are_no_noise_however_slow(size: float, sai
     assert checked.verdict.name == said
 
 
-def test_noise_stated_too_large_explains_nothing() -> None:
-    assert explained_share(0.4, 0.3) == 0.0
-    assert not judged(errors(0.4), errors(0.3)).holds
+def test_beside_noise_stated_too_large_the_share_is_of_the_whole() -> None:
+    """All of what is left may be noise: only the whole is there to take a share of."""
+    assert explained_share(0.4, 0.3) == pytest.approx(1.0 - 0.75**2)
+    assert explained_share(0.9, 0.85) < 0.25 and explained_share(0.9, 1.0) < 0.0
+    assert explained_share(0.0, 0.0) == 0.0
+    assert judged(errors(0.8), errors(0.6)).holds and not judged(errors(0.8), errors(0.75)).holds
 
 
 def test_explained_share() -> None:
