@@ -219,6 +219,9 @@ def read_data(data_set: DataSet | Path | str) -> tuple[DataSet, str]:
 def check_sense(data_set: DataSet, source: str) -> None:
     """Refuse data whose fault is not the robot's: wrong units, swapped wheels, a mirrored frame."""
     from slipmargin.data.checks import check_data_set
+    from slipmargin.diagnosis.conditions import spins
 
     for fault in check_data_set(data_set):
+        if fault.arrangement is not None and spins(data_set, fault.arrangement):
+            continue
         raise InputError(fault.place, fault.problem, f"likely cause: {fault.cause}", source)

@@ -4,7 +4,8 @@ The wheels alone predict a motion; the camera saw one.  Slip takes a part of it 
 mirrors it, nor multiplies it by a thousand, nor hands one wheel's turning to another.  Swapped
 wheels, turned signs and a mirrored frame are recognised by trying them
 (:mod:`~slipmargin.data.odometry_match`): the arrangement that matches the measured motion far better than
-the one stated is named.
+the one stated is named.  Wheels that spin on the spot can do that too; only a model that slips tells the two
+apart, which the diagnosis has.
 """
 
 from __future__ import annotations
@@ -15,7 +16,15 @@ from typing import final
 import numpy as np
 
 from slipmargin.data.data_set import DataSet
-from slipmargin.data.odometry_match import Pieces, all_pieces, arrangements, joined, mismatch, ratios
+from slipmargin.data.odometry_match import (
+    Arrangement,
+    Pieces,
+    all_pieces,
+    arrangements,
+    joined,
+    mismatch,
+    ratios,
+)
 from slipmargin.data.record import Record
 from slipmargin.data.settings import SETTINGS
 from slipmargin.physics.kinematics import WheelGeometry
@@ -24,11 +33,15 @@ from slipmargin.physics.kinematics import WheelGeometry
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """One fault: where, what, and the likely cause with its cure."""
+    """One fault: where, what, and the likely cause with its cure.
+
+    ``arrangement`` is the reading of the columns that wheels without slip would ask for, where that is it.
+    """
 
     place: str
     problem: str
     cause: str
+    arrangement: Arrangement | None = None
 
     def __str__(self) -> str:
         return f"{self.place}: {self.problem}; likely cause: {self.cause}"
@@ -105,7 +118,7 @@ def _motion(pieces: Pieces, contacts: WheelGeometry) -> list[Finding]:
         f"where wheels slip least, their motion misses {100 * stated:.0f} % of the measured one, "
         f"{100 * best:.0f} % otherwise"
     )
-    return [Finding(place="trials", problem=what, cause=likely.words)]
+    return [Finding(place="trials", problem=what, cause=likely.words, arrangement=likely)]
 
 
 #: What takes a robot so many times as far, and as far round, as its wheels say.

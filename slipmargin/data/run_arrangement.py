@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from slipmargin.data.data_set import DataSet
-from slipmargin.data.odometry_match import Arrangement, all_pieces, arrangements, joined, mismatch
+from slipmargin.data.odometry_match import VIEWS, Arrangement, all_pieces, arrangements, joined, mismatch
 from slipmargin.data.record import WHEEL_SIGNALS, Record
 from slipmargin.data.repair import Repair, in_runs
 from slipmargin.data.settings import SETTINGS
@@ -45,7 +45,7 @@ def alike(data_set: DataSet, better: Callable[[Record, Record], bool]) -> tuple[
             continue
         best = min(possible, key=lambda a: np.nan_to_num(mismatch(part, a, geometry), nan=np.inf))
         if mismatch(part, best, geometry) < min(SETTINGS.run_matches, SETTINGS.run_clearly_better * stated):
-            other = _arranged(trials[i], best)
+            other = arranged(trials[i], best)
             if better(trials[i], other):
                 taken.setdefault(best.words, (best, []))[1].append(trials[i].name)
                 trials[i] = other
@@ -72,10 +72,13 @@ def alike(data_set: DataSet, better: Callable[[Record, Record], bool]) -> tuple[
     return replace(data_set, trials=tuple(trials)), repairs
 
 
-def _arranged(record: Record, arrangement: Arrangement) -> Record:
+def arranged(record: Record, arrangement: Arrangement) -> Record:
+    """A run with its encoders and its pose read as an arrangement says."""
+    factors, quarters, _ = VIEWS[arrangement.view]
+    pose = record.pose * np.array(factors) + np.array([0.0, 0.0, quarters * np.pi / 2.0])
     signals: dict[str, Any] = {}
     for field in WHEEL_SIGNALS:
         value = getattr(record, field)
         if value is not None and field in ("omega", "theta"):
             signals[field] = arrangement.wheels(value)
-    return replace(record, **signals)
+    return replace(record, pose=pose, **signals)

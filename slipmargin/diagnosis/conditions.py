@@ -18,9 +18,10 @@ from slipmargin.data.campaign import each
 from slipmargin.data.clean_up import repaired
 from slipmargin.data.data_set import DataSet, WheelSignal
 from slipmargin.data.noise import lasting_noise, white_noise
+from slipmargin.data.odometry_match import Arrangement
 from slipmargin.data.record import Record
 from slipmargin.data.repair import Repair, in_runs
-from slipmargin.data.run_arrangement import alike
+from slipmargin.data.run_arrangement import alike, arranged
 from slipmargin.diagnosis.camera_clock import one_clock
 from slipmargin.diagnosis.held_out import held_out_runs, searched_runs
 from slipmargin.diagnosis.noise_reading import lasts, stated_wrong, tails
@@ -107,11 +108,7 @@ def held_runs_of(data_set: DataSet, seed: int) -> Index:
 def _alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     """With the wheel columns, the commands, the clock and the floor that most of the runs have."""
 
-    def better(stated: Record, other: Record) -> bool:
-        stays, turns = problem_of(data_set, (stated, other), (0, 0)).misses((), np.arange(2))
-        return bool(turns < stays)
-
-    data_set, columns = alike(data_set, better)
+    data_set, columns = alike(data_set, lambda stated, other: _misses_less(data_set, (other,), (stated,)))
     data_set, done = _commands(data_set)
     data_set, clock = one_clock(data_set, problem_of(data_set))
     if clock:  # how the wheels move from row to row shows once the camera keeps their time
@@ -119,6 +116,20 @@ def _alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
         clock = (*clock, *held)
     data_set, floor = _one_floor(data_set)
     return data_set, (*columns, *done, *clock, *floor)
+
+
+def spins(data_set: DataSet, arrangement: Arrangement) -> bool:
+    """Whether wheels that slip, and not another arrangement of the columns, are why they match so badly."""
+    stated = tuple(trial.first() for trial in data_set.trials)
+    return not _misses_less(data_set, tuple(arranged(r, arrangement) for r in stated), stated)
+
+
+def _misses_less(data_set: DataSet, some: tuple[Record, ...], others: tuple[Record, ...]) -> bool:
+    """Whether the model, which slips, misses some records by less than it misses the same runs' others."""
+    count = len(some)
+    problem = problem_of(data_set, (*some, *others), (*range(count), *range(count)))
+    missed = np.log(problem.misses((), np.arange(2 * count)))
+    return bool(missed[:count].sum() < missed[count:].sum())
 
 
 def problem_of(

@@ -22,19 +22,19 @@ from slipmargin.sim.wheels import turn
 
 _H, _W, _COUNT, _LAG, _PLAY = at.HEAD, at.WHEEL, at.COUNT, at.LAG, at.PLAY
 
-#: A piece is looked at so many times for instants at which its motor turns back.
+#: A piece is looked at so many times for instants at which its motor turns back, or slows down no more.
 _LOOKS = 8
 #: Halvings after which such an instant is known to the last digit.
 _HALVINGS = 52
 
 
 @spliced
-def _turns_back(c: Any, lag: float, low: float, high: float) -> float:
-    """When the speed changes its sign between two times into a piece."""
-    before = turn(c, lag, low)[1]
+def _changes_sign(c: Any, lag: float, low: float, high: float, rate: int) -> float:
+    """When the speed (``rate`` 1) or the acceleration (2) changes its sign between two times into a piece."""
+    before = turn(c, lag, low)[rate]
     for _ in range(_HALVINGS):
         mid = 0.5 * (low + high)
-        if turn(c, lag, mid)[1] * before > 0.0:
+        if turn(c, lag, mid)[rate] * before > 0.0:
             low = mid
         else:
             high = mid
@@ -71,7 +71,7 @@ def _changes(P: Any, knots: Any, coef: Any) -> tuple[Any, Any]:
         stands = angle - way * half
         first[i] = found
         for j in range(k):
-            if found + 4 * _LOOKS + 1 > len(rows):
+            if found + 8 * _LOOKS + 1 > len(rows):
                 more = np.empty((2 * len(rows), 3))
                 more[:found] = rows[:found]
                 rows = more
@@ -81,11 +81,18 @@ def _changes(P: Any, knots: Any, coef: Any) -> tuple[Any, Any]:
             if half == 0.0:
                 break
             c, h = coef[j, i], knots[j + 1] - knots[j]
-            for look in range(_LOOKS):
-                low, end = h * look / _LOOKS, h * (look + 1) / _LOOKS
+            for look in range(2 * _LOOKS):
+                low, end = h * (look // 2) / _LOOKS, h * (look // 2 + 1) / _LOOKS
+                # A motor may turn back twice in one look: on either side of where its speed does.
+                bends = turn(c, lag, low)[2] * turn(c, lag, end)[2] < 0.0
+                if bends:
+                    at_bend = _changes_sign(c, lag, low, end, 2)
+                    low, end = (at_bend, end) if look % 2 else (low, at_bend)
+                elif look % 2:
+                    continue
                 high, back = end, turn(c, lag, low)[1] * turn(c, lag, end)[1] < 0.0
                 if back:
-                    high = _turns_back(c, lag, low, end)
+                    high = _changes_sign(c, lag, low, end, 1)
                 for part in range(2 if back else 1):
                     if part == 1:
                         low, high = high, end

@@ -24,11 +24,14 @@ from spoilt import (
 )
 
 import slipmargin as sm
+from slipmargin.api.diagnose import check_sense
+from slipmargin.data.checks import check_data_set
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.odometry_match import arrangements, mismatch, pieces
 from slipmargin.data.record import Record
-from slipmargin.diagnosis.conditions import Ready, problem_of, ready
+from slipmargin.diagnosis.conditions import Ready, problem_of, ready, spins
 from slipmargin.effects import Trace
+from slipmargin.errors import InputError
 from slipmargin.physics.variables import Frame, Variable
 
 RANDOM = np.random.default_rng
@@ -148,32 +151,44 @@ def test_half_of_the_runs_decide_nothing() -> None:
     assert "wheel_columns" not in kinds(ready(each(good(), turned_wheel, {0, 1, 2, 3})))
 
 
-@pytest.mark.parametrize(
-    ("wheels_rad_s", "seems"),
-    [
-        ([42.9, 28.2, 20.2], "wheel 3 turning the other way"),
-        ([-23.3, -50.7, 24.4], "columns of wheels 1 and 3 swapped"),
-        ([-30.9, -7.8, 17.7], "columns of wheels 1 and 2 swapped"),
-    ],
-)
-def test_wheels_that_spin_on_the_spot_are_wired_as_the_others(wheels_rad_s: list[float], seems: str) -> None:
-    """Where all wheels slip, other columns match the robot's motion far better than the right ones."""
-    data = good()
-    run = data.trials[2]
+def spinning(data: DataSet, run: Record, wheels_rad_s: list[float], seed: int = 0) -> Record:
+    """A run in which all wheels slip."""
     ramp = np.clip(np.minimum(run.t_s, run.t_s[-1] - run.t_s) / 0.3, 0.0, 1.0)
     omega = ramp[:, None] * np.array(wheels_rad_s)
     theta = np.cumsum(omega, axis=0) * np.gradient(run.t_s)[:, None]
-    spinning = replace(run, omega=omega, theta=theta)
-    (pose,) = problem_of(data, (spinning,)).predict([()], [np.arange(1)])
+    turning = replace(run, omega=omega, theta=theta)
+    (pose,) = problem_of(data, (turning,)).predict([()], [np.arange(1)])
     assert data.sigma is not None
-    noise = RANDOM(0).normal(size=pose[0].shape) * data.sigma
-    spinning = replace(spinning, pose=pose[0] + noise)
+    return replace(turning, pose=pose[0] + RANDOM(seed).normal(size=pose[0].shape) * data.sigma)
 
+
+SPINS = [
+    ([42.9, 28.2, 20.2], "wheel 3 turning the other way"),
+    ([-23.3, -50.7, 24.4], "columns of wheels 1 and 3 swapped"),
+    ([-30.9, -7.8, 17.7], "columns of wheels 1 and 2 swapped"),
+]
+
+
+@pytest.mark.parametrize(("wheels_rad_s", "seems"), SPINS)
+def test_wheels_that_spin_on_the_spot_are_wired_as_the_others(wheels_rad_s: list[float], seems: str) -> None:
+    """Where all wheels slip, other columns match the robot's motion far better than the right ones."""
+    data = good()
+    run = spinning(data, data.trials[2], wheels_rad_s)
     geometry = data.recipe.build(data.surface).geometry
-    part = pieces(spinning, data.wheel_signal)
+    part = pieces(run, data.wheel_signal)
     assert part is not None
     others = [a for a in arrangements(geometry.names) if a.parts == 1 and a.view == 0]
     best = min(others, key=lambda a: mismatch(part, a, geometry))
     assert best.words.startswith(seems)
     assert mismatch(part, best, geometry) < 0.2 < 0.45 < mismatch(part, None, geometry)
-    assert "wheel_columns" not in kinds(ready(each(data, lambda _: spinning, {2})))
+    assert "wheel_columns" not in kinds(ready(each(data, lambda _: run, {2})))
+
+
+def test_a_robot_that_spins_in_every_run_is_not_refused() -> None:
+    data = good()
+    runs = tuple(spinning(data, r, SPINS[2][0], k) for k, r in enumerate(data.trials))
+    (fault,) = check_data_set(replace(data, trials=runs))
+    assert fault.arrangement is not None and spins(replace(data, trials=runs), fault.arrangement)
+    check_sense(replace(data, trials=runs), "spinning")
+    with pytest.raises(InputError, match="wheel 2 turning the other way"):
+        check_sense(each(data, turned_wheel), "wired otherwise")

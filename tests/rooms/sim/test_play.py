@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import example, given, settings, strategies as st
 from manoeuvres import wheel_motion
 from oracles.plain_simulator import played, reference_motion
 from strategies import kiwi, reals
@@ -37,6 +37,7 @@ def turned(knots: np.ndarray, pieces: np.ndarray, lag_s: float, t: np.ndarray) -
     return c0 + x * (c1 + x * (c2 + x * c3)) + c4 * fades
 
 
+@example(seed=872, play=1e-3, lag=0.06, kind="linear")  # the motor turns back twice within 10 ms
 @given(
     st.integers(0, 2**31),
     reals(1e-3, 0.6),
