@@ -39,8 +39,9 @@ from slipmargin.sets.inscribed import largest_box, largest_ellipsoid
 YAW_SHARE = 0.1
 #: Rounds in which a set is drawn in [1].
 ROUNDS = 12
-#: After so many rounds in a row a motion's rows are drawn in further each time: where others bind, a ratio
-#: near one took more rounds than there are to be felt [1].
+#: After so many rounds in a row a motion's rows are drawn in further each time, and those of its grip and of
+#: its motors alike: where others bind, a ratio near one took more rounds than there are to be felt, and
+#: torque that creep asks for along one axis is none that the motors' own row, along another, takes back [1].
 PATIENCE = 3
 
 
@@ -177,6 +178,8 @@ def _safe(
         over = used > share
         drawn = np.where(over, (aim - steady) / np.where(over, used - steady, 1.0), 1.0)
         again = np.where(over, again + 1.0, 0.0)
+        late = np.max(again, axis=0) > PATIENCE
+        drawn, again = np.where(late, drawn.min(axis=0), drawn), np.where(late, again.max(axis=0), again)
         part = least + (part - least) * np.clip(drawn ** np.maximum(1.0, again - PATIENCE), 0.1, 1.0)
         rows = states.rows_of(*part)
     raise NoSolution(

@@ -47,6 +47,11 @@ def test_ellipses_that_did_not(seed: int) -> None:
     keeps_its_margin(row)
 
 
+def test_creep_that_asks_for_torque_along_another_axis_is_kept_as_well() -> None:
+    """No ellipsoid was found: its torque came from a side that the motors' row did not draw in."""
+    keeps_its_margin(recommended.drawn(2124370796, 0))
+
+
 @pytest.mark.parametrize("seed", [411, 909])
 def test_of_two_wheels_beyond_their_limits_either_may_slip_first(seed: int) -> None:
     """The next wheel's limit lies a little above that of the named one.
