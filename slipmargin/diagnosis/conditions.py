@@ -107,7 +107,6 @@ def held_runs_of(data_set: DataSet, seed: int) -> Index:
 
 def _alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     """With the wheel columns, the commands, the clock and the floor that most of the runs have."""
-
     data_set, columns = alike(data_set, lambda stated, other: _misses_less(data_set, (other,), (stated,)))
     data_set, done = _commands(data_set)
     data_set, clock = one_clock(data_set, problem_of(data_set))
@@ -128,7 +127,7 @@ def _misses_less(data_set: DataSet, some: tuple[Record, ...], others: tuple[Reco
     """Whether the model, which slips, misses some records by less than it misses the same runs' others."""
     count = len(some)
     problem = problem_of(data_set, (*some, *others), (*range(count), *range(count)))
-    missed = np.log(problem.misses((), np.arange(2 * count)))
+    missed = np.log(np.maximum(problem.misses((), np.arange(2 * count)), 1e-12))
     return bool(missed[:count].sum() < missed[count:].sum())
 
 

@@ -22,7 +22,7 @@ from slipmargin.sim.wheels import turn
 
 _H, _W, _COUNT, _LAG, _PLAY = at.HEAD, at.WHEEL, at.COUNT, at.LAG, at.PLAY
 
-#: A piece is looked at so many times for instants at which its motor turns back, or slows down no more.
+#: A piece is looked at so many times for instants at which its motor turns back, or its speed does.
 _LOOKS = 8
 #: Halvings after which such an instant is known to the last digit.
 _HALVINGS = 52
@@ -81,15 +81,18 @@ def _changes(P: Any, knots: Any, coef: Any) -> tuple[Any, Any]:
             if half == 0.0:
                 break
             c, h = coef[j, i], knots[j + 1] - knots[j]
+            bend = 0.0
             for look in range(2 * _LOOKS):
                 low, end = h * (look // 2) / _LOOKS, h * (look // 2 + 1) / _LOOKS
-                # A motor may turn back twice in one look: on either side of where its speed does.
-                bends = turn(c, lag, low)[2] * turn(c, lag, end)[2] < 0.0
-                if bends:
-                    at_bend = _changes_sign(c, lag, low, end, 2)
-                    low, end = (at_bend, end) if look % 2 else (low, at_bend)
-                elif look % 2:
+                # A motor may turn back twice in one look: before and after its speed does.
+                if look % 2 == 0:
+                    bends = turn(c, lag, low)[2] * turn(c, lag, end)[2] < 0.0
+                    bend = _changes_sign(c, lag, low, end, 2) if bends else end
+                    end = bend
+                elif bend == end:
                     continue
+                else:
+                    low = bend
                 high, back = end, turn(c, lag, low)[1] * turn(c, lag, end)[1] < 0.0
                 if back:
                     high = _changes_sign(c, lag, low, end, 1)
