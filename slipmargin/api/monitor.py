@@ -271,14 +271,32 @@ class SlipMonitor:
 
     @classmethod
     def of_header(cls, robot: RobotLike, surface: str, lines: Lines, **others: Any) -> SlipMonitor:
-        """A monitor of the channels that the first line of a log names; ``others`` as for the class."""
-        names = [cell.strip() for cell in lines.first.split(",")]
-        return cls(
-            robot,
-            surface,
+        """A monitor of the channels that the first line of a log names; ``others`` as for the class.
+
+        Raises
+        ------
+        InputError
+            Where a column is missing: that is said before the monitor learns.
+        """
+        from slipmargin.onboard.signals import Channels
+        from slipmargin.onboard.stream import Columns
+
+        names, recipe = [cell.strip() for cell in lines.first.split(",")], read_robot(robot)
+        channels = Channels(
             commanded=any(name.startswith("omega") and name.endswith("_cmd_rad_s") for name in names),
             gyro="gyro_rad_s" in names,
             current=any(name.startswith("current") and name.endswith("_A") for name in names),
+        )
+        try:
+            Columns.of(names, len(recipe.robot.wheels), channels)
+        except InputError as fault:
+            raise fault.in_file(lines.source) from None
+        return cls(
+            recipe,
+            surface,
+            commanded=channels.commanded,
+            gyro=channels.gyro,
+            current=channels.current,
             **others,
         )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,8 +29,9 @@ _PER_RATE, _LEAST_RUNS, _MOST_RUNS = 6.0, 60, 1200
 #: A wheel slips where it uses more than this share of its grip in simulation, and grips below the other [1].
 _SLIPS, _GRIPS = 0.97, 0.93
 #: Steps after which a run is left out; the built-in robots need up to 1 300 [1].
-_MOST_STEPS = 20_000
-#: Runs after which it is estimated how long all of them take.
+_MOST_STEPS = 5_000
+#: Runs after which it is estimated how long all of them take; if none of them ends as it should, no other is
+#: waited for.
 _FIRST_RUNS = 10
 #: Noise of simulated sensors: wheel speed [share of its rms], gyro [rad/s], current [share].
 _NOISE, _GYRO_NOISE, _CURRENT_NOISE = 0.01, 0.02, 0.05
@@ -51,7 +53,7 @@ def simulated(
     from slipmargin.sim.batch import Batch, Ending
     from slipmargin.sim.pack import pack
     from slipmargin.sim.signal import linear
-    from slipmargin.sim.simulate import as_run
+    from slipmargin.sim.simulate import REASONS, as_run
 
     if channels.current and torque_per_ampere_N_m is None:
         raise InputError(
@@ -72,7 +74,7 @@ def simulated(
     t = np.asarray(_STEP_S * np.arange(ticks + 1), dtype=np.float64)
     top = model.drives.max_speed_rad_s
     fastest = 1.0 if top is None else min(1.0, 0.5 * top * float(np.min(model.geometry.radius_m)))
-    out, packed, steps = [], pack(model), 0
+    out, packed, steps, early = [], pack(model), 0, Counter[Ending]()
     runs = round(min(max(_PER_RATE / false_alarm_rate, _LEAST_RUNS), _MOST_RUNS))
     for number, part in enumerate(rng.permutation(np.geomspace(0.1, 2.0, runs)), start=1):
         most = part * table.pull_m_s2 * per * _STEP_S
@@ -92,6 +94,11 @@ def simulated(
             each = model.count * steps / number
             allow("training", each * runs, TRAINING_STEPS, "wheel steps of simulated runs", cure)
         if outcome.ending[0] != Ending.DONE:
+            early[Ending(int(outcome.ending[0]))] += 1
+            if number == _FIRST_RUNS == early.total():
+                why, _ = REASONS[early.most_common(1)[0][0]]
+                cure = "train on logged runs with poses, or correct the robot file"
+                raise InputError("training", f"none of {number} simulated runs reaches its end: {why}", cure)
             continue
         run = as_run(model, t, outcome, 0)
         body = rotate_rows(run.pose[:, 2], run.velocity, inverse=True)

@@ -61,7 +61,7 @@ class Lines:
     """Lines of a log whose first one, the header, can be looked at before they are read."""
 
     def __init__(self, source: str, lines: Iterator[str]) -> None:
-        self._lines = lines
+        self._lines, self.source = lines, source
         self.first = next(lines, "")
         if not self.first.strip():
             raise InputError("line 1", "is empty", "name the columns: t_s,omega1_rad_s,…", source)

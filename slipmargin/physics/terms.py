@@ -111,6 +111,34 @@ def basis_values(basis: Basis, shape: Array, count: int, v: Array) -> Array:
     return out
 
 
+#: Families that divide by their first constant, or by their second.
+_OVER_A = frozenset({Basis.POLYNOMIAL, Basis.FOURIER, Basis.DECAY, Basis.ODD})
+_OVER_B = frozenset({Basis.RECIPROCAL, Basis.STEP})
+
+
+def _constants(basis: Basis, shape: Array) -> Array:
+    """The constants (2,) a, b of a family, if it has a value with them.
+
+    Raises
+    ------
+    InputError
+        Where every value would be a division by zero, or not a number.
+    """
+    a, b = frozen("shape", shape, (2,)).tolist()
+    name, cure = basis.name.lower(), ""
+    if basis is Basis.DECAY and not (a > 0.0 and b > 0.0):
+        cure = "give a scale and an exponent above 0"
+    elif basis in (Basis.HATS, Basis.WINDOW) and not a < b:
+        cure = "give a second number that is larger than the first"
+    elif (basis in _OVER_A and a == 0.0) or (basis in _OVER_B and b == 0.0):
+        cure = f"give a {'first' if basis in _OVER_A else 'second'} number that is not 0"
+    elif basis is Basis.LOBE and not 0.0 < b < 4.0 * np.pi:
+        cure = "give an arc above 0 and below 4 π"
+    if cure:
+        raise InputError("shape", f"is [{a:g}, {b:g}], with which {name} has no value", cure)
+    return frozen("shape", shape, (2,))
+
+
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Multiplier:
@@ -133,7 +161,7 @@ class Multiplier:
         put = object.__setattr__
         put(self, "place", frozen("place", self.place, (3,)))
         put(self, "coefficients", frozen("coefficients", self.coefficients, (None,)))
-        put(self, "shape", frozen("shape", self.shape, (2,)))
+        put(self, "shape", _constants(self.basis, self.shape))
         put(self, "wheels", frozen("wheels", self.wheels, (None,)))
 
     def factor(self, v: Array, weight: Array | float = 1.0) -> Array:
@@ -164,7 +192,7 @@ class ForceTerm:
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "coefficients", frozen("coefficients", self.coefficients, (3, None)))
-        put(self, "shape", frozen("shape", self.shape, (2,)))
+        put(self, "shape", _constants(self.basis, self.shape))
         put(self, "place_m", frozen("place_m", self.place_m, (2,)))
         if self.frame is not Frame.AT_PLACE and np.any(self.place_m):
             raise InputError(
@@ -194,7 +222,7 @@ class PoseShift:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "coefficients", frozen("coefficients", self.coefficients, (3, None)))
-        object.__setattr__(self, "shape", frozen("shape", self.shape, (2,)))
+        object.__setattr__(self, "shape", _constants(self.basis, self.shape))
 
     def shift(self, v: Array) -> Array:
         """(Δx, Δy, Δφ) at values ``v``, ``v.shape + (3,)``."""

@@ -69,7 +69,7 @@ def second_objective(study: Study) -> str:
     """The objective of the second map: one that is not the first and not the same for every design."""
     goal = study.problem.objective.name
     names = ("start_worst_m_s2", "f_worst", "f_mean", "corner_m_s", "f_best")
-    there = [name for name in names if name in study.columns and name != goal]
+    there = [name for name in names if name in study.objectives and name != goal]
     varied = [name for name in there if np.nanmax(study.columns[name]) > np.nanmin(study.columns[name])]
     return (varied or there or [goal])[0]
 
@@ -102,7 +102,7 @@ def draw_curves(axes: Axes, study: Study, robust: Robust | None = None) -> Axes:
 
 def draw_second(axes: Axes, study: Study) -> Axes:
     """Worst starting and braking over the quantity; without limits in motion, isotropy."""
-    if "start_worst_m_s2" not in study.columns:
+    if "start_worst_m_s2" not in study.objectives:
         _families(axes, study, BY_NAME["isotropy"])
         axes.set(ylabel="weakest / strongest pull", title="Isotropy of the pull")
     elif len(study.keys) == 1:

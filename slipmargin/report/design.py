@@ -116,11 +116,9 @@ def summary(
 def best_by_objective(study: Study) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Head and rows: each objective's best design, beside the file's own."""
     rows: list[tuple[str, ...]] = []
-    for name, column in study.columns.items():
-        if name not in BY_NAME or all(map(math.isnan, column)):
-            continue
+    for name in study.objectives:
         own, goal = study.own[name], BY_NAME[name]
-        value, at = float(column[study.best(name)]), best_at(study, name)
+        value, at = float(study.columns[name][study.best(name)]), best_at(study, name)
         rows.append((name, goal.unit, at, _digits(value), _digits(own), _change(value, own)))
     return ("objective", "unit", "best at", "value", "file's own", "change"), rows
 

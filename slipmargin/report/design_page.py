@@ -102,19 +102,16 @@ def design_page(
 
 
 def _by_objective(study: Study) -> Table:
-    rows = []
-    for name, column in study.columns.items():
-        if name in BY_NAME and not all(map(math.isnan, column)):
-            row = study.best(name)
-            rows.append(
-                (
-                    f"{BY_NAME[name].meaning} `{name}`",
-                    BY_NAME[name].unit,
-                    in_words(best_at(study, name)),
-                    _number(float(column[row])),
-                    _number(study.own[name]),
-                )
-            )
+    rows = [
+        (
+            f"{BY_NAME[name].meaning} `{name}`",
+            BY_NAME[name].unit,
+            in_words(best_at(study, name)),
+            _number(float(study.columns[name][study.best(name)])),
+            _number(study.own[name]),
+        )
+        for name in study.objectives
+    ]
     return Table(
         caption="For each objective, with its name for `--objective`, the best design and the file’s own",
         head=("objective", "unit", "best at", "value", "file’s own"),

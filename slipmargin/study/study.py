@@ -73,6 +73,11 @@ class Study:
         """The file's own values of the varied quantities; None where it has none."""
         return tuple(own_value(grid.quantity, self.problem.base) for grid in self.problem.grids)
 
+    @property
+    def objectives(self) -> tuple[str, ...]:
+        """Names of the objectives of which at least one design has a value."""
+        return tuple(n for n, column in self.columns.items() if n in BY_NAME and not np.isnan(column).all())
+
     def best(self, name: str | None = None) -> int:
         """The row that is best in an objective (the problem's by default); ties go to the greater mean pull.
 
@@ -82,7 +87,7 @@ class Study:
             If no design is possible, with the first one's problem.
         """
         goal = self.problem.objective if name is None else objective(name)
-        if np.all(np.isnan(self.columns[goal.name])):
+        if goal.name not in self.objectives:
             why = self.impossible.get(0, f"{goal.name} cannot be computed")
             raise InputError(
                 "vary", f"holds no possible design; the first: {why}", "vary within other bounds"

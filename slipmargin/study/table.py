@@ -61,7 +61,7 @@ def study_data(study: Study) -> dict[str, Any]:
 
 
 def _best_of(study: Study, name: str) -> dict[str, Any] | None:
-    if np.all(np.isnan(study.columns[name])):
+    if name not in study.objectives:
         return None
     row = study.best(name)
     return {

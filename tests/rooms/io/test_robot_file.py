@@ -101,6 +101,39 @@ def test_any_name_and_any_comment_read_back(comment: str, name: str, floor: str)
     assert same(recipe, recipe_from_text(write_recipe(recipe, comment)))
 
 
+@pytest.mark.parametrize(
+    ("basis", "shape"),
+    [
+        ("hats", "1e-6, 1e-6"),
+        ("hats", "1.0, -1.0"),
+        ("window", "1.0, 1.0"),
+        ("polynomial", "0.0, 1.0"),
+        ("fourier", "0.0, 0.0"),
+        ("odd", "0.0, 1.0"),
+        ("decay", "-1.0, 2.0"),
+        ("decay", "1.0, 0.0"),
+        ("reciprocal", "1.0, 0.0"),
+        ("step", "1.0, 0.0"),
+        ("lobe", "0.5, 0.0"),
+    ],
+)
+@pytest.mark.parametrize("part", ["grip", "losses", "sensing"])
+def test_constants_with_which_an_unnamed_effect_has_no_value_are_refused(
+    basis: str, shape: str, part: str
+) -> None:
+    terms = {
+        "grip": 'target = "both", coefficients = [0.1], wheel_weights = [1.0, 1.0, 1.0]',
+        "losses": 'fx_N = [0.1], fy_N = [0.1], mz_N_m = [0.1], frame = "body"',
+        "sensing": "dx_m = [0.1], dy_m = [0.1], dphi_rad = [0.1]",
+    }
+    text = write_recipe(read_recipe("ohio-kiwi"), "") + (
+        f'\n[[effect]]\nname = "unnamed_time"\npart = "{part}"\n'
+        f'term = [{{variable = "time", basis = "{basis}", shape = [{shape}], {terms[part]}}}]\n'
+    )
+    with pytest.raises(InputError, match=rf"term\[1\]\.shape: is \[.*\], with which {basis} has no value"):
+        recipe_from_text(text)
+
+
 def test_unnamed_effects_read_back_the_same() -> None:
     kiwi = read_recipe("ohio-kiwi").robot
     grip = GeneralEffect(

@@ -7,6 +7,7 @@ import json
 import re
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import driving
@@ -18,8 +19,12 @@ from real_logs import EXCERPT
 from slipmargin_cli.main import status
 
 import slipmargin as sm
+from slipmargin.effects import GeneralEffect, Part, Trace
+from slipmargin.effects.load_transfer import LoadTransfer
 from slipmargin.errors import InputError
 from slipmargin.onboard.likelihood import LabelledRun, learn
+from slipmargin.physics.terms import Multiplier
+from slipmargin.physics.variables import Basis, Target, Variable
 
 ROOT = Path(__file__).resolve().parents[3]
 RESULTS = json.loads((ROOT / "benchmarks/results/monitor.json").read_text(encoding="utf-8"))
@@ -236,7 +241,11 @@ def test_the_command_on_a_file_and_on_a_stream(
         ("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n1,1,2,3\n0,1,2,3\n", "line 3: t_s: goes back from 1"),
         ("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n", "line 2: there is no sample"),
         ("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,omega2_cmd_rad_s\n0,1,2,3,4\n", "omega1_cmd_rad_s"),
-        ("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,current1_A\n0,1,2,3,4\n", "torque-per-ampere"),
+        ("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,current1_A\n0,1,2,3,4\n", "column current2_A"),
+        (
+            "t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,current1_A,current2_A,current3_A\n0,1,2,3,4,5,6\n",
+            "torque-per-ampere",
+        ),
     ],
 )
 def test_refusals_are_one_line(
@@ -246,6 +255,42 @@ def test_refusals_are_one_line(
     assert status(["monitor", "ohio-kiwi", str(tmp_path / "log.csv"), "--surface", "paper"]) == 2
     said = capsys.readouterr().err.strip().splitlines()
     assert len(said) == 1 and told in said[0]
+
+
+def test_a_header_that_lacks_a_column_is_refused_before_the_monitor_learns(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("slipmargin.api.monitor_training.simulated", lambda *given: pytest.fail("it learns"))
+    (tmp_path / "log.csv").write_text("t_s,omega1_rad_s,omega2_rad_s\n0,1,2\n", encoding="utf-8")
+    assert status(["monitor", "ohio-kiwi", str(tmp_path / "log.csv"), "--surface", "paper"]) == 2
+    assert "log.csv: line 1: lacks the column omega3_rad_s" in capsys.readouterr().err
+
+
+def test_a_robot_that_tips_in_every_run_is_refused_after_ten() -> None:
+    robot = sm.read_robot("mecanum4")
+    high = replace(robot, effects=(LoadTransfer(com_height_m=0.67, com_share=0.77), stiff_with_load()))
+    with pytest.raises(
+        InputError, match="training: none of 10 simulated runs reaches its end: a wheel lifts"
+    ):
+        sm.SlipMonitor(high, "floor", false_alarm_rate=0.5)
+
+
+def stiff_with_load() -> GeneralEffect:
+    """Friction that is some ten thousand times as steep under load."""
+    return GeneralEffect(
+        traced_to=Trace.VELOCITY,
+        part=Part.GRIP,
+        terms=(
+            Multiplier(
+                variable=Variable.WHEEL_LOAD,
+                basis=Basis.ODD,
+                target=Target.STIFFNESS_DRIVE,
+                shape=np.array([2.0, -1.0]),
+                coefficients=np.array([-0.097, 7.06]),
+                wheels=np.ones(4),
+            ),
+        ),
+    )
 
 
 def test_the_log_itself_is_no_place_for_results(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

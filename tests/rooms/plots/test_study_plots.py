@@ -9,10 +9,11 @@ import pytest
 from matplotlib.collections import QuadMesh
 from strategies import kiwi
 
-from slipmargin.effects import Recipe
+from slipmargin.effects import AnyEffect, Recipe
+from slipmargin.effects.push import Push
 from slipmargin.plots.study import study_figure, study_panels
 from slipmargin.plots.style import images
-from slipmargin.report.design import in_words
+from slipmargin.report.design import best_by_objective, in_words
 from slipmargin.report.design_page import design_page
 from slipmargin.report.page import Page, Section, Table, html
 from slipmargin.report.page_style import CSS
@@ -20,16 +21,36 @@ from slipmargin.study.objectives import BY_NAME, Kind
 from slipmargin.study.robot_on_surface import RobotOnSurface
 from slipmargin.study.robust import parse_interval, robust
 from slipmargin.study.study import DesignProblem, Study, study
+from slipmargin.study.table import study_data
 from slipmargin.study.vary import parse_vary
 
+FRONT = ("f_worst", "start_worst_m_s2")
 
-def made(*texts: str, kinds: tuple[Kind, ...] = (Kind.STATIC,), name: str = "f_worst") -> Study:
-    design = RobotOnSurface(recipe=Recipe(robot=kiwi()), surface="paper")
+
+def made(
+    *texts: str,
+    kinds: tuple[Kind, ...] = (Kind.STATIC,),
+    name: str = "f_worst",
+    effects: tuple[AnyEffect, ...] = (),
+) -> Study:
+    design = RobotOnSurface(recipe=Recipe(robot=kiwi(), effects=effects), surface="paper")
     return study(
         DesignProblem(
             base=design, grids=tuple(parse_vary(t) for t in texts), kinds=kinds, objective=BY_NAME[name]
         )
     )
+
+
+@pytest.mark.parametrize("texts", [("mass_kg=1,2",), ("mass_kg=1,2", "wheel_radius_m=0.04,0.05")])
+def test_an_objective_that_no_design_has_is_not_shown(texts: tuple[str, ...]) -> None:
+    pushed = Push(force_x_N=700.0, force_y_N=-99.0, moment_N_m=100.0, time_s=0.0, duration_s=100.0)
+    found = made(*texts, kinds=(Kind.STATIC, Kind.MOTION), name="yaw_moment_N_m", effects=(pushed,))
+    assert np.isnan(found.columns["start_worst_m_s2"]).all()
+    assert "start_worst_m_s2" not in found.objectives and "f_worst" in found.objectives
+    assert all("starting" not in str(axes.get_title()) for axes in study_figure(found, FRONT).axes)
+    head, rows = best_by_objective(found)
+    assert head[0] == "objective" and "start_worst_m_s2" not in [row[0] for row in rows]
+    assert study_data(found)["best_by_objective"]["start_worst_m_s2"] is None
 
 
 def test_curves_are_the_columns() -> None:
