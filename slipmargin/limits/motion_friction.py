@@ -157,7 +157,7 @@ def _factor(model: Model, motion: Motion, slide: Array, creep: Array, target: Ta
     out = np.ones((2, motion.count, model.count) if terms else (2, 1, 1))
     for term in terms:
         v = _values(model, motion, slide, creep, term, target)
-        factor = np.broadcast_to(term.factor(v, term.wheels), (len(v), motion.count, model.count))
+        factor = term.factor(v, term.wheels)
         out[0] *= factor.min(axis=0)
         out[1] *= factor.max(axis=0)
     return out

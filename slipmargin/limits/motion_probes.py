@@ -15,6 +15,8 @@ from slipmargin.physics.variables import Basis, Variable
 
 #: Probes over an unknown variable.
 PROBES = 73
+#: … and of a direction, which a narrow lobe of friction may lie along.
+_DIRECTIONS = 16 * PROBES + 1
 #: A range for accelerations that nobody stated: this many times the best grip times g [1].
 ACCELERATION_RANGE = 1.0
 
@@ -81,13 +83,16 @@ def probes(
 
 
 def _slip_direction(model: Model, motion: Motion, slide: Array, creep: Array) -> Array:
-    """Floor direction (P, M or 1, N) of the whole slip, for every drive slip up to ``creep`` either way."""
+    """Floor direction (P, M or 1, N or 1) of the whole slip, for every drive slip up to ``creep`` either way.
+
+    Where the heading is not known it is any direction, whatever the slip.
+    """
+    if motion.heading is None:
+        return np.linspace(-np.pi, np.pi, _DIRECTIONS)[:, None, None]
     grip, free = model.geometry.grip, model.geometry.free
     drive = np.linspace(-1.0, 1.0, 17)[:, None, None] * creep
     x, y = (drive * grip[:, k] + slide * free[:, k] for k in (0, 1))
-    heading = _heading(motion)
-    every = heading[:, None] + np.arctan2(y, x)[None]
-    return np.asarray(every.reshape(-1, *every.shape[2:]))
+    return np.asarray(_heading(motion) + np.arctan2(y, x))
 
 
 def _passing(model: Model, motion: Motion, creep: Array, share: float) -> Array:

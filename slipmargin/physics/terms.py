@@ -166,8 +166,11 @@ class Multiplier:
 
     def factor(self, v: Array, weight: Array | float = 1.0) -> Array:
         """The factor at values ``v`` for wheels of this weight, same shape as v; never below zero."""
-        phi = basis_values(self.basis, self.shape, len(self.coefficients), v)
-        return np.asarray(np.maximum(0.0, 1.0 + weight * (phi @ self.coefficients)), dtype=np.float64)
+        count, (a, b) = len(self.coefficients), self.shape.tolist()
+        change = np.zeros_like(v, dtype=float)
+        for j, c in enumerate(self.coefficients.tolist()):  # a table (…, B) of them takes longer than they do
+            change += c * basis_function(int(self.basis), j, count, a, b, v)
+        return np.asarray(np.maximum(0.0, 1.0 + weight * change), dtype=np.float64)
 
 
 @final
