@@ -11,7 +11,7 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.data.data_set import DataSet, Member
 from slipmargin.data.odometry import body_path
-from slipmargin.diagnosis.conditions import problem_of
+from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Diagnosis, Estimate, Finding, Score, ShownBy, TrialTrajectories
 from slipmargin.effects import AnyEffect, Recipe

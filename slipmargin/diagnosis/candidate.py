@@ -109,6 +109,10 @@ class Candidate:
         """Number of parameters P."""
         return len(self.keys)
 
+    def is_other_form_of(self, other: Candidate) -> bool:
+        """Whether both are forms of one thing, and not the same."""
+        return bool(self.subject) and self.subject == other.subject and self.label != other.label
+
 
 def named_candidate(
     effect: type[Effect],

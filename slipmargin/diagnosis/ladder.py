@@ -34,17 +34,10 @@ from slipmargin.diagnosis.held_out import (
     sets_of_effects,
 )
 from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.refits import fitted, longer, needed, nothing_sure, without
+from slipmargin.diagnosis.restated import restated
 from slipmargin.diagnosis.result import Rejected, Score, Verdict
-from slipmargin.diagnosis.search import (
-    Round,
-    fitted,
-    longer,
-    needed,
-    nothing_sure,
-    refitted,
-    take_step,
-    without,
-)
+from slipmargin.diagnosis.search import Round, take_step
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.state import State, worthwhile
@@ -264,15 +257,10 @@ def _other_forms(court: Court, state: State, fewer: State, rounds: list[Round]) 
 
     ``fewer`` is the state without this effect.
     """
-    last, found = state.last, []
-    kept = state.fit.x[: len(state.fit.x) - last.size]
-    for other in _candidates(rounds):
-        if last.subject and other.subject == last.subject and other.label != last.label:
-            start = np.concatenate([kept, other.starts[0]])
-            tried = refitted(state, (*state.structure[:-1], other), start, court.seen_runs)
-            if worthwhile(fewer, tried.chi, other.named):
-                found.append(tried)
-    yield from sorted(found, key=lambda s: s.chi)
+    forms = [c for c in _candidates(rounds) if c.is_other_form_of(state.last)]
+    found = [restated(state, len(state.structure) - 1, other, court.seen_runs) for other in forms]
+    worth = [s for s in found if worthwhile(fewer, s.chi, s.last.named)]
+    yield from sorted(worth, key=lambda s: s.chi)
 
 
 def _place(state: State) -> tuple[frozenset[str], int | None]:

@@ -14,8 +14,8 @@ from slipmargin.data.noise import lasting_noise, white_noise
 from slipmargin.data.repair import Repair
 from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
-from slipmargin.diagnosis.conditions import Ready, held_runs_of, problem_of, ready
-from slipmargin.diagnosis.definitions import redefined
+from slipmargin.diagnosis.conditions import Ready, held_runs_of, ready
+from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.events import cut_apart, find_events, with_measured_velocity
 from slipmargin.diagnosis.findings import findings
 from slipmargin.diagnosis.fit import Fit, fit
@@ -29,10 +29,12 @@ from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import order_analysis
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.ranges import ranges, variables_of
+from slipmargin.diagnosis.refits import fitted, needed, without
 from slipmargin.diagnosis.remarks import of_pieces, of_the_clock, of_the_fit
 from slipmargin.diagnosis.residual_diagnostics import dependences
+from slipmargin.diagnosis.restated import redefined
 from slipmargin.diagnosis.result import Diagnosis, Event, Finding, Step, TrialTrajectories, Tried, Verdict
-from slipmargin.diagnosis.search import Round, fitted, needed, search, without
+from slipmargin.diagnosis.search import Round, search
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.state import State

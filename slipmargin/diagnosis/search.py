@@ -16,18 +16,19 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array, Index
+from slipmargin.checks import Index
 from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.bends import bends
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.evidence import intervals
 from slipmargin.diagnosis.finalists import finalists
-from slipmargin.diagnosis.fit import Fit, build, evaluate, fit, spans
-from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
+from slipmargin.diagnosis.fit import build, evaluate, fit
+from slipmargin.diagnosis.left_out import folds
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.probes import probes
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.promise import as_simulated
+from slipmargin.diagnosis.refits import evened, fitted, longest_piece_s, needed, refitted, scored, whole
+from slipmargin.diagnosis.restated import reformed
 from slipmargin.diagnosis.screen import Screened, Screening, screen
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State, as_good, choose, explained, quiet, worthwhile
@@ -146,13 +147,13 @@ def search(
         rounds.append(step)
         if not step.taken or step.best is None or (not number and step.best.chi > leaves):
             break
-        problem, state = _entered(problem, step.best, seen, own, unknown)
+        problem, state = _entered(problem, step.best, seen, own, unknown, candidates, progress)
         ahead = None
         if len(state.structure) >= SETTINGS.most_effects:
             break
         if state.view.piece is not None and (others := step.others()):
             tried = [(step.best, problem, state)]
-            tried += [(s, *_entered(problem, s, seen, own, unknown)) for s in others]
+            tried += [(s, *_entered(problem, s, seen, own, unknown, candidates, progress)) for s in others]
             names = [c for c in candidates if c.named]
             best, problem, state, ahead = _followed(step, tried, own, names, seed, progress)
             rounds[-1] = replace(step, best=best)
@@ -163,10 +164,17 @@ def search(
 
 
 def _entered(
-    problem: Problem, best: State, seen: Index, runs: Sequence[int], unknown: bool
+    problem: Problem,
+    best: State,
+    seen: Index,
+    runs: Sequence[int],
+    unknown: bool,
+    candidates: list[Candidate],
+    progress: Watch,
 ) -> tuple[Problem, State]:
     """What a round found, in the view from which the next one starts, with the wheel phases that it needs."""
     state = evened(whole(problem, best, runs), seen, runs)
+    state = reformed(state, runs, candidates, progress)
     if not unknown or not any(c.wheel_phase for c in state.structure):
         return problem, state
     at = evaluate(problem, state.structure, state.fit.x, seen)
@@ -287,40 +295,12 @@ def _added(
     return scored(before.view, full, before.samples, runs)
 
 
-def scored(view: Problem, found: Fit, samples: float, runs: Sequence[int]) -> State:
-    """A fit with its score: refitted without each fold of the runs."""
-    parts = tuple(folds(runs, SETTINGS.folds))
-    xs, scores = refitted_without(view, found, parts)
-    return State(fit=found, scores=scores, samples=samples, view=view, parts=parts, xs=xs)
-
-
-def fitted(
-    view: Problem, structure: tuple[Candidate, ...], x: Array, trials: Index, runs: Sequence[int]
-) -> State:
-    """A structure fitted to trials from ``x``, with its score."""
-    found = fit(view, structure, x, trials)
-    return scored(view, found, view.samples(trials), runs)
-
-
-def refitted(state: State, structure: tuple[Candidate, ...], x: Array, runs: Sequence[int]) -> State:
-    """Another structure in the view, and on the trials, of ``state``."""
-    return fitted(state.view, structure, x, state.fit.trials, runs)
-
-
-def evened(state: State, seen: Index, runs: Sequence[int]) -> State:
-    """The state in the view in which none of the trials ``seen`` outweighs the others."""
-    view = state.view.evened(state.fit.effects, seen)
-    if np.array_equal(view.weights, state.view.weights):
-        return state
-    return fitted(view, state.structure, state.fit.x, state.fit.trials, runs)
-
-
 def _in_pieces(problem: Problem, trials: Index, runs: Sequence[int]) -> State:
     """The model as it is, in the shortest pieces in which what it lacks is well above the noise."""
     piece_s = SETTINGS.piece_s
     while True:
         state = fitted(problem.in_pieces(piece_s), (), np.zeros(0), trials, runs)
-        if state.chi >= SETTINGS.far_chi or 2.0 * piece_s > _longest_s(problem, trials):
+        if state.chi >= SETTINGS.far_chi or 2.0 * piece_s > longest_piece_s(problem, trials):
             return state
         piece_s *= 2.0
 
@@ -328,72 +308,3 @@ def _in_pieces(problem: Problem, trials: Index, runs: Sequence[int]) -> State:
 def possible(before: State, candidate: Candidate) -> bool:
     """Whether the candidate can stand beside what is known: two laws for one thing refuse each other."""
     return before.view.possible((*before.fit.effects, candidate.build(candidate.starts[0]))) is not None
-
-
-def without(state: State, index: int, runs: Sequence[int]) -> State:
-    """The state less one of its effects, the others fitted again."""
-    kept = [i for i in range(len(state.structure)) if i != index]
-    own = spans(state.structure)
-    x = np.concatenate([np.zeros(0), *(state.fit.x[own[i]] for i in kept)])
-    return refitted(state, tuple(state.structure[i] for i in kept), x, runs)
-
-
-def needed(state: State, runs: Sequence[int]) -> State:
-    """Now that all are known: drop, least useful first, every effect that the others make superfluous, or
-    whose parameters may all be null as far as these trials say.
-    """
-    while len(state.structure) > 1:
-        fewer = [without(state, index, runs) for index in range(len(state.structure))]
-        idle = nothing_sure(state)
-        least = min(range(len(fewer)), key=lambda i: (not idle[i], fewer[i].chi))
-        if not idle[least] and worthwhile(fewer[least], state.chi, state.structure[least].named):
-            break
-        state = fewer[least]
-    return state
-
-
-def nothing_sure(state: State) -> list[bool]:
-    """For each effect, whether it is a named one and these trials leave it open that it does nothing.
-
-    Far above the noise, where runs are compared in pieces, none is: there the runs disagree over whatever is
-    still missing, which widens every interval, and the error of runs that are left out decides alone.
-    """
-    if state.view.piece is not None:
-        return [False] * len(state.structure)
-    scale = np.concatenate([c.scale for c in state.structure])
-    spread = intervals(state.fit, leave_one_out(state.fit), scale, np.zeros(len(scale)))
-    own = zip(state.structure, spans(state.structure), strict=True)
-    return [c.named and c.nested and spread.may_do_nothing(c, state.fit.x, span) for c, span in own]
-
-
-def whole(problem: Problem, state: State, runs: Sequence[int]) -> State:
-    """A state found in pieces, fitted to whole runs where these come near the noise."""
-    if state.view.piece is None:
-        return state
-    trials = state.fit.trials
-    off = float(np.sum(problem.residuals([state.fit.effects], [trials])[0] ** 2))
-    if np.sqrt(off / state.samples) > SETTINGS.within_reach * SETTINGS.far_chi:
-        return state
-    full = fitted(problem, state.structure, state.fit.x, trials, runs)
-    return full if full.chi <= SETTINGS.far_chi else state
-
-
-def longer(problem: Problem, state: State, runs: Sequence[int], least_s: float = 0.0) -> State:
-    """A state found in pieces, fitted to whole runs, or to the shortest pieces in which the rest stands out.
-
-    What a model still lacks adds up along a run: pieces in which the rest is near the noise hide it.  They
-    are at least ``least_s`` long, as far as a run has two of them.
-    """
-    state = whole(problem, state, runs)
-    trials, x = state.fit.trials, state.fit.x
-    most_s = _longest_s(problem, trials)
-    while state.view.piece is not None and 2.0 * state.view.piece_s <= most_s:
-        if state.chi >= SETTINGS.far_chi and state.view.piece_s >= least_s:
-            break
-        state = fitted(problem.in_pieces(2.0 * state.view.piece_s), state.structure, x, trials, runs)
-    return state
-
-
-def _longest_s(problem: Problem, trials: Index) -> float:
-    """The longest pieces [s]: half a run, that there are two of them."""
-    return 0.5 * float(np.median([problem.trials[i].t_s[-1] for i in trials]))

@@ -170,6 +170,8 @@ class SearchSettings:
     other_floor_share: float = 0.4
     #: [1] … two floors leave at most this share of one floor's squared residual, …
     two_floors_leave: float = 0.2
+    #: [1] … (this, while frictions are tried in steps of a fifth: each floor may then lie between two) …
+    two_floors_may_leave: float = 0.5
     #: [1] … their frictions differ by this factor at least, and each such run gains this factor.
     floors_differ: float = 1.1
     floor_gains: float = 3.0

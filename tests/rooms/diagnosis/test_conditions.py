@@ -29,7 +29,8 @@ from slipmargin.data.checks import check_data_set
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.odometry_match import arrangements, mismatch, pieces
 from slipmargin.data.record import Record
-from slipmargin.diagnosis.conditions import Ready, problem_of, ready, spins
+from slipmargin.diagnosis.conditions import Ready, ready, spins
+from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.effects import Trace
 from slipmargin.errors import InputError
 from slipmargin.physics.variables import Frame, Variable

@@ -16,7 +16,8 @@ from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.ranges import ranges
-from slipmargin.diagnosis.search import Round, fitted, screened
+from slipmargin.diagnosis.refits import fitted
+from slipmargin.diagnosis.search import Round, screened
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects.slip_ratio_friction import SlipRatioFriction

@@ -12,7 +12,7 @@ from slipmargin.checks import Array
 from slipmargin.data.campaign import Part, joined
 from slipmargin.data.data_set import DataSet, Member
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
-from slipmargin.diagnosis.conditions import problem_of
+from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.evidence import intervals
 from slipmargin.diagnosis.fit import Fit, fit, limits_of
 from slipmargin.diagnosis.groups import groups_of, in_groups, scope_of

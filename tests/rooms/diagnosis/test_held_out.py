@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from spoilt import coloured, good
 
-from slipmargin.diagnosis.conditions import problem_of, ready
+from slipmargin.diagnosis.conditions import ready
+from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.held_out import held_out_runs, predicted, score, searched_runs
 
 

@@ -18,9 +18,10 @@ from slipmargin.diagnosis.left_out import folds
 from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.refits import fitted, nothing_sure
 from slipmargin.diagnosis.result import Score
 from slipmargin.diagnosis.screen import Screening
-from slipmargin.diagnosis.search import Round, fitted, nothing_sure, take_step
+from slipmargin.diagnosis.search import Round, take_step
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.verdict import RunErrors

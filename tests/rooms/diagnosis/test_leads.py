@@ -11,15 +11,16 @@ from diagnoses import residual_map
 from spoilt import good
 
 from slipmargin.diagnosis.candidate import named_candidates
-from slipmargin.diagnosis.conditions import problem_of
+from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.leads import followed, leads
 from slipmargin.diagnosis.left_over import left_over, like
 from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import Periodicity
+from slipmargin.diagnosis.refits import fitted
 from slipmargin.diagnosis.result import LeadSource
 from slipmargin.diagnosis.screen import Screening
-from slipmargin.diagnosis.search import Round, fitted, screened
+from slipmargin.diagnosis.search import Round, screened
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.telling import enough

@@ -11,7 +11,7 @@ from real_logs import WHOLE, needs_whole
 from slipmargin.data.campaign import apart
 from slipmargin.data.odometry import body_path
 from slipmargin.diagnosis.candidate import named_candidates
-from slipmargin.diagnosis.conditions import problem_of
+from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.evidence import intervals
 from slipmargin.diagnosis.fit import fit, limits_of
 from slipmargin.diagnosis.groups import in_groups

@@ -13,7 +13,7 @@ from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.fit import fit
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.search import fitted, longer
+from slipmargin.diagnosis.refits import fitted, longer
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import Trace
 from slipmargin.effects.wheel_loads import WheelLoads

@@ -13,8 +13,9 @@ from slipmargin.diagnosis.fit import Fit, build, fit
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.ranges import ranges
+from slipmargin.diagnosis.refits import fitted as fitted_state
 from slipmargin.diagnosis.screen import Screened
-from slipmargin.diagnosis.search import _added, fitted as fitted_state
+from slipmargin.diagnosis.search import _added
 from slipmargin.diagnosis.tangents import Columns
 from slipmargin.effects import AnyEffect, GeneralEffect, Part, Recipe, Trace
 from slipmargin.effects.floor_border import FloorBorder

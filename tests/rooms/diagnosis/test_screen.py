@@ -21,8 +21,9 @@ from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.promise import as_simulated, part_way
 from slipmargin.diagnosis.ranges import ranges
+from slipmargin.diagnosis.refits import fitted
 from slipmargin.diagnosis.screen import Screened
-from slipmargin.diagnosis.search import fitted, screened, take_step
+from slipmargin.diagnosis.search import screened, take_step
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.tangents import Columns

@@ -10,9 +10,9 @@ from spoilt import good
 
 from slipmargin.checks import Array
 from slipmargin.diagnosis.bends import bends
-from slipmargin.diagnosis.conditions import problem_of
+from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.search import fitted
+from slipmargin.diagnosis.refits import fitted
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State, quiet
 from slipmargin.diagnosis.telling import enough

@@ -7,7 +7,7 @@ import pytest
 from next_run import CASES, LENGTH_S, data_set, logged, standard_runs
 
 from slipmargin.diagnosis.candidate import named_candidates
-from slipmargin.diagnosis.conditions import problem_of
+from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.fit import fit
 from slipmargin.diagnosis.result import Verdict
 from slipmargin.diagnosis.watch import Watch

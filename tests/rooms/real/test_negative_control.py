@@ -10,7 +10,8 @@ import pytest
 from real.sets import RealSet, robojackets
 
 from slipmargin.data.data_set import DataSet
-from slipmargin.diagnosis.conditions import problem_of, ready
+from slipmargin.diagnosis.conditions import ready
+from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.loop import diagnose
 from slipmargin.diagnosis.result import Verdict
 from slipmargin.diagnosis.sense import measure

@@ -1,4 +1,4 @@
-"""What a quantity is taken to be is asked once all else is found: other definitions are no candidates."""
+"""A law's form is asked again once another effect is known, what it acts over once all are."""
 
 from __future__ import annotations
 
@@ -8,16 +8,17 @@ from planting import Plant, planted, smooth_kiwi
 
 from slipmargin.data.data_set import Member
 from slipmargin.diagnosis.candidate import Candidate, named_candidate, named_candidates
-from slipmargin.diagnosis.definitions import redefined
 from slipmargin.diagnosis.groups import in_groups
 from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.search import fitted
+from slipmargin.diagnosis.refits import fitted
+from slipmargin.diagnosis.restated import redefined, reformed
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect, Effect, Recipe
 from slipmargin.effects.catalogue import CATALOGUE
+from slipmargin.effects.floor_tilt import FloorTilt
 from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
 from slipmargin.effects.wheel_loads import WheelLoads
 
@@ -26,8 +27,13 @@ COUNT = 8
 LAW = named_candidate(SlipRatioFriction, SlipRatioFriction.variants[0])
 
 
-def lost_way(*effects: AnyEffect) -> State:
-    """The law over the floor's own speed, fitted to runs of a robot that has these effects."""
+FOUND = {c.label: c for c in named_candidates(("1", "2", "3"), False, ())}
+ACROSS, TILT = FOUND["slip_ratio_friction with its own constants across"], FOUND["floor_tilt"]
+LOADS = FOUND["wheel_loads with the centre of mass where stated"]
+
+
+def lost_way(*effects: AnyEffect, structure: tuple[Candidate, ...] = (LAW,)) -> State:
+    """Candidates, the law first, fitted to runs of a robot that has these effects."""
     data = planted(
         smooth_kiwi(),
         Plant(name="lost way", traces=(), effects=effects),
@@ -38,7 +44,8 @@ def lost_way(*effects: AnyEffect) -> State:
     )
     trials = tuple(clean(record, SIGMA) for record in data.trials)
     problem = Problem.of(data.recipe, data.surface, trials, SIGMA, False)
-    return fitted(problem, (LAW,), np.array([2.0]), np.arange(COUNT), list(range(COUNT)))
+    start = np.concatenate([[2.0], structure[0].null[1:], *(c.null for c in structure[1:])])
+    return fitted(problem, structure, start, np.arange(COUNT), list(range(COUNT)))
 
 
 def asked(state: State) -> State:
@@ -64,6 +71,39 @@ def test_the_floors_own_speed_stays_where_it_is_meant_and_something_else_is_left
 def test_what_explains_the_runs_is_not_asked_again() -> None:
     before = lost_way(SlipRatioFriction(share=1.0, steepness=8.0))
     assert before.chi <= 1.3 and asked(before) is before
+
+
+def formed(state: State) -> State:
+    return reformed(state, list(range(COUNT)), list(FOUND.values()), Watch(report=no_progress))
+
+
+def test_the_form_of_a_law_is_asked_again_once_another_effect_is_known() -> None:
+    shifted = WheelLoads(shift_x_m=0.02, shift_y_m=0.01)
+    across = SlipRatioFriction(
+        share=1.0, steepness=2.0, transverse_factor=2.0, transverse_coefficient_factor=1.5
+    )
+    before = lost_way(across, shifted, structure=(LAW, LOADS))
+    after = formed(before)
+    assert after.structure[0] is ACROSS and after.structure[1] is LOADS and after.chi < 1.1 < before.chi
+    assert after.fit.x == pytest.approx([2.0, 2.0, 1.5, 0.02, 0.01], rel=0.02)
+
+
+def test_a_law_that_is_the_last_effect_keeps_the_form_its_round_gave_it() -> None:
+    before = lost_way(SlipRatioFriction(share=1.0, steepness=2.0, transverse_factor=3.0))
+    assert before.chi > 1.3 and formed(before) is before
+
+
+def test_a_form_that_took_up_what_another_effect_leaves_is_given_up_once_that_is_known() -> None:
+    effects = SlipRatioFriction(share=1.0, steepness=2.0), FloorTilt(tilt_x_rad=0.01, tilt_y_rad=0.0)
+    before = lost_way(*effects, structure=(ACROSS, TILT))
+    assert before.chi < 1.1 and len(before.fit.x) == 5
+    after = formed(before)
+    assert after.structure[0].label == LAW.label and after.chi < 1.1
+
+
+def test_where_nothing_but_noise_is_left_no_form_with_more_parameters_is_asked() -> None:
+    before = lost_way(SlipRatioFriction(share=1.0, steepness=2.0), structure=(LAW, TILT))
+    assert before.chi < 1.1 and formed(before) is before
 
 
 def test_definitions_are_no_candidates_and_have_the_parameters_of_theirs() -> None:

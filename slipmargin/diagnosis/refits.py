@@ -1,0 +1,113 @@
+"""States fitted again: with other effects, in another view, scored on the runs left out of each refit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from slipmargin.checks import Array, Index
+from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.evidence import intervals
+from slipmargin.diagnosis.fit import Fit, fit, spans
+from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
+from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.state import State, worthwhile
+
+
+def scored(view: Problem, found: Fit, samples: float, runs: Sequence[int]) -> State:
+    """A fit with its score: refitted without each fold of the runs."""
+    parts = tuple(folds(runs, SETTINGS.folds))
+    xs, scores = refitted_without(view, found, parts)
+    return State(fit=found, scores=scores, samples=samples, view=view, parts=parts, xs=xs)
+
+
+def fitted(
+    view: Problem, structure: tuple[Candidate, ...], x: Array, trials: Index, runs: Sequence[int]
+) -> State:
+    """A structure fitted to trials from ``x``, with its score."""
+    found = fit(view, structure, x, trials)
+    return scored(view, found, view.samples(trials), runs)
+
+
+def refitted(state: State, structure: tuple[Candidate, ...], x: Array, runs: Sequence[int]) -> State:
+    """Another structure in the view, and on the trials, of ``state``."""
+    return fitted(state.view, structure, x, state.fit.trials, runs)
+
+
+def evened(state: State, seen: Index, runs: Sequence[int]) -> State:
+    """The state in the view in which none of the trials ``seen`` outweighs the others."""
+    view = state.view.evened(state.fit.effects, seen)
+    if np.array_equal(view.weights, state.view.weights):
+        return state
+    return fitted(view, state.structure, state.fit.x, state.fit.trials, runs)
+
+
+def without(state: State, index: int, runs: Sequence[int]) -> State:
+    """The state less one of its effects, the others fitted again."""
+    kept = [i for i in range(len(state.structure)) if i != index]
+    own = spans(state.structure)
+    x = np.concatenate([np.zeros(0), *(state.fit.x[own[i]] for i in kept)])
+    return refitted(state, tuple(state.structure[i] for i in kept), x, runs)
+
+
+def needed(state: State, runs: Sequence[int]) -> State:
+    """Now that all are known: drop, least useful first, every effect that the others make superfluous, or
+    whose parameters may all be null as far as these trials say.
+    """
+    while len(state.structure) > 1:
+        fewer = [without(state, index, runs) for index in range(len(state.structure))]
+        idle = nothing_sure(state)
+        least = min(range(len(fewer)), key=lambda i: (not idle[i], fewer[i].chi))
+        if not idle[least] and worthwhile(fewer[least], state.chi, state.structure[least].named):
+            break
+        state = fewer[least]
+    return state
+
+
+def nothing_sure(state: State) -> list[bool]:
+    """For each effect, whether it is a named one and these trials leave it open that it does nothing.
+
+    Far above the noise, where runs are compared in pieces, none is: there the runs disagree over whatever is
+    still missing, which widens every interval, and the error of runs that are left out decides alone.
+    """
+    if state.view.piece is not None:
+        return [False] * len(state.structure)
+    scale = np.concatenate([c.scale for c in state.structure])
+    spread = intervals(state.fit, leave_one_out(state.fit), scale, np.zeros(len(scale)))
+    own = zip(state.structure, spans(state.structure), strict=True)
+    return [c.named and c.nested and spread.may_do_nothing(c, state.fit.x, span) for c, span in own]
+
+
+def whole(problem: Problem, state: State, runs: Sequence[int]) -> State:
+    """A state found in pieces, fitted to whole runs where these come near the noise."""
+    if state.view.piece is None:
+        return state
+    trials = state.fit.trials
+    off = float(np.sum(problem.residuals([state.fit.effects], [trials])[0] ** 2))
+    if np.sqrt(off / state.samples) > SETTINGS.within_reach * SETTINGS.far_chi:
+        return state
+    full = fitted(problem, state.structure, state.fit.x, trials, runs)
+    return full if full.chi <= SETTINGS.far_chi else state
+
+
+def longer(problem: Problem, state: State, runs: Sequence[int], least_s: float = 0.0) -> State:
+    """A state found in pieces, fitted to whole runs, or to the shortest pieces in which the rest stands out.
+
+    What a model still lacks adds up along a run: pieces in which the rest is near the noise hide it.  They
+    are at least ``least_s`` long, as far as a run has two of them.
+    """
+    state = whole(problem, state, runs)
+    trials, x = state.fit.trials, state.fit.x
+    most_s = longest_piece_s(problem, trials)
+    while state.view.piece is not None and 2.0 * state.view.piece_s <= most_s:
+        if state.chi >= SETTINGS.far_chi and state.view.piece_s >= least_s:
+            break
+        state = fitted(problem.in_pieces(2.0 * state.view.piece_s), state.structure, x, trials, runs)
+    return state
+
+
+def longest_piece_s(problem: Problem, trials: Index) -> float:
+    """The longest pieces [s]: half a run, that there are two of them."""
+    return 0.5 * float(np.median([problem.trials[i].t_s[-1] for i in trials]))
