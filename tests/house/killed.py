@@ -183,6 +183,12 @@ def started(words: tuple[str, ...], folder: Path) -> int:
     return child
 
 
+def names(folder: Path) -> set[str]:
+    """What is in a folder, while a command makes and removes files there."""
+    found = ((Path(base), name) for base, folders, files in os.walk(folder) for name in (*folders, *files))
+    return {str((base / name).relative_to(folder)) for base, name in found}
+
+
 def contents(folder: Path) -> dict[str, bytes]:
     """Every file below a folder."""
     return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
@@ -198,13 +204,13 @@ def fill(folder: Path, files: dict[str, bytes]) -> None:
 
 def until_killed(child: int, folder: Path, before: set[str], moment: float, *, seen: bool) -> bool:
     """Kill a child ``moment`` seconds after its start, or after it makes a file; whether it still ran."""
-    start, names = time.monotonic(), before
+    start, there = time.monotonic(), before
     while True:
         if os.waitpid(child, os.WNOHANG)[0]:
             return False
-        if seen and names == before:
-            names = {str(p.relative_to(folder)) for p in folder.rglob("*")}
-            start = start if names == before else time.monotonic()
+        if seen and there == before:
+            there = names(folder)
+            start = start if there == before else time.monotonic()
         elif time.monotonic() - start >= moment:
             try:
                 os.killpg(child, signal.SIGKILL)
@@ -238,7 +244,7 @@ def faults(job: Job, good: dict[str, bytes], old: dict[str, bytes], folder: Path
     after = contents(folder)
     if any(after.get(name) != data for name, data in good.items()):
         found.append(FAULTS[2])
-    there = {str(p.relative_to(folder)) for p in folder.rglob("*")}
+    there = names(folder)
     known = {str(p) for name in (*good, *job.files) for p in (Path(name), *Path(name).parents)}
     return [*found, *([FAULTS[3]] if there - known else [])]
 
@@ -277,7 +283,7 @@ def kill_all(count: int, seed: int, only: list[str]) -> Iterator[tuple[str, dict
                 if name == "import --force" and old:
                     old |= {"o/dataset.toml": good["o/dataset.toml"]}
                 fill(one, old)
-                before = {str(p.relative_to(one)) for p in one.rglob("*")}
+                before = names(one)
                 seen = bool(k % 2)
                 moment, begin = drawn.uniform(0.0, SOON_S if seen else lasts), time.monotonic()
                 alive = until_killed(started(job.words, one), one, before, moment, seen=seen)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -43,3 +44,19 @@ def test_half_files_are_seen(
     monkeypatch.setattr(killed, "_ended", int)
     killed.fill(tmp_path, left)
     assert killed.faults(killed.Job(("sweep",)), good, {}, tmp_path) == ([fault] if fault else [])
+
+
+def test_a_folder_that_vanishes_while_it_is_looked_at_is_no_fault(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A command sweeps its stage while its folder is watched: 1 of 100 watches had ended there."""
+    (tmp_path / "stage").mkdir()
+    look = os.scandir
+
+    def vanishing(path: str | Path) -> object:
+        if Path(path).name == "stage":
+            raise FileNotFoundError(path)
+        return look(path)
+
+    monkeypatch.setattr(os, "scandir", vanishing)
+    assert killed.names(tmp_path) == {"stage"}
