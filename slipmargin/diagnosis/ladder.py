@@ -294,7 +294,8 @@ def _further(
         found = None
         if step.taken and step.best is not None:
             best = longer(court.problem, step.best, own)
-            more = needed(_fitted_to_seen(court, best), court.seen_runs)
+            fresh = best.last if best.last.named else None
+            more = needed(_fitted_to_seen(court, best), court.seen_runs, fresh=fresh)
             found = _better(court, held, more, rejected)
         if found is not None:
             held = found

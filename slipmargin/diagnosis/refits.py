@@ -13,7 +13,7 @@ from slipmargin.diagnosis.fit import Fit, fit, spans
 from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.settings import SETTINGS
-from slipmargin.diagnosis.state import State, worthwhile
+from slipmargin.diagnosis.state import State, as_good, worthwhile
 
 
 def scored(view: Problem, found: Fit, samples: float, runs: Sequence[int]) -> State:
@@ -52,15 +52,20 @@ def without(state: State, index: int, runs: Sequence[int]) -> State:
     return refitted(state, tuple(state.structure[i] for i in kept), x, runs)
 
 
-def needed(state: State, runs: Sequence[int]) -> State:
+def needed(state: State, runs: Sequence[int], *, fresh: Candidate | None = None) -> State:
     """Now that all are known: drop, least useful first, every effect that the others make superfluous, or
     whose parameters may all be null as far as these trials say.
+
+    ``fresh``, a name that was worth adding on fewer trials, is superfluous on these only where the others are
+    as good without it.
     """
     while len(state.structure) > 1:
         fewer = [without(state, index, runs) for index in range(len(state.structure))]
         idle = nothing_sure(state)
         least = min(range(len(fewer)), key=lambda i: (not idle[i], fewer[i].chi))
-        if not idle[least] and worthwhile(fewer[least], state.chi, state.structure[least].named):
+        one, left = state.structure[least], fewer[least]
+        superfluous = as_good(left, state) if one is fresh else not worthwhile(left, state.chi, one.named)
+        if not idle[least] and not superfluous:
             break
         state = fewer[least]
     return state

@@ -273,7 +273,7 @@ def kill_all(count: int, seed: int, only: list[str]) -> Iterator[tuple[str, dict
             good = {k: v for k, v in contents(place / "whole").items() if k not in job.files}
             if good != {k: v for k, v in contents(place / "again").items() if k not in job.files}:
                 raise SystemExit(f"{name}: two runs that nobody disturbed differ")
-            wanted = max(1, round(count * job.share / whole))
+            wanted = math.ceil(count * job.share / whole)
             for k in range(TRIES * wanted):
                 if counts["killed"] == wanted:
                     break

@@ -12,9 +12,9 @@ from slipmargin.diagnosis.groups import in_groups
 from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.refits import fitted
+from slipmargin.diagnosis.refits import fitted, needed, without
 from slipmargin.diagnosis.restated import redefined, reformed
-from slipmargin.diagnosis.state import State
+from slipmargin.diagnosis.state import State, worthwhile
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect, Effect, Recipe
 from slipmargin.effects.catalogue import CATALOGUE
@@ -104,6 +104,16 @@ def test_a_form_that_took_up_what_another_effect_leaves_is_given_up_once_that_is
 def test_where_nothing_but_noise_is_left_no_form_with_more_parameters_is_asked() -> None:
     before = lost_way(SlipRatioFriction(share=1.0, steepness=2.0), structure=(LAW, TILT))
     assert before.chi < 1.1 and formed(before) is before
+
+
+def test_what_was_worth_adding_on_fewer_runs_is_kept_on_all_unless_the_rest_is_as_good() -> None:
+    runs = list(range(COUNT))
+    for shift_m, kept in ((0.00027, 2), (0.0001, 1)):
+        shifted = WheelLoads(shift_x_m=shift_m, shift_y_m=0.5 * shift_m)
+        state = lost_way(SlipRatioFriction(share=1.0, steepness=2.0), shifted, structure=(LAW, LOADS))
+        assert not worthwhile(without(state, 1, runs), state.chi)
+        assert len(needed(state, runs).structure) == 1
+        assert len(needed(state, runs, fresh=LOADS).structure) == kept
 
 
 def test_definitions_are_no_candidates_and_have_the_parameters_of_theirs() -> None:
