@@ -111,9 +111,8 @@ def basis_values(basis: Basis, shape: Array, count: int, v: Array) -> Array:
     return out
 
 
-#: Families that divide by their first constant, or by their second.
+#: Families that divide by their first constant.
 _OVER_A = frozenset({Basis.POLYNOMIAL, Basis.FOURIER, Basis.DECAY, Basis.ODD})
-_OVER_B = frozenset({Basis.RECIPROCAL, Basis.STEP})
 
 
 def _constants(basis: Basis, shape: Array) -> Array:
@@ -130,7 +129,7 @@ def _constants(basis: Basis, shape: Array) -> Array:
         cure = "give a scale and an exponent above 0"
     elif basis in (Basis.HATS, Basis.WINDOW) and not a < b:
         cure = "give a second number that is larger than the first"
-    elif (basis in _OVER_A and a == 0.0) or (basis in _OVER_B and b == 0.0):
+    elif (basis in _OVER_A and a == 0.0) or (basis is Basis.STEP and b == 0.0):
         cure = f"give a {'first' if basis in _OVER_A else 'second'} number that is not 0"
     elif basis is Basis.LOBE and not 0.0 < b < 4.0 * np.pi:
         cure = "give an arc above 0 and below 4 π"

@@ -112,7 +112,6 @@ def test_any_name_and_any_comment_read_back(comment: str, name: str, floor: str)
         ("odd", "0.0, 1.0"),
         ("decay", "-1.0, 2.0"),
         ("decay", "1.0, 0.0"),
-        ("reciprocal", "1.0, 0.0"),
         ("step", "1.0, 0.0"),
         ("lobe", "0.5, 0.0"),
     ],
