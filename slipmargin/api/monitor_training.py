@@ -30,7 +30,7 @@ _PER_RATE, _LEAST_RUNS, _MOST_RUNS = 6.0, 60, 1200
 _SLIPS, _GRIPS = 0.97, 0.93
 #: Steps after which a run is left out; the built-in robots need up to 1 300 [1].
 _MOST_STEPS = 5_000
-#: Runs after which it is estimated how long all of them take; if none of them ends as it should, no other is
+#: Runs after which it is estimated how long all of them take; if none of them reaches its end, no other is
 #: waited for.
 _FIRST_RUNS = 10
 #: Noise of simulated sensors: wheel speed [share of its rms], gyro [rad/s], current [share].

@@ -112,7 +112,7 @@ def basis_values(basis: Basis, shape: Array, count: int, v: Array) -> Array:
 
 
 #: Families that divide by their first constant.
-_OVER_A = frozenset({Basis.POLYNOMIAL, Basis.FOURIER, Basis.DECAY, Basis.ODD})
+_OVER_A = frozenset({Basis.POLYNOMIAL, Basis.FOURIER, Basis.ODD})
 
 
 def _constants(basis: Basis, shape: Array) -> Array:
@@ -123,19 +123,22 @@ def _constants(basis: Basis, shape: Array) -> Array:
     InputError
         Where every value would be a division by zero, or not a number.
     """
-    a, b = frozen("shape", shape, (2,)).tolist()
-    name, cure = basis.name.lower(), ""
-    if basis is Basis.DECAY and not (a > 0.0 and b > 0.0):
+    shape = frozen("shape", shape, (2,))
+    a, b = shape.tolist()
+    cure = ""
+    if basis in _OVER_A and a == 0.0:
+        cure = "give a first number that is not 0"
+    elif basis is Basis.STEP and b == 0.0:
+        cure = "give a second number that is not 0"
+    elif basis is Basis.DECAY and not (a > 0.0 and b > 0.0):
         cure = "give a scale and an exponent above 0"
     elif basis in (Basis.HATS, Basis.WINDOW) and not a < b:
         cure = "give a second number that is larger than the first"
-    elif (basis in _OVER_A and a == 0.0) or (basis is Basis.STEP and b == 0.0):
-        cure = f"give a {'first' if basis in _OVER_A else 'second'} number that is not 0"
     elif basis is Basis.LOBE and not 0.0 < b < 4.0 * np.pi:
         cure = "give an arc above 0 and below 4 π"
     if cure:
-        raise InputError("shape", f"is [{a:g}, {b:g}], with which {name} has no value", cure)
-    return frozen("shape", shape, (2,))
+        raise InputError("shape", f"is [{a:g}, {b:g}], with which {basis.name.lower()} has no value", cure)
+    return shape
 
 
 @final

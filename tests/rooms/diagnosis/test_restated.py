@@ -7,7 +7,7 @@ import pytest
 from planting import Plant, planted, smooth_kiwi
 
 from slipmargin.data.data_set import Member
-from slipmargin.diagnosis.candidate import Candidate, named_candidate, named_candidates
+from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.groups import in_groups
 from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.prepare import clean
@@ -24,10 +24,8 @@ from slipmargin.effects.wheel_loads import WheelLoads
 
 SIGMA = np.array([5e-4, 5e-4, 2e-3])
 COUNT = 8
-LAW = named_candidate(SlipRatioFriction, SlipRatioFriction.variants[0])
-
-
 FOUND = {c.label: c for c in named_candidates(("1", "2", "3"), False, ())}
+LAW = FOUND["slip_ratio_friction"]
 ACROSS, TILT = FOUND["slip_ratio_friction with its own constants across"], FOUND["floor_tilt"]
 LOADS = FOUND["wheel_loads with the centre of mass where stated"]
 
