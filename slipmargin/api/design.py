@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 #: Objectives of the Pareto front where none are asked for.
 _FRONT = "f_worst,start_worst_m_s2"
 
-#: Seconds that a design takes by kind (roughly), and from which total on every core is used.
-COST_S = {"motion": 0.02, "laps": 0.5}
+#: Seconds that a design takes by kind (roughly; static: one that no zonotope describes), and from which
+#: total on every core is used.
+COST_S = {"static": 1.0, "motion": 0.02, "laps": 0.5}
 MANY_S = 15.0
 
 
@@ -221,6 +222,7 @@ def design(
     >>> found.best
     {'delta_deg': 40.0}
     """
+    from slipmargin.study.batch import plain
     from slipmargin.study.influence import influences
     from slipmargin.study.objectives import Kind
     from slipmargin.study.optimum import optimum
@@ -234,8 +236,9 @@ def design(
     intervals = _intervals(_several(uncertain), problem.grids)
     names = _front(front, problem)
     count = len(product(problem.base, problem.grids)) + 1
-    slow = [kind for kind in problem.needed() if kind is not Kind.STATIC]
     if jobs is None:
+        at_once = plain([problem.base])[0][0]
+        slow = [kind for kind in problem.needed() if not (kind is Kind.STATIC and at_once)]
         jobs = -1 if count * sum(COST_S[kind.name.lower()] for kind in slow) > MANY_S else 1
     folder = None if resume is None else Path(resume)
     with _placed("jobs"):

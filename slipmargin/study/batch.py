@@ -88,6 +88,15 @@ def batches(designs: Sequence[RobotOnSurface | None]) -> tuple[list[Batch], dict
     return out, refused
 
 
+def plain(designs: Sequence[RobotOnSurface | None]) -> tuple[NDArray[np.bool_], dict[int, str]]:
+    """Which designs (D,) zonotopes describe, and for each that is impossible the reason."""
+    found, refused = batches(designs)
+    out = np.zeros(len(designs), dtype=bool)
+    for batch in found:
+        out[batch.index] = batch.plain
+    return out, refused
+
+
 def _batch(rows: list[tuple[int, RobotOnSurface]], built: dict[int, Model]) -> Batch:
     data = _from_robots([m for _, m in rows])
     for d, (i, _) in enumerate(rows):

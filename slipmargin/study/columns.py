@@ -132,18 +132,20 @@ def lap_columns(design: RobotOnSurface) -> dict[str, float]:
     return {"laps_s": lap_time(design.build())}
 
 
-def slow_columns(design: RobotOnSurface, kinds: tuple[Kind, ...]) -> dict[str, float]:
-    """Everything of one design that cannot be computed for all at once; NaN where it has none.
+def columns_of(design: RobotOnSurface, kinds: tuple[Kind, ...]) -> dict[str, float]:
+    """Every column of some kinds of one design; NaN where it has none.
 
     That is so where the design cannot be built, or where a motion has no limit because it slips anyway.
     """
-    names = [name for kind in kinds for name in names_of(kind)]
+    out: dict[str, float] = {}
+    if Kind.STATIC in kinds:
+        out |= {name: float(column[0]) for name, column in static_columns([design])[0].items()}
+    names = [name for kind in kinds if kind is not Kind.STATIC for name in names_of(kind)]
     try:
-        out: dict[str, float] = {}
         if Kind.MOTION in kinds:
             out |= moving_columns(design)
         if Kind.LAPS in kinds:
             out |= lap_columns(design)
-        return {name: value if math.isfinite(value) else math.nan for name, value in out.items()}
     except (InputError, NoSolution):
-        return dict.fromkeys(names, math.nan)
+        out |= dict.fromkeys(names, math.nan)
+    return {name: value if math.isfinite(value) else math.nan for name, value in out.items()}

@@ -21,7 +21,7 @@ from slipmargin.errors import InputError, NoSolution
 from slipmargin.limits.bounds import directions, headings
 from slipmargin.physics.loads import LoadRule
 from slipmargin.robot.uncertain import Uncertain
-from slipmargin.study.columns import slow_columns, static_columns
+from slipmargin.study.columns import columns_of, static_columns
 from slipmargin.study.objectives import Kind
 from slipmargin.study.quantities import QUANTITIES
 from slipmargin.study.robot_on_surface import RobotOnSurface
@@ -180,7 +180,7 @@ def _values(designs: Sequence[RobotOnSurface]) -> list[dict[str, float]]:
     pull = static_columns(designs, names=["f_worst"])[0]["f_worst"]
     out = []
     for design, least in zip(designs, pull, strict=True):
-        moving = slow_columns(design, (Kind.MOTION,))
+        moving = columns_of(design, (Kind.MOTION,))
         weight = design.build().inertia.weight_N
         found = {q.key: moving[q.key] for q in QUESTIONS if q.key in moving}
         out.append({**found, "push_N": float(least) * weight})

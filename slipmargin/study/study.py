@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array, read_only
 from slipmargin.errors import InputError
+from slipmargin.study.batch import plain
 from slipmargin.study.columns import static_columns
 from slipmargin.study.objectives import BY_NAME, Kind, Objective, names_of, objective
 from slipmargin.study.pareto import front, tolerance
@@ -21,7 +22,7 @@ from slipmargin.study.task import Task
 from slipmargin.study.vary import Vary, applied, product
 
 #: Designs in one piece of the long work.
-PIECE = {Kind.MOTION: 8, Kind.LAPS: 1}
+PIECE = {Kind.STATIC: 8, Kind.MOTION: 8, Kind.LAPS: 1}
 
 
 @final
@@ -132,7 +133,10 @@ def study(
     executor: Executor | None = None,
     advance: Callable[[int], None] = lambda steps: None,
 ) -> Study:
-    """Return every column of every design; static columns for all designs at once, the others in pieces.
+    """Return every column of every design.
+
+    Static columns of all designs that zonotopes describe come at once; everything else, design by design, is
+    done in pieces.
 
     Parameters
     ----------
@@ -157,27 +161,31 @@ def study(
             designs.append(None)
             impossible[i] = str(fault)
     everyone = [*designs, problem.base]
-    columns, refused = static_columns(everyone)
+    at_once, refused = plain(everyone)
     impossible |= refused
     everyone = [None if i in impossible else m for i, m in enumerate(everyone)]
-    kinds = tuple(kind for kind in problem.needed() if kind is not Kind.STATIC)
-    done = None
-    if kinds:
-        any_left = any(
-            m is not None for m in everyone[:-1]
-        )  # else it is refused, and its own is not asked for
-        rows = [i for i, m in enumerate(everyone) if m is not None] if any_left else []
-        work = Task(kinds=kinds)
+    columns = static_columns([m if at_once[i] else None for i, m in enumerate(everyone)])[0]
+    slow = tuple(kind for kind in problem.needed() if kind is not Kind.STATIC)
+    columns |= {name: np.full(len(everyone), np.nan) for kind in slow for name in names_of(kind)}
+    possible = np.array([m is not None for m in everyone])
+    if not possible[:-1].any():  # the study is refused, and its own design is not asked for
+        possible[-1] = False
+    pieces = resumed = 0
+    for kinds, rows in (((Kind.STATIC, *slow), possible & ~at_once), (slow, possible & at_once)):
+        if not kinds:
+            advance(int(np.count_nonzero(rows)))
+            continue
+        task = Task(kinds=kinds)
         done = in_pieces(
-            work,
-            [everyone[i] for i in rows],
-            key=work,
+            task,
+            [everyone[i] for i in np.flatnonzero(rows)],
+            key=task,
             executor=executor or Executor(),
             size=min(PIECE[kind] for kind in kinds),
             advance=advance,
         )
-        for name in (n for kind in kinds for n in names_of(kind)):
-            columns[name] = np.full(len(everyone), np.nan)
+        pieces, resumed = pieces + done.pieces, resumed + done.resumed
+        for name in done.rows[0] if done.rows else ():
             columns[name][rows] = [row[name] for row in done.rows]
     own = {name: float(column[-1]) for name, column in columns.items()}
     own_problem = impossible.pop(len(values), None)
@@ -189,6 +197,6 @@ def study(
         impossible=impossible,
         own=own,
         own_problem=own_problem,
-        pieces=done.pieces if done else 0,
-        resumed=done.resumed if done else 0,
+        pieces=pieces,
+        resumed=resumed,
     )

@@ -1,11 +1,11 @@
-"""The computation of one design's slow columns, as a value that can be sent to other processes."""
+"""The computation of one design's columns, as a value that can be sent to other processes."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import final
 
-from slipmargin.study.columns import slow_columns
+from slipmargin.study.columns import columns_of
 from slipmargin.study.objectives import Kind
 from slipmargin.study.robot_on_surface import RobotOnSurface
 
@@ -19,4 +19,4 @@ class Task:
 
     def __call__(self, design: RobotOnSurface) -> dict[str, float]:
         """One design's row; NaN where it cannot be built."""
-        return slow_columns(design, self.kinds)
+        return columns_of(design, self.kinds)

@@ -19,6 +19,7 @@ from strategies import kiwi
 
 from slipmargin.effects import Recipe
 from slipmargin.errors import InputError
+from slipmargin.robot import GripShape
 from slipmargin.study.objectives import Kind
 from slipmargin.study.pieces import Executor, canonical, clear, in_pieces, piece_name, work_folder
 from slipmargin.study.robot_on_surface import RobotOnSurface
@@ -209,3 +210,34 @@ def test_another_run_of_the_same_study_may_end_first(tmp_path: Path) -> None:
 
     done = in_pieces(work, [1, 2, 3], key="k", size=1, executor=Executor(folder=folder))
     assert [row["x"] for row in done.rows] == [1.0, 2.0, 3.0]
+
+
+def test_static_limits_that_take_long_are_kept_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Designs that no zonotope describes were all computed before the first piece: Ctrl-C lost them."""
+    from slipmargin.study import statics
+
+    way = statics.headings(13)
+    monkeypatch.setattr(statics, "headings", lambda: way)
+    design = RobotOnSurface(recipe=Recipe(robot=kiwi(grip=GripShape.ELLIPSE)), surface="paper")
+    several = DesignProblem(base=design, grids=(parse_vary("delta_deg=10:30:2"),), kinds=())
+    folder = tmp_path / "o.csv.work"
+
+    def stop(steps: int) -> None:
+        if steps:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        study(several, executor=Executor(folder=folder), advance=stop)
+    assert len(list(folder.iterdir())) == 1
+    again, alone = study(several, executor=Executor(folder=folder)), study(several)
+    assert (again.resumed, again.pieces) == (1, 2)
+    for name, column in alone.columns.items():
+        assert np.array_equal(column, again.columns[name], equal_nan=True), name
+
+
+def test_designs_that_zonotopes_describe_need_no_pieces() -> None:
+    design = RobotOnSurface(recipe=Recipe(robot=kiwi()), surface="paper")
+    steps: list[int] = []
+    several = DesignProblem(base=design, grids=(parse_vary("delta_deg=10:30:10"),), kinds=())
+    found = study(several, advance=steps.append)
+    assert found.pieces == 0 and sum(steps) == 4 and not np.isnan(found.columns["f_worst"]).any()
