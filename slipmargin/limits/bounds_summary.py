@@ -28,7 +28,7 @@ from slipmargin.limits.bounds_states import PACE
 from slipmargin.limits.every_motion import turning_points
 from slipmargin.limits.motion import steady_share
 from slipmargin.limits.motion_state import Contact, Motion
-from slipmargin.limits.standing import Standing, standing
+from slipmargin.limits.still_rollers import StillRollers, still_rollers
 from slipmargin.model import Model
 from slipmargin.physics.constants import GRAVITY_M_S2
 from slipmargin.physics.grips import GripShape
@@ -101,8 +101,8 @@ class Bounds:
     which a wheel's drag turns round.
     On an uneven floor all of them are the worst of the loads' band, and ``even`` says what an even floor
     allows with all of the grip.  ``rolling_m_s2`` is the traction limit of rollers that turn freely
-    (disc-strip), where the grip is the box.  ``standing`` is there where no roller turns in the strongest
-    direction of ``full``.  ``contact`` is what the wheels were taken to stand on.
+    (disc-strip), where the grip is the box.  ``still_rollers`` is there where no roller turns in the
+    strongest direction of ``full``.  ``contact`` is what the wheels were taken to stand on.
     """
 
     model: Model
@@ -117,7 +117,7 @@ class Bounds:
     weakest_m_s2: float
     even: Directions | None = None
     rolling_m_s2: float | None = None
-    standing: Standing | None = None
+    still_rollers: StillRollers | None = None
     contact: Contact = Contact.ROLLERS
 
     @property
@@ -261,7 +261,7 @@ def bounds(
         weakest_m_s2=float(np.min(weakest)),
         even=even,
         rolling_m_s2=_rolling(model, heading, contact),
-        standing=standing(model, full, contact),
+        still_rollers=still_rollers(model, full, contact),
         contact=contact,
     )
 

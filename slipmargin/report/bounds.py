@@ -44,7 +44,7 @@ def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:
     up, down = (_rate(v, "rad/s²") for v in (b.spin.starting_rad_s2, b.spin.braking_rad_s2))
     lines.append(f"spinning    up {up}, down {down} (with the margin)")
     lines.append(_steady(b))
-    lines += _grip(b) + _standing(b)
+    lines += _grip(b) + _still_rollers(b)
     if likely is not None:
         lines.append(chance_line(likely, f"{b.recommended_m_s2:.4g}", "m/s²"))
     if b.even is not None:
@@ -74,9 +74,9 @@ def _grip(b: Bounds) -> list[str]:
     ]
 
 
-def _standing(b: Bounds) -> list[str]:
+def _still_rollers(b: Bounds) -> list[str]:
     """What rollers that do not turn in the strongest direction may add and take, where it is worth a line."""
-    s = b.standing
+    s = b.still_rollers
     if s is None or s.helped_m_s2 <= (1.0 + WORTH_SAYING) * np.max(b.full.starting_m_s2):
         return []
     return [

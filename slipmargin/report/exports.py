@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -232,6 +233,7 @@ def bounds_table(found: Bounds, likely: SlipChance | None = None) -> dict[str, A
         "isotropic_m_s2": found.isotropic_m_s2,
         **({} if likely is None else {"slip_chance": likely.table("acceleration_m_s2")}),
         **({} if found.rolling_m_s2 is None else {"traction_limit_disc_strip_m_s2": found.rolling_m_s2}),
+        **({} if found.still_rollers is None else {"still_rollers": asdict(found.still_rollers)}),
         **({} if found.even is None else {"load_band": _load_band(found.model, found.even)}),
         "heading_rad": full.heading_rad,
         "starting_m_s2": full.starting_m_s2,

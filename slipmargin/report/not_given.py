@@ -47,6 +47,7 @@ REASONS = {
     "ellipsoid": "none was found that is safe in every motion",
     "traction_limit_m_s2": SLIPS,
     "traction_limit_disc_strip_m_s2": SLIPS,
+    "dragged_m_s2": SLIPS,
     "held_m_s": SLIPS,
     "tangent_m_s": SLIPS,
     "measured_N": "nothing was measured at this orientation",

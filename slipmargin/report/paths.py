@@ -46,7 +46,7 @@ def plan_lines(
         f"{p.audit.speed.size} places); highest: wheel {p.model.geometry.names[k]} at "
         f"t = {p.audit.time_s[i, j]:.3f} s",
         f"limited by  {_limited(p)}",
-        *_standing(p),
+        *_still_rollers(p),
     ]
     if p.model.loads.follow_acceleration:
         lost = p.audit.tipping
@@ -114,7 +114,7 @@ def _limited(p: Plan) -> str:
     return ", ".join(f"{name} {100 * part:.0f} %" for name, part in pace(p) if part > 0.005)
 
 
-def _standing(p: Plan) -> list[str]:
+def _still_rollers(p: Plan) -> list[str]:
     """For how long the grip limits although no wheel uses what it may, since rollers that stand may help."""
     twist = Geometry.of(p.model, p.path, p.grid, np.array([0.5])).twist[:, 0]
     slide = np.abs(twist @ p.model.geometry.lateral_rows().T).max(axis=1)

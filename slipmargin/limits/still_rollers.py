@@ -26,7 +26,7 @@ _HALVINGS = 50
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Standing:
+class StillRollers:
     """Speeding up [m/s²] in a direction in which no roller turns: with their help, and with their drag."""
 
     heading_rad: float
@@ -34,7 +34,7 @@ class Standing:
     dragged_m_s2: float
 
 
-def standing(model: Model, found: Directions, contact: Contact) -> Standing | None:
+def still_rollers(model: Model, found: Directions, contact: Contact) -> StillRollers | None:
     """The strongest direction of ``found`` (all of the grip) with rollers that help and that drag.
 
     None where some roller turns in it, where wheels may stand on rigid material, or where something other
@@ -61,7 +61,4 @@ def standing(model: Model, found: Directions, contact: Contact) -> Standing | No
         middle = 0.5 * (low + high)
         low, high = (middle, high) if holds(middle) else (low, middle)
     beside = starting(model, np.array([heading - BESIDE, heading + BESIDE]), contact=contact)
-    return Standing(heading_rad=heading, helped_m_s2=low, dragged_m_s2=float(np.min(beside)))
-
-
-__all__ = ["Standing", "standing"]
+    return StillRollers(heading_rad=heading, helped_m_s2=low, dragged_m_s2=float(np.min(beside)))

@@ -11,7 +11,7 @@ import slipmargin as sm
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.limits.bounds_summary import Bounds, bounds
 from slipmargin.limits.motion_state import Contact
-from slipmargin.limits.standing import Standing, standing
+from slipmargin.limits.still_rollers import StillRollers, still_rollers
 from slipmargin.model import Model
 from slipmargin.report.bounds import answer
 from slipmargin.sim.signal import linear
@@ -36,7 +36,7 @@ def slips(model: Model, heading_rad: float, acceleration: float) -> bool:
 
 
 def test_the_simulator_slips_above_the_helped_limit_and_not_below(mecanum: Bounds) -> None:
-    s, ahead = mecanum.standing, 0.5 * np.pi
+    s, ahead = mecanum.still_rollers, 0.5 * np.pi
     assert s is not None and s.heading_rad == pytest.approx(ahead)
     assert s.helped_m_s2 == pytest.approx(9.81 * 0.45 * np.sqrt(0.5), rel=3e-3)
     assert not slips(mecanum.model, ahead, 0.98 * s.helped_m_s2)
@@ -45,7 +45,7 @@ def test_the_simulator_slips_above_the_helped_limit_and_not_below(mecanum: Bound
 
 def test_three_degrees_beside_it_the_limit_that_counts_no_roller_slips(mecanum: Bounds) -> None:
     """Why the help is not counted: 2.775 m/s² holds straight ahead only."""
-    s, limit = mecanum.standing, float(np.max(mecanum.full.starting_m_s2))
+    s, limit = mecanum.still_rollers, float(np.max(mecanum.full.starting_m_s2))
     assert s is not None
     assert s.dragged_m_s2 == pytest.approx(2.428, abs=5e-4)
     assert limit == pytest.approx(9.81 * 0.4 * np.sqrt(0.5))
@@ -67,14 +67,28 @@ def test_bounds_and_plan_say_what_is_not_counted(mecanum: Bounds) -> None:
 
 
 def test_where_the_drag_leaves_nothing_it_is_said_in_words(mecanum: Bounds) -> None:
-    none = replace(mecanum, standing=Standing(heading_rad=0.0, helped_m_s2=6.42, dragged_m_s2=-np.inf))
+    none = replace(
+        mecanum, still_rollers=StillRollers(heading_rad=0.0, helped_m_s2=6.42, dragged_m_s2=-np.inf)
+    )
     (said,) = [line for line in answer(none) if line.startswith("rollers")]
     assert said.endswith("once a drift to the side makes it drag: none, it must slip") and "inf" not in said
 
 
+def test_the_numbers_are_in_the_json_too() -> None:
+    """They stood in the answer alone."""
+    found = sm.bounds("mecanum4", "floor", step_deg=5.0)
+    s, told = found.bounds.still_rollers, found.to_dict()["still_rollers"]
+    assert s is not None and told == {
+        "heading_rad": s.heading_rad,
+        "helped_m_s2": s.helped_m_s2,
+        "dragged_m_s2": s.dragged_m_s2,
+    }
+    assert "still_rollers" not in sm.bounds("omni4", "floor", step_deg=15.0).to_dict()
+
+
 def test_on_rigid_material_no_roller_stands(mecanum: Bounds) -> None:
-    assert mecanum.standing is not None
-    assert standing(mecanum.model, mecanum.full, Contact.RIGID) is None
+    assert mecanum.still_rollers is not None
+    assert still_rollers(mecanum.model, mecanum.full, Contact.RIGID) is None
 
 
 def test_robots_whose_rollers_do_not_push_ahead_have_nothing_to_say() -> None:
