@@ -1,25 +1,28 @@
-"""Make docs/benchmarks.md from page.md and benchmarks/results, where every figure on that page is kept.
+"""Make docs/benchmarks.md and docs/constants.md from texts here and from benchmarks/results.
 
-    python benchmarks/page.py            print the page
-    python benchmarks/page.py --write    write docs/benchmarks.md
+    python benchmarks/page.py benchmarks    print a page
+    python benchmarks/page.py --write       write both
 
-A test compares the page with this script's output, so a figure that is measured again must be written again.
+A test compares the pages with this script's output, so a figure that is measured again must be written again.
 """
 
 from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 if __package__ in (None, ""):
     sys.path.insert(0, str(Path(__file__).resolve().parent))
 
+from judged.constants import CONSTANTS
 from judged.families import SINCE
 
 HERE = Path(__file__).resolve().parent
-PAGE = HERE.parent / "docs" / "benchmarks.md"
+DOCS = HERE.parent / "docs"
 
 #: The real robot's models: how their name in results/robotino.json begins → what a reader sees.
 ROBOTINO_ROWS = {
@@ -31,6 +34,9 @@ ROBOTINO_ROWS = {
     "+ trailing_load": "+ `trailing_load`",
     "slipmargin diagnose": "`slipmargin diagnose`, left alone with the fitted runs",
 }
+
+#: A chi after the correction that moves by less than this share is called the same [1].
+CHI_MOVES = 0.02
 
 
 def results(name: str) -> Any:
@@ -320,26 +326,65 @@ def robotino() -> list[str]:
     return table(["model", "fitted", "other headings", "0.2 m/s", "held out", "heading"], rows)
 
 
-def page() -> str:
-    """The page as Markdown."""
-    sections = {
-        "<!-- speed -->": speed,
-        "<!-- weight -->": weight,
-        "<!-- worth -->": worth,
-        "<!-- synthetic -->": synthetic,
-        "<!-- drawn -->": drawn,
-        "<!-- nextrun -->": next_run,
-        "<!-- judged -->": judged,
-        "<!-- robotino -->": robotino,
-    }
-    text = (HERE / "page.md").read_text(encoding="utf-8")
-    for mark, section in sections.items():
-        text = text.replace(mark, "\n".join(section()))
+def constants(group: str) -> list[str]:
+    """Every constant of a group: its value, its unit, its reason, and what halving and doubling changes."""
+    found = {row["constant"]: row for row in results("constants.json")["table"]}
+    rows = []
+    for constant in CONSTANTS:
+        if constant.group != group:
+            continue
+        moved = [effect_of(found.get(f"{constant} {factor:g}")) for factor in (0.5, 2.0)]
+        rows.append([f"`{constant.name}`", constant.shown, constant.unit, constant.reason, *moved])
+    return table(["constant", "value", "unit", "what for", "halved", "doubled"], rows)
+
+
+def effect_of(row: dict[str, Any] | None) -> str:
+    """What a changed constant does to the answers of the development sets."""
+    if row is None:
+        return "not asked"
+    said = [f"{len(row[what])} {what}" for what in ("lost", "gained") if row[what]]
+    worst = row["worst_chi_factor"]
+    if worst is not None and abs(worst - 1.0) >= CHI_MOVES:
+        said.append(f"chi × {worst:.2f}")
+    return f"{', '.join(said) or 'same'} (of {row['sets']})"
+
+
+def development_sets() -> list[str]:
+    """Which sets the constants were changed on."""
+    found = results("constants.json")
+    return [f"{len(found['names'])} judged sets (seed {found['seed']})"]
+
+
+def page(name: str) -> str:
+    """A page as Markdown."""
+    text = (HERE / f"{name}.md").read_text(encoding="utf-8")
+    for mark, section in SECTIONS[name].items():
+        text = text.replace(f"<!-- {mark} -->", "\n".join(section()))
     return text
+
+
+SECTIONS: dict[str, dict[str, Callable[[], list[str]]]] = {
+    "benchmarks": {
+        "speed": speed,
+        "weight": weight,
+        "worth": worth,
+        "synthetic": synthetic,
+        "drawn": drawn,
+        "nextrun": next_run,
+        "judged": judged,
+        "robotino": robotino,
+    },
+    "constants": {
+        "sets": development_sets,
+        "data": partial(constants, "data"),
+        "diagnosis": partial(constants, "diagnosis"),
+    },
+}
 
 
 if __name__ == "__main__":
     if sys.argv[1:] == ["--write"]:
-        PAGE.write_text(page(), encoding="utf-8")
+        for name in SECTIONS:
+            (DOCS / f"{name}.md").write_text(page(name), encoding="utf-8")
     else:
-        print(page(), end="")
+        print(page(sys.argv[1]), end="")

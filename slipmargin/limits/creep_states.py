@@ -1,8 +1,9 @@
-"""The creep of many states at rest, and on the way from one rest to the next.
+"""The creep of many states at rest, on the way from one rest to the next, and along a whole motion.
 
 After a jump of the acceleration the creep ε of :mod:`slipmargin.limits.creep` settles within milliseconds by
 M dε/dt = −r(ε), and since that of some wheels settles sooner than that of others, a wheel may use more on the
-way than before and after.
+way than before and after.  Where k falls with the speed, it may take as long as the motion: then
+M dε/dt = −r(ε, t) is followed from its start (docs/theory.md, section 5).
 """
 
 from __future__ import annotations
@@ -123,6 +124,70 @@ def _settle(
                 eps[r] -= h * (1.5 * one[r] + 0.5 * two[r])
 
 
+@inner
+def _euler(
+    law: int,
+    knee: float,
+    A: Array,
+    wheels: Array,
+    ask: Array,
+    tables: Array,
+    mass: Array,
+    h: float,
+    eps: Array,
+) -> None:
+    """One linearly implicit Euler step (M + h H) Δε = −h r(ε), in place."""
+    H, lhs, out, step = tables[0], tables[1], tables[4, 0], tables[4, 1]
+    residual(law, knee, A, wheels, ask, eps, out, H)
+    for r in range(3):
+        for q in range(3):
+            lhs[r, q] = h * H[r, q] + (mass[r] if r == q else 0.0)
+    solve3(lhs, out, step)
+    for r in range(3):
+        eps[r] -= h * step[r]
+
+
+@kernel
+def _follow(
+    law: int,
+    knee: float,
+    A: Array,
+    wheels: Array,
+    asks: Array,
+    tables: Array,
+    mass: Array,
+    time: Array,
+    between: Array,
+    asked: Array,
+    twist: Array,
+    use: Array,
+) -> None:
+    """ε (M, 3) and shares (M, N) along samples in time, from no creep at the first.
+
+    ``between`` and ``asked`` are the wheels and what is asked half way to the next sample.
+
+    Linearly implicit Euler, extrapolated from one step and two halves between samples: of second order, and
+    what settles faster than that is at rest (Deuflhard, SIAM Review 27, 1985).
+    """
+    one, two = tables[3, 0], tables[3, 1]
+    for r in range(3):
+        twist[0, r] = 0.0
+    for m in range(len(wheels)):
+        if m > 0:
+            h = time[m] - time[m - 1]
+            for r in range(3):
+                one[r] = two[r] = twist[m - 1, r]
+            if h > 0.0:
+                _euler(law, knee, A, wheels[m], asks[m], tables, mass, h, one)
+                _euler(law, knee, A, between[m - 1], asked[m - 1], tables, mass, 0.5 * h, two)
+                _euler(law, knee, A, wheels[m], asks[m], tables, mass, 0.5 * h, two)
+            for r in range(3):
+                twist[m, r] = 2.0 * two[r] - one[r]
+        for i in range(wheels.shape[1]):
+            share = continued(law, knee, slip(A, wheels[m, i, STEEP], twist[m], i))[0]
+            use[m, i] = min(abs(share), RUNAWAY)
+
+
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Balance:
@@ -170,6 +235,14 @@ class Balance:
         jumps = np.flatnonzero(far & (np.max(peak, axis=1) < RUNAWAY))
         _settle(*self._packed(), np.array(mass), start, finish, jumps, peak)
         return peak
+
+    def followed(self, time_s: Array, mass: Array) -> tuple[Array, Array]:
+        """Creep twist ε (M, 3) and use (M, N) where these states follow each other at ``time_s`` (M,)."""
+        twist, use = np.empty((len(self.grip), 3)), np.empty(self.grip.shape)
+        packed = self._packed()
+        between, asked = (0.5 * (each[1:] + each[:-1]) for each in packed[3:5])
+        _follow(*packed, np.array(mass), np.array(time_s), between, asked, twist, use)
+        return twist, use
 
     def _packed(self) -> tuple[int, float, Array, Array, Array, Array]:
         """Law, knee, wrenches of unit forces (6, N), wheels (M, N, WHEEL), what they are asked, tables."""

@@ -41,7 +41,7 @@ def probes(
     slide : (M, N)
         Transverse slip [m/s].
     creep : (M, N)
-        Largest drive slip [m/s].
+        Largest drive slip [m/s], where the motion does not say which it is.
     term
         Its functions say where a variable that is not known is probed: over their period, at their knots,
         or as far as they change.
@@ -90,7 +90,7 @@ def _slip_direction(model: Model, motion: Motion, slide: Array, creep: Array) ->
     if motion.heading is None:
         return np.linspace(-np.pi, np.pi, _DIRECTIONS)[:, None, None]
     grip, free = model.geometry.grip, model.geometry.free
-    drive = np.linspace(-1.0, 1.0, 17)[:, None, None] * creep
+    drive = _drive_slip(motion, np.linspace(-1.0, 1.0, 17)[:, None, None] * creep)
     x, y = (drive * grip[:, k] + slide * free[:, k] for k in (0, 1))
     return np.asarray(_heading(motion) + np.arctan2(y, x))
 
@@ -104,14 +104,14 @@ def _passing(model: Model, motion: Motion, creep: Array, share: float) -> Array:
     along = np.sum(floor * model.geometry.grip, axis=-1)
     most = np.where(along > 0.0, np.minimum(creep, along), creep)
     least = -np.where(along < 0.0, np.minimum(creep, -along), creep)
-    slip = least + np.linspace(0.0, 1.0, 17)[:, None, None] * (most - least)
+    slip = _drive_slip(motion, least + np.linspace(0.0, 1.0, 17)[:, None, None] * (most - least))
     return np.asarray(np.linalg.norm(floor - share * slip[..., None] * model.geometry.grip, axis=-1))
 
 
 def _slip(
     model: Model, motion: Motion, slide: Array, creep: Array, variable: Variable, transverse: bool
 ) -> Array:
-    drive = np.linspace(0.0, 1.0, 9)[:, None, None] * creep
+    drive = np.abs(_drive_slip(motion, np.linspace(0.0, 1.0, 9)[:, None, None] * creep))
     if variable is Variable.SLIP_ANGLE:
         return np.asarray(np.arctan2(np.abs(slide)[None], drive))
     slip = np.abs(slide)[None] if transverse else drive
@@ -133,6 +133,11 @@ def _slip(
     if variable is Variable.ROLLING_SPEED:
         return np.asarray(rolling)
     return np.ones((1, 1, 1))  # UNITY, and COMMAND_SPEED, which no friction may depend on
+
+
+def _drive_slip(motion: Motion, possible: Array) -> Array:
+    """The drive slip (P, M, N): the known one, else all that are possible."""
+    return possible if motion.drive_slip is None else motion.drive_slip[None]
 
 
 def _heading(motion: Motion) -> Array:

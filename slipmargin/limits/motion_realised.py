@@ -9,26 +9,29 @@ trajectory takes the poses as driven.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from itertools import product
+from dataclasses import dataclass, replace
+from itertools import islice, product
 from typing import final
 
 import numpy as np
 
 from slipmargin.checks import Array
-from slipmargin.limits.creep import continued_share
+from slipmargin.limits.creep import FAITHFUL, continued_share
 from slipmargin.limits.creep_states import Balance
 from slipmargin.limits.motion_external import external_in_motion
 from slipmargin.limits.motion_friction import friction_in_motion, material_states
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.physics.frames import velocity_at
-from slipmargin.physics.friction_laws import law_share
+from slipmargin.physics.friction_laws import law_inverse, law_share, law_slope
 from slipmargin.physics.kinematics import com_acceleration
+from slipmargin.physics.variables import Target
 from slipmargin.work import WHEEL_STATES, allow
 
 #: A wheel that lifts off is taken to carry this share of m g / N, so that its use tells [1].
 LIGHTEST = 0.01
+#: Friction is asked again at the speed that the creep leaves until no share moves by more, or so often [1].
+UNMOVED, ROUNDS = 1e-4, 12
 
 
 @final
@@ -104,6 +107,60 @@ def settling(
     for old, new in pairs:
         peak = np.maximum(peak, new.settling(old, mass))
     return peak
+
+
+def followed(
+    model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS, share: float = 1.0
+) -> Array:
+    """Largest use (M, N) of wheels that drive a whole motion open loop, its creep followed from the start.
+
+    Parameters
+    ----------
+    motion : Motion
+        M states that follow each other at ``motion.time_s``, the first without creep.
+
+    Notes
+    -----
+    Friction that varies with speed and slip is asked again at the speed and the slip that the creep leaves.
+    """
+    assert motion.time_s is not None
+    mass, use = model.inertia.diagonal, np.zeros((motion.count, model.count))
+    for number, asked in enumerate(_balances(model, motion, contact, share, True)):
+        balance, found = asked, np.full_like(use, np.inf)
+        for _ in range(ROUNDS):
+            before = found
+            twist, found = balance.followed(motion.time_s, mass)
+            if np.max(np.abs(found - before)) <= UNMOVED:
+                break
+            x, y = velocity_at(*twist.T, *(-model.inertia.com_m))
+            crept = replace(
+                motion,
+                velocity=motion.velocity + np.column_stack([x, y, twist[:, 2]]),
+                drive_slip=twist @ asked.along,
+            )
+            there = next(islice(_balances(model, crept, contact, share, True), number, None))
+            balance = replace(
+                asked, grip=there.grip, drag=there.drag, steep=there.steep, steep_across=there.steep_across
+            )
+        use = np.maximum(use, found)
+    return use
+
+
+def settles_slowly(model: Model) -> bool:
+    """Whether the stiffness of friction varies, mostly with the speed: creep may last as long as a motion."""
+    return any(m.target >= Target.STIFFNESS for m in model.grip.multipliers)
+
+
+def creep_lasts_s(model: Model, motion: Motion, *, contact: Contact, share: float) -> Array:
+    """How long (M,) [s] a creep lasts that is off its rest while wheels use ``share`` of their grip.
+
+    Linearised M dε/dt = −H ε, with the mass for M and, for H, the sum of the wheels' grips times the slope of
+    the law at that share.
+    """
+    found = friction_in_motion(model, motion, contact=contact, share=share)
+    slope = law_slope(model.grip.law, law_inverse(model.grip.law, min(share, FAITHFUL)))
+    grip = found.drive[0] * model.loads.rest_N
+    return np.asarray(model.inertia.mass_kg / (slope * grip * found.drive_stiffness).sum(axis=1))
 
 
 def _at_com(model: Model, motion: Motion) -> Array:

@@ -37,6 +37,8 @@ class Motion:
         Body-frame acceleration of the origin [m/s²] and yaw acceleration [rad/s²].
     theta : array (M, N), optional
         Wheel angles [rad].
+    drive_slip : array (M, N), optional
+        Slip of every wheel along its grip direction ĝ, of body and wheel as they move [m/s].
     saturated : bool
         Take the drag at its full value with the sign of the transverse slip (zero where a wheel does
         not slide sideways), as if k were infinite: the published limit, independent of the speed.
@@ -48,6 +50,7 @@ class Motion:
     time_s: Array | None = None
     acceleration: Array | None = None
     theta: Array | None = None
+    drive_slip: Array | None = None
     saturated: bool = False
 
     def __post_init__(self) -> None:
@@ -60,6 +63,7 @@ class Motion:
             "time_s": (m,),
             "acceleration": (m, 3),
             "theta": (m, None),
+            "drive_slip": (m, None),
         }
         for name, shape in shapes.items():
             if getattr(self, name) is not None:
@@ -79,7 +83,15 @@ class Motion:
         """The samples that ``rows`` selects."""
         picked = {
             name: value[rows]
-            for name in ("velocity", "heading", "position", "time_s", "acceleration", "theta")
+            for name in (
+                "velocity",
+                "heading",
+                "position",
+                "time_s",
+                "acceleration",
+                "theta",
+                "drive_slip",
+            )
             if (value := getattr(self, name)) is not None
         }
         return replace(self, **picked)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.limits.motion_external import tipping
-from slipmargin.limits.motion_realised import realised, settling
+from slipmargin.limits.motion_realised import creep_lasts_s, followed, realised, settles_slowly, settling
 from slipmargin.limits.motion_rows import torque_use
 from slipmargin.limits.motion_state import Contact
 from slipmargin.model import Model
@@ -31,7 +31,9 @@ class Audit:
     of the motor's torque; ``speed`` (n, F) share of the tightest speed cap; ``load_N`` (n, F, N);
     ``tipping`` (n, F, N) share of its load at constant speed that a wheel loses: at 1 it lifts.
     ``settling`` (n, N) is the largest use within the milliseconds after each interval's acceleration
-    sets in (the first interval's does not follow another).
+    sets in (the first interval's does not follow another).  Where the creep settles slowly ``driven`` (n,) is
+    the largest use of wheels that are driven from the start, counted in ``use`` too, and ``memory_s`` (n,)
+    how long a creep lasts; else both are 0.
     """
 
     use: Array
@@ -41,6 +43,8 @@ class Audit:
     load_N: Array
     tipping: Array
     time_s: Array
+    driven: Array
+    memory_s: Array
 
     @property
     def most(self) -> Array:
@@ -72,7 +76,12 @@ def audit(
 
     With ``changed`` (n,) only intervals that differ from those of the check ``known`` are looked at, and how
     the creep settles into each and out of it; of the others the old figures stand, but for their times.
+    Where the creep settles slowly the whole profile is driven from its start instead
+    (:func:`~slipmargin.limits.motion_realised.followed`).
     """
+    slow = settles_slowly(model)
+    if slow:
+        known = changed = None
     n, samples = geometry.s.shape
     each, time = (-1, samples, model.count), geometry.times(x, u)
     motion = geometry.motion(x, u, time)
@@ -82,7 +91,13 @@ def audit(
     settles = there | np.concatenate([[False], there[:-1]])
     states = motion.take(np.flatnonzero(np.repeat(there, samples)))
     forces = realised(model, states, contact=contact, share=share)
-    drifting = realised(model, states, contact=contact, share=share, open_loop=True)
+    driven, lasts = np.zeros((n, samples, model.count)), np.zeros(n)
+    if slow:
+        drifting = followed(model, motion, contact=contact, share=share)
+        driven = drifting.reshape(driven.shape)
+        lasts = creep_lasts_s(model, motion, contact=contact, share=share).reshape(n, samples).max(axis=1)
+    else:
+        drifting = realised(model, states, contact=contact, share=share, open_loop=True).use
     first = samples * np.flatnonzero(settles)
     jumps = settling(
         model, motion.take(np.maximum(first - 1, 0)), motion.take(first), contact=contact, share=share
@@ -94,7 +109,7 @@ def audit(
         return out
 
     return Audit(
-        use=whole(known and known.use, np.maximum(forces.use, drifting.use).reshape(each)),
+        use=whole(known and known.use, np.maximum(forces.use, drifting).reshape(each)),
         settling=whole(known and known.settling, jumps, settles),
         torque=whole(
             known and known.torque,
@@ -104,4 +119,6 @@ def audit(
         load_N=whole(known and known.load_N, forces.load_N.reshape(each)),
         tipping=whole(known and known.tipping, tipping(model, states, forces.load_N).reshape(each)),
         time_s=time,
+        driven=driven.max(axis=(1, 2)),
+        memory_s=lasts,
     )

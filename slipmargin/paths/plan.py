@@ -289,7 +289,26 @@ class _Work:
             over = used > limit * (1.0 + 2.0 * AIM)
             kept[over] *= np.maximum((1.0 - aim) * limit / used[over], 0.5)
             found |= bool(np.any(over))
+        self.grip *= self._remembered(seen, aim)
         return found
+
+    def _remembered(self, seen: Audit, aim: float) -> Array:
+        """Factors (n,) for the intervals before one that uses too much, for as long as their creep lasts.
+
+        An interval that pushes the other way along the path did not add to it.
+        """
+        out = np.ones(len(self.u))
+        if not np.any(seen.memory_s):
+            return out
+        limit, start = self.request.share, seen.time_s[:, 0]
+        over = seen.driven > limit * (1.0 + 2.0 * AIM)
+        out[over] = np.maximum((1.0 - aim) * limit / seen.driven[over], 0.5)
+        for j in range(len(out) - 2, -1, -1):
+            if self.u[j] * self.u[j + 1] > 0.0:
+                fades = np.exp((start[j] - start[j + 1]) / seen.memory_s[j])
+                out[j] = min(out[j], 1.0 - (1.0 - out[j + 1]) * fades)
+        out[over] = 1.0  # lowered already
+        return out
 
     def named(self) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
         """The row that leaves each interval no room at one of its ends; −1 where a speed cap does.

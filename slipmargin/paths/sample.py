@@ -59,6 +59,9 @@ def at_times(plan: Plan, t_s: Array) -> Trajectory:
     if contact is Contact.ANGLE:
         theta = _turned(plan, t_s, omega)
     use = use_along(plan.model, t_s, q, velocity, acceleration, contact=contact, theta=theta)
+    if np.any(plan.audit.driven):  # what a sample uses does not follow from the sample alone
+        checked = plan.audit.use.reshape(-1, plan.model.count)
+        use = np.column_stack([np.interp(t_s, plan.audit.time_s.ravel(), wheel) for wheel in checked.T])
     return Trajectory(
         t_s=t_s,
         pose=q,
