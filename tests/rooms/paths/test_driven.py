@@ -9,6 +9,7 @@ from strategies import kiwi
 from slipmargin.effects import Recipe
 from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
 from slipmargin.io.robot_file import read_recipe
+from slipmargin.limits.bounds_summary import bounds
 from slipmargin.limits.motion_realised import creep_lasts_s, settles_slowly
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model, nominal_model
@@ -17,6 +18,7 @@ from slipmargin.paths.plan import Plan, Request, plan
 from slipmargin.paths.sample import trajectory
 from slipmargin.paths.verify import on_rollers, verify
 from slipmargin.physics.friction_laws import law_inverse, law_slope
+from slipmargin.report.bounds import answer
 
 SHARE = 0.9
 STRAIGHT = corners(np.array([[0, 0, 0], [1.0, 0, 0]]))
@@ -73,3 +75,12 @@ def test_how_long_a_creep_lasts() -> None:
     slope = law_slope(0, law_inverse(0, SHARE))
     stiffness = kappa / (motion.velocity[:, 0] + 1e-3)
     assert lasts == pytest.approx(1.0 / (slope * model.grip.roller[0, 0] * 9.81 * stiffness), rel=1e-3)
+
+
+def test_bounds_say_whose_accelerations_they_are() -> None:
+    one, other = (
+        answer(bounds(model, step_deg=30.0))
+        for model in (creeping("omni4", "floor", 10.0), nominal_model(kiwi(), "paper"))
+    )
+    assert [line for line in one if line.startswith("creep")]
+    assert not [line for line in other if line.startswith("creep")]
