@@ -255,7 +255,8 @@ def plan(
     )
     source = str(waypoints) if isinstance(waypoints, Path | str) else ""
     try:
-        way = _way(model, waypoints, closed, blend_m)
+        places = _places(waypoints)
+        way = _way(model, places, closed, blend_m)
         found = path_plan(model, way, request)
     except InputError as fault:
         raise fault if fault.source or not source else fault.in_file(source) from None
@@ -277,18 +278,12 @@ def plan(
             if chance is not None:
                 raise
             warnings = (*warnings, str(fault))
+    warnings = (*warnings, *_whole_turns(places))
     return PlanResult(plan=found, trajectory=rows, simulated=proofs, warnings=warnings, plan_chance=likely)
 
 
-def _way(
-    model: Model,
-    waypoints: Sequence[Sequence[float]] | Array | Path | str,
-    closed: bool,
-    blend_m: float | None,
-) -> Way:
-    """The path through the waypoints."""
-    from slipmargin.paths.path import corners, through
-
+def _places(waypoints: Sequence[Sequence[float]] | Array | Path | str) -> Array:
+    """The waypoints (W, 3), of a file or as given."""
     if isinstance(waypoints, Path | str):
         from slipmargin.io.table import read_columns
 
@@ -299,6 +294,25 @@ def _way(
             raise InputError(
                 "waypoints", f"have the shape {places.shape}", "give rows of x [m], y [m], φ [rad]"
             )
+    return places
+
+
+def _whole_turns(places: Array) -> tuple[str, ...]:
+    """That a robot turns round and round between two waypoints: headings in degrees look like that."""
+    turns = np.abs(np.diff(places[:, 2])) / (2.0 * np.pi)
+    if not len(turns) or np.max(turns) <= 1.0:
+        return ()
+    at = int(np.argmax(turns))
+    return (
+        f"waypoints {at + 1} and {at + 2}: the robot turns {turns[at]:.3g} times between them; headings are "
+        "in radians",
+    )
+
+
+def _way(model: Model, places: Array, closed: bool, blend_m: float | None) -> Way:
+    """The path through the waypoints."""
+    from slipmargin.paths.path import corners, through
+
     offset = model.geometry.position_m - model.inertia.com_m
     arm = float(np.mean(np.hypot(offset[:, 0], offset[:, 1])))
     if blend_m is None:

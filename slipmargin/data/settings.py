@@ -93,9 +93,9 @@ class DataSettings:
     as_good: float = 1.1
     #: [1] A channel is dead where its motion is this share of the other's, of the squares: a ten-thousandth.
     dead: float = 1e-8
-    #: [1] Slip and a worn wheel change how far a robot goes for what its wheels roll by less than these
-    #: factors.
+    #: [1] Slip and a worn wheel leave a robot at least this share of what its wheels roll, …
     least_moved: float = 0.13
+    #: [1] … and at most this one: what is outside is in another unit.
     most_moved: float = 1.6
     #: [1] A factor is that of a unit if it is at most this share below it (slip takes half) …
     unit_below: float = 0.5

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import build
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
@@ -25,26 +27,33 @@ def as_simulated(
 ) -> Screening:
     """The list with what each candidate that stands alone promises: the better of tangent and simulation.
 
-    Its step suits the runs that it is simulated in: two parameters' worth of noise is taken off for each.
+    The steps from its best starts are simulated, since a start that its tangents put first may lead astray.
+    They suit the runs that they are simulated in: two parameters' worth of noise is taken off for each.
     Once it is ``overdue`` the others, which stand further down the list, keep what their tangents gain.
     """
-    base, shares = before.fit, SETTINGS.step_shares
+    base, shares, tried = before.fit, SETTINGS.step_shares, SETTINGS.starts
     asked = [e for e in screening.entries if _stands_alone(e)]
     if not asked:
         return screening
     problem = before.view.rough()
-    effects = [
-        build((*base.structure, *entry.structure), np.concatenate([base.x, part_way(entry, share)]))
+    points = [
+        [part_way(entry.structure[0], start, share) for start in entry.starts[:tried] for share in shares]
         for entry in asked
-        for share in shares
+    ]
+    effects = [
+        build((*base.structure, *entry.structure), np.concatenate([base.x, x]))
+        for entry, of_entry in zip(asked, points, strict=True)
+        for x in of_entry
     ]
     known, *left = in_parts(problem, [base.effects, *effects], base.trials, overdue) or [base.residual]
     off = float(np.sum(known**2))
     misfit = max(1.0, off / max(1, int(np.count_nonzero(known))))
-    found = {}
-    for entry, *residuals in zip(asked, *(left[i :: len(shares)] for i in range(len(shares))), strict=False):
-        taken = off - min(float(np.sum(r**2)) for r in residuals)
-        found[entry.label] = replace(entry, promise=taken - 2.0 * misfit * entry.structure[0].size)
+    found, squares = {}, iter([float(np.sum(r**2)) for r in left])
+    for entry, of_entry in zip(asked, points, strict=True):
+        own = list(islice(squares, len(of_entry)))
+        if len(own) < len(of_entry):
+            break
+        found[entry.label] = replace(entry, promise=off - min(own) - 2.0 * misfit * entry.structure[0].size)
     return replace(screening, entries=tuple(found.get(e.label, e) for e in screening.entries))
 
 
@@ -53,9 +62,8 @@ def _stands_alone(entry: Screened) -> bool:
     return len(entry.parts) == 1 and bool(entry.structure)
 
 
-def part_way(entry: Screened, share: float) -> Array:
-    """Parameters (P,) at a share of the step from null; those that say where or how stay where it led."""
-    candidate, start = entry.structure[0], entry.starts[0]
+def part_way(candidate: Candidate, start: Array, share: float) -> Array:
+    """Parameters (P,) at a share of the step from null to a start; those that say where or how stay there."""
     part = np.where(candidate.idle, 1.0, share)
     there = candidate.null + part * (start - candidate.null)
     return np.clip(there, candidate.low, candidate.high)  # a start at a bound must not pass it by rounding

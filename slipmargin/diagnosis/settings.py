@@ -161,8 +161,9 @@ class SearchSettings:
     held_leaves: float = 0.8
     #: [1] A camera's clock is off if this leaves at most this share of the squared residual …
     clock_leaves: float = 0.5
-    #: [1] … by this at least (quartzes are a hundred times better) and at most, …
+    #: [1] … by this at least (quartzes are a hundred times better), …
     clock_least: float = 0.002
+    #: [1] … by this at most, …
     clock_most: float = 0.1
     #: [1] … and if the runs agree on it to this share of it.
     clock_agree: float = 0.3
@@ -172,8 +173,9 @@ class SearchSettings:
     two_floors_leave: float = 0.2
     #: [1] … (this, while frictions are tried in steps of a fifth: each floor may then lie between two) …
     two_floors_may_leave: float = 0.5
-    #: [1] … their frictions differ by this factor at least, and each such run gains this factor.
+    #: [1] … their frictions differ by this factor at least, …
     floors_differ: float = 1.1
+    #: [1] … and the sum of squares of each such run falls by this factor.
     floor_gains: float = 3.0
     #: [chi] Below this no run differs from the others.
     differs_chi: float = 1.5

@@ -49,7 +49,7 @@ def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:
     if settles_slowly(b.model):
         lines.append(
             "creep       these are accelerations of the robot: its friction law flattens with speed, so "
-            "wheels that brake without a look at the pose brake their slip too and use more (plan counts that)"
+            "wheels braking without a look at the pose brake their slip too, and use more: plan counts that"
         )
     if likely is not None:
         lines.append(chance_line(likely, f"{b.recommended_m_s2:.4g}", "m/s²"))

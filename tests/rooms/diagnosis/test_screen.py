@@ -157,7 +157,7 @@ def test_a_start_at_a_bound_is_not_passed_by_rounding() -> None:
     )
     entry = Screened(parts=(columns,), gain=1.0, step=np.zeros(1), starts=(law.low,))
     assert np.any(law.null + 1.0 * (law.low - law.null) < law.low)  # what rounding makes of it
-    law.build(part_way(entry, 1.0))
+    law.build(part_way(entry.structure[0], entry.starts[0], 1.0))
 
 
 def _first_name(entries: Sequence[Screened]) -> str:

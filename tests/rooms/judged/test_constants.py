@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from judged.constants import GROUPS, changed, changes, table
+from judged.constants import CONSTANTS, GROUPS, changed, changes, table
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -18,10 +19,17 @@ def test_shares_near_one_keep_below_it() -> None:
 
 
 def test_what_is_no_number_is_not_changed() -> None:
-    assert changes("diagnosis.ridges") == [] and changes("data.piece_s") == [
-        "data.piece_s 0.5",
-        "data.piece_s 2",
-    ]
+    by_name = {str(constant): constant for constant in CONSTANTS}
+    assert changes(by_name["diagnosis.ridges"]) == []
+    assert changes(by_name["data.piece_s"]) == ["data.piece_s 0.5", "data.piece_s 2"]
+
+
+def test_every_constant_has_its_unit_and_its_reason() -> None:
+    """Three shared the comment of the constant above them."""
+    for group, settings in GROUPS.items():
+        told = [constant for constant in CONSTANTS if constant.group == group]
+        assert [constant.name for constant in told] == [f.name for f in fields(settings)]
+        assert all(constant.unit and constant.reason for constant in told)
 
 
 def test_a_changed_constant_reaches_the_modules_and_is_noted() -> None:

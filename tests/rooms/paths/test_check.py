@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from strategies import four_wheels, kiwi
 
+import slipmargin as sm
 from slipmargin.errors import InputError
 from slipmargin.limits.motion import acceleration_limit
 from slipmargin.limits.motion_rows import torque_use
@@ -219,3 +220,11 @@ def test_what_only_needs_to_be_slower_is_told_how_much(
     quick, slow = (check(KIWI, seconds * t, pose, share=0.9) for seconds in (quick_s, slow_s))
     assert slow.admissible and not quick.admissible
     assert 1.0 < quick.time_scale_needed < slow_s / quick_s
+
+
+@pytest.mark.parametrize(("heading", "turns"), [(90.0, ["14.3 times"]), (0.5 * np.pi, [])])
+def test_headings_that_look_like_degrees_are_said(heading: float, turns: list[str]) -> None:
+    """A path of 8 m on which the robot turned by 259 rad was planned without a word."""
+    found = sm.plan("omni4", "floor", [[0, 0, 0], [1, 0, heading]], points=50).warnings
+    said = [line for line in found if line.endswith("headings are in radians")]
+    assert len(said) == len(turns) and all(word in line for line, word in zip(said, turns, strict=True))
