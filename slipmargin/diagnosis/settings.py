@@ -128,7 +128,8 @@ class SearchSettings:
     #: [candidates] How many names are fitted by simulation, each once; half as many general forms, and
     #: half as many pairs.
     finalists: int = 5
-    #: [starts] Of places and times so many are fitted: the best by their tangents, then by simulation.
+    #: [starts] So many are simulated for what a candidate promises, the best by its tangents; and fitted, the
+    #: best by simulation, where it says a place or a time.
     starts: int = 2
     #: [steps] Gauss–Newton steps after which the best of the starts is known.
     first_steps: int = 3

@@ -130,6 +130,19 @@ def test_a_candidate_promises_what_it_takes_off_as_simulated() -> None:
     assert as_simulated(before, only_pairs) is only_pairs
 
 
+def test_the_next_best_start_is_simulated_too() -> None:
+    """A tilted floor and an offset centre of mass were never fitted: tangents put a wrong start first."""
+    twist = force(Trace.CONSTANT_FORCE, Variable.UNITY, 2, lambda t: 0.3 + 0.0 * t, 0.0, 1.0, Frame.BODY)
+    plant = Plant(name="twist", traces=(Trace.CONSTANT_FORCE,), effects=(twist,))
+    before, candidates, everyone = begun(planted(smooth_kiwi(), plant, seed=5, **SMALL))
+    listed = screened(before, everyone, candidates, 0, Watch(report=no_progress))
+    steady = next(e for e in listed.entries if e.label.endswith("constant in the body frame"))
+    (start,) = steady.starts
+    away = replace(steady, starts=(2.0 * steady.structure[0].null - start, start))
+    (found,) = as_simulated(before, replace(listed, entries=(away,))).entries
+    assert found.promise > 0.8 * listed.total
+
+
 def test_coefficients_that_are_off_promise_most_where_tangents_prefer_another_law() -> None:
     """Friction that sticks hides them: in a judged set they were thirtieth of the list, and never fitted."""
     worn = FrictionCoefficients(drive_factor=0.9, transverse_factor=1.1)
