@@ -146,6 +146,16 @@ def followed(
     return use
 
 
+def open_loop_use(
+    model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS, share: float = 1.0
+) -> Array:
+    """Use (M, N) of wheels whose pose nothing corrects: at rest in each state, or, where the creep settles
+    slowly, followed along states that come one after the other."""
+    if settles_slowly(model):
+        return followed(model, motion, contact=contact, share=share)
+    return realised(model, motion, contact=contact, share=share, open_loop=True).use
+
+
 def settles_slowly(model: Model) -> bool:
     """Whether the stiffness of friction varies, mostly with the speed: creep may last as long as a motion."""
     return any(m.target >= Target.STIFFNESS for m in model.grip.multipliers)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.limits.motion_external import tipping
-from slipmargin.limits.motion_realised import creep_lasts_s, followed, realised, settles_slowly, settling
+from slipmargin.limits.motion_realised import creep_lasts_s, open_loop_use, realised, settles_slowly, settling
 from slipmargin.limits.motion_rows import torque_use
 from slipmargin.limits.motion_state import Contact
 from slipmargin.model import Model
@@ -92,12 +92,10 @@ def audit(
     states = motion.take(np.flatnonzero(np.repeat(there, samples)))
     forces = realised(model, states, contact=contact, share=share)
     driven, lasts = np.zeros((n, samples, model.count)), np.zeros(n)
+    drifting = open_loop_use(model, states, contact=contact, share=share)
     if slow:
-        drifting = followed(model, motion, contact=contact, share=share)
         driven = drifting.reshape(driven.shape)
         lasts = creep_lasts_s(model, motion, contact=contact, share=share).reshape(n, samples).max(axis=1)
-    else:
-        drifting = realised(model, states, contact=contact, share=share, open_loop=True).use
     first = samples * np.flatnonzero(settles)
     jumps = settling(
         model, motion.take(np.maximum(first - 1, 0)), motion.take(first), contact=contact, share=share

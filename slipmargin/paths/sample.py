@@ -8,7 +8,7 @@ import numpy as np
 
 from slipmargin.checks import Array, real
 from slipmargin.errors import NoSolution
-from slipmargin.limits.motion_realised import realised
+from slipmargin.limits.motion_realised import open_loop_use, realised
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.paths.plan import Plan
@@ -58,10 +58,11 @@ def at_times(plan: Plan, t_s: Array) -> Trajectory:
     omega = plan.model.geometry.wheel_speeds(rotate_rows(q[:, 2], velocity, inverse=True))
     if contact is Contact.ANGLE:
         theta = _turned(plan, t_s, omega)
-    use = use_along(plan.model, t_s, q, velocity, acceleration, contact=contact, theta=theta)
-    if np.any(plan.audit.driven):  # what a sample uses does not follow from the sample alone
+    if np.any(plan.audit.driven):  # followed in finer steps than these
         checked = plan.audit.use.reshape(-1, plan.model.count)
         use = np.column_stack([np.interp(t_s, plan.audit.time_s.ravel(), wheel) for wheel in checked.T])
+    else:
+        use = use_along(plan.model, t_s, q, velocity, acceleration, contact=contact, theta=theta)
     return Trajectory(
         t_s=t_s,
         pose=q,
@@ -86,7 +87,7 @@ def use_along(
 ) -> Array:
     """Share (T, N) of each wheel's grip along floor-frame samples (T, 3).
 
-    With the pose ``held``, or with it or open loop, whichever is more.
+    With the pose ``held``, or with it or open loop, whichever is more.  The samples follow each other.
     """
     heading = pose[:, 2]
     motion = Motion(
@@ -99,7 +100,7 @@ def use_along(
     if theta is not None:
         motion = replace(motion, theta=theta)
     use = realised(model, motion, contact=contact).use
-    return use if held else np.maximum(use, realised(model, motion, contact=contact, open_loop=True).use)
+    return use if held else np.maximum(use, open_loop_use(model, motion, contact=contact))
 
 
 def _turned(plan: Plan, t_s: Array, omega: Array) -> Array:
