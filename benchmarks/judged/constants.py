@@ -1,6 +1,6 @@
 """How the judged score moves when a constant of the diagnosis is halved or doubled.
 
-    python benchmarks/judged/constants.py DIR --sets set001,set002 --out constants.json [--jobs 2]
+    python benchmarks/judged/constants.py DIR --sets set001,set002 --out answers.json --table constants.json
 
 Each set is diagnosed as it is, and the constants that are read on the way are noted.  Each of these is then
 halved and doubled, one at a time (of a share above one half its distance from one), and the set diagnosed
@@ -12,19 +12,20 @@ is known is kept after every diagnosis: a run that was stopped goes on where it 
 from __future__ import annotations
 
 import argparse
+import inspect
 import json
 import math
 import sys
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, final
 
 if __package__ in (None, ""):
     sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from judged.run import answer, judge, keep
+from judged.run import answer, judge
 from judged.score import FOUND, false_alarm, grew, said_name, variable_right
 from slipmargin.data import settings as of_data
 from slipmargin.diagnosis import settings as of_search
@@ -32,6 +33,7 @@ from slipmargin.diagnosis import settings as of_search
 Row = dict[str, Any]
 #: The constants of runs: prefix → values.
 GROUPS = {"data": of_data.SETTINGS, "diagnosis": of_search.SETTINGS}
+FACTORS = (0.5, 2.0)
 #: What each process runs: the constant asked for is changed before anything else has been imported.
 _DIAGNOSE = """
 import json, sys
@@ -49,6 +51,48 @@ print(json.dumps(json.loads(report) | {"read": sorted(read)}))
 """
 
 
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Constant:
+    """A constant that decides: ``group`` and ``name``, and what its line in the source says of it."""
+
+    group: str
+    name: str
+    unit: str
+    reason: str
+
+    @property
+    def value(self) -> Any:
+        """What it is."""
+        return getattr(GROUPS[self.group], self.name)
+
+    @property
+    def shown(self) -> str:
+        """The value as a reader sees it."""
+        each = self.value if isinstance(self.value, tuple) else (self.value,)
+        return ", ".join(f"{one:g}" if isinstance(one, float) else str(one) for one in each)
+
+    def __str__(self) -> str:
+        return f"{self.group}.{self.name}"
+
+
+def documented(group: str) -> list[Constant]:
+    """The constants of a group in their order; each follows its comment ``#: [unit] reason``."""
+    found, said = [], []
+    for line in inspect.getsource(type(GROUPS[group])).splitlines():
+        words = line.strip()
+        if words.startswith("#: "):
+            said.append(words[3:])
+        elif said:
+            unit, _, reason = " ".join(said).removeprefix("[").partition("] ")
+            found.append(Constant(group=group, name=words.partition(":")[0], unit=unit, reason=reason))
+            said = []
+    return found
+
+
+CONSTANTS = [constant for group in GROUPS for constant in documented(group)]
+
+
 def changed(value: float, factor: float) -> float | None:
     """A constant times ``factor``, or a large share's distance from one; None where that changes nothing."""
     if isinstance(value, int):
@@ -57,12 +101,10 @@ def changed(value: float, factor: float) -> float | None:
     return 1.0 - (1.0 - value) * factor if 0.5 < value < 1.0 else value * factor
 
 
-def changes(constant: str) -> list[str]:
+def changes(constant: Constant) -> list[str]:
     """The changes of a constant, ``"data.piece_s 0.5"``; none of what is no single number."""
-    group, _, name = constant.partition(".")
-    value = getattr(GROUPS[group], name)
-    one = isinstance(value, (int, float))
-    return [f"{constant} {f:g}" for f in (0.5, 2.0) if one and changed(value, f) is not None]
+    one = isinstance(constant.value, (int, float))
+    return [f"{constant} {f:g}" for f in FACTORS if one and changed(constant.value, f) is not None]
 
 
 class Watched:
@@ -133,7 +175,8 @@ def main(words: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("folder", type=Path, metavar="DIR")
     parser.add_argument("--sets", default="", help="names of sets, with commas; all where not given")
-    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--out", type=Path, required=True, help="keeps every answer")
+    parser.add_argument("--table", type=Path, required=True, help="what becomes of them")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--budget", type=float, default=120.0, help="seconds that a search may take")
     given = parser.parse_args(words)
@@ -150,15 +193,18 @@ def main(words: Sequence[str] | None = None) -> int:
     other = {
         f"{path.name}:{change}": partial(judge, path, given.budget, [*command, change])
         for path in sets
-        for name in read[path]
-        for change in changes(name)
+        for constant in CONSTANTS
+        if str(constant) in read[path]
+        for change in changes(constant)
     }
     if not answer(other, held, given.out, given.jobs):
         return 130
     truth = json.loads((given.folder / "truth.json").read_text(encoding="utf-8"))
-    held["table"] = table(held, truth.get("sets", truth))
-    keep(given.out, held)
-    for row in sorted(held["table"], key=lambda row: -len(row["lost"])):
+    rows = table(held, truth["sets"])
+    said = {"seed": truth["seed"], "names": [path.name for path in sets]}
+    lines = ",\n".join(f" {json.dumps(row)}" for row in rows)
+    given.table.write_text(json.dumps(said)[:-1] + f',\n"table": [\n{lines}\n]}}\n', encoding="utf-8")
+    for row in sorted(rows, key=lambda row: -len(row["lost"])):
         lost, gained = len(row["lost"]), len(row["gained"])
         print(f"{row['constant']:40s} read in {row['sets']:2d}, lost {lost}, gained {gained}")
     return 0

@@ -300,16 +300,17 @@ def test_python_blocks_show_real_answers(
     assert done.attempted > 0 and done.failed == 0, capsys.readouterr().out
 
 
-def test_the_page_of_benchmarks_is_what_its_script_makes() -> None:
+@pytest.mark.parametrize("name", ["benchmarks", "constants"])
+def test_the_pages_of_benchmarks_are_what_their_script_makes(name: str) -> None:
     done = subprocess.run(
-        [sys.executable, "benchmarks/page.py"],
+        [sys.executable, "benchmarks/page.py", name],
         cwd=ROOT,
         capture_output=True,
         text=True,
         check=True,
         timeout=60,
     )
-    assert done.stdout == (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
+    assert done.stdout == (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
 
 
 def test_the_scripts_of_pictures_name_what_there_is() -> None:
