@@ -33,6 +33,12 @@ LIGHTEST = 0.01
 #: Friction is asked again at the speed that the creep leaves until no share moves by more, or so often [1].
 UNMOVED, ROUNDS = 1e-4, 12
 
+#: What to know of limits of motion where :func:`settles_slowly` is true.
+SLOW_CREEP = (
+    "these are accelerations of the robot: its friction law flattens with speed, so wheels braking without a "
+    "look at the pose brake their slip too, and use more (plan counts that)"
+)
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

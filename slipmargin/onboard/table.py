@@ -27,7 +27,7 @@ from slipmargin.limits.creep_states import Balance
 from slipmargin.limits.motion import steady_share
 from slipmargin.limits.motion_external import external_in_motion
 from slipmargin.limits.motion_friction import friction_in_motion
-from slipmargin.limits.motion_realised import comparable
+from slipmargin.limits.motion_realised import SLOW_CREEP, comparable, settles_slowly
 from slipmargin.limits.motion_rows import even_distribution
 from slipmargin.limits.motion_state import Motion
 from slipmargin.model import Model
@@ -336,14 +336,16 @@ def _external(model: Model, motion: Motion) -> tuple[Array, Array, Array, Array,
 
 
 def steady_warnings(model: Model, margin: float) -> tuple[str, ...]:
-    """What to say where constant speed alone uses more than the margin leaves."""
+    """What to say where constant speed alone uses more than the margin leaves, or the creep settles slowly."""
+    slow = (f"creep: {SLOW_CREEP}",) if settles_slowly(model) else ()
     heading = np.deg2rad(np.arange(0.0, 360.0, 5.0))
     way = np.column_stack([np.cos(heading), np.sin(heading), np.zeros_like(heading)])
     steady = steady_share(model, Motion.full_drag(way))
     worst = int(np.argmax(steady))
     if steady[worst] <= 1.0 - margin:
-        return ()
+        return slow
     return (
+        *slow,
         f"constant speed towards {np.rad2deg(heading[worst]):.0f}° alone uses {steady[worst]:.2f} of a "
         f"wheel's grip, {1.0 - margin:.2f} may be used: the limiter hardly lets the robot move that way",
     )

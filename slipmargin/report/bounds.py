@@ -9,7 +9,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.limits.bounds_summary import Bounds
-from slipmargin.limits.motion_realised import settles_slowly
+from slipmargin.limits.motion_realised import SLOW_CREEP, settles_slowly
 from slipmargin.limits.motion_rows import CAUSES, TIPS
 from slipmargin.limits.uncertainty import SlipChance
 from slipmargin.report.sweep import chance_line
@@ -47,10 +47,7 @@ def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:
     lines.append(_steady(b))
     lines += _grip(b) + _still_rollers(b)
     if settles_slowly(b.model):
-        lines.append(
-            "creep       these are accelerations of the robot: its friction law flattens with speed, so "
-            "wheels braking without a look at the pose brake their slip too, and use more: plan counts that"
-        )
+        lines.append(f"creep       {SLOW_CREEP}")
     if likely is not None:
         lines.append(chance_line(likely, f"{b.recommended_m_s2:.4g}", "m/s²"))
     if b.even is not None:

@@ -10,9 +10,10 @@ from slipmargin.effects import Recipe
 from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.limits.bounds_summary import bounds
-from slipmargin.limits.motion_realised import creep_lasts_s, settles_slowly
+from slipmargin.limits.motion_realised import SLOW_CREEP, creep_lasts_s, settles_slowly
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model, nominal_model
+from slipmargin.onboard.table import steady_warnings
 from slipmargin.paths.path import corners, through
 from slipmargin.paths.plan import Plan, Request, plan
 from slipmargin.paths.sample import trajectory
@@ -77,10 +78,10 @@ def test_how_long_a_creep_lasts() -> None:
     assert lasts == pytest.approx(1.0 / (slope * model.grip.roller[0, 0] * 9.81 * stiffness), rel=1e-3)
 
 
-def test_bounds_say_whose_accelerations_they_are() -> None:
-    one, other = (
-        answer(bounds(model, step_deg=30.0))
-        for model in (creeping("omni4", "floor", 10.0), nominal_model(kiwi(), "paper"))
-    )
-    assert [line for line in one if line.startswith("creep")]
+def test_bounds_and_limiter_say_whose_accelerations_they_are() -> None:
+    creeps, plain = creeping("omni4", "floor", 10.0), nominal_model(kiwi(), "paper")
+    one, other = (answer(bounds(model, step_deg=30.0)) for model in (creeps, plain))
+    assert f"creep       {SLOW_CREEP}" in one
     assert not [line for line in other if line.startswith("creep")]
+    one, other = (" ".join(steady_warnings(model, 0.1)) for model in (creeps, plain))
+    assert SLOW_CREEP in one and SLOW_CREEP not in other
