@@ -336,7 +336,7 @@ def _external(model: Model, motion: Motion) -> tuple[Array, Array, Array, Array,
 
 
 def steady_warnings(model: Model, margin: float) -> tuple[str, ...]:
-    """What to say where constant speed alone uses more than the margin leaves, or the creep settles slowly."""
+    """What to say where constant speed alone uses more than the margin leaves, or creep settles slowly."""
     slow = (f"creep: {SLOW_CREEP}",) if settles_slowly(model) else ()
     heading = np.deg2rad(np.arange(0.0, 360.0, 5.0))
     way = np.column_stack([np.cos(heading), np.sin(heading), np.zeros_like(heading)])
