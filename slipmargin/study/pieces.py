@@ -12,6 +12,7 @@ import contextlib
 import hashlib
 import json
 import re
+import threading
 from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from enum import Enum
@@ -165,7 +166,7 @@ def _computed(
         return
     from joblib import Parallel, delayed
 
-    with _backend(executor.scheduler):
+    with _backend(executor.scheduler), _quiet_when_stopped():
         run = Parallel(
             n_jobs=executor.jobs if executor.scheduler is None else -1,
             batch_size=1,
@@ -173,6 +174,24 @@ def _computed(
             return_as="generator_unordered",
         )
         yield from run(delayed(one_piece)(work, k, items) for k, items in missing)
+
+
+@contextlib.contextmanager
+def _quiet_when_stopped() -> Iterator[None]:
+    """Ctrl-C takes joblib's work away from its own thread, which then told of a KeyError.
+
+    Where the work was stopped that thread may end later than this: the hook stays.
+    """
+    tell_others = threading.excepthook
+
+    def hear(told: threading.ExceptHookArgs) -> None:
+        ours = told.thread is not None and told.thread.name.startswith("ExecutorManager")
+        if not (ours and told.exc_type is KeyError):
+            tell_others(told)
+
+    threading.excepthook = hear
+    yield
+    threading.excepthook = tell_others
 
 
 @contextlib.contextmanager

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import shutil
 import subprocess
 import sys
+import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -21,7 +23,15 @@ from slipmargin.effects import Recipe
 from slipmargin.errors import InputError
 from slipmargin.robot import GripShape
 from slipmargin.study.objectives import Kind
-from slipmargin.study.pieces import Executor, canonical, clear, in_pieces, piece_name, work_folder
+from slipmargin.study.pieces import (
+    Executor,
+    _quiet_when_stopped,
+    canonical,
+    clear,
+    in_pieces,
+    piece_name,
+    work_folder,
+)
 from slipmargin.study.robot_on_surface import RobotOnSurface
 from slipmargin.study.study import DesignProblem, study
 from slipmargin.study.vary import parse_vary
@@ -241,3 +251,30 @@ def test_designs_that_zonotopes_describe_need_no_pieces() -> None:
     several = DesignProblem(base=design, grids=(parse_vary("delta_deg=10:30:10"),), kinds=())
     found = study(several, advance=steps.append)
     assert found.pieces == 0 and sum(steps) == 4 and not np.isnan(found.columns["f_worst"]).any()
+
+
+def test_what_joblib_lacks_once_it_is_stopped_is_no_news(capsys: pytest.CaptureFixture[str]) -> None:
+    """Ctrl-C in a study on several cores mostly ended in a traceback of joblib's own thread."""
+
+    def dies(fault: Exception) -> Callable[[], None]:
+        def work() -> None:
+            raise fault
+
+        return work
+
+    def lacks(name: str, fault: Exception) -> str:
+        before = threading.excepthook
+        with contextlib.suppress(KeyboardInterrupt), _quiet_when_stopped():
+            raise KeyboardInterrupt
+        try:
+            thread = threading.Thread(target=dies(fault), name=name)
+            thread.start()
+            thread.join()
+        finally:
+            threading.excepthook = before
+        return capsys.readouterr().err
+
+    assert lacks("ExecutorManagerThread", KeyError(55)) == ""
+    with _quiet_when_stopped():
+        kept = threading.excepthook
+    assert threading.excepthook is not kept, "it is put back where the work was done"
