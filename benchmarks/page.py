@@ -1,7 +1,7 @@
 """Make docs/benchmarks.md and docs/constants.md from texts here and from benchmarks/results.
 
-    python benchmarks/page.py benchmarks    print a page
-    python benchmarks/page.py --write       write both
+    python benchmarks/page.py [benchmarks | constants]    print both, or one
+    python benchmarks/page.py --write                     write both
 
 A test compares the pages with this script's output, so a figure that is measured again must be written again.
 """
@@ -18,7 +18,7 @@ from typing import Any
 if __package__ in (None, ""):
     sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from judged.constants import CONSTANTS
+from judged.constants import CONSTANTS, FACTORS
 from judged.families import SINCE
 
 HERE = Path(__file__).resolve().parent
@@ -333,7 +333,7 @@ def constants(group: str) -> list[str]:
     for constant in CONSTANTS:
         if constant.group != group:
             continue
-        moved = [effect_of(found.get(f"{constant} {factor:g}")) for factor in (0.5, 2.0)]
+        moved = [effect_of(found.get(f"{constant} {factor:g}")) for factor in FACTORS]
         rows.append([f"`{constant.name}`", constant.shown, constant.unit, constant.reason, *moved])
     return table(["constant", "value", "unit", "what for", "halved", "doubled"], rows)
 
@@ -387,4 +387,5 @@ if __name__ == "__main__":
         for name in SECTIONS:
             (DOCS / f"{name}.md").write_text(page(name), encoding="utf-8")
     else:
-        print(page(sys.argv[1]), end="")
+        for name in sys.argv[1:] or SECTIONS:
+            print(page(name), end="")

@@ -222,7 +222,7 @@ def design(
     >>> found.best
     {'delta_deg': 40.0}
     """
-    from slipmargin.study.batch import plain
+    from slipmargin.study.batch import batches, plain
     from slipmargin.study.influence import influences
     from slipmargin.study.objectives import Kind
     from slipmargin.study.optimum import optimum
@@ -237,7 +237,7 @@ def design(
     names = _front(front, problem)
     count = len(product(problem.base, problem.grids)) + 1
     if jobs is None:
-        at_once = plain([problem.base])[0][0]
+        at_once = plain(batches([problem.base])[0], 1)[0]
         slow = [kind for kind in problem.needed() if not (kind is Kind.STATIC and at_once)]
         jobs = -1 if count * sum(COST_S[kind.name.lower()] for kind in slow) > MANY_S else 1
     folder = None if resume is None else Path(resume)

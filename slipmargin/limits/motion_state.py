@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from enum import Enum
-from typing import final
+from typing import Any, final
+
+import numpy as np
 
 from slipmargin.checks import Array, Index, frozen
 
@@ -81,17 +83,9 @@ class Motion:
 
     def take(self, rows: slice | Array | Index) -> Motion:
         """The samples that ``rows`` selects."""
-        picked = {
-            name: value[rows]
-            for name in (
-                "velocity",
-                "heading",
-                "position",
-                "time_s",
-                "acceleration",
-                "theta",
-                "drive_slip",
-            )
-            if (value := getattr(self, name)) is not None
+        picked: dict[str, Any] = {
+            field.name: value[rows]
+            for field in fields(self)
+            if isinstance(value := getattr(self, field.name), np.ndarray)
         }
         return replace(self, **picked)

@@ -286,9 +286,9 @@ class _Work:
             (self.load, seen.tipping.max(axis=(1, 2)), self.request.share),
             (self.speed, seen.speed.max(axis=1), 1.0),
         ):
-            over = used > limit * (1.0 + 2.0 * AIM)
-            kept[over] *= np.maximum((1.0 - aim) * limit / used[over], 0.5)
-            found |= bool(np.any(over))
+            factor = _lowered(used, limit, aim)
+            kept *= factor
+            found |= bool(np.any(factor < 1.0))
         self.grip *= self._remembered(seen, aim)
         return found
 
@@ -297,18 +297,15 @@ class _Work:
 
         An interval that pushes the other way along the path did not add to it.
         """
-        out = np.ones(len(self.u))
         if not np.any(seen.memory_s):
-            return out
-        limit, start = self.request.share, seen.time_s[:, 0]
-        over = seen.driven > limit * (1.0 + 2.0 * AIM)
-        out[over] = np.maximum((1.0 - aim) * limit / seen.driven[over], 0.5)
+            return np.ones(len(self.u))
+        own, start = _lowered(seen.driven, self.request.share, aim), seen.time_s[:, 0]
+        out = own.copy()
         for j in range(len(out) - 2, -1, -1):
             if self.u[j] * self.u[j + 1] > 0.0:
                 fades = np.exp((start[j] - start[j + 1]) / seen.memory_s[j])
                 out[j] = min(out[j], 1.0 - (1.0 - out[j + 1]) * fades)
-        out[over] = 1.0  # lowered already
-        return out
+        return np.where(own < 1.0, 1.0, out)  # what uses too much is lowered already
 
     def named(self) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
         """The row that leaves each interval no room at one of its ends; −1 where a speed cap does.
@@ -329,6 +326,12 @@ class _Work:
         """Where an interval is, in words."""
         x, y = self.coarse.pose[interval, 0, :2]
         return f"at s = {self.grid.s[interval]:.4g} m (x {x:.4g} m, y {y:.4g} m)"
+
+
+def _lowered(used: Array, limit: float, aim: float) -> Array:
+    """Factors (n,) on the shares of intervals: to ``aim`` below the limit where more is used, else 1."""
+    over = used > limit * (1.0 + 2.0 * AIM)
+    return np.where(over, np.maximum((1.0 - aim) * limit / np.where(over, used, limit), 0.5), 1.0)
 
 
 def _passes(

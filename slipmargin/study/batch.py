@@ -8,7 +8,7 @@ Loads are shares of m g and forces come out per m g.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import Any, final
 
 import numpy as np
@@ -57,6 +57,10 @@ class Batch:
         """N."""
         return int(self.maps.shape[2])
 
+    def take(self, rows: NDArray[np.bool_]) -> Batch:
+        """Some of the designs."""
+        return replace(self, **{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+
 
 def batches(designs: Sequence[RobotOnSurface | None]) -> tuple[list[Batch], dict[int, str]]:
     """Designs grouped by wheel count, and for each design that cannot be built the reason.
@@ -88,13 +92,12 @@ def batches(designs: Sequence[RobotOnSurface | None]) -> tuple[list[Batch], dict
     return out, refused
 
 
-def plain(designs: Sequence[RobotOnSurface | None]) -> tuple[NDArray[np.bool_], dict[int, str]]:
-    """Which designs (D,) zonotopes describe, and for each that is impossible the reason."""
-    found, refused = batches(designs)
-    out = np.zeros(len(designs), dtype=bool)
+def plain(found: Sequence[Batch], count: int) -> NDArray[np.bool_]:
+    """Which of ``count`` designs zonotopes describe."""
+    out = np.zeros(count, dtype=bool)
     for batch in found:
         out[batch.index] = batch.plain
-    return out, refused
+    return out
 
 
 def _batch(rows: list[tuple[int, RobotOnSurface]], built: dict[int, Model]) -> Batch:

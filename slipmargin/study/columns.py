@@ -37,16 +37,27 @@ def static_columns(
 
     Only the columns that are asked for by ``names`` are computed.
     """
+    found, refused = batches(designs)
+    table = columns_of_batches(found, designs, phi_rad, names)
+    for column in table.values():
+        column[list(refused)] = np.nan
+    return table, refused
+
+
+def columns_of_batches(
+    found: Sequence[Batch],
+    designs: Sequence[RobotOnSurface | None],
+    phi_rad: Array | None = None,
+    names: Sequence[str] = (*names_of(Kind.STATIC), WORST_AT),
+) -> dict[str, Array]:
+    """Static columns (D,) of the designs that are in batches; NaN for the others."""
     phi = statics.headings() if phi_rad is None else phi_rad
     table = {name: np.full(len(designs), np.nan) for name in names}
-    found, refused = batches(designs)
     for batch in found:
         makers = _makers(batch, phi, designs)
         for name in names:
             table[name][batch.index] = makers[name]()
-    for column in table.values():
-        column[list(refused)] = np.nan
-    return table, refused
+    return table
 
 
 def _makers(

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array, read_only
 from slipmargin.errors import InputError
-from slipmargin.study.batch import plain
-from slipmargin.study.columns import static_columns
+from slipmargin.study.batch import batches, plain
+from slipmargin.study.columns import columns_of_batches
 from slipmargin.study.objectives import BY_NAME, Kind, Objective, names_of, objective
 from slipmargin.study.pareto import front, tolerance
 from slipmargin.study.pieces import Executor, in_pieces
@@ -161,13 +161,15 @@ def study(
             designs.append(None)
             impossible[i] = str(fault)
     everyone = [*designs, problem.base]
-    at_once, refused = plain(everyone)
+    found, refused = batches(everyone)
+    at_once = plain(found, len(everyone))
     impossible |= refused
     everyone = [None if i in impossible else m for i, m in enumerate(everyone)]
-    columns = static_columns([m if at_once[i] else None for i, m in enumerate(everyone)])[0]
+    possible = np.array([m is not None for m in everyone])
+    parts = [b.take(rows) for b in found if (rows := b.plain & possible[b.index]).any()]
+    columns = columns_of_batches(parts, everyone)
     slow = tuple(kind for kind in problem.needed() if kind is not Kind.STATIC)
     columns |= {name: np.full(len(everyone), np.nan) for kind in slow for name in names_of(kind)}
-    possible = np.array([m is not None for m in everyone])
     if not possible[:-1].any():  # the study is refused, and its own design is not asked for
         possible[-1] = False
     pieces = resumed = 0

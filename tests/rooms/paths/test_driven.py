@@ -23,8 +23,6 @@ from slipmargin.report.bounds import answer
 
 SHARE = 0.9
 STRAIGHT = corners(np.array([[0, 0, 0], [1.0, 0, 0]]))
-
-
 BEND = through(np.array([[0, 0, 0], [0.5, 0.2, 0.4], [1.0, 0.0, 0.2]]))
 
 

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -256,25 +256,16 @@ def test_designs_that_zonotopes_describe_need_no_pieces() -> None:
 def test_what_joblib_lacks_once_it_is_stopped_is_no_news(capsys: pytest.CaptureFixture[str]) -> None:
     """Ctrl-C in a study on several cores mostly ended in a traceback of joblib's own thread."""
 
-    def dies(fault: Exception) -> Callable[[], None]:
-        def work() -> None:
-            raise fault
-
-        return work
-
-    def lacks(name: str, fault: Exception) -> str:
-        before = threading.excepthook
-        with contextlib.suppress(KeyboardInterrupt), _quiet_when_stopped():
-            raise KeyboardInterrupt
-        try:
-            thread = threading.Thread(target=dies(fault), name=name)
-            thread.start()
-            thread.join()
-        finally:
-            threading.excepthook = before
-        return capsys.readouterr().err
-
-    assert lacks("ExecutorManagerThread", KeyError(55)) == ""
+    before = threading.excepthook
+    with contextlib.suppress(KeyboardInterrupt), _quiet_when_stopped():
+        raise KeyboardInterrupt
+    try:
+        thread = threading.Thread(target={}.pop, args=(55,), name="ExecutorManagerThread")
+        thread.start()
+        thread.join()
+    finally:
+        threading.excepthook = before
+    assert capsys.readouterr().err == ""
     with _quiet_when_stopped():
         kept = threading.excepthook
     assert threading.excepthook is not kept, "it is put back where the work was done"
