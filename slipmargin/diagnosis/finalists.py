@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
 
@@ -24,10 +26,7 @@ def finalists(screening: Screening, many: int) -> list[Screened]:
     least = SETTINGS.hopeless * max([0.0, best, *(e.gain for e in pairs)])
     single = [e for e in alone if e.promise > least]
     names = [e for e in single if e.named]
-    of_each: dict[str, Screened] = {}
-    for entry in names:
-        of_each.setdefault(entry.structure[0].name, entry)
-    first = list(of_each.values())[:many]
+    first = _best_of_each(names)[:many]
     other = [e for e in names if e not in first and e.structure[0].name == first[0].structure[0].name]
     forms = [e for e in single if not e.named]
     chosen = [
@@ -37,6 +36,26 @@ def finalists(screening: Screening, many: int) -> list[Screened]:
         *[e for e in pairs if e.gain > least][: many // 2],
     ]
     return sorted(chosen, key=_first_promised)
+
+
+def of_other_variables(screening: Screening, fitted: Sequence[Screened], many: int) -> list[Screened]:
+    """The ``many`` general forms that promise most over variables of which no form is ``fitted``.
+
+    A tangent, or a step of it simulated, says little about which of several variables is meant: they follow
+    one another in every run.
+    """
+    known = {e.structure[0].name for e in fitted if not e.named}
+    forms = [e for e in screening.entries if len(e.parts) == 1 and e.structure and not e.named]
+    ordered = sorted(forms, key=_first_promised)
+    return _best_of_each([e for e in ordered if e.structure[0].name not in known])[:many]
+
+
+def _best_of_each(entries: Sequence[Screened]) -> list[Screened]:
+    """The first entry of each name; a general form has that of its variable."""
+    found: dict[str, Screened] = {}
+    for entry in entries:
+        found.setdefault(entry.structure[0].name, entry)
+    return list(found.values())
 
 
 def _first_promised(entry: Screened) -> float:

@@ -20,7 +20,7 @@ from slipmargin.checks import Index
 from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.bends import bends
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.finalists import finalists
+from slipmargin.diagnosis.finalists import finalists, of_other_variables
 from slipmargin.diagnosis.fit import build, evaluate, fit
 from slipmargin.diagnosis.left_out import folds
 from slipmargin.diagnosis.map_entry import MapEntry
@@ -235,7 +235,8 @@ def take_step(
 ) -> Round:
     """The best addition to ``before``, and whether it is significant and worth its parameters.
 
-    ``many`` names of the list are fitted, half as many general forms and as many pairs.
+    ``many`` names of the list are fitted, half as many general forms and as many pairs; where no name leaves
+    nothing but noise, further forms over other variables.
     """
     progress("screening every candidate", 0.0)
     base = before.fit
@@ -247,19 +248,16 @@ def take_step(
     )
     if not worth and (before.structure or before.chi <= SETTINGS.noise_chi):
         return nothing
-    tried: list[State] = []
     screening = as_simulated(before, screening, lambda: progress.overdue)
     chosen = finalists(screening, many)
-    for number, entry in enumerate(chosen):
-        progress(f"fitting {entry.label}", 0.2 + 0.8 * number / len(chosen))
-        least = min((s.fit.cost for s in tried), default=np.inf)
-        tried.append(_added(before, entry, runs, least, lambda: progress.expired))
-        if progress.expired:
-            break
+    tried = _fitted_in_turn(before, chosen, (), runs, progress)
     if not tried:
         return nothing
-    tried.sort(key=lambda s: s.chi)
     best = choose(tried)
+    if not before.structure and not (best.named and best.chi <= SETTINGS.noise_chi):
+        forms = of_other_variables(screening, chosen, many)
+        tried = _fitted_in_turn(before, forms, tried, runs, progress)
+        best = choose(tried)
     names = [s for s in tried if s.named]  # far above the noise a form takes up much that no name does
     if names and before.view.piece is not None and not worthwhile(before, best.chi, named=best.named):
         best = choose(names)
@@ -271,6 +269,24 @@ def take_step(
         taken=worthwhile(before, best.chi, named=best.named)
         and screening.p_value(explained(before, best)) <= SETTINGS.significance,
     )
+
+
+def _fitted_in_turn(
+    before: State,
+    entries: Sequence[Screened],
+    known: Sequence[State],
+    runs: Sequence[int],
+    progress: Watch,
+) -> list[State]:
+    """What is ``known``, and each entry of the list fitted beside what stands already, best first."""
+    tried = list(known)
+    for number, entry in enumerate(entries):
+        if tried and progress.expired:
+            break
+        progress(f"fitting {entry.label}", 0.2 + 0.8 * number / len(entries))
+        least = min((s.fit.cost for s in tried), default=np.inf)
+        tried.append(_added(before, entry, runs, least, lambda: progress.expired))
+    return sorted(tried, key=lambda s: s.chi)
 
 
 def _added(

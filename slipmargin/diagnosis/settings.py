@@ -125,8 +125,8 @@ class SearchSettings:
     step_shares: tuple[float, ...] = (1.0, 0.5)
     #: [1] What promises less than this share of the best one's gain is not fitted.
     hopeless: float = 0.2
-    #: [candidates] How many names are fitted by simulation, each once; half as many general forms, and
-    #: half as many pairs.
+    #: [candidates] How many names are fitted by simulation, each once; half as many general forms
+    #: and half as many pairs, and so many forms more where no name leaves nothing but noise.
     finalists: int = 5
     #: [starts] So many are simulated for what a candidate promises, the best by its tangents; and fitted, the
     #: best by simulation, where it says a place or a time.
