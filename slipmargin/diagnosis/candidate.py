@@ -56,6 +56,8 @@ class Candidate:
     usual : array (P,), optional
         Ordinary values, ``null`` by default: a fit that ends at one is not stuck at a bound that is the same.
         They differ where an idle parameter's first start, which its tangent needs, stands in for its null.
+    least : array (P,), optional
+        What is nearer to its ordinary value than this makes as little sense as what is beyond a bound.
     idle : array (P,) of bool, optional
         Which parameters have no influence at null: tangents are taken at each of their starts.
     scope : Scope, optional
@@ -85,6 +87,7 @@ class Candidate:
     wheel_phase: bool = False
     prior: Array = field(default_factory=lambda: np.zeros((0, 0)))
     usual: Array | None = None
+    least: Array | None = None
     idle: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     scope: Scope | None = None
     subject: str = ""
@@ -94,6 +97,8 @@ class Candidate:
         count = len(self.keys)
         usual = self.null if self.usual is None else self.usual
         object.__setattr__(self, "usual", frozen("usual", usual, (count,)))
+        least = np.zeros(count) if self.least is None else self.least
+        object.__setattr__(self, "least", frozen("least", least, (count,)))
         prior = self.prior if self.prior.size else np.zeros((0, count))
         object.__setattr__(self, "prior", frozen("prior", prior, (None, count)))
         for key in ("null", "scale", "low", "high"):
@@ -210,24 +215,23 @@ def named_candidates(
             continue
         if effect.needs_wheel_angles and not angles:
             continue
-        widest = SETTINGS.stamped_clock if effect.is_the_clock and timed else np.inf
+        stamped = effect.is_the_clock and timed
         single = issubclass(effect, WheelEffect) and effect.one_wheel
         for variant in effect.variants or (None,):
             if variant is not None:
                 able = {p.name for p in effect.parameters if p.least_wheels <= len(wheels)}
                 variant = replace(variant, free=tuple(name for name in variant.free if name in able))
-            found += [
-                _within(named_candidate(effect, variant, on, reach), widest)
+            made = [
+                named_candidate(effect, variant, on, reach)
                 for on in ([(w,) for w in wheels] if single else [()])
             ]
+            found += [_stamped(c) for c in made] if stamped else made
     return found
 
 
-def _within(candidate: Candidate, widest: float) -> Candidate:
-    """The candidate with every parameter within ``widest`` of its null."""
-    if np.isinf(widest):
-        return candidate
-    low, high = (
-        np.clip(b, candidate.null - widest, candidate.null + widest) for b in (candidate.low, candidate.high)
-    )
-    return replace(candidate, low=low, high=high, starts=np.clip(candidate.starts, low, high))
+def _stamped(clock: Candidate) -> Candidate:
+    """The candidate for a clock that stamps every row: as far off as such clocks are when they are off."""
+    most = SETTINGS.stamped_clock
+    low, high = (np.clip(b, clock.null - most, clock.null + most) for b in (clock.low, clock.high))
+    least = np.full(clock.size, SETTINGS.stamped_clock_least)
+    return replace(clock, low=low, high=high, starts=np.clip(clock.starts, low, high), least=least)

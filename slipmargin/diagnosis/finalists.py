@@ -16,7 +16,7 @@ def finalists(screening: Screening, many: int) -> list[Screened]:
     a list says little about which of them is meant.  A pair is fitted only where its two tangents together
     leave clearly less than any single one.
     """
-    alone = sorted((e for e in screening.entries if e.structure and len(e.parts) == 1), key=_first_promised)
+    alone = _alone(screening)
     best = max((e.gain for e in alone), default=0.0)
     enough = screening.total - SETTINGS.pair_leaves * (screening.total - max(0.0, best))
     pairs = sorted(
@@ -45,9 +45,19 @@ def of_other_variables(screening: Screening, fitted: Sequence[Screened], many: i
     one another in every run.
     """
     known = {e.structure[0].name for e in fitted if not e.named}
-    forms = [e for e in screening.entries if len(e.parts) == 1 and e.structure and not e.named]
-    ordered = sorted(forms, key=_first_promised)
-    return _best_of_each([e for e in ordered if e.structure[0].name not in known])[:many]
+    forms = [e for e in _alone(screening) if not e.named and e.structure[0].name not in known]
+    return _best_of_each(forms)[:many]
+
+
+def other_names(screening: Screening, fitted: Sequence[Screened], many: int) -> list[Screened]:
+    """The ``many`` names, a wheel or a form each, that promise most of those that are not ``fitted``."""
+    known = {e.label for e in fitted}
+    return [e for e in _alone(screening) if e.named and e.label not in known][:many]
+
+
+def _alone(screening: Screening) -> list[Screened]:
+    """Single candidates, the one that promises most first."""
+    return sorted((e for e in screening.entries if e.structure and len(e.parts) == 1), key=_first_promised)
 
 
 def _best_of_each(entries: Sequence[Screened]) -> list[Screened]:

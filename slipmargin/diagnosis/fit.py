@@ -63,12 +63,16 @@ class Fit:
         return build(self.structure, self.x)
 
     def at_bound(self) -> list[str]:
-        """Parameters that ended on the edge of their range, where that is not their ordinary value."""
+        """Parameters that ended on the edge of what makes sense, where that is not their ordinary value."""
         low, high, scale = limits_of(self.structure)
         keys = [f"{c.name}.{key}" for c in self.structure for key in c.keys]
-        usual = np.concatenate([np.zeros(0), *(c.usual for c in self.structure if c.usual is not None)])
-        stuck = ((self.x <= low + 1e-6 * scale) | (self.x >= high - 1e-6 * scale)) & (self.x != usual)
-        return [key for key, at in zip(keys, stuck, strict=True) if at]
+        usual, least = (
+            np.concatenate([np.zeros(0), *(v for v in values if v is not None)])
+            for values in ([c.usual for c in self.structure], [c.least for c in self.structure])
+        )
+        off = np.abs(self.x - usual)
+        stuck = (self.x <= low + 1e-6 * scale) | (self.x >= high - 1e-6 * scale) | (off < least)
+        return [key for key, at in zip(keys, stuck & (off > 0.0), strict=True) if at]
 
 
 def build(structure: Sequence[Candidate], x: Array) -> tuple[AnyEffect, ...]:

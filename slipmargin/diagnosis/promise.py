@@ -7,7 +7,7 @@ coefficients that are 5 % off came thirtieth in a list that they explain to the 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import islice
 
@@ -27,7 +27,10 @@ def as_simulated(
 ) -> Screening:
     """The list with what each candidate that stands alone promises: the better of tangent and simulation.
 
-    The steps from its best starts are simulated, since a start that its tangents put first may lead astray.
+    The steps from its best starts are simulated, since a start that its tangents put first may lead astray,
+    and where it says a place, a time or an angle, all of its starts as they are: one roller that turns
+    heavily, or dust on a place, takes off much where it is and no step of its tangents finds it.  A fit may
+    start at what takes off most.
     They suit the runs that they are simulated in: two parameters' worth of noise is taken off for each.
     Once it is ``overdue`` the others, which stand further down the list, keep what their tangents gain.
     """
@@ -37,7 +40,14 @@ def as_simulated(
         return screening
     problem = before.view.rough()
     points = [
-        [part_way(entry.structure[0], start, share) for start in entry.starts[:tried] for share in shares]
+        [
+            *(
+                part_way(entry.structure[0], start, share)
+                for start in entry.starts[:tried]
+                for share in shares
+            ),
+            *(entry.structure[0].starts if entry.structure[0].idle.any() else ()),
+        ]
         for entry in asked
     ]
     effects = [
@@ -53,13 +63,24 @@ def as_simulated(
         own = list(islice(squares, len(of_entry)))
         if len(own) < len(of_entry):
             break
-        found[entry.label] = replace(entry, promise=off - min(own) - 2.0 * misfit * entry.structure[0].size)
+        promise = off - min(own) - 2.0 * misfit * entry.structure[0].size
+        best = [of_entry[i] for i in np.argsort(own, kind="stable")]
+        starts = _elsewhere(entry.structure[0], [entry.starts[0], *best])[: 1 + tried]
+        found[entry.label] = replace(entry, promise=promise, starts=starts or entry.starts)
     return replace(screening, entries=tuple(found.get(e.label, e) for e in screening.entries))
 
 
 def _stands_alone(entry: Screened) -> bool:
     """Whether it is one candidate, not a pair, and no probe."""
     return len(entry.parts) == 1 and bool(entry.structure)
+
+
+def _elsewhere(candidate: Candidate, points: Sequence[Array]) -> tuple[Array, ...]:
+    """The first point at each place, time or angle that a candidate names; nothing where it names none."""
+    there, found = candidate.idle, dict[tuple[float, ...], Array]()
+    for x in points:
+        found.setdefault(tuple(np.round(x[there] / candidate.scale[there], 3).tolist()), x)
+    return tuple(found.values()) if there.any() else ()
 
 
 def part_way(candidate: Candidate, start: Array, share: float) -> Array:

@@ -20,7 +20,7 @@ from slipmargin.checks import Index
 from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.bends import bends
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.finalists import finalists, of_other_variables
+from slipmargin.diagnosis.finalists import finalists, of_other_variables, other_names
 from slipmargin.diagnosis.fit import build, evaluate, fit
 from slipmargin.diagnosis.left_out import folds
 from slipmargin.diagnosis.map_entry import MapEntry
@@ -236,7 +236,8 @@ def take_step(
     """The best addition to ``before``, and whether it is significant and worth its parameters.
 
     ``many`` names of the list are fitted, half as many general forms and as many pairs; where no name leaves
-    nothing but noise, further forms over other variables.
+    nothing but noise, those names that a few steps show to be better than the list says, and forms over
+    other variables.
     """
     progress("screening every candidate", 0.0)
     base = before.fit
@@ -254,9 +255,11 @@ def take_step(
     if not tried:
         return nothing
     best = choose(tried)
-    if not before.structure and not (best.named and best.chi <= SETTINGS.noise_chi):
-        forms = of_other_variables(screening, chosen, many)
-        tried = _fitted_in_turn(before, forms, tried, runs, progress)
+    if not before.structure and (not best.named or worthwhile(best, SETTINGS.floor_chi)):
+        progress("a few steps of every other name", 0.2)
+        further = _better_than_listed(before, other_names(screening, chosen, SETTINGS.contenders), progress)
+        further = [*further[:many], *of_other_variables(screening, chosen, many)]
+        tried = _fitted_in_turn(before, further, tried, runs, progress)
         best = choose(tried)
     names = [s for s in tried if s.named]  # far above the noise a form takes up much that no name does
     if names and before.view.piece is not None and not worthwhile(before, best.chi, named=best.named):
@@ -269,6 +272,20 @@ def take_step(
         taken=worthwhile(before, best.chi, named=best.named)
         and screening.p_value(explained(before, best)) <= SETTINGS.significance,
     )
+
+
+def _better_than_listed(before: State, entries: Sequence[Screened], progress: Watch) -> list[Screened]:
+    """Entries after a few steps of a fit, what takes off most first: tangents see little of what sticks."""
+    found = []
+    for entry in entries:
+        if progress.expired:
+            break
+        structure = (*before.structure, *entry.structure)
+        start = np.concatenate([before.fit.x, entry.starts[min(1, len(entry.starts) - 1)]])
+        near = fit(before.view, structure, start, before.fit.trials, SETTINGS.first_steps)
+        own = near.x[len(before.fit.x) :]
+        found.append(replace(entry, starts=(own,), promise=before.fit.cost - near.cost))
+    return sorted(found, key=lambda e: -e.promise)
 
 
 def _fitted_in_turn(

@@ -111,6 +111,9 @@ class SearchSettings:
     #: [1] A clock that stamps every row is wrong by this share at most: friction that differs by more than
     #: about twice this, which looks the same, is no clock.
     stamped_clock: float = 0.05
+    #: [1] … and by this share at least: quartzes are a hundred times better, and friction that is off by
+    #: twice as much, which looks the same, is nothing unusual.
+    stamped_clock_least: float = 0.005
     #: [1] A run that the model misses counts as if it were missed by at most this many times as much as the
     #: middle one of those: four times its weight in a sum of squares.
     loudest: float = 2.0
@@ -128,6 +131,9 @@ class SearchSettings:
     #: [candidates] How many names are fitted by simulation, each once; half as many general forms
     #: and half as many pairs, and so many forms more where no name leaves nothing but noise.
     finalists: int = 5
+    #: [candidates] So many further names are given a few steps there: the right one may stand far down a list
+    #: that tangents have made, a stiff roller on another wheel twentieth.
+    contenders: int = 20
     #: [starts] So many are simulated for what a candidate promises, the best by its tangents; and fitted, the
     #: best by simulation, where it says a place or a time.
     starts: int = 2

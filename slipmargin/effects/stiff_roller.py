@@ -39,7 +39,7 @@ class StiffRoller(WheelEffect):
             (0.0, 1.0, 20.0),
             0.2,
             "transverse friction while this roller stands on the floor over that of the others",
-            starts=(2.0,),
+            starts=(3.0,),
         ),
         parameter(
             "angle_rad",

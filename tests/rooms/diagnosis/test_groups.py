@@ -158,3 +158,20 @@ def test_time_stamps_leave_a_clock_less_room_than_a_nominal_rate() -> None:
     stamped, nominal = candidates(())["clock_rate"], candidates((), timed=False)["clock_rate"]
     assert (stamped.low[0], stamped.high[0]) == (0.95, 1.05)
     assert (nominal.low[0], nominal.high[0]) == (0.9, 1.1)
+
+
+@pytest.mark.parametrize(("factor", "makes_sense"), [(1.0016, False), (0.996, False), (1.02, True)])
+def test_a_stamped_clock_that_is_hardly_off_is_friction_that_is_off(factor: float, makes_sense: bool) -> None:
+    """Friction that wears off in the first decimetre was called a clock that is 0.16 % off."""
+    nothing = np.zeros((2, 30))
+    for timed in (True, False):
+        clock = candidates((), timed=timed)["clock_rate"]
+        found = Fit(
+            structure=(clock,),
+            x=np.array([factor]),
+            trials=np.arange(2),
+            residual=nothing,
+            jacobian=nothing[..., None],
+            evaluations=0,
+        )
+        assert (not found.at_bound()) is (makes_sense or not timed)

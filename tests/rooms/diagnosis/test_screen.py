@@ -12,6 +12,7 @@ from planting import Plant, planted, smooth_kiwi
 
 from slipmargin.checks import Index
 from slipmargin.data.data_set import DataSet
+from slipmargin.diagnosis import search
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.finalists import finalists
 from slipmargin.diagnosis.general_forms import general_candidates
@@ -22,7 +23,7 @@ from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.promise import as_simulated, part_way
 from slipmargin.diagnosis.ranges import ranges
 from slipmargin.diagnosis.refits import fitted
-from slipmargin.diagnosis.screen import Screened
+from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.search import screened, take_step
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
@@ -30,6 +31,7 @@ from slipmargin.diagnosis.tangents import Columns
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
 from slipmargin.effects.friction_coefficients import FrictionCoefficients
+from slipmargin.effects.stiff_roller import StiffRoller
 from slipmargin.effects.wheel_radius import WheelRadius
 from slipmargin.physics.variables import Frame, Variable
 
@@ -141,6 +143,48 @@ def test_the_next_best_start_is_simulated_too() -> None:
     away = replace(steady, starts=(2.0 * steady.structure[0].null - start, start))
     (found,) = as_simulated(before, replace(listed, entries=(away,))).entries
     assert found.promise > 0.8 * listed.total
+
+
+@pytest.fixture(scope="module", name="heavy")
+def _heavy() -> tuple[State, list[Candidate], Index, Screening]:
+    """A robot of which one roller of wheel 2 turns heavily, and the list for it."""
+    roller = StiffRoller(factor=4.0, angle_rad=4.9, wheels=("2",))
+    plant = Plant(name="heavy", traces=(Trace.WHEEL_ANGLE,), effects=(roller,))
+    before, candidates, everyone = begun(planted(smooth_kiwi(), plant, seed=5, **SMALL))
+    listed = screened(before, everyone, candidates, 0, Watch(report=no_progress))
+    return before, candidates, everyone, listed
+
+
+def test_a_place_that_tangents_do_not_see_is_simulated_as_it_is(
+    heavy: tuple[State, list[Candidate], Index, Screening],
+) -> None:
+    """Two sticking rollers of a judged collection were never fitted: no step of a tangent led to them."""
+    before, _, _, listed = heavy
+    (roller,) = (e for e in listed.entries if e.label == "stiff_roller[2]")
+    astray = replace(roller, starts=(np.array([0.8, 1.0]),))
+    (found,) = as_simulated(before, replace(listed, entries=(astray,))).entries
+    assert found.promise > 0.5 * listed.total
+    assert found.starts[0][1] == 1.0 and found.starts[1][1] == pytest.approx(4.9, abs=0.5)
+    assert len({float(x[1]) for x in found.starts}) == len(found.starts)
+
+
+def test_a_name_far_down_the_list_is_found_where_no_other_explains_the_runs(
+    heavy: tuple[State, list[Candidate], Index, Screening], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before, candidates, everyone, listed = heavy
+    tenth = sorted((e.promise for e in listed.entries if e.named and len(e.parts) == 1), reverse=True)[9]
+    lowered = [
+        replace(e, gain=tenth, promise=tenth) if e.label.startswith("stiff_roller") else e
+        for e in listed.entries
+        if "stiff_roller" not in e.label or len(e.parts) == 1
+    ]
+    monkeypatch.setattr(search, "as_simulated", lambda *_: replace(listed, entries=tuple(lowered)))
+    step = take_step(before, everyone, candidates, 0, Watch(report=no_progress), 1)
+    assert step.best is not None and step.best.last.label == "stiff_roller[2]"
+    assert step.best.fit.x[1] == pytest.approx(4.9, abs=0.1)
+    # Beside it forms over other variables were asked, each once.
+    forms = [s.last.trace for s in step.tried if not s.named]
+    assert forms and len(forms) == len(set(forms))
 
 
 def test_coefficients_that_are_off_promise_most_where_tangents_prefer_another_law() -> None:
