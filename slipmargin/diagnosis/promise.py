@@ -1,4 +1,4 @@
-"""What candidates take off as simulated where their tangents put them.
+"""What candidates take off as simulated where their tangents put them, or after a few steps of a fit.
 
 A tangent is taken where a candidate does nothing, and friction that sticks answers a small force hardly at
 all: a steady push or twist takes off four fifths of a residual of which its tangent knows a twentieth, and
@@ -15,7 +15,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.fit import build
+from slipmargin.diagnosis.fit import build, fit
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
@@ -68,6 +68,22 @@ def as_simulated(
         starts = _elsewhere(entry.structure[0], [entry.starts[0], *best])[: 1 + tried]
         found[entry.label] = replace(entry, promise=promise, starts=starts or entry.starts)
     return replace(screening, entries=tuple(found.get(e.label, e) for e in screening.entries))
+
+
+def after_steps(
+    before: State, entries: Sequence[Screened], expired: Callable[[], bool] = lambda: False
+) -> list[Screened]:
+    """Entries with what a few steps of a fit take off, and where these ended, the best one first."""
+    base, found = before.fit, []
+    for entry in entries:
+        if expired():
+            break
+        structure = (*base.structure, *entry.structure)
+        start = np.concatenate([base.x, entry.starts[min(1, len(entry.starts) - 1)]])
+        near = fit(before.view, structure, start, base.trials, SETTINGS.first_steps)
+        own = near.x[len(base.x) :]
+        found.append(replace(entry, starts=(own,), promise=base.cost - near.cost))
+    return sorted(found, key=lambda e: -e.promise)
 
 
 def _stands_alone(entry: Screened) -> bool:

@@ -26,7 +26,7 @@ from slipmargin.diagnosis.left_out import folds
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.probes import probes
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.promise import as_simulated
+from slipmargin.diagnosis.promise import after_steps, as_simulated
 from slipmargin.diagnosis.refits import evened, fitted, longest_piece_s, needed, refitted, scored, whole
 from slipmargin.diagnosis.restated import reformed
 from slipmargin.diagnosis.screen import Screened, Screening, screen
@@ -255,15 +255,18 @@ def take_step(
     if not tried:
         return nothing
     best = choose(tried)
+    # A second effect is not sought so far down: forms are hardly ever taken beside the first, and a name that
+    # explains part of what is left is followed by a round of its own.
     if not before.structure and (not best.named or worthwhile(best, SETTINGS.floor_chi)):
-        progress("a few steps of every other name", 0.2)
-        further = _better_than_listed(before, other_names(screening, chosen, SETTINGS.contenders), progress)
-        further = [*further[:many], *of_other_variables(screening, chosen, many)]
-        tried = _fitted_in_turn(before, further, tried, runs, progress)
+        progress("a few steps of other names", 0.2)
+        others = other_names(screening, chosen, SETTINGS.contenders)
+        names = after_steps(before, others, lambda: progress.expired)[:many]
+        forms = of_other_variables(screening, chosen, many)
+        tried = _fitted_in_turn(before, [*names, *forms], tried, runs, progress)
         best = choose(tried)
-    names = [s for s in tried if s.named]  # far above the noise a form takes up much that no name does
-    if names and before.view.piece is not None and not worthwhile(before, best.chi, named=best.named):
-        best = choose(names)
+    named = [s for s in tried if s.named]  # far above the noise a form takes up much that no name does
+    if named and before.view.piece is not None and not worthwhile(before, best.chi, named=best.named):
+        best = choose(named)
     return Round(
         before=before,
         screening=screening,
@@ -272,20 +275,6 @@ def take_step(
         taken=worthwhile(before, best.chi, named=best.named)
         and screening.p_value(explained(before, best)) <= SETTINGS.significance,
     )
-
-
-def _better_than_listed(before: State, entries: Sequence[Screened], progress: Watch) -> list[Screened]:
-    """Entries after a few steps of a fit, what takes off most first: tangents see little of what sticks."""
-    found = []
-    for entry in entries:
-        if progress.expired:
-            break
-        structure = (*before.structure, *entry.structure)
-        start = np.concatenate([before.fit.x, entry.starts[min(1, len(entry.starts) - 1)]])
-        near = fit(before.view, structure, start, before.fit.trials, SETTINGS.first_steps)
-        own = near.x[len(before.fit.x) :]
-        found.append(replace(entry, starts=(own,), promise=before.fit.cost - near.cost))
-    return sorted(found, key=lambda e: -e.promise)
 
 
 def _fitted_in_turn(
