@@ -88,7 +88,8 @@ def test_an_effect_nobody_named_is_traced_and_added() -> None:
         Trace.ACCELERATION, Variable.ACCELERATION_Y, 1, lambda a: -0.9 * a, -6.0, 6.0, Frame.BODY
     )
     plant = Plant(name="sloshing load", traces=(Trace.ACCELERATION,), effects=(sloshing,))
-    found = diagnose(planted(initial_model(), plant, seed=7, **SMALL), seed=1)
+    # Ten runs: of seven, four of six had to tell it from chance, and one more or less hung on rounding.
+    found = diagnose(planted(initial_model(), plant, seed=8, **{**SMALL, "count": 10}), seed=1)
     assert found.findings[0].traced_to is Trace.ACCELERATION
     assert found.findings[0].name == "unnamed_acceleration"
     assert found.after.chi < 0.5 * found.before.chi
