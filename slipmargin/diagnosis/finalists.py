@@ -57,7 +57,7 @@ def other_names(screening: Screening, fitted: Sequence[Screened], many: int) -> 
 
 def _alone(screening: Screening) -> list[Screened]:
     """Single candidates, the one that promises most first."""
-    return sorted((e for e in screening.entries if e.structure and len(e.parts) == 1), key=_first_promised)
+    return sorted((e for e in screening.entries if e.stands_alone), key=_first_promised)
 
 
 def _best_of_each(entries: Sequence[Screened]) -> list[Screened]:

@@ -66,10 +66,8 @@ class Fit:
         """Parameters that ended on the edge of what makes sense, where that is not their ordinary value."""
         low, high, scale = limits_of(self.structure)
         keys = [f"{c.name}.{key}" for c in self.structure for key in c.keys]
-        usual, least = (
-            np.concatenate([np.zeros(0), *(v for v in values if v is not None)])
-            for values in ([c.usual for c in self.structure], [c.least for c in self.structure])
-        )
+        usual = np.concatenate([np.zeros(0), *(c.usual for c in self.structure if c.usual is not None)])
+        least = np.concatenate([np.zeros(0), *(c.least for c in self.structure if c.least is not None)])
         off = np.abs(self.x - usual)
         stuck = (self.x <= low + 1e-6 * scale) | (self.x >= high - 1e-6 * scale) | (off < least)
         return [key for key, at in zip(keys, stuck & (off > 0.0), strict=True) if at]

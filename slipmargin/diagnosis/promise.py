@@ -35,7 +35,7 @@ def as_simulated(
     Once it is ``overdue`` the others, which stand further down the list, keep what their tangents gain.
     """
     base, shares, tried = before.fit, SETTINGS.step_shares, SETTINGS.starts
-    asked = [e for e in screening.entries if _stands_alone(e)]
+    asked = [e for e in screening.entries if e.stands_alone]
     if not asked:
         return screening
     problem = before.view.rough()
@@ -79,16 +79,12 @@ def after_steps(
         if expired():
             break
         structure = (*base.structure, *entry.structure)
-        start = np.concatenate([base.x, entry.starts[min(1, len(entry.starts) - 1)]])
+        second = entry.starts[:2][-1]  # what tangents put first has led nowhere, or there is no other
+        start = np.concatenate([base.x, second])
         near = fit(before.view, structure, start, base.trials, SETTINGS.first_steps)
         own = near.x[len(base.x) :]
         found.append(replace(entry, starts=(own,), promise=base.cost - near.cost))
     return sorted(found, key=lambda e: -e.promise)
-
-
-def _stands_alone(entry: Screened) -> bool:
-    """Whether it is one candidate, not a pair, and no probe."""
-    return len(entry.parts) == 1 and bool(entry.structure)
 
 
 def _elsewhere(candidate: Candidate, points: Sequence[Array]) -> tuple[Array, ...]:

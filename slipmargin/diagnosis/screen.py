@@ -52,6 +52,11 @@ class Screened:
         return tuple(c.candidate for c in self.parts if c.candidate is not None)
 
     @property
+    def stands_alone(self) -> bool:
+        """Whether it is one candidate, not a pair, and no probe."""
+        return len(self.structure) == len(self.parts) == 1
+
+    @property
     def named(self) -> bool:
         """Whether all of it has names."""
         return bool(self.structure) and all(c.named for c in self.structure)

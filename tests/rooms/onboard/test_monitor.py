@@ -268,10 +268,11 @@ def test_a_header_that_lacks_a_column_is_refused_before_the_monitor_learns(
 
 def test_a_robot_that_tips_in_every_run_is_refused_after_ten() -> None:
     robot = sm.read_robot("mecanum4")
-    high = replace(robot, effects=(LoadTransfer(com_height_m=0.67, com_share=0.77), stiff_with_load()))
-    # Which of the two ends most runs hangs on rounding: where a wheel is about to lift, friction chatters.
-    reason = "(a wheel lifts|it takes too many steps)"
-    with pytest.raises(InputError, match=f"training: none of 10 simulated runs reaches its end: {reason}"):
+    high = replace(robot, effects=(LoadTransfer(com_height_m=0.7, com_share=0.77), stiff_with_load()))
+    # 3 cm lower friction chatters where a wheel is about to lift, and rounding decides what ends most runs.
+    with pytest.raises(
+        InputError, match="training: none of 10 simulated runs reaches its end: a wheel lifts"
+    ):
         sm.SlipMonitor(high, "floor", false_alarm_rate=0.5)
 
 
