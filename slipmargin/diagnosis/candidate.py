@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import product
 from types import MappingProxyType
 from typing import final
 
@@ -18,6 +19,7 @@ from slipmargin.checks import Array, frozen, shaped
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import AnyEffect, Effect, Scope, Trace, Variant, WheelEffect
 from slipmargin.effects.catalogue import CATALOGUE
+from slipmargin.effects.places import LINE
 
 
 @final
@@ -41,6 +43,8 @@ class Candidate:
         Value that does nothing, unit of length of the fit, bounds.
     starts : array (S, P)
         Where fits start.
+    near : array (Q, P), optional
+        Where they start on a line of the floor that the data point to, with 0 for what says where it lies.
     build : callable
         Parameter vector → effect.
     nested : bool
@@ -92,6 +96,7 @@ class Candidate:
     scope: Scope | None = None
     subject: str = ""
     definitions: tuple[Candidate, ...] = ()
+    near: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
     def __post_init__(self) -> None:
         count = len(self.keys)
@@ -101,6 +106,8 @@ class Candidate:
         object.__setattr__(self, "least", frozen("least", least, (count,)))
         prior = self.prior if self.prior.size else np.zeros((0, count))
         object.__setattr__(self, "prior", frozen("prior", prior, (None, count)))
+        near = self.near if self.near.size else np.zeros((0, count))
+        object.__setattr__(self, "near", frozen("near", near, (None, count)))
         for key in ("null", "scale", "low", "high"):
             object.__setattr__(self, key, frozen(key, getattr(self, key), (count,)))
         idle = np.array(self.idle if len(self.idle) else np.zeros(count), dtype=bool)
@@ -113,6 +120,12 @@ class Candidate:
     def size(self) -> int:
         """Number of parameters P."""
         return len(self.keys)
+
+    def on_line(self, offset_m: float, direction_rad: float) -> Array:
+        """Where fits start (Q, P) on a line of the floor: its distance from the origin and its normal."""
+        rows = self.near.copy()
+        rows[:, [self.keys.index(key) for key in LINE]] = offset_m, direction_rad
+        return rows
 
     def is_other_form_of(self, other: Candidate) -> bool:
         """Whether both are forms of one thing, and not the same."""
@@ -144,6 +157,7 @@ def named_candidate(
     sets = [tuple(s * reach.get(p.along, 1.0) for s in p.starts) or (p.null + p.scale,) for p in rows]
     count = max(len(s) for s in sets)
     starts = np.array([[s[min(i, len(s) - 1)] for s in sets] for i in range(count)])
+    near = [p.near or ((0.0,) if p.name in LINE else s[:1]) for p, s in zip(rows, sets, strict=True)]
     subject = effect.name + (f"[{','.join(wheels)}]" if wheels else "")
     return Candidate(
         name=effect.name,
@@ -159,6 +173,7 @@ def named_candidate(
         low=np.array([p.low for p in rows]),
         high=np.array([p.high for p in rows]),
         starts=starts,
+        near=np.array(list(product(*near)) if any(p.near for p in rows) else []),
         build=build,
         nested=rows[0] is effect.parameters[0],
         wheels=wheels,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
@@ -50,9 +51,13 @@ def of_other_variables(screening: Screening, fitted: Sequence[Screened], many: i
 
 
 def other_names(screening: Screening, fitted: Sequence[Screened], many: int) -> list[Screened]:
-    """The ``many`` names, a wheel or a form each, that promise most of those that are not ``fitted``."""
+    """The ``many`` names, a wheel or a form each, that promise most of those that are not ``fitted``.
+
+    Each has one start, its second: what tangents put first has led nowhere, or there is no other.
+    """
     known = {e.label for e in fitted}
-    return [e for e in _alone(screening) if e.named and e.label not in known][:many]
+    others = [e for e in _alone(screening) if e.named and e.label not in known][:many]
+    return [replace(e, starts=e.starts[:2][-1:]) for e in others]
 
 
 def _alone(screening: Screening) -> list[Screened]:

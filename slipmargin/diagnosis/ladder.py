@@ -41,7 +41,7 @@ from slipmargin.diagnosis.search import Round, take_step
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.state import State, worthwhile
-from slipmargin.diagnosis.verdict import Judgement, RunErrors, judge, judged
+from slipmargin.diagnosis.verdict import Judgement, RunErrors, judge, judged, near_noise
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect
 
@@ -51,7 +51,8 @@ from slipmargin.effects import AnyEffect
 class Checked:
     """The structure that holds (None: none does), errors (a row each run) before and after, and the rest.
 
-    ``problem`` has the wheel phases with which the runs were judged; ``judgement`` is that of ``state``.
+    ``problem`` has the wheel phases with which the runs were judged; ``judgement`` is that of ``state``;
+    ``near_noise``: the model as it is leaves no more than noise.
     """
 
     state: State | None
@@ -61,15 +62,14 @@ class Checked:
     problem: Problem
     phased: bool
     rejected: tuple[Rejected, ...]
+    near_noise: bool = False
 
     @property
     def verdict(self) -> Verdict:
-        """Found, nothing missing (errors near the noise, and as large as it), or unexplained."""
+        """Found, nothing missing (errors near the noise), or unexplained."""
         if self.state is not None:
             return Verdict.EFFECT_FOUND
-        small = self.before.size(self.problem.sigma) <= SETTINGS.noise_size
-        explained = self.before.chi() <= SETTINGS.noise_chi and small
-        return Verdict.NO_MISSING_EFFECT if explained else Verdict.UNEXPLAINED
+        return Verdict.NO_MISSING_EFFECT if self.near_noise else Verdict.UNEXPLAINED
 
 
 @final
@@ -155,6 +155,7 @@ def check(court: Court, proposed: State, rounds: list[Round], progress: Watch) -
         problem=plain.problem,
         phased=plain.phased,
         rejected=tuple(rejected),
+        near_noise=near_noise(errors, court.unseen, plain.problem.sigma),
     )
 
 

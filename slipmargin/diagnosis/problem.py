@@ -53,10 +53,11 @@ class Problem:
 
     ``measured`` (R, T, 3) and ``seen`` (R, T, 3) are padded to the longest trial; ``wheel_phases`` (R, N)
     are added to the wheel angles [rad]; ``piece`` is the number of samples a piece, None for whole runs;
-    ``weights`` (R,) are those of the trials in residuals, none where all are one;
-    ``lasting`` is the part of the noise that lasts, None where it is white.  The trials of a campaign are of
-    several ``members``, each a recipe and its nominal model; ``member_of`` (R,) says of which.  ``signals``
-    is the wheels' motion without these phases; ``rough_signals`` is that by fewer samples, where it is known.
+    ``step_s`` is the usual time from sample to sample [s]; ``weights`` (R,) are those of the trials in
+    residuals, none where all are one; ``lasting`` is the part of the noise that lasts, None where it is
+    white.  The trials of a campaign are of several ``members``, each a recipe and its nominal model;
+    ``member_of`` (R,) says of which.  ``signals`` is the wheels' motion without these phases;
+    ``rough_signals`` is that by fewer samples, where it is known.
     """
 
     recipe: Recipe
@@ -70,6 +71,7 @@ class Problem:
     starts: Array
     twists: Array
     commanded: bool
+    step_s: float
     wheel_phases: Array
     scheme: InterpolationScheme = InterpolationScheme.THIN
     rtol: float = _RTOL[0]
@@ -112,6 +114,7 @@ class Problem:
             measured=np.where(seen, measured, 0.0),
             seen=seen,
             commanded=commanded,
+            step_s=float(np.median(np.concatenate([np.diff(t.t_s) for t in trials]))),
             wheel_phases=np.zeros((len(trials), nominal.count)),
             starts=np.array(
                 [_first_pose(members[m][1], t, s) for m, t, s in zip(own, trials, signals, strict=True)]
@@ -218,11 +221,6 @@ class Problem:
         if self.lasting is None:
             return fitted_start(pose, measured, seen, self.sigma)
         return fitted_to_lasting(pose, measured, seen, self.sigma, self.lasting, self.step_s)
-
-    @property
-    def step_s(self) -> float:
-        """The usual time from sample to sample [s]."""
-        return float(np.median(np.concatenate([np.diff(t.t_s) for t in self.trials])))
 
     def possible(self, effects: Sequence[AnyEffect], member: int = 0) -> Model | None:
         """The model, or None where no machine is like that (a wheel would lift)."""

@@ -73,17 +73,21 @@ def as_simulated(
 def after_steps(
     before: State, entries: Sequence[Screened], expired: Callable[[], bool] = lambda: False
 ) -> list[Screened]:
-    """Entries with what a few steps of a fit take off, and where these ended, the best one first."""
+    """Entries with what a few steps of a fit from their starts take off, and where the best of these ended;
+    the best entry first.
+    """
     base, found = before.fit, []
     for entry in entries:
         if expired():
             break
         structure = (*base.structure, *entry.structure)
-        second = entry.starts[:2][-1]  # what tangents put first has led nowhere, or there is no other
-        start = np.concatenate([base.x, second])
-        near = fit(before.view, structure, start, base.trials, SETTINGS.first_steps)
-        own = near.x[len(base.x) :]
-        found.append(replace(entry, starts=(own,), promise=base.cost - near.cost))
+        ends = [
+            fit(before.view, structure, np.concatenate([base.x, x]), base.trials, SETTINGS.first_steps)
+            for x in entry.starts
+        ]
+        ends = sorted(ends, key=lambda f: f.cost)[: SETTINGS.starts]
+        starts = tuple(end.x[len(base.x) :] for end in ends)
+        found.append(replace(entry, starts=starts, promise=base.cost - ends[0].cost))
     return sorted(found, key=lambda e: -e.promise)
 
 

@@ -20,6 +20,7 @@ from slipmargin.checks import Index
 from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.bends import bends
 from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.crossings import at_crossings
 from slipmargin.diagnosis.finalists import finalists, of_other_variables, other_names
 from slipmargin.diagnosis.fit import build, evaluate, fit
 from slipmargin.diagnosis.left_out import folds
@@ -259,8 +260,9 @@ def take_step(
     # explains part of what is left is followed by a round of its own.
     if not before.structure and (not best.named or worthwhile(best, SETTINGS.floor_chi)):
         progress("a few steps of other names", 0.2)
-        others = other_names(screening, chosen, SETTINGS.contenders)
-        names = after_steps(before, others, lambda: progress.expired)[:many]
+        crossed = at_crossings(before, screening, lambda: progress.expired)
+        others = other_names(screening, [*chosen, *crossed], SETTINGS.contenders)
+        names = after_steps(before, [*crossed, *others], lambda: progress.expired)[:many]
         forms = of_other_variables(screening, chosen, many)
         tried = _fitted_in_turn(before, [*names, *forms], tried, runs, progress)
         best = choose(tried)

@@ -59,6 +59,23 @@ class SearchSettings:
     probe_cells: int = 6
     #: [rad] The play that a probe tries: how long it takes to take it up changes little with its size.
     probe_play_rad: float = 0.03
+    #: [m] Width of the ridge that lines of the floor are compared with: what a wheel makes of a seam.
+    crossing_width_m: float = 0.05
+    #: [m] Such lines lie so far apart, and fits start so far to either side: less than half that ridge.
+    crossing_m: float = 0.02
+    #: [s] The velocity there is taken over so long: what a wheel at 1 m/s needs for that ridge …
+    crossing_s: float = 0.06
+    #: [s] … at instants no nearer than this.
+    crossing_step_s: float = 0.01
+    #: [rad] Two lines are one if they differ by no more than this in direction, …
+    crossing_same_rad: float = 0.26
+    #: [m] … and by this in distance: from there a fit reaches the better one.
+    crossing_same_m: float = 0.1
+    #: [1] A line that wheels hardly touch counts as if they touched it more, by this share of the line that
+    #: they touch most: else a single instant of noise would come first.
+    crossing_touched: float = 0.02
+    #: [lines] Fits start on so many lines that look most like it: of 18 true ones the last came seventh.
+    crossings: int = 12
     #: [starts] So many starts of a named candidate are simulated as they are, for friction that sticks hides
     #: small changes.
     secants: int = 3

@@ -59,12 +59,13 @@ def fitted_to_lasting(
         if axis < 2:
             tangents[..., axis, axis] = white(one, axis)
     rows = tangents.reshape(len(pose), -1, 3)
-    normal = np.einsum("mri,mrj->mij", rows, rows)
+    across = rows.transpose(0, 2, 1)
+    normal = across @ rows
     normal += (1e-12 * np.trace(normal, axis1=1, axis2=2) + 1e-30)[:, None, None] * np.eye(3)
-    right = np.einsum("mri,mr->mi", rows, left.reshape(len(pose), -1))
-    x, y, turn = np.linalg.solve(normal, right[..., None])[..., 0].T[..., None]
+    found = np.linalg.solve(normal, across @ left.reshape(len(pose), -1, 1))
+    x, y, turn = found[..., 0].T[..., None]
     shift = np.stack([x + turn * turning[0], y + turn * turning[1], turn * one], axis=-1)
-    left = left - np.einsum("mtai,mi->mta", tangents, np.concatenate([x, y, turn], axis=1))
+    left = left - (rows @ found).reshape(left.shape)
     return pose + shift, np.where(seen, left, 0.0).clip(-SETTINGS.wild, SETTINGS.wild)
 
 

@@ -101,6 +101,15 @@ class Judgement:
         return not self.failures
 
 
+def near_noise(errors: RunErrors, unseen: NDArray[np.bool_], sigma: Array) -> bool:
+    """Whether errors are near the noise's ``sigma`` (3,), in all runs and in those that nothing has seen.
+
+    Noise that lasts can take up much of what is missing: then the errors themselves are larger than noise.
+    """
+    chi = max(errors.chi(), errors.chi(judged(unseen)))
+    return chi <= SETTINGS.noise_chi and errors.size(sigma) <= SETTINGS.noise_size
+
+
 def judged(unseen: NDArray[np.bool_]) -> Index:
     """The runs by which a finding is judged: those that nothing has seen, or all where there are none."""
     return np.flatnonzero(unseen if np.any(unseen) else np.ones(len(unseen), dtype=bool))

@@ -94,6 +94,7 @@ class Parameter:
     along: str = ""  #: "position", "time" or "body": starts are shares of what runs cover, or of its size
     least_wheels: int = 0  #: with fewer wheels it has no influence
     usual: float | None = None  #: an end of the range that is an ordinary value; the null by default
+    near: tuple[float, ...] = ()  #: where fits start on a line of the floor that the data point to
 
 
 def parameter(
@@ -108,6 +109,7 @@ def parameter(
     along: str = "",
     least_wheels: int = 0,
     usual: float | None = None,
+    near: tuple[float, ...] = (),
 ) -> Parameter:
     """A :class:`Parameter` in one line; ``span`` is (lowest, null, highest) value."""
     low, null, high = span
@@ -124,6 +126,7 @@ def parameter(
         along=along,
         least_wheels=least_wheels,
         usual=usual,
+        near=near,
     )
 
 

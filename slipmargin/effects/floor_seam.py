@@ -15,6 +15,9 @@ from slipmargin.physics.relief import Profile, Relief
 #: Where fits start: wide ridges across what the runs cover, their lines turned by 30 degrees each.
 _AHEAD = tuple(k * pi / 6.0 for k in range(6))
 _AT, _WIDE = (-0.75, -0.25, 0.25, 0.75), 0.2
+#: … and on a line that the data point to ridges and grooves as wide [m] as a wheel makes of a seam or of a
+#: cable, high enough [m] to hold it back noticeably.
+_NARROW, _HIGH = (0.06, 0.12), (0.006, -0.006)
 
 
 @final
@@ -41,6 +44,7 @@ class FloorSeam(Effect):
             0.0005,
             "height of the ridge; negative: depth of a groove",
             starts=(0.002,),
+            near=_HIGH,
         ),
         *line(
             "distance of the ridge from the floor's origin along its normal",
@@ -55,6 +59,7 @@ class FloorSeam(Effect):
             0.01,
             "width of the ridge at half its height",
             starts=(_WIDE,),
+            near=_NARROW,
             idle=True,
             along="position",
         ),

@@ -18,6 +18,8 @@ PLACE_X, PLACE_Y = _X * len(_RADII), _Y * len(_RADII)
 #: Starts of a line: normals all around [rad], through the origin and some way out, in the same shares.
 LINE_DIRECTION = tuple(k * math.pi / 4.0 for k in range(8))
 LINE_OFFSET = (0.0, 0.3)
+#: The two parameters that say where a line lies.
+LINE = ("offset_m", "direction_rad")
 
 
 def line(
@@ -28,7 +30,7 @@ def line(
     """
     return (
         parameter(
-            "offset_m",
+            LINE[0],
             "m",
             (-100.0, 0.0, 100.0),
             0.02,
@@ -38,7 +40,7 @@ def line(
             along="position",
         ),
         parameter(
-            "direction_rad",
+            LINE[1],
             "rad",
             (-7.0, 0.0, 7.0),
             0.2,

@@ -1,0 +1,82 @@
+"""A narrow ridge: the lines at which wheels change the motion lead to it, where no tangent does."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from planting import Plant, planted, smooth_kiwi
+
+from slipmargin.data.data_set import DataSet
+from slipmargin.diagnosis.candidate import named_candidates
+from slipmargin.diagnosis.crossings import lines
+from slipmargin.diagnosis.fit import evaluate
+from slipmargin.diagnosis.loop import diagnose
+from slipmargin.diagnosis.prepare import clean
+from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.result import Verdict
+from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.effects import AnyEffect, Trace
+from slipmargin.effects.floor_patch import FloorPatch
+from slipmargin.effects.floor_seam import FloorSeam
+
+SIGMA = np.array([5e-4, 5e-4, 2e-3])
+SEAM = FloorSeam(height_m=0.012, offset_m=-0.11, direction_rad=1.33, width_m=0.05)
+
+
+def runs(*effects: AnyEffect) -> DataSet:
+    plant = Plant(name="planted", traces=(), effects=effects)
+    made: DataSet = planted(smooth_kiwi(), plant, seed=5, count=8, duration_s=2.5, rate_hz=100.0)
+    return made
+
+
+def problem(data: DataSet, size: float = 1.0) -> Problem:
+    trials = tuple(clean(record, size * SIGMA) for record in data.trials)
+    return Problem.of(data.recipe, data.surface, trials, size * SIGMA, False)
+
+
+@pytest.fixture(scope="module")
+def crossed() -> DataSet:
+    return runs(SEAM)
+
+
+def found(of: Problem) -> np.ndarray:
+    return lines(of, evaluate(of, (), np.zeros(0), np.arange(8)))
+
+
+def test_the_line_that_wheels_cross_is_among_the_first(crossed: DataSet) -> None:
+    first = found(problem(crossed))[:3]
+    near = (np.abs(first[:, 0] - SEAM.offset_m) <= 0.05) & (np.abs(first[:, 1] - SEAM.direction_rad) <= 0.2)
+    assert near.any()
+
+
+def test_no_two_lines_are_the_same_whichever_way_their_normals_point(crossed: DataSet) -> None:
+    far, apart = SETTINGS.crossing_same_rad, SETTINGS.crossing_same_m
+    for one, (offset, direction) in enumerate(own := found(problem(crossed))):
+        for other, towards in own[one + 1 :]:
+            turned = abs(direction - towards)
+            assert turned > far or abs(offset - other) > apart
+            assert np.pi - turned > far or abs(offset + other) > apart
+
+
+def test_runs_too_short_for_a_velocity_have_no_lines(crossed: DataSet) -> None:
+    short = tuple(clean(record.first(6), SIGMA) for record in crossed.trials)
+    assert not len(found(Problem.of(crossed.recipe, crossed.surface, short, SIGMA, False)))
+
+
+def test_fits_start_on_a_line_as_ridge_and_as_groove() -> None:
+    (seam,) = (c for c in named_candidates(("1", "2", "3"), False, ()) if c.name == "floor_seam")
+    rows = seam.on_line(0.4, 1.2)
+    assert {tuple(row) for row in rows[:, 1:3]} == {(0.4, 1.2)}
+    assert set(np.sign(rows[:, 0])) == {1.0, -1.0} and len(set(rows[:, 3])) == 2
+    assert not len(next(c for c in named_candidates(("1",), False, ()) if c.name == FloorPatch.name).near)
+
+
+def test_a_narrow_ridge_is_found(crossed: DataSet) -> None:
+    """None of three judged sets was named: every start was a ridge four times as wide as this one."""
+    answer = diagnose(crossed, seed=1)
+    assert answer.verdict is Verdict.EFFECT_FOUND
+    (finding,) = answer.findings
+    assert finding.name == "floor_seam" and finding.traced_to is Trace.POSITION
+    for parameter in finding.parameters:
+        assert parameter.low <= getattr(SEAM, parameter.name) <= parameter.high
+    assert answer.before.chi > 2.0 and answer.after.chi < 1.15
