@@ -31,6 +31,8 @@ _beyond, _rise, _to_body = twin(relief.beyond), twin(relief.rise), twin(frames.t
 _FLAT = 2.0
 #: Directions of the normals: every five degrees of half a turn.
 _DIRECTIONS = np.arange(36) * np.pi / 36.0
+#: At most so many lines a direction: over more than 16 m they lie farther apart.
+_MOST = 800
 
 
 def at_crossings(
@@ -71,8 +73,9 @@ def lines(problem: Problem, base: Fit) -> Array:
         return np.zeros((0, 2))
     arm = float(np.hypot(*arms[:, :2].T).max())
     along = poses[:, :2] @ [np.cos(_DIRECTIONS), np.sin(_DIRECTIONS)]
-    reach = zip(_DIRECTIONS, along.min(axis=0) - arm, along.max(axis=0) + arm, strict=True)
-    tried = np.array([(at, d) for d, low, high in reach for at in np.arange(low, high, SETTINGS.crossing_m)])
+    low, high = along.min(axis=0) - arm, along.max(axis=0) + arm
+    many = int(np.clip(np.max(high - low) / SETTINGS.crossing_m, 2, _MOST))
+    tried = np.stack([np.linspace(low, high, many), np.tile(_DIRECTIONS, (many, 1))], axis=-1).reshape(-1, 2)
     products = np.zeros((len(tried), 2))
     keep = float(np.exp(-problem.step_s * _every(problem) / memory))
     per_push = memory / model.inertia.diagonal / problem.sigma
@@ -161,7 +164,8 @@ def _left_over(problem: Problem, base: Fit) -> tuple[Array, Array, Array]:
         own = slice(half, len(measured) - half, _every(problem))
         poses.append(measured[own])
         poses[-1][:, :2] += np.stack(frames.to_floor(poses[-1][:, 2], *com_m), axis=1)
-        rates.append(np.nan_to_num((there - believed) / problem.sigma)[:: _every(problem)])
+        rate = ((there - believed) / problem.sigma)[:: _every(problem)]
+        rates.append(np.where(np.isfinite(rate), rate, 0.0))  # a prediction that diverged says nothing
         ends.append(ends[-1] + len(poses[-1]))
     return np.array(ends), np.concatenate(poses), np.concatenate(rates)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from planting import Plant, planted, smooth_kiwi
@@ -56,6 +58,13 @@ def test_no_two_lines_are_the_same_whichever_way_their_normals_point(crossed: Da
             turned = abs(direction - towards)
             assert turned > far or abs(offset - other) > apart
             assert np.pi - turned > far or abs(offset + other) > apart
+
+
+def test_a_floor_of_any_size_has_as_many_lines_as_can_be_looked_at(crossed: DataSet) -> None:
+    """A camera that is off by kilometres once must not cost memory."""
+    far = problem(crossed)
+    trials = tuple(replace(t, pose=t.pose + np.array([1e7, 0.0, 0.0])) for t in far.trials[:1])
+    assert len(found(replace(far, trials=(*trials, *far.trials[1:])))) == SETTINGS.crossings
 
 
 def test_runs_too_short_for_a_velocity_have_no_lines(crossed: DataSet) -> None:
