@@ -123,15 +123,18 @@ def _misses_less(data_set: DataSet, some: tuple[Record, ...], others: tuple[Reco
 
 
 def _commands(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
-    """With commands held from row to row where the base model predicts that better than straight lines."""
+    """With commands held from row to row where the base model predicts that better than straight lines.
+
+    It must be much better, for a lag looks like that too, or better than chance makes it and near the noise.
+    """
     if data_set.wheel_signal is not WheelSignal.COMMANDED or data_set.trials[0].commands_held:
         return data_set, ()
     holding = replace(data_set, trials=tuple(replace(t, commands_held=True) for t in data_set.trials))
     everyone = np.arange(len(data_set.trials), dtype=np.int64)
-    straight, held = (
-        float(np.mean(problem_of(d).residuals([()], [everyone])[0] ** 2)) for d in (data_set, holding)
-    )
-    if held > SETTINGS.held_leaves * straight:
+    left = [problem_of(d).residuals([()], [everyone])[0] for d in (data_set, holding)]
+    straight, held = (float(np.sum(r**2)) for r in left)
+    near = held <= SETTINGS.noise_chi**2 * np.count_nonzero(left[1])
+    if held > SETTINGS.held_leaves * straight and not (near and straight - held >= SETTINGS.held_gains):
         return data_set, ()
     return holding, (
         Repair(

@@ -181,8 +181,11 @@ class SearchSettings:
     lone_deviations: float = 5.0
     #: [samples] … which are so many on either side.
     lone_around: int = 3
-    #: [1] Commands hold from row to row if this leaves at most this share of the squared residual.
+    #: [1] Commands hold from row to row if this leaves at most this share of the squared residual …
     held_leaves: float = 0.8
+    #: [noise²] … or nothing but noise, and this much less: noise alters the difference of two predictions, of
+    #: which one is true, by twice its root, a quarter of this.
+    held_gains: float = 64.0
     #: [1] A camera's clock is off if this leaves at most this share of the squared residual …
     clock_leaves: float = 0.5
     #: [1] … by this at least (quartzes are a hundred times better), …
