@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipmargin.checks import Array, real
+from slipmargin.data.odometry import body_velocity
 from slipmargin.errors import InputError
 from slipmargin.onboard.signals import TAU_S
 from slipmargin.physics.frames import rotate_rows
@@ -187,9 +188,7 @@ def _velocities(table: LimitTable, t: Array, pose: Array, omega: Array, half: in
     """Body twists (T, 3) by the pose and by the wheels over the same samples; NaN at the ends."""
     truth, wheels = np.full(pose.shape, np.nan), np.full(pose.shape, np.nan)
     if len(t) > 2 * half:
-        step = (t[2 * half :] - t[: -2 * half])[:, None]
-        rate = (pose[2 * half :] - pose[: -2 * half]) / step
-        truth[half:-half] = rotate_rows(pose[half:-half, 2], rate, inverse=True)
+        truth[half:-half] = body_velocity(t, pose, half)
         turned = np.concatenate([np.zeros((1, omega.shape[1])), np.cumsum(omega, axis=0)])
         mean = (turned[2 * half + 1 :] - turned[: -2 * half - 1]) / (2 * half + 1)
         wheels[half:-half] = mean @ np.linalg.pinv(table.rolling).T

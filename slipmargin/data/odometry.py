@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.physics.frames import rotate_rows
 from slipmargin.physics.kinematics import WheelGeometry
 
 
@@ -38,6 +39,12 @@ def bridged(t: Array, values: Array) -> Array:
         if known.any() and not known.all():
             column[~known] = np.interp(t[~known], t[known], column[known])
     return out
+
+
+def body_velocity(t_s: Array, pose: Array, half: int) -> Array:
+    """Velocity (T − 2 half, 3) in the body's axes by a pose (T, 3), over ``half`` samples to either side."""
+    rate = (pose[2 * half :] - pose[: -2 * half]) / (t_s[2 * half :] - t_s[: -2 * half])[:, None]
+    return rotate_rows(pose[half:-half, 2], rate, inverse=True)
 
 
 def wheel_angles(t: Array, theta: Array | None, omega: Array | None) -> Array | None:

@@ -131,9 +131,9 @@ def _commands(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
         return data_set, ()
     holding = replace(data_set, trials=tuple(replace(t, commands_held=True) for t in data_set.trials))
     everyone = np.arange(len(data_set.trials), dtype=np.int64)
-    left = [problem_of(d).residuals([()], [everyone])[0] for d in (data_set, holding)]
-    straight, held = (float(np.sum(r**2)) for r in left)
-    near = held <= SETTINGS.noise_chi**2 * np.count_nonzero(left[1])
+    either = [problem_of(d) for d in (data_set, holding)]
+    straight, held = (float(np.sum(p.residuals([()], [everyone])[0] ** 2)) for p in either)
+    near = held <= SETTINGS.noise_chi**2 * either[1].samples(everyone)
     if held > SETTINGS.held_leaves * straight and not (near and straight - held >= SETTINGS.held_gains):
         return data_set, ()
     return holding, (

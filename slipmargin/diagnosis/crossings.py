@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from slipmargin.checks import Array
-from slipmargin.data.odometry import bridged
+from slipmargin.data.odometry import body_velocity, bridged
 from slipmargin.diagnosis.fit import Fit
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.screen import Screened, Screening
@@ -68,7 +68,8 @@ def lines(problem: Problem, base: Fit) -> Array:
     model = problem.model(base.effects)
     arms = np.column_stack([model.geometry.position_m - model.inertia.com_m, model.loads.rest_N])
     memory = SETTINGS.probe_memory_s
-    ends, poses, rates = _left_over(problem, base)
+    every = max(1, int(SETTINGS.crossing_step_s / problem.step_s))
+    ends, poses, rates = _left_over(problem, base, every)
     if not len(poses):
         return np.zeros((0, 2))
     arm = float(np.hypot(*arms[:, :2].T).max())
@@ -77,7 +78,7 @@ def lines(problem: Problem, base: Fit) -> Array:
     many = int(np.clip(np.max(high - low) / SETTINGS.crossing_m, 2, _MOST))
     tried = np.stack([np.linspace(low, high, many), np.tile(_DIRECTIONS, (many, 1))], axis=-1).reshape(-1, 2)
     products = np.zeros((len(tried), 2))
-    keep = float(np.exp(-problem.step_s * _every(problem) / memory))
+    keep = float(np.exp(-problem.step_s * every / memory))
     per_push = memory / model.inertia.diagonal / problem.sigma
     _compared(tried, SETTINGS.crossing_width_m, ends, poses, rates, arms, per_push, keep, products)
     pulls, squares = products.T
@@ -140,15 +141,11 @@ def _same(offset: float, direction: float, other: float, towards: float) -> bool
     return turned <= SETTINGS.crossing_same_rad and abs(offset - other) <= SETTINGS.crossing_same_m
 
 
-def _every(problem: Problem) -> int:
-    """Every which sample is looked at."""
-    return max(1, int(SETTINGS.crossing_step_s / problem.step_s))
-
-
-def _left_over(problem: Problem, base: Fit) -> tuple[Array, Array, Array]:
+def _left_over(problem: Problem, base: Fit, every: int) -> tuple[Array, Array, Array]:
     """Where each run begins (R + 1), poses (T, 3) of the centre of mass, and velocities (T, 3) not predicted.
 
     These are the body's, over the noise of the pose [1/s]: a heading that went astray does not turn them.
+    One sample of ``every`` is looked at.
     """
     whole = replace(problem, piece=None)
     com_m = problem.model(base.effects).inertia.com_m
@@ -160,17 +157,11 @@ def _left_over(problem: Problem, base: Fit) -> tuple[Array, Array, Array]:
         measured = bridged(trial.t_s, trial.pose)
         if len(measured) <= 2 * half:
             continue
-        there, believed = (_body_velocity(p, trial.t_s, half) for p in (measured, pose[: len(measured)]))
-        own = slice(half, len(measured) - half, _every(problem))
+        there, believed = (body_velocity(trial.t_s, p, half) for p in (measured, pose[: len(measured)]))
+        own = slice(half, len(measured) - half, every)
         poses.append(measured[own])
         poses[-1][:, :2] += np.stack(frames.to_floor(poses[-1][:, 2], *com_m), axis=1)
-        rate = ((there - believed) / problem.sigma)[:: _every(problem)]
+        rate = ((there - believed) / problem.sigma)[::every]
         rates.append(np.where(np.isfinite(rate), rate, 0.0))  # a prediction that diverged says nothing
         ends.append(ends[-1] + len(poses[-1]))
     return np.array(ends), np.concatenate(poses), np.concatenate(rates)
-
-
-def _body_velocity(pose: Array, t_s: Array, half: int) -> Array:
-    """Velocity (T − 2 half, 3) in the body's axes, over ``half`` samples to either side."""
-    rate = (pose[2 * half :] - pose[: -2 * half]) / (t_s[2 * half :] - t_s[: -2 * half])[:, None]
-    return frames.rotate_rows(pose[half:-half, 2], rate, inverse=True)

@@ -17,7 +17,7 @@ from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Verdict
 from slipmargin.diagnosis.settings import SETTINGS
-from slipmargin.effects import AnyEffect, Trace
+from slipmargin.effects import Trace
 from slipmargin.effects.floor_patch import FloorPatch
 from slipmargin.effects.floor_seam import FloorSeam
 
@@ -25,20 +25,16 @@ SIGMA = np.array([5e-4, 5e-4, 2e-3])
 SEAM = FloorSeam(height_m=0.012, offset_m=-0.11, direction_rad=1.33, width_m=0.05)
 
 
-def runs(*effects: AnyEffect) -> DataSet:
-    plant = Plant(name="planted", traces=(), effects=effects)
+@pytest.fixture(scope="module")
+def crossed() -> DataSet:
+    plant = Plant(name="seam", traces=(), effects=(SEAM,))
     made: DataSet = planted(smooth_kiwi(), plant, seed=5, count=8, duration_s=2.5, rate_hz=100.0)
     return made
 
 
-def problem(data: DataSet, size: float = 1.0) -> Problem:
-    trials = tuple(clean(record, size * SIGMA) for record in data.trials)
-    return Problem.of(data.recipe, data.surface, trials, size * SIGMA, False)
-
-
-@pytest.fixture(scope="module")
-def crossed() -> DataSet:
-    return runs(SEAM)
+def problem(data: DataSet) -> Problem:
+    trials = tuple(clean(record, SIGMA) for record in data.trials)
+    return Problem.of(data.recipe, data.surface, trials, SIGMA, False)
 
 
 def found(of: Problem) -> np.ndarray:
@@ -68,8 +64,8 @@ def test_a_floor_of_any_size_has_as_many_lines_as_can_be_looked_at(crossed: Data
 
 
 def test_runs_too_short_for_a_velocity_have_no_lines(crossed: DataSet) -> None:
-    short = tuple(clean(record.first(6), SIGMA) for record in crossed.trials)
-    assert not len(found(Problem.of(crossed.recipe, crossed.surface, short, SIGMA, False)))
+    short = tuple(record.first(6) for record in crossed.trials)
+    assert not len(found(problem(replace(crossed, trials=short))))
 
 
 def test_fits_start_on_a_line_as_ridge_and_as_groove() -> None:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from slipmargin.diagnosis.ladder import Checked
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.verdict import (
     Judgement,
@@ -161,13 +163,23 @@ def test_a_finding_that_leaves_much_is_in_part() -> None:
     assert found.holds and found.partial
 
 
-@pytest.mark.parametrize(("size", "near"), [(1.5, True), (3.3, False)])
-def test_errors_larger_than_the_noise_are_no_noise_however_slow(size: float, near: bool) -> None:
+@pytest.mark.parametrize(("size", "said"), [(1.5, "NO_MISSING_EFFECT"), (3.3, "UNEXPLAINED")])
+def test_errors_larger_than_the_noise_are_no_noise_however_slow(size: float, said: str) -> None:
     """Noise that lasts had taken up a lens of 11 mm where the noise is 2 mm: chi 1.29, nothing missing."""
     sigma = np.array([2e-3, 2e-3, 8e-3])
     slow = replace(errors(1.2), raw=SAMPLES * np.broadcast_to((size * sigma) ** 2, (10, 3)))
     assert slow.size(sigma) == pytest.approx(size)
-    assert near_noise(slow, NONE, sigma) is near
+    checked = Checked(
+        state=None,
+        before=slow,
+        after=slow,
+        judgement=None,
+        problem=SimpleNamespace(sigma=sigma),  # type: ignore[arg-type]
+        phased=False,
+        rejected=(),
+        near_noise=near_noise(slow, NONE, sigma),
+    )
+    assert checked.verdict.name == said
 
 
 def test_unseen_runs_that_are_off_are_no_noise_where_all_together_look_like_it() -> None:
