@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from slipmargin.physics.friction_laws import law_inverse, law_share, law_slope
+from slipmargin.physics.friction_laws import law_inverse, law_share, law_slope, law_slopes
 
 Slope = tuple[float, float, float, float, float, float]
 #: The shapes' numbers for compiled code, in the order of :class:`~slipmargin.physics.grips.GripShape`.
@@ -32,22 +32,18 @@ _SMALL = 1e-3
 def box(law: int, uw: float, ut: float, mw: float, mt: float, kw: float, kt: float) -> Slope:
     """The law in each direction alone."""
     a, b = kw * uw, kt * ut
-    return (
-        mw * law_share(law, a),
-        mt * law_share(law, b),
-        mw * kw * law_slope(law, a),
-        0.0,
-        0.0,
-        mt * kt * law_slope(law, b),
-    )
+    along, across = law_share(law, a), law_share(law, b)
+    rises, rises_across = law_slopes(law, a, along)[0], law_slopes(law, b, across)[0]
+    return mw * along, mt * across, mw * kw * rises, 0.0, 0.0, mt * kt * rises_across
 
 
 def secant(law: int, s: float, k: float) -> tuple[float, float]:
     """σ(k s)/s and its derivative over s, divided by s (finite at s = 0)."""
     x = k * s
     z = np.maximum(x, _SMALL)
-    q = law_share(law, z) / z
-    bend = k * k * k * (law_slope(law, z) - q) / (z * z)
+    share = law_share(law, z)
+    q = share / z
+    bend = k * k * k * (law_slopes(law, z, share)[0] - q) / (z * z)
     if x < _SMALL:
         q = law_slope(law, x / np.sqrt(3.0))
     return k * q, bend
@@ -67,41 +63,55 @@ def ellipse(law: int, uw: float, ut: float, mw: float, mt: float, k: float) -> S
     )
 
 
-def spun(law: int, uw: float, far: float, mw: float, mt: float, k: float) -> Any:
-    """z in (0, far) with μ_W σ(k√(u_W² + z²)) z/√(u_W² + z²) = μ_T, by guarded Newton steps."""
-    low, high = 0.0, far
-    r = mt / mw
-    still = law_inverse(law, r) / k  # exact without drive slip, the other part where slip is fast
-    z = np.minimum(np.sqrt(still * still + r * r / (1.0 - r * r) * uw * uw), 0.9 * far)
+def spun(law: int, part: float, drive: float, most: float) -> tuple[float, float, float]:
+    """Slip p = k s in (σ⁻¹(r), ``most``) at which f_T is the ``part`` r = μ_T/μ_W of the disc; σ and σ' there.
+
+    The roller spins as fast as makes it so: r/σ(p) is the sine of the slip's angle to ĝ, and the rest of p is
+    the ``drive`` slip d = k |u_W|, so that F(p) = p² (1 − r²/σ(p)²) = d².  F grows from 0 at σ(p) = r.  Guarded
+    steps of Halley's method find p from where a parabola has the value d² that starts like F and ends as
+    steeply; of the rational law it is F itself.
+    """
+    low, high = np.minimum(law_inverse(law, part), most), most
+    end, start = (1.0 - part) * (1.0 + part), 2.0 * low * low * law_slopes(law, low, part)[0] / part
+    p = low + 2.0 * drive * drive / (start + np.sqrt(start * start + 4.0 * end * drive * drive))
+    p, share, slope = np.minimum(p, high), part, 0.0
     for _ in range(80):
-        q, dq = secant(law, np.sqrt(uw * uw + z * z), k)
-        miss = mw * q * z - mt
+        share = law_share(law, p)
+        slope, bend = law_slopes(law, p, share)
+        per = 1.0 / share
+        sine, growth = part * per, slope * per
+        left, turn = (1.0 - sine) * (1.0 + sine), p * sine * sine
+        miss = p * p * left - drive * drive
+        rises = 2.0 * p * (left + turn * growth)
+        bends = 2.0 * (left + 4.0 * turn * growth + p * turn * (bend * per - 3.0 * growth * growth))
         if miss > 0.0:
-            high = z
+            high = p
         else:
-            low = z
-        step = miss / (mw * (q + dq * z * z))
-        new = z - step
+            low = p
+        step = miss * rises / np.maximum(rises * rises - 0.5 * miss * bends, 0.5 * rises * rises)
+        new = p - step
         if not low <= new <= high:
             new = 0.5 * (low + high)
-        if np.abs(step) <= 1e-9 * z and new == z - step:  # Newton doubles the digits: the next has all
-            return new
-        if high - low <= 4e-16 * high:
-            return new
-        z = new
-    return z
+        step, p = new - p, new
+        share, slope = share + step * (slope + 0.5 * step * bend), slope + step * bend
+        # Each step has three times as many digits; what moves by so little has its law by its derivatives.
+        if np.abs(step) <= 1e-5 * p:
+            break
+    return p, share, slope
 
 
 def disc_strip(law: int, uw: float, ut: float, mw: float, mt: float, k: float) -> Slope:
     """Disc law of radius μ_W whose transverse part the roller's bearing limits to μ_T."""
     if mt <= 0.0:
         return mw * law_share(law, k * uw), 0.0, mw * k * law_slope(law, k * uw), 0.0, 0.0, 0.0
-    q, dq = secant(law, np.sqrt(uw * uw + ut * ut), k)
-    if np.abs(mw * q * ut) <= mt:
+    s = np.sqrt(uw * uw + ut * ut)
+    q, dq = secant(law, s, k)
+    if mt >= mw or np.abs(mw * q * ut) <= mt:
         cross = mw * dq * uw * ut
         return mw * q * uw, mw * q * ut, mw * (q + dq * uw * uw), cross, cross, mw * (q + dq * ut * ut)
-    z = spun(law, uw, np.abs(ut), mw, mt, k)
-    q, dq = secant(law, np.sqrt(uw * uw + z * z), k)
+    p, share, slope = spun(law, mt / mw, k * np.abs(uw), k * s)
+    q, dq = k * share / p, k * k * k * (slope - share / p) / (p * p)
+    z = mt / (mw * q)
     cross = dq * uw * z
     slope = mw * (q + dq * uw * uw - cross * cross / (q + dq * z * z))
     return mw * q * uw, np.copysign(mt, ut), slope, 0.0, 0.0, 0.0

@@ -1,7 +1,7 @@
 """Friction laws: which share σ of its grip a contact uses at a slip u, with z = k u and slope k [s/m].
 
 A law is odd, grows from −1 to 1 and is the slope of a convex potential, so friction power is never
-positive and a steady creep is unique.  All four faces of every law stand in this file; ``law`` is the
+positive and a steady creep is unique.  All faces of every law stand in this file; ``law`` is the
 law's place in :data:`LAWS`.  To add one: a line in :data:`LAWS` and a branch in each function.
 
 ==============  ==========================  =============================================================
@@ -41,14 +41,22 @@ def law_share(law: int, z: Any) -> Any:
     return 2.0 / np.pi * np.arctan(z)
 
 
+def law_slopes(law: int, z: Any, share: Any) -> tuple[Any, Any]:
+    """dσ/dz and d²σ/dz² where the law uses the ``share`` σ(z) of the grip."""
+    if law == TANH:
+        slope = (1.0 - share) * (1.0 + share)
+        return slope, -2.0 * share * slope
+    per = 1.0 / (1.0 + z * z)
+    if law == RATIONAL:
+        slope = per * np.sqrt(per)
+        return slope, -3.0 * z * per * slope
+    slope = 2.0 / np.pi * per
+    return slope, -2.0 * z * per * slope
+
+
 def law_slope(law: int, z: Any) -> Any:
     """dσ/dz."""
-    if law == TANH:
-        t = np.tanh(z)
-        return 1.0 - t * t
-    if law == RATIONAL:
-        return (1.0 + z * z) ** -1.5
-    return 2.0 / np.pi / (1.0 + z * z)
+    return law_slopes(law, z, law_share(law, z))[0]
 
 
 def law_potential(law: int, z: Any) -> Any:
