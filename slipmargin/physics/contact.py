@@ -16,8 +16,6 @@ Every function returns (f_W, f_T, ∂f_W/∂u_W, ∂f_W/∂u_T, ∂f_T/∂u_W, �
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from slipmargin.physics.friction_laws import law_inverse, law_share, law_slope, law_slopes
@@ -64,12 +62,12 @@ def ellipse(law: int, uw: float, ut: float, mw: float, mt: float, k: float) -> S
 
 
 def spun(law: int, part: float, drive: float, most: float) -> tuple[float, float, float]:
-    """Slip p = k s in (σ⁻¹(r), ``most``) at which f_T is the ``part`` r = μ_T/μ_W of the disc; σ and σ' there.
+    """Slip p = k s in (σ⁻¹(r), ``most``) at which f_T is the ``part`` r = μ_T/μ_W of the disc; σ, σ' there.
 
-    The roller spins as fast as makes it so: r/σ(p) is the sine of the slip's angle to ĝ, and the rest of p is
-    the ``drive`` slip d = k |u_W|, so that F(p) = p² (1 − r²/σ(p)²) = d².  F grows from 0 at σ(p) = r.  Guarded
-    steps of Halley's method find p from where a parabola has the value d² that starts like F and ends as
-    steeply; of the rational law it is F itself.
+    The roller spins as fast as makes it so: r/σ(p) is the sine of the slip's angle to ĝ, and the rest of p
+    is the ``drive`` slip d = k |u_W|, so that F(p) = p² (1 − r²/σ(p)²) = d².  F grows from 0 at σ(p) = r.
+    Guarded steps of Halley's method find p from where a parabola has the value d² that starts like F and
+    ends as steeply; of the rational law it is F itself.
     """
     low, high = np.minimum(law_inverse(law, part), most), most
     end, start = (1.0 - part) * (1.0 + part), 2.0 * low * low * law_slopes(law, low, part)[0] / part
