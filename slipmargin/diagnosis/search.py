@@ -252,7 +252,8 @@ def take_step(
         return nothing
     screening = as_simulated(before, screening, lambda: progress.overdue)
     chosen = finalists(screening, many)
-    tried = _fitted_in_turn(before, chosen, (), runs, progress)
+    fewest = 1 if before.structure else SETTINGS.fewest_fitted
+    tried = _fitted_in_turn(before, chosen, (), runs, progress, fewest)
     if not tried:
         return nothing
     best = choose(tried)
@@ -285,11 +286,15 @@ def _fitted_in_turn(
     known: Sequence[State],
     runs: Sequence[int],
     progress: Watch,
+    fewest: int = 1,
 ) -> list[State]:
-    """What is ``known``, and each entry of the list fitted beside what stands already, best first."""
+    """What is ``known``, and each entry of the list fitted beside what stands already, best first.
+
+    ``fewest`` are tried even if the time is over.
+    """
     tried = list(known)
     for number, entry in enumerate(entries):
-        if tried and progress.expired:
+        if len(tried) >= fewest and progress.expired:
             break
         progress(f"fitting {entry.label}", 0.2 + 0.8 * number / len(entries))
         least = min((s.fit.cost for s in tried), default=np.inf)
