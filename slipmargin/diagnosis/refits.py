@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -24,10 +24,15 @@ def scored(view: Problem, found: Fit, samples: float, runs: Sequence[int]) -> St
 
 
 def fitted(
-    view: Problem, structure: tuple[Candidate, ...], x: Array, trials: Index, runs: Sequence[int]
+    view: Problem,
+    structure: tuple[Candidate, ...],
+    x: Array,
+    trials: Index,
+    runs: Sequence[int],
+    expired: Callable[[], bool] = lambda: False,
 ) -> State:
-    """A structure fitted to trials from ``x``, with its score."""
-    found = fit(view, structure, x, trials)
+    """A structure fitted to trials from ``x``, with its score; by one step where the time has ``expired``."""
+    found = fit(view, structure, x, trials, expired=expired)
     return scored(view, found, view.samples(trials), runs)
 
 
@@ -85,7 +90,9 @@ def nothing_sure(state: State) -> list[bool]:
     return [c.named and c.nested and spread.may_do_nothing(c, state.fit.x, span) for c, span in own]
 
 
-def whole(problem: Problem, state: State, runs: Sequence[int]) -> State:
+def whole(
+    problem: Problem, state: State, runs: Sequence[int], expired: Callable[[], bool] = lambda: False
+) -> State:
     """A state found in pieces, fitted to whole runs where these come near the noise."""
     if state.view.piece is None:
         return state
@@ -93,7 +100,7 @@ def whole(problem: Problem, state: State, runs: Sequence[int]) -> State:
     off = float(np.sum(problem.residuals([state.fit.effects], [trials])[0] ** 2))
     if np.sqrt(off / state.samples) > SETTINGS.within_reach * SETTINGS.far_chi:
         return state
-    full = fitted(problem, state.structure, state.fit.x, trials, runs)
+    full = fitted(problem, state.structure, state.fit.x, trials, runs, expired)
     return full if full.chi <= SETTINGS.far_chi else state
 
 

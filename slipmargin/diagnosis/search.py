@@ -160,8 +160,28 @@ def search(
             rounds[-1] = replace(step, best=best)
     if state.structure and len(trials) < len(seen):
         progress("fitting all trials that are not held out", 0.0)
-        state = fitted(state.view, state.structure, state.fit.x, seen, runs)
+        state = _in_all(state, rounds, seen, runs, lambda: progress.expired)
     return problem, needed(state, runs if len(state.fit.trials) == len(seen) else own), rounds
+
+
+def _in_all(
+    state: State, rounds: Sequence[Round], seen: Index, runs: Sequence[int], expired: Callable[[], bool]
+) -> State:
+    """What was found fitted to all trials ``seen``.
+
+    Where it is stuck at a bound there, it stands for something else: names that its round could not tell from
+    it are asked as well.
+    """
+    found = [fitted(state.view, state.structure, state.fit.x, seen, runs, expired)]
+    if found[0].fit.at_bound() and not expired():
+        rivals = [s for r in rounds if r.best is not None and _alike(r.best, state) for s in r.rivals()]
+        sound = [s for s in rivals if s.named and not s.fit.at_bound()]
+        found += [fitted(state.view, s.structure, s.fit.x, seen, runs) for s in sound]
+    return choose(sorted(found, key=lambda s: s.chi))
+
+
+def _alike(one: State, other: State) -> bool:
+    return [c.label for c in one.structure] == [c.label for c in other.structure]
 
 
 def _entered(
@@ -174,7 +194,10 @@ def _entered(
     progress: Watch,
 ) -> tuple[Problem, State]:
     """What a round found, in the view from which the next one starts, with the wheel phases that it needs."""
-    state = evened(whole(problem, best, runs), seen, runs)
+    state = whole(problem, best, runs, lambda: progress.expired)
+    if progress.expired:
+        return problem, state
+    state = evened(state, seen, runs)
     state = reformed(state, runs, candidates, progress)
     if not unknown or not any(c.wheel_phase for c in state.structure):
         return problem, state
@@ -290,12 +313,13 @@ def _fitted_in_turn(
 ) -> list[State]:
     """What is ``known``, and each entry of the list fitted beside what stands already, best first.
 
-    ``fewest`` are tried even if the time is over.
+    Even if the time is over, ``fewest`` variables are tried.
     """
     tried = list(known)
     for number, entry in enumerate(entries):
-        if len(tried) >= fewest and progress.expired:
-            break
+        traces = {s.last.trace for s in tried}
+        if progress.expired and (len(traces) >= fewest or entry.parts[-1].trace in traces):
+            continue
         progress(f"fitting {entry.label}", 0.2 + 0.8 * number / len(entries))
         least = min((s.fit.cost for s in tried), default=np.inf)
         tried.append(_added(before, entry, runs, least, lambda: progress.expired))

@@ -89,8 +89,8 @@ class SearchSettings:
     #: [s] So much longer than its time a search takes for a first list, without which it has not even a lead;
     #: candidates that are not reached by then are left out.
     list_s: float = 3.0
-    #: [candidates] … and so many of the first list are fitted even then: one alone is no comparison, and a
-    #: list that was cut short has put the second or third before the right one.
+    #: [variables] … and candidates of so many of the first list are fitted even then: one alone is no
+    #: comparison, and a list that was cut short has put two others before the right one.
     fewest_fitted: int = 3
     #: [draws] Surrogate residuals that go through the whole screening: they resolve p = 0.005.
     surrogates: int = 199

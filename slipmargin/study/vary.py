@@ -135,7 +135,8 @@ def applied(
             design = quantity.put(design, value)
         except InputError as fault:
             place = fault.place or quantity.key
-            raise InputError(quantity.key, f"cannot be {value}: {place} {fault.problem}", fault.cure) from None
+            problem = f"cannot be {value}: {place} {fault.problem}"
+            raise InputError(quantity.key, problem, fault.cure) from None
     return design
 
 

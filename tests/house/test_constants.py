@@ -19,7 +19,7 @@ NUMERICS = {
     "data/noise.py": {"_LINE", "_CUBIC", "_WINDOWS", "_TIMES", "_SHARES"},
     "data/wheel_signals.py": {"_TURN"},
     "diagnosis/crossings.py": {"_FLAT", "_DIRECTIONS", "_MOST"},
-    "diagnosis/other_floor.py": {"_FRICTIONS"},
+    "diagnosis/other_floor.py": {"_FRICTIONS", "_NEAREST"},
     "diagnosis/fit.py": {"STEP", "_ITERATIONS", "_ENOUGH", "_FAIR", "_LADDER"},
     "diagnosis/forms.py": {"_NEIGHBOURS", "_LARGEST"},
     "diagnosis/left_out.py": {"_HALF"},
