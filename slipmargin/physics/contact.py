@@ -40,11 +40,16 @@ def secant(law: int, s: float, k: float) -> tuple[float, float]:
     x = k * s
     z = np.maximum(x, _SMALL)
     share = law_share(law, z)
-    q = share / z
-    bend = k * k * k * (law_slopes(law, z, share)[0] - q) / (z * z)
+    q, bend = through(z, share, law_slopes(law, z, share)[0], k)
     if x < _SMALL:
-        q = law_slope(law, x / np.sqrt(3.0))
-    return k * q, bend
+        q = k * law_slope(law, x / np.sqrt(3.0))
+    return q, bend
+
+
+def through(p: float, share: float, slope: float, k: float) -> tuple[float, float]:
+    """:func:`secant` at the slip p = k s, where the law is σ = ``share`` and σ' = ``slope``."""
+    q = share / p
+    return k * q, k * k * k * (slope - q) / (p * p)
 
 
 def ellipse(law: int, uw: float, ut: float, mw: float, mt: float, k: float) -> Slope:
@@ -108,7 +113,7 @@ def disc_strip(law: int, uw: float, ut: float, mw: float, mt: float, k: float) -
         cross = mw * dq * uw * ut
         return mw * q * uw, mw * q * ut, mw * (q + dq * uw * uw), cross, cross, mw * (q + dq * ut * ut)
     p, share, slope = spun(law, mt / mw, k * np.abs(uw), k * s)
-    q, dq = k * share / p, k * k * k * (slope - share / p) / (p * p)
+    q, dq = through(p, share, slope, k)
     z = mt / (mw * q)
     cross = dq * uw * z
     slope = mw * (q + dq * uw * uw - cross * cross / (q + dq * z * z))
