@@ -40,23 +40,26 @@ def at_crossings(
 ) -> list[Screened]:
     """Entries of candidates that say a line, with starts on the lines that the residual points to.
 
-    Each start is the best of several, as simulated, on its line.
+    Each start is the best of several, as simulated, on its line; the best line comes first, and what it takes
+    off is promised.
     """
     entries = [e for e in screening.entries if e.stands_alone and len(e.structure[0].near)]
     found = lines(before.view, before.fit) if entries else np.zeros((0, 2))
     shifts = np.array([-1.0, 0.0, 1.0]) * SETTINGS.crossing_m
     out, base, problem = [], before.fit, before.view.rough()
+    off = np.sum(problem.residuals([base.effects], [base.trials])[0] ** 2) if len(found) else 0.0
     for entry in entries:
-        starts: list[Array] = []
         candidate = entry.structure[0]
+        best: list[tuple[float, Array]] = []
         for offset, direction in found:
             rows = np.concatenate([candidate.on_line(offset + shift, direction) for shift in shifts])
             points = [(*base.effects, candidate.build(x)) for x in rows]
             squares = [float(np.sum(r**2)) for r in in_parts(problem, points, base.trials, overdue)]
             if squares:
-                starts.append(rows[int(np.argmin(squares))])
-        if starts:
-            out.append(replace(entry, starts=tuple(starts)))
+                best.append((min(squares), rows[int(np.argmin(squares))]))
+        if best:
+            best.sort(key=lambda row: row[0])
+            out.append(replace(entry, starts=tuple(x for _, x in best), promise=float(off) - best[0][0]))
     return out
 
 

@@ -19,9 +19,11 @@ from slipmargin.effects import AnyEffect
 
 #: Forward-difference step in units of a parameter's scale: large against the integrator's error.
 STEP = 0.05
-_ITERATIONS = 12
+#: At most so many steps: the edges of a patch of floor, which a run feels or not, took up to thirty.
+_ITERATIONS = 30
 _ENOUGH = 1e-4  #: relative decrease of the cost at which a fit has converged
-_FAIR = 2  #: steps that a fit is given before it may be given up
+_FAIR = 2  #: steps that a fit is given before it may be given up …
+_USUAL = 12  #: … and within which most fits converge: by then it must be in reach of what it is to beat
 
 
 class Residuals(Protocol):
@@ -163,7 +165,8 @@ def fit(
     iterations : int
         At most so many Gauss–Newton steps.
     give_up_above : float
-        Stop where the cost would stay above this even if every step left took off as much as the last.
+        Stop where the cost would stay above this even if every step that fits usually take were as good as
+        the last.
     expired : callable
         Whether to stop after the step that was made.
 
@@ -185,7 +188,7 @@ def fit(
         x, new, damping, tried = better
         spent += tried + len(x)
         left = float(np.sum(new**2)) / cost
-        given_up = step >= _FAIR and cost * left ** (iterations - step) > give_up_above
+        given_up = step >= _FAIR and cost * left ** max(1, _USUAL - step) > give_up_above
         if given_up or 1.0 - left < _ENOUGH or expired():
             iterations = step + 1  # one last Jacobian where it stands
         residual, jacobian = _linearise(problem, structure, x, trials, new)
@@ -197,7 +200,7 @@ def fit(
 
 
 #: Dampings tried when the first step goes uphill, as multiples of the current one.
-_LADDER = (1e2, 1e4, 1e6)
+_LADDER = (1e1, 1e2, 1e4, 1e6)
 
 
 def _improve(

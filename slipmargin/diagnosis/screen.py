@@ -12,7 +12,7 @@ go through all of it, and the largest gain of any candidate from them is what ch
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import final
 
@@ -79,6 +79,17 @@ class Screening:
     def share(self, entry: Screened) -> float:
         """Share of the sum of squares that an entry takes off."""
         return entry.gain / max(self.total, 1e-300)
+
+    def with_better(self, found: Sequence[Screened]) -> Screening:
+        """The list in which an entry that promises more by what was ``found`` for it starts there first."""
+        better = {e.label: e for e in found}
+        entries = (
+            replace(e, promise=new.promise, starts=(new.starts[0], *e.starts))
+            if (new := better.get(e.label)) is not None and new.promise > e.promise
+            else e
+            for e in self.entries
+        )
+        return replace(self, entries=tuple(entries))
 
     def p_value(self, share: float) -> float:
         """Probability that noise alone gives the best of the whole list this share of the sum of squares."""

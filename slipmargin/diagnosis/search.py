@@ -274,6 +274,8 @@ def take_step(
     if not worth and (before.structure or before.chi <= SETTINGS.noise_chi):
         return nothing
     screening = as_simulated(before, screening, lambda: progress.overdue)
+    crossed = [] if before.structure else at_crossings(before, screening, lambda: progress.overdue)
+    screening = screening.with_better(crossed)
     chosen = finalists(screening, many)
     fewest = 1 if before.structure else SETTINGS.fewest_fitted
     tried = _fitted_in_turn(before, chosen, (), runs, progress, fewest)
@@ -284,7 +286,6 @@ def take_step(
     # explains part of what is left is followed by a round of its own.
     if not before.structure and (not best.named or worthwhile(best, SETTINGS.floor_chi)):
         progress("a few steps of other names", 0.2)
-        crossed = at_crossings(before, screening, lambda: progress.expired)
         others = other_names(screening, [*chosen, *crossed], SETTINGS.contenders)
         names = after_steps(before, [*crossed, *others], lambda: progress.expired)[:many]
         forms = of_other_variables(screening, chosen, many)
