@@ -10,18 +10,22 @@ from planting import Plant, planted, smooth_kiwi
 
 from slipmargin.data.data_set import DataSet
 from slipmargin.diagnosis.candidate import named_candidates
-from slipmargin.diagnosis.crossings import lines
+from slipmargin.diagnosis.crossings import at_crossings, lines
 from slipmargin.diagnosis.fit import evaluate
-from slipmargin.diagnosis.loop import diagnose
+from slipmargin.diagnosis.loop import diagnose, no_progress
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.refits import fitted
 from slipmargin.diagnosis.result import Verdict
+from slipmargin.diagnosis.search import screened
 from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
 from slipmargin.effects.floor_patch import FloorPatch
 from slipmargin.effects.floor_seam import FloorSeam
 
 SIGMA = np.array([5e-4, 5e-4, 2e-3])
+EVERY = np.arange(8)
 SEAM = FloorSeam(height_m=0.012, offset_m=-0.11, direction_rad=1.33, width_m=0.05)
 
 
@@ -38,7 +42,7 @@ def problem(data: DataSet) -> Problem:
 
 
 def found(of: Problem) -> np.ndarray:
-    return lines(of, evaluate(of, (), np.zeros(0), np.arange(8)))
+    return lines(of, evaluate(of, (), np.zeros(0), EVERY))
 
 
 def test_the_line_that_wheels_cross_is_among_the_first(crossed: DataSet) -> None:
@@ -74,6 +78,33 @@ def test_fits_start_on_a_line_as_ridge_and_as_groove() -> None:
     assert {tuple(row) for row in rows[:, 1:3]} == {(0.4, 1.2)}
     assert set(np.sign(rows[:, 0])) == {1.0, -1.0} and len(set(rows[:, 3])) == 2
     assert not len(next(c for c in named_candidates(("1",), False, ()) if c.name == FloorPatch.name).near)
+
+
+def test_the_first_list_knows_what_a_ridge_on_the_best_line_takes_off(crossed: DataSet) -> None:
+    """With little time a ridge was never simulated where it is: fits of all that it is not came first."""
+    at = problem(crossed)
+    own = named_candidates(at.nominal.geometry.names, False, (), {"position": 0.5, "time": 2.5, "body": 0.2})
+    before = fitted(at, (), np.zeros(0), EVERY, EVERY.tolist())
+    plain = screened(before, EVERY.tolist(), own, 0, Watch(report=no_progress))
+    (ridge,) = at_crossings(before, plain)
+    squares = [np.sum(at.residuals([(ridge.structure[0].build(x),)], [EVERY])[0] ** 2) for x in ridge.starts]
+    assert squares == sorted(squares)
+    assert ridge.promise == pytest.approx(before.fit.cost - squares[0], rel=1e-6)
+    merged = plain.with_better([ridge])
+    (first,) = (e for e in merged.entries if e.label == ridge.label)
+    assert first.promise == ridge.promise > 0.5 * before.fit.cost
+    assert np.array_equal(first.starts[0], ridge.starts[0])
+    names = [e for e in merged.entries if e.stands_alone and e.named]
+    assert max(names, key=lambda e: e.promise) is first
+
+
+def test_what_promises_less_changes_nothing(crossed: DataSet) -> None:
+    at = problem(crossed)
+    before = fitted(at, (), np.zeros(0), EVERY, EVERY.tolist())
+    own = [c for c in named_candidates(at.nominal.geometry.names, False, ()) if c.name == "floor_nap"]
+    plain = screened(before, EVERY.tolist(), own, 0, Watch(report=no_progress))
+    worse = [replace(e, promise=e.promise - 1.0) for e in plain.entries]
+    assert plain.with_better(worse).entries == plain.entries
 
 
 def test_a_narrow_ridge_is_found(crossed: DataSet) -> None:

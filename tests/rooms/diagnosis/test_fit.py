@@ -78,6 +78,32 @@ def test_bounds_hold_and_are_said() -> None:
     assert found.at_bound() == ["camera_scale.scale_x"]
 
 
+class Valley(Line):
+    """A narrow valley b = a² whose floor falls towards a = 0.4: a tangent holds for a short step only."""
+
+    def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
+        out = []
+        for made, rows in zip(effects, trials, strict=True):
+            (effect,) = made
+            assert isinstance(effect, CameraScale)
+            a, b = effect.scale_x - 1.0, effect.scale_y - 1.0
+            out.append(np.tile([3e3 * (b - a * a), 1e2 * (a - 0.4)], (len(rows), 1)))
+        return out
+
+
+def test_a_fit_follows_a_narrow_valley_to_its_end() -> None:
+    """A patch of floor was given up after twelve steps, most of them short: it had thirty to go."""
+    found = fit(Valley((0.0, 0.0), 0.0, 0), (candidate(CameraScale),), np.array([0.6, 1.16]), EVERY)
+    np.testing.assert_allclose(found.x - 1.0, [0.4, 0.16], atol=1e-3)
+
+
+def test_what_is_out_of_reach_after_the_usual_steps_is_given_up() -> None:
+    valley = Valley((0.0, 0.0), 0.0, 0)
+    start, known = np.array([0.6, 1.16]), (candidate(CameraScale),)
+    done = fit(valley, known, start, EVERY)
+    assert fit(valley, known, start, EVERY, give_up_above=1.0).evaluations < 0.6 * done.evaluations
+
+
 def test_a_tangent_promises_what_a_linear_fit_gains() -> None:
     problem = Line((0.2, -0.1), 0.05, 7)
     base = evaluate(problem, (), np.zeros(0), EVERY)
