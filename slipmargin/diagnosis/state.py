@@ -66,7 +66,7 @@ def explained(before: State, after: State) -> float:
 
 
 def choose(tried: Sequence[State]) -> State:
-    """Of those as good as the best: with names, not stuck at a bound, fewest effects, then the least error.
+    """Of those as good as the best: with names not stuck at a bound, fewest effects, then the least error.
 
     Of two forms of the same effects that are as good as each other, and of two names whose errors do not
     differ beyond the spread of the runs or the worth of their parameters, the one with fewer parameters is
@@ -80,8 +80,12 @@ def choose(tried: Sequence[State]) -> State:
 
 
 def _kind(state: State) -> tuple[bool, bool, int]:
-    """What counts before the error: names, no parameter at a bound, few effects."""
-    return not state.named, bool(state.fit.at_bound()), len(state.structure)
+    """What counts before the error: names that stand, no parameter at a bound, few effects.
+
+    A name with a parameter at a bound stands for something else, and is not reported as that name.
+    """
+    stuck = bool(state.fit.at_bound())
+    return stuck or not state.named, stuck, len(state.structure)
 
 
 def _simpler(chosen: State, good: Sequence[State]) -> State:

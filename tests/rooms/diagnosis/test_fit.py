@@ -329,6 +329,17 @@ def test_of_equal_explanations_the_named_and_simple_one_is_chosen() -> None:
     assert choose([state((unnamed,), 1.00), state((one,), 1.20)]).structure == (unnamed,)
 
 
+def test_a_name_stuck_at_a_bound_is_no_name() -> None:
+    """A constant twist was called a resistance whose share of yaw stood at its most, so unnamed_velocity."""
+    scale = candidate(CameraScale)
+    form = replace(candidate(CameraRotation), name="unnamed_constant_force", named=False)
+    stuck = state((scale,), 1.00)
+    stuck = replace(stuck, fit=replace(stuck.fit, x=np.array([2.0, 1.0])))
+    assert stuck.fit.at_bound() and choose([stuck, state((form,), 1.01)]).structure == (form,)
+    assert choose([state((scale,), 1.00), state((form,), 1.01)]).structure == (scale,)
+    assert choose([stuck, state((form,), 1.20)]).structure == (scale,), "where no form is as good"
+
+
 def test_of_two_names_that_the_runs_do_not_tell_apart_the_one_with_fewer_parameters_is_meant() -> None:
     problem = Line((0.2, 0.0), 0.01, 3)
 
