@@ -20,7 +20,7 @@ NUMERICS = {
     "data/wheel_signals.py": {"_TURN"},
     "diagnosis/crossings.py": {"_FLAT", "_DIRECTIONS", "_MOST"},
     "diagnosis/other_floor.py": {"_FRICTIONS", "_NEAREST"},
-    "diagnosis/fit.py": {"STEP", "_ITERATIONS", "_ENOUGH", "_FAIR", "_LADDER"},
+    "diagnosis/fit.py": {"STEP", "_ITERATIONS", "_ENOUGH", "_FAIR", "_LADDER", "_USUAL"},
     "diagnosis/forms.py": {"_NEIGHBOURS", "_LARGEST"},
     "diagnosis/left_out.py": {"_HALF"},
     "diagnosis/limits_change.py": {"_ORIENTATIONS", "_DIRECTIONS"},
