@@ -183,6 +183,7 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
                 failures=failures,
                 chi_before=judgement.chi_before,
                 chi_after=judgement.chi_after,
+                borne_out=not judgement.failures + astray,
             )
         )
         return None

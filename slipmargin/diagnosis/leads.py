@@ -95,7 +95,8 @@ def leads(
 ) -> tuple[Lead, ...]:
     """What to look at next, best first.
 
-    First what the map supports, then what repeats with a wheel's angle, then what fits the searched runs
+    First what runs that nothing has seen bear out and is not claimed for another reason, then what the map
+    supports, then what repeats with a wheel's angle, then what fits the searched runs
     best beside what was ``found``, in the round that began with it (``last``), and where there is nothing of
     all that the best there is, said to be weak.  What was found is no lead.
     """
@@ -108,6 +109,8 @@ def leads(
         if row.fitted:
             fits.setdefault(row.trace, row.label)
     refused = {label: r for r in rejected for label in r.labels}
+    alone = [r for r in rejected if len(r.labels) == 1 and r.borne_out and not found]
+    borne_out = {r.labels[0]: r for r in alone}
     made: list[Lead] = []
 
     def add(lead: Lead) -> None:
@@ -118,6 +121,24 @@ def leads(
         row = best.get(entry.traced_to)
         return (False, 0.0) if row is None else (row.hurts, -row.gain)
 
+    def of_fit(row: Followed) -> Lead:
+        no = borne_out.get(row.label) or refused.get(row.label)
+        source = LeadSource.FIT if no is None else LeadSource.REJECTED
+        by = f"by {100.0 * (1.0 - np.sqrt(1.0 - row.share)):.0f} % on the runs it was searched with"
+        if no is not None and row.label in borne_out:
+            source = LeadSource.BORNE_OUT
+            by = f"on runs it was not fitted to from {no.chi_before:.3g} to {no.chi_after:.3g}"
+        return Lead(
+            traced_to=row.trace,
+            source=source,
+            why=f"`{row.label}` lowers chi {by}" + ("" if no is None else f"; not claimed: {no.failures[0]}"),
+            next_run=TRIALS[row.trace],
+            candidate=row.label,
+        )
+
+    for row in rows:
+        if row.fitted and row.label in borne_out:
+            add(of_fit(row))
     for entry in sorted(entries, key=place):
         no = refused.get(entry.form)
         if entry.supported and not (no is not None and no.chi_after >= no.chi_before):
@@ -148,17 +169,7 @@ def leads(
     for row in rows:
         if not row.fitted or row.hurts or row.share < _least_share():
             continue
-        no = refused.get(row.label)
-        add(
-            Lead(
-                traced_to=row.trace,
-                source=LeadSource.FIT if no is None else LeadSource.REJECTED,
-                why=f"`{row.label}` lowers chi by {100.0 * (1.0 - np.sqrt(1.0 - row.share)):.0f} % on the "
-                "runs it was searched with" + ("" if no is None else f"; not claimed: {no.failures[0]}"),
-                next_run=TRIALS[row.trace],
-                candidate=row.label,
-            )
-        )
+        add(of_fit(row))
     if not made and entries:
         entry = max(entries, key=lambda e: e.share)
         add(

@@ -99,6 +99,7 @@ class LeadSource(Enum):
     MAP = "map"  #: the residual of left-out runs follows the variable
     ORDER = "order"  #: the residual is periodic in a wheel's angle
     FIT = "fit"  #: a candidate over the variable fits the searched runs best, nothing more
+    BORNE_OUT = "borne-out"  #: runs that it had not seen bear it out, but its own parameters do not
     REJECTED = "rejected"  #: it was fitted and not borne out by runs that it had not seen
 
 
@@ -129,12 +130,17 @@ class Lead:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rejected:
-    """A structure that was proposed and is not claimed: its labels, why, and chi without and with it."""
+    """A structure that was proposed and is not claimed: its labels, why, and chi without and with it.
+
+    ``borne_out``: runs that nothing has seen are predicted better with it, and yet its own parameters do not
+    carry it.
+    """
 
     labels: tuple[str, ...]
     failures: tuple[str, ...]
     chi_before: float
     chi_after: float
+    borne_out: bool = False
 
 
 @final

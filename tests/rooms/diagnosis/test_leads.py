@@ -18,7 +18,7 @@ from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import Periodicity
 from slipmargin.diagnosis.refits import fitted
-from slipmargin.diagnosis.result import LeadSource
+from slipmargin.diagnosis.result import LeadSource, Rejected
 from slipmargin.diagnosis.screen import Screening
 from slipmargin.diagnosis.search import Round, screened
 from slipmargin.diagnosis.settings import SETTINGS
@@ -133,3 +133,26 @@ def test_where_nothing_stands_out_the_nearest_is_given_and_said_to_be_weak() -> 
     faint = MapEntry(traced_to=Trace.POSITION, form="floor_patch", share=0.05, p_value=0.3)
     [lead] = leads([replace(faint, traced_to=Trace.TIME, share=0.01), faint], (), None, (), ())
     assert lead.traced_to is Trace.POSITION and lead.why.startswith("weak")
+
+
+def test_what_unseen_runs_bear_out_comes_first(state: State) -> None:
+    listed = {c.label: c for c in named_candidates(("1", "2", "3"), False, ())}
+
+    def tried(label: str, score: float) -> State:
+        return replace(
+            state, fit=replace(state.fit, structure=(listed[label],)), scores=np.full(len(state.scores), score)
+        )
+
+    nothing = Screening(entries=(), total=1.0, chance=np.zeros(199))
+    fits = (tried("floor_nap", 3.0), tried("floor_tilt", 5.0))
+    before = replace(state, scores=np.full(len(state.scores), 10.0))
+    last = Round(before=before, screening=nothing, tried=fits, best=None, taken=False)
+    idle = "the runs leave it open that floor_tilt does nothing"
+    no = Rejected(labels=("floor_tilt",), failures=(idle,), chi_before=2.0, chi_after=1.2, borne_out=True)
+    first = leads((), (), last, (no,), ())[0]
+    assert first.candidate == "floor_tilt" and first.source is LeadSource.BORNE_OUT
+    assert first.why.endswith(f"from 2 to 1.2; not claimed: {idle}")
+    # beside another effect, or where something was found, that is no evidence of its own
+    for others in ((replace(no, labels=("floor_nap", "floor_tilt")),), (replace(no, borne_out=False),)):
+        assert leads((), (), last, others, ())[0].candidate == "floor_nap"
+    assert leads((), (), last, (no,), (Trace.TIME,))[0].candidate == "floor_nap"
