@@ -121,9 +121,9 @@ class Candidate:
         """Number of parameters P."""
         return len(self.keys)
 
-    def on_line(self, offset_m: float, direction_rad: float) -> Array:
-        """Where fits start (Q, P) on a line of the floor: its distance from the origin and its normal."""
-        rows = self.near.copy()
+    def on_line(self, near: Array, offset_m: float, direction_rad: float) -> Array:
+        """The parameters ``near`` (Q, P) on a line: its distance from the floor's origin and its normal."""
+        rows = near.copy()
         rows[:, [self.keys.index(key) for key in LINE]] = offset_m, direction_rad
         return rows
 

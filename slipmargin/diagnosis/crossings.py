@@ -1,37 +1,44 @@
-"""Lines of the floor at which the motion changes as it would on a narrow ridge: where one may lie.
+"""Lines of the floor at which the motion changes as it would on a ridge or a ramp: where one may lie.
 
-A narrow ridge answers a tangent only where it is, and there are thousands of places for it.  But each wheel
-that crosses it is held back and pushed on again, in every run, on one line.  So no line is simulated: the
-body's velocity that the model does not predict is compared with what a ridge on each of many lines would do
-to it (a matched filter), and fits start on the best of these lines.
+A narrow ridge or a short ramp answers a tangent only where it is, and there are thousands of places for it.
+But each wheel that crosses it is pushed, in every run, on one line.  So no line is simulated: the body's
+velocity that the model does not predict is compared with what a relief on each of many lines would do to it
+(a matched filter), and fits start on the best of these lines.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.data.odometry import body_velocity, bridged
+from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit
 from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.promise import misfit_of
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.tangents import in_parts
-from slipmargin.physics import frames, relief
+from slipmargin.physics import frames
 from slipmargin.physics.compiled import kernel, twin
+from slipmargin.physics.relief import RAMP, Profile, Relief, beyond, rise
 
-_RIDGE = relief.RIDGE
-_beyond, _rise, _to_body = twin(relief.beyond), twin(relief.rise), twin(frames.to_body)
+_rise = twin(rise)
 #: So many widths to either side a ridge is flat: 2^−16 of its height.
 _FLAT = 2.0
+#: A ramp is level so many widths of its edges beyond them: to 5e-5 of its slope.
+_EDGES = 10.0
+#: Lines lie so far apart, and fits start so far to either side, in extents: less than half a ridge.
+_SHIFT = 1.0 / 3.0
 #: Directions of the normals: every five degrees of half a turn.
 _DIRECTIONS = np.arange(36) * np.pi / 36.0
-#: At most so many lines a direction: over more than 16 m they lie farther apart.
+#: At most so many lines a direction: over more than some ten metres they lie farther apart.
 _MOST = 800
 
 
@@ -44,89 +51,118 @@ def at_crossings(
     off is promised.
     """
     entries = [e for e in screening.entries if e.stands_alone and len(e.structure[0].near)]
-    found = lines(before.view, before.fit) if entries else np.zeros((0, 2))
-    shifts = np.array([-1.0, 0.0, 1.0]) * SETTINGS.crossing_m
-    out, base, problem = [], before.fit, before.view.rough()
-    off = np.sum(problem.residuals([base.effects], [base.trials])[0] ** 2) if len(found) else 0.0
+    if not entries:
+        return []
+    base, problem = before.fit, before.view.rough()
+    known = problem.residuals([base.effects], [base.trials])[0]
+    off, misfit = float(np.sum(known**2)), misfit_of(known)
+    out = []
     for entry in entries:
         candidate = entry.structure[0]
         best: list[tuple[float, Array]] = []
-        for offset, direction in found:
-            rows = np.concatenate([candidate.on_line(offset + shift, direction) for shift in shifts])
-            points = [(*base.effects, candidate.build(x)) for x in rows]
-            squares = [float(np.sum(r**2)) for r in in_parts(problem, points, base.trials, overdue)]
-            if squares:
-                best.append((min(squares), rows[int(np.argmin(squares))]))
+        shapes = _shapes(before.view, candidate)
+        for relief, own in shapes:
+            for offset, direction in lines(before.view, base, relief, SETTINGS.crossings // len(shapes)):
+                rows = np.concatenate(
+                    [
+                        candidate.on_line(own, offset + shift * relief.extent_m, direction)
+                        for shift in (-_SHIFT, 0.0, _SHIFT)
+                    ]
+                )
+                points = [(*base.effects, candidate.build(x)) for x in rows]
+                squares = [float(np.sum(r**2)) for r in in_parts(problem, points, base.trials, overdue)]
+                if squares:
+                    best.append((min(squares), rows[int(np.argmin(squares))]))
         if best:
             best.sort(key=lambda row: row[0])
-            out.append(replace(entry, starts=tuple(x for _, x in best), promise=float(off) - best[0][0]))
+            promise = off - best[0][0] - 2.0 * misfit * candidate.size
+            out.append(replace(entry, starts=tuple(x for _, x in best), promise=promise))
     return out
 
 
-def lines(problem: Problem, base: Fit) -> Array:
-    """Lines (L, 2) at which the motion that ``base`` leaves changes as on a ridge: offset [m], normal [rad].
+def _shapes(problem: Problem, candidate: Candidate) -> list[tuple[Relief, Array]]:
+    """The reliefs that a candidate starts with on a line, and its parameters (Q, P) for each extent."""
+    found: dict[tuple[Profile, float], tuple[Relief, list[Array]]] = {}
+    for x in candidate.near:
+        relief = problem.model((candidate.build(x),)).external.reliefs[-1]
+        found.setdefault((relief.profile, relief.extent_m), (relief, []))[1].append(x)
+    return [(relief, np.array(rows)) for relief, rows in found.values()]
 
-    The one whose ridge takes most off the squared velocity comes first.
+
+def lines(problem: Problem, base: Fit, relief: Relief, most: int) -> Array:
+    """Lines (L, 2) at which the motion that ``base`` leaves changes: offset [m] and normal [rad].
+
+    ``most`` lines at most; the one whose ``relief`` takes most off the squared velocity comes first.
     """
     model = problem.model(base.effects)
     arms = np.column_stack([model.geometry.position_m - model.inertia.com_m, model.loads.rest_N])
     memory = SETTINGS.probe_memory_s
-    every = max(1, int(SETTINGS.crossing_step_s / problem.step_s))
-    ends, poses, rates = _left_over(problem, base, every)
-    if not len(poses):
+    left = _left_over(problem, base, SETTINGS.crossing_step_s_per_m * relief.extent_m)
+    if not len(left.poses):
         return np.zeros((0, 2))
     arm = float(np.hypot(*arms[:, :2].T).max())
-    along = poses[:, :2] @ [np.cos(_DIRECTIONS), np.sin(_DIRECTIONS)]
-    low, high = along.min(axis=0) - arm, along.max(axis=0) + arm
-    many = int(np.clip(np.max(high - low) / SETTINGS.crossing_m, 2, _MOST))
-    tried = np.stack([np.linspace(low, high, many), np.tile(_DIRECTIONS, (many, 1))], axis=-1).reshape(-1, 2)
-    products = np.zeros((len(tried), 2))
-    keep = float(np.exp(-problem.step_s * every / memory))
+    heading, ahead = left.poses[:, 2], (np.cos(_DIRECTIONS)[:, None], np.sin(_DIRECTIONS)[:, None])
+    normals = np.stack(frames.to_body(heading, *ahead), axis=-1)
+    far = beyond(0.0, _DIRECTIONS[:, None], left.poses[:, 0], left.poses[:, 1])
+    low, high = far.min(axis=1) - arm, far.max(axis=1) + arm
+    many = int(np.clip(np.max(high - low) / (_SHIFT * relief.extent_m), 2, _MOST))
+    offsets = np.linspace(low, high, many, axis=1)
+    keep = float(np.exp(-left.step_s / memory))
     per_push = memory / model.inertia.diagonal / problem.sigma
-    _compared(tried, SETTINGS.crossing_width_m, ends, poses, rates, arms, per_push, keep, products)
-    pulls, squares = products.T
+    shape = int(relief.profile), float(relief.extent_m), float(relief.edge_m)
+    pulls, squares = np.zeros_like(offsets), np.zeros_like(offsets)
+    _compared(offsets, *shape, far, normals, left.ends, left.rates, arms, per_push, keep, pulls, squares)
     gains = pulls**2 / np.maximum(squares + SETTINGS.crossing_touched * squares.max(), 1e-300)
     kept: list[tuple[float, float]] = []
-    for offset, direction in tried[np.argsort(-gains, kind="stable")].tolist():
-        if not any(_same(offset, direction, *other) for other in kept):
-            kept.append((offset, direction))
-        if len(kept) == SETTINGS.crossings:
+    for k in np.argsort(-gains, axis=None, kind="stable").tolist():
+        line = float(offsets.flat[k]), float(_DIRECTIONS[k // many])
+        if not any(_same(*line, *other) for other in kept):
+            kept.append(line)
+        if len(kept) == most:
             break
     return np.array(kept)
 
 
 @kernel
 def _compared(
-    lines: Any,
-    width: float,
+    offsets: Any,
+    profile: int,
+    extent: float,
+    edge: float,
+    far: Any,
+    normals: Any,
     ends: Any,
-    poses: Any,
     rates: Any,
     arms: Any,
     per_push: Any,
     keep: float,
-    out: Any,
+    pulls: Any,
+    squares: Any,
 ) -> None:
-    """Products of what a ridge 1 m high and ``width`` wide on each line (L, 2) does to the body's velocity.
+    """Products of what a relief of size 1 on each line does to the body's velocity.
 
-    Into ``out`` (L, 2): with the velocities ``rates`` (T, 3) at ``poses`` (T, 3), and with itself.  ``ends``
-    (R + 1): where runs begin in these; ``arms`` (N, 3): each wheel's place from the centre of mass and load;
-    ``per_push`` (3,): velocity, over its noise, that a lasting unit of force or moment leads to; ``keep``:
-    what is left of a velocity after a step.
+    Lines lie at ``offsets`` (D, O) in each of D directions.  Into ``pulls`` (D, O): with the velocities
+    ``rates`` (T, 3); into ``squares`` (D, O): with itself.  ``far`` (D, T): how far the centre of mass lies
+    in each direction; ``normals`` (D, T, 2): the direction as the body sees it; ``ends`` (R + 1): where runs
+    begin in these; ``arms`` (N, 3): each wheel's place from the centre of mass and load; ``per_push`` (3,):
+    velocity, over its noise, that a lasting unit of force or moment leads to; ``keep``: what is left of a
+    velocity after a step.
     """
-    for line in range(len(lines)):
-        offset, direction = lines[line, 0], lines[line, 1]
+    low, high = -_FLAT * extent, _FLAT * extent
+    if profile == RAMP:
+        low, high = -_EDGES * edge, extent + _EDGES * edge
+    for line in range(offsets.size):
+        towards, offset = line // offsets.shape[1], offsets.flat[line]
         pull, square = 0.0, 0.0
         for run in range(len(ends) - 1):
             x, y, turn = 0.0, 0.0, 0.0
             for k in range(ends[run], ends[run + 1]):
-                along_x, along_y = _to_body(poses[k, 2], np.cos(direction), np.sin(direction))
-                middle = _beyond(offset, direction, poses[k, 0], poses[k, 1])
+                along_x, along_y = normals[towards, k, 0], normals[towards, k, 1]
                 force, moment = 0.0, 0.0
                 for w in range(len(arms)):
-                    d = middle + along_x * arms[w, 0] + along_y * arms[w, 1]
-                    if abs(d) < _FLAT * width:
-                        push = -arms[w, 2] * _rise(_RIDGE, 1.0, width, width, d)
+                    d = far[towards, k] - offset + along_x * arms[w, 0] + along_y * arms[w, 1]
+                    if low < d < high:
+                        push = -arms[w, 2] * _rise(profile, 1.0, extent, edge, d)
                         force += push
                         moment += push * (arms[w, 0] * along_y - arms[w, 1] * along_x)
                 x = keep * x + (1.0 - keep) * per_push[0] * force * along_x
@@ -134,7 +170,7 @@ def _compared(
                 turn = keep * turn + (1.0 - keep) * per_push[2] * moment
                 pull += x * rates[k, 0] + y * rates[k, 1] + turn * rates[k, 2]
                 square += x * x + y * y + turn * turn
-        out[line, 0], out[line, 1] = pull, square
+        pulls.flat[line], squares.flat[line] = pull, square
 
 
 def _same(offset: float, direction: float, other: float, towards: float) -> bool:
@@ -144,12 +180,25 @@ def _same(offset: float, direction: float, other: float, towards: float) -> bool
     return turned <= SETTINGS.crossing_same_rad and abs(offset - other) <= SETTINGS.crossing_same_m
 
 
-def _left_over(problem: Problem, base: Fit, every: int) -> tuple[Array, Array, Array]:
-    """Where each run begins (R + 1), poses (T, 3) of the centre of mass, and velocities (T, 3) not predicted.
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _LeftOver:
+    """Velocities that are not predicted.
 
-    These are the body's, over the noise of the pose [1/s]: a heading that went astray does not turn them.
-    One sample of ``every`` is looked at.
+    ``ends`` (R + 1,) says where each run begins in ``poses`` (T, 3) of the centre of mass and in ``rates``
+    (T, 3): the body's velocities, over the noise of the pose [1/s], so that a heading that went astray does
+    not turn them.  Samples lie ``step_s`` apart.
     """
+
+    ends: NDArray[np.int64]
+    poses: Array
+    rates: Array
+    step_s: float
+
+
+def _left_over(problem: Problem, base: Fit, step_s: float) -> _LeftOver:
+    """The velocities that ``base`` does not predict, about every ``step_s``."""
+    every = max(1, int(step_s / problem.step_s))
     whole = replace(problem, piece=None)
     com_m = problem.model(base.effects).inertia.com_m
     half = max(1, round(0.5 * SETTINGS.crossing_s / problem.step_s))
@@ -167,4 +216,9 @@ def _left_over(problem: Problem, base: Fit, every: int) -> tuple[Array, Array, A
         rate = ((there - believed) / problem.sigma)[::every]
         rates.append(np.where(np.isfinite(rate), rate, 0.0))  # a prediction that diverged says nothing
         ends.append(ends[-1] + len(poses[-1]))
-    return np.array(ends), np.concatenate(poses), np.concatenate(rates)
+    return _LeftOver(
+        ends=np.array(ends),
+        poses=np.concatenate(poses),
+        rates=np.concatenate(rates),
+        step_s=problem.step_s * every,
+    )

@@ -57,7 +57,7 @@ def as_simulated(
     ]
     known, *left = in_parts(problem, [base.effects, *effects], base.trials, overdue) or [base.residual]
     off = float(np.sum(known**2))
-    misfit = max(1.0, off / max(1, int(np.count_nonzero(known))))
+    misfit = misfit_of(known)
     found, squares = {}, iter([float(np.sum(r**2)) for r in left])
     for entry, of_entry in zip(asked, points, strict=True):
         own = list(islice(squares, len(of_entry)))
@@ -68,6 +68,11 @@ def as_simulated(
         starts = _elsewhere(entry.structure[0], [entry.starts[0], *best])[: 1 + tried]
         found[entry.label] = replace(entry, promise=promise, starts=starts or entry.starts)
     return replace(screening, entries=tuple(found.get(e.label, e) for e in screening.entries))
+
+
+def misfit_of(residual: Array) -> float:
+    """The mean square of a residual over the noise, 1 at least: what a parameter takes off by chance."""
+    return max(1.0, float(np.sum(residual**2)) / max(1, int(np.count_nonzero(residual))))
 
 
 def after_steps(

@@ -59,14 +59,12 @@ class SearchSettings:
     probe_cells: int = 6
     #: [rad] The play that a probe tries: how long it takes to take it up changes little with its size.
     probe_play_rad: float = 0.03
-    #: [m] Width of the ridge that lines of the floor are compared with: what a wheel makes of a seam.
-    crossing_width_m: float = 0.05
-    #: [m] Such lines lie so far apart, and fits start so far to either side: less than half that ridge.
-    crossing_m: float = 0.02
-    #: [s] The velocity there is taken over so long: what a wheel at 1 m/s needs for that ridge …
+    #: [s] The velocity on lines of the floor is taken over so long: what a wheel at 1 m/s needs for a
+    #: narrow ridge …
     crossing_s: float = 0.06
-    #: [s] … at instants no nearer than this.
-    crossing_step_s: float = 0.01
+    #: [s/m] … at instants no nearer than this times what the line is looked at for is long: a wheel at 1 m/s
+    #: is then seen six times on it.
+    crossing_step_s_per_m: float = 0.16
     #: [rad] Two lines are one if they differ by no more than this in direction, …
     crossing_same_rad: float = 0.26
     #: [m] … and by this in distance: from there a fit reaches the better one.
@@ -74,7 +72,8 @@ class SearchSettings:
     #: [1] A line that wheels hardly touch counts as if they touched it more, by this share of the line that
     #: they touch most: else a single instant of noise would come first.
     crossing_touched: float = 0.02
-    #: [lines] Fits start on so many lines that look most like it: of 18 true ones the last came seventh.
+    #: [lines] Of each candidate so many lines that look most like it are simulated: of 18 true ones the last
+    #: came seventh.
     crossings: int = 12
     #: [starts] So many starts of a named candidate are simulated as they are, for friction that sticks hides
     #: small changes.

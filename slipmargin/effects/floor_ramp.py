@@ -15,6 +15,8 @@ from slipmargin.physics.relief import Profile, Relief
 #: Where fits start: strips over either half of what the runs cover, their lines turned by 45 degrees each.
 _AHEAD = tuple(k * pi / 4.0 for k in range(4))
 _FROM, _LENGTH = (-0.9, 0.0), 0.9
+#: … and on lines that the data point to: slopes [1] that are noticed, short ones to as long as a robot [m].
+_SLOPES, _LENGTHS = (0.03, -0.03), (0.15, 0.3, 0.6)
 
 
 @final
@@ -41,6 +43,7 @@ class FloorRamp(Effect):
             0.003,
             "slope of the strip, up in its direction where positive",
             starts=(0.01,),
+            near=_SLOPES,
         ),
         *line(
             "distance of the line where it begins from the floor's origin, in its direction",
@@ -55,6 +58,7 @@ class FloorRamp(Effect):
             0.02,
             "length of the strip in its direction",
             starts=(_LENGTH,),
+            near=_LENGTHS,
             idle=True,
             along="position",
         ),

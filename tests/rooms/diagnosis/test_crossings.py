@@ -1,4 +1,4 @@
-"""A narrow ridge: the lines at which wheels change the motion lead to it, where no tangent does."""
+"""Narrow ridges, short ramps: lines at which wheels change the motion lead to them, where no tangent does."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from planting import Plant, planted, smooth_kiwi
 
 from slipmargin.data.data_set import DataSet
-from slipmargin.diagnosis.candidate import named_candidates
+from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.crossings import at_crossings, lines
 from slipmargin.diagnosis.fit import evaluate
 from slipmargin.diagnosis.loop import diagnose, no_progress
@@ -22,11 +22,13 @@ from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
 from slipmargin.effects.floor_patch import FloorPatch
+from slipmargin.effects.floor_ramp import FloorRamp
 from slipmargin.effects.floor_seam import FloorSeam
 
 SIGMA = np.array([5e-4, 5e-4, 2e-3])
 EVERY = np.arange(8)
 SEAM = FloorSeam(height_m=0.012, offset_m=-0.11, direction_rad=1.33, width_m=0.05)
+RAMP = FloorRamp(slope_rad=0.07, offset_m=0.06, direction_rad=0.6, length_m=0.18)
 
 
 @pytest.fixture(scope="module")
@@ -36,19 +38,46 @@ def crossed() -> DataSet:
     return made
 
 
+@pytest.fixture(scope="module")
+def ramped() -> DataSet:
+    plant = Plant(name="ramp", traces=(), effects=(RAMP,))
+    made: DataSet = planted(smooth_kiwi(), plant, seed=6, count=8, duration_s=2.5, rate_hz=100.0)
+    return made
+
+
+def candidates_of(at: Problem) -> list[Candidate]:
+    reach = {"position": 0.5, "time": 2.5, "body": 0.2}
+    return named_candidates(at.nominal.geometry.names, False, (), reach)
+
+
 def problem(data: DataSet) -> Problem:
     trials = tuple(clean(record, SIGMA) for record in data.trials)
     return Problem.of(data.recipe, data.surface, trials, SIGMA, False)
 
 
-def found(of: Problem) -> np.ndarray:
-    return lines(of, evaluate(of, (), np.zeros(0), EVERY))
+def found(of: Problem, like: FloorSeam | FloorRamp = SEAM) -> np.ndarray:
+    relief = of.model((like,)).external.reliefs[-1]
+    return lines(of, evaluate(of, (), np.zeros(0), EVERY), relief, SETTINGS.crossings)
 
 
 def test_the_line_that_wheels_cross_is_among_the_first(crossed: DataSet) -> None:
     first = found(problem(crossed))[:3]
     near = (np.abs(first[:, 0] - SEAM.offset_m) <= 0.05) & (np.abs(first[:, 1] - SEAM.direction_rad) <= 0.2)
     assert near.any()
+
+
+def test_a_short_ramp_is_started_where_it_is(ramped: DataSet) -> None:
+    """No start of those that are spread over the floor comes near a strip as short as the robot."""
+    at = problem(ramped)
+    own = [c for c in candidates_of(at) if c.name == "floor_ramp"]
+    before = fitted(at, (), np.zeros(0), EVERY, EVERY.tolist())
+    plain = screened(before, EVERY.tolist(), own, 0, Watch(report=no_progress))
+    (ramp,) = at_crossings(before, plain)
+    slope, offset, direction, length, _ = ramp.starts[0]
+    assert abs(direction - RAMP.direction_rad) <= 0.3 and slope > 0.0
+    assert abs(offset + 0.5 * length - (RAMP.offset_m + 0.5 * RAMP.length_m)) <= 0.1
+    (listed,) = (e for e in plain.entries if e.label == ramp.label)
+    assert ramp.promise > 1.2 * listed.promise
 
 
 def test_no_two_lines_are_the_same_whichever_way_their_normals_point(crossed: DataSet) -> None:
@@ -74,7 +103,7 @@ def test_runs_too_short_for_a_velocity_have_no_lines(crossed: DataSet) -> None:
 
 def test_fits_start_on_a_line_as_ridge_and_as_groove() -> None:
     (seam,) = (c for c in named_candidates(("1", "2", "3"), False, ()) if c.name == "floor_seam")
-    rows = seam.on_line(0.4, 1.2)
+    rows = seam.on_line(seam.near, 0.4, 1.2)
     assert {tuple(row) for row in rows[:, 1:3]} == {(0.4, 1.2)}
     assert set(np.sign(rows[:, 0])) == {1.0, -1.0} and len(set(rows[:, 3])) == 2
     assert not len(next(c for c in named_candidates(("1",), False, ()) if c.name == FloorPatch.name).near)
@@ -83,13 +112,13 @@ def test_fits_start_on_a_line_as_ridge_and_as_groove() -> None:
 def test_the_first_list_knows_what_a_ridge_on_the_best_line_takes_off(crossed: DataSet) -> None:
     """With little time a ridge was never simulated where it is: fits of all that it is not came first."""
     at = problem(crossed)
-    own = named_candidates(at.nominal.geometry.names, False, (), {"position": 0.5, "time": 2.5, "body": 0.2})
     before = fitted(at, (), np.zeros(0), EVERY, EVERY.tolist())
-    plain = screened(before, EVERY.tolist(), own, 0, Watch(report=no_progress))
-    (ridge,) = at_crossings(before, plain)
+    plain = screened(before, EVERY.tolist(), candidates_of(at), 0, Watch(report=no_progress))
+    (ridge,) = (e for e in at_crossings(before, plain) if e.label == "floor_seam")
     squares = [np.sum(at.residuals([(ridge.structure[0].build(x),)], [EVERY])[0] ** 2) for x in ridge.starts]
     assert squares == sorted(squares)
-    assert ridge.promise == pytest.approx(before.fit.cost - squares[0], rel=1e-6)
+    noise = 2.0 * ridge.structure[0].size * max(1.0, before.chi**2)
+    assert ridge.promise == pytest.approx(before.fit.cost - squares[0] - noise, rel=1e-3)
     merged = plain.with_better([ridge])
     (first,) = (e for e in merged.entries if e.label == ridge.label)
     assert first.promise == ridge.promise > 0.5 * before.fit.cost

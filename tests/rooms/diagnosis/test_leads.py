@@ -140,7 +140,9 @@ def test_what_unseen_runs_bear_out_comes_first(state: State) -> None:
 
     def tried(label: str, score: float) -> State:
         return replace(
-            state, fit=replace(state.fit, structure=(listed[label],)), scores=np.full(len(state.scores), score)
+            state,
+            fit=replace(state.fit, structure=(listed[label],)),
+            scores=np.full(len(state.scores), score),
         )
 
     nothing = Screening(entries=(), total=1.0, chance=np.zeros(199))

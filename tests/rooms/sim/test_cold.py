@@ -46,7 +46,8 @@ effects = (
     RollingResistance(coefficient=0.02, viscous_N_s_per_m=0.3),
 )
 digest = sha256()
-for law in (Stribeck(dynamic_ratio=0.8, stribeck_speed_m_s=0.02), SlipRatioFriction(share=0.3, steepness=20.0)):
+creep = SlipRatioFriction(share=0.3, steepness=20.0)
+for law in (Stribeck(dynamic_ratio=0.8, stribeck_speed_m_s=0.02), creep):
     model = with_effects(paper_model("paper", improved=True), (*effects, law))
     for rtol in (1e-4, 1e-6):
         run = simulate(model, command(FOUND.angles_rad), np.linspace(0.0, STILL_S, 400), rtol=rtol)
