@@ -34,8 +34,6 @@ _rise = twin(rise)
 _FLAT = 2.0
 #: A ramp is level so many widths of its edges beyond them: to 5e-5 of its slope.
 _EDGES = 10.0
-#: Lines lie so far apart, and fits start so far to either side, in extents: less than half a ridge.
-_SHIFT = 1.0 / 3.0
 #: Directions of the normals: every five degrees of half a turn.
 _DIRECTIONS = np.arange(36) * np.pi / 36.0
 #: At most so many lines a direction: over more than some ten metres they lie farther apart.
@@ -62,12 +60,10 @@ def at_crossings(
         best: list[tuple[float, Array]] = []
         shapes = _shapes(before.view, candidate)
         for relief, own in shapes:
+            apart = SETTINGS.crossing_apart * relief.extent_m
             for offset, direction in lines(before.view, base, relief, SETTINGS.crossings // len(shapes)):
                 rows = np.concatenate(
-                    [
-                        candidate.on_line(own, offset + shift * relief.extent_m, direction)
-                        for shift in (-_SHIFT, 0.0, _SHIFT)
-                    ]
+                    [candidate.on_line(own, offset + shift, direction) for shift in (-apart, 0.0, apart)]
                 )
                 points = [(*base.effects, candidate.build(x)) for x in rows]
                 squares = [float(np.sum(r**2)) for r in in_parts(problem, points, base.trials, overdue)]
@@ -105,7 +101,7 @@ def lines(problem: Problem, base: Fit, relief: Relief, most: int) -> Array:
     normals = np.stack(frames.to_body(heading, *ahead), axis=-1)
     far = beyond(0.0, _DIRECTIONS[:, None], left.poses[:, 0], left.poses[:, 1])
     low, high = far.min(axis=1) - arm, far.max(axis=1) + arm
-    many = int(np.clip(np.max(high - low) / (_SHIFT * relief.extent_m), 2, _MOST))
+    many = int(np.clip(np.max(high - low) / (SETTINGS.crossing_apart * relief.extent_m), 2, _MOST))
     offsets = np.linspace(low, high, many, axis=1)
     keep = float(np.exp(-left.step_s / memory))
     per_push = memory / model.inertia.diagonal / problem.sigma

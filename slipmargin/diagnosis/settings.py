@@ -59,7 +59,10 @@ class SearchSettings:
     probe_cells: int = 6
     #: [rad] The play that a probe tries: how long it takes to take it up changes little with its size.
     probe_play_rad: float = 0.03
-    #: [s] The velocity on lines of the floor is taken over so long: what a wheel at 1 m/s needs for a
+    #: [1] Lines of the floor lie so far apart, and fits start so far to either side, as a share of a ridge's
+    #: width or of a ramp's length: less than half of it.
+    crossing_apart: float = 1.0 / 3.0
+    #: [s] The velocity on such lines is taken over so long: what a wheel at 1 m/s needs for a
     #: narrow ridge …
     crossing_s: float = 0.06
     #: [s/m] … at instants no nearer than this times what the line is looked at for is long: a wheel at 1 m/s
