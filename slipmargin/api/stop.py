@@ -63,9 +63,19 @@ class StopResult(Result):
             for cause, wheels in both
         )
 
+    @property
+    def longest(self) -> int:
+        """Row of the longest stop from the highest speed; of several within a nanometre the first."""
+        return int(np.argmax(np.round(self.distance_m[:, -1], 9)))
+
+    @property
+    def shortest(self) -> int:
+        """Row of the shortest stop from the highest speed; of several within a nanometre the first."""
+        return int(np.argmin(np.round(self.distance_m[:, -1], 9)))
+
     def summary(self) -> str:
         """The longest stop from the highest speed."""
-        h = int(np.argmax(self.distance_m[:, -1]))
+        h = self.longest
         return (
             f"stop of {self.model.robot} on {self.model.surface}: from {self.speed_m_s[-1]:.4g} m/s at most "
             f"{self.distance_m[h, -1]:.4g} m and {np.max(self.time_s[:, -1]):.4g} s"
@@ -73,7 +83,6 @@ class StopResult(Result):
 
     def lines(self) -> list[str]:
         """The longest and the shortest stop from the highest speed, what limits, and the simulation."""
-        far, near = (int(pick(self.distance_m[:, -1])) for pick in (np.argmax, np.argmin))
         v = self.speed_m_s[-1]
 
         def told(name: str, h: int) -> str:
@@ -82,7 +91,7 @@ class StopResult(Result):
                 f"towards {np.rad2deg(self.heading_rad[h]):.0f}°: limited by {self.limited[h]}"
             )
 
-        out = [told("longest", far), told("shortest", near)]
+        out = [told("longest", self.longest), told("shortest", self.shortest)]
         if np.any(np.isfinite(self.use)):
             longer = 100.0 * (self.simulated_m / self.distance_m - 1.0)
             verdict = "keeps the margin" if self.verified else "does NOT keep the margin"
@@ -128,6 +137,7 @@ class StopResult(Result):
             time_s=self.time_s,
             simulated_m=self.simulated_m,
             limited=self.limited,
+            worst=self.longest,
             use=self.use,
             verified=self.verified,
             image=image(self.plot()),

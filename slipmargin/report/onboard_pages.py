@@ -28,6 +28,7 @@ def stop_page(
     time_s: Array,
     limited: Sequence[str],
     simulated_m: Array,
+    worst: int,
     use: Array,
     verified: bool,
     image: Image,
@@ -35,7 +36,7 @@ def stop_page(
     warnings: Sequence[str],
 ) -> Page:
     """How long a stop is in every direction, and what to give the safety system."""
-    last, worst = distance_m[:, -1], int(np.argmax(distance_m[:, -1]))
+    last = distance_m[:, -1]
     longest = float(np.nanmax([last, simulated_m[:, -1]]))
     way = [towards(float(a)) for a in model.convention.from_front(heading_rad)]
     speed, simulated = speed_m_s[-1], bool(np.all(np.isfinite(use)))

@@ -54,6 +54,15 @@ def test_the_command_writes_what_it_says(tmp_path: Path, capsys: pytest.CaptureF
     assert len(out.read_text(encoding="utf-8").splitlines()) == 1 + 4 * 2
 
 
+def test_the_last_digit_does_not_choose_among_equal_directions() -> None:
+    found = sm.stop("mecanum4", "floor", speeds_m_s=[1.0], step_deg=45.0, verify=False)
+    for digit in (1.0 - 1e-15, 1.0 + 1e-15):  # four directions are equal: one of them a little longer
+        far = found.distance_m * np.where(np.arange(8) == 3, digit, 1.0)[:, None]
+        told = replace(found, distance_m=far)
+        assert told.longest == 1 and told.shortest == 0
+        assert "towards 45°" in told.lines()[0]
+
+
 def test_refusals(capsys: pytest.CaptureFixture[str]) -> None:
     assert status(["stop", "mecanum4", "--surface", "floor", "--speed", "9"]) == 2
     assert "the motors allow" in capsys.readouterr().err
