@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 USUAL_M_S = 1.0
 #: Time step of the simulated wheel speeds, and how long a robot is watched after its wheels stand [s].
 _STEP_S, _AFTER_S = 0.002, 0.1
+#: Stops that differ by less than this are equally long: a symmetric robot has several [m].
+_ALIKE_M = 1e-9
 
 
 @final
@@ -66,12 +68,14 @@ class StopResult(Result):
     @property
     def longest(self) -> int:
         """Row of the longest stop from the highest speed; of several within a nanometre the first."""
-        return int(np.argmax(np.round(self.distance_m[:, -1], 9)))
+        far = self.distance_m[:, -1]
+        return int(np.argmax(far >= np.max(far) - _ALIKE_M))
 
     @property
     def shortest(self) -> int:
         """Row of the shortest stop from the highest speed; of several within a nanometre the first."""
-        return int(np.argmin(np.round(self.distance_m[:, -1], 9)))
+        far = self.distance_m[:, -1]
+        return int(np.argmax(far <= np.min(far) + _ALIKE_M))
 
     def summary(self) -> str:
         """The longest stop from the highest speed."""

@@ -79,8 +79,8 @@ def at_crossings(
 def _shapes(problem: Problem, candidate: Candidate) -> list[tuple[Relief, Array]]:
     """The reliefs that a candidate starts with on a line, and its parameters (Q, P) for each extent."""
     found: dict[tuple[Profile, float], tuple[Relief, list[Array]]] = {}
-    for x in candidate.near:
-        relief = problem.model((candidate.build(x),)).external.reliefs[-1]
+    for x in candidate.near:  # of a floor of its own, in a campaign, it does not act in every model
+        relief = candidate.build(x).rewrite(problem.nominal.external, problem.nominal).reliefs[-1]
         found.setdefault((relief.profile, relief.extent_m), (relief, []))[1].append(x)
     return [(relief, np.array(rows)) for relief, rows in found.values()]
 

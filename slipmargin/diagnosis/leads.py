@@ -95,10 +95,10 @@ def leads(
 ) -> tuple[Lead, ...]:
     """What to look at next, best first.
 
-    First what runs that nothing has seen bear out and is not claimed for another reason, then what the map
-    supports, then what repeats with a wheel's angle, then what fits the searched runs
-    best beside what was ``found``, in the round that began with it (``last``), and where there is nothing of
-    all that the best there is, said to be weak.  What was found is no lead.
+    First what runs bear out to which it was not fitted, and what is not claimed for another reason; then what
+    the map supports, what repeats with a wheel's angle, and what fits the searched runs best beside what was
+    ``found``, in the round that began with it (``last``).  Where there is nothing of all that, the best there
+    is, said to be weak.  What was found is no lead.
     """
     rows = [] if last is None else followed(last)
     best: dict[Trace, Followed] = {}
@@ -137,7 +137,7 @@ def leads(
         )
 
     for row in rows:
-        if row.fitted and row.label in borne_out:
+        if row.label in borne_out:
             add(of_fit(row))
     for entry in sorted(entries, key=place):
         no = refused.get(entry.form)

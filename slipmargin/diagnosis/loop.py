@@ -286,7 +286,8 @@ def _diagnosed(conditions: Ready, s: Searched, seed: int, watch: Watch, budget_s
         last = left_over(s.state if last is None else last.before, (), s.runs, s.candidates, seed, watch)
         remaining = last.map()
     near, traces = verdict is Verdict.NO_MISSING_EFFECT, [f.traced_to for f in found]
-    made = leads(remaining, turns, last, checked.rejected, traces) if near or not explained else ()
+    rejected = () if near else checked.rejected  # near the noise only the map's leads stand out
+    made = leads(remaining, turns, last, rejected, traces) if near or not explained else ()
     following = tuple(lead for lead in made if lead.stands_out or not near)
     return Diagnosis(
         data_set=data_set.name,

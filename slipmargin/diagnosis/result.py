@@ -132,8 +132,8 @@ class Lead:
 class Rejected:
     """A structure that was proposed and is not claimed: its labels, why, and chi without and with it.
 
-    ``borne_out``: runs that nothing has seen are predicted better with it, and yet its own parameters do not
-    carry it.
+    ``borne_out``: as a whole, against the model with none of it, it predicts runs better to which it was not
+    fitted, and yet its own parameters do not carry all of it.
     """
 
     labels: tuple[str, ...]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from slipmargin.diagnosis.result import Diagnosis, Finding, Verdict
+from slipmargin.diagnosis.result import Diagnosis, Finding, LeadSource, Verdict
 from slipmargin.diagnosis.separate import separating_trial
 from slipmargin.diagnosis.verdict import Judgement
 from slipmargin.io.robot_text import effect_text
@@ -199,7 +199,10 @@ def next_steps(d: Diagnosis) -> tuple[Block, ...]:
             ),
         )
     if d.verdict is Verdict.UNEXPLAINED:
-        ruled = sorted({t.traced_to for s in d.steps for t in s.tried}, key=lambda trace: trace.value)
+        left_open = {lead.traced_to for lead in d.leads if lead.source is LeadSource.BORNE_OUT}
+        ruled = sorted(
+            {t.traced_to for s in d.steps for t in s.tried} - left_open, key=lambda trace: trace.value
+        )
         names = ", ".join(words.VARIABLES[t] for t in ruled)
         items = [
             *_leads(d),

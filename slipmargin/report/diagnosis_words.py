@@ -48,6 +48,12 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
         misses = f"chi {d.before.chi:.3g} on held-out runs; 1 is pure noise"
         if d.before.chi <= SETTINGS.noise_chi:
             misses += "; errors change as slowly as noise that lasts, but some are larger than it"
+        if d.leads and d.leads[0].source is LeadSource.BORNE_OUT:
+            return (
+                f"Unexplained: the model misses something ({misses}). A correction over "
+                f"{VARIABLES[d.leads[0].traced_to]} holds on runs that it has not seen, but these runs leave "
+                "it open how large it is: look there first."
+            )
         return (
             f"Unexplained: the model misses something ({misses}), but no correction holds on runs that it "
             f"has not seen. {_first_lead(d)}"

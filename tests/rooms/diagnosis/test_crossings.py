@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 from planting import Plant, planted, smooth_kiwi
 
+from slipmargin.data.campaign import Part, joined
 from slipmargin.data.data_set import DataSet
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
-from slipmargin.diagnosis.crossings import at_crossings, lines
+from slipmargin.diagnosis.crossings import _shapes, at_crossings, lines
+from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.fit import evaluate
+from slipmargin.diagnosis.groups import in_groups
 from slipmargin.diagnosis.loop import diagnose, no_progress
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
@@ -107,6 +110,23 @@ def test_fits_start_on_a_line_as_ridge_and_as_groove() -> None:
     assert {tuple(row) for row in rows[:, 1:3]} == {(0.4, 1.2)}
     assert set(np.sign(rows[:, 0])) == {1.0, -1.0} and len(set(rows[:, 3])) == 2
     assert not len(next(c for c in named_candidates(("1",), False, ()) if c.name == FloorPatch.name).near)
+
+
+def test_a_floor_of_its_own_has_lines_as_any_other(crossed: DataSet) -> None:
+    """In a campaign over two floors a ridge of the second does not act in the first data set's model."""
+    whole = joined(
+        "two floors",
+        [
+            Part(data_set=replace(crossed, name=name), floor=name, loading="bare", instrument="camera")
+            for name in ("a", "b")
+        ],
+    )
+    own = in_groups([c for c in candidates_of(problem(crossed)) if len(c.near)], whole.members)
+    there = {c.label: _shapes(problem_of(whole), c) for c in own if "floor b" in c.label}
+    assert {label: len(shapes) for label, shapes in there.items()} == {
+        "floor_ramp in floor b": 3,
+        "floor_seam in floor b": 2,
+    }
 
 
 def test_the_first_list_knows_what_a_ridge_on_the_best_line_takes_off(crossed: DataSet) -> None:

@@ -1,4 +1,4 @@
-"""Leads: the map first, then what repeats with a wheel, then what fits; each once, with its evidence."""
+"""Leads: what unseen runs bear out, the map, what repeats with a wheel, what fits; each once, with reasons."""
 
 from __future__ import annotations
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 
@@ -56,7 +57,7 @@ found = digest.hexdigest()
 """
 
 
-def test_the_last_digit_does_not_follow_from_what_was_compiled_together(tmp_path) -> None:
+def test_the_last_digit_does_not_follow_from_what_was_compiled_together(tmp_path: Path) -> None:
     # here the kernel's parts come from the cache; there the compiler sees all of them as one piece
     here: dict[str, str] = {}
     exec(_RUN, here)
