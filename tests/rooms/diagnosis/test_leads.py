@@ -1,4 +1,4 @@
-"""Leads: what unseen runs bear out, the map, what repeats with a wheel, what fits; each once, with reasons."""
+"""Leads: what unseen runs bear out, the map, what repeats with a wheel, what fits; each once, with why."""
 
 from __future__ import annotations
 
