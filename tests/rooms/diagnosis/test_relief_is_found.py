@@ -16,8 +16,8 @@ SMALL = {"count": 8, "duration_s": 2.5, "rate_hz": 100.0}
 def test_a_ramp_is_found_and_its_intervals_hold_the_truth() -> None:
     """Up one way is down the other way: the same strip with its other end for a beginning.
 
-    Of four intervals of 95 % chance leaves one in five times the truth outside one, but not by half of it: the
-    limit is 2.9 standard deviations, one in seventy times.
+    Of four intervals of 95 % chance leaves the truth outside one in one of five draws, but not by half of it:
+    that is 2.9 standard deviations, one of seventy draws.
     """
     truth = FloorRamp(slope_rad=0.03, offset_m=-0.3, direction_rad=4.0, length_m=0.2)
     plant = Plant(name="ramp", traces=(Trace.POSITION,), effects=(truth,))
