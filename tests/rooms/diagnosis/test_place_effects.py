@@ -122,7 +122,9 @@ def test_a_fit_begins_where_the_tangent_puts_a_patch_though_doing_nothing_costs_
     ]
     assert costs[0] > max(costs[1:]), "what does nothing costs less than too much beside the place"
     found = _added(before, entry, everyone, np.inf, lambda: False)
-    np.testing.assert_allclose(found.fit.x[1:3], patch.values()[1:3], atol=0.02)
+    # what does nothing takes nothing off; on the patch, how near its middle a fit comes hangs on sharp edges
+    assert found.fit.cost < 0.01 * min(costs)
+    assert np.hypot(*(found.fit.x[1:3] - patch.values()[1:3])) < patch.radius_m
 
 
 def test_a_border_between_floors_is_found(believed: Recipe) -> None:
