@@ -18,16 +18,16 @@ from numpy.typing import NDArray
 from slipmargin.checks import Array
 from slipmargin.data.odometry import body_velocity, bridged
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.fit import Fit
+from slipmargin.diagnosis.fit import Fit, misfit_of
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.promise import misfit_of
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.tangents import in_parts
+from slipmargin.model import Model
 from slipmargin.physics import frames
 from slipmargin.physics.compiled import kernel, twin
-from slipmargin.physics.relief import RAMP, Profile, Relief, beyond, rise
+from slipmargin.physics.relief import RAMP, Relief, beyond, rise
 
 _rise = twin(rise)
 #: So many widths to either side a ridge is flat: 2^−16 of its height.
@@ -53,17 +53,18 @@ def at_crossings(
         return []
     base, problem = before.fit, before.view.rough()
     known = problem.residuals([base.effects], [base.trials])[0]
-    off, misfit = float(np.sum(known**2)), misfit_of(known)
+    noise = 2.0 * misfit_of(known)
+    predicted = replace(before.view, piece=None).predict([base.effects], [base.trials])[0]
     out = []
     for entry in entries:
         candidate = entry.structure[0]
+        shapes = _shapes(before.view.nominal, candidate)
         best: list[tuple[float, Array]] = []
-        shapes = _shapes(before.view, candidate)
-        for relief, own in shapes:
+        for relief, near in shapes:
             apart = SETTINGS.crossing_apart * relief.extent_m
-            for offset, direction in lines(before.view, base, relief, SETTINGS.crossings // len(shapes)):
+            for at in lines(before.view, base, predicted, relief, SETTINGS.crossings // len(shapes)):
                 rows = np.concatenate(
-                    [candidate.on_line(own, offset + shift, direction) for shift in (-apart, 0.0, apart)]
+                    [candidate.on_line(near, at[0] + d, at[1]) for d in (-apart, 0.0, apart)]
                 )
                 points = [(*base.effects, candidate.build(x)) for x in rows]
                 squares = [float(np.sum(r**2)) for r in in_parts(problem, points, base.trials, overdue)]
@@ -71,29 +72,30 @@ def at_crossings(
                     best.append((min(squares), rows[int(np.argmin(squares))]))
         if best:
             best.sort(key=lambda row: row[0])
-            promise = off - best[0][0] - 2.0 * misfit * candidate.size
+            promise = float(np.sum(known**2)) - best[0][0] - noise * candidate.size
             out.append(replace(entry, starts=tuple(x for _, x in best), promise=promise))
     return out
 
 
-def _shapes(problem: Problem, candidate: Candidate) -> list[tuple[Relief, Array]]:
+def _shapes(nominal: Model, candidate: Candidate) -> list[tuple[Relief, Array]]:
     """The reliefs that a candidate starts with on a line, and its parameters (Q, P) for each extent."""
-    found: dict[tuple[Profile, float], tuple[Relief, list[Array]]] = {}
+    found: dict[float, tuple[Relief, list[Array]]] = {}
     for x in candidate.near:  # of a floor of its own, in a campaign, it does not act in every model
-        relief = candidate.build(x).rewrite(problem.nominal.external, problem.nominal).reliefs[-1]
-        found.setdefault((relief.profile, relief.extent_m), (relief, []))[1].append(x)
+        relief = candidate.build(x).rewrite(nominal.external, nominal).reliefs[-1]
+        found.setdefault(relief.extent_m, (relief, []))[1].append(x)
     return [(relief, np.array(rows)) for relief, rows in found.values()]
 
 
-def lines(problem: Problem, base: Fit, relief: Relief, most: int) -> Array:
+def lines(problem: Problem, base: Fit, predicted: Array, relief: Relief, most: int) -> Array:
     """Lines (L, 2) at which the motion that ``base`` leaves changes: offset [m] and normal [rad].
 
-    ``most`` lines at most; the one whose ``relief`` takes most off the squared velocity comes first.
+    ``predicted`` (R, T, 3) are the poses that ``base`` says of whole runs.  There are ``most`` lines at most;
+    the one whose ``relief`` takes most off the squared velocity comes first.
     """
     model = problem.model(base.effects)
     arms = np.column_stack([model.geometry.position_m - model.inertia.com_m, model.loads.rest_N])
     memory = SETTINGS.probe_memory_s
-    left = _left_over(problem, base, SETTINGS.crossing_step_s_per_m * relief.extent_m)
+    left = _left_over(problem, base, predicted, SETTINGS.crossing_step_s_per_m * relief.extent_m)
     if not len(left.poses):
         return np.zeros((0, 2))
     arm = float(np.hypot(*arms[:, :2].T).max())
@@ -192,14 +194,12 @@ class _LeftOver:
     step_s: float
 
 
-def _left_over(problem: Problem, base: Fit, step_s: float) -> _LeftOver:
-    """The velocities that ``base`` does not predict, about every ``step_s``."""
+def _left_over(problem: Problem, base: Fit, predicted: Array, step_s: float) -> _LeftOver:
+    """Velocities, about every ``step_s``, that ``base`` does not say: it ``predicted`` poses (R, T, 3)."""
     every = max(1, int(step_s / problem.step_s))
-    whole = replace(problem, piece=None)
     com_m = problem.model(base.effects).inertia.com_m
     half = max(1, round(0.5 * SETTINGS.crossing_s / problem.step_s))
     ends, poses, rates = [0], [np.zeros((0, 3))], [np.zeros((0, 3))]
-    predicted = whole.predict([base.effects], [base.trials])[0]
     for number, pose in zip(base.trials, predicted, strict=True):
         trial = problem.trials[int(number)]
         measured = bridged(trial.t_s, trial.pose)

@@ -10,7 +10,16 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.evidence import Intervals, intervals
-from slipmargin.diagnosis.fit import Fit, Residuals, build, limits_of, shifted_by, spans, steps_inside
+from slipmargin.diagnosis.fit import (
+    Fit,
+    Residuals,
+    build,
+    limits_of,
+    misfit_of,
+    shifted_by,
+    spans,
+    steps_inside,
+)
 from slipmargin.diagnosis.left_out import leave_one_out
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.problem import Problem
@@ -154,8 +163,7 @@ def moved_by(other: Residuals, final: Fit) -> Array:
     """
     shift = shifted_by(other, final)
     moved = other.residuals([build(final.structure, final.x + shift)], [final.trials])[0]
-    misfit = max(1.0, final.cost / max(1, int(np.count_nonzero(final.residual))))
-    worse = (float(np.sum(moved**2)) - final.cost) / misfit
+    worse = (float(np.sum(moved**2)) - final.cost) / misfit_of(final.residual)
     probable = 0.5 * (1.0 - np.tanh(0.25 * worse))
     return np.asarray(np.sqrt(probable) * np.abs(shift))
 

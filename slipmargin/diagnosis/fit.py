@@ -102,6 +102,11 @@ def steps_inside(structure: Sequence[Candidate], x: Array, size: float) -> Array
     return np.asarray(np.where(x + size * scale <= high, size, -size) * scale)
 
 
+def misfit_of(residual: Array) -> float:
+    """Mean square [1] of a residual over the noise, 1 at least: what a parameter takes off by chance."""
+    return max(1.0, float(np.sum(residual**2)) / max(1, int(np.count_nonzero(residual))))
+
+
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GaussianPrior:
@@ -121,9 +126,8 @@ class GaussianPrior:
         precision = np.zeros((size, size))
         for candidate, span in zip(structure, spans(structure), strict=True):
             precision[span, span] = candidate.prior.T @ candidate.prior
-        misfit = float(np.sum(residual**2) / max(1, int(np.count_nonzero(residual))))
         return GaussianPrior(
-            precision=max(1.0, misfit) * precision,
+            precision=misfit_of(residual) * precision,
             null=np.concatenate([np.zeros(0), *(c.null for c in structure)]),
         )
 

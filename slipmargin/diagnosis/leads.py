@@ -109,8 +109,8 @@ def leads(
         if row.fitted:
             fits.setdefault(row.trace, row.label)
     refused = {label: r for r in rejected for label in r.labels}
-    alone = [r for r in rejected if len(r.labels) == 1 and r.borne_out and not found]
-    borne_out = {r.labels[0]: r for r in alone}
+    # of several together, or beside what was found, none has shown anything by itself
+    borne_out = {r.labels[0]: r for r in rejected if len(r.labels) == 1 and r.borne_out and not found}
     made: list[Lead] = []
 
     def add(lead: Lead) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.fit import build, fit
+from slipmargin.diagnosis.fit import build, fit, misfit_of
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
@@ -68,11 +68,6 @@ def as_simulated(
         starts = _elsewhere(entry.structure[0], [entry.starts[0], *best])[: 1 + tried]
         found[entry.label] = replace(entry, promise=promise, starts=starts or entry.starts)
     return replace(screening, entries=tuple(found.get(e.label, e) for e in screening.entries))
-
-
-def misfit_of(residual: Array) -> float:
-    """The mean square of a residual over the noise, 1 at least: what a parameter takes off by chance."""
-    return max(1.0, float(np.sum(residual**2)) / max(1, int(np.count_nonzero(residual))))
 
 
 def after_steps(

@@ -20,7 +20,7 @@ import numpy as np
 
 from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.fit import Fit, Residuals
+from slipmargin.diagnosis.fit import Fit, Residuals, misfit_of
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.tangents import Columns, secants, tangents
 
@@ -144,7 +144,7 @@ def screen(
     squares = np.sum(base.residual**2, axis=1)
     pulls = _pulls(base.residual, columns, parts, block, seed)
     place = np.cumsum([0, *(g.columns.shape[2] for g in groups)])
-    misfit = max(1.0, base.cost / max(1, int(np.count_nonzero(base.residual))))
+    misfit = misfit_of(base.residual)
     found: list[tuple[tuple[Columns, ...], Array, Array, Array]] = []
 
     def add(*numbers: int) -> None:

@@ -60,7 +60,8 @@ def problem(data: DataSet) -> Problem:
 
 def found(of: Problem, like: FloorSeam | FloorRamp = SEAM) -> np.ndarray:
     relief = of.model((like,)).external.reliefs[-1]
-    return lines(of, evaluate(of, (), np.zeros(0), EVERY), relief, SETTINGS.crossings)
+    predicted = of.predict([()], [EVERY])[0]
+    return lines(of, evaluate(of, (), np.zeros(0), EVERY), predicted, relief, SETTINGS.crossings)
 
 
 def test_the_line_that_wheels_cross_is_among_the_first(crossed: DataSet) -> None:
@@ -122,7 +123,7 @@ def test_a_floor_of_its_own_has_lines_as_any_other(crossed: DataSet) -> None:
         ],
     )
     own = in_groups([c for c in candidates_of(problem(crossed)) if len(c.near)], whole.members)
-    there = {c.label: _shapes(problem_of(whole), c) for c in own if "floor b" in c.label}
+    there = {c.label: _shapes(problem_of(whole).nominal, c) for c in own if "floor b" in c.label}
     assert {label: len(shapes) for label, shapes in there.items()} == {
         "floor_ramp in floor b": 3,
         "floor_seam in floor b": 2,

@@ -103,7 +103,7 @@ def test_a_fit_begins_where_the_tangent_puts_a_patch_though_doing_nothing_costs_
     names = problem.model(()).geometry.names
     reach = {"position": ranges(trials).position_m, "time": ranges(trials).duration_s}
     (candidate,) = [c for c in named_candidates(names, False, (), reach) if c.name == "floor_patch"]
-    beside = np.array([0.3, 0.15, -0.1, 0.2, 0.05])
+    beside = np.array([0.4, 0.15, -0.1, 0.2, 0.05])
     idle = [np.array([1.01, 0.9, 0.0, 0.2, 0.05]), np.array([1.01, -0.9, 0.0, 0.2, 0.05])]
     part = Columns(
         trace=candidate.trace,
@@ -122,9 +122,8 @@ def test_a_fit_begins_where_the_tangent_puts_a_patch_though_doing_nothing_costs_
     ]
     assert costs[0] > max(costs[1:]), "what does nothing costs less than too much beside the place"
     found = _added(before, entry, everyone, np.inf, lambda: False)
-    # what does nothing takes nothing off; on the patch, how near its middle a fit comes hangs on sharp edges
+    np.testing.assert_allclose(found.fit.x[1:3], patch.values()[1:3], atol=0.02)
     assert found.fit.cost < 0.01 * min(costs)
-    assert np.hypot(*(found.fit.x[1:3] - patch.values()[1:3])) < patch.radius_m
 
 
 def test_a_border_between_floors_is_found(believed: Recipe) -> None:

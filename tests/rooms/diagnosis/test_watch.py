@@ -51,9 +51,8 @@ def test_a_search_out_of_time_gives_its_best_answer_and_says_so(monkeypatch: pyt
     assert any("time budget" in remark for remark in found.remarks)
     assert len(found.steps) == 1, "one list"
     assert len(found.steps[0].tried) == SETTINGS.fewest_fitted, "one alone is no comparison"
-    most = 2 + len(
-        _LADDER
-    )  # where it starts, and a step with all of its dampings; a Jacobian before and after
+    # where it starts, and a step with all of its dampings; a Jacobian before and after
+    most = 2 + len(_LADDER)
     assert fits and all(f.evaluations <= most + 2 * len(f.x) for f in fits), "one step each"
     assert found.findings or found.leads
     assert sum(": trying " in text for text in tried) <= 3  # one of each kind instead of some hundred
