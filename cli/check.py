@@ -51,9 +51,9 @@ def check(
     it lifts off), and no motor gives more than that of its torque.  The cure is one factor: stretch time by
     it.
 
-    The form of the file is told by its content.  Choreo, PathPlanner, Road Runner and ROS give the heading of
-    the robot's front: it stays for a robot file in the convention of ROS and is turned by -90 degrees for
-    the paper's, whose front is +Y; positions stay.
+    The form of the file is recognised by its content.  Choreo, PathPlanner, Road Runner and ROS give the
+    heading of the robot's front: it stays for a robot file in the convention of ROS and is turned by -90
+    degrees for the paper's, whose front is +Y; positions stay.
 
     Exit status: 0 done, admissible or not; with --strict 1 when not admissible; 2 bad input or usage.
     """

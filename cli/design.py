@@ -1,4 +1,4 @@
-"""``slipmargin design``: which machine to build: dimensions varied, or several ideas side by side."""
+"""``slipmargin design``: which robot to build: dimensions varied, or several ideas side by side."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def design(
     html: PageOpt = None,
     json: JsonOpt = None,
 ) -> None:
-    """Which machine to build: the best over varied quantities and why, or several ideas side by side.
+    """Which robot to build: the best over varied quantities and why, or several ideas side by side.
 
     Several ROBOTs are compared: which is best at starting, braking, cornering, turning, pushing, and where
     each one's battery belongs.  Those that the spread of friction cannot tell apart are called alike.

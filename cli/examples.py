@@ -46,7 +46,9 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "import advantagescope": ("slipmargin import advantagescope match1.csv --robot mybot.toml --out runs",),
     "import roadrunner": ("slipmargin import roadrunner run1.log --robot mybot.toml --out runs",),
     "import robojackets": ("slipmargin import robojackets run1.csv --out runs",),
-    "import lerobot": ("slipmargin import lerobot episode.parquet --robot mybot.toml --out runs",),
+    "import lerobot": (
+        "slipmargin import lerobot episode.parquet --tracker tracker.csv --robot lekiwi.toml --out runs",
+    ),
     "export c": ("slipmargin export c mybot.toml --surface floor --out limiter.h",),
     "export sdf": ("slipmargin export sdf mybot.toml --surface floor --out mybot.sdf",),
     "export urdf": ("slipmargin export urdf mybot.toml --surface floor --out mybot.urdf",),

@@ -26,7 +26,10 @@ app.command("c")(export_c)
 
 @app.callback()
 def _group() -> None:
-    """Write a robot for other programs: a limiter in C, or a simulator's model; axes are those of REP 103."""
+    """Write a robot for other programs: a limiter in C, or a simulator's model.
+
+    The simulator's model is in the axes of REP 103, the limiter in those of the robot file.
+    """
 
 
 def _simulator(form: str) -> Callable[..., None]:

@@ -36,7 +36,7 @@ def robotino(
             "--smooth",
             metavar="S",
             help="Half width [s] over which wheel angles are smoothed (their "
-            "time stamps tremble by a bus cycle); 0 for none.",
+            "time stamps jitter by a bus cycle); 0 for none.",
         ),
     ] = 0.2,
     force: ForceOpt = False,
@@ -209,7 +209,10 @@ def _mecanum(format: str) -> Callable[..., None]:
     return read
 
 
-_NAMED = "The robot file's wheels are named fl, fr, rl and rr.  Swerve drives are refused."
+_NAMED = (
+    "A mecanum robot file's wheels are named fl, fr, rl and rr; for other robots give --wheel once a wheel.  "
+    "Swerve drives are refused."
+)
 for _format, _said in {
     "wpilog": "WPILib's data logs (.wpilog) of a mecanum robot (needs the extra: pip install "
     "'slipmargin[frc]').",

@@ -48,9 +48,9 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "check": ("slipmargin_cli.check:check", "Does a trajectory slip, where, and how much slower must it be?"),
     "simulate": ("slipmargin_cli.simulate:simulate", "What really happens under given wheel speeds."),
     "stop": ("slipmargin_cli.stop:stop", "Stopping distance and time by direction and speed."),
-    "design": ("slipmargin_cli.design:design", "Which machine to build: every limit over varied dimensions."),
+    "design": ("slipmargin_cli.design:design", "Which robot to build: every limit over varied dimensions."),
     "diagnose": ("slipmargin_cli.diagnose:diagnose", "What physics is missing, judged by measured runs."),
-    "next-run": ("slipmargin_cli.next_run:next_run", "Which runs to drive next, and what they would tell."),
+    "next-run": ("slipmargin_cli.next_run:next_run", "Which runs to drive next, and what they would decide."),
     "import": ("slipmargin_cli.import_logs:app", "Turn raw logs into a data set."),
     "monitor": ("slipmargin_cli.monitor:monitor", "Is a wheel slipping: live, by a likelihood ratio."),
     "export": (

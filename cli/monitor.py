@@ -32,13 +32,13 @@ def monitor(
     json: JsonOpt = None,
     report: ReportOpt = None,
 ) -> None:
-    """Tell slip from grip by a likelihood ratio under the robot's own model: one line in, one line out.
+    """The probability of slip by a likelihood ratio under the robot's own model: one line in, one line out.
 
     The first line names the columns: t_s, omega{i}_rad_s and, where logged, omega{i}_cmd_rad_s, gyro_rad_s
-    and current{i}_A.  A line out holds the slip probability, the alarm, the wheel that the model loads most,
-    the corrected body velocity with its covariance.  Three wheels without gyro or current have no redundancy:
-    then only the model speaks.  From a file, or where an output is asked for, the events are printed when it
-    ends, and --out takes the lines.
+    and current{i}_A.  A line out holds the slip probability, the alarm and during one the wheel that
+    the model loads most, the corrected body velocity with its covariance.  Three wheels without gyro or
+    current can only show a motion that the robot file's grip cannot hold.  From a file, or where an output
+    is asked for, the events are printed when it ends, and --out takes the lines.
     """
     import slipmargin as sm
 
