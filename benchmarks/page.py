@@ -208,7 +208,7 @@ def drawn() -> list[str]:
     named = sum(row["wanted"] in row["found"] for row in catalogue)
     alarms = sum(row["verdict"] == "effect-found" for row in nulls)
     return table(
-        ["planted", "sets", "variable right", "name right", "held-out error halved", "false alarms"],
+        ["planted", "sets", "variable right", "name right", "held-out position error halved", "false alarms"],
         [
             [
                 "effects of the catalogue",
@@ -351,8 +351,8 @@ def effect_of(row: dict[str, Any] | None) -> str:
 
 def development_sets() -> list[str]:
     """Which sets the constants were changed on."""
-    found = results("constants.json")
-    return [f"{len(found['names'])} judged sets (seed {found['seed']})"]
+    found = results("constants.json")["collections"]
+    return [" and ".join(f"{len(one['names'])} judged sets (seed {one['seed']})" for one in found)]
 
 
 def page(name: str) -> str:

@@ -1,12 +1,15 @@
 """How the judged score moves when a constant of the diagnosis is halved or doubled.
 
     python benchmarks/judged/constants.py DIR --sets set001,set002 --out answers.json --table constants.json
+        [--beside constants.json --most 3]
 
 Each set is diagnosed as it is, and the constants that are read on the way are noted.  Each of these is then
 halved and doubled, one at a time (of a share above one half its distance from one), and the set diagnosed
-again.  A set is right where its first effect is the planted one, or traced to its variable where no catalogue
-entry writes it, and where a set without an effect is quiet.  Sets looked at here are development sets.  What
-is known is kept after every diagnosis: a run that was stopped goes on where it was.
+again.  ``--beside`` keeps the rows of an earlier table and asks only for what it lacks; ``--most`` asks each
+constant of so many of the sets that read it, those that are answered soonest.  A set is right where its first
+effect is the planted one, or traced to its variable where no catalogue entry writes it, and where a set
+without an effect is quiet.  Sets looked at here are development sets.  What is known is kept after every
+diagnosis: a run that was stopped goes on where it was.
 """
 
 from __future__ import annotations
@@ -169,6 +172,16 @@ def table(held: Row, truth: Row) -> list[Row]:
     return list(rows.values())
 
 
+def asked(plain: dict[str, Row], known: set[str], most: int) -> list[tuple[str, str]]:
+    """Sets and changes to ask for: of each constant not ``known`` the ``most`` soonest answered sets."""
+    soonest = sorted(plain, key=lambda name: (plain[name]["seconds"], name))
+    found = []
+    for constant in CONSTANTS:
+        reads = [name for name in soonest if str(constant) in plain[name].get("read", ())]
+        found += [(name, c) for c in changes(constant) if c not in known for name in reads[:most]]
+    return found
+
+
 def main(words: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -177,6 +190,8 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--sets", default="", help="names of sets, with commas; all where not given")
     parser.add_argument("--out", type=Path, required=True, help="keeps every answer")
     parser.add_argument("--table", type=Path, required=True, help="what becomes of them")
+    parser.add_argument("--beside", type=Path, help="an earlier table, whose rows are kept")
+    parser.add_argument("--most", type=int, default=sys.maxsize, help="sets to ask each constant of")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--budget", type=float, default=120.0, help="seconds that a search may take")
     given = parser.parse_args(words)
@@ -189,21 +204,26 @@ def main(words: Sequence[str] | None = None) -> int:
     plain = {f"{path.name}:": partial(judge, path, given.budget, [*command, ""], ("read",)) for path in sets}
     if not answer(plain, held, given.out, given.jobs):
         return 130
-    read = {path: held["sets"][f"{path.name}:"].get("read", []) for path in sets}
+    earlier: Row = {"collections": [], "table": []}
+    if given.beside:
+        earlier = json.loads(given.beside.read_text(encoding="utf-8"))
+    known = {row["constant"] for row in earlier["table"]}
+    paths = {path.name: path for path in sets}
     other = {
-        f"{path.name}:{change}": partial(judge, path, given.budget, [*command, change])
-        for path in sets
-        for constant in CONSTANTS
-        if str(constant) in read[path]
-        for change in changes(constant)
+        f"{name}:{change}": partial(judge, paths[name], given.budget, [*command, change])
+        for name, change in asked({name: held["sets"][f"{name}:"] for name in paths}, known, given.most)
     }
     if not answer(other, held, given.out, given.jobs):
         return 130
     truth = json.loads((given.folder / "truth.json").read_text(encoding="utf-8"))
-    rows = table(held, truth["sets"])
-    said = {"seed": truth["seed"], "names": [path.name for path in sets]}
-    lines = ",\n".join(f" {json.dumps(row)}" for row in rows)
-    given.table.write_text(json.dumps(said)[:-1] + f',\n"table": [\n{lines}\n]}}\n', encoding="utf-8")
+    rows = [row for row in table(held, truth["sets"]) if row["constant"] not in known]
+    names = sorted({key.partition(":")[0] for key in other})
+    collections = [*earlier["collections"], {"seed": truth["seed"], "names": names}]
+    there = {change for constant in CONSTANTS for change in changes(constant)}
+    kept = [row for row in (*earlier["table"], *rows) if row["constant"] in there]
+    lines = ",\n".join(f" {json.dumps(row)}" for row in sorted(kept, key=lambda row: row["constant"]))
+    head = f'{{"collections": {json.dumps(collections)},\n"table": [\n'
+    given.table.write_text(f"{head}{lines}\n]}}\n", encoding="utf-8")
     for row in sorted(rows, key=lambda row: -len(row["lost"])):
         lost, gained = len(row["lost"]), len(row["gained"])
         print(f"{row['constant']:40s} read in {row['sets']:2d}, lost {lost}, gained {gained}")

@@ -8,7 +8,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from judged.constants import CONSTANTS, GROUPS, changed, changes, table
+from judged.constants import CONSTANTS, GROUPS, asked, changed, changes, table
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -79,3 +79,18 @@ def test_sets_are_counted_as_lost_and_gained() -> None:
         "worst_chi_factor": 1.5,
     }
     assert half["lost"] == [] and half["gained"] == [] and half["sets"] == 1
+
+
+def test_each_constant_is_asked_of_the_sets_that_read_it_and_answer_soonest() -> None:
+    def row(seconds: float, *read: str) -> dict[str, Any]:
+        return {"seconds": seconds, "read": list(read)}
+
+    plain = {
+        "a": row(9.0, "data.misses", "data.piece_s"),
+        "b": row(3.0, "data.misses"),
+        "c": row(5.0, "data.misses", "data.piece_s"),
+    }
+    assert asked(plain, {"data.misses 2", "data.piece_s 0.5"}, 2) == [
+        *(("c", "data.piece_s 2"), ("a", "data.piece_s 2")),
+        *(("b", "data.misses 0.5"), ("c", "data.misses 0.5")),
+    ]
