@@ -38,6 +38,8 @@ class Record:
         has no such channel is a column of NaN; ``None`` where no wheel has.
     commands_held : bool
         Whether each commanded speed holds until the next row; else commands run straight from row to row.
+    began_s : float, optional
+        When the run began [s] that this is cut from; by default it begins with it.
     """
 
     name: str
@@ -48,6 +50,7 @@ class Record:
     omega_cmd: Array | None = None
     current: Array | None = None
     commands_held: bool = False
+    began_s: float | None = None
 
     def __post_init__(self) -> None:
         time = _signal("t_s", self.t_s, (None,))  # of any size: it may count from 1970
@@ -100,6 +103,11 @@ class Record:
             name: None if (value := getattr(self, name)) is None else value[:stop] for name in WHEEL_SIGNALS
         }
         return replace(self, t_s=self.t_s[:stop], pose=self.pose[:stop], **cut)
+
+    @property
+    def since_s(self) -> Array:
+        """Times (T,) since the run began [s]."""
+        return np.asarray(self.t_s - (self.t_s[0] if self.began_s is None else self.began_s))
 
     @property
     def duration_s(self) -> float:

@@ -127,6 +127,11 @@ class Candidate:
         rows[:, [self.keys.index(key) for key in LINE]] = offset_m, direction_rad
         return rows
 
+    def line_of(self, x: Array) -> tuple[float, float]:
+        """The line that parameters ``x`` (P,) say: its distance from the floor's origin and its normal."""
+        offset_m, direction_rad = (float(x[self.keys.index(key)]) for key in LINE)
+        return offset_m, direction_rad
+
     def is_other_form_of(self, other: Candidate) -> bool:
         """Whether both are forms of one thing, and not the same."""
         return bool(self.subject) and self.subject == other.subject and self.label != other.label

@@ -8,7 +8,7 @@ velocity that the model does not predict is compared with what a relief on each 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, final
 
@@ -45,8 +45,8 @@ def at_crossings(
 ) -> list[Screened]:
     """Entries of candidates that say a line, with starts on the lines that the residual points to.
 
-    Each start is the best of several, as simulated, on its line; the best line comes first, and what it takes
-    off is promised.
+    Each start is the best of several, as simulated, on its line; the best lines are moved to better ones
+    beside them.  The best comes first, and what it takes off is promised.
     """
     entries = [e for e in screening.entries if e.stands_alone and len(e.structure[0].near)]
     if not entries:
@@ -55,26 +55,52 @@ def at_crossings(
     known = problem.residuals([base.effects], [base.trials])[0]
     noise = 2.0 * misfit_of(known)
     predicted = replace(before.view, piece=None).predict([base.effects], [base.trials])[0]
+    centre = np.nanmedian(
+        np.concatenate([before.view.trials[int(i)].pose[:, :2] for i in base.trials]), axis=0
+    )
     out = []
+
+    def best_of(candidate: Candidate, rows: Array) -> list[tuple[float, Array]]:
+        """The best of some parameters (Q, P), as simulated; nothing once it is overdue."""
+        points = [(*base.effects, candidate.build(x)) for x in rows]
+        squares = [float(np.sum(r**2)) for r in in_parts(problem, points, base.trials, overdue)]
+        return [(min(squares), rows[int(np.argmin(squares))])] if squares else []
+
     for entry in entries:
         candidate = entry.structure[0]
         shapes = _shapes(before.view.nominal, candidate)
-        best: list[tuple[float, Array]] = []
-        for relief, near in shapes:
+        reliefs = [relief for relief, _ in shapes]
+        best: list[tuple[float, float, Array]] = []
+        for at in () if overdue() else lines(before.view, base, predicted, reliefs, SETTINGS.crossings):
+            relief, near = shapes[at.shape]
             apart = SETTINGS.crossing_apart * relief.extent_m
-            for at in lines(before.view, base, predicted, relief, SETTINGS.crossings // len(shapes)):
-                rows = np.concatenate(
-                    [candidate.on_line(near, at[0] + d, at[1]) for d in (-apart, 0.0, apart)]
-                )
-                points = [(*base.effects, candidate.build(x)) for x in rows]
-                squares = [float(np.sum(r**2)) for r in in_parts(problem, points, base.trials, overdue)]
-                if squares:
-                    best.append((min(squares), rows[int(np.argmin(squares))]))
+            rows = np.concatenate(
+                [candidate.on_line(near, at.offset_m + d, at.direction_rad) for d in (-apart, 0.0, apart)]
+            )
+            best += [(left, apart, x) for left, x in best_of(candidate, rows)]
+        best.sort(key=lambda row: row[0])
+        for place in range(min(SETTINGS.starts, len(best))):
+            for share in (1.0, 0.5):
+                left, apart, x = best[place]
+                for now, other in best_of(candidate, _beside(candidate, x, share * apart, share, centre)):
+                    best[place] = min((left, apart, x), (now, apart, other), key=lambda row: row[0])
         if best:
             best.sort(key=lambda row: row[0])
             promise = float(np.sum(known**2)) - best[0][0] - noise * candidate.size
-            out.append(replace(entry, starts=tuple(x for _, x in best), promise=promise))
+            out.append(replace(entry, starts=tuple(x for _, _, x in best), promise=promise))
     return out
+
+
+def _beside(candidate: Candidate, x: Array, apart_m: float, share: float, centre: Array) -> Array:
+    """Parameters ``x`` (P,) on eight lines (8, P) beside theirs: farther, nearer, turned about ``centre``."""
+    offset, direction = candidate.line_of(x)
+    rows = []
+    for way in np.array([-share, 0.0, share]) * (_DIRECTIONS[1] - _DIRECTIONS[0]):
+        turned = float(beyond(0.0, direction + way, *centre) - beyond(0.0, direction, *centre))
+        for shift in (-apart_m, 0.0, apart_m):
+            if way or shift:
+                rows.append(candidate.on_line(x[None], offset + turned + shift, direction + way))
+    return np.concatenate(rows)
 
 
 def _shapes(nominal: Model, candidate: Candidate) -> list[tuple[Relief, Array]]:
@@ -86,39 +112,88 @@ def _shapes(nominal: Model, candidate: Candidate) -> list[tuple[Relief, Array]]:
     return [(relief, np.array(rows)) for relief, rows in found.values()]
 
 
-def lines(problem: Problem, base: Fit, predicted: Array, relief: Relief, most: int) -> Array:
-    """Lines (L, 2) at which the motion that ``base`` leaves changes: offset [m] and normal [rad].
+@final
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A line of the floor: where what lies on it begins [m], its normal [rad], the number of its shape."""
 
-    ``predicted`` (R, T, 3) are the poses that ``base`` says of whole runs.  There are ``most`` lines at most;
-    the one whose ``relief`` takes most off the squared velocity comes first.
+    offset_m: float
+    direction_rad: float
+    shape: int
+
+
+def lines(problem: Problem, base: Fit, predicted: Array, reliefs: Sequence[Relief], most: int) -> list[Line]:
+    """Lines at which the motion that ``base`` leaves changes as on one of ``reliefs``: ``most`` at most.
+
+    ``predicted`` (R, T, 3) are the poses that ``base`` says of whole runs.  The line comes first whose relief
+    takes most off the squared velocity.
+    """
+    looked = [_gains(problem, base, predicted, relief) for relief in reliefs]
+    gains = np.concatenate([np.zeros(0), *(gain.ravel() for _, _, gain in looked)])
+    ends = np.cumsum([gain.size for _, _, gain in looked])
+    kept: list[tuple[Line, tuple[float, float, float]]] = []
+    for k in np.argsort(-gains, kind="stable").tolist():
+        shape = int(np.searchsorted(ends, k, side="right"))
+        offsets, centre, gain = looked[shape]
+        at = k - int(ends[shape]) + gain.size
+        line = Line(float(offsets.flat[at]), float(_DIRECTIONS[at // offsets.shape[1]]), shape)
+        place = _place(line, reliefs[shape], centre)
+        if not any(line.shape == own.shape and _same(place, other) for own, other in kept):
+            kept.append((line, place))
+        if len(kept) == most:
+            break
+    return [line for line, _ in kept]
+
+
+def _length(relief: Relief) -> float:
+    """How far beyond its line a relief goes on [m]: a ramp begins there, a ridge is on it."""
+    return relief.extent_m if relief.profile == RAMP else 0.0
+
+
+def _place(line: Line, relief: Relief, centre: Array) -> tuple[float, float, float]:
+    """How far the middle of what lies on a line is beyond ``centre`` (2,) [m], its normal, its length [m]."""
+    long = _length(relief)
+    return -float(beyond(line.offset_m + 0.5 * long, line.direction_rad, *centre)), line.direction_rad, long
+
+
+def _same(one: tuple[float, float, float], other: tuple[float, float, float]) -> bool:
+    """Whether a fit from one place reaches the other; each is a middle, a direction and a length."""
+    (middle, direction, long), (far, towards, length) = one, other
+    turned = abs(direction - towards)
+    if turned > 0.5 * np.pi:  # the same line has its normal the other way round
+        turned, far = np.pi - turned, -far
+    near = max(SETTINGS.crossing_same_m, 0.5 * min(long, length))
+    return turned <= SETTINGS.crossing_same_rad and abs(middle - far) <= near
+
+
+def _gains(problem: Problem, base: Fit, predicted: Array, relief: Relief) -> tuple[Array, Array, Array]:
+    """What a relief on each of many lines takes off the velocity that ``base`` leaves, squared [1/s].
+
+    Offsets (D, O) of the lines in each direction, the middle of the floor that is driven over (2,), gains
+    (D, O), in which velocities count by the noise of the pose.
     """
     model = problem.model(base.effects)
     arms = np.column_stack([model.geometry.position_m - model.inertia.com_m, model.loads.rest_N])
     memory = SETTINGS.probe_memory_s
     left = _left_over(problem, base, predicted, SETTINGS.crossing_step_s_per_m * relief.extent_m)
     if not len(left.poses):
-        return np.zeros((0, 2))
+        return np.zeros((len(_DIRECTIONS), 0)), np.zeros(2), np.zeros((len(_DIRECTIONS), 0))
     arm = float(np.hypot(*arms[:, :2].T).max())
     heading, ahead = left.poses[:, 2], (np.cos(_DIRECTIONS)[:, None], np.sin(_DIRECTIONS)[:, None])
     normals = np.stack(frames.to_body(heading, *ahead), axis=-1)
     far = beyond(0.0, _DIRECTIONS[:, None], left.poses[:, 0], left.poses[:, 1])
-    low, high = far.min(axis=1) - arm, far.max(axis=1) + arm
-    many = int(np.clip(np.max(high - low) / (SETTINGS.crossing_apart * relief.extent_m), 2, _MOST))
+    low, high = far.min(axis=1) - arm - _length(relief), far.max(axis=1) + arm
+    many = 1 + int(
+        np.clip(np.ceil(np.max(high - low) / (SETTINGS.crossing_apart * relief.extent_m)), 1, _MOST)
+    )
     offsets = np.linspace(low, high, many, axis=1)
     keep = float(np.exp(-left.step_s / memory))
     per_push = memory / model.inertia.diagonal / problem.sigma
     shape = int(relief.profile), float(relief.extent_m), float(relief.edge_m)
     pulls, squares = np.zeros_like(offsets), np.zeros_like(offsets)
     _compared(offsets, *shape, far, normals, left.ends, left.rates, arms, per_push, keep, pulls, squares)
-    gains = pulls**2 / np.maximum(squares + SETTINGS.crossing_touched * squares.max(), 1e-300)
-    kept: list[tuple[float, float]] = []
-    for k in np.argsort(-gains, axis=None, kind="stable").tolist():
-        line = float(offsets.flat[k]), float(_DIRECTIONS[k // many])
-        if not any(_same(*line, *other) for other in kept):
-            kept.append(line)
-        if len(kept) == most:
-            break
-    return np.array(kept)
+    squares += SETTINGS.crossing_touched * squares.max()
+    return offsets, np.median(left.poses[:, :2], axis=0), left.step_s * pulls**2 / np.maximum(squares, 1e-300)
 
 
 @kernel
@@ -169,13 +244,6 @@ def _compared(
                 pull += x * rates[k, 0] + y * rates[k, 1] + turn * rates[k, 2]
                 square += x * x + y * y + turn * turn
         pulls.flat[line], squares.flat[line] = pull, square
-
-
-def _same(offset: float, direction: float, other: float, towards: float) -> bool:
-    turned = abs(direction - towards)
-    if turned > 0.5 * np.pi:  # the same line has its normal the other way round
-        turned, other = np.pi - turned, -other
-    return turned <= SETTINGS.crossing_same_rad and abs(offset - other) <= SETTINGS.crossing_same_m
 
 
 @final

@@ -20,7 +20,7 @@ from slipmargin.diagnosis.settings import SETTINGS
 _CHANNELS = ("x", "y", "phi")
 
 
-def find_events(problem: Problem, predicted: Array, ordinary: Index) -> tuple[Event, ...]:
+def find_events(problem: Problem, predicted: Array, plain: Array, ordinary: Index) -> tuple[Event, ...]:
     """Jumps of the residual that are far larger than in the other trials, largest first.
 
     Parameters
@@ -29,19 +29,20 @@ def find_events(problem: Problem, predicted: Array, ordinary: Index) -> tuple[Ev
         The trials.
     predicted : array (R, T, 3)
         Their poses by the final model.
+    plain : array (R, T, 3)
+        Their poses without effects.  A jump that only the effects make is their mistake: nothing happened.
     ordinary : array of int
         The trials whose jumps say what is ordinary.
     """
-    jumps = []
-    for trial, pose in zip(problem.trials, predicted, strict=True):
-        gap = (trial.pose - pose[: len(trial.t_s)]) / problem.sigma
-        half = max(2, round(SETTINGS.event_span_s / max(1e-9, float(np.median(np.diff(trial.t_s))))))
-        jumps.append(_jumps(gap, half))
+    jumps, without = (
+        [_jumps_of(problem, i, poses[i]) for i in range(len(poses))] for poses in (predicted, plain)
+    )
     found = []
     for number, (trial, jump) in enumerate(zip(problem.trials, jumps, strict=True)):
         usual = _ordinary([jumps[i] for i in ordinary if i != number] or jumps)
         for axis, channel in enumerate(_CHANNELS):
             size = np.nan_to_num(np.abs(jump[:, axis]))
+            size[~(np.abs(without[number][:, axis]) >= SETTINGS.event_own * size)] = 0.0
             at = int(np.argmax(size))
             if size[at] > max(SETTINGS.event_sigmas, SETTINGS.event_ordinary * float(usual[axis])):
                 found.append(
@@ -58,6 +59,13 @@ def find_events(problem: Problem, predicted: Array, ordinary: Index) -> tuple[Ev
 def _ordinary(jumps: list[Array]) -> Array:
     pooled = np.concatenate([np.abs(j) for j in jumps])
     return np.nanquantile(pooled, 0.99, axis=0) if np.isfinite(pooled).any() else np.zeros(3)
+
+
+def _jumps_of(problem: Problem, number: int, pose: Array) -> Array:
+    """Jumps (T, 3) of what is measured of a trial over its predicted ``pose`` (≥ T, 3), over the noise."""
+    trial = problem.trials[number]
+    half = max(2, round(SETTINGS.event_span_s / max(1e-9, float(np.median(np.diff(trial.t_s))))))
+    return _jumps((trial.pose - pose[: len(trial.t_s)]) / problem.sigma, half)
 
 
 def _jumps(gap: Array, half: int) -> Array:
@@ -110,6 +118,7 @@ def _parts(record: Record, times: list[float]) -> list[Record]:
         signals: dict[str, Any] = {
             f: None if (v := getattr(record, f)) is None else v[rows] for f in WHEEL_SIGNALS
         }
+        signals |= {"t_s": record.t_s[rows], "pose": record.pose[rows]}
         name = f"{record.name} ({record.t_s[rows][0]:.2f}–{record.t_s[rows][-1]:.2f} s)"
-        parts.append(replace(record, name=name, t_s=record.t_s[rows], pose=record.pose[rows], **signals))
+        parts.append(replace(record, name=name, began_s=float(record.t_s[0]), **signals))
     return parts

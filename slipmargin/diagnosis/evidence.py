@@ -12,11 +12,14 @@ from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit
 from slipmargin.diagnosis.settings import SETTINGS
 
+#: What trials say of a direction, as a share of what they say most of, that is nothing but rounding.
+_UNKNOWN = 1e-12
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Intervals:
-    """Intervals of the parameters: ``low`` and ``high`` (P,), ``deviation`` (P,) 1 s.d.
+    """Intervals of the parameters: ``low`` and ``high`` (P,), ``quantile`` times ``deviation`` (P,) away.
 
     ``covariance`` (P, P) belongs to the deviations; ``freedom`` is that of their estimate: the trials less 1
     where trials disagree, infinite where their noise explains how they differ.  ``excitation`` (P,) are the
@@ -27,6 +30,7 @@ class Intervals:
     low: Array
     high: Array
     deviation: Array
+    quantile: float
     covariance: Array
     freedom: float
     excitation: Array
@@ -104,6 +108,7 @@ def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) 
         low=found.x - quantile * deviation,
         high=found.x + quantile * deviation,
         deviation=deviation,
+        quantile=quantile,
         covariance=covariance * np.outer(widened, widened) + np.diag(log_shift**2),
         freedom=freedom,
         excitation=np.asarray(np.linalg.svd(flat, compute_uv=False)),
@@ -123,7 +128,10 @@ def _covariance(found: Fit, scale: Array) -> Array:
     flat = found.jacobian.reshape(-1, len(scale)) * scale
     seen = int(np.count_nonzero(found.residual))
     reduced = max(1.0, found.cost / max(1, seen - len(scale)))
-    return np.asarray(np.linalg.pinv(flat.T @ flat) * reduced * np.outer(scale, scale))
+    size, axes = np.linalg.eigh(flat.T @ flat)
+    # A direction of which no trial says anything is as uncertain as numbers can tell, and not sure.
+    known = np.maximum(size, np.maximum(_UNKNOWN * size[-1:], 1e-300))
+    return np.asarray((axes / known) @ axes.T * reduced * np.outer(scale, scale))
 
 
 def _disagreement(found: Fit, scale: Array) -> tuple[Array, bool]:
@@ -141,7 +149,7 @@ def _disagreement(found: Fit, scale: Array) -> tuple[Array, bool]:
     tangents = found.jacobian * scale
     normal = np.einsum("rkp,rkq->rpq", tangents, tangents)
     size, axes = np.linalg.eigh(normal.sum(axis=0))
-    known = size > 1e-12 * size[-1]
+    known = size > _UNKNOWN * size[-1]
     basis = axes[:, known] / np.sqrt(size[known])  # whitens the sum: its columns are the combinations
     weight = np.einsum("pz,rpq,qy->rzy", basis, normal, basis)  # adds up to the unit matrix
     pull = np.einsum("pz,rkp,rk->rz", basis, tangents, found.residual)

@@ -24,7 +24,7 @@ from slipmargin.diagnosis.left_out import leave_one_out
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Estimate, Finding
-from slipmargin.diagnosis.search import Round
+from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.state import State
 from slipmargin.effects import Effect, Quantity, Trace
@@ -73,14 +73,7 @@ def findings(
     for index, (candidate, effect, span) in enumerate(own):
         kind = bare(effect)
         doubts = _doubts(problem, candidate, final.x, span, spread, stuck)
-        taken = next(
-            (
-                r
-                for r in rounds
-                if r.taken and r.best is not None and any(_same(c, candidate) for c in r.best.structure)
-            ),
-            rounds[0],
-        )
+        origin, own_state = _origin(candidate, rounds)
         found.append(
             Finding(
                 effect=effect,
@@ -95,7 +88,7 @@ def findings(
                         low=float(low),
                         high=float(high),
                         unit=unit,
-                        at_bound=f"{candidate.name}.{key}" in stuck,
+                        at_bound=f"{candidate.label}.{key}" in stuck,
                     )
                     for key, unit, value, low, high in zip(
                         candidate.keys,
@@ -109,9 +102,9 @@ def findings(
                 derived=_derived(problem, final, spread, index),
                 chi_without=useful[index],
                 chi_with=state.chi,
-                p_value=taken.p_value,
+                p_value=origin.p_value_of(own_state),
                 candidates_tried=tried,
-                confused_with=_rivals(taken, candidate),
+                confused_with=_rivals(origin, own_state, candidate),
                 confirm=kind.confirm if isinstance(kind, Effect) else _GENERAL_CONFIRM,
                 equation=_equation(candidate, kind),
                 doubts=doubts,
@@ -119,6 +112,15 @@ def findings(
             )
         )
     return tuple(found)
+
+
+def _origin(candidate: Candidate, rounds: Sequence[Round]) -> tuple[Round, State | None]:
+    """The round that found a candidate, and its state with it: the one taken, or, if none was, one tried."""
+    taken = [(r, r.best) for r in rounds if r.taken and r.best is not None]
+    for step, state in (*taken, *((r, s) for r in rounds for s in r.tried)):
+        if any(_same(c, candidate) for c in state.structure):
+            return step, state
+    return rounds[0], None
 
 
 def _same(one: Candidate, other: Candidate) -> bool:
@@ -162,7 +164,8 @@ def moved_by(other: Residuals, final: Fit) -> Array:
     do not make friction uncertain.
     """
     shift = shifted_by(other, final)
-    moved = other.residuals([build(final.structure, final.x + shift)], [final.trials])[0]
+    there = np.clip(final.x + shift, *limits_of(final.structure)[:2])
+    moved = other.residuals([build(final.structure, there)], [final.trials])[0]
     worse = (float(np.sum(moved**2)) - final.cost) / misfit_of(final.residual)
     probable = 0.5 * (1.0 - np.tanh(0.25 * worse))
     return np.asarray(np.sqrt(probable) * np.abs(shift))
@@ -175,9 +178,9 @@ def _doubts(
     if not candidate.named:
         return ()
     found = [
-        f"{candidate.name}.{key} ended at {value:.3g}, the edge of what makes sense"
+        f"{candidate.label}.{key} ended at {value:.3g}, the edge of what makes sense"
         for key, value in zip(candidate.keys, x[span], strict=True)
-        if f"{candidate.name}.{key}" in stuck
+        if f"{candidate.label}.{key}" in stuck
     ]
     # On whole runs the judgement has asked this of effects with several parameters.  These intervals hold
     # another reading of the log as well, which says nothing against the name.
@@ -197,20 +200,17 @@ def _equation(candidate: Candidate, effect: object) -> str:
     return f"free coefficients over {candidate.trace.value} ({candidate.label.split(': ')[-1]})"
 
 
-def _rivals(taken: Round, candidate: Candidate) -> tuple[str, ...]:
-    """Names in states that are as good as the best one and do not hold this effect."""
-    best = taken.best
-    names = (
-        []
-        if best is None
-        else [
-            c.label
-            for s in taken.rivals()
-            for c in s.structure
-            if candidate.name not in {k.name for k in s.structure}
-            and c.name not in {k.name for k in best.structure}
-        ]
-    )
+def _rivals(origin: Round, own: State | None, candidate: Candidate) -> tuple[str, ...]:
+    """Names in states that are as good as the one with this effect and do not hold it."""
+    if own is None:
+        return ()
+    beside = {c.name for c in own.structure}
+    names = [
+        c.label
+        for s in origin.rivals(own)
+        for c in s.structure
+        if candidate.name not in {k.name for k in s.structure} and c.name not in beside
+    ]
     return tuple(dict.fromkeys(names))
 
 
@@ -240,7 +240,10 @@ def _scanned(problem: Problem, final: Fit, index: int, effect: Effect) -> list[E
 
 
 def _quantities(problem: Problem, final: Fit, spread: Intervals, index: int) -> list[Estimate]:
-    """What the effect derives from the model, with the parameters' intervals carried over linearly."""
+    """What the effect derives from the model, with the parameters' intervals carried over linearly.
+
+    How parameters vary together is carried over too; no end lies beyond what the ends of all of theirs say.
+    """
 
     def derived(x: Array) -> tuple[Quantity, ...]:
         effects = build(final.structure, x)
@@ -261,10 +264,11 @@ def _quantities(problem: Problem, final: Fit, spread: Intervals, index: int) -> 
     if not quantities:
         return []
     steps = steps_inside(final.structure, final.x, 1e-3)
-    slope = [(values(final.x + d) - value) / d.sum() for d in np.diag(steps)]
-    half = 0.5 * (spread.high - spread.low)
-    reach = np.sqrt(np.square(slope).T @ half**2)
+    slope = np.array([(values(final.x + d) - value) / d.sum() for d in np.diag(steps)])
+    reach = spread.quantile * np.sqrt(np.einsum("pq,pr,rq->q", slope, spread.covariance, slope))
+    ends = np.sort([slope * (end - final.x)[:, None] for end in (spread.low, spread.high)], axis=0)
+    low, high = np.maximum(-reach, ends[0].sum(axis=0)), np.minimum(reach, ends[1].sum(axis=0))
     return [
-        Estimate(name=q.name, value=q.value, low=q.value - float(r), high=q.value + float(r), unit=q.unit)
-        for q, r in zip(quantities, reach, strict=True)
+        Estimate(name=q.name, value=q.value, low=q.value + float(down), high=q.value + float(up), unit=q.unit)
+        for q, down, up in zip(quantities, low, high, strict=True)
     ]

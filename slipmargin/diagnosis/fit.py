@@ -65,9 +65,12 @@ class Fit:
         return build(self.structure, self.x)
 
     def at_bound(self) -> list[str]:
-        """Parameters that ended on the edge of what makes sense, where that is not their ordinary value."""
+        """Parameters that ended on the edge of what makes sense, where that is not their ordinary value.
+
+        Each is ``label.key``: two candidates may have one name, such as an effect of each of two wheels.
+        """
         low, high, scale = limits_of(self.structure)
-        keys = [f"{c.name}.{key}" for c in self.structure for key in c.keys]
+        keys = [f"{c.label}.{key}" for c in self.structure for key in c.keys]
         usual = np.concatenate([np.zeros(0), *(c.usual for c in self.structure if c.usual is not None)])
         least = np.concatenate([np.zeros(0), *(c.least for c in self.structure if c.least is not None)])
         off = np.abs(self.x - usual)
@@ -203,6 +206,27 @@ def fit(
     )
 
 
+def stepped(x: Array, limits: tuple[Array, Array, Array], normal: Array, gradient: Array) -> Array:
+    """Where a Gauss–Newton step from ``x`` (P,) leads within the ``limits``: bounds, and units of the step.
+
+    A parameter on a bound that the way downhill leads beyond stays; one that the step would take beyond a
+    bound ends on it, and the others take the step that suits this.
+    """
+    low, high, scale = limits
+    free = ~(((x <= low) & (gradient > 0)) | ((x >= high) & (gradient < 0)))
+    step = np.zeros(len(x))
+    while free.any():
+        pull = gradient[free] + normal[np.ix_(free, ~free)] @ step[~free]
+        step[free] = np.linalg.lstsq(normal[np.ix_(free, free)], -pull, rcond=None)[0]
+        there = np.clip(x + step * scale, low, high)
+        beyond = free & (there != x + step * scale)
+        if not beyond.any():
+            break
+        step[beyond] = ((there - x) / scale)[beyond]
+        free &= ~beyond
+    return np.asarray(np.clip(x + step * scale, low, high))
+
+
 #: Dampings tried when the first step goes uphill, as multiples of the current one.
 _LADDER = (1e1, 1e2, 1e4, 1e6)
 
@@ -218,22 +242,20 @@ def _improve(
     prior: GaussianPrior,
 ) -> tuple[Array, Array, float, int] | None:
     """A damped step downhill: new point, its residual, next damping, simulations; None where none is."""
-    low, high, scale = limits_of(structure)
+    limits = limits_of(structure)
+    scale = limits[-1]
     flat = jacobian.reshape(-1, len(x)) * scale
     normal = flat.T @ flat + prior.precision
     gradient = flat.T @ residual.ravel() + prior.precision @ ((x - prior.null) / scale)
-    free = ~(((x <= low) & (gradient > 0)) | ((x >= high) & (gradient < 0)))
-    if not free.any():
-        return None
     cost = float(np.sum(residual**2)) + prior.cost(x, scale)
 
     def point(factor: float) -> Array:
-        lift = np.diag(damping * factor * (np.diag(normal)[free] + 1e-9 * np.trace(normal) + 1e-12))
-        step = np.zeros(len(x))
-        step[free] = np.linalg.lstsq(normal[np.ix_(free, free)] + lift, -gradient[free], rcond=None)[0]
-        return np.asarray(np.clip(x + step * scale, low, high))
+        lift = np.diag(damping * factor * (np.diag(normal) + 1e-9 * np.trace(normal) + 1e-12))
+        return stepped(x, limits, normal + lift, gradient)
 
     first = point(1.0)
+    if np.array_equal(first, x):
+        return None
     found = problem.residuals([build(structure, first)], [trials])[0]
     if float(np.sum(found**2)) + prior.cost(first, scale) < cost:
         return first, found, max(damping / 10.0, 1e-6), 1
@@ -271,18 +293,11 @@ def _linearise(
 
 def shifted_by(other: Residuals, found: Fit) -> Array:
     """How far (P,) the parameters move, by one Gauss–Newton step in bounds, if ``other`` is right."""
-    from scipy.optimize import lsq_linear
-
-    low, high, scale = limits_of(found.structure)
+    limits = limits_of(found.structure)
     residual = other.residuals([found.effects], [found.trials])[0]
-    flat = found.jacobian.reshape(-1, len(found.x)) * scale
-    room = (low - found.x) / scale, (high - found.x) / scale
-    open_ = room[0] < room[1]
-    step = np.zeros(len(found.x))
-    step[open_] = lsq_linear(
-        flat[:, open_], (found.residual - residual).ravel(), bounds=(room[0][open_], room[1][open_])
-    ).x
-    return np.asarray(step * scale)
+    flat = found.jacobian.reshape(-1, len(found.x)) * limits[-1]
+    gradient = flat.T @ (residual - found.residual).ravel()
+    return stepped(found.x, limits, flat.T @ flat, gradient) - found.x
 
 
 def free_slopes(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> list[Array]:

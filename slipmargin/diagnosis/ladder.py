@@ -37,7 +37,8 @@ from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.refits import fitted, longer, needed, nothing_sure, without
 from slipmargin.diagnosis.restated import restated
 from slipmargin.diagnosis.result import Rejected, Score, Verdict
-from slipmargin.diagnosis.search import Round, take_step
+from slipmargin.diagnosis.rounds import Round
+from slipmargin.diagnosis.search import take_step
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.state import State, worthwhile
@@ -129,9 +130,8 @@ class Court:
         unseen = self.unseen
         if unseen.any() and not unseen.all():
             rows = np.flatnonzero(~unseen)
-            early = judge(
-                before.of(rows), after.of(rows), np.zeros(len(rows), dtype=bool), self.seed, by_chance=False
-            )
+            none = np.zeros(len(rows), dtype=bool)
+            early = judge(before.of(rows), after.of(rows), none, self.seed, by_chance=False, numbers=rows)
             if not early.holds:
                 return early
         return judge(before, after, unseen, self.seed)
@@ -144,7 +144,7 @@ def check(court: Court, proposed: State, rounds: list[Round], progress: Watch) -
         progress("predicting runs with parameters fitted to others", min(0.9, 0.2 * number))
         found = _put(court, state, rejected)
         if found is not None:
-            return _further(court, found, rounds, rejected, progress)
+            return _further(court, _earned(court, found), rounds, rejected, progress)
     plain = court.believed(None)
     errors = by_run(plain.errors, court.runs)
     return Checked(
@@ -181,8 +181,8 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
             Rejected(
                 labels=labels,
                 failures=failures,
-                chi_before=judgement.chi_before,
-                chi_after=judgement.chi_after,
+                chi_before=one.chi(),
+                chi_after=two.chi(),
                 borne_out=not judgement.failures + astray,
             )
         )
@@ -196,6 +196,17 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
         phased=after.phased,
         rejected=tuple(rejected),
     )
+
+
+def _earned(court: Court, held: Checked) -> Checked:
+    """What holds, without last effects beside which runs are predicted no better than without them."""
+    while held.state is not None and len(held.state.structure) > 1:
+        fewer = without(held.state, len(held.state.structure) - 1, court.seen_runs)
+        less = _put(court, fewer, [])
+        if less is None or held.after.chi() < less.after.chi():
+            break
+        held = replace(less, rejected=held.rejected)
+    return held
 
 
 def larger(before: Score, after: Score) -> tuple[str, ...]:

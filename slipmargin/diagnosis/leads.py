@@ -17,7 +17,7 @@ from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import Periodicity
 from slipmargin.diagnosis.result import Lead, LeadSource, Rejected
-from slipmargin.diagnosis.search import Round
+from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.separate import TRIALS
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import explained

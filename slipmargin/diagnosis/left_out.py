@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from slipmargin.checks import Array, Index
-from slipmargin.diagnosis.fit import Fit, GaussianPrior, Residuals, build, limits_of
+from slipmargin.diagnosis.fit import Fit, GaussianPrior, Residuals, build, limits_of, stepped
 from slipmargin.diagnosis.settings import SETTINGS
 
 #: Share of a step that is tried where the whole of it goes uphill.
@@ -37,7 +37,7 @@ def refitted_without(problem: Residuals, found: Fit, parts: Sequence[Index]) -> 
     xs = np.tile(np.asarray(found.x, dtype=float), (count, 1))
     if not len(found.x) or count < 2:
         return xs, inside
-    low, high, scale = limits_of(found.structure)
+    limits = low, high, scale = limits_of(found.structure)
     scaled = found.jacobian * scale
     normals = np.einsum("rkp,rkq->rpq", scaled, scaled)
     prior = GaussianPrior.of(found.structure, found.residual)
@@ -58,8 +58,8 @@ def refitted_without(problem: Residuals, found: Fit, parts: Sequence[Index]) -> 
         for i, rows in enumerate(kept):
             gradient = np.einsum("rkp,rk->p", scaled[rows], residuals[i][rows])
             gradient += prior.precision @ ((xs[i] - prior.null) / scale)
-            step = -np.linalg.solve(lifted[i], gradient)
-            tried[i] = np.clip(xs[i] + length[i] * step * scale, low, high)
+            whole = stepped(xs[i], limits, lifted[i], gradient)
+            tried[i] = whole if length[i] == 1.0 else np.clip(xs[i] + length[i] * (whole - xs[i]), low, high)
         moved = np.flatnonzero(np.any(np.abs(tried - xs) > 1e-4 * scale, axis=1))
         if not len(moved):
             break
@@ -80,7 +80,8 @@ def refitted_without(problem: Residuals, found: Fit, parts: Sequence[Index]) -> 
 
 def leave_one_out(found: Fit) -> Array:
     """Parameters (R, P) fitted without each trial: one Gauss–Newton step −H₋ᵢ⁻¹ g₋ᵢ, for their spread."""
-    low, high, scale = limits_of(found.structure)
+    limits = limits_of(found.structure)
+    scale = limits[-1]
     scaled = found.jacobian * scale
     normals = np.einsum("rkp,rkq->rpq", scaled, scaled)
     gradients = np.einsum("rkp,rk->rp", scaled, found.residual)
@@ -91,6 +92,5 @@ def leave_one_out(found: Fit) -> Array:
         normal = normals.sum(axis=0) - own_normal + prior.precision
         gradient = gradients.sum(axis=0) - own_gradient + pulled
         ridge = 1e-8 * (np.trace(normal) + 1e-12) * np.eye(len(found.x))
-        step = np.linalg.lstsq(normal + ridge, -gradient, rcond=None)[0]
-        rows.append(np.clip(found.x + step * scale, low, high))
+        rows.append(stepped(found.x, limits, normal + ridge, gradient))
     return np.array(rows)

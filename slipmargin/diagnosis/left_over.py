@@ -14,7 +14,8 @@ from slipmargin.checks import Index
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import evaluate
 from slipmargin.diagnosis.left_out import folds
-from slipmargin.diagnosis.search import Round, screened
+from slipmargin.diagnosis.rounds import Round
+from slipmargin.diagnosis.search import screened
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.telling import enough, telling

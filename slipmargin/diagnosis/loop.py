@@ -2,201 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import final
-
 import numpy as np
 
-from slipmargin.checks import Index
 from slipmargin.data.data_set import DataSet
-from slipmargin.data.noise import lasting_noise, white_noise
+from slipmargin.data.noise import lasting_noise
 from slipmargin.data.repair import Repair
-from slipmargin.diagnosis import wheel_phase
-from slipmargin.diagnosis.candidate import Candidate, named_candidates
-from slipmargin.diagnosis.conditions import Ready, held_runs_of, ready
-from slipmargin.diagnosis.data_problem import problem_of
-from slipmargin.diagnosis.events import cut_apart, find_events, with_measured_velocity
+from slipmargin.diagnosis.conditions import Ready, ready
 from slipmargin.diagnosis.findings import findings
 from slipmargin.diagnosis.fit import Fit, fit
-from slipmargin.diagnosis.general_forms import general_candidates
-from slipmargin.diagnosis.groups import in_groups
-from slipmargin.diagnosis.held_out import score, searched_runs
-from slipmargin.diagnosis.ladder import Checked, Court, check
+from slipmargin.diagnosis.held_out import score
+from slipmargin.diagnosis.ladder import Checked, check
 from slipmargin.diagnosis.leads import leads
 from slipmargin.diagnosis.left_over import left_over, like
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import order_analysis
-from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.ranges import ranges, variables_of
-from slipmargin.diagnosis.refits import fitted, needed, without
+from slipmargin.diagnosis.ranges import variables_of
+from slipmargin.diagnosis.refits import without
 from slipmargin.diagnosis.remarks import of_pieces, of_the_clock, of_the_fit
 from slipmargin.diagnosis.residual_diagnostics import dependences
-from slipmargin.diagnosis.restated import redefined
-from slipmargin.diagnosis.result import Diagnosis, Event, Finding, Step, TrialTrajectories, Tried, Verdict
-from slipmargin.diagnosis.search import Round, search
+from slipmargin.diagnosis.result import Diagnosis, Finding, Step, TrialTrajectories, Tried, Verdict
+from slipmargin.diagnosis.rounds import Round
+from slipmargin.diagnosis.searched import Searched, events_of, searched
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
-from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.verdict import judged
-from slipmargin.diagnosis.watch import Watch, cut_short
-from slipmargin.effects import AnyEffect
+from slipmargin.diagnosis.watch import Progress, Watch, cut_short, no_progress
 from slipmargin.effects.confined import acting
 
 #: Steps of the last fit, which starts where the search ended.
 _FINAL_STEPS = 6
 _FINE_STEPS = 2
-
-
-Progress = Callable[[str, float], None]
-
-
-def no_progress(stage: str, share: float) -> None:
-    """Progress that is not shown."""
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Searched:
-    """What a search found without the held-out trials.
-
-    ``runs`` (R,) is the number of the run that each trial is, or is cut from; ``held`` and ``seen`` are the
-    numbers of the trials that were held out and of the others; ``events`` happened in the uncut runs.
-    """
-
-    problem: Problem
-    uncut: Problem
-    runs: tuple[int, ...]
-    held: Index
-    seen: Index
-    seen_runs: Index
-    candidates: list[Candidate]
-    state: State
-    rounds: list[Round]
-
-    def court(self, data_set: DataSet, seed: int) -> Court:
-        """The runs of the data set, before which what was found is judged."""
-        return Court(
-            problem=self.problem,
-            runs=self.runs,
-            held=self.held,
-            seen=self.seen,
-            records=tuple(data_set.trials),
-            seed=seed,
-        )
-
-
-def searched(
-    data_set: DataSet,
-    seed: int,
-    progress: Watch | None = None,
-    held_runs: Index | None = None,
-    leaves: float = np.inf,
-) -> Searched:
-    """Noise, cuts, ranges, wheel phases and effects, all from the trials that are not held out.
-
-    ``held_runs`` are the numbers of the runs to hold out; by default they are drawn.  The runs are searched
-    whole first: a slip that only some runs hold looks like an event.  They are cut where something seems to
-    have happened once that what is found does not explain.  The search ends where its first
-    effect leaves a chi above ``leaves``.
-    """
-    progress = progress or Watch(report=no_progress)
-    progress("reading the noise", 0.0)
-    count = len(data_set.trials)
-    if held_runs is None:
-        held_runs = held_runs_of(data_set, seed)
-    seen_runs = searched_runs(count, held_runs)
-    if data_set.sigma is None:
-        data_set = replace(data_set, sigma=white_noise(tuple(data_set.trials[i] for i in seen_runs)))
-    uncut = problem_of(data_set)
-    found = _searched(data_set, uncut, (), held_runs, seed, progress, leaves)
-    if found.state.chi > leaves:
-        return found
-    events = _events(uncut.with_wheel_phases(found.problem.wheel_phases), found.state.fit.effects, seen_runs)
-    if events and _spared(found, events):
-        found = _cut(found, data_set, events)
-    elif events:
-        found = _searched(data_set, uncut, events, held_runs, seed, progress, leaves)
-    return found
-
-
-def _spared(found: Searched, events: tuple[Event, ...]) -> bool:
-    """Whether no run that the rounds looked at holds one of these events: they would all be the same."""
-    looked = found.rounds[0].before.fit.trials if found.rounds else found.seen
-    return {e.trial for e in events}.isdisjoint(found.problem.trials[i].name for i in looked)
-
-
-def _cut(found: Searched, data_set: DataSet, events: tuple[Event, ...]) -> Searched:
-    """The same rounds, and what they found fitted to the runs cut at events that no round has looked at."""
-    problem, runs = _apart(data_set, events)
-    problem = problem.with_wheel_phases(found.problem.wheel_phases[list(runs)]).with_rough()
-    held, seen = (np.flatnonzero(np.isin(runs, part)) for part in (found.held, found.seen))
-    last, own = found.state, [runs[i] for i in seen]
-    state = fitted(problem.as_seen_in(last.view, runs), last.structure, last.fit.x, seen, own)
-    return replace(
-        found,
-        problem=problem,
-        runs=runs,
-        held=held,
-        seen=seen,
-        state=needed(state, own),
-        rounds=[step.moved(problem, runs) for step in found.rounds],
-    )
-
-
-def _apart(data_set: DataSet, events: tuple[Event, ...]) -> tuple[Problem, tuple[int, ...]]:
-    """The runs cut at events, and of each part the number of its run."""
-    records, runs = cut_apart(data_set.trials, events)
-    return with_measured_velocity(problem_of(data_set, records, runs), runs), runs
-
-
-def _searched(
-    data_set: DataSet,
-    uncut: Problem,
-    events: tuple[Event, ...],
-    held_runs: Index,
-    seed: int,
-    progress: Watch,
-    leaves: float,
-) -> Searched:
-    """What a search finds in the runs, cut at these events."""
-    problem, count = uncut, len(data_set.trials)
-    seen_runs = searched_runs(count, held_runs)
-    runs: tuple[int, ...] = tuple(range(count))
-    if events:
-        problem, runs = _apart(data_set, events)
-    held = np.flatnonzero(np.isin(runs, held_runs))
-    seen = np.flatnonzero(np.isin(runs, seen_runs))
-    known = tuple(effect.name for effect in data_set.recipe.effects)
-    model, commanded = problem.model(()), problem.commanded
-    covered = ranges(tuple(problem.trials[i] for i in seen))
-    arm = float(np.mean(np.hypot(*model.geometry.position_m.T)))
-    reach = {"position": covered.position_m, "time": covered.duration_s, "body": arm}
-    timed = data_set.nominal_rate_Hz is None
-    angles = not commanded and not wheel_phase.is_unknown(problem)
-    candidates = in_groups(
-        [
-            *named_candidates(model.geometry.names, commanded, known, reach, timed=timed, angles=angles),
-            *general_candidates(model, covered, commanded),
-        ],
-        data_set.members,
-    )
-    progress("comparing the residual with measured variables", 0.0)
-    problem, state, rounds = search(
-        problem, seen, [runs[i] for i in seen], candidates, seed, progress, leaves
-    )
-    state = redefined(state, [runs[i] for i in state.fit.trials], progress)
-    return Searched(
-        problem=problem,
-        uncut=uncut,
-        runs=runs,
-        held=held,
-        seen=seen,
-        seen_runs=seen_runs,
-        candidates=candidates,
-        state=state,
-        rounds=rounds,
-    )
 
 
 def diagnose(
@@ -266,7 +101,7 @@ def _diagnosed(conditions: Ready, s: Searched, seed: int, watch: Watch, budget_s
     uncut = s.uncut
     if len(uncut.trials) == len(trials):
         uncut = uncut.with_wheel_phases(problem.wheel_phases)
-    events = _events(uncut, fitted, s.seen_runs)
+    events = events_of(uncut, fitted, s.seen_runs)
     rates_before, rates_after = (problem.residual_rates(p) for p in (drawn_before, drawn_after))
     variables = [variables_of(t, problem.model(())) for t in trials]
     where = where_after = dependences(rates_before, variables, seed)
@@ -356,11 +191,6 @@ def _reported(
     seen_runs = [s.runs[i] for i in s.seen]
     useful = [without(state, index, seen_runs).chi for index in range(len(state.structure))]
     return findings(view, state, useful, s.rounds, final, len(s.candidates), entries), final
-
-
-def _events(problem: Problem, effects: tuple[AnyEffect, ...], ordinary: Index) -> tuple[Event, ...]:
-    everyone = np.arange(len(problem.trials), dtype=np.int64)
-    return find_events(problem, problem.predict([effects], [everyone])[0], ordinary)
 
 
 def _step(done: Round) -> Step:

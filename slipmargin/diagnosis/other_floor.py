@@ -67,7 +67,7 @@ def one_floor(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
 
 
 def _cost(problem: Problem, frictions: tuple[float, ...], runs: Index) -> Array:
-    """Mean squared residual (F, R) of each run with friction times each of these."""
+    """Mean squared residual (F, R) of each run, over the samples seen, with friction times each of these."""
     ones = np.ones(problem.nominal.count)
 
     def floor(factor: float) -> GeneralEffect:
@@ -81,7 +81,7 @@ def _cost(problem: Problem, frictions: tuple[float, ...], runs: Index) -> Array:
         return GeneralEffect(traced_to=Trace.COEFFICIENT, part=Part.GRIP, terms=(term,))
 
     found = problem.residuals([(floor(f),) for f in frictions], [runs] * len(frictions))
-    return np.array([np.mean(r**2, axis=1) for r in found])
+    return np.array([np.sum(r**2, axis=1) / np.maximum(1, np.count_nonzero(r, axis=1)) for r in found])
 
 
 def _two(costs: Array) -> tuple[int, int, float] | None:

@@ -37,7 +37,7 @@ class _Motion:
     def __init__(self, problem: Problem, row: int, pose: Array) -> None:
         trial = problem.trials[row]
         self.t_s = trial.t_s
-        self.since = trial.t_s - trial.t_s[0]
+        self.since = trial.record.since_s
         self.step_s = float(np.median(np.diff(trial.t_s)))
         self.pose = pose[: len(trial.t_s)]
         record = trial.record

@@ -98,7 +98,7 @@ class Problem:
         members = tuple(members) or ((recipe, nominal),)
         own = np.zeros(len(trials), dtype=np.int64) if not len(member_of) else np.asarray(member_of)
         signals = tuple(wheel_signal(t, commanded) for t in trials)
-        batch = Batch(signals, [t.t_s for t in trials], commanded=commanded)
+        batch = _batch(trials, signals, commanded)
         longest = max(len(t.t_s) for t in trials)
         measured = np.full((len(trials), longest, 3), np.nan)
         for row, trial in zip(measured, trials, strict=True):
@@ -212,8 +212,8 @@ class Problem:
             if is_ideal(model_k.measurement):
                 continue
             for row in np.flatnonzero(which == k):
-                clock_s = self.trials[runs[row]].t_s
-                pose[row, : len(clock_s)] = measure(model_k.measurement, clock_s, pose[row, : len(clock_s)])
+                since_s = self.trials[runs[row]].record.since_s
+                pose[row, : len(since_s)] = measure(model_k.measurement, since_s, pose[row, : len(since_s)])
         return pose
 
     def _fitted(self, pose: Array, measured: Array, seen: NDArray[np.bool_]) -> tuple[Array, Array]:
@@ -291,7 +291,7 @@ class Problem:
 
     def _batch(self, signals: tuple[WheelSignal, ...], phases: Array) -> Batch:
         turned = [with_phases(signal, row) for signal, row in zip(signals, phases, strict=True)]
-        return Batch(turned, [t.t_s for t in self.trials], commanded=self.commanded)
+        return _batch(self.trials, turned, self.commanded)
 
     @property
     def knots(self) -> float:
@@ -340,6 +340,11 @@ class Problem:
     def samples(self, trials: Index) -> float:
         """Number of measured values in these trials."""
         return float(np.count_nonzero(self.seen[trials]))
+
+
+def _batch(trials: Sequence[Trial], signals: Sequence[WheelSignal], commanded: bool) -> Batch:
+    began_s = [float(t.t_s[0] - t.record.since_s[0]) for t in trials]
+    return Batch(signals, [t.t_s for t in trials], commanded=commanded, began_s=began_s)
 
 
 def _first_pose(model: Model, trial: Trial, signal: WheelSignal) -> Array:

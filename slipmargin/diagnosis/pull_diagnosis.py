@@ -297,7 +297,7 @@ def _findings(
                         low=float(bottom[i]),
                         high=float(top[i]),
                         unit=unit,
-                        at_bound=f"{candidate.name}.{key}" in stuck,
+                        at_bound=f"{candidate.label}.{key}" in stuck,
                     )
                     for key, unit, i in zip(candidate.keys, candidate.units, span, strict=True)
                 ),

@@ -27,7 +27,7 @@ def motion_of(trial: Trial, convention: Convention = Convention.PAPER) -> dict[s
     change = _slope(t, velocity)
     push_right, push_forward = convention.right_forward(*to_body(phi, change[:, 0], change[:, 1]))
     return {
-        "time": t - t[0],
+        "time": trial.record.since_s,
         "position x": pose[:, 0],
         "position y": pose[:, 1],
         "heading": np.mod(phi, 2.0 * np.pi),
@@ -70,7 +70,7 @@ def ranges(trials: tuple[Trial, ...]) -> Ranges:
         acceleration_m_s2=max(reach("acceleration right", "acceleration forward"), 1e-1),
         yaw_rate_rad_s=max(reach("yaw rate"), 1e-1),
         position_m=max(reach("position x", "position y"), 5e-2),
-        duration_s=max(float(t.t_s[-1] - t.t_s[0]) for t in trials),
+        duration_s=max(float(t.record.since_s[-1]) for t in trials),
         command_rad_s=max(fastest, 1.0),
     )
 

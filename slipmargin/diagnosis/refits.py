@@ -122,4 +122,4 @@ def longer(problem: Problem, state: State, runs: Sequence[int], least_s: float =
 
 def longest_piece_s(problem: Problem, trials: Index) -> float:
     """The longest pieces [s]: half a run, that there are two of them."""
-    return 0.5 * float(np.median([problem.trials[i].t_s[-1] for i in trials]))
+    return 0.5 * float(np.median([np.ptp(problem.trials[i].t_s) for i in trials]))

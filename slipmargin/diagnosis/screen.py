@@ -230,14 +230,16 @@ def _left_out(
         prior[at : at + many, at : at + many] = misfit * c.prior
         at += many
     whole = gram.sum(axis=0)
+    others = whole - gram if len(gram) > 1 else gram  # one run alone: surrogates are fitted to it as it is
     lift = prior + np.diag(SETTINGS.ridge * np.diag(whole) + 1e-12 * np.trace(whole) + 1e-12)
     by_fold = pulls.transpose(1, 2, 0)  # (F, M, 1 + S): all folds and surrogates in one call
     all_pulls = by_fold.sum(axis=0)
+    of_others = all_pulls - by_fold if len(gram) > 1 else by_fold
     free = len(own) == 1 and not own[0].named and len(low) > 1
     best: tuple[Array, Array, Array] | None = None
     for ridge in (0.0, *(SETTINGS.ridges if free else ())):
         held = lift + ridge * np.trace(whole) / len(low) * np.eye(len(low))
-        steps = np.linalg.solve(whole - gram + held, by_fold - all_pulls)
+        steps = np.linalg.solve(others + held, -of_others)
         steps = np.minimum(np.maximum(steps, low[:, None]), high[:, None])
         gains = -np.sum(steps * (2.0 * by_fold + gram @ steps), axis=(0, 1))
         if best is None or gains[0] > best[0][0]:

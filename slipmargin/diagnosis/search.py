@@ -11,8 +11,7 @@ Far above the noise runs are compared in pieces: an error early in a run must no
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import final
+from dataclasses import replace
 
 import numpy as np
 
@@ -24,88 +23,17 @@ from slipmargin.diagnosis.crossings import at_crossings
 from slipmargin.diagnosis.finalists import finalists, of_other_variables, other_names
 from slipmargin.diagnosis.fit import build, evaluate, fit
 from slipmargin.diagnosis.left_out import folds
-from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.probes import probes
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.promise import after_steps, as_simulated
 from slipmargin.diagnosis.refits import evened, fitted, longest_piece_s, needed, refitted, scored, whole
 from slipmargin.diagnosis.restated import reformed
+from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.screen import Screened, Screening, screen
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State, as_good, choose, explained, quiet, worthwhile
 from slipmargin.diagnosis.telling import enough, telling
 from slipmargin.diagnosis.watch import Watch
-from slipmargin.effects import Trace
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Round:
-    """One step: where it started, the screened list, the fits (best first), the chosen one, if taken.
-
-    ``names_only``: the list held no general forms, so that it is no map of what is left.
-    """
-
-    before: State
-    screening: Screening
-    tried: tuple[State, ...]
-    best: State | None
-    taken: bool
-    names_only: bool = False
-
-    @property
-    def p_value(self) -> float:
-        """Probability that noise alone gives as large a gain to the best of the list."""
-        return 1.0 if self.best is None else self.screening.p_value(explained(self.before, self.best))
-
-    def moved(self, problem: Problem, runs: tuple[int, ...]) -> Round:
-        """The same of a problem in which trials that it has not looked at are cut."""
-        tried = tuple(s.moved(problem, runs) for s in self.tried)
-        best = next((new for old, new in zip(self.tried, tried, strict=True) if old is self.best), None)
-        return replace(self, before=self.before.moved(problem, runs), tried=tried, best=best)
-
-    def map(self) -> tuple[MapEntry, ...]:
-        """The best candidate of each variable: what the residual follows, strongest first.
-
-        A candidate's share is that of its fit by simulation or that of its tangent, whichever is larger:
-        both are of runs left out, and a fit may end beside a place that its tangent has seen.
-        """
-        rows = [(explained(self.before, s), s.last.trace, s.last.label) for s in self.tried if self.single(s)]
-        rows += [
-            (self.screening.share(entry), entry.parts[0].trace, entry.label)
-            for entry in self.screening.entries
-            if len(entry.parts) == 1
-        ]
-        best: dict[Trace, MapEntry] = {}
-        for share, trace, label in sorted(rows, key=lambda row: -row[0]):
-            p_value = self.screening.p_value(share)
-            best.setdefault(trace, MapEntry(traced_to=trace, form=label, share=share, p_value=p_value))
-        return tuple(best.values())
-
-    def single(self, state: State) -> bool:
-        """Whether a state adds one candidate."""
-        return len(state.structure) == len(self.before.structure) + 1
-
-    def rivals(self) -> list[State]:
-        """States that these trials cannot tell from the best one."""
-        best = self.best
-        return [] if best is None else [s for s in self.tried if s is not best and as_good(s, best)]
-
-    def others(self) -> list[State]:
-        """Names worth following beside the best one, the best of each other variable: those that take off at
-        least a share of what it does, and, if it has no name, the best that has one."""
-        best, before = self.best, self.before
-        if best is None or not self.taken:
-            return []
-        named = [s for s in self.tried if s.named and s is not best and worthwhile(before, s.chi)]
-        first = [] if best.named else named[:1]
-        least = SETTINGS.followed_share * (before.chi - best.chi)
-        found: dict[Trace, State] = {}
-        for state in (*first, *(s for s in named if before.chi - s.chi >= least)):
-            found.setdefault(state.last.trace, state)
-        if best.named:
-            found.pop(best.last.trace, None)
-        return list(found.values())[: SETTINGS.followed]
 
 
 def search(

@@ -31,7 +31,7 @@ def measure(sensing: MeasurementModel, t_s: Array, pose: Array) -> Array:
     sensing : MeasurementModel
         Faults of the measurement.
     t_s : array (T,)
-        Instants [s], increasing.
+        Instants since the run began [s], increasing.
     pose : array (T, 3)
         True x [m], y [m], φ [rad] of the body frame's origin.
 
@@ -62,7 +62,7 @@ def measure(sensing: MeasurementModel, t_s: Array, pose: Array) -> Array:
 def _variable(variable: Variable, t_s: Array, pose: Array) -> Array:
     column = {Variable.POSITION_X: 0, Variable.POSITION_Y: 1, Variable.HEADING: 2}
     if variable is Variable.TIME:
-        return np.asarray(t_s - t_s[0], dtype=np.float64)
+        return np.asarray(t_s, dtype=np.float64)
     if variable is Variable.UNITY:
         return np.ones(len(t_s))
     if variable is Variable.SPEED:

@@ -231,6 +231,9 @@ class SearchSettings:
     event_sigmas: float = 16.0
     #: [1] … and above so many times the largest ordinary jump, the 99th percentile over the other runs.
     event_ordinary: float = 8.0
+    #: [1] … of which the model without effects shows this share at least: what only the effects make did not
+    #: happen.
+    event_own: float = 0.5
     #: [s] A part of a run that was cut at an event is kept if it is as long as this.
     least_part_s: float = 0.4
     #: [1] A fault of the data is spoken of where the effects found could take up this share of the squared

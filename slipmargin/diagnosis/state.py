@@ -68,6 +68,9 @@ def explained(before: State, after: State) -> float:
 def choose(tried: Sequence[State]) -> State:
     """Of those as good as the best: with names not stuck at a bound, fewest effects, then the least error.
 
+    What leaves nothing but noise in the runs it was fitted to comes before what leaves more there: where one
+    run alone shows a place, nothing predicts that run from the others.
+
     Of two forms of the same effects that are as good as each other, and of two names whose errors do not
     differ beyond the spread of the runs or the worth of their parameters, the one with fewer parameters is
     meant; of two that differ by no more than a log's reconstruction does, the more usual one.
@@ -79,13 +82,14 @@ def choose(tried: Sequence[State]) -> State:
     return simpler
 
 
-def _kind(state: State) -> tuple[bool, bool, int]:
-    """What counts before the error: names that stand, no parameter at a bound, few effects.
+def _kind(state: State) -> tuple[bool, bool, int, bool]:
+    """What counts before the error: names that stand, no parameter at a bound, few effects, noise alone left.
 
     A name with a parameter at a bound stands for something else, and is not reported as that name.
     """
     stuck = bool(state.fit.at_bound())
-    return stuck or not state.named, stuck, len(state.structure)
+    left = state.fit.cost / max(1.0, state.samples)
+    return stuck or not state.named, stuck, len(state.structure), left > SETTINGS.noise_chi**2
 
 
 def _simpler(chosen: State, good: Sequence[State]) -> State:

@@ -19,10 +19,12 @@ from slipmargin.data.data_set import DataSet
 from slipmargin.data.pulls import Pulls
 from slipmargin.data.repair import Repair
 from slipmargin.diagnosis.limits_change import Limits, LimitsChange
+from slipmargin.diagnosis.residual_diagnostics import ResidualDependence
 from slipmargin.diagnosis.result import Diagnosis, Estimate, Finding, TrialTrajectories
 from slipmargin.effects import Effect, Recipe
 from slipmargin.effects.confined import bare
-from slipmargin.effects.turned import DIRECTION, axes_of, direction, effect_in, recipe_in
+from slipmargin.effects.sliding_direction import MOST_FRICTION, SlidingDirection
+from slipmargin.effects.turned import DIRECTION, axes_of, direction, effect_in, recipe_in, waves_in
 from slipmargin.physics.convention import Convention
 from slipmargin.robot.turned import quarter_rad, vectors
 
@@ -70,6 +72,8 @@ def diagnosis_in(found: Diagnosis, recipe: Recipe) -> Diagnosis:
         noise=found.noise[[1, 0, 2]],
         findings=tuple(_finding(f, old, new) for f in found.findings),
         trials=tuple(_trial(t, old, new) for t in found.trials),
+        where=tuple(_dependence(d) for d in found.where),
+        where_after=tuple(_dependence(d) for d in found.where_after),
         events=tuple(replace(e, channel=_SWAP.get(e.channel, e.channel)) for e in found.events),
         repairs=tuple(_repair(r) for r in found.repairs),
     )
@@ -78,6 +82,12 @@ def diagnosis_in(found: Diagnosis, recipe: Recipe) -> Diagnosis:
 def _trial(trial: TrialTrajectories, old: Convention, new: Convention) -> TrialTrajectories:
     measured, before, after = (vectors(p, old, new) for p in (trial.measured, trial.before, trial.after))
     return replace(trial, measured=measured, before=before, after=after)
+
+
+def _dependence(found: ResidualDependence) -> ResidualDependence:
+    """What the residual depends on, named by the axes of the file."""
+    said = re.sub(r"\bposition ([xy])\b", lambda m: f"position {_SWAP[m[1]]}", found.variable)
+    return replace(found, variable=said)
 
 
 def _repair(repair: Repair) -> Repair:
@@ -107,14 +117,17 @@ def _estimates(
         for name, unit in ((x, [1.0, 0.0]), (y, [0.0, 1.0])):
             there = vectors(np.array(unit), old, new)
             names[name] = (x if there[0] else y, bool(there.sum() < 0.0) and not factors)
+    way, repeats = (MOST_FRICTION, effect.repeats) if isinstance(effect, SlidingDirection) else (DIRECTION, 1)
+    if isinstance(effect, SlidingDirection):
+        names |= waves_in(effect, old, new)
     out = []
     for e in estimates:
         key, of, group = e.name.partition(" (")  # in a campaign each group has its own
         name, reverse = names.get(key, (key, False))
         if reverse:
             e = replace(e, value=0.0 - e.value, low=0.0 - e.high, high=0.0 - e.low)
-        if key == DIRECTION:
-            shift = direction(e.value, old, new) - e.value
+        if key == way:
+            shift = direction(e.value, old, new, repeats) - e.value
             e = replace(e, value=e.value + shift, low=e.low + shift, high=e.high + shift)
         out.append((group, name, replace(e, name=f"{name}{of}{group}")))
     order = {p.name: k for k, p in enumerate(effect.parameters)}

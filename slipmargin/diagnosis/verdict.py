@@ -123,6 +123,7 @@ def judge(
     settings: SearchSettings = SETTINGS,
     *,
     by_chance: bool = True,
+    numbers: Index | None = None,
 ) -> Judgement:
     """Judge a correction by R runs, each predicted with parameters that have not seen it.
 
@@ -140,11 +141,18 @@ def judge(
     by_chance : bool
         Whether the runs must be enough, and agree enough, to rule out chance.  A first look at some of the
         runs leaves that to the judgement by all of them.
+    numbers : array (R,) of int, optional
+        Which runs of the data set these are, from 0, where they are not all.
     """
     s = settings
     everyone = np.arange(len(before.squares))
     fresh = judged(unseen)
+    names = everyone if numbers is None else numbers
+    alike = not np.any(unseen)
+    where = "on runs each predicted without it" if alike else "on runs that nothing has seen"
     failures = []
+    if len(everyone) < 2:
+        failures.append("one run alone bears out nothing that was fitted to it; drive another")
     explained = explained_share(before.chi(fresh), after.chi(fresh))
     least = min(s.least_chi, before.chi(fresh))
     few = 0 < int(np.count_nonzero(unseen)) < min(s.few_unseen, len(everyone)) and before.chi() > s.far_chi
@@ -155,12 +163,12 @@ def judge(
     )
     if not enough or before.chi(fresh) - after.chi(fresh) < least:
         failures.append(
-            f"on runs that nothing has seen chi goes from {before.chi(fresh):.3g} to {after.chi(fresh):.3g}, "
+            f"{where} chi goes from {before.chi(fresh):.3g} to {after.chi(fresh):.3g}, "
             f"which is {100.0 * explained:.0f} % of the mean square beyond the noise; "
             f"{100.0 * s.explained_share:.0f} % are asked for"
         )
     for word, channels in (("position", _POSITION), ("heading", _HEADING)):
-        for rows, whose in ((fresh, "on runs that nothing has seen"), (everyone, "over all runs")):
+        for rows, whose in ((fresh, where), (everyone, "over all runs")):
             one, two = before.chi(rows, channels), after.chi(rows, channels)
             chance = few and rows is fresh and share_as_low(before, after, fresh, channels) > s.level
             if clearly_worse(one, two, s) and not chance:
@@ -200,7 +208,8 @@ def judge(
         one, two = before.chi(rows), after.chi(rows)
         if clearly_worse(one, two, s):
             failures.append(
-                f"runs {rows[0] + 1} to {rows[-1] + 1} as a group get worse (chi {one:.3g} to {two:.3g})"
+                f"runs {names[rows[0]] + 1} to {names[rows[-1]] + 1} as a group get worse "
+                f"(chi {one:.3g} to {two:.3g})"
             )
     return Judgement(
         failures=tuple(failures),

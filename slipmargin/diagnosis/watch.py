@@ -11,6 +11,12 @@ from slipmargin.checks import real
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.errors import InputError
 
+Progress = Callable[[str, float], None]
+
+
+def no_progress(stage: str, share: float) -> None:
+    """Progress that is not shown."""
+
 
 @final
 class OutOfTime(Exception):

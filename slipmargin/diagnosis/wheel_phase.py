@@ -148,7 +148,7 @@ def from_first_parts(
     phases = problem.wheel_phases.copy()
     ends = np.full(len(problem.trials), -np.inf)
     for row, run, phase in zip(rows, runs, early.wheel_phases, strict=True):
-        phases[row] = phase + _turned_before(run, float(problem.trials[row].t_s[0]), problem.commanded)
+        phases[row] = phase + turned_before(run, float(problem.trials[row].t_s[0]), problem.commanded)
         ends[row] = _end_of_first_part(run)
     return problem.with_wheel_phases(phases), ends
 
@@ -159,7 +159,7 @@ def _speeds(run: Record, commanded: bool) -> Array:
     return bridged(run.t_s, speeds)
 
 
-def _turned_before(run: Record, t_s: float, commanded: bool) -> Array:
+def turned_before(run: Record, t_s: float, commanded: bool) -> Array:
     """Angle (N,) by which the wheels have turned at a time of a run [rad]."""
     angles = wheel_angles(run.t_s, None, _speeds(run, commanded))
     assert angles is not None

@@ -14,6 +14,8 @@ from slipmargin.model.parts import Grip
 from slipmargin.physics.terms import Multiplier
 from slipmargin.physics.variables import Basis, Target, Variable
 
+MOST_FRICTION = "most_friction_towards_rad"
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SlidingDirection(WheelEffect):
@@ -56,5 +58,5 @@ class SlidingDirection(WheelEffect):
         way = math.atan2(self.sine, self.cosine) / self.repeats
         return (
             Quantity(name="amplitude", value=math.hypot(self.cosine, self.sine), unit="1"),
-            Quantity(name="most_friction_towards_rad", value=way, unit="rad"),
+            Quantity(name=MOST_FRICTION, value=way, unit="rad"),
         )

@@ -56,18 +56,25 @@ def effect_in(effect: AnyEffect, old: Convention, new: Convention) -> AnyEffect:
         turned = pair[::-1] if factors else vectors(np.array(pair), old, new).tolist()
         changes |= {x: turned[0], y: turned[1]}
     if isinstance(effect, SlidingDirection):
-        phase = effect.repeats * quarter_rad(old, new)
-        c, s = round(math.cos(phase), 15), round(math.sin(phase), 15)
-        changes["cosine"] = c * effect.cosine - s * effect.sine
-        changes["sine"] = s * effect.cosine + c * effect.sine
+        for name, (there, reverse) in waves_in(effect, old, new).items():
+            changes[there] = (0.0 - getattr(effect, name)) if reverse else getattr(effect, name)
     if hasattr(effect, DIRECTION):
         changes[DIRECTION] = direction(getattr(effect, DIRECTION), old, new)
     return replace(effect, **changes) if changes else effect  # type: ignore[type-var]
 
 
-def direction(angle_rad: float, old: Convention, new: Convention) -> float:
-    """A direction in another convention's axes, within ±π [rad]."""
-    return math.remainder(angle_rad + quarter_rad(old, new), 2.0 * math.pi)
+def waves_in(effect: SlidingDirection, old: Convention, new: Convention) -> dict[str, tuple[str, bool]]:
+    """What ``cosine`` and ``sine`` over a direction are in the other axes, and whether their sign changes."""
+    phase = effect.repeats * quarter_rad(old, new)
+    c, s = round(math.cos(phase)), round(math.sin(phase))
+    if c:
+        return {"cosine": ("cosine", c < 0), "sine": ("sine", c < 0)}
+    return {"cosine": ("sine", s < 0), "sine": ("cosine", s > 0)}
+
+
+def direction(angle_rad: float, old: Convention, new: Convention, repeats: int = 1) -> float:
+    """A direction in another convention's axes, within ±π [rad], or its part of a turn if it ``repeats``."""
+    return math.remainder(angle_rad + quarter_rad(old, new), 2.0 * math.pi / repeats)
 
 
 def axes_of(effect: Effect) -> list[tuple[str, str, bool]]:

@@ -17,10 +17,10 @@ from slipmargin.diagnosis.conditions import ready
 from slipmargin.diagnosis.fit import Fit, build, fit, spans
 from slipmargin.diagnosis.ladder import Checked, check
 from slipmargin.diagnosis.left_over import like
-from slipmargin.diagnosis.loop import Searched, searched
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Verdict
-from slipmargin.diagnosis.search import Round
+from slipmargin.diagnosis.rounds import Round
+from slipmargin.diagnosis.searched import Searched, searched
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.watch import Watch

@@ -119,6 +119,9 @@ class Batch:
         True: the signals are commands, the model's transients act; False: they are what the wheels did.
     pushes : sequence of Push or None, optional
         External force of each signal.
+    began_s : sequence of float, optional
+        When the run of each signal began [s]: what depends on time counts from there, and so do the times of
+        an :class:`Outcome`.  By default it is where the signal begins.
     """
 
     def __init__(
@@ -128,6 +131,7 @@ class Batch:
         *,
         commanded: bool = False,
         pushes: Sequence[Push | None] | None = None,
+        began_s: Sequence[float] | None = None,
     ) -> None:
         if not signals:
             raise InputError("signals", "there are none", "give at least one run")
@@ -152,7 +156,13 @@ class Batch:
                 raise InputError(
                     "signals", f"have {self.wheels} and {s.wheels} wheels", "give one robot's runs"
                 )
-        first = [float(s.knots_s[0]) for s in signals]
+        first = [float(s.knots_s[0]) for s in signals] if began_s is None else [float(t) for t in began_s]
+        if len(first) != len(signals) or any(
+            not t0 <= s.knots_s[0] for t0, s in zip(first, signals, strict=True)
+        ):
+            raise InputError(
+                "began_s", "is not one time a signal, at its start or before", "give when each run began"
+            )
         times = [_times(t, s) - t0 for t, s, t0 in zip(times_s, signals, first, strict=True)]
         self._given = [_given(s, t, p, t0) for s, t, p, t0 in zip(signals, times, pushes, first, strict=True)]
         self.longest = max(len(t) for t in times)

@@ -19,6 +19,7 @@ NUMERICS = {
     "data/noise.py": {"_LINE", "_CUBIC", "_WINDOWS", "_TIMES", "_SHARES"},
     "data/wheel_signals.py": {"_TURN"},
     "diagnosis/crossings.py": {"_EDGES", "_FLAT", "_DIRECTIONS", "_MOST"},
+    "diagnosis/evidence.py": {"_UNKNOWN"},
     "diagnosis/other_floor.py": {"_FRICTIONS", "_NEAREST"},
     "diagnosis/fit.py": {"STEP", "_ITERATIONS", "_ENOUGH", "_FAIR", "_LADDER", "_USUAL"},
     "diagnosis/forms.py": {"_NEIGHBOURS", "_LARGEST"},

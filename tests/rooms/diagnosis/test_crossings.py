@@ -11,22 +11,23 @@ from planting import Plant, planted, smooth_kiwi
 from slipmargin.data.campaign import Part, joined
 from slipmargin.data.data_set import DataSet
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
-from slipmargin.diagnosis.crossings import _shapes, at_crossings, lines
+from slipmargin.diagnosis.crossings import Line, _place, _same, _shapes, at_crossings, lines
 from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.fit import evaluate
 from slipmargin.diagnosis.groups import in_groups
-from slipmargin.diagnosis.loop import diagnose, no_progress
+from slipmargin.diagnosis.loop import diagnose
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.refits import fitted
 from slipmargin.diagnosis.result import Verdict
 from slipmargin.diagnosis.search import screened
 from slipmargin.diagnosis.settings import SETTINGS
-from slipmargin.diagnosis.watch import Watch
+from slipmargin.diagnosis.watch import Watch, no_progress
 from slipmargin.effects import Trace
 from slipmargin.effects.floor_patch import FloorPatch
 from slipmargin.effects.floor_ramp import FloorRamp
 from slipmargin.effects.floor_seam import FloorSeam
+from slipmargin.physics.relief import beyond
 
 SIGMA = np.array([5e-4, 5e-4, 2e-3])
 EVERY = np.arange(8)
@@ -58,16 +59,35 @@ def problem(data: DataSet) -> Problem:
     return Problem.of(data.recipe, data.surface, trials, SIGMA, False)
 
 
-def found(of: Problem, like: FloorSeam | FloorRamp = SEAM) -> np.ndarray:
-    relief = of.model((like,)).external.reliefs[-1]
+def found(of: Problem, *likes: FloorSeam | FloorRamp) -> list[Line]:
+    reliefs = [of.model((like,)).external.reliefs[-1] for like in likes or (SEAM,)]
     predicted = of.predict([()], [EVERY])[0]
-    return lines(of, evaluate(of, (), np.zeros(0), EVERY), predicted, relief, SETTINGS.crossings)
+    return lines(of, evaluate(of, (), np.zeros(0), EVERY), predicted, reliefs, SETTINGS.crossings)
 
 
 def test_the_line_that_wheels_cross_is_among_the_first(crossed: DataSet) -> None:
-    first = found(problem(crossed))[:3]
-    near = (np.abs(first[:, 0] - SEAM.offset_m) <= 0.05) & (np.abs(first[:, 1] - SEAM.direction_rad) <= 0.2)
-    assert near.any()
+    assert any(
+        abs(line.offset_m - SEAM.offset_m) <= 0.05 and abs(line.direction_rad - SEAM.direction_rad) <= 0.2
+        for line in found(problem(crossed))[:3]
+    )
+
+
+def test_of_several_widths_the_one_that_fits_decides(crossed: DataSet) -> None:
+    """Lines are not shared out over the widths: those of the better one come first, and no line twice."""
+    at, wide = problem(crossed), replace(SEAM, width_m=0.4)
+    both = found(at, wide, SEAM)
+    assert len(both) == SETTINGS.crossings and both[0].shape == 1
+    assert replace(both[0], shape=0) == found(at)[0]
+
+
+def test_a_strip_that_begins_before_the_floor_that_is_driven_over_is_looked_at() -> None:
+    """Every run begins on it and comes off it."""
+    strip = FloorRamp(slope_rad=0.05, offset_m=-1.8, direction_rad=0.6, length_m=1.9)
+    made = planted(smooth_kiwi(), Plant(name="strip", traces=(), effects=(strip,)), seed=6, count=8)
+    assert any(
+        abs(line.offset_m - strip.offset_m) <= 0.3 and abs(line.direction_rad - strip.direction_rad) <= 0.2
+        for line in found(problem(made), strip)[:3]
+    )
 
 
 def test_a_short_ramp_is_started_where_it_is(ramped: DataSet) -> None:
@@ -85,12 +105,26 @@ def test_a_short_ramp_is_started_where_it_is(ramped: DataSet) -> None:
 
 
 def test_no_two_lines_are_the_same_whichever_way_their_normals_point(crossed: DataSet) -> None:
+    at = problem(crossed)
     far, apart = SETTINGS.crossing_same_rad, SETTINGS.crossing_same_m
-    for one, (offset, direction) in enumerate(own := found(problem(crossed))):
-        for other, towards in own[one + 1 :]:
+    x, y = np.median(np.concatenate([trial.pose[:, :2] for trial in at.trials]), axis=0)
+    places = [
+        (-float(beyond(line.offset_m, line.direction_rad, x, y)), line.direction_rad) for line in found(at)
+    ]
+    for one, (offset, direction) in enumerate(places):
+        for other, towards in places[one + 1 :]:
             turned = abs(direction - towards)
-            assert turned > far or abs(offset - other) > apart
-            assert np.pi - turned > far or abs(offset + other) > apart
+            assert turned > far or abs(offset - other) > 0.9 * apart  # the middle is taken of fewer samples
+            assert np.pi - turned > far or abs(offset + other) > 0.9 * apart
+
+
+def test_a_strip_is_the_same_seen_from_either_end(crossed: DataSet) -> None:
+    """Turned round, it begins where it ended: at minus its offset and its length."""
+    relief, centre = problem(crossed).model((RAMP,)).external.reliefs[-1], np.array([0.4, -0.7])
+    one = Line(0.5, 0.0, 0)
+    turned, beside = (Line(-(0.5 + RAMP.length_m + d), np.pi - 1e-6, 0) for d in (0.0, 0.3))
+    place = [_place(line, relief, centre) for line in (one, turned, beside)]
+    assert _same(place[0], place[1]) and not _same(place[0], place[2])
 
 
 def test_a_floor_of_any_size_has_as_many_lines_as_can_be_looked_at(crossed: DataSet) -> None:

@@ -12,17 +12,21 @@ from hypothesis import given, settings, strategies as st
 
 from slipmargin.checks import Array, Index
 from slipmargin.diagnosis import search
-from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.evidence import Intervals, intervals
-from slipmargin.diagnosis.fit import evaluate, fit, free_slopes, score_test_gain, shifted_by
+from slipmargin.diagnosis.findings import _origin, _quantities, _rivals
+from slipmargin.diagnosis.fit import Fit, evaluate, fit, free_slopes, score_test_gain, shifted_by
 from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
+from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.screen import Screened, Screening
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State, choose
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect, Effect, Trace
 from slipmargin.effects.camera_rotation import CameraRotation
 from slipmargin.effects.camera_scale import CameraScale
 from slipmargin.effects.dragging_point import DraggingPoint
+from slipmargin.effects.floor_grain import FloorGrain
 
 TRIALS, SAMPLES = 6, 30
 
@@ -146,6 +150,7 @@ def _known(covariance: Array, freedom: float = np.inf) -> Intervals:
         low=-deviation,
         high=deviation,
         deviation=deviation,
+        quantile=1.0,
         covariance=covariance,
         freedom=freedom,
         excitation=deviation,
@@ -398,3 +403,87 @@ def test_far_above_the_noise_a_name_is_taken_where_no_form_may_be(
     monkeypatch.setattr(search, "_added", lambda _, entry, *__: found[entry.label])
     step = search.take_step(before, range(TRIALS), [], 0, Watch(report=lambda *_: None))
     assert step.taken is taken and step.best is found["name" if taken else "form"]
+
+
+def test_candidates_of_one_name_are_stuck_each_for_itself() -> None:
+    """A wheel at the edge of its range took the name from another that was not."""
+    both = tuple(c for c in named_candidates(("1", "2", "3"), False, ()) if c.name == "wheel_radius")[:2]
+    assert [c.label for c in both] == ["wheel_radius[1]", "wheel_radius[2]"]
+    x = np.concatenate([both[0].high, 0.5 * (both[1].null + both[1].high)])
+    nothing = np.zeros((TRIALS, SAMPLES))
+    found = Fit(
+        structure=both,
+        x=x,
+        trials=EVERY,
+        residual=nothing,
+        jacobian=np.zeros((*nothing.shape, len(x))),
+        evaluations=0,
+    )
+    assert found.at_bound() == [f"wheel_radius[1].{key}" for key in both[0].keys]
+
+
+def test_what_no_trial_shows_is_not_sure() -> None:
+    """Its interval was a single number: the inverse of nothing was taken for nothing."""
+    problem = Line((0.2, 0.0), 0.05, 3)
+    problem.v[:] = 0.0
+    found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+    spread = intervals(found, leave_one_out(found), found.structure[0].scale, np.zeros(2))
+    assert spread.high[0] - spread.low[0] < 1.0 and spread.high[1] - spread.low[1] > 100.0
+
+
+@given(low=st.floats(0.9, 0.99))
+@settings(deadline=None, max_examples=10)
+def test_a_fold_keeps_to_a_bound_as_a_fit_does(low: float) -> None:
+    """Two slopes that hang together, one on its bound: the step of both, clipped, goes uphill."""
+    problem = Line((0.2, -0.3), 0.0, 5)
+    problem.u, problem.v = 50.0 * problem.u, 45.0 * problem.u + 5.0 * problem.v
+    noise = np.random.default_rng(1).normal(size=problem.u.shape)
+    problem.y = 0.2 * problem.u - 0.3 * problem.v + noise
+    own = replace(candidate(CameraScale), low=np.array([0.5, low]))
+    found = fit(problem, (own,), np.array([1.0, 1.0]), EVERY)
+    assert found.x[1] == low
+    parts = folds(range(TRIALS), 3)
+    for x, part in zip(refitted_without(problem, found, parts)[0], parts, strict=True):
+        alone = fit(problem, (own,), np.array([1.0, 1.0]), np.delete(EVERY, part))
+        np.testing.assert_allclose(x, alone.x, atol=1e-4)
+    for trial, x in enumerate(leave_one_out(found)):
+        alone = fit(problem, (own,), np.array([1.0, 1.0]), np.delete(EVERY, trial))
+        np.testing.assert_allclose(x, alone.x, atol=1e-4)
+
+
+def test_what_follows_from_parameters_is_as_sure_as_they_are_together() -> None:
+    """Of two that vary against each other the sum is known; no end lies beyond the ends of all of them."""
+    own = candidate(FloorGrain)
+    x = np.array([0.3, 0.4])
+    final = SimpleNamespace(structure=(own,), x=x)
+    stand_in = SimpleNamespace(model=lambda *_: None)
+    across = 0.05 * np.array([0.8, -0.6])  # of the same amplitude, to first order
+    spread = replace(_known(np.outer(across, across)), low=x - 0.1, high=x + 0.1)
+    amplitude = _quantities(stand_in, final, spread, 0)[0]
+    assert amplitude.value == pytest.approx(0.5) and amplitude.high - amplitude.low < 1e-4
+    spread = replace(_known(np.diag([0.01, 0.01])), low=x, high=x + 0.1)
+    amplitude = _quantities(stand_in, final, spread, 0)[0]
+    assert amplitude.low == pytest.approx(0.5) and 0.59 < amplitude.high < 0.65
+
+
+def test_the_evidence_of_an_effect_is_that_of_its_own_state() -> None:
+    """Where what a round took fails on unseen runs, another was told with the p-value of the first."""
+    names = {c.label: c for c in named_candidates(("1",), False, ())}
+    first, second = names["camera_scale"], names["camera_rotation"]
+    taken, other = state((first,), 1.1), state((second,), 3.0)
+    screening = Screening(entries=(), total=1.0, chance=np.linspace(0.0, 0.99, 99))
+    step = Round(before=state((), 4.0), screening=screening, tried=(taken, other), best=taken, taken=True)
+    assert _origin(first, [step]) == (step, taken) and _origin(second, [step]) == (step, other)
+    assert step.p_value_of(other) > 5.0 * step.p_value
+    assert _rivals(step, other, second) == ("camera_scale",)
+
+
+def test_of_names_that_the_runs_left_out_do_not_tell_apart_the_one_that_leaves_noise_is_meant() -> None:
+    """One run alone shows a ridge: predicted from the others it is off by as much as beside a wrong name."""
+    one, other = (
+        state((candidate(kind),), chi) for kind, chi in ((CameraScale, 2.81), (CameraRotation, 2.8))
+    )
+    off = np.where(np.arange(TRIALS)[:, None] == 1, 5.0, other.fit.residual)
+    other = replace(other, fit=replace(other.fit, residual=off))
+    assert one.fit.cost < one.samples < other.fit.cost / SETTINGS.noise_chi**2
+    assert choose([other, one]) is one

@@ -12,14 +12,14 @@ from planting import Plant, planted, smooth_kiwi
 from slipmargin.diagnosis import search
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.general_forms import general_candidates
-from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.ranges import ranges
 from slipmargin.diagnosis.refits import fitted
-from slipmargin.diagnosis.search import Round, screened
+from slipmargin.diagnosis.rounds import Round
+from slipmargin.diagnosis.search import screened
 from slipmargin.diagnosis.state import State
-from slipmargin.diagnosis.watch import Watch
+from slipmargin.diagnosis.watch import Watch, no_progress
 from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
 from slipmargin.effects.wheel_loads import WheelLoads
 

@@ -13,8 +13,8 @@ from slipmargin.diagnosis import search
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.refits import fitted
+from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.screen import Screening
-from slipmargin.diagnosis.search import Round
 from slipmargin.diagnosis.state import State
 
 

@@ -15,17 +15,17 @@ from slipmargin.diagnosis import ladder
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.ladder import Checked, Court, check, larger
 from slipmargin.diagnosis.left_out import folds
-from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.refits import fitted, nothing_sure
 from slipmargin.diagnosis.result import Score
+from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.screen import Screening
-from slipmargin.diagnosis.search import Round, take_step
+from slipmargin.diagnosis.search import take_step
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.verdict import RunErrors
-from slipmargin.diagnosis.watch import Watch
+from slipmargin.diagnosis.watch import Watch, no_progress
 from slipmargin.effects import AnyEffect
 from slipmargin.effects.camera_delay import CameraDelay
 from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
@@ -245,3 +245,27 @@ def test_an_error_that_grows_beyond_rounding_is_not_called_found(
     monkeypatch.setattr(ladder, "score", grown)
     found = checked(court, "wheel_loads")
     assert found.state is None and "the position error grows" in found.rejected[0].failures[-1]
+
+
+@pytest.mark.parametrize(("with_it", "kept"), [(1.2, 1), (0.9, 2)])
+def test_a_last_effect_has_to_make_unseen_runs_better(
+    court: Court, monkeypatch: pytest.MonkeyPatch, with_it: float, kept: int
+) -> None:
+    """Both were claimed on the strength of the first."""
+
+    def put(_: Court, state: State, __: list[object]) -> Checked:
+        chi = with_it if len(state.structure) == 2 else 1.0
+        errors = RunErrors(squares=np.full((COUNT, 3), 100.0 * chi**2), counts=np.full((COUNT, 3), 100.0))
+        return Checked(
+            state=state,
+            before=errors,
+            after=errors,
+            judgement=None,
+            problem=court.problem,
+            phased=False,
+            rejected=(),
+        )
+
+    monkeypatch.setattr(ladder, "_put", put)
+    found = checked(court, "wheel_loads", "camera_delay")
+    assert labels_of(found) == ["wheel_loads", "camera_delay"][:kept]

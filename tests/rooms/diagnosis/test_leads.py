@@ -14,17 +14,17 @@ from slipmargin.diagnosis.candidate import named_candidates
 from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.leads import followed, leads
 from slipmargin.diagnosis.left_over import left_over, like
-from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import Periodicity
 from slipmargin.diagnosis.refits import fitted
 from slipmargin.diagnosis.result import LeadSource, Rejected
+from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.screen import Screening
-from slipmargin.diagnosis.search import Round, screened
+from slipmargin.diagnosis.search import screened
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.telling import enough
-from slipmargin.diagnosis.watch import Watch
+from slipmargin.diagnosis.watch import Watch, no_progress
 from slipmargin.effects import Trace
 
 TURN = Periodicity(per_turn=1, wheels=("2",), p_value=0.003)

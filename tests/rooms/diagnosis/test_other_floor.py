@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -27,3 +29,12 @@ def test_runs_that_another_friction_does_not_explain_are_no_other_floor(
     kept, said = other_floor.one_floor(data)
     assert [r.kind for r in said] == ["other_floor"] * apart
     assert len(kept.trials) == len(data.trials) - 2 * apart
+
+
+def test_a_short_run_counts_by_what_was_seen_of_it() -> None:
+    """Beside runs five times as long its error was read as a fifth: another floor was not looked for."""
+    residual = np.array([[3.0, -3.0, 0.0, 0.0, 0.0, 0.0], [3.0, 3.0, -3.0, 3.0, -3.0, 3.0]])
+    stand_in = SimpleNamespace(
+        nominal=SimpleNamespace(count=3), residuals=lambda effects, runs: [residual[r] for r in runs]
+    )
+    assert other_floor._cost(stand_in, (1.0,), np.arange(2)).tolist() == [[9.0, 9.0]]  # type: ignore[arg-type]

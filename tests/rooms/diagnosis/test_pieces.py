@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.fit import fit
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.refits import fitted, longer
+from slipmargin.diagnosis.refits import fitted, longer, longest_piece_s
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import Trace
 from slipmargin.effects.wheel_loads import WheelLoads
@@ -77,3 +78,9 @@ def test_pieces_are_as_long_as_asked_while_a_run_has_two(problem: Problem) -> No
     assert asked == pytest.approx(2.0 * enough, rel=0.1)
     most_s = 0.5 * problem.trials[0].t_s[-1]
     assert 0.5 * most_s < longer(problem, first, EVERY, 1e3).view.piece_s <= most_s
+
+
+def test_a_clock_that_begins_late_makes_no_run_longer() -> None:
+    """Half of the clock was taken for half a run."""
+    late = SimpleNamespace(t_s=1e5 + np.arange(301) * 0.01)
+    assert longest_piece_s(SimpleNamespace(trials=[late]), np.arange(1)) == pytest.approx(1.5)  # type: ignore[arg-type]

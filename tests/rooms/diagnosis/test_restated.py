@@ -9,13 +9,12 @@ from planting import Plant, planted, smooth_kiwi
 from slipmargin.data.data_set import Member
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.groups import in_groups
-from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.refits import fitted, needed, without
 from slipmargin.diagnosis.restated import redefined, reformed
 from slipmargin.diagnosis.state import State, worthwhile
-from slipmargin.diagnosis.watch import Watch
+from slipmargin.diagnosis.watch import Watch, no_progress
 from slipmargin.effects import AnyEffect, Effect, Recipe
 from slipmargin.effects.catalogue import CATALOGUE
 from slipmargin.effects.floor_tilt import FloorTilt

@@ -16,7 +16,6 @@ from slipmargin.diagnosis import search
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.finalists import finalists
 from slipmargin.diagnosis.general_forms import general_candidates
-from slipmargin.diagnosis.loop import no_progress
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
@@ -28,7 +27,7 @@ from slipmargin.diagnosis.search import screened, take_step
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.tangents import Columns
-from slipmargin.diagnosis.watch import Watch
+from slipmargin.diagnosis.watch import Watch, no_progress
 from slipmargin.effects import Trace
 from slipmargin.effects.friction_coefficients import FrictionCoefficients
 from slipmargin.effects.stiff_roller import StiffRoller

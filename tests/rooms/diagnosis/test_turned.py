@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,9 +13,14 @@ from strategies import effects, four_wheels, kiwi
 
 import slipmargin as sm
 from slipmargin.diagnosis.limits_change import limits_change
-from slipmargin.diagnosis.turned import change_in
+from slipmargin.diagnosis.residual_diagnostics import ResidualDependence
+from slipmargin.diagnosis.result import Estimate
+from slipmargin.diagnosis.turned import _dependence, _estimates, change_in
 from slipmargin.effects import GeneralEffect, Part, Recipe, Trace
 from slipmargin.effects.catalogue import CATALOGUE
+from slipmargin.effects.floor_grain import FloorGrain
+from slipmargin.effects.floor_weave import FloorWeave
+from slipmargin.effects.sliding_direction import SlidingDirection
 from slipmargin.effects.turned import effect_in, recipe_in
 from slipmargin.physics.convention import Convention
 from slipmargin.physics.terms import ForceTerm, Multiplier, PoseShift
@@ -118,8 +124,6 @@ def test_limits_over_orientation_and_direction_are_counted_from_the_other_axes()
 
 
 def test_estimates_are_named_by_the_axes_of_the_file() -> None:
-    from slipmargin.diagnosis.result import Estimate
-    from slipmargin.diagnosis.turned import _estimates
     from slipmargin.effects.camera_scale import CameraScale
     from slipmargin.effects.floor_tilt import FloorTilt
 
@@ -160,3 +164,30 @@ def test_a_place_is_turned_and_a_share_of_the_tread_is_not(variable: Variable, t
     written = GeneralEffect(traced_to=Trace.SLIP_RATIO, part=Part.GRIP, terms=(term,))
     (turned,) = effect_in(written, PAPER, ROS).terms
     assert turned.place[:2].tolist() == pytest.approx(there[:2], abs=1e-15)
+
+
+@pytest.mark.parametrize("kind", [FloorGrain, FloorWeave])
+def test_friction_over_a_direction_is_told_in_the_axes_of_the_file(kind: type[SlidingDirection]) -> None:
+    """The corrected file was turned, the numbers of the report were not."""
+    effect = kind(cosine=0.2, sine=-0.05)
+    given = tuple(
+        Estimate(name=name, value=value, low=value - 0.01, high=value + 0.03, unit="1")
+        for name, value in (("cosine", 0.2), ("sine", -0.05))
+    )
+    way = effect.derived(None)[1]  # type: ignore[arg-type]
+    towards = Estimate(name=way.name, value=way.value, low=way.value - 0.1, high=way.value + 0.1, unit="rad")
+    told = {e.name: e for e in _estimates((*given, towards), effect, PAPER, ROS)}
+    turned = effect_in(effect, PAPER, ROS)
+    assert isinstance(turned, SlidingDirection)
+    for name in ("cosine", "sine"):
+        assert told[name].value == getattr(turned, name)
+        assert told[name].low < told[name].value < told[name].high
+    there = turned.derived(None)[1].value  # type: ignore[arg-type]
+    assert told[way.name].value == pytest.approx(there, abs=1e-12)
+    assert told[way.name].high - told[way.name].low == pytest.approx(0.2)
+
+
+def test_a_place_on_which_the_residual_depends_is_named_by_the_axes_of_the_file() -> None:
+    said = ResidualDependence(variable="position x", channel="turn", share=0.5, surprise=9.0, p_value=0.01)
+    assert _dependence(said).variable == "position y"
+    assert _dependence(replace(said, variable="heading")).variable == "heading"

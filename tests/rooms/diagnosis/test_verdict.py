@@ -233,3 +233,18 @@ def test_a_first_look_at_few_runs_leaves_chance_to_all_of_them() -> None:
     nobody = np.zeros(3, dtype=bool)
     assert any("chance" in f for f in judge(before, after, nobody).failures)
     assert judge(before, after, nobody, by_chance=False).holds
+
+
+def test_one_run_bears_out_nothing() -> None:
+    """It was called found from the run to which it was fitted."""
+    found = judge(errors(9.0, runs=1), errors(1.0, runs=1), np.zeros(1, dtype=bool))
+    assert found.failures[0].startswith("one run alone")
+
+
+def test_runs_are_counted_as_the_files_are() -> None:
+    after = np.ones(8)
+    after[5:] = 9.0
+    which = np.array([0, 1, 3, 4, 6, 7, 8, 9])
+    found = judge(errors(4.0, runs=8), errors(after, runs=8), np.zeros(8, dtype=bool), numbers=which)
+    assert any(f.startswith("runs 9 to 10 as a group") for f in found.failures)
+    assert not any("nothing has seen" in f for f in found.failures), "all of them were seen, each fold apart"

@@ -11,10 +11,12 @@ from planting import Plant, planted, smooth_kiwi
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.odometry import wheel_angles
 from slipmargin.data.record import Record
-from slipmargin.diagnosis import loop
+from slipmargin.diagnosis.candidate import named_candidates
+from slipmargin.diagnosis.general_forms import general_candidates
 from slipmargin.diagnosis.held_out import phases_matter, predicted
-from slipmargin.diagnosis.loop import diagnose, searched
+from slipmargin.diagnosis.loop import diagnose
 from slipmargin.diagnosis.result import Verdict
+from slipmargin.diagnosis.searched import searched
 from slipmargin.diagnosis.wheel_phase import first_part, matters_to
 from slipmargin.effects import Trace
 from slipmargin.effects.rigid_sector import RigidSector
@@ -59,13 +61,13 @@ def spoilt(data: DataSet, run: int, after_s: float) -> DataSet:
 def test_what_a_held_out_run_did_later_reaches_neither_parameters_nor_its_phases(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    every, forms = loop.named_candidates, loop.general_candidates  # a short search
+    few, room = ("rigid_sector", "floor_tilt"), "slipmargin.diagnosis.searched."  # a short search
     monkeypatch.setattr(
-        loop, "general_candidates", lambda *a: [c for c in forms(*a) if c.trace is Trace.CONSTANT_FORCE]
+        room + "general_candidates",
+        lambda *a: [c for c in general_candidates(*a) if c.trace is Trace.CONSTANT_FORCE],
     )
-    few = ("rigid_sector", "floor_tilt")
     monkeypatch.setattr(
-        loop, "named_candidates", lambda *a, **k: [c for c in every(*a, **k) if c.name in few]
+        room + "named_candidates", lambda *a, **k: [c for c in named_candidates(*a, **k) if c.name in few]
     )
     truth = RigidSector(rigid_fraction=0.12, rigid_coefficient=0.47)
     plant = Plant(name="rigid", traces=(Trace.WHEEL_ANGLE,), effects=(truth,))

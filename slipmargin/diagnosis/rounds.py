@@ -1,0 +1,87 @@
+"""One step of the search: what it started from, what it listed and fitted, what it took."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import final
+
+from slipmargin.diagnosis.map_entry import MapEntry
+from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.screen import Screening
+from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.state import State, as_good, explained, worthwhile
+from slipmargin.effects import Trace
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Round:
+    """One step: where it started, the screened list, the fits (best first), the chosen one, if taken.
+
+    ``names_only``: the list held no general forms, so that it is no map of what is left.
+    """
+
+    before: State
+    screening: Screening
+    tried: tuple[State, ...]
+    best: State | None
+    taken: bool
+    names_only: bool = False
+
+    @property
+    def p_value(self) -> float:
+        """Probability that noise alone gives as large a gain to the best of the list."""
+        return self.p_value_of(self.best)
+
+    def p_value_of(self, state: State | None) -> float:
+        """Probability that noise alone gives the best of the list as large a gain as a state has; None: 1."""
+        return 1.0 if state is None else self.screening.p_value(explained(self.before, state))
+
+    def moved(self, problem: Problem, runs: tuple[int, ...]) -> Round:
+        """The same of a problem in which trials that it has not looked at are cut."""
+        tried = tuple(s.moved(problem, runs) for s in self.tried)
+        best = next((new for old, new in zip(self.tried, tried, strict=True) if old is self.best), None)
+        return replace(self, before=self.before.moved(problem, runs), tried=tried, best=best)
+
+    def map(self) -> tuple[MapEntry, ...]:
+        """The best candidate of each variable: what the residual follows, strongest first.
+
+        A candidate's share is that of its fit by simulation or that of its tangent, whichever is larger:
+        both are of runs left out, and a fit may end beside a place that its tangent has seen.
+        """
+        rows = [(explained(self.before, s), s.last.trace, s.last.label) for s in self.tried if self.single(s)]
+        rows += [
+            (self.screening.share(entry), entry.parts[0].trace, entry.label)
+            for entry in self.screening.entries
+            if len(entry.parts) == 1
+        ]
+        best: dict[Trace, MapEntry] = {}
+        for share, trace, label in sorted(rows, key=lambda row: -row[0]):
+            p_value = self.screening.p_value(share)
+            best.setdefault(trace, MapEntry(traced_to=trace, form=label, share=share, p_value=p_value))
+        return tuple(best.values())
+
+    def single(self, state: State) -> bool:
+        """Whether a state adds one candidate."""
+        return len(state.structure) == len(self.before.structure) + 1
+
+    def rivals(self, of: State | None = None) -> list[State]:
+        """States that these trials cannot tell from one, by default the best."""
+        one = of or self.best
+        return [] if one is None else [s for s in self.tried if s is not one and as_good(s, one)]
+
+    def others(self) -> list[State]:
+        """Names worth following beside the best one, the best of each other variable: those that take off at
+        least a share of what it does, and, if it has no name, the best that has one."""
+        best, before = self.best, self.before
+        if best is None or not self.taken:
+            return []
+        named = [s for s in self.tried if s.named and s is not best and worthwhile(before, s.chi)]
+        first = [] if best.named else named[:1]
+        least = SETTINGS.followed_share * (before.chi - best.chi)
+        found: dict[Trace, State] = {}
+        for state in (*first, *(s for s in named if before.chi - s.chi >= least)):
+            found.setdefault(state.last.trace, state)
+        if best.named:
+            found.pop(best.last.trace, None)
+        return list(found.values())[: SETTINGS.followed]
