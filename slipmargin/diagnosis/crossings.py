@@ -70,24 +70,22 @@ def at_crossings(
         candidate = entry.structure[0]
         shapes = _shapes(before.view.nominal, candidate)
         reliefs = [relief for relief, _ in shapes]
-        best: list[tuple[float, float, Array]] = []
+        found: list[tuple[float, float, Array]] = []  # the first by the residual comes first
         for at in () if overdue() else lines(before.view, base, predicted, reliefs, SETTINGS.crossings):
             relief, near = shapes[at.shape]
             apart = SETTINGS.crossing_apart * relief.extent_m
-            rows = np.concatenate(
-                [candidate.on_line(near, at.offset_m + d, at.direction_rad) for d in (-apart, 0.0, apart)]
-            )
-            best += [(left, apart, x) for left, x in best_of(candidate, rows)]
-        best.sort(key=lambda row: row[0])
-        for place in range(min(SETTINGS.starts, len(best))):
+            rows = candidate.on_line(near, at.offset_m, at.direction_rad)
+            found += [(left, apart, x) for left, x in best_of(candidate, rows)]
+        order = sorted(range(len(found)), key=lambda k: found[k][0])
+        for k in dict.fromkeys([*order[: SETTINGS.starts], *range(len(found))][: SETTINGS.starts + 1]):
             for share in (1.0, 0.5):
-                left, apart, x = best[place]
+                left, apart, x = found[k]
                 for now, other in best_of(candidate, _beside(candidate, x, share * apart, share, centre)):
-                    best[place] = min((left, apart, x), (now, apart, other), key=lambda row: row[0])
-        if best:
-            best.sort(key=lambda row: row[0])
-            promise = float(np.sum(known**2)) - best[0][0] - noise * candidate.size
-            out.append(replace(entry, starts=tuple(x for _, _, x in best), promise=promise))
+                    found[k] = min((left, apart, x), (now, apart, other), key=lambda row: row[0])
+        if found:
+            found.sort(key=lambda row: row[0])
+            promise = float(np.sum(known**2)) - found[0][0] - noise * candidate.size
+            out.append(replace(entry, starts=tuple(x for _, _, x in found), promise=promise))
     return out
 
 
