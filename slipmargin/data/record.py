@@ -66,6 +66,10 @@ class Record:
                 f"sample {row + 1} is at {time[row]:g} s, after {time[row - 1]:g} s",
                 "time must increase from row to row",
             )
+        if self.began_s is not None and not self.began_s <= time[0]:
+            raise InputError(
+                "began_s", f"is {self.began_s:g} s, after the first sample", "give when it began"
+            )
         put = object.__setattr__
         put(self, "t_s", time)
         put(self, "pose", measurable("pose", _signal("pose", self.pose, (len(time), 3))))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.diagnosis.candidate import Candidate
@@ -19,7 +20,8 @@ _UNKNOWN = 1e-12
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Intervals:
-    """Intervals of the parameters: ``low`` and ``high`` (P,), ``quantile`` times ``deviation`` (P,) away.
+    """Intervals of the parameters: ``low`` and ``high`` (P,), ``quantile`` times ``deviation`` (P,) away, or
+    at a bound; a parameter of which no trial says anything has infinite ones.
 
     ``covariance`` (P, P) belongs to the deviations; ``freedom`` is that of their estimate: the trials less 1
     where trials disagree, infinite where their noise explains how they differ.  ``excitation`` (P,) are the
@@ -102,7 +104,7 @@ def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) 
         jackknife = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0))
         wider, freedom = np.maximum(wider, jackknife), float(count - 1)
         quantile = float(stdtrit(count - 1, sure))
-    deviation = np.sqrt(wider**2 + log_shift**2)
+    deviation = np.where(_unseen(flat), np.inf, np.sqrt(wider**2 + log_shift**2))
     widened = np.divide(wider, together, out=np.ones(size), where=together > 0.0)
     return Intervals(
         low=found.x - quantile * deviation,
@@ -113,6 +115,13 @@ def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) 
         freedom=freedom,
         excitation=np.asarray(np.linalg.svd(flat, compute_uv=False)),
     )
+
+
+def _unseen(flat: Array) -> NDArray[np.bool_]:
+    """Which parameters (P,) lie in directions of which the Jacobian ``flat`` (R K, P) says nothing."""
+    size, axes = np.linalg.eigh(flat.T @ flat)
+    idle = size <= _UNKNOWN * size[-1:]
+    return np.asarray(np.sum(axes[:, idle] ** 2, axis=1) > _UNKNOWN)
 
 
 def deviations(found: Fit, scale: Array) -> Array:
@@ -129,7 +138,7 @@ def _covariance(found: Fit, scale: Array) -> Array:
     seen = int(np.count_nonzero(found.residual))
     reduced = max(1.0, found.cost / max(1, seen - len(scale)))
     size, axes = np.linalg.eigh(flat.T @ flat)
-    # A direction of which no trial says anything is as uncertain as numbers can tell, and not sure.
+    # A direction of which no trial says anything is as uncertain as numbers can tell beside the others.
     known = np.maximum(size, np.maximum(_UNKNOWN * size[-1:], 1e-300))
     return np.asarray((axes / known) @ axes.T * reduced * np.outer(scale, scale))
 

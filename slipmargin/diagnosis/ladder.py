@@ -99,8 +99,13 @@ class Court:
         """The run of each trial that the search has seen."""
         return [self.runs[i] for i in self.seen]
 
-    def errors(self, state: State | None, *, in_pieces: bool = False) -> Prediction:
-        """Errors of every trial, predicted with parameters that were fitted to others; whole or in pieces."""
+    def errors(
+        self, state: State | None, *, in_pieces: bool = False, like: State | None = None
+    ) -> Prediction:
+        """Errors of every trial, predicted with parameters that were fitted to others; whole or in pieces.
+
+        They are scored as those of ``like`` are, by default as their own.
+        """
         count = len(self.problem.trials)
         everyone = np.arange(count, dtype=np.int64)
         effects = [() if state is None else state.fit.effects] * count
@@ -108,7 +113,7 @@ class Court:
             for part, own in zip(state.parts, sets_of_effects(state.structure, state.xs), strict=True):
                 for i in state.fit.trials[part]:
                     effects[i] = own
-        return self._predicted(everyone, effects, state, in_pieces)
+        return self._predicted(everyone, effects, like or state, in_pieces)
 
     def believed(self, like: State | None, *, in_pieces: bool = False) -> Prediction:
         """Errors of every trial without any effect, scored as those of ``like`` are."""
@@ -143,8 +148,8 @@ def check(court: Court, proposed: State, rounds: list[Round], progress: Watch) -
     for number, state in enumerate(_in_turn(court, proposed, rounds, progress)):
         progress("predicting runs with parameters fitted to others", min(0.9, 0.2 * number))
         found = _put(court, state, rejected)
-        if found is not None:
-            return _further(court, _earned(court, found), rounds, rejected, progress)
+        if found is not None and not _needless(court, found, rejected):
+            return _further(court, found, rounds, rejected, progress)
     plain = court.believed(None)
     errors = by_run(plain.errors, court.runs)
     return Checked(
@@ -198,15 +203,25 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
     )
 
 
-def _earned(court: Court, held: Checked) -> Checked:
-    """What holds, without last effects beside which runs are predicted no better than without them."""
-    while held.state is not None and len(held.state.structure) > 1:
-        fewer = without(held.state, len(held.state.structure) - 1, court.seen_runs)
-        less = _put(court, fewer, [])
-        if less is None or held.after.chi() < less.after.chi():
-            break
-        held = replace(less, rejected=held.rejected)
-    return held
+def _needless(court: Court, held: Checked, rejected: list[Rejected]) -> bool:
+    """Whether runs are predicted no better with the last of several effects than without it."""
+    state = held.state
+    if state is None or len(state.structure) < 2:
+        return False
+    fewer = without(state, len(state.structure) - 1, court.seen_runs)
+    less = by_run(court.errors(fewer, like=state).errors, court.runs)
+    if held.after.chi() < less.chi():
+        return False
+    said = f"runs are predicted no better with {state.last.label} than without it (chi {less.chi():.3g})"
+    rejected.append(
+        Rejected(
+            labels=tuple(c.label for c in state.structure),
+            failures=(said,),
+            chi_before=held.before.chi(),
+            chi_after=held.after.chi(),
+        )
+    )
+    return True
 
 
 def larger(before: Score, after: Score) -> tuple[str, ...]:

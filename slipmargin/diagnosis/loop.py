@@ -18,7 +18,7 @@ from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import order_analysis
 from slipmargin.diagnosis.ranges import variables_of
 from slipmargin.diagnosis.refits import without
-from slipmargin.diagnosis.remarks import of_pieces, of_the_clock, of_the_fit
+from slipmargin.diagnosis.remarks import of_one_run, of_pieces, of_the_clock, of_the_fit
 from slipmargin.diagnosis.residual_diagnostics import dependences
 from slipmargin.diagnosis.result import Diagnosis, Finding, Step, TrialTrajectories, Tried, Verdict
 from slipmargin.diagnosis.rounds import Round
@@ -164,6 +164,7 @@ def _diagnosed(conditions: Ready, s: Searched, seed: int, watch: Watch, budget_s
         remarks=(
             *(cut_short(budget_s) if was_cut else ()),
             *of_the_clock(data_set, checked, final, s.candidates),
+            *of_one_run(len(data_set.trials)),
             *of_pieces(state),
             *of_the_fit(final, events, turns, phased=checked.phased, held=len(held) > 0),
         ),

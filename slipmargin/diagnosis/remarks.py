@@ -30,6 +30,16 @@ def of_the_clock(
     return said if found is None else (*said, found.sentence)
 
 
+def of_one_run(runs: int) -> tuple[str, ...]:
+    """That nothing could be left out of one run."""
+    if runs > 1:
+        return ()
+    return (
+        "There is one run, and none could be left out: shares and probabilities are those of the run itself. "
+        "They may lead somewhere and bear out nothing; drive another run.",
+    )
+
+
 def of_pieces(state: State | None) -> tuple[str, ...]:
     """That runs were judged in pieces, and how long these are."""
     if state is None or state.view.piece is None:

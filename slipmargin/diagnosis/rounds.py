@@ -28,11 +28,6 @@ class Round:
     taken: bool
     names_only: bool = False
 
-    @property
-    def p_value(self) -> float:
-        """Probability that noise alone gives as large a gain to the best of the list."""
-        return self.p_value_of(self.best)
-
     def p_value_of(self, state: State | None) -> float:
         """Probability that noise alone gives the best of the list as large a gain as a state has; None: 1."""
         return 1.0 if state is None else self.screening.p_value(explained(self.before, state))

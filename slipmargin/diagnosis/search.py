@@ -72,6 +72,8 @@ def search(
     for number in range(SETTINGS.most_effects):
         if quiet(state) if not number else progress.expired or not worthwhile(state, SETTINGS.floor_chi):
             break  # the first list is made in any case: without it there is no answer, not even a lead
+        if number and len(set(own)) < 2:
+            break  # one run leads to a variable, and bears out nothing
         step = ahead or take_step(state, own, candidates, seed, progress.staged(f"round {number + 1}"))
         rounds.append(step)
         if not step.taken or step.best is None or (not number and step.best.chi > leaves):

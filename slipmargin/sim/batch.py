@@ -315,7 +315,7 @@ def _told(seen: Array, models: Array) -> dict[str, Array]:
 
 
 def _given(signal: WheelSignal, times: Array, push: Push | None, first: float) -> tuple[Any, ...]:
-    """What a compiled run needs of a signal, times from its first knot on; arrays writable and contiguous."""
+    """What a compiled run needs of a signal, times since the run began; arrays writable and contiguous."""
     coef = np.concatenate([signal.pieces, np.zeros((*signal.pieces.shape[:2], 1))], axis=2)
     pushed = np.empty((0, 5))
     if push is not None:
