@@ -69,12 +69,12 @@ def at_crossings(
     for entry in entries:
         candidate = entry.structure[0]
         shapes = _shapes(before.view.nominal, candidate)
-        reliefs = [relief for relief, _ in shapes]
+        reliefs = [relief for relief, _, _ in shapes]
         found: list[tuple[float, float, Array]] = []  # the first by the residual comes first
         for at in () if overdue() else lines(before.view, base, predicted, reliefs, SETTINGS.crossings):
-            relief, near = shapes[at.shape]
+            relief, near, sizes = shapes[at.shape]
             apart = SETTINGS.crossing_apart * relief.extent_m
-            rows = candidate.on_line(near, at.offset_m, at.direction_rad)
+            rows = candidate.on_line(near[np.sign(sizes) == at.sign], at.offset_m, at.direction_rad)
             found += [(left, apart, x) for left, x in best_of(candidate, rows)]
         order = sorted(range(len(found)), key=lambda k: found[k][0])
         for k in dict.fromkeys([*order[: SETTINGS.starts], *range(len(found))][: SETTINGS.starts + 1]):
@@ -101,23 +101,30 @@ def _beside(candidate: Candidate, x: Array, apart_m: float, share: float, centre
     return np.concatenate(rows)
 
 
-def _shapes(nominal: Model, candidate: Candidate) -> list[tuple[Relief, Array]]:
-    """The reliefs that a candidate starts with on a line, and its parameters (Q, P) for each extent."""
-    found: dict[float, tuple[Relief, list[Array]]] = {}
+def _shapes(nominal: Model, candidate: Candidate) -> list[tuple[Relief, Array, Array]]:
+    """A relief of each extent that a candidate starts with on a line; parameters (Q, P), sizes (Q,)."""
+    found: dict[float, list[tuple[Relief, Array]]] = {}
     for x in candidate.near:  # of a floor of its own, in a campaign, it does not act in every model
         relief = candidate.build(x).rewrite(nominal.external, nominal).reliefs[-1]
-        found.setdefault(relief.extent_m, (relief, []))[1].append(x)
-    return [(relief, np.array(rows)) for relief, rows in found.values()]
+        found.setdefault(relief.extent_m, []).append((relief, x))
+    return [
+        (rows[0][0], np.array([x for _, x in rows]), np.array([relief.size for relief, _ in rows]))
+        for rows in found.values()
+    ]
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A line of the floor: where what lies on it begins [m], its normal [rad], the number of its shape."""
+    """A line of the floor: where what lies on it begins [m], its normal [rad], the number of its shape.
+
+    ``sign``: 1 for a ridge or a rise along the normal, −1 for a groove or a fall.
+    """
 
     offset_m: float
     direction_rad: float
     shape: int
+    sign: int
 
 
 def lines(problem: Problem, base: Fit, predicted: Array, reliefs: Sequence[Relief], most: int) -> list[Line]:
@@ -127,14 +134,15 @@ def lines(problem: Problem, base: Fit, predicted: Array, reliefs: Sequence[Relie
     takes most off the squared velocity.
     """
     looked = [_gains(problem, base, predicted, relief) for relief in reliefs]
-    gains = np.concatenate([np.zeros(0), *(gain.ravel() for _, _, gain in looked)])
+    gains = np.concatenate([np.zeros(0), *(np.abs(gain).ravel() for _, _, gain in looked)])
     ends = np.cumsum([gain.size for _, _, gain in looked])
     kept: list[tuple[Line, tuple[float, float, float]]] = []
     for k in np.argsort(-gains, kind="stable").tolist():
         shape = int(np.searchsorted(ends, k, side="right"))
         offsets, centre, gain = looked[shape]
         at = k - int(ends[shape]) + gain.size
-        line = Line(float(offsets.flat[at]), float(_DIRECTIONS[at // offsets.shape[1]]), shape)
+        direction, sign = float(_DIRECTIONS[at // offsets.shape[1]]), 1 if gain.flat[at] >= 0.0 else -1
+        line = Line(float(offsets.flat[at]), direction, shape, sign)
         place = _place(line, reliefs[shape], centre)
         if not any(line.shape == own.shape and _same(place, other) for own, other in kept):
             kept.append((line, place))
@@ -168,7 +176,7 @@ def _gains(problem: Problem, base: Fit, predicted: Array, relief: Relief) -> tup
     """What a relief on each of many lines takes off the velocity that ``base`` leaves, squared [1/s].
 
     Offsets (D, O) of the lines in each direction, the middle of the floor that is driven over (2,), gains
-    (D, O), in which velocities count by the noise of the pose.
+    (D, O), in which velocities count by the noise of the pose; those of a groove or a fall are negative.
     """
     model = problem.model(base.effects)
     arms = np.column_stack([model.geometry.position_m - model.inertia.com_m, model.loads.rest_N])
@@ -191,7 +199,8 @@ def _gains(problem: Problem, base: Fit, predicted: Array, relief: Relief) -> tup
     pulls, squares = np.zeros_like(offsets), np.zeros_like(offsets)
     _compared(offsets, *shape, far, normals, left.ends, left.rates, arms, per_push, keep, pulls, squares)
     squares += SETTINGS.crossing_touched * squares.max()
-    return offsets, np.median(left.poses[:, :2], axis=0), left.step_s * pulls**2 / np.maximum(squares, 1e-300)
+    gains = left.step_s * pulls * np.abs(pulls) / np.maximum(squares, 1e-300)
+    return offsets, np.median(left.poses[:, :2], axis=0), gains
 
 
 @kernel

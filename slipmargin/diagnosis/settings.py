@@ -75,8 +75,8 @@ class SearchSettings:
     #: [1] A line that wheels hardly touch counts as if they touched it more, by this share of the line that
     #: they touch most: else a single instant of noise would come first.
     crossing_touched: float = 0.02
-    #: [lines] Of each candidate so many lines that look most like it are simulated: of 18 true ones the last
-    #: came seventh.
+    #: [lines] Of each candidate so many lines that look most like it are simulated: of 11 true ones the last
+    #: came eleventh.
     crossings: int = 12
     #: [starts] So many starts of a named candidate are simulated as they are, for friction that sticks hides
     #: small changes.
