@@ -217,6 +217,9 @@ def test_a_planted_effect_is_found_in_bags_without_a_conversion(tmp_path: Path) 
         for name, values in theirs[when].items():  # a quarter of the circle apart
             back = len(values) // 4 * (1 if name.startswith("f_") else -1)
             assert ours[when][name] == np.roll(values, back).tolist(), (when, name)
+    axis = {"position x": "position y", "position y": "position x"}
+    for row in (*again["where"], *again["where_after"]):
+        row["variable"] = axis.get(row["variable"], row["variable"])
     assert again == report
     first, second = (sm.read_robot(tmp_path / d / "corrected.toml") for d in ("report", "again"))
     assert [e.to_table() for e in first.effects] == [e.to_table() for e in second.effects]
