@@ -109,9 +109,14 @@ class Record:
         return replace(self, t_s=self.t_s[:stop], pose=self.pose[:stop], **cut)
 
     @property
+    def start_s(self) -> float:
+        """When the run began [s], which this may be cut from."""
+        return float(self.t_s[0]) if self.began_s is None else self.began_s
+
+    @property
     def since_s(self) -> Array:
         """Times (T,) since the run began [s]."""
-        return np.asarray(self.t_s - (self.t_s[0] if self.began_s is None else self.began_s))
+        return np.asarray(self.t_s - self.start_s)
 
     @property
     def duration_s(self) -> float:

@@ -77,7 +77,7 @@ def at_crossings(
             rows = candidate.on_line(near[np.sign(sizes) == at.sign], at.offset_m, at.direction_rad)
             found += [(left, apart, x) for left, x in best_of(candidate, rows)]
         order = sorted(range(len(found)), key=lambda k: found[k][0])
-        for k in dict.fromkeys([*order[: SETTINGS.starts], *range(len(found))][: SETTINGS.starts + 1]):
+        for k in dict.fromkeys([*order[: SETTINGS.starts], *range(len(found))[:1]]):
             for share in (1.0, 0.5):
                 left, apart, x = found[k]
                 for now, other in best_of(candidate, _beside(candidate, x, share * apart, share, centre)):

@@ -120,5 +120,5 @@ def _parts(record: Record, times: list[float]) -> list[Record]:
         }
         signals |= {"t_s": record.t_s[rows], "pose": record.pose[rows]}
         name = f"{record.name} ({record.t_s[rows][0]:.2f}–{record.t_s[rows][-1]:.2f} s)"
-        parts.append(replace(record, name=name, began_s=float(record.t_s[0] - record.since_s[0]), **signals))
+        parts.append(replace(record, name=name, began_s=record.start_s, **signals))
     return parts

@@ -119,9 +119,14 @@ def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) 
 
 def _unseen(flat: Array) -> NDArray[np.bool_]:
     """Which parameters (P,) lie in directions of which the Jacobian ``flat`` (R K, P) says nothing."""
-    size, axes = np.linalg.eigh(flat.T @ flat)
-    idle = size <= _UNKNOWN * size[-1:]
-    return np.asarray(np.sum(axes[:, idle] ** 2, axis=1) > _UNKNOWN)
+    _, axes, known = _directions(flat.T @ flat)
+    return np.asarray(np.sum(axes[:, ~known] ** 2, axis=1) > _UNKNOWN)
+
+
+def _directions(normal: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """How much trials say (P,) of each direction (columns, P × P), and whether it is more than rounding."""
+    size, axes = np.linalg.eigh(normal)
+    return size, axes, size > _UNKNOWN * size[-1:]
 
 
 def deviations(found: Fit, scale: Array) -> Array:
@@ -137,10 +142,10 @@ def _covariance(found: Fit, scale: Array) -> Array:
     flat = found.jacobian.reshape(-1, len(scale)) * scale
     seen = int(np.count_nonzero(found.residual))
     reduced = max(1.0, found.cost / max(1, seen - len(scale)))
-    size, axes = np.linalg.eigh(flat.T @ flat)
+    size, axes, known = _directions(flat.T @ flat)
     # A direction of which no trial says anything is as uncertain as numbers can tell beside the others.
-    known = np.maximum(size, np.maximum(_UNKNOWN * size[-1:], 1e-300))
-    return np.asarray((axes / known) @ axes.T * reduced * np.outer(scale, scale))
+    size = np.maximum(np.where(known, size, _UNKNOWN * size[-1:]), 1e-300)
+    return np.asarray((axes / size) @ axes.T * reduced * np.outer(scale, scale))
 
 
 def _disagreement(found: Fit, scale: Array) -> tuple[Array, bool]:
@@ -157,8 +162,7 @@ def _disagreement(found: Fit, scale: Array) -> tuple[Array, bool]:
 
     tangents = found.jacobian * scale
     normal = np.einsum("rkp,rkq->rpq", tangents, tangents)
-    size, axes = np.linalg.eigh(normal.sum(axis=0))
-    known = size > _UNKNOWN * size[-1]
+    size, axes, known = _directions(normal.sum(axis=0))
     basis = axes[:, known] / np.sqrt(size[known])  # whitens the sum: its columns are the combinations
     weight = np.einsum("pz,rpq,qy->rzy", basis, normal, basis)  # adds up to the unit matrix
     pull = np.einsum("pz,rkp,rk->rz", basis, tangents, found.residual)

@@ -104,31 +104,21 @@ class Court:
     ) -> Prediction:
         """Errors of every trial, predicted with parameters that were fitted to others; whole or in pieces.
 
-        They are scored as those of ``like`` are, by default as their own.
+        Without a state no effect acts.  They are scored as those of ``like`` are, by default as their own.
         """
         count = len(self.problem.trials)
-        everyone = np.arange(count, dtype=np.int64)
-        effects = [() if state is None else state.fit.effects] * count
+        effects: list[tuple[AnyEffect, ...]] = [() if state is None else state.fit.effects] * count
         if state is not None:
             for part, own in zip(state.parts, sets_of_effects(state.structure, state.xs), strict=True):
                 for i in state.fit.trials[part]:
                     effects[i] = own
-        return self._predicted(everyone, effects, like or state, in_pieces)
-
-    def believed(self, like: State | None, *, in_pieces: bool = False) -> Prediction:
-        """Errors of every trial without any effect, scored as those of ``like`` are."""
-        count = len(self.problem.trials)
-        return self._predicted(np.arange(count, dtype=np.int64), [()] * count, like, in_pieces)
-
-    def _predicted(
-        self, trials: Index, effects: list[tuple[AnyEffect, ...]], like: State | None, in_pieces: bool
-    ) -> Prediction:
+        like = like or state
         phased = phases_matter(self.problem, () if like is None else like.fit.effects)
         full = self.problem.rebuilt(InterpolationScheme.FULL)
         if in_pieces and like is not None:
             full = full.as_seen_in(like.view)
-        records = [self.records[self.runs[i]] for i in trials]
-        return predicted(full, trials, records, effects, phased)
+        records = [self.records[run] for run in self.runs]
+        return predicted(full, np.arange(count, dtype=np.int64), records, effects, phased)
 
     def verdict(self, before: RunErrors, after: RunErrors) -> Judgement:
         """The judgement by the searched runs if these already speak against it, else by all."""
@@ -150,7 +140,7 @@ def check(court: Court, proposed: State, rounds: list[Round], progress: Watch) -
         found = _put(court, state, rejected)
         if found is not None and not _needless(court, found, rejected):
             return _further(court, found, rounds, rejected, progress)
-    plain = court.believed(None)
+    plain = court.errors(None)
     errors = by_run(plain.errors, court.runs)
     return Checked(
         state=None,
@@ -167,14 +157,14 @@ def check(court: Court, proposed: State, rounds: list[Round], progress: Watch) -
 def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None:
     labels = tuple(c.label for c in state.structure)
     after = court.errors(state)
-    before = court.believed(state)
+    before = court.errors(None, like=state)
     one, two = by_run(before.errors, court.runs), by_run(after.errors, court.runs)
     fresh = judged(court.unseen)
     astray = larger(score(one, fresh), score(two, fresh))
     if state.view.piece is None:
         judgement = court.verdict(one, two)
     else:  # a wrong heading early in a whole run outweighs all that is right after it
-        pieces = (court.believed(state, in_pieces=True), court.errors(state, in_pieces=True))
+        pieces = [court.errors(s, like=state, in_pieces=True) for s in (None, state)]
         judgement = court.verdict(*(by_run(p.errors, court.runs) for p in pieces))
     idle = [c.label for c, none in zip(state.structure, nothing_sure(state), strict=True) if none]
     failures = judgement.failures + astray

@@ -98,7 +98,7 @@ class Problem:
         members = tuple(members) or ((recipe, nominal),)
         own = np.zeros(len(trials), dtype=np.int64) if not len(member_of) else np.asarray(member_of)
         signals = tuple(wheel_signal(t, commanded) for t in trials)
-        batch = _batch(trials, signals, commanded)
+        batch = _flattened(trials, signals, commanded)
         longest = max(len(t.t_s) for t in trials)
         measured = np.full((len(trials), longest, 3), np.nan)
         for row, trial in zip(measured, trials, strict=True):
@@ -291,7 +291,7 @@ class Problem:
 
     def _batch(self, signals: tuple[WheelSignal, ...], phases: Array) -> Batch:
         turned = [with_phases(signal, row) for signal, row in zip(signals, phases, strict=True)]
-        return _batch(self.trials, turned, self.commanded)
+        return _flattened(self.trials, turned, self.commanded)
 
     @property
     def knots(self) -> float:
@@ -342,9 +342,10 @@ class Problem:
         return float(np.count_nonzero(self.seen[trials]))
 
 
-def _batch(trials: Sequence[Trial], signals: Sequence[WheelSignal], commanded: bool) -> Batch:
-    began_s = [float(t.t_s[0] - t.record.since_s[0]) for t in trials]
-    return Batch(signals, [t.t_s for t in trials], commanded=commanded, began_s=began_s)
+def _flattened(trials: Sequence[Trial], signals: Sequence[WheelSignal], commanded: bool) -> Batch:
+    """The trials' signals and times, which count from where the runs began."""
+    times_s, began_s = [t.t_s for t in trials], [t.record.start_s for t in trials]
+    return Batch(signals, times_s, commanded=commanded, began_s=began_s)
 
 
 def _first_pose(model: Model, trial: Trial, signal: WheelSignal) -> Array:

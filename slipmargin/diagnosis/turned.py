@@ -86,14 +86,17 @@ def _trial(trial: TrialTrajectories, old: Convention, new: Convention) -> TrialT
 
 def _dependence(found: ResidualDependence) -> ResidualDependence:
     """What the residual depends on, named by the axes of the file."""
-    said = re.sub(r"\bposition ([xy])\b", lambda m: f"position {_SWAP[m[1]]}", found.variable)
-    return replace(found, variable=said)
+    return replace(found, variable=_swapped("position", found.variable))
 
 
 def _repair(repair: Repair) -> Repair:
     """A repair whose sentence names the axes of the file."""
-    said = re.sub(r"\bin ([xy])\b", lambda m: f"in {_SWAP[m[1]]}", repair.sentence)
-    return replace(repair, sentence=said)
+    return replace(repair, sentence=_swapped("in", repair.sentence))
+
+
+def _swapped(after: str, said: str) -> str:
+    """Words in which an axis that stands ``after`` a word is the other one."""
+    return re.sub(rf"\b{after} ([xy])\b", lambda m: f"{after} {_SWAP[m[1]]}", said)
 
 
 def _finding(finding: Finding, old: Convention, new: Convention) -> Finding:
@@ -117,8 +120,9 @@ def _estimates(
         for name, unit in ((x, [1.0, 0.0]), (y, [0.0, 1.0])):
             there = vectors(np.array(unit), old, new)
             names[name] = (x if there[0] else y, bool(there.sum() < 0.0) and not factors)
-    way, repeats = (MOST_FRICTION, effect.repeats) if isinstance(effect, SlidingDirection) else (DIRECTION, 1)
+    way, repeats = DIRECTION, 1
     if isinstance(effect, SlidingDirection):
+        way, repeats = MOST_FRICTION, effect.repeats
         names |= waves_in(effect, old, new)
     out = []
     for e in estimates:

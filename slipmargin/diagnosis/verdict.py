@@ -148,8 +148,7 @@ def judge(
     everyone = np.arange(len(before.squares))
     fresh = judged(unseen)
     names = everyone if numbers is None else numbers
-    alike = not np.any(unseen)
-    where = "on runs each predicted without it" if alike else "on runs that nothing has seen"
+    where = "on runs that nothing has seen" if np.any(unseen) else "on runs each predicted without it"
     failures = []
     if len(everyone) < 2:
         failures.append("one run alone bears out nothing that was fitted to it; drive another")

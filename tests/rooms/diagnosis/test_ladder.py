@@ -204,7 +204,7 @@ def test_far_above_the_noise_runs_are_judged_in_pieces(court: Court) -> None:
     assert check(rough, whole, [], Watch(report=no_progress)).state is None
     found = check(rough, pieces, [], Watch(report=no_progress))
     assert found.state is pieces
-    plain = court.believed(pieces).errors
+    plain = court.errors(None, like=pieces).errors
     assert np.array_equal(found.before.squares[0], plain.squares[0]), "whole runs are reported"
 
 
@@ -257,7 +257,7 @@ def test_a_last_effect_has_to_make_unseen_runs_better(
 
     def errors(self: Court, state: State | None, *, like: State | None = None, **how: bool) -> Prediction:
         found = plain(self, state, like=like, **how)
-        if like is None:
+        if state is None or like is None:
             return found
         squares = without_it * plain(self, like).errors.squares
         return replace(found, errors=RunErrors(squares=squares, counts=found.errors.counts))
