@@ -132,6 +132,10 @@ class Candidate:
         offset_m, direction_rad = (float(x[self.keys.index(key)]) for key in LINE)
         return offset_m, direction_rad
 
+    def is_same_as(self, other: Candidate) -> bool:
+        """Whether both are one thing, in whichever form or by whichever definition."""
+        return (self.subject or self.label) == (other.subject or other.label)
+
     def is_other_form_of(self, other: Candidate) -> bool:
         """Whether both are forms of one thing, and not the same."""
         return bool(self.subject) and self.subject == other.subject and self.label != other.label

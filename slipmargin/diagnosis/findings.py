@@ -118,14 +118,9 @@ def _origin(candidate: Candidate, rounds: Sequence[Round]) -> tuple[Round, State
     """The round that found a candidate, and its state with it: the one taken, or, if none was, one tried."""
     taken = [(r, r.best) for r in rounds if r.taken and r.best is not None]
     for step, state in (*taken, *((r, s) for r in rounds for s in r.tried)):
-        if any(_same(c, candidate) for c in state.structure):
+        if any(c.is_same_as(candidate) for c in state.structure):
             return step, state
     return rounds[0], None
-
-
-def _same(one: Candidate, other: Candidate) -> bool:
-    """Whether both are one effect, in whichever form or by whichever definition."""
-    return (one.subject or one.label) == (other.subject or other.label)
 
 
 def doubted(problem: Problem, final: Fit) -> bool:

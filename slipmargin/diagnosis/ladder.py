@@ -35,7 +35,7 @@ from slipmargin.diagnosis.held_out import (
 )
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.refits import fitted, longer, needed, nothing_sure, without
-from slipmargin.diagnosis.restated import restated
+from slipmargin.diagnosis.restated import reformed, restated
 from slipmargin.diagnosis.result import Rejected, Score, Verdict
 from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.search import take_step
@@ -305,13 +305,15 @@ def _further(
         own = [court.runs[i] for i in trials]
         start = fitted(state.view, state.structure, state.fit.x, trials, own)
         start = longer(court.problem, start, own, least_s)
+        start = reformed(start, own, _candidates(rounds), rounds, progress)
         if _place(start) in stood or not worthwhile(start, SETTINGS.floor_chi):
             break
         step = take_step(start, own, _candidates(rounds), court.seed, progress.staged("going on"))
         rounds.append(step)
         found = None
-        if step.taken and step.best is not None:
-            best = longer(court.problem, step.best, own)
+        best = step.best if step.taken else None if start.structure == state.structure else start
+        if best is not None:
+            best = longer(court.problem, best, own)
             fresh = best.last if best.last.named else None
             more = needed(_fitted_to_seen(court, best), court.seen_runs, fresh=fresh)
             found = _better(court, held, more, rejected)

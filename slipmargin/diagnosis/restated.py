@@ -1,7 +1,8 @@
-"""An effect that is known, stated otherwise: in another form, or over another definition of a quantity.
+"""An effect that is known, stated otherwise: in another form, by another name, or over another definition.
 
-Which form of a law is meant shows once the other effects are known.  Definitions differ by less than what a
-model far above the noise still lacks, so they are no candidates and are asked once all else is found.
+Which form of a law is meant, and which of the names that take off much of the same, shows once the other
+effects are known.  Definitions differ by less than what a model far above the noise still lacks, so they are
+no candidates and are asked once all else is found.
 """
 
 from __future__ import annotations
@@ -10,9 +11,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from slipmargin.checks import Array
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import spans
 from slipmargin.diagnosis.refits import refitted
+from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State, as_good, choose
 from slipmargin.diagnosis.watch import Watch
@@ -20,20 +23,31 @@ from slipmargin.diagnosis.watch import Watch
 
 def restated(state: State, index: int, other: Candidate, runs: Sequence[int]) -> State:
     """The state with another candidate in the place of one; parameters that both have start as they are."""
-    known, own = state.structure[index], spans(state.structure)
-    at = dict(zip(known.keys, state.fit.x[own[index]], strict=True))
+    at = dict(zip(state.structure[index].keys, state.fit.x[spans(state.structure)[index]], strict=True))
     start = [at.get(key, float(value)) for key, value in zip(other.keys, other.starts[0], strict=True)]
-    kept = [state.fit.x[span] for span in own]
-    kept[index] = np.clip(start, other.low, other.high)
+    return _exchanged(state, index, other, np.clip(start, other.low, other.high), runs)
+
+
+def _exchanged(state: State, index: int, other: Candidate, x: Array, runs: Sequence[int]) -> State:
+    """The state with another candidate, which starts at ``x``, in the place of one."""
+    kept = [state.fit.x[span] for span in spans(state.structure)]
+    kept[index] = x
     structure = (*state.structure[:index], other, *state.structure[index + 1 :])
     return refitted(state, structure, np.concatenate(kept), runs)
 
 
-def reformed(state: State, runs: Sequence[int], candidates: Sequence[Candidate], progress: Watch) -> State:
-    """The state with each effect but the last, whose forms its own round compares, in the form that is meant.
+def reformed(
+    state: State,
+    runs: Sequence[int],
+    candidates: Sequence[Candidate],
+    rounds: Sequence[Round],
+    progress: Watch,
+) -> State:
+    """The state with each effect but the last, whose forms its own round compares, as what it is meant to be.
 
-    A form with more parameters takes up what something else that is missing leaves: where nothing but noise
-    is left, only those with fewer are asked.
+    It takes another form where that is to be preferred, and another name of its round where the known one is
+    not as good any more.  A form with more parameters takes up what something else that is missing leaves:
+    where nothing but noise is left, only those with fewer are asked, and no names.
     """
     for index, known in enumerate(state.structure[:-1]):
         tried, explained = [state], state.chi <= SETTINGS.noise_chi
@@ -45,6 +59,23 @@ def reformed(state: State, runs: Sequence[int], candidates: Sequence[Candidate],
             progress(f"fitting {other.label}", 0.0)
             tried.append(restated(state, index, other, runs))
         state = choose(sorted((s for s in tried if np.isfinite(s.chi)), key=lambda s: s.chi))
+        if not explained:
+            state = _renamed(state, index, [s for r in rounds for s in r.instead_of(known)], runs, progress)
+    return state
+
+
+def _renamed(state: State, index: int, names: Sequence[State], runs: Sequence[int], progress: Watch) -> State:
+    """The state with the last effect of one of ``names`` in the place of one, where that leaves less."""
+    kept = state
+    for other in names:
+        if any(c.is_same_as(other.last) for c in kept.structure):
+            continue
+        if progress.expired:
+            break
+        progress(f"fitting {other.last.label}", 0.0)
+        found = _exchanged(kept, index, other.last, other.fit.x[spans(other.structure)[-1]], runs)
+        if np.isfinite(found.chi) and not as_good(state, found):
+            state = found
     return state
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import final
 
+from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.screen import Screening
@@ -72,11 +73,28 @@ class Round:
         if best is None or not self.taken:
             return []
         named = [s for s in self.tried if s.named and s is not best and worthwhile(before, s.chi)]
-        first = [] if best.named else named[:1]
-        least = SETTINGS.followed_share * (before.chi - best.chi)
         found: dict[Trace, State] = {}
-        for state in (*first, *(s for s in named if before.chi - s.chi >= least)):
+        for state in (*([] if best.named else named[:1]), *self._of_its_size(best)):
             found.setdefault(state.last.trace, state)
         if best.named:
             found.pop(best.last.trace, None)
         return list(found.values())[: SETTINGS.followed]
+
+    def instead_of(self, known: Candidate) -> list[State]:
+        """Names that stand here in the place of a known one, the best of each other variable: those that take
+        off at least a share of what it does.
+
+        A name's rank depends on what is still missing: which is meant shows once that is known.
+        """
+        own = next((s for s in self.tried if self.single(s) and s.last.is_same_as(known)), None)
+        found: dict[Trace, State] = {}
+        for state in [] if own is None else self._of_its_size(own):
+            if self.single(state) and state.last.trace != known.trace:
+                found.setdefault(state.last.trace, state)
+        return list(found.values())
+
+    def _of_its_size(self, one: State) -> list[State]:
+        """The other names that take off at least a share of what one state does."""
+        before, least = self.before, SETTINGS.followed_share * (self.before.chi - one.chi)
+        others = (s for s in self.tried if s.named and s is not one and worthwhile(before, s.chi))
+        return [s for s in others if before.chi - s.chi >= least]

@@ -78,13 +78,14 @@ def search(
         rounds.append(step)
         if not step.taken or step.best is None or (not number and step.best.chi > leaves):
             break
-        problem, state = _entered(problem, step.best, seen, own, unknown, candidates, progress)
+        problem, state = _entered(problem, step.best, seen, own, unknown, candidates, rounds, progress)
         ahead = None
         if len(state.structure) >= SETTINGS.most_effects:
             break
         if state.view.piece is not None and (others := step.others()):
             tried = [(step.best, problem, state)]
-            tried += [(s, *_entered(problem, s, seen, own, unknown, candidates, progress)) for s in others]
+            further = (_entered(problem, s, seen, own, unknown, candidates, rounds, progress) for s in others)
+            tried += [(s, *found) for s, found in zip(others, further, strict=True)]
             names = [c for c in candidates if c.named]
             best, problem, state, ahead = _followed(step, tried, own, names, seed, progress)
             rounds[-1] = replace(step, best=best)
@@ -121,6 +122,7 @@ def _entered(
     runs: Sequence[int],
     unknown: bool,
     candidates: list[Candidate],
+    rounds: list[Round],
     progress: Watch,
 ) -> tuple[Problem, State]:
     """What a round found, in the view from which the next one starts, with the wheel phases that it needs."""
@@ -128,7 +130,7 @@ def _entered(
     if progress.expired:
         return problem, state
     state = evened(state, seen, runs)
-    state = reformed(state, runs, candidates, progress)
+    state = reformed(state, runs, candidates, rounds, progress)
     if not unknown or not any(c.wheel_phase for c in state.structure):
         return problem, state
     at = evaluate(problem, state.structure, state.fit.x, seen)

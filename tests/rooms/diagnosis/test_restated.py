@@ -71,7 +71,7 @@ def test_what_explains_the_runs_is_not_asked_again() -> None:
 
 
 def formed(state: State) -> State:
-    return reformed(state, list(range(COUNT)), list(FOUND.values()), Watch(report=no_progress))
+    return reformed(state, list(range(COUNT)), list(FOUND.values()), [], Watch(report=no_progress))
 
 
 def test_the_form_of_a_law_is_asked_again_once_another_effect_is_known() -> None:
