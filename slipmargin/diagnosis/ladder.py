@@ -35,7 +35,7 @@ from slipmargin.diagnosis.held_out import (
 )
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.refits import fitted, longer, needed, nothing_sure, without
-from slipmargin.diagnosis.restated import reformed, restated
+from slipmargin.diagnosis.restated import reformed, restated, unstuck
 from slipmargin.diagnosis.result import Rejected, Score, Verdict
 from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.search import take_step
@@ -305,7 +305,7 @@ def _further(
         own = [court.runs[i] for i in trials]
         start = fitted(state.view, state.structure, state.fit.x, trials, own)
         start = longer(court.problem, start, own, least_s)
-        start = reformed(start, own, _candidates(rounds), rounds, progress)
+        start = reformed(start, own, _candidates(rounds), rounds, progress, simpler=True)
         if _place(start) in stood or not worthwhile(start, SETTINGS.floor_chi):
             break
         step = take_step(start, own, _candidates(rounds), court.seed, progress.staged("going on"))
@@ -315,7 +315,8 @@ def _further(
         if best is not None:
             best = longer(court.problem, best, own)
             fresh = best.last if best.last.named else None
-            more = needed(_fitted_to_seen(court, best), court.seen_runs, fresh=fresh)
+            more = unstuck(_fitted_to_seen(court, best), court.seen_runs, _candidates(rounds), progress)
+            more = needed(more, court.seen_runs, fresh=fresh)
             found = _better(court, held, more, rejected)
         if found is not None:
             held = found

@@ -42,26 +42,50 @@ def reformed(
     candidates: Sequence[Candidate],
     rounds: Sequence[Round],
     progress: Watch,
+    *,
+    simpler: bool = False,
 ) -> State:
     """The state with each effect but the last, whose forms its own round compares, as what it is meant to be.
 
-    It takes another form where that is to be preferred, and another name of its round where the known one is
-    not as good any more.  A form with more parameters takes up what something else that is missing leaves:
-    where nothing but noise is left, only those with fewer are asked, and no names.
+    It gives way to another name of its round as which it leaves less, and takes the form that is to be
+    preferred.  A form with more parameters takes up what something else that is missing leaves: only those
+    with fewer are asked with ``simpler``, and where nothing but noise is left, where no names are asked.
     """
-    for index, known in enumerate(state.structure[:-1]):
-        tried, explained = [state], state.chi <= SETTINGS.noise_chi
-        for other in candidates:
-            if not other.is_other_form_of(known) or (explained and other.size >= known.size):
-                continue
-            if progress.expired:
-                return state
-            progress(f"fitting {other.label}", 0.0)
-            tried.append(restated(state, index, other, runs))
-        state = choose(sorted((s for s in tried if np.isfinite(s.chi)), key=lambda s: s.chi))
+    for index in range(len(state.structure) - 1):
+        explained = state.chi <= SETTINGS.noise_chi
         if not explained:
-            state = _renamed(state, index, [s for r in rounds for s in r.instead_of(known)], runs, progress)
+            names = [s for r in rounds for s in r.instead_of(state.structure[index])]
+            state = _renamed(state, index, names, runs, progress)
+        size = state.structure[index].size
+        forms = [c for c in candidates if c.size < size or not (explained or simpler)]
+        state = _in_best_form(state, index, forms, runs, progress)
     return state
+
+
+def unstuck(state: State, runs: Sequence[int], candidates: Sequence[Candidate], progress: Watch) -> State:
+    """The state with each effect of which a parameter is stuck at a bound in another form that is as good.
+
+    Such a parameter is one that these runs do not show, and the effect's name would not be claimed.
+    """
+    for index, known in enumerate(state.structure):
+        if any(key.startswith(f"{known.label}.") for key in state.fit.at_bound()):
+            state = _in_best_form(state, index, candidates, runs, progress)
+    return state
+
+
+def _in_best_form(
+    state: State, index: int, candidates: Sequence[Candidate], runs: Sequence[int], progress: Watch
+) -> State:
+    """The state with one effect in the form, of those among ``candidates``, that is to be preferred."""
+    known, tried = state.structure[index], [state]
+    for other in candidates:
+        if not other.is_other_form_of(known):
+            continue
+        if progress.expired:
+            return state
+        progress(f"fitting {other.label}", 0.0)
+        tried.append(restated(state, index, other, runs))
+    return choose(sorted((s for s in tried if np.isfinite(s.chi)), key=lambda s: s.chi))
 
 
 def _renamed(state: State, index: int, names: Sequence[State], runs: Sequence[int], progress: Watch) -> State:

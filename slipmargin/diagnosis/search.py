@@ -27,7 +27,7 @@ from slipmargin.diagnosis.probes import probes
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.promise import after_steps, as_simulated
 from slipmargin.diagnosis.refits import evened, fitted, longest_piece_s, needed, refitted, scored, whole
-from slipmargin.diagnosis.restated import reformed
+from slipmargin.diagnosis.restated import reformed, unstuck
 from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.screen import Screened, Screening, screen
 from slipmargin.diagnosis.settings import SETTINGS
@@ -92,6 +92,7 @@ def search(
     if state.structure and len(trials) < len(seen):
         progress("fitting all trials that are not held out", 0.0)
         state = _in_all(state, rounds, seen, runs, lambda: progress.expired)
+        state = unstuck(state, runs, candidates, progress)
     return problem, needed(state, runs if len(state.fit.trials) == len(seen) else own), rounds
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from planting import Plant, planted, smooth_kiwi
@@ -12,7 +14,7 @@ from slipmargin.diagnosis.groups import in_groups
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.refits import fitted, needed, without
-from slipmargin.diagnosis.restated import redefined, reformed
+from slipmargin.diagnosis.restated import redefined, reformed, unstuck
 from slipmargin.diagnosis.state import State, worthwhile
 from slipmargin.diagnosis.watch import Watch, no_progress
 from slipmargin.effects import AnyEffect, Effect, Recipe
@@ -96,6 +98,19 @@ def test_a_form_that_took_up_what_another_effect_leaves_is_given_up_once_that_is
     assert before.chi < 1.1 and len(before.fit.x) == 5
     after = formed(before)
     assert after.structure[0].label == LAW.label and after.chi < 1.1
+
+
+def test_a_form_with_a_parameter_at_its_bound_gives_way_to_one_that_is_as_good() -> None:
+    """On a thick carpet a coefficient that the runs do not show stood at ten times the stated one."""
+    runs, watch, forms = list(range(COUNT)), Watch(report=no_progress), list(FOUND.values())
+    free = lost_way(SlipRatioFriction(share=1.0, steepness=2.0), structure=(ACROSS,))
+    assert unstuck(free, runs, forms, watch) is free
+    stuck = replace(free, fit=replace(free.fit, x=np.array([*free.fit.x[:-1], ACROSS.high[-1]])))
+    assert stuck.fit.at_bound()
+    (law,) = unstuck(stuck, runs, forms, watch).structure
+    assert law is LAW
+    needs_it = replace(stuck, scores=0.5 * stuck.scores)
+    assert unstuck(needs_it, runs, forms, watch) is needs_it
 
 
 def test_where_nothing_but_noise_is_left_no_form_with_more_parameters_is_asked() -> None:
