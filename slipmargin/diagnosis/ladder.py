@@ -23,6 +23,7 @@ from slipmargin.checks import Index
 from slipmargin.data.record import Record
 from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.finalists import other_names
 from slipmargin.diagnosis.findings import doubted
 from slipmargin.diagnosis.fit import evaluate
 from slipmargin.diagnosis.held_out import (
@@ -332,10 +333,12 @@ def _in_all_runs(
 ) -> Checked:
     """What holds, with names that show in all runs and not in the few that were searched.
 
-    It is asked where much is left.  Simulating all runs takes long: only the first of the list is fitted.
+    It is asked where much is left.  Simulating all runs takes long: only the names that stand first in the
+    last list of the few are put on this one, and only its first is fitted.
     """
-    names = [c for c in _candidates(rounds) if c.named]
-    while rounds and held.state is not None and held.after.chi() > SETTINGS.noise_chi:
+    last = next((r.screening for r in reversed(rounds) if not r.names_only), None)
+    names = [] if last is None else [e.structure[0] for e in other_names(last, (), SETTINGS.contenders)]
+    while names and held.state is not None and held.after.chi() > SETTINGS.noise_chi:
         if len(rounds[0].before.fit.trials) == len(court.seen) or progress.expired:
             break
         if len(held.state.structure) >= SETTINGS.most_effects:

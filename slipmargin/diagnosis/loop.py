@@ -109,6 +109,7 @@ def _diagnosed(conditions: Ready, s: Searched, seed: int, watch: Watch, budget_s
         where_after = dependences(rates_after, variables, seed)
     turns = order_analysis(problem, rates_after, seed)
     entries = s.rounds[0].map() if s.rounds else ()
+    watch("fitting what is reported", 0.3)
     found, final = _reported(s, checked, entries)
     verdict = checked.verdict
     explained = after.chi <= SETTINGS.noise_chi and verdict is not Verdict.UNEXPLAINED
