@@ -348,7 +348,8 @@ def _in_all_runs(
         rounds.append(replace(step, names_only=True))
         found = None
         if step.taken and step.best is not None:
-            found = _better(court, held, step.best, rejected)
+            best = unstuck(step.best, court.seen_runs, _candidates(rounds), progress)
+            found = _better(court, held, best, rejected)
         if found is None:
             break
         held = found
