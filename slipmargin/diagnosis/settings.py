@@ -154,7 +154,7 @@ class SearchSettings:
     #: and half as many pairs, and so many forms more where no name leaves nothing but noise.
     finalists: int = 5
     #: [candidates] So many further names are given a few steps there: the right one may stand far down a list
-    #: that tangents have made, a stiff roller on another wheel twentieth.
+    #: that tangents have made, a stiff roller on another wheel twentieth.  As many are sought in all runs.
     contenders: int = 20
     #: [starts] So many are simulated for what a candidate promises, the best by its tangents; and fitted, the
     #: best by simulation, where it says a place or a time.
@@ -167,7 +167,8 @@ class SearchSettings:
     #: with it they make three, the variables of a wheel that rolls (its slip, its load, its geometry).
     followed: int = 2
     #: [1] … each of which takes off at least this share of what the best does: what is found beside it may
-    #: be worth as much again, while a name's own rank depends on what is still missing.
+    #: be worth as much again, while a name's own rank depends on what is still missing.  Once more is known
+    #: such names are asked again.
     followed_share: float = 0.5
     #: [1] A fit that cannot come within this factor of the best one's cost is not finished.
     out_of_reach: float = 1.3
