@@ -312,11 +312,11 @@ def _further(
         step = take_step(start, own, _candidates(rounds), court.seed, progress.staged("going on"))
         rounds.append(step)
         found = None
-        best = step.best if step.taken else None if start.structure == state.structure else start
-        if best is not None:
+        best = step.best if step.taken else start
+        if best is not None and best.structure != state.structure:
             best = longer(court.problem, best, own)
-            fresh = best.last if best.last.named else None
             more = unstuck(_fitted_to_seen(court, best), court.seen_runs, _candidates(rounds), progress)
+            fresh = more.last if more.last.named else None
             more = needed(more, court.seen_runs, fresh=fresh)
             found = _better(court, held, more, rejected)
         if found is not None:

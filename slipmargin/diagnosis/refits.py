@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import lru_cache
 
 import numpy as np
 
@@ -52,15 +51,13 @@ def evened(state: State, seen: Index, runs: Sequence[int]) -> State:
 
 def without(state: State, index: int, runs: Sequence[int]) -> State:
     """The state less one of its effects, the others fitted again."""
-    return _without(state, index, tuple(runs))
-
-
-@lru_cache(maxsize=8)  # of a state that holds this is asked up to four times: an effect each of the last two
-def _without(state: State, index: int, runs: tuple[int, ...]) -> State:
-    kept = [i for i in range(len(state.structure)) if i != index]
-    own = spans(state.structure)
-    x = np.concatenate([np.zeros(0), *(state.fit.x[own[i]] for i in kept)])
-    return refitted(state, tuple(state.structure[i] for i in kept), x, runs)
+    known, asked = state.fewer, (index, tuple(runs))
+    if asked not in known:
+        kept = [i for i in range(len(state.structure)) if i != index]
+        own = spans(state.structure)
+        x = np.concatenate([np.zeros(0), *(state.fit.x[own[i]] for i in kept)])
+        known[asked] = refitted(state, tuple(state.structure[i] for i in kept), x, runs)
+    return known[asked]
 
 
 def needed(state: State, runs: Sequence[int], *, fresh: Candidate | None = None) -> State:

@@ -72,9 +72,10 @@ class Round:
         best, before = self.best, self.before
         if best is None or not self.taken:
             return []
-        named = [s for s in self.tried if s.named and s is not best and worthwhile(before, s.chi)]
-        found: dict[Trace, State] = {}
-        for state in (*([] if best.named else named[:1]), *self._of_its_size(best)):
+        named = (s for s in self.tried if s.named and worthwhile(before, s.chi))
+        first = None if best.named else next(named, None)
+        found: dict[Trace, State] = {} if first is None else {first.last.trace: first}
+        for state in self._of_its_size(best):
             found.setdefault(state.last.trace, state)
         if best.named:
             found.pop(best.last.trace, None)

@@ -84,8 +84,8 @@ def search(
             break
         if state.view.piece is not None and (others := step.others()):
             tried = [(step.best, problem, state)]
-            further = (_entered(problem, s, seen, own, unknown, candidates, rounds, progress) for s in others)
-            tried += [(s, *found) for s, found in zip(others, further, strict=True)]
+            for s in others:
+                tried.append((s, *_entered(problem, s, seen, own, unknown, candidates, rounds, progress)))
             names = [c for c in candidates if c.named]
             best, problem, state, ahead = _followed(step, tried, own, names, seed, progress)
             rounds[-1] = replace(step, best=best)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -23,7 +23,8 @@ class State:
     """Effects fitted to trials; ``scores`` (R,) are their sums of squares, each left out of a refit.
 
     ``view`` is how runs are compared, whole or in pieces; ``samples`` are the measured values compared;
-    ``xs`` (F, P) are the parameters without each of the folds ``parts``.
+    ``xs`` (F, P) are the parameters without each of the folds ``parts``; ``fewer`` keeps what
+    :func:`~slipmargin.diagnosis.refits.without` found for it, by effect and runs: it is asked several times.
     """
 
     fit: Fit
@@ -32,6 +33,7 @@ class State:
     view: Problem
     parts: tuple[Index, ...]
     xs: Array
+    fewer: dict[tuple[int, tuple[int, ...]], State] = field(default_factory=dict, init=False, repr=False)
 
     def moved(self, problem: Problem, runs: tuple[int, ...]) -> State:
         """The same of a problem in which other trials are cut: ``runs`` says which each of its trials was."""
