@@ -62,9 +62,12 @@ class Round:
         return len(state.structure) == len(self.before.structure) + 1
 
     def rivals(self, of: State | None = None) -> list[State]:
-        """States that these trials cannot tell from one, by default the best."""
+        """States that these trials cannot tell from one, by default the best: as good as the least, if it is."""
         one = of or self.best
-        return [] if one is None else [s for s in self.tried if s is not one and as_good(s, one)]
+        if one is None:
+            return []
+        level = self.tried[0] if as_good(one, self.tried[0]) else one
+        return [s for s in self.tried if s is not one and as_good(s, level)]
 
     def others(self) -> list[State]:
         """Names worth following beside the best one, the best of each other variable: those that take off at

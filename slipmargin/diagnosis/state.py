@@ -108,6 +108,7 @@ def _simpler(chosen: State, good: Sequence[State]) -> State:
                 and (_level(s, chosen) or _by_number(s, chosen))
                 and s.chi <= chosen.chi + SETTINGS.least_chi
             )
+            or (_kind(s) == _kind(chosen) and _fits_as_well(s, chosen))
         )
     ]
     if not simple:
@@ -124,10 +125,25 @@ def _unusual(state: State) -> int:
 
 
 def as_good(one: State, best: State) -> bool:
-    """Whether a left-out error is no larger than the best one's but for the spread from run to run."""
-    if one.chi <= best.chi + SETTINGS.least_chi:
+    """Whether a left-out error is no larger than the best one's but for the spread from run to run.
+
+    Nor is it where the runs themselves are fitted as well by no more parameters.
+    """
+    if one.chi <= best.chi + SETTINGS.least_chi or _fits_as_well(one, best):
         return True
     return _level(one, best) and one.chi <= SETTINGS.as_good_factor * best.chi
+
+
+def _fits_as_well(one: State, best: State) -> bool:
+    """Whether no more parameters leave, with their worth, no more in the runs to which both were fitted.
+
+    It is asked where nothing but noise is left.  What such a fit gets wrong in a run left out is then what the
+    others do not say about its parameters, and says nothing against what they stand for.
+    """
+    more = len(best.fit.x) - len(one.fit.x)
+    if more < 0 or best.chi > SETTINGS.noise_chi or len(one.fit.trials) != len(best.fit.trials):
+        return False
+    return one.fit.cost <= best.fit.cost + more * np.log(best.samples)
 
 
 def _level(one: State, best: State) -> bool:
