@@ -62,7 +62,10 @@ class Round:
         return len(state.structure) == len(self.before.structure) + 1
 
     def rivals(self, of: State | None = None) -> list[State]:
-        """States that these trials cannot tell from one, by default the best: as good as the least, if it is."""
+        """States that these trials cannot tell from one, by default the best.
+
+        They are as good as the least error of the round where that one is.
+        """
         one = of or self.best
         if one is None:
             return []

@@ -137,13 +137,13 @@ def as_good(one: State, best: State) -> bool:
 def _fits_as_well(one: State, best: State) -> bool:
     """Whether no more parameters leave, with their worth, no more in the runs to which both were fitted.
 
-    It is asked where nothing but noise is left.  What such a fit gets wrong in a run left out is then what the
-    others do not say about its parameters, and says nothing against what they stand for.
+    It is asked where nothing but noise is left.  What such a fit gets wrong in a run left out is then what
+    the others do not say about its parameters, and says nothing against what they stand for.
     """
     more = len(best.fit.x) - len(one.fit.x)
     if more < 0 or best.chi > SETTINGS.noise_chi or len(one.fit.trials) != len(best.fit.trials):
         return False
-    return one.fit.cost <= best.fit.cost + more * np.log(best.samples)
+    return bool(one.fit.cost <= best.fit.cost + more * np.log(best.samples))
 
 
 def _level(one: State, best: State) -> bool:

@@ -358,7 +358,12 @@ def test_of_two_names_that_the_runs_do_not_tell_apart_the_one_with_fewer_paramet
     def state(one: Candidate, scores: Array) -> State:
         found = evaluate(problem, (one,), one.null, EVERY)
         return State(
-            fit=leaving(found, scores), scores=scores, samples=540.0, view=problem, parts=(), xs=np.zeros((0, len(one.null)))
+            fit=leaving(found, scores),
+            scores=scores,
+            samples=540.0,
+            view=problem,
+            parts=(),
+            xs=np.zeros((0, len(one.null))),
         )
 
     rotation, scale = candidate(CameraRotation), candidate(CameraScale)
@@ -380,8 +385,7 @@ def test_of_two_names_that_the_runs_do_not_tell_apart_the_one_with_fewer_paramet
 
 
 def test_a_run_left_out_says_nothing_against_what_fits_as_well_with_fewer_parameters() -> None:
-    """Friction factors lost to a slip speed at the edge of its range: one run alone told the two of them apart,
-    and parameters that stopped early without it came nearer to it."""
+    """Friction factors lost to a slip speed at the edge of its range: one run alone told what they are."""
     rotation, scale = candidate(CameraRotation), candidate(CameraScale)
     best = state((scale,), 0.95)
     fewer = replace(state((rotation,), 1.14), fit=leaving(state((rotation,), 1.0).fit, best.scores + 0.8))
