@@ -306,14 +306,14 @@ def _further(
         own = [court.runs[i] for i in trials]
         start = fitted(state.view, state.structure, state.fit.x, trials, own)
         start = longer(court.problem, start, own, least_s)
-        start = reformed(start, own, _candidates(rounds), rounds, progress, simpler=True)
-        if _place(start) in stood or not worthwhile(start, SETTINGS.floor_chi):
-            break
-        step = take_step(start, own, _candidates(rounds), court.seed, progress.staged("going on"))
-        rounds.append(step)
+        best = start = reformed(start, own, _candidates(rounds), rounds, progress, simpler=True)
+        is_new = _place(start) not in stood and worthwhile(start, SETTINGS.floor_chi)
+        if is_new:
+            step = take_step(start, own, _candidates(rounds), court.seed, progress.staged("going on"))
+            rounds.append(step)
+            best = step.best if step.taken and step.best is not None else start
         found = None
-        best = step.best if step.taken else start
-        if best is not None and best.structure != state.structure:
+        if best.structure != state.structure:
             best = longer(court.problem, best, own)
             more = unstuck(_fitted_to_seen(court, best), court.seen_runs, _candidates(rounds), progress)
             fresh = more.last if more.last.named else None
@@ -321,7 +321,7 @@ def _further(
             found = _better(court, held, more, rejected)
         if found is not None:
             held = found
-        elif start.view.piece is None:
+        elif not is_new or start.view.piece is None:
             break
         else:
             least_s = 2.0 * start.view.piece_s

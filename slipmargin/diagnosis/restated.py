@@ -54,8 +54,8 @@ def reformed(
     for index in range(len(state.structure) - 1):
         explained = state.chi <= SETTINGS.noise_chi
         if not explained:
-            names = [s for r in rounds for s in r.instead_of(state.structure[index])]
-            state = _renamed(state, index, names, runs, progress)
+            names = {s.last.label: s for r in rounds for s in r.instead_of(state.structure[index])}
+            state = _renamed(state, index, list(names.values()), runs, progress)
         size = state.structure[index].size
         forms = [c for c in candidates if c.size < size or not (explained or simpler)]
         state = _in_best_form(state, index, forms, runs, progress)

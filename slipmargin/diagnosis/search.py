@@ -11,7 +11,8 @@ Far above the noise runs are compared in pieces: an error early in a run must no
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import final
 
 import numpy as np
 
@@ -36,6 +37,85 @@ from slipmargin.diagnosis.telling import enough, telling
 from slipmargin.diagnosis.watch import Watch
 
 
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sought:
+    """What all steps of one search share.
+
+    ``trials`` of those ``seen`` are searched; ``runs`` says which run each of them is, or is cut from.  The
+    watch ``progress`` says when the time is over.
+    """
+
+    seen: Index
+    trials: Index
+    runs: Sequence[int]
+    candidates: list[Candidate]
+    seed: int
+    phases_unknown: bool
+    progress: Watch
+
+    def as_it_is(self, problem: Problem) -> tuple[Problem, State]:
+        """The model as it is, in the view from which the first step starts."""
+        needs_phases = self.phases_unknown and wheel_phase.matters_to(problem.model(()))
+        if needs_phases:
+            self.progress("estimating wheel phases", 0.0)
+            problem = wheel_phase.guessed(problem, self.seen, self.candidates)
+        state = fitted(problem, (), np.zeros(0), self.trials, self.runs)
+        if self.phases_unknown and not needs_phases and not quiet(state):
+            self.progress("estimating wheel phases", 0.0)
+            problem = wheel_phase.guessed(problem, self.trials, self.candidates)
+            state = fitted(problem, (), np.zeros(0), self.trials, self.runs)
+        state = evened(state, self.seen, self.runs)
+        if state.chi > SETTINGS.far_chi and bends(problem, self.trials, state.fit.effects):
+            state = evened(_in_pieces(problem, self.trials, self.runs), self.seen, self.runs)
+        return problem, state
+
+    def step(self, before: State, candidates: list[Candidate], stage: str) -> Round:
+        """A round that starts from ``before``."""
+        return take_step(before, self.runs, candidates, self.seed, self.progress.staged(stage))
+
+    def entered(self, problem: Problem, best: State, rounds: Sequence[Round]) -> tuple[Problem, State]:
+        """What a round found, in the view from which the next one starts, with the wheel phases it needs."""
+        state = whole(problem, best, self.runs, lambda: self.progress.expired)
+        if self.progress.expired:
+            return problem, state
+        state = evened(state, self.seen, self.runs)
+        state = reformed(state, self.runs, self.candidates, rounds, self.progress)
+        if not self.phases_unknown or not any(c.wheel_phase for c in state.structure):
+            return problem, state
+        at = evaluate(problem, state.structure, state.fit.x, self.seen)
+        problem, better = wheel_phase.refined(problem, at)
+        view = problem.as_seen_in(state.view)
+        return problem, fitted(view, state.structure, better.x, state.fit.trials, self.runs)
+
+    def followed(
+        self, step: Round, tried: Sequence[tuple[State, Problem, State]]
+    ) -> tuple[State, Problem, State, Round | None]:
+        """Of additions that a round can hardly tell apart, the one beside which the next round finds most.
+
+        Far above the noise an effect shows only beside another one, as load that shifts with the acceleration
+        does beside the loads at rest.  Each is followed by a round of its own over the names, which is
+        returned if it took one; the first is kept unless another, which that does not make superfluous,
+        leaves less.
+        """
+        names = [c for c in self.candidates if c.named]
+        found: list[tuple[State, tuple[State, Problem, State, Round | None]]] = []
+        for number, (best, problem, state) in enumerate(tried):
+            if number and self.progress.expired:
+                break
+            level, ahead = best, None
+            if best.named:  # beside a form names are hardly ever taken
+                ahead = self.step(state, names, f"beside {best.last.label}")
+                ahead = replace(ahead, names_only=True) if ahead.taken else None
+            if ahead is not None and ahead.best is not None:
+                structure, x = ahead.best.structure, ahead.best.fit.x
+                level = needed(refitted(step.before, structure, x, self.runs), self.runs)
+            if not number or best.last in level.structure:
+                found.append((level, (best, problem, state, ahead)))
+        least = min(found, key=lambda f: f[0].chi)
+        return (found[0] if as_good(found[0][0], least[0]) else least)[1]
+
+
 def search(
     problem: Problem,
     seen: Index,
@@ -51,49 +131,44 @@ def search(
     where the model does not need them, for the trials searched.  ``runs``: which run each is, or is cut from.
     Where the first effect leaves a chi above ``leaves``, it is not taken.
     """
-    unknown = wheel_phase.is_unknown(problem)
-    needs_phases = unknown and wheel_phase.matters_to(problem.model(()))
     problem = problem.with_rough()
     trials = enough(seen, problem.knots, telling(problem, seen))
-    own = [runs[i] for i in np.searchsorted(seen, trials)]
-    if needs_phases:
-        progress("estimating wheel phases", 0.0)
-        problem = wheel_phase.guessed(problem, seen, candidates)
-    state = fitted(problem, (), np.zeros(0), trials, own)
-    if unknown and not needs_phases and not quiet(state):
-        progress("estimating wheel phases", 0.0)
-        problem = wheel_phase.guessed(problem, trials, candidates)
-        state = fitted(problem, (), np.zeros(0), trials, own)
-    state = evened(state, seen, own)
-    if state.chi > SETTINGS.far_chi and bends(problem, trials, state.fit.effects):
-        state = evened(_in_pieces(problem, trials, own), seen, own)
+    sought = Sought(
+        seen=seen,
+        trials=trials,
+        runs=[runs[i] for i in np.searchsorted(seen, trials)],
+        candidates=candidates,
+        seed=seed,
+        phases_unknown=wheel_phase.is_unknown(problem),
+        progress=progress,
+    )
+    problem, state = sought.as_it_is(problem)
     rounds: list[Round] = []
     ahead: Round | None = None
     for number in range(SETTINGS.most_effects):
         if quiet(state) if not number else progress.expired or not worthwhile(state, SETTINGS.floor_chi):
             break  # the first list is made in any case: without it there is no answer, not even a lead
-        if number and len(set(own)) < 2:
+        if number and len(set(sought.runs)) < 2:
             break  # one run leads to a variable, and bears out nothing
-        step = ahead or take_step(state, own, candidates, seed, progress.staged(f"round {number + 1}"))
+        step = ahead or sought.step(state, candidates, f"round {number + 1}")
         rounds.append(step)
         if not step.taken or step.best is None or (not number and step.best.chi > leaves):
             break
-        problem, state = _entered(problem, step.best, seen, own, unknown, candidates, rounds, progress)
+        problem, state = sought.entered(problem, step.best, rounds)
         ahead = None
         if len(state.structure) >= SETTINGS.most_effects:
             break
         if state.view.piece is not None and (others := step.others()):
             tried = [(step.best, problem, state)]
-            for s in others:
-                tried.append((s, *_entered(problem, s, seen, own, unknown, candidates, rounds, progress)))
-            names = [c for c in candidates if c.named]
-            best, problem, state, ahead = _followed(step, tried, own, names, seed, progress)
+            tried += [(s, *sought.entered(problem, s, rounds)) for s in others]
+            best, problem, state, ahead = sought.followed(step, tried)
             rounds[-1] = replace(step, best=best)
     if state.structure and len(trials) < len(seen):
         progress("fitting all trials that are not held out", 0.0)
         state = _in_all(state, rounds, seen, runs, lambda: progress.expired)
         state = unstuck(state, runs, candidates, progress)
-    return problem, needed(state, runs if len(state.fit.trials) == len(seen) else own), rounds
+    fitted_to = runs if len(state.fit.trials) == len(seen) else sought.runs
+    return problem, needed(state, fitted_to), rounds
 
 
 def _in_all(
@@ -114,60 +189,6 @@ def _in_all(
 
 def _alike(one: State, other: State) -> bool:
     return [c.label for c in one.structure] == [c.label for c in other.structure]
-
-
-def _entered(
-    problem: Problem,
-    best: State,
-    seen: Index,
-    runs: Sequence[int],
-    unknown: bool,
-    candidates: list[Candidate],
-    rounds: list[Round],
-    progress: Watch,
-) -> tuple[Problem, State]:
-    """What a round found, in the view from which the next one starts, with the wheel phases that it needs."""
-    state = whole(problem, best, runs, lambda: progress.expired)
-    if progress.expired:
-        return problem, state
-    state = evened(state, seen, runs)
-    state = reformed(state, runs, candidates, rounds, progress)
-    if not unknown or not any(c.wheel_phase for c in state.structure):
-        return problem, state
-    at = evaluate(problem, state.structure, state.fit.x, seen)
-    problem, better = wheel_phase.refined(problem, at)
-    view = problem.as_seen_in(state.view)
-    return problem, fitted(view, state.structure, better.x, state.fit.trials, runs)
-
-
-def _followed(
-    step: Round,
-    tried: list[tuple[State, Problem, State]],
-    runs: Sequence[int],
-    names: list[Candidate],
-    seed: int,
-    progress: Watch,
-) -> tuple[State, Problem, State, Round | None]:
-    """Of additions that a round can hardly tell apart, the one beside which the next round finds most.
-
-    Far above the noise an effect shows only beside another one, as load that shifts with the acceleration
-    does beside the loads at rest.  Each is followed by a round of its own over the names, which is returned
-    if it took one; the first is kept unless another, which that does not make superfluous, leaves less.
-    """
-    found: list[tuple[State, tuple[State, Problem, State, Round | None]]] = []
-    for number, (best, problem, state) in enumerate(tried):
-        if number and progress.expired:
-            break
-        level, ahead = best, None
-        if best.named:  # beside a form names are hardly ever taken
-            ahead = take_step(state, runs, names, seed, progress.staged(f"beside {best.last.label}"))
-            ahead = replace(ahead, names_only=True) if ahead.taken else None
-        if ahead is not None and ahead.best is not None:
-            level = needed(refitted(step.before, ahead.best.structure, ahead.best.fit.x, runs), runs)
-        if not number or best.last in level.structure:
-            found.append((level, (best, problem, state, ahead)))
-    least = min(found, key=lambda f: f[0].chi)
-    return (found[0] if as_good(found[0][0], least[0]) else least)[1]
 
 
 def screened(

@@ -75,7 +75,16 @@ def followed(bench: Bench, first: State, second: State, after: dict[str, State],
     patch.setattr(search, "take_step", take_step)
     step = bench.round(bench.plain, first, second)
     tried = [(s, bench.problem, s) for s in (first, second)]
-    best, _, state, ahead = search._followed(step, tried, list(TRIALS), [], 0, WATCH)
+    sought = search.Sought(
+        seen=TRIALS,
+        trials=TRIALS,
+        runs=list(TRIALS),
+        candidates=[],
+        seed=0,
+        phases_unknown=False,
+        progress=WATCH,
+    )
+    best, _, state, ahead = sought.followed(step, tried)
     assert state is best and (ahead is not None) == (best.last.label in after)
     return best
 

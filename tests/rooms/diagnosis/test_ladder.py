@@ -173,6 +173,36 @@ def test_the_search_goes_on_from_what_holds() -> None:
     assert len(stood) == 2, "the search stood there before"
 
 
+def test_a_name_that_gave_way_where_the_search_has_stood_is_not_lost(
+    court: Court, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    watch, view = Watch(report=no_progress), court.problem.in_pieces(SETTINGS.piece_s)
+    wrong, right = (
+        fitted(view, (one,), one.starts[0], SEEN, court.seen_runs)
+        for one in candidates(court, "camera_scale", "wheel_loads")
+    )
+    plain = court.errors(None)
+    held = Checked(
+        state=wrong,
+        before=plain.errors,
+        after=plain.errors,
+        judgement=None,
+        problem=plain.problem,
+        phased=plain.phased,
+        rejected=(),
+        near_noise=False,
+    )
+    nothing = Screening(entries=(), total=1.0, chance=np.zeros(0))
+    stood = [
+        Round(before=before, screening=nothing, tried=(), best=None, taken=False)
+        for before in (proposed(court), right)
+    ]
+    monkeypatch.setattr(ladder, "reformed", lambda *_, **__: right)
+    found = ladder._further(court, held, stood, [], watch)
+    assert labels_of(found) == ["wheel_loads"] and len(stood) == 2
+    assert found.after.chi() < 1.15
+
+
 def knocked(problem: Problem, effects: tuple[WheelLoads, ...], runs: tuple[int, ...]) -> Problem:
     """Each of these runs turned midway by what makes the base model look best beside these effects."""
     measured, first = np.array(problem.measured), 40
