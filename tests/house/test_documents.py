@@ -286,6 +286,27 @@ def test_the_readme_is_short_and_its_figures_are_measured() -> None:
         assert load["low"] <= weighed <= load["high"] and f"{weighed:.3f}" in README
 
 
+def test_the_story_of_the_real_robot_tells_measured_figures() -> None:
+    page = (ROOT / "docs/explanation/real-robot.md").read_text(encoding="utf-8")
+    result = json.loads((ROOT / "benchmarks/results/robotino.json").read_text(encoding="utf-8"))
+    errors = result["rows"][-1]["errors"]
+    shown = [f"{100 * errors[part]['displacement']:.1f} %" for part in ("fitted", "headings", "speed")]
+    held = errors["held out"]
+    shown.append(f"**{100 * held['displacement']:.2f} %** | {held['heading_deg']:.1f}°")
+    assert " | ".join(shown) in page and f"{100 * held['length']:.2f} % off in length alone" in page
+    for of_run in result["standing"].values():
+        current = of_run["current of wheels 1 and 3 [A]"]
+        too_far = (of_run["predicted too far [%]"], of_run["the headings beside it, mean [%]"])
+        row = f"| {current:.2f} | {too_far[0]:+.1f} % | {too_far[1]:+.1f} % |".replace("-", "−")
+        assert row in page
+    without = errors["held out but heading_000 at 0.2 m/s"]["displacement"]
+    assert f"Without the last of them the held-out error is {100 * without:.2f} %" in page
+    before, after = result["limits"]["before"], result["limits"]["after"]
+    weakest, least = "weakest pull [μ m g]", "least acceleration from rest [μ g]"
+    assert f"weakest pull is {before[weakest]:.2f} before and {after[weakest]:.2f} after" in page
+    assert f"from rest is {before[least]:.2f} μ g before and {after[least]:.2f} μ g after" in page
+
+
 @pytest.mark.parametrize(("page", "block"), blocks("python"), ids=page_id)
 def test_python_blocks_show_real_answers(
     page: Path,
