@@ -123,14 +123,15 @@ class Court:
 
     def verdict(self, before: RunErrors, after: RunErrors) -> Judgement:
         """The judgement by the searched runs if these already speak against it, else by all."""
-        unseen = self.unseen
+        unseen, sigma = self.unseen, self.problem.sigma
         if unseen.any() and not unseen.all():
             rows = np.flatnonzero(~unseen)
             none = np.zeros(len(rows), dtype=bool)
-            early = judge(before.of(rows), after.of(rows), none, self.seed, by_chance=False, numbers=rows)
+            some = before.of(rows), after.of(rows)
+            early = judge(*some, none, self.seed, by_chance=False, numbers=rows, sigma=sigma)
             if not early.holds:
                 return early
-        return judge(before, after, unseen, self.seed)
+        return judge(before, after, unseen, self.seed, sigma=sigma)
 
 
 def check(court: Court, proposed: State, rounds: list[Round], progress: Watch) -> Checked:

@@ -40,7 +40,8 @@ class SearchSettings:
     #: [chi] Above this a residual is well above the noise: three times what the reconstruction leaves.
     noise_chi: float = 1.3
     #: [1] What is this many times as large as the noise is no noise, however long that lasts: of noise that
-    #: lasts as long as a run, six runs have a root mean square 1.6 times as large once in a thousand.
+    #: lasts as long as a run, six runs have a root mean square 1.6 times as large once in a thousand.  Such
+    #: errors are searched, and what explains them is judged by their own size, though chi is near 1.
     noise_size: float = 2.0
     #: [runs] The searched runs are left out in so many folds: each fit then has three quarters of them.
     folds: int = 4

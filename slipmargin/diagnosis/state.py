@@ -169,11 +169,20 @@ def worthwhile(before: State, chi: float, named: bool = True) -> bool:
     if before.structure and not (named and before.named):
         return chi <= SETTINGS.with_unnamed * before.chi
     share = SETTINGS.later_effect if before.structure else SETTINGS.first_effect
-    return before.chi - max(chi, SETTINGS.floor_chi) >= max(SETTINGS.least_chi, share * before.chi)
+    floor = SETTINGS.floor_chi if before.chi >= 1.0 else 0.0  # below 1 the noise was read too large
+    return before.chi - max(chi, floor) >= max(SETTINGS.least_chi, share * before.chi)
 
 
 def quiet(state: State) -> bool:
-    """Whether a state leaves nothing but noise in the runs that are searched, in all and in each of them."""
+    """Whether a state leaves nothing but noise in the runs that are searched, in all and in each of them.
+
+    Noise that lasts can take up much of what is missing: then the errors themselves are larger than noise.
+    """
     counts = np.maximum(1.0, np.count_nonzero(state.fit.residual, axis=1))
     of_runs = np.sqrt(np.sum(state.fit.residual**2, axis=1) / counts)
-    return state.chi <= SETTINGS.quiet_chi and not np.any(beyond_noise(of_runs, counts))
+    if state.chi > SETTINGS.quiet_chi or np.any(beyond_noise(of_runs, counts)):
+        return False
+    return (
+        state.view.lasting is None
+        or state.view.size(state.fit.effects, state.fit.trials) <= SETTINGS.noise_size
+    )

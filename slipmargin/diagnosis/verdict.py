@@ -124,6 +124,7 @@ def judge(
     *,
     by_chance: bool = True,
     numbers: Index | None = None,
+    sigma: Array | None = None,
 ) -> Judgement:
     """Judge a correction by R runs, each predicted with parameters that have not seen it.
 
@@ -143,6 +144,9 @@ def judge(
         runs leaves that to the judgement by all of them.
     numbers : array (R,) of int, optional
         Which runs of the data set these are, from 0, where they are not all.
+    sigma : array (3,), optional
+        The noise's standard deviation [m, m, rad].  Where noise that lasts takes up what is missing, the
+        share that is explained is that of the errors themselves, which are larger than this.
     """
     s = settings
     everyone = np.arange(len(before.squares))
@@ -153,6 +157,8 @@ def judge(
     if len(everyone) < 2:
         failures.append("one run alone bears out nothing that was fitted to it; drive another")
     explained = explained_share(before.chi(fresh), after.chi(fresh))
+    if sigma is not None and before.chi(fresh) < 1.0 and before.of(fresh).size(sigma) > s.noise_size:
+        explained = explained_share(before.of(fresh).size(sigma), after.of(fresh).size(sigma))
     least = min(s.least_chi, before.chi(fresh))
     few = 0 < int(np.count_nonzero(unseen)) < min(s.few_unseen, len(everyone)) and before.chi() > s.far_chi
     enough = explained >= s.explained_share or (

@@ -9,6 +9,7 @@ import pytest
 from spoilt import good
 
 from slipmargin.checks import Array
+from slipmargin.data.noise import LastingNoise
 from slipmargin.diagnosis.bends import bends
 from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.problem import Problem
@@ -49,6 +50,19 @@ def test_one_run_far_above_its_noise_is_not_quiet_though_all_together_are(state:
     factor[0] = 1.4
     loud = louder(state, factor)
     assert loud.chi < SETTINGS.quiet_chi and not quiet(loud)
+
+
+def test_errors_larger_than_noise_are_not_quiet_however_long_that_lasts(problem: Problem) -> None:
+    """Noise that lasts takes up what is missing; the errors themselves tell."""
+    every = np.arange(len(problem.trials), dtype=np.int64)
+    lasting = LastingNoise(share=np.full(3, 0.7), time_s=np.full(3, 0.2))
+    sigma = problem.sigma / np.sqrt(0.3)
+    slow = replace(problem, lasting=lasting, sigma=sigma)
+    assert quiet(fitted(slow, (), np.zeros(0), every, every.tolist()))
+    way = np.sin(np.linspace(0.0, np.pi, problem.measured.shape[1]))[:, None] * 8.0 * sigma * (1.0, 1.0, 0.0)
+    off = fitted(replace(slow, measured=problem.measured + way), (), np.zeros(0), every, every.tolist())
+    assert off.chi <= SETTINGS.quiet_chi and off.view.size((), every) > SETTINGS.noise_size
+    assert not quiet(off)
 
 
 @pytest.mark.parametrize(("knots", "many"), [(10.0, 8), (400.0, 5), (2000.0, 4)])
