@@ -80,7 +80,7 @@ def predicted(
     else:
         found = scored.compare(effects, [trials[i : i + 1] for i in range(len(trials))])
     pose, gap = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    return Prediction(errors=_errors(scored, trials, pose, gap), problem=view, phased=phased)
+    return Prediction(errors=errors_of(scored, trials, pose, gap), problem=view, phased=phased)
 
 
 def sets_of_effects(structure: tuple[Candidate, ...], xs: Array) -> list[Effects]:
@@ -118,7 +118,7 @@ def score(errors: RunErrors, runs: Index) -> Score:
     )
 
 
-def _errors(problem: Problem, trials: Index, pose: Array, gap: Array) -> RunErrors:
+def errors_of(problem: Problem, trials: Index, pose: Array, gap: Array) -> RunErrors:
     """Sums over the samples of each trial; ``gap`` (R, T, 3) is whitened."""
     seen = problem.seen[trials]
     most = SETTINGS.wild * problem.sigma

@@ -337,13 +337,6 @@ class Problem:
         counts = np.maximum(1, np.count_nonzero(residual, axis=1))
         return np.asarray(np.nan_to_num(np.sqrt(np.sum(residual**2, axis=1) / counts), nan=np.inf))
 
-    def size(self, effects: tuple[AnyEffect, ...], trials: Index) -> float:
-        """Root mean square over the noise of what the model with effects misses ``trials`` by, as it is."""
-        pose, _ = self.compare([effects], [trials])[0]
-        off = (self.measured[trials] - pose)[self.seen[trials]]
-        noise = np.broadcast_to(self.sigma, pose.shape)[self.seen[trials]]
-        return float(np.sqrt(np.mean((off / noise) ** 2)))
-
     def samples(self, trials: Index) -> float:
         """Number of measured values in these trials."""
         return float(np.count_nonzero(self.seen[trials]))

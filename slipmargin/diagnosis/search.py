@@ -51,17 +51,17 @@ class Sought:
     runs: Sequence[int]
     candidates: list[Candidate]
     seed: int
-    phases_unknown: bool
     progress: Watch
 
     def as_it_is(self, problem: Problem) -> tuple[Problem, State]:
         """The model as it is, in the view from which the first step starts."""
-        needs_phases = self.phases_unknown and wheel_phase.matters_to(problem.model(()))
+        unknown = wheel_phase.is_unknown(problem)
+        needs_phases = unknown and wheel_phase.matters_to(problem.model(()))
         if needs_phases:
             self.progress("estimating wheel phases", 0.0)
             problem = wheel_phase.guessed(problem, self.seen, self.candidates)
         state = fitted(problem, (), np.zeros(0), self.trials, self.runs)
-        if self.phases_unknown and not needs_phases and not quiet(state):
+        if unknown and not needs_phases and not quiet(state):
             self.progress("estimating wheel phases", 0.0)
             problem = wheel_phase.guessed(problem, self.trials, self.candidates)
             state = fitted(problem, (), np.zeros(0), self.trials, self.runs)
@@ -81,7 +81,7 @@ class Sought:
             return problem, state
         state = evened(state, self.seen, self.runs)
         state = reformed(state, self.runs, self.candidates, rounds, self.progress)
-        if not self.phases_unknown or not any(c.wheel_phase for c in state.structure):
+        if not wheel_phase.is_unknown(problem) or not any(c.wheel_phase for c in state.structure):
             return problem, state
         at = evaluate(problem, state.structure, state.fit.x, self.seen)
         problem, better = wheel_phase.refined(problem, at)
@@ -139,7 +139,6 @@ def search(
         runs=[runs[i] for i in np.searchsorted(seen, trials)],
         candidates=candidates,
         seed=seed,
-        phases_unknown=wheel_phase.is_unknown(problem),
         progress=progress,
     )
     problem, state = sought.as_it_is(problem)

@@ -11,6 +11,7 @@ import numpy as np
 from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit
+from slipmargin.diagnosis.held_out import errors_of
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.verdict import beyond_noise
@@ -103,12 +104,7 @@ def _simpler(chosen: State, good: Sequence[State]) -> State:
         if not s.fit.at_bound()
         and (
             (as_good(s, chosen) and [c.name for c in s.structure] == names)
-            or (
-                _kind(s) == _kind(chosen)
-                and (_level(s, chosen) or _by_number(s, chosen))
-                and s.chi <= chosen.chi + SETTINGS.least_chi
-            )
-            or (_kind(s) == _kind(chosen) and _fits_as_well(s, chosen))
+            or (_kind(s) == _kind(chosen) and (_fits_as_well(s, chosen) or _means_the_same(s, chosen)))
         )
     ]
     if not simple:
@@ -116,6 +112,12 @@ def _simpler(chosen: State, good: Sequence[State]) -> State:
     least = min((len(s.fit.x), s.chi) for s in simple)
     same = [s for s in simple if len(s.fit.x) == least[0] and s.chi <= least[1] + SETTINGS.least_chi]
     return min(same, key=lambda s: (_unusual(s), s.chi))
+
+
+def _means_the_same(one: State, chosen: State) -> bool:
+    """Whether a left-out error is larger by no more than what a log leaves open, and by chance or freedom."""
+    near = one.chi <= chosen.chi + SETTINGS.least_chi
+    return near and (_level(one, chosen) or _by_number(one, chosen))
 
 
 def _unusual(state: State) -> int:
@@ -182,7 +184,8 @@ def quiet(state: State) -> bool:
     of_runs = np.sqrt(np.sum(state.fit.residual**2, axis=1) / counts)
     if state.chi > SETTINGS.quiet_chi or np.any(beyond_noise(of_runs, counts)):
         return False
-    return (
-        state.view.lasting is None
-        or state.view.size(state.fit.effects, state.fit.trials) <= SETTINGS.noise_size
-    )
+    view, trials = state.view, state.fit.trials
+    if view.lasting is None:
+        return True
+    errors = errors_of(view, trials, *view.compare([state.fit.effects], [trials])[0])
+    return errors.size(view.sigma) <= SETTINGS.noise_size

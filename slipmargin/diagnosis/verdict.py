@@ -157,8 +157,9 @@ def judge(
     if len(everyone) < 2:
         failures.append("one run alone bears out nothing that was fitted to it; drive another")
     explained = explained_share(before.chi(fresh), after.chi(fresh))
-    if sigma is not None and before.chi(fresh) < 1.0 and before.of(fresh).size(sigma) > s.noise_size:
-        explained = explained_share(before.of(fresh).size(sigma), after.of(fresh).size(sigma))
+    if sigma is not None and before.chi(fresh) < 1.0:
+        was, now = (errors.of(fresh).size(sigma) for errors in (before, after))
+        explained = explained_share(was, now) if was > s.noise_size else explained
     least = min(s.least_chi, before.chi(fresh))
     few = 0 < int(np.count_nonzero(unseen)) < min(s.few_unseen, len(everyone)) and before.chi() > s.far_chi
     enough = explained >= s.explained_share or (

@@ -81,7 +81,6 @@ def followed(bench: Bench, first: State, second: State, after: dict[str, State],
         runs=list(TRIALS),
         candidates=[],
         seed=0,
-        phases_unknown=False,
         progress=WATCH,
     )
     best, _, state, ahead = sought.followed(step, tried)

@@ -12,6 +12,7 @@ from slipmargin.checks import Array
 from slipmargin.data.noise import LastingNoise
 from slipmargin.diagnosis.bends import bends
 from slipmargin.diagnosis.data_problem import problem_of
+from slipmargin.diagnosis.held_out import errors_of
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.refits import fitted
 from slipmargin.diagnosis.settings import SETTINGS
@@ -61,7 +62,8 @@ def test_errors_larger_than_noise_are_not_quiet_however_long_that_lasts(problem:
     assert quiet(fitted(slow, (), np.zeros(0), every, every.tolist()))
     way = np.sin(np.linspace(0.0, np.pi, problem.measured.shape[1]))[:, None] * 8.0 * sigma * (1.0, 1.0, 0.0)
     off = fitted(replace(slow, measured=problem.measured + way), (), np.zeros(0), every, every.tolist())
-    assert off.chi <= SETTINGS.quiet_chi and off.view.size((), every) > SETTINGS.noise_size
+    errors = errors_of(off.view, every, *off.view.compare([()], [every])[0])
+    assert off.chi <= SETTINGS.quiet_chi and errors.size(sigma) > SETTINGS.noise_size
     assert not quiet(off)
 
 
