@@ -107,7 +107,10 @@ def measured_noise(data_set: DataSet, runs: Index) -> tuple[DataSet, tuple[Repai
 def _without_lone(
     data_set: DataSet, residuals: list[tuple[Array, Array]], sigma: Array
 ) -> tuple[DataSet, list[Repair]]:
-    """Without samples far from the residuals around them; these are also taken out of ``residuals``."""
+    """Without poses far from the residuals around them; these are also taken out of ``residuals``.
+
+    What is far off in one number is taken as missing altogether: a camera that errs in one has erred.
+    """
     trials, names, count = [], [], 0
     for trial, (_, residual) in zip(data_set.trials, residuals, strict=True):
         lone = np.zeros(residual.shape, dtype=bool)
@@ -129,11 +132,12 @@ def _without_lone(
                 ],
                 axis,
             ] = True
-        pose = np.where(lone, np.nan, trial.pose)
-        if lone.any() and np.isfinite(pose).all(axis=1).any():
-            count += int(lone.any(axis=1).sum())
+        far = np.asarray(lone.any(axis=1))
+        pose = np.where(far[:, None], np.nan, trial.pose)
+        if far.any() and np.isfinite(pose).all(axis=1).any():
+            count += int(far.sum())
             names.append(trial.name)
-            residual[lone] = np.nan
+            residual[far] = np.nan
             trial = replace(trial, pose=pose)
         trials.append(trial)
     if not count:
@@ -146,6 +150,6 @@ def _without_lone(
             unit="1",
             sentence=f"{count} {'pose is' if count == 1 else 'poses are'} more than "
             f"{SETTINGS.lone_deviations:g} times the noise from those around them, "
-            f"{in_runs(tuple(names), len(trials))}: what was off in them was taken as missing.",
+            f"{in_runs(tuple(names), len(trials))}: they were taken as missing.",
         )
     ]

@@ -21,7 +21,7 @@ from slipmargin.diagnosis.settings import SETTINGS
 class Trial:
     """A cleaned run: ``t_s`` (T,), ``pose`` (T, 3) with NaN where missing or an outlier.
 
-    ``start`` (3,) is the pose at the first instant; ``dropped`` counts the outliers.
+    ``start`` (3,) is the pose at the first instant; ``dropped`` counts the numbers that were outliers.
     """
 
     name: str
@@ -36,14 +36,14 @@ class Trial:
 
 
 def clean(record: Record, sigma: Array) -> Trial:
-    """A run without its outliers, and where it started."""
+    """A run without the poses that are outliers in one number or more, and where it started."""
     pose = np.array(record.pose)
     bad = np.zeros(pose.shape, dtype=bool)
     for axis in range(3):
         known = np.flatnonzero(np.isfinite(pose[:, axis]))
         if len(known) > 2:
             bad[known, axis] = _outlying(record.t_s[known], pose[known, axis], float(sigma[axis]))
-    pose[bad] = np.nan
+    pose[bad.any(axis=1)] = np.nan  # a camera that errs in one number has erred
     pose.setflags(write=False)
     return Trial(
         name=record.name,
