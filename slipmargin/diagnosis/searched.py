@@ -11,7 +11,7 @@ from slipmargin.checks import Index
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.noise import white_noise
 from slipmargin.diagnosis import wheel_phase
-from slipmargin.diagnosis.candidate import Candidate, named_candidates
+from slipmargin.diagnosis.candidate import Candidate, body_reach, named_candidates
 from slipmargin.diagnosis.conditions import held_runs_of
 from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.events import cut_apart, find_events, with_measured_velocity
@@ -152,8 +152,7 @@ def _searched(
     known = tuple(effect.name for effect in data_set.recipe.effects)
     model, commanded = problem.model(()), problem.commanded
     covered = ranges(tuple(problem.trials[i] for i in seen))
-    arm = float(np.mean(np.hypot(*model.geometry.position_m.T)))
-    reach = {"position": covered.position_m, "time": covered.duration_s, "body": arm}
+    reach = {"position": covered.position_m, "time": covered.duration_s, "body": body_reach(model)}
     timed = data_set.nominal_rate_Hz is None
     angles = not commanded and not wheel_phase.is_unknown(problem)
     candidates = in_groups(

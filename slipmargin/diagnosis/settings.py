@@ -81,7 +81,7 @@ class SearchSettings:
     crossings: int = 12
     #: [starts] So many starts of a named candidate are simulated as they are, for friction that sticks hides
     #: small changes.
-    secants: int = 3
+    secants: int = 4
     #: [1] Ridge of the linear steps, as a share of a column's own sum of squares: above rounding only.
     ridge: float = 1e-6
     #: [1] Ridges that hold back the free coefficients of a form or a probe, as shares of its columns' mean

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -11,6 +12,11 @@ from slipmargin.effects.effect import Effect, Part, Quantity, Scope, Trace, Vari
 from slipmargin.model import Model
 from slipmargin.model.loads import tagged
 from slipmargin.physics.loads import Loads, out_of_plane, sharing_matrix
+
+#: Starts of the shift, as shares of how far out the wheels are: a small one, and three directions to where
+#: other wheels begin to slip.  Where none of them slips, a small shift changes nothing.
+_AHEAD = (0.02, *(0.25 * math.cos(k * 2.0 * math.pi / 3.0) for k in range(3)))
+_ASIDE = (0.02, *(0.25 * math.sin(k * 2.0 * math.pi / 3.0) for k in range(3)))
 
 
 @final
@@ -30,8 +36,24 @@ class WheelLoads(Effect):
     part = Part.LOADS
     scope = Scope.LOADING
     parameters = (
-        parameter("shift_x_m", "m", (-0.5, 0.0, 0.5), 0.005, "shift of the load centre along the body's x"),
-        parameter("shift_y_m", "m", (-0.5, 0.0, 0.5), 0.005, "shift of the load centre along the body's y"),
+        parameter(
+            "shift_x_m",
+            "m",
+            (-0.5, 0.0, 0.5),
+            0.005,
+            "shift of the load centre along the body's x",
+            starts=_AHEAD,
+            along="body",
+        ),
+        parameter(
+            "shift_y_m",
+            "m",
+            (-0.5, 0.0, 0.5),
+            0.005,
+            "shift of the load centre along the body's y",
+            starts=_ASIDE,
+            along="body",
+        ),
         parameter(
             "com_share",
             "1",

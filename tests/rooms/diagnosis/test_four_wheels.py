@@ -15,6 +15,7 @@ from slipmargin.diagnosis.mimics import mimics
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.screen import screen
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import AnyEffect, Recipe, Scope, Trace
 from slipmargin.effects.camera_delay import CameraDelay
 from slipmargin.effects.load_transfer import LoadTransfer
@@ -65,6 +66,20 @@ def test_a_shift_without_resultant_is_that_of_an_uneven_floor_and_three_wheels_h
 def test_only_robots_that_have_diagonals_are_asked_for_their_share() -> None:
     assert candidates(NAMES)["wheel_loads"].keys == ("shift_x_m", "shift_y_m", "diagonal_share")
     assert candidates(NAMES[:3])["wheel_loads"].keys == ("shift_x_m", "shift_y_m")
+
+
+def test_a_shift_of_the_loads_starts_where_other_wheels_slip_as_well() -> None:
+    """Below the slip limit a shift of 5 mm changes nothing, and loads 65 mm off were not found."""
+    reach = 0.2
+    (stated,) = (
+        c
+        for c in named_candidates(NAMES, False, (), {"body": reach})
+        if c.label == "wheel_loads with the centre of mass where stated"
+    )
+    shifts = stated.starts[1:, :2]
+    np.testing.assert_allclose(np.hypot(*shifts.T), 0.25 * reach)
+    np.testing.assert_allclose(shifts.sum(axis=0), 0.0, atol=1e-12)
+    assert len(shifts) == 3 and len(stated.starts) <= SETTINGS.secants
 
 
 def on_creep(*effects: AnyEffect) -> Recipe:
