@@ -102,6 +102,12 @@ def basis_slope(basis: int, j: int, count: int, a: float, b: float, v: Any) -> A
     return 0.0 * v
 
 
+def first_of_two(count: int, a: float, b: float, v: float) -> int:
+    """Number of the first of the two :data:`HATS` that are not zero at a value, which may be none."""
+    knot = (np.minimum(np.maximum(v, a), b) - a) / (b - a) * (count - 1)
+    return int(knot) if knot > 0.0 else 0
+
+
 def basis_values(basis: Basis, shape: Array, count: int, v: Array) -> Array:
     """Every function of a family at values ``v``: array ``v.shape + (count,)``; ``shape`` (2,) holds a, b."""
     v, a, b = np.asarray(v, dtype=float), float(shape[0]), float(shape[1])

@@ -37,6 +37,7 @@ _FY, _RHO, _PLACE, _NSX = at.FREE_Y, at.RADIUS, at.PLACE, at.NO_SLIP_X
 _RELIEFS, _RELIEFS_AT, _RELIEF = at.RELIEFS, at.RELIEFS_AT, at.RELIEF
 
 _basis, _basis_slope = twin(terms.basis_function), twin(terms.basis_slope)
+_first_of_two, _HATS = twin(terms.first_of_two), terms.HATS
 _place_variable = twin(terms.place_variable)
 _rise, _beyond = twin(relief.rise), twin(relief.beyond)
 _to_body, _to_floor, _velocity_at = twin(frames.to_body), twin(frames.to_floor), twin(frames.velocity_at)
@@ -46,9 +47,19 @@ _to_body, _to_floor, _velocity_at = twin(frames.to_body), twin(frames.to_floor),
 def series(P: Any, place: int, count: int, basis: int, a: float, b: float, v: float) -> float:
     """Σ_j c_j φ_j(v) with the coefficients standing at ``P[place:]``."""
     total = 0.0
-    for j in range(count):
+    first, beyond = _not_zero(basis, count, a, b, v)
+    for j in range(first, beyond):
         total += P[place + j] * _basis(basis, j, count, a, b, v)
     return total
+
+
+@inner
+def _not_zero(basis: int, count: int, a: float, b: float, v: float) -> tuple[int, int]:
+    """Which functions of a family are to be looked at: from the first to before the second number."""
+    if basis != _HATS:
+        return 0, count
+    first = _first_of_two(count, a, b, v)
+    return first, min(first + 2, count)
 
 
 @inner
@@ -151,7 +162,8 @@ def factors(P: Any, W: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
                 first = max(0.0, 1.0 + weight * series(P, place, count, basis, a, b, v))
                 if code == 3 and first > 0.0:
                     slope = 0.0
-                    for j in range(count):
+                    low, beyond = _not_zero(basis, count, a, b, v)
+                    for j in range(low, beyond):
                         slope += P[place + j] * _basis_slope(basis, j, count, a, b, v)
                     u = C[i, SLIP_W + side]
                     slope *= weight / first
