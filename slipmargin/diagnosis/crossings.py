@@ -23,7 +23,7 @@ from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
-from slipmargin.diagnosis.tangents import in_parts
+from slipmargin.diagnosis.tangents import simulated
 from slipmargin.model import Model
 from slipmargin.physics import frames
 from slipmargin.physics.compiled import kernel, twin
@@ -63,7 +63,7 @@ def at_crossings(
     def best_of(candidate: Candidate, rows: Array) -> list[tuple[float, Array]]:
         """The best of some parameters (Q, P), as simulated; nothing once it is overdue."""
         points = [(*base.effects, candidate.build(x)) for x in rows]
-        squares = [float(np.sum(r**2)) for r in in_parts(problem, points, base.trials, overdue)]
+        squares = [float(np.sum(r**2)) for r in simulated(problem, points, base.trials, overdue)]
         return [(min(squares), rows[int(np.argmin(squares))])] if squares else []
 
     for entry in entries:

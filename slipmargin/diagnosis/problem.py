@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array, Index
 from slipmargin.data.noise import LastingNoise
+from slipmargin.diagnosis.near import Way, near
 from slipmargin.diagnosis.prepare import Trial
 from slipmargin.diagnosis.residual_diagnostics import residual_rate
 from slipmargin.diagnosis.sense import is_ideal, measure
@@ -31,7 +32,7 @@ from slipmargin.effects.recipe import with_effects
 from slipmargin.errors import InputError
 from slipmargin.model import Model, nominal_model
 from slipmargin.physics.frames import rotate_rows
-from slipmargin.sim.batch import Batch
+from slipmargin.sim.batch import Batch, Outcome
 from slipmargin.sim.pack import pack, stack
 from slipmargin.sim.signal import WheelSignal, angles_at
 
@@ -139,10 +140,26 @@ class Problem:
 
     def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
         """Whitened, weighted residual (R_k, 3 T) of each set of effects on its trials; 0 where not seen."""
-        flat = [gap.transpose(0, 2, 1).reshape(len(gap), -1) for _, gap in self.compare(effects, trials)]
-        if not len(self.weights):
-            return flat
-        return [self.weights[part][:, None] * gap for part, gap in zip(trials, flat, strict=True)]
+        return [
+            self._flat(gap, part)
+            for part, (_, gap) in zip(trials, self.compare(effects, trials), strict=True)
+        ]
+
+    def residual_of(self, pose: Array, runs: Index) -> Array:
+        """Whitened, weighted residual (R, 3 T) of predicted poses (R, T, 3) of trials ``runs``."""
+        return self._flat(self.gaps(pose, runs)[1], runs)
+
+    def _flat(self, gap: Array, runs: Index) -> Array:
+        """Weighted residual (R, 3 T) of gaps (R, T, 3)."""
+        flat = gap.transpose(0, 2, 1).reshape(len(gap), -1)
+        return self.weights[runs][:, None] * flat if len(self.weights) else flat
+
+    def near(self, effects: tuple[AnyEffect, ...], ways: Sequence[Way], trials: Index) -> list[Array]:
+        """Residual (R, K) a step on each of several ways from ``effects``.
+
+        It is told to first order, from one simulation for all, where a way changes forces only.
+        """
+        return near(self, effects, ways, trials)
 
     def compare(
         self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]
@@ -186,35 +203,39 @@ class Problem:
             ]
         )
         cases, back = np.unique(np.column_stack([same[which], runs]), axis=0, return_inverse=True)
-        by_speed = self.commanded or any(t.record.theta is None for t in self.trials)
         pose = np.empty((len(cases), self.measured.shape[1], 3))
         rows = stack(packed)
         clocks = np.array([m.measurement.clock for m in models])[cases[:, 0]]
         for clock in np.unique(clocks):
             part = np.flatnonzero(clocks == clock)
             model, run = cases[part].T
-            pose[part] = (
-                self.batch.at_clock(float(clock), by_speed=by_speed)
-                .run(
-                    rows,
-                    self.starts[run],
-                    start_twist=self.twists[run] / clock,
-                    which=model,
-                    signal=run,
-                    rtol=self.rtol,
-                    max_steps=_MOST_STEPS,
-                    held_down=np.inf,  # what was measured did not tip: a prediction of it goes on
-                )
-                .pose
-            )
+            pose[part] = self.simulated(float(clock), rows, run, which=model).pose
         pose = pose[back.ravel()]
         for k, model_k in enumerate(models):
-            if is_ideal(model_k.measurement):
-                continue
-            for row in np.flatnonzero(which == k):
-                since_s = self.trials[runs[row]].record.since_s
-                pose[row, : len(since_s)] = measure(model_k.measurement, since_s, pose[row, : len(since_s)])
+            self.sense(model_k, np.flatnonzero(which == k), runs, pose)
         return pose
+
+    def simulated(self, clock: float, rows: Array, runs: Index, **more: Any) -> Outcome:
+        """Packed models ``rows`` simulated in runs, on a clock."""
+        by_speed = self.commanded or any(t.record.theta is None for t in self.trials)
+        return self.batch.at_clock(clock, by_speed=by_speed).run(
+            rows,
+            self.starts[runs],
+            start_twist=self.twists[runs] / clock,
+            signal=runs,
+            rtol=self.rtol,
+            max_steps=_MOST_STEPS,
+            held_down=np.inf,  # what was measured did not tip: a prediction of it goes on
+            **more,
+        )
+
+    def sense(self, model: Model, rows: Index, runs: Index, pose: Array) -> None:
+        """In place: what a model's sensor reports of some rows of ``pose`` (M, T, 3), of trials ``runs``."""
+        if is_ideal(model.measurement):
+            return
+        for row in rows:
+            since_s = self.trials[runs[row]].record.since_s
+            pose[row, : len(since_s)] = measure(model.measurement, since_s, pose[row, : len(since_s)])
 
     def _fitted(self, pose: Array, measured: Array, seen: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Predicted poses (M, T, 3) moved to where the start fits best, and the whitened gap left."""

@@ -19,7 +19,7 @@ from slipmargin.diagnosis.fit import build, fit, misfit_of
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
-from slipmargin.diagnosis.tangents import in_parts
+from slipmargin.diagnosis.tangents import simulated
 
 
 def as_simulated(
@@ -55,7 +55,7 @@ def as_simulated(
         for entry, of_entry in zip(asked, points, strict=True)
         for x in of_entry
     ]
-    known, *left = in_parts(problem, [base.effects, *effects], base.trials, overdue) or [base.residual]
+    known, *left = simulated(problem, [base.effects, *effects], base.trials, overdue) or [base.residual]
     off = float(np.sum(known**2))
     misfit = misfit_of(known)
     found, squares = {}, iter([float(np.sum(r**2)) for r in left])

@@ -18,6 +18,7 @@ import numpy as np
 
 from slipmargin.checks import Array, Index
 from slipmargin.data.pulls import Pulls
+from slipmargin.diagnosis.near import Way
 from slipmargin.diagnosis.settings import PULLS
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect, Recipe
@@ -197,6 +198,10 @@ class PullProblem:
             Once the time of ``watch`` is over.
         """
         return [self._residual(e, groups) for e, groups in zip(effects, trials, strict=True)]
+
+    def near(self, effects: tuple[AnyEffect, ...], ways: Sequence[Way], trials: Index) -> list[Array]:
+        """The residuals a step on, as they are: no pull takes long."""
+        return self.residuals([way(1.0) for way in ways], [trials] * len(ways))
 
     def rough(self) -> PullProblem:
         """Itself: no pull takes long."""

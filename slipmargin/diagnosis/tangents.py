@@ -1,19 +1,22 @@
-"""Tangents of candidates: how the residual changes with each parameter of each, one simulation a column."""
+"""Tangents of candidates: how the residual changes with each parameter of each."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import compress
-from typing import final
+from typing import TypeVar, final
 
 import numpy as np
 
 from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.fit import STEP, Fit, Residuals
+from slipmargin.diagnosis.fit import STEP, Fit, Residuals, from_null
+from slipmargin.diagnosis.near import Way
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import AnyEffect, Trace
+
+T = TypeVar("T")
 
 
 @final
@@ -70,11 +73,33 @@ def tangents(
     candidates: Sequence[Candidate],
     overdue: Callable[[], bool],
 ) -> list[Columns]:
-    """Columns of every candidate at each of its starts, one simulation a column.
+    """Columns of every candidate at each of its starts.
 
     ``known`` (R, K) is the residual of ``base`` in ``problem``.  Once it is ``overdue`` the rest is left out.
+    What does nothing at its null is compared to first order; laws that take another's place are simulated.
     """
-    points: list[tuple[AnyEffect, ...]] = []
+
+    def near(ways: Sequence[Way]) -> list[Array]:
+        return problem.near(base.effects, ways, base.trials)
+
+    def far(ways: Sequence[Way]) -> list[Array]:
+        return problem.residuals([way(1.0) for way in ways], [base.trials] * len(ways))
+
+    return [
+        *_tangents(near, base, known, [c for c in candidates if c.nested], overdue),
+        *_tangents(far, base, known, [c for c in candidates if not c.nested], overdue),
+    ]
+
+
+def _tangents(
+    after: Callable[[Sequence[Way]], list[Array]],
+    base: Fit,
+    known: Array,
+    candidates: Sequence[Candidate],
+    overdue: Callable[[], bool],
+) -> list[Columns]:
+    """Columns of candidates, by the residuals ``after`` a step on several ways."""
+    ways: list[Way] = []
     plans: list[tuple[Candidate, Array, list[tuple[int, float]]]] = []
     for candidate in candidates:
         for at in standpoints(candidate):
@@ -85,12 +110,10 @@ def tangents(
                 step = STEP if at[j] + STEP * candidate.scale[j] <= candidate.high[j] else -STEP
                 columns.append((j, step))
             for j, step in columns:
-                moved = at.copy()
-                if j >= 0:
-                    moved[j] += step * candidate.scale[j]
-                points.append((*base.effects, candidate.build(moved)))
+                unit = np.arange(candidate.size) == j
+                ways.append(from_null(base.effects, candidate, at, step * unit * candidate.scale))
             plans.append((candidate, at, columns))
-    residuals = in_parts(problem, points, base.trials, overdue)
+    residuals = in_parts(after, ways, overdue)
     reached = np.cumsum([len(plan) for _, _, plan in plans]) <= len(residuals)
     found, out = iter(residuals), []
     for candidate, at, plan in compress(plans, reached):
@@ -137,7 +160,7 @@ def secants(
         for start in c.starts[: SETTINGS.secants]
     ]
     points = [(*base.effects, c.build(start)) for c, _, start in plans]
-    found = in_parts(problem, points, base.trials, overdue)
+    found = simulated(problem, points, base.trials, overdue)
     return [
         Columns(
             trace=c.trace,
@@ -154,21 +177,27 @@ def secants(
     ]
 
 
-#: Simulations that are compared in one go: their poses stay in the processor's memory.
-_AT_ONCE = 16
+#: What is compared in one go: its poses stay in the processor's memory.
+_AT_ONCE = 24
 
 
 def in_parts(
-    problem: Residuals, points: list[tuple[AnyEffect, ...]], trials: Index, overdue: Callable[[], bool]
+    compare: Callable[[Sequence[T]], list[Array]], points: Sequence[T], overdue: Callable[[], bool]
 ) -> list[Array]:
-    """The residual of each of several sets of effects, of the first ones only once it is ``overdue``."""
+    """The residual of each of several points, of the first ones only once it is ``overdue``."""
     out: list[Array] = []
     for at in range(0, len(points), _AT_ONCE):
         if overdue():
             break
-        some = points[at : at + _AT_ONCE]
-        out += problem.residuals(some, [trials] * len(some))
+        out += compare(points[at : at + _AT_ONCE])
     return out
+
+
+def simulated(
+    problem: Residuals, points: Sequence[tuple[AnyEffect, ...]], trials: Index, overdue: Callable[[], bool]
+) -> list[Array]:
+    """The residual of each of several sets of effects, of the first ones only once it is ``overdue``."""
+    return in_parts(lambda some: problem.residuals(some, [trials] * len(some)), points, overdue)
 
 
 def standpoints(candidate: Candidate) -> list[Array]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.fit import Fit, Residuals, fit
+from slipmargin.diagnosis.near import Way
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.effects import AnyEffect
 
@@ -30,6 +31,12 @@ class Joint:
         """As :meth:`slipmargin.diagnosis.problem.Problem.residuals`; the shorter rows end in zeros."""
         first = self.old.residuals(effects, [t[t < self.count] for t in trials])
         second = self.new.residuals(effects, [t[t >= self.count] - self.count for t in trials])
+        return [_stacked(a, b) for a, b in zip(first, second, strict=True)]
+
+    def near(self, effects: tuple[AnyEffect, ...], ways: Sequence[Way], trials: Index) -> list[Array]:
+        """As :meth:`slipmargin.diagnosis.problem.Problem.near`; the shorter rows end in zeros."""
+        first = self.old.near(effects, ways, trials[trials < self.count])
+        second = self.new.near(effects, ways, trials[trials >= self.count] - self.count)
         return [_stacked(a, b) for a, b in zip(first, second, strict=True)]
 
     def rough(self) -> Joint:

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import copy
-import itertools
-import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from functools import cache
 from typing import Any, final
 
 import numpy as np
@@ -21,16 +18,15 @@ from slipmargin.physics.grips import GripShape, drive_left
 from slipmargin.sim import layout as at
 from slipmargin.sim.cold import warm_up
 from slipmargin.sim.lifting import LIFTED
-from slipmargin.sim.motion import TASK, TOLD, probed, run, workspace
+from slipmargin.sim.motion import TASK, TOLD, TRACE, probed, run, workspace
 from slipmargin.sim.play import taken_up
+from slipmargin.sim.sensitivity import beside, grow, growing
 from slipmargin.sim.signal import WheelSignal
+from slipmargin.sim.threads import spread
 from slipmargin.sim.wheels import follow
 from slipmargin.work import WHEEL_STEPS, raised
 
 RTOL = 1e-6
-_THREADS = os.cpu_count() or 1
-#: Fewer runs than this are over sooner than threads are handed their work.
-_FEW = 4
 #: A transverse force that leaves less of the drive grip than this share counts as leaving it.
 _LEAST_LEFT = 1e-9
 
@@ -82,6 +78,7 @@ class Outcome:
     Where asked for: ``theta``, ``load`` (R, T, N), ``slip``, ``force`` (R, T, N, 2) [drive, transverse],
     ``coefficient`` and ``steepness`` (R, T, N, 2) μ [1] and k [s/m] that were in force at that instant,
     ``utilisation`` (R, T, N) |f_W| over what the coefficient and the transverse force left of it.
+    Where other models were given: ``change`` (R, M, T, 3), what each adds to the pose, to first order.
     """
 
     pose: Array
@@ -98,6 +95,7 @@ class Outcome:
     coefficient: Array | None = None
     steepness: Array | None = None
     utilisation: Array | None = None
+    change: Array | None = None
 
     def lifted_s(self, r: int, first_s: float) -> float | None:
         """When a wheel of run ``r``, which began at ``first_s``, first hung in the air; None: none did."""
@@ -198,6 +196,7 @@ class Batch:
         atol: float | None = None,
         max_steps: float | None = None,
         held_down: float = LIFTED,
+        others: Array | None = None,
     ) -> Outcome:
         """Simulate.
 
@@ -221,6 +220,9 @@ class Batch:
             A run ends where the floor would have to pull a wheel down by more than this [m g/N]; infinite:
             it goes on where the robot tips, and where it jams, there with the loads at rest until the
             signal's next knot.
+        others : array (M, L), optional
+            Packed models beside all of these (:meth:`beside`): what each changes is told to first order,
+            in less time than a run of each takes.  A run that did not end as it should says zero.
 
         Returns
         -------
@@ -246,9 +248,11 @@ class Batch:
         tasks[:, 6:TASK] = rtol, 0.01 * rtol if atol is None else atol, steps, held_down
         _to_centre(tasks, com)
         out = np.empty((runs, longest, 6 + TOLD * n if tell else 6))
-        rows = models.copy()  # writable like all other arrays: one compilation serves them
-        if not self.commanded:
-            rows[:, [at.DRIVEN, at.LAGGED]] = 0.0
+        rows, most = self._acting(models), 0
+        if others is not None:
+            others, most = self._acting(others), int(steps) + 1
+            theirs = others[:, at.HEAD : at.HEAD + n * at.WHEEL].reshape(len(others), n, at.WHEEL).copy()
+            change = np.zeros((runs, len(others), longest, 3))
 
         def work(r: int) -> None:
             row, (knots, coef, spin, push, times) = rows[which[r]], self._given[signal[r]]
@@ -263,17 +267,26 @@ class Batch:
             edges = np.sort(np.concatenate([push[:, 0], row[first : first + int(row[at.EDGES])]]))
             tables = workspace(n, row[at.DRIVEN] > 0.0)
             place = np.array([-1, 0, 0])
-            given = row, wheels.reshape(n, at.WHEEL), knots, coef, push, edges, columns, place, times
-            run(*given, tasks[r], tables, out[r, :count])
+            own = row, wheels.reshape(n, at.WHEEL), knots, coef, push
+            trace = np.empty((most, TRACE + n))
+            run(*own, edges, columns, place, times, tasks[r], tables, trace, out[r, :count])
             out[r, count:] = out[r, count - 1]
+            if others is not None and tasks[r, 0] == Ending.DONE:
+                taken = trace[: int(tasks[r, 2])]
+                more = growing(len(others))
+                grow(*own, columns, others, theirs, taken, times, tables, more, change[r, :, :count])
+                change[r, :, count:] = change[r, :, count - 1 : count]
 
-        _spread(work, runs)
+        spread(work, runs)
         state = out[..., :6]
         pose = state[..., :3].copy()
         if com.any():
             cx, cy = to_floor(state[..., 2], com[:, None, 0], com[:, None, 1])
             pose[..., 0] -= cx
             pose[..., 1] -= cy
+            if others is not None:
+                change[..., 0] += cy[:, None] * change[..., 2]
+                change[..., 1] -= cx[:, None] * change[..., 2]
         return Outcome(
             pose=pose,
             state=state,
@@ -282,8 +295,21 @@ class Batch:
             steps=tasks[:, 2:4].astype(np.int64),
             lifts_s=np.where(tasks[:, 4] < 0.0, np.nan, tasks[:, 4]),
             in_air_s=tasks[:, TASK:],
+            change=None if others is None else change,
             **(_told(out[..., 6:].reshape(runs, longest, n, TOLD), models[which]) if tell else {}),
         )
+
+    def beside(self, model: Array, other: Array) -> bool:
+        """Whether two packed models differ only in the forces at an instant, as these signals act."""
+        one, two = self._acting(np.stack([model])), self._acting(np.stack([other]))
+        return beside(one[0], two[0])
+
+    def _acting(self, models: Array) -> Array:
+        """Packed models (M, L) as these signals act on them, writable: one compilation serves all arrays."""
+        rows = models.copy()
+        if not self.commanded:
+            rows[:, [at.DRIVEN, at.LAGGED]] = 0.0
+        return rows
 
 
 def _told(seen: Array, models: Array) -> dict[str, Array]:
@@ -321,31 +347,6 @@ def _given(signal: WheelSignal, times: Array, push: Push | None, first: float) -
     if push is not None:
         pushed = np.column_stack([push.t_s - first, push.wrench, np.full(len(push.t_s), push.height_m)])
     return (signal.knots_s - first, coef, np.array(signal.spin_rad_s), pushed, times)
-
-
-def _spread(work: Callable[[int], None], runs: int) -> None:
-    """All runs: over the threads, for compiled code holds no lock, or in turn where they are few."""
-    if runs < _FEW or _THREADS == 1:
-        _several(work, 0, runs)
-        return
-    parts = min(runs, 4 * _THREADS)
-    cuts = [runs * k // parts for k in range(parts + 1)]
-    jobs = [_pool(os.getpid()).submit(_several, work, low, high) for low, high in itertools.pairwise(cuts)]
-    for job in jobs:
-        job.result()
-
-
-@cache
-def _pool(process: int) -> Any:
-    """The threads of a process: opened when first needed, anew in a process that was forked off."""
-    from concurrent.futures import ThreadPoolExecutor
-
-    return ThreadPoolExecutor(max_workers=_THREADS, thread_name_prefix="runs")
-
-
-def _several(work: Callable[[int], None], low: int, high: int) -> None:
-    for r in range(low, high):
-        work(r)
 
 
 def _to_centre(start: Array, com: Array) -> None:

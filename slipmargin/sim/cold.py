@@ -39,7 +39,7 @@ _APART: tuple[tuple[Any, tuple[Any, ...]], ...] = (
     (stops.next_stop, (_TABLE, _ROW, _CUBE, _TABLE, _ROW, _N, _COUNTS)),
     (motion.tell, (_ROW, _ROW, _TABLE, _ROW)),
 )
-_KERNEL = (_ROW, _TABLE, _ROW, _CUBE, _TABLE, _ROW, _COUNTS, _COUNTS, _ROW, _ROW, _FIVE, _TABLE)
+_KERNEL = (_ROW, _TABLE, _ROW, _CUBE, _TABLE, _ROW, _COUNTS, _COUNTS, _ROW, _ROW, _FIVE, _TABLE, _TABLE)
 #: Longest wait for the other process [s]: it takes some seconds.
 _PATIENCE_S = 60.0
 

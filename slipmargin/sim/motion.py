@@ -41,7 +41,7 @@ from slipmargin.sim.columns import (
     THETA,
     UP,
 )
-from slipmargin.sim.rodas import GAMMA, TIME, WHEN, begin, dense, end, factor, solve
+from slipmargin.sim.rodas import GAMMA, TIME, WHEN, begin, bends, dense, end, factor, solve
 from slipmargin.sim.stops import AHEAD, SAME_S, first_switch, next_stop, sector
 from slipmargin.sim.wheels import turn
 
@@ -58,6 +58,10 @@ TOLD = 10
 #: place: status, time reached, steps taken and rejected, when a wheel first hung in the air (−1: never);
 #: and for how long each did (N) [s].
 START, RTOL, ATOL, MOST, PULL, TASK = 0, 6, 7, 8, 9, 10
+#: Entries of a step that was taken: when it began and how long it is [s], the wheels' piece and the push's;
+#: the six states at its start and its end, what its dense output needs beside them (6, 6); 1 for each wheel
+#: that stood on rigid material (N).
+WHEN_S, LONG_S, PIECE, PUSHED, FROM, TO, BEND, TWIST, TRACE = 0, 1, 2, 3, 4, 10, 16, 22, 28
 
 
 @spliced
@@ -94,6 +98,43 @@ def rates(
     if driven:
         for i in range(n):
             out[6 + i] = wheel_rate(P, W[i], C[i], out[6 + i], C[i, ALPHA])
+
+
+@spliced
+def jacobian(
+    P: Any,
+    W: Any,
+    t: float,
+    y: Any,
+    coef: Any,
+    knot: float,
+    push: Any,
+    pk: int,
+    C: Any,
+    B: Any,
+    columns: Any,
+    f: Any,
+    z: Any,
+    rate: Any,
+    acc: Any,
+    J: Any,
+) -> None:
+    """Derivatives of the accelerations into J, after :func:`rates` left f; overwrites z, rate, acc."""
+    speeds, m = len(J) - 3, J.shape[1] - 1
+    slopes(P, W, y, C, B, J, speeds)
+    for k in columns:
+        for r in range(m):
+            z[r] = y[r]
+        d = 1e-9 if k >= 3 and k < 6 + speeds else 1e-7
+        at_time = t
+        if k < m:
+            z[k] = y[k] + d
+            d = z[k] - y[k]
+        else:
+            at_time = t + d
+        rates(P, W, at_time, z, coef, knot, push, pk, C, B, acc, rate)
+        for r in range(3 + speeds):
+            J[r, k] = (rate[3 + r] - f[3 + r]) / d
 
 
 @spliced
@@ -158,6 +199,7 @@ def run(
     times: Any,
     task: Any,
     tables: Any,
+    trace: Any,
     out: Any,
 ) -> None:
     """Integrate one run and write a row at each of ``times``.
@@ -166,7 +208,7 @@ def run(
     where they are driven, are asked for; push (Q, 5) time, force on the centre of mass in the floor frame and
     its height (Q = 0: none); edges (E) instants at which a force or friction jumps or kinks; columns
     (:func:`probed`); place (:func:`next_stop`); task (:data:`TASK`); tables that it works on
-    (:func:`workspace`); out (T, 6) receives
+    (:func:`workspace`); trace (0 or most steps, TRACE + N) receives the steps taken; out (T, 6) receives
     states, out (T, 6 + 10 N) also the wheels.
     """
     n, driven = len(W), P[_DRIVEN] > 0.0
@@ -238,20 +280,7 @@ def run(
                 row += 1
             if row >= total or t >= until:
                 break
-            slopes(P, W, y, C, B, J, speeds)
-            for k in columns:
-                for r in range(m):
-                    z[r] = y[r]
-                d = 1e-9 if k >= 3 and k < moving else 1e-7
-                at_time = t
-                if k < m:
-                    z[k] = y[k] + d
-                    d = z[k] - y[k]
-                else:
-                    at_time = t + d
-                rates(P, W, at_time, z, c, k0, push, pk, C, B, away, rate)
-                for r in range(3 + speeds):
-                    J[r, k] = (rate[3 + r] - f[3 + r]) / d
+            jacobian(P, W, t, y, c, k0, push, pk, C, B, columns, f, z, rate, away, J)
             fresh = False
         step = stop - t if stop - t < 1.01 * h else h
         if steps + rejected >= most or t + step <= t:
@@ -283,6 +312,14 @@ def run(
                 status = STUCK if error < 1e30 else NOT_FINITE
                 break
             continue
+        if len(trace) > 0:
+            told = trace[steps]
+            told[WHEN_S], told[LONG_S], told[PIECE], told[PUSHED] = t, step, place[0], pk
+            for r in range(6):
+                told[FROM + r], told[TO + r] = y[r], z[r]
+                told[BEND + r], told[TWIST + r] = bends(K, r)
+            for i in range(n):
+                told[TRACE + i] = C[i, RIGID]
         steps += 1
         grow = min(5.0, 0.9 * error**-0.25) if error > 1e-4 else 5.0
         while row < total and times[row] < t + step:

@@ -133,10 +133,23 @@ def end(y: Any, K: Any, rtol: float, atol: float, radius: float, z: Any) -> floa
 
 
 @inner
-def dense(y: Any, z: Any, K: Any, r: int, x: float) -> float:
-    """State r at the share x of a step from y to z with stages K."""
+def bends(K: Any, r: int) -> tuple[float, float]:
+    """What the dense output of state r needs of a step's stages K."""
     c, d = 0.0, 0.0
     for j in range(5):
         c += DENSE[0, j] * K[j, r]
         d += DENSE[1, j] * K[j, r]
-    return float(y[r] * (1.0 - x) + x * (z[r] + (1.0 - x) * (c + x * d)))
+    return c, d
+
+
+@inner
+def between(start: float, end: float, c: float, d: float, x: float) -> float:
+    """A state at the share x of a step that led it from start to end and :func:`bends` so."""
+    return start * (1.0 - x) + x * (end + (1.0 - x) * (c + x * d))
+
+
+@inner
+def dense(y: Any, z: Any, K: Any, r: int, x: float) -> float:
+    """State r at the share x of a step from y to z with stages K."""
+    c, d = bends(K, r)
+    return float(between(y[r], z[r], c, d, x))

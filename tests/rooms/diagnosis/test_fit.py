@@ -17,6 +17,7 @@ from slipmargin.diagnosis.evidence import Intervals, intervals
 from slipmargin.diagnosis.findings import _origin, _quantities, _rivals
 from slipmargin.diagnosis.fit import Fit, evaluate, fit, free_slopes, score_test_gain, shifted_by
 from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
+from slipmargin.diagnosis.near import Way
 from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
@@ -51,6 +52,9 @@ class Line:
                     model += effect.rotation_rad * np.sin(3.0 * self.u[rows])
             out.append(self.y[rows] - model)
         return out
+
+    def near(self, effects: tuple[AnyEffect, ...], ways: Sequence[Way], trials: Index) -> list[Array]:
+        return self.residuals([way(1.0) for way in ways], [trials] * len(ways))
 
     def rough(self) -> Line:
         return self

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from slipmargin.paper.published import FOUND, command, paper_model
-from slipmargin.sim import batch as room
+from slipmargin.sim import threads as room
 from slipmargin.sim.batch import Batch
 from slipmargin.sim.pack import pack
 
