@@ -27,6 +27,8 @@ from slipmargin.sim.wheels import follow
 from slipmargin.work import WHEEL_STEPS, raised
 
 RTOL = 1e-6
+#: Most steps of a run that others are told beside: they are kept, 30 MB a thread.
+_KEPT = 100_000
 #: A transverse force that leaves less of the drive grip than this share counts as leaving it.
 _LEAST_LEFT = 1e-9
 
@@ -222,7 +224,8 @@ class Batch:
             signal's next knot.
         others : array (M, L), optional
             Packed models beside all of these (:meth:`beside`): what each changes is told to first order,
-            in less time than a run of each takes.  A run that did not end as it should says zero.
+            in less time than a run of each takes.  A run that did not end as it should, or takes more than
+            100 000 steps, says zero.
 
         Returns
         -------
@@ -241,6 +244,7 @@ class Batch:
         runs = len(signal)
         which = np.zeros(runs, dtype=np.int64) if which is None else which
         steps = raised(WHEEL_STEPS) / n if max_steps is None else max_steps
+        steps = steps if others is None else min(steps, _KEPT)
         com = models[which, at.COM_X : at.COM_Y + 1]
         tasks = np.zeros((runs, TASK + n))
         tasks[:, :3] = start_pose
@@ -250,7 +254,7 @@ class Batch:
         out = np.empty((runs, longest, 6 + TOLD * n if tell else 6))
         rows, most = self._acting(models), 0
         if others is not None:
-            others, most = self._acting(others), int(steps) + 1
+            others, most = self._acting(others), int(steps)
             theirs = others[:, at.HEAD : at.HEAD + n * at.WHEEL].reshape(len(others), n, at.WHEEL).copy()
             change = np.zeros((runs, len(others), longest, 3))
 

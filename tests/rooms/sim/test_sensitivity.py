@@ -15,7 +15,7 @@ from slipmargin.physics.relief import Profile, Relief
 from slipmargin.physics.terms import Multiplier
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.robot import GripShape
-from slipmargin.sim.batch import Batch, Outcome
+from slipmargin.sim.batch import Batch, Ending, Outcome
 from slipmargin.sim.pack import pack, stack
 from slipmargin.sim.signal import linear
 
@@ -91,6 +91,13 @@ def test_other_models_beside_a_run_leave_it_as_it_is() -> None:
     assert np.array_equal(ran().pose, ran(others=others).pose)
     told = ran(others=others).change
     assert told is not None and not told[0, 0].any() and np.abs(told[0, 1:]).max() > 1e-5
+
+
+def test_a_run_that_does_not_end_tells_nothing_of_others() -> None:
+    model = nominal_model(kiwi(), "paper")
+    rows = stack([pack(model), *(pack(m) for m in moved(model, 0.1, 3))])
+    told = drive(model, 3).run(rows[:1], np.zeros(3), others=rows[1:], max_steps=5)
+    assert told.ending[0] == Ending.TOO_LONG and told.change is not None and not told.change.any()
 
 
 @pytest.mark.parametrize("what", ["centre of mass", "sectors", "relief", "edge in time", "lag"])
