@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import assume, given, settings, strategies as st
 from manoeuvres import force, modulation, with_terms
 from strategies import kiwi, models
 
@@ -63,14 +63,16 @@ def moved(model: Model, share: float, seed: int) -> list[Model]:
 @given(models(shapes=tuple(GripShape)), st.integers(0, 2**31))
 @settings(max_examples=15, deadline=None)
 def test_the_first_order_is_the_difference_of_two_runs(model: Model, seed: int) -> None:
+    share = np.round(model.grip.rigid_fraction, 2)  # slivers of material take minutes to look for
+    model = replace(model, grip=replace(model.grip, rigid_fraction=share))
     batch, base = drive(model, seed), pack(model)
     others = [pack(m) for m in moved(model, PART, seed)]
     assert all(batch.beside(base, other) for other in others)
     rows = stack([base, *others])
-    told = batch.run(rows[:1], np.zeros(3), rtol=1e-6, others=rows[1:])
-    fine = [batch.run(row, np.zeros(3), rtol=1e-11) for row in rows]
-    if told.ending[0] or any(f.ending[0] for f in fine) or not np.isnan(told.lifts_s[0]):
-        return  # what lifts is simulated
+    told = batch.run(rows[:1], np.zeros(3), rtol=1e-6, others=rows[1:], max_steps=20_000)
+    assume(not told.ending[0] and np.isnan(told.lifts_s[0]))  # what lifts is simulated
+    fine = [batch.run(row, np.zeros(3), rtol=1e-11, max_steps=50_000) for row in rows]
+    assume(not any(f.ending[0] for f in fine))
     assert told.change is not None
     misses = []
     for change, other in zip(told.change[0], fine[1:], strict=True):
