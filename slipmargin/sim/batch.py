@@ -19,6 +19,7 @@ from slipmargin.sim import layout as at
 from slipmargin.sim.cold import warm_up
 from slipmargin.sim.lifting import LIFTED
 from slipmargin.sim.motion import TASK, TOLD, TRACE, probed, run, workspace
+from slipmargin.sim.pack import edges_of, wheels_of
 from slipmargin.sim.play import taken_up
 from slipmargin.sim.sensitivity import beside, grow, growing
 from slipmargin.sim.signal import WheelSignal
@@ -255,7 +256,7 @@ class Batch:
         rows, most = self._acting(models), 0
         if others is not None:
             others, most = self._acting(others), int(steps)
-            theirs = others[:, at.HEAD : at.HEAD + n * at.WHEEL].reshape(len(others), n, at.WHEEL).copy()
+            theirs = wheels_of(others).copy()
             change = np.zeros((runs, len(others), longest, 3))
 
         def work(r: int) -> None:
@@ -266,12 +267,11 @@ class Batch:
                 knots, coef = follow(row, knots, coef, spin)
             if row[at.PLAYS] > 0.0:
                 knots, coef = taken_up(row, knots, coef)
-            columns, wheels = probed(row, len(push) > 0), row[at.HEAD : at.HEAD + n * at.WHEEL]
-            first = int(row[at.EDGES_AT])
-            edges = np.sort(np.concatenate([push[:, 0], row[first : first + int(row[at.EDGES])]]))
+            columns = probed(row, len(push) > 0)
+            edges = np.sort(np.concatenate([push[:, 0], edges_of(row)]))
             tables = workspace(n, row[at.DRIVEN] > 0.0)
             place = np.array([-1, 0, 0])
-            own = row, wheels.reshape(n, at.WHEEL), knots, coef, push
+            own = row, wheels_of(row), knots, coef, push
             trace = np.empty((most, TRACE + n))
             run(*own, edges, columns, place, times, tasks[r], tables, trace, out[r, :count])
             out[r, count:] = out[r, count - 1]

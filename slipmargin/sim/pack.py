@@ -83,6 +83,18 @@ def stack(packed: list[Array]) -> Array:
     return rows
 
 
+def wheels_of(rows: Array) -> Array:
+    """The blocks (..., N, WHEEL) of the wheels in packed models (..., L)."""
+    count = int(rows.flat[at.COUNT])
+    return rows[..., at.HEAD : at.HEAD + count * at.WHEEL].reshape(*rows.shape[:-1], count, at.WHEEL)
+
+
+def edges_of(row: Array) -> Array:
+    """The instants at which a term of a packed model (L,) jumps or kinks [s]."""
+    first = int(row[at.EDGES_AT])
+    return row[first : first + int(row[at.EDGES])]
+
+
 def _fill(head: Array, model: Model) -> None:
     grip, loads, drives, transients = model.grip, model.loads, model.drives, model.actuators
     variables = {m.variable for m in grip.multipliers}

@@ -19,6 +19,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.physics.compiled import inner, kernel
+from slipmargin.physics.sectors import switching
 from slipmargin.sim import layout as at
 from slipmargin.sim.columns import RIGID
 from slipmargin.sim.motion import (
@@ -34,9 +35,10 @@ from slipmargin.sim.motion import (
     jacobian,
     rates,
 )
+from slipmargin.sim.pack import edges_of, wheels_of
 from slipmargin.sim.rodas import between
 
-#: Longest step [s]: between two looks a robot at 1 m/s passes half the blurred edge of a patch of floor.
+#: Longest step [s]: a robot at 1 m/s feels the sharp edge of a patch of floor within 1 cm of where it is.
 LONGEST_S = 0.01
 #: A step is looked at up to this share: at its end something may jump.
 _INSIDE = 1.0 - 1e-9
@@ -57,31 +59,19 @@ _HEAD = [
     at.RELIEFS,
 ]
 _WHEEL = [at.LAG, at.GAIN, at.PLAY, at.PITCH, at.RIGID_SHARE]
+_SECTOR = [at.RIGID_SHARE, at.ROLLER_W, at.ROLLER_T, at.RIGID_W, at.RIGID_T]
 
 
 def beside(row: Array, other: Array) -> bool:
     """Whether two packed models differ only in forces: wheels move alike and everything jumps when it did."""
     if row[at.DRIVEN] > 0.0 or row[at.RELIEFS] > 0.0 or not np.array_equal(row[_HEAD], other[_HEAD]):
         return False  # a ridge may be narrower than the steps of a run that does not feel it
-    count = int(row[at.COUNT])
-    one, two = (r[at.HEAD : at.HEAD + count * at.WHEEL].reshape(count, at.WHEEL) for r in (row, other))
-    if not np.array_equal(one[:, _WHEEL], two[:, _WHEEL]) or not np.array_equal(
-        _switching(one), _switching(two)
-    ):
+    one, two = wheels_of(row), wheels_of(other)
+    if not np.array_equal(one[:, _WHEEL], two[:, _WHEEL]):
         return False
-    return np.array_equal(_edges(row), _edges(other)) and np.array_equal(_commands(row), _commands(other))
-
-
-def _switching(wheels: Array) -> Array:
-    """Whether each wheel's sectors differ, (N,)."""
-    return np.asarray(
-        np.any(wheels[:, [at.ROLLER_W, at.ROLLER_T]] != wheels[:, [at.RIGID_W, at.RIGID_T]], axis=1)
-    )
-
-
-def _edges(row: Array) -> Array:
-    first = int(row[at.EDGES_AT])
-    return row[first : first + int(row[at.EDGES])]
+    if not np.array_equal(switching(*one[:, _SECTOR].T), switching(*two[:, _SECTOR].T)):
+        return False
+    return np.array_equal(edges_of(row), edges_of(other)) and np.array_equal(_commands(row), _commands(other))
 
 
 def _commands(row: Array) -> Array:

@@ -12,7 +12,7 @@ from slipmargin.sim.rodas import dense
 from slipmargin.sim.wheels import turn
 
 _LAG, _PITCH, _SHARE, _ROLLER, _RIGID = at.LAG, at.PITCH, at.RIGID_SHARE, at.ROLLER_W, at.RIGID_W
-_on_rigid = twin(sectors.on_rigid)
+_on_rigid, _matters = twin(sectors.on_rigid), twin(sectors.switching)
 
 #: Instants nearer than this are one [s].
 SAME_S = 1e-12
@@ -38,9 +38,7 @@ def sector(w: Any, theta: float, omega: float, nudge: float) -> float:
 @inner
 def _switching(w: Any) -> bool:
     """Whether it matters which sector a wheel stands in."""
-    share = w[_SHARE]
-    same = w[_ROLLER] == w[_RIGID] and w[_ROLLER + 1] == w[_RIGID + 1]
-    return bool(share > 0.0 and share < 1.0 and not same)
+    return bool(_matters(w[_SHARE], w[_ROLLER], w[_ROLLER + 1], w[_RIGID], w[_RIGID + 1]))
 
 
 @spliced

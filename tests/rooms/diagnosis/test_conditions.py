@@ -78,6 +78,17 @@ def test_heavy_tails_make_the_noise_larger_and_nothing_else() -> None:
     assert chi(found.data_set) < 1.12
 
 
+def test_a_pose_with_one_number_far_off_is_missing_altogether() -> None:
+    data = good()
+    assert data.sigma is not None
+    pose = np.array(data.trials[2].pose)
+    pose[60, 0] += 7.5 * data.sigma[0]  # less than what is seen without a model
+    wrong = replace(data.trials[2], pose=pose)
+    found = ready(replace(data, trials=(*data.trials[:2], wrong, *data.trials[3:])))
+    assert kinds(found) == ["lone_outliers"] and found.repairs[0].size == 1.0
+    assert np.isnan(found.data_set.trials[2].pose[60]).all()
+
+
 @pytest.mark.parametrize("factor", [0.985, 1.02])
 def test_a_camera_with_a_clock_of_its_own(factor: float) -> None:
     found = ready(camera_clock(good(), RANDOM(0), factor))
