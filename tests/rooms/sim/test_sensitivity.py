@@ -34,7 +34,7 @@ def drive(model: Model, seed: int, *, commanded: bool = False) -> Batch:
 
 
 def moved(model: Model, share: float, seed: int) -> list[Model]:
-    """A share of the way to other friction, another mass, other loads, a radius, and terms of each kind."""
+    """A share of the way to other friction, steepness, inertia and radii, and to terms of each kind."""
     grip, inertia = model.grip, model.inertia
     many = [
         replace(model, grip=replace(grip, roller=grip.roller * (1.0 + 0.2 * share))),
@@ -69,7 +69,7 @@ def test_the_first_order_is_the_difference_of_two_runs(model: Model, seed: int) 
     others = [pack(m) for m in moved(model, PART, seed)]
     assert all(batch.beside(base, other) for other in others)
     rows = stack([base, *others])
-    told = batch.run(rows[:1], np.zeros(3), rtol=1e-6, others=rows[1:], max_steps=20_000)
+    told = batch.run(rows[:1], np.zeros(3), rtol=1e-8, others=rows[1:], max_steps=20_000)
     assume(not told.ending[0] and np.isnan(told.lifts_s[0]))  # what lifts is simulated
     fine = [batch.run(row, np.zeros(3), rtol=1e-11, max_steps=50_000) for row in rows]
     assume(not any(f.ending[0] for f in fine))
@@ -78,8 +78,9 @@ def test_the_first_order_is_the_difference_of_two_runs(model: Model, seed: int) 
     for change, other in zip(told.change[0], fine[1:], strict=True):
         want = other.pose[0] - fine[0].pose[0]
         misses.append(np.abs(change - want).max() / (np.abs(want).max() + 1e-9))
-    # Of 1350 drawn, half missed less than 0.05 %, one in fifty more than 2 %, none 5 %.
-    assert max(misses) < 0.1 and np.median(misses) < 0.03
+    # In steps of a relative error of 1e-6 half of 1350 drawn missed less than 0.05 %, one in fifty more
+    # than 2 %, and one of another draw 12 %; in these, of 3573, none missed more than 1.4 %.
+    assert max(misses) < 0.05 and np.median(misses) < 0.01
 
 
 def test_other_models_beside_a_run_leave_it_as_it_is() -> None:
