@@ -20,8 +20,9 @@ SAME_S = 1e-12
 #: starts with more of it than the search for the next edge uses, so that an edge is not found twice.
 _NUDGE = 1e-9
 AHEAD = 4.0 * _NUDGE
-#: Between two looks for an edge a wheel turns by no more than this share of its shortest sector, and a
-#: stretch is looked at so many times at least; where the wheel reverses in between, there as well.
+#: Between two looks for an edge a wheel turns by no more than this share of the sector it stands in, and a
+#: stretch is looked at so many times at least; where the wheel reverses in between, there as well.  Sectors
+#: beyond the next edge may be as short as they like: that edge comes first.
 _LOOK, _LOOKS = 0.5, 8
 #: Halvings after which an instant is known to the last digit.
 _HALVINGS = 52
@@ -69,7 +70,8 @@ def first_switch(W: Any, coef: Any, since: float, y: Any, z: Any, K: Any, span: 
         for k in range(1, 5):
             fastest = max(fastest, abs(_wheel(i, coef, lag, since, y, z, K, 0.25 * k, span)[1]))
         pitch, switch = w[_PITCH], (1.0 - w[_SHARE]) * w[_PITCH]
-        ahead = min(_LOOK * min(switch, pitch - switch) / max(fastest * span, 1e-300), 1.0 / _LOOKS)
+        own = pitch - switch if here > 2.0 * math.floor(0.5 * here) else switch
+        ahead = min(_LOOK * own / max(fastest * span, 1e-300), 1.0 / _LOOKS)
         x, before = 0.0, omega
         while x < min(found, 1.0):
             within = theta - pitch * math.floor(theta / pitch)  # no edge is nearer than this:

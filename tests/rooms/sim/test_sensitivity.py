@@ -63,8 +63,6 @@ def moved(model: Model, share: float, seed: int) -> list[Model]:
 @given(models(shapes=tuple(GripShape)), st.integers(0, 2**31))
 @settings(max_examples=15, deadline=None)
 def test_the_first_order_is_the_difference_of_two_runs(model: Model, seed: int) -> None:
-    share = np.round(model.grip.rigid_fraction, 2)  # slivers of material take minutes to look for
-    model = replace(model, grip=replace(model.grip, rigid_fraction=share))
     batch, base = drive(model, seed), pack(model)
     others = [pack(m) for m in moved(model, PART, seed)]
     assert all(batch.beside(base, other) for other in others)
