@@ -133,9 +133,14 @@ class Candidate:
         offset_m, direction_rad = (float(x[self.keys.index(key)]) for key in LINE)
         return offset_m, direction_rad
 
+    @property
+    def thing(self) -> str:
+        """What it is, in whichever form or by whichever definition."""
+        return self.subject or self.label
+
     def is_same_as(self, other: Candidate) -> bool:
-        """Whether both are one thing, in whichever form or by whichever definition."""
-        return (self.subject or self.label) == (other.subject or other.label)
+        """Whether both are one thing."""
+        return self.thing == other.thing
 
     def is_other_form_of(self, other: Candidate) -> bool:
         """Whether both are forms of one thing, and not the same."""

@@ -1,10 +1,10 @@
 """From what the search proposes to what may be claimed: the largest structure that unseen runs bear out.
 
 Every proposal is first judged on the searched runs, each predicted without its own fold; only what holds
-there is put to the runs that nothing has seen.  Where a proposal fails, the other forms of its last effect
-are asked before it is dropped.  If nothing is left, the best single candidates of other kinds are asked, and
-if these fail too, nothing is found.  From a structure that holds and that the search has not stood at, the
-search goes on.
+there is put to the runs that nothing has seen.  Where a proposal fails, the other forms of its last effect,
+and the names that its round cannot tell from it, are asked before it is dropped.  If nothing is left, the
+best single candidates of other kinds are asked, and if these fail too, nothing is found.  From a structure
+that holds and that the search has not stood at, the search goes on.
 
 Far above the noise runs are judged in pieces, as the search compares them; what is reported are the errors of
 whole runs.
@@ -25,7 +25,7 @@ from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.finalists import other_names
 from slipmargin.diagnosis.findings import doubted
-from slipmargin.diagnosis.fit import evaluate
+from slipmargin.diagnosis.fit import evaluate, spans
 from slipmargin.diagnosis.held_out import (
     Prediction,
     by_run,
@@ -35,7 +35,7 @@ from slipmargin.diagnosis.held_out import (
     sets_of_effects,
 )
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.refits import fitted, longer, needed, nothing_sure, without
+from slipmargin.diagnosis.refits import fitted, longer, needed, nothing_sure, refitted, without
 from slipmargin.diagnosis.restated import reformed, restated, unstuck
 from slipmargin.diagnosis.result import Rejected, Score, Verdict
 from slipmargin.diagnosis.rounds import Round
@@ -242,6 +242,8 @@ def _in_turn(court: Court, proposed: State, rounds: list[Round], progress: Watch
         fewer = without(state, len(state.structure) - 1, court.seen_runs)
         if not progress.expired:
             yield from _other_forms(court, state, fewer, rounds)
+        if not progress.expired:
+            yield from _other_names(court, state, fewer, rounds)
         state = fewer
     if not rounds or (not proposed.structure and rounds[0].before.chi <= SETTINGS.noise_chi):
         return
@@ -281,6 +283,30 @@ def _other_forms(court: Court, state: State, fewer: State, rounds: list[Round]) 
     found = [restated(state, len(state.structure) - 1, other, court.seen_runs) for other in forms]
     worth = [s for s in found if worthwhile(fewer, s.chi, s.last.named)]
     yield from sorted(worth, key=lambda s: s.chi)
+
+
+def _other_names(court: Court, state: State, fewer: State, rounds: list[Round]) -> Iterator[State]:
+    """The state with another name in the place of its last effect, best first.
+
+    They are the names that the round in which it was found beside those of ``fewer`` cannot tell from it.
+    """
+    asked = {state.last.thing}
+    for step in rounds if fewer.structure else ():
+        own = next((s for s in step.tried if step.single(s) and s.last.is_same_as(state.last)), None)
+        if own is None or _things(step.before) != _things(fewer):
+            continue
+        for rival in step.rivals(own):
+            if not rival.named or not step.single(rival) or rival.last.thing in asked:
+                continue
+            if len(asked) > SETTINGS.others:
+                return
+            asked.add(rival.last.thing)
+            x = np.concatenate([fewer.fit.x, rival.fit.x[spans(rival.structure)[-1]]])
+            yield refitted(fewer, (*fewer.structure, rival.last), x, court.seen_runs)
+
+
+def _things(state: State) -> set[str]:
+    return {c.thing for c in state.structure}
 
 
 def _place(state: State) -> tuple[frozenset[str], int | None]:

@@ -109,6 +109,17 @@ def test_another_candidate_is_asked_where_the_proposal_fails(court: Court) -> No
     assert labels_of(found) == ["wheel_loads"] and found.rejected[0].labels == ("camera_scale",)
 
 
+def test_names_that_their_round_cannot_tell_apart_are_asked_before_an_effect_is_dropped() -> None:
+    late = court_of(WheelLoads(shift_x_m=0.012, shift_y_m=-0.008, com_share=1.0), CameraDelay(delay_s=0.02))
+    loads, right = proposed(late, "wheel_loads"), proposed(late, "wheel_loads", "camera_delay")
+    wrong = replace(proposed(late, "wheel_loads", "heading_gain"), scores=right.scores)
+    nothing = Screening(entries=(), total=1.0, chance=np.zeros(0))
+    done = Round(before=loads, screening=nothing, tried=(wrong, right), best=wrong, taken=True)
+    found = check(late, wrong, [done], Watch(report=no_progress))
+    assert labels_of(found) == ["wheel_loads", "camera_delay"] and found.after.chi() < 1.15
+    assert found.rejected[0].labels == ("wheel_loads", "heading_gain")
+
+
 def test_other_forms_are_asked_before_an_effect_is_dropped() -> None:
     rollers = {"steepness": 40.0, "transverse_factor": 2.0, "transverse_coefficient_factor": 8.0}
     creep = court_of(SlipRatioFriction(share=1.0, crawl_m_s=1e-3, **rollers))
