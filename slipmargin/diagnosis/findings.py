@@ -73,7 +73,7 @@ def findings(
     for index, (candidate, effect, span) in enumerate(own):
         kind = bare(effect)
         doubts = _doubts(problem, candidate, final.x, span, spread, stuck)
-        origin, own_state = _origin(candidate, rounds)
+        origin, own_state = _origin(candidate, final.structure, rounds)
         found.append(
             Finding(
                 effect=effect,
@@ -114,8 +114,28 @@ def findings(
     return tuple(found)
 
 
-def _origin(candidate: Candidate, rounds: Sequence[Round]) -> tuple[Round, State | None]:
-    """The round that found a candidate, and its state with it: the one taken, or, if none was, one tried."""
+def _origin(
+    candidate: Candidate, structure: Sequence[Candidate], rounds: Sequence[Round]
+) -> tuple[Round, State | None]:
+    """The round that tried a candidate beside most of what else is found, and its state there.
+
+    If none did, it is the one taken with it in it, or one tried.
+    """
+    others = {c.thing for c in structure} - {candidate.thing}
+    alone = [
+        (step, state)
+        for step in rounds
+        for state in step.tried
+        if step.single(state) and state.last.is_same_as(candidate) and step.before.things <= others
+    ]
+
+    def fits(row: tuple[Round, State]) -> tuple[int, bool, bool]:
+        step, state = row
+        own = state.last.label == candidate.label
+        return len(step.before.structure), step.taken and state is step.best, own
+
+    if alone:
+        return max(alone, key=fits)
     taken = [(r, r.best) for r in rounds if r.taken and r.best is not None]
     for step, state in (*taken, *((r, s) for r in rounds for s in r.tried)):
         if any(c.is_same_as(candidate) for c in state.structure):

@@ -293,7 +293,7 @@ def _other_names(court: Court, state: State, fewer: State, rounds: list[Round]) 
     asked = {state.last.thing}
     for step in rounds if fewer.structure else ():
         own = next((s for s in step.tried if step.single(s) and s.last.is_same_as(state.last)), None)
-        if own is None or _things(step.before) != _things(fewer):
+        if own is None or step.before.things != fewer.things:
             continue
         for rival in step.rivals(own):
             if not rival.named or not step.single(rival) or rival.last.thing in asked:
@@ -303,10 +303,6 @@ def _other_names(court: Court, state: State, fewer: State, rounds: list[Round]) 
             asked.add(rival.last.thing)
             x = np.concatenate([fewer.fit.x, rival.fit.x[spans(rival.structure)[-1]]])
             yield refitted(fewer, (*fewer.structure, rival.last), x, court.seen_runs)
-
-
-def _things(state: State) -> set[str]:
-    return {c.thing for c in state.structure}
 
 
 def _place(state: State) -> tuple[frozenset[str], int | None]:

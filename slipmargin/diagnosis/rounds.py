@@ -87,6 +87,14 @@ class Round:
             found.pop(best.last.trace, None)
         return list(found.values())[: SETTINGS.followed]
 
+    def part_alone(self) -> list[State]:
+        """Where the best adds two, the one of them that is better alone, if it was tried alone."""
+        best, before = self.best, self.before
+        if best is None or not self.taken or self.single(best):
+            return []
+        parts = (s for s in self.tried if s.named and self.single(s) and s.things < best.things)
+        return [s for s in parts if worthwhile(before, s.chi)][:1]
+
     def instead_of(self, known: Candidate) -> list[State]:
         """Names that stand here in the place of a known one, the best of each other variable: those that take
         off at least a share of what it does.

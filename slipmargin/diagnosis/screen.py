@@ -166,8 +166,8 @@ def screen(
         add(number)
     ordered = _starts_of_each(found)
     singles = [numbers[0] for numbers in ordered]
-    names = [n for n in singles if groups[n].named]
-    for one, two in combinations(names, 2):
+    names = sorted((n for n in singles if groups[n].named), key=lambda n: -float(found[n][1][0]))
+    for one, two in combinations(names, 2):  # first what takes off more alone
         if _can_be_two(groups[one], groups[two]):
             add(one, two)
     kept = [*ordered, *([n] for n in range(len(groups), len(found)))]

@@ -90,30 +90,36 @@ class Sought:
 
     def followed(
         self, step: Round, tried: Sequence[tuple[State, Problem, State]]
-    ) -> tuple[State, Problem, State, Round | None]:
+    ) -> tuple[State, Problem, State, Round | None, list[Round]]:
         """Of additions that a round can hardly tell apart, the one beside which the next round finds most.
 
         Far above the noise an effect shows only beside another one, as load that shifts with the acceleration
         does beside the loads at rest.  Each is followed by a round of its own over the names, which is
         returned if it took one; the first is kept unless another, which that does not make superfluous,
-        leaves less.
+        leaves less.  Where two were added at once, what was found beside the one of them that is tried alone
+        compares the other with every name: such rounds come last.
         """
         names = [c for c in self.candidates if c.named]
         found: list[tuple[State, tuple[State, Problem, State, Round | None]]] = []
+        beside: list[Round] = []
         for number, (best, problem, state) in enumerate(tried):
             if number and self.progress.expired:
                 break
             level, ahead = best, None
-            if best.named:  # beside a form names are hardly ever taken
-                ahead = self.step(state, names, f"beside {best.last.label}")
-                ahead = replace(ahead, names_only=True) if ahead.taken else None
+            # Beside a form names are hardly ever taken.
+            if best.named and worthwhile(state, SETTINGS.floor_chi):
+                ahead = replace(self.step(state, names, f"beside {best.last.label}"), names_only=True)
+                beside.append(ahead)
+                ahead = ahead if ahead.taken else None
             if ahead is not None and ahead.best is not None:
                 structure, x = ahead.best.structure, ahead.best.fit.x
                 level = needed(refitted(step.before, structure, x, self.runs), self.runs)
             if not number or best.last in level.structure:
                 found.append((level, (best, problem, state, ahead)))
         least = min(found, key=lambda f: f[0].chi)
-        return (found[0] if as_good(found[0][0], least[0]) else least)[1]
+        kept = (found[0] if as_good(found[0][0], least[0]) else least)[1]
+        parts = [replace(r, taken=False) for r in beside if r.before.things < kept[0].things]
+        return *kept, parts
 
 
 def search(
@@ -157,11 +163,11 @@ def search(
         ahead = None
         if len(state.structure) >= SETTINGS.most_effects:
             break
-        if state.view.piece is not None and (others := step.others()):
+        if others := step.others() if state.view.piece is not None else step.part_alone():
             tried = [(step.best, problem, state)]
             tried += [(s, *sought.entered(problem, s, rounds)) for s in others]
-            best, problem, state, ahead = sought.followed(step, tried)
-            rounds[-1] = replace(step, best=best)
+            best, problem, state, ahead, beside = sought.followed(step, tried)
+            rounds[-1:] = [replace(step, best=best), *beside]
     if state.structure and len(trials) < len(seen):
         progress("fitting all trials that are not held out", 0.0)
         state = _in_all(state, rounds, seen, runs, lambda: progress.expired)

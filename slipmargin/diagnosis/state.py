@@ -53,6 +53,11 @@ class State:
         return self.fit.structure
 
     @property
+    def things(self) -> set[str]:
+        """What they are, in whichever form."""
+        return {c.thing for c in self.structure}
+
+    @property
     def last(self) -> Candidate:
         """The candidate added last."""
         return self.fit.structure[-1]

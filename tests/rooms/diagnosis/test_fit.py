@@ -502,7 +502,8 @@ def test_the_evidence_of_an_effect_is_that_of_its_own_state() -> None:
     taken, other = state((first,), 1.1), state((second,), 3.0)
     screening = Screening(entries=(), total=1.0, chance=np.linspace(0.0, 0.99, 99))
     step = Round(before=state((), 4.0), screening=screening, tried=(taken, other), best=taken, taken=True)
-    assert _origin(first, [step]) == (step, taken) and _origin(second, [step]) == (step, other)
+    assert _origin(first, (first,), [step]) == (step, taken)
+    assert _origin(second, (second,), [step]) == (step, other)
     assert step.p_value_of(other) > 5.0 * step.p_value_of(taken)
     assert _rivals(step, other, second) == ("camera_scale",)
 

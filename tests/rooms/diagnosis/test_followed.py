@@ -11,6 +11,7 @@ from planting import Plant, planted, smooth_kiwi
 
 from slipmargin.diagnosis import search
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
+from slipmargin.diagnosis.findings import _origin
 from slipmargin.diagnosis.general_forms import general_candidates
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
@@ -83,8 +84,8 @@ def followed(bench: Bench, first: State, second: State, after: dict[str, State],
         seed=0,
         progress=WATCH,
     )
-    best, _, state, ahead = sought.followed(step, tried)
-    assert state is best and (ahead is not None) == (best.last.label in after)
+    best, _, state, ahead, beside = sought.followed(step, tried)
+    assert state is best and (ahead is not None) == (best.last.label in after) and not beside
     return best
 
 
@@ -158,6 +159,37 @@ def test_a_name_that_took_off_much_less_or_is_no_better_takes_no_place(bench: Be
     assert reformed(both, list(TRIALS), [], [bench.round(bench.plain, first, tilt)], WATCH) is both
     loads = leaving(bench, "wheel_loads", 0.5)
     assert reformed(both, list(TRIALS), [], [bench.round(bench.plain, first, loads)], WATCH) is both
+
+
+def test_the_second_of_two_is_compared_with_other_names_beside_the_first(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of hundreds of pairs few are fitted: one named a wheel ten degrees askew, and no rival of it."""
+    both, alone = bench.state("slip_ratio_friction", "wheel_loads"), bench.state("slip_ratio_friction")
+    rival = bench.state("slip_ratio_friction", "floor_tilt")
+    beside = bench.round(alone, both, rival)
+    monkeypatch.setattr(search, "take_step", lambda before, *_: replace(beside, before=before))
+    step = bench.round(bench.plain, both, alone)
+    assert step.part_alone() == [alone] and bench.round(bench.plain, alone, both).part_alone() == []
+    sought = search.Sought(
+        seen=TRIALS, trials=TRIALS, runs=list(TRIALS), candidates=[], seed=0, progress=WATCH
+    )
+    best, _, _, _, rounds = sought.followed(step, [(s, bench.problem, s) for s in (both, alone)])
+    assert best is both and [r.before for r in rounds] == [alone]
+    assert rounds[0].names_only and not rounds[0].taken
+    law, loads = both.structure
+    assert _origin(loads, both.structure, [step, *rounds]) == (rounds[0], both)
+    assert _origin(law, both.structure, [step, *rounds]) == (step, alone)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_of_two_the_one_that_takes_off_more_alone_stands_first(bench: Bench, order: int) -> None:
+    names = [e.structure[0] for e in bench.screening.entries if e.stands_alone][::order]
+    listed = screened(bench.plain, list(TRIALS), names, 0, WATCH).entries
+    gains = {e.label: e.gain for e in listed}
+    pairs = [e.structure for e in listed if len(e.structure) == 2]
+    assert len(pairs) > 3
+    assert all(gains[first.label] >= gains[second.label] for first, second in pairs)
 
 
 def leaving(bench: Bench, label: str, share: float) -> State:
