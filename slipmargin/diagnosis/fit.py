@@ -313,26 +313,23 @@ def free_slopes(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) 
 
     The part that ``base``'s own parameters could take up is removed.
     """
-    ways: list[Way] = []
-    steps: list[float] = []
-    for candidate in candidates:
-        for at, unit in enumerate(np.eye(candidate.size)):
-            step = STEP * candidate.scale[at]
-            step = step if candidate.null[at] + step <= candidate.high[at] else -step
-            ways.append(from_null(base.effects, candidate, candidate.null, step * unit))
-            steps.append(step)
+    nulls = np.concatenate([np.zeros(0), *(c.null for c in candidates)])
+    steps = steps_inside(candidates, nulls, STEP)
+    ways = [
+        from_null(base.effects, candidate, candidate.null, along)
+        for candidate, span in zip(candidates, spans(candidates), strict=True)
+        for along in np.diag(steps[span])
+    ]
     found = problem.near(base.effects, ways, base.trials)
     columns = [(r - base.residual) / step for r, step in zip(found, steps, strict=True)]
     keep = np.zeros((base.residual.size, 0))
     if len(base.x):
         keep = np.linalg.qr(base.jacobian.reshape(-1, len(base.x)))[0]
     out = []
-    at = 0
-    for candidate in candidates:
-        flat = np.stack([c.ravel() for c in columns[at : at + candidate.size]], axis=1)
+    for span in spans(candidates):
+        flat = np.stack([c.ravel() for c in columns[span]], axis=1)
         flat = flat - keep @ (keep.T @ flat)
-        out.append(flat.reshape(*base.residual.shape, candidate.size))
-        at += candidate.size
+        out.append(flat.reshape(*base.residual.shape, -1))
     return out
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.fit import STEP, Fit, Residuals, from_null
+from slipmargin.diagnosis.fit import STEP, Fit, Residuals, from_null, steps_inside
 from slipmargin.diagnosis.near import Way
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import AnyEffect, Trace
@@ -104,11 +104,9 @@ def _tangents(
     for candidate in candidates:
         for at in standpoints(candidate):
             columns: list[tuple[int, float]] = [] if candidate.nested else [(-1, 1.0)]
-            for j in range(candidate.size):
-                if candidate.idle[j] and candidate.nested:
-                    continue
-                step = STEP if at[j] + STEP * candidate.scale[j] <= candidate.high[j] else -STEP
-                columns.append((j, step))
+            steps = (steps_inside((candidate,), at, STEP) / candidate.scale).tolist()
+            acts = ~candidate.idle | (not candidate.nested)
+            columns += [(j, step) for j, step in enumerate(steps) if acts[j]]
             for j, step in columns:
                 unit = np.arange(candidate.size) == j
                 ways.append(from_null(base.effects, candidate, at, step * unit * candidate.scale))
