@@ -292,6 +292,7 @@ class Diagnosed(Simulated):
         self.said = tuple(
             (f"{f.name} (fitted: {f.label}, a name that is not claimed): " if f.doubts else f"{f.label}: ")
             + ", ".join(f"{e.name} {e.value:.4g} ({e.low:.4g} … {e.high:.4g})" for e in f.parameters)
+            + (f"; not told apart from {', '.join(f.confused_with)}" if f.confused_with else "")
             for f in found.findings
         ) or (found.verdict.value,)
 

@@ -91,21 +91,24 @@ def searched(
     events = events_of(
         uncut.with_wheel_phases(found.problem.wheel_phases), found.state.fit.effects, seen_runs
     )
-    if events and _spared(found, events):
+    looked = found.rounds[0].before.fit.trials if found.rounds else found.seen
+    if events and _spared(found, looked, events):
         found = _cut(found, data_set, events)
     elif events:
         found = _searched(data_set, uncut, events, held_runs, seed, progress, leaves)
     return found
 
 
-def _spared(found: Searched, events: tuple[Event, ...]) -> bool:
-    """Whether no run that the rounds looked at holds one of these events: they would all be the same."""
-    looked = found.rounds[0].before.fit.trials if found.rounds else found.seen
-    return {e.trial for e in events}.isdisjoint(found.problem.trials[i].name for i in looked)
+def _spared(found: Searched, trials: Index, events: tuple[Event, ...]) -> bool:
+    """Whether none of these trials holds one of the events."""
+    return {e.trial for e in events}.isdisjoint(found.problem.trials[i].name for i in trials)
 
 
 def _cut(found: Searched, data_set: DataSet, events: tuple[Event, ...]) -> Searched:
-    """The same rounds, and what they found fitted to the runs cut at events that no round has looked at."""
+    """The same rounds, and what they found fitted to the runs cut at events that no round has looked at.
+
+    What only a run that is held out did once changes nothing of what was found.
+    """
     problem, runs = _apart(data_set, events)
     phases = found.problem.wheel_phases[list(runs)]
     if wheel_phase.is_unknown(problem):  # a log of speeds counts from the angle at which it begins
@@ -114,14 +117,18 @@ def _cut(found: Searched, data_set: DataSet, events: tuple[Event, ...]) -> Searc
     problem = problem.with_wheel_phases(phases).with_rough()
     held, seen = (np.flatnonzero(np.isin(runs, part)) for part in (found.held, found.seen))
     last, own = found.state, [runs[i] for i in seen]
-    state = fitted(problem.as_seen_in(last.view, runs), last.structure, last.fit.x, seen, own)
+    if _spared(found, found.seen, events) and len(last.fit.trials) == len(seen):
+        state = last.moved(problem, runs)
+    else:
+        view = problem.as_seen_in(last.view, runs)
+        state = needed(fitted(view, last.structure, last.fit.x, seen, own), own)
     return replace(
         found,
         problem=problem,
         runs=runs,
         held=held,
         seen=seen,
-        state=needed(state, own),
+        state=state,
         rounds=[step.moved(problem, runs) for step in found.rounds],
     )
 
