@@ -35,8 +35,8 @@ from slipmargin.diagnosis.held_out import (
     sets_of_effects,
 )
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.refits import fitted, longer, needed, nothing_sure, refitted, without
-from slipmargin.diagnosis.restated import reformed, restated, unstuck
+from slipmargin.diagnosis.refits import fitted, longer, needed, nothing_sure, without
+from slipmargin.diagnosis.restated import exchanged, reformed, restated, unstuck
 from slipmargin.diagnosis.result import Rejected, Score, Verdict
 from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.search import take_step
@@ -290,9 +290,9 @@ def _other_names(court: Court, state: State, fewer: State, rounds: list[Round]) 
 
     They are the names that the round in which it was found beside those of ``fewer`` cannot tell from it.
     """
-    asked = {state.last.thing}
-    for step in rounds if fewer.structure else ():
-        own = next((s for s in step.tried if step.single(s) and s.last.is_same_as(state.last)), None)
+    asked, index = {state.last.thing}, len(fewer.structure)
+    for step in rounds if index else ():
+        own = step.with_alone(state.last)
         if own is None or step.before.things != fewer.things:
             continue
         for rival in step.rivals(own):
@@ -301,8 +301,8 @@ def _other_names(court: Court, state: State, fewer: State, rounds: list[Round]) 
             if len(asked) > SETTINGS.others:
                 return
             asked.add(rival.last.thing)
-            x = np.concatenate([fewer.fit.x, rival.fit.x[spans(rival.structure)[-1]]])
-            yield refitted(fewer, (*fewer.structure, rival.last), x, court.seen_runs)
+            x = rival.fit.x[spans(rival.structure)[-1]]
+            yield exchanged(state, index, rival.last, x, court.seen_runs)
 
 
 def _place(state: State) -> tuple[frozenset[str], int | None]:

@@ -25,10 +25,10 @@ def restated(state: State, index: int, other: Candidate, runs: Sequence[int]) ->
     """The state with another candidate in the place of one; parameters that both have start as they are."""
     at = dict(zip(state.structure[index].keys, state.fit.x[spans(state.structure)[index]], strict=True))
     start = [at.get(key, float(value)) for key, value in zip(other.keys, other.starts[0], strict=True)]
-    return _exchanged(state, index, other, np.clip(start, other.low, other.high), runs)
+    return exchanged(state, index, other, np.clip(start, other.low, other.high), runs)
 
 
-def _exchanged(state: State, index: int, other: Candidate, x: Array, runs: Sequence[int]) -> State:
+def exchanged(state: State, index: int, other: Candidate, x: Array, runs: Sequence[int]) -> State:
     """The state with another candidate, which starts at ``x``, in the place of one."""
     kept = [state.fit.x[span] for span in spans(state.structure)]
     kept[index] = x
@@ -97,7 +97,7 @@ def _renamed(state: State, index: int, names: Sequence[State], runs: Sequence[in
         if progress.expired:
             break
         progress(f"fitting {other.last.label}", 0.0)
-        found = _exchanged(kept, index, other.last, other.fit.x[spans(other.structure)[-1]], runs)
+        found = exchanged(kept, index, other.last, other.fit.x[spans(other.structure)[-1]], runs)
         if np.isfinite(found.chi) and not as_good(state, found):
             state = found
     return state

@@ -61,6 +61,10 @@ class Round:
         """Whether a state adds one candidate."""
         return len(state.structure) == len(self.before.structure) + 1
 
+    def with_alone(self, candidate: Candidate) -> State | None:
+        """The best state that adds nothing but a candidate, in whichever form; None where none was tried."""
+        return next((s for s in self.tried if self.single(s) and s.last.is_same_as(candidate)), None)
+
     def rivals(self, of: State | None = None) -> list[State]:
         """States that these trials cannot tell from one, by default the best.
 
@@ -101,7 +105,7 @@ class Round:
 
         A name's rank depends on what is still missing: which is meant shows once that is known.
         """
-        own = next((s for s in self.tried if self.single(s) and s.last.is_same_as(known)), None)
+        own = self.with_alone(known)
         found: dict[Trace, State] = {}
         for state in [] if own is None else self._of_its_size(own):
             if self.single(state) and state.last.trace != known.trace:

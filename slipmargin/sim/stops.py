@@ -70,7 +70,9 @@ def first_switch(W: Any, coef: Any, since: float, y: Any, z: Any, K: Any, span: 
         for k in range(1, 5):
             fastest = max(fastest, abs(_wheel(i, coef, lag, since, y, z, K, 0.25 * k, span)[1]))
         pitch, switch = w[_PITCH], (1.0 - w[_SHARE]) * w[_PITCH]
-        own = pitch - switch if here > 2.0 * math.floor(0.5 * here) else switch
+        whole = math.floor(0.5 * here)
+        rigid = here > 2.0 * whole
+        own = pitch - switch if rigid else switch
         ahead = min(_LOOK * own / max(fastest * span, 1e-300), 1.0 / _LOOKS)
         x, before = 0.0, omega
         while x < min(found, 1.0):
@@ -90,9 +92,8 @@ def first_switch(W: Any, coef: Any, since: float, y: Any, z: Any, K: Any, span: 
                         high = mid
                 there, low = sector(w, end, before, _NUDGE), 0.0
             if there != here:
-                whole = math.floor(0.5 * here)
-                edge = whole * pitch + (switch if (here > 2.0 * whole) != (end > was) else 0.0)
-                if here > 2.0 * whole and end > was:
+                edge = whole * pitch + (switch if rigid != (end > was) else 0.0)
+                if rigid and end > was:
                     edge += pitch
                 mid = 0.5 * (low + high)
                 for _ in range(_HALVINGS):  # Newton's steps, halving where one leaves the bracket

@@ -28,6 +28,7 @@ from slipmargin.effects.wheel_loads import WheelLoads
 SIGMA = np.array([5e-4, 5e-4, 2e-3])
 TRIALS = np.arange(6)
 WATCH = Watch(report=no_progress)
+SOUGHT = search.Sought(seen=TRIALS, trials=TRIALS, runs=list(TRIALS), candidates=[], seed=0, progress=WATCH)
 
 
 class Bench:
@@ -76,15 +77,7 @@ def followed(bench: Bench, first: State, second: State, after: dict[str, State],
     patch.setattr(search, "take_step", take_step)
     step = bench.round(bench.plain, first, second)
     tried = [(s, bench.problem, s) for s in (first, second)]
-    sought = search.Sought(
-        seen=TRIALS,
-        trials=TRIALS,
-        runs=list(TRIALS),
-        candidates=[],
-        seed=0,
-        progress=WATCH,
-    )
-    best, _, state, ahead, beside = sought.followed(step, tried)
+    best, _, state, ahead, beside = SOUGHT.followed(step, tried)
     assert state is best and (ahead is not None) == (best.last.label in after) and not beside
     return best
 
@@ -171,10 +164,7 @@ def test_the_second_of_two_is_compared_with_other_names_beside_the_first(
     monkeypatch.setattr(search, "take_step", lambda before, *_: replace(beside, before=before))
     step = bench.round(bench.plain, both, alone)
     assert step.part_alone() == [alone] and bench.round(bench.plain, alone, both).part_alone() == []
-    sought = search.Sought(
-        seen=TRIALS, trials=TRIALS, runs=list(TRIALS), candidates=[], seed=0, progress=WATCH
-    )
-    best, _, _, _, rounds = sought.followed(step, [(s, bench.problem, s) for s in (both, alone)])
+    best, _, _, _, rounds = SOUGHT.followed(step, [(s, bench.problem, s) for s in (both, alone)])
     assert best is both and [r.before for r in rounds] == [alone]
     assert rounds[0].names_only and not rounds[0].taken
     law, loads = both.structure
