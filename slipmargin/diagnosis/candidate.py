@@ -70,6 +70,8 @@ class Candidate:
     subject : str, optional
         What it is one form of, as others may be: an effect on its wheels, in its group; empty: it has no
         other forms.
+    other_half : str
+        The name of the effect that says the other half of one thing, if any.
     definitions : tuple of Candidate
         The same parameters with another definition of what they act over: compared with it once all else is
         found, and no candidates of their own.
@@ -96,6 +98,7 @@ class Candidate:
     idle: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     scope: Scope | None = None
     subject: str = ""
+    other_half: str = ""
     definitions: tuple[Candidate, ...] = ()
     near: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
@@ -195,6 +198,7 @@ def named_candidate(
         wheel_phase=effect.needs_wheel_phase,
         scope=effect.scope,
         subject=subject,
+        other_half=effect.other_half,
         definitions=tuple(
             named_candidate(effect, replace(variant, fixed=fixed, label=label), wheels, reach)
             for fixed, label in _definitions(effect, variant)

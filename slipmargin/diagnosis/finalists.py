@@ -15,15 +15,12 @@ def finalists(screening: Screening, many: int) -> list[Screened]:
     Single candidates are taken by what they promise.  A name takes one place, in the form that promises
     most: the forms of one would keep others out.  The best name is fitted in its other forms too, since
     a list says little about which of them is meant.  A pair is fitted only where its two tangents together
-    leave clearly less than any single one.
+    leave clearly less than any single one, or where it is one thing in two halves, of which one is fitted.
     """
-    alone = _alone(screening)
+    alone, two = _alone(screening), _pairs(screening)
     best = max((e.gain for e in alone), default=0.0)
     enough = screening.total - SETTINGS.pair_leaves * (screening.total - max(0.0, best))
-    pairs = sorted(
-        (e for e in screening.entries if e.structure and len(e.parts) == 2 and e.gain > enough),
-        key=lambda e: -e.gain,
-    )
+    pairs = [e for e in two if e.gain > enough]
     least = SETTINGS.hopeless * max([0.0, best, *(e.gain for e in pairs)])
     single = [e for e in alone if e.promise > least]
     names = [e for e in single if e.named]
@@ -35,8 +32,9 @@ def finalists(screening: Screening, many: int) -> list[Screened]:
         *other[: many // 2],
         *forms[: many // 2],
         *[e for e in pairs if e.gain > least][: many // 2],
+        *_wholes(two, {e.structure[0].name for e in first}),
     ]
-    return sorted(chosen, key=_first_promised)
+    return sorted(dict.fromkeys(chosen), key=_first_promised)
 
 
 def of_other_variables(screening: Screening, fitted: Sequence[Screened], many: int) -> list[Screened]:
@@ -63,6 +61,21 @@ def other_names(screening: Screening, fitted: Sequence[Screened], many: int) -> 
 def _alone(screening: Screening) -> list[Screened]:
     """Single candidates, the one that promises most first."""
     return sorted((e for e in screening.entries if e.stands_alone), key=_first_promised)
+
+
+def _pairs(screening: Screening) -> list[Screened]:
+    """Two named candidates together, those that gain most first."""
+    return sorted((e for e in screening.entries if len(e.structure) == 2), key=lambda e: -e.gain)
+
+
+def _wholes(pairs: Sequence[Screened], fitted: set[str]) -> list[Screened]:
+    """The best pair of each two halves of one thing of which one is ``fitted``, by name."""
+    found: dict[frozenset[str], Screened] = {}
+    for entry in pairs:
+        names = frozenset(c.name for c in entry.structure)
+        if names & fitted and any(c.other_half in names for c in entry.structure):
+            found.setdefault(names, entry)
+    return list(found.values())
 
 
 def _best_of_each(entries: Sequence[Screened]) -> list[Screened]:

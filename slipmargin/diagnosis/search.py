@@ -39,6 +39,20 @@ from slipmargin.diagnosis.watch import Watch
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Standing:
+    """Where a search stands after a round: what that added, and the state in the view of the next one.
+
+    ``ahead`` is the next round, where it was looked at already and took something.
+    """
+
+    best: State
+    problem: Problem
+    state: State
+    ahead: Round | None = None
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sought:
     """What all steps of one search share.
 
@@ -74,52 +88,51 @@ class Sought:
         """A round that starts from ``before``."""
         return take_step(before, self.runs, candidates, self.seed, self.progress.staged(stage))
 
-    def entered(self, problem: Problem, best: State, rounds: Sequence[Round]) -> tuple[Problem, State]:
-        """What a round found, in the view from which the next one starts, with the wheel phases it needs."""
+    def entered(self, problem: Problem, best: State, rounds: Sequence[Round]) -> Standing:
+        """Where the next round starts from what one found, with the wheel phases it needs."""
         state = whole(problem, best, self.runs, lambda: self.progress.expired)
         if self.progress.expired:
-            return problem, state
+            return Standing(best=best, problem=problem, state=state)
         state = evened(state, self.seen, self.runs)
         state = reformed(state, self.runs, self.candidates, rounds, self.progress)
-        if not wheel_phase.is_unknown(problem) or not any(c.wheel_phase for c in state.structure):
-            return problem, state
-        at = evaluate(problem, state.structure, state.fit.x, self.seen)
-        problem, better = wheel_phase.refined(problem, at)
-        view = problem.as_seen_in(state.view)
-        return problem, fitted(view, state.structure, better.x, state.fit.trials, self.runs)
+        if wheel_phase.is_unknown(problem) and any(c.wheel_phase for c in state.structure):
+            at = evaluate(problem, state.structure, state.fit.x, self.seen)
+            problem, better = wheel_phase.refined(problem, at)
+            view = problem.as_seen_in(state.view)
+            state = fitted(view, state.structure, better.x, state.fit.trials, self.runs)
+        return Standing(best=best, problem=problem, state=state)
 
-    def followed(
-        self, step: Round, tried: Sequence[tuple[State, Problem, State]]
-    ) -> tuple[State, Problem, State, Round | None, list[Round]]:
+    def followed(self, step: Round, tried: Sequence[Standing]) -> tuple[Standing, list[Round]]:
         """Of additions that a round can hardly tell apart, the one beside which the next round finds most.
 
         Far above the noise an effect shows only beside another one, as load that shifts with the acceleration
-        does beside the loads at rest.  Each is followed by a round of its own over the names, which is
-        returned if it took one; the first is kept unless another, which that does not make superfluous,
-        leaves less.  Where two were added at once, what was found beside the one of them that is tried alone
-        compares the other with every name: such rounds come last.
+        does beside the loads at rest.  Each is followed by a round of its own over the names; the first is
+        kept unless another, which that does not make superfluous, leaves less.  Where two were added at once,
+        what was found beside the one of them that is tried alone compares the other with every name: such
+        rounds are returned as well.
         """
         names = [c for c in self.candidates if c.named]
-        found: list[tuple[State, tuple[State, Problem, State, Round | None]]] = []
+        found: list[tuple[State, Standing]] = []
         beside: list[Round] = []
-        for number, (best, problem, state) in enumerate(tried):
+        for number, stands in enumerate(tried):
             if number and self.progress.expired:
                 break
-            level, ahead = best, None
+            level, ahead = stands.best, None
             # Beside a form names are hardly ever taken.
-            if best.named and worthwhile(state, SETTINGS.floor_chi):
-                ahead = replace(self.step(state, names, f"beside {best.last.label}"), names_only=True)
+            if level.named and worthwhile(stands.state, SETTINGS.floor_chi):
+                ahead = self.step(stands.state, names, f"beside {level.last.label}")
+                ahead = replace(ahead, names_only=True)
                 beside.append(ahead)
                 ahead = ahead if ahead.taken else None
             if ahead is not None and ahead.best is not None:
                 structure, x = ahead.best.structure, ahead.best.fit.x
                 level = needed(refitted(step.before, structure, x, self.runs), self.runs)
-            if not number or best.last in level.structure:
-                found.append((level, (best, problem, state, ahead)))
+            if not number or stands.best.last in level.structure:
+                found.append((level, replace(stands, ahead=ahead)))
         least = min(found, key=lambda f: f[0].chi)
         kept = (found[0] if as_good(found[0][0], least[0]) else least)[1]
-        parts = [replace(r, taken=False) for r in beside if r.before.things < kept[0].things]
-        return *kept, parts
+        parts = [replace(r, taken=False) for r in beside if r.before.things < kept.best.things]
+        return kept, parts
 
 
 def search(
@@ -159,15 +172,15 @@ def search(
         rounds.append(step)
         if not step.taken or step.best is None or (not number and step.best.chi > leaves):
             break
-        problem, state = sought.entered(problem, step.best, rounds)
-        ahead = None
+        stands = sought.entered(problem, step.best, rounds)
+        others = step.others() if stands.state.view.piece is not None else step.part_alone()
+        if others and len(stands.state.structure) < SETTINGS.most_effects:
+            tried = [stands, *(sought.entered(stands.problem, s, rounds) for s in others)]
+            stands, beside = sought.followed(step, tried)
+            rounds[-1:] = [replace(step, best=stands.best), *beside]
+        problem, state, ahead = stands.problem, stands.state, stands.ahead
         if len(state.structure) >= SETTINGS.most_effects:
             break
-        if others := step.others() if state.view.piece is not None else step.part_alone():
-            tried = [(step.best, problem, state)]
-            tried += [(s, *sought.entered(problem, s, rounds)) for s in others]
-            best, problem, state, ahead, beside = sought.followed(step, tried)
-            rounds[-1:] = [replace(step, best=best), *beside]
     if state.structure and len(trials) < len(seen):
         progress("fitting all trials that are not held out", 0.0)
         state = _in_all(state, rounds, seen, runs, lambda: progress.expired)
@@ -235,7 +248,8 @@ def take_step(
     screening = as_simulated(before, screening, lambda: progress.overdue)
     crossed = [] if before.structure else at_crossings(before, screening, lambda: progress.overdue)
     screening = screening.with_better(crossed)
-    chosen = finalists(screening, many)
+    room = SETTINGS.most_effects - len(before.structure)
+    chosen = [e for e in finalists(screening, many) if len(e.structure) <= room]
     fewest = 1 if before.structure else SETTINGS.fewest_fitted
     tried = _fitted_in_turn(before, chosen, (), runs, progress, fewest)
     if not tried:

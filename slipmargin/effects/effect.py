@@ -180,6 +180,9 @@ class Effect(ABC):
     needs_wheel_phase: ClassVar[bool] = False
     #: Whether only logs that hold wheel angles show it: a whole turn's phase cannot be guessed.
     needs_wheel_angles: ClassVar[bool] = False
+    #: The effect that says the other half of one thing, as loads at rest and their shift with the
+    #: acceleration both say where the centre of mass is: a diagnosis that fits one of them also fits both.
+    other_half: ClassVar[str] = ""
     #: Where it counts, in words, where that is not in every command.
     counts_in: ClassVar[str] = ""
     #: Parameters that no fit varies, with the values that a diagnosis compares once all else is fitted.

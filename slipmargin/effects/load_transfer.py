@@ -21,6 +21,7 @@ class LoadTransfer(Effect):
     traced_to = Trace.ACCELERATION
     part = Part.LOADS
     scope = Scope.LOADING
+    other_half = "wheel_loads"
     parameters = (
         parameter(
             "com_height_m",

@@ -20,6 +20,7 @@ from slipmargin.diagnosis.refits import fitted
 from slipmargin.diagnosis.restated import reformed
 from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.search import screened
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.watch import Watch, no_progress
 from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
@@ -76,10 +77,14 @@ def followed(bench: Bench, first: State, second: State, after: dict[str, State],
 
     patch.setattr(search, "take_step", take_step)
     step = bench.round(bench.plain, first, second)
-    tried = [(s, bench.problem, s) for s in (first, second)]
-    best, _, state, ahead, beside = SOUGHT.followed(step, tried)
-    assert state is best and (ahead is not None) == (best.last.label in after) and not beside
-    return best
+    kept, beside = SOUGHT.followed(step, standing(bench, first, second))
+    assert kept.state is kept.best and (kept.ahead is not None) == (kept.best.last.label in after)
+    assert not beside
+    return kept.best
+
+
+def standing(bench: Bench, *found: State) -> list[search.Standing]:
+    return [search.Standing(best=s, problem=bench.problem, state=s) for s in found]
 
 
 def test_the_one_is_kept_beside_which_the_next_round_finds_most(
@@ -164,8 +169,8 @@ def test_the_second_of_two_is_compared_with_other_names_beside_the_first(
     monkeypatch.setattr(search, "take_step", lambda before, *_: replace(beside, before=before))
     step = bench.round(bench.plain, both, alone)
     assert step.part_alone() == [alone] and bench.round(bench.plain, alone, both).part_alone() == []
-    best, _, _, _, rounds = SOUGHT.followed(step, [(s, bench.problem, s) for s in (both, alone)])
-    assert best is both and [r.before for r in rounds] == [alone]
+    kept, rounds = SOUGHT.followed(step, standing(bench, both, alone))
+    assert kept.best is both and [r.before for r in rounds] == [alone]
     assert rounds[0].names_only and not rounds[0].taken
     law, loads = both.structure
     assert _origin(loads, both.structure, [step, *rounds]) == (rounds[0], both)
@@ -186,3 +191,16 @@ def leaving(bench: Bench, label: str, share: float) -> State:
     """A state with one name whose chi is set to a share of that of the model as it is."""
     state = bench.state(label)
     return replace(state, scores=state.scores * (share * bench.plain.chi / state.chi) ** 2)
+
+
+def test_two_at_once_are_tried_only_where_there_is_room_for_both(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    entries = bench.screening.entries
+    one, two = (next(e for e in entries if len(e.structure) == many) for many in (1, 2))
+    names = [e.structure[0] for e in entries if e.stands_alone]
+    monkeypatch.setattr(search, "finalists", lambda *_: [one, two])
+    for most, sizes in ((2, {1, 2}), (1, {1})):
+        monkeypatch.setattr(search, "SETTINGS", replace(SETTINGS, most_effects=most))
+        step = search.take_step(bench.plain, list(TRIALS), names, 0, WATCH, 1)
+        assert {len(s.structure) for s in step.tried} == sizes
