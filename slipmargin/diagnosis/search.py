@@ -84,9 +84,11 @@ class Sought:
             state = evened(_in_pieces(problem, self.trials, self.runs), self.seen, self.runs)
         return problem, state
 
-    def step(self, before: State, candidates: list[Candidate], stage: str) -> Round:
-        """A round that starts from ``before``."""
-        return take_step(before, self.runs, candidates, self.seed, self.progress.staged(stage))
+    def step(self, before: State, stage: str, *, names_only: bool = False) -> Round:
+        """A round that starts from ``before``, over all candidates or over the names among them."""
+        asked = [c for c in self.candidates if c.named or not names_only]
+        step = take_step(before, self.runs, asked, self.seed, self.progress.staged(stage))
+        return replace(step, names_only=names_only)
 
     def entered(self, problem: Problem, best: State, rounds: Sequence[Round]) -> Standing:
         """Where the next round starts from what one found, with the wheel phases it needs."""
@@ -111,7 +113,6 @@ class Sought:
         what was found beside the one of them that is tried alone compares the other with every name: such
         rounds are returned as well.
         """
-        names = [c for c in self.candidates if c.named]
         found: list[tuple[State, Standing]] = []
         beside: list[Round] = []
         for number, stands in enumerate(tried):
@@ -120,8 +121,7 @@ class Sought:
             level, ahead = stands.best, None
             # Beside a form names are hardly ever taken.
             if level.named and worthwhile(stands.state, SETTINGS.floor_chi):
-                ahead = self.step(stands.state, names, f"beside {level.last.label}")
-                ahead = replace(ahead, names_only=True)
+                ahead = self.step(stands.state, f"beside {level.last.label}", names_only=True)
                 beside.append(ahead)
                 ahead = ahead if ahead.taken else None
             if ahead is not None and ahead.best is not None:
@@ -168,7 +168,7 @@ def search(
             break  # the first list is made in any case: without it there is no answer, not even a lead
         if number and len(set(sought.runs)) < 2:
             break  # one run leads to a variable, and bears out nothing
-        step = ahead or sought.step(state, candidates, f"round {number + 1}")
+        step = ahead or sought.step(state, f"round {number + 1}")
         rounds.append(step)
         if not step.taken or step.best is None or (not number and step.best.chi > leaves):
             break

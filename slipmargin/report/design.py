@@ -119,7 +119,7 @@ def best_by_objective(study: Study) -> tuple[tuple[str, ...], list[tuple[str, ..
     for name in study.objectives:
         own, goal = study.own[name], BY_NAME[name]
         value, at = float(study.columns[name][study.best(name)]), best_at(study, name)
-        rows.append((name, goal.unit, at, _digits(value), _digits(own), _change(value, own)))
+        rows.append((name, goal.unit, at, _digits(value), _digits(own), change(value, own)))
     return ("objective", "unit", "best at", "value", "file's own", "change"), rows
 
 
@@ -160,7 +160,7 @@ def _own(study: Study, goal: Objective, best: float) -> str:
     if math.isnan(own):
         return f"the file's design has no {goal.name}"
     here = named(study.keys, study.own_values)
-    return f"the file's design ({here}): {_with_unit(own, goal)}; {_change(best, own)} with the best"
+    return f"the file's design ({here}): {_with_unit(own, goal)}; {change(best, own)} with the best"
 
 
 def _loads(study: Study) -> str:
@@ -211,7 +211,8 @@ def _with_unit(value: float, goal: Objective) -> str:
     return _digits(value) + ("" if goal.unit == "1" else f" {goal.unit}")
 
 
-def _change(value: float, own: float) -> str:
+def change(value: float, own: float) -> str:
+    """By how much a value differs from the file's own."""
     if math.isnan(own) or math.isnan(value):
         return ""
     if own <= 0.0:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from slipmargin.report.design import best_at, in_words, label, named
+from slipmargin.report.design import best_at, change, in_words, label, named
 from slipmargin.report.page import (
     Bullets,
     Fact,
@@ -64,7 +64,7 @@ def design_page(
         facts.append(
             Fact(
                 label="Against the file’s own",
-                value=f"{100.0 * (value / own - 1.0):+.1f} %",
+                value=change(value, own),
                 note=f"from {own:.4g}",
             )
         )

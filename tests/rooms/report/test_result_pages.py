@@ -16,6 +16,7 @@ from slipmargin_cli.main import status
 
 import slipmargin as sm
 from slipmargin.errors import InputError
+from slipmargin.report.design import change
 from slipmargin.report.motion_pages import _who
 from slipmargin.report.page import inline
 from slipmargin.report.page_style import CSS, FIGURE_COLOURS
@@ -268,3 +269,9 @@ def test_pulls_below_the_recommended_one_are_the_verdict(tmp_path: Path) -> None
 )
 def test_a_spread_has_two_digits_and_no_needless_power_of_ten(value: float, said: str) -> None:
     assert two_digits(value) == said
+
+
+@pytest.mark.parametrize(("value", "said"), [(1.1, "+10.0 %"), (0.9, "-10.0 %"), (1.0 - 1e-7, "0.0 %")])
+def test_what_does_not_change_has_no_sign(value: float, said: str) -> None:
+    """The page of a study said "-0.0 %" where its table said "0.0 %"."""
+    assert change(value, 1.0) == said
