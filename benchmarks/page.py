@@ -21,6 +21,8 @@ if __package__ in (None, ""):
 from judged.constants import CONSTANTS, FACTORS
 from judged.families import SINCE
 
+from slipmargin.effects.catalogue import CATALOGUE
+
 HERE = Path(__file__).resolve().parent
 DOCS = HERE.parent / "docs"
 
@@ -206,12 +208,13 @@ def drawn() -> list[str]:
         return sum(row["rmse_after_m"] <= 0.5 * row["rmse_before_m"] for row in rows)
 
     named = sum(row["wanted"] in row["found"] for row in catalogue)
+    kinds = len({row["wanted"] for row in catalogue})
     alarms = sum(row["verdict"] == "effect-found" for row in nulls)
     return table(
         ["planted", "sets", "variable right", "name right", "held-out position error halved", "false alarms"],
         [
             [
-                "effects of the catalogue",
+                f"effects of the catalogue, {kinds} of its {len(CATALOGUE)} kinds",
                 f"{len(catalogue)}",
                 f"{traced(catalogue)}",
                 f"{named}",

@@ -46,7 +46,8 @@ def unused(robot: Robot, surface: str, *, spread: bool, band: bool) -> tuple[str
     names = uncertain_keys(robot, surface)
     if names and not spread:
         found.append(
-            f"{', '.join(names)}: taken at the middle; the spread counts in bounds, sweep and plan only"
+            f"{', '.join(names)}: taken at the middle; the spread counts in bounds, sweep, plan and "
+            "a design of several robots only"
         )
     if robot.unevenness_mm is not None and not band:
         found.append(
