@@ -428,7 +428,9 @@ def test_far_above_the_noise_a_name_is_taken_where_no_form_may_be(
     entry = Screened(parts=(), gain=0.9 * before.fit.cost, step=np.zeros(0))
     listed = Screening(entries=(entry,), total=before.fit.cost, chance=np.zeros(199))
     monkeypatch.setattr(search, "screened", lambda *_: listed)
-    monkeypatch.setattr(search, "finalists", lambda *_: [SimpleNamespace(label=word) for word in found])
+    monkeypatch.setattr(
+        search, "finalists", lambda *_: [SimpleNamespace(label=word, structure=(other,)) for word in found]
+    )
     monkeypatch.setattr(search, "_added", lambda _, entry, *__: found[entry.label])
     step = search.take_step(before, range(TRIALS), [], 0, Watch(report=lambda *_: None))
     assert step.taken is taken and step.best is found["name" if taken else "form"]
