@@ -32,7 +32,7 @@ def finalists(screening: Screening, many: int) -> list[Screened]:
         *other[: many // 2],
         *forms[: many // 2],
         *[e for e in pairs if e.gain > least][: many // 2],
-        *_wholes(two, {e.structure[0].name for e in first}),
+        *_best_of_each([e for e in two if _halves(e, first)]),
     ]
     return sorted(dict.fromkeys(chosen), key=_first_promised)
 
@@ -68,21 +68,18 @@ def _pairs(screening: Screening) -> list[Screened]:
     return sorted((e for e in screening.entries if len(e.structure) == 2), key=lambda e: -e.gain)
 
 
-def _wholes(pairs: Sequence[Screened], fitted: set[str]) -> list[Screened]:
-    """The best pair of each two halves of one thing of which one is ``fitted``, by name."""
-    found: dict[frozenset[str], Screened] = {}
-    for entry in pairs:
-        names = frozenset(c.name for c in entry.structure)
-        if names & fitted and any(c.other_half in names for c in entry.structure):
-            found.setdefault(names, entry)
-    return list(found.values())
+def _halves(pair: Screened, fitted: Sequence[Screened]) -> bool:
+    """Whether two candidates are the halves of one thing of which one, by name, is ``fitted``."""
+    names = {c.name for c in pair.structure}
+    known = any(e.structure[0].name in names for e in fitted)
+    return known and any(c.other_half in names for c in pair.structure)
 
 
 def _best_of_each(entries: Sequence[Screened]) -> list[Screened]:
-    """The first entry of each name; a general form has that of its variable."""
-    found: dict[str, Screened] = {}
+    """The first entry of each name, or of each two; a general form has that of its variable."""
+    found: dict[frozenset[str], Screened] = {}
     for entry in entries:
-        found.setdefault(entry.structure[0].name, entry)
+        found.setdefault(frozenset(c.name for c in entry.structure), entry)
     return list(found.values())
 
 
