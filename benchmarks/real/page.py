@@ -31,6 +31,10 @@ SETS = {
         "Judged: the other 36 headings with the payload. Models without groups are fitted to the "
         "payload's own 36 runs."
     ),
+    "robotino-gray": (
+        "The same robot without payload on the same carpet. Fitted: every second heading at 0.1 and at "
+        "0.2 m/s (72 runs). Judged: the other 72."
+    ),
     "robotino-green": (
         "The same robot on a thick carpet, on which it slips by half of the way. Fitted: every second "
         "heading at 0.1 and at 0.2 m/s (72 runs). Judged: the other 72."

@@ -1,12 +1,13 @@
-"""Three data sets of real robots and how their runs are split: what may be fitted, what is judged.
+"""Data sets of real robots and how their runs are split: what may be fitted, what is judged.
 
 A split is by whole runs and fixed by their names, so that a figure can be compared with anybody else's.
 
 - ``robotino-load``: Robotino with its weight moved to the front. Fitted: every second heading (0, 10, …)
   of ``table_0.1``, ``gray_0.1`` and ``load_0.1`` (all of the table for the camera's calibration);
   judged: the other headings of ``load_0.1``.
-- ``robotino-green``: a thick carpet. Fitted: every second heading of ``green_0.1`` and ``green_0.2``;
-  judged: the other headings at both speeds. Camera as calibrated on the table.
+- ``robotino-gray``: a carpet. Fitted: every second heading of ``gray_0.1`` and ``gray_0.2``; judged: the
+  other headings at both speeds. Camera as calibrated on the table.
+- ``robotino-green``: the same on a thick carpet.
 - ``robojackets``: a RoboCup SSL robot, cut into runs of 2.5 s. Fitted: the blocks of 5 s with even
   numbers, counted from the first row; judged: those with odd numbers.
 """
@@ -109,21 +110,23 @@ def robotino(folder: Path) -> list[RealSet]:
                 beside=beside | {f"load/{name}": pair for name, pair in beside.items()},
             )
         )
-    slow, fast = (
-        logs(f"green_{speed}") if (folder / f"green_{speed}").is_dir() else () for speed in (0.1, 0.2)
-    )
-    if slow and fast:
+    for carpet in ("gray", "green"):
+        slow, fast = (
+            logs(f"{carpet}_{speed}") if (folder / f"{carpet}_{speed}").is_dir() else ()
+            for speed in (0.1, 0.2)
+        )
+        if not (slow and fast):
+            continue
         runs = [part("slow", slow, believed, "gray", ""), part("fast", fast, believed, "gray", "")]
         one, two = (
             tuple(replace(t, name=f"{p.data_set.name}_{t.name}") for t in p.data_set.trials) for p in runs
         )
-        data = replace(runs[0].data_set, name="robotino-green", trials=(*one[::2], *two[::2]))
-        judged = (*one[1::2], *two[1::2])
+        name = f"robotino-{carpet}"
         found.append(
             RealSet(
-                name="robotino-green",
-                fitted=data,
-                judged=judged,
+                name=name,
+                fitted=replace(runs[0].data_set, name=name, trials=(*one[::2], *two[::2])),
+                judged=(*one[1::2], *two[1::2]),
                 recipe=believed,
                 surface="gray",
                 beside=neighbours(one) | neighbours(two),

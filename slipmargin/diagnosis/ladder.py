@@ -36,7 +36,7 @@ from slipmargin.diagnosis.held_out import (
 )
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.refits import fitted, longer, needed, nothing_sure, without
-from slipmargin.diagnosis.restated import exchanged, reformed, restated, unstuck
+from slipmargin.diagnosis.restated import exchanged, reformed, restated, simplified, unstuck
 from slipmargin.diagnosis.result import Rejected, Score, Verdict
 from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.search import take_step
@@ -356,26 +356,26 @@ def _in_all_runs(
 ) -> Checked:
     """What holds, with names that show in all runs and not in the few that were searched.
 
-    It is asked where much is left.  Simulating all runs takes long: only the names that stand first in the
-    last list of the few are put on this one, and only its first is fitted.
+    It is asked where much is left.  Simulating all runs takes long: beside each effect in its simplest form
+    that is as good, every name is put on a list, whose first is fitted, and those that stand next on another.
     """
-    last = next((r.screening for r in reversed(rounds) if not r.names_only), None)
-    names = [] if last is None else [e.structure[0] for e in other_names(last, (), SETTINGS.contenders)]
-    while names and held.state is not None and held.after.chi() > SETTINGS.noise_chi:
-        if len(rounds[0].before.fit.trials) == len(court.seen) or progress.expired:
+    runs, candidates = court.seen_runs, _candidates(rounds)
+    names = [c for c in candidates if c.named]
+    in_few = bool(rounds) and len(rounds[0].before.fit.trials) < len(court.seen)
+    while in_few and held.state is not None and held.after.chi() > SETTINGS.noise_chi:
+        if progress.expired or len(held.state.structure) >= SETTINGS.most_effects:
             break
-        if len(held.state.structure) >= SETTINGS.most_effects:
-            break
-        start = longer(court.problem, held.state, court.seen_runs, np.inf)
-        step = take_step(start, court.seen_runs, names, court.seed, progress.staged("in all runs"), 1)
+        start = simplified(longer(court.problem, held.state, runs, np.inf), runs, candidates, progress)
+        step = take_step(start, runs, names, court.seed, progress.staged("in all runs"), 1)
         rounds.append(replace(step, names_only=True))
-        found = None
-        if step.taken and step.best is not None:
-            best = unstuck(step.best, court.seen_runs, _candidates(rounds), progress)
-            found = _better(court, held, best, rejected)
-        if found is None:
+        best = step.best if step.taken and step.best is not None else start
+        if best.structure == held.state.structure:
             break
-        held = found
+        found = _better(court, held, unstuck(best, runs, candidates, progress), rejected)
+        held = found or held
+        if found is None or not step.taken:
+            break
+        names = [e.structure[0] for e in other_names(step.screening, (), SETTINGS.contenders)]
     return held
 
 

@@ -62,6 +62,13 @@ def reformed(
     return state
 
 
+def simplified(state: State, runs: Sequence[int], candidates: Sequence[Candidate], progress: Watch) -> State:
+    """The state with each effect in a form with fewer parameters, where that is as good."""
+    for index, known in enumerate(state.structure):
+        state = _in_best_form(state, index, [c for c in candidates if c.size < known.size], runs, progress)
+    return state
+
+
 def unstuck(state: State, runs: Sequence[int], candidates: Sequence[Candidate], progress: Watch) -> State:
     """The state with each effect of which a parameter is stuck at a bound in another form that is as good.
 

@@ -155,7 +155,8 @@ class SearchSettings:
     #: and half as many pairs, and so many forms more where no name leaves nothing but noise.
     finalists: int = 5
     #: [candidates] So many further names are given a few steps there: the right one may stand far down a list
-    #: that tangents have made, a stiff roller on another wheel twentieth.  As many are sought in all runs.
+    #: that tangents have made, a stiff roller on another wheel twentieth.  Of a list in all runs
+    #: as many stand on the next one.
     contenders: int = 20
     #: [starts] So many are simulated for what a candidate promises, the best by its tangents; and fitted, the
     #: best by simulation, where it says a place or a time.

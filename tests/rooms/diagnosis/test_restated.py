@@ -14,7 +14,7 @@ from slipmargin.diagnosis.groups import in_groups
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.refits import fitted, needed, without
-from slipmargin.diagnosis.restated import redefined, reformed, unstuck
+from slipmargin.diagnosis.restated import redefined, reformed, simplified, unstuck
 from slipmargin.diagnosis.state import State, worthwhile
 from slipmargin.diagnosis.watch import Watch, no_progress
 from slipmargin.effects import AnyEffect, Effect, Recipe
@@ -155,3 +155,15 @@ def test_definitions_are_values_in_bounds_that_no_fit_varies(kind: type[Effect])
     for name, values in kind.definitions.items():
         assert all(known[name].low <= v <= known[name].high and v != known[name].null for v in values)
         assert all(name not in v.free and name not in v.fixed for v in kind.variants)
+
+
+def test_a_form_that_few_runs_prefer_gives_way_to_a_simpler_one_that_is_as_good_in_all() -> None:
+    """With a payload a law kept four constants, of which two could be anything, and hid a third effect."""
+    runs, watch, forms = list(range(COUNT)), Watch(report=no_progress), list(FOUND.values())
+    free = lost_way(SlipRatioFriction(share=1.0, steepness=2.0), structure=(ACROSS,))
+    assert simplified(free, runs, forms, watch).structure == (LAW,)
+    across = SlipRatioFriction(
+        share=1.0, steepness=2.0, transverse_factor=2.0, transverse_coefficient_factor=1.5
+    )
+    needs_it = lost_way(across, structure=(ACROSS,))
+    assert simplified(needs_it, runs, forms, watch) is needs_it
