@@ -345,6 +345,8 @@ def effect_of(row: dict[str, Any] | None) -> str:
     """What a changed constant does to the answers of the development sets."""
     if row is None:
         return "not asked"
+    if not row["sets"]:
+        return f"not read (in {row['unread_in']})"
     said = [f"{len(row[what])} {what}" for what in ("lost", "gained") if row[what]]
     worst = row["worst_chi_factor"]
     if worst is not None and abs(worst - 1.0) >= CHI_MOVES:
@@ -355,7 +357,7 @@ def effect_of(row: dict[str, Any] | None) -> str:
 def development_sets() -> list[str]:
     """Which sets the constants were changed on."""
     found = results("constants.json")["collections"]
-    return [" and ".join(f"{len(one['names'])} judged sets (seed {one['seed']})" for one in found)]
+    return [", ".join(f"{len(one['names'])} {one['what']} (seed {one['seed']})" for one in found)]
 
 
 def page(name: str) -> str:
@@ -381,6 +383,7 @@ SECTIONS: dict[str, dict[str, Callable[[], list[str]]]] = {
         "sets": development_sets,
         "data": partial(constants, "data"),
         "diagnosis": partial(constants, "diagnosis"),
+        "pulls": partial(constants, "pulls"),
     },
 }
 

@@ -5,11 +5,11 @@
 
 Each set is diagnosed as it is, and the constants that are read on the way are noted.  Each of these is then
 halved and doubled, one at a time (of a share above one half its distance from one), and the set diagnosed
-again.  ``--beside`` keeps the rows of an earlier table and asks only for what it lacks; ``--most`` asks each
-constant of so many of the sets that read it, those that are answered soonest.  A set is right where its first
-effect is the planted one, or traced to its variable where no catalogue entry writes it, and where a set
-without an effect is quiet.  Sets looked at here are development sets.  What is known is kept after every
-diagnosis: a run that was stopped goes on where it was.
+again.  ``--beside`` keeps the rows of an earlier table and asks only for what no set read there; ``--most``
+asks each constant of so many of the sets that read it, those that are answered soonest.  A constant that none
+reads moves no answer.  A set is right where its first effect is the planted one, or traced to its variable
+where no catalogue entry writes it, and where a set without an effect is quiet.  Sets looked at here are
+development sets.  What is known is kept after every diagnosis: a run that was stopped goes on where it was.
 """
 
 from __future__ import annotations
@@ -34,8 +34,9 @@ from slipmargin.data import settings as of_data
 from slipmargin.diagnosis import settings as of_search
 
 Row = dict[str, Any]
-#: The constants of runs: prefix → values.
-GROUPS = {"data": of_data.SETTINGS, "diagnosis": of_search.SETTINGS}
+#: Where the constants of each group stand.
+PLACES = {"data": (of_data, "SETTINGS"), "diagnosis": (of_search, "SETTINGS"), "pulls": (of_search, "PULLS")}
+GROUPS = {group: getattr(module, name) for group, (module, name) in PLACES.items()}
 FACTORS = (0.5, 2.0)
 #: What each process runs: the constant asked for is changed before anything else has been imported.
 _DIAGNOSE = """
@@ -96,8 +97,13 @@ def documented(group: str) -> list[Constant]:
 CONSTANTS = [constant for group in GROUPS for constant in documented(group)]
 
 
-def changed(value: float, factor: float) -> float | None:
-    """A constant times ``factor``, or a large share's distance from one; None where that changes nothing."""
+def changed(value: Any, factor: float) -> Any:
+    """A constant times ``factor``, or a large share's distance from one; None where that changes nothing.
+
+    Of several numbers it is each.
+    """
+    if isinstance(value, tuple):
+        return tuple(changed(one, factor) for one in value)
     if isinstance(value, int):
         other = max(1, round(value * factor))
         return None if other == value else other
@@ -105,9 +111,8 @@ def changed(value: float, factor: float) -> float | None:
 
 
 def changes(constant: Constant) -> list[str]:
-    """The changes of a constant, ``"data.piece_s 0.5"``; none of what is no single number."""
-    one = isinstance(constant.value, (int, float))
-    return [f"{constant} {f:g}" for f in FACTORS if one and changed(constant.value, f) is not None]
+    """The changes of a constant, ``"data.piece_s 0.5"``."""
+    return [f"{constant} {f:g}" for f in FACTORS if changed(constant.value, f) is not None]
 
 
 class Watched:
@@ -126,13 +131,14 @@ class Watched:
 def watched(change: str) -> set[str]:
     """Put settings that are watched in place of all, one changed: ``"data.piece_s 0.5"``; what is read."""
     read: set[str] = set()
-    for module, (group, settings) in zip((of_data, of_search), GROUPS.items(), strict=True):
+    for group, (module, place) in PLACES.items():
+        settings = GROUPS[group]
         values = {f.name: getattr(settings, f.name) for f in fields(settings)}
         constant, _, factor = change.partition(" ")
         where, _, name = constant.partition(".")
         if where == group:
             values[name] = changed(values[name], float(factor))
-        module.SETTINGS = Watched(group, values, read)  # type: ignore[assignment]
+        setattr(module, place, Watched(group, values, read))
     return read
 
 
@@ -182,6 +188,19 @@ def asked(plain: dict[str, Row], known: set[str], most: int) -> list[tuple[str, 
     return found
 
 
+def unread(plain: dict[str, Row], known: set[str]) -> list[Row]:
+    """A row for each change, not ``known``, of a constant that none of the sets reads: it moves no answer."""
+    read = {name for row in plain.values() for name in row.get("read", ())}
+    none = {"sets": 0, "lost": [], "gained": [], "worst_chi_factor": None, "unread_in": len(plain)}
+    return [
+        {"constant": change} | none
+        for constant in CONSTANTS
+        if str(constant) not in read
+        for change in changes(constant)
+        if change not in known
+    ]
+
+
 def main(words: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -207,20 +226,23 @@ def main(words: Sequence[str] | None = None) -> int:
     earlier: Row = {"collections": [], "table": []}
     if given.beside:
         earlier = json.loads(given.beside.read_text(encoding="utf-8"))
-    known = {row["constant"] for row in earlier["table"]}
+    known = {row["constant"] for row in earlier["table"] if row["sets"]}
     paths = {path.name: path for path in sets}
+    read = {name: held["sets"][f"{name}:"] for name in paths}
     other = {
         f"{name}:{change}": partial(judge, paths[name], given.budget, [*command, change])
-        for name, change in asked({name: held["sets"][f"{name}:"] for name in paths}, known, given.most)
+        for name, change in asked(read, known, given.most)
     }
     if not answer(other, held, given.out, given.jobs):
         return 130
     truth = json.loads((given.folder / "truth.json").read_text(encoding="utf-8"))
     rows = [row for row in table(held, truth["sets"]) if row["constant"] not in known]
+    rows += unread(read, known)
     names = sorted({key.partition(":")[0] for key in other})
-    collections = [*earlier["collections"], {"seed": truth["seed"], "names": names}]
+    own = {"what": truth.get("what", "judged sets"), "seed": truth["seed"], "names": names}
+    collections = [*earlier["collections"], own]
     there = {change for constant in CONSTANTS for change in changes(constant)}
-    kept = [row for row in (*earlier["table"], *rows) if row["constant"] in there]
+    kept = [row for row in earlier["table"] if row["constant"] in there & known] + rows
     lines = ",\n".join(f" {json.dumps(row)}" for row in sorted(kept, key=lambda row: row["constant"]))
     head = f'{{"collections": {json.dumps(collections)},\n"table": [\n'
     given.table.write_text(f"{head}{lines}\n]}}\n", encoding="utf-8")

@@ -8,7 +8,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from judged.constants import CONSTANTS, GROUPS, asked, changed, changes, table
+from judged.constants import CONSTANTS, GROUPS, asked, changed, changes, table, unread
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -18,9 +18,10 @@ def test_shares_near_one_keep_below_it() -> None:
     assert changed(0.95, 2.0) == 1.0 - 2.0 * (1.0 - 0.95) and changed(0.95, 0.5) == 1.0 - 0.5 * (1.0 - 0.95)
 
 
-def test_what_is_no_number_is_not_changed() -> None:
+def test_of_several_numbers_each_is_changed() -> None:
+    assert changed((0.01, 0.1, 1.0), 2.0) == (0.02, 0.2, 2.0)
     by_name = {str(constant): constant for constant in CONSTANTS}
-    assert changes(by_name["diagnosis.ridges"]) == []
+    assert changes(by_name["diagnosis.ridges"]) == ["diagnosis.ridges 0.5", "diagnosis.ridges 2"]
     assert changes(by_name["data.piece_s"]) == ["data.piece_s 0.5", "data.piece_s 2"]
 
 
@@ -94,3 +95,11 @@ def test_each_constant_is_asked_of_the_sets_that_read_it_and_answer_soonest() ->
         *(("c", "data.piece_s 2"), ("a", "data.piece_s 2")),
         *(("b", "data.misses 0.5"), ("c", "data.misses 0.5")),
     ]
+
+
+def test_a_constant_that_no_set_reads_moves_no_answer() -> None:
+    plain = {"a": {"read": ["data.misses"]}, "b": {"read": ["data.piece_s"]}}
+    known = {c for constant in CONSTANTS if str(constant) != "data.as_good" for c in changes(constant)}
+    (half, double) = unread(plain, known - {"data.misses 2"})
+    assert [half["constant"], double["constant"]] == ["data.as_good 0.5", "data.as_good 2"]
+    assert half["unread_in"] == 2 and half["sets"] == 0 and not half["lost"]

@@ -1,4 +1,4 @@
-"""Pulls of a robot whose effects are known: what the tests of diagnoses by pulls are made of."""
+"""Pulls of a robot whose effects are known: what diagnoses by pulls are tested and measured on."""
 
 from __future__ import annotations
 
