@@ -188,17 +188,20 @@ def asked(plain: dict[str, Row], known: set[str], most: int) -> list[tuple[str, 
     return found
 
 
-def unread(plain: dict[str, Row], known: set[str]) -> list[Row]:
-    """A row for each change, not ``known``, of a constant that none of the sets reads: it moves no answer."""
+def unread(plain: dict[str, Row], earlier: Sequence[Row]) -> list[Row]:
+    """A row for each change of a constant that none of the sets reads, nor one before: it moves no answer."""
     read = {name for row in plain.values() for name in row.get("read", ())}
-    none = {"sets": 0, "lost": [], "gained": [], "worst_chi_factor": None, "unread_in": len(plain)}
-    return [
-        {"constant": change} | none
-        for constant in CONSTANTS
-        if str(constant) not in read
-        for change in changes(constant)
-        if change not in known
-    ]
+    before = {row["constant"]: row for row in earlier}
+    none = {"sets": 0, "lost": [], "gained": [], "worst_chi_factor": None}
+    found = []
+    for constant in CONSTANTS:
+        for change in changes(constant) if str(constant) not in read else ():
+            old = before.get(change, none)
+            if not old["sets"]:
+                found.append(
+                    {"constant": change} | none | {"unread_in": len(plain) + old.get("unread_in", 0)}
+                )
+    return found
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -237,7 +240,7 @@ def main(words: Sequence[str] | None = None) -> int:
         return 130
     truth = json.loads((given.folder / "truth.json").read_text(encoding="utf-8"))
     rows = [row for row in table(held, truth["sets"]) if row["constant"] not in known]
-    rows += unread(read, known)
+    rows += unread(read, earlier["table"])
     names = sorted({key.partition(":")[0] for key in other})
     own = {"what": truth.get("what", "judged sets"), "seed": truth["seed"], "names": names}
     collections = [*earlier["collections"], own]

@@ -99,7 +99,12 @@ def test_each_constant_is_asked_of_the_sets_that_read_it_and_answer_soonest() ->
 
 def test_a_constant_that_no_set_reads_moves_no_answer() -> None:
     plain = {"a": {"read": ["data.misses"]}, "b": {"read": ["data.piece_s"]}}
-    known = {c for constant in CONSTANTS if str(constant) != "data.as_good" for c in changes(constant)}
-    (half, double) = unread(plain, known - {"data.misses 2"})
+    earlier = [
+        {"constant": change, "sets": 0 if str(constant) == "data.as_good" else 3, "unread_in": 7}
+        for constant in CONSTANTS
+        if str(constant) != "data.misses"
+        for change in changes(constant)
+    ]
+    half, double = unread(plain, earlier)
     assert [half["constant"], double["constant"]] == ["data.as_good 0.5", "data.as_good 2"]
-    assert half["unread_in"] == 2 and half["sets"] == 0 and not half["lost"]
+    assert half["unread_in"] == 9 and half["sets"] == 0 and not half["lost"]
