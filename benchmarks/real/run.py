@@ -2,8 +2,8 @@
 
     python benchmarks/real/run.py DATA [--json FILE] [--set NAME]… [--row NAME]…
 
-DATA holds what you have of ``robotino/`` (folders table_0.1, gray_0.1, load_0.1, green_0.1, green_0.2 of
-the public repository BrOleg5/research-wheel-slippage) and ``robojackets/`` (enc_vis*.txt of
+DATA holds what you have of ``robotino/`` (folders table_0.1, gray_0.1, gray_0.2, load_0.1, green_0.1 and
+green_0.2 of the public repository BrOleg5/research-wheel-slippage) and ``robojackets/`` (enc_vis*.txt of
 RoboJackets/robocup-firmware-data, branch nn-processing). Nothing is downloaded. ``--json`` keeps each
 row as soon as it is known, and goes on from there. ``python benchmarks/real/page.py --write`` makes the
 page.
