@@ -50,6 +50,7 @@ def monitor(
             surface="--surface",
             false_alarm_rate="--false-alarms",
             torque_per_ampere_N_m="--torque-per-ampere",
+            seed="--seed",
         ),
     ):
         lines = sm.SlipMonitor.lines(log, _stdin() if log == "-" else None)

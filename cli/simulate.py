@@ -62,7 +62,7 @@ def simulate(
     """
     import slipmargin as sm
 
-    check_outputs(out, json, report, plot=plot, reads=(robot, commands))
+    check_outputs(out, json, report, export and export[1], plot=plot, reads=(robot, commands))
     recipe = sm.read_robot(robot)
     with (
         stages("simulating", counted=False),

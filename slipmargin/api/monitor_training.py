@@ -68,6 +68,8 @@ def simulated(
         above=0.0,
         cure="give newton metres per ampere",
     )
+    if seed < 0:
+        raise InputError("seed", f"is {seed}", "give a whole number from 0")
     rng = np.random.default_rng(seed)
     arm = float(np.mean(np.abs(table.along[2])))
     per = np.array([1.0, 1.0, 1.0 / arm])

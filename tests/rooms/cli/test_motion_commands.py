@@ -255,6 +255,25 @@ def test_the_page_on_ci_shows_real_output(
             ["plan", "ohio-kiwi", "way.csv", "--surface", "paper", "--out", "m", "--export", "choreo", "m"],
             "is asked for twice",
         ),
+        (
+            ["simulate", "ohio-kiwi", "way.csv", "--surface", "paper", "--export", "choreo", "way.csv"],
+            "is read as well as written",
+        ),
+        (
+            [
+                "simulate",
+                "ohio-kiwi",
+                "way.csv",
+                "--surface",
+                "paper",
+                "--out",
+                "m",
+                "--export",
+                "choreo",
+                "m",
+            ],
+            "is asked for twice",
+        ),
     ],
 )
 def test_no_output_takes_the_place_of_another_file(

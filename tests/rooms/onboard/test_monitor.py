@@ -294,6 +294,13 @@ def stiff_with_load() -> GeneralEffect:
     )
 
 
+def test_a_seed_below_zero_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    log = tmp_path / "log.csv"
+    log.write_text("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n0,1,2,3\n", encoding="utf-8")
+    assert status(["monitor", "ohio-kiwi", str(log), "--surface", "paper", "--seed", "-1"]) == 2
+    assert "--seed: is -1, give a whole number from 0" in capsys.readouterr().err
+
+
 def test_the_log_itself_is_no_place_for_results(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     log = tmp_path / "log.csv"
     log.write_text("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n0,1,2,3\n", encoding="utf-8")
