@@ -54,6 +54,12 @@ def real(
     return number
 
 
+def from_zero(place: str, seed: int) -> None:
+    """Refuse a seed of everything random that is below zero."""
+    if seed < 0:
+        raise InputError(place, f"is {shown(seed)}", "give a whole number from 0")
+
+
 def shaped(place: str, value: Any, shape: tuple[int | None, ...]) -> Array:
     """A float copy of ``value`` with the given shape (``None``: any length)."""
     array = np.array(value, dtype=np.float64)

@@ -141,13 +141,13 @@ def diagnose(
     >>> found = sm.diagnose("measured-runs")  # doctest: +SKIP
     >>> sm.sweep(found.corrected, "paper")  # doctest: +SKIP
     """
+    from slipmargin.checks import from_zero
     from slipmargin.data.clean_up import repaired
     from slipmargin.diagnosis.limits_change import limits_change
     from slipmargin.diagnosis.loop import diagnose as search
     from slipmargin.diagnosis.turned import FRAME, change_in, data_set_in, diagnosis_in
 
-    if seed < 0:
-        raise InputError("seed", f"is {seed}", "give a whole number from 0")
+    from_zero("seed", seed)
     data, source = read_data(data_set)
     if data.members:
         return _campaign(data, source, seed, progress, budget_s)

@@ -115,11 +115,11 @@ def measure(pulls: Path | str, robot: RobotLike, surface: str, *, seed: int = 0)
     >>> import slipmargin as sm
     >>> sm.measure("pulls.csv", "ohio-kiwi", "paper")  # doctest: +SKIP
     """
+    from slipmargin.checks import from_zero
     from slipmargin.io.trial_file import read_pulls
     from slipmargin.study.measure import measure as fit
 
-    if seed < 0:
-        raise InputError("seed", f"is {seed}", "give a whole number from 0")
+    from_zero("seed", seed)
     recipe = read_robot(robot)
     model, warnings = model_of(recipe, surface)
     read = read_pulls(Path(pulls), model.count)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from slipmargin.checks import Array, real
+from slipmargin.checks import Array, from_zero, real
 from slipmargin.data.odometry import body_velocity
 from slipmargin.errors import InputError
 from slipmargin.onboard.signals import TAU_S
@@ -68,8 +68,7 @@ def simulated(
         above=0.0,
         cure="give newton metres per ampere",
     )
-    if seed < 0:
-        raise InputError("seed", f"is {seed}", "give a whole number from 0")
+    from_zero("seed", seed)
     rng = np.random.default_rng(seed)
     arm = float(np.mean(np.abs(table.along[2])))
     per = np.array([1.0, 1.0, 1.0 / arm])

@@ -11,7 +11,7 @@ import numpy as np
 
 from slipmargin.api.result import FolderResult
 from slipmargin.api.robots import checked_margin
-from slipmargin.checks import real
+from slipmargin.checks import from_zero, real
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
@@ -151,8 +151,7 @@ def next_run(
 
     if isinstance(runs, bool) or not isinstance(runs, int) or not 1 <= runs <= _MOST_RUNS:
         raise InputError("runs", f"is {runs}", f"give a whole number from 1 to {_MOST_RUNS}")
-    if seed < 0:
-        raise InputError("seed", f"is {seed}", "give a whole number from 0")
+    from_zero("seed", seed)
     size = None if space_m is None else checked_space("space", space_m)
     share = 1.0 - checked_margin(margin)
     caps = [

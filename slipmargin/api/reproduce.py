@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, final
 
 from slipmargin.api.result import FolderResult
-from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
     from slipmargin.paper.reproduction import Reproduction
@@ -93,10 +92,10 @@ def reproduce(
     >>> sm.reproduce()  # doctest: +SKIP
     <reproduction of Williams et al. 2002: 31 reproduced, 7 differ, 23 cannot be checked>
     """
+    from slipmargin.checks import from_zero
     from slipmargin.paper.reproduction import reproduce_paper, steps
 
-    if seed < 0:
-        raise InputError("seed", f"is {seed}", "give a whole number from 0")
+    from_zero("seed", seed)
     count, total = 0, steps(search=search, study=identifiability)
 
     def advance() -> None:

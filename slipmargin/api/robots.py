@@ -157,11 +157,11 @@ class Drawing:
         InputError
             For a seed below 0, or a chance out of range or without a spread.
         """
+        from slipmargin.checks import from_zero
         from slipmargin.limits.uncertainty import checked_chance
         from slipmargin.robot.warnings import uncertain_keys
 
-        if seed < 0:
-            raise InputError("seed", f"is {seed}", "give a whole number from 0")
+        from_zero("seed", seed)
         if not uncertain_keys(recipe.robot, surface):
             if chance is None:
                 return None
