@@ -10,7 +10,7 @@ import numpy as np
 
 from slipmargin.api.result import Result
 from slipmargin.api.robots import RobotLike, model_of, read_robot
-from slipmargin.checks import Array
+from slipmargin.checks import Array, from_zero
 from slipmargin.errors import InputError
 from slipmargin.physics.constants import GRAVITY_M_S2
 
@@ -115,7 +115,6 @@ def measure(pulls: Path | str, robot: RobotLike, surface: str, *, seed: int = 0)
     >>> import slipmargin as sm
     >>> sm.measure("pulls.csv", "ohio-kiwi", "paper")  # doctest: +SKIP
     """
-    from slipmargin.checks import from_zero
     from slipmargin.io.trial_file import read_pulls
     from slipmargin.study.measure import measure as fit
 
