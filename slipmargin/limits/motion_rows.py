@@ -273,11 +273,13 @@ def torque_limit(model: Model, speed: Array) -> Array:
 def torque_use(model: Model, torque_N_m: Array, speed: Array) -> Array:
     """Share (M, N) of what the motors give at wheel speeds (M, N) that torques (M, N) need.
 
-    Infinite where a torque is asked for at the top speed, at which a motor has none.
+    Infinite where a torque is asked for at the top speed, at which a motor has none; 0 where what is asked
+    for is no torque (NO_TORQUE): close to the top speed both are rounding, and so is their ratio.
     """
     forwards, backwards = torque_limit(model, speed)
     limit = np.where(torque_N_m >= 0.0, forwards, backwards)
     asked = np.abs(torque_N_m)
-    share = np.where(asked > NO_TORQUE * (model.drives.stall_torque_N_m or np.inf), np.inf, 0.0)
-    np.divide(asked, limit, out=share, where=limit > 0.0)
+    some = asked > NO_TORQUE * (model.drives.stall_torque_N_m or np.inf)
+    share = np.where(some, np.inf, 0.0)
+    np.divide(asked, limit, out=share, where=some & (limit > 0.0))
     return share

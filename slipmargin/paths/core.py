@@ -70,6 +70,37 @@ def _extreme(
 
 
 @njit(cache=True)
+def _fastest_after(A: Array, B: Array, C: Array, count: int, step: float, bottom: float, top: float) -> float:
+    """The largest x in [bottom, top] that loses nothing at the interval's end.
+
+    The largest x at the end, x + 2 Δ u, is a concave function of x at the start.  Where it falls before
+    ``top``, a faster start is only paid for by a slower end: rows over one interval are steeper there than
+    the motion they stand for.
+    """
+    low, high, _, k = _width(A, B, C, count, top)
+    if high == math.inf or 2.0 * step * B[k] <= A[k]:
+        return top
+    left, right, row = bottom, top, k
+    for _ in range(100):
+        _, _, _, i = _width(A, B, C, count, left)
+        fall, rise = 1.0 - 2.0 * step * B[row] / A[row], 1.0 - 2.0 * step * B[i] / A[i]
+        if rise < -FLAT:  # it falls from there on
+            return left
+        # where both lines x + 2 Δ (c − b x)/a meet
+        new = float(2.0 * step * (C[i] / A[i] - C[row] / A[row]) / (fall - rise))
+        if not left < new < right:
+            return min(max(new, left), right)
+        _, high, _, k = _width(A, B, C, count, new)
+        if k in (i, row):
+            return new
+        if 1.0 - 2.0 * step * B[k] / A[k] < 0.0:
+            right, row = new, k
+        else:
+            left = new
+    return left
+
+
+@njit(cache=True)
 def _gather(
     A0: Array,
     B0: Array,
@@ -164,8 +195,8 @@ def profile(
         if not top >= least:
             return STUCK, j, _named(name, i), _named(name, k)
         bottom, i, k = _extreme(A, B, C, count, least, top, False)
-        highest[j] = top
         lowest[j] = bottom if bottom <= top else top
+        highest[j] = _fastest_after(A, B, C, count, step[j], lowest[j], top)
     if x_start > highest[0] * (1.0 + 1e-12) + 1e-15:
         return START, 0, -1, -1
     if x_start < lowest[0] - 1e-12:

@@ -25,12 +25,19 @@ from slipmargin.paths.path import Path
 SETTLING, MOST_SETTLING, SETTLED = 3, 20, 1e-6
 #: Rounds of tightening before giving up.
 ROUNDS = 60
+#: Halvings of the span in which the largest end speed is sought, to name it in three digits.
+HALVINGS = 16
 #: The dense check aims this much below the limit, so that rounding cannot exceed it [1].
 AIM = 2e-7
 #: A row that leaves no more room than this limits the motion [1].
 BINDS = 1e-6
+#: No round lowers a share by more than this factor [1].
+LEAST_LEFT = 0.5
 #: Each further round aims lower by this factor, down to a coarsest aim, so that rounds come to an end [1].
 HASTE, COARSEST = 1.25, 3e-3
+#: An interval that was lowered more often than this is lowered by HASTE times more each time: its row may stand
+#: far from what it really uses, and answer to nothing until it binds.
+PATIENCE = 6
 
 
 @final
@@ -135,15 +142,7 @@ def plan(model: Model, path: Path, request: Request | None = None, *, grid: Grid
                 passes=work.passes,
             )
         work.drive(request.start_m_s**2, request.end_m_s**2)
-    seen = work.check(whole=True)
-    i, wheel = np.unravel_index(int(np.argmax(seen.most)), seen.most.shape)
-    raise NoSolution(
-        work.place(int(i)),
-        f"wheel {model.geometry.names[wheel]} still uses "
-        f"{seen.most[i, wheel]:.4f} of its grip after {ROUNDS} rounds of tightening",
-        "use more grid points or a larger margin",
-        seen,
-    )
+    raise work.not_settled()
 
 
 class _Work:
@@ -153,8 +152,10 @@ class _Work:
         self.model, self.request, self.grid, self.coarse, self.fine = model, request, grid, coarse, fine
         n = len(grid.step)
         self.grip, self.torque, self.speed, self.load = np.ones((4, n))
+        self.times = np.zeros((4, n), dtype=np.int64)  # that each interval was lowered, in order of `limited`
         self.x, self.u, self.highest = np.zeros(n + 1), np.zeros(n), np.zeros(n + 1)
         self.passes = 0
+        self.from_rest = self.x  # the profile from rest to rest that others are begun from
         self.rows: Rows
         self.seen: tuple[Array, Array, Audit] | None = None
         self.whole = False  # whether what was seen is a whole check
@@ -177,17 +178,29 @@ class _Work:
 
     def settle(self) -> None:
         """Passes with fixed shares until neither drag nor torque–speed line moves the profile any more."""
-        ends = self.request.start_m_s**2, self.request.end_m_s**2
-        if max(ends) > 0.0 and self.model.drives.stall_torque_N_m is not None:
+        start, end = self.request.start_m_s**2, self.request.end_m_s**2
+        if max(start, end) > 0.0 and self.model.drives.stall_torque_N_m is not None:
             # The torque–speed line is touched where a profile from rest to rest is, and at the ends' speeds.
             with contextlib.suppress(NoSolution):
                 self._settle(0.0, 0.0)
-            first, last = (
-                np.logical_and.accumulate(x < most) * most
-                for x, most in zip((self.x, self.x[::-1]), ends, strict=True)
-            )
-            self.x = np.maximum(self.x, np.maximum(first, last[::-1]))
-        self._settle(*ends)
+            self.from_rest = self.x
+            self.x, self.highest = self._ending(end), np.maximum(self.highest, self._ending(end))
+            self.x = np.maximum(self.x, np.minimum(_held(self.from_rest, start), self.ceiling()))
+        self._settle(start, end)
+
+    def _ending(self, end: float) -> Array:
+        """The profile from rest to rest, but no slower than ``end`` (ṡ²) from where it comes down to it."""
+        return np.maximum(self.from_rest, _held(self.from_rest[::-1], end)[::-1])
+
+    def _fastest_end(self, start: float) -> float:
+        """Largest ṡ² at the end that can be reached from ``start``, below the one asked for."""
+        low, high, assumed = 0.0, self.request.end_m_s, self.assumed()
+        for _ in range(HALVINGS):
+            end = (0.5 * (low + high)) ** 2
+            blank = np.zeros_like(self.x), np.zeros_like(self.u), np.zeros_like(self.x)
+            ok = _passes(self.grid, self.along(assumed, self._ending(end)), start, end, *blank)[0] == core.OK
+            low, high = (np.sqrt(end), high) if ok else (low, np.sqrt(end))
+        return low**2
 
     def _settle(self, start: float, end: float) -> None:
         before = np.inf
@@ -225,14 +238,15 @@ class _Work:
         x, u, highest = np.zeros_like(self.x), np.zeros_like(self.u), np.zeros_like(self.x)
         status, j, one, two = _passes(self.grid, w, start, end, x, u, highest)
         if status in (core.STUCK, core.REST):
+            most = self._fastest_end(start) if end > 0.0 else 0.0
+            if most > 0.0:
+                raise too_fast(r.end_m_s, False, most, self.coarse)
             raise stuck(self.model, self.coarse, w, j, one, two, r.share, r.contact)
-        if status != core.OK:
-            raise too_fast(
-                r.start_m_s if status == core.START else r.end_m_s,
-                status == core.START,
-                float(highest[0] if status == core.START else w.cap[-1]),
-                self.coarse,
-            )
+        if status == core.START:
+            self.highest = highest
+            raise too_fast(r.start_m_s, True, float(self.ceiling()[0]), self.coarse)
+        if status == core.END:
+            raise too_fast(r.end_m_s, False, self._fastest_end(start), self.coarse)
         self.x, self.u, self.highest = x, u, highest
         self.passes += 1
 
@@ -277,20 +291,42 @@ class _Work:
         self.seen, self.whole = (self.x, self.u, found), known is None
         return found
 
+    def limited(self, seen: Audit) -> tuple[tuple[str, Array, Array, float], ...]:
+        """What is limited: its name, the share kept of it (n,), what is used (n, N or 1) and the limit."""
+        share = self.request.share
+        return (
+            ("grip", self.grip, seen.most, share),
+            ("motor torque", self.torque, seen.torque.max(axis=1), share),
+            ("load before it lifts", self.load, seen.tipping.max(axis=1), share),
+            ("speed cap", self.speed, seen.speed.max(axis=1, keepdims=True), 1.0),
+        )
+
     def tighten(self, seen: Audit, aim: float) -> bool:
         """Lower the shares of intervals that use too much to ``aim`` below; False where none does."""
         found = False
-        for kept, used, limit in (
-            (self.grip, seen.most.max(axis=1), self.request.share),
-            (self.torque, seen.torque.max(axis=(1, 2)), self.request.share),
-            (self.load, seen.tipping.max(axis=(1, 2)), self.request.share),
-            (self.speed, seen.speed.max(axis=1), 1.0),
-        ):
-            factor = _lowered(used, limit, aim)
-            kept *= factor
-            found |= bool(np.any(factor < 1.0))
+        for times, (_, kept, used, limit) in zip(self.times, self.limited(seen), strict=True):
+            factor = _lowered(used.max(axis=1), limit, aim)
+            over = factor < 1.0
+            found |= bool(np.any(over))
+            times += over
+            insisting = HASTE ** np.maximum(times - PATIENCE, 0)
+            kept *= np.maximum(1.0 - (1.0 - factor) * insisting, LEAST_LEFT)
         self.grip *= self._remembered(seen, aim)
         return found
+
+    def not_settled(self) -> NoSolution:
+        """The error where something is used too much after the last round: what is most over its limit."""
+        seen = self.check(whole=True)
+        what, _, used, limit = max(self.limited(seen), key=lambda row: float(np.max(row[2])) / row[3])
+        i, wheel = np.unravel_index(int(np.argmax(used)), used.shape)
+        who = f"wheel {self.model.geometry.names[wheel]}" if used.shape[1] > 1 else "the robot"
+        return NoSolution(
+            self.place(int(i)),
+            f"{who} still uses {used[i, wheel]:.4f} of its {what}, where {limit:g} is allowed, "
+            f"after {ROUNDS} rounds of tightening",
+            "use more grid points or a larger margin",
+            seen,
+        )
 
     def _remembered(self, seen: Audit, aim: float) -> Array:
         """Factors (n,) for the intervals before one that uses too much, for as long as their creep lasts.
@@ -331,7 +367,12 @@ class _Work:
 def _lowered(used: Array, limit: float, aim: float) -> Array:
     """Factors (n,) on the shares of intervals: to ``aim`` below the limit where more is used, else 1."""
     over = used > limit * (1.0 + 2.0 * AIM)
-    return np.where(over, np.maximum((1.0 - aim) * limit / np.where(over, used, limit), 0.5), 1.0)
+    return np.where(over, np.maximum((1.0 - aim) * limit / np.where(over, used, limit), LEAST_LEFT), 1.0)
+
+
+def _held(x: Array, most: float) -> Array:
+    """``most`` from the start of a profile for as long as it stays below it, then 0."""
+    return np.logical_and.accumulate(x < most) * most
 
 
 def _passes(

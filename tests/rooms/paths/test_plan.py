@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -278,3 +279,50 @@ def test_motors_are_used_as_far_as_their_line_allows(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr("slipmargin.paths.plan.SETTLING", 40)
     monkeypatch.setattr("slipmargin.paths.plan.MOST_SETTLING", 40)
     assert found.duration_s == pytest.approx(plan(MODELS["motor"], way).duration_s, rel=1e-4)
+
+
+CAR = nominal_model(
+    replace(
+        four_wheels(load_rule=LoadRule.QUASI_STATIC, com_height_m=0.1),
+        motor=Motor(max_speed_rad_s=32.0, stall_torque_N_m=2.3),
+    ),
+    "paper",
+)
+
+
+def test_no_torque_is_asked_for_at_the_motors_top_speed() -> None:
+    """Ten metres straight ahead could not be planned, five and six could: 1e-12 N m of 1e-12 N m."""
+    found = plan(CAR, through(np.array([[0, 0, 0], [0, 10.0, 0]])), Request(share=0.9))
+    assert np.max(found.audit.speed) == pytest.approx(1.0, abs=1e-9)  # at the motors' top speed
+    assert np.max(found.audit.torque) <= 0.9 * (1.0 + 1e-6)
+
+
+def test_a_coarse_grid_is_not_slower_than_a_fine_one() -> None:
+    """The rows of a motor over a long interval stopped the robot in the middle: 12 percent of the time."""
+    around = through(np.array([[0, 0, 0], [0, 5.0, 0], [-5.0, 5.0, 3.0]]))
+    times = [plan(CAR, around, Request(share=0.9, points=n)).duration_s for n in (25, 100, 400)]
+    assert max(times) <= 1.003 * min(times)
+
+
+@pytest.mark.parametrize("asked", [0.8, 1.2, 2.0, 3.0])
+@pytest.mark.parametrize("end", ["start_m_s", "end_m_s"])
+def test_the_speed_that_is_said_to_be_possible_is(end: str, asked: float) -> None:
+    """1.15 m/s was refused with 'at most 1.109', 1.109 with 'at most 0.3705', and 1.1 could be planned."""
+    short = corners(np.array([[0, 0, 0], [0.1, 0, 0]]))
+    with pytest.raises(InputError, match=end.split("_")[0] + " speed") as refused:
+        plan(CAR, short, Request(points=60, **{end: asked}))
+    most = float(re.search(r"at most ([\d.]+) m/s", str(refused.value))[1])  # type: ignore[index]
+    assert 0.3 < most < asked
+    found = plan(CAR, short, Request(points=60, **{end: most}))
+    reached = found.x[0] if end == "start_m_s" else found.x[-1]
+    assert np.sqrt(reached) == pytest.approx(most, rel=1e-6)
+    with pytest.raises(InputError):
+        plan(CAR, short, Request(points=60, **{end: most * 1.02}))
+
+
+def test_what_does_not_settle_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A motor that was asked for too much was called a wheel that uses 0.78 of its grip."""
+    monkeypatch.setattr("slipmargin.paths.plan.ROUNDS", 1)
+    around = through(np.array([[0, 0, 0], [0, 5.0, 0], [-5.0, 5.0, 3.0]]))
+    with pytest.raises(NoSolution, match=r"wheel \w+ still uses 0\.9\d* of its motor torque, where 0\.9 is"):
+        plan(CAR, around, Request(share=0.9, points=60))
