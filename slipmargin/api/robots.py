@@ -118,12 +118,10 @@ def model_of(
 
 def _partly_used(recipe: Recipe) -> tuple[str, ...]:
     """A sentence for each effect of a robot file that does not count everywhere."""
-    from slipmargin.effects import Effect, Part
+    from slipmargin.effects import Effect
 
-    measured = "diagnose only: it is a fault of what is measured, not of the robot"
-    found = {e.name: measured for e in recipe.effects if e.part is Part.SENSING}
-    found |= {e.name: e.counts_in for e in recipe.effects if isinstance(e, Effect) and e.counts_in}
-    return tuple(f"effect {name}: counts in {where}" for name, where in found.items())
+    found = {e.name: (isinstance(e, Effect) and e.counts_in) or e.part.counts_in for e in recipe.effects}
+    return tuple(f"effect {name}: counts in {where}" for name, where in found.items() if where)
 
 
 def checked_margin(margin: float) -> float:

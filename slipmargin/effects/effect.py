@@ -59,12 +59,22 @@ class Part(Enum):
         """The field of :class:`Model` that holds it."""
         return _FIELDS.get(self, self.value)
 
+    @property
+    def counts_in(self) -> str:
+        """Where an effect on it counts, in words, where that is not in every command."""
+        return _COUNTS_IN.get(self, "")
+
 
 _FIELDS = {
     Part.CONTACTS: "geometry",
     Part.LOSSES: "external",
     Part.TRANSIENTS: "actuators",
     Part.SENSING: "measurement",
+}
+_COUNTS_IN = {
+    Part.SENSING: "diagnose only: it is a fault of what is measured, not of the robot",
+    Part.TRANSIENTS: "simulate and diagnose with commands; limits, plans and stops are those of wheels "
+    "that turn as they are told",
 }
 
 
@@ -183,7 +193,7 @@ class Effect(ABC):
     #: The effect that says the other half of one thing, as loads at rest and their shift with the
     #: acceleration both say where the centre of mass is: a diagnosis that fits one of them also fits both.
     other_half: ClassVar[str] = ""
-    #: Where it counts, in words, where that is not in every command.
+    #: Where it counts, in words, where that is neither in every command nor as its part says.
     counts_in: ClassVar[str] = ""
     #: Parameters that no fit varies, with the values that a diagnosis compares once all else is fitted.
     scanned: ClassVar[Mapping[str, tuple[float, ...]]] = {}

@@ -23,6 +23,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 from strategies import effects, four_wheels, kiwi, robots
 
+from slipmargin.api.robots import model_of
 from slipmargin.diagnosis.sense import measure
 from slipmargin.diagnosis.wheel_phase import matters_to
 from slipmargin.effects import Effect, GeneralEffect, Part, Recipe, Scope, WheelEffect
@@ -218,6 +219,9 @@ def test_sensing_and_transients_move_no_static_limit(kind: type[Effect], data: s
     model, changed = build(machine()), build(machine(), effect)
     np.testing.assert_array_equal(statics(changed), statics(model))
     np.testing.assert_array_equal(bounds(changed), bounds(model))
+    # and every command says so: a motor's lag was in no plan and no stopping distance, without a word
+    _, warnings = model_of(Recipe(robot=machine(), effects=(effect,)), "paper")
+    assert any(said.startswith(f"effect {kind.name}: counts in ") for said in warnings)
 
 
 # Law 4 ------------------------------------------------------------------------------------------------
