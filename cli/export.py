@@ -10,7 +10,7 @@ import typer
 
 from . import complete
 from .export_c import export_c
-from .options import JsonOpt, RobotArg, check_outputs, deliver
+from .options import JsonOpt, RobotArg, check_new_file, check_outputs, deliver
 from .render import at_options
 
 _ENDINGS = {"sdf": ".sdf", "urdf": ".urdf", "mjcf": ".xml"}
@@ -55,6 +55,8 @@ def _simulator(form: str) -> Callable[..., None]:
             found = sm.export_simulator(robot, form, surface)
         file = out or Path(f"{found.robot.name}{_ENDINGS[form]}")
         check_outputs(file, json, reads=(robot,))
+        if out is None:
+            check_new_file(file, "name it with --out to replace it, or give another name")
         deliver(found, texts={file: found.text}, json=json)
 
     return export

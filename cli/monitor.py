@@ -42,7 +42,7 @@ def monitor(
     """
     import slipmargin as sm
 
-    check_outputs(out, json, report, plot=plot, reads=(robot, log))
+    check_outputs(out, json, report, plot=plot, reads=(robot, log, train))
     live = log == "-" and not (out or plot or json or report)
     with (
         read_with_progress(),

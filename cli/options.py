@@ -113,9 +113,15 @@ def check_outputs(
         same = next((f for f in (*files, plot) if f is not None and Path(f).resolve() in above), None)
         if same is not None:
             raise InputError("", "is asked for as a file and as a folder", "give them two names", str(same))
+        if any(f is not None and Path(f).is_dir() and place == Path(f).resolve() for f in reads):
+            raise InputError("", "is read as well as written", "give the output another name", str(folder))
     if data_set is not None:
         from slipmargin.io.data_set_write import check_data_set_place, check_new
 
+        place = Path(data_set).resolve()
+        inside = next((f for f in files if f is not None and place in Path(f).resolve().parents), None)
+        if inside is not None:
+            raise InputError("", "lies in the data set that is written", "give another folder", str(inside))
         (check_data_set_place if replace else check_new)(data_set)
     _check_apart((*files, plot), reads)
     check_writable(*files, plot)
@@ -124,10 +130,14 @@ def check_outputs(
 
 
 def _check_apart(files: Sequence[Path | str | None], reads: Sequence[Path | str | None]) -> None:
-    """Refuse a file that would be written twice, or that is read as well: one of the two would be lost."""
+    """Refuse a file that would be written twice, or that is read as well: one of the two would be lost.
+
+    A folder among ``reads`` stands for every file in it.
+    """
     from slipmargin.errors import InputError
 
     read = [Path(f) for f in reads if f is not None and Path(f).is_file()]
+    folders = [Path(f).resolve() for f in reads if f is not None and Path(f).is_dir()]
     seen: set[Path] = set()
     for file in files:
         if file is None or str(file) == "-":
@@ -135,11 +145,27 @@ def _check_apart(files: Sequence[Path | str | None], reads: Sequence[Path | str 
         place = Path(file).resolve()
         if place.exists() and not place.is_file():
             continue  # a device takes everything
-        if place.exists() and any(place.samefile(f) for f in read):
+        if place.exists() and (
+            any(place.samefile(f) for f in read) or any(folder in place.parents for folder in folders)
+        ):
             raise InputError("", "is read as well as written", "give the output another name", str(file))
         if place in seen:
             raise InputError("", "is asked for twice", "give the outputs two names", str(file))
         seen.add(place)
+
+
+def check_new_file(file: Path, cure: str) -> None:
+    """Refuse a file that is there already, where nobody has said that it may be replaced.
+
+    Raises
+    ------
+    InputError
+        Placed at the file.
+    """
+    from slipmargin.errors import InputError
+
+    if file.exists():
+        raise InputError("", "is there already", cure, str(file))
 
 
 def deliver(
@@ -150,12 +176,26 @@ def deliver(
     json: str | None = None,
     report: Path | None = None,
     texts: Mapping[Path | str, str | bytes] | None = None,
+    export: tuple[str, Path] | None = None,
     written: Sequence[Path | str] = (),
 ) -> None:
-    """Write a result's files, all or none, then print what the command says and name ``written`` too."""
-    from .render import made, say, warn
+    """Write a result's files, all or none, then print what the command says and name ``written`` too.
+
+    ``export`` is a motion's file for another tool; a bag is a folder, and is written before the files.
+    """
+    import slipmargin as sm
+
+    from .render import at_options, made, say, warn
 
     texts = dict(texts or {})
+    if export is not None:
+        tool, file = export
+        with at_options(tool="--export"):
+            if tool == "ros-path":
+                sm.export_trajectory(found, tool, file)
+                written = [*written, file]
+            else:
+                texts[file] = sm.trajectory_text(found, tool, file.name)
     if report is not None:
         texts[report] = found.page_text(made())
     found.write_files(table=out, plot=plot, json=None if json == "-" else json, texts=texts)
@@ -166,16 +206,3 @@ def deliver(
     table = found.table_lines() if out is None else []
     named = [path for path in (out, plot, *texts, *written) if path]
     say(*found.lines(), *(["", *table] if table else []), *(f"written: {path}" for path in named))
-
-
-def exported(found: Any, export: tuple[str, Path] | None) -> list[Path | str]:
-    """Write a motion for another tool where that is asked for; what was written."""
-    import slipmargin as sm
-
-    from .render import at_options
-
-    if export is None:
-        return []
-    with at_options(tool="--export"):
-        sm.export_trajectory(found, *export)
-    return [export[1]]

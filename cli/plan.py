@@ -20,7 +20,6 @@ from .options import (
     TrajectoryOpt,
     check_outputs,
     deliver,
-    exported,
 )
 from .render import at_options, refuse
 
@@ -116,4 +115,4 @@ def plan(
             chance=chance,
             seed=seed,
         )
-    deliver(found, out=out, plot=plot, json=json, report=report, written=exported(found, export))
+    deliver(found, out=out, plot=plot, json=json, report=report, export=export)

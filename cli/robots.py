@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from .options import JsonOpt, PlotOpt, RobotArg, check_outputs, deliver
+from .options import JsonOpt, PlotOpt, RobotArg, check_new_file, check_outputs, deliver
 from .render import at_options, refuse, say
 
 app = typer.Typer(
@@ -87,7 +87,7 @@ def from_urdf(
     """
     import slipmargin as sm
 
-    file = _place(out or Path(urdf.name.split(".")[0]), force)
+    file = _place(out or Path(urdf.name.split(".")[0]), force, "NAME" if out is None else "--out")
     arguments = {}
     for word in (w for text in xacro_args or () for w in text.split()):
         key, found, value = word.partition(":=")
@@ -98,12 +98,12 @@ def from_urdf(
     deliver(made, texts={file: made.text})
 
 
-def _place(file: Path, force: bool) -> Path:
+def _place(file: Path, force: bool, said: str = "NAME") -> Path:
     """The file to write, with its ending; one that is there already is refused."""
     if not file.name or file.name.startswith("."):
-        refuse("NAME", f"is {str(file)!r}", "give a name that begins with a letter or a digit")
+        refuse(said, f"is {str(file)!r}", "give a name that begins with a letter or a digit")
     file = file if file.suffix == ".toml" else file.with_name(f"{file.name}.toml")
     check_outputs(file)
-    if file.exists() and not force:
-        refuse(str(file), "is there already", "choose another name, or replace it with --force")
+    if not force:
+        check_new_file(file, "choose another name, or replace it with --force")
     return file

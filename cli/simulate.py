@@ -17,7 +17,6 @@ from .options import (
     TrajectoryOpt,
     check_outputs,
     deliver,
-    exported,
 )
 from .render import at_options, refuse, stages
 
@@ -85,7 +84,7 @@ def simulate(
             push=_numbers("--push", push, 3),
             relative_error=rtol,
         )
-    deliver(found, out=out, plot=plot, json=json, report=report, written=exported(found, export))
+    deliver(found, out=out, plot=plot, json=json, report=report, export=export)
 
 
 def _numbers(option: str, text: str | None, count: int) -> list[float] | None:

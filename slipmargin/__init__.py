@@ -37,6 +37,7 @@ _CONTENTS = {
     "export_simulator": "slipmargin.api.export_simulator",
     "export_c": "slipmargin.api.limiter",
     "export_trajectory": "slipmargin.api.trajectories",
+    "trajectory_text": "slipmargin.api.trajectories",
     "import_logs": "slipmargin.api.import_logs",
     "known_effects": "slipmargin.api.effects",
     "new_robot": "slipmargin.api.robot_files",
@@ -85,7 +86,10 @@ if TYPE_CHECKING:
     from slipmargin.api.stop import stop as stop
     from slipmargin.api.surfaces import describe_surface as describe_surface, known_surfaces as known_surfaces
     from slipmargin.api.sweep import sweep as sweep
-    from slipmargin.api.trajectories import export_trajectory as export_trajectory
+    from slipmargin.api.trajectories import (
+        export_trajectory as export_trajectory,
+        trajectory_text as trajectory_text,
+    )
 
 
 def __getattr__(name: str) -> Any:

@@ -13,7 +13,8 @@ from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.model import Model
 
-TOOLS = ("choreo", "pathplanner", "roadrunner", "ros-path")
+BAG = "ros-path"
+TOOLS = ("choreo", "pathplanner", "roadrunner", BAG)
 
 
 def export_trajectory(
@@ -48,18 +49,50 @@ def export_trajectory(
     ...     sm.check("ohio-kiwi", "paper", file, margin=0.05)
     <check of ohio-kiwi on paper: admissible: uses at most 0.9000 of a wheel's grip, 0.95 allowed>
     """
-    from slipmargin.io.trajectory_write import trajectory_text, write_path_bag
+    from slipmargin.io.trajectory_write import write_path_bag
     from slipmargin.io.writes import write_text
+
+    file = Path(file)
+    if tool == BAG:
+        model, t_s, pose, _, _ = _motion(found)
+        write_path_bag(file, t_s, pose, model.convention)
+        return
+    write_text(file, trajectory_text(found, tool, file.name))
+
+
+def trajectory_text(found: PlanResult | CheckResult | SimulationResult, tool: str, file_name: str) -> str:
+    """The text of the file that :func:`export_trajectory` writes, for tools that read text.
+
+    Parameters
+    ----------
+    found : PlanResult, CheckResult or SimulationResult
+        The motion.
+    tool : str
+        ``choreo``, ``pathplanner`` or ``roadrunner``.
+    file_name : str
+        Name of the file; a trajectory is called like it.
+
+    Raises
+    ------
+    InputError
+        For an unknown tool, or ``ros-path``, which is a folder.
+
+    Examples
+    --------
+    >>> import slipmargin as sm
+    >>> found = sm.plan("ohio-kiwi", "paper", [[0, 0, 0], [1, 0, 0]], points=50)
+    >>> sm.trajectory_text(found, "choreo", "drive.traj").splitlines()[1]
+    ' "name": "drive",'
+    """
+    from slipmargin.io.trajectory_write import trajectory_text as text_of
 
     if tool not in TOOLS:
         raise InputError("tool", f"is {tool!r}", f"use one of: {', '.join(TOOLS)}")
+    if tool == BAG:
+        raise InputError("tool", f"is {tool!r}, a folder", "write it with export_trajectory")
     model, t_s, pose, velocity, acceleration = _motion(found)
-    file = Path(file)
-    if tool == "ros-path":
-        write_path_bag(file, t_s, pose, model.convention)
-        return
-    name = file.name.split(".")[0]
-    write_text(file, trajectory_text(tool, name, t_s, pose, velocity, acceleration, model.convention))
+    name = file_name.split(".")[0]
+    return text_of(tool, name, t_s, pose, velocity, acceleration, model.convention)
 
 
 def _motion(

@@ -63,6 +63,9 @@ class Grip:
     ``k_s_per_m``; ``multipliers`` multiply; the force lies in
     the Minkowski sum (1 − ``coupling``)·box ⊕ ``coupling``·``shape`` (docs/theory.md, section 2);
     ``viscous_N_s_per_m`` (2,) adds −c u along ĝ and f̂ on every wheel.
+
+    A wheel that is rigid all round (``rigid_fraction`` 1) has no rollers to stand on: its ``roller``
+    coefficients are the rigid ones, whatever was given.
     """
 
     roller: Array
@@ -78,6 +81,8 @@ class Grip:
 
     def __post_init__(self) -> None:
         n = len(np.asarray(self.roller))
+        no_rollers = np.asarray(self.rigid_fraction)[:, None] >= 1.0
+        object.__setattr__(self, "roller", np.where(no_rollers, self.rigid, self.roller))
         _freeze(self, roller=(n, 2), rigid=(n, 2), rollers=(n,), rigid_fraction=(n,), viscous_N_s_per_m=(2,))
 
 

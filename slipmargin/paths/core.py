@@ -77,7 +77,7 @@ def _fastest_after(A: Array, B: Array, C: Array, count: int, step: float, bottom
     ``top``, a faster start is only paid for by a slower end: rows over one interval are steeper there than
     the motion they stand for.
     """
-    low, high, _, k = _width(A, B, C, count, top)
+    _, high, _, k = _width(A, B, C, count, top)
     if high == math.inf or 2.0 * step * B[k] <= A[k]:
         return top
     left, right, row = bottom, top, k

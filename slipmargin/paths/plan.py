@@ -35,8 +35,8 @@ BINDS = 1e-6
 LEAST_LEFT = 0.5
 #: Each further round aims lower by this factor, down to a coarsest aim, so that rounds come to an end [1].
 HASTE, COARSEST = 1.25, 3e-3
-#: An interval that was lowered more often than this is lowered by HASTE times more each time: its row may stand
-#: far from what it really uses, and answer to nothing until it binds.
+#: An interval that was lowered more often than this is lowered by HASTE times more each time: its row may
+#: stand far from what it really uses, and answer to nothing until it binds.
 PATIENCE = 6
 
 

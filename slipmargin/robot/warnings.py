@@ -101,7 +101,13 @@ def _height_without_effect(robot: Robot) -> str | None:
 def _coefficients_without_effect(robot: Robot) -> list[str]:
     found = []
     sectors = any(w.rigid_fraction > 0.0 for w in robot.wheels)
+    rollers = any(w.rigid_fraction < 1.0 for w in robot.wheels)
     for surface in robot.surfaces:
+        if not rollers and surface.roller != surface.rigid:
+            found.append(
+                f"surface.{surface.name}.roller: has no effect, since every wheel is rigid all round "
+                "(rigid_fraction = 1)"
+            )
         if sectors and surface.roller == surface.rigid:
             found.append(
                 f"surface.{surface.name}: roller and rigid have the same coefficients, so rigid_fraction "

@@ -55,6 +55,7 @@ CONTENTS = [
     "simulate",
     "stop",
     "sweep",
+    "trajectory_text",
 ]
 
 

@@ -274,6 +274,32 @@ def test_the_page_on_ci_shows_real_output(
             ],
             "is asked for twice",
         ),
+        (["next-run", "ds", "--space", "2x2", "--json", "ds/robot.toml"], "is read as well as written"),
+        (["next-run", "ds", "--space", "2x2", "--out", "ds"], "is read as well as written"),
+        (["diagnose", "ds", "--out", "ds"], "is read as well as written"),
+        (["diagnose", "ds", "--out", "new", "--json", "ds/robot.toml"], "is read as well as written"),
+        (
+            [
+                *["monitor", "own.toml", "way.csv", "--surface", "paper", "--train", "ds"],
+                *["--report", "ds/robot.toml"],
+            ],
+            "is read as well as written",
+        ),
+        (
+            [
+                *["import", "csv", "way.csv", "--robot", "own.toml", "--surface", "paper", "--out", "ds"],
+                *["--force", "--json", "ds/robot.toml"],
+            ],
+            "lies in the data set that is written",
+        ),
+        (
+            [
+                *["import", "csv", "way.csv", "--robot", "own.toml", "--surface", "paper", "--out", "new"],
+                *["--json", "way.csv"],
+            ],
+            "is read as well as written",
+        ),
+        (["export", "urdf", "own.toml"], "is there already"),
     ],
 )
 def test_no_output_takes_the_place_of_another_file(
@@ -286,11 +312,42 @@ def test_no_output_takes_the_place_of_another_file(
     """Waypoints were replaced by their plan, and of two outputs of one name the first was lost."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "way.csv").write_text("x_m,y_m,phi_rad\n0,0,0\n1,0,0\n", encoding="utf-8")
-    (tmp_path / "own.toml").write_text(write_recipe(read_recipe("ohio-kiwi")), encoding="utf-8")
-    before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
+    robot = write_recipe(read_recipe("ohio-kiwi"))
+    (tmp_path / "ds").mkdir()
+    for name in ("own.toml", "ds/robot.toml", "ohio-kiwi.urdf"):
+        (tmp_path / name).write_text(robot, encoding="utf-8")
+    before = {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()}
     assert status(words) == 2
     assert told in capsys.readouterr().err
-    assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
+    assert {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()} == before
+
+
+def test_of_a_motion_and_its_export_all_are_written_or_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The file for another tool was written first, whatever became of the others."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "way.csv").write_text("x_m,y_m,phi_rad\n0,0,0\n1,0,0\n", encoding="utf-8")
+    words = [
+        "plan",
+        "ohio-kiwi",
+        "way.csv",
+        "--surface",
+        "paper",
+        "--points",
+        "20",
+        "--export",
+        "choreo",
+        "m",
+    ]
+    monkeypatch.setattr("slipmargin.api.plan.PlanResult.to_json", lambda self: 1 / 0)
+    assert status([*words, "--json", "m.json"]) == 1
+    assert {p.name for p in tmp_path.iterdir()} == {"way.csv"}
+    monkeypatch.undo()
+    monkeypatch.chdir(tmp_path)
+    assert status([*words, "--json", "m.json"]) == 0
+    assert {p.name for p in tmp_path.iterdir()} == {"way.csv", "m", "m.json"}
+    assert "written: m\n" in capsys.readouterr().out
 
 
 def test_a_sweep_says_where_it_did_not_look(capsys: pytest.CaptureFixture[str]) -> None:

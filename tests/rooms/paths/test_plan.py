@@ -26,6 +26,7 @@ from slipmargin.paths.sample import at_use, node_times, stretched, trajectory
 from slipmargin.physics.frames import rotate_rows
 from slipmargin.report.paths import pace
 from slipmargin.robot import GripShape, LoadRule, Motor
+from slipmargin.robot.warnings import warnings
 
 T = np.linspace(0.0, 2.0 * np.pi, 17)
 PATHS = {
@@ -326,3 +327,15 @@ def test_what_does_not_settle_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     around = through(np.array([[0, 0, 0], [0, 5.0, 0], [-5.0, 5.0, 3.0]]))
     with pytest.raises(NoSolution, match=r"wheel \w+ still uses 0\.9\d* of its motor torque, where 0\.9 is"):
         plan(CAR, around, Request(share=0.9, points=60))
+
+
+def test_a_wheel_that_is_rigid_all_round_does_not_stand_on_rollers() -> None:
+    """Its plan was made for rollers that it has not got, and missed by 990 mm."""
+    rollers = kiwi()
+    rim = replace(rollers, wheels=tuple(replace(w, rigid_fraction=1.0) for w in rollers.wheels))
+    model = nominal_model(rim, "paper")
+    np.testing.assert_array_equal(model.grip.roller, model.grip.rigid)
+    assert not np.array_equal(model.grip.rigid, nominal_model(rollers, "paper").grip.roller)
+    with pytest.raises(NoSolution, match="even at constant speed wheel"):
+        plan(model, PATHS["straight"], Request(points=60))
+    assert any("no effect, since every wheel is rigid all round" in said for said in warnings(rim))
