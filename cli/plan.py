@@ -88,6 +88,7 @@ def plan(
     with at_options(
         surface="--surface",
         margin="--margin",
+        points="--points",
         step_s="--step",
         blend_m="--blend",
         start_speed_m_s="--start-speed",

@@ -15,6 +15,10 @@ from slipmargin.errors import InputError
 FACTOR = "SLIPMARGIN_WORK"
 #: Contact states that are tried one by one: of standing wheels, of one motion, and of all motions at once.
 STANDING_STATES, MOVING_STATES, ROBUST_STATES = 1024, 256, 64
+#: Wheels times contact states times directions of motion whose limits are asked for, some 60 µs each.
+WHEEL_DIRECTIONS = 150_000
+#: Directions in which braking is integrated and simulated, some 0.1 s each.
+STOPPED_DIRECTIONS = 120
 #: Facets times wheels times contact states that drawn robots are held against, 1 to 4 ms each.
 DRAWN_FACETS = 6_000
 #: Wheels times cone programs of a band: contact states of both its ends, orientations, values of what cannot

@@ -81,14 +81,14 @@ class PlanResult(Result):
         p = self.plan
         return (
             f"plan of {p.model.robot} on {p.model.surface}: {p.duration_s:.4f} s for "
-            f"{covered(self.trajectory)}, at most {p.max_use:.4f} of a wheel's grip"
+            f"{covered(p)}, at most {p.max_use:.4f} of a wheel's grip"
         )
 
     def lines(self) -> list[str]:
         """Duration, grip, what limits the pace, and each simulation."""
         from slipmargin.report.paths import plan_lines
 
-        return plan_lines(self.plan, self.trajectory, self.simulated, self.plan_chance)
+        return plan_lines(self.plan, self.simulated, self.plan_chance)
 
     def plot(self) -> Figure:
         """The path by limiting wheel, the speed under its limit curve, the grip utilisation of each wheel."""

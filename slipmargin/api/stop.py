@@ -12,6 +12,7 @@ from slipmargin.api.result import Result, head
 from slipmargin.api.robots import RobotLike, checked_margin, model_of
 from slipmargin.checks import FASTEST_M_S, Array, real
 from slipmargin.errors import InputError
+from slipmargin.work import STOPPED_DIRECTIONS, allow
 
 if TYPE_CHECKING:
     from slipmargin.model import Model
@@ -232,6 +233,7 @@ def stop(
     model, warnings = model_of(robot, surface, band=True)
     margin = checked_margin(margin)
     step = real("step_deg", step_deg, above=0.0, high=90.0, cure="give a step up to 90 degrees")
+    allow("step_deg", 360.0 / step, STOPPED_DIRECTIONS, "directions", "take a longer step")
     heading = np.deg2rad(np.arange(0.0, 360.0 - 1e-9, step))
     speeds = _speeds(model, heading, speeds_m_s)
     found = braking(model, heading, float(speeds[-1]), margin)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
@@ -32,7 +32,7 @@ from slipmargin.limits.still_rollers import StillRollers, still_rollers
 from slipmargin.model import Model
 from slipmargin.physics.constants import GRAVITY_M_S2
 from slipmargin.physics.grips import GripShape
-from slipmargin.work import MOVING_STATES, ROBUST_STATES, allow_states, fits
+from slipmargin.work import MOVING_STATES, ROBUST_STATES, WHEEL_DIRECTIONS, allow, allow_states, fits
 
 #: Curvatures of the cornering table [1/m].
 CURVATURES = np.array([0.2, 0.5, 1.0, 2.0, 5.0])
@@ -103,6 +103,8 @@ class Bounds:
     allows with all of the grip.  ``rolling_m_s2`` is the traction limit of rollers that turn freely
     (disc-strip), where the grip is the box.  ``still_rollers`` is there where no roller turns in the
     strongest direction of ``full``.  ``contact`` is what the wheels were taken to stand on.
+    Where directions are more than a degree apart, ``all_round`` holds the same limits at least every degree:
+    what is said of all directions is said of those.
     """
 
     model: Model
@@ -119,6 +121,12 @@ class Bounds:
     rolling_m_s2: float | None = None
     still_rollers: StillRollers | None = None
     contact: Contact = Contact.ROLLERS
+    all_round: Bounds | None = None
+
+    @property
+    def everywhere(self) -> Bounds:
+        """The limits in directions no more than a degree apart: these, or :attr:`all_round`."""
+        return self.all_round or self
 
     @property
     def inside(self) -> Inside | None:
@@ -143,12 +151,12 @@ class Bounds:
     @property
     def traction_m_s2(self) -> float:
         """Traction limit: the weakest direction of speeding up with all of the grip [m/s²]."""
-        return float(np.min(self.full.starting_m_s2))
+        return float(np.min(self.everywhere.full.starting_m_s2))
 
     @property
     def motor_limit_m_s2(self) -> float:
         """Motor limit: the weakest direction at stall torque [m/s²], infinite where no torque is stated."""
-        return float(np.min(self.motor_m_s2))
+        return float(np.min(self.everywhere.motor_m_s2))
 
     @property
     def smaller(self) -> str:
@@ -238,32 +246,46 @@ def bounds(
     yaw_rad_s2 : float, optional
         Yaw acceleration that the sets keep in reserve (:func:`~slipmargin.limits.bounds_inside.inside`).
     """
-    heading, share = headings(step_deg), 1.0 - margin
+    states = 1.0
     if contact is Contact.UNKNOWN:
-        allow_states("wheel", int(np.count_nonzero(model.grip.rigid_fraction > 0.0)), ROBUST_STATES)
-    even = None
-    if len(model.loads.uneven_N):
-        level = replace(model, loads=replace(model.loads, uneven_N=np.zeros((0, model.count))))
-        even = directions(level, heading, contact=contact, motor=False)
-    full = directions(model, heading, contact=contact, motor=False)
+        unknown = int(np.count_nonzero(model.grip.rigid_fraction > 0.0))
+        allow_states("wheel", unknown, ROBUST_STATES)
+        states = 2.0**unknown
+    what = "wheels times contact states times directions"
+    size = model.count * states * 360.0 / max(step_deg, 1e-300)
+    allow("step_deg", size, WHEEL_DIRECTIONS, what, "take a longer step")
+    heading, share = headings(step_deg), 1.0 - margin
+
+    def towards(heading: Array) -> dict[str, Any]:
+        even = None
+        if len(model.loads.uneven_N):
+            level = replace(model, loads=replace(model.loads, uneven_N=np.zeros((0, model.count))))
+            even = directions(level, heading, contact=contact, motor=False)
+        return {
+            "full": directions(model, heading, contact=contact, motor=False),
+            "safe": directions(model, heading, share=share, contact=contact, pace=PACE),
+            "rigid_use": _rigid_use(model, heading),
+            "motor_m_s2": starting_by_motor(model, heading),
+            "top_m_s": top_speed(model, heading),
+            "even": even,
+            "cornering": cornering(model, CURVATURES, heading, share=share, contact=contact),
+        }
+
+    finer = heading if step_deg <= 1.0 else headings(step_deg / np.ceil(step_deg))
+    found = towards(finer)
     fine = np.concatenate([headings(1.0), turning_points(model, 0.0) % (2.0 * np.pi)])
     weakest = starting(model, np.sort(fine), share=share, contact=contact, pace=PACE)
-    return Bounds(
+    everywhere = Bounds(
+        **found,
         model=model,
         margin=margin,
-        full=full,
-        safe=directions(model, heading, share=share, contact=contact, pace=PACE),
         sets=safe_sets(model, margin=margin, contact=contact, yaw_rad_s2=yaw_rad_s2),
-        cornering=cornering(model, CURVATURES, heading, share=share, contact=contact),
-        rigid_use=_rigid_use(model, heading),
-        motor_m_s2=starting_by_motor(model, heading),
-        top_m_s=top_speed(model, heading),
         weakest_m_s2=float(np.min(weakest)),
-        even=even,
-        rolling_m_s2=_rolling(model, heading, contact),
-        still_rollers=still_rollers(model, full, contact),
+        rolling_m_s2=_rolling(model, finer, contact),
+        still_rollers=still_rollers(model, found["full"], contact),
         contact=contact,
     )
+    return everywhere if finer is heading else replace(everywhere, **towards(heading), all_round=everywhere)
 
 
 def _rigid_use(model: Model, heading: Array) -> Array:

@@ -14,6 +14,8 @@ from slipmargin.errors import InputError
 from slipmargin.paths.path import Path, piece_at
 from slipmargin.work import PATH_POINTS, allow
 
+#: Fewest intervals of a grid.
+LEAST_POINTS = 10
 #: Largest departure of q', q'' and the body axes from straight lines between grid points [1].
 BENDING = 2e-4
 #: Times the first and last interval are halved: the drag changes fast while the robot is slow.
@@ -51,8 +53,8 @@ def grid_of(path: Path, points: int = 400) -> Grid:
     InputError
         If fewer than 10 intervals are asked for, or the path bends so often that it takes too many.
     """
-    if points < 10:
-        raise InputError("points", f"is {points}", "use at least 10 grid points")
+    if points < LEAST_POINTS:
+        raise InputError("points", f"is {points}", f"use at least {LEAST_POINTS} grid points")
     breaks = path.breaks
     marks = [breaks] + [breaks[k] + p.knots for k, p in enumerate(path.pieces)]
     nodes = np.unique(np.concatenate(marks))

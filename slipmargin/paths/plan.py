@@ -15,10 +15,11 @@ from slipmargin.model import Model
 from slipmargin.paths import core
 from slipmargin.paths.along import FASTER, SLOWER, Assumed, Caps, Rows, assume, rows_along
 from slipmargin.paths.audit import FINER, Audit, audit
-from slipmargin.paths.geometry import Geometry
-from slipmargin.paths.grid import Grid, grid_of
+from slipmargin.paths.geometry import Geometry, wheel_angles
+from slipmargin.paths.grid import LEAST_POINTS, Grid, grid_of
 from slipmargin.paths.infeasibility import stuck, too_fast
 from slipmargin.paths.path import Path
+from slipmargin.work import PATH_POINTS, allow
 
 #: Passes with fixed shares before the dense check begins: at least so many, for the drag to settle, and until
 #: the duration changes by no more than this share, for the torque–speed line to be touched where it is used.
@@ -60,6 +61,10 @@ class Request:
     theta_rad: Array | None = None
 
     def __post_init__(self) -> None:
+        if self.points < LEAST_POINTS:
+            cure = f"use at least {LEAST_POINTS} grid points"
+            raise InputError("points", f"is {self.points}", cure)
+        allow("points", self.points, PATH_POINTS, "grid points", "ask for fewer")
         real("margin", 1.0 - self.share, low=0.0, high=0.99, cure="give a slip margin from 0 to 0.99")
         for place, speed in (("start_speed_m_s", self.start_m_s), ("end_speed_m_s", self.end_m_s)):
             cure = f"give a speed along the path from 0 to {FASTEST_M_S:g} m/s"
@@ -382,17 +387,3 @@ def _passes(
     sides = w.a[0], w.b[0], w.c[0], w.a[1], w.b[1], w.c[1]
     found: tuple[int, int, int, int] = core.profile(grid.step, *sides, w.cap, start, end, x, u, highest)
     return found
-
-
-def wheel_angles(model: Model, geometry: Geometry, start: Array) -> Array:
-    """θ (n, F, N) [rad] along the path, by rolling without drive slip from ``start`` (N,): no time enters."""
-    if len(start) != model.count:
-        raise InputError(
-            "theta_rad", f"has {len(start)} angles", f"give one for each of {model.count} wheels"
-        )
-    rate = model.geometry.wheel_speeds(geometry.twist)
-    gap = np.diff(geometry.s, axis=1)[..., None]
-    grown = np.cumsum(0.5 * gap * (rate[:, 1:] + rate[:, :-1]), axis=1)
-    inner = np.concatenate([np.zeros_like(rate[:, :1]), grown], axis=1)
-    before = np.concatenate([np.zeros((1, model.count)), np.cumsum(inner[:, -1], axis=0)])[:-1]
-    return np.asarray(start + before[:, None] + inner)

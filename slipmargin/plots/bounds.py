@@ -17,6 +17,7 @@ from slipmargin.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PANEL, RED, S
 @styled
 def bounds_figure(found: Bounds) -> Figure:
     """Acceleration limits, the grip that constant speed needs, and cornering speed."""
+    found = found.everywhere
     figure = Figure(figsize=(14.0, 5.0), layout="constrained")
     grid = figure.add_gridspec(1, 3, width_ratios=(1.1, 1.1, 1.0))
     for k, draw in enumerate((draw_limits, draw_steady)):
@@ -28,6 +29,7 @@ def bounds_figure(found: Bounds) -> Figure:
 @styled
 def bounds_panels(found: Bounds) -> dict[str, Figure]:
     """The three panels, each a figure of its own."""
+    found = found.everywhere
     limits, steady, corner = (Figure(figsize=PANEL, layout="constrained") for _ in range(3))
     draw_limits(polar_axes(limits), found)
     draw_steady(polar_axes(steady), found)

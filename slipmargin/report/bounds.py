@@ -23,6 +23,7 @@ NEEDLE = 0.9
 
 def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:
     """Lines of the answer; the first four are traction, motor, isotropic and recommended."""
+    b = b.everywhere
     full, lines = b.full, []
     weak, strong = full.weakest, full.strongest
     lines.append(
@@ -226,11 +227,10 @@ def direction_rows(b: Bounds, most: int) -> tuple[list[str], list[list[str]]]:
 
 def corner_rows(b: Bounds) -> tuple[list[str], list[list[str]]]:
     """Head and rows of the cornering speeds by curvature."""
+    corner = b.everywhere.cornering
     return ["curvature [1/m]", "heading held [m/s]", "along the path [m/s]"], [
         [f"{k:g}", f"{np.min(h):.3f} … {np.max(h):.3f}", f"{np.min(t):.3f} … {np.max(t):.3f}"]
-        for k, h, t in zip(
-            b.cornering.curvature_per_m, b.cornering.held_m_s, b.cornering.tangent_m_s, strict=True
-        )
+        for k, h, t in zip(corner.curvature_per_m, corner.held_m_s, corner.tangent_m_s, strict=True)
     ]
 
 

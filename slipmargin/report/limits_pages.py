@@ -21,9 +21,9 @@ def bounds_page(
 ) -> Page:
     """What the robot may do on this floor, and what would raise it."""
     front = b.model.convention.from_front
-    weak = b.full.weakest
-    way = towards(float(front(b.full.heading_rad[weak])))
-    wheels = " and ".join(b.full.starting.wheels[weak])
+    full = b.everywhere.full
+    way = towards(float(front(full.heading_rad[full.weakest])))
+    wheels = " and ".join(full.starting.wheels[full.weakest])
     robot, floor = b.model.robot, b.model.surface
     good = b.recommended_m_s2 > 0.0
     lead = (

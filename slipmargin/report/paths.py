@@ -13,35 +13,45 @@ from slipmargin.paths.chance import PlanChance
 from slipmargin.paths.check import Check
 from slipmargin.paths.geometry import Geometry
 from slipmargin.paths.plan import Plan
-from slipmargin.paths.trajectory import NEAR, TIED, Trajectory
+from slipmargin.paths.trajectory import NEAR, TIED
 from slipmargin.paths.verify import Verified
 from slipmargin.report.motion import in_air
 
 #: Turns of less than this all along a path are not spoken of [deg].
 _TURNED_DEG = 0.05
+#: Places in each interval of the grid at which a plan is measured along.
+_FRACTIONS = 21
 #: Rollers stand where a wheel slides sideways by less than this part of the fastest wheel's turning [m], and
 #: where no wheel is near its limit for longer than that part of the time, it is said [1].
 _STANDS, _SPOKEN = 1e-9, 0.02
 
 
-def covered(rows: Trajectory) -> str:
-    """How far a trajectory goes on the floor, and how far it turns where it does."""
-    way = float(np.sum(np.hypot(*np.diff(rows.pose[:, :2], axis=0).T)))
-    turned = float(np.rad2deg(np.sum(np.abs(np.diff(rows.pose[:, 2])))))
+def covered(p: Plan) -> str:
+    """How far a plan goes on the floor, and how far it turns where it does; the table's step is not asked."""
+    pose = _samples(p).pose
+    way = float(np.sum(np.linalg.norm(np.diff(pose[..., :2], axis=1), axis=-1)))
+    turned = float(np.rad2deg(np.sum(np.abs(np.diff(pose[..., 2], axis=1)))))
     if turned < _TURNED_DEG:
         return f"{way:.4g} m"
     return f"{way:.4g} m and {turned:.4g}° of turning"
 
 
-def plan_lines(
-    p: Plan, rows: Trajectory, proofs: Mapping[str, Verified], likely: PlanChance | None = None
-) -> list[str]:
+def top_speed_m_s(p: Plan) -> float:
+    """The highest speed over the floor."""
+    g = _samples(p)
+    return float(np.max(np.sqrt(g.squared_speed(p.x)) * np.linalg.norm(g.first[..., :2], axis=-1)))
+
+
+def _samples(p: Plan) -> Geometry:
+    return Geometry.of(p.model, p.path, p.grid, np.linspace(0.0, 1.0, _FRACTIONS))
+
+
+def plan_lines(p: Plan, proofs: Mapping[str, Verified], likely: PlanChance | None = None) -> list[str]:
     """Duration, grip, what limits the pace, and each simulation; the first line is the answer."""
     share = p.request.share
     i, j, k = p.audit.worst
-    speed = np.hypot(rows.velocity[:, 0], rows.velocity[:, 1])
     lines = [
-        f"duration    {p.duration_s:.4f} s for {covered(rows)}, top speed {np.max(speed):.4g} m/s",
+        f"duration    {p.duration_s:.4f} s for {covered(p)}, top speed {top_speed_m_s(p):.4g} m/s",
         f"grip        at most {p.max_use:.6f} of each wheel's grip, {share:g} allowed (checked at "
         f"{p.audit.speed.size} places); highest: wheel {p.model.geometry.names[k]} at "
         f"t = {p.audit.time_s[i, j]:.3f} s",

@@ -68,7 +68,8 @@ def test_bounds_and_plan_say_what_is_not_counted(mecanum: Bounds) -> None:
 
 def test_where_the_drag_leaves_nothing_it_is_said_in_words(mecanum: Bounds) -> None:
     none = replace(
-        mecanum, still_rollers=StillRollers(heading_rad=0.0, helped_m_s2=6.42, dragged_m_s2=-np.inf)
+        mecanum.everywhere,
+        still_rollers=StillRollers(heading_rad=0.0, helped_m_s2=6.42, dragged_m_s2=-np.inf),
     )
     (said,) = [line for line in answer(none) if line.startswith("rollers")]
     assert said.endswith("once a drift to the side makes it drag: none, it must slip") and "inf" not in said

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from strategies import four_wheels, kiwi
 
+import slipmargin as sm
 from slipmargin.limits.bounds_summary import bounds
 from slipmargin.limits.motion_state import Contact
 from slipmargin.model import nominal_model
@@ -16,7 +17,7 @@ from slipmargin.paths.sample import trajectory
 from slipmargin.plots.bounds import bounds_figure
 from slipmargin.plots.paths import check_figure, limiting, plan_figure, plan_panels
 from slipmargin.report.bounds import answer
-from slipmargin.report.paths import covered
+from slipmargin.report.paths import covered, top_speed_m_s
 
 pytest.importorskip("matplotlib")
 WAY = through(np.array([[0.0, 0.0, 0.0], [0.6, 0.4, 0.4], [1.2, 0.0, 0.0]]))
@@ -60,7 +61,7 @@ def test_a_robot_that_must_slip_has_no_spokes() -> None:
     found = bounds(nominal_model(kiwi(), "paper"), step_deg=5.0, contact=Contact.UNKNOWN)
     figure = bounds_figure(found)
     limits, steady, corner = figure.axes
-    assert "must slip on rigid sectors in 72 of 72 directions" in limits.get_title(loc="left")
+    assert "must slip on rigid sectors in 360 of 360 directions" in limits.get_title(loc="left")
     for line in limits.lines:
         seen = np.asarray(line.get_ydata())
         assert np.all(seen[np.isfinite(seen)] > 0.0)
@@ -106,7 +107,18 @@ def test_a_turn_on_the_spot_is_told_as_a_turn() -> None:
     """The path's parameter counts turning as a way: it was printed as metres."""
     model = nominal_model(kiwi(), "paper")
     found = plan(model, through(np.array([[0.0, 0, 0], [0, 0, 1.0]])), Request(points=60))
-    said = covered(trajectory(found, step_s=0.02))
+    said = covered(found)
     assert said.startswith("0 m and 57.") and said.endswith("° of turning")
     straight = plan(model, through(np.array([[0.0, 0, 0], [1.0, 0, 0]])), Request(points=60))
-    assert covered(trajectory(straight, step_s=0.02)) == "1 m"
+    assert covered(straight) == "1 m"
+
+
+def test_a_plan_is_as_long_and_as_fast_whatever_the_tables_step() -> None:
+    """With a step of 100 s a path of one metre was said to be driven at 0 m/s."""
+    one, other = (
+        sm.plan("ohio-kiwi", "paper", [[0, 0, 0], [1, 0.5, 1]], points=60, step_s=step)
+        for step in (0.01, 100.0)
+    )
+    assert len(other.trajectory.t_s) == 2 and one.lines()[0] == other.lines()[0]
+    speed = np.max(np.hypot(*one.trajectory.velocity[:, :2].T))
+    assert top_speed_m_s(one.plan) == pytest.approx(speed, rel=1e-3)
