@@ -18,7 +18,11 @@ def monitor(
     log: Annotated[str, typer.Argument(metavar="LOG.csv|-", help="Log, or - for a stream on stdin.")],
     surface: SurfaceOpt,
     false_alarms: Annotated[
-        float, typer.Option(metavar="P", help="Share of the samples without slip that may alarm.")
+        float,
+        typer.Option(
+            metavar="P",
+            help="Share of the samples without slip that may alarm, on runs like those it trains on.",
+        ),
     ] = 0.01,
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write a line a sample.")] = None,
     train: Annotated[

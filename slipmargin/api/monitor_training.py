@@ -24,9 +24,19 @@ if TYPE_CHECKING:
 
 #: Simulated training: length of a run [s], time between samples [s].
 _LENGTH_S, _STEP_S = 2.0, 0.01
-#: Runs: this over the false-alarm rate, so that a threshold is sure to keep it (about 4 are needed, as runs
+#: A wanted velocity is held for one of these times [steps]: short ones make rough motions, long ones reach
+#: the speeds at which a robot drives along a path.
+_HELD = (25, 50, 100, 200)
+#: Standard deviation of a wanted velocity where no motor limits it [m/s]; a run takes from this part of it.
+_FASTEST_M_S, _SLOWEST = 3.0, 0.05
+#: The same where a motor does [share of its top speed].
+_OF_TOP = 0.7
+#: Part of the grip's acceleration that a free run may take, from the least to the most, and the share of the
+#: grip that a limited one keeps to [1].
+_LEAST, _MOST, _HOLDS = 0.1, 2.0, 0.92
+#: Runs: this over the false-alarm rate, so that a threshold is sure to keep it (up to 8.5 are needed, as runs
 #: grip for unequal times), within these bounds.
-_PER_RATE, _LEAST_RUNS, _MOST_RUNS = 6.0, 60, 1200
+_PER_RATE, _LEAST_RUNS, _MOST_RUNS = 10.0, 100, 2000
 #: A wheel slips where it uses more than this share of its grip in simulation, and grips below the other [1].
 _SLIPS, _GRIPS = 0.97, 0.93
 #: Steps after which a run is left out; the built-in robots need up to 1 300 [1].
@@ -49,8 +59,8 @@ def simulated(
     torque_per_ampere_N_m: float | None,
     false_alarm_rate: float,
 ) -> list[LabelledRun]:
-    """Runs of the robot's own model that ask for a tenth to twice the grip's acceleration."""
-    from slipmargin.onboard.likelihood import labelled
+    """Runs of the robot's own model: from a tenth to twice the grip's acceleration, and just within it."""
+    from slipmargin.onboard.likelihood import LEAST, labelled
     from slipmargin.sim.batch import Batch, Ending
     from slipmargin.sim.pack import pack
     from slipmargin.sim.signal import linear
@@ -70,26 +80,16 @@ def simulated(
     )
     from_zero("seed", seed)
     rng = np.random.default_rng(seed)
-    arm = float(np.mean(np.abs(table.along[2])))
-    per = np.array([1.0, 1.0, 1.0 / arm])
     ticks = round(_LENGTH_S / _STEP_S)
     t = np.asarray(_STEP_S * np.arange(ticks + 1), dtype=np.float64)
-    top = model.drives.max_speed_rad_s
-    fastest = 1.0 if top is None else min(1.0, 0.5 * top * float(np.min(model.geometry.radius_m)))
     out, packed, steps, early = [], pack(model), 0, Counter[Ending]()
     runs = round(min(max(_PER_RATE / false_alarm_rate, _LEAST_RUNS), _MOST_RUNS))
-    for number, part in enumerate(rng.permutation(np.geomspace(0.1, 2.0, runs)), start=1):
-        most = part * table.pull_m_s2 * per * _STEP_S
-        wish = np.repeat(rng.normal(size=(ticks // 25 + 1, 3)) * per * fastest, 25, axis=0)
-        # Drawn to the right and forward, so that a robot trains alike in either convention.
-        wish[:, 0], wish[:, 1] = model.convention.from_right_forward(wish[:, 0].copy(), wish[:, 1].copy())
-        twist = [np.zeros(3)]
-        for k in range(ticks):
-            step = wish[k] * (0.0 if k // 25 % 4 == 3 else 1.0) - twist[-1]
-            twist.append(twist[-1] + step / max(1.0, float(np.linalg.norm(step / most))))
-        omega = model.geometry.wheel_speeds(np.array(twist))
+    for number, twist in enumerate(_twists(model, table, rng, ticks, runs), start=1):
+        omega = model.geometry.wheel_speeds(twist)
         batch = Batch([linear(t, omega)], [t])
-        outcome = batch.run(packed, np.zeros(3), tell=True, rtol=1e-5, max_steps=_MOST_STEPS)
+        outcome = batch.run(
+            packed, np.zeros(3), start_twist=twist[0], tell=True, rtol=1e-5, max_steps=_MOST_STEPS
+        )
         steps += int(outcome.steps.sum())
         if number >= _FIRST_RUNS:
             cure = "train on logged runs with poses, or accept more false alarms"
@@ -98,9 +98,7 @@ def simulated(
         if outcome.ending[0] != Ending.DONE:
             early[Ending(int(outcome.ending[0]))] += 1
             if number == _FIRST_RUNS == early.total():
-                why, _ = REASONS[early.most_common(1)[0][0]]
-                cure = "train on logged runs with poses, or correct the robot file"
-                raise InputError("training", f"none of {number} simulated runs reaches its end: {why}", cure)
+                break
             continue
         run = as_run(model, t, outcome, 0)
         body = rotate_rows(run.pose[:, 2], run.velocity, inverse=True)
@@ -124,7 +122,46 @@ def simulated(
                 else None,
             )
         )
+    slipping, gripping = sum(np.sum(r.slips) for r in out), sum(np.sum(~r.slips) for r in out)
+    if early and min(slipping, gripping) < LEAST:
+        why, _ = REASONS[early.most_common(1)[0][0]]
+        cure = "train on logged runs with poses, or correct the robot file"
+        said = f"{early.total()} of {number} simulated runs do not reach their end: {why}"
+        raise InputError("training", said, cure)
     return out
+
+
+def _twists(model: Model, table: LimitTable, rng: np.random.Generator, ticks: int, runs: int) -> Array:
+    """Body twists (runs, ticks + 1, 3) that follow wanted velocities as fast as they are allowed to.
+
+    Half of the runs may accelerate by a part of what the grip allows, or more than it; a limiter holds the
+    others just within the grip, where a plan uses it.
+    """
+    from slipmargin.onboard.limiter import limit_twist
+    from slipmargin.onboard.table import limit_table
+
+    per = np.array([1.0, 1.0, 1.0 / float(np.mean(np.abs(table.along[2])))])
+    top = model.drives.max_speed_rad_s
+    fastest = _FASTEST_M_S if top is None else _OF_TOP * top * float(np.min(model.geometry.radius_m))
+    part = rng.permutation(np.geomspace(_LEAST, _MOST, runs))
+    held, size = rng.choice(_HELD, size=runs), rng.uniform(_SLOWEST, 1.0, size=runs)
+    # As many whatever is held, and to the right and forward: a robot trains alike in either convention.
+    drawn = rng.normal(size=(runs, ticks // min(_HELD) + 2, 3)) * fastest * size[:, None, None] * per
+    drawn[..., 0], drawn[..., 1] = model.convention.from_right_forward(
+        drawn[..., 0].copy(), drawn[..., 1].copy()
+    )
+    within, kept = np.arange(runs) % 2 == 1, limit_table(model, 1.0 - _HOLDS)
+    twists, heading = np.zeros((runs, ticks + 1, 3)), np.zeros(runs)
+    twists[::4, 0], twists[1::4, 0] = drawn[::4, -1], drawn[1::4, -1]  # so that speed is no sign of slip
+    for k in range(ticks):
+        turn, now = k // held, twists[:, k]
+        wish = np.where((turn % 4 == 3)[:, None], 0.0, drawn[np.arange(runs), turn])
+        step = (wish - now) / (part[:, None] * table.pull_m_s2 * per * _STEP_S)
+        free = now + (wish - now) / np.maximum(1.0, np.linalg.norm(step, axis=1))[:, None]
+        limited, _ = limit_twist(kept, now, wish, np.full(runs, _STEP_S), heading)
+        twists[:, k + 1] = np.where(within[:, None], limited, free)
+        heading += _STEP_S * twists[:, k + 1, 2]
+    return twists
 
 
 def _settled(used: Array) -> NDArray[np.bool_]:

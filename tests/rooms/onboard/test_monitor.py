@@ -173,7 +173,8 @@ def test_the_page_shows_the_rates_that_were_measured() -> None:
     assert RESULTS["cost"]["share of a core at 1 kHz"] < 0.1
     assert all(row["false alarms, set 5 %"] <= 0.05 for row in RESULTS["sets"].values())
     assert all(row["false alarms, set 1 %"] <= 0.01 for row in RESULTS["sets"].values())
-    assert max(RESULTS["no-slip control, alarms, set 1 %"].values()) <= 0.01
+    for row in measured.control_table(RESULTS["no-slip control, alarms, set 1 %"]):
+        assert row in page, row
     hours = json.loads((ROOT / "benchmarks/results/monitor_stream.json").read_text(encoding="utf-8"))
     rows = hours["hours, resident bytes, share of a core"]
     grown = max(row[1] for row in rows) - rows[0][1]
@@ -182,6 +183,16 @@ def test_the_page_shows_the_rates_that_were_measured() -> None:
     assert f"took {100 * hours['largest share of a core']:.1f} % of a core" in page
     assert hours["largest share of a core"] < 0.2
     assert f"blocks of {measured.BLOCK / 60.0:.1f} s: false alarms" in page  # 60 Hz
+
+
+def test_a_plan_without_slip_does_not_alarm() -> None:
+    """Its training began every run at rest, so that speed was a sign of slip: 58 percent alarmed."""
+    recipe = sm.read_robot("ohio-kiwi", rigid_sectors=False)
+    watch = sm.SlipMonitor(recipe, "paper", false_alarm_rate=0.01)
+    way = [[0, 0, 0], [1, 0.6, 0.4], [2, 0.4, 0.2], [3, 1, 0]]
+    rows = sm.plan(recipe, "paper", way, margin=0.1, max_speed_m_s=1.0, points=60, step_s=0.01).trajectory
+    found = [watch.update(float(t), w).alarm for t, w in zip(rows.t_s, rows.omega, strict=True)]
+    assert np.mean(found) <= 0.01
 
 
 def test_a_stream_is_answered_line_by_line_in_flat_memory(watch: sm.SlipMonitor) -> None:
@@ -266,12 +277,12 @@ def test_a_header_that_lacks_a_column_is_refused_before_the_monitor_learns(
     assert "log.csv: line 1: lacks the column omega3_rad_s" in capsys.readouterr().err
 
 
-def test_a_robot_that_tips_in_every_run_is_refused_after_ten() -> None:
+def test_a_robot_that_tips_where_it_should_slip_is_refused() -> None:
     robot = sm.read_robot("mecanum4")
     high = replace(robot, effects=(LoadTransfer(com_height_m=0.7, com_share=0.77), stiff_with_load()))
     # 3 cm lower friction chatters where a wheel is about to lift, and rounding decides what ends most runs.
     with pytest.raises(
-        InputError, match="training: none of 10 simulated runs reaches its end: a wheel lifts"
+        InputError, match=r"training: \d+ of 100 simulated runs do not reach their end: a wheel lifts"
     ):
         sm.SlipMonitor(high, "floor", false_alarm_rate=0.5)
 
