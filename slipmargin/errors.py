@@ -74,5 +74,5 @@ class MotionStopped(SlipmarginError):
     """A simulation that cannot go on (the robot tips, a value overflows): the time and the reason."""
 
     def __init__(self, time_s: float, why: str, cure: str) -> None:
-        self.time_s = time_s
+        self.time_s, self.why = time_s, why
         super().__init__(f"motion stopped at t = {time_s:.6g} s: {why}, {cure}")

@@ -11,7 +11,7 @@ import numpy as np
 from slipmargin.api.result import Result, head
 from slipmargin.api.robots import RobotLike, checked_margin, model_of
 from slipmargin.checks import FASTEST_M_S, Array, real
-from slipmargin.errors import InputError
+from slipmargin.errors import InputError, MotionStopped
 from slipmargin.work import STOPPED_DIRECTIONS, allow
 
 if TYPE_CHECKING:
@@ -34,7 +34,8 @@ class StopResult(Result):
     """Stopping distances (H, S) and times, and what the simulated robot did (NaN where not simulated).
 
     ``use`` (H, S) is the largest share of a wheel's grip in simulation, ``in_air_s`` (H, S) the longest time
-    that a wheel hung in the air there.
+    that a wheel hung in the air there.  ``ended`` says why simulations ended early, one reason for each that
+    did; its numbers are NaN.
     """
 
     model: Model
@@ -48,6 +49,7 @@ class StopResult(Result):
     in_air_s: Array
     braking: Braking
     warnings: tuple[str, ...]
+    ended: tuple[str, ...] = ()
 
     @property
     def verified(self) -> bool:
@@ -101,7 +103,7 @@ class StopResult(Result):
             longer = 100.0 * (self.simulated_m / self.distance_m - 1.0)
             verdict = "keeps the margin" if self.verified else "does NOT keep the margin"
             out.append(
-                f"simulated {self.use.size} stops: {verdict}, uses at most {np.max(self.use):.3f} of a "
+                f"simulated {self.use.size} stops: {verdict}, uses at most {np.nanmax(self.use):.3f} of a "
                 f"wheel's grip, {1.0 - self.margin:.3g} allowed; distances differ by "
                 f"{np.nanmin(longer):+.1f} to {np.nanmax(longer):+.1f} %"
             )
@@ -111,6 +113,8 @@ class StopResult(Result):
                     f"in {np.count_nonzero(lifted)} of them a wheel hangs in the air, for "
                     f"{np.nanmax(self.in_air_s):.3g} s at most; the others carry its share"
                 )
+        if self.ended:
+            out.append(f"{len(self.ended)} of them do not reach their end: {self.ended[0]}")
         return out
 
     def table_lines(self) -> list[str]:
@@ -145,6 +149,7 @@ class StopResult(Result):
             worst=self.longest,
             use=self.use,
             verified=self.verified,
+            ended=self.ended,
             image=image(self.plot()),
             lines=self.lines(),
             warnings=self.warnings,
@@ -178,6 +183,7 @@ class StopResult(Result):
             "simulated_use": self.use,
             "simulated_in_air_s": self.in_air_s,
             "verified": self.verified,
+            **({"simulations_ended_early": list(self.ended)} if self.ended else {}),
             "limiting": ["+".join(w) for w in self.braking.wheels],
             "cause": list(self.braking.cause),
         }
@@ -241,11 +247,16 @@ def stop(
         np.column_stack([found.at(table, v) for v in speeds]) for table in (found.distance_m, found.time_s)
     )
     simulated, use, in_air = (np.full(distance.shape, np.nan) for _ in range(3))
+    ended: list[str] = []
     if verify:
         level = replace(model, grip=replace(model.grip, rigid_fraction=np.zeros(model.count)))
         for h in range(len(heading)):
             for k, v in enumerate(speeds):
-                simulated[h, k], use[h, k], in_air[h, k] = _driven(level, found, h, float(v))
+                try:
+                    simulated[h, k], use[h, k], in_air[h, k] = _driven(level, found, h, float(v))
+                except MotionStopped as end:
+                    way = f"from {v:.4g} m/s towards {np.rad2deg(heading[h]):.0f}°"
+                    ended.append(f"{way}, t = {end.time_s:.4g} s: {end.why}")
     return StopResult(
         model=model,
         margin=margin,
@@ -258,6 +269,7 @@ def stop(
         in_air_s=in_air,
         braking=found,
         warnings=warnings,
+        ended=tuple(ended),
     )
 
 

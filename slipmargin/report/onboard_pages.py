@@ -31,6 +31,7 @@ def stop_page(
     worst: int,
     use: Array,
     verified: bool,
+    ended: Sequence[str],
     image: Image,
     lines: Sequence[str],
     warnings: Sequence[str],
@@ -44,9 +45,13 @@ def stop_page(
         f"{model.robot} on {model.surface} stops from {speed:.3g} m/s within {last[worst]:.3g} m in every "
         f"direction, with {100.0 * margin:g} % of the grip in reserve."
     )
-    if simulated and not verified:
+    if ended:
+        lead += f" In simulation {len(ended)} stops do not reach their end: do not rely on these distances."
+    elif simulated and not verified:
         lead += " In simulation a stop used more grip than that: do not rely on these distances."
     used = f"{np.max(use):.3f} of a wheel's grip" if simulated else "not simulated"
+    if ended:
+        used = f"{len(ended)} of {use.size} end early"
     rows = [
         (f"{at:.0f}°, {way[h]}", *(f"{s:.4g} m, {t:.3g} s" for s, t in zip(ds, ts, strict=True)), limited[h])
         for h, (at, ds, ts) in enumerate(zip(np.rad2deg(heading_rad), distance_m, time_s, strict=True))
