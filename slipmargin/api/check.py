@@ -191,6 +191,7 @@ def check(
     """
     from slipmargin.limits.motion_state import Contact
     from slipmargin.paths.check import check as path_check
+    from slipmargin.report.motion import unsteady
 
     model, warnings = model_of(robot, surface, band=True)
     share = 1.0 - checked_margin(margin)
@@ -213,15 +214,9 @@ def check(
                 "trajectory", f"has the shape {rows.shape}", "give rows of t [s], x [m], y [m], φ [rad]"
             )
         t_s, pose = rows[:, 0], rows[:, 1:]
+    contact = Contact.UNKNOWN if robust else Contact.ROLLERS
     try:
-        found = path_check(
-            model,
-            t_s,
-            pose,
-            share=share,
-            smooth_s=smooth_s,
-            contact=Contact.UNKNOWN if robust else Contact.ROLLERS,
-        )
+        found = path_check(model, t_s, pose, share=share, smooth_s=smooth_s, contact=contact)
     except InputError as fault:
         raise fault.in_file(source) if source else fault from None
     if not found.max_use <= ABSURD_USE:
@@ -231,4 +226,5 @@ def check(
             "give seconds, metres and radians, and at most one pose for each time",
             source,
         )
+    warnings = (*warnings, *unsteady(model, found.states(pose), contact))
     return CheckResult(model=model, check=found, pose=pose, warnings=warnings, source_format=form)

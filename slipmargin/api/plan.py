@@ -232,6 +232,7 @@ def plan(
     from slipmargin.paths.plan import Request, plan as path_plan
     from slipmargin.paths.sample import trajectory
     from slipmargin.paths.verify import on_rollers, verify as simulated
+    from slipmargin.report.motion import unsteady
 
     recipe = read_robot(robot)
     model, warnings = model_of(recipe, surface, spread=True, band=True)
@@ -278,7 +279,7 @@ def plan(
             if chance is not None:
                 raise
             warnings = (*warnings, str(fault))
-    warnings = (*warnings, *_whole_turns(places))
+    warnings = (*warnings, *unsteady(model, found.states(), request.contact), *_whole_turns(places))
     return PlanResult(plan=found, trajectory=rows, simulated=proofs, warnings=warnings, plan_chance=likely)
 
 

@@ -179,6 +179,37 @@ def creep_lasts_s(model: Model, motion: Motion, *, contact: Contact, share: floa
     return np.asarray(model.inertia.mass_kg / (slope * grip * found.drive_stiffness).sum(axis=1))
 
 
+def growth_per_s(
+    model: Model, motion: Motion, *, contact: Contact = Contact.ROLLERS, share: float = 1.0
+) -> Array:
+    """How fast (M,) [1/s] a small creep grows where loads follow the acceleration; at most 0, it dies out.
+
+    A creep that accelerates the robot shifts the loads, and with them the forces that resist it: linearised
+    A dε/dt = −H ε with A = M + Σ_i w_i n_iᵀ, where w_i is the wrench of wheel i against its creep for each
+    newton of its load and n_i its load for each m/s².  A is not symmetric, and where the centre of mass
+    stands several reaches high a mode grows: the wheels' speeds are held, and a wheel lifts all the same.
+    """
+    if not model.loads.follow_acceleration:
+        return np.zeros(motion.count)
+    balance = next(iter(_balances(model, motion, contact, share, False)))
+    load = external_in_motion(model, motion).middle(_at_com(model, motion))[1]
+    load = np.maximum(load, LIGHTEST * model.inertia.weight_N / model.count)
+    twist, _ = balance.rest()
+    law, along, across = balance.law, balance.along, balance.across
+    slip = balance.steep * (twist @ along)
+    side = balance.steep_across * (balance.slide + twist @ across)
+    used = law_inverse(law, np.clip(law_share(law, slip), -FAITHFUL, FAITHFUL))
+    drive, drag = balance.grip / load * law_share(law, slip), balance.drag / load * law_share(law, side)
+    against = np.einsum("ki,mi->mki", along, drive) + np.einsum("ki,mi->mki", across, drag)
+    shifts = np.column_stack([model.loads.per_acceleration_kg, np.zeros(model.count)])
+    inertia = np.diag(model.inertia.diagonal) + against @ shifts
+    stiff = balance.grip * balance.steep * law_slope(law, used)
+    stiff_across = balance.drag * balance.steep_across * law_slope(law, side)
+    resists = np.einsum("mi,ki,li->mkl", stiff, along, along)
+    resists += np.einsum("mi,ki,li->mkl", stiff_across, across, across)
+    return np.asarray(np.max(np.linalg.eigvals(-np.linalg.pinv(inertia) @ resists).real, axis=1))
+
+
 def _at_com(model: Model, motion: Motion) -> Array:
     assert motion.acceleration is not None
     return com_acceleration(model.inertia.com_m, motion.velocity, motion.acceleration)

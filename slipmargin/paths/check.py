@@ -55,6 +55,10 @@ class Check:
     share: float
     time_scale_needed: float
 
+    def states(self, pose: Array) -> Motion:
+        """The samples, at poses (T, 3), as states."""
+        return _states(self.t_s, pose, self.velocity, self.acceleration)
+
     @property
     def admissible(self) -> bool:
         """Whether grip, motors' torque and tipping keep the share, and wheels their top speed."""
@@ -191,19 +195,24 @@ def _shares(
     model: Model, course: _Course, contact: Contact, stretch: float
 ) -> tuple[Array, Array, Array, Array, Array]:
     """Use, torque and speed shares, loads and tipping (M, N) with time stretched."""
-    phi = course.pose[:, 2]
-    motion = Motion(
-        velocity=rotate_rows(phi, course.velocity, inverse=True) / stretch,
-        heading=phi,
-        position=course.pose[:, :2],
-        acceleration=rotate_rows(phi, course.acceleration, inverse=True) / stretch**2,
-        time_s=(course.t_s - course.t_s[0]) * stretch,
-    )
+    motion = _states(course.t_s, course.pose, course.velocity, course.acceleration, stretch)
     forces = realised(model, motion, contact=contact)
     omega = model.geometry.wheel_speeds(motion.velocity)
     torque = torque_use(model, forces.torque_N_m, omega)
     top = model.drives.max_speed_rad_s or np.inf
     return forces.use, torque, np.abs(omega) / top, forces.load_N, tipping(model, motion, forces.load_N)
+
+
+def _states(t_s: Array, pose: Array, velocity: Array, acceleration: Array, stretch: float = 1.0) -> Motion:
+    """Floor-frame samples (M, 3) as states, with time stretched."""
+    phi = pose[:, 2]
+    return Motion(
+        velocity=rotate_rows(phi, velocity, inverse=True) / stretch,
+        heading=phi,
+        position=pose[:, :2],
+        acceleration=rotate_rows(phi, acceleration, inverse=True) / stretch**2,
+        time_s=(t_s - t_s[0]) * stretch,
+    )
 
 
 def _time_scale(model: Model, course: _Course, share: float, contact: Contact) -> float:

@@ -102,6 +102,11 @@ class Plan:
         """Largest share of a wheel's grip, sampled 20 times finer than the grid, settling included."""
         return float(np.max(self.audit.most))
 
+    def states(self) -> Motion:
+        """The motion at both ends and in the middle of every interval."""
+        geometry = Geometry.of(self.model, self.path, self.grid, np.array([0.0, 0.5, 1.0]))
+        return geometry.motion(self.x, self.u, geometry.times(self.x, self.u))
+
 
 def duration(step: Array, x: Array) -> float:
     """Σ 2 Δ / (√x_j + √x_{j+1}) [s]: exact, since s̈ is constant between grid points."""

@@ -8,8 +8,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.limits.motion_realised import growth_per_s
+from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.sim.run import Run
+
+#: A slip that grows more slowly takes longer than most motions last [1/s].
+_GROWS = 1.0
 
 
 def run_lines(run: Run, model: Model, work_J: float, planned_end: Array | None) -> list[str]:
@@ -30,6 +35,19 @@ def run_lines(run: Run, model: Model, work_J: float, planned_end: Array | None) 
         miss = run.pose[-1] - planned_end
         lines.append(f"misses the planned end by {1e3 * math.hypot(*miss[:2]):.2f} mm and {miss[2]:.4f} rad")
     return lines
+
+
+def unsteady(model: Model, motion: Motion, contact: Contact = Contact.ROLLERS) -> tuple[str, ...]:
+    """A sentence where small slips of a motion grow, since loads follow the acceleration; else none."""
+    grows = growth_per_s(model, motion, contact=contact)
+    if not np.any(grows > _GROWS):
+        return ()
+    where = 100.0 * float(np.mean(grows > _GROWS))
+    return (
+        f"stability: loads that follow the acceleration let a small slip grow in {where:.2g} % of the places "
+        f"looked at, {math.e:.3g}-fold in {1.0 / float(np.max(grows)):.2g} s: a wheel may lift although none "
+        "uses more than its share; take a larger margin, or lower the centre of mass",
+    )
 
 
 def in_air(wheels: Sequence[str], in_air_s: Array, lifts_s: float) -> str:

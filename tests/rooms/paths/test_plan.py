@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from strategies import four_wheels, kiwi
 
+import slipmargin as sm
 from slipmargin.errors import InputError, NoSolution
-from slipmargin.limits.motion_realised import Realised, realised
+from slipmargin.limits.motion_realised import Realised, growth_per_s, realised
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model, nominal_model
 from slipmargin.paths import core
@@ -24,8 +25,9 @@ from slipmargin.paths.path import Path, corners, through
 from slipmargin.paths.plan import Plan, Request, duration, plan
 from slipmargin.paths.sample import at_use, node_times, stretched, trajectory
 from slipmargin.physics.frames import rotate_rows
+from slipmargin.report.motion import unsteady
 from slipmargin.report.paths import pace
-from slipmargin.robot import GripShape, LoadRule, Motor
+from slipmargin.robot import Coefficients, GripShape, LoadRule, Motor, Surface
 from slipmargin.robot.warnings import warnings
 
 T = np.linspace(0.0, 2.0 * np.pi, 17)
@@ -339,3 +341,30 @@ def test_a_wheel_that_is_rigid_all_round_does_not_stand_on_rollers() -> None:
     with pytest.raises(NoSolution, match="even at constant speed wheel"):
         plan(model, PATHS["straight"], Request(points=60))
     assert any("no effect, since every wheel is rigid all round" in said for said in warnings(rim))
+
+
+@pytest.mark.parametrize("margin", [0.1, 0.22, 0.35, 0.5])
+def test_a_high_robot_is_unstable_where_the_simulator_lifts_a_wheel(margin: float) -> None:
+    """A plan kept its share of tipping, the simulator lifted a wheel, and no word said why."""
+    grip = Coefficients(drive=0.4, transverse=0.06)
+    robot = kiwi(30.0, radius_m=0.1, com_height_m=0.3, load_rule=LoadRule.QUASI_STATIC, rigid_fraction=0.0)
+    high = replace(
+        robot,
+        body=replace(robot.body, inertia_kg_m2=0.015),
+        surfaces=(Surface(name="floor", roller=grip, rigid=grip),),
+    )
+    found = sm.plan(high, "floor", [[0, 0, 0], [0, 3, 0]], margin=margin, points=60, verify=True)
+    (proof,) = found.simulated.values()
+    grows = growth_per_s(found.plan.model, found.plan.states())
+    told = any("let a small slip grow" in said for said in found.warnings)
+    assert told == (np.max(grows) > 0.0) == (proof.lifts_s is not None) == (margin < 0.3)
+    rows = found.trajectory
+    checked = sm.check(high, "floor", rows, margin=margin)
+    assert told == any("let a small slip grow" in said for said in checked.warnings)
+
+
+def test_low_robots_and_loads_that_do_not_shift_are_stable() -> None:
+    for name in ("mecanum", "kiwi"):
+        found = plan(MODELS[name], PATHS["turning"], Request(points=60))
+        assert np.max(growth_per_s(found.model, found.states())) <= 0.0
+        assert not unsteady(found.model, found.states())
