@@ -314,6 +314,8 @@ def run_import(
     with (
         read_with_progress(),
         at_options(
+            surface="--surface",
+            smooth_s="--smooth",
             calibrate="--calibrate",
             joints="--joint",
             pose_rotation_deg="--pose-rotation",

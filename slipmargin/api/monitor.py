@@ -76,6 +76,9 @@ class SlipMonitor:
         recipe = read_robot(robot)
         model, self.warnings = model_of(recipe, surface)
         rate = real("false_alarm_rate", false_alarm_rate, above=0.0, high=0.5, cure="give a share up to 0.5")
+        if torque_per_ampere_N_m is not None and (training is not None or not current):
+            why = "the runs to train on hold currents" if current else "the log has no currents"
+            raise InputError("torque_per_ampere_N_m", f"has no effect: {why}", "leave it out")
         self.table = limit_table(model, 0.0)
         self.channels = Channels(commanded=commanded, gyro=gyro, current=current)
         if training is None:

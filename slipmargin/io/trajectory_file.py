@@ -92,7 +92,8 @@ def _from_text(text: str) -> Samples:
     header = text.lstrip("\r\n").partition("\n")[0]
     if text.strip() and not any(name in header for name in NEEDED):
         raise unknown_form()
-    columns = columns_from_text(text, required=NEEDED, known=None, empty=None, least=1)
+    others = tuple(name for name in (cell.strip() for cell in header.split(",")) if name not in NEEDED)
+    columns = columns_from_text(text, required=NEEDED, known=None, empty=others, least=1)
     names = set(columns.names)
     claims = [
         Claim(name=name, unit=unit, values=columns.stack(of), rate=columns.stack(rate))

@@ -141,7 +141,7 @@ def refuse_slipping(model: Model, force: Array, phi_rad: Array, load_N: Array) -
         raise NoSolution(
             place,
             "the robot slips without any pull",
-            "make the floor less steep or the friction higher",
+            "weaken what pulls at it (a slope, a tether, a push), or raise the friction",
             force,
         )
     return force

@@ -412,3 +412,15 @@ def test_a_damaged_bag_is_read_or_refused(planned: Trajectory, tmp_path: Path) -
             refused += 1
             assert str(fault).startswith(str(damaged)) and "\n" not in str(fault)
     assert refused > 20
+
+
+@pytest.mark.parametrize("cell", ["", "nan"])
+def test_a_pose_that_is_missing_has_one_cure(tmp_path: Path, cell: str) -> None:
+    """An empty cell was 'no finite number', and one with nan was to be left empty."""
+    rows = "".join(f"{0.1 * k:g},0,{cell if k == 2 else 0},0,{'' if k else 1}\n" for k in range(7))
+    file = tmp_path / "drive.csv"
+    file.write_text(f"t_s,x_m,y_m,phi_rad,use1\n{rows}", encoding="utf-8")
+    with pytest.raises(InputError, match=r"drive\.csv: 4:3: y_m is .*, give a (finite )?number"):
+        sm.check("ohio-kiwi", "paper", file)
+    file.write_text(file.read_text(encoding="utf-8").replace(f"0.2,0,{cell},", "0.2,0,0,"), encoding="utf-8")
+    assert sm.check("ohio-kiwi", "paper", file).check.admissible

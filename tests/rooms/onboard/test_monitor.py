@@ -305,6 +305,13 @@ def stiff_with_load() -> GeneralEffect:
     )
 
 
+def test_a_torque_for_currents_that_nobody_logs_is_refused() -> None:
+    """It was ignored without a word."""
+    for words in ({}, {"current": True, "training": []}):
+        with pytest.raises(InputError, match="torque_per_ampere_N_m: has no effect"):
+            sm.SlipMonitor("ohio-kiwi", "paper", torque_per_ampere_N_m=0.5, **words)
+
+
 def test_a_seed_below_zero_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     log = tmp_path / "log.csv"
     log.write_text("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n0,1,2,3\n", encoding="utf-8")
