@@ -31,9 +31,8 @@ _HELD = (25, 50, 100, 200)
 _FASTEST_M_S, _SLOWEST = 3.0, 0.05
 #: The same where a motor does [share of its top speed].
 _OF_TOP = 0.7
-#: Part of the grip's acceleration that a free run may take, from the least to the most, and the share of the
-#: grip that a limited one keeps to [1].
-_LEAST, _MOST, _HOLDS = 0.1, 2.0, 0.92
+#: Part of the grip's acceleration that a run may take, from the least to the most [1].
+_LEAST, _MOST = 0.1, 2.0
 #: Runs: this over the false-alarm rate, so that a threshold is sure to keep it (up to 8.5 are needed, as runs
 #: grip for unequal times), within these bounds.
 _PER_RATE, _LEAST_RUNS, _MOST_RUNS = 10.0, 100, 2000
@@ -59,7 +58,7 @@ def simulated(
     torque_per_ampere_N_m: float | None,
     false_alarm_rate: float,
 ) -> list[LabelledRun]:
-    """Runs of the robot's own model: from a tenth to twice the grip's acceleration, and just within it."""
+    """Runs of the robot's own model that ask for a tenth to twice the grip's acceleration."""
     from slipmargin.onboard.likelihood import LEAST, labelled
     from slipmargin.sim.batch import Batch, Ending
     from slipmargin.sim.pack import pack
@@ -132,14 +131,7 @@ def simulated(
 
 
 def _twists(model: Model, table: LimitTable, rng: np.random.Generator, ticks: int, runs: int) -> Array:
-    """Body twists (runs, ticks + 1, 3) that follow wanted velocities as fast as they are allowed to.
-
-    Half of the runs may accelerate by a part of what the grip allows, or more than it; a limiter holds the
-    others just within the grip, where a plan uses it.
-    """
-    from slipmargin.onboard.limiter import limit_twist
-    from slipmargin.onboard.table import limit_table
-
+    """Body twists (runs, ticks + 1, 3) towards wanted velocities, with a part of the grip's acceleration."""
     per = np.array([1.0, 1.0, 1.0 / float(np.mean(np.abs(table.along[2])))])
     top = model.drives.max_speed_rad_s
     fastest = _FASTEST_M_S if top is None else _OF_TOP * top * float(np.min(model.geometry.radius_m))
@@ -150,17 +142,13 @@ def _twists(model: Model, table: LimitTable, rng: np.random.Generator, ticks: in
     drawn[..., 0], drawn[..., 1] = model.convention.from_right_forward(
         drawn[..., 0].copy(), drawn[..., 1].copy()
     )
-    within, kept = np.arange(runs) % 2 == 1, limit_table(model, 1.0 - _HOLDS)
-    twists, heading = np.zeros((runs, ticks + 1, 3)), np.zeros(runs)
-    twists[::4, 0], twists[1::4, 0] = drawn[::4, -1], drawn[1::4, -1]  # so that speed is no sign of slip
+    twists = np.zeros((runs, ticks + 1, 3))
+    twists[::4, 0] = drawn[::4, -1]  # a quarter begins at speed, so that speed is no sign of slip
     for k in range(ticks):
         turn, now = k // held, twists[:, k]
         wish = np.where((turn % 4 == 3)[:, None], 0.0, drawn[np.arange(runs), turn])
         step = (wish - now) / (part[:, None] * table.pull_m_s2 * per * _STEP_S)
-        free = now + (wish - now) / np.maximum(1.0, np.linalg.norm(step, axis=1))[:, None]
-        limited, _ = limit_twist(kept, now, wish, np.full(runs, _STEP_S), heading)
-        twists[:, k + 1] = np.where(within[:, None], limited, free)
-        heading += _STEP_S * twists[:, k + 1, 2]
+        twists[:, k + 1] = now + (wish - now) / np.maximum(1.0, np.linalg.norm(step, axis=1))[:, None]
     return twists
 
 
