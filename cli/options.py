@@ -113,8 +113,6 @@ def check_outputs(
         same = next((f for f in (*files, plot) if f is not None and Path(f).resolve() in above), None)
         if same is not None:
             raise InputError("", "is asked for as a file and as a folder", "give them two names", str(same))
-        if any(f is not None and Path(f).is_dir() and place == Path(f).resolve() for f in reads):
-            raise InputError("", "is read as well as written", "give the output another name", str(folder))
     if data_set is not None:
         from slipmargin.io.data_set_write import check_data_set_place, check_new
 
@@ -123,14 +121,16 @@ def check_outputs(
         if inside is not None:
             raise InputError("", "lies in the data set that is written", "give another folder", str(inside))
         (check_data_set_place if replace else check_new)(data_set)
-    _check_apart((*files, plot), reads)
+    _check_apart((*files, plot), folder, reads)
     check_writable(*files, plot)
     if plot is not None:
         check_format(plot)
 
 
-def _check_apart(files: Sequence[Path | str | None], reads: Sequence[Path | str | None]) -> None:
-    """Refuse a file that would be written twice, or that is read as well: one of the two would be lost.
+def _check_apart(
+    files: Sequence[Path | str | None], folder: Path | None, reads: Sequence[Path | str | None]
+) -> None:
+    """Refuse an output that would be written twice, or that is read as well: one of the two would be lost.
 
     A folder among ``reads`` stands for every file in it.
     """
@@ -138,6 +138,8 @@ def _check_apart(files: Sequence[Path | str | None], reads: Sequence[Path | str 
 
     read = [Path(f) for f in reads if f is not None and Path(f).is_file()]
     folders = [Path(f).resolve() for f in reads if f is not None and Path(f).is_dir()]
+    if folder is not None and Path(folder).resolve() in folders:
+        raise InputError("", "is read as well as written", "give the output another name", str(folder))
     seen: set[Path] = set()
     for file in files:
         if file is None or str(file) == "-":

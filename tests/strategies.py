@@ -98,6 +98,18 @@ def kiwi(
     )
 
 
+def high_kiwi() -> Robot:
+    """A kiwi whose centre of mass stands three reaches high: near its limit its motion is unstable."""
+    robot = kiwi(30.0, radius_m=0.1, com_height_m=0.3, load_rule=LoadRule.QUASI_STATIC, rigid_fraction=0.0)
+    grip = Coefficients(drive=0.4, transverse=0.06)
+    return replace(
+        robot,
+        body=replace(robot.body, inertia_kg_m2=0.015),
+        friction=replace(robot.friction, k_s_per_m=1000.0),
+        surfaces=(Surface(name="floor", roller=grip, rigid=grip),),
+    )
+
+
 def four_wheels(
     roller_angle_deg: float = 45.0,
     *,

@@ -70,6 +70,12 @@ def _extreme(
 
 
 @njit(cache=True)
+def _kept(A: Array, B: Array, step: float, row: int) -> float:
+    """How much of a larger x at the start is left at the end where a row gives the largest u [1]."""
+    return float(1.0 - 2.0 * step * B[row] / A[row])
+
+
+@njit(cache=True)
 def _fastest_after(A: Array, B: Array, C: Array, count: int, step: float, bottom: float, top: float) -> float:
     """The largest x in [bottom, top] that loses nothing at the interval's end.
 
@@ -77,23 +83,23 @@ def _fastest_after(A: Array, B: Array, C: Array, count: int, step: float, bottom
     ``top``, a faster start is only paid for by a slower end: rows over one interval are steeper there than
     the motion they stand for.
     """
-    _, high, _, k = _width(A, B, C, count, top)
-    if high == math.inf or 2.0 * step * B[k] <= A[k]:
+    _, high, _, row = _width(A, B, C, count, top)
+    if high == math.inf or _kept(A, B, step, row) >= 0.0:
         return top
-    left, right, row = bottom, top, k
+    left, right = bottom, top
     for _ in range(100):
         _, _, _, i = _width(A, B, C, count, left)
-        fall, rise = 1.0 - 2.0 * step * B[row] / A[row], 1.0 - 2.0 * step * B[i] / A[i]
+        fall, rise = _kept(A, B, step, row), _kept(A, B, step, i)
         if rise < -FLAT:  # it falls from there on
             return left
         # where both lines x + 2 Δ (c − b x)/a meet
         new = float(2.0 * step * (C[i] / A[i] - C[row] / A[row]) / (fall - rise))
         if not left < new < right:
             return min(max(new, left), right)
-        _, high, _, k = _width(A, B, C, count, new)
+        _, _, _, k = _width(A, B, C, count, new)
         if k in (i, row):
             return new
-        if 1.0 - 2.0 * step * B[k] / A[k] < 0.0:
+        if _kept(A, B, step, k) < 0.0:
             right, row = new, k
         else:
             left = new

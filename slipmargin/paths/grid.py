@@ -42,6 +42,19 @@ class Grid:
         return s, np.broadcast_to(self.piece[:, None], s.shape)
 
 
+def check_points(points: int) -> None:
+    """Refuse a number of grid points that is too small or too large.
+
+    Raises
+    ------
+    InputError
+        Placed at ``points``.
+    """
+    if points < LEAST_POINTS:
+        raise InputError("points", f"is {points}", f"use at least {LEAST_POINTS} grid points")
+    allow("points", points, PATH_POINTS, "grid points", "ask for fewer")
+
+
 def grid_of(path: Path, points: int = 400) -> Grid:
     """A grid of at least ``points`` intervals, finer where the path bends.
 
@@ -53,8 +66,7 @@ def grid_of(path: Path, points: int = 400) -> Grid:
     InputError
         If fewer than 10 intervals are asked for, or the path bends so often that it takes too many.
     """
-    if points < LEAST_POINTS:
-        raise InputError("points", f"is {points}", f"use at least {LEAST_POINTS} grid points")
+    check_points(points)
     breaks = path.breaks
     marks = [breaks] + [breaks[k] + p.knots for k, p in enumerate(path.pieces)]
     nodes = np.unique(np.concatenate(marks))

@@ -4,22 +4,21 @@ from __future__ import annotations
 
 import contextlib
 from dataclasses import dataclass, field, replace
-from typing import final
+from typing import NamedTuple, final
 
 import numpy as np
 
 from slipmargin.checks import FASTEST_M_S, Array, real
-from slipmargin.errors import InputError, NoSolution
+from slipmargin.errors import NoSolution
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.paths import core
 from slipmargin.paths.along import FASTER, SLOWER, Assumed, Caps, Rows, assume, rows_along
 from slipmargin.paths.audit import FINER, Audit, audit
 from slipmargin.paths.geometry import Geometry, wheel_angles
-from slipmargin.paths.grid import LEAST_POINTS, Grid, grid_of
+from slipmargin.paths.grid import Grid, check_points, grid_of
 from slipmargin.paths.infeasibility import stuck, too_fast
 from slipmargin.paths.path import Path
-from slipmargin.work import PATH_POINTS, allow
 
 #: Passes with fixed shares before the dense check begins: at least so many, for the drag to settle, and until
 #: the duration changes by no more than this share, for the torque–speed line to be touched where it is used.
@@ -61,10 +60,7 @@ class Request:
     theta_rad: Array | None = None
 
     def __post_init__(self) -> None:
-        if self.points < LEAST_POINTS:
-            cure = f"use at least {LEAST_POINTS} grid points"
-            raise InputError("points", f"is {self.points}", cure)
-        allow("points", self.points, PATH_POINTS, "grid points", "ask for fewer")
+        check_points(self.points)
         real("margin", 1.0 - self.share, low=0.0, high=0.99, cure="give a slip margin from 0 to 0.99")
         for place, speed in (("start_speed_m_s", self.start_m_s), ("end_speed_m_s", self.end_m_s)):
             cure = f"give a speed along the path from 0 to {FASTEST_M_S:g} m/s"
@@ -206,10 +202,10 @@ class _Work:
         """Largest ṡ² at the end that can be reached from ``start``, below the one asked for."""
         low, high, assumed = 0.0, self.request.end_m_s, self.assumed()
         for _ in range(HALVINGS):
-            end = (0.5 * (low + high)) ** 2
-            blank = np.zeros_like(self.x), np.zeros_like(self.u), np.zeros_like(self.x)
-            ok = _passes(self.grid, self.along(assumed, self._ending(end)), start, end, *blank)[0] == core.OK
-            low, high = (np.sqrt(end), high) if ok else (low, np.sqrt(end))
+            speed = 0.5 * (low + high)
+            end = speed**2
+            found = _passes(self.grid, self.along(assumed, self._ending(end)), start, end)
+            low, high = (speed, high) if found.status == core.OK else (low, speed)
         return low**2
 
     def _settle(self, start: float, end: float) -> None:
@@ -245,19 +241,16 @@ class _Work:
         """One backward and forward pass between these ṡ²; what was found last is where it is linearised."""
         r = self.request
         self.rows = w = self.along(self.assumed(), self.x)
-        x, u, highest = np.zeros_like(self.x), np.zeros_like(self.u), np.zeros_like(self.x)
-        status, j, one, two = _passes(self.grid, w, start, end, x, u, highest)
-        if status in (core.STUCK, core.REST):
-            most = self._fastest_end(start) if end > 0.0 else 0.0
-            if most > 0.0:
-                raise too_fast(r.end_m_s, False, most, self.coarse)
-            raise stuck(self.model, self.coarse, w, j, one, two, r.share, r.contact)
-        if status == core.START:
-            self.highest = highest
+        found = _passes(self.grid, w, start, end)
+        if found.status == core.START:
+            self.highest = found.highest
             raise too_fast(r.start_m_s, True, float(self.ceiling()[0]), self.coarse)
-        if status == core.END:
-            raise too_fast(r.end_m_s, False, self._fastest_end(start), self.coarse)
-        self.x, self.u, self.highest = x, u, highest
+        if found.status != core.OK:
+            most = self._fastest_end(start) if end > 0.0 else 0.0
+            if found.status == core.END or most > 0.0:
+                raise too_fast(r.end_m_s, False, most, self.coarse)
+            raise stuck(self.model, self.coarse, w, *found.conflict, r.share, r.contact)
+        self.x, self.u, self.highest = found.x, found.u, found.highest
         self.passes += 1
 
     def ceiling(self) -> Array:
@@ -267,11 +260,10 @@ class _Work:
             return highest
         assumed, end = self.assumed(), self.request.end_m_s**2
         for _ in range(MOST_SETTLING):
-            found, x, u = np.zeros_like(highest), np.zeros_like(self.x), np.zeros_like(self.u)
-            status, *_ = _passes(self.grid, self.along(assumed, highest), 0.0, end, x, u, found)
-            if status != core.OK or np.all(found <= highest * (1.0 + SETTLED)):
+            found = _passes(self.grid, self.along(assumed, highest), 0.0, end)
+            if found.status != core.OK or np.all(found.highest <= highest * (1.0 + SETTLED)):
                 break
-            highest = np.maximum(highest, found)
+            highest = np.maximum(highest, found.highest)
         return highest
 
     def check(self, *, whole: bool = False) -> Audit:
@@ -385,10 +377,20 @@ def _held(x: Array, most: float) -> Array:
     return np.logical_and.accumulate(x < most) * most
 
 
-def _passes(
-    grid: Grid, w: Rows, start: float, end: float, x: Array, u: Array, highest: Array
-) -> tuple[int, int, int, int]:
+class _Profile(NamedTuple):
+    """A pass: x = ṡ² (n + 1,), s̈ (n,), the highest controllable x, and the interval and rows in conflict."""
+
+    status: int
+    conflict: tuple[int, int, int]
+    x: Array
+    u: Array
+    highest: Array
+
+
+def _passes(grid: Grid, w: Rows, start: float, end: float) -> _Profile:
     """The compiled backward and forward pass over rows; ``start`` and ``end`` are ṡ² there."""
+    n = len(grid.step)
+    x, u, highest = np.zeros(n + 1), np.zeros(n), np.zeros(n + 1)
     sides = w.a[0], w.b[0], w.c[0], w.a[1], w.b[1], w.c[1]
-    found: tuple[int, int, int, int] = core.profile(grid.step, *sides, w.cap, start, end, x, u, highest)
-    return found
+    status, j, one, two = core.profile(grid.step, *sides, w.cap, start, end, x, u, highest)
+    return _Profile(status=status, conflict=(j, one, two), x=x, u=u, highest=highest)

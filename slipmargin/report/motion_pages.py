@@ -116,7 +116,7 @@ def plan_page(
 ) -> Page:
     """How fast the path can be driven, and what sets the pace."""
     share = p.request.share
-    speed = top_speed_m_s(p)
+    speed, way = top_speed_m_s(p), covered(p)
     first, longest = pace(p)[0]
     slips = [name for name, proof in proofs.items() if proof.slips]
     steps = ["`--export choreo FILE` (or `pathplanner`, `ros-path`) writes the motion for your robot."]
@@ -130,11 +130,11 @@ def plan_page(
     at = thinned(len(rows.t_s), _ROWS)
     return result_page(
         title=f"Plan for {p.model.robot} on {p.model.surface}",
-        lead=f"{p.model.robot} can drive this path of {covered(p)} in {p.duration_s:.3g} s on "
+        lead=f"{p.model.robot} can drive this path of {way} in {p.duration_s:.3g} s on "
         f"{p.model.surface}: no wheel slips, and {100 * (1.0 - share):.3g} % of the grip stays in reserve.",
         good=not slips and not lifts,
         facts=(
-            Fact(label="Time", value=f"{p.duration_s:.4g} s", note=f"for {covered(p)}"),
+            Fact(label="Time", value=f"{p.duration_s:.4g} s", note=f"for {way}"),
             Fact(label="Top speed", value=f"{speed:.3g} m/s"),
             Fact(label="Most grip used", value=f"{100 * p.max_use:.3g} %", note="of any wheel"),
             Fact(

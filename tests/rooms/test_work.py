@@ -13,7 +13,6 @@ import tomllib
 from fuzz import mutate
 from fuzz.judge import judge
 from real_logs import EXCERPT
-from slipmargin_cli.main import status
 
 import slipmargin as sm
 from slipmargin.effects.push import Push
@@ -181,26 +180,3 @@ def test_a_wheel_whose_name_reads_like_no_number_is_no_absurd_result(tmp_path: P
     (tmp_path / "o.csv").write_text("saturated,force_N\nleft+inf,1.0\n", encoding="utf-8")
     told = {names: judge(0, "", "", tmp_path, set(), names=names)[0] for names in ((), ("left", "inf"))}
     assert told == {(): "absurd", ("left", "inf"): "ok"}
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (["plan", "ohio-kiwi", "way.csv", "--points", "100000000"], "command line: --points: asks for 1e+08"),
-        (["plan", "ohio-kiwi", "way.csv", "--points", "1"], "command line: --points: is 1, use at least 10"),
-        (["bounds", "ohio-kiwi", "--step", "1e-6"], "command line: --step: asks for 1.08e+09 wheels times"),
-        (["stop", "ohio-kiwi", "--step", "0.01"], "command line: --step: asks for 3.6e+04 directions"),
-    ],
-)
-def test_a_step_that_asks_for_too_much_is_refused_not_waited_for(
-    words: list[str],
-    told: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    """A plan with 10^8 points was killed for want of memory, and one point was a fault of the waypoints."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "way.csv").write_text("x_m,y_m,phi_rad\n0,0,0\n1,0,0\n", encoding="utf-8")
-    assert status([*words, "--surface", "paper"]) == 2
-    assert told in capsys.readouterr().err

@@ -239,6 +239,14 @@ def test_the_page_on_ci_shows_real_output(
     assert codes == [0, 1]
 
 
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder that a command runs in, with the waypoints of a metre ahead."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "way.csv").write_text("x_m,y_m,phi_rad\n0,0,0\n1,0,0\n", encoding="utf-8")
+    return tmp_path
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
@@ -303,31 +311,23 @@ def test_the_page_on_ci_shows_real_output(
     ],
 )
 def test_no_output_takes_the_place_of_another_file(
-    words: list[str],
-    told: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    words: list[str], told: str, here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Waypoints were replaced by their plan, and of two outputs of one name the first was lost."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "way.csv").write_text("x_m,y_m,phi_rad\n0,0,0\n1,0,0\n", encoding="utf-8")
     robot = write_recipe(read_recipe("ohio-kiwi"))
-    (tmp_path / "ds").mkdir()
+    (here / "ds").mkdir()
     for name in ("own.toml", "ds/robot.toml", "ohio-kiwi.urdf"):
-        (tmp_path / name).write_text(robot, encoding="utf-8")
-    before = {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()}
+        (here / name).write_text(robot, encoding="utf-8")
+    before = {p: p.read_bytes() for p in here.rglob("*") if p.is_file()}
     assert status(words) == 2
     assert told in capsys.readouterr().err
-    assert {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()} == before
+    assert {p: p.read_bytes() for p in here.rglob("*") if p.is_file()} == before
 
 
 def test_of_a_motion_and_its_export_all_are_written_or_none(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The file for another tool was written first, whatever became of the others."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "way.csv").write_text("x_m,y_m,phi_rad\n0,0,0\n1,0,0\n", encoding="utf-8")
     words = [
         "plan",
         "ohio-kiwi",
@@ -342,12 +342,30 @@ def test_of_a_motion_and_its_export_all_are_written_or_none(
     ]
     monkeypatch.setattr("slipmargin.api.plan.PlanResult.to_json", lambda self: 1 / 0)
     assert status([*words, "--json", "m.json"]) == 1
-    assert {p.name for p in tmp_path.iterdir()} == {"way.csv"}
+    assert {p.name for p in here.iterdir()} == {"way.csv"}
     monkeypatch.undo()
-    monkeypatch.chdir(tmp_path)
+    monkeypatch.chdir(here)
     assert status([*words, "--json", "m.json"]) == 0
-    assert {p.name for p in tmp_path.iterdir()} == {"way.csv", "m", "m.json"}
+    assert {p.name for p in here.iterdir()} == {"way.csv", "m", "m.json"}
     assert "written: m\n" in capsys.readouterr().out
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["plan", "ohio-kiwi", "way.csv", "--points", "100000000"], "command line: --points: asks for 1e+08"),
+        (["plan", "ohio-kiwi", "way.csv", "--points", "1"], "command line: --points: is 1, use at least 10"),
+        (["bounds", "ohio-kiwi", "--step", "1e-6"], "command line: --step: asks for 1.08e+09 wheels times"),
+        (["stop", "ohio-kiwi", "--step", "0.01"], "command line: --step: asks for 3.6e+04 directions"),
+    ],
+)
+def test_a_step_that_asks_for_too_much_is_refused_not_waited_for(
+    words: list[str], told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A plan with 10^8 points was killed for want of memory, and one point was a fault of the waypoints."""
+    assert status([*words, "--surface", "paper"]) == 2
+    assert told in capsys.readouterr().err
 
 
 def test_a_sweep_says_where_it_did_not_look(capsys: pytest.CaptureFixture[str]) -> None:

@@ -9,11 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from slipmargin_cli.main import status
-from strategies import kiwi
+from strategies import high_kiwi
 
 import slipmargin as sm
 from slipmargin.errors import InputError, NoSolution
-from slipmargin.robot import Coefficients, LoadRule, Surface
 
 BUILT_IN = [("ohio-kiwi", "paper"), ("mecanum4", "floor"), ("robotino", "gray"), ("omni4", "floor")]
 
@@ -88,17 +87,9 @@ def test_a_safety_scanner_is_given_the_longest_stop_that_was_seen() -> None:
     assert any(said in line for line in found.lines())
 
 
-def test_a_stop_that_tips_in_simulation_is_told_beside_the_others(tmp_path: Path) -> None:
+def test_a_stop_that_tips_in_simulation_is_told_beside_the_others() -> None:
     """One of 72 stops tipped, and the whole table was lost."""
-    robot = kiwi(30.0, radius_m=0.1, com_height_m=0.3, load_rule=LoadRule.QUASI_STATIC, rigid_fraction=0.0)
-    grip = Coefficients(drive=0.4, transverse=0.06)
-    high = replace(
-        robot,
-        body=replace(robot.body, inertia_kg_m2=0.015),
-        friction=replace(robot.friction, k_s_per_m=1000.0),
-        surfaces=(Surface(name="floor", roller=grip, rigid=grip),),
-    )
-    found = sm.stop(high, "floor", speeds_m_s=[0.25], step_deg=15.0)
+    found = sm.stop(high_kiwi(), "floor", speeds_m_s=[0.25], step_deg=15.0)
     early = np.isnan(found.simulated_m)
     assert 0 < len(found.ended) == np.count_nonzero(early) < early.size and not found.verified
     assert all("it tips" in why for why in found.ended) and np.all(np.isfinite(found.distance_m))

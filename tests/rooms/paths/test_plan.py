@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from strategies import four_wheels, kiwi
+from strategies import four_wheels, high_kiwi, kiwi
 
 import slipmargin as sm
 from slipmargin.errors import InputError, NoSolution
@@ -27,7 +27,7 @@ from slipmargin.paths.sample import at_use, node_times, stretched, trajectory
 from slipmargin.physics.frames import rotate_rows
 from slipmargin.report.motion import unsteady
 from slipmargin.report.paths import pace
-from slipmargin.robot import Coefficients, GripShape, LoadRule, Motor, Surface
+from slipmargin.robot import GripShape, LoadRule, Motor
 from slipmargin.robot.warnings import warnings
 
 T = np.linspace(0.0, 2.0 * np.pi, 17)
@@ -346,13 +346,7 @@ def test_a_wheel_that_is_rigid_all_round_does_not_stand_on_rollers() -> None:
 @pytest.mark.parametrize("margin", [0.1, 0.22, 0.35, 0.5])
 def test_a_high_robot_is_unstable_where_the_simulator_lifts_a_wheel(margin: float) -> None:
     """A plan kept its share of tipping, the simulator lifted a wheel, and no word said why."""
-    grip = Coefficients(drive=0.4, transverse=0.06)
-    robot = kiwi(30.0, radius_m=0.1, com_height_m=0.3, load_rule=LoadRule.QUASI_STATIC, rigid_fraction=0.0)
-    high = replace(
-        robot,
-        body=replace(robot.body, inertia_kg_m2=0.015),
-        surfaces=(Surface(name="floor", roller=grip, rigid=grip),),
-    )
+    high = high_kiwi()
     found = sm.plan(high, "floor", [[0, 0, 0], [0, 3, 0]], margin=margin, points=60, verify=True)
     (proof,) = found.simulated.values()
     grows = growth_per_s(found.plan.model, found.plan.states())
