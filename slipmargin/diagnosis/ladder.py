@@ -319,7 +319,7 @@ def _further(
     where the pieces that showed it are too short to show more: what adds up along a run may be hidden in
     short ones by what changes within them.  Its rounds are added to ``rounds``.
     """
-    least_s = 0.0
+    least_s, begun = 0.0, set[tuple[frozenset[str], int | None]]()
     while rounds and held.state is not None and not progress.expired:
         state, trials = held.state, rounds[0].before.fit.trials
         stood = [_place(r.before) for r in rounds]
@@ -329,6 +329,9 @@ def _further(
         own = [court.runs[i] for i in trials]
         start = fitted(state.view, state.structure, state.fit.x, trials, own)
         start = longer(court.problem, start, own, least_s)
+        if _place(start) in begun:
+            break
+        begun.add(_place(start))
         best = start = reformed(start, own, _candidates(rounds), rounds, progress, simpler=True)
         is_new = _place(start) not in stood and worthwhile(start, SETTINGS.floor_chi)
         if is_new:

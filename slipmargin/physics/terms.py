@@ -77,7 +77,7 @@ def basis_function(basis: int, j: int, count: int, a: float, b: float, v: Any) -
 
 
 def basis_slope(basis: int, j: int, count: int, a: float, b: float, v: Any) -> Any:
-    """dφ_j/dv for v ≥ 0 (where a function kinks: its slope to the right)."""
+    """dφ_j/dv (where a function kinks: its slope to the right)."""
     if basis == POLYNOMIAL:
         return (j + 1) / a * (v / a) ** j
     if basis == FOURIER:
@@ -88,8 +88,8 @@ def basis_slope(basis: int, j: int, count: int, a: float, b: float, v: Any) -> A
         up, down = (knot >= j - 1) & (knot < j) & (knot >= 0.0), (knot >= j) & (knot < j + 1)
         return per * (1.0 * up - 1.0 * (down & (knot >= 0.0) & (knot < count - 1)))
     if basis == DECAY:
-        x = np.maximum(v / a, 1e-300)
-        return -np.exp(-(x**b)) * b * x ** (b - 1.0) / a
+        x = np.maximum(np.abs(v) / a, 1e-300)
+        return np.copysign(np.exp(-(x**b)) * b * x ** (b - 1.0) / a, -v)
     if basis == RECIPROCAL:
         return -a / (v + b) ** 2
     if basis == ODD:

@@ -39,6 +39,8 @@ from slipmargin.sim.columns import (
     MU_T,
     MU_W,
     OMEGA,
+    PASS_T,
+    PASS_W,
     RESTING,
     RIGID,
     ROUND,
@@ -56,7 +58,7 @@ from slipmargin.sim.columns import (
     WW,
 )
 from slipmargin.sim.lifting import hang, lifts
-from slipmargin.sim.varying import climb, external, factors
+from slipmargin.sim.varying import climb, external, factors, passing
 
 _MASS, _INERTIA, _LAG, _DROOP, _STALL = at.MASS, at.INERTIA, at.LAG, at.DROOP, at.STALL_TORQUE
 _SLOWING, _WHEEL_INERTIA, _LAW, _K = at.SLOWING, at.INERTIA_OF_WHEEL, at.LAW, at.STEEPNESS
@@ -64,6 +66,7 @@ _SHAPE, _COUPLING, _CW, _CT, _LIFTED = at.SHAPE, at.COUPLING, at.VISCOUS_W, at.V
 _MODS, _RELIEFS, _FOLLOWS, _BY_LOAD, _GX = at.MODULATIONS, at.RELIEFS, at.LOAD_FOLLOWS, at.BY_LOAD, at.GRIP_X
 _GY, _GM, _GR, _FX, _FY = at.GRIP_Y, at.GRIP_MOMENT, at.GRIP_ROLLS, at.FREE_X, at.FREE_Y
 _FM, _FR, _REST, _LX, _LY = at.FREE_MOMENT, at.FREE_ROLLS, at.REST, at.LOAD_X, at.LOAD_Y
+_BY_HUB, _AX, _AY = at.BY_HUB, at.ARM_X, at.ARM_Y
 _MU, _TX, _TY, _OUT_COS, _OUT_SIN = at.ROLLER_W, at.TILT_X, at.TILT_Y, at.RUNOUT_COS, at.RUNOUT_SIN
 
 _contact = twin(contacts.contact)
@@ -162,6 +165,10 @@ def slopes(P: Any, W: Any, y: Any, C: Any, B: Any, J: Any, speeds: int) -> None:
     Into J (3 or 3 + N rows): column 3 + k over velocity k (v_x, v_y, ω and, where there are ``speeds`` = N,
     the wheel speeds); without speeds the last column over time, through prescribed wheel speeds.
     """
+    by_hub = P[_BY_HUB] > 0.0
+    if by_hub:
+        for i in range(len(W)):
+            passing(P, W, i, y, C)
     for k in range(3 + max(speeds, 1)):
         fx, fy, mz = 0.0, 0.0, 0.0
         for i in range(len(W)):
@@ -175,6 +182,16 @@ def slopes(P: Any, W: Any, y: Any, C: Any, B: Any, J: Any, speeds: int) -> None:
             load, wt = c[LOAD], c[WT]
             a = load * (c[WW] * w + wt * v) + P[_CW] * w
             b = load * (wt * w + c[TT] * v) + P[_CT] * v
+            if by_hub:
+                x, z = 0.0, 0.0
+                if k == 0:
+                    x = 1.0
+                elif k == 1:
+                    z = 1.0
+                elif k == 2:
+                    x, z = -row[_AY], row[_AX]
+                a += load * (c[PASS_W] * x + c[PASS_W + 1] * z + c[PASS_W + 2] * w)
+                b += load * (c[PASS_T] * x + c[PASS_T + 1] * z + c[PASS_T + 2] * w)
             c[GROW_W], c[GROW_T] = a, b
             fx -= a * row[_GX] + b * row[_FX]
             fy -= a * row[_GY] + b * row[_FY]

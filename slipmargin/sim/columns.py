@@ -20,7 +20,10 @@ SHARED, SHARED_X, SHARED_Y = (
 )  #: and what each carries without acceleration [N], per acceleration [kg]
 HUNG = 26  #: AIR at the step before
 RISE_X, RISE_Y, RISE_M = 27, 28, 29  #: slope of the floor under the wheel, body axes [1], and its moment [m]
-CONTACT = 30
+#: Derivatives of f_W and of f_T over the hub's velocity (2) and over u_W, by what friction makes of these,
+#: while slopes are taken [s/m].
+PASS_W, PASS_T = 30, 33
+CONTACT = 36
 #: Entries of the body table B: external push in the floor frame (3) and its height, inverse of the mass
 #: matrix of a (2 × 2 row by row), yaw moment per acceleration that loads bring about, factors of a
 #: wheel (6), external wrench in the body frame (3), its moment h F (2), lift, wheels in the air and the pull

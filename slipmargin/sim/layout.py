@@ -44,7 +44,8 @@ EDGES_AT = 32
 PLAYS = 33  #: 1 where a wheel has play
 RELIEFS = 34  #: how many ramps and ridges the floor has
 RELIEFS_AT = 35
-HEAD = 36
+BY_HUB = 36  #: 1 where friction depends on the hub's velocity in a way whose derivative is analytic
+HEAD = 37
 
 # --- a wheel ----------------------------------------------------------------------------------
 #: Sliding velocity along ĝ = the next four · (v_x, v_y, ω, wheel speed), of the centre of mass; likewise f̂.

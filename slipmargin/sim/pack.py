@@ -9,6 +9,7 @@ import numpy as np
 from slipmargin.checks import Array, read_only
 from slipmargin.errors import InputError
 from slipmargin.model import Model
+from slipmargin.model.parts import Grip
 from slipmargin.physics import sectors
 from slipmargin.physics.contact import BOX, DISC_STRIP, ELLIPSE
 from slipmargin.physics.frames import moment
@@ -35,6 +36,8 @@ _TIME = frozenset(
 )
 #: Variables that leave the velocity derivative analytic.
 _CALM = (_TIME | _HEADING | _PLACE | {Variable.UNITY}) - {Variable.SLIP_DIRECTION}
+#: Variables of the hub's velocity and of u_W whose derivatives are analytic.
+_HUB = frozenset({Variable.HUB_SPEED, Variable.LEAD, Variable.PASSING_SPEED})
 #: The bases whose coefficients all stand for one and the same function.
 _SINGLE = frozenset({Basis.CONSTANT, Basis.DECAY, Basis.RECIPROCAL, Basis.WINDOW, Basis.STEP, Basis.LOBE})
 
@@ -95,6 +98,21 @@ def edges_of(row: Array) -> Array:
     return row[first : first + int(row[at.EDGES])]
 
 
+def _told(term: Multiplier, grip: Grip) -> bool:
+    """Whether the derivative of a friction term over the velocity is analytic."""
+    boxed = grip.shape is GripShape.BOX or grip.coupling == 0.0
+    if term.variable in _HUB:
+        if term.target < Target.STIFFNESS:
+            return boxed or term.target is Target.BOTH
+        slips = any(m.variable is Variable.SLIP_SPEED for m in grip.multipliers)
+        return (boxed or grip.coupling == 1.0) and not slips
+    if term.target >= Target.STIFFNESS:
+        return term.variable in _CALM
+    if term.variable is Variable.SLIP_SPEED:
+        return boxed
+    return term.variable in _CALM or term.variable is Variable.WHEEL_LOAD
+
+
 def _fill(head: Array, model: Model) -> None:
     grip, loads, drives, transients = model.grip, model.loads, model.drives, model.actuators
     variables = {m.variable for m in grip.multipliers}
@@ -129,10 +147,8 @@ def _fill(head: Array, model: Model) -> None:
     out_of_round = bool(np.any(model.geometry.runout))
     head[at.BY_TIME] = bool((variables | terms) & _TIME) or out_of_round
     against = any(f.frame in AGAINST for f in model.external.terms)
-    boxed = grip.shape is GripShape.BOX or grip.coupling == 0.0
-    calm = _CALM | {Variable.WHEEL_LOAD} | ({Variable.SLIP_SPEED} if boxed else set())
-    stiff = any(m.target >= Target.STIFFNESS and m.variable not in _CALM for m in grip.multipliers)
-    head[at.BY_VELOCITY] = bool(variables - calm) or bool(terms - _CALM) or against or stiff
+    head[at.BY_HUB] = bool(variables & _HUB)
+    head[at.BY_VELOCITY] = bool(terms - _CALM) or against or not all(_told(m, grip) for m in grip.multipliers)
     head[at.BY_ANGLE] = Variable.WHEEL_ANGLE in variables or out_of_round
     head[at.SHARE], head[at.LIFTED] = model.inertia.weight_N / model.count, float(np.sum(loads.rest_N))
     head[at.LAW] = grip.law

@@ -38,8 +38,10 @@ from slipmargin.sim.motion import (
 from slipmargin.sim.pack import edges_of, wheels_of
 from slipmargin.sim.rodas import between
 
-#: Longest step [s]: a robot at 1 m/s feels the sharp edge of a patch of floor within 1 cm of where it is.
-LONGEST_S = 0.01
+#: Steps are cut to this way of a wheel [m], four of which follow a roller that passes and feel the sharp edge
+#: of a patch of floor, within these times [s].
+_WAY_M, _SHORTEST_S, _LONGEST_S = 0.005, 0.01, 0.05
+_ARM_X, _ARM_Y = at.ARM_X, at.ARM_Y
 #: A step is looked at up to this share: at its end something may jump.
 _INSIDE = 1.0 - 1e-9
 _THIRD = 1.0 / 3.0
@@ -121,7 +123,8 @@ def grow(
         step = trace[s]
         piece, pk = int(step[PIECE]), int(step[PUSHED])
         c, k0 = coef[piece], knots[piece]
-        parts = math.ceil(step[LONG_S] / LONGEST_S)
+        per_s = min(max(1.0 / _LONGEST_S, _fastest(W, step) / _WAY_M), 1.0 / _SHORTEST_S)
+        parts = math.ceil(step[LONG_S] * per_s)
         h = step[LONG_S] / parts
         for part in range(parts):
             begins = step[WHEN_S] + part * h
@@ -175,6 +178,18 @@ def grow(
         for k in range(row, total):
             for r in range(3):
                 out[m, k, r] = change[m, r]
+
+
+@inner
+def _fastest(W: Any, step: Any) -> float:
+    """How fast any wheel's contact moves at most at the two ends of a step [m/s]."""
+    most = 0.0
+    for end in (FROM, TO):
+        speed = math.sqrt(step[end + 3] ** 2 + step[end + 4] ** 2)
+        for w in W:
+            arm = math.sqrt(w[_ARM_X] ** 2 + w[_ARM_Y] ** 2)
+            most = max(most, speed + arm * abs(step[end + 5]))
+    return most
 
 
 @inner

@@ -9,16 +9,20 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from slipmargin.physics import frames, relief, terms
-from slipmargin.physics.compiled import inner, twin
+from slipmargin.physics import contact, frames, relief, terms
+from slipmargin.physics.compiled import inner, spliced, twin
 from slipmargin.physics.constants import CRAWL_M_S, SLOW_M_S, SLOW_RAD_S
 from slipmargin.sim import layout as at
 from slipmargin.sim.columns import (
     ALPHA,
     FACTORS,
+    FORCE_T,
+    FORCE_W,
     LIFT,
     LOAD,
     OMEGA,
+    PASS_T,
+    PASS_W,
     PUSH,
     RISE_M,
     RISE_X,
@@ -27,7 +31,10 @@ from slipmargin.sim.columns import (
     SLIP_W,
     THETA,
     TILTING,
+    TT,
     WRENCH,
+    WT,
+    WW,
 )
 
 _TERM, _FORCE, _COM_X, _COM_Y = at.TERM, at.FORCE, at.COM_X, at.COM_Y
@@ -35,7 +42,9 @@ _MODS, _MODS_AT, _FORCES, _FORCES_AT = at.MODULATIONS, at.MODULATIONS_AT, at.FOR
 _SHARE, _AX, _AY, _GX, _GY, _FX = at.SHARE, at.ARM_X, at.ARM_Y, at.GRIP_X, at.GRIP_Y, at.FREE_X
 _FY, _RHO, _PLACE, _NSX = at.FREE_Y, at.RADIUS, at.PLACE, at.NO_SLIP_X
 _RELIEFS, _RELIEFS_AT, _RELIEF = at.RELIEFS, at.RELIEFS_AT, at.RELIEF
+_SHAPE, _COUPLING = at.SHAPE, at.COUPLING
 
+_BOX = contact.BOX
 _basis, _basis_slope = twin(terms.basis_function), twin(terms.basis_slope)
 _first_of_two, _HATS = twin(terms.first_of_two), terms.HATS
 _place_variable = twin(terms.place_variable)
@@ -43,7 +52,7 @@ _rise, _beyond = twin(relief.rise), twin(relief.beyond)
 _to_body, _to_floor, _velocity_at = twin(frames.to_body), twin(frames.to_floor), twin(frames.velocity_at)
 
 
-@inner
+@spliced
 def series(P: Any, place: int, count: int, basis: int, a: float, b: float, v: float) -> float:
     """Σ_j c_j φ_j(v) with the coefficients standing at ``P[place:]``."""
     total = 0.0
@@ -53,7 +62,7 @@ def series(P: Any, place: int, count: int, basis: int, a: float, b: float, v: fl
     return total
 
 
-@inner
+@spliced
 def _not_zero(basis: int, count: int, a: float, b: float, v: float) -> tuple[int, int]:
     """Which functions of a family are to be looked at: from the first to before the second number."""
     if basis != _HATS:
@@ -89,7 +98,7 @@ def _body_variable(P: Any, W: Any, code: int, t: float, y: Any, C: Any) -> float
     return value
 
 
-@inner
+@spliced
 def _wheel_variable(P: Any, w: Any, c: Any, code: int, direction: int, m: int, y: Any) -> float:
     if code == 22 or code == 23:  # measured from the place of the modulation at m
         px, py = _to_floor(y[2], w[_AX], w[_AY])
@@ -113,9 +122,9 @@ def _wheel_variable(P: Any, w: Any, c: Any, code: int, direction: int, m: int, y
     vx, vy = _velocity_at(y[3], y[4], y[5], w[_AX], w[_AY])
     if code == 25:  # the tread passes with the floor but for the slip along ĝ: rollers turn with the floor
         slip = P[m + _PLACE] * c[SLIP_W]
-        return math.hypot(vx - slip * w[_GX], vy - slip * w[_GY])
-    hub = math.hypot(vx, vy)
-    if code == 20:
+        vx, vy = vx - slip * w[_GX], vy - slip * w[_GY]
+    hub = math.sqrt(vx * vx + vy * vy)
+    if code == 20 or code == 25:
         return hub
     if code == 21:
         reach = math.hypot(w[_AX], w[_AY])
@@ -169,6 +178,71 @@ def factors(P: Any, W: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
                     slope *= weight / first
                     B[FACTORS + 4 + side] += slope if u > 0.0 else (-slope if u < 0.0 else 0.0)
             B[kind + side] *= first
+
+
+@inner
+def passing(P: Any, W: Any, i: int, y: Any, C: Any) -> None:
+    """What f_W, f_T of wheel i change by with the hub's velocity and u_W, into C[i, PASS_W:], C[i, PASS_T:].
+
+    Only by friction over a variable that is one of the hub's velocity; after the wheel's force is known.
+    f k-fold as steep is f at k-fold slip, so that k ∂f/∂k = u_W ∂f/∂u_W + u_T ∂f/∂u_T.
+    """
+    w, c = W[i], C[i]
+    for r in range(3):
+        c[PASS_W + r], c[PASS_T + r] = 0.0, 0.0
+    coupled = P[_SHAPE] != _BOX and P[_COUPLING] > 0.0
+    uw, ut = c[SLIP_W], c[SLIP_T]
+    steeper_w, steeper_t = uw * c[WW] + ut * c[WT], uw * c[WT] + ut * c[TT]
+    vx, vy = _velocity_at(y[3], y[4], y[5], w[_AX], w[_AY])
+    hub = math.sqrt(vx * vx + vy * vy)
+    n = len(W)
+    q = int(P[_MODS_AT])
+    for _ in range(int(P[_MODS])):
+        m = q
+        code, basis = int(P[q]), int(P[q + 1])
+        target, count = int(P[q + 2]), int(P[q + 3])
+        a, b, weight = P[q + 4], P[q + 5], P[q + _TERM + i]
+        place = q + _TERM + n
+        q = place + count
+        if weight == 0.0 or not (code == 20 or code == 21 or code == 25) or hub == 0.0:
+            continue
+        by_x, by_y, by_slip, v = vx / hub, vy / hub, 0.0, hub
+        if code == 21:
+            reach = math.sqrt(w[_AX] * w[_AX] + w[_AY] * w[_AY])
+            if reach == 0.0:
+                continue
+            per = 1.0 / (reach * (hub + CRAWL_M_S))
+            v = (vx * w[_AX] + vy * w[_AY]) * per
+            by_x, by_y = w[_AX] * per - v * reach * per * by_x, w[_AY] * per - v * reach * per * by_y
+        elif code == 25:
+            share = P[m + _PLACE]
+            px, py = vx - share * uw * w[_GX], vy - share * uw * w[_GY]
+            v = math.sqrt(px * px + py * py)
+            if v == 0.0:
+                continue
+            by_x, by_y = px / v, py / v
+            by_slip = -share * (by_x * w[_GX] + by_y * w[_GY])
+        first = 1.0 + weight * series(P, place, count, basis, a, b, v)
+        if first <= 0.0:
+            continue
+        slope = 0.0
+        low, beyond = _not_zero(basis, count, a, b, v)
+        for j in range(low, beyond):
+            slope += P[place + j] * _basis_slope(basis, j, count, a, b, v)
+        slope *= weight / first
+        along, across = c[FORCE_W], c[FORCE_T]
+        if target >= 3:
+            along, across = steeper_w, steeper_t
+        if target == 1 or target == 5:
+            along = 0.0
+        if target == 0 or (target == 4 and not coupled) or (target == 5 and coupled):
+            across = 0.0
+        c[PASS_W] += along * slope * by_x
+        c[PASS_W + 1] += along * slope * by_y
+        c[PASS_W + 2] += along * slope * by_slip
+        c[PASS_T] += across * slope * by_x
+        c[PASS_T + 1] += across * slope * by_y
+        c[PASS_T + 2] += across * slope * by_slip
 
 
 @inner

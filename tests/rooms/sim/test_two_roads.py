@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -12,6 +13,9 @@ from manoeuvres import driven, force, modulation, wheel_motion, with_terms
 from oracles.plain_simulator import acceleration, reference_motion
 from strategies import four_wheels, kiwi, models, reals
 
+from slipmargin.effects.recipe import with_effects
+from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
+from slipmargin.effects.trailing_load import TrailingLoad
 from slipmargin.errors import InputError, MotionStopped
 from slipmargin.model import nominal_model
 from slipmargin.model.parts import ActuatorDynamics, Drives
@@ -20,6 +24,8 @@ from slipmargin.physics.terms import OF_PLACE, PER_WHEEL
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.robot import GripShape, LoadRule
 from slipmargin.sim.columns import ALPHA, BODY, CONTACT, OMEGA, RIGID, THETA
+from slipmargin.sim.layout import BY_VELOCITY
+from slipmargin.sim.motion import probed
 from slipmargin.sim.pack import pack
 from slipmargin.sim.signal import linear
 from slipmargin.sim.simulate import simulate
@@ -102,19 +108,32 @@ def test_every_force_term_agrees(variable, basis):
         )
 
 
-@given(models(shapes=SHAPES), st.integers(0, 2**31), st.sampled_from((None, Variable.HEADING)), st.booleans())
-@settings(max_examples=60, deadline=None)
-def test_slopes_are_those_of_the_acceleration(model, seed, variable, limited):
+#: Variables that come from the hub's velocity, and bases that have a slope everywhere.
+HUB = (Variable.HUB_SPEED, Variable.LEAD, Variable.PASSING_SPEED)
+SMOOTH = (Basis.DECAY, Basis.POLYNOMIAL, Basis.STEP, Basis.FOURIER)
+
+
+@given(
+    models(shapes=SHAPES),
+    st.integers(0, 2**31),
+    st.sampled_from((None, (Variable.HEADING, Basis.DECAY, Target.BOTH), *product(HUB, SMOOTH, Target))),
+    reals(0.0, 1.0) | st.just(1.0),
+    st.booleans(),
+)
+@settings(max_examples=100, deadline=None)
+def test_slopes_are_those_of_the_acceleration(model, seed, term, coupling, limited):
     """Analytic derivatives over velocities, wheel speeds and time, of the body and of driven wheels."""
     n = model.count
-    if variable is not None:
-        model = with_terms(model, (modulation(variable, Basis.DECAY, Target.BOTH, n, seed % 1000),))
+    model = replace(model, grip=replace(model.grip, coupling=coupling))
+    if term is not None:
+        model = with_terms(model, (modulation(*term, n, seed % 1000),))
     stall = 1e-3 * model.inertia.weight_N if limited else None
     dynamics = replace(ActuatorDynamics.none(n), lag_s=np.full(n, 0.02), droop_rad_s_per_N_m=np.full(n, 2.0))
     drives = Drives(stall_torque_N_m=stall, max_speed_rad_s=30.0)
     model = replace(model, actuators=dynamics, drives=drives)
     y, wheels, rigid, _ = somewhere(n, seed, speed=0.003)
     packed = np.array(pack(model))
+    assume(not packed[BY_VELOCITY])
 
     def at(state, omega):
         C, B, acc = np.zeros((n, CONTACT)), np.zeros(BODY), np.zeros(3)
@@ -198,3 +217,17 @@ def test_motions_with_terms_agree(variable):
     want = reference_motion(model, wheel_motion(signal), signal.knots_s, times, edges_s=edges)
     pose = simulate(model, signal, times).pose
     assert np.abs(pose - want).max() <= 1e-6 * np.abs(want).max()
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        SlipRatioFriction(share=0.9, steepness=4.0, transverse_factor=2.0),
+        SlipRatioFriction(share=1.0, steepness=4.0, tread_share=0.5),
+        TrailingLoad(lever_m=0.004),
+    ],
+)
+def test_a_wheel_that_creeps_has_analytic_slopes(effect):
+    """Differences take as long as half of a step."""
+    bare = nominal_model(kiwi(), "paper")
+    assert not len(probed(np.array(pack(with_effects(bare, (effect,)))), pushed=False))
