@@ -128,6 +128,7 @@ def design(folder: Path, *more: str) -> subprocess.Popen[bytes]:
     [
         (["--uncertain", "com_y_m=0:0.5"], "--uncertain: leaves no design"),
         (["--scheduler", "nonsense://x", "--objective", "start_worst_m_s2"], "--scheduler: "),
+        (["--scheduler", "tcp://127.0.0.1:9"], "--scheduler: has nothing to do"),
     ],
 )
 def test_what_shows_only_later_is_placed_too(
