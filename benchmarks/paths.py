@@ -22,6 +22,7 @@ from slipmargin.io.robot_file import read_recipe
 from slipmargin.limits.bounds import directions, headings
 from slipmargin.limits.bounds_inside import inside
 from slipmargin.model import Model
+from slipmargin.model.parts import Drives
 from slipmargin.paths import core
 from slipmargin.paths.along import Rows
 from slipmargin.paths.convex import Ellipsoids, convex_profile
@@ -232,10 +233,33 @@ def gains(share: float = 0.9) -> dict[str, Any]:
     return out
 
 
+def motors() -> dict[str, Any]:
+    """What the grid changes where the motors' torque–speed line limits: times on grids of 25 to 800 points.
+
+    A row of the line is steep over a long interval; a planner that then takes the fastest start of each
+    interval stops in mid-path.
+    """
+    strong = on_rollers(read_recipe("ohio-kiwi").build("paper"))
+    drives = Drives(stall_torque_N_m=0.09, max_speed_rad_s=35.0)
+    model = replace(strong, drives=drives)
+    out: dict[str, Any] = {}
+    for name, way in {
+        "10 m straight ahead": corners(np.array([[0.0, 0.0, 0.0], [10.0, 0.0, 0.0]])),
+        "5 m and a bend": through(np.array([[0.0, 0.0, 0.0], [0.0, 5.0, 0.0], [-5.0, 5.0, 3.0]])),
+        **benchmark_paths(),
+    }.items():
+        times = {
+            n: plan(model, way, Request(points=n, share=0.9)).duration_s for n in (25, 50, 100, 200, 400, 800)
+        }
+        out[name] = {f"{n}_points_s": t for n, t in times.items()}
+        out[name]["longest_over_finest"] = max(times.values()) / times[800]
+    return out
+
+
 def main(words: list[str]) -> None:
     """Measure and print."""
     keeper, _ = Keeper.of(words, __doc__)
-    rows = keeper.run([("speed", speed), ("gains", gains)])
+    rows = keeper.run([("speed", speed), ("gains", gains), ("motors", motors)])
     for row in rows:
         for name, value in row.items():
             if isinstance(value, dict):
