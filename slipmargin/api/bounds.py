@@ -173,6 +173,7 @@ def bounds(
     """
     from slipmargin.limits.bounds_summary import bounds as limit_bounds
     from slipmargin.limits.motion_state import Contact
+    from slipmargin.report.motion import unsteady
 
     recipe = read_robot(robot)
     model, warnings = model_of(recipe, surface, spread=True, band=True)
@@ -202,4 +203,8 @@ def bounds(
             model, lambda drawn: lowest_starts(model, drawn, contact), found.recommended_m_s2
         )
         warnings = (*warnings, *more)
+    warnings = (
+        *warnings,
+        *unsteady(model, found.extremes(), contact, looked_at="starts and stops at the limit"),
+    )
     return BoundsResult(bounds=found, warnings=warnings, slip_chance=likely)

@@ -253,7 +253,9 @@ def design(
     with _placed("scheduler"):
         found = study(problem, executor=executor, advance=advance)
         if scheduler is not None and not found.pieces:
-            raise InputError("scheduler", "has nothing to do: these designs are known at once", "leave it out")
+            raise InputError(
+                "scheduler", "has nothing to do: these designs are known at once", "leave it out"
+            )
     numeric = any(grid.numeric and len(grid.values) > 1 for grid in problem.grids)
     try:
         with _placed("vary"):

@@ -123,6 +123,15 @@ class Bounds:
     contact: Contact = Contact.ROLLERS
     all_round: Bounds | None = None
 
+    def extremes(self) -> Motion:
+        """Speeding up and braking as fast as is safe where a direction can be driven, at most at 1 m/s."""
+        every = self.everywhere
+        fast = np.concatenate([every.safe.starting_m_s2, -every.safe.braking_m_s2])
+        can = np.isfinite(fast)
+        ahead = np.tile(ahead_of(every.safe.heading_rad), (2, 1))[can]
+        speed = np.minimum(1.0, np.tile(every.top_m_s, 2)[can])
+        return Motion(velocity=speed[:, None] * ahead, acceleration=fast[can, None] * ahead)
+
     @property
     def everywhere(self) -> Bounds:
         """The limits in directions no more than a degree apart: these, or :attr:`all_round`."""

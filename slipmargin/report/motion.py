@@ -37,15 +37,24 @@ def run_lines(run: Run, model: Model, work_J: float, planned_end: Array | None) 
     return lines
 
 
-def unsteady(model: Model, motion: Motion, contact: Contact = Contact.ROLLERS) -> tuple[str, ...]:
-    """A sentence where small slips of a motion grow, since loads follow the acceleration; else none."""
-    grows = growth_per_s(model, motion, contact=contact)
+def unsteady(
+    model: Model,
+    motion: Motion,
+    contact: Contact = Contact.ROLLERS,
+    *,
+    looked_at: str = "the places looked at",
+) -> tuple[str, ...]:
+    """A sentence where small slips of a motion grow, since loads follow the acceleration; else none.
+
+    ``looked_at`` says what its states are.
+    """
+    grows = growth_per_s(model, motion, contact=contact) if motion.count else np.zeros(0)
     if not np.any(grows > _GROWS):
         return ()
     where = 100.0 * float(np.mean(grows > _GROWS))
     return (
-        f"stability: loads that follow the acceleration let a small slip grow in {where:.2g} % of the places "
-        f"looked at, {math.e:.3g}-fold in {1.0 / float(np.max(grows)):.2g} s: a wheel may lift although none "
+        f"stability: loads that follow the acceleration let a small slip grow in {where:.2g} % of "
+        f"{looked_at}, {math.e:.3g}-fold in {1.0 / np.max(grows):.2g} s: a wheel may lift although none "
         "uses more than its share; take a larger margin, or lower the centre of mass",
     )
 

@@ -355,6 +355,8 @@ def test_a_high_robot_is_unstable_where_the_simulator_lifts_a_wheel(margin: floa
     rows = found.trajectory
     checked = sm.check(high, "floor", rows, margin=margin)
     assert told == any("let a small slip grow" in said for said in checked.warnings)
+    bounded = sm.bounds(high, "floor", margin=margin, step_deg=15.0)
+    assert told == any("starts and stops at the limit" in said for said in bounded.warnings)
 
 
 def test_low_robots_and_loads_that_do_not_shift_are_stable() -> None:
