@@ -317,6 +317,7 @@ def run_import(
             surface="--surface",
             smooth_s="--smooth",
             calibrate="--calibrate",
+            commanded="--commanded",
             joints="--joint",
             pose_rotation_deg="--pose-rotation",
             columns="--map",

@@ -15,6 +15,7 @@ from slipmargin.errors import InputError
 if TYPE_CHECKING:
     from slipmargin.data.calibration import Calibration
     from slipmargin.data.data_set import DataSet
+    from slipmargin.data.record import Record
     from slipmargin.io.importers.plug import Summary
 
 
@@ -171,6 +172,7 @@ def import_logs(
     if held is not None:
         records = tuple(held.rectified(record) for record in records)
         recipe = replace(recipe, effects=(*recipe.effects, *held.effects()))
+    records = tuple(_with_signal(record, commanded) for record in records)
     signal = WheelSignal.COMMANDED if commanded else WheelSignal.MEASURED
     data_set = DataSet(
         name=name,
@@ -188,6 +190,19 @@ def import_logs(
         delay_s=_delay(data_set),
         warnings=tuple(str(finding) for finding in check_data_set(repaired(data_set).data_set)),
     )
+
+
+def _with_signal(record: Record, commanded: bool) -> Record:
+    """The record in which the only wheel speeds of a log are what they are said to be."""
+    if commanded and record.omega_cmd is None:
+        if record.omega is None:
+            said = f"is given, and {record.name} holds no wheel speeds"
+            raise InputError("commanded", said, "leave it out")
+        return replace(record, omega=None, omega_cmd=record.omega)
+    if not commanded and record.omega is None and record.theta is None and record.omega_cmd is not None:
+        said = f"is not given, and {record.name} holds commanded speeds alone"
+        raise InputError("commanded", said, "give it")
+    return record
 
 
 def _delay(data_set: DataSet) -> float | None:

@@ -147,3 +147,59 @@ def test_a_bag_that_is_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
         == 2
     )
     assert "is no bag" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("unit", "words", "says"),
+    [
+        ("rad/s", ["--commanded"], "commanded"),
+        ("rad/s", [], "measured"),
+        ("rad", ["--commanded"], "--commanded: is given, and r holds no wheel speeds"),
+    ],
+)
+def test_the_wheel_columns_may_be_commands(
+    unit: str, words: list[str], says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Wheel speeds that were said to be commanded were asked for a second time, as commands."""
+    log, out = tmp_path / "r.csv", tmp_path / "set"
+    rows = [
+        f"{0.01 * i:.2f},{5e-4 * i * i * 1e-2:.6f},0,0,{0.03 * i:.3f},{-0.03 * i:.3f},0" for i in range(80)
+    ]
+    log.write_text("\n".join(["t,x,y,yaw,a,b,c", *rows]) + "\n", encoding="utf-8")
+    wheels = [word for name in "abc" for word in ("--wheel", f"{name}:{unit}")]
+    named = ["--time", "t", "--x", "x", "--y", "y", "--heading", "yaw", *wheels]
+    code = status(["import", "csv", str(log), "--robot", "ohio-kiwi", "--out", str(out), *named, *words])
+    if says.startswith("--"):
+        assert code == 2 and says in capsys.readouterr().err and not out.exists()
+        return
+    assert code == 0
+    read = read_data_set(out)
+    (trial,) = read.trials
+    assert read.wheel_signal.value == says
+    assert (trial.omega_cmd is None) == (says == "measured") and (trial.omega is None) == (
+        says == "commanded"
+    )
+
+
+def test_a_map_of_commands_alone_needs_the_word(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    log, mapped = tmp_path / "r.csv", tmp_path / "m.toml"
+    log.write_text("t,x,y,h,a\n" + "".join(f"{0.01 * i},0,0,0,1\n" for i in range(9)), encoding="utf-8")
+    named = (("x", "x", "m"), ("y", "y", "m"), ("heading", "h", "rad"))
+    pose = "\n".join(f'{k} = {{ column = "{c}", unit = "{u}" }}' for k, c, u in named)
+    wheel = '\n[[wheel]]\ncommand = { column = "a", unit = "rad/s" }'
+    mapped.write_text(
+        f'schema = 1\n[time]\ncolumn = "t"\nunit = "s"\n[pose]\n{pose}{3 * wheel}\n', encoding="utf-8"
+    )
+    words = [
+        "import",
+        "csv",
+        str(log),
+        "--robot",
+        "ohio-kiwi",
+        "--out",
+        str(tmp_path / "o"),
+        "--map",
+        str(mapped),
+    ]
+    assert status(words) == 2
+    assert "--commanded: is not given, and r holds commanded speeds alone, give it" in capsys.readouterr().err
