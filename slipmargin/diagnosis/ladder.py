@@ -36,7 +36,7 @@ from slipmargin.diagnosis.held_out import (
 )
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.refits import fitted, longer, needed, nothing_sure, without
-from slipmargin.diagnosis.restated import exchanged, reformed, restated, simplified, unstuck
+from slipmargin.diagnosis.restated import exchanged, redefined, reformed, restated, simplified, unstuck
 from slipmargin.diagnosis.result import Rejected, Score, Verdict
 from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.search import take_step
@@ -369,6 +369,7 @@ def _in_all_runs(
         if progress.expired or len(held.state.structure) >= SETTINGS.most_effects:
             break
         start = simplified(longer(court.problem, held.state, runs, np.inf), runs, candidates, progress)
+        start = redefined(start, runs, progress)
         step = take_step(start, runs, names, court.seed, progress.staged("in all runs"), 1)
         rounds.append(replace(step, names_only=True))
         best = step.best if step.taken and step.best is not None else start

@@ -103,7 +103,6 @@ class SearchSettings:
     #: position, so that a camera's scale alone moved headings by 5e-7 rad and their error by 5e-5 of itself.
     same_error: float = 3e-4
     #: [1] Share of chi that a further effect must take off: what the first leaves is also its form's fault.
-    #: In more runs than are searched (most_searched) it is less by the root of how many times more.
     later_effect: float = 0.1
     #: [1] To this share a further effect must bring chi where one of the two has no name: a general form is
     #: only approximate, and what it leaves must not be given names.

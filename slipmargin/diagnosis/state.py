@@ -175,8 +175,7 @@ def worthwhile(before: State, chi: float, named: bool = True) -> bool:
         return False
     if before.structure and not (named and before.named):
         return chi <= SETTINGS.with_unnamed * before.chi
-    more_runs = max(1.0, len(before.scores) / SETTINGS.most_searched)  # of which chance takes off less
-    share = SETTINGS.later_effect / np.sqrt(more_runs) if before.structure else SETTINGS.first_effect
+    share = SETTINGS.later_effect if before.structure else SETTINGS.first_effect
     floor = SETTINGS.floor_chi if before.chi >= 1.0 else 0.0  # below 1 the noise was read too large
     return before.chi - max(chi, floor) >= max(SETTINGS.least_chi, share * before.chi)
 

@@ -21,7 +21,7 @@ from slipmargin.diagnosis.near import Way
 from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
-from slipmargin.diagnosis.state import State, choose, worthwhile
+from slipmargin.diagnosis.state import State, choose
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect, Effect, Trace
 from slipmargin.effects.camera_rotation import CameraRotation
@@ -343,15 +343,6 @@ def test_of_equal_explanations_the_named_and_simple_one_is_chosen() -> None:
     assert choose([state((unnamed,), 1.00), state((one,), 1.01)]).structure == (one,)
     assert choose([state((unnamed,), 1.00), state((one, other), 1.00)]).structure == (one, other)
     assert choose([state((unnamed,), 1.00), state((one,), 1.20)]).structure == (unnamed,)
-
-
-def test_in_more_runs_a_further_effect_may_take_off_less() -> None:
-    """A resistance was beyond the spread of 58 runs, made all errors smaller, and was left out at 6 %."""
-    few = state((candidate(CameraRotation),), 4.0)
-    many = replace(few, scores=np.tile(few.scores, 8), samples=8 * few.samples)
-    assert many.chi == pytest.approx(few.chi)
-    assert not worthwhile(few, 3.7) and worthwhile(many, 3.7) and not worthwhile(many, 3.9)
-    assert worthwhile(few, 3.5)
 
 
 def test_a_name_stuck_at_a_bound_is_no_name() -> None:

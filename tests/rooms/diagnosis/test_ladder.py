@@ -171,6 +171,20 @@ def test_what_is_left_is_looked_for_in_all_runs(monkeypatch: pytest.MonkeyPatch)
     assert [r.names_only for r in rounds if r.taken][-1]
 
 
+def test_what_a_law_acts_over_is_asked_again_in_all_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a thick carpet it hung on the search's last round, and with it a sixth of the error."""
+    late = court_of(SlipRatioFriction(share=1.0, steepness=1.5, tread_share=0.5))
+    few = fitted(late.problem, (), np.zeros(0), SEEN[:3], late.seen_runs[:3])
+    nothing = Screening(entries=(), total=1.0, chance=np.zeros(0))
+    stood = Round(before=few, screening=nothing, tried=(), best=None, taken=False)
+    monkeypatch.setattr(ladder, "take_step", lambda before, *_: replace(stood, before=before))
+    held = ladder._put(late, proposed(late, "slip_ratio_friction"), [])
+    assert held is not None and held.after.chi() > SETTINGS.noise_chi
+    found = ladder._in_all_runs(late, held, [stood], [], Watch(report=no_progress))
+    assert labels_of(found) == ["slip_ratio_friction tread_share 0.5"]
+    assert found.after.chi() < 1.15 < held.after.chi()
+
+
 def test_the_search_goes_on_from_what_holds() -> None:
     late = court_of(WheelLoads(shift_x_m=0.012, shift_y_m=-0.008, com_share=1.0), CameraDelay(delay_s=0.02))
     watch = Watch(report=no_progress)
@@ -214,6 +228,29 @@ def test_a_name_that_gave_way_where_the_search_has_stood_is_not_lost(
     found = ladder._further(court, held, stood, [], watch)
     assert labels_of(found) == ["wheel_loads"] and len(stood) == 2
     assert found.after.chi() < 1.15
+
+
+def test_no_list_begins_twice_at_one_place(court: Court, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pieces that were as long as a run allows were asked for again, twice as long: the forms with them."""
+    view, watch = court.problem.in_pieces(SETTINGS.piece_s), Watch(report=no_progress)
+    right = proposed(court, "wheel_loads")
+    held = ladder._put(court, right, [])
+    assert held is not None
+    held = replace(held, state=replace(right, view=view))
+    nothing = Screening(entries=(), total=1.0, chance=np.zeros(0))
+    stood = Round(before=proposed(court), screening=nothing, tried=(), best=None, taken=False)
+    begun: list[State] = []
+
+    def reformed(state: State, *_: Any, **__: Any) -> State:
+        begun.append(state)
+        return state
+
+    monkeypatch.setattr(ladder, "reformed", reformed)
+    monkeypatch.setattr(ladder, "longer", lambda problem, state, *_: state)
+    monkeypatch.setattr(ladder, "worthwhile", lambda *_: True)
+    monkeypatch.setattr(ladder, "take_step", lambda before, *_: replace(stood, before=before))
+    ladder._further(court, held, [stood], [], watch)
+    assert len(begun) == 1
 
 
 def knocked(problem: Problem, effects: tuple[WheelLoads, ...], runs: tuple[int, ...]) -> Problem:
