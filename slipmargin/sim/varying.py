@@ -62,6 +62,16 @@ def series(P: Any, place: int, count: int, basis: int, a: float, b: float, v: fl
     return total
 
 
+@inner
+def _rises(P: Any, place: int, count: int, basis: int, a: float, b: float, v: float) -> float:
+    """Σ_j c_j φ_j'(v)."""
+    total = 0.0
+    first, beyond = _not_zero(basis, count, a, b, v)
+    for j in range(first, beyond):
+        total += P[place + j] * _basis_slope(basis, j, count, a, b, v)
+    return total
+
+
 @spliced
 def _not_zero(basis: int, count: int, a: float, b: float, v: float) -> tuple[int, int]:
     """Which functions of a family are to be looked at: from the first to before the second number."""
@@ -99,6 +109,25 @@ def _body_variable(P: Any, W: Any, code: int, t: float, y: Any, C: Any) -> float
 
 
 @spliced
+def _of_hub(code: int, w: Any, vx: float, vy: float, slip: float) -> tuple[float, float, float, float]:
+    """A variable of a hub's velocity, what it changes by with that, and with the ``slip`` along ĝ."""
+    if code == 25:  # the tread passes with the floor but for the slip: rollers turn with the floor
+        vx, vy = vx - slip * w[_GX], vy - slip * w[_GY]
+    v = math.sqrt(vx * vx + vy * vy)
+    if v == 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    by_x, by_y = vx / v, vy / v
+    if code != 21:
+        return v, by_x, by_y, -(by_x * w[_GX] + by_y * w[_GY]) if code == 25 else 0.0
+    reach = math.sqrt(w[_AX] * w[_AX] + w[_AY] * w[_AY])
+    if reach == 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    out_x, out_y, far = w[_AX] / reach, w[_AY] / reach, v + CRAWL_M_S
+    lead = (vx * out_x + vy * out_y) / far
+    return lead, (out_x - lead * by_x) / far, (out_y - lead * by_y) / far, 0.0
+
+
+@spliced
 def _wheel_variable(P: Any, w: Any, c: Any, code: int, direction: int, m: int, y: Any) -> float:
     if code == 22 or code == 23:  # measured from the place of the modulation at m
         px, py = _to_floor(y[2], w[_AX], w[_AY])
@@ -120,16 +149,9 @@ def _wheel_variable(P: Any, w: Any, c: Any, code: int, direction: int, m: int, y
         uw, ut = c[SLIP_W], c[SLIP_T]
         return float(y[2] + math.atan2(uw * w[_GY] + ut * w[_FY], uw * w[_GX] + ut * w[_FX]))
     vx, vy = _velocity_at(y[3], y[4], y[5], w[_AX], w[_AY])
-    if code == 25:  # the tread passes with the floor but for the slip along ĝ: rollers turn with the floor
-        slip = P[m + _PLACE] * c[SLIP_W]
-        vx, vy = vx - slip * w[_GX], vy - slip * w[_GY]
+    if code == 20 or code == 21 or code == 25:
+        return float(_of_hub(code, w, vx, vy, P[m + _PLACE] * c[SLIP_W])[0])
     hub = math.sqrt(vx * vx + vy * vy)
-    if code == 20 or code == 25:
-        return hub
-    if code == 21:
-        reach = math.hypot(w[_AX], w[_AY])
-        out = y[3] * w[_AX] + y[4] * w[_AY]
-        return float(out / (reach * (hub + CRAWL_M_S))) if reach > 0.0 else 0.0
     roll = max(hub, abs(w[_RHO] * c[OMEGA]))
     if code == 6:
         return float(roll)
@@ -170,12 +192,8 @@ def factors(P: Any, W: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
                 )
                 first = max(0.0, 1.0 + weight * series(P, place, count, basis, a, b, v))
                 if code == 3 and first > 0.0:
-                    slope = 0.0
-                    low, beyond = _not_zero(basis, count, a, b, v)
-                    for j in range(low, beyond):
-                        slope += P[place + j] * _basis_slope(basis, j, count, a, b, v)
+                    slope = _rises(P, place, count, basis, a, b, v) * weight / first
                     u = C[i, SLIP_W + side]
-                    slope *= weight / first
                     B[FACTORS + 4 + side] += slope if u > 0.0 else (-slope if u < 0.0 else 0.0)
             B[kind + side] *= first
 
@@ -187,15 +205,12 @@ def passing(P: Any, W: Any, i: int, y: Any, C: Any) -> None:
     Only by friction over a variable that is one of the hub's velocity; after the wheel's force is known.
     f k-fold as steep is f at k-fold slip, so that k ∂f/∂k = u_W ∂f/∂u_W + u_T ∂f/∂u_T.
     """
-    w, c = W[i], C[i]
+    w, c, n = W[i], C[i], len(W)
     for r in range(3):
         c[PASS_W + r], c[PASS_T + r] = 0.0, 0.0
     coupled = P[_SHAPE] != _BOX and P[_COUPLING] > 0.0
     uw, ut = c[SLIP_W], c[SLIP_T]
-    steeper_w, steeper_t = uw * c[WW] + ut * c[WT], uw * c[WT] + ut * c[TT]
     vx, vy = _velocity_at(y[3], y[4], y[5], w[_AX], w[_AY])
-    hub = math.sqrt(vx * vx + vy * vy)
-    n = len(W)
     q = int(P[_MODS_AT])
     for _ in range(int(P[_MODS])):
         m = q
@@ -204,45 +219,25 @@ def passing(P: Any, W: Any, i: int, y: Any, C: Any) -> None:
         a, b, weight = P[q + 4], P[q + 5], P[q + _TERM + i]
         place = q + _TERM + n
         q = place + count
-        if weight == 0.0 or not (code == 20 or code == 21 or code == 25) or hub == 0.0:
+        if weight == 0.0 or not (code == 20 or code == 21 or code == 25):
             continue
-        by_x, by_y, by_slip, v = vx / hub, vy / hub, 0.0, hub
-        if code == 21:
-            reach = math.sqrt(w[_AX] * w[_AX] + w[_AY] * w[_AY])
-            if reach == 0.0:
-                continue
-            per = 1.0 / (reach * (hub + CRAWL_M_S))
-            v = (vx * w[_AX] + vy * w[_AY]) * per
-            by_x, by_y = w[_AX] * per - v * reach * per * by_x, w[_AY] * per - v * reach * per * by_y
-        elif code == 25:
-            share = P[m + _PLACE]
-            px, py = vx - share * uw * w[_GX], vy - share * uw * w[_GY]
-            v = math.sqrt(px * px + py * py)
-            if v == 0.0:
-                continue
-            by_x, by_y = px / v, py / v
-            by_slip = -share * (by_x * w[_GX] + by_y * w[_GY])
+        v, by_x, by_y, by_slip = _of_hub(code, w, vx, vy, P[m + _PLACE] * uw)
         first = 1.0 + weight * series(P, place, count, basis, a, b, v)
         if first <= 0.0:
             continue
-        slope = 0.0
-        low, beyond = _not_zero(basis, count, a, b, v)
-        for j in range(low, beyond):
-            slope += P[place + j] * _basis_slope(basis, j, count, a, b, v)
-        slope *= weight / first
         along, across = c[FORCE_W], c[FORCE_T]
         if target >= 3:
-            along, across = steeper_w, steeper_t
+            along, across = uw * c[WW] + ut * c[WT], uw * c[WT] + ut * c[TT]
         if target == 1 or target == 5:
             along = 0.0
         if target == 0 or (target == 4 and not coupled) or (target == 5 and coupled):
             across = 0.0
-        c[PASS_W] += along * slope * by_x
-        c[PASS_W + 1] += along * slope * by_y
-        c[PASS_W + 2] += along * slope * by_slip
-        c[PASS_T] += across * slope * by_x
-        c[PASS_T + 1] += across * slope * by_y
-        c[PASS_T + 2] += across * slope * by_slip
+        slope = _rises(P, place, count, basis, a, b, v) * weight / first
+        by_slip *= P[m + _PLACE]
+        for at_first, change in ((PASS_W, along * slope), (PASS_T, across * slope)):
+            c[at_first] += change * by_x
+            c[at_first + 1] += change * by_y
+            c[at_first + 2] += change * by_slip
 
 
 @inner
