@@ -102,3 +102,11 @@ def exact_mean(values: Array) -> float:
     if not values.size or not np.isfinite(values).all():
         return float("nan")
     return math.fsum(values.tolist()) / values.size
+
+
+def rounded_down(value: float) -> float:
+    """To three digits that are never more than the value."""
+    if value <= 0.0:
+        return 0.0
+    unit = 10.0 ** (np.floor(np.log10(value)) - 2)
+    return float(np.floor(value / unit * (1.0 + 1e-12)) * unit)

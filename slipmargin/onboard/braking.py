@@ -14,7 +14,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, rounded_down
 from slipmargin.errors import NoSolution
 from slipmargin.limits.motion import acceleration_limit
 from slipmargin.limits.motion_state import Motion
@@ -68,12 +68,15 @@ def braking(model: Model, heading_rad: Array, fastest_m_s: float, margin: float)
     against = np.repeat(-way, STEPS, axis=0)
     limit = acceleration_limit(model, Motion(velocity=velocity), against, share=1.0 - margin)
     found = limit.value.reshape(len(way), STEPS)
-    if np.min(found) <= 0.0 or not np.all(np.isfinite(found)):
-        h, k = np.unravel_index(int(np.argmin(np.where(np.isfinite(found), found, -np.inf))), found.shape)
+    fails = ~(np.isfinite(found) & (found > 0.0))
+    if fails.any():
+        k, h = np.unravel_index(int(np.argmax(fails.T)), fails.T.shape)  # the lowest speed of any direction
         raise NoSolution(
             "stop",
             f"at {speed[k]:.3g} m/s towards {np.rad2deg(heading_rad[h]):.0f}° no braking keeps the margin",
-            "ask for a lower speed or a smaller margin",
+            "take a smaller margin"
+            if k < 2
+            else f"ask for {rounded_down(speed[k - 1]):g} m/s, or a smaller margin",
             limit,
         )
     middle, step = 0.5 * (speed[1:] + speed[:-1]), np.diff(speed)

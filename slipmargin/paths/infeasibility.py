@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from slipmargin.checks import rounded_down
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_state import Contact, Motion
@@ -80,18 +81,10 @@ def too_fast(speed_m_s: float, start: bool, most: float, geometry: Geometry) -> 
     """The error for a start or end speed that the path does not allow; ``most`` is the largest ṡ²."""
     place = "start speed" if start else "end speed"
     pose = geometry.pose[0, 0] if start else geometry.pose[-1, -1]
-    limit = _rounded_down(float(np.sqrt(max(most, 0.0))))
+    limit = rounded_down(float(np.sqrt(max(most, 0.0))))
     return InputError(
         place,
         f"is {speed_m_s:g} m/s at x {pose[0]:.4g} m, y {pose[1]:.4g} m, "
         f"but the path allows at most {limit:g} m/s there",
         "give a lower speed",
     )
-
-
-def _rounded_down(value: float) -> float:
-    """To three digits that are never more than the value."""
-    if value <= 0.0:
-        return 0.0
-    unit = 10.0 ** (np.floor(np.log10(value)) - 2)
-    return float(np.floor(value / unit * (1.0 + 1e-12)) * unit)

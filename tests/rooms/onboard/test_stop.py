@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from strategies import high_kiwi
 
 import slipmargin as sm
 from slipmargin.errors import InputError, NoSolution
+from slipmargin.robot import Coefficients, Surface
 
 BUILT_IN = [("ohio-kiwi", "paper"), ("mecanum4", "floor"), ("robotino", "gray"), ("omni4", "floor")]
 
@@ -97,3 +99,14 @@ def test_a_stop_that_tips_in_simulation_is_told_beside_the_others() -> None:
     assert said.startswith(f"{len(found.ended)} of them do not reach their end: from 0.25 m/s towards ")
     assert len(found.to_dict()["simulations_ended_early"]) == len(found.ended)
     assert f"{len(found.ended)} of 24 end early" in found.page_text()
+
+
+def test_the_speed_that_is_said_to_be_possible_is() -> None:
+    """A start at 0.014 m/s was refused with the cure 'ask for a lower speed', which no one could tell."""
+    bare = high_kiwi()
+    grip = Coefficients(drive=0.4, transverse=0.35)
+    rough = replace(bare, surfaces=(Surface(name="floor", roller=grip, rigid=grip),))
+    with pytest.raises(NoSolution, match="no braking keeps the margin") as refused:
+        sm.stop(rough, "floor", speeds_m_s=[1.0], step_deg=30.0)
+    most = float(re.search(r"ask for ([\d.]+) m/s", str(refused.value))[1])  # type: ignore[index]
+    assert sm.stop(rough, "floor", speeds_m_s=[most], step_deg=30.0, verify=False).distance_m.max() > 0.0
