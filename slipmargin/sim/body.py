@@ -183,13 +183,8 @@ def slopes(P: Any, W: Any, y: Any, C: Any, B: Any, J: Any, speeds: int) -> None:
             a = load * (c[WW] * w + wt * v) + P[_CW] * w
             b = load * (wt * w + c[TT] * v) + P[_CT] * v
             if by_hub:
-                x, z = 0.0, 0.0
-                if k == 0:
-                    x = 1.0
-                elif k == 1:
-                    z = 1.0
-                elif k == 2:
-                    x, z = -row[_AY], row[_AX]
+                x = 1.0 if k == 0 else (-row[_AY] if k == 2 else 0.0)
+                z = 1.0 if k == 1 else (row[_AX] if k == 2 else 0.0)
                 a += load * (c[PASS_W] * x + c[PASS_W + 1] * z + c[PASS_W + 2] * w)
                 b += load * (c[PASS_T] * x + c[PASS_T + 1] * z + c[PASS_T + 2] * w)
             c[GROW_W], c[GROW_T] = a, b

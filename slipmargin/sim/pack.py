@@ -98,7 +98,7 @@ def edges_of(row: Array) -> Array:
     return row[first : first + int(row[at.EDGES])]
 
 
-def _told(term: Multiplier, grip: Grip) -> bool:
+def _analytic(term: Multiplier, grip: Grip) -> bool:
     """Whether the derivative of a friction term over the velocity is analytic."""
     boxed = grip.shape is GripShape.BOX or grip.coupling == 0.0
     if term.variable in _HUB:
@@ -148,7 +148,9 @@ def _fill(head: Array, model: Model) -> None:
     head[at.BY_TIME] = bool((variables | terms) & _TIME) or out_of_round
     against = any(f.frame in AGAINST for f in model.external.terms)
     head[at.BY_HUB] = bool(variables & _HUB)
-    head[at.BY_VELOCITY] = bool(terms - _CALM) or against or not all(_told(m, grip) for m in grip.multipliers)
+    head[at.BY_VELOCITY] = (
+        bool(terms - _CALM) or against or not all(_analytic(m, grip) for m in grip.multipliers)
+    )
     head[at.BY_ANGLE] = Variable.WHEEL_ANGLE in variables or out_of_round
     head[at.SHARE], head[at.LIFTED] = model.inertia.weight_N / model.count, float(np.sum(loads.rest_N))
     head[at.LAW] = grip.law

@@ -38,8 +38,9 @@ from slipmargin.sim.motion import (
 from slipmargin.sim.pack import edges_of, wheels_of
 from slipmargin.sim.rodas import between
 
-#: Steps are cut to this way of a wheel [m], four of which follow a roller that passes and feel the sharp edge
-#: of a patch of floor, within these times [s].
+#: Longest way of a wheel in a step [m]: a roller passes in four, and the sharp edge of a patch of floor is
+#: felt where it is.  To keep to it no step is cut shorter than the first of these times [s]; none is longer
+#: than the second.
 _WAY_M, _SHORTEST_S, _LONGEST_S = 0.005, 0.01, 0.05
 _ARM_X, _ARM_Y = at.ARM_X, at.ARM_Y
 #: A step is looked at up to this share: at its end something may jump.

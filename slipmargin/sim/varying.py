@@ -53,22 +53,15 @@ _to_body, _to_floor, _velocity_at = twin(frames.to_body), twin(frames.to_floor),
 
 
 @spliced
-def series(P: Any, place: int, count: int, basis: int, a: float, b: float, v: float) -> float:
-    """Σ_j c_j φ_j(v) with the coefficients standing at ``P[place:]``."""
+def series(
+    P: Any, place: int, count: int, basis: int, a: float, b: float, v: float, rises: bool = False
+) -> float:
+    """Σ_j c_j φ_j(v) with the coefficients standing at ``P[place:]``; with ``rises`` its slope over v."""
     total = 0.0
     first, beyond = _not_zero(basis, count, a, b, v)
     for j in range(first, beyond):
-        total += P[place + j] * _basis(basis, j, count, a, b, v)
-    return total
-
-
-@inner
-def _rises(P: Any, place: int, count: int, basis: int, a: float, b: float, v: float) -> float:
-    """Σ_j c_j φ_j'(v)."""
-    total = 0.0
-    first, beyond = _not_zero(basis, count, a, b, v)
-    for j in range(first, beyond):
-        total += P[place + j] * _basis_slope(basis, j, count, a, b, v)
+        part = _basis_slope(basis, j, count, a, b, v) if rises else _basis(basis, j, count, a, b, v)
+        total += P[place + j] * part
     return total
 
 
@@ -106,6 +99,12 @@ def _body_variable(P: Any, W: Any, code: int, t: float, y: Any, C: Any) -> float
         cx, cy = _to_floor(phi, P[_COM_X], P[_COM_Y])
         value = y[0] - cx if code == 15 else y[1] - cy
     return value
+
+
+@spliced
+def _modulation(P: Any, q: int, n: int) -> tuple[int, int, int, int, float, float, int]:
+    """Variable, basis, target, count, two constants and first coefficient's place of the modulation at q."""
+    return int(P[q]), int(P[q + 1]), int(P[q + 2]), int(P[q + 3]), P[q + 4], P[q + 5], q + _TERM + n
 
 
 @spliced
@@ -169,11 +168,8 @@ def factors(P: Any, W: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
     n = len(W)
     q = int(P[_MODS_AT])
     for _ in range(int(P[_MODS])):
-        m = q
-        code, basis = int(P[q]), int(P[q + 1])
-        target, count = int(P[q + 2]), int(P[q + 3])
-        a, b, weight = P[q + 4], P[q + 5], P[q + _TERM + i]
-        place = q + _TERM + n
+        m, weight = q, P[q + _TERM + i]
+        code, basis, target, count, a, b, place = _modulation(P, q, n)
         q = place + count
         if weight == 0.0:
             continue
@@ -192,7 +188,7 @@ def factors(P: Any, W: Any, i: int, t: float, y: Any, C: Any, B: Any) -> None:
                 )
                 first = max(0.0, 1.0 + weight * series(P, place, count, basis, a, b, v))
                 if code == 3 and first > 0.0:
-                    slope = _rises(P, place, count, basis, a, b, v) * weight / first
+                    slope = series(P, place, count, basis, a, b, v, True) * weight / first
                     u = C[i, SLIP_W + side]
                     B[FACTORS + 4 + side] += slope if u > 0.0 else (-slope if u < 0.0 else 0.0)
             B[kind + side] *= first
@@ -213,11 +209,8 @@ def passing(P: Any, W: Any, i: int, y: Any, C: Any) -> None:
     vx, vy = _velocity_at(y[3], y[4], y[5], w[_AX], w[_AY])
     q = int(P[_MODS_AT])
     for _ in range(int(P[_MODS])):
-        m = q
-        code, basis = int(P[q]), int(P[q + 1])
-        target, count = int(P[q + 2]), int(P[q + 3])
-        a, b, weight = P[q + 4], P[q + 5], P[q + _TERM + i]
-        place = q + _TERM + n
+        m, weight = q, P[q + _TERM + i]
+        code, basis, target, count, a, b, place = _modulation(P, q, n)
         q = place + count
         if weight == 0.0 or not (code == 20 or code == 21 or code == 25):
             continue
@@ -232,7 +225,7 @@ def passing(P: Any, W: Any, i: int, y: Any, C: Any) -> None:
             along = 0.0
         if target == 0 or (target == 4 and not coupled) or (target == 5 and coupled):
             across = 0.0
-        slope = _rises(P, place, count, basis, a, b, v) * weight / first
+        slope = series(P, place, count, basis, a, b, v, True) * weight / first
         by_slip *= P[m + _PLACE]
         for at_first, change in ((PASS_W, along * slope), (PASS_T, across * slope)):
             c[at_first] += change * by_x

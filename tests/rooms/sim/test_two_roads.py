@@ -111,12 +111,20 @@ def test_every_force_term_agrees(variable, basis):
 #: Variables that come from the hub's velocity, and bases that have a slope everywhere.
 HUB = (Variable.HUB_SPEED, Variable.LEAD, Variable.PASSING_SPEED)
 SMOOTH = (Basis.DECAY, Basis.POLYNOMIAL, Basis.STEP, Basis.FOURIER)
+SPEEDS = (Variable.HUB_SPEED, Variable.PASSING_SPEED)
 
 
 @given(
     models(shapes=SHAPES),
     st.integers(0, 2**31),
-    st.sampled_from((None, (Variable.HEADING, Basis.DECAY, Target.BOTH), *product(HUB, SMOOTH, Target))),
+    st.sampled_from(
+        (
+            None,
+            (Variable.HEADING, Basis.DECAY, Target.BOTH),
+            *product(HUB, SMOOTH, Target),
+            *product(SPEEDS, (Basis.RECIPROCAL,), Target),
+        )
+    ),
     reals(0.0, 1.0) | st.just(1.0),
     st.booleans(),
 )
