@@ -34,6 +34,7 @@ from slipmargin.sim.motion import (
     WHEN_S,
     jacobian,
     rates,
+    rates_called,
 )
 from slipmargin.sim.pack import edges_of, wheels_of
 from slipmargin.sim.rodas import between
@@ -136,7 +137,7 @@ def grow(
                     y[r] = between(step[FROM + r], step[TO + r], step[BEND + r], step[TWIST + r], x)
                 for i in range(n):
                     C[i, RIGID] = step[TRACE + i]
-                rates(P, W, t, y, c, k0, push, pk, C, B, acc, f)
+                rates_called(P, W, t, y, c, k0, push, pk, C, B, acc, f)
                 jacobian(P, W, t, y, c, k0, push, pk, C, B, columns, f, z, rate, away, J)
                 _slopes(y, J, A[stage])
                 for m in range(many):
