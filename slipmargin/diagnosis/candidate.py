@@ -21,6 +21,7 @@ from slipmargin.effects import AnyEffect, Effect, Scope, Trace, Variant, WheelEf
 from slipmargin.effects.catalogue import CATALOGUE
 from slipmargin.effects.places import LINE
 from slipmargin.model import Model
+from slipmargin.physics.relief import beyond
 
 
 @final
@@ -161,7 +162,7 @@ def named_candidate(
     Parameters that have no influence at null stand at their first start value there, so that a step of
     the effect's first parameter shows what the effect can do.  ``reach`` says how far the runs cover
     "position" [m] and "time" [s], and how far from the middle of the "body" its wheels are [m]: starts of
-    parameters along these are shares of it.
+    parameters along these are shares of it.  Places of the floor are counted from "x" and "y" [m].
     """
     variant = variant or Variant(free=tuple(p.name for p in effect.parameters))
     rows = [p for p in effect.parameters if p.name in variant.free]
@@ -172,9 +173,19 @@ def named_candidate(
         vector = np.array([chosen[p.name] for p in effect.parameters])
         return effect.of(vector, wheels) if issubclass(effect, WheelEffect) else effect.of(vector)
 
+    middle = np.array([reach.get(axis, 0.0) for axis in "xy"])
+    begins = np.array([reach.get(p.coordinate, 0.0) for p in rows])
     sets = [tuple(s * reach.get(p.along, 1.0) for s in p.starts) or (p.null + p.scale,) for p in rows]
     count = max(len(s) for s in sets)
-    starts = np.array([[s[min(i, len(s) - 1)] for s in sets] for i in range(count)])
+    starts = begins + np.array([[s[min(i, len(s) - 1)] for s in sets] for i in range(count)])
+    within = np.array([p.within for p in rows])
+    if any(p.coordinate == "offset" for p in rows):  # lines lie about the middle as well
+        at, normal = ([p.name for p in rows].index(key) for key in LINE)
+        starts[:, at] += beyond(0.0, starts[:, normal], *middle)
+        within[at] += np.hypot(*middle)
+    low = np.maximum([p.low for p in rows], begins - within)
+    high = np.minimum([p.high for p in rows], begins + within)
+    starts = np.clip(starts, low, high)
     near = [p.near or ((0.0,) if p.name in LINE else s[:1]) for p, s in zip(rows, sets, strict=True)]
     subject = effect.name + (f"[{','.join(wheels)}]" if wheels else "")
     return Candidate(
@@ -184,12 +195,12 @@ def named_candidate(
         named=True,
         keys=tuple(p.name for p in rows),
         units=tuple(p.unit for p in rows),
-        null=np.array([s[0] if p.idle and p.starts else p.null for p, s in zip(rows, sets, strict=True)]),
+        null=np.array([s if p.idle and p.starts else p.null for p, s in zip(rows, starts[0], strict=True)]),
         scale=np.array([p.scale for p in rows]),
         usual=np.array([p.null if p.usual is None else p.usual for p in rows]),
         idle=np.array([p.idle for p in rows]),
-        low=np.array([p.low for p in rows]),
-        high=np.array([p.high for p in rows]),
+        low=low,
+        high=high,
         starts=starts,
         near=np.array(list(product(*near)) if any(p.near for p in rows) else []),
         build=build,
@@ -241,8 +252,8 @@ def named_candidates(
     known : tuple of str
         Effects already in the robot file; they are not proposed again.
     reach : mapping
-        How far the runs cover "position" [m] and "time" [s], and the "body" reaches [m], for starts that are
-        spread over them.
+        How far the runs cover "position" [m] and "time" [s], from the middle "x" and "y" [m] of where they
+        were, and how far the "body" reaches [m], for starts that are spread over them.
     timed : bool
         Whether the rows have time stamps, which limit how wrong the clock may be, not only a nominal rate.
     angles : bool

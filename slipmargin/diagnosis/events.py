@@ -94,19 +94,6 @@ def cut_apart(
     return tuple(parts), tuple(runs)
 
 
-def with_measured_velocity(problem: Problem, runs: Sequence[int]) -> Problem:
-    """With the measured velocity at the start of each part after an event, where the wheels may slip."""
-    twists = problem.twists.copy()
-    for row, (trial, run) in enumerate(zip(problem.trials, runs, strict=True)):
-        if row == 0 or runs[row - 1] != run:
-            continue
-        early = (trial.t_s <= trial.t_s[0] + SETTINGS.event_span_s) & np.isfinite(trial.pose).all(axis=1)
-        if early.sum() >= 4:
-            line = np.polyfit(trial.t_s[early] - trial.t_s[0], trial.pose[early], 1)
-            twists[row] = line[0]
-    return replace(problem, twists=twists)
-
-
 def _parts(record: Record, times: list[float]) -> list[Record]:
     starts = [-np.inf, *(t + SETTINGS.event_span_s for t in times)]
     ends = [*(t - SETTINGS.event_span_s for t in times), np.inf]

@@ -30,9 +30,16 @@ class Ranges:
     slip_m_s: float
     acceleration_m_s2: float
     yaw_rate_rad_s: float
-    position_m: float
+    position_m: float  #: from the middle of where the runs were
+    middle_m: tuple[float, float]
     duration_s: float
     command_rad_s: float
+
+    @property
+    def covered(self) -> dict[str, float]:
+        """Where the runs were and how far they cover what starts of named effects are spread over."""
+        x, y = self.middle_m
+        return {"position": self.position_m, "x": x, "y": y, "time": self.duration_s}
 
 
 #: Standard deviations of the Gaussian prior [scales]: of the difference between neighbours of a polygon,

@@ -178,9 +178,11 @@ def _over_motion(model: Model, r: Ranges) -> list[Candidate]:
 
 def _over_place(model: Model, r: Ranges) -> list[Candidate]:
     turn = (2.0 * np.pi, 0.0)
-    reach, across = (r.position_m, 0.0), (-r.position_m, r.position_m)
     clock = (0.0, r.duration_s)
-    place = (Variable.POSITION_X, Variable.POSITION_Y)
+    place = [
+        (v, (middle - r.position_m, middle + r.position_m))
+        for v, middle in zip((Variable.POSITION_X, Variable.POSITION_Y), r.middle_m, strict=True)
+    ]
     floor, both = Frame.FLOOR, Target.BOTH
     return [
         friction(
@@ -213,14 +215,14 @@ def _over_place(model: Model, r: Ranges) -> list[Candidate]:
             "force over position",
             model,
             floor,
-            [(v, Basis.HATS, across, 5, (0, 1), 1.0) for v in place]
-            + [(v, Basis.POLYNOMIAL, reach, 1, (2,), 1.0) for v in place],
+            [(v, Basis.HATS, across, 5, (0, 1), 1.0) for v, across in place]
+            + [(v, Basis.HATS, across, 2, (2,), 1.0) for v, across in place],
         ),
         friction(
             Trace.POSITION,
             "friction over position",
             model,
-            [(v, Basis.HATS, across, 9, both, None) for v in place],
+            [(v, Basis.HATS, across, 9, both, None) for v, across in place],
         ),
         friction(
             Trace.TIME, "friction over time", model, [(Variable.TIME, Basis.HATS, clock, 7, both, None)]

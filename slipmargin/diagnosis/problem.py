@@ -24,7 +24,7 @@ from slipmargin.diagnosis.prepare import Trial
 from slipmargin.diagnosis.residual_diagnostics import residual_rate
 from slipmargin.diagnosis.sense import is_ideal, measure
 from slipmargin.diagnosis.settings import SETTINGS
-from slipmargin.diagnosis.signals import InterpolationScheme, rolling_twist, wheel_signal, with_phases
+from slipmargin.diagnosis.signals import InterpolationScheme, start_twist, wheel_signal, with_phases
 from slipmargin.diagnosis.start_pose import aligned, fitted_start, fitted_to_lasting
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.effects.confined import acting
@@ -100,6 +100,7 @@ class Problem:
         own = np.zeros(len(trials), dtype=np.int64) if not len(member_of) else np.asarray(member_of)
         signals = tuple(wheel_signal(t, commanded) for t in trials)
         batch = _flattened(trials, signals, commanded)
+        wheels = [(members[m][1], t, s) for m, t, s in zip(own, trials, signals, strict=True)]
         longest = max(len(t.t_s) for t in trials)
         measured = np.full((len(trials), longest, 3), np.nan)
         for row, trial in zip(measured, trials, strict=True):
@@ -117,12 +118,8 @@ class Problem:
             commanded=commanded,
             step_s=float(np.median(np.concatenate([np.diff(t.t_s) for t in trials]))),
             wheel_phases=np.zeros((len(trials), nominal.count)),
-            starts=np.array(
-                [_first_pose(members[m][1], t, s) for m, t, s in zip(own, trials, signals, strict=True)]
-            ),
-            twists=np.array(
-                [rolling_twist(members[m][1], t, s) for m, t, s in zip(own, trials, signals, strict=True)]
-            ),
+            starts=np.array([_first_pose(*of) for of in wheels]),
+            twists=np.array([start_twist(*of, sigma) for of in wheels]),
             members=members,
             member_of=own,
             signals=signals,

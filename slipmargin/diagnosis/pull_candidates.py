@@ -40,6 +40,7 @@ def pull_candidates(problem: PullProblem) -> list[Candidate]:
         acceleration_m_s2=1.0,
         yaw_rate_rad_s=1.0,
         position_m=1.0,
+        middle_m=(0.0, 0.0),
         duration_s=1.0,
         command_rad_s=1.0,
     )

@@ -15,6 +15,8 @@ from slipmargin.physics.sectors import pitch
 
 #: Over how long the measured pose is differentiated [s].
 _SPAN_S = 0.08
+#: Share of the samples [1] that a range covers: the last few may be mistakes.
+_MOST = 0.98
 
 
 def motion_of(trial: Trial, convention: Convention = Convention.PAPER) -> dict[str, Array]:
@@ -57,9 +59,11 @@ def variables_of(trial: Trial, model: Model) -> dict[str, Array]:
 def ranges(trials: tuple[Trial, ...]) -> Ranges:
     """The reach of these trials; never zero, so that every basis has a scale."""
     motions = [motion_of(t) for t in trials]
+    place = np.concatenate([np.column_stack([m["position x"], m["position y"]]) for m in motions])
+    middle = np.quantile(place, [1.0 - _MOST, _MOST], axis=0).mean(axis=0)
 
     def reach(*names: str) -> float:
-        return float(np.quantile(np.abs(np.concatenate([m[n] for m in motions for n in names])), 0.98))
+        return float(np.quantile(np.abs(np.concatenate([m[n] for m in motions for n in names])), _MOST))
 
     speed = max(reach("speed"), 1e-2)
     commands = [t.record.omega_cmd if t.record.omega_cmd is not None else t.record.omega for t in trials]
@@ -69,7 +73,8 @@ def ranges(trials: tuple[Trial, ...]) -> Ranges:
         slip_m_s=0.5 * speed,
         acceleration_m_s2=max(reach("acceleration right", "acceleration forward"), 1e-1),
         yaw_rate_rad_s=max(reach("yaw rate"), 1e-1),
-        position_m=max(reach("position x", "position y"), 5e-2),
+        position_m=max(float(np.quantile(np.abs(place - middle), _MOST)), 5e-2),
+        middle_m=(float(middle[0]), float(middle[1])),
         duration_s=max(float(t.record.since_s[-1]) for t in trials),
         command_rad_s=max(fastest, 1.0),
     )

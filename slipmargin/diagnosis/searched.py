@@ -14,7 +14,7 @@ from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.candidate import Candidate, body_reach, named_candidates
 from slipmargin.diagnosis.conditions import held_runs_of
 from slipmargin.diagnosis.data_problem import problem_of
-from slipmargin.diagnosis.events import cut_apart, find_events, with_measured_velocity
+from slipmargin.diagnosis.events import cut_apart, find_events
 from slipmargin.diagnosis.general_forms import general_candidates
 from slipmargin.diagnosis.groups import in_groups
 from slipmargin.diagnosis.held_out import searched_runs
@@ -136,7 +136,7 @@ def _cut(found: Searched, data_set: DataSet, events: tuple[Event, ...]) -> Searc
 def _apart(data_set: DataSet, events: tuple[Event, ...]) -> tuple[Problem, tuple[int, ...]]:
     """The runs cut at events, and of each part the number of its run."""
     records, runs = cut_apart(data_set.trials, events)
-    return with_measured_velocity(problem_of(data_set, records, runs), runs), runs
+    return problem_of(data_set, records, runs), runs
 
 
 def _searched(
@@ -159,7 +159,7 @@ def _searched(
     known = tuple(effect.name for effect in data_set.recipe.effects)
     model, commanded = problem.model(()), problem.commanded
     covered = ranges(tuple(problem.trials[i] for i in seen))
-    reach = {"position": covered.position_m, "time": covered.duration_s, "body": body_reach(model)}
+    reach = covered.covered | {"body": body_reach(model)}
     timed = data_set.nominal_rate_Hz is None
     angles = not commanded and not wheel_phase.is_unknown(problem)
     candidates = in_groups(

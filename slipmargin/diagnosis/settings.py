@@ -237,6 +237,14 @@ class SearchSettings:
     #: [1] … of which the model without effects shows this share at least: what only the effects make did not
     #: happen.
     event_own: float = 0.5
+    #: [s] A run's first poses within this time say how fast it began …
+    start_s: float = 0.2
+    #: [1] … if there are so many of them, for the three numbers of a parabola, …
+    start_poses: int = 6
+    #: [1] … where the wheels' first speeds say otherwise by so many standard deviations, …
+    start_deviations: float = 4.0
+    #: [1] … and are at least this share of the wheels' mean speeds in that time: from rest all slides.
+    start_pace: float = 0.5
     #: [s] A part of a run that was cut at an event is kept if it is as long as this.
     least_part_s: float = 0.4
     #: [1] A fault of the data is spoken of where the effects found could take up this share of the squared

@@ -8,8 +8,9 @@ from enum import Enum
 import numpy as np
 
 from slipmargin.checks import Array
-from slipmargin.data.odometry import bridged
+from slipmargin.data.odometry import body_path, bridged, wheel_path
 from slipmargin.diagnosis.prepare import Trial
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.errors import InputError
 from slipmargin.model import Model
 from slipmargin.physics.frames import rotate_rows
@@ -155,7 +156,25 @@ def _misses(
     return angle - theta, speed - omega
 
 
-def rolling_twist(model: Model, trial: Trial, signal: WheelSignal) -> Array:
-    """Floor-frame velocity (3,) that the wheels' first speeds make without slip [m/s, m/s, rad/s]."""
-    body = model.geometry.no_slip_map() @ signal.pieces[0, :, 1]
+def start_twist(model: Model, trial: Trial, signal: WheelSignal, sigma: Array) -> Array:
+    """Floor-frame velocity (3,) with which a run begins [m/s, m/s, rad/s].
+
+    It is what the wheels' first speeds make without slip, and where the first poses, whose noise is ``sigma``
+    (3,), say clearly that the robot slid, what it slid by: a run may begin in the middle of a motion.
+    """
+    geometry, speeds = model.geometry, signal.pieces[0, :, 1]
+    body = geometry.no_slip_map() @ speeds
+    early = (trial.t_s <= trial.t_s[0] + SETTINGS.start_s) & np.isfinite(trial.pose).all(axis=1)
+    count, t = int(early.sum()), trial.t_s[early] - trial.t_s[0]
+    if count < SETTINGS.start_poses:
+        return rotate_rows(trial.start[2], body)
+    turned = angles_at(signal, trial.t_s[early])
+    # From rest the wheels run away from the floor in no time: of such a start no parabola tells.
+    if np.max(np.abs(speeds)) >= SETTINGS.start_pace * np.max(np.abs(turned[-1] - turned[0])) / t[-1]:
+        slid = body_path(trial.pose[early]) - wheel_path(geometry, turned)
+        powers = t[:, None] ** np.arange(3)  # where it began, the velocity then, and how that changed
+        fitted, *_ = np.linalg.lstsq(powers, slid, rcond=None)
+        missed = np.sqrt(np.sum((slid - powers @ fitted) ** 2, axis=0) / (count - 3))
+        error = np.maximum(sigma, missed) * np.sqrt(np.linalg.pinv(powers.T @ powers)[1, 1])
+        body += np.where(np.abs(fitted[1]) > SETTINGS.start_deviations * error, fitted[1], 0.0)
     return rotate_rows(trial.start[2], body)

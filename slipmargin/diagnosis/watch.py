@@ -10,12 +10,18 @@ from typing import final
 from slipmargin.checks import real
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.errors import InputError
+from slipmargin.physics.compiled import compiling_s
 
 Progress = Callable[[str, float], None]
 
 
 def no_progress(stage: str, share: float) -> None:
     """Progress that is not shown."""
+
+
+def clock_s() -> float:
+    """Time by which a search is limited [s]: it stands while code is compiled, once after installation."""
+    return time.monotonic() - compiling_s()
 
 
 @final
@@ -34,7 +40,7 @@ def cut_short(budget_s: float | None) -> tuple[str, ...]:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Watch:
-    """Reports progress; ``until_s`` is when time runs out on the process's monotonic clock, None: never."""
+    """Reports progress; ``until_s`` is when time runs out on :func:`clock_s`, None: never."""
 
     report: Callable[[str, float], None]
     until_s: float | None = None
@@ -54,7 +60,7 @@ class Watch:
         cure = "give the seconds that the search may take, above 0"
         if real("budget_s", budget_s, cure=cure) <= 0.0:
             raise InputError("budget_s", f"is {budget_s:g}", cure)
-        return Watch(report=report, until_s=time.monotonic() + budget_s)
+        return Watch(report=report, until_s=clock_s() + budget_s)
 
     def __call__(self, stage: str, share: float) -> None:
         self.report(self.prefix + stage, share)
@@ -62,12 +68,12 @@ class Watch:
     @property
     def expired(self) -> bool:
         """Whether the time is over."""
-        return self.until_s is not None and time.monotonic() >= self.until_s
+        return self.until_s is not None and clock_s() >= self.until_s
 
     @property
     def overdue(self) -> bool:
         """Whether the time has been over for so long that even a first list is cut."""
-        return self.until_s is not None and time.monotonic() >= self.until_s + SETTINGS.list_s
+        return self.until_s is not None and clock_s() >= self.until_s + SETTINGS.list_s
 
     def check(self) -> None:
         """Leave the step of a search that is being made.
@@ -84,7 +90,7 @@ class Watch:
         """The same watch for a share (0 to 1) of the time that is left."""
         if self.until_s is None:
             return self
-        now = time.monotonic()
+        now = clock_s()
         return replace(self, until_s=now + share * max(0.0, self.until_s - now))
 
     def staged(self, stage: str) -> Watch:

@@ -102,6 +102,9 @@ class Parameter:
     starts: tuple[float, ...] = ()  #: where fits start; empty: one scale above null
     idle: bool = False  #: whether it has no influence while the effect's first parameter is at null
     along: str = ""  #: "position", "time" or "body": starts are shares of what runs cover, or of its size
+    #: "x", "y" or "offset" of a place of the floor: a fit counts from the middle of where the runs were …
+    coordinate: str = ""
+    within: float = np.inf  #: … and looks no farther from there than this
     least_wheels: int = 0  #: with fewer wheels it has no influence
     usual: float | None = None  #: an end of the range that is an ordinary value; the null by default
     near: tuple[float, ...] = ()  #: where fits start on a line of the floor that the data point to
@@ -120,6 +123,8 @@ def parameter(
     least_wheels: int = 0,
     usual: float | None = None,
     near: tuple[float, ...] = (),
+    coordinate: str = "",
+    within: float = np.inf,
 ) -> Parameter:
     """A :class:`Parameter` in one line; ``span`` is (lowest, null, highest) value."""
     low, null, high = span
@@ -137,6 +142,8 @@ def parameter(
         least_wheels=least_wheels,
         usual=usual,
         near=near,
+        coordinate=coordinate,
+        within=within,
     )
 
 

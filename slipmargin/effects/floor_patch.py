@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.effects.effect import Effect, Part, Scope, Trace, parameter
-from slipmargin.effects.places import EDGE, EDGE_M, PLACE_RADIUS, PLACE_X, PLACE_Y
+from slipmargin.effects.places import EDGE, EDGE_M, PLACE_RADIUS, PLACE_X, PLACE_Y, place
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.terms import Multiplier
@@ -34,26 +34,7 @@ class FloorPatch(Effect):
         parameter(
             "factor", "1", (0.0, 1.0, 5.0), 0.1, "friction on the patch over that beside it", starts=(0.5,)
         ),
-        parameter(
-            "centre_x_m",
-            "m",
-            (-100.0, 0.0, 100.0),
-            0.02,
-            "centre of the patch on the floor, x",
-            starts=PLACE_X,
-            idle=True,
-            along="position",
-        ),
-        parameter(
-            "centre_y_m",
-            "m",
-            (-100.0, 0.0, 100.0),
-            0.02,
-            "centre of the patch on the floor, y",
-            starts=PLACE_Y,
-            idle=True,
-            along="position",
-        ),
+        *place("centre", "centre of the patch on the floor", 0.02, (PLACE_X, PLACE_Y), along="position"),
         parameter(
             "radius_m",
             "m",

@@ -6,7 +6,11 @@ import math
 
 from slipmargin.effects.effect import Parameter, parameter
 
-#: Starts of a place: the middle and two rings of six, in shares of how far the runs reach from the origin …
+#: Farthest that a place may lie from the floor's origin [m]: the coordinates of a map are places as well …
+_FARTHEST_M = 1e7
+#: … and from the middle of where the runs were, where a fit looks for it.
+_WITHIN_M = 100.0
+#: Starts of a place: the middle and two rings of six, in shares of how far the runs reach from there …
 _RINGS = (0.2, 0.55)
 _ANGLES = tuple(k * math.pi / 3.0 for k in range(6))
 _X = (0.0, *(ring * math.cos(angle) for ring in _RINGS for angle in _ANGLES))
@@ -15,11 +19,42 @@ _Y = (0.0, *(ring * math.sin(angle) for ring in _RINGS for angle in _ANGLES))
 _RADII = (0.15, 0.35, 0.65)
 PLACE_RADIUS = tuple(radius for radius in _RADII for _ in _X)
 PLACE_X, PLACE_Y = _X * len(_RADII), _Y * len(_RADII)
-#: Starts of a line: normals all around [rad], through the origin and some way out, in the same shares.
+#: Starts of a line: normals all around [rad], through the middle and some way out, in the same shares.
 LINE_DIRECTION = tuple(k * math.pi / 4.0 for k in range(8))
 LINE_OFFSET = (0.0, 0.3)
 #: The two parameters that say where a line lies.
 LINE = ("offset_m", "direction_rad")
+
+
+def place(
+    name: str,
+    meaning: str,
+    scale: float,
+    starts: tuple[tuple[float, ...], tuple[float, ...]],
+    *,
+    along: str = "",
+    within_m: float = _WITHIN_M,
+) -> tuple[Parameter, Parameter]:
+    """A place of the floor in x and y [m], with what it means; fits start at ``starts``, x beside y.
+
+    They are counted from the middle of where the runs were, in metres or in shares of what is ``along``.
+    """
+    x, y = (
+        parameter(
+            f"{name}_{axis}_m",
+            "m",
+            (-_FARTHEST_M, 0.0, _FARTHEST_M),
+            scale,
+            f"{meaning}, {axis}",
+            starts=values,
+            idle=True,
+            along=along,
+            coordinate=axis,
+            within=within_m,
+        )
+        for axis, values in zip("xy", starts, strict=True)
+    )
+    return x, y
 
 
 def line(
@@ -32,12 +67,14 @@ def line(
         parameter(
             LINE[0],
             "m",
-            (-100.0, 0.0, 100.0),
+            (-_FARTHEST_M, 0.0, _FARTHEST_M),
             0.02,
             offset,
             starts=tuple(a for a in offsets for _ in directions),
             idle=True,
             along="position",
+            coordinate="offset",
+            within=_WITHIN_M,
         ),
         parameter(
             LINE[1],

@@ -9,12 +9,15 @@ from typing import final
 import numpy as np
 
 from slipmargin.effects.effect import Effect, Part, Scope, Trace, Variant, parameter
+from slipmargin.effects.places import place
 from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
 from slipmargin.physics.terms import ForceTerm
 from slipmargin.physics.variables import Basis, Frame, Variable
 
-#: Where fits put the anchor first: the origin, and 1.5 m away all around [m].
+#: Farther from the middle of where the runs were an anchor pulls the same everywhere, as a slope does [m].
+_WITHIN_M = 5.0
+#: Where fits put the anchor first: there, and 1.5 m away all around [m].
 _X = (0.0, *(1.5 * math.cos(k * math.pi / 3.0) for k in range(6)))
 _Y = (0.0, *(1.5 * math.sin(k * math.pi / 3.0) for k in range(6)))
 
@@ -34,12 +37,7 @@ class Tether(Effect):
     scope = Scope.LOADING
     parameters = (
         parameter("stiffness_N_per_m", "N/m", (0.0, 0.0, 200.0), 0.5, "pull per distance from the anchor"),
-        parameter(
-            "anchor_x_m", "m", (-5.0, 0.0, 5.0), 0.1, "where it does not pull, x", starts=_X, idle=True
-        ),
-        parameter(
-            "anchor_y_m", "m", (-5.0, 0.0, 5.0), 0.1, "where it does not pull, y", starts=_Y, idle=True
-        ),
+        *place("anchor", "where it does not pull", 0.1, (_X, _Y), within_m=_WITHIN_M),
         parameter("height_m", "m", (0.0, 0.0, 2.0), 0.05, "height above the floor at which the cable pulls"),
     )
     variants = (Variant(free=("stiffness_N_per_m", "anchor_x_m", "anchor_y_m")),)

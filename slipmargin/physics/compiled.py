@@ -17,7 +17,9 @@ of a friction law compiles everything anew.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -28,23 +30,49 @@ import numpy as np
 from numba import njit
 from numba.core import event
 
-from slipmargin.notice import compiling
+from slipmargin import notice
 
 F = TypeVar("F", bound=Callable[..., Any])
 _compile: Any = njit  # its stub does not know every option
 
 
 class _Heard(event.Listener):
-    """Hears when numba compiles what its cache does not hold."""
+    """Hears when numba compiles what its cache does not hold, and how long that takes."""
+
+    def __init__(self) -> None:
+        self.spent_s, self._began_s, self._inside = 0.0, 0.0, 0
 
     def on_start(self, event: Any) -> None:
-        compiling()
+        notice.compiling()
+        if not self._inside:
+            self._began_s = time.monotonic()
+        self._inside += 1
 
     def on_end(self, event: Any) -> None:
-        pass
+        self._inside -= 1
+        if not self._inside:
+            self.spent_s += time.monotonic() - self._began_s
 
 
-event.register("numba:compile", _Heard())  # type: ignore[no-untyped-call]
+_HEARD = _Heard()
+event.register("numba:compile", _HEARD)  # type: ignore[no-untyped-call]
+
+
+def compiling_s() -> float:
+    """How long this process has waited for compilers so far [s]."""
+    return _HEARD.spent_s
+
+
+@contextmanager
+def compiling() -> Iterator[None]:
+    """Count the time of the block as compiling."""
+    _HEARD.on_start(None)
+    try:
+        yield
+    finally:
+        _HEARD.on_end(None)
+
+
 _RULES: dict[str, Any] = {
     "cache": True,
     "error_model": "numpy",

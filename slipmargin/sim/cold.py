@@ -16,7 +16,7 @@ from typing import Any
 
 from numba import types
 
-from slipmargin.physics.compiled import twin
+from slipmargin.physics.compiled import compiling, twin
 from slipmargin.physics.contact import contact
 from slipmargin.sim import body, motion, rodas, stops, varying
 
@@ -32,7 +32,7 @@ _APART: tuple[tuple[Any, tuple[Any, ...]], ...] = (
     (stops.first_switch, (_TABLE, _TABLE, _N, _ROW, _ROW, _TABLE, _N)),
     (rodas.solve, (_TABLE, _TABLE, _ROW, _N, _N, _BOOL, _ROW, _ROW, _ROW)),
     (rodas.factor, (_TABLE, _ROW, _N, _TABLE, _ROW)),
-    (rodas.end, (_ROW, _TABLE, _N, _N, _N, _ROW)),
+    (rodas.end, (_ROW, _TABLE, _ROW, _N, _N, _N, _ROW)),
     (rodas.begin, (_ROW, _TABLE, _INT, _N, _ROW, _ROW)),
     (body.slopes, (_ROW, _TABLE, _ROW, _TABLE, _ROW, _TABLE, _INT)),
     (body.wheel_rate, (_ROW, _ROW, _ROW, _N, _N)),
@@ -63,7 +63,8 @@ def warm_up() -> None:
     except OSError:
         return  # no other process here: the first call compiles everything by itself
     try:
-        other.wait(timeout=_PATIENCE_S)
+        with compiling():
+            other.wait(timeout=_PATIENCE_S)
     except subprocess.TimeoutExpired:
         other.kill()
     kernel.compile(_KERNEL)

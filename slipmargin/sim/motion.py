@@ -315,7 +315,7 @@ def run(
                     rates(P, W, t + WHEN[stage] * step, z, c, k0, push, pk, C, B, away, rate)
                     slope = rate
                 solve(J, M, E, GAMMA * step, TIME[stage] * step, pose, slope, rhs, K[stage])
-            error = end(y, K, rtol, atol, W[0, _RADIUS], z)
+            error = end(y, K, task, rtol, atol, W[0, _RADIUS], z)
             if again == 1 or not driven or not error <= 1.0:
                 break
             share = first_switch(W, c, t - k0, y, z, K, step)

@@ -121,13 +121,17 @@ def begin(y: Any, K: Any, stage: int, step: float, z: Any, rhs: Any) -> None:
 
 
 @spliced
-def end(y: Any, K: Any, rtol: float, atol: float, radius: float, z: Any) -> float:
-    """State at the end of the step, into z, and its error [1]: a step is good up to 1."""
+def end(y: Any, K: Any, start: Any, rtol: float, atol: float, radius: float, z: Any) -> float:
+    """State at the end of the step, into z, and its error [1]: a step is good up to 1.
+
+    The pose may miss a share ``rtol`` of its way from the ``start`` of the run: the origin does not matter.
+    """
     error, m = 0.0, K.shape[1]
     for r in range(m):
         z[r] += K[5, r]
         loose = 1.0 if r < 3 else (LOOSER if r < 6 else LOOSER / radius)
-        miss = K[5, r] / (loose * (atol + rtol * max(abs(y[r]), abs(z[r]))))
+        zero = start[r] if r < 3 else 0.0
+        miss = K[5, r] / (loose * (atol + rtol * max(abs(y[r] - zero), abs(z[r] - zero))))
         error += miss * miss
     return math.sqrt(error / m)
 

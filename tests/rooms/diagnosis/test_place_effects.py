@@ -10,6 +10,7 @@ import pytest
 from slipmargin.data.record import Record
 from slipmargin.diagnosis.candidate import named_candidates
 from slipmargin.diagnosis.fit import Fit, build, fit
+from slipmargin.diagnosis.general_forms import general_candidates
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.ranges import ranges
@@ -64,7 +65,7 @@ def fitted(believed: Recipe, records: tuple[Record, ...], name: str) -> tuple[An
     trials = tuple(clean(r, SIGMA) for r in records)
     problem = Problem.of(believed, "paper", trials, SIGMA, False).in_pieces(0.5)
     covered, everyone = ranges(trials), np.arange(len(trials))
-    reach = {"position": covered.position_m, "time": covered.duration_s}
+    reach = covered.covered
     names = problem.model(()).geometry.names
     (candidate,) = [c for c in named_candidates(names, False, (), reach) if c.name == name]
     costs = [
@@ -101,7 +102,7 @@ def test_a_fit_begins_where_the_tangent_puts_a_patch_though_doing_nothing_costs_
     trials = tuple(clean(r, SIGMA) for r in runs(believed.with_effects(patch)))
     problem, everyone = Problem.of(believed, "paper", trials, SIGMA, False), list(range(len(trials)))
     names = problem.model(()).geometry.names
-    reach = {"position": ranges(trials).position_m, "time": ranges(trials).duration_s}
+    reach = ranges(trials).covered
     (candidate,) = [c for c in named_candidates(names, False, (), reach) if c.name == "floor_patch"]
     beside = np.array([0.4, 0.15, -0.1, 0.2, 0.05])
     idle = [np.array([1.01, 0.9, 0.0, 0.2, 0.05]), np.array([1.01, -0.9, 0.0, 0.2, 0.05])]
@@ -124,6 +125,32 @@ def test_a_fit_begins_where_the_tangent_puts_a_patch_though_doing_nothing_costs_
     found = _added(before, entry, everyone, np.inf, lambda: False)
     np.testing.assert_allclose(found.fit.x[1:3], patch.values()[1:3], atol=0.02)
     assert found.fit.cost < 0.01 * min(costs)
+
+
+def test_where_the_floors_origin_is_changes_no_candidate(believed: Recipe) -> None:
+    """Seen twenty metres off: no set could be diagnosed there, and a patch was named loads ten metres off."""
+    near = runs(believed)[:2]
+    shift = np.array([20.0, -31.0, 0.0])
+    missed = []
+    for records in (near, [replace(r, pose=r.pose + shift) for r in near]):
+        trials = tuple(clean(r, SIGMA) for r in records)
+        problem, covered = Problem.of(believed, "paper", trials, SIGMA, False), ranges(trials)
+        model, everyone = problem.model(()), np.arange(len(trials))
+        made = [
+            *named_candidates(model.geometry.names, False, (), covered.covered),
+            *general_candidates(model, covered, False),
+        ]
+        points = [
+            (c.label, c.build(np.clip(start + 0.5 * c.scale * (np.arange(c.size) == 0), c.low, c.high)))
+            for c in made
+            for start in (c.starts if len(c.starts) else c.null[None])
+        ]
+        gaps = problem.residuals([(effect,) for _, effect in points], [everyone] * len(points))
+        missed.append([(label, gap) for (label, _), gap in zip(points, gaps, strict=True)])
+    assert len(missed[0]) == len(missed[1]) > 200
+    for (label, here), (other, there) in zip(*missed, strict=True):
+        assert label == other
+        assert np.sqrt(np.mean((here - there) ** 2)) < 0.02, label  # of what noise is 1
 
 
 def test_a_border_between_floors_is_found(believed: Recipe) -> None:

@@ -51,7 +51,7 @@ def begun(data: DataSet) -> tuple[State, list[Candidate], Index]:
     trials = tuple(clean(record, sigma) for record in data.trials)
     problem = Problem.of(data.recipe, data.surface, trials, sigma, False)
     model, covered = problem.model(()), ranges(trials)
-    reach = {"position": covered.position_m, "time": covered.duration_s}
+    reach = covered.covered
     candidates = [
         *named_candidates(model.geometry.names, False, (), reach),
         *general_candidates(model, covered, False),

@@ -6,7 +6,10 @@ import numpy as np
 
 from slipmargin.data.record import Record
 from slipmargin.diagnosis.prepare import clean
-from slipmargin.diagnosis.signals import InterpolationScheme, wheel_signal
+from slipmargin.diagnosis.signals import InterpolationScheme, start_twist, wheel_signal
+from slipmargin.paper.published import paper_model
+from slipmargin.sim.signal import linear
+from slipmargin.sim.simulate import simulate
 
 SIGMA = np.array([1e-3, 1e-3, 1e-2])
 
@@ -62,3 +65,30 @@ def test_rough_motion_is_no_looser_than_noise_allows():
     rough = wheel_signal(clean(run, SIGMA), False, InterpolationScheme.ROUGH)
     full = wheel_signal(clean(run, SIGMA), False, InterpolationScheme.FULL)
     assert np.abs(at(rough, run.t_s) - at(full, run.t_s)).max() < 0.02
+
+
+def sliding_run(first: int, last: int):
+    """Samples ``first`` to ``last`` of a kiwi that is thrown about, and slides: model, trial, velocity."""
+    model, t = paper_model("paper", improved=False), np.arange(0.0, 2.0, 0.01)
+    omega = np.stack([np.interp(t, [0.0, 0.05, 2.0], [0.0, a, a]) for a in (14.0, 14.0, -9.0)], axis=1)
+    run = simulate(model, linear(t, omega), t)
+    pose = run.pose + 0.2 * SIGMA * np.random.default_rng(1).standard_normal((len(t), 3))
+    rows = slice(first, last)
+    log = Record(name="run", t_s=t[rows], pose=pose[rows], omega=omega[rows], theta=run.theta[rows])
+    velocity = (run.pose[first + 1] - run.pose[max(0, first - 1)]) / (t[first + 1] - t[max(0, first - 1)])
+    return model, clean(log, 0.2 * SIGMA), velocity
+
+
+def test_a_run_that_begins_in_the_middle_of_a_slide_starts_with_what_the_poses_say():
+    """Seen in a null cut in half: started without slip it was "unexplained", with a lead to a patch."""
+    model, trial, velocity = sliding_run(12, 200)
+    wheels = model.geometry.no_slip_map() @ trial.record.omega[0]
+    found = start_twist(model, trial, wheel_signal(trial, False), 0.2 * SIGMA)
+    assert np.hypot(*(wheels[:2] - velocity[:2])) > 0.1, "it slides there"
+    assert np.hypot(*(found[:2] - velocity[:2])) < 0.03 and abs(found[2] - velocity[2]) < 0.2
+
+
+def test_a_run_from_rest_starts_at_rest_however_its_wheels_spin():
+    model, trial, _ = sliding_run(0, 200)
+    found = start_twist(model, trial, wheel_signal(trial, False), 0.2 * SIGMA)
+    np.testing.assert_allclose(found, 0.0, atol=1e-12)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import Trace
 from slipmargin.effects.wheel_loads import WheelLoads
 from slipmargin.errors import InputError
+from slipmargin.physics.compiled import compiling
 
 
 def test_texts_begin_with_their_stage_and_time_runs_out() -> None:
@@ -25,6 +27,16 @@ def test_texts_begin_with_their_stage_and_time_runs_out() -> None:
     assert told == ["round 1: pairs: fitting"] and not watch.expired
     assert Watch.of(lambda *_: None, 1e-9).staged("x").expired
     assert not Watch.of(lambda *_: None, 1e9).expired
+
+
+def test_no_budget_is_spent_on_compiling() -> None:
+    """Seen on a fresh installation: the compiler took the whole budget, and a lead was all that was left."""
+    watch = Watch.of(lambda *_: None, 0.2)
+    with compiling():
+        time.sleep(0.3)
+    assert not watch.expired
+    time.sleep(0.3)
+    assert watch.expired
 
 
 @pytest.mark.parametrize("budget", [0.0, -1.0, np.nan])

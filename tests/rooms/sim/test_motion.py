@@ -56,6 +56,18 @@ def test_error_falls_with_the_fourth_power_of_the_steps(case):
     assert order > 3.5
 
 
+def test_the_floors_origin_does_not_matter():
+    """Seen a kilometre off: steps were as long as if the robot had come all the way from there."""
+    model = paper_model("paper", improved=True)
+    times = np.linspace(0.0, 3.0, 4)
+    batch, packed = Batch([command(np.array([0.131, 0.255, 0.260]))], [times]), pack(model)
+    here, there = (
+        batch.run(packed, np.array([x, -x, 0.0]), rtol=1e-6).pose[0] - np.array([x, -x, 0.0])
+        for x in (0.0, 1000.0)
+    )
+    np.testing.assert_allclose(there, here, atol=1e-9)
+
+
 def switches(packed, coef, until):
     """Instants at which wheels change sector on one piece of their motion."""
     wheels = packed[at.HEAD : at.HEAD + 3 * at.WHEEL].reshape(3, at.WHEEL).copy()
