@@ -17,7 +17,7 @@ from slipmargin.data.clocks import from_zero, regular
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.repair import Repair, Stage
 from slipmargin.data.settings import SETTINGS
-from slipmargin.data.wheel_signals import fine_angles, speeds_agree, unwrapped
+from slipmargin.data.wheel_signals import fine_angles, known_throughout, speeds_agree, unwrapped
 from slipmargin.work import ROWS, allow
 
 STAGES: tuple[Stage, ...] = (
@@ -25,6 +25,7 @@ STAGES: tuple[Stage, ...] = (
     without_zeros,
     unwrapped,
     regular,
+    known_throughout,
     speeds_agree,
     fine_angles,
     without_repeats,

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array, measurable, read_only, shaped
 from slipmargin.data.settings import SETTINGS
@@ -103,10 +104,14 @@ class Record:
         stop = int(np.argmax(self.seen)) + rows
         if stop >= len(self.t_s):
             return self
+        return self.part(slice(stop))
+
+    def part(self, rows: slice | NDArray[np.bool_]) -> Record:
+        """These rows of the run, which began when it did."""
         cut: dict[str, Any] = {
-            name: None if (value := getattr(self, name)) is None else value[:stop] for name in WHEEL_SIGNALS
+            name: None if (value := getattr(self, name)) is None else value[rows] for name in WHEEL_SIGNALS
         }
-        return replace(self, t_s=self.t_s[:stop], pose=self.pose[:stop], **cut)
+        return replace(self, t_s=self.t_s[rows], pose=self.pose[rows], began_s=self.start_s, **cut)
 
     @property
     def start_s(self) -> float:

@@ -92,6 +92,34 @@ def _unwrap(angle: Array, expected: Array) -> tuple[Array, int]:
     return out, int(np.count_nonzero(turns))
 
 
+def known_throughout(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
+    """Runs from the first row to the last at which every wheel is known: beyond, it may have done anything."""
+    return run_by_run(
+        data_set,
+        _known_throughout,
+        "wheels_unknown",
+        "1",
+        lambda size, runs: (
+            f"At the start or the end of a log a wheel's cells are empty, {runs}: "
+            f"these {size:g} rows were left out."
+        ),
+    )
+
+
+def _known_throughout(record: Record) -> tuple[Record, float]:
+    first, stop = 0, len(record.t_s)
+    for field in ("omega", "theta", "omega_cmd"):
+        signal: Array | None = getattr(record, field)
+        for column in () if signal is None else signal.T:
+            known = np.flatnonzero(np.isfinite(column))
+            if len(known):
+                first, stop = max(first, int(known[0])), min(stop, int(known[-1]) + 1)
+    lost = len(record.t_s) - (stop - first)
+    if not lost or stop - first < 2 or not record.seen[first:stop].any():
+        return record, 0.0
+    return record.part(slice(first, stop)), float(lost)
+
+
 def speeds_agree(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     """Wheel speeds in rad/s and on the clock on which they are the rate of the wheel angles.
 

@@ -7,12 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from slipmargin.checks import Array, Index
-from slipmargin.data.record import WHEEL_SIGNALS, Record
+from slipmargin.data.record import Record
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Event
 from slipmargin.diagnosis.settings import SETTINGS
@@ -102,10 +101,6 @@ def _parts(record: Record, times: list[float]) -> list[Record]:
         rows = (record.t_s >= start) & (record.t_s <= end)
         if rows.sum() < 2 or np.ptp(record.t_s[rows]) < SETTINGS.least_part_s or not record.seen[rows].any():
             continue
-        signals: dict[str, Any] = {
-            f: None if (v := getattr(record, f)) is None else v[rows] for f in WHEEL_SIGNALS
-        }
-        signals |= {"t_s": record.t_s[rows], "pose": record.pose[rows]}
         name = f"{record.name} ({record.t_s[rows][0]:.2f}–{record.t_s[rows][-1]:.2f} s)"
-        parts.append(replace(record, name=name, began_s=record.start_s, **signals))
+        parts.append(replace(record.part(rows), name=name))
     return parts

@@ -206,6 +206,23 @@ def test_wheel_speeds_in_another_unit_than_the_angles(factor: float, unit: str) 
     assert worst(found, data, omega) < 1e-3 * max(float(np.abs(omega(t)).max()) for t in data.trials)
 
 
+def test_rows_in_which_a_wheel_is_not_known_yet_or_no_longer_are_left_out() -> None:
+    """Seen in a null: the wheel was held still there, its angles and speeds disagreed, and friction varied."""
+
+    def cut(record: Record) -> Record:
+        angles, speeds = np.array(record.theta), np.array(record.omega)
+        angles[-40:, 1], speeds[-40:, 1], speeds[:25, 0] = np.nan, np.nan, np.nan
+        return replace(record, theta=angles, omega=speeds)
+
+    true = good(3)
+    found = repaired(each(true, cut))
+    assert the_only(found, "wheels_unknown") == 65 * len(true.trials)
+    for mended, whole in zip(found.data_set.trials, true.trials, strict=True):
+        np.testing.assert_array_equal(mended.t_s, whole.t_s[25:-40])
+        assert mended.start_s == whole.t_s[0] and mended.omega is not None
+        assert np.isfinite(mended.omega).all()
+
+
 def test_coarse_encoders_by_their_speeds() -> None:
     data = good()
     found = repaired(each(data, lambda r: replace(coarse(r), omega=r.omega)))
