@@ -66,7 +66,7 @@ def bounds(
     import slipmargin as sm
 
     tool, file = (None, None) if export is None else export
-    check_outputs(out, json, report, file, plot=plot, reads=(robot,))
+    check_outputs(file, out=out, json=json, report=report, plot=plot, reads=(robot,))
     with at_options(
         surface="--surface",
         grip="--grip",

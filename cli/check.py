@@ -59,7 +59,7 @@ def check(
     """
     import slipmargin as sm
 
-    check_outputs(out, json, report, plot=plot, reads=(robot, path))
+    check_outputs(out=out, json=json, report=report, plot=plot, reads=(robot, path))
     with at_options(surface="--surface", margin="--margin", smooth_s="--smooth", topic="--topic"):
         found = sm.check(robot, surface, path, margin=margin, smooth_s=smooth, robust=robust, topic=topic)
     deliver(found, out=out, plot=plot, json=json, report=report)

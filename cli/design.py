@@ -75,7 +75,7 @@ def design(
     """
     import slipmargin as sm
 
-    check_outputs(out, html, json, plot=plot, reads=robots)
+    check_outputs(out=out, json=json, report=html, plot=plot, reads=robots)
     if len(robots) > 1:
         _only_for_one(
             {

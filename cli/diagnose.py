@@ -34,7 +34,7 @@ def diagnose(
     """
     import slipmargin as sm
 
-    check_outputs(json, folder=out, reads=(dataset,))
+    check_outputs(json=json, folder=out, reads=(dataset,))
     with stages() as progress, at_options(seed="--seed", budget_s="--budget"):
         found = sm.diagnose(dataset, seed=seed, progress=progress, budget_s=budget)
         progress("drawing", 0.5)

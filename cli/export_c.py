@@ -27,7 +27,7 @@ def export_c(
 
     import slipmargin as sm
 
-    check_outputs(out, json, reads=(robot,))
+    check_outputs(out, json=json, reads=(robot,))
     with at_options(surface="--surface", margin="--margin"):
         limiter = sm.Limiter(robot, surface, margin=margin)
     words = ["slipmargin", "export", "c", robot, "--surface", surface, "--margin", f"{margin:g}"]

@@ -310,7 +310,7 @@ def run_import(
     """Read the logs, write the data set, and say what was read: what every format does."""
     import slipmargin as sm
 
-    check_outputs(json, data_set=out, replace=force, reads=(*files, robot, calibration))
+    check_outputs(json=json, data_set=out, replace=force, reads=(*files, robot, calibration))
     with (
         read_with_progress(),
         at_options(

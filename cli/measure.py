@@ -25,7 +25,7 @@ def measure(
     """
     import slipmargin as sm
 
-    check_outputs(json, reads=(pulls, robot))
+    check_outputs(json=json, reads=(pulls, robot))
     with at_options(surface="--surface", grip="--grip", seed="--seed"):
         found = sm.measure(pulls, sm.read_robot(robot, grip=grip), surface, seed=seed)
     deliver(found, json=json)

@@ -46,7 +46,7 @@ def monitor(
     """
     import slipmargin as sm
 
-    check_outputs(out, json, report, plot=plot, reads=(robot, log, train))
+    check_outputs(out=out, json=json, report=report, plot=plot, reads=(robot, log, train))
     live = log == "-" and not (out or plot or json or report)
     with (
         read_with_progress(),

@@ -54,7 +54,7 @@ def next_run(
     """
     import slipmargin as sm
 
-    check_outputs(json, report, plot=plot, folder=out, reads=(dataset,))
+    check_outputs(json=json, report=report, plot=plot, folder=out, reads=(dataset,))
     with (
         stages() as progress,
         at_options(

@@ -83,16 +83,20 @@ WheelOpt = Annotated[
 
 
 def check_outputs(
-    *files: Path | str | None,
+    *others: Path | str | None,
+    out: Path | None = None,
     plot: Path | None = None,
+    json: str | None = None,
+    report: Path | None = None,
     folder: Path | None = None,
     data_set: Path | None = None,
     replace: bool = False,
     reads: Sequence[Path | str | None] = (),
 ) -> None:
-    """Refuse an output that cannot be written, or a picture of no known kind, before any work is done.
+    """Refuse an output that cannot be written, or whose name ends as another kind's, before any work is done.
 
-    So is one that stands among what the command ``reads``, or is named twice.
+    So is one that stands among what the command ``reads``, or is named twice.  The files are those of
+    :func:`deliver`, and ``others``, which may end in anything.
 
     A data set that stands there already is refused unless it may be replaced.
 
@@ -104,13 +108,15 @@ def check_outputs(
     from slipmargin.errors import InputError
     from slipmargin.io.writes import check_format, check_writable
 
+    kinds = {"CSV table": out, "picture": plot, "JSON text": None if json == "-" else json, "page": report}
+    files = (*others, *kinds.values())
     if folder is not None:
         from slipmargin.io.folder import check_folder
 
         check_folder(folder)
         place = Path(folder).resolve()
         above = (place, *place.parents)
-        same = next((f for f in (*files, plot) if f is not None and Path(f).resolve() in above), None)
+        same = next((f for f in files if f is not None and Path(f).resolve() in above), None)
         if same is not None:
             raise InputError("", "is asked for as a file and as a folder", "give them two names", str(same))
     if data_set is not None:
@@ -121,10 +127,11 @@ def check_outputs(
         if inside is not None:
             raise InputError("", "lies in the data set that is written", "give another folder", str(inside))
         (check_data_set_place if replace else check_new)(data_set)
-    _check_apart((*files, plot), folder, reads)
-    check_writable(*files, plot)
-    if plot is not None:
-        check_format(plot)
+    _check_apart(files, folder, reads)
+    check_writable(*files)
+    for kind, file in kinds.items():
+        if file is not None:
+            check_format(file, kind)
 
 
 def _check_apart(

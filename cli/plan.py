@@ -84,7 +84,7 @@ def plan(
         refuse(
             "--blend", "is given with --closed", "close the path with a spline, or repeat the first waypoint"
         )
-    check_outputs(out, json, report, export and export[1], plot=plot, reads=(robot, path))
+    check_outputs(export and export[1], out=out, json=json, report=report, plot=plot, reads=(robot, path))
     with at_options(
         surface="--surface",
         margin="--margin",

@@ -25,7 +25,7 @@ def polytope(
     """
     import slipmargin as sm
 
-    check_outputs(json, plot=plot, reads=(robot,))
+    check_outputs(json=json, plot=plot, reads=(robot,))
     with at_options(surface="--surface", grip="--grip", wheel_angle_deg="--delta-deg"):
         found = sm.polytope(sm.read_robot(robot, wheel_angle_deg=delta_deg, grip=grip), surface, rigid=rigid)
     deliver(found, plot=plot, json=json)

@@ -36,7 +36,7 @@ def reproduce(
     """
     import slipmargin as sm
 
-    check_outputs(None if json == "-" else json, folder=out)
+    check_outputs(json=json, folder=out)
     with stages() as progress, at_options(seed="--seed"):
         found = sm.reproduce(seed=seed, search=calibrate, identifiability=identifiability, progress=progress)
         names = found.write_folder(out)

@@ -44,7 +44,7 @@ def check(robot: RobotArg, plot: PlotOpt = None, json: JsonOpt = None) -> None:
     """Say in words what each wheel does, draw the robot, and warn of numbers that a robot hardly has."""
     import slipmargin as sm
 
-    check_outputs(json, plot=plot, reads=(robot,))
+    check_outputs(json=json, plot=plot, reads=(robot,))
     deliver(sm.check_robot(robot), plot=plot, json=json)
 
 

@@ -61,7 +61,7 @@ def simulate(
     """
     import slipmargin as sm
 
-    check_outputs(out, json, report, export and export[1], plot=plot, reads=(robot, commands))
+    check_outputs(export and export[1], out=out, json=json, report=report, plot=plot, reads=(robot, commands))
     recipe = sm.read_robot(robot)
     with (
         stages("simulating", counted=False),

@@ -41,7 +41,7 @@ def stop(
     """
     import slipmargin as sm
 
-    check_outputs(out, json, report, plot=plot, reads=(robot,))
+    check_outputs(out=out, json=json, report=report, plot=plot, reads=(robot,))
     with at_options(surface="--surface", margin="--margin", speeds_m_s="--speed", step_deg="--step"):
         found = sm.stop(robot, surface, speeds_m_s=speed or None, margin=margin, step_deg=step, verify=verify)
     deliver(found, out=out, plot=plot, json=json, report=report)

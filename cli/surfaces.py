@@ -18,7 +18,7 @@ def listing(json: JsonOpt = None) -> None:
     """Name every published surface with its coefficients, its wheel and its floor."""
     import slipmargin as sm
 
-    check_outputs(json)
+    check_outputs(json=json)
     deliver(sm.known_surfaces(), json=json)
 
 
@@ -35,7 +35,7 @@ def show(
     """Print how a surface was measured, where it was published, and the table for a robot file."""
     import slipmargin as sm
 
-    check_outputs(json)
+    check_outputs(json=json)
     with at_options(name="NAME"):
         found = sm.describe_surface(name)
     deliver(found, json=json)

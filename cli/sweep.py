@@ -55,7 +55,7 @@ def sweep(
     """
     import slipmargin as sm
 
-    check_outputs(out, json, report, plot=plot, reads=(robot, measured))
+    check_outputs(out=out, json=json, report=report, plot=plot, reads=(robot, measured))
     with at_options(
         surface="--surface",
         grip="--grip",

@@ -34,8 +34,7 @@ class InputError(SlipmarginError):
         super().__init__(str(self))
 
     def __str__(self) -> str:
-        where = ": ".join(part for part in (self.source, self.place) if part)
-        text = f"{where}: {self.problem}, {self.cure}"
+        text = ": ".join(part for part in (self.source, self.place, f"{self.problem}, {self.cure}") if part)
         return " ".join(text.split())  # one line, whatever the value contained
 
     def within(self, prefix: str) -> InputError:
@@ -66,7 +65,10 @@ class NoSolution(SlipmarginError):
 
     def __init__(self, what: str, why: str, cure: str, evidence: object = None) -> None:
         self.evidence = evidence
-        super().__init__(f"{what}: {why}, {cure}")
+        super().__init__(what, why, cure)
+
+    def __str__(self) -> str:
+        return "{}: {}, {}".format(*self.args)
 
 
 @final

@@ -162,7 +162,7 @@ class Explorer:
 
 
 #: How an exported file's name ends.
-_ENDING = {"nav2": "yaml", "roadrunner": "kt", "pathplanner": "json", "choreo": "json", "json": "json"}
+_ENDING = {"nav2": "yaml", "roadrunner": "txt", "pathplanner": "json", "choreo": "json", "json": "json"}
 
 
 def _numbers(query: Mapping[str, str]) -> dict[str, float]:

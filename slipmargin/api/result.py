@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from slipmargin.plots.style import Figure
     from slipmargin.report.page import Page
 
-_PICTURES = (".png", ".svg", ".pdf")
-
 
 def head(robot: str, surface: str, margin: float | None = None) -> dict[str, Any]:
     """What ``to_dict`` of a result begins with: form, robot, floor, and margin where it has one."""
@@ -87,14 +85,16 @@ class Result(ABC):
         InputError
             For another ending, or where the file cannot be written; the previous file is then untouched.
         """
+        from slipmargin.io.writes import ENDINGS
+
         ending = Path(path).suffix.lower()
         if ending == ".json":
             self.write_files(json=path)
-        elif ending in _PICTURES:
+        elif ending in ENDINGS["picture"]:
             self.write_files(plot=path)
         elif ending == ".csv":
             self.write_files(table=path)
-        elif ending == ".html":
+        elif ending in ENDINGS["page"]:
             self.write_files(texts={path: self.page_text()})
         else:
             raise InputError(

@@ -9,7 +9,7 @@ import numpy as np
 from slipmargin.data.calibration import Calibration
 from slipmargin.errors import InputError
 from slipmargin.io.source import read_text
-from slipmargin.io.toml_table import Table, parse_toml
+from slipmargin.io.toml_table import document
 
 _HEAD = """\
 # Camera against wheels, estimated on the floor with the least slip; hold it fixed on the others.
@@ -37,9 +37,7 @@ def read_calibration(path: Path) -> Calibration:
         With file and key.
     """
     try:
-        table = Table("", parse_toml(read_text(path)))
-        if table.whole("schema") != 1:
-            raise InputError("schema", "is another version", "this program reads schema = 1")
+        table = document(read_text(path), "`slipmargin import … --calibrate` writes one")
         found = Calibration(
             scale=table.number("scale", "1"),
             scale_sd=table.number("scale_sd", "1", 0.0),

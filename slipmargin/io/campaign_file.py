@@ -26,7 +26,7 @@ from slipmargin.data.data_set import DataSet
 from slipmargin.errors import InputError
 from slipmargin.io.data_set import read_data_set
 from slipmargin.io.source import read_text
-from slipmargin.io.toml_table import Table, parse_toml
+from slipmargin.io.toml_table import Table, document
 
 #: What a data set shares with all others where nothing else is said.
 _LOADING, _INSTRUMENT = "as stated", "the same"
@@ -61,9 +61,7 @@ def read_joined(path: Path | str) -> DataSet:
 def _read(path: Path) -> tuple[str, tuple[Part, ...]]:
     """The name of a campaign and its data sets."""
     try:
-        top = Table("", parse_toml(read_text(path)))
-        if top.whole("schema") != 1:
-            raise InputError("schema", "is another version", "this program reads schema = 1")
+        top = document(read_text(path), "name the data sets (docs/how-to/diagnose-a-campaign.md)")
         name = top.text("name") if top.has("name") else path.stem
         changes = _loadings(top)
         rows = top.tables("data_set")

@@ -15,7 +15,7 @@ from slipmargin.data.data_set import LEAST_NOISE, MOST_NOISE, NOISE_CURE, DataSe
 from slipmargin.errors import InputError
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.io.source import read_text
-from slipmargin.io.toml_table import Table, parse_toml
+from slipmargin.io.toml_table import Table, document
 from slipmargin.io.trial_file import read_pulls, read_trial
 
 
@@ -37,7 +37,9 @@ def read_data_set(folder: Path | str) -> DataSet:
             str(folder),
         )
     try:
-        robot, surface, signal, sigma, sigma_N, rate = _head(Table("", parse_toml(read_text(path))))
+        robot, surface, signal, sigma, sigma_N, rate = _head(
+            document(read_text(path), "write schema, robot and surface (docs/reference/data-set.md)")
+        )
     except InputError as fault:
         raise fault if fault.source else fault.in_file(str(path)) from None
     recipe = read_recipe(folder / robot)
@@ -66,8 +68,6 @@ def read_data_set(folder: Path | str) -> DataSet:
 
 def _head(table: Table) -> tuple[str, str, WheelSignal | None, Array | None, float | None, float | None]:
     """Robot file, surface, wheel columns, noise of the pose (3,) and of pulls [N], nominal rate [Hz]."""
-    if table.whole("schema") != 1:
-        raise InputError("schema", "is another version", "this program reads schema = 1")
     robot, surface = table.text("robot"), table.text("surface")
     signal = None
     if table.has("wheel_signal"):

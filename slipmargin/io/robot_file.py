@@ -16,13 +16,12 @@ from slipmargin.effects import Recipe
 from slipmargin.errors import InputError
 from slipmargin.io.effect_table import read_effect
 from slipmargin.io.source import read_text
-from slipmargin.io.toml_table import Table, nearest, one_of, parse_toml
+from slipmargin.io.toml_table import Table, document, nearest, one_of
 from slipmargin.robot import Body, FrictionLaw, LoadRule, Motor, Robot, Surface, Wheel
 from slipmargin.robot.fields import Kind, keys
 from slipmargin.robot.library import LIBRARY, published
 from slipmargin.robot.mistakes import refuse_impossible
 
-SCHEMA = 1
 T = TypeVar("T")
 _BUILT_IN = Path(__file__).resolve().parent.parent / "robots"
 
@@ -86,10 +85,7 @@ def recipe_from_text(text: str) -> Recipe:
     InputError
         With key or ``line:column``, what is wrong and what to do.
     """
-    top = Table("", parse_toml(text))
-    schema = top.whole("schema")
-    if schema != SCHEMA:
-        raise InputError("schema", f"is {schema}", f"this program reads schema = {SCHEMA}")
+    top = document(text, "`slipmargin robots new NAME --type T` writes one to start from")
     body = _part(top.table("body", "add a [body] table with mass_kg and inertia_kg_m2"), Body)
     loads = _values(top.table("loads", ""), Robot, "loads") if top.has("loads") else {}
     if body.com_height_m > 0.0:

@@ -16,6 +16,8 @@ if sys.version_info >= (3, 11):
 else:  # the same library under its own name
     import tomli as tomllib
 
+#: The version of the TOML files that this program reads.
+SCHEMA = 1
 _PLACE = re.compile(r"\(at (?:line (\d+), column (\d+)|end of document)\)")
 
 
@@ -81,6 +83,29 @@ def one_of(place: str, value: object, known: Iterable[str]) -> str:
     guess = nearest(value, words) if isinstance(value, str) else None
     hint = f"did you mean {guess!r}? Known: " if guess else "use one of: "
     raise InputError(place, f"is {shown(value)}", hint + ", ".join(words))
+
+
+def document(text: str, start: str) -> Table:
+    """The document that ``text`` holds, of the schema that this program reads.
+
+    Parameters
+    ----------
+    start : str
+        The cure for an empty file: how such a file is made.
+
+    Raises
+    ------
+    InputError
+        Where the text is no TOML, holds no key, or is of another schema.
+    """
+    found = parse_toml(text)
+    if not found:
+        raise InputError("", "is empty: it holds no key", start)
+    top = Table("", found)
+    schema = top.take("schema", f"write schema = {SCHEMA}")
+    if type(schema) is not int or schema != SCHEMA:
+        raise InputError("schema", f"is {shown(schema)}", f"this program reads schema = {SCHEMA}")
+    return top
 
 
 @final

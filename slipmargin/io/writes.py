@@ -15,8 +15,13 @@ from typing import IO, Any
 from slipmargin.errors import InputError
 from slipmargin.io.stage import NEW, check_possible, staged
 
-#: Formats of pictures, by the ending of the file's name.
-FORMATS = ("png", "svg", "pdf")
+#: How a file's name may end, by what the file holds; a name without an ending promises nothing.
+ENDINGS = {
+    "picture": (".png", ".svg", ".pdf"),
+    "page": (".html", ".htm"),
+    "CSV table": (".csv", ".txt", ""),
+    "JSON text": (".json", ".txt", ""),
+}
 
 
 def write_text(path: Path | str, text: str) -> None:
@@ -99,23 +104,28 @@ def check_writable(*paths: Path | str | None) -> None:
                 raise InputError("", "may not be written there", "choose another folder", str(path))
 
 
-def check_format(path: Path | str) -> str:
-    """The format that a figure's file name ends in.
+def check_format(path: Path | str, kind: str = "picture") -> str:
+    """The format that a file's name ends in, without its dot.
+
+    Parameters
+    ----------
+    kind : str
+        What the file will hold: a key of :data:`ENDINGS`.
 
     Raises
     ------
     InputError
-        Where it is not one that can be drawn.
+        Where it is no ending of that kind: the file would not be what its name says.
     """
-    ending = Path(path).suffix.lower().lstrip(".")
-    if ending not in FORMATS:
+    ending = Path(path).suffix.lower()
+    if ending not in ENDINGS[kind]:
         raise InputError(
             "",
-            f"ends in {Path(path).suffix!r}, which is no picture",
-            f"use one of: {', '.join('.' + f for f in FORMATS)}",
+            f"ends in {Path(path).suffix!r}, which is no {kind}",
+            f"use one of: {', '.join(filter(None, ENDINGS[kind]))}",
             str(path),
         )
-    return ending
+    return ending.lstrip(".")
 
 
 def _check_place(path: Path) -> None:

@@ -23,7 +23,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array, real
+from slipmargin.checks import Array, real, rounded_down
 from slipmargin.errors import NoSolution
 from slipmargin.limits.bounds import spin
 from slipmargin.limits.bounds_pace import pace, yaw_rate
@@ -105,7 +105,7 @@ def inside(
     def circle(A: Array, b: Array, sign: Array) -> tuple[Array, ...]:
         left = b - np.abs(A[:, 2]) * yaw
         if np.min(left) <= 0.0:
-            raise _too_much(yaw)
+            raise _too_much(A, b, yaw)
         return (np.array([np.min(left / np.maximum(np.hypot(A[:, 0], A[:, 1]), 1e-300)), yaw]),)
 
     def ellipsoid(A: Array, b: Array, sign: Array) -> tuple[Array, ...]:
@@ -207,11 +207,12 @@ def _sizes(A: Array, b: Array) -> Array:
     return np.asarray(np.min(b[:, None] / np.maximum(np.abs(A), least), axis=0))
 
 
-def _too_much(yaw: float) -> NoSolution:
+def _too_much(A: Array, b: Array, yaw: float) -> NoSolution:
+    most = rounded_down(float(np.min(b / np.maximum(np.abs(A[:, 2]), 1e-300))))
     return NoSolution(
         "safe accelerations",
         f"a yaw acceleration of {yaw:.4g} rad/s² leaves no grip to translate in some motion",
-        "reserve less for yaw",
+        f"reserve less than {most:g} rad/s² (--yaw)",
     )
 
 
@@ -238,7 +239,7 @@ def _flat(A: Array, b: Array, yaw: float) -> tuple[Array, Array]:
     """Rows (R, 2) a ≤ 1 on what is left beside a yaw acceleration, in units of the sizes (2,) given too."""
     left = b - np.abs(A[:, 2]) * yaw
     if np.min(left) <= 0.0:
-        raise _too_much(yaw)
+        raise _too_much(A, b, yaw)
     scale = _sizes(A[:, :2], left)
     return A[:, :2] * scale / left[:, None], scale
 

@@ -43,7 +43,7 @@ CURVATURES = np.array([0.2, 0.5, 1.0, 2.0, 5.0])
 class SafeSets:
     """The safe sets of accelerations of a model and the speeds at which they are there: what is exported.
 
-    ``inside`` is None where ``why_not`` says so.  ``reserved_rad_s2`` is the yaw acceleration kept in
+    ``inside`` is None where ``refusal`` says why.  ``reserved_rad_s2`` is the yaw acceleration kept in
     reserve, ``contact`` what the wheels were taken to stand on.
     """
 
@@ -52,8 +52,13 @@ class SafeSets:
     spin: Spin
     reserved_rad_s2: float
     inside: Inside | None
-    why_not: str
+    refusal: NoSolution | None
     contact: Contact = Contact.ROLLERS
+
+    @property
+    def why_not(self) -> str:
+        """Why there are no safe sets, and what to do; empty where there are."""
+        return "" if self.refusal is None else str(self.refusal)
 
     @property
     def speeds(self) -> tuple[float, float, float, float]:
@@ -214,7 +219,7 @@ def safe_sets(
     ellipsoid : bool
         Whether the ellipsoid is looked for, which takes a third of the time and which no tool reads.
     """
-    turn, found, why = spin(model, share=1.0 - margin, contact=contact), None, ""
+    turn, found, refusal = spin(model, share=1.0 - margin, contact=contact), None, None
     if yaw_rad_s2 is None:
         yaw_rad_s2 = yaw_share * turn.weaker_rad_s2
     try:
@@ -222,14 +227,14 @@ def safe_sets(
             model, share=1.0 - margin, contact=contact, yaw_rad_s2=yaw_rad_s2, with_ellipsoid=ellipsoid
         )
     except NoSolution as fault:
-        why = str(fault)
+        refusal = fault.with_traceback(None)  # a result holds no frames
     return SafeSets(
         model=model,
         margin=margin,
         spin=turn,
         reserved_rad_s2=yaw_rad_s2,
         inside=found,
-        why_not=why,
+        refusal=refusal,
         contact=contact,
     )
 

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from slipmargin.errors import InputError, NoSolution
+from slipmargin.errors import InputError
 from slipmargin.io.json_text import json_text
 from slipmargin.limits.bounds import Directions
 from slipmargin.limits.bounds_inside import Inside
@@ -53,7 +53,8 @@ def sets_text(tool: str, found: SafeSets) -> str:
 
 def _sets(found: SafeSets) -> Inside:
     if found.inside is None:
-        raise NoSolution("export", found.why_not or "the safe box was not computed", "use a smaller margin")
+        assert found.refusal is not None
+        raise found.refusal
     return found.inside
 
 
@@ -130,9 +131,13 @@ def nav2(found: SafeSets) -> str:
 
 
 def roadrunner(found: SafeSets) -> str:
-    """Java fields of MecanumDrive.Params: inches and radians."""
+    """Java fields for MecanumDrive.Params, no file that compiles: inches and radians."""
     sets, drives = _sets(found), found.model.drives
-    lines = [*_head(found, "Road Runner", "//"), "// path profile parameters (in inches)"]
+    lines = [
+        "// Paste over the fields of these names in class Params of Road Runner's MecanumDrive.java",
+        *_head(found, "Road Runner", "//"),
+        "// path profile parameters (in inches)",
+    ]
     if drives.max_speed_rad_s is not None and sets.pace is not None:
         wheel = sets.pace * drives.max_speed_rad_s * float(np.min(found.model.geometry.radius_m))
         lines.append(f"public double maxWheelVel = {wheel / _INCH:.3f};")

@@ -12,7 +12,7 @@ import numpy as np
 
 from slipmargin.errors import InputError
 from slipmargin.physics.constants import GRAVITY_M_S2
-from slipmargin.robot.robot import Robot, roller_levers
+from slipmargin.robot.robot import Robot, radians_cure, roller_levers
 
 #: Wheel distance over wheel radius: 2 to 10 for most robots; a slip of mm for m makes it 1000 times that.
 _FAR, _TOO_FAR = 40.0, 400.0
@@ -80,7 +80,14 @@ def refuse_impossible(robot: Robot) -> None:
 
 def unlikely(robot: Robot) -> list[str]:
     """One sentence for each number that a robot hardly has."""
-    return [*_sideways(robot), *_rollers(robot), *_sizes(robot), *_mass(robot), *_sticky(robot)]
+    return [
+        *_sideways(robot),
+        *_radians(robot),
+        *_rollers(robot),
+        *_sizes(robot),
+        *_mass(robot),
+        *_sticky(robot),
+    ]
 
 
 def _sideways(robot: Robot) -> list[str]:
@@ -95,6 +102,11 @@ def _sideways(robot: Robot) -> list[str]:
         f'wheel: every mecanum wheel drives to the side, as convention = "{robot.convention.value}" has '
         f'+x {x} and +y {y}; write convention = "{other.value}" if +x is {other.axes[0]} in this file'
     ]
+
+
+def _radians(robot: Robot) -> list[str]:
+    cure = radians_cure(robot.wheels)
+    return [f"wheel: roller_angle_deg looks like radians; {cure}"] if cure else []
 
 
 def _rollers(robot: Robot) -> list[str]:

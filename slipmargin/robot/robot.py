@@ -24,6 +24,9 @@ from slipmargin.robot.fields import check, number, numbers, text, whole, word
 from slipmargin.robot.floor import FrictionLaw, Surface
 from slipmargin.robot.motor import Motor
 
+#: A roller angle above 0 and below this is radians [deg]: a quarter turn has 1.571.
+_RADIANS = 1.6
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -254,6 +257,15 @@ class Robot:
                     "rollers mounted the wrong way round?",
                     "change the sign of every roller_angle_deg",
                 )
+            if any(w.roller_angle_deg for w in self.wheels):
+                read = ", ".join(f"{w.name} {w.roller_angle_deg:g}" for w in self.wheels)
+                raise InputError(
+                    "wheel",
+                    f"with roller_angle_deg of {read} the rollers cannot make all of Fx, Fy and Mz",
+                    radians_cure(self.wheels)
+                    or "give mecanum wheels about 45 or -45 degrees, the same across each diagonal and the "
+                    "other sign beside it (from above, the upper rollers make an X)",
+                )
             raise InputError(
                 "wheel",
                 "the grip directions cannot make all of Fx, Fy and Mz",
@@ -289,6 +301,17 @@ class Robot:
         raise InputError(
             "surface", f"{name!r} is not described for robot {self.name!r}", f"use one of: {known}"
         )
+
+
+def radians_cure(wheels: tuple[Wheel, ...]) -> str:
+    """What to write where a roller angle looks like radians; empty where none does."""
+    small = next((a for w in wheels if 0.0 < (a := abs(w.roller_angle_deg)) < _RADIANS), None)
+    if small is None:
+        return ""
+    return (
+        f"give degrees, not radians: {small:g} rad is {math.degrees(small):.3g} degrees, and mecanum wheels "
+        "have about 45 or -45 (from above, the upper rollers make an X)"
+    )
 
 
 def roller_levers(wheels: tuple[Wheel, ...]) -> tuple[Array, Array]:

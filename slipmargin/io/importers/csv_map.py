@@ -33,7 +33,7 @@ from slipmargin.io.importers.loose_table import LooseTable, read_loose
 from slipmargin.io.importers.plug import Reading
 from slipmargin.io.importers.units import factor
 from slipmargin.io.source import read_text
-from slipmargin.io.toml_table import Table, parse_toml
+from slipmargin.io.toml_table import Table, document
 
 #: Key of a wheel's table → (field of a record, kind of quantity).
 _CHANNELS = {
@@ -120,9 +120,9 @@ def read_map(path: Path) -> CsvMap:
         With file and key, what is wrong and what to do.
     """
     try:
-        top = Table("", parse_toml(read_text(path)))
-        if top.whole("schema") != 1:
-            raise InputError("schema", "is another version", "this program reads schema = 1")
+        top = document(
+            read_text(path), "say which column is what, or use --time, --x, --y, --heading, --wheel"
+        )
         separator = top.word("separator", (",", ";", "\t", "|"), ",")
         time = _column(top.table("time", "give [time] with column and unit"), "time", offset=False)
         pose = top.table("pose", "give [pose] with x, y and heading")

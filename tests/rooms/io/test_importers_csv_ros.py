@@ -85,7 +85,7 @@ speed = { column = "w", unit = "rpm" }
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        (("schema = 1", "schema = 3"), "schema: is another version"),
+        (("schema = 1", "schema = 3"), "schema: is 3, this program reads schema = 1"),
         (('"ms"', '"weeks"'), "time.unit: has the unit 'weeks'"),
         (('separator = ";"', 'separator = "x"'), "separator"),
         (("ticks_per_turn = 32000", "ticks_per_turn = 0"), "wheel[1].angle.ticks_per_turn"),

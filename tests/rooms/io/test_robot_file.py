@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 import pickle
 import re
+from collections.abc import Callable
 from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,6 +20,10 @@ from slipmargin.effects.catalogue import CATALOGUE
 from slipmargin.effects.motor_lag import MotorLag
 from slipmargin.effects.rolling_resistance import RollingResistance
 from slipmargin.errors import InputError
+from slipmargin.io.calibration_file import read_calibration
+from slipmargin.io.campaign_file import read_joined
+from slipmargin.io.data_set import read_data_set
+from slipmargin.io.importers.csv_map import read_map
 from slipmargin.io.robot_file import built_in_names, read_recipe, recipe_from_text
 from slipmargin.io.robot_text import write_recipe
 from slipmargin.physics.friction_laws import LAWS
@@ -403,3 +409,27 @@ def test_any_bytes_are_read_or_refused(tmp_path_factory: pytest.TempPathFactory,
     with pytest.raises(InputError) as caught:
         read_recipe(path)
     assert caught.value.source == str(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "read", "start"),
+    [
+        ("robot.toml", read_recipe, "robots new NAME --type T"),
+        ("dataset.toml", lambda file: read_data_set(file.parent), "docs/reference/data-set.md"),
+        ("campaign.toml", read_joined, "docs/how-to/diagnose-a-campaign.md"),
+        ("calibration.toml", read_calibration, "--calibrate"),
+        ("map.toml", read_map, "--time"),
+    ],
+)
+def test_every_kind_of_file_says_its_schema(
+    tmp_path: Path, name: str, read: Callable[[Path], object], start: str
+) -> None:
+    for text, told in (
+        ("", f"is empty: it holds no key, .*{re.escape(start)}"),
+        ('name = "a"\n', "schema: is missing, write schema = 1$"),
+        ("schema = 2\n", "schema: is 2, this program reads schema = 1$"),
+        ("schema = 1.0\n", "schema: is 1.0, this program reads schema = 1$"),
+    ):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+        with pytest.raises(InputError, match=f"{name}: {told}"):
+            read(tmp_path / name)

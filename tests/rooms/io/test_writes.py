@@ -18,7 +18,7 @@ from slipmargin.io import writes
 from slipmargin.io.data_set_write import check_new
 from slipmargin.io.folder import check_folder, write_folder
 from slipmargin.io.json_text import json_text
-from slipmargin.io.writes import check_writable, write_bytes, write_text, write_together
+from slipmargin.io.writes import check_format, check_writable, write_bytes, write_text, write_together
 
 
 def test_text_and_bytes_arrive(tmp_path: Path) -> None:
@@ -117,6 +117,23 @@ def test_places_are_checked_before_any_work(tmp_path: Path) -> None:
     for bad in (tmp_path, tmp_path / "no" / "f.csv", Path("/dev/null"), "a\0b"):
         with pytest.raises(InputError):
             check_writable(bad)
+
+
+@pytest.mark.parametrize(
+    ("kind", "right", "wrong"),
+    [
+        ("picture", ("f.png", "f.SVG"), ("f.html", "f")),
+        ("page", ("f.html", "f.HTM"), ("f.pdf", "f")),
+        ("CSV table", ("f.csv", "f.txt", "f"), ("f.xlsx", "f.json")),
+        ("JSON text", ("f.json", "f.txt", "f"), ("f.csv", "f.yaml")),
+    ],
+)
+def test_a_name_says_what_the_file_holds(kind: str, right: tuple[str, ...], wrong: tuple[str, ...]) -> None:
+    for name in right:
+        check_format(name, kind)
+    for name in wrong:
+        with pytest.raises(InputError, match=f"{name}: ends in .*, which is no {kind}, use one of: [.]"):
+            check_format(name, kind)
 
 
 class Word(Enum):

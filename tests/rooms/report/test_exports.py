@@ -47,6 +47,7 @@ def test_nav2_has_its_own_names_order_and_signs(found: Bounds) -> None:
 
 def test_road_runner_speaks_inches(found: Bounds) -> None:
     text = export_text("roadrunner", found)
+    assert re.match(r"// Paste .* class Params of Road Runner's MecanumDrive\.java\n", text)
     values = dict(re.findall(r"public double (\w+) = (-?[\d.]+);", text))
     assert float(values["maxProfileAccel"]) == pytest.approx(found.inside.circle_m_s2 / 0.0254, abs=1e-2)
     assert float(values["minProfileAccel"]) < 0.0
@@ -159,6 +160,21 @@ def test_refusals(found: Bounds) -> None:
         export_text("moveit", found)
     hopeless = bounds(nominal_model(kiwi(grip=GripShape.ELLIPSE), "paper"), step_deg=45.0)
     for tool in set(TOOLS) - {"json"}:
-        with pytest.raises(NoSolution, match="export"):
+        with pytest.raises(NoSolution, match="drag uses the whole grip") as refusal:
             export_text(tool, hopeless)
+        assert str(refusal.value) == hopeless.why_not  # its own cure, and no other
     assert json.loads(export_text("json", hopeless))["inside"] is None
+
+
+def test_too_much_yaw_in_reserve_says_how_much_may_be() -> None:
+    """It had said "reserve less for yaw, use a smaller margin", and the margin has nothing to do with it."""
+    model = nominal_model(kiwi(), "paper")
+    greedy = bounds(model, step_deg=45.0, yaw_rad_s2=1000.0)
+    with pytest.raises(
+        NoSolution, match=r"1000 rad/s² leaves no grip .*, reserve less than \S+ rad/s² \(--yaw\)$"
+    ):
+        export_text("nav2", greedy)
+    most = float(greedy.why_not.split("less than ")[1].split()[0])
+    assert bounds(model, step_deg=45.0, yaw_rad_s2=0.98 * most).inside is not None
+    again = bounds(model, step_deg=45.0, yaw_rad_s2=1.02 * most)
+    assert again.why_not.endswith(f"reserve less than {most:g} rad/s² (--yaw)")

@@ -58,6 +58,27 @@ def test_rollers_the_wrong_way_round_on_a_square() -> None:
         replace(robot, wheels=square)
 
 
+def test_rollers_that_cannot_turn_the_robot_are_read_out() -> None:
+    robot = four_wheels()
+    alike = tuple(replace(w, roller_angle_deg=45.0) for w in robot.wheels)
+    with pytest.raises(
+        InputError, match=r"fr 45, fl 45, rl 45, rr 45 .* about 45 or -45 degrees, .* an X"
+    ) as told:
+        replace(robot, wheels=alike)
+    assert "radians" not in str(told.value)
+
+
+def test_roller_angles_in_radians() -> None:
+    """All alike they are refused; with the right signs the file was read, and could hardly move aside."""
+    robot = four_wheels()
+    said = "give degrees, not radians: 0.785 rad is 45 degrees, and mecanum wheels have about 45 or -45"
+    alike = tuple(replace(w, roller_angle_deg=0.785) for w in robot.wheels)
+    with pytest.raises(InputError, match=f"fr 0.785, fl 0.785, rl 0.785, rr 0.785 .*, {said}"):
+        replace(robot, wheels=alike)
+    (warning,) = unlikely(four_wheels(0.785))
+    assert warning.startswith(f"wheel: roller_angle_deg looks like radians; {said}")
+
+
 def test_millimetres() -> None:
     for factor, place in ((1000.0, "wheel[1].position_m"), (1e-3, "wheel[1].radius_m")):
         with pytest.raises(InputError, match="in metres, not millimetres") as caught:
