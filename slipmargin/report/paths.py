@@ -146,9 +146,8 @@ def check_lines(model: Model, c: Check) -> list[str]:
     """Verdict, worst point, motors, wheels and the cure; the first line is the verdict."""
     names = model.geometry.names
     t, x, y, k = c.worst
-    verdict = "admissible" if c.admissible else "not admissible"
     lines = [
-        f"{verdict}: uses at most {c.max_use:.4f} of a wheel's grip, {c.share:g} allowed",
+        _verdict(names, c),
         f"worst       wheel {names[k]} at t = {t:.4g} s (x {x:.4g} m, y {y:.4g} m)",
     ]
     if math.isfinite(model.drives.stall_torque_N_m or math.inf):
@@ -170,7 +169,39 @@ def check_lines(model: Model, c: Check) -> list[str]:
         lines.append("cure        none by slowing down: constant speed itself needs too much grip somewhere")
     elif not c.admissible:
         lines.append(f"cure        stretch time by {c.time_scale_needed:.4f}")
+    if c.unsmoothed is not None:
+        lines.append(f"smoothing   {turned(names, c, c.unsmoothed)}")
     return lines
+
+
+def _verdict(names: Sequence[str], c: Check) -> str:
+    """The verdict, the share of the grip, and what breaks a limit: value, limit, wheel and time."""
+    grip = f"uses at most {c.max_use:.4f} of a wheel's grip, {c.share:g} allowed"
+    if c.admissible:
+        return f"admissible: {grip}"
+    over, others = _excess(names, c, c.use, c.share), broken(names, c)
+    joined = "; " if over else ", but "
+    return f"not admissible: {grip}{over}{joined if others else ''}{'; '.join(others)}"
+
+
+def broken(names: Sequence[str], c: Check) -> list[str]:
+    """Each limit beside grip that is broken: value, what is allowed, wheel and time."""
+    limits = (
+        ("of a motor's torque", c.torque, c.share),
+        ("of a wheel's top speed", c.speed, 1.0),
+        ("of what lifts a wheel", c.tipping, c.share),
+    )
+    return [
+        f"{f'{most:.4f}' if math.isfinite(most := float(np.max(share))) else 'more than all'} {what}, "
+        f"{allowed:g} allowed{at}"
+        for what, share, allowed in limits
+        if (at := _excess(names, c, share, allowed))
+    ]
+
+
+def turned(names: Sequence[str], c: Check, unsmoothed: Check) -> str:
+    """That the window of the derivatives decides the verdict."""
+    return f"over {c.smooth_s:g} s decides: without it {_verdict(names, unsmoothed)}"
 
 
 def _tipping(names: Sequence[str], c: Check) -> str:

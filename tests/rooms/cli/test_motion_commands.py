@@ -207,6 +207,26 @@ def test_strict_exits_1_when_not_admissible(
     assert json.loads(capsys.readouterr().out)["admissible"] is False
 
 
+def test_a_verdict_that_smoothing_makes_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    t = np.linspace(0.0, 2.0, 201)
+    jerky = np.column_stack([t, 0.1 * t**2 + 5e-4 * (-1.0) ** np.arange(201), 0 * t, 0 * t])
+    file, out, page = tmp_path / "jerky.csv", tmp_path / "c.json", tmp_path / "c.html"
+    np.savetxt(file, jerky, delimiter=",", header="t_s,x_m,y_m,phi_rad", comments="")
+    words = ["check", "ohio-kiwi", str(file), "--surface", "paper", "--strict"]
+    assert status([*words, "--smooth", "4"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("error: command line: --smooth: is 4 s, which averages") and said.count("\n") == 1
+    assert status(words) == 1
+    rough = capsys.readouterr().out.splitlines()[0]
+    assert status([*words, "--smooth", "0.2", "--json", str(out), "--report", str(page)]) == 0
+    smooth = capsys.readouterr().out
+    assert (
+        smooth.startswith("admissible: ") and f"smoothing   over 0.2 s decides: without it {rough}" in smooth
+    )
+    assert json.loads(out.read_text(encoding="utf-8"))["unsmoothed"]["admissible"] is False
+    assert "Smoothing over" in page.read_text(encoding="utf-8")
+
+
 def test_strict_does_not_hide_bad_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "a.traj"
     file.write_text("hello", encoding="utf-8")
