@@ -12,7 +12,7 @@ import numpy as np
 from slipmargin.api.result import Result
 from slipmargin.api.robots import Drawing, RobotLike, checked_margin, model_of, read_robot
 from slipmargin.checks import Array
-from slipmargin.errors import InputError
+from slipmargin.errors import InputError, MotionStopped
 
 if TYPE_CHECKING:
     from slipmargin.model import Model
@@ -148,6 +148,7 @@ class PlanResult(Result):
                     "max_drive_slip_m_s": float(np.max(v.slip_m_s)),
                     "end_position_m": v.drift_m,
                     "end_heading_rad": v.drift_rad,
+                    **({} if (end := v.stopped) is None else {"ended_early": _ended(end)}),
                 }
                 for name, v in self.simulated.items()
             },
@@ -233,6 +234,7 @@ def plan(
     from slipmargin.paths.sample import trajectory
     from slipmargin.paths.verify import on_rollers, verify as simulated
     from slipmargin.report.motion import unsteady
+    from slipmargin.report.paths import not_proved
 
     recipe = read_robot(robot)
     model, warnings = model_of(recipe, surface, spread=True, band=True)
@@ -279,8 +281,18 @@ def plan(
             if chance is not None:
                 raise
             warnings = (*warnings, str(fault))
-    warnings = (*warnings, *unsteady(model, found.states(), request.contact), *_whole_turns(places))
+    warnings = (
+        *warnings,
+        *unsteady(model, found.states(), request.contact),
+        *_whole_turns(places),
+        *(f"simulated {name}: {not_proved(run.stopped)}" for name, run in proofs.items() if run.stopped),
+    )
     return PlanResult(plan=found, trajectory=rows, simulated=proofs, warnings=warnings, plan_chance=likely)
+
+
+def _ended(stopped: MotionStopped) -> dict[str, Any]:
+    """When, why and what to change, of a simulation that did not reach its end."""
+    return {"t_s": stopped.time_s, "why": stopped.why, "cure": stopped.cure}
 
 
 def _places(waypoints: Sequence[Sequence[float]] | Array | Path | str) -> Array:

@@ -15,7 +15,7 @@ from slipmargin.paths.trajectory import Trajectory
 from slipmargin.paths.verify import Verified
 from slipmargin.physics.friction_laws import law_inverse
 from slipmargin.report.page import Fact, Image, Page, Picture, Table
-from slipmargin.report.paths import broken, covered, pace, top_speed_m_s, turned
+from slipmargin.report.paths import broken, covered, not_proved, pace, top_speed_m_s, turned
 from slipmargin.report.result_page import result_page
 from slipmargin.report.text import thinned
 from slipmargin.sim.run import Run
@@ -127,12 +127,18 @@ def plan_page(
         steps.insert(0, f"In the simulator a wheel lifts {' and '.join(lifts)}: use a larger `--margin`.")
     if slips:
         steps.insert(0, f"In the simulator the plan slips {' and '.join(slips)}: use a larger `--margin`.")
+    stopped = [f"{name} it is {not_proved(proof.stopped)}" for name, proof in proofs.items() if proof.stopped]
+    lead = (
+        f"{p.model.robot} can drive this path of {way} in {p.duration_s:.3g} s on {p.model.surface}: no "
+        f"wheel slips, and {100 * (1.0 - share):.3g} % of the grip stays in reserve."
+    )
+    if stopped:
+        lead = f"Do not rely on this plan of {way} in {p.duration_s:.3g} s: {'; '.join(stopped)}."
     at = thinned(len(rows.t_s), _ROWS)
     return result_page(
         title=f"Plan for {p.model.robot} on {p.model.surface}",
-        lead=f"{p.model.robot} can drive this path of {way} in {p.duration_s:.3g} s on "
-        f"{p.model.surface}: no wheel slips, and {100 * (1.0 - share):.3g} % of the grip stays in reserve.",
-        good=not slips and not lifts,
+        lead=lead,
+        good=not slips and not lifts and not stopped,
         facts=(
             Fact(label="Time", value=f"{p.duration_s:.4g} s", note=f"for {way}"),
             Fact(label="Top speed", value=f"{speed:.3g} m/s"),

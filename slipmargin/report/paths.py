@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.errors import MotionStopped
 from slipmargin.model import Model
 from slipmargin.paths.chance import PlanChance
 from slipmargin.paths.check import Check
@@ -15,7 +16,7 @@ from slipmargin.paths.geometry import Geometry
 from slipmargin.paths.plan import Plan
 from slipmargin.paths.trajectory import NEAR, TIED
 from slipmargin.paths.verify import Verified
-from slipmargin.report.motion import in_air
+from slipmargin.report.motion import ended, in_air
 
 #: Turns of less than this all along a path are not spoken of [deg].
 _TURNED_DEG = 0.05
@@ -71,12 +72,22 @@ def plan_lines(p: Plan, proofs: Mapping[str, Verified], likely: PlanChance | Non
         words = "slips" if proof.slips else "does not slip"
         if proof.lifts_s is not None:
             words += f" but {in_air(proof.wheels, proof.in_air_s, proof.lifts_s)}"
-        lines.append(
-            f"simulated   {name}: {words}; uses at most {proof.peak:.4f} of the grip (wheel {proof.wheel}), "
-            f"drive slip up to {1e3 * np.max(proof.slip_m_s):.3g} mm/s; open loop it ends "
-            f"{1e3 * proof.drift_m:.3g} mm and {np.rad2deg(proof.drift_rad):.3g}° away"
+        words += (
+            f"; uses at most {proof.peak:.4f} of the grip (wheel {proof.wheel}), drive slip up to "
+            f"{1e3 * np.max(proof.slip_m_s):.3g} mm/s"
         )
+        if proof.stopped is None:
+            off_m, off_rad = proof.drift_m, proof.drift_rad
+            words += f"; open loop it ends {1e3 * off_m:.3g} mm and {np.rad2deg(off_rad):.3g}° away"
+        else:
+            words = f"{not_proved(proof.stopped)}; until then it {words}"
+        lines.append(f"simulated   {name}: {words}")
     return lines
+
+
+def not_proved(stopped: MotionStopped) -> str:
+    """That a simulation that ended early proves no plan: when and why it ended, and what to do."""
+    return f"not proved: the simulation does not reach its end, {ended(stopped)}, {stopped.cure}"
 
 
 def _chance(found: PlanChance) -> str:
