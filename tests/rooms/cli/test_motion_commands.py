@@ -163,6 +163,7 @@ def test_bad_waypoints_leave_no_file(
         (["--robust"], "more than the 0.9 allowed"),
         (["--points", "3"], "points: is 3"),
         (["--step", "0"], "--step: is 0"),
+        (["--step", "100"], "--step: is 100 s and gives 2 rows"),
     ],
 )
 def test_impossible_plans_are_refused(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -248,3 +249,30 @@ def test_headings_that_look_like_degrees_are_said(heading: float, turns: list[st
     found = sm.plan("omni4", "floor", [[0, 0, 0], [1, 0, heading]], points=50).warnings
     said = [line for line in found if line.endswith("headings are in radians")]
     assert len(said) == len(turns) and all(word in line for line, word in zip(said, turns, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("headings", "told"),
+    [
+        ([3.1, -3.1], ["waypoints 1 and 2: the robot turns -355.2° .* phi_rad = 3.1832 for waypoint 2$"]),
+        (
+            [3.1, -3.1, -2.9, 3.0],
+            [
+                "waypoints 1 and 2: .* phi_rad = 3.1832 for waypoint 2, and add 6.2832 to those after it$",
+                "waypoints 3 and 4: the robot turns 338° between them; .* phi_rad = 3 for waypoint 4$",
+            ],
+        ),
+        ([0.0, 3.142, 0.0, -3.1], []),
+    ],
+)
+def test_headings_that_turn_the_long_way_round_are_said(headings: list[float], told: list[str]) -> None:
+    """From 3.1 to -3.1 a robot turned by 355°, where 5° the other way lead to the same heading."""
+    places = [[float(k), 0.0, heading] for k, heading in enumerate(headings)]
+    found = sm.plan("omni4", "floor", places, points=50)
+    said = [line for line in found.warnings if line.startswith("waypoints")]
+    assert len(said) == len(told)
+    assert all(re.match(words, line) for words, line in zip(told, said, strict=True))
+    short = np.unwrap(headings)
+    if told:
+        mended = sm.plan("omni4", "floor", [[float(k), 0.0, p] for k, p in enumerate(short)], points=50)
+        assert not any(line.startswith("waypoints") for line in mended.warnings)
