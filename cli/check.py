@@ -27,7 +27,12 @@ def check(
         typer.Option("--margin", metavar="M", min=0.0, max=0.99, help="Share of the grip kept in reserve."),
     ] = 0.0,
     smooth: Annotated[
-        float, typer.Option(metavar="S", min=0.0, help=("Window for derivatives of measured poses [s]."))
+        float,
+        typer.Option(
+            metavar="S",
+            min=0.0,
+            help="Window for derivatives of measured poses [s], up to a tenth of the motion.",
+        ),
     ] = 0.0,
     robust: Annotated[
         bool,

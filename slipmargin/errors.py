@@ -73,8 +73,8 @@ class NoSolution(SlipmarginError):
 
 @final
 class MotionStopped(SlipmarginError):
-    """A simulation that cannot go on (the robot tips, a value overflows): the time and the reason."""
+    """A simulation that cannot go on (the robot tips, a value overflows): the time, the reason, the cure."""
 
     def __init__(self, time_s: float, why: str, cure: str) -> None:
-        self.time_s, self.why = time_s, why
+        self.time_s, self.why, self.cure = time_s, why, cure
         super().__init__(f"motion stopped at t = {time_s:.6g} s: {why}, {cure}")

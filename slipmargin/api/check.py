@@ -116,6 +116,11 @@ class CheckResult(Result):
             "min_load_N": float(np.min(c.load_N)),
             "tipping": c.tipping,
             "max_tipping": float(np.max(c.tipping)),
+            **(
+                {}
+                if (bare := c.unsmoothed) is None
+                else {"unsmoothed": {"admissible": bare.admissible, "max_use": bare.max_use}}
+            ),
         }
 
 
@@ -153,7 +158,8 @@ def check(
     margin : float
         Safety margin: 1 − grip utilisation, 0 to below 1.
     smooth_s : float
-        Window over which derivatives of measured poses are taken [s].
+        Window over which derivatives of measured poses are taken, up to a tenth of the motion [s].  Where it
+        changes the verdict, ``check.unsmoothed`` holds the check without it.
     robust : bool
         True: whichever wheels stand on rigid sectors.  False: all wheels on rollers.
     topic : str, optional
@@ -218,7 +224,7 @@ def check(
     try:
         found = path_check(model, t_s, pose, share=share, smooth_s=smooth_s, contact=contact)
     except InputError as fault:
-        raise fault.in_file(source) if source else fault from None
+        raise fault.in_file(source) if source and fault.place != "smooth_s" else fault from None
     if not found.max_use <= ABSURD_USE:
         raise InputError(
             "t_s",

@@ -12,7 +12,7 @@ import numpy as np
 from slipmargin.api.result import Result
 from slipmargin.api.robots import Drawing, RobotLike, checked_margin, model_of, read_robot
 from slipmargin.checks import Array
-from slipmargin.errors import InputError
+from slipmargin.errors import InputError, MotionStopped
 
 if TYPE_CHECKING:
     from slipmargin.model import Model
@@ -25,6 +25,11 @@ if TYPE_CHECKING:
     from slipmargin.report.page import Page
 
 WAYPOINTS = ("x_m", "y_m", "phi_rad")
+#: A table whose wheel speeds lead this share of the way off the plan's end without slip is too coarse: creep
+#: near the limit leads as far off [1].
+FAR = 0.01
+#: Turns between two waypoints beyond half a turn by less are half a turn, written with three decimals [1].
+_ROUNDED = 1e-4
 
 
 @final
@@ -148,6 +153,7 @@ class PlanResult(Result):
                     "max_drive_slip_m_s": float(np.max(v.slip_m_s)),
                     "end_position_m": v.drift_m,
                     "end_heading_rad": v.drift_rad,
+                    **({} if (end := v.stopped) is None else {"ended_early": _ended(end)}),
                 }
                 for name, v in self.simulated.items()
             },
@@ -199,7 +205,7 @@ def plan(
     points : int
         Grid points along the path.
     step_s : float
-        Time step of the table [s].
+        Time step of the table, at most a fifth of the motion [s].
     verify : bool
         Also simulate the planned wheel speeds, open loop.
     chance : float, optional
@@ -233,6 +239,7 @@ def plan(
     from slipmargin.paths.sample import trajectory
     from slipmargin.paths.verify import on_rollers, verify as simulated
     from slipmargin.report.motion import unsteady
+    from slipmargin.report.paths import not_proved
 
     recipe = read_robot(robot)
     model, warnings = model_of(recipe, surface, spread=True, band=True)
@@ -279,8 +286,19 @@ def plan(
             if chance is not None:
                 raise
             warnings = (*warnings, str(fault))
-    warnings = (*warnings, *unsteady(model, found.states(), request.contact), *_whole_turns(places))
+    warnings = (
+        *warnings,
+        *unsteady(model, found.states(), request.contact),
+        *_long_turns(places),
+        *_coarse(found, rows, step_s),
+        *(f"simulated {name}: {not_proved(run.stopped)}" for name, run in proofs.items() if run.stopped),
+    )
     return PlanResult(plan=found, trajectory=rows, simulated=proofs, warnings=warnings, plan_chance=likely)
+
+
+def _ended(stopped: MotionStopped) -> dict[str, Any]:
+    """When, why and what to change, of a simulation that did not reach its end."""
+    return {"t_s": stopped.time_s, "why": stopped.why, "cure": stopped.cure}
 
 
 def _places(waypoints: Sequence[Sequence[float]] | Array | Path | str) -> Array:
@@ -298,24 +316,55 @@ def _places(waypoints: Sequence[Sequence[float]] | Array | Path | str) -> Array:
     return places
 
 
-def _whole_turns(places: Array) -> tuple[str, ...]:
-    """That a robot turns round and round between two waypoints: headings in degrees look like that."""
-    turns = np.abs(np.diff(places[:, 2])) / (2.0 * np.pi)
-    if not len(turns) or np.max(turns) <= 1.0:
+def _long_turns(places: Array) -> tuple[str, ...]:
+    """That a robot turns the long way round between two waypoints, or round and round as by degrees."""
+    turn = np.diff(places[:, 2])
+    turns = np.abs(turn) / (2.0 * np.pi)
+    if not len(turns) or np.max(turns) <= 0.5 + _ROUNDED:
         return ()
     at = int(np.argmax(turns))
+    if turns[at] > 1.0:
+        return (
+            f"waypoints {at + 1} and {at + 2}: the robot turns {turns[at]:.3g} times between them; headings "
+            "are in radians",
+        )
+    short, said = np.unwrap(places[:, 2]), []
+    for k in np.flatnonzero(turns > 0.5 + _ROUNDED).tolist():
+        later = ""
+        if k + 2 < len(places):
+            later = f", and add {short[k + 1] - short[k] - turn[k]:.5g} to those after it"
+        said.append(
+            f"waypoints {k + 1} and {k + 2}: the robot turns {np.rad2deg(turn[k]):.4g}° between them; for "
+            f"the short way write phi_rad = {short[k + 1]:.5g} for waypoint {k + 2}{later}"
+        )
+    return tuple(said)
+
+
+def _coarse(found: Plan, rows: Trajectory, step_s: float) -> tuple[str, ...]:
+    """That the steps of a table are too long to lead to the plan's end."""
+    from slipmargin.paths.pieces import distance
+    from slipmargin.paths.sample import rolled
+
+    end, goal = rolled(rows), rows.pose[-1]
+    if distance(end, goal, _arm(found.model)) <= FAR * found.path.length:
+        return ()
     return (
-        f"waypoints {at + 1} and {at + 2}: the robot turns {turns[at]:.3g} times between them; headings are "
-        "in radians",
+        f"step: the table's wheel speeds, a row every {step_s:g} s, lead "
+        f"{1e3 * np.hypot(*(end - goal)[:2]):.3g} mm and {np.rad2deg(abs(end[2] - goal[2])):.3g}° off the "
+        "plan's end without any slip; take a shorter step",
     )
+
+
+def _arm(model: Model) -> float:
+    """The length that makes a heading comparable with a distance [m]: how far the wheels stand out."""
+    offset = model.geometry.position_m - model.inertia.com_m
+    return float(np.mean(np.hypot(offset[:, 0], offset[:, 1])))
 
 
 def _way(model: Model, places: Array, closed: bool, blend_m: float | None) -> Way:
     """The path through the waypoints."""
     from slipmargin.paths.path import corners, through
 
-    offset = model.geometry.position_m - model.inertia.com_m
-    arm = float(np.mean(np.hypot(offset[:, 0], offset[:, 1])))
     if blend_m is None:
-        return through(places, arm=arm, closed=closed)
-    return corners(places, arm=arm, blend_m=blend_m)
+        return through(places, arm=_arm(model), closed=closed)
+    return corners(places, arm=_arm(model), blend_m=blend_m)

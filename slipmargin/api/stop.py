@@ -235,6 +235,7 @@ def stop(
     <stop of ohio-kiwi on paper: from 0.5 m/s at most 0.08169 m and 0.3277 s>
     """
     from slipmargin.onboard.braking import braking
+    from slipmargin.report.motion import ended as why
 
     model, warnings = model_of(robot, surface, band=True)
     margin = checked_margin(margin)
@@ -256,7 +257,7 @@ def stop(
                     simulated[h, k], use[h, k], in_air[h, k] = _driven(level, found, h, float(v))
                 except MotionStopped as end:
                     way = f"from {v:.4g} m/s towards {np.rad2deg(heading[h]):.0f}°"
-                    ended.append(f"{way}, t = {end.time_s:.4g} s: {end.why}")
+                    ended.append(f"{way}, {why(end)}")
     return StopResult(
         model=model,
         margin=margin,

@@ -14,7 +14,7 @@ from slipmargin.limits.uncertainty_motion import needed_shares
 from slipmargin.model import Model
 from slipmargin.paths.path import Path
 from slipmargin.paths.plan import Request, plan
-from slipmargin.paths.sample import trajectory
+from slipmargin.paths.sample import longest_step, trajectory
 from slipmargin.paths.trajectory import Trajectory
 from slipmargin.physics.frames import rotate_rows
 
@@ -59,7 +59,8 @@ def plan_chance(
             share = 0.5 * (low + high)
             try:
                 tried = plan(model, way, replace(request, share=share))
-                slips = _slipping(model, drawn, trajectory(tried, step_s=step_s), request.contact)
+                step = min(step_s, longest_step(tried))  # it may be faster than the plan
+                slips = _slipping(model, drawn, trajectory(tried, step_s=step), request.contact)
             except (NoSolution, InputError):
                 low = share  # a share below what constant speed, or the speed at its start, needs has no plan
                 continue

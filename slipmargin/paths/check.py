@@ -18,10 +18,14 @@ from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_rows import torque_use
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
+from slipmargin.paths.trajectory import LEAST_SAMPLES
 from slipmargin.physics.frames import rotate_rows
 
 #: Half the shortest window of a derivative [s]: below it rounded files make noise of accelerations.
 SHORTEST = 0.005
+#: Longest window of a derivative, as a share of the motion [1]: a window averages away what is shorter than
+#: it, and a motion may speed up, drive and brake in less than a third of its time each.
+LONGEST = 0.1
 #: Largest ratio of two neighbouring steps [1]: its square is what is left of the digits of an acceleration.
 MOST_UNEVEN = 1e7
 #: Slowest time scaling tried [1].
@@ -38,7 +42,8 @@ class Check:
     1).
     ``worst`` is (time, x, y, wheel index).
     ``time_scale_needed``: stretch time by this factor and every share is within ``share``; 1 where it already
-    is, infinite where no slowing down helps.
+    is, infinite where no slowing down helps.  ``smooth_s`` is the window of the derivatives [s], and
+    ``unsmoothed`` the check without one where its verdict is another (else None).
     """
 
     t_s: Array
@@ -54,6 +59,8 @@ class Check:
     worst: tuple[float, float, float, int]
     share: float
     time_scale_needed: float
+    smooth_s: float
+    unsmoothed: Check | None
 
     def states(self, pose: Array) -> Motion:
         """The samples, at poses (T, 3), as states."""
@@ -96,16 +103,33 @@ def check(
     share : float
         λ: the share of the grip, of the motors' torque and of what lifts a wheel that may be used.
     smooth_s : float
-        Window [s] over which derivatives are fitted: 0 for a planned trajectory, more for a measured one.
+        Window [s] over which derivatives are fitted: 0 for a planned trajectory, more for a measured one, at
+        most a tenth of the motion.
 
     Raises
     ------
     InputError
-        Too few samples, times that do not increase, a value that is not finite.
+        Too few samples, times that do not increase, a value that is not finite, a window that is too long.
     """
-    t_s, pose = _checked(t_s, pose)
+    t_s, pose = _samples(t_s, pose)
     share = real("margin", share, above=0.0, high=1.0, cure="give a slip margin from 0 to below 1")
-    smooth_s = real("smooth", smooth_s, low=0.0, cure="give a window [s], 0 for none")
+    smooth_s = real("smooth_s", smooth_s, low=0.0, cure="give a window [s], 0 for none")
+    longest = LONGEST * float(t_s[-1] - t_s[0])
+    if smooth_s > longest * (1.0 + 1e-6):
+        raise InputError(
+            "smooth_s",
+            f"is {smooth_s:g} s, which averages accelerations of a motion of {t_s[-1] - t_s[0]:.4g} s away",
+            f"give a window up to a tenth of the motion, {longest:.7g} s",
+        )
+    found = _checked(model, t_s, pose, share, contact, smooth_s)
+    if smooth_s == 0.0:
+        return found
+    bare = _checked(model, t_s, pose, share, contact, 0.0)
+    return found if bare.admissible == found.admissible else replace(found, unsmoothed=bare)
+
+
+def _checked(model: Model, t_s: Array, pose: Array, share: float, contact: Contact, smooth_s: float) -> Check:
+    """The check of samples in order, with one window."""
     course = _Course(t_s, pose, *derivatives(t_s, pose, smooth_s))
     use, torque, speed, load, lost = _shares(model, course, contact, 1.0)
     i, k = np.unravel_index(int(np.argmax(use)), use.shape)
@@ -123,6 +147,8 @@ def check(
         worst=(float(t_s[i]), float(pose[i, 0]), float(pose[i, 1]), int(k)),
         share=share,
         time_scale_needed=_time_scale(model, course, share, contact),
+        smooth_s=smooth_s,
+        unsmoothed=None,
     )
 
 
@@ -166,11 +192,15 @@ def _parabolas(t: Array, pose: Array, half: float, velocity: Array, acceleration
             acceleration[i, j] = 2.0 * (c02 * s0 + c12 * s1 + c22 * s2) / det / width**2
 
 
-def _checked(t_s: Array, pose: Array) -> tuple[Array, Array]:
+def _samples(t_s: Array, pose: Array) -> tuple[Array, Array]:
     t_s = measurable("t_s", frozen("t_s", t_s, (None,)))
     pose = measurable("pose", frozen("pose", pose, (len(t_s), 3))).copy()
-    if len(t_s) < 6:
-        raise InputError("t_s", f"{len(t_s)} samples are too few for accelerations", "give at least 6 rows")
+    if len(t_s) < LEAST_SAMPLES:
+        raise InputError(
+            "t_s",
+            f"{len(t_s)} samples are too few for accelerations",
+            f"give at least {LEAST_SAMPLES} rows",
+        )
     step = np.diff(t_s)
     if np.min(step) <= 0.0:
         row = int(np.argmax(step <= 0.0)) + 2

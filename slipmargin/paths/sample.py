@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 
 from slipmargin.checks import Array, real
-from slipmargin.errors import NoSolution
+from slipmargin.errors import InputError, NoSolution
 from slipmargin.limits.motion_realised import open_loop_use, realised
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.paths.plan import Plan
-from slipmargin.paths.trajectory import Trajectory
+from slipmargin.paths.trajectory import LEAST_SAMPLES, Trajectory
 from slipmargin.physics.frames import rotate_rows
 from slipmargin.work import TABLE_NUMBERS, allow
 
@@ -32,15 +32,41 @@ def trajectory(plan: Plan, *, step_s: float = 0.005) -> Trajectory:
     Raises
     ------
     InputError
-        If the step is not positive.
+        If the step is not positive, or so long that :func:`~slipmargin.paths.check.check` reads no motion.
     """
     step_s = real("step_s", step_s, above=0.0, cure="give a positive time step [s]")
     end = plan.duration_s
     numbers = end / step_s * (COLUMNS + COLUMNS_OF_WHEEL * plan.model.count)
     cure = "take a longer step, a faster path or a smaller margin"
     allow("step_s", numbers, TABLE_NUMBERS, "numbers of a table", cure)
-    count = max(2, int(np.ceil(end / step_s - 1e-9)) + 1)
+    count = int(np.ceil(end / step_s - 1e-9)) + 1
+    if count < LEAST_SAMPLES:
+        raise InputError(
+            "step_s",
+            f"is {step_s:g} s and gives {count} rows over {end:.4g} s, `check` needs {LEAST_SAMPLES}",
+            f"take a step up to {longest_step(plan):.4g} s",
+        )
     return at_times(plan, np.minimum(np.arange(count) * step_s, end))
+
+
+def longest_step(plan: Plan) -> float:
+    """The longest step [s] of a table that can be checked."""
+    return plan.duration_s / (LEAST_SAMPLES - 1)
+
+
+def rolled(rows: Trajectory) -> Array:
+    """The pose (3,) to which the wheel speeds, linear between the rows, lead without any slip.
+
+    The heading is exact, x and y by Simpson's rule from row to row.
+    """
+    step, phi = np.diff(rows.t_s)[:, None], rows.pose[0, 2]
+    body = rotate_rows(rows.pose[:, 2], rows.velocity, inverse=True)
+    first, last = body[:-1], body[1:]
+    spin = np.concatenate([[0.0], np.cumsum(0.5 * (first + last) * step, axis=0)[:, 2]])
+    half = spin[:-1] + (0.375 * first + 0.125 * last)[:, 2] * step[:, 0]
+    begins, ends = rotate_rows(phi + spin[:-1], first), rotate_rows(phi + spin[1:], last)
+    middle = rotate_rows(phi + half, 0.5 * (first + last))
+    return np.asarray(rows.pose[0] + np.sum(step / 6.0 * (begins + 4.0 * middle + ends), axis=0))
 
 
 def at_times(plan: Plan, t_s: Array) -> Trajectory:

@@ -10,6 +10,8 @@ import numpy as np
 from slipmargin.checks import Array, frozen
 from slipmargin.errors import InputError
 
+#: Fewest samples by which a motion can be judged: fewer have too few accelerations.
+LEAST_SAMPLES = 6
 #: A wheel limits the pace where it uses more than this share of what it may [1].
 NEAR = 0.98
 #: Wheels whose use differs by less than this part limit it together [1].

@@ -14,11 +14,13 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.errors import MotionStopped
 from slipmargin.model import Model
 from slipmargin.paths.trajectory import Trajectory
 from slipmargin.sim.batch import Batch, Ending
 from slipmargin.sim.pack import pack
 from slipmargin.sim.signal import linear
+from slipmargin.sim.simulate import REASONS
 
 #: Spacing of the samples of the simulated run [s].
 FINE_S = 5e-4
@@ -32,8 +34,10 @@ class Verified:
     """What the simulated wheels did: T times, N wheels.
 
     ``share`` (T, N) of the drive grip used, ``slip_m_s`` (T, N) drive slip, ``pose`` (T, 3) simulated,
-    ``drift_m``, ``drift_rad`` at the end against the plan; ``ending`` how the run ended; ``lifts_s`` when the
-    first wheel lifted (None: none did), ``in_air_s`` (N,) for how long each hung in the air.
+    ``drift_m``, ``drift_rad`` at the end against the plan; ``ending`` how the run ended; ``stopped`` when,
+    why and what to change where it ended early (else None): it then proves nothing, and the drift is NaN;
+    ``lifts_s`` when the first wheel lifted (None: none did), ``in_air_s`` (N,) for how long each hung in the
+    air.
     """
 
     t_s: Array
@@ -43,6 +47,7 @@ class Verified:
     drift_m: float
     drift_rad: float
     ending: Ending
+    stopped: MotionStopped | None
     wheels: tuple[str, ...]
     lifts_s: float | None
     in_air_s: Array
@@ -59,7 +64,7 @@ class Verified:
 
     @property
     def slips(self) -> bool:
-        """Whether a wheel slipped grossly."""
+        """Whether a wheel slipped grossly, as far as the run went."""
         return self.peak > GROSS
 
 
@@ -93,7 +98,10 @@ def verify(
         pack(model), planned.pose[0], start_twist=planned.velocity[0] / stretch, tell=True
     )
     assert run.slip is not None and run.utilisation is not None
+    ending, stopped = Ending(int(run.ending[0])), None
     off = run.pose[0, -1] - planned.pose[-1]
+    if ending is not Ending.DONE:
+        stopped, off = MotionStopped(float(t[0] + run.stopped_s[0]), *REASONS[ending]), np.full(3, np.nan)
     return Verified(
         t_s=fine,
         share=run.utilisation[0],
@@ -101,7 +109,8 @@ def verify(
         pose=run.pose[0],
         drift_m=float(np.hypot(off[0], off[1])),
         drift_rad=float(abs(off[2])),
-        ending=Ending(int(run.ending[0])),
+        ending=ending,
+        stopped=stopped,
         wheels=model.geometry.names,
         lifts_s=run.lifted_s(0, float(t[0])),
         in_air_s=run.in_air_s[0],

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.errors import MotionStopped
 from slipmargin.limits.motion_realised import growth_per_s
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
@@ -57,6 +58,11 @@ def unsteady(
         f"{looked_at}, {math.e:.3g}-fold in {1.0 / np.max(grows):.2g} s: a wheel may lift although none "
         "uses more than its share; take a larger margin, or lower the centre of mass",
     )
+
+
+def ended(stopped: MotionStopped) -> str:
+    """When and why a simulation ended early."""
+    return f"t = {stopped.time_s:.4g} s: {stopped.why}"
 
 
 def in_air(wheels: Sequence[str], in_air_s: Array, lifts_s: float) -> str:

@@ -15,7 +15,7 @@ from slipmargin.paths.trajectory import Trajectory
 from slipmargin.paths.verify import Verified
 from slipmargin.physics.friction_laws import law_inverse
 from slipmargin.report.page import Fact, Image, Page, Picture, Table
-from slipmargin.report.paths import covered, pace, top_speed_m_s
+from slipmargin.report.paths import broken, covered, not_proved, pace, top_speed_m_s, turned
 from slipmargin.report.result_page import result_page
 from slipmargin.report.text import thinned
 from slipmargin.sim.run import Run
@@ -40,7 +40,8 @@ def check_page(
 ) -> Page:
     """Whether a trajectory slips, where, and the cure."""
     t, x, y, k = c.worst
-    wheel, cure = model.geometry.names[k], c.time_scale_needed
+    names, cure = model.geometry.names, c.time_scale_needed
+    wheel = names[k]
     if c.admissible:
         lead = (
             f"This trajectory can be driven: no wheel of {model.robot} on {model.surface} is asked for more "
@@ -57,10 +58,9 @@ def check_page(
             f"asked for {100 * c.max_use:.3g} % of its grip, {100 * c.share:.3g} % is allowed."
         )
     else:
-        lead = (
-            "This trajectory asks too much of a motor or tips the robot, although no wheel slips: see the "
-            "details."
-        )
+        lead = f"This trajectory asks too much, although no wheel slips: {'; '.join(broken(names, c))}."
+    if c.unsmoothed is not None:
+        lead += f" Smoothing {turned(names, c, c.unsmoothed)}."
     if c.admissible:
         room = c.share / c.max_use if c.max_use > 0.0 else math.inf
         steps = ["Nothing must change."]
@@ -99,7 +99,7 @@ def check_page(
             ),
             _use_picture(images),
         ),
-        tables=(_grip_table(c.t_s[at], pose[at], c.use[at], model.geometry.names),),
+        tables=(_grip_table(c.t_s[at], pose[at], c.use[at], names),),
         next_steps=steps,
         lines=lines,
         warnings=warnings,
@@ -127,12 +127,18 @@ def plan_page(
         steps.insert(0, f"In the simulator a wheel lifts {' and '.join(lifts)}: use a larger `--margin`.")
     if slips:
         steps.insert(0, f"In the simulator the plan slips {' and '.join(slips)}: use a larger `--margin`.")
+    stopped = [f"{name} it is {not_proved(proof.stopped)}" for name, proof in proofs.items() if proof.stopped]
+    lead = (
+        f"{p.model.robot} can drive this path of {way} in {p.duration_s:.3g} s on {p.model.surface}: no "
+        f"wheel slips, and {100 * (1.0 - share):.3g} % of the grip stays in reserve."
+    )
+    if stopped:
+        lead = f"Do not rely on this plan of {way} in {p.duration_s:.3g} s: {'; '.join(stopped)}."
     at = thinned(len(rows.t_s), _ROWS)
     return result_page(
         title=f"Plan for {p.model.robot} on {p.model.surface}",
-        lead=f"{p.model.robot} can drive this path of {way} in {p.duration_s:.3g} s on "
-        f"{p.model.surface}: no wheel slips, and {100 * (1.0 - share):.3g} % of the grip stays in reserve.",
-        good=not slips and not lifts,
+        lead=lead,
+        good=not slips and not lifts and not stopped,
         facts=(
             Fact(label="Time", value=f"{p.duration_s:.4g} s", note=f"for {way}"),
             Fact(label="Top speed", value=f"{speed:.3g} m/s"),

@@ -30,6 +30,7 @@ NO_MOTOR = "no motor in the robot file limits it"
 SLIPS = "it slips there whatever the acceleration"
 DRAG = f"at constant speed drag leaves no grip to drive with, or less than 1/{SPENT:g} of what it takes"
 FLOOR = "no wheel lifted off the floor"
+ENDED = "the simulation did not reach the end of the plan: see ended_early"
 OTHERS = "it was not asked for, not measured, or is no finite number that a robot has"
 #: The last part of a key → why it may be null.
 REASONS = {
@@ -56,6 +57,8 @@ REASONS = {
     "place": "the loads of the robot file do not follow the centre of mass",
     "place_share": "the loads of the robot file do not follow the centre of mass",
     "lifts_s": FLOOR,
+    "end_position_m": ENDED,
+    "end_heading_rad": ENDED,
     "pulls": "nothing was measured at this orientation",
 } | {
     f"{safe}{way}_{unit}": SLIPS

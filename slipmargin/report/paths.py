@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.errors import MotionStopped
 from slipmargin.model import Model
 from slipmargin.paths.chance import PlanChance
 from slipmargin.paths.check import Check
@@ -15,7 +16,7 @@ from slipmargin.paths.geometry import Geometry
 from slipmargin.paths.plan import Plan
 from slipmargin.paths.trajectory import NEAR, TIED
 from slipmargin.paths.verify import Verified
-from slipmargin.report.motion import in_air
+from slipmargin.report.motion import ended, in_air
 
 #: Turns of less than this all along a path are not spoken of [deg].
 _TURNED_DEG = 0.05
@@ -71,12 +72,22 @@ def plan_lines(p: Plan, proofs: Mapping[str, Verified], likely: PlanChance | Non
         words = "slips" if proof.slips else "does not slip"
         if proof.lifts_s is not None:
             words += f" but {in_air(proof.wheels, proof.in_air_s, proof.lifts_s)}"
-        lines.append(
-            f"simulated   {name}: {words}; uses at most {proof.peak:.4f} of the grip (wheel {proof.wheel}), "
-            f"drive slip up to {1e3 * np.max(proof.slip_m_s):.3g} mm/s; open loop it ends "
-            f"{1e3 * proof.drift_m:.3g} mm and {np.rad2deg(proof.drift_rad):.3g}° away"
+        words += (
+            f"; uses at most {proof.peak:.4f} of the grip (wheel {proof.wheel}), drive slip up to "
+            f"{1e3 * np.max(proof.slip_m_s):.3g} mm/s"
         )
+        if proof.stopped is None:
+            off_m, off_rad = proof.drift_m, proof.drift_rad
+            words += f"; open loop it ends {1e3 * off_m:.3g} mm and {np.rad2deg(off_rad):.3g}° away"
+        else:
+            words = f"{not_proved(proof.stopped)}; until then it {words}"
+        lines.append(f"simulated   {name}: {words}")
     return lines
+
+
+def not_proved(stopped: MotionStopped) -> str:
+    """That a simulation that ended early proves no plan: when and why it ended, and what to do."""
+    return f"not proved: the simulation does not reach its end, {ended(stopped)}, {stopped.cure}"
 
 
 def _chance(found: PlanChance) -> str:
@@ -146,9 +157,8 @@ def check_lines(model: Model, c: Check) -> list[str]:
     """Verdict, worst point, motors, wheels and the cure; the first line is the verdict."""
     names = model.geometry.names
     t, x, y, k = c.worst
-    verdict = "admissible" if c.admissible else "not admissible"
     lines = [
-        f"{verdict}: uses at most {c.max_use:.4f} of a wheel's grip, {c.share:g} allowed",
+        _verdict(names, c),
         f"worst       wheel {names[k]} at t = {t:.4g} s (x {x:.4g} m, y {y:.4g} m)",
     ]
     if math.isfinite(model.drives.stall_torque_N_m or math.inf):
@@ -170,7 +180,39 @@ def check_lines(model: Model, c: Check) -> list[str]:
         lines.append("cure        none by slowing down: constant speed itself needs too much grip somewhere")
     elif not c.admissible:
         lines.append(f"cure        stretch time by {c.time_scale_needed:.4f}")
+    if c.unsmoothed is not None:
+        lines.append(f"smoothing   {turned(names, c, c.unsmoothed)}")
     return lines
+
+
+def _verdict(names: Sequence[str], c: Check) -> str:
+    """The verdict, the share of the grip, and what breaks a limit: value, limit, wheel and time."""
+    grip = f"uses at most {c.max_use:.4f} of a wheel's grip, {c.share:g} allowed"
+    if c.admissible:
+        return f"admissible: {grip}"
+    over, others = _excess(names, c, c.use, c.share), broken(names, c)
+    joined = "; " if over else ", but "
+    return f"not admissible: {grip}{over}{joined if others else ''}{'; '.join(others)}"
+
+
+def broken(names: Sequence[str], c: Check) -> list[str]:
+    """Each limit beside grip that is broken: value, what is allowed, wheel and time."""
+    limits = (
+        ("of a motor's torque", c.torque, c.share),
+        ("of a wheel's top speed", c.speed, 1.0),
+        ("of what lifts a wheel", c.tipping, c.share),
+    )
+    return [
+        f"{f'{most:.4f}' if math.isfinite(most := float(np.max(share))) else 'more than all'} {what}, "
+        f"{allowed:g} allowed{at}"
+        for what, share, allowed in limits
+        if (at := _excess(names, c, share, allowed))
+    ]
+
+
+def turned(names: Sequence[str], c: Check, unsmoothed: Check) -> str:
+    """That the window of the derivatives decides the verdict."""
+    return f"over {c.smooth_s:g} s decides: without it {_verdict(names, unsmoothed)}"
 
 
 def _tipping(names: Sequence[str], c: Check) -> str:

@@ -163,6 +163,7 @@ def test_bad_waypoints_leave_no_file(
         (["--robust"], "more than the 0.9 allowed"),
         (["--points", "3"], "points: is 3"),
         (["--step", "0"], "--step: is 0"),
+        (["--step", "100"], "--step: is 100 s and gives 2 rows"),
     ],
 )
 def test_impossible_plans_are_refused(
@@ -205,6 +206,26 @@ def test_strict_exits_1_when_not_admissible(
     assert "error" not in streams.err
     assert status([*tight, "--strict", "--json", "-"]) == 1
     assert json.loads(capsys.readouterr().out)["admissible"] is False
+
+
+def test_a_verdict_that_smoothing_makes_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    t = np.linspace(0.0, 2.0, 201)
+    jerky = np.column_stack([t, 0.1 * t**2 + 5e-4 * (-1.0) ** np.arange(201), 0 * t, 0 * t])
+    file, out, page = tmp_path / "jerky.csv", tmp_path / "c.json", tmp_path / "c.html"
+    np.savetxt(file, jerky, delimiter=",", header="t_s,x_m,y_m,phi_rad", comments="")
+    words = ["check", "ohio-kiwi", str(file), "--surface", "paper", "--strict"]
+    assert status([*words, "--smooth", "4"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("error: command line: --smooth: is 4 s, which averages") and said.count("\n") == 1
+    assert status(words) == 1
+    rough = capsys.readouterr().out.splitlines()[0]
+    assert status([*words, "--smooth", "0.2", "--json", str(out), "--report", str(page)]) == 0
+    smooth = capsys.readouterr().out
+    assert (
+        smooth.startswith("admissible: ") and f"smoothing   over 0.2 s decides: without it {rough}" in smooth
+    )
+    assert json.loads(out.read_text(encoding="utf-8"))["unsmoothed"]["admissible"] is False
+    assert "Smoothing over" in page.read_text(encoding="utf-8")
 
 
 def test_strict_does_not_hide_bad_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -47,10 +48,26 @@ def test_a_jump_in_acceleration_is_never_overshot(step: float) -> None:
 
 
 def test_smoothing_tames_measured_noise() -> None:
-    t = np.arange(0.0, 3.0, 0.01)
+    t = np.linspace(0.0, 3.0, 301)
     noisy = bang(0.3, t) + np.random.default_rng(0).normal(scale=5e-4, size=(len(t), 3))
-    rough, smooth = (check(KIWI, t, noisy, smooth_s=s).max_use for s in (0.0, 0.6))
-    assert smooth < 1.0 < rough
+    rough, smooth = (check(KIWI, t, noisy, smooth_s=s) for s in (0.0, 0.3))
+    assert smooth.max_use < 1.0 < rough.max_use
+    assert smooth.unsmoothed is not None and smooth.unsmoothed.max_use == rough.max_use
+    said = check_lines(KIWI, smooth)
+    assert said[-1] == f"smoothing   over 0.3 s decides: without it {check_lines(KIWI, rough)[0]}"
+    assert check(KIWI, t, bang(0.3, t), smooth_s=0.3).unsmoothed is None
+
+
+def test_a_window_that_averages_a_motion_away_is_refused() -> None:
+    """Four seconds of smoothing made a jerk of two seconds admissible, without a word."""
+    t = np.linspace(0.0, 2.0, 201)
+    with pytest.raises(
+        InputError, match=r"smooth_s: is 4 s, .* motion of 2 s away, .* a tenth of the motion, 0\.2 s"
+    ):
+        check(KIWI, t, bang(3.0, t), smooth_s=4.0)
+    with pytest.raises(InputError, match="smooth_s: is -1"):
+        check(KIWI, t, bang(3.0, t), smooth_s=-1.0)
+    assert not check(KIWI, t, bang(3.0, t), smooth_s=0.2).admissible
 
 
 def test_the_verdict_turns_at_the_limit() -> None:
@@ -114,8 +131,6 @@ def test_bad_trajectories_are_named() -> None:
         check(KIWI, t, np.full((20, 3), np.nan))
     with pytest.raises(InputError, match="margin"):
         check(KIWI, t, np.zeros((20, 3)), share=0.0)
-    with pytest.raises(InputError, match="smooth"):
-        check(KIWI, t, np.zeros((20, 3)), smooth_s=-1.0)
 
 
 def test_standing_still_needs_no_cure() -> None:
@@ -150,6 +165,8 @@ def test_no_torque_left_at_the_top_speed_is_said_in_words() -> None:
     assert not any("inf" in line for line in words)
     assert words[2].startswith("motors      have no torque left at their top speed: wheel rear at t = ")
     assert words[3].startswith("wheels      at most 1.1811 of their top speed: wheel rear at t = ")
+    assert ", but more than all of a motor's torque, 1 allowed: wheel rear at t = " in words[0]
+    assert "; 1.1811 of a wheel's top speed, 1 allowed: wheel rear at t = " in words[0]
 
 
 def test_what_lifts_and_what_lacks_torque_is_named_with_its_time() -> None:
@@ -157,10 +174,14 @@ def test_what_lifts_and_what_lacks_torque_is_named_with_its_time() -> None:
     t = np.linspace(0.0, 2.0, 100)
     words = check_lines(weak, check(weak, t, bang(0.3, t)))
     assert words[0].startswith("not admissible: uses at most") and ": wheel rear at t = " in words[2]
+    grip, _, cause = words[0].partition(" of a wheel's grip, 1 allowed, but ")
+    assert float(grip.split()[-1]) < 1.0  # the first line named the grip alone, which is within its limit
+    assert " of a motor's torque, 1 allowed: wheel rear at t = " in cause
     tall = nominal_model(four_wheels(load_rule=LoadRule.QUASI_STATIC, com_height_m=0.9), "paper")
     words = check_lines(tall, check(tall, t, np.column_stack([0 * t, 1.5 * t**2, 0 * t])))
     (tips,) = [line for line in words if line.startswith("tips")]
     assert "wheel " in tips and " at t = " in tips and tips.endswith(": it lifts off")
+    assert words[0].split(" of what lifts a wheel, 1 allowed: wheel ")[0].split()[-1] == tips.split()[1]
 
 
 def test_tipping_keeps_the_margin_and_has_its_own_share() -> None:
@@ -228,3 +249,30 @@ def test_headings_that_look_like_degrees_are_said(heading: float, turns: list[st
     found = sm.plan("omni4", "floor", [[0, 0, 0], [1, 0, heading]], points=50).warnings
     said = [line for line in found if line.endswith("headings are in radians")]
     assert len(said) == len(turns) and all(word in line for line, word in zip(said, turns, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("headings", "told"),
+    [
+        ([3.1, -3.1], ["waypoints 1 and 2: the robot turns -355.2° .* phi_rad = 3.1832 for waypoint 2$"]),
+        (
+            [3.1, -3.1, -2.9, 3.0],
+            [
+                "waypoints 1 and 2: .* phi_rad = 3.1832 for waypoint 2, and add 6.2832 to those after it$",
+                "waypoints 3 and 4: the robot turns 338° between them; .* phi_rad = 3 for waypoint 4$",
+            ],
+        ),
+        ([0.0, 3.142, 0.0, -3.1], []),
+    ],
+)
+def test_headings_that_turn_the_long_way_round_are_said(headings: list[float], told: list[str]) -> None:
+    """From 3.1 to -3.1 a robot turned by 355°, where 5° the other way lead to the same heading."""
+    places = [[float(k), 0.0, heading] for k, heading in enumerate(headings)]
+    found = sm.plan("omni4", "floor", places, points=50)
+    said = [line for line in found.warnings if line.startswith("waypoints")]
+    assert len(said) == len(told)
+    assert all(re.match(words, line) for words, line in zip(told, said, strict=True))
+    short = np.unwrap(headings)
+    if told:
+        mended = sm.plan("omni4", "floor", [[float(k), 0.0, p] for k, p in enumerate(short)], points=50)
+        assert not any(line.startswith("waypoints") for line in mended.warnings)

@@ -23,7 +23,8 @@ from slipmargin.paths.geometry import Geometry
 from slipmargin.paths.grid import grid_of
 from slipmargin.paths.path import Path, corners, through
 from slipmargin.paths.plan import Plan, Request, duration, plan
-from slipmargin.paths.sample import at_use, node_times, stretched, trajectory
+from slipmargin.paths.sample import at_use, node_times, rolled, stretched, trajectory
+from slipmargin.paths.trajectory import LEAST_SAMPLES
 from slipmargin.physics.frames import rotate_rows
 from slipmargin.report.motion import unsteady
 from slipmargin.report.paths import pace
@@ -364,3 +365,28 @@ def test_low_robots_and_loads_that_do_not_shift_are_stable() -> None:
         found = plan(MODELS[name], PATHS["turning"], Request(points=60))
         assert np.max(growth_per_s(found.model, found.states())) <= 0.0
         assert not unsteady(found.model, found.states())
+
+
+def test_a_table_too_coarse_to_be_checked_is_refused() -> None:
+    """A step longer than the motion gave two rows of a robot at rest, which the simulation proved."""
+    found = plan(MODELS["kiwi"], PATHS["straight"], Request(points=60))
+    with pytest.raises(
+        InputError, match=r"step_s: is 100 s and gives 2 rows over .* needs 6, take a step up to"
+    ) as no:
+        trajectory(found, step_s=100.0)
+    longest = float(no.value.cure.split()[-2])
+    assert len(trajectory(found, step_s=longest).t_s) == LEAST_SAMPLES
+
+
+def test_a_table_that_leads_off_the_plans_end_is_said() -> None:
+    """Steps of 0.3 s led a turning robot 0.1 m off, and the simulation was blamed."""
+    way = [[0, 0, 0], [1, 0, 6.0]]
+    fine, coarse = (sm.plan("mecanum4", "floor", way, points=60, step_s=step) for step in (0.005, 0.3))
+    assert not any(line.startswith("step: ") for line in fine.warnings)
+    (said,) = (line for line in coarse.warnings if line.startswith("step: "))
+    assert "a row every 0.3 s, lead " in said and said.endswith("take a shorter step")
+    assert rolled(fine.trajectory) == pytest.approx(fine.trajectory.pose[-1], abs=1e-3)
+    # the simulator agrees: what it adds is creep
+    proof = coarse.simulated_again(coarse.trajectory)
+    off = rolled(coarse.trajectory) - coarse.trajectory.pose[-1]
+    assert proof.drift_m == pytest.approx(float(np.hypot(*off[:2])), abs=0.02)

@@ -5,11 +5,15 @@ Twelve drawn robots here; two hundred in ``benchmarks/path_proof.py``.
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import path_proof
 import paths as bench
 import pytest
 
+import slipmargin as sm
+from slipmargin.api.plan import PlanResult
 from slipmargin.paths.plan import Request, plan
 from slipmargin.paths.sample import at_use, trajectory
 from slipmargin.paths.verify import on_rollers, verify
@@ -102,3 +106,67 @@ def test_direction_dependent_limits_are_never_slower_than_safe_boxes() -> None:
         assert row["gain_over_best"] > 0.1, name
         assert row["convex_ratio"] == pytest.approx(1.0, abs=1e-3), name
         assert row["max_use"] <= 0.9 * (1.0 + 1e-6), name
+
+
+#: Of a mass as high as this a three-wheeled robot tips as it brakes, once a wheel has crept a little.
+TALL = """schema = 1
+name = "kiwi3"
+convention = "ros"
+[body]
+mass_kg = 2.5
+inertia_kg_m2 = 0.03
+com_height_m = 0.3
+[friction]
+grip = "disc-strip"
+[motor]
+max_speed_rad_s = 5.5
+stall_torque_N_m = 1.9
+[[wheel]]
+name = "left"
+position_m = [0.0625, 0.10825]
+drive_direction_deg = 150
+radius_m = 0.05
+[[wheel]]
+name = "back"
+position_m = [-0.125, 0]
+drive_direction_deg = 270
+radius_m = 0.05
+[[wheel]]
+name = "right"
+position_m = [0.0625, -0.10825]
+drive_direction_deg = 30
+radius_m = 0.05
+[surface.mat]
+roller = { drive = 0.7, transverse = 0.1 }
+rigid = { drive = 0.7, transverse = 0.7 }
+"""
+
+
+def not_proved(found: PlanResult, words: str) -> dict[str, object]:
+    """What the JSON says of a simulation that ended early, once lines, warnings and page have said so."""
+    (line,) = (line for line in found.lines() if line.startswith("simulated"))
+    assert line.startswith("simulated   on rollers: not proved: the simulation does not reach its end, t = ")
+    assert words in line and "open loop it ends" not in line
+    assert any(
+        line.startswith("simulated on rollers: not proved: ") and words in line for line in found.warnings
+    )
+    page = found.page_text().replace("\xa0", " ")
+    assert "Do not rely on this plan of 1 m" in page and "no wheel slips" not in page
+    told = found.to_dict()["simulated"]["on rollers"]
+    assert np.isnan(told["end_position_m"]) and np.isnan(told["end_heading_rad"])
+    return dict(told["ended_early"])
+
+
+def test_a_plan_whose_simulation_tips_is_not_proved(tmp_path: Path) -> None:
+    """It "does not slip", and ended 9 mm away: where it had tipped."""
+    (tmp_path / "tall.toml").write_text(TALL, encoding="utf-8")
+    found = sm.plan(tmp_path / "tall.toml", "mat", [[0, 0, 0], [-1, 0, 0]], verify=True)
+    end = not_proved(found, "no three others carry the robot: it tips, accelerate less")
+    assert 3.0 < float(str(end["t_s"])) < found.duration_s and "it tips" in str(end["why"])
+
+
+def test_a_plan_whose_simulation_takes_too_many_steps_is_not_proved(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A kilometre "does not slip", and ended 226 m away: there the simulation had stopped."""
+    monkeypatch.setattr("slipmargin.sim.batch.WHEEL_STEPS", 300)
+    found = sm.plan("omni4", "floor", [[0, 0, 0], [1, 0, 0]], points=50, verify=True)
+    assert "SLIPMARGIN_WORK=10" in str(not_proved(found, "it takes too many steps")["cure"])
