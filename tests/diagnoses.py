@@ -44,6 +44,8 @@ def trials(count: int = 6, *, wrong: float = 1.0, samples: int = 120) -> tuple[T
         made.append(
             TrialTrajectories(
                 name=f"trial-{k + 1:02d}",
+                run=k,
+                data_set="drawn",
                 held_out=k >= count - 3,
                 t_s=t,
                 measured=measured,

@@ -181,7 +181,7 @@ def _campaign(
         check_sense(member, f"{source}: {member.name}")
     diagnosis = search(data, seed=seed, progress=progress, repairs=repairs, budget_s=budget_s)
     progress("evidence of each data set", 0.2)
-    diagnosis, members = by_group(data, diagnosis)
+    diagnosis, members = by_group(data.members, diagnosis)
     progress("limits before and after", 0.2)
     change = limits_change(diagnosis.recipe, diagnosis.corrected, diagnosis.surface)
     return DiagnosisResult(diagnosis=diagnosis, change=change, members=members)

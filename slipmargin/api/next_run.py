@@ -209,7 +209,7 @@ def _pulls(
     warnings: tuple[str, ...],
 ) -> NextRunResult:
     """Which pulls to make next: what a diagnosis of pulls says already."""
-    from slipmargin.diagnosis.pull_diagnosis import diagnose_pulls
+    from slipmargin.diagnosis.pull_diagnosis import diagnose_pulls, of_unused
     from slipmargin.experiment.motions import reach_m
     from slipmargin.experiment.result import NextRuns
 
@@ -237,4 +237,4 @@ def _pulls(
         front_rad=data.recipe.robot.convention.front_rad,
         pulls=found.next_pulls,
     )
-    return NextRunResult(next_runs=made, warnings=warnings)
+    return NextRunResult(next_runs=made, warnings=(*of_unused(data), *warnings))

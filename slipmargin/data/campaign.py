@@ -60,6 +60,9 @@ def joined(name: str, parts: Sequence[Part]) -> DataSet:
                 floor=p.floor,
                 loading=p.loading,
                 instrument=p.instrument,
+                folder=p.data_set.folder,
+                pulls=p.data_set.pulls,
+                noise_stated=p.data_set.sigma is not None,
             )
             for p in parts
         ),
@@ -107,6 +110,7 @@ def apart(data_set: DataSet) -> tuple[DataSet, ...]:
             name=member.name,
             recipe=member.recipe,
             surface=member.surface,
+            folder=member.folder,
             trials=tuple(t for t, m in zip(data_set.trials, data_set.member_of, strict=True) if m == number),
             members=(),
             member_of=(),

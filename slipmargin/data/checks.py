@@ -49,7 +49,7 @@ class Finding:
 
 def check_data_set(data_set: DataSet) -> tuple[Finding, ...]:
     """Every fault that the data tell of themselves; empty where they make sense."""
-    found = [f for trial in data_set.trials for f in _clock(trial)]
+    found = [f for trial in data_set.trials for f in (*_clock(trial), *_seen(trial))]
     contacts = data_set.recipe.build(data_set.surface).geometry
     pieces = [p for p in all_pieces(data_set) if p is not None]
     if pieces:
@@ -89,13 +89,31 @@ def _clock(trial: Record) -> list[Finding]:
     return found
 
 
+def _seen(trial: Record) -> list[Finding]:
+    if trial.poses > 1:
+        return []
+    return [
+        Finding(
+            place=trial.name,
+            problem="only one pose was measured, which shows no motion",
+            cause="x_m, y_m and phi_rad empty in the other rows, give them in two rows or more",
+        )
+    ]
+
+
 def _motion(pieces: Pieces, contacts: WheelGeometry) -> list[Finding]:
     rolled = float(np.sum((pieces.turned @ contacts.no_slip_map().T) ** 2))
     power = float(np.sum(pieces.seen[0] ** 2))
     if min(rolled, power) <= SETTINGS.dead * max(rolled, power):
         still = "wheels" if rolled < power else "pose"
         if max(rolled, power) < 1e-6:
-            return []
+            return [
+                Finding(
+                    place="trials",
+                    problem="nothing moves in any run, neither wheels nor pose",
+                    cause="dead channels or a robot at rest, give runs in which it drives",
+                )
+            ]
         return [
             Finding(
                 place="trials",

@@ -7,7 +7,7 @@ the diagnosis, which has a model that slips (:mod:`~slipmargin.data.run_arrangem
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -15,10 +15,31 @@ import numpy as np
 from slipmargin.data.camera_frames import without_excursions, without_repeats, without_zeros
 from slipmargin.data.clocks import from_zero, regular
 from slipmargin.data.data_set import DataSet
-from slipmargin.data.repair import Repair, Stage
+from slipmargin.data.repair import Repair, Stage, in_runs
 from slipmargin.data.settings import SETTINGS
 from slipmargin.data.wheel_signals import fine_angles, known_throughout, speeds_agree, unwrapped
 from slipmargin.work import ROWS, allow
+
+
+def seen_twice(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
+    """Without runs of which fewer than two poses were measured: these show no more than where they began.
+
+    Where all are such runs they stay, for :func:`~slipmargin.data.checks.check_data_set` to name.
+    """
+    short = tuple(t.name for t in data_set.trials if t.poses < 2)
+    if not 0 < len(short) < len(data_set.trials):
+        return data_set, ()
+    where = in_runs(short, len(data_set.trials))
+    return replace(data_set, trials=tuple(t for t in data_set.trials if t.name not in short)), (
+        Repair(
+            kind="single_poses",
+            runs=short,
+            size=float(len(short)),
+            unit="1",
+            sentence=f"Only one pose was measured {where}, which shows no motion: left out.",
+        ),
+    )
+
 
 STAGES: tuple[Stage, ...] = (
     from_zero,
@@ -30,6 +51,7 @@ STAGES: tuple[Stage, ...] = (
     fine_angles,
     without_repeats,
     without_excursions,
+    seen_twice,
 )
 
 

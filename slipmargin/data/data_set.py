@@ -30,7 +30,10 @@ class WheelSignal(Enum):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Member:
-    """One data set of a campaign: its robot and surface, and what it shares with others of the same word."""
+    """One data set of a campaign: its robot and surface, and what it shares with others of the same word.
+
+    ``folder`` is where it was read; ``noise_stated`` says whether its file states the noise of the pose.
+    """
 
     name: str
     recipe: Recipe
@@ -38,6 +41,9 @@ class Member:
     floor: str
     loading: str
     instrument: str
+    folder: str = ""
+    pulls: Pulls | None = None
+    noise_stated: bool = True
 
 
 @final
@@ -49,6 +55,8 @@ class DataSet:
     ----------
     name : str
         The folder's name.
+    folder : str
+        Where it was read; empty where it was not.
     recipe : Recipe
         Robot with the effects its file lists.
     surface : str
@@ -69,6 +77,8 @@ class DataSet:
         The data sets of a campaign whose runs these are; empty where they are of one data set.
     member_of : tuple of int
         The number of each trial's member.
+    unused : tuple of str
+        What its file states and nothing that it holds has a use for.
     """
 
     name: str
@@ -82,6 +92,8 @@ class DataSet:
     nominal_rate_Hz: float | None = None
     members: tuple[Member, ...] = ()
     member_of: tuple[int, ...] = ()
+    folder: str = ""
+    unused: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.members:

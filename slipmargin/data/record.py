@@ -91,6 +91,11 @@ class Record:
         return np.asarray(np.isfinite(self.pose).all(axis=1))
 
     @property
+    def poses(self) -> int:
+        """Number of samples in which the pose, or a part of it, was measured."""
+        return int(np.isfinite(self.pose).any(axis=1).sum())
+
+    @property
     def wheels(self) -> int:
         """Number of wheels N with a channel; 0 where only the pose is known."""
         for field in WHEEL_SIGNALS:

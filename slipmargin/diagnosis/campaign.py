@@ -1,4 +1,7 @@
-"""What a diagnosis of a campaign says of each group: findings taken apart, evidence of each data set."""
+"""What a diagnosis of a campaign says of each group: findings taken apart, evidence of each data set.
+
+The evidence is computed by the problem in which the diagnosis found its effects: mended runs, cut at events.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +11,12 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array
-from slipmargin.data.data_set import DataSet, Member
+from slipmargin.checks import Array, Index
+from slipmargin.data.data_set import Member
 from slipmargin.data.odometry import body_path
-from slipmargin.diagnosis.data_problem import problem_of
+from slipmargin.diagnosis.limits_change import tried
 from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.pull_check import PullCheck, pull_check
 from slipmargin.diagnosis.result import Diagnosis, Estimate, Finding, Score, ShownBy, TrialTrajectories
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.effects.confined import Confined, acting
@@ -30,7 +34,11 @@ class Drift:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MemberResult:
-    """A data set of a campaign, its errors before and after on runs held out, and its corrected robot."""
+    """A data set of a campaign, its errors before and after, and its corrected robot.
+
+    Errors are those of the ``judged`` runs, which were held out; where none was, those of all its runs, which
+    the search has seen.  ``pulls`` is its pull tests beside both robots, and ``missing`` why there is none.
+    """
 
     member: Member
     runs: int
@@ -40,54 +48,65 @@ class MemberResult:
     drift_before: Drift
     drift_after: Drift
     corrected: Recipe
+    pulls: PullCheck | None = None
+    missing: tuple[str, ...] = ()
 
 
-def by_group(data_set: DataSet, diagnosis: Diagnosis) -> tuple[Diagnosis, tuple[MemberResult, ...]]:
+def by_group(members: Sequence[Member], diagnosis: Diagnosis) -> tuple[Diagnosis, tuple[MemberResult, ...]]:
     """The diagnosis with each finding taken apart by group, and the result of each data set.
 
     Parameters
     ----------
-    data_set : DataSet
-        The runs of the campaign.
+    members : sequence of Member
+        The data sets of the campaign.
     diagnosis : Diagnosis
-        What :func:`slipmargin.diagnosis.loop.diagnose` found in them.
+        What :func:`slipmargin.diagnosis.loop.diagnose` found in their runs.
     """
     effects: tuple[AnyEffect, ...] = tuple(f.effect for f in diagnosis.findings)
-    problem = problem_of(replace(data_set, sigma=diagnosis.noise))
-    found = tuple(
-        part
-        for index, finding in enumerate(diagnosis.findings)
-        for part in _apart(finding, _shown_by(problem, data_set, effects, index))
-    )
-    members = tuple(
-        _member(number, member, diagnosis, effects) for number, member in enumerate(data_set.members)
-    )
-    return replace(diagnosis, findings=found), members
+    found = tuple(part for finding in diagnosis.findings for part in _apart(finding))
+    results = tuple(_member(number, member, diagnosis, effects) for number, member in enumerate(members))
+    return replace(diagnosis, findings=found), results
 
 
-def _shown_by(
-    problem: Problem, data_set: DataSet, effects: tuple[AnyEffect, ...], index: int
-) -> dict[int, ShownBy]:
+def shown_in(
+    problem: Problem, runs: Sequence[int], members: Sequence[Member], found: tuple[Finding, ...]
+) -> tuple[Finding, ...]:
+    """The findings, each with its evidence from every data set of a campaign, in the order of these.
+
+    ``runs`` is the number of the run that each trial of the problem is, or is cut from.
+    """
+    if not members or not found:
+        return found
     everyone = np.arange(len(problem.trials), dtype=np.int64)
-    others = (*effects[:index], *effects[index + 1 :])
-    without, with_it = problem.residuals([others, effects], [everyone, everyone])
-    found = {}
-    for number, member in enumerate(data_set.members):
-        rows = np.flatnonzero(problem.member_of == number)
-        count = max(1.0, problem.samples(rows))
-        found[number] = ShownBy(
-            data_set=member.name,
-            runs=len(rows),
-            chi_without=float(np.sqrt(np.sum(without[rows] ** 2) / count)),
-            chi_with=float(np.sqrt(np.sum(with_it[rows] ** 2) / count)),
+    effects = tuple(f.effect for f in found)
+    sets = [effects, *((*effects[:i], *effects[i + 1 :]) for i in range(len(effects)))]
+    with_all, *without = problem.residuals(sets, [everyone] * len(sets))
+    of = [np.flatnonzero(problem.member_of == number) for number in range(len(members))]
+
+    def chi(residual: Array, rows: Index) -> float:
+        return float(np.sqrt(np.sum(residual[rows] ** 2) / max(1.0, problem.samples(rows))))
+
+    return tuple(
+        replace(
+            finding,
+            shown_by=tuple(
+                ShownBy(
+                    data_set=member.name,
+                    runs=len({runs[i] for i in rows.tolist()}),
+                    chi_without=chi(left, rows),
+                    chi_with=chi(with_all, rows),
+                )
+                for member, rows in zip(members, of, strict=True)
+            ),
         )
-    return found
+        for finding, left in zip(found, without, strict=True)
+    )
 
 
-def _apart(finding: Finding, shown: dict[int, ShownBy]) -> list[Finding]:
+def _apart(finding: Finding) -> list[Finding]:
     effect = finding.effect
     if not isinstance(effect, Confined):
-        return [replace(finding, shown_by=tuple(shown.values()))]
+        return [finding]
     several = len(effect.groups) > 1
     return [
         replace(
@@ -96,7 +115,7 @@ def _apart(finding: Finding, shown: dict[int, ShownBy]) -> list[Finding]:
             group=group,
             parameters=_of_group(finding.parameters, group) if several else finding.parameters,
             derived=_of_group(finding.derived, group),
-            shown_by=tuple(s for number, s in shown.items() if number in members),
+            shown_by=tuple(s for number, s in enumerate(finding.shown_by) if number in members),
         )
         for own, members, group in zip(effect.effects, effect.members, effect.groups, strict=True)
     ]
@@ -111,17 +130,34 @@ def _member(
     number: int, member: Member, diagnosis: Diagnosis, effects: tuple[AnyEffect, ...]
 ) -> MemberResult:
     own = [t for t in diagnosis.trials if t.name.startswith(f"{member.name}/")]
-    judged = [t for t in own if t.held_out] or own
+    held = [t for t in own if t.held_out]
+    judged = held or own
+    corrected = member.recipe.with_effects(*acting(effects, number))
+    pulls, missing = _pulls(member, corrected)
     return MemberResult(
         member=member,
-        runs=len(own),
-        judged=len(judged),
+        runs=len({t.run for t in own}),
+        judged=len({t.run for t in held}),
         before=_score(judged, [t.before for t in judged], diagnosis.noise),
         after=_score(judged, [t.after for t in judged], diagnosis.noise),
         drift_before=_drift(judged, [t.before for t in judged]),
         drift_after=_drift(judged, [t.after for t in judged]),
-        corrected=member.recipe.with_effects(*acting(effects, number)),
+        corrected=corrected,
+        pulls=pulls,
+        missing=missing,
     )
+
+
+def _pulls(member: Member, corrected: Recipe) -> tuple[PullCheck | None, tuple[str, ...]]:
+    """The pull tests of a data set beside its robot before and after; why they could not be compared."""
+    pulls, missing = member.pulls, list[str]()
+    if pulls is None:
+        return None, ()
+    before, after = (recipe.build(member.surface) for recipe in (member.recipe, corrected))
+    found = tried(
+        f"the comparison with pulls of {member.name}", missing, lambda: pull_check(before, after, pulls)
+    )
+    return found, tuple(missing)
 
 
 def _score(trials: list[TrialTrajectories], predicted: list[Array], sigma: Array) -> Score:

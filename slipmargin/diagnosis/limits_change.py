@@ -122,16 +122,16 @@ def limits_change(before: Recipe, after: Recipe, surface: str, pulls: Pulls | No
         direction_rad=direction,
         before=old,
         after=new,
-        plan=_tried("the plan before and after", missing, lambda: plan_change(believed, corrected)),
+        plan=tried("the plan before and after", missing, lambda: plan_change(believed, corrected)),
         pulls=None
         if pulls is None
-        else _tried("the comparison with pulls", missing, lambda: pull_check(believed, corrected, pulls)),
+        else tried("the comparison with pulls", missing, lambda: pull_check(believed, corrected, pulls)),
         missing=tuple(missing),
         convention=believed.convention,
     )
 
 
-def _tried(what: str, missing: list[str], made: Callable[[], _T]) -> _T | None:
+def tried(what: str, missing: list[str], made: Callable[[], _T]) -> _T | None:
     """What ``made`` gives; None, and a sentence in ``missing``, where it fails: no extra costs a finding."""
     try:
         return made()
@@ -145,7 +145,7 @@ def _limits(model: Model, phi: Array, direction: Array, whose: str, missing: lis
     pull = Pull()
 
     def asked(what: str, size: int, made: Callable[[], tuple[Array, ...]], count: int) -> tuple[Array, ...]:
-        found = _tried(f"{what} of {whose}", missing, made)
+        found = tried(f"{what} of {whose}", missing, made)
         return tuple(np.full(size, np.nan) for _ in range(count)) if found is None else found
 
     (highest,) = asked("the pull limits", _ORIENTATIONS, lambda: (limit_or_zero(model, phi, pull),), 1)

@@ -7,6 +7,7 @@ import numpy as np
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.noise import lasting_noise
 from slipmargin.data.repair import Repair
+from slipmargin.diagnosis.campaign import shown_in
 from slipmargin.diagnosis.conditions import Ready, ready
 from slipmargin.diagnosis.findings import findings
 from slipmargin.diagnosis.fit import Fit, fit
@@ -18,7 +19,7 @@ from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import order_analysis
 from slipmargin.diagnosis.ranges import variables_of
 from slipmargin.diagnosis.refits import without
-from slipmargin.diagnosis.remarks import of_one_run, of_pieces, of_the_clock, of_the_fit
+from slipmargin.diagnosis.remarks import of_noise, of_one_run, of_pieces, of_the_clock, of_the_fit
 from slipmargin.diagnosis.residual_diagnostics import dependences
 from slipmargin.diagnosis.result import Diagnosis, Finding, Step, TrialTrajectories, Tried, Verdict
 from slipmargin.diagnosis.rounds import Round
@@ -111,6 +112,7 @@ def _diagnosed(conditions: Ready, s: Searched, seed: int, watch: Watch, budget_s
     entries = s.rounds[0].map() if s.rounds else ()
     watch("fitting what is reported", 0.3)
     found, final = _reported(s, checked, entries)
+    found = shown_in(problem, s.runs, data_set.members, found)
     verdict = checked.verdict
     explained = after.chi <= SETTINGS.noise_chi and verdict is not Verdict.UNEXPLAINED
     last = like(state, s.rounds)
@@ -124,6 +126,7 @@ def _diagnosed(conditions: Ready, s: Searched, seed: int, watch: Watch, budget_s
     near, traces = verdict is Verdict.NO_MISSING_EFFECT, [f.traced_to for f in found]
     rejected = () if near else checked.rejected  # near the noise only the map's leads stand out
     made = leads(remaining, turns, last, rejected, traces) if near or not explained else ()
+    places = [d.folder or d.name for d in data_set.members or (data_set,)]
     following = tuple(lead for lead in made if lead.stands_out or not near)
     return Diagnosis(
         data_set=data_set.name,
@@ -151,6 +154,8 @@ def _diagnosed(conditions: Ready, s: Searched, seed: int, watch: Watch, budget_s
         trials=tuple(
             TrialTrajectories(
                 name=t.name,
+                run=s.runs[i],
+                data_set=places[problem.member_of[i]],
                 held_out=i in held,
                 t_s=t.t_s,
                 measured=t.pose,
@@ -165,6 +170,7 @@ def _diagnosed(conditions: Ready, s: Searched, seed: int, watch: Watch, budget_s
         remarks=(
             *(cut_short(budget_s) if was_cut else ()),
             *of_the_clock(data_set, checked, final, s.candidates),
+            *of_noise(data_set.members),
             *of_one_run(len(data_set.trials)),
             *of_pieces(state),
             *of_the_fit(final, events, turns, phased=checked.phased, held=len(held) > 0),

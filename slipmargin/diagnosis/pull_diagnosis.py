@@ -172,8 +172,14 @@ def diagnose_pulls(
         remarks=(
             *(cut_short(budget_s) if was_cut else ()),
             *_remarks(problem, state, unseen, repeated, taken=taken),
+            *of_unused(data_set),
         ),
     )
+
+
+def of_unused(data_set: DataSet) -> tuple[str, ...]:
+    """What the file of a data set of pulls alone says of runs."""
+    return tuple(f"{said} has no effect: the data set holds pulls and no runs." for said in data_set.unused)
 
 
 def _scatter(problem: PullProblem, found: Fit) -> float:

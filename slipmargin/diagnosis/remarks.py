@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from slipmargin.data.data_set import DataSet
+from collections.abc import Sequence
+
+from slipmargin.data.data_set import DataSet, Member
 from slipmargin.data.jitter import jitter
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit
@@ -28,6 +30,17 @@ def of_the_clock(
     if final is not None and checked.state is not None:
         said += mimics(checked.problem.as_seen_in(checked.state.view), final, candidates)
     return said if found is None else (*said, found.sentence)
+
+
+def of_noise(members: Sequence[Member]) -> tuple[str, ...]:
+    """That noise which only some data sets of a campaign state was not used."""
+    stated, others = ([m.name for m in members if m.noise_stated is some] for some in (True, False))
+    if not stated or not others:
+        return ()
+    return (
+        f"The noise that [sigma] states in {' and '.join(stated)} was not used: none is stated in "
+        f"{' and '.join(others)}, so that of all runs was estimated. State it in each data set.",
+    )
 
 
 def of_one_run(runs: int) -> tuple[str, ...]:

@@ -168,9 +168,15 @@ class Step:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TrialTrajectories:
-    """One trial for the plots: times (T,), measured, predicted before and after (T, 3)."""
+    """One trial for the plots: times (T,), measured, predicted before and after (T, 3).
+
+    ``run`` is the number of the run that it is, or is cut from; ``data_set`` is where the data set of that
+    run was read, or its name.
+    """
 
     name: str
+    run: int
+    data_set: str
     held_out: bool
     t_s: Array
     measured: Array

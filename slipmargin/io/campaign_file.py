@@ -95,10 +95,17 @@ def _loadings(top: Table) -> dict[str, dict[str, float]]:
     return found
 
 
+def _file_name(place: str, name: str) -> str:
+    """The name of a data set, after which its corrected robot file is called."""
+    if name in ("", ".", "..") or not name.isprintable() or any(c in name for c in "/\\"):
+        raise InputError(place, f"is {name!r}, which is no plain file name", "give a name without / and \\")
+    return name
+
+
 def _part(row: Table, beside: Path, changes: dict[str, dict[str, float]]) -> Part:
     folder = beside / row.text("path")
     data_set = read_data_set(folder)
-    name = row.text("name") if row.has("name") else data_set.name
+    name = _file_name(row.at("name"), row.text("name") if row.has("name") else data_set.name)
     floor = row.text("floor") if row.has("floor") else data_set.surface
     loading = row.text("loading") if row.has("loading") else _LOADING
     instrument = row.text("instrument") if row.has("instrument") else _INSTRUMENT

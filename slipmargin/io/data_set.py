@@ -52,6 +52,7 @@ def read_data_set(folder: Path | str) -> DataSet:
             raise InputError("wheel_signal", "is missing", 'write wheel_signal = "measured" or "commanded"')
         if pulls is None and sigma_N is not None:
             raise InputError("sigma.force_N", "is given without pulls.csv", "remove it or add pulls.csv")
+        of_runs = {"wheel_signal": signal, "nominal_rate_Hz": rate, "[sigma] of the pose": sigma}
         return DataSet(
             name=folder.resolve().name,
             recipe=recipe,
@@ -61,6 +62,8 @@ def read_data_set(folder: Path | str) -> DataSet:
             sigma=sigma,
             pulls=pulls,
             nominal_rate_Hz=rate,
+            folder=str(folder),
+            unused=() if trials else tuple(key for key, said in of_runs.items() if said is not None),
         )
     except InputError as fault:
         raise fault if fault.source else fault.in_file(str(path)) from None

@@ -20,8 +20,9 @@ def _small_files(data_set: DataSet, comment: str) -> dict[str, str]:
         "schema = 1",
         'robot = "robot.toml"',
         f"surface = {quoted(data_set.surface)}",
-        f'wheel_signal = "{data_set.wheel_signal.value}"',
     ]
+    if data_set.trials:
+        head.append(f'wheel_signal = "{data_set.wheel_signal.value}"')
     if data_set.nominal_rate_Hz is not None:
         head.append(f"nominal_rate_Hz = {data_set.nominal_rate_Hz!r}")
     pulls = data_set.pulls

@@ -24,15 +24,18 @@ WHEEL_COLUMNS = {
     "omega_cmd": "omega{i}_cmd_rad_s",
     "current": "current{i}_A",
 }
+#: Times of a nominal rate are off it by this share of a row at most: they were rounded when written.
+_OFF_NOMINAL = 0.01
 
 
 def read_trial(path: Path, wheels: int, rate_Hz: float | None = None) -> Record:
-    """One run as the contract writes it; at a nominal rate [Hz] rows need no time.
+    """One run as the contract writes it; at a nominal rate [Hz] rows need no time, and have no other one.
 
     Raises
     ------
     InputError
-        If a column is unknown or missing, a cell is no number, or time does not increase.
+        If a column is unknown or missing, a cell is no number, time does not increase, or is not that of
+        the nominal rate.
     """
     named = {
         field: [pattern.format(i=i + 1) for i in range(wheels)] for field, pattern in WHEEL_COLUMNS.items()
@@ -41,10 +44,8 @@ def read_trial(path: Path, wheels: int, rate_Hz: float | None = None) -> Record:
     empty = [*_POSE, *known]
     required = _POSE if rate_Hz is not None else ("t_s", *_POSE)
     table = read_columns(path, required=required, known=[*known, "t_s"], empty=empty, least=2)
-    if rate_Hz is not None and "t_s" not in table.names:
-        time = np.arange(len(table.values)) / rate_Hz
-    else:
-        time = table["t_s"]
+    nominal = None if rate_Hz is None else np.arange(len(table.values)) / rate_Hz
+    time = table["t_s"] if nominal is None or "t_s" in table.names else nominal
     signals: dict[str, Any] = {}
     for field, names in named.items():
         if any(name in table.names for name in names):
@@ -59,6 +60,12 @@ def read_trial(path: Path, wheels: int, rate_Hz: float | None = None) -> Record:
                 f"{table.lines[row]}:{column}",
                 f"the time {time[row]:g} s does not come after the row before",
                 "time must increase from row to row",
+            )
+        if nominal is not None and np.max(np.abs(time - time[0] - nominal)) * rate_Hz > _OFF_NOMINAL:
+            raise InputError(
+                f"1:{table.names.index('t_s') + 1}",
+                f"t_s has other times than nominal_rate_Hz = {rate_Hz:g} in dataset.toml",
+                "remove nominal_rate_Hz if rows were stamped, else the column t_s",
             )
         return Record(name=path.stem, t_s=time, pose=table.stack(_POSE), **signals)
     except InputError as fault:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from slipmargin.diagnosis.campaign import MemberResult
 from slipmargin.diagnosis.result import Diagnosis, Finding
-from slipmargin.report.diagnosis_words import number
-from slipmargin.report.page import Section, Table
+from slipmargin.report.diagnosis_words import number, pulls_sentence
+from slipmargin.report.page import Section, Table, Text
 
 _LOAD = "load_fraction_"
 
@@ -28,6 +29,7 @@ def lines(diagnosis: Diagnosis, members: Sequence[MemberResult]) -> list[str]:
             f"data set {m.member.name}: floor {m.member.floor}, loading {m.member.loading}, instrument "
             f"{m.member.instrument}; {_errors(m)}"
         )
+        told += [f"         {sentence}" for sentence in _pulls(m)]
     for finding in diagnosis.findings:
         shown = ", ".join(
             f"{s.data_set} (chi {s.chi_without:.3g} without, {s.chi_with:.3g} with it)"
@@ -52,17 +54,40 @@ def _mass(finding: Finding, members: Sequence[MemberResult]) -> float:
 def _errors(m: MemberResult) -> str:
     one, two = m.drift_before, m.drift_after
     return (
-        f"{m.judged} runs held out: displacement {100 * one.displacement:.3g} → "
+        f"{_judged(m)}: displacement {100 * one.displacement:.3g} → "
         f"{100 * two.displacement:.3g} %, heading {np.rad2deg(one.heading_rad):.3g} → "
         f"{np.rad2deg(two.heading_rad):.3g} deg"
     )
 
 
+def _judged(m: MemberResult) -> str:
+    """The runs whose errors are told."""
+    if not m.judged:
+        return f"no run held out, errors of {m.runs} searched"
+    return "1 run held out" if m.judged == 1 else f"{m.judged} runs held out"
+
+
+def _pulls(m: MemberResult) -> tuple[str, ...]:
+    """What the pull tests of a data set say, or why they say nothing."""
+    if m.pulls is None:
+        return m.missing
+    return (f"{m.member.name}: {pulls_sentence(m.pulls)}",)
+
+
 def section(diagnosis: Diagnosis, members: Sequence[MemberResult]) -> Section:
     """The campaign's part of the page."""
     sets = Table(
-        caption="The data sets and their errors over whole runs that were held out",
-        head=("Data set", "Floor", "Loading", "Instrument", "Runs", "Displacement [%]", "Heading [deg]"),
+        caption="The data sets and their errors over whole runs",
+        head=(
+            "Data set",
+            "Floor",
+            "Loading",
+            "Instrument",
+            "Runs",
+            "Errors of",
+            "Displacement [%]",
+            "Heading [deg]",
+        ),
         rows=tuple(
             (
                 m.member.name,
@@ -70,6 +95,7 @@ def section(diagnosis: Diagnosis, members: Sequence[MemberResult]) -> Section:
                 m.member.loading,
                 m.member.instrument,
                 str(m.runs),
+                _judged(m),
                 f"{100 * m.drift_before.displacement:.3g} → {100 * m.drift_after.displacement:.3g}",
                 f"{np.rad2deg(m.drift_before.heading_rad):.3g} → {np.rad2deg(m.drift_after.heading_rad):.3g}",
             )
@@ -86,8 +112,9 @@ def section(diagnosis: Diagnosis, members: Sequence[MemberResult]) -> Section:
         for f in diagnosis.findings
     )
     head = ("Effect", "Belongs to", "Parameters", "chi without → with it")
-    blocks = (sets, Table(caption="What was found, where, and who shows it", head=head, rows=rows))
-    return Section(heading="The campaign", blocks=blocks if rows else (sets,))
+    found = Table(caption="What was found, where, and who shows it", head=head, rows=rows)
+    pulls = tuple(Text(text=sentence) for m in members for sentence in _pulls(m))
+    return Section(heading="The campaign", blocks=(sets, *pulls, *((found,) if rows else ())))
 
 
 def as_json(diagnosis: Diagnosis, members: Sequence[MemberResult]) -> dict[str, Any]:
@@ -101,8 +128,10 @@ def as_json(diagnosis: Diagnosis, members: Sequence[MemberResult]) -> dict[str, 
                 "instrument": m.member.instrument,
                 "runs": m.runs,
                 "judged": m.judged,
+                "errors_of": "held-out runs" if m.judged else "searched runs",
                 "before": _row(m, after=False),
                 "after": _row(m, after=True),
+                **({} if m.pulls is None else {"pulls": asdict(m.pulls)}),
             }
             for m in members
         ],

@@ -93,9 +93,8 @@ def open_questions(diagnosis: Diagnosis) -> bool:
 def next_run_command(diagnosis: Diagnosis) -> str:
     """The command that proposes the runs to drive next; of a campaign for the data set that fits worst."""
     noise = diagnosis.noise
-    left = {t.name: float(np.nansum(((t.measured - t.after) / noise) ** 2)) for t in diagnosis.trials}
-    worst = max(left, key=left.__getitem__, default="")
-    return f"slipmargin next-run {shlex.quote(worst.rpartition('/')[0] or diagnosis.data_set)}"
+    worst = max(diagnosis.trials, key=lambda t: float(np.nansum(((t.measured - t.after) / noise) ** 2)))
+    return f"slipmargin next-run {shlex.quote(worst.data_set)}"
 
 
 def _named(finding: Finding) -> str:

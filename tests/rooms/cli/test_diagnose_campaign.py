@@ -44,7 +44,8 @@ def test_a_campaign_says_on_which_floor_an_effect_is_and_who_shows_it(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert status(["diagnose", str(folder), "--out", str(folder / "report")]) == 0
-    assert "belongs to floor oily" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "belongs to floor oily" in told
     report = json.loads((folder / "report" / "report.json").read_text(encoding="utf-8"))
     assert report["verdict"] == "effect-found"
     row = next(g for g in report["campaign"]["groups"] if g["effect"] == "friction_coefficients")

@@ -70,6 +70,18 @@ def test_each_fault_is_named(change: Callable[[Record], Record], cause: str) -> 
     assert told.count("\n") == 0 and "likely cause" in told  # one line, and no other suspicion
 
 
+def test_runs_with_one_pose_each_are_named() -> None:
+    """Nothing could be compared, and the answer was that no effect is missing."""
+    told = spoilt(with_one_pose)
+    assert "only one pose was measured" in told and "(and 7 more)" in told
+
+
+def with_one_pose(record: Record) -> Record:
+    pose = np.array(record.pose)
+    pose[1 + int(np.argmax(record.seen)) :] = np.nan
+    return replace(record, pose=pose)
+
+
 def test_one_line_a_fault_however_many_trials() -> None:
     assert "(and 7 more)" in spoilt(lambda r: replace(r, t_s=1000.0 * r.t_s))
 
@@ -93,4 +105,5 @@ def test_without_wheels_only_the_clock_is_judged() -> None:
     )
     assert check_data_set(replace(good, trials=bare, wheel_signal=WheelSignal.COMMANDED)) != ()
     still = tuple(replace(t, pose=0.0 * t.pose) for t in bare)
-    assert check_data_set(replace(good, trials=still, wheel_signal=WheelSignal.COMMANDED)) == ()
+    (found,) = check_data_set(replace(good, trials=still, wheel_signal=WheelSignal.COMMANDED))
+    assert "nothing moves in any run" in str(found), "it was called a model that misses nothing"

@@ -290,3 +290,16 @@ def test_several_faults_at_once() -> None:
         "jumping_frames",
     ]
     assert worst(found, good(), lambda r: r.t_s) < 0.003
+
+
+def test_a_run_with_one_pose_is_left_out_and_said() -> None:
+    data = good(1)
+    pose = np.array(data.trials[1].pose)
+    pose[1:] = np.nan
+    trials = (data.trials[0], replace(data.trials[1], pose=pose), *data.trials[2:])
+    found = repaired(replace(data, trials=trials))
+    assert [t.name for t in found.data_set.trials] == [t.name for t in (data.trials[0], *data.trials[2:])]
+    assert [(r.kind, r.runs) for r in found.repairs] == [("single_poses", (data.trials[1].name,))]
+    assert data.trials[1].name in found.repairs[0].sentence
+    alone = repaired(replace(data, trials=(trials[1],))).data_set
+    assert len(alone.trials) == 1, "the check names it"

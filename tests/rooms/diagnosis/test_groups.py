@@ -6,17 +6,23 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from diagnoses import diagnosis, wheel_loads
 from planting import Plant, planted, smooth_kiwi
 
 from slipmargin.checks import Array
 from slipmargin.data.campaign import Part, joined
 from slipmargin.data.data_set import DataSet, Member
+from slipmargin.data.pulls import Pulls
+from slipmargin.diagnosis import campaign
+from slipmargin.diagnosis.campaign import by_group, shown_in
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.data_problem import problem_of
+from slipmargin.diagnosis.events import cut_apart, with_measured_velocity
 from slipmargin.diagnosis.evidence import intervals
 from slipmargin.diagnosis.fit import Fit, fit, limits_of
 from slipmargin.diagnosis.groups import groups_of, in_groups, scope_of
 from slipmargin.diagnosis.left_out import leave_one_out
+from slipmargin.diagnosis.result import Event, Verdict
 from slipmargin.effects import AnyEffect, Scope, Trace
 from slipmargin.effects.camera_delay import CameraDelay
 from slipmargin.effects.clock_rate import ClockRate
@@ -24,6 +30,8 @@ from slipmargin.effects.confined import Confined, acting
 from slipmargin.effects.friction_coefficients import FrictionCoefficients
 from slipmargin.effects.wheel_loads import WheelLoads
 from slipmargin.effects.wheel_radius import WheelRadius
+from slipmargin.errors import NoSolution
+from slipmargin.report import campaign as report
 
 
 def data(seed: int, *effects: AnyEffect, count: int = 4) -> DataSet:
@@ -175,3 +183,56 @@ def test_a_stamped_clock_that_is_hardly_off_is_friction_that_is_off(factor: floa
             evaluations=0,
         )
         assert (not found.at_bound()) is (makes_sense or not timed)
+
+
+def test_the_evidence_of_a_data_set_is_that_of_its_runs_cut_at_events() -> None:
+    """A camera that jumped by 80 mm made chi 27 with an effect that explains all but the jump."""
+    slick = FrictionCoefficients(drive_factor=0.6, transverse_factor=0.6)
+    whole = joined("both", [part(n, data(k, slick, count=2)) for k, n in enumerate(("one", "two"), 5)])
+    last = whole.trials[-1]
+    pose = np.array(last.pose)
+    pose[250:, 0] += 0.08
+    whole = replace(whole, trials=(*whole.trials[:-1], replace(last, pose=pose)))
+    jump = Event(trial=last.name, t_s=float(last.t_s[250]), channel="x", size_sigma=100.0)
+    records, runs = cut_apart(whole.trials, [jump])
+    assert len(records) == 5
+    problem = with_measured_velocity(problem_of(whole, records, runs), runs)
+    (found,) = shown_in(problem, runs, whole.members, (wheel_loads(effect=slick),))
+    assert [(s.data_set, s.runs) for s in found.shown_by] == [("one", 2), ("two", 2)]
+    assert all(s.chi_with < 1.5 < 3.0 < s.chi_without for s in found.shown_by)
+    assert shown_in(problem, runs, (), (found,)) == (found,), "no campaign"
+
+
+def test_runs_that_were_searched_are_not_called_held_out_and_pulls_are_compared() -> None:
+    drawn = diagnosis(Verdict.UNEXPLAINED)
+    names = ("one/a", "one/b (0.00–1.00 s)", "one/b (1.20–3.00 s)", "two/a", "two/b", "two/c")
+    trials = tuple(
+        replace(t, name=n, run=r) for t, n, r in zip(drawn.trials, names, (0, 1, 1, 2, 3, 4), strict=True)
+    )
+    pulls = Pulls(phi_rad=np.array([0.0, 1.0]), force_N=np.array([5.0, 5.2]))
+    sets = [part("one", replace(data(5, count=2), pulls=pulls)), part("two", data(6, count=3))]
+    one, two = by_group(joined("both", sets).members, replace(drawn, trials=trials))[1]
+    assert (one.runs, one.judged, two.runs, two.judged) == (2, 0, 3, 3)
+    assert one.before.chi > 1.0, "errors of the runs that were searched"
+    assert one.pulls is not None and one.pulls.count == 2 and two.pulls is None
+    said = report.lines(drawn, (one, two))
+    assert "no run held out, errors of 2 searched" in said[0] and "one: 2 pull tests" in said[1]
+    assert "; 3 runs held out: " in said[2]
+    rows = report.as_json(drawn, (one, two))["data_sets"]
+    assert [r["errors_of"] for r in rows] == ["searched runs", "held-out runs"]
+    assert rows[0]["judged"] == 0 and rows[0]["pulls"]["count"] == 2 and "pulls" not in rows[1]
+    page = str(report.section(drawn, (one, two)))
+    assert "no run held out, errors of 2 searched" in page and "2 pull tests" in page
+
+
+def test_pulls_of_a_member_that_cannot_be_compared_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*_: object) -> None:
+        raise NoSolution("pull", "none", "none")
+
+    monkeypatch.setattr(campaign, "pull_check", fails)
+    pulls = Pulls(phi_rad=np.zeros(1), force_N=np.ones(1))
+    members = joined("x", [part("one", replace(data(5, count=1), pulls=pulls))]).members
+    drawn = diagnosis(Verdict.UNEXPLAINED)
+    trials = tuple(replace(t, name=f"one/{t.name}") for t in drawn.trials)
+    (one,) = by_group(members, replace(drawn, trials=trials))[1]
+    assert "the comparison with pulls of one" in report.lines(drawn, (one,))[1]

@@ -201,6 +201,8 @@ def test_a_folder_of_pulls_is_diagnosed_from_end_to_end(tmp_path: Path) -> None:
     """The front door: runs absent, everything written, the corrected file read again."""
     tilted = robot().with_effects(planted("floor_tilt", tilt_x_rad=0.02, tilt_y_rad=-0.01))
     write_data_set(tmp_path / "set", data_set(robot(), replace(pulled(tilted), sigma_N=0.06)))
+    head = tmp_path / "set" / "dataset.toml"
+    head.write_text("nominal_rate_Hz = 3.0\n" + head.read_text(encoding="utf-8"), encoding="utf-8")
     assert not (tmp_path / "set" / "trials").exists()
     found = sm.diagnose(tmp_path / "set")
     assert found.verdict == "effect-found"
@@ -213,6 +215,7 @@ def test_a_folder_of_pulls_is_diagnosed_from_end_to_end(tmp_path: Path) -> None:
     assert report["noise"] == {"force_N": 0.06} and not report["noise_estimated"]
     assert [e.name for e in read_recipe(tmp_path / "out" / "corrected.toml").effects] == ["floor_tilt"]
     assert any(line.startswith("next ") for line in found.lines())
+    assert "note     nominal_rate_Hz has no effect: the data set holds pulls and no runs." in found.lines()
 
 
 def test_friction_over_load_has_a_band_at_many_orientations() -> None:

@@ -107,9 +107,9 @@ def test_a_diagnosis_names_the_command_where_something_is_open(
 def test_of_a_campaign_the_command_names_the_data_set_that_fits_worst() -> None:
     """next-run takes no campaign, and the report named one: "slipmargin next-run two floors"."""
     found = diagnosis(Verdict.UNEXPLAINED)
-    near, far = (replace(found.trials[0], name=f"{part}/one") for part in ("table", "gray floor"))
+    near, far = (replace(found.trials[0], data_set=f"runs/{part}") for part in ("table", "gray floor"))
     far = replace(far, after=far.after + 1.0)
-    assert next_run_command(replace(found, trials=(near, far))) == "slipmargin next-run 'gray floor'"
+    assert next_run_command(replace(found, trials=(near, far))) == "slipmargin next-run 'runs/gray floor'"
 
 
 def test_a_run_on_the_spot_says_how_fast_it_turns() -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from planting import planted, smooth_kiwi
 
+from slipmargin.diagnosis.remarks import of_noise
 from slipmargin.errors import InputError
 from slipmargin.io.campaign_file import campaign_file, read_joined
 from slipmargin.io.data_set import read_data_set
@@ -69,6 +70,35 @@ def test_a_fault_is_named_with_its_place(folder: Path, text: str, place: str) ->
     with pytest.raises(InputError, match=place) as fault:
         read_joined(written(folder, text))
     assert "campaign.toml" in str(fault.value) or "nowhere" in str(fault.value)
+
+
+@pytest.mark.parametrize("name", ["../../outside", "a/b", "a\\\\b", "..", ".", "a\\nb"])
+def test_the_name_of_a_data_set_is_a_plain_file_name(folder: Path, name: str) -> None:
+    """A report wrote corrected-NAME.toml, and with name = "../../corrected" over a file of somebody else."""
+    path = written(folder, f'[[data_set]]\npath = "gray"\nname = "{name}"')
+    with pytest.raises(InputError, match=r"campaign.toml.*data_set\[1\].name.*no plain file name"):
+        read_joined(path)
+
+
+def test_members_keep_their_place_their_pulls_and_whether_noise_is_stated(folder: Path) -> None:
+    (folder / "gray" / "pulls.csv").write_text("phi_rad,force_N\n0.0,5.0\n", encoding="utf-8")
+    head = folder / "load" / "dataset.toml"
+    head.write_text(head.read_text(encoding="utf-8").split("[sigma]")[0], encoding="utf-8")
+    one, two = read_joined(written(folder, TWO)).members
+    assert (one.folder, two.folder) == (str(folder / "gray"), str(folder / "load"))
+    assert one.pulls is not None and one.pulls.force_N.tolist() == [5.0] and two.pulls is None
+    said = of_noise((one, two))
+    assert len(said) == 1 and "states in gray was not used: none is stated in load" in said[0]
+    assert of_noise((one, one)) == of_noise((two, two)) == ()
+
+
+def test_a_nominal_rate_beside_other_times_is_refused(tmp_path: Path) -> None:
+    """The report said that rows have no time stamps, though all had."""
+    write_data_set(tmp_path / "d", planted(smooth_kiwi(), None, 3, count=1, duration_s=0.5, rate_hz=50.0))
+    head = tmp_path / "d" / "dataset.toml"
+    head.write_text("nominal_rate_Hz = 17.0\n" + head.read_text(encoding="utf-8"), encoding="utf-8")
+    with pytest.raises(InputError, match=r"trial00.csv: 1:1: t_s has other times than nominal_rate_Hz = 17"):
+        read_data_set(tmp_path / "d")
 
 
 def test_a_log_without_time_stamps_says_its_nominal_rate(tmp_path: Path) -> None:

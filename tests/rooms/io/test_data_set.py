@@ -14,6 +14,7 @@ from hypothesis import given, settings, strategies as st
 from slipmargin.data.data_set import DataSet, WheelSignal
 from slipmargin.data.pulls import Pulls
 from slipmargin.data.record import Record
+from slipmargin.diagnosis.pull_diagnosis import of_unused
 from slipmargin.errors import InputError
 from slipmargin.io.data_set import read_data_set
 from slipmargin.io.data_set_write import check_data_set_place, write_data_set
@@ -296,6 +297,17 @@ def test_a_data_set_may_hold_pulls_alone(tmp_path: Path) -> None:
     assert again is not None and again.sigma_N == 0.05
     for key in ("phi_rad", "force_N", "direction_rad", "point_m", "height_m"):
         np.testing.assert_array_equal(getattr(again, key), getattr(read.pulls, key))
+
+
+def test_what_a_file_of_pulls_alone_says_of_runs_is_answered(tmp_path: Path) -> None:
+    head = HEAD + "nominal_rate_Hz = 3.0\n[sigma]\nx_m = 0.001\ny_m = 0.001\nphi_rad = 0.002\n"
+    read = read_data_set(folder(tmp_path, head, None, pulls="phi_rad,force_N\n0.5,4.5\n"))
+    assert read.unused == ("wheel_signal", "nominal_rate_Hz", "[sigma] of the pose")
+    assert of_unused(read)[0] == "wheel_signal has no effect: the data set holds pulls and no runs."
+    (tmp_path / "runs").mkdir()
+    assert read_data_set(folder(tmp_path / "runs", HEAD)).unused == ()
+    write_data_set(tmp_path / "copy", replace(read, sigma=None, nominal_rate_Hz=None))
+    assert read_data_set(tmp_path / "copy").unused == ()
 
 
 @pytest.mark.parametrize(
