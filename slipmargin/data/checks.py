@@ -82,7 +82,7 @@ def _clock(trial: Record) -> list[Finding]:
         found.append(
             Finding(
                 place=f"{trial.name}: t_s",
-                problem=f"the clock jumps by {step[gap]:.4g} s at {trial.t_s[gap]:.4g} s",
+                problem=f"the clock jumps by {step[gap]:.4g} s at {trial.t_s[gap]:.2f} s",
                 cause="two runs in one file or a clock that was set; cut the file there",
             )
         )

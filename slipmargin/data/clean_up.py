@@ -78,7 +78,7 @@ def _refuse_ages(data_set: DataSet) -> None:
         if even > SETTINGS.sparse * len(trial.t_s):
             gap = int(np.argmax(step))
             cure = (
-                f"correct or cut out the time at {trial.t_s[gap]:.4g} s, where it jumps by {step[gap]:.3g} s"
+                f"correct or cut out the time at {trial.t_s[gap]:.2f} s, where it jumps by {step[gap]:.3g} s"
             )
             allow(f"{trial.name}: t_s", even, ROWS, "rows on an even clock", cure)
 

@@ -21,7 +21,7 @@ def from_zero(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
         start = float(record.t_s[0])
         if abs(start) < SETTINGS.epoch_s:
             return record, 0.0
-        return replace(record, t_s=record.t_s - start), start
+        return record.restamped(record.t_s - start), start
 
     return run_by_run(
         data_set,
@@ -58,7 +58,7 @@ def regular(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
         grid = _grid(record)
         if grid is None:
             return record, 0.0
-        return replace(record, t_s=grid), float(np.sqrt(np.mean((record.t_s - grid) ** 2)))
+        return record.restamped(grid), float(np.sqrt(np.mean((record.t_s - grid) ** 2)))
 
     return run_by_run(
         data_set,

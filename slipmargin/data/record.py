@@ -118,6 +118,13 @@ class Record:
         }
         return replace(self, t_s=self.t_s[rows], pose=self.pose[rows], began_s=self.start_s, **cut)
 
+    def restamped(self, t_s: Array) -> Record:
+        """The same samples at other times (T,) [s]; when the run began moves in proportion."""
+        if self.began_s is None:
+            return replace(self, t_s=t_s)
+        rate = float(t_s[-1] - t_s[0]) / self.duration_s
+        return replace(self, t_s=t_s, began_s=float(t_s[0]) - rate * float(self.t_s[0] - self.began_s))
+
     @property
     def start_s(self) -> float:
         """When the run began [s], which this may be cut from."""

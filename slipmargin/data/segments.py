@@ -45,7 +45,7 @@ def segments(record: Record, length_s: float, lead_s: float = SETTINGS.lead_s) -
             f: None if (value := getattr(record, f)) is None else value[rows] for f in WHEEL_SIGNALS
         }
         name = f"{record.name}_{k:03d}"
-        found.append(replace(record, name=name, t_s=t[rows] - t[rows[0]], pose=pose, **signals))
+        found.append(replace(record, name=name, t_s=t[rows] - t[rows[0]], pose=pose, began_s=None, **signals))
     return tuple(found)
 
 

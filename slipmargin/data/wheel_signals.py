@@ -93,7 +93,7 @@ def _unwrap(angle: Array, expected: Array) -> tuple[Array, int]:
 
 
 def known_throughout(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
-    """Runs from the first row to the last at which every wheel is known: beyond, it may have done anything."""
+    """Runs from the first row to the last at which every wheel is known: what it did beyond is not said."""
     return run_by_run(
         data_set,
         _known_throughout,
@@ -174,7 +174,7 @@ def speeds_agree(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
     error = max(error, float(np.ptp(factor)) / len(factor))
     if abs(pooled - 1.0) < max(SETTINGS.clock_least, SETTINGS.clock_errors * error):
         return data_set, ()
-    changed = tuple(replace(t, t_s=t.t_s[0] + pooled * (t.t_s - t.t_s[0])) for t in data_set.trials)
+    changed = tuple(t.restamped(t.t_s[0] + pooled * (t.t_s - t.t_s[0])) for t in data_set.trials)
     return replace(data_set, trials=changed), (
         Repair(
             kind="clock_rate",
@@ -238,9 +238,13 @@ def _fine(record: Record) -> tuple[Record, float]:
 
 
 def tick(angle: Array) -> float:
-    """The step of an encoder [rad] of which all changes of its angle are multiples; 0 where there is none."""
+    """The step of an encoder [rad] of which all changes of its angle are multiples; 0 where there is none.
+
+    Equal changes in a row are one piece of evidence: a wheel that turns evenly makes them without ticks.
+    """
     step = np.abs(np.diff(angle[np.isfinite(angle)]))
-    step = step[step > 1e-5]
+    other = np.append(True, np.abs(np.diff(step)) > 1e-5)[: len(step)]
+    step = step[other & (step > 1e-5)]
     if len(step) < 8:
         return 0.0
     size = float(step.min())

@@ -101,6 +101,8 @@ def leads(
     is, said to be weak.  What was found is no lead.
     """
     rows = [] if last is None else followed(last)
+    # one run is a fold of its own: nothing is left out of any fit
+    one_run = last is not None and len(last.before.parts) == 1
     best: dict[Trace, Followed] = {}
     for row in rows:
         best.setdefault(row.trace, row)
@@ -124,7 +126,8 @@ def leads(
     def of_fit(row: Followed) -> Lead:
         no = borne_out.get(row.label) or refused.get(row.label)
         source = LeadSource.FIT if no is None else LeadSource.REJECTED
-        by = f"by {100.0 * (1.0 - np.sqrt(1.0 - row.share)):.0f} % on the runs it was searched with"
+        searched = "the run" if one_run else "the runs"
+        by = f"by {100.0 * (1.0 - np.sqrt(1.0 - row.share)):.0f} % on {searched} it was searched with"
         if no is not None and row.label in borne_out:
             source = LeadSource.BORNE_OUT
             by = f"on runs it was not fitted to from {no.chi_before:.3g} to {no.chi_after:.3g}"
@@ -146,9 +149,10 @@ def leads(
                 Lead(
                     traced_to=entry.traced_to,
                     source=LeadSource.MAP,
-                    why=f"{entry.form} takes {100.0 * entry.share:.2g} % off the squared residual of runs "
-                    f"left out (p = {entry.p_value:.2g} among all candidates)"
-                    + _of_runs(best.get(entry.traced_to), entry.form),
+                    why=f"{entry.form} takes {100.0 * entry.share:.2g} % off the squared residual of "
+                    f"{'the one run, which it was fitted to' if one_run else 'runs left out'} "
+                    f"(p = {entry.p_value:.2g} among all candidates)"
+                    + _of_runs(best.get(entry.traced_to), entry.form, one_run),
                     next_run=TRIALS[entry.traced_to],
                     share=entry.share,
                     p_value=entry.p_value,
@@ -177,7 +181,7 @@ def leads(
                 traced_to=entry.traced_to,
                 source=LeadSource.MAP,
                 why=f"weak: nothing stands out; {entry.form} comes nearest (p = {entry.p_value:.2g} among all"
-                " candidates)" + _of_runs(best.get(entry.traced_to), entry.form),
+                " candidates)" + _of_runs(best.get(entry.traced_to), entry.form, one_run),
                 next_run=TRIALS[entry.traced_to],
                 share=entry.share,
                 p_value=entry.p_value,
@@ -192,16 +196,18 @@ def _least_share() -> float:
     return 1.0 - (1.0 - SETTINGS.least_lead) ** 2
 
 
-def _of_runs(row: Followed | None, form: str) -> str:
+def _of_runs(row: Followed | None, form: str, one_run: bool) -> str:
     if row is None:
         return ""
-    return f"; {'' if row.label == form else f'{row.label}: '}{_counted(row)}"
+    return f"; {'' if row.label == form else f'{row.label}: '}{_counted(row, one_run)}"
 
 
-def _counted(row: Followed) -> str:
-    """How many runs a candidate predicts better and worse."""
+def _counted(row: Followed, one_run: bool) -> str:
+    """How many runs a candidate predicts better and worse; of one run what it does to its chi."""
     by = 100.0 * (1.0 - np.exp(-row.gain))
     change = f"{by:.0f} % lower" if by >= 0.0 else f"{-by:.0f} % higher"
+    if one_run:
+        return f"its chi gets {change}"
     return (
         f"of the runs left out {row.better} get clearly better, {row.worse} worse, chi {change} in the mean"
     )

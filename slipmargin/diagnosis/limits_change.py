@@ -16,6 +16,7 @@ from slipmargin.effects import Recipe
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.limits.band import band
 from slipmargin.limits.bounds import directions
+from slipmargin.limits.friction import floor_has_directions
 from slipmargin.limits.motion_state import Contact
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.sweep import limit_or_zero
@@ -29,6 +30,9 @@ _PULLS = ("f_max_N", "f_low_N", "f_high_N")
 _ACCELERATIONS = ("start_m_s2", "brake_m_s2", "start_worst_m_s2", "brake_worst_m_s2")
 #: Orientations of the pull and directions of motion, one degree and five degrees apart.
 _ORIENTATIONS, _DIRECTIONS = 360, 72
+#: Directions in which a floor that has some lies under the robot, ten degrees apart: a cosine misses its
+#: extreme by at most 0.4 % of its size.
+_FLOORS = 36
 
 
 @final
@@ -41,7 +45,8 @@ class Limits:
     f_max_N, f_low_N, f_high_N : (360,)
         F_emax at every degree of orientation, all wheels on rollers, and lowest and highest over what
         the wheels may stand on [N]; 0 where the robot slips without any pull, not a number where it could
-        not be computed.
+        not be computed.  Where the floor has directions each is the least (``f_high_N``: the greatest) over
+        them, the pull's direction on the body held.
     start_m_s2, brake_m_s2, start_worst_m_s2, brake_worst_m_s2 : (72,)
         Greatest acceleration, and deceleration, along a direction of motion every five degrees
         (counted from the body's +x) without turning, all wheels on rollers, and in the worst
@@ -79,7 +84,8 @@ class LimitsChange:
     """The same limits of the believed model and of the corrected one; measured pulls beside both.
 
     ``missing`` says in sentences what could not be computed; the values concerned are not numbers, and
-    ``plan`` is None where it is the plan.
+    ``plan`` is None where it is the plan.  ``floor_directions`` is how many directions of the floor the
+    pulls are the worst of: one where no direction matters.
     """
 
     phi_rad: Array
@@ -90,6 +96,7 @@ class LimitsChange:
     pulls: PullCheck | None = None
     convention: Convention = Convention.PAPER
     missing: tuple[str, ...] = ()
+    floor_directions: int = 1
 
     @property
     def moved(self) -> bool:
@@ -128,6 +135,7 @@ def limits_change(before: Recipe, after: Recipe, surface: str, pulls: Pulls | No
         else tried("the comparison with pulls", missing, lambda: pull_check(believed, corrected, pulls)),
         missing=tuple(missing),
         convention=believed.convention,
+        floor_directions=max(_floors(believed), _floors(corrected)),
     )
 
 
@@ -141,15 +149,29 @@ def tried(what: str, missing: list[str], made: Callable[[], _T]) -> _T | None:
         return None
 
 
+def _floors(model: Model) -> int:
+    """How many directions of the floor a pull is tried along."""
+    return _FLOORS if floor_has_directions(model) else 1
+
+
 def _limits(model: Model, phi: Array, direction: Array, whose: str, missing: list[str]) -> Limits:
-    pull = Pull()
+    # Robot and pull are turned together: the pull acts on the body as before, and the floor lies differently.
+    turns = 2.0 * np.pi * np.arange(_floors(model)) / _floors(model)
+    pulls = [(phi + turn, Pull(direction_rad=float(turn))) for turn in turns]
+
+    def weakest() -> tuple[Array, ...]:
+        return (np.min([limit_or_zero(model, at, pull) for at, pull in pulls], axis=0),)
+
+    def ends() -> tuple[Array, ...]:
+        low, high = zip(*(band(model, at, pull) for at, pull in pulls), strict=True)
+        return np.min(low, axis=0), np.max(high, axis=0)
 
     def asked(what: str, size: int, made: Callable[[], tuple[Array, ...]], count: int) -> tuple[Array, ...]:
         found = tried(f"{what} of {whose}", missing, made)
         return tuple(np.full(size, np.nan) for _ in range(count)) if found is None else found
 
-    (highest,) = asked("the pull limits", _ORIENTATIONS, lambda: (limit_or_zero(model, phi, pull),), 1)
-    low, high = asked("the band of pull limits", _ORIENTATIONS, lambda: tuple(band(model, phi, pull)), 2)
+    (highest,) = asked("the pull limits", _ORIENTATIONS, weakest, 1)
+    low, high = asked("the band of pull limits", _ORIENTATIONS, ends, 2)
     start, brake = asked(
         "the acceleration limits", _DIRECTIONS, lambda: _along(model, direction, Contact.ROLLERS), 2
     )

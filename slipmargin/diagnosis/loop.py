@@ -135,7 +135,7 @@ def _diagnosed(conditions: Ready, s: Searched, seed: int, watch: Watch, budget_s
         noise=problem.sigma,
         noise_estimated=conditions.noise_estimated,
         held_out=tuple(trials[i].name for i in held),
-        cross_validated=not len(held),
+        cross_validated=not len(held) and len(data_set.trials) > 1,
         before=before,
         after=after,
         judgement=checked.judgement,

@@ -198,7 +198,11 @@ class Event:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Diagnosis:
-    """Verdict, findings and evidence of one data set."""
+    """Verdict, findings and evidence of one data set.
+
+    ``held_out`` names the runs set aside before any fit; where none was, ``cross_validated`` says whether
+    each run was predicted with what was fitted to the others.
+    """
 
     data_set: str
     surface: str
@@ -227,3 +231,8 @@ class Diagnosis:
     corrected: Recipe
     remarks: tuple[str, ...]
     repairs: tuple[Repair, ...] = ()
+
+    @property
+    def one_run(self) -> bool:
+        """Whether there is one run alone, so that no fit was judged on another."""
+        return not (self.held_out or self.cross_validated)

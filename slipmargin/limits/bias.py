@@ -48,6 +48,12 @@ def shifts_load(model: Model) -> bool:
     return any(height_m(model, term) != 0.0 for term in model.external.terms)
 
 
+def turns_with_floor(model: Model) -> bool:
+    """Whether an external force at rest depends on how the floor lies under the robot."""
+    terms = [t for t in model.external.terms if _acts(t)]
+    return any(t.frame is Frame.FLOOR or t.variable is Variable.HEADING for t in terms)
+
+
 def bias(model: Model, phi_rad: Array) -> Bias:
     """The external wrench at rest and the loads under it; unknown variables at v = 0."""
     force = _total(model, [t for t in model.external.terms if _acts(t)], None, phi_rad)

@@ -14,7 +14,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array
-from slipmargin.limits.bias import load_extremes, loads_at_rest
+from slipmargin.limits.bias import load_extremes, loads_at_rest, turns_with_floor
 from slipmargin.limits.ranges import span
 from slipmargin.model import Model
 from slipmargin.physics.terms import OF_PLACE, Multiplier, basis_values, place_variable
@@ -28,6 +28,8 @@ _UNKNOWN = (
     Variable.TIME,
     *sorted(OF_PLACE),
 )
+#: What a wheel at rest knows of how the floor lies under it.
+_OF_FLOOR = (Variable.HEADING, Variable.SLIP_HEADING, Variable.SLIP_DIRECTION)
 _COLUMNS = {Target.DRIVE: (0,), Target.TRANSVERSE: (1,), Target.BOTH: (0, 1)}
 
 
@@ -38,6 +40,12 @@ class Extreme(Enum):
     NEUTRAL = "v = 0"
     LOW = "the least friction in the variable's range"
     HIGH = "the most friction in the variable's range"
+
+
+def floor_has_directions(model: Model) -> bool:
+    """Whether friction or a force on the robot at rest depends on how the floor lies under it."""
+    grip = (t for t in model.grip.multipliers if t.target in _COLUMNS)
+    return turns_with_floor(model) or any(t.variable in _OF_FLOOR for t in grip)
 
 
 def coefficients(model: Model, rigid: Array, phi_rad: Array, extreme: Extreme = Extreme.NEUTRAL) -> Array:

@@ -170,7 +170,8 @@ def candidates_figure(diagnosis: Diagnosis) -> Figure:
         grid[0, 0].text(0.5, 0.5, "nothing was tried", ha="center", va="center", color=GREY)
         grid[0, 0].set_axis_off()
         return figure
-    grid[-1, 0].set_xlabel("chi: runs fitted and left out, geometric mean (1 = noise alone)")
+    runs = "the one run" if diagnosis.one_run else "runs fitted and left out, geometric mean"
+    grid[-1, 0].set_xlabel(f"chi: {runs} (1 = noise alone)")
     marks = [
         Line2D([], [], marker="o", ls="none", color=INK, label="named effect"),
         Line2D([], [], marker="o", ls="none", mfc="white", mec=INK, label="general form over one variable"),

@@ -52,7 +52,9 @@ def limits_figure(change: LimitsChange) -> Figure:
         Line2D([], [], color=AFTER, label="corrected"),
     ]
     if any(np.any(o[2] > o[1] * (1 + 1e-6) + 1e-9) for o in (pull[3], start[3], brake[3])):
-        marks.append(Line2D([], [], color=SKY, lw=7, alpha=0.35, label="depends on what the wheels stand on"))
+        floor = " and on the floor's direction" if change.floor_directions > 1 else ""
+        label = f"depends on what the wheels stand on{floor}"
+        marks.append(Line2D([], [], color=SKY, lw=7, alpha=0.35, label=label))
     figure.legend(handles=marks, loc="outside lower center", ncols=3)
     return figure
 

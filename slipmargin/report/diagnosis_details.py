@@ -23,9 +23,11 @@ def limits(change: LimitsChange, images: Mapping[str, Image]) -> tuple[Block, ..
             ),
         )
     b, a = change.before, change.after
+    turned = change.floor_directions > 1
+    floor_too, worst = (" and direction of the floor", ", each in the floor's worst direction")
     rows = (
-        ("Pull, weakest orientation", b.f_max_min_N, a.f_max_min_N, "N"),
-        ("Pull, mean over orientations", b.f_max_mean_N, a.f_max_mean_N, "N"),
+        (f"Pull, weakest orientation{floor_too if turned else ''}", b.f_max_min_N, a.f_max_min_N, "N"),
+        (f"Pull, mean over orientations{worst if turned else ''}", b.f_max_mean_N, a.f_max_mean_N, "N"),
         ("Pull, lowest over what wheels may stand on", float(b.f_low_N.min()), float(a.f_low_N.min()), "N"),
         ("Speeding up, worst direction", float(b.start_m_s2.min()), float(a.start_m_s2.min()), "m/s²"),
         ("Speeding up, mean", float(b.start_m_s2.mean()), float(a.start_m_s2.mean()), "m/s²"),
@@ -62,7 +64,8 @@ def limits(change: LimitsChange, images: Mapping[str, Image]) -> tuple[Block, ..
             image=images["limits"],
             alt="Polar plots of limits before and after",
             caption="Seen from above, forwards is up: the pull at the centre that first makes a wheel "
-            "slip, and the accelerations along a straight line without turning.",
+            f"slip{' in the worst direction of the floor' if turned else ''}, and the accelerations along a "
+            "straight line without turning.",
         ),
     )
 

@@ -16,7 +16,7 @@ NOTICEABLE = 1.15
 
 
 def evidence(d: Diagnosis) -> tuple[Block, ...]:
-    """Before and after on held-out runs, and the test of every finding."""
+    """Before and after on held-out runs, or on the one run there is, and the test of every finding."""
     names = ("position, rms", "heading, rms", "error over noise (chi)")
     b, a = d.before, d.after
     cells = (
@@ -29,9 +29,8 @@ def evidence(d: Diagnosis) -> tuple[Block, ...]:
         for name, (one, two, unit) in zip(names, cells, strict=True)
     )
     if not d.findings:
-        table = Table(
-            caption="Error on held-out runs", head=("error", "value"), rows=tuple(r[:2] for r in rows)
-        )
+        caption = f"Error on {words.judged_on(d)}"
+        table = Table(caption=caption, head=("error", "value"), rows=tuple(r[:2] for r in rows))
         return (table, *_rejected(d))
     blocks: list[Block] = [
         Table(
@@ -105,10 +104,12 @@ def residual_map(d: Diagnosis) -> list[Block]:
         )
         for e in d.map
     )
+    on = "the one run, which it is fitted to" if d.one_run else "runs left out"
     return [
         Table(
             caption="The residual map: share of the squared residual that the best candidate of each "
-            "variable takes off on runs left out, and how likely noise alone gives the best of all as much",
+            f"variable takes off on {on}, "
+            "and how likely noise alone gives the best of all as much",
             head=("variable", "candidate", "share", "p-value"),
             rows=rows,
         ),
@@ -204,11 +205,12 @@ def next_steps(d: Diagnosis) -> tuple[Block, ...]:
             {t.traced_to for s in d.steps for t in s.tried} - left_open, key=lambda trace: trace.value
         )
         names = ", ".join(words.VARIABLES[t] for t in ruled)
+        unseen = "one run alone" if d.one_run else "unseen runs"
         items = [
             *_leads(d),
             *_drive_next(d),
             "Do not trust the limits of this model beyond the error shown above.",
-            f"Tried in a general form each, and not borne out by unseen runs: {names}."
+            f"Tried in a general form each, and not borne out by {unseen}: {names}."
             if names
             else "Nothing could be tried.",
             "Check the log first: the same clock for camera and wheels, wheel numbers in the robot "

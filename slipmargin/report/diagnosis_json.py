@@ -165,6 +165,8 @@ def limits_row(limits: Limits) -> dict[str, float]:
 def curves_of(change: LimitsChange) -> dict[str, Any]:
     """Limits over orientation and direction before and after, as plain data."""
     curves: dict[str, Any] = {"phi_rad": change.phi_rad, "direction_rad": change.direction_rad}
+    if change.floor_directions > 1:
+        curves["floor_directions"] = change.floor_directions
     for name, limits in (("before", change.before), ("after", change.after)):
         curves[name] = {key: getattr(limits, key) for key in Limits.__slots__}
     return curves

@@ -46,9 +46,7 @@ def page(diagnosis: Diagnosis, change: LimitsChange, images: Mapping[str, Image]
             blocks=_misfit(d, images),
         ),
         Section(heading="Why: the candidates", blocks=_candidates(d, images)),
-        Section(
-            heading="The evidence: runs that no fit has seen", blocks=(*evidence(d), _held_out(d, images))
-        ),
+        Section(heading=f"The evidence: {_unseen(d)}", blocks=(*evidence(d), _held_out(d, images))),
     ]
     if found:
         sections.append(Section(heading="What was found", blocks=parameters(d)))
@@ -66,13 +64,18 @@ def page(diagnosis: Diagnosis, change: LimitsChange, images: Mapping[str, Image]
     )
 
 
+def _unseen(d: Diagnosis) -> str:
+    """What the errors are those of."""
+    return "one run, of which none was held out" if d.one_run else "runs that no fit has seen"
+
+
 def _facts(d: Diagnosis, change: LimitsChange) -> Facts:
     def pair(before: float, after: float, unit: str) -> str:
         if not d.findings:
             return f"{after:.3g} {unit}".strip()
         return f"{before:.3g} → {after:.3g} {unit}".strip()
 
-    held = "runs that no fit has seen"
+    held = _unseen(d)
     facts = [
         Fact(
             label="Position error",
@@ -89,7 +92,7 @@ def _facts(d: Diagnosis, change: LimitsChange) -> Facts:
         ),
         Fact(
             label="Weakest pull before slip",
-            note="over all orientations, on rollers",
+            note=f"{words.over_orientations(change)}, on rollers",
             value=pair(change.before.f_max_min_N, change.after.f_max_min_N, "N"),
         ),
     ]
@@ -101,14 +104,16 @@ def _measured(d: Diagnosis) -> tuple[Block, ...]:
     step = float(np.median(np.concatenate([np.diff(t.t_s) for t in d.trials])))
     sigma = "as the data show it" if d.noise_estimated else "as stated with the data"
     x, y, phi = (float(v) for v in 1e3 * d.noise)
-    held = (
-        f"Each run was predicted with parameters fitted to the others (cross-validation over {len(d.trials)} "
-        "runs)."
-        if d.cross_validated
-        else f"{len(d.held_out)} of them ({', '.join(d.held_out)}) were set aside before any fit."
-    )
+    runs = f"{len(d.trials)} runs"
+    if d.one_run:
+        runs = "One run" if len(d.trials) == 1 else f"One run in {len(d.trials)} parts"
+        held = "There is no other: none was held out, and the model was compared with it as it stands."
+    elif d.cross_validated:
+        held = f"Each run was predicted with parameters fitted to the others (cross-validation over {runs})."
+    else:
+        held = f"{len(d.held_out)} of them ({', '.join(d.held_out)}) were set aside before any fit."
     items = [
-        f"{len(d.trials)} runs of {_range(spans)} s, a sample every {1e3 * step:.3g} ms. {held}",
+        f"{runs} of {_range(spans)} s, a sample every {1e3 * step:.3g} ms. {held}",
         f"Measurement noise, {sigma}: {two_digits(x)} mm in x, {two_digits(y)} mm in y, {two_digits(phi)} "
         "mrad in heading.",
     ]
@@ -116,7 +121,7 @@ def _measured(d: Diagnosis) -> tuple[Block, ...]:
         items.append(f"{d.outliers} outlying sample{'s' if d.outliers != 1 else ''} left out.")
     for e in d.events:
         items.append(
-            f"An event, not physics: in {e.trial} at {e.t_s:.3g} s `{e.channel}` jumps by "
+            f"An event, not physics: in {e.trial} at {e.t_s:.2f} s `{e.channel}` jumps by "
             f"{e.size_sigma:.3g} times the noise (a bump, a lost camera frame, a hand)."
         )
     known = [e.name for e in d.recipe.effects]
@@ -182,21 +187,29 @@ def _candidates(d: Diagnosis, images: Mapping[str, Image]) -> tuple[Block, ...]:
     if not d.steps:
         return (Text(text="No candidate was tried."),)
     tried = max([*(len(s.tried) for s in d.steps), *(f.candidates_tried for f in d.findings)])
+    compared = (
+        "on the run they are fitted to, for there is no other"
+        if d.one_run
+        else "on the runs they are fitted to and on runs left out of the fit, half and half"
+    )
+    decided = (
+        "No proposal is claimed: one run bears out nothing that is fitted to it."
+        if d.one_run
+        else "Whether a proposal is claimed is decided below, by runs that it has not seen."
+    )
     text = (
         f"Candidates that were fitted in turn by simulation: {tried}. They are effects with a name, and for "
         "every measured variable a general form with free coefficients. The search compares them by the "
-        "error on the runs they are fitted to and on runs left out of the fit, half and half. The best is "
-        "proposed if it makes that "
+        f"error {compared}. The best is proposed if it makes that "
         f"error clearly smaller and its permutation p-value is at most {SETTINGS.significance:g}; "
-        "then the search starts again with it in the model. Whether a proposal is claimed is decided "
-        "below, by runs that it has not seen."
+        f"then the search starts again with it in the model. {decided}"
     )
     return (
         Text(text=text),
         Picture(
             name="candidates",
             image=images["candidates"],
-            alt="Dots: error of every candidate on runs it was not fitted to",
+            alt="Dots: error of every candidate on the runs that the search compares",
             caption="Error that remains with each candidate added (further left is better). Filled: an "
             "effect with a name; open: a general form over one variable; orange: taken. Candidates that a "
             "first, short fit leaves far behind are not fitted to the end.",
@@ -212,6 +225,6 @@ def _held_out(d: Diagnosis, images: Mapping[str, Image]) -> Picture:
     return Picture(
         name="held-out",
         image=images["held-out"],
-        alt="Measured and predicted paths and headings of held-out runs",
+        alt=f"Measured and predicted paths and headings of {words.judged_on(d)}",
         caption=f"{caption} Each prediction begins at the pose that fits its run best, as for the errors.",
     )

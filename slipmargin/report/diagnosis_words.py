@@ -35,17 +35,23 @@ VARIABLES: dict[Trace, str] = {
 }
 
 
+def judged_on(diagnosis: Diagnosis) -> str:
+    """The runs whose errors are reported."""
+    return "the one run" if diagnosis.one_run else "held-out runs"
+
+
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """The answer in one sentence, or two where more must be said with it."""
     d = diagnosis
     if d.verdict is Verdict.NO_MISSING_EFFECT:
+        runs = "the one run" if d.one_run else "runs it has not seen"
         return (
-            "No missing effect: the model predicts runs it has not seen as well as the noise and the log "
+            f"No missing effect: the model predicts {runs} as well as the noise and the log "
             f"allow (chi {d.after.chi:.3g}; 1 is pure noise)."
             + (f" The little that is left follows {VARIABLES[d.leads[0].traced_to]}." if d.leads else "")
         )
     if d.verdict is Verdict.UNEXPLAINED:
-        misses = f"chi {d.before.chi:.3g} on held-out runs; 1 is pure noise"
+        misses = f"chi {d.before.chi:.3g} on {judged_on(d)}; 1 is pure noise"
         if d.before.chi <= SETTINGS.noise_chi:
             misses += "; errors change as slowly as noise that lasts, but some are larger than it"
         if d.leads and d.leads[0].source is LeadSource.BORNE_OUT:
@@ -54,10 +60,12 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
                 f"{VARIABLES[d.leads[0].traced_to]} holds on runs that it has not seen, but these runs leave "
                 "it open how large it is: look there first."
             )
-        return (
-            f"Unexplained: the model misses something ({misses}), but no correction holds on runs that it "
-            f"has not seen. {_first_lead(d)}"
+        no_proof = (
+            "and one run bears out no correction that is fitted to it"
+            if d.one_run
+            else "but no correction holds on runs that it has not seen"
         )
+        return f"Unexplained: the model misses something ({misses}), {no_proof}. {_first_lead(d)}"
     names = listed([_named(f) for f in d.findings])
     falls = (
         f"the error on held-out runs falls from {error(d.before)} to {error(d.after)}"
@@ -230,6 +238,25 @@ def value(number: float, unit: str) -> str:
     return "not computed" if math.isnan(number) else f"{number:.3g} {unit}"
 
 
+def over_orientations(change: LimitsChange) -> str:
+    """What the weakest pull is the weakest of."""
+    floor = " and directions of the floor" if change.floor_directions > 1 else ""
+    return f"over all orientations{floor}"
+
+
+def pull_lines(change: LimitsChange) -> list[str]:
+    """Weakest and mean pull before and after."""
+    b, a = change.before, change.after
+    floor = ", each orientation in the floor's worst direction" if change.floor_directions > 1 else ""
+    if not change.moved:
+        pulls = f"weakest pull {b.f_max_min_N:.3g} N, mean {b.f_max_mean_N:.3g} N"
+        return [f"limits   unchanged: {pulls}{floor}"]
+    return [
+        f"limits   weakest pull {arrow(b.f_max_min_N, a.f_max_min_N, 'N')}, mean "
+        f"{arrow(b.f_max_mean_N, a.f_max_mean_N, 'N')}{floor}"
+    ]
+
+
 def summary_lines(d: Diagnosis, change: LimitsChange) -> list[str]:
     """Verdict, effects, error and limits before and after: what the command prints."""
     lines = [f"{d.verdict.value}: {verdict_sentence(d)}"]
@@ -250,19 +277,14 @@ def summary_lines(d: Diagnosis, change: LimitsChange) -> list[str]:
             f"lead {i}   {VARIABLES[lead.traced_to]}: {lead.why}" for i, lead in enumerate(d.leads[:3], 1)
         ]
     lines.append(
-        f"error    {error(d.before)}" + (f" → {error(d.after)}" if d.findings else "") + " on held-out runs"
+        f"error    {error(d.before)}" + (f" → {error(d.after)}" if d.findings else "") + f" on {judged_on(d)}"
     )
+    lines += pull_lines(change)
     b, a = change.before, change.after
     if change.moved:
-        lines.append(
-            f"limits   weakest pull {arrow(b.f_max_min_N, a.f_max_min_N, 'N')}, mean "
-            f"{arrow(b.f_max_mean_N, a.f_max_mean_N, 'N')}"
-        )
         high = arrow(float(b.f_high_N.max()), float(a.f_high_N.max()), "N")
         start = arrow(float(b.start_worst_m_s2.min()), float(a.start_worst_m_s2.min()), "m/s²")
         lines.append(f"         whatever the wheels stand on: strongest pull {high}, least start {start}")
-    else:
-        lines.append(f"limits   unchanged: weakest pull {b.f_max_min_N:.3g} N, mean {b.f_max_mean_N:.3g} N")
     if change.moved and change.pulls is not None:
         lines.append(f"pulls    {pulls_sentence(change.pulls)}")
     if open_questions(d):

@@ -27,7 +27,7 @@ def run_lines(run: Run, model: Model, work_J: float, planned_end: Array | None) 
         f"ends at x {x:.4f} m, y {y:.4f} m, φ {phi:.4f} rad after {run.duration_s:.3g} s "
         f"({model.robot} on {model.surface})",
         f"largest drive slip {slip[when, wheel]:.4g} m/s, "
-        f"wheel {run.wheels[wheel]} at {run.t_s[when]:.3g} s; "
+        f"wheel {run.wheels[wheel]} at {run.t_s[when]:.2f} s; "
         f"sliding takes {-work_J:.3g} J",
     ]
     if run.lifts_s is not None:
@@ -70,7 +70,7 @@ def in_air(wheels: Sequence[str], in_air_s: Array, lifts_s: float) -> str:
     order = np.argsort(-in_air_s, kind="stable")
     told = [f"wheel {wheels[i]} for {in_air_s[i]:.3g} s" for i in order if in_air_s[i] > 0.0]
     if not told:
-        return f"a wheel lifts off, first at {lifts_s:.3g} s"
+        return f"a wheel lifts off, first at {lifts_s:.2f} s"
     return (
-        f"wheels hang in the air: {', '.join(told)}, first at {lifts_s:.3g} s; the others carry their share"
+        f"wheels hang in the air: {', '.join(told)}, first at {lifts_s:.2f} s; the others carry their share"
     )

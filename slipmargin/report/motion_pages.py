@@ -213,7 +213,7 @@ def simulate_page(
         Fact(
             label="Largest drive slip",
             value=f"{slip[when, wheel]:.3g} m/s",
-            note=f"{who.rpartition(' ')[0]} at {run.t_s[when]:.3g} s",
+            note=f"{who.rpartition(' ')[0]} at {run.t_s[when]:.2f} s",
         ),
         Fact(label="Energy lost to sliding", value=f"{-work_J:.3g} J"),
     ]

@@ -159,7 +159,7 @@ def check_lines(model: Model, c: Check) -> list[str]:
     t, x, y, k = c.worst
     lines = [
         _verdict(names, c),
-        f"worst       wheel {names[k]} at t = {t:.4g} s (x {x:.4g} m, y {y:.4g} m)",
+        f"worst       wheel {names[k]} at t = {t:.3f} s (x {x:.4g} m, y {y:.4g} m)",
     ]
     if math.isfinite(model.drives.stall_torque_N_m or math.inf):
         most = float(np.max(c.torque))
@@ -231,4 +231,4 @@ def _excess(names: Sequence[str], c: Check, share: Array, allowed: float) -> str
 def _at(names: Sequence[str], c: Check, values: Array) -> str:
     """The wheel and the time of the largest of values (T, N)."""
     i, k = np.unravel_index(int(np.argmax(values)), values.shape)
-    return f"wheel {names[int(k)]} at t = {c.t_s[i]:.4g} s"
+    return f"wheel {names[int(k)]} at t = {c.t_s[i]:.3f} s"

@@ -82,14 +82,7 @@ def summary_lines(d: PullDiagnosis, change: LimitsChange) -> list[str]:
         lines += [f"         cannot be told apart from {name} by these pulls" for name in f.confused_with]
     arrow = f" → {_error(d.after)}" if d.findings else ""
     lines.append(f"error    {_error(d.before)}{arrow} on orientations left out")
-    b, a = change.before, change.after
-    if change.moved:
-        lines.append(
-            f"limits   weakest pull {words.arrow(b.f_max_min_N, a.f_max_min_N, 'N')}, mean "
-            f"{words.arrow(b.f_max_mean_N, a.f_max_mean_N, 'N')}"
-        )
-    else:
-        lines.append(f"limits   unchanged: weakest pull {b.f_max_min_N:.3g} N, mean {b.f_max_mean_N:.3g} N")
+    lines += words.pull_lines(change)
     if d.verdict is not Verdict.EFFECT_FOUND:
         lines += [f"lead     {lead.label} (chi {lead.chi:.3g})" for lead in d.leads[:3]]
     if d.verdict is not Verdict.NO_MISSING_EFFECT:
@@ -217,7 +210,7 @@ def _facts(d: PullDiagnosis, change: LimitsChange) -> Facts:
             ),
             Fact(
                 label="Weakest pull before slip",
-                note="over all orientations, on rollers",
+                note=f"{words.over_orientations(change)}, on rollers",
                 value=pair(change.before.f_max_min_N, change.after.f_max_min_N, "N"),
             ),
         )

@@ -24,7 +24,7 @@ NUMERICS = {
     "diagnosis/fit.py": {"STEP", "_ITERATIONS", "_ENOUGH", "_FAIR", "_LADDER", "_USUAL"},
     "diagnosis/forms.py": {"_NEIGHBOURS", "_LARGEST"},
     "diagnosis/left_out.py": {"_HALF"},
-    "diagnosis/limits_change.py": {"_ORIENTATIONS", "_DIRECTIONS"},
+    "diagnosis/limits_change.py": {"_FLOORS", "_ORIENTATIONS", "_DIRECTIONS"},
     "diagnosis/loop.py": {"_FINAL_STEPS", "_FINE_STEPS"},
     "diagnosis/near.py": {"_SEVERAL", "_PART"},
     "diagnosis/order_analysis.py": {"_DRAWS", "_HALVES"},

@@ -82,5 +82,7 @@ def test_a_recording_is_cut_into_runs_that_share_no_pose_and_keep_their_past() -
 def test_parts_of_a_recording_in_which_nothing_moves_are_no_runs() -> None:
     assert [r.name for r in segments(recording(rest_s=5.2), 2.5)] == ["long_002", "long_003"]
     assert len(segments(recording(11.0), 2.5)) == 4, "a last second is too short"
+    cut = replace(recording(), t_s=recording().t_s + 100.0, began_s=90.0)
+    assert {r.start_s for r in segments(cut, 2.5)} == {0.0}, "each is a run of its own"
     with pytest.raises(InputError, match="segment_s"):
         segments(recording(), 0.2)

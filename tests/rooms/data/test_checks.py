@@ -107,3 +107,13 @@ def test_without_wheels_only_the_clock_is_judged() -> None:
     still = tuple(replace(t, pose=0.0 * t.pose) for t in bare)
     (found,) = check_data_set(replace(good, trials=still, wheel_signal=WheelSignal.COMMANDED))
     assert "nothing moves in any run" in str(found), "it was called a model that misses nothing"
+
+
+def test_a_clock_that_was_set_is_found_in_a_long_file() -> None:
+    """It was said to jump at 1.235e+04 s."""
+    last = real().trials[0].t_s
+
+    def late(record: Record) -> Record:
+        return replace(record, t_s=record.t_s + 12345.0 + np.where(record.t_s > 3.0, 60.0, 0.0))
+
+    assert f" s at {12345.0 + last[last <= 3.0][-1]:.2f} s" in spoilt(late)

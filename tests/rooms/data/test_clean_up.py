@@ -30,6 +30,7 @@ from slipmargin.data.checks import check_data_set
 from slipmargin.data.clean_up import Repaired, repaired
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.record import Record
+from slipmargin.data.wheel_signals import tick
 
 RANDOM = np.random.default_rng
 
@@ -195,6 +196,21 @@ def test_times_since_1970() -> None:
     assert worst(found, data, lambda r: r.t_s) < 1e-6
 
 
+def test_when_a_cut_run_began_moves_with_its_times() -> None:
+    """A run with ``began_s`` was refused if it counted from 1970, and its clock was corrected in part."""
+    data = each(good(), lambda r: replace(r, began_s=float(r.t_s[0]) - 2.0))
+    late = repaired(each(data, lambda r: replace(r, t_s=r.t_s + 1.7e9, began_s=r.start_s + 1.7e9)))
+    slow = repaired(each(data, lambda r: replace(r, t_s=1.02 * r.t_s, began_s=1.02 * r.start_s)))
+    stamps = jitter(good(), RANDOM(5)).trials
+    trials = tuple(
+        replace(t, t_s=s.t_s, began_s=float(s.t_s[0]) - 2.0) for t, s in zip(data.trials, stamps, strict=True)
+    )
+    uneven = repaired(replace(data, trials=trials))
+    for found, kind in ((late, "epoch_time"), (slow, "clock_rate"), (uneven, "trembling_stamps")):
+        the_only(found, kind)
+        assert worst(found, data, lambda r: r.since_s) < 0.004, kind
+
+
 @pytest.mark.parametrize(
     ("factor", "unit"), [(60.0 / (2.0 * np.pi), "turns a minute"), (180.0 / np.pi, "degrees a second")]
 )
@@ -207,7 +223,7 @@ def test_wheel_speeds_in_another_unit_than_the_angles(factor: float, unit: str) 
 
 
 def test_rows_in_which_a_wheel_is_not_known_yet_or_no_longer_are_left_out() -> None:
-    """Seen in a null: the wheel was held still there, its angles and speeds disagreed, and friction varied."""
+    """Seen in a null: the wheel was held still there, its angle and speed disagreed, and friction varied."""
 
     def cut(record: Record) -> Record:
         angles, speeds = np.array(record.theta), np.array(record.omega)
@@ -228,6 +244,15 @@ def test_coarse_encoders_by_their_speeds() -> None:
     found = repaired(each(data, lambda r: replace(coarse(r), omega=r.omega)))
     assert the_only(found, "coarse_encoder") == pytest.approx(2.0 * np.pi / 100.0, rel=1e-3)
     assert worst(found, data, theta) < 1e-3
+
+
+def test_wheels_that_turn_evenly_have_no_ticks() -> None:
+    """Equal steps of 209 mrad were taken for an encoder of 30 ticks a turn; its own steps are still found."""
+    t = np.arange(250) * 0.02
+    still = np.minimum(np.maximum(t - 1.0, 0.0), 3.0)
+    for way in (t, -t, still):
+        assert tick(np.round(10.4629 * way, 6)) == 0.0
+        assert tick(np.round(np.floor(10.4629 * way / 0.15) * 0.15, 6)) == pytest.approx(0.15)
 
 
 def test_coarse_encoders_alone_are_smoothed() -> None:

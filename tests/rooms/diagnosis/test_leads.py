@@ -129,6 +129,24 @@ def test_many_runs_outweigh_the_one_that_is_farthest_off(state: State) -> None:
     assert "3 get clearly better, 0 worse" in made[0].why and "1 get clearly better, 3 worse" in made[2].why
 
 
+def test_leads_of_one_run_are_those_of_a_fit_to_it() -> None:
+    """They were said to be of runs left out, of which there are none."""
+    data = good(3)
+    problem = problem_of(data, data.trials[:1], (0,))
+    only = np.zeros(1, dtype=np.int64)
+    before = fitted(problem, (), np.zeros(0), only, [0])
+    [tilt] = (c for c in named_candidates(("1", "2", "3"), False, ()) if c.label == "floor_tilt")
+    fits = replace(before, fit=replace(before.fit, structure=(tilt,)), scores=0.25 * before.scores)
+    nothing = Screening(entries=(), total=1.0, chance=np.zeros(199))
+    last = Round(before=before, screening=nothing, tried=(fits,), best=None, taken=False)
+    [entry] = last.map()
+    [lead] = leads([entry], (), last, (), ())
+    assert "off the squared residual of the one run, which it was fitted to" in lead.why
+    assert lead.why.endswith("; its chi gets 50 % lower")
+    [other] = leads((), (), last, (), ())
+    assert other.why.endswith("on the run it was searched with")
+
+
 def test_where_nothing_stands_out_the_nearest_is_given_and_said_to_be_weak() -> None:
     faint = MapEntry(traced_to=Trace.POSITION, form="floor_patch", share=0.05, p_value=0.3)
     [lead] = leads([replace(faint, traced_to=Trace.TIME, share=0.01), faint], (), None, (), ())

@@ -103,3 +103,10 @@ def test_the_same_seed_gives_the_same_answer_and_few_trials_are_cross_validated(
     assert one.cross_validated and one.held_out == ()
     assert one.before == two.before and one.after == two.after
     assert [f.parameters for f in one.findings] == [f.parameters for f in two.findings]
+
+
+def test_one_run_is_not_called_cross_validated() -> None:
+    """Nothing is left out of one run."""
+    data = planted(initial_model(), None, seed=5, count=1, duration_s=1.5, rate_hz=50.0)
+    found = diagnose(data, seed=1)
+    assert found.one_run and not found.cross_validated and found.held_out == ()

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from slipmargin.api.diagnose import DiagnosisResult
 from slipmargin.diagnosis.limits_change import limits_change
 from slipmargin.diagnosis.plan_change import PlanChange
-from slipmargin.diagnosis.result import Diagnosis, Estimate, LeadSource, Rejected, Score, Verdict
+from slipmargin.diagnosis.result import Diagnosis, Estimate, Event, LeadSource, Rejected, Score, Verdict
 from slipmargin.diagnosis.separate import TRIALS, separating_trial, trace_of
 from slipmargin.effects import Trace
 from slipmargin.effects.camera_delay import CameraDelay
@@ -257,6 +257,27 @@ def test_the_verdict_never_says_more_than_the_errors() -> None:
     assert "The name `wheel_loads` is not claimed" in " ".join(
         block.text for block in evidence(diagnosis(findings=(doubtful,))) if isinstance(block, Text)
     )
+
+
+def test_the_time_of_an_event_is_found_in_a_long_file() -> None:
+    """It was printed as 1.23e+04 s."""
+    at = Event(trial="trial-02", t_s=12346.29, channel="x_m", size_sigma=40.0)
+    assert "in trial-02 at 12346.29 s" in text_of(diagnosis(events=(at,)))
+
+
+@pytest.mark.parametrize("verdict", [Verdict.UNEXPLAINED, Verdict.NO_MISSING_EFFECT])
+@pytest.mark.parametrize("parts", [1, 2])
+def test_of_one_run_nothing_is_said_to_be_held_out(verdict: Verdict, parts: int) -> None:
+    """The page spoke of runs that no fit has seen, and of cross-validation over one run."""
+    own = tuple(replace(t, held_out=False) for t in trials(parts))
+    one = diagnosis(verdict, trials=own, held_out=(), cross_validated=False, leads=())
+    said = " ".join(" ".join(read(text_of(one)).text).split())
+    change = limits_change(one.recipe, one.corrected, one.surface)
+    said += " ".join(words.summary_lines(one, change))
+    for wrong in ("held-out", "not seen", "no fit has seen", "cross-validation", "left out of", "others"):
+        assert wrong not in said, wrong
+    assert "on the one run" in said and "none was held out" in said
+    assert ("One run in 2 parts" if parts == 2 else "One run of 3 s") in said
 
 
 def test_limits_that_do_not_move_are_said_to_stay() -> None:

@@ -17,6 +17,7 @@ from slipmargin_cli.main import status
 import slipmargin as sm
 from slipmargin.errors import InputError
 from slipmargin.report.design import change
+from slipmargin.report.motion import in_air
 from slipmargin.report.motion_pages import _who
 from slipmargin.report.page import inline
 from slipmargin.report.page_style import CSS, FIGURE_COLOURS
@@ -275,3 +276,10 @@ def test_a_spread_has_two_digits_and_no_needless_power_of_ten(value: float, said
 def test_what_does_not_change_has_no_sign(value: float, said: str) -> None:
     """The page of a study said "-0.0 %" where its table said "0.0 %"."""
     assert change(value, 1.0) == said
+
+
+def test_when_a_wheel_lifts_is_found_in_a_long_run() -> None:
+    """It was printed as 1.23e+03 s."""
+    assert in_air(["left", "right"], np.array([0.0, 0.5]), 1234.56) == (
+        "wheels hang in the air: wheel right for 0.5 s, first at 1234.56 s; the others carry their share"
+    )
