@@ -30,7 +30,7 @@ import numpy as np
 from numba import njit
 from numba.core import event
 
-from slipmargin import notice
+from slipmargin.notice import compiling as say_compiling
 
 F = TypeVar("F", bound=Callable[..., Any])
 _compile: Any = njit  # its stub does not know every option
@@ -43,7 +43,7 @@ class _Heard(event.Listener):
         self.spent_s, self._began_s, self._inside = 0.0, 0.0, 0
 
     def on_start(self, event: Any) -> None:
-        notice.compiling()
+        say_compiling()
         if not self._inside:
             self._began_s = time.monotonic()
         self._inside += 1

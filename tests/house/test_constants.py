@@ -34,7 +34,7 @@ NUMERICS = {
     "diagnosis/pull_next.py": {"_ORIENTATIONS", "_DIRECTIONS", "_MANY", "_APART_RAD"},
     "diagnosis/pull_search.py": {"_SURROGATES"},
     "diagnosis/pull_unseen.py": {"_FLIPS"},
-    "diagnosis/ranges.py": {"_SPAN_S"},
+    "diagnosis/ranges.py": {"_MOST", "_SPAN_S"},
     "diagnosis/residual_diagnostics.py": {"_BINS", "_SHIFTS", "_SPAN_S"},
     "diagnosis/signals.py": {"_ROUGHLY", "_SAME", "_LOOSEST", "_LONGEST"},
     "diagnosis/tangents.py": {"_AT_ONCE"},

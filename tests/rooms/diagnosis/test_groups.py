@@ -17,7 +17,7 @@ from slipmargin.diagnosis import campaign
 from slipmargin.diagnosis.campaign import by_group, shown_in
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.data_problem import problem_of
-from slipmargin.diagnosis.events import cut_apart, with_measured_velocity
+from slipmargin.diagnosis.events import cut_apart
 from slipmargin.diagnosis.evidence import intervals
 from slipmargin.diagnosis.fit import Fit, fit, limits_of
 from slipmargin.diagnosis.groups import groups_of, in_groups, scope_of
@@ -196,7 +196,7 @@ def test_the_evidence_of_a_data_set_is_that_of_its_runs_cut_at_events() -> None:
     jump = Event(trial=last.name, t_s=float(last.t_s[250]), channel="x", size_sigma=100.0)
     records, runs = cut_apart(whole.trials, [jump])
     assert len(records) == 5
-    problem = with_measured_velocity(problem_of(whole, records, runs), runs)
+    problem = problem_of(whole, records, runs)
     (found,) = shown_in(problem, runs, whole.members, (wheel_loads(effect=slick),))
     assert [(s.data_set, s.runs) for s in found.shown_by] == [("one", 2), ("two", 2)]
     assert all(s.chi_with < 1.5 < 3.0 < s.chi_without for s in found.shown_by)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -24,7 +23,7 @@ from slipmargin.diagnosis.search import screened
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.telling import enough
-from slipmargin.diagnosis.watch import Watch, no_progress
+from slipmargin.diagnosis.watch import Watch, clock_s, no_progress
 from slipmargin.effects import Trace
 
 TURN = Periodicity(per_turn=1, wheels=("2",), p_value=0.003)
@@ -91,7 +90,7 @@ def test_a_list_whose_time_is_long_over_is_cut(state: State) -> None:
     """With a budget of one second the list of a stiff robot took fifteen more."""
     known = named_candidates(("1", "2", "3"), False, ())
     runs = state.fit.trials.tolist()
-    now = time.monotonic()
+    now = clock_s()
     for late_s, cut in ((0.0, False), (SETTINGS.list_s + 1.0, True)):
         watch = Watch(report=no_progress, until_s=now - late_s)
         list_ = screened(state, runs, known[:4], 0, watch)

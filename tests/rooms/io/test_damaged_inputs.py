@@ -469,7 +469,7 @@ def robot_of(name: str, folder: Path) -> list[str]:
 @pytest.mark.parametrize("name", READERS)
 def test_damage_is_refused_in_one_line(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip(PACKAGES.get(name, "json"), reason=f"the extra of {name} is not installed")
-    robot, out = robot_of(name, tmp_path), tmp_path / "out.toml"
+    robot, out = robot_of(name, tmp_path), tmp_path / "out.txt"
     faults = []
     for what, place, words in cases(name, tmp_path):
         capsys.readouterr()
