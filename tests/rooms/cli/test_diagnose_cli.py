@@ -48,7 +48,10 @@ def data(tmp_path: Path) -> Path:
         'schema = 1\nrobot = "robot.toml"\nsurface = "paper"\nwheel_signal = "measured"\n', encoding="utf-8"
     )
     rows = ["t_s,x_m,y_m,phi_rad,omega1_rad_s,omega2_rad_s,omega3_rad_s"]
-    rows += [f"{t:.2f},0,{0.13148 * t * t:.5f},0,{-10.0 * t:.3f},{10.0 * t:.3f},0" for t in np.arange(0.0, 0.5, 0.05)]
+    rows += [
+        f"{t:.2f},0,{0.13148 * t * t:.5f},0,{-10.0 * t:.3f},{10.0 * t:.3f},0"
+        for t in np.arange(0.0, 0.5, 0.05)
+    ]
     (folder / "trials" / "1.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
     return folder
 
