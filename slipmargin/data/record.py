@@ -8,7 +8,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from slipmargin.checks import Array, measurable, read_only, shaped
+from slipmargin.checks import Array, Index, measurable, read_only, shaped
 from slipmargin.data.settings import SETTINGS
 from slipmargin.errors import InputError
 
@@ -111,7 +111,7 @@ class Record:
             return self
         return self.part(slice(stop))
 
-    def part(self, rows: slice | NDArray[np.bool_]) -> Record:
+    def part(self, rows: slice | NDArray[np.bool_] | Index) -> Record:
         """These rows of the run, which began when it did."""
         cut: dict[str, Any] = {
             name: None if (value := getattr(self, name)) is None else value[rows] for name in WHEEL_SIGNALS

@@ -8,12 +8,11 @@ poses are left empty, so that nothing is compared there.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from slipmargin.checks import real
-from slipmargin.data.record import WHEEL_SIGNALS, Record
+from slipmargin.data.record import Record
 from slipmargin.data.settings import SETTINGS
 
 
@@ -41,11 +40,8 @@ def segments(record: Record, length_s: float, lead_s: float = SETTINGS.lead_s) -
         pose[~own] = np.nan
         if not np.isfinite(pose).all(axis=1).any():
             continue
-        signals: dict[str, Any] = {
-            f: None if (value := getattr(record, f)) is None else value[rows] for f in WHEEL_SIGNALS
-        }
-        name = f"{record.name}_{k:03d}"
-        found.append(replace(record, name=name, t_s=t[rows] - t[rows[0]], pose=pose, began_s=None, **signals))
+        run = replace(record.part(rows), name=f"{record.name}_{k:03d}", pose=pose, began_s=None)
+        found.append(run.restamped(run.t_s - run.t_s[0]))
     return tuple(found)
 
 

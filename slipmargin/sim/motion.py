@@ -101,22 +101,9 @@ def rates(
 
 
 @inner
-def rates_called(
-    P: Any,
-    W: Any,
-    t: float,
-    y: Any,
-    coef: Any,
-    knot: float,
-    push: Any,
-    k: int,
-    C: Any,
-    B: Any,
-    acc: Any,
-    out: Any,
-) -> None:
+def rates_called(*of: Any) -> None:
     """:func:`rates`, not spliced, where it is asked once a step: the kernel compiles in half the time."""
-    rates(P, W, t, y, coef, knot, push, k, C, B, acc, out)
+    rates(*of)
 
 
 @inner
