@@ -118,27 +118,30 @@ def plan_page(
     share = p.request.share
     speed, way = top_speed_m_s(p), covered(p)
     first, longest = pace(p)[0]
-    slips = [name for name, proof in proofs.items() if proof.slips]
     steps = ["`--export choreo FILE` (or `pathplanner`, `ros-path`) writes the motion for your robot."]
     if not proofs:
         steps.insert(0, "Run again with `--verify`: the simulator drives the plan and says whether it slips.")
-    lifts = [name for name, proof in proofs.items() if proof.lifts_s is not None]
-    if lifts:
-        steps.insert(0, f"In the simulator a wheel lifts {' and '.join(lifts)}: use a larger `--margin`.")
-    if slips:
-        steps.insert(0, f"In the simulator the plan slips {' and '.join(slips)}: use a larger `--margin`.")
     stopped = [f"{name} it is {not_proved(proof.stopped)}" for name, proof in proofs.items() if proof.stopped]
+    against = [f"{name} it slips in the simulator" for name, proof in proofs.items() if proof.slips]
+    against += [
+        f"{name} a wheel lifts in the simulator"
+        for name, proof in proofs.items()
+        if proof.lifts_s is not None
+    ]
+    if against:
+        steps.insert(0, "Plan with a larger `--margin`.")
+    against += stopped
     lead = (
         f"{p.model.robot} can drive this path of {way} in {p.duration_s:.3g} s on {p.model.surface}: no "
         f"wheel slips, and {100 * (1.0 - share):.3g} % of the grip stays in reserve."
     )
-    if stopped:
-        lead = f"Do not rely on this plan of {way} in {p.duration_s:.3g} s: {'; '.join(stopped)}."
+    if against:
+        lead = f"Do not rely on this plan of {way} in {p.duration_s:.3g} s: {'; '.join(against)}."
     at = thinned(len(rows.t_s), _ROWS)
     return result_page(
         title=f"Plan for {p.model.robot} on {p.model.surface}",
         lead=lead,
-        good=not slips and not lifts and not stopped,
+        good=not against,
         facts=(
             Fact(label="Time", value=f"{p.duration_s:.4g} s", note=f"for {way}"),
             Fact(label="Top speed", value=f"{speed:.3g} m/s"),

@@ -170,3 +170,12 @@ def test_a_plan_whose_simulation_takes_too_many_steps_is_not_proved(monkeypatch:
     monkeypatch.setattr("slipmargin.sim.batch.WHEEL_STEPS", 300)
     found = sm.plan("omni4", "floor", [[0, 0, 0], [1, 0, 0]], points=50, verify=True)
     assert "SLIPMARGIN_WORK=10" in str(not_proved(found, "it takes too many steps")["cure"])
+
+
+def test_the_page_of_a_plan_that_slips_in_the_simulator_does_not_promise_otherwise() -> None:
+    """It began with "no wheel slips"."""
+    found = sm.plan("ohio-kiwi", "paper", [[0, 0, 0], [1, 0, 0]], margin=0.01, verify=True)
+    assert found.simulated["on rollers"].slips
+    page = found.page_text().replace("\xa0", " ")
+    assert "Do not rely on this plan of 1 m" in page and "on rollers it slips in the simulator" in page
+    assert "no wheel slips" not in page
