@@ -63,6 +63,7 @@ def joined(name: str, parts: Sequence[Part]) -> DataSet:
                 folder=p.data_set.folder,
                 pulls=p.data_set.pulls,
                 noise_stated=p.data_set.sigma is not None,
+                nominal_rate_Hz=p.data_set.nominal_rate_Hz,
             )
             for p in parts
         ),
@@ -108,6 +109,7 @@ def apart(data_set: DataSet) -> tuple[DataSet, ...]:
         replace(
             data_set,
             name=member.name,
+            nominal_rate_Hz=member.nominal_rate_Hz,
             recipe=member.recipe,
             surface=member.surface,
             folder=member.folder,

@@ -32,7 +32,8 @@ class WheelSignal(Enum):
 class Member:
     """One data set of a campaign: its robot and surface, and what it shares with others of the same word.
 
-    ``folder`` is where it was read; ``noise_stated`` says whether its file states the noise of the pose.
+    ``folder`` is where it was read; ``noise_stated`` says whether its file states the noise of the pose;
+    ``nominal_rate_Hz`` is that of rows without time stamps.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Member:
     folder: str = ""
     pulls: Pulls | None = None
     noise_stated: bool = True
+    nominal_rate_Hz: float | None = None
 
 
 @final

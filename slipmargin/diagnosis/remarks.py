@@ -19,17 +19,32 @@ def of_the_clock(
     data_set: DataSet, checked: Checked, final: Fit | None, candidates: list[Candidate]
 ) -> tuple[str, ...]:
     """What is known of the times of a log without time stamps, and what cannot be known without them."""
-    if data_set.nominal_rate_Hz is None:
+    said = of_nominal_rates(data_set)
+    if not said:
         return ()
     found = jitter(data_set.trials)
-    said: tuple[str, ...] = (
-        f"Rows have no time stamps, only a nominal rate of {data_set.nominal_rate_Hz:g} Hz: friction "
-        "coefficients times the square of the sampling period are known, not both; slip ratios do not depend "
-        "on it.",
-    )
     if final is not None and checked.state is not None:
         said += mimics(checked.problem.as_seen_in(checked.state.view), final, candidates)
     return said if found is None else (*said, found.sentence)
+
+
+def of_nominal_rates(data_set: DataSet) -> tuple[str, ...]:
+    """Whose rows have no time stamps, and what cannot be told apart then."""
+    if data_set.nominal_rate_Hz is None:
+        return ()
+    rates = {m.name: m.nominal_rate_Hz for m in data_set.members} or {"": data_set.nominal_rate_Hz}
+    without, stamped = (
+        [name for name, rate in rates.items() if (rate is None) is some] for some in (False, True)
+    )
+    whose = f" of {' and '.join(without)}" if stamped else ""
+    nominal = " and ".join(f"{rate:g}" for rate in dict.fromkeys(rates.values()) if rate is not None)
+    said = (
+        f"Rows{whose} have no time stamps, only a nominal rate of {nominal} Hz: friction "
+        "coefficients times the square of the sampling period are known, not both; slip ratios do not depend "
+        "on it."
+    )
+    free = f"The clock of {' and '.join(stamped)}, whose rows are stamped, was as free as theirs."
+    return (said, free) if stamped else (said,)
 
 
 def of_noise(members: Sequence[Member]) -> tuple[str, ...]:

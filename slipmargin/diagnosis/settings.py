@@ -103,6 +103,7 @@ class SearchSettings:
     #: position, so that a camera's scale alone moved headings by 5e-7 rad and their error by 5e-5 of itself.
     same_error: float = 3e-4
     #: [1] Share of chi that a further effect must take off: what the first leaves is also its form's fault.
+    #: In more runs than are searched it falls with the root of their number, as the spread of a mean does.
     later_effect: float = 0.1
     #: [1] To this share a further effect must bring chi where one of the two has no name: a general form is
     #: only approximate, and what it leaves must not be given names.

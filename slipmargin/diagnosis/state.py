@@ -169,13 +169,18 @@ def _by_number(one: State, best: State) -> bool:
     return more > 0 and gap <= more * np.log(best.samples) * max(1.0, best.chi**2)
 
 
+def later_share(trials: int) -> float:
+    """Share of chi that a further effect must take off where so many trials are compared."""
+    return SETTINGS.later_effect * min(1.0, float(np.sqrt(SETTINGS.most_searched / trials)))
+
+
 def worthwhile(before: State, chi: float, named: bool = True) -> bool:
     """Whether chi falls by more than what the log's reconstruction, or an unnamed form, may leave."""
     if chi >= before.chi:
         return False
     if before.structure and not (named and before.named):
         return chi <= SETTINGS.with_unnamed * before.chi
-    share = SETTINGS.later_effect if before.structure else SETTINGS.first_effect
+    share = later_share(len(before.scores)) if before.structure else SETTINGS.first_effect
     floor = SETTINGS.floor_chi if before.chi >= 1.0 else 0.0  # below 1 the noise was read too large
     return before.chi - max(chi, floor) >= max(SETTINGS.least_chi, share * before.chi)
 

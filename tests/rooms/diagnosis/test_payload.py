@@ -17,7 +17,7 @@ from slipmargin.diagnosis.fit import fit, limits_of
 from slipmargin.diagnosis.groups import in_groups
 from slipmargin.diagnosis.left_out import leave_one_out
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.state import later_share
 
 LABELS = (
     "slip_ratio_friction with its own constants across in floor gray",
@@ -54,7 +54,7 @@ def test_a_payload_is_a_payload_and_no_larger_wheel() -> None:
     wheels = [known[f"wheel_radius[{w}]"] for w in "12"]
     grown = fit(view, (*structure, *wheels), np.array([*made.x, 1.0, 1.0]), rows, iterations=2)
     share = 1.0 - np.sqrt(grown.cost / made.cost)
-    assert share < SETTINGS.later_effect, "a wheel that no search takes up"
+    assert share < later_share(len(rows)), "a wheel that no search takes up"
     judged = replace(fitted, trials=data.judged, members=(), member_of=(), recipe=data.recipe)
     errors = _errors(problem_of(replace(judged, sigma=problem.sigma)), made.effects)
     assert errors[0] < 0.02 and errors[1] < 3.5

@@ -119,6 +119,15 @@ def test_where_nothing_but_noise_is_left_no_form_with_more_parameters_is_asked()
     assert before.chi < 1.1 and formed(before) is before
 
 
+def test_many_runs_bear_out_what_few_do_not() -> None:
+    """A contact ahead of the axle takes 6 % off chi on a carpet; it was asked for a tenth in any number."""
+    state = lost_way(SlipRatioFriction(share=1.0, steepness=2.0), structure=(ACROSS,))
+    few, many = (replace(state, scores=np.full(n, 9.0 * state.samples / n)) for n in (8, 72))
+    assert few.chi == many.chi == 3.0
+    for share, enough in ((0.06, (False, True)), (0.02, (False, False)), (0.12, (True, True))):
+        assert tuple(worthwhile(s, (1.0 - share) * 3.0) for s in (few, many)) == enough
+
+
 def test_what_was_worth_adding_on_fewer_runs_is_kept_on_all_unless_the_rest_is_as_good() -> None:
     runs = list(range(COUNT))
     for shift_m, kept in ((0.00027, 2), (0.0001, 1)):

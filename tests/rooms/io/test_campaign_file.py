@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 from planting import planted, smooth_kiwi
 
-from slipmargin.diagnosis.remarks import of_noise
+from slipmargin.data.campaign import Part, joined
+from slipmargin.diagnosis.remarks import of_noise, of_nominal_rates
 from slipmargin.errors import InputError
 from slipmargin.io.campaign_file import campaign_file, read_joined
 from slipmargin.io.data_set import read_data_set
@@ -90,6 +91,23 @@ def test_members_keep_their_place_their_pulls_and_whether_noise_is_stated(folder
     said = of_noise((one, two))
     assert len(said) == 1 and "states in gray was not used: none is stated in load" in said[0]
     assert of_noise((one, one)) == of_noise((two, two)) == ()
+
+
+def test_whose_rows_have_no_time_stamps_is_said(folder: Path) -> None:
+    """The nominal rate of one data set was said to be that of all."""
+    parts = [read_data_set(folder / name) for name in ("gray", "load")]
+
+    def said(*rates: float | None) -> tuple[str, ...]:
+        sets = [replace(d, nominal_rate_Hz=r) for d, r in zip(parts, rates, strict=True)]
+        own = [Part(data_set=d, floor="f", loading="l", instrument="i") for d in sets]
+        return of_nominal_rates(joined("both", own))
+
+    assert said(None, None) == ()
+    one, free = said(60.0, None)
+    assert one.startswith("Rows of gray have no time stamps, only a nominal rate of 60 Hz:")
+    assert free.startswith("The clock of load, whose rows are stamped,")
+    assert said(60.0, 60.0)[0].startswith("Rows have no time stamps, only a nominal rate of 60 Hz:")
+    assert "a nominal rate of 60 and 100 Hz" in said(60.0, 100.0)[0]
 
 
 def test_a_nominal_rate_beside_other_times_is_refused(tmp_path: Path) -> None:
