@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from strategies import NARROW, four_wheels, kiwi, models, narrow, reals
 
+from slipmargin.checks import Array
 from slipmargin.limits import Pull, pull_limit, sweep, wrench_set
 from slipmargin.limits.cones import cone_limits, limit_program
 from slipmargin.limits.sweep import limit
@@ -51,25 +52,26 @@ def test_facets_and_cvxpy_block(model: Model) -> None:
 @settings(max_examples=25, deadline=None)
 @given(models(shapes=(GripShape.DISC_STRIP, GripShape.ELLIPSE)))
 def test_coupled_grips_by_cvxpy_block(model: Model) -> None:
-    _same_by_cvxpy_block(model)
+    np.testing.assert_allclose(limit(model, PHI, Pull()), _by_cvxpy_block(model), rtol=AGREE)
 
 
 @pytest.mark.parametrize("kind", NARROW)
 @pytest.mark.parametrize("shape", (GripShape.DISC_STRIP, GripShape.ELLIPSE))
 def test_nearly_parallel_coupled_grips_by_cvxpy_block(shape: GripShape, kind: str) -> None:
     # Clarabel stalls short of a tolerance of 1e-9 for the mecanum wheels with disc-strip grips.
-    _same_by_cvxpy_block(nominal_model(narrow(kind, shape), "floor"))
+    model = nominal_model(narrow(kind, shape), "floor")
+    np.testing.assert_allclose(limit(model, PHI, Pull()), _by_cvxpy_block(model), rtol=AGREE)
 
 
-def _same_by_cvxpy_block(model: Model) -> None:
+def _by_cvxpy_block(model: Model) -> Array:
+    """Largest pull (M,) [N] at the orientations ``PHI`` where a grip couples drive and transverse force."""
     set_ = wrench_set(model)
     reach = set_.coefficients[..., 1] * set_.load_N[:, None]
     if model.grip.shape is GripShape.ELLIPSE:
         radii, strips = reach, np.full(model.count, np.inf)
     else:
         radii, strips = np.repeat(reach[:, :1], 2, axis=1), reach[:, 1]
-    block = cvxpy_.block_cone(set_.maps, radii, strips, Pull().rays(model, PHI))
-    np.testing.assert_allclose(limit(model, PHI, Pull()), block, rtol=AGREE)
+    return cvxpy_.block_cone(set_.maps, radii, strips, Pull().rays(model, PHI))
 
 
 @settings(max_examples=30, deadline=None)
