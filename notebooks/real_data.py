@@ -70,7 +70,7 @@ print(f"lost at 0.1 m/s: {100 * lost_by_speed[0]:.1f} %, at 0.2 m/s: {100 * lost
 # on the direction: drag of the
 # rollers (the law's own constants across the wheels), loads (`wheel_loads`). A run
 # and its reverse differ by as much as 3 %: wheels that lead are lighter (`trailing_load`). With all 36 runs
-# `slipmargin diagnose` finds the same three by itself.
+# `slipmargin diagnose` finds the same three by itself, and a small fourth one.
 #
 # ## The test: half of the headings at 0.1 m/s are fitted, all the rest is predicted
 
@@ -98,7 +98,8 @@ for name, e in errors.items():
 # ## Numbers that somebody could check with a scale, a ruler or a spring balance
 #
 # Once the effects have proved themselves on runs they had not seen, all eight runs at 0.1 m/s may speak.
-# Intervals are 95 % for each number; eight runs are few, those of the whole campaign stand in the README.
+# Intervals are 95 % for each number. Eight runs are few: those of the whole campaign stand in
+# docs/explanation/real-robot.md.
 
 # %%
 everyone = np.arange(len(campaign.slow.names))
@@ -120,7 +121,7 @@ for name, value in witness.items():
 # ## What it means for the robot: slip limits on this floor, before and after
 #
 # The unit is the weight times the drive coefficient: steady runs tell only ratios of coefficients. The
-# currents of the whole campaign say that the coefficient is about 1.1 times the gear's efficiency. And the
+# currents of the whole campaign say that the coefficient is about 1.4 times the gear's efficiency. And the
 # limit is no cliff. With the steepness found, the share λ of the grip costs tan(π λ / 2) / κ of the way.
 
 # %%
@@ -146,7 +147,7 @@ for speed, lines in rest.items():
 
 # %% [markdown]
 # * A wheel that rolls averages over its rollers. One that stands keeps one angle for the whole run. In the
-#   four runs straight along wheel 2's axle the error goes from −5 to +12 % of the way. The runs 5° beside
+#   four runs straight along wheel 2's axle the error goes from −6 to +12 % of the way. The runs 5° beside
 #   them do not follow. The motors of the other two feel it: their currents rise in the same order.
 # * Only ratios of coefficients follow from steady runs. The level comes from the currents, but for the gear.
 # * The shape of the friction law (atan, tanh, brush) is not decided by these data.

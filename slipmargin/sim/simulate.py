@@ -31,7 +31,7 @@ REASONS = {
     Ending.STUCK: ("the step size fell to nothing", "smooth the commands or lower k_s_per_m"),
     Ending.TOO_LONG: (
         "it takes too many steps",
-        f"loosen rtol, lower k_s_per_m, shorten the run, or set {FACTOR}=10 to allow ten times as many",
+        f"lower k_s_per_m, shorten the run, or set {FACTOR}=10 to allow ten times as many",
     ),
 }
 

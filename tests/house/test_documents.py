@@ -277,8 +277,9 @@ def test_the_readme_is_short_and_its_figures_are_measured() -> None:
     result = json.loads((ROOT / "benchmarks/results/robotino.json").read_text(encoding="utf-8"))
     rows = result["rows"]
     errors = {row["model"]: 100 * row["errors"]["held out"]["displacement"] for row in rows}
-    first, last = rows[0]["model"], rows[-1]["model"]
+    first, scaled, last = (rows[i]["model"] for i in (0, 1, -1))
     assert f"{errors[first]:.0f} % of the distance" in README and f"{errors[last]:.1f} % off" in README
+    assert f"{errors[scaled]:.1f} % with its scale refitted" in README
     loads = [result["physical"][f"load on wheel {i} [kg]"] for i in (1, 2, 3)]
     one, two, three = (load["value"] for load in loads)
     assert f"{one:.2f}, {two:.2f} and {three:.2f} kg" in README
@@ -305,6 +306,11 @@ def test_the_story_of_the_real_robot_tells_measured_figures() -> None:
     weakest, least = "weakest pull [μ m g]", "least acceleration from rest [μ g]"
     assert f"weakest pull is {before[weakest]:.2f} before and {after[weakest]:.2f} after" in page
     assert f"from rest is {before[least]:.2f} μ g before and {after[least]:.2f} μ g after" in page
+    currents = [result["currents"][f"wheel {i}: correlation"] for i in (1, 2, 3)]
+    assert "correlations of {:.3f}, {:.3f} and {:.3f}".format(*currents) in page
+    over_gear = [result["currents"][f"wheel {i}: drive coefficient over gear efficiency"] for i in (1, 2, 3)]
+    steps = (ROOT / "notebooks/real_data.py").read_text(encoding="utf-8")
+    assert f"coefficient is about {sum(over_gear) / 3:.1f} times the gear" in steps
 
 
 @pytest.mark.parametrize(("page", "block"), blocks("python"), ids=page_id)
