@@ -6,7 +6,7 @@ variable it traces.  Both build effects, and the null vector builds one that doe
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from types import MappingProxyType
@@ -19,7 +19,7 @@ from slipmargin.checks import Array, frozen, shaped
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import AnyEffect, Effect, Scope, Trace, Variant, WheelEffect
 from slipmargin.effects.catalogue import CATALOGUE
-from slipmargin.effects.places import LINE
+from slipmargin.effects.places import LINE, PATCH
 from slipmargin.model import Model
 from slipmargin.physics.relief import beyond
 
@@ -46,7 +46,8 @@ class Candidate:
     starts : array (S, P)
         Where fits start.
     near : array (Q, P), optional
-        Where they start on a line of the floor that the data point to, with 0 for what says where it lies.
+        Where they start at a line or a place of the floor that the data point to, with 0 for what says where
+        that is.
     build : callable
         Parameter vector → effect.
     nested : bool
@@ -126,16 +127,19 @@ class Candidate:
         """Number of parameters P."""
         return len(self.keys)
 
-    def on_line(self, near: Array, offset_m: float, direction_rad: float) -> Array:
-        """The parameters ``near`` (Q, P) on a line: its distance from the floor's origin and its normal."""
+    def is_near(self, where: Sequence[str]) -> bool:
+        """Whether it starts at what parameters of the names ``where`` say, if data point to that."""
+        return len(self.near) > 0 and set(where) <= set(self.keys)
+
+    def at(self, where: Sequence[str], values: Sequence[float], near: Array) -> Array:
+        """The parameters ``near`` (Q, P) with these ``values`` of those that say ``where``."""
         rows = near.copy()
-        rows[:, [self.keys.index(key) for key in LINE]] = offset_m, direction_rad
+        rows[:, [self.keys.index(key) for key in where]] = values
         return rows
 
-    def line_of(self, x: Array) -> tuple[float, float]:
-        """The line that parameters ``x`` (P,) say: its distance from the floor's origin and its normal."""
-        offset_m, direction_rad = (float(x[self.keys.index(key)]) for key in LINE)
-        return offset_m, direction_rad
+    def where(self, where: Sequence[str], x: Array) -> tuple[float, ...]:
+        """What parameters ``x`` (P,) say ``where`` it is."""
+        return tuple(float(x[self.keys.index(key)]) for key in where)
 
     @property
     def thing(self) -> str:
@@ -186,7 +190,9 @@ def named_candidate(
     low = np.maximum([p.low for p in rows], begins - within)
     high = np.minimum([p.high for p in rows], begins + within)
     starts = np.clip(starts, low, high)
-    near = [p.near or ((0.0,) if p.name in LINE else s[:1]) for p, s in zip(rows, sets, strict=True)]
+    near = [
+        p.near or ((0.0,) if p.name in (*LINE, *PATCH) else s[:1]) for p, s in zip(rows, sets, strict=True)
+    ]
     subject = effect.name + (f"[{','.join(wheels)}]" if wheels else "")
     return Candidate(
         name=effect.name,

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, final
 
 import numpy as np
@@ -18,12 +19,13 @@ from numpy.typing import NDArray
 from slipmargin.checks import Array
 from slipmargin.data.odometry import body_velocity, bridged
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.fit import Fit, misfit_of
+from slipmargin.diagnosis.fit import Fit
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.spots import Spot, best_spots
 from slipmargin.diagnosis.state import State
-from slipmargin.diagnosis.tangents import simulated
+from slipmargin.effects.places import LINE
 from slipmargin.model import Model
 from slipmargin.physics import frames
 from slipmargin.physics.compiled import kernel, twin
@@ -48,56 +50,40 @@ def at_crossings(
     Each start is the best of several, as simulated, on its line; the best lines are moved to better ones
     beside them.  The best comes first, and what it takes off is promised.
     """
-    entries = [e for e in screening.entries if e.stands_alone and len(e.structure[0].near)]
+    entries = [e for e in screening.entries if e.stands_alone and e.structure[0].is_near(LINE)]
     if not entries:
         return []
-    base, problem = before.fit, before.view.rough()
-    known = problem.residuals([base.effects], [base.trials])[0]
-    noise = 2.0 * misfit_of(known)
+    base, out = before.fit, []
     predicted = replace(before.view, piece=None).predict([base.effects], [base.trials])[0]
     centre = np.nanmedian(
         np.concatenate([before.view.trials[int(i)].pose[:, :2] for i in base.trials]), axis=0
     )
-    out = []
-
-    def best_of(candidate: Candidate, rows: Array) -> list[tuple[float, Array]]:
-        """The best of some parameters (Q, P), as simulated; nothing once it is overdue."""
-        points = [(*base.effects, candidate.build(x)) for x in rows]
-        squares = [float(np.sum(r**2)) for r in simulated(problem, points, base.trials, overdue)]
-        return [(min(squares), rows[int(np.argmin(squares))])] if squares else []
-
     for entry in entries:
         candidate = entry.structure[0]
         shapes = _shapes(before.view.nominal, candidate)
         reliefs = [relief for relief, _, _ in shapes]
-        found: list[tuple[float, float, Array]] = []  # the first by the residual comes first
-        for at in () if overdue() else lines(before.view, base, predicted, reliefs, SETTINGS.crossings):
-            relief, near, sizes = shapes[at.shape]
-            apart = SETTINGS.crossing_apart * relief.extent_m
-            rows = candidate.on_line(near[np.sign(sizes) == at.sign], at.offset_m, at.direction_rad)
-            found += [(left, apart, x) for left, x in best_of(candidate, rows)]
-        order = sorted(range(len(found)), key=lambda k: found[k][0])
-        for k in dict.fromkeys([*order[: SETTINGS.starts], *range(len(found))[:1]]):
-            for share in (1.0, 0.5):
-                left, apart, x = found[k]
-                for now, other in best_of(candidate, _beside(candidate, x, share * apart, share, centre)):
-                    found[k] = min((left, apart, x), (now, apart, other), key=lambda row: row[0])
-        if found:
-            found.sort(key=lambda row: row[0])
-            promise = float(np.sum(known**2)) - found[0][0] - noise * candidate.size
-            out.append(replace(entry, starts=tuple(x for _, _, x in found), promise=promise))
+        spots = []
+        for line in () if overdue() else lines(before.view, base, predicted, reliefs, SETTINGS.crossings):
+            relief, near, sizes = shapes[line.shape]
+            apart_m = SETTINGS.crossing_apart * relief.extent_m
+            rows = candidate.at(LINE, (line.offset_m, line.direction_rad), near[np.sign(sizes) == line.sign])
+            spots.append(Spot(rows, partial(_beside, candidate, apart_m=apart_m, centre=centre)))
+        out += best_spots(before, entry, spots, overdue)
     return out
 
 
-def _beside(candidate: Candidate, x: Array, apart_m: float, share: float, centre: Array) -> Array:
-    """Parameters ``x`` (P,) on eight lines (8, P) beside theirs: farther, nearer, turned about ``centre``."""
-    offset, direction = candidate.line_of(x)
+def _beside(candidate: Candidate, x: Array, share: float, apart_m: float, centre: Array) -> Array:
+    """Parameters ``x`` (P,) on eight lines (8, P) beside theirs: farther, nearer, turned about ``centre``.
+
+    They lie a ``share`` of ``apart_m`` and of the angle between two directions away.
+    """
+    offset, direction = candidate.where(LINE, x)
     rows = []
     for way in np.array([-share, 0.0, share]) * (_DIRECTIONS[1] - _DIRECTIONS[0]):
         turned = float(beyond(0.0, direction + way, *centre) - beyond(0.0, direction, *centre))
-        for shift in (-apart_m, 0.0, apart_m):
+        for shift in (-share * apart_m, 0.0, share * apart_m):
             if way or shift:
-                rows.append(candidate.on_line(x[None], offset + turned + shift, direction + way))
+                rows.append(candidate.at(LINE, (offset + turned + shift, direction + way), x[None]))
     return np.concatenate(rows)
 
 

@@ -13,7 +13,8 @@ def finalists(screening: Screening, many: int) -> list[Screened]:
     """What is fitted: the ``many`` best names of the list, half as many general forms, and as many pairs.
 
     Single candidates are taken by what they promise.  A name takes one place, in the form that promises
-    most: the forms of one would keep others out.  The best name is fitted in its other forms too, since
+    most: the forms of one would keep others out.  Names that promise nearly as much as the last of them
+    are taken as well, up to as many again.  The best name is fitted in its other forms too, since
     a list says little about which of them is meant.  A pair is fitted only where its two tangents together
     leave clearly less than any single one, or where it is one thing in two halves, of which one is fitted.
     """
@@ -24,7 +25,9 @@ def finalists(screening: Screening, many: int) -> list[Screened]:
     least = SETTINGS.hopeless * max([0.0, best, *(e.gain for e in pairs)])
     single = [e for e in alone if e.promise > least]
     names = [e for e in single if e.named]
-    first = _best_of_each(names)[:many]
+    each = _best_of_each(names)
+    first = each[:many]
+    first += [e for e in each[many : 2 * many] if e.promise >= SETTINGS.nearly_promised * first[-1].promise]
     other = [e for e in names if e not in first and e.structure[0].name == first[0].structure[0].name]
     forms = [e for e in single if not e.named]
     chosen = [

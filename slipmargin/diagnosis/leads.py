@@ -96,9 +96,9 @@ def leads(
     """What to look at next, best first.
 
     First what runs bear out to which it was not fitted, and what is not claimed for another reason; then what
-    the map supports, what repeats with a wheel's angle, and what fits the searched runs best beside what was
-    ``found``, in the round that began with it (``last``).  Where there is nothing of all that, the best there
-    is, said to be weak.  What was found is no lead.
+    the map supports, of that first what leaves nothing but noise, what repeats with a wheel's angle, and what
+    fits the searched runs best beside what was ``found``, in the round that began with it (``last``).  Where
+    there is nothing of all that, the best there is, said to be weak.  What was found is no lead.
     """
     rows = [] if last is None else followed(last)
     # one run is a fold of its own: nothing is left out of any fit
@@ -119,9 +119,11 @@ def leads(
         if lead.traced_to not in {*found, *(m.traced_to for m in made)}:
             made.append(lead)
 
-    def place(entry: MapEntry) -> tuple[bool, float]:
-        row = best.get(entry.traced_to)
-        return (False, 0.0) if row is None else (row.hurts, -row.gain)
+    def place(entry: MapEntry) -> tuple[float, bool, float]:
+        row, before = best.get(entry.traced_to), 0.0 if last is None else last.before.chi
+        noise_alone = before * np.sqrt(max(0.0, 1.0 - entry.share)) <= SETTINGS.noise_chi < before
+        all_of_it = -entry.share if noise_alone else 0.0
+        return (all_of_it, False, 0.0) if row is None else (all_of_it, row.hurts, -row.gain)
 
     def of_fit(row: Followed) -> Lead:
         no = borne_out.get(row.label) or refused.get(row.label)

@@ -24,6 +24,7 @@ from slipmargin.diagnosis.crossings import at_crossings
 from slipmargin.diagnosis.finalists import finalists, of_other_variables, other_names
 from slipmargin.diagnosis.fit import build, evaluate, fit
 from slipmargin.diagnosis.left_out import folds
+from slipmargin.diagnosis.patches import at_patches
 from slipmargin.diagnosis.probes import probes
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.promise import after_steps, as_simulated
@@ -192,16 +193,18 @@ def search(
 def _in_all(
     state: State, rounds: Sequence[Round], seen: Index, runs: Sequence[int], expired: Callable[[], bool]
 ) -> State:
-    """What was found fitted to all trials ``seen``.
+    """What was found fitted to all trials ``seen``, and the names that its round could not tell from it.
 
-    Where it is stuck at a bound there, it stands for something else: names that its round could not tell from
-    it are asked as well.
+    More runs tell more of them apart.  Where what was found is stuck at a bound there, it stands for
+    something else, and all such names are asked; else those that have no more parameters.
     """
     found = [fitted(state.view, state.structure, state.fit.x, seen, runs, expired)]
-    if found[0].fit.at_bound() and not expired():
-        rivals = [s for r in rounds if r.best is not None and _alike(r.best, state) for s in r.rivals()]
-        sound = [s for s in rivals if s.named and not s.fit.at_bound()]
-        found += [fitted(state.view, s.structure, s.fit.x, seen, runs) for s in sound]
+    stuck, size = found[0].fit.at_bound(), len(state.fit.x)
+    rivals = [s for r in rounds if r.best is not None and _alike(r.best, state) for s in r.rivals()]
+    sound = [s for s in rivals if s.named and not s.fit.at_bound() and (stuck or len(s.fit.x) <= size)]
+    for rival in sound if stuck else sound[: SETTINGS.followed]:
+        if not expired():
+            found.append(fitted(state.view, rival.structure, rival.fit.x, seen, runs, expired))
     return choose(sorted(found, key=lambda s: s.chi))
 
 
@@ -245,9 +248,14 @@ def take_step(
     )
     if not worth and (before.structure or before.chi <= SETTINGS.noise_chi):
         return nothing
-    screening = as_simulated(before, screening, lambda: progress.overdue)
-    crossed = [] if before.structure else at_crossings(before, screening, lambda: progress.overdue)
-    screening = screening.with_better(crossed)
+
+    def overdue() -> bool:
+        return progress.overdue
+
+    screening, spots = as_simulated(before, screening, overdue), list[Screened]()
+    if not before.structure:
+        spots = [*at_crossings(before, screening, overdue), *at_patches(before, screening, overdue)]
+    screening = screening.with_better(spots)
     room = SETTINGS.most_effects - len(before.structure)
     chosen = [e for e in finalists(screening, many) if len(e.structure) <= room]
     fewest = 1 if before.structure else SETTINGS.fewest_fitted
@@ -259,8 +267,8 @@ def take_step(
     # explains part of what is left is followed by a round of its own.
     if not before.structure and (not best.named or worthwhile(best, SETTINGS.floor_chi)):
         progress("a few steps of other names", 0.2)
-        others = other_names(screening, [*chosen, *crossed], SETTINGS.contenders)
-        names = after_steps(before, [*crossed, *others], lambda: progress.expired)[:many]
+        others = other_names(screening, [*chosen, *spots], SETTINGS.contenders)
+        names = after_steps(before, [*spots, *others], lambda: progress.expired)[:many]
         forms = of_other_variables(screening, chosen, many)
         tried = _fitted_in_turn(before, [*names, *forms], tried, runs, progress)
         best = choose(tried)

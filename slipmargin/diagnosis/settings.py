@@ -79,6 +79,10 @@ class SearchSettings:
     #: [lines] Of each candidate so many lines that look most like it are simulated: of 11 true ones the last
     #: came eleventh.
     crossings: int = 12
+    #: [1] Places of the floor lie so far apart as a share of a patch's radius.
+    patch_apart: float = 0.5
+    #: [patches] So many patches, at which velocities differ most from those elsewhere, are simulated.
+    patches: int = 8
     #: [starts] So many starts of a named candidate are simulated as they are, for friction that sticks hides
     #: small changes.
     secants: int = 4
@@ -155,6 +159,9 @@ class SearchSettings:
     #: [candidates] How many names are fitted by simulation, each once; half as many general forms
     #: and half as many pairs, and so many forms more where no name leaves nothing but noise.
     finalists: int = 5
+    #: [1] What promises this share of what the last of them does is fitted as well, up to as many again: a
+    #: list knows a promise to some percent.
+    nearly_promised: float = 0.95
     #: [candidates] So many further names are given a few steps there: the right one may stand far down a list
     #: that tangents have made, a stiff roller on another wheel twentieth.  Of a list in all runs
     #: as many stand on the next one.

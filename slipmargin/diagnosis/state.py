@@ -81,7 +81,8 @@ def choose(tried: Sequence[State]) -> State:
 
     Of two forms of the same effects that are as good as each other, and of two names whose errors do not
     differ beyond the spread of the runs or the worth of their parameters, the one with fewer parameters is
-    meant; of two that differ by no more than a log's reconstruction does, the more usual one.
+    meant; of two that differ by no more than a log's reconstruction does, and not in most runs the same way,
+    the more usual one.
     """
     good = [s for s in tried if as_good(s, tried[0])]
     chosen = min(good, key=lambda s: (*_kind(s), s.chi))
@@ -116,6 +117,8 @@ def _simpler(chosen: State, good: Sequence[State]) -> State:
         return chosen
     least = min((len(s.fit.x), s.chi) for s in simple)
     same = [s for s in simple if len(s.fit.x) == least[0] and s.chi <= least[1] + SETTINGS.least_chi]
+    best = min(same, key=lambda s: s.chi)
+    same = [s for s in same if _level(s, best, SETTINGS.noise_deviations)]
     return min(same, key=lambda s: (_unusual(s), s.chi))
 
 
@@ -153,10 +156,11 @@ def _fits_as_well(one: State, best: State) -> bool:
     return bool(one.fit.cost <= best.fit.cost + more * np.log(best.samples))
 
 
-def _level(one: State, best: State) -> bool:
+def _level(one: State, best: State, errors: float = SETTINGS.as_good_errors) -> bool:
+    """Whether a sum of squares is larger by no more than so many standard errors of the runs' differences."""
     gap = one.scores - best.scores
     spread = float(np.std(gap, ddof=1)) * np.sqrt(len(gap)) if len(gap) > 1 else 0.0
-    return float(gap.sum()) <= SETTINGS.as_good_errors * spread
+    return float(gap.sum()) <= errors * spread
 
 
 def _by_number(one: State, best: State) -> bool:

@@ -107,7 +107,7 @@ class Parameter:
     within: float = np.inf  #: … and looks no farther from there than this
     least_wheels: int = 0  #: with fewer wheels it has no influence
     usual: float | None = None  #: an end of the range that is an ordinary value; the null by default
-    near: tuple[float, ...] = ()  #: where fits start on a line of the floor that the data point to
+    near: tuple[float, ...] = ()  #: where fits start at a line or place that the data point to
 
 
 def parameter(

@@ -32,7 +32,13 @@ class FloorPatch(Effect):
     scope = Scope.FLOOR
     parameters = (
         parameter(
-            "factor", "1", (0.0, 1.0, 5.0), 0.1, "friction on the patch over that beside it", starts=(0.5,)
+            "factor",
+            "1",
+            (0.0, 1.0, 5.0),
+            0.1,
+            "friction on the patch over that beside it",
+            starts=(0.5,),
+            near=(0.3, 0.7, 1.5),
         ),
         *place("centre", "centre of the patch on the floor", 0.02, (PLACE_X, PLACE_Y), along="position"),
         parameter(

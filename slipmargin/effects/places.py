@@ -24,6 +24,8 @@ LINE_DIRECTION = tuple(k * math.pi / 4.0 for k in range(8))
 LINE_OFFSET = (0.0, 0.3)
 #: The two parameters that say where a line lies.
 LINE = ("offset_m", "direction_rad")
+#: The three that say where a round patch lies.
+PATCH = ("centre_x_m", "centre_y_m", "radius_m")
 
 
 def place(

@@ -27,6 +27,7 @@ from slipmargin.effects import Trace
 from slipmargin.effects.floor_patch import FloorPatch
 from slipmargin.effects.floor_ramp import FloorRamp
 from slipmargin.effects.floor_seam import FloorSeam
+from slipmargin.effects.places import LINE, PATCH
 from slipmargin.physics.relief import beyond
 
 SIGMA = np.array([5e-4, 5e-4, 2e-3])
@@ -143,10 +144,11 @@ def test_runs_too_short_for_a_velocity_have_no_lines(crossed: DataSet) -> None:
 
 def test_fits_start_on_a_line_as_ridge_and_as_groove() -> None:
     (seam,) = (c for c in named_candidates(("1", "2", "3"), False, ()) if c.name == "floor_seam")
-    rows = seam.on_line(seam.near, 0.4, 1.2)
+    rows = seam.at(LINE, (0.4, 1.2), seam.near)
     assert {tuple(row) for row in rows[:, 1:3]} == {(0.4, 1.2)}
     assert set(np.sign(rows[:, 0])) == {1.0, -1.0} and len(set(rows[:, 3])) == 2
-    assert not len(next(c for c in named_candidates(("1",), False, ()) if c.name == FloorPatch.name).near)
+    patch = next(c for c in named_candidates(("1",), False, ()) if c.name == FloorPatch.name)
+    assert seam.is_near(LINE) and not patch.is_near(LINE) and patch.is_near(PATCH)
 
 
 def test_a_floor_of_its_own_has_lines_as_any_other(crossed: DataSet) -> None:
@@ -158,7 +160,7 @@ def test_a_floor_of_its_own_has_lines_as_any_other(crossed: DataSet) -> None:
             for name in ("a", "b")
         ],
     )
-    own = in_groups([c for c in candidates_of(problem(crossed)) if len(c.near)], whole.members)
+    own = in_groups([c for c in candidates_of(problem(crossed)) if c.is_near(LINE)], whole.members)
     there = {c.label: _shapes(problem_of(whole).nominal, c) for c in own if "floor b" in c.label}
     assert {label: len(shapes) for label, shapes in there.items()} == {
         "floor_ramp in floor b": 3,

@@ -128,6 +128,23 @@ def test_many_runs_outweigh_the_one_that_is_farthest_off(state: State) -> None:
     assert "3 get clearly better, 0 worse" in made[0].why and "1 get clearly better, 3 worse" in made[2].why
 
 
+def test_what_leaves_nothing_but_noise_leads(state: State) -> None:
+    """A patch that took 95 % off stood after a nap that took 24: it was looked for at many places."""
+    listed = {c.label: c for c in named_candidates(("1", "2", "3"), False, ())}
+    samples = state.samples
+
+    def tried(label: str, scores: list[float]) -> State:
+        own = np.array(scores) * samples / 4.0
+        return replace(state, fit=replace(state.fit, structure=(listed[label],)), scores=own)
+
+    before = replace(state, scores=np.array([1.0, 1.0, 24.0, 1.0]) * samples / 4.0)
+    nap, patch = tried("floor_nap", [0.8, 0.8, 18.0, 0.8]), tried("floor_patch", [1.0, 1.0, 1.2, 1.0])
+    nothing = Screening(entries=(), total=1.0, chance=np.zeros(199))
+    last = Round(before=before, screening=nothing, tried=(patch, nap), best=None, taken=False)
+    assert [f.label for f in followed(last)] == ["floor_nap", "floor_patch"]
+    assert [x.candidate for x in leads(last.map(), (), last, (), ())] == ["floor_patch", "floor_nap"]
+
+
 def test_leads_of_one_run_are_those_of_a_fit_to_it() -> None:
     """They were said to be of runs left out, of which there are none."""
     data = good(3)
