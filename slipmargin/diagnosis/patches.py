@@ -18,14 +18,15 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from slipmargin.checks import Array
+from slipmargin.data.odometry import body_path, bridged
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.spots import Spot, best_spots
 from slipmargin.diagnosis.state import State
 from slipmargin.effects.places import PATCH
-from slipmargin.physics import frames
 from slipmargin.physics.compiled import kernel
+from slipmargin.physics.frames import rotate_rows
 
 #: Radii that are looked at differ by this factor, and so do the radius and the change of friction of patches
 #: beside one.
@@ -62,7 +63,7 @@ def _beside(candidate: Candidate, x: Array, share: float) -> Array:
     ]
     sized = [(x_m, y_m, radius_m * wider), (x_m, y_m, radius_m / wider)]
     changed = np.array([x, x])
-    changed[:, 0] = 1.0 + (x[0] - 1.0) * np.array([wider, 1.0 / wider])
+    changed[:, 0] = candidate.null[0] + (x[0] - candidate.null[0]) * np.array([wider, 1.0 / wider])
     rows = [candidate.at(PATCH, place, x[None]) for place in (*moved, *sized)]
     return np.asarray(np.clip(np.concatenate([*rows, changed]), candidate.low, candidate.high))
 
@@ -132,12 +133,12 @@ def _motion(before: State) -> _Motion:
         there = np.isfinite(measured).all(axis=1)
         if not there.any() or not np.isfinite(told).all():
             continue  # a prediction that diverged says nothing
-        k, known = np.arange(len(told)), np.flatnonzero(there)
-        off = np.column_stack([np.interp(k, known, (measured - told)[known, i]) for i in range(3)])
+        k = np.arange(len(told))
+        off = bridged(k.astype(float), measured - told)
         off[:, 2] = uniform_filter1d(off[:, 2], even)  # noise of the heading would turn every step
-        errors.append(np.cumsum((_steps(told + off) - _steps(told)) / view.sigma, axis=0))
         at = told + off
-        wheels.append(at[:, None, :2] + np.stack(frames.to_floor(at[:, 2:], *arms.T), axis=-1))
+        errors.append((body_path(at) - body_path(told)) / view.sigma)
+        wheels.append(at[:, None, :2] + rotate_rows(at[:, 2:], arms))
         begins.append(np.asarray(k == 0))
         seen.append(np.asarray(there))
     return _Motion(
@@ -146,13 +147,6 @@ def _motion(before: State) -> _Motion:
         begins=np.concatenate(begins),
         seen=np.concatenate(seen),
     )
-
-
-def _steps(poses: Array) -> Array:
-    """What each pose (T, 3) moved on from the one before, in the body frame of that one; the first by 0."""
-    out = np.diff(poses, axis=0, prepend=poses[:1])
-    out[1:, :2] = np.stack(frames.to_body(poses[:-1, 2], *out[1:, :2].T), axis=1)
-    return np.asarray(out)
 
 
 def _scores(places: Array, radius_m: float, motion: _Motion) -> Array:

@@ -21,7 +21,8 @@ class SearchSettings:
     #: of the chi of a run of 1000 samples in three channels (1 / √6000 each).  The mean square of
     #: a single run must also grow by more than this share of what all runs' mean square falls by.
     worse_factor: float = 0.065
-    #: [standard deviations] By how much a run's sum of squares must change to count as changed at all.
+    #: [standard deviations] By how much a run's sum of squares must change to count as changed at all, and
+    #: that of all runs for the more usual of two names to give way.
     noise_deviations: float = 2.0
     #: [1] Level of the paired test over runs.
     level: float = 0.05
@@ -81,7 +82,7 @@ class SearchSettings:
     crossings: int = 12
     #: [1] Places of the floor lie so far apart as a share of a patch's radius.
     patch_apart: float = 0.5
-    #: [patches] So many patches, at which velocities differ most from those elsewhere, are simulated.
+    #: [patches] So many patches, which explain the error of the motion best, are simulated.
     patches: int = 8
     #: [starts] So many starts of a named candidate are simulated as they are, for friction that sticks hides
     #: small changes.
@@ -174,7 +175,8 @@ class SearchSettings:
     #: [1] A pair is fitted where its tangents leave at most this share of what the best single one leaves.
     pair_leaves: float = 0.7
     #: [candidates] Far above the noise so many names are followed by a round of their own beside the best:
-    #: with it they make three, the variables of a wheel that rolls (its slip, its load, its geometry).
+    #: with it they make three, the variables of a wheel that rolls (its slip, its load, its geometry).  As
+    #: many that a few runs cannot tell from it are fitted to all runs beside it.
     followed: int = 2
     #: [1] … each of which takes off at least this share of what the best does: what is found beside it may
     #: be worth as much again, while a name's own rank depends on what is still missing.  Once more is known

@@ -112,9 +112,15 @@ def test_a_fit_starts_on_the_patch(slick: DataSet) -> None:
     assert not at_patches(before, plain, lambda: True)
 
 
-def test_runs_too_short_for_an_error_have_no_patch(slick: DataSet) -> None:
+def test_runs_of_a_few_samples_are_no_fault(slick: DataSet) -> None:
     short = tuple(record.first(6) for record in slick.trials)
     assert len(patches(begun(replace(slick, trials=short)), RADII_M)) <= SETTINGS.patches
+
+
+def test_runs_that_nobody_saw_have_no_places(slick: DataSet) -> None:
+    before = begun(slick)
+    unseen = tuple(replace(trial, pose=np.full_like(trial.pose, np.nan)) for trial in before.view.trials)
+    assert patches(replace(before, view=replace(before.view, trials=unseen)), RADII_M) == []
 
 
 def never() -> bool:
