@@ -159,8 +159,8 @@ def _misses(
 def start_twist(model: Model, trial: Trial, signal: WheelSignal, sigma: Array) -> Array:
     """Floor-frame velocity (3,) with which a run begins [m/s, m/s, rad/s].
 
-    It is what the wheels' first speeds make without slip, and where the first poses, whose noise is ``sigma``
-    (3,), say clearly that the robot slid, what it slid by: a run may begin in the middle of a motion.
+    It is what the wheels' first speeds make without slip.  Where the first poses, whose noise is ``sigma``
+    (3,), say clearly that the robot slid, it is what they say: a run may begin in the middle of a motion.
     """
     geometry, speeds = model.geometry, signal.pieces[0, :, 1]
     body = geometry.no_slip_map() @ speeds
@@ -171,10 +171,14 @@ def start_twist(model: Model, trial: Trial, signal: WheelSignal, sigma: Array) -
     turned = angles_at(signal, trial.t_s[early])
     # From rest the wheels run away from the floor in no time: of such a start no parabola tells.
     if np.max(np.abs(speeds)) >= SETTINGS.start_pace * np.max(np.abs(turned[-1] - turned[0])) / t[-1]:
-        slid = body_path(trial.pose[early]) - wheel_path(geometry, turned)
+        moved = body_path(trial.pose[early])
+        slid = moved - wheel_path(geometry, turned)
         powers = t[:, None] ** np.arange(3)  # where it began, the velocity then, and how that changed
-        fitted, *_ = np.linalg.lstsq(powers, slid, rcond=None)
-        missed = np.sqrt(np.sum((slid - powers @ fitted) ** 2, axis=0) / (count - 3))
-        error = np.maximum(sigma, missed) * np.sqrt(np.linalg.pinv(powers.T @ powers)[1, 1])
-        body += np.where(np.abs(fitted[1]) > SETTINGS.start_deviations * error, fitted[1], 0.0)
+        to_fit = np.linalg.pinv(powers)
+        by_slip = to_fit @ slid
+        missed = np.sqrt(np.sum((slid - powers @ by_slip) ** 2, axis=0) / (count - 3))
+        error = np.maximum(sigma, missed) * np.linalg.norm(to_fit[1])
+        clearly = np.abs(by_slip[1]) > SETTINGS.start_deviations * error
+        if clearly.any():  # then not the wheels' first speeds, which may be the edge of noisy angles
+            body = (to_fit @ moved)[1] - np.where(clearly, 0.0, by_slip[1])
     return rotate_rows(trial.start[2], body)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from slipmargin.data.record import Record
@@ -86,6 +88,16 @@ def test_a_run_that_begins_in_the_middle_of_a_slide_starts_with_what_the_poses_s
     found = start_twist(model, trial, wheel_signal(trial, False), 0.2 * SIGMA)
     assert np.hypot(*(wheels[:2] - velocity[:2])) > 0.1, "it slides there"
     assert np.hypot(*(found[:2] - velocity[:2])) < 0.03 and abs(found[2] - velocity[2]) < 0.2
+
+
+def test_the_noise_of_the_first_wheel_angle_is_no_slide():
+    """Seen on a robot that obeys: a slope at the edge of coarse angles was added to what the poses said."""
+    model, trial, velocity = sliding_run(12, 200)
+    theta = trial.record.theta.copy()
+    theta[0] -= 0.1 * np.array([1.0, 1.0, -1.0])  # the slope at the edge is 15 rad/s off
+    coarse = replace(trial, record=replace(trial.record, theta=theta, omega=None))
+    found = start_twist(model, coarse, wheel_signal(coarse, False), 0.2 * SIGMA)
+    assert np.hypot(*(found[:2] - velocity[:2])) < 0.1
 
 
 def test_a_run_from_rest_starts_at_rest_however_its_wheels_spin():
