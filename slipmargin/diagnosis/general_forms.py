@@ -227,6 +227,12 @@ def _over_place(model: Model, r: Ranges) -> list[Candidate]:
         friction(
             Trace.TIME, "friction over time", model, [(Variable.TIME, Basis.HATS, clock, 7, both, None)]
         ),
+        friction(
+            Trace.TIME,
+            "friction that settles",
+            model,
+            [(Variable.TIME, Basis.DECAY, (s * r.duration_s, 1.0), 1, both, None) for s in (0.15, 0.6)],
+        ),
         forces(
             Trace.TIME,
             "force over time",

@@ -43,7 +43,7 @@ from slipmargin.diagnosis.search import take_step
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.state import State, worthwhile
-from slipmargin.diagnosis.verdict import Judgement, RunErrors, judge, judged, near_noise
+from slipmargin.diagnosis.verdict import Judgement, RunErrors, explained_share, judge, judged, near_noise
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect
 
@@ -181,6 +181,7 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
                 chi_before=one.chi(),
                 chi_after=two.chi(),
                 borne_out=not judgement.failures + astray,
+                lowers=not astray and explained_share(one.chi(), two.chi()) >= SETTINGS.explained_share,
             )
         )
         return None

@@ -96,9 +96,10 @@ def leads(
     """What to look at next, best first.
 
     First what runs bear out to which it was not fitted, and what is not claimed for another reason; then what
-    the map supports, of that first what leaves nothing but noise, what repeats with a wheel's angle, and what
-    fits the searched runs best beside what was ``found``, in the round that began with it (``last``).  Where
-    there is nothing of all that, the best there is, said to be weak.  What was found is no lead.
+    the map supports, of that first what lowers the error of runs that it was not fitted to, if not as surely
+    as a claim must, and what leaves nothing but noise; then what repeats with a wheel's angle, and what fits
+    the searched runs best beside what was ``found``, in the round that began with it (``last``).  Where there
+    is nothing of all that, the best there is, said to be weak.  What was found is no lead.
     """
     rows = [] if last is None else followed(last)
     # one run is a fold of its own: nothing is left out of any fit
@@ -112,18 +113,25 @@ def leads(
             fits.setdefault(row.trace, row.label)
     refused = {label: r for r in rejected for label in r.labels}
     # of several together, or beside what was found, none has shown anything by itself
-    borne_out = {r.labels[0]: r for r in rejected if len(r.labels) == 1 and r.borne_out and not found}
+    alone = {r.labels[0]: r for r in rejected if len(r.labels) == 1 and not found}
+    borne_out = {label: r for label, r in alone.items() if r.borne_out}
+    traces = {row.label: row.trace for row in rows}
+    lower = sorted((r.chi_after, label) for label, r in alone.items() if r.lowers and label in traces)
+    in_turn = [traces[label] for _, label in lower]
     made: list[Lead] = []
 
     def add(lead: Lead) -> None:
         if lead.traced_to not in {*found, *(m.traced_to for m in made)}:
             made.append(lead)
 
-    def place(entry: MapEntry) -> tuple[float, bool, float]:
+    def place(entry: MapEntry) -> tuple[float, float, bool, float]:
+        trace = entry.traced_to
+        unseen = in_turn.index(trace) if trace in in_turn else len(in_turn)
         row, before = best.get(entry.traced_to), 0.0 if last is None else last.before.chi
         noise_alone = before * np.sqrt(max(0.0, 1.0 - entry.share)) <= SETTINGS.noise_chi < before
         all_of_it = -entry.share if noise_alone else 0.0
-        return (all_of_it, False, 0.0) if row is None else (all_of_it, row.hurts, -row.gain)
+        of_runs = (False, 0.0) if row is None else (row.hurts, -row.gain)
+        return unseen, all_of_it, *of_runs
 
     def of_fit(row: Followed) -> Lead:
         no = borne_out.get(row.label) or refused.get(row.label)

@@ -133,7 +133,8 @@ class Rejected:
     """A structure that was proposed and is not claimed: its labels, why, and chi without and with it.
 
     ``borne_out``: as a whole, against the model with none of it, it predicts runs better to which it was not
-    fitted, and yet its own parameters do not carry all of it.
+    fitted, and yet its own parameters do not carry all of it.  ``lowers``: it takes the share that is asked
+    for off all runs together, each predicted without its own, and no error of whole unseen runs grows.
     """
 
     labels: tuple[str, ...]
@@ -141,6 +142,7 @@ class Rejected:
     chi_before: float
     chi_after: float
     borne_out: bool = False
+    lowers: bool = False
 
 
 @final

@@ -97,8 +97,12 @@ def _kind(state: State) -> tuple[bool, bool, int, bool]:
     A name with a parameter at a bound stands for something else, and is not reported as that name.
     """
     stuck = bool(state.fit.at_bound())
-    left = state.fit.cost / max(1.0, state.samples)
-    return stuck or not state.named, stuck, len(state.structure), left > SETTINGS.noise_chi**2
+    return stuck or not state.named, stuck, len(state.structure), _left(state) > SETTINGS.noise_chi
+
+
+def _left(state: State) -> float:
+    """Root mean square over noise of what it leaves in the runs that it was fitted to."""
+    return float(np.sqrt(state.fit.cost / max(1.0, state.samples)))
 
 
 def _simpler(chosen: State, good: Sequence[State]) -> State:
@@ -147,11 +151,14 @@ def as_good(one: State, best: State) -> bool:
 def _fits_as_well(one: State, best: State) -> bool:
     """Whether no more parameters leave, with their worth, no more in the runs to which both were fitted.
 
-    It is asked where nothing but noise is left.  What such a fit gets wrong in a run left out is then what
-    the others do not say about its parameters, and says nothing against what they stand for.
+    It is asked where nothing but noise is left, by the best in runs left out, or by this one alone in the
+    runs fitted.  What such a fit gets wrong in a run left out is then what the others do not say about its
+    parameters, and says nothing against what they stand for.
     """
     more = len(best.fit.x) - len(one.fit.x)
-    if more < 0 or best.chi > SETTINGS.noise_chi or len(one.fit.trials) != len(best.fit.trials):
+    alone = _left(one) <= SETTINGS.noise_chi < _left(best)
+    near = best.chi <= SETTINGS.noise_chi or alone
+    if more < 0 or not near or len(one.fit.trials) != len(best.fit.trials):
         return False
     return bool(one.fit.cost <= best.fit.cost + more * np.log(best.samples))
 

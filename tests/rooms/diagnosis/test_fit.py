@@ -399,6 +399,8 @@ def test_a_run_left_out_says_nothing_against_what_fits_as_well_with_fewer_parame
     assert choose([best, more_left]).structure == (scale,)
     far = [replace(s, scores=4.0 * s.scores) for s in (best, fewer)]
     assert choose(far).structure == (scale,), "far above the noise a fit says less than a run left out"
+    far[0] = replace(far[0], fit=leaving(best.fit, 4.0 * best.scores))
+    assert choose(far).structure == (rotation,), "it alone leaves nothing but noise: a roller, called a patch"
 
 
 def test_another_log_that_the_runs_refute_does_not_widen_an_interval() -> None:
