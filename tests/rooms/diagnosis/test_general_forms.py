@@ -8,6 +8,7 @@ from planting import smooth_kiwi
 
 from slipmargin.diagnosis.forms import Ranges
 from slipmargin.diagnosis.general_forms import general_candidates
+from slipmargin.effects import GeneralEffect
 from slipmargin.physics.terms import Multiplier, basis_values
 from slipmargin.physics.variables import Variable
 
@@ -31,6 +32,7 @@ def test_two_numbers_follow_friction_that_settles_soon_or_late(time_s: float) ->
     form = listed["unnamed_time: friction that settles"]
     assert form.size == 2
     effect = form.build(np.ones(2))
+    assert isinstance(effect, GeneralEffect)
     t = np.linspace(0.0, DURATION_S, 200)
     columns = [basis_values(m.basis, m.shape, len(m.coefficients), t) for m in effect.terms]
     assert all(isinstance(m, Multiplier) and m.variable is Variable.TIME for m in effect.terms)
