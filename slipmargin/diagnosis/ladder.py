@@ -181,6 +181,7 @@ def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None
                 chi_before=one.chi(),
                 chi_after=two.chi(),
                 borne_out=not judgement.failures + astray,
+                traced_to=tuple(c.trace for c in state.structure),
                 lowers=not astray and explained_share(one.chi(), two.chi()) >= SETTINGS.explained_share,
             )
         )

@@ -115,9 +115,8 @@ def leads(
     # of several together, or beside what was found, none has shown anything by itself
     alone = {r.labels[0]: r for r in rejected if len(r.labels) == 1 and not found}
     borne_out = {label: r for label, r in alone.items() if r.borne_out}
-    traces = {row.label: row.trace for row in rows}
-    lower = sorted((r.chi_after, label) for label, r in alone.items() if r.lowers and label in traces)
-    in_turn = [traces[label] for _, label in lower]
+    lower = sorted((r for r in alone.values() if r.lowers), key=lambda r: r.chi_after)
+    in_turn = [trace for r in lower for trace in r.traced_to]
     made: list[Lead] = []
 
     def add(lead: Lead) -> None:

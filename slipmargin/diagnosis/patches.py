@@ -17,13 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, Index
 from slipmargin.data.odometry import body_path, bridged
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.spots import Spot, best_spots
 from slipmargin.diagnosis.state import State
+from slipmargin.effects.confined import acting
 from slipmargin.effects.places import PATCH
 from slipmargin.physics.compiled import kernel
 from slipmargin.physics.frames import rotate_rows
@@ -31,7 +32,10 @@ from slipmargin.physics.frames import rotate_rows
 #: Radii that are looked at differ by this factor, and so do the radius and the change of friction of patches
 #: beside one.
 _WIDER = float(np.sqrt(2.0))
-#: Samples of all runs together that are looked at, about: every so many of them.
+#: So many places of a radius are kept for each that is simulated: thirteen of its grid lie within one.
+_WITHIN = 20
+#: At least so many samples of all runs together are looked at, if there are as many: every so many of them.
+#: A robot in a run of three seconds is then seen every centimetre of its way.
 _SAMPLES = 4000
 
 
@@ -46,9 +50,13 @@ def at_patches(
     for entry in screening.entries:
         if entry.stands_alone and entry.structure[0].is_near(PATCH) and not overdue():
             candidate = entry.structure[0]
+            own = (candidate.build(candidate.starts[0]),)
+            members = before.view.member_of[before.fit.trials]
+            runs = before.fit.trials[[bool(acting(own, int(member))) for member in members]]
+            radii = candidate.starts[:, candidate.keys.index(PATCH[-1])]
             spots = [
                 Spot(candidate.at(PATCH, at, candidate.near), partial(_beside, candidate))
-                for at in patches(before, candidate.starts[:, candidate.keys.index(PATCH[-1])])
+                for at in patches(before, radii, runs, overdue)
             ]
             out += best_spots(before, entry, spots, overdue)
     return out
@@ -68,24 +76,27 @@ def _beside(candidate: Candidate, x: Array, share: float) -> Array:
     return np.asarray(np.clip(np.concatenate([*rows, changed]), candidate.low, candidate.high))
 
 
-def patches(before: State, radii_m: Array) -> list[tuple[float, float, float]]:
-    """Places and radii [m] that leave least of the error of the motion, best first.
+def patches(
+    before: State, radii_m: Array, runs: Index, overdue: Callable[[], bool] = lambda: False
+) -> list[tuple[float, float, float]]:
+    """Places and radii [m] that leave least of the error of the motion in some runs, best first.
 
-    Radii are looked at from half of the smallest of ``radii_m`` to the largest.
+    Radii are looked at from half of the smallest of ``radii_m`` to the largest.  On a wide floor places may
+    lie farther apart than small patches are wide.
     """
-    motion = _motion(before)
+    motion = _motion(before, runs)
     wheels, total = motion.wheels, len(motion.seen)
     radius, most = 0.5 * float(radii_m.min()), float(radii_m.max())
     found: list[tuple[float, tuple[float, float, float]]] = []
-    while total and radius <= most:
-        apart = SETTINGS.patch_apart * radius
+    while total and radius <= most and not overdue():
         low, high = wheels.min(axis=(0, 1)) - 0.5 * radius, wheels.max(axis=(0, 1)) + 0.5 * radius
+        apart = max(SETTINGS.patch_apart * radius, float(max(high - low)) / SETTINGS.patch_places)
         x, y = (np.arange(low[i], high[i] + apart, apart) for i in range(2))
         places = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
         scores = _scores(places, radius, motion)
         found += [
             (float(scores[k]), (*places[k].tolist(), radius))
-            for k in np.argsort(scores, kind="stable")[: 20 * SETTINGS.patches].tolist()
+            for k in np.argsort(scores, kind="stable")[: _WITHIN * SETTINGS.patches].tolist()
         ]
         radius *= _WIDER
     kept: list[tuple[float, float, float]] = []
@@ -98,15 +109,16 @@ def patches(before: State, radii_m: Array) -> list[tuple[float, float, float]]:
 
 
 def _same(one: tuple[float, float, float], other: tuple[float, float, float]) -> bool:
-    """Whether a fit from one place reaches the other: one covers the other's middle, well inside."""
-    return float(np.hypot(one[0] - other[0], one[1] - other[1])) < 0.5 * max(one[2], other[2])
+    """Whether a fit from one place reaches the other: one covers the other's middle."""
+    return float(np.hypot(one[0] - other[0], one[1] - other[1])) < max(one[2], other[2])
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Motion:
     """Where each wheel stands on the floor (T, N, 2), the error of the motion up to there (T, 3), over the
-    noise, whether a run begins there (T,), and whether the pose was seen (T,); else it lies between others.
+    noise and with a smoothed heading, whether a run begins there (T,), and whether the pose was seen (T,);
+    else it lies between others.
     """
 
     wheels: Array
@@ -115,19 +127,19 @@ class _Motion:
     seen: NDArray[np.bool_]
 
 
-def _motion(before: State) -> _Motion:
-    """The motion that a state leaves.
+def _motion(before: State, runs: Index) -> _Motion:
+    """The motion that a state leaves in some runs.
 
     Steps are compared as the body sees them: a heading that went astray does not turn what comes later.
     """
     view, base = before.view, before.fit
     arms = view.model(base.effects).geometry.position_m
-    predicted = replace(view, piece=None).predict([base.effects], [base.trials])[0]
-    every = max(1, sum(len(view.trials[int(i)].t_s) for i in base.trials) // _SAMPLES)
-    even = 1 + 2 * max(1, round(SETTINGS.crossing_s / (every * view.step_s)))
+    predicted = replace(view, piece=None).predict([base.effects], [runs])[0]
+    every = max(1, sum(len(view.trials[int(i)].t_s) for i in runs) // _SAMPLES)
+    even = 1 + 2 * max(1, round(0.5 * SETTINGS.patch_heading_s / (every * view.step_s)))
     wheels, errors = [np.zeros((0, len(arms), 2))], [np.zeros((0, 3))]
     begins, seen = [np.zeros(0, dtype=bool)], [np.zeros(0, dtype=bool)]
-    for number, pose in zip(base.trials, predicted, strict=True):
+    for number, pose in zip(runs, predicted, strict=True):
         measured = view.trials[int(number)].pose[::every]
         told = pose[: len(view.trials[int(number)].pose) : every]
         there = np.isfinite(measured).all(axis=1)
@@ -160,6 +172,7 @@ def _scores(places: Array, radius_m: float, motion: _Motion) -> Array:
         places, radius_m**2, motion.wheels, motion.errors, motion.begins, motion.seen, left, kept, free
     )
     total = 3.0 * np.count_nonzero(motion.seen)
+    # one noise² more, so that what is left is never nothing
     return np.asarray(total * np.log((left + 1.0) / np.maximum(kept, 1.0)) + free * np.log(total))
 
 

@@ -132,6 +132,8 @@ class Lead:
 class Rejected:
     """A structure that was proposed and is not claimed: its labels, why, and chi without and with it.
 
+    ``traced_to`` are its effects' variables.
+
     ``borne_out``: as a whole, against the model with none of it, it predicts runs better to which it was not
     fitted, and yet its own parameters do not carry all of it.  ``lowers``: it takes the share that is asked
     for off all runs together, each predicted without its own, and no error of whole unseen runs grows.
@@ -143,6 +145,7 @@ class Rejected:
     chi_after: float
     borne_out: bool = False
     lowers: bool = False
+    traced_to: tuple[Trace, ...] = ()
 
 
 @final

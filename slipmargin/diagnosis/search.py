@@ -202,7 +202,11 @@ def _in_all(
     stuck, size = found[0].fit.at_bound(), len(state.fit.x)
     rivals = [s for r in rounds if r.best is not None and _alike(r.best, state) for s in r.rivals()]
     sound = [s for s in rivals if s.named and not s.fit.at_bound() and (stuck or len(s.fit.x) <= size)]
-    for rival in sound if stuck else sound[: SETTINGS.followed]:
+    others: dict[frozenset[str], State] = {}
+    for rival in sound:
+        if rival.things != state.things:
+            others.setdefault(frozenset(rival.things), rival)
+    for rival in sound if stuck else list(others.values())[: SETTINGS.followed]:
         if not expired():
             found.append(fitted(state.view, rival.structure, rival.fit.x, seen, runs, expired))
     return choose(sorted(found, key=lambda s: s.chi))
@@ -262,7 +266,7 @@ def take_step(
     tried = _fitted_in_turn(before, chosen, (), runs, progress, fewest)
     if not tried:
         return nothing
-    best = choose(tried)
+    best = choose(tried, before)
     # A second effect is not sought so far down: forms are hardly ever taken beside the first, and a name that
     # explains part of what is left is followed by a round of its own.
     if not before.structure and (not best.named or worthwhile(best, SETTINGS.floor_chi)):
@@ -271,10 +275,10 @@ def take_step(
         names = after_steps(before, [*spots, *others], lambda: progress.expired)[:many]
         forms = of_other_variables(screening, chosen, many)
         tried = _fitted_in_turn(before, [*names, *forms], tried, runs, progress)
-        best = choose(tried)
+        best = choose(tried, before)
     named = [s for s in tried if s.named]  # far above the noise a form takes up much that no name does
     if named and before.view.piece is not None and not worthwhile(before, best.chi, named=best.named):
-        best = choose(named)
+        best = choose(named, before)
     return Round(
         before=before,
         screening=screening,

@@ -80,9 +80,17 @@ class SearchSettings:
     #: [lines] Of each candidate so many lines that look most like it are simulated: of 11 true ones the last
     #: came eleventh.
     crossings: int = 12
-    #: [1] Places of the floor lie so far apart as a share of a patch's radius.
+    #: [1] Places of the floor lie so far apart as a share of a patch's radius: none is then farther from one
+    #: of them than a third of it, …
     patch_apart: float = 0.5
-    #: [patches] So many patches, which explain the error of the motion best, are simulated.
+    #: [places] … but no more than so many along each side of the floor, for time: the smallest patch then
+    #: takes as long as a fit.
+    patch_places: int = 120
+    #: [s] The heading beside patches is smoothed over so long, what a wheel at 1 m/s needs for a small one:
+    #: its noise would turn every step of the motion.
+    patch_heading_s: float = 0.12
+    #: [patches] So many patches, which explain the error of the motion best, are simulated: of six true ones
+    #: the last was among the first three.
     patches: int = 8
     #: [starts] So many starts of a named candidate are simulated as they are, for friction that sticks hides
     #: small changes.

@@ -160,7 +160,8 @@ def start_twist(model: Model, trial: Trial, signal: WheelSignal, sigma: Array) -
     """Floor-frame velocity (3,) with which a run begins [m/s, m/s, rad/s].
 
     It is what the wheels' first speeds make without slip.  Where the first poses, whose noise is ``sigma``
-    (3,), say clearly that the robot slid, it is what they say: a run may begin in the middle of a motion.
+    (3,), say clearly that the robot slid, it is what they say, and in the directions in which it did not what
+    the wheels say over the same time: a run may begin in the middle of a motion.
     """
     geometry, speeds = model.geometry, signal.pieces[0, :, 1]
     body = geometry.no_slip_map() @ speeds

@@ -73,18 +73,24 @@ def explained(before: State, after: State) -> float:
     return float(1.0 - after.scores.sum() / before.scores.sum())
 
 
-def choose(tried: Sequence[State]) -> State:
+def choose(tried: Sequence[State], before: State | None = None) -> State:
     """Of those as good as the best: with names not stuck at a bound, fewest effects, then the least error.
 
     What leaves nothing but noise in the runs it was fitted to comes before what leaves more there: where one
-    run alone shows a place, nothing predicts that run from the others.
+    run alone shows a place, nothing predicts that run from the others.  With no more parameters it is as good
+    as a best one that leaves more, if it is worth adding to what was known ``before``.
 
     Of two forms of the same effects that are as good as each other, and of two names whose errors do not
     differ beyond the spread of the runs or the worth of their parameters, the one with fewer parameters is
     meant; of two that differ by no more than a log's reconstruction does, and not in most runs the same way,
     the more usual one.
     """
-    good = [s for s in tried if as_good(s, tried[0])]
+    good = [
+        s
+        for s in tried
+        if as_good(s, tried[0])
+        or (before is not None and _leaves_noise_alone(s, tried[0]) and worthwhile(before, s.chi, s.named))
+    ]
     chosen = min(good, key=lambda s: (*_kind(s), s.chi))
     while len((simpler := _simpler(chosen, good)).fit.x) < len(chosen.fit.x):
         chosen = simpler
@@ -105,6 +111,11 @@ def _left(state: State) -> float:
     return float(np.sqrt(state.fit.cost / max(1.0, state.samples)))
 
 
+def _leaves_noise_alone(one: State, best: State) -> bool:
+    """Whether no more parameters leave nothing but noise in the runs fitted, where the best leaves more."""
+    return len(one.fit.x) <= len(best.fit.x) and _left(one) <= SETTINGS.noise_chi < _left(best)
+
+
 def _simpler(chosen: State, good: Sequence[State]) -> State:
     """The simplest that means the same as the chosen one, or is as good: fewest parameters, then usual."""
     names = [c.name for c in chosen.structure]
@@ -119,10 +130,14 @@ def _simpler(chosen: State, good: Sequence[State]) -> State:
     ]
     if not simple:
         return chosen
-    least = min((len(s.fit.x), s.chi) for s in simple)
-    same = [s for s in simple if len(s.fit.x) == least[0] and s.chi <= least[1] + SETTINGS.least_chi]
-    best = min(same, key=lambda s: s.chi)
-    same = [s for s in same if _level(s, best, SETTINGS.noise_deviations)]
+    least = min(simple, key=lambda s: (len(s.fit.x), s.chi))
+    same = [
+        s
+        for s in simple
+        if len(s.fit.x) == len(least.fit.x)
+        and s.chi <= least.chi + SETTINGS.least_chi
+        and (len(s.scores) < 2 or _level(s, least, SETTINGS.noise_deviations))
+    ]
     return min(same, key=lambda s: (_unusual(s), s.chi))
 
 
@@ -151,14 +166,11 @@ def as_good(one: State, best: State) -> bool:
 def _fits_as_well(one: State, best: State) -> bool:
     """Whether no more parameters leave, with their worth, no more in the runs to which both were fitted.
 
-    It is asked where nothing but noise is left, by the best in runs left out, or by this one alone in the
-    runs fitted.  What such a fit gets wrong in a run left out is then what the others do not say about its
-    parameters, and says nothing against what they stand for.
+    It is asked where nothing but noise is left.  What such a fit gets wrong in a run left out is then what
+    the others do not say about its parameters, and says nothing against what they stand for.
     """
     more = len(best.fit.x) - len(one.fit.x)
-    alone = _left(one) <= SETTINGS.noise_chi < _left(best)
-    near = best.chi <= SETTINGS.noise_chi or alone
-    if more < 0 or not near or len(one.fit.trials) != len(best.fit.trials):
+    if more < 0 or best.chi > SETTINGS.noise_chi or len(one.fit.trials) != len(best.fit.trials):
         return False
     return bool(one.fit.cost <= best.fit.cost + more * np.log(best.samples))
 

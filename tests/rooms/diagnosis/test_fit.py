@@ -24,8 +24,10 @@ from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State, choose
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect, Effect, Trace
+from slipmargin.effects.camera_delay import CameraDelay
 from slipmargin.effects.camera_rotation import CameraRotation
 from slipmargin.effects.camera_scale import CameraScale
+from slipmargin.effects.catalogue import CATALOGUE
 from slipmargin.effects.dragging_point import DraggingPoint
 from slipmargin.effects.floor_grain import FloorGrain
 
@@ -399,8 +401,30 @@ def test_a_run_left_out_says_nothing_against_what_fits_as_well_with_fewer_parame
     assert choose([best, more_left]).structure == (scale,)
     far = [replace(s, scores=4.0 * s.scores) for s in (best, fewer)]
     assert choose(far).structure == (scale,), "far above the noise a fit says less than a run left out"
-    far[0] = replace(far[0], fit=leaving(best.fit, 4.0 * best.scores))
-    assert choose(far).structure == (rotation,), "it alone leaves nothing but noise: a roller, called a patch"
+
+
+def test_a_name_that_alone_leaves_nothing_but_noise_is_as_good_where_it_is_worth_adding() -> None:
+    """A sticking roller that one run shows was called a patch of the floor, which left more there."""
+    rotation, scale = candidate(CameraRotation), candidate(CameraScale)
+    best = state((scale,), 1.8)
+    alone = replace(state((rotation,), 2.6), fit=leaving(best.fit, state((rotation,), 1.0).scores))
+    alone = replace(alone, fit=replace(alone.fit, structure=(rotation,), x=rotation.null))
+    before = state((), 5.0)
+    assert choose([best, alone]).structure == (scale,)
+    assert choose([best, alone], before).structure == (rotation,)
+    assert choose([best, replace(alone, scores=before.scores)], before).structure == (scale,)
+    leaves = replace(alone, fit=leaving(alone.fit, state((rotation,), 1.5).scores))
+    assert choose([best, leaves], before).structure == (scale,)
+
+
+def test_of_two_names_that_one_run_does_not_tell_apart_the_more_usual_one_is_meant() -> None:
+    names = [effect.name for effect in CATALOGUE]
+    pair = sorted((candidate(CameraRotation), candidate(CameraDelay)), key=lambda c: names.index(c.name))
+    level = [
+        replace(state((one,), 1.0), scores=np.array([left]), samples=1000.0)
+        for one, left in zip(pair, (1000.001, 1000.0), strict=True)
+    ]
+    assert choose(level[::-1]).structure == (pair[0],)
 
 
 def test_another_log_that_the_runs_refute_does_not_widen_an_interval() -> None:

@@ -13,7 +13,7 @@ from slipmargin.checks import Array
 from slipmargin.data.campaign import Part, joined
 from slipmargin.data.data_set import DataSet, Member
 from slipmargin.data.pulls import Pulls
-from slipmargin.diagnosis import campaign
+from slipmargin.diagnosis import campaign, patches, refits
 from slipmargin.diagnosis.campaign import by_group, shown_in
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.data_problem import problem_of
@@ -23,6 +23,9 @@ from slipmargin.diagnosis.fit import Fit, fit, limits_of
 from slipmargin.diagnosis.groups import groups_of, in_groups, scope_of
 from slipmargin.diagnosis.left_out import leave_one_out
 from slipmargin.diagnosis.result import Event, Verdict
+from slipmargin.diagnosis.search import screened
+from slipmargin.diagnosis.state import State
+from slipmargin.diagnosis.watch import Watch, no_progress
 from slipmargin.effects import AnyEffect, Scope, Trace
 from slipmargin.effects.camera_delay import CameraDelay
 from slipmargin.effects.clock_rate import ClockRate
@@ -116,6 +119,24 @@ def test_a_floor_a_loading_and_a_wheel_are_told_apart_by_a_campaign() -> None:
     low, high = within(made, "shift_x_m (loading bare)", 0.0)
     assert high - low < 0.01
     assert made.cost < 1.1 * np.count_nonzero(made.residual)
+
+
+def test_a_patch_of_one_floor_is_sought_in_its_own_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = joined("x", [part("one", data(4, count=2)), part("two", data(5, count=3), floor="b")])
+    problem, runs = problem_of(whole), np.arange(5)
+    before = refits.fitted(problem, (), np.zeros(0), runs, runs.tolist())
+    looked_at = []
+
+    def looked(state: State, radii_m: Array, own: Array, overdue: object) -> list[object]:
+        looked_at.append(own.tolist())
+        return []
+
+    monkeypatch.setattr(patches, "patches", looked)
+    known = candidates(whole.members)
+    for label in ("floor_patch in floor a", "floor_patch in floor b"):
+        listed = screened(before, runs.tolist(), [known[label]], 0, Watch(report=no_progress))
+        patches.at_patches(before, listed)
+    assert looked_at == [[0, 1], [2, 3, 4]]
 
 
 def test_equal_cases_are_simulated_once_and_give_the_same_residual() -> None:

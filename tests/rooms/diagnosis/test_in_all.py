@@ -67,8 +67,10 @@ def test_names_that_few_runs_cannot_tell_apart_are_all_fitted_to_all(monkeypatch
 
     few = {label: at(label, [1000.0, 1000.0]) for label in ("floor_tilt", "floor_nap")}
     nothing = Screening(entries=(), total=1.0, chance=np.zeros(0))
+    best = few["floor_tilt"]
+    twins = (replace(best), replace(best))  # the same name from other starts takes no other name's place
     done = Round(
-        before=plain, screening=nothing, tried=tuple(few.values()), best=few["floor_tilt"], taken=True
+        before=plain, screening=nothing, tried=(best, *twins, few["floor_nap"]), best=best, taken=True
     )
     in_all = {"floor_tilt": [1008.0, 1004.0, 1006.0, 1007.0], "floor_nap": [1000.0, 1001.0, 999.0, 1000.0]}
     for nap, name in (
@@ -79,5 +81,5 @@ def test_names_that_few_runs_cannot_tell_apart_are_all_fitted_to_all(monkeypatch
         monkeypatch.setattr(
             search, "fitted", lambda view, structure, *_: at(structure[0].label, in_all[structure[0].label])
         )
-        kept = search._in_all(few["floor_tilt"], [done], every, every.tolist(), lambda: False)
+        kept = search._in_all(best, [done], every, every.tolist(), lambda: False)
         assert kept.last.name == name

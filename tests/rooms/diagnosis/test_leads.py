@@ -206,7 +206,14 @@ def test_of_what_the_map_supports_what_lowers_the_error_of_unseen_runs_comes_fir
     nothing = Screening(entries=(), total=1.0, chance=np.zeros(199))
     before = replace(state, scores=np.full(len(state.scores), 10.0))
     last = Round(before=before, screening=nothing, tried=fits, best=None, taken=False)
-    no = Rejected(labels=("floor_ramp",), failures=("20 %",), chi_before=4.3, chi_after=1.7, lowers=True)
+    no = Rejected(
+        labels=("floor_ramp",),
+        failures=("20 %",),
+        chi_before=4.3,
+        chi_after=1.7,
+        lowers=True,
+        traced_to=(Trace.POSITION,),
+    )
     assert [m.traced_to for m in leads(entries, (), last, (no,), ())] == [Trace.POSITION, Trace.HEADING]
     for other in (replace(no, lowers=False), replace(no, labels=("floor_ramp", "push"))):
         assert leads(entries, (), last, (other,), ())[0].traced_to is Trace.HEADING

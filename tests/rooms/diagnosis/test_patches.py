@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from planting import Plant, planted, smooth_kiwi
 
+from slipmargin.checks import Array
 from slipmargin.data.data_set import DataSet
+from slipmargin.diagnosis import patches as patches_of
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.patches import _motion, _stretches, at_patches, patches
 from slipmargin.diagnosis.prepare import clean
@@ -25,6 +27,8 @@ SIGMA = np.array([5e-4, 5e-4, 2e-3])
 EVERY = np.arange(8)
 PATCH = FloorPatch(factor=0.2, centre_x_m=0.25, centre_y_m=0.2, radius_m=0.08)
 RADII_M = np.array([0.1, 0.3])
+#: Half of the smallest, and further ones up to the largest.
+RADII_USED = 0.05 * np.sqrt(2.0) ** np.arange(6)
 
 
 @pytest.fixture(scope="module")
@@ -54,9 +58,12 @@ def away_m(place: tuple[float, ...]) -> float:
 
 
 def test_a_place_on_the_patch_is_among_the_first(slick: DataSet) -> None:
-    found = patches(begun(slick), RADII_M)
+    found = patches(begun(slick), RADII_M, EVERY)
     assert len(found) == SETTINGS.patches
     assert any(away_m(place) <= PATCH.radius_m for place in found[:3])
+    for k, one in enumerate(found):
+        for other in found[:k]:
+            assert np.hypot(one[0] - other[0], one[1] - other[1]) >= max(one[2], other[2])
 
 
 def test_a_gap_in_a_run_is_no_place(slick: DataSet) -> None:
@@ -64,11 +71,11 @@ def test_a_gap_in_a_run_is_no_place(slick: DataSet) -> None:
     pose = slick.trials[0].pose.copy()
     pose[60:110] = np.nan
     holed = replace(slick, trials=(replace(slick.trials[0], pose=pose), *slick.trials[1:]))
-    assert any(away_m(place) <= PATCH.radius_m for place in patches(begun(holed), RADII_M)[:3])
+    assert any(away_m(place) <= PATCH.radius_m for place in patches(begun(holed), RADII_M, EVERY)[:3])
 
 
 def test_what_is_left_is_that_about_the_means_of_stretches(slick: DataSet) -> None:
-    motion = _motion(begun(slick))
+    motion = _motion(begun(slick), EVERY)
     wheels, errors, begins, seen = motion.wheels, motion.errors, motion.begins, motion.seen
     assert seen.all()
     place, radius = np.array([[PATCH.centre_x_m, PATCH.centre_y_m]]), 0.15
@@ -114,13 +121,33 @@ def test_a_fit_starts_on_the_patch(slick: DataSet) -> None:
 
 def test_runs_of_a_few_samples_are_no_fault(slick: DataSet) -> None:
     short = tuple(record.first(6) for record in slick.trials)
-    assert len(patches(begun(replace(slick, trials=short)), RADII_M)) <= SETTINGS.patches
+    places = np.array(patches(begun(replace(slick, trials=short)), RADII_M, EVERY))
+    assert len(places) and np.abs(places[:, :2]).max() < 2.0
+    assert np.isclose(places[:, 2:], RADII_USED).any(axis=1).all()
+
+
+def test_a_wide_floor_takes_no_longer(slick: DataSet, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Seven runs at one place and one 40 m away: a million places of the smallest patch would lie between."""
+    away = replace(slick.trials[0], pose=slick.trials[0].pose + np.array([40.0, 40.0, 0.0]))
+    state, counts = begun(slick), []
+    far = (replace(state.view.trials[0], pose=away.pose), *state.view.trials[1:])
+    wide = replace(state, view=replace(state.view, trials=far))
+
+    def counted(places: Array, radius_m: float, motion: object) -> Array:
+        counts.append(len(places))
+        return np.arange(float(len(places)))
+
+    monkeypatch.setattr(patches_of, "_scores", counted)
+    assert len(patches(wide, RADII_M, EVERY)) == SETTINGS.patches
+    assert len(counts) == len(RADII_USED) and max(counts) <= (SETTINGS.patch_places + 1) ** 2
+    counts.clear()
+    assert patches(wide, RADII_M, EVERY, lambda: True) == [] and not counts
 
 
 def test_runs_that_nobody_saw_have_no_places(slick: DataSet) -> None:
     before = begun(slick)
     unseen = tuple(replace(trial, pose=np.full_like(trial.pose, np.nan)) for trial in before.view.trials)
-    assert patches(replace(before, view=replace(before.view, trials=unseen)), RADII_M) == []
+    assert patches(replace(before, view=replace(before.view, trials=unseen)), RADII_M, EVERY) == []
 
 
 def never() -> bool:
