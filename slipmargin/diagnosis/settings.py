@@ -83,14 +83,14 @@ class SearchSettings:
     #: [1] Places of the floor lie so far apart as a share of a patch's radius: none is then farther from one
     #: of them than a third of it, …
     patch_apart: float = 0.5
-    #: [places] … but no more than so many along each side of the floor, for time: the smallest patch then
-    #: takes as long as a fit.
+    #: [places] … but no more than so many along each side, for on a wide floor there would be millions: it is
+    #: twice what the smallest patch asks for where runs go a metre to either side.
     patch_places: int = 120
     #: [s] The heading beside patches is smoothed over so long, what a wheel at 1 m/s needs for a small one:
     #: its noise would turn every step of the motion.
     patch_heading_s: float = 0.12
-    #: [patches] So many patches, which explain the error of the motion best, are simulated: of six true ones
-    #: the last was among the first three.
+    #: [patches] So many patches, which explain the error of the motion best, are simulated: other
+    #: things look like a patch as well, and come between.
     patches: int = 8
     #: [starts] So many starts of a named candidate are simulated as they are, for friction that sticks hides
     #: small changes.

@@ -20,7 +20,7 @@ NUMERICS = {
     "data/wheel_signals.py": {"_TURN"},
     "diagnosis/crossings.py": {"_EDGES", "_FLAT", "_DIRECTIONS", "_MOST"},
     "diagnosis/evidence.py": {"_UNKNOWN"},
-    "diagnosis/patches.py": {"_SAMPLES", "_WIDER"},
+    "diagnosis/patches.py": {"_SAMPLES", "_WIDER", "_WITHIN"},
     "diagnosis/other_floor.py": {"_FRICTIONS", "_NEAREST"},
     "diagnosis/fit.py": {"STEP", "_ITERATIONS", "_ENOUGH", "_FAIR", "_LADDER", "_USUAL"},
     "diagnosis/forms.py": {"_NEIGHBOURS", "_LARGEST"},
