@@ -113,20 +113,19 @@ def leads(
             fits.setdefault(row.trace, row.label)
     refused = {label: r for r in rejected for label in r.labels}
     # of several together, or beside what was found, none has shown anything by itself
-    alone = {r.labels[0]: r for r in rejected if len(r.labels) == 1 and not found}
-    borne_out = {label: r for label, r in alone.items() if r.borne_out}
-    lower = sorted((r for r in alone.values() if r.lowers), key=lambda r: r.chi_after)
-    in_turn = [trace for r in lower for trace in r.traced_to]
+    alone = [r for r in rejected if len(r.labels) == 1 and not found]
+    borne_out = {r.labels[0]: r for r in alone if r.borne_out}
+    in_turn = [t for r in sorted(alone, key=lambda r: r.chi_after) if r.lowers for t in r.traced_to]
     made: list[Lead] = []
 
     def add(lead: Lead) -> None:
         if lead.traced_to not in {*found, *(m.traced_to for m in made)}:
             made.append(lead)
 
-    def place(entry: MapEntry) -> tuple[float, float, bool, float]:
+    def place(entry: MapEntry) -> tuple[int, float, bool, float]:
         trace = entry.traced_to
         unseen = in_turn.index(trace) if trace in in_turn else len(in_turn)
-        row, before = best.get(entry.traced_to), 0.0 if last is None else last.before.chi
+        row, before = best.get(trace), 0.0 if last is None else last.before.chi
         noise_alone = before * np.sqrt(max(0.0, 1.0 - entry.share)) <= SETTINGS.noise_chi < before
         all_of_it = -entry.share if noise_alone else 0.0
         of_runs = (False, 0.0) if row is None else (row.hurts, -row.gain)

@@ -188,6 +188,8 @@ def test_what_unseen_runs_bear_out_comes_first(state: State) -> None:
     first = leads((), (), last, (no,), ())[0]
     assert first.candidate == "floor_tilt" and first.source is LeadSource.BORNE_OUT
     assert first.why.endswith(f"from 2 to 1.2; not claimed: {idle}")
+    again = replace(no, borne_out=False)
+    assert leads((), (), last, (no, again), ())[0] == first, "asked once more in another way, it still holds"
     # beside another effect, or where something was found, that is no evidence of its own
     for others in ((replace(no, labels=("floor_nap", "floor_tilt")),), (replace(no, borne_out=False),)):
         assert leads((), (), last, others, ())[0].candidate == "floor_nap"
