@@ -53,7 +53,7 @@ def _simulator(form: str) -> Callable[..., None]:
 
         with at_options(surface="--surface"):
             found = sm.export_simulator(robot, form, surface)
-        file = out or Path(f"{found.robot.name}{_ENDINGS[form]}")
+        file = out or Path(f"{Path(found.robot.name).name}{_ENDINGS[form]}")  # a name is no way to a folder
         check_outputs(file, json=json, reads=(robot,))
         if out is None:
             check_new_file(file, "name it with --out to replace it, or give another name")

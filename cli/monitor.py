@@ -72,7 +72,7 @@ def monitor(
         deliver(found, plot=plot, json=json, report=report, written=[out] if out else [])
         return
     warn(*watch.warnings)
-    for line in watch.stream(lines):
+    for line in watch.stream(lines, source=lines.source):
         if not say(line):
             return  # nobody reads any more
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from os.path import realpath
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -126,6 +127,11 @@ def check_outputs(
         inside = next((f for f in files if f is not None and place in Path(f).resolve().parents), None)
         if inside is not None:
             raise InputError("", "lies in the data set that is written", "give another folder", str(inside))
+        runs = place / "trials"  # realpath: a link that leads to itself is refused where it is read
+        lost = next((f for f in reads if f is not None and runs in Path(realpath(f)).parents), None)
+        if lost is not None:
+            problem = "is read, and lies in the data set that is replaced"
+            raise InputError("", problem, "give --out another folder", str(lost))
         (check_data_set_place if replace else check_new)(data_set)
     _check_apart(files, folder, reads)
     check_writable(*files)
@@ -145,12 +151,16 @@ def _check_apart(
 
     read = [Path(f) for f in reads if f is not None and Path(f).is_file()]
     folders = [Path(f).resolve() for f in reads if f is not None and Path(f).is_dir()]
-    if folder is not None and Path(folder).resolve() in folders:
+    place = Path(folder).resolve() if folder is not None else None
+    runs = next((p for p in (place, *place.parents) if p.name == "trials"), None) if place else None
+    if place in folders or (runs is not None and any(f in runs.parents for f in folders)):
         raise InputError("", "is read as well as written", "give the output another name", str(folder))
     seen: set[Path] = set()
     for file in files:
-        if file is None or str(file) == "-":
+        if file is None:
             continue
+        if str(file) == "-":
+            raise InputError("", "stdout takes JSON text alone", "name a file, or use --json -", "-")
         place = Path(file).resolve()
         if place.exists() and not place.is_file():
             continue  # a device takes everything

@@ -32,7 +32,7 @@ def show(robot: RobotArg, plot: PlotOpt = None) -> None:
     """Print a robot's file and draw it: wheel numbers, drive directions, signs of the wheel speeds."""
     import slipmargin as sm
 
-    check_outputs(plot=plot)
+    check_outputs(plot=plot, reads=(robot,))
     found = sm.describe_robot(robot)
     if plot is not None:
         found.write(plot)

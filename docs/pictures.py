@@ -16,7 +16,7 @@ import numpy as np
 import slipmargin as sm
 from slipmargin.plots.machine import draw_machine
 from slipmargin.plots.polar import forwards_up, polar_axes
-from slipmargin.plots.style import BLUE, INK, RED, SKY, save, styled
+from slipmargin.plots.style import BLUE, GREY, INK, RED, SKY, save, styled
 
 FOLDER = Path(__file__).resolve().parent / "pictures"
 
@@ -34,21 +34,20 @@ def limits_picture(robot: str = "mecanum4", surface: str = "carpet"):
     machine = figure.add_subplot(grid[0])
     draw_machine(machine, found.model)
     machine.set_axis_off()
+    machine.set_aspect("equal")
     machine.set_title("A robot …")
     axes = polar_axes(figure, grid[1])
     edge = np.append(found.full.starting_m_s2, found.full.starting_m_s2[0])
     safe = np.append(found.safe.starting_m_s2, found.safe.starting_m_s2[0])
     axes.fill(turned(heading), safe, color=SKY, alpha=0.45, lw=0, label="safe: 10 % of the grip in reserve")
     axes.plot(turned(heading), edge, color=BLUE, label="a wheel begins to slip")
-    for degrees, beside_deg in ((90.0, 104.0), (45.0, 45.0), (0.0, 0.0)):
+    for degrees in (90.0, 45.0, 0.0):
         apart = np.abs(np.angle(np.exp(1j * (found.safe.heading_rad - np.deg2rad(degrees)))))
         near = apart < np.deg2rad(3.0)  # not the tip of a needle
+        safe_there = float(np.min(found.safe.starting_m_s2[near]))
         axes.annotate(
-            f"{np.min(found.safe.starting_m_s2[near]):.1f}",
-            (
-                float(turned(np.deg2rad(beside_deg))),
-                float(np.min(found.full.starting_m_s2[near])) + 0.45,
-            ),
+            f"{safe_there:.1f}",
+            (float(turned(np.deg2rad(degrees))), 0.78 * safe_there),  # inside the area that it is the edge of
             ha="center",
             va="center",
             color=INK,
@@ -56,7 +55,8 @@ def limits_picture(robot: str = "mecanum4", surface: str = "carpet"):
             fontweight="bold",
         )
     forwards_up(axes)
-    axes.set_yticklabels([])
+    axes.set_rlabel_position(112.0)
+    axes.tick_params(axis="y", labelsize=8, labelcolor=GREY)
     axes.set_title("… and how hard it can accelerate [m/s²]", pad=16)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.08), ncols=1)
     return figure

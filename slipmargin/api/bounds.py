@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, final
 
 from slipmargin.api.result import Result
-from slipmargin.api.robots import Drawing, RobotLike, checked_margin, model_of, read_robot
+from slipmargin.api.robots import Drawing, RobotLike, checked_margin, contact_of, model_of, read_robot
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
@@ -34,9 +34,12 @@ class BoundsResult(Result):
     def summary(self) -> str:
         """Recommended acceleration and weakest direction."""
         b = self.bounds
+        limit = f"{b.traction_m_s2:.4g} m/s² at the limit"
+        if b.traction_m_s2 <= 0.0:
+            limit = "it must slip at constant speed in some"
         return (
             f"bounds of {b.model.robot} on {b.model.surface}: recommended "
-            f"{b.recommended_m_s2:.4g} m/s² in any direction, {b.traction_m_s2:.4g} m/s² at the limit"
+            f"{b.recommended_m_s2:.4g} m/s² in any direction, {limit}"
         )
 
     def lines(self) -> list[str]:
@@ -172,7 +175,6 @@ def bounds(
     <bounds of ohio-kiwi on paper: recommended 0.3947 m/s² in any direction, 0.5017 m/s² at the limit>
     """
     from slipmargin.limits.bounds_summary import bounds as limit_bounds
-    from slipmargin.limits.motion_state import Contact
     from slipmargin.report.motion import unsteady
 
     recipe = read_robot(robot)
@@ -187,7 +189,8 @@ def bounds(
             raise InputError("export", f"is {export!r}", f"use one of: {', '.join(TOOLS)}")
     if yaw_rad_s2 is not None and not (math.isfinite(yaw_rad_s2) and yaw_rad_s2 >= 0.0):
         raise InputError("yaw_rad_s2", f"is {yaw_rad_s2:g}", "give a yaw acceleration [rad/s²], 0 for none")
-    contact = Contact.UNKNOWN if robust else Contact.ROLLERS
+    contact, idle = contact_of(model, robust)
+    warnings = (*warnings, *idle)
     found = limit_bounds(
         model,
         margin=checked_margin(margin),

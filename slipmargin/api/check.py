@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from slipmargin.api.result import Result
-from slipmargin.api.robots import RobotLike, checked_margin, model_of
+from slipmargin.api.robots import RobotLike, checked_margin, contact_of, model_of
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.paths.trajectory import Trajectory
@@ -195,7 +195,6 @@ def check(
     ...     sm.check("ohio-kiwi", "paper", file)
     <check of ohio-kiwi on paper: admissible: uses at most 0.9045 of a wheel's grip, 1 allowed>
     """
-    from slipmargin.limits.motion_state import Contact
     from slipmargin.paths.check import check as path_check
     from slipmargin.report.motion import unsteady
 
@@ -220,7 +219,8 @@ def check(
                 "trajectory", f"has the shape {rows.shape}", "give rows of t [s], x [m], y [m], φ [rad]"
             )
         t_s, pose = rows[:, 0], rows[:, 1:]
-    contact = Contact.UNKNOWN if robust else Contact.ROLLERS
+    contact, idle = contact_of(model, robust)
+    warnings = (*warnings, *idle)
     try:
         found = path_check(model, t_s, pose, share=share, smooth_s=smooth_s, contact=contact)
     except InputError as fault:

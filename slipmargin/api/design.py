@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
 from slipmargin.api.result import Result
-from slipmargin.api.robots import RobotLike, read_robot
+from slipmargin.api.robots import RobotLike, read_robot, warnings_of
 from slipmargin.errors import InputError, SlipmarginError
 
 if TYPE_CHECKING:
@@ -48,10 +48,8 @@ class DesignResult(Result):
     @property
     def warnings(self) -> tuple[str, ...]:
         """What the robot file says, or was asked for, and a study of designs does not use."""
-        from slipmargin.robot.warnings import unused
-
         base = self.study.problem.base
-        return (*unused(base.robot, base.surface, spread=False, band=False), *self.dropped)
+        return (*warnings_of(base.recipe, base.surface), *self.dropped)
 
     @property
     def best(self) -> dict[str, Any]:

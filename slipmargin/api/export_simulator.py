@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, final
 
 from slipmargin.api.result import Result
-from slipmargin.api.robots import RobotLike, read_robot
+from slipmargin.api.robots import RobotLike, read_robot, warnings_of
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
@@ -23,11 +23,13 @@ class SimulatorModel(Result):
     format: str
     robot: SimRobot
     text: str
+    of_file: tuple[str, ...] = ()  #: what the robot file says and a model's text does not use
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """What limits depend on and the model does not hold."""
-        return tuple(f"not in the {self.format} model: {line}" for line in self.robot.left_out)
+        lost = (f"not in the {self.format} model: {line}" for line in self.robot.left_out)
+        return (*lost, *self.of_file)
 
     def summary(self) -> str:
         """Format, robot and surface."""
@@ -104,4 +106,5 @@ def export_simulator(robot: RobotLike, format: str, surface: str | None = None) 
     recipe = read_robot(robot)
     floor = recipe.robot.surfaces[0].name if surface is None else recipe.robot.surface(surface).name
     found = sim_robot(recipe, floor)
-    return SimulatorModel(format=format, robot=found, text=texts[format](found))
+    said = warnings_of(recipe, floor)
+    return SimulatorModel(format=format, robot=found, text=texts[format](found), of_file=said)

@@ -171,13 +171,17 @@ class SlipMonitor:
         Raises
         ------
         InputError
-            Where a channel that was announced is missing, no robot measures a value, or time goes back.
+            Where a channel that was announced is missing or another one given, no robot measures a value,
+            or time goes back.
         """
         omega = self._channel("omega_rad_s", omega_rad_s, True)
         commanded = self._channel("commanded_rad_s", commanded_rad_s, self.channels.commanded)
         current = self._channel("current_A", current_A, self.channels.current)
         if self.channels.gyro and (gyro_rad_s is None or not math.isfinite(gyro_rad_s)):
             raise InputError("gyro_rad_s", "is missing", "give the yaw rate of every sample")
+        if gyro_rad_s is not None and not self.channels.gyro:
+            cure = "leave it out, or make the monitor with gyro=True"
+            raise InputError("gyro_rad_s", "has no effect: the monitor was made without it", cure)
         if self.channels.gyro:
             measurable("gyro_rad_s", np.array([gyro_rad_s]))
         if not math.isfinite(t_s):
@@ -214,6 +218,8 @@ class SlipMonitor:
 
     def _channel(self, place: str, value: Sequence[float] | Array | None, wanted: bool) -> Array | None:
         if not wanted:
+            if value is not None:
+                raise InputError(place, "has no effect: the monitor was made without it", "leave it out")
             return None
         array = np.asarray(value if value is not None else np.nan, dtype=float)
         if array.shape != (self.table.count,) or not np.isfinite(array).all():
@@ -221,12 +227,15 @@ class SlipMonitor:
             raise InputError(place, problem, f"give {self.table.count} finite numbers, one a wheel")
         return measurable(place, array)
 
-    def stream(self, lines: Iterable[str], kept: list[SlipEstimate] | Tally | None = None) -> Iterator[str]:
+    def stream(
+        self, lines: Iterable[str], kept: list[SlipEstimate] | Tally | None = None, source: str = ""
+    ) -> Iterator[str]:
         """A CSV line out for every line in: the first line names the columns.
 
         In: ``t_s``, ``omega{i}_rad_s``, and of the channels announced ``omega{i}_cmd_rad_s``, ``gyro_rad_s``,
-        ``current{i}_A``; other columns are not read.  Out: ``t_s, slip_probability, alarm, wheel``, the
-        corrected twist and the six entries of its covariance.  ``kept`` gets the estimates too.
+        ``current{i}_A``; other columns are not read (:meth:`of_header` warns of them).  Out: ``t_s,
+        slip_probability, alarm, wheel``, the corrected twist and the six entries of its covariance.  ``kept``
+        gets the estimates too; ``source`` is what faults call the lines.
 
         Raises
         ------
@@ -249,12 +258,15 @@ class SlipMonitor:
                 values = [float(cells[k]) for k in at.places]
             except (ValueError, IndexError):
                 raise InputError(
-                    f"line {number}", "has a cell that is no number", "give every column"
+                    f"line {number}", "has a cell that is no number", "give every column", source
                 ) from None
+            if len(cells) != at.count:
+                problem = f"has {len(cells)} cells, the header {at.count}"
+                raise InputError(f"line {number}", problem, "give every row one cell a column", source)
             try:
                 found = self.update(values[0], **at.split(values, self.table.count, self.channels))
             except InputError as fault:
-                raise InputError(f"line {number}: {fault.place}", fault.problem, fault.cure) from None
+                raise InputError(f"line {number}: {fault.place}", fault.problem, fault.cure, source) from None
             if kept is not None:
                 kept.append(found)
             yield line(
@@ -291,10 +303,10 @@ class SlipMonitor:
             current=any(name.startswith("current") and name.endswith("_A") for name in names),
         )
         try:
-            Columns.of(names, len(recipe.robot.wheels), channels)
+            columns = Columns.of(names, len(recipe.robot.wheels), channels)
         except InputError as fault:
             raise fault.in_file(lines.source) from None
-        return cls(
+        watch = cls(
             recipe,
             surface,
             commanded=channels.commanded,
@@ -302,6 +314,9 @@ class SlipMonitor:
             current=channels.current,
             **others,
         )
+        if columns.unread:
+            watch.warnings = (*watch.warnings, f"columns not read: {', '.join(columns.unread)}")
+        return watch
 
     def _told(self, lines: Iterable[str], source: str, tally: Tally) -> Iterator[str]:
         """:meth:`stream` of a whole log; faults name it, and one without samples is a fault."""

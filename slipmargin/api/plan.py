@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from slipmargin.api.result import Result
-from slipmargin.api.robots import Drawing, RobotLike, checked_margin, model_of, read_robot
+from slipmargin.api.robots import Drawing, RobotLike, checked_margin, contact_of, model_of, read_robot
 from slipmargin.checks import Array
 from slipmargin.errors import InputError, MotionStopped
 
@@ -233,7 +233,6 @@ def plan(
     >>> sm.plan("ohio-kiwi", "paper", [[0, 0, 0], [1, 0, 0]], margin=0.1, points=50)
     <plan of ohio-kiwi on paper: 2.5312 s for 1 m, at most 0.9000 of a wheel's grip>
     """
-    from slipmargin.limits.motion_state import Contact
     from slipmargin.paths.along import Caps
     from slipmargin.paths.plan import Request, plan as path_plan
     from slipmargin.paths.sample import trajectory
@@ -253,13 +252,15 @@ def plan(
             "is given for a closed path",
             "close the path with a spline, or repeat the first waypoint",
         )
+    contact, idle = contact_of(model, robust)
+    warnings = (*warnings, *idle)
     request = Request(
         share=1.0 - checked_margin(margin),
         points=points,
         start_m_s=start_speed_m_s,
         end_m_s=end_speed_m_s,
         caps=Caps(speed_m_s=max_speed_m_s or np.inf, yaw_rate_rad_s=max_yaw_rate_rad_s or np.inf),
-        contact=Contact.UNKNOWN if robust else Contact.ROLLERS,
+        contact=contact,
     )
     source = str(waypoints) if isinstance(waypoints, Path | str) else ""
     try:
@@ -268,6 +269,8 @@ def plan(
         found = path_plan(model, way, request)
     except InputError as fault:
         raise fault if fault.source or not source else fault.in_file(source) from None
+    if blend_m is not None and len(places) < 3:
+        raise InputError("blend_m", "has no effect: two waypoints have no corner", "leave it out")
     rows = trajectory(found, step_s=step_s)
     proofs = {}
     if verify:

@@ -146,9 +146,18 @@ def polytope(robot: RobotLike, surface: str, *, rigid: bool = False) -> Polytope
     <polytope of ohio-kiwi on paper, all wheels on rollers: 28 vertices, volume 85.26 N² N m>
     """
     from slipmargin.limits import wrench_set
+    from slipmargin.limits.friction import Extreme
 
     model, warnings = model_of(read_robot(robot), surface)
-    wrenches = wrench_set(model, np.full(model.count, rigid))
+    state = np.full(model.count, rigid)
+    wrenches, least = wrench_set(model, state), wrench_set(model, state, extreme=Extreme.LOW)
+    part = float(np.min(least.coefficients / np.maximum(wrenches.coefficients, 1e-300)))
+    if part < 1.0 - THIN:
+        warnings = (
+            *warnings,
+            f"friction depends on place, heading, wheel angle or time, and falls to {part:.3g} of what this "
+            "set has; `sweep` counts the least",
+        )
     body = wrenches.body()
     _refuse_flat(model, wrenches, body)
     return PolytopeResult(

@@ -14,6 +14,7 @@ from slipmargin.robot import GripShape, Robot
 
 if TYPE_CHECKING:
     from slipmargin.checks import Array
+    from slipmargin.limits.motion_state import Contact
     from slipmargin.limits.uncertainty import Draws, SlipChance
     from slipmargin.model import Model
     from slipmargin.plots.style import Figure
@@ -108,12 +109,29 @@ def model_of(
         Placed in the robot's file, or at ``surface`` where the robot has none of that name.
     """
     from slipmargin.io.toml_table import one_of
-    from slipmargin.robot.warnings import unused, warnings
 
     recipe = read_robot(robot)
     one_of("surface", surface, [s.name for s in recipe.robot.surfaces])
+    return recipe.build(surface), warnings_of(recipe, surface, spread=spread, band=band)
+
+
+def contact_of(model: Model, robust: bool) -> tuple[Contact, tuple[str, ...]]:
+    """What the wheels are taken to stand on, and a warning where ``robust`` changes nothing."""
+    from slipmargin.limits.motion_state import Contact
+
+    if not robust:
+        return Contact.ROLLERS, ()
+    if (model.grip.rigid_fraction > 0.0).any():
+        return Contact.UNKNOWN, ()
+    return Contact.UNKNOWN, ("robust has no effect: no wheel has rigid material between its rollers",)
+
+
+def warnings_of(recipe: Recipe, surface: str, *, spread: bool = False, band: bool = False) -> tuple[str, ...]:
+    """What a robot file contradicts, what of it has no effect, and what the caller does not use."""
+    from slipmargin.robot.warnings import unused, warnings
+
     ignored = unused(recipe.robot, surface, spread=spread, band=band)
-    return recipe.build(surface), (*warnings(recipe.robot), *ignored, *_partly_used(recipe))
+    return (*warnings(recipe.robot), *ignored, *_partly_used(recipe))
 
 
 def _partly_used(recipe: Recipe) -> tuple[str, ...]:

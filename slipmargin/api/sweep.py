@@ -108,7 +108,7 @@ class SweepResult(Result):
         )
         lines.append(proof(self.method, self.check))
         if self.slip_chance is not None:
-            lines.append(chance_line(self.slip_chance, f"{self.recommended_N:.2f}", "N"))
+            lines.append(chance_line(self.slip_chance, self.recommended_N, "N"))
         if self.pulls is not None:
             lines.append(
                 measured_line(self.measured()["residual_N"], int(self.pulls.count.sum()), self.outside)
@@ -261,7 +261,8 @@ def sweep(
     checked_margin(margin)
     pulls, outside = None, 0
     if measured is not None:
-        pulls, outside = _pulls_between(phi, Path(measured), model.count)
+        pulls, outside, unread = _pulls_between(phi, Path(measured), model.count)
+        warnings = (*warnings, *unread)
         on = [float(p) for p in pulls.phi_rad if np.min(np.abs(phi - p)) > SETTINGS.same_rad]
         phi = np.sort(np.append(phi, on))
     by_facets = limit_sweep(model, phi)
@@ -337,8 +338,11 @@ def orientations(from_deg: float, to_deg: float, step_deg: float) -> Array:
     return np.asarray(np.deg2rad(from_deg + step_deg * np.arange(count)))
 
 
-def _pulls_between(phi: Array, file: Path, wheels: int) -> tuple[PullGroups, int]:
-    """The pulls between the first and last orientation (turned by whole turns into it), how many are not."""
+def _pulls_between(phi: Array, file: Path, wheels: int) -> tuple[PullGroups, int, tuple[str, ...]]:
+    """The pulls between the first and last orientation (turned by whole turns into it), how many are not.
+
+    A sentence says what of the file is not read.
+    """
     from slipmargin.data.pulls import gather_pulls
     from slipmargin.data.settings import SETTINGS
     from slipmargin.io.trial_file import read_pulls
@@ -355,7 +359,10 @@ def _pulls_between(phi: Array, file: Path, wheels: int) -> tuple[PullGroups, int
     inside = turned <= phi[-1] + SETTINGS.same_rad
     if not np.any(inside):
         raise InputError("measured", f"no pull of {file} lies in the range swept", "widen the range")
-    return gather_pulls(turned[inside], read.force_N[inside]), int(np.count_nonzero(~inside))
+    unread: tuple[str, ...] = ()
+    if read.theta_rad is not None:
+        unread = ("wheel angles of the pulls are not read: they are compared with all wheels on rollers",)
+    return gather_pulls(turned[inside], read.force_N[inside]), int(np.count_nonzero(~inside)), unread
 
 
 def _solved(model: Model, phi: Array, method: str) -> Array:

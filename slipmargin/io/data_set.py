@@ -18,6 +18,9 @@ from slipmargin.io.source import read_text
 from slipmargin.io.toml_table import Table, document
 from slipmargin.io.trial_file import read_pulls, read_trial
 
+#: Endings of files that a run may have been written to, and that are not read.
+_LIKE_RUNS = (".txt", ".tsv", ".dat")
+
 
 def read_data_set(folder: Path | str) -> DataSet:
     """Read a data set strictly: unknown keys and columns are errors.
@@ -44,7 +47,7 @@ def read_data_set(folder: Path | str) -> DataSet:
         raise fault if fault.source else fault.in_file(str(path)) from None
     recipe = read_recipe(folder / robot)
     count = len(recipe.robot.wheels)
-    trials = tuple(read_trial(file, count, rate) for file in sorted((folder / "trials").glob("*.csv")))
+    trials = tuple(read_trial(file, count, rate) for file in _runs(folder / "trials"))
     file = folder / "pulls.csv"
     pulls = replace(read_pulls(file, count), sigma_N=sigma_N) if file.exists() else None
     try:
@@ -67,6 +70,27 @@ def read_data_set(folder: Path | str) -> DataSet:
         )
     except InputError as fault:
         raise fault if fault.source else fault.in_file(str(path)) from None
+
+
+def _runs(folder: Path) -> list[Path]:
+    """The CSV files of a folder of runs, in the order of their names; hidden ones are none.
+
+    Raises
+    ------
+    InputError
+        At what looks like a run and is not read.
+    """
+    found = []
+    for path in sorted(folder.iterdir()) if folder.is_dir() else ():
+        ending = path.suffix.lower()
+        if path.name.startswith("."):
+            continue
+        if path.is_file() and ending == ".csv":
+            found.append(path)
+        elif ending in _LIKE_RUNS or (path.is_dir() and any(_runs(path))):
+            cure = "move runs into trials/ itself as .csv files, and other files out of it"
+            raise InputError("", "would not be read as a run", cure, str(path))
+    return found
 
 
 def _head(table: Table) -> tuple[str, str, WheelSignal | None, Array | None, float | None, float | None]:

@@ -39,19 +39,30 @@ def _small_files(data_set: DataSet, comment: str) -> dict[str, str]:
     return files
 
 
-def check_data_set_place(folder: Path) -> None:
+#: What importing a log writes, and may replace.
+_IMPORTED = ("dataset.toml", "robot.toml", "import.json", "calibration.toml", "trials")
+
+
+def check_data_set_place(folder: Path, written: Iterable[str] = _IMPORTED) -> None:
     """Refuse a place that holds something else than a data set, before any work is done.
+
+    So is one that holds what is not ``written`` again: it would be lost.
 
     Raises
     ------
     InputError
-        Where the folder exists and is neither empty nor a data set, or its parent does not exist.
+        Where the folder exists and is neither empty nor such a data set, or its parent does not exist.
     """
     check_possible(folder)
     sweep(folder.resolve())  # what a killed run took away comes back
     if folder.is_dir():
         if any(folder.iterdir()) and not (folder / "dataset.toml").is_file():
             raise InputError("--out", "is a folder that holds something else", "give a new one", str(folder))
+        known = {*_IMPORTED, *written}
+        lost = sorted(path.name for path in folder.iterdir() if path.name not in known)
+        if lost:
+            problem = f"holds {', '.join(lost[:5])} beside a data set, which would be lost"
+            raise InputError("--out", problem, "move that away, or give a new folder", str(folder))
     elif folder.exists():
         raise InputError("--out", "is a file", "give a new folder", str(folder))
     elif not folder.resolve().parent.is_dir():
@@ -88,11 +99,11 @@ def write_data_set(
     InputError
         Where the folder cannot be written or holds something else.
     """
-    check_data_set_place(folder)
+    small = {**_small_files(data_set, comment), **(extra or {})}
+    check_data_set_place(folder, (Path(name).parts[0] for name in small))
     folder = folder.resolve()
     try:
         with staged(folder) as stage:
-            small = {**_small_files(data_set, comment), **(extra or {})}
             files: dict[str, Iterable[str]] = {name: (text,) for name, text in small.items()}
             files |= {f"trials/{trial.name}.csv": trial_parts(trial) for trial in data_set.trials}
             for name, parts in files.items():

@@ -61,6 +61,10 @@ def _named(kind: type[Effect], table: Table, names: tuple[str, ...]) -> Effect:
             )
         values["wheels"] = tuple(chosen)
     table.done()
+    for p in kind.parameters:
+        if p.least_wheels > len(names) and values[p.name] != optional.get(p.name):
+            problem = f"has no effect on {len(names)} wheels, only on {p.least_wheels} or more"
+            raise InputError(table.at(p.name), problem, "remove it")
     try:
         return kind(**values)
     except InputError as fault:

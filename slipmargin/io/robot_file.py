@@ -169,6 +169,10 @@ def _from_library(place: str, raw: Any, sectors: bool) -> Any:
     names = [entry.name for entry in LIBRARY]
     entry = published(one_of(f"{place}.library", raw["library"], names))
     assert entry is not None
+    for key in ("roller", "rigid"):
+        if key in raw and not isinstance(raw[key], dict):
+            cure = f"write {key} = {{ drive = …, transverse = … }}, or leave it to the library"
+            raise InputError(f"{place}.{key}", f"is {raw[key]!r}, not a table", cure)
     own = {key: value for key, value in raw.items() if isinstance(value, dict)}
     made = {key: {**entry.tables().get(key, {}), **own.get(key, {})} for key in ("roller", "rigid")}
     for name in entry.missing:

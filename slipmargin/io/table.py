@@ -166,7 +166,7 @@ def _header(line: str, required: Sequence[str], known: Sequence[str] | None) -> 
                     f"1:{place}",
                     f"{name!r} is not a known column",
                     f"did you mean {guess!r}?"
-                    if guess
+                    if guess and guess not in names
                     else f"rename or remove it (known: {', '.join(allowed)})",
                 )
     return names

@@ -10,6 +10,7 @@ The forms: our CSV, Choreo, PathPlanner, a log of Road Runner, a ROS bag.
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -39,6 +40,8 @@ RATES = (
     ("acceleration", "m/s²", ("vx_m_s", "vy_m_s"), ("ax_m_s2", "ay_m_s2")),
     ("angular acceleration", "rad/s²", ("wz_rad_s",), ("alpha_rad_s2",)),
 )
+#: Columns that a plan writes beside its trajectory: they follow from it, and are computed anew.
+_OF_PLANS = re.compile(r"(omega\d+_rad_s|use\d+)")
 #: First bytes of a bag in one file: ROS 1, MCAP, SQLite.
 BAGS = (b"#ROSBAG", b"\x89MCAP", b"SQLite format 3")
 #: Share of the largest stated rate that a rate may be off before it is a contradiction [1].
@@ -95,17 +98,28 @@ def _from_text(text: str) -> Samples:
     others = tuple(name for name in (cell.strip() for cell in header.split(",")) if name not in NEEDED)
     columns = columns_from_text(text, required=NEEDED, known=None, empty=others, least=1)
     names = set(columns.names)
-    claims = [
+    stated = [
         Claim(name=name, unit=unit, values=columns.stack(of), rate=columns.stack(rate))
         for name, unit, of, rate in RATES
         if names >= {*of, *rate}
     ]
+    whole = [np.isfinite(c.rate).all() and np.isfinite(c.values).all() for c in stated]
+    claims = tuple(c for c, complete in zip(stated, whole, strict=True) if complete)
+    compared = {name for what, _, _, rate in RATES for name in rate if what in {c.name for c in claims}}
+    unread = [n for n in others if n not in compared and not _OF_PLANS.fullmatch(n)]
     return Samples(
         form=CSV,
         t_s=columns["t_s"],
         pose=columns.stack(NEEDED[1:]),
-        claims=tuple(c for c in claims if np.isfinite(c.rate).all() and np.isfinite(c.values).all()),
+        claims=claims,
+        notes=(f"columns not read: {', '.join(unread)}{_incomplete(unread)}",) if unread else (),
     )
+
+
+def _incomplete(unread: list[str]) -> str:
+    """Why rates are not read."""
+    rates = {name for _, _, _, rate in RATES for name in rate}
+    return " (rates are compared where all of theirs are there, in every row)" if rates & {*unread} else ""
 
 
 def _from_bag(path: Path, topic: str | None) -> Samples:

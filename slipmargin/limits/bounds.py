@@ -67,11 +67,11 @@ def starting(
     share: float = 1.0,
     contact: Contact = Contact.ROLLERS,
     pace: float = 0.0,
-) -> Array:
+) -> AccelerationLimit:
     """Speeding up (H,) [m/s²] alone, as :func:`directions` has it, in a quarter of the time."""
     ahead = ahead_of(heading_rad)
     rows = acceleration_rows(model, Motion.full_drag(ahead), share=share, contact=contact, pace=pace)
-    return along(model, rows, np.zeros_like(ahead), ahead).value  # straight ahead nothing is centripetal
+    return along(model, rows, np.zeros_like(ahead), ahead)  # straight ahead nothing is centripetal
 
 
 def _first(values: Array) -> int:

@@ -27,6 +27,7 @@ from slipmargin.limits.bounds_pace import held_speed
 from slipmargin.limits.bounds_states import PACE
 from slipmargin.limits.every_motion import turning_points
 from slipmargin.limits.motion import steady_share
+from slipmargin.limits.motion_rows import CAUSES, MOTOR
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.limits.still_rollers import StillRollers, still_rollers
 from slipmargin.model import Model
@@ -103,7 +104,7 @@ class Bounds:
     ``rigid`` is the share of the grip that constant speed needs in the worst roller/rigid state; above 1 even
     constant speed must slip.  ``motor_m_s2`` and ``top_m_s`` (H,) are the motors' limits (infinite: none).
     ``weakest_m_s2`` is the least safe speeding up over directions every degree and on both sides of those in
-    which a wheel's drag turns round.
+    which a wheel's drag turns round, ``weakest_cause`` what sets it: grip, tips or motor torque.
     On an uneven floor all of them are the worst of the loads' band, and ``even`` says what an even floor
     allows with all of the grip.  ``rolling_m_s2`` is the traction limit of rollers that turn freely
     (disc-strip), where the grip is the box.  ``still_rollers`` is there where no roller turns in the
@@ -122,6 +123,7 @@ class Bounds:
     motor_m_s2: Array
     top_m_s: Array
     weakest_m_s2: float
+    weakest_cause: str
     even: Directions | None = None
     rolling_m_s2: float | None = None
     still_rollers: StillRollers | None = None
@@ -184,6 +186,18 @@ class Bounds:
         Up to half of the motors' top speed.
         """
         return max(0.0, min(self.weakest_m_s2, float(np.min(self.safe.starting_m_s2))))
+
+    @property
+    def recommended_cause(self) -> str:
+        """What allows no more than the recommended acceleration: grip, tips, motor torque or drag."""
+        safe = self.safe.starting
+        least = int(np.argmin(safe.value))
+        return self.weakest_cause if self.weakest_m_s2 <= safe.value[least] else safe.cause[least]
+
+    @property
+    def motors_decide(self) -> bool:
+        """Whether the recommended acceleration is what the motors leave at half of their top speed."""
+        return self.recommended_m_s2 > 0.0 and self.recommended_cause == CAUSES[MOTOR]
 
     @property
     def isotropic_m_s2(self) -> float:
@@ -289,12 +303,14 @@ def bounds(
     found = towards(finer)
     fine = np.concatenate([headings(1.0), turning_points(model, 0.0) % (2.0 * np.pi)])
     weakest = starting(model, np.sort(fine), share=share, contact=contact, pace=PACE)
+    least = int(np.argmin(weakest.value))
     everywhere = Bounds(
         **found,
         model=model,
         margin=margin,
         sets=safe_sets(model, margin=margin, contact=contact, yaw_rad_s2=yaw_rad_s2),
-        weakest_m_s2=float(np.min(weakest)),
+        weakest_m_s2=float(weakest.value[least]),
+        weakest_cause=weakest.cause[least],
         rolling_m_s2=_rolling(model, finer, contact),
         still_rollers=still_rollers(model, found["full"], contact),
         contact=contact,

@@ -60,5 +60,5 @@ def still_rollers(model: Model, found: Directions, contact: Contact) -> StillRol
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if holds(middle) else (low, middle)
-    beside = starting(model, np.array([heading - BESIDE, heading + BESIDE]), contact=contact)
+    beside = starting(model, np.array([heading - BESIDE, heading + BESIDE]), contact=contact).value
     return StillRollers(heading_rad=heading, helped_m_s2=low, dragged_m_s2=float(np.min(beside)))

@@ -327,10 +327,14 @@ def checked_chance(chance: float, count: int = DRAWS) -> float:
 
 
 def counted(lowest: Array, recommended: float, *, chance: float, seed: int) -> SlipChance:
-    """The chance at a recommended number, and the number for a chance, of the limits (D,) of the draws."""
+    """The chance at a recommended number, and the number for a chance, of the limits (D,) of the draws.
+
+    A draw whose limit is 0 slips in any case, also where nothing more than 0 is recommended.
+    """
     ordered = np.sort(lowest)
+    slips = np.searchsorted(ordered, recommended, side="left" if recommended > 0.0 else "right")
     return SlipChance(
-        at_recommended=float(np.searchsorted(ordered, recommended)) / len(ordered),
+        at_recommended=float(slips) / len(ordered),
         chance=chance,
         value=float(ordered[int(chance * len(ordered))]),
         draws=len(ordered),

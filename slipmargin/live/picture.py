@@ -42,7 +42,7 @@ def picture(now: Settings) -> dict[str, Any]:
     fine = np.concatenate([headings(1.0), turning_points(model, 0.0) % (2.0 * np.pi)])
     order = np.argsort(fine, kind="stable")
     safe = np.empty(len(fine))
-    safe[order] = starting(model, fine[order], share=1.0 - now.margin, pace=PACE)
+    safe[order] = starting(model, fine[order], share=1.0 - now.margin, pace=PACE).value
     weak = full.weakest
     recommended = max(0.0, float(np.min(safe)))
     turn = spin(model, share=1.0 - now.margin)

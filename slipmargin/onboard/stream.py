@@ -24,9 +24,14 @@ def line(t_s: float, probability: float, alarm: bool, wheel: str, twist: Array, 
 @final
 @dataclass(frozen=True, slots=True)
 class Columns:
-    """Where the columns of a stream stand: time, wheel speeds, commands, gyro, currents."""
+    """Where the columns of a stream stand: time, wheel speeds, commands, gyro, currents.
+
+    ``count`` columns stand in the header, ``unread`` are those that nothing asks for.
+    """
 
     places: tuple[int, ...]
+    count: int = 0
+    unread: tuple[str, ...] = ()
 
     @staticmethod
     def of(names: list[str], count: int, channels: Channels) -> Columns:
@@ -41,7 +46,14 @@ class Columns:
             raise InputError(
                 "line 1", f"lacks the column {missing[0]}", f"name the columns {', '.join(wanted)}"
             )
-        return Columns(tuple(names.index(name) for name in wanted))
+        twice = [name for name in wanted if names.count(name) > 1]
+        if twice:
+            raise InputError("line 1", f"has the column {twice[0]} twice", "remove one of them")
+        return Columns(
+            tuple(names.index(name) for name in wanted),
+            len(names),
+            tuple(name for name in names if name not in wanted),
+        )
 
     def split(self, values: list[float], n: int, channels: Channels) -> dict[str, Any]:
         """The arguments of :meth:`SlipMonitor.update` without the time."""

@@ -26,7 +26,16 @@ def ideas_figure(ideas: Sequence[Idea]) -> Figure:
         axes.set_axis_off()
     for axes, found in zip(panels, asked, strict=False):
         _bars(axes, ideas, found)
+    figure.supxlabel(_legend(ideas), fontsize=8.5, color=INK)
     return figure
+
+
+def _legend(ideas: Sequence[Idea]) -> str:
+    """What the bars of one figure are, in words."""
+    floors = list(dict.fromkeys(idea.design.surface for idea in ideas))
+    words = f"on {', '.join(f'“{floor}”' for floor in floors)}; blue: the best, or all that are alike"
+    spread = any(idea.deviation(question.key) > 0.0 for idea in ideas for question in QUESTIONS)
+    return words + ("; lines: ± two standard deviations" if spread else "")
 
 
 @styled

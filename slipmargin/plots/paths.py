@@ -127,7 +127,7 @@ def _path(
         for tone, near in zip(tones, kinds, strict=True)
         if np.any(near)
     ]
-    marks.append(Line2D([], [], color=GREY, lw=3.2, label="no wheel near its limit"))
+    marks.append(Line2D([], [], color=GREY, lw=3.2, label="no wheel near its limit of grip"))
     marks.append(Line2D([], [], color=INK, lw=0, marker=">", ms=7, label="front of the robot"))
     marks.append(Line2D([], [], color=INK, lw=0, marker="o", ms=6, label="start"))
     marks += more

@@ -134,31 +134,43 @@ def draw_heat(axes: Axes, study: Study, name: str) -> Axes:
     pick = tuple(slice(None) if k in (first, second) else index[k] for k in range(table.ndim))
     x, y = (np.array(study.problem.grids[k].values, dtype=float) for k in (first, second))
     x_edges, y_edges = _edges(x), _edges(y)
+    winners, middle = study.winners(name), float(table[index])
+    alike = (0.9 * middle, 1.1 * middle) if not len(winners) and middle > 0.0 else (None, None)
     image = axes.pcolormesh(
-        x_edges, y_edges, table[pick].T, cmap="viridis" if goal.sign > 0 else "viridis_r", rasterized=True
+        x_edges,
+        y_edges,
+        table[pick].T,
+        cmap="viridis" if goal.sign > 0 else "viridis_r",
+        rasterized=True,
+        vmin=alike[0],  # rounding is no difference
+        vmax=alike[1],
     )
     figure = axes.figure
     assert isinstance(figure, Figure)
     figure.colorbar(image, ax=axes, label="" if goal.unit == "1" else goal.unit)
     others = [k for k in range(len(study.keys)) if k not in (first, second)]
-    winners = study.winners(name)
     shown = [
         study.values[row]
         for row in winners
         if all(study.values[row][k] == study.values[best][k] for k in others)
     ]
-    axes.plot(
-        [float(at[first]) for at in shown],
-        [float(at[second]) for at in shown],
-        marker="*",
-        ms=15,
-        mfc="white",
-        mec=INK,
-        ls="none",
-        label="best of the grid" if len(winners) else "every design alike",
-        clip_on=False,
-        zorder=5,
-    )
+    if shown:  # a line without points would still take room, at the corner of the page
+        axes.plot(
+            [float(at[first]) for at in shown],
+            [float(at[second]) for at in shown],
+            marker="*",
+            ms=15,
+            mfc="white",
+            mec=INK,
+            ls="none",
+            label="best of the grid",
+            clip_on=False,
+            zorder=5,
+        )
+    elif not len(winners):
+        box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 3.0}
+        words = "every design alike"
+        axes.text(0.5, 0.95, words, ha="center", va="top", transform=axes.transAxes, color=INK, bbox=box)
     own = study.own_values
     here, there = own[first], own[second]
     if (
@@ -182,7 +194,8 @@ def draw_heat(axes: Axes, study: Study, name: str) -> Axes:
         )
     axes.grid(False)
     axes.set(xlabel=_axis(study, first), ylabel=_axis(study, second), title=textwrap.fill(goal.meaning, 44))
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
     return axes
 
 

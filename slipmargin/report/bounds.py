@@ -41,7 +41,10 @@ def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:
         motor = "no limit in the robot file"
     lines.append(f"motor       {motor}; the smaller is {b.smaller}")
     lines.append(_isotropic(b))
-    lines.append(f"recommended {b.recommended_m_s2:.4g} m/s² in any direction, slip margin {b.margin:g}")
+    lines.append(
+        f"recommended {b.recommended_m_s2:.4g} m/s² in any direction, slip margin {b.margin:g}"
+        + ("; the motors at half of their top speed allow no more" if b.motors_decide else "")
+    )
     lines.append(f"braking     {_span(full.braking_m_s2)}; turning at speed {_span(full.turning_m_s2)}")
     up, down = (_rate(v, "rad/s²") for v in (b.spin.starting_rad_s2, b.spin.braking_rad_s2))
     lines.append(f"spinning    up {up}, down {down} (with the margin)")
@@ -50,7 +53,7 @@ def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:
     if settles_slowly(b.model):
         lines.append(f"creep       {SLOW_CREEP}")
     if likely is not None:
-        lines.append(chance_line(likely, f"{b.recommended_m_s2:.4g}", "m/s²"))
+        lines.append(chance_line(likely, b.recommended_m_s2, "m/s²"))
     if b.even is not None:
         most = np.max(np.abs(b.model.loads.shifts()))
         lines.append(

@@ -29,6 +29,7 @@ from slipmargin.model import Model
 from slipmargin.report.not_given import with_reasons
 
 _INCH = 0.0254
+_SAME = 1e-9  #: [1] directions that differ by less are one: the wheel's rollers stand across it
 
 
 def export_text(tool: str, found: Bounds) -> str:
@@ -132,10 +133,12 @@ def nav2(found: SafeSets) -> str:
 
 def roadrunner(found: SafeSets) -> str:
     """Java fields for MecanumDrive.Params, no file that compiles: inches and radians."""
-    sets, drives = _sets(found), found.model.drives
+    sets, drives, wheels = _sets(found), found.model.drives, found.model.geometry
+    omni = np.any(np.all(np.abs(wheels.grip - wheels.drive) < _SAME, axis=1))
     lines = [
         "// Paste over the fields of these names in class Params of Road Runner's MecanumDrive.java",
         *_head(found, "Road Runner", "//"),
+        *(["// omni wheels: MecanumDrive's kinematics are not this robot's, its limits are"] if omni else []),
         "// path profile parameters (in inches)",
     ]
     if drives.max_speed_rad_s is not None and sets.pace is not None:
@@ -235,6 +238,7 @@ def bounds_table(found: Bounds, likely: SlipChance | None = None) -> dict[str, A
         "motor_limit_m_s2": _finite(found.motor_limit_m_s2),
         "smaller": found.smaller,
         "recommended_m_s2": found.recommended_m_s2,
+        "recommended_limited_by": found.recommended_cause,
         "isotropic_m_s2": found.isotropic_m_s2,
         **({} if likely is None else {"slip_chance": likely.table("acceleration_m_s2")}),
         **({} if found.rolling_m_s2 is None else {"traction_limit_disc_strip_m_s2": found.rolling_m_s2}),

@@ -28,10 +28,9 @@ def bounds_page(
     good = b.recommended_m_s2 > 0.0
     lead = (
         f"{robot} on {floor} may speed up at {b.recommended_m_s2:.3g} m/s² in any direction: no wheel slips, "
-        f"and {100 * b.margin:g} % of the grip stays in reserve."
+        f"and {100 * b.margin:g} % of the grip stays in reserve{_motors(b)}."
         if good
-        else f"{robot} on {floor} has no safe acceleration: driving {way}, a wheel slips even at "
-        "constant speed."
+        else f"{robot} on {floor} has no safe acceleration: {_slipping(b)}."
     )
     caps = b.speeds
     return result_page(
@@ -84,10 +83,28 @@ def bounds_page(
             _table(_by_direction(b), *bounds_words.direction_rows(b, 24)),
             _table("Fastest cornering by curvature", *bounds_words.corner_rows(b)),
         ),
-        next_steps=_bounds_next(b, way, caps[0]),
+        next_steps=_bounds_next(b, caps[0]),
         lines=lines,
         warnings=warnings,
     )
+
+
+def _motors(b: Bounds) -> str:
+    return " at least; the motors, at half of their top speed, allow no more" if b.motors_decide else ""
+
+
+def _slipping(b: Bounds) -> str:
+    """What constant speed alone does to the wheels, and in how many directions."""
+    every = b.everywhere
+    slips = b.traction_m_s2 <= 0.0
+    stuck = (every.full if slips else every.safe).starting_m_s2 <= 0.0
+    count = int(np.count_nonzero(stuck))
+    where = f"in {count} of {len(stuck)} directions" if count else "in a few narrow directions"
+    if count == len(stuck):
+        where = "in every direction"
+    if slips:
+        return f"a wheel slips even at constant speed {where}"
+    return f"constant speed alone needs more than {100 * (1.0 - b.margin):g} % of the grip {where}"
 
 
 def _by_direction(b: Bounds) -> str:
@@ -98,7 +115,7 @@ def _by_direction(b: Bounds) -> str:
     )
 
 
-def _bounds_next(b: Bounds, way: str, fastest: float) -> list[str]:
+def _bounds_next(b: Bounds, fastest: float) -> list[str]:
     steps = []
     if b.recommended_m_s2 > 0.0:
         upto = f" They hold up to {fastest:.3g} m/s ahead." if math.isfinite(fastest) else ""
@@ -107,8 +124,10 @@ def _bounds_next(b: Bounds, way: str, fastest: float) -> list[str]:
             f"`pathplanner`, `choreo`).{upto}"
         )
     steps.append(
-        f"The number depends most on friction: pull the robot {way} with a luggage scale and compare "
-        "(`slipmargin measure`)."
+        "The number depends on the motors, not on friction: check `stall_torque_N_m` and `max_speed_rad_s`."
+        if b.motors_decide
+        else "The number depends most on friction: pull the robot all round with a luggage scale and let "
+        "`slipmargin measure` fit both coefficients."
     )
     if not b.model.loads.follow_acceleration:
         steps.append(

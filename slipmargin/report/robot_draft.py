@@ -15,15 +15,16 @@ AXES = (
     "x is forward, y left; a positive wheel speed drives the robot along the wheel's drive direction (0 deg",
     "forwards, 90 deg to the left).  Speed and torque of the motor are those of the wheel.",
 )
-#: What moves the limits most, and how to measure it.
+#: What the limits depend on most, and how to measure it.
 MEASURE_FIRST = (
-    "MEASURE FIRST, these three numbers move every limit most:",
-    "  1. body.mass_kg: the robot on a scale, with battery and everything it carries.",
-    "  2. roller drive of your floor: block the wheels, pull the robot with a luggage scale until it slides,",
-    "     a mecanum car forwards, others as `slipmargin sweep` says where they hold most; change drive until",
-    "     `slipmargin sweep FILE --surface floor --measured pulls.csv` agrees with the pulls.",
-    "  3. body.com_m and com_height_m: each wheel (or side) on a scale gives com_m; the angle to which the",
+    "MEASURE FIRST, the limits depend on these most:",
+    "  1. roller drive and transverse of your floor: block the wheels, and pull the robot with a luggage",
+    "     scale until it slides, in many directions all round.  `slipmargin measure` fits both from",
+    "     such pulls; one direction alone cannot tell them apart.",
+    "  2. body.com_m and com_height_m: each wheel (or side) on a scale gives com_m; the angle to which the",
     "     robot can be tilted before it falls gives the height.",
+    "  3. body.mass_kg: the robot on a scale, with battery and everything it carries.  Forces grow with it,",
+    "     and what the motors can accelerate falls.",
 )
 
 
@@ -80,7 +81,10 @@ def draft_text(draft: Draft) -> str:
         "",
         "# one table for each floor; `--surface NAME` picks one",
         "[surface.floor]",
-        _line("roller", Value(value={"drive": 0.4, "transverse": 0.06}, said=f"{GUESS}, hard smooth floor")),
+        _line(
+            "roller",
+            Value(value={"drive": 0.4, "transverse": 0.06}, said=f"{GUESS}, hard floor; MEASURE FIRST (1)"),
+        ),
         _line("rigid", Value(value={"drive": 0.5, "transverse": 0.5}, said=f"{GUESS}")),
         "",
         "[surface.carpet]",

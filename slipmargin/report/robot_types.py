@@ -111,13 +111,13 @@ def draft_of(name: str, kind: RobotType) -> Draft:
             "After each change: `slipmargin robots check FILE --plot robot.png` says what each wheel does.",
         ),
         body={
-            "mass_kg": Value(value=kind.mass_kg, said=f"{GUESS}; MEASURE FIRST (1)"),
+            "mass_kg": Value(value=kind.mass_kg, said=f"{GUESS}; MEASURE FIRST (3)"),
             "inertia_kg_m2": Value(
                 value=round(0.5 * kind.mass_kg * reach**2, 4), said=f"{GUESS}; a uniform disc of that mass"
             ),
-            "com_m": Value(value=(0.0, 0.0), said=f"{GUESS}; forward, left; MEASURE FIRST (3)"),
+            "com_m": Value(value=(0.0, 0.0), said=f"{GUESS}; forward, left; MEASURE FIRST (2)"),
             "com_height_m": Value(
-                value=kind.com_height_m, said=f"{GUESS}; above the floor; MEASURE FIRST (3)"
+                value=kind.com_height_m, said=f"{GUESS}; above the floor; MEASURE FIRST (2)"
             ),
         },
         motor={

@@ -52,14 +52,19 @@ def proof(method: str, difference: float) -> str:
     return f"two methods ({method}, {other}) differ by {difference:.0e} of the pull"
 
 
-def chance_line(found: SlipChance, recommended: str, unit: str) -> str:
+def chance_line(found: SlipChance, recommended: float, unit: str) -> str:
     """The chance of slip at the recommended number, and the number for the chosen chance."""
-    share, form = found.at_recommended, ".2f" if unit == "N" else ".4g"
+    share = found.at_recommended
+    form, least = (".2f", "the least pull") if unit == "N" else (".4g", "constant speed")
+
+    def at(value: float) -> str:
+        return f"{value:{form}} {unit}" if value > 0.0 else least
+
     # No slip in n draws: with 95 % confidence the chance is below 3/n.
     said = f"{100 * share:.3g} %" if share > 0.0 else f"below {300 / found.draws:.2g} %"
     return (
-        f"chance      {said} of {found.draws} draws of the uncertain numbers slip at {recommended} {unit}; "
-        f"{100 * found.chance:g} % slip at {found.value:{form}} {unit}"
+        f"chance      {said} of {found.draws} draws of the uncertain numbers slip at {at(recommended)}; "
+        f"{100 * found.chance:g} % slip at {at(found.value)}"
     )
 
 

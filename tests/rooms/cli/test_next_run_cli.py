@@ -156,3 +156,19 @@ def test_pulls_take_the_budget_and_words_about_runs_are_spoken_of(
     said = capsys.readouterr().err
     assert budgets == [1.0]
     assert "runs has no effect" in said and "space_m has no effect" in said
+
+
+@pytest.mark.parametrize("inside", ["trials", "trials/proposed", "."])
+def test_runs_that_were_measured_are_not_written_over(
+    data: Path, engine: list[room.Request], inside: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """``--out DATASET/trials`` put proposals in the place of measured runs of their names."""
+    before = {file: file.read_bytes() for file in data.rglob("*.csv")}
+    assert status(["next-run", str(data), "--out", str(data / inside)]) == 2
+    assert "is read as well as written" in capsys.readouterr().err and not engine
+    assert {file: file.read_bytes() for file in data.rglob("*.csv")} == before
+    assert status(["next-run", str(data), "--out", str(data / "proposed")]) == 0
+    assert {file: file.read_bytes() for file in before} == before
+    for file in (data / "proposed").iterdir():
+        file.unlink()
+    (data / "proposed").rmdir()

@@ -29,7 +29,7 @@ def test_a_new_robot_is_complete_and_drives_as_its_file_says(
     assert status(["robots", "new", "mine", "--type", kind]) == 0
     assert "positive speed drives" in capsys.readouterr().out
     text = Path("mine.toml").read_text(encoding="utf-8")
-    assert text.count("MEASURE FIRST (") == 3 and text.count("GUESS") > 8
+    assert text.count("MEASURE FIRST (") == 4 and text.count("GUESS") > 8
     assert max(len(line) for line in text.splitlines()) <= 130
     robot = read_recipe(Path("mine.toml")).robot
     assert robot.name == "mine" and robot.convention is Convention.ROS

@@ -341,3 +341,37 @@ def test_any_name_of_a_surface_comes_back(tmp_path: Path) -> None:
     robot = replace(recipe.robot, surfaces=tuple(replace(s, name=name) for s in recipe.robot.surfaces[:1]))
     write_data_set(tmp_path / "d", data_set(recipe=replace(recipe, robot=robot), surface=name))
     assert read_data_set(tmp_path / "d").surface == name
+
+
+def test_what_is_not_written_again_is_not_replaced(tmp_path: Path) -> None:
+    """Importing anew with --force deleted pulls, notes and the very log that was read."""
+    place = tmp_path / "s"
+    write_data_set(place, data_set())
+    (place / "raw").mkdir()
+    (place / "raw" / "log.csv").write_text("t_s\n", encoding="utf-8")
+    (place / "pulls.csv").write_text("phi_rad,force_N\n0,1\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"holds pulls\.csv, raw beside a data set, which would be lost"):
+        write_data_set(place, data_set())
+    assert (place / "raw" / "log.csv").is_file() and (place / "pulls.csv").is_file()
+    (place / "raw" / "log.csv").unlink()
+    (place / "raw").rmdir()
+    (place / "pulls.csv").unlink()
+    write_data_set(place, data_set())
+
+
+def test_a_run_is_read_or_refused_and_never_forgotten(tmp_path: Path) -> None:
+    """``run0.CSV`` and runs in a folder within were not read, and nothing said so."""
+    place = tmp_path / "s"
+    write_data_set(place, data_set(trials=(record(), record(name="b"))))
+    (place / "trials" / "a.csv").rename(place / "trials" / "a.CSV")
+    (place / "trials" / "notes.md").write_text("a note is no run", encoding="utf-8")
+    (place / "trials" / "._b.csv").write_bytes(b"\x00\x05\x16")  # what some systems leave beside a file
+    assert [t.name for t in read_data_set(place).trials] == ["a", "b"]
+    (place / "trials" / "c.txt").write_text("t_s\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"c\.txt: would not be read as a run, move runs into trials/"):
+        read_data_set(place)
+    (place / "trials" / "c.txt").unlink()
+    (place / "trials" / "more").mkdir()
+    (place / "trials" / "b.csv").rename(place / "trials" / "more" / "b.csv")
+    with pytest.raises(InputError, match="more: would not be read"):
+        read_data_set(place)

@@ -11,6 +11,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from slipmargin_cli.main import status
 
 PACKAGE = Path(__file__).resolve().parents[3] / "examples" / "ros2" / "slipmargin_limiter"
 
@@ -76,3 +77,21 @@ def test_odometry_far_from_what_was_sent_is_where_it_begins_again(core: ModuleTy
     sent, _ = node.tick(2.0)
     assert math.isfinite(sent.vx)
     assert node.tick(2.0)[1] == "no time passed"
+
+
+def test_a_slow_robot_that_is_held_is_noticed(core: ModuleType, tmp_path: Path) -> None:
+    """Its top speed is below the 0.3 m/s that counted as far: released, it was told full speed at once."""
+    file = tmp_path / "slow.toml"
+    assert status(["robots", "new", str(file), "--type", "lekiwi"]) == 0
+    text = file.read_text(encoding="utf-8")
+    line = next(line for line in text.splitlines() if line.startswith("max_speed_rad_s"))
+    file.write_text(text.replace(line, "max_speed_rad_s = 4.4"), encoding="utf-8")
+    held, free = core.LimiterCore(str(file), "floor"), core.LimiterCore(str(file), "floor")
+    top = 0.2
+    for k in range(150):
+        for node, speed in ((held, 0.0), (free, None)):
+            node.command(0.02 * k, core.Twist(top, 0.0, 0.0))
+            node.odometry(core.Twist(node.tick(0.02 * k)[0].vx if speed is None else speed, 0.0, 0.0))
+    sent, said = free.tick(3.0)
+    assert sent.vx == pytest.approx(top, rel=0.05) and said == "reached"
+    assert held.tick(3.0)[0].vx < 0.75 * top

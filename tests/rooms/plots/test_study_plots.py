@@ -135,3 +135,16 @@ def test_a_page_says_in_words_what_a_command_calls_by_its_key() -> None:
 def test_an_objective_is_not_explained_by_itself() -> None:
     meaning = BY_NAME["f_worst"].meaning
     assert in_words(f"best: f_worst 0.23 m g ({meaning})") == f"best: {meaning} 0.23 m g"
+
+
+def test_a_map_of_designs_that_are_all_alike_keeps_its_size() -> None:
+    """A star at no place took room at the corner of the page: four stamps and overlapping letters."""
+    found = made("mass_kg=2,3,4", "wheel_radius_m=0.02,0.03", name="f_worst_static")
+    figure = study_figure(found, ("f_worst", "f_mean"))
+    figure.draw_without_rendering()
+    heat = figure.axes[0]
+    assert heat.get_position().width > 0.25 and heat.get_position().height > 0.2
+    assert "every design alike" in {text.get_text() for text in heat.texts}
+    mesh = next(c for c in heat.collections if isinstance(c, QuadMesh))
+    low, high = mesh.get_clim()
+    assert high - low > 0.1 * found.columns["f_worst_static"].max()  # rounding is no colour

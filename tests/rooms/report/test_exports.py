@@ -54,6 +54,8 @@ def test_road_runner_speaks_inches(found: Bounds) -> None:
     wheel = found.inside.pace * 60.0  # rad/s × 1 inch
     assert float(values["maxWheelVel"]) == pytest.approx(wheel, abs=1e-2)
     assert {"maxAngVel", "maxAngAccel"} <= values.keys()
+    assert "// omni wheels: MecanumDrive's kinematics are not this robot's" in text
+    assert "omni wheels" not in export_text("roadrunner", rolling(45.0))
 
 
 def test_pathplanner_and_choreo_take_a_coefficient(found: Bounds) -> None:

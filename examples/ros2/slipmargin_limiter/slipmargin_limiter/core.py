@@ -10,6 +10,9 @@ from dataclasses import dataclass
 
 import slipmargin as sm
 
+#: So far apart [m/s] are what was sent and what odometry says where a robot was stopped or pushed.
+LOST_M_S = 0.3
+
 
 @dataclass(frozen=True)
 class Twist:
@@ -34,9 +37,10 @@ class LimiterCore:
         As for :class:`slipmargin.Limiter`.
     timeout_s : float
         Without a command for so long the robot is braked, within the margin.
-    lost_m_s : float
+    lost_m_s : float, optional
         Where odometry is so far from what was sent, the limiter begins again from odometry: the robot was
-        stopped, pushed or switched off.  Turning counts at the wheels.
+        stopped, pushed or switched off.  Turning counts at the wheels.  By default 0.3 m/s, or half of the
+        motors' top speed where that is less: what drives slowly never is 0.3 m/s apart.
     longest_s : float
         A longer pause between two ticks counts as this.
     """
@@ -48,13 +52,14 @@ class LimiterCore:
         *,
         margin: float = 0.1,
         timeout_s: float = 0.5,
-        lost_m_s: float = 0.3,
+        lost_m_s: float | None = None,
         longest_s: float = 0.1,
     ) -> None:
         self.limiter = sm.Limiter(robot, surface, margin=margin)
         self._convention = sm.read_robot(robot).robot.convention
         self._arm = float(abs(self.limiter.table.along[2]).mean())
-        self._timeout_s, self._lost_m_s, self._longest_s = timeout_s, lost_m_s, longest_s
+        self._lost_m_s = _lost_m_s(self.limiter) if lost_m_s is None else lost_m_s
+        self._timeout_s, self._longest_s = timeout_s, longest_s
         self._wanted, self._wanted_at = Twist(), -math.inf
         self._odometry: Twist | None = None
         self._yaw, self._sent, self._ticked = 0.0, Twist(), math.nan
@@ -97,3 +102,12 @@ class LimiterCore:
         x, y, w = (float(v) for v in twist)  # type: ignore[attr-defined]
         right, forward = self._convention.right_forward(x, y)
         return Twist(forward, -right, w)
+
+
+def _lost_m_s(limiter: sm.Limiter) -> float:
+    """A difference of velocities [m/s] that a robot on its way does not have."""
+    table = limiter.table
+    if table.top_speed_rad_s is None:
+        return LOST_M_S
+    fastest = max(math.hypot(x, y) for x, y in table.rolling[:, :2])  # rad/s for each m/s along its row
+    return min(LOST_M_S, 0.5 * float(table.top_speed_rad_s) / fastest)

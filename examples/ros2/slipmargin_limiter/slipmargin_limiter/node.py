@@ -21,10 +21,12 @@ class LimiterNode(Node):
         self.declare_parameter("surface", "")
         self.declare_parameter("margin", 0.1)
         self.declare_parameter("rate_hz", 50.0)
+        self.declare_parameter("lost_m_s", 0.0)  # 0: as the robot's top speed says
         self._core = LimiterCore(
             self.get_parameter("robot").value,
             self.get_parameter("surface").value,
             margin=self.get_parameter("margin").value,
+            lost_m_s=self.get_parameter("lost_m_s").value or None,
         )
         self._out = self.create_publisher(TwistMessage, "cmd_vel_limited", 10)
         self.create_subscription(TwistMessage, "cmd_vel", self._commanded, 10)
