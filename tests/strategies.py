@@ -334,11 +334,15 @@ def effects(
     """An effect of the catalogue, every parameter within ``reach`` of its scales from null, in its bounds.
 
     With ``least`` > 0 every parameter is at least that many scales away from null (or at a bound).
-    ``wheels`` are names of which an effect of single wheels may act on some; by default it acts on all.
+    ``wheels`` are names of which an effect of single wheels may act on some; by default it acts on all.  What
+    has no influence on so few wheels stays at null.
     """
     kind = draw(st.sampled_from(kinds))
     values = []
     for p in kind.parameters:
+        if wheels and p.least_wheels > len(wheels):
+            values.append(p.null)
+            continue
         sides = [
             (max(p.low, p.null - reach * p.scale), max(p.low, p.null - least * p.scale)),
             (min(p.high, p.null + least * p.scale), min(p.high, p.null + reach * p.scale)),

@@ -71,8 +71,7 @@ the robot file (made-up friction; on the Robotino the camera as calibrated on al
 
 **A development set.** No fit sees the judged runs. But the search of `diagnose` was changed several times
 after a look at these rows, so for slipmargin's last row they are what was looked at while developing, and
-no test. A test would be runs that were never used here, such as your own. The row was measured before the
-search looked for small patches of the floor.
+no test. A test would be runs that were never used here, such as your own.
 
 Speeds are commanded: on the carpets the robot moved at about half of them. `wheel_loads` moves the centre of
 the loads, and that of the mass with it unless *where stated* stands there. What the parameters mean stands

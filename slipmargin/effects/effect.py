@@ -221,6 +221,19 @@ class Effect(ABC):
             )
             object.__setattr__(self, p.name, value)
 
+    def check_wheels(self, count: int) -> None:
+        """Refuse a parameter that has no influence on a robot with so few wheels.
+
+        Raises
+        ------
+        InputError
+            Placed at the parameter.
+        """
+        for p in self.parameters:
+            if p.least_wheels > count and getattr(self, p.name) != p.null:
+                problem = f"has no effect on {count} wheels, only on {p.least_wheels} or more"
+                raise InputError(p.name, problem, "remove it")
+
     @abstractmethod
     def rewrite(self, part: Any, nominal: Model) -> Any:
         """The part with this effect; ``nominal`` is the model before any effect."""

@@ -18,8 +18,8 @@ from slipmargin.io.source import read_text
 from slipmargin.io.toml_table import Table, document
 from slipmargin.io.trial_file import read_pulls, read_trial
 
-#: Endings of files that a run may have been written to, and that are not read.
-_LIKE_RUNS = (".txt", ".tsv", ".dat")
+#: Endings of files that a run may have been written to, and columns of which it has one in its first line.
+_LIKE_RUNS, _COLUMNS = (".txt", ".tsv", ".dat"), ("t_s", "x_m", "phi_rad", "omega1_rad_s", "theta1_rad")
 
 
 def read_data_set(folder: Path | str) -> DataSet:
@@ -82,15 +82,23 @@ def _runs(folder: Path) -> list[Path]:
     """
     found = []
     for path in sorted(folder.iterdir()) if folder.is_dir() else ():
-        ending = path.suffix.lower()
         if path.name.startswith("."):
             continue
-        if path.is_file() and ending == ".csv":
+        if path.is_file() and path.suffix.lower() == ".csv":
             found.append(path)
-        elif ending in _LIKE_RUNS or (path.is_dir() and any(_runs(path))):
+        elif _is_like_run(path) or (path.is_dir() and any(_runs(path))):
             cure = "move runs into trials/ itself as .csv files, and other files out of it"
             raise InputError("", "would not be read as a run", cure, str(path))
     return found
+
+
+def _is_like_run(path: Path) -> bool:
+    """Whether the first line of a file of another ending names columns of a run."""
+    if path.suffix.lower() not in _LIKE_RUNS or not path.is_file():
+        return False
+    with path.open("rb") as file:
+        words = file.readline(4096).decode("utf-8", "replace").replace("\t", ",").replace(";", ",").split(",")
+    return any(word.strip().strip('"') in _COLUMNS for word in words)
 
 
 def _head(table: Table) -> tuple[str, str, WheelSignal | None, Array | None, float | None, float | None]:

@@ -61,11 +61,9 @@ def _named(kind: type[Effect], table: Table, names: tuple[str, ...]) -> Effect:
             )
         values["wheels"] = tuple(chosen)
     table.done()
-    for p in kind.parameters:
-        if p.least_wheels > len(names) and values[p.name] != optional.get(p.name):
-            problem = f"has no effect on {len(names)} wheels, only on {p.least_wheels} or more"
-            raise InputError(table.at(p.name), problem, "remove it")
     try:
-        return kind(**values)
+        effect = kind(**values)
+        effect.check_wheels(len(names))
+        return effect
     except InputError as fault:
         raise fault.within(table.place) from None

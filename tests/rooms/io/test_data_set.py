@@ -367,7 +367,9 @@ def test_a_run_is_read_or_refused_and_never_forgotten(tmp_path: Path) -> None:
     (place / "trials" / "notes.md").write_text("a note is no run", encoding="utf-8")
     (place / "trials" / "._b.csv").write_bytes(b"\x00\x05\x16")  # what some systems leave beside a file
     assert [t.name for t in read_data_set(place).trials] == ["a", "b"]
-    (place / "trials" / "c.txt").write_text("t_s\n", encoding="utf-8")
+    (place / "trials" / "notes.txt").write_text("the second run was disturbed\n", encoding="utf-8")
+    assert len(read_data_set(place).trials) == 2
+    (place / "trials" / "c.txt").write_text("t_s;x_m;y_m\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"c\.txt: would not be read as a run, move runs into trials/"):
         read_data_set(place)
     (place / "trials" / "c.txt").unlink()
