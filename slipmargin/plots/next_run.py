@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Rectangle
 
 from slipmargin.experiment.result import NextRuns
@@ -11,8 +14,14 @@ from slipmargin.plots.style import BLUE, GREY, INK, PALE, RED, styled
 
 #: Headings that are drawn along a path.
 _MARKS = 8
-#: Width of a floor on paper [inch].
-_WIDE = 2.6
+#: Width of a floor on paper, and height of a row of what its lines mean [inch].
+_WIDE, _ROW = 2.6, 0.25
+#: The path that is asked for, and those by the two best explanations.
+_ASKED: dict[str, Any] = {"color": BLUE, "lw": 1.6}
+_EXPLAINED: tuple[dict[str, Any], ...] = (
+    {"color": RED, "lw": 0.9, "ls": ":"},
+    {"color": INK, "lw": 0.9, "ls": "--"},
+)
 
 
 @styled
@@ -24,16 +33,17 @@ def next_runs_figure(found: NextRuns) -> Figure:
     rows = -(-count // columns)
     (x, y), (a, b) = found.space.middle_m, found.space.size_m
     tall = min(6.0, 0.9 + _WIDE * b / a)  # title and axis, and the floor as it is
-    figure = Figure(figsize=((_WIDE + 0.8) * columns, tall * rows), layout="constrained")
+    legend = _ROW * -(-(3 + min(2, len(found.explanations))) // columns)
+    figure = Figure(figsize=((_WIDE + 0.8) * columns, tall * rows + legend), layout="constrained")
     panels = np.atleast_1d(figure.subplots(rows, columns, squeeze=False)).ravel()
     for axes in panels[count:]:
         axes.set_axis_off()
     for axes, run in zip(panels, found.runs, strict=False):
         axes.add_patch(Rectangle((x - 0.5 * a, y - 0.5 * b), a, b, fill=False, ec=GREY, lw=1.2))
         pose = run.trajectory.pose
-        for k, (there, colour) in enumerate(zip(run.predicted[:2], (RED, INK), strict=False)):
-            axes.plot(there[:, 0], there[:, 1], color=colour, lw=0.9, ls="--" if k else ":")
-        axes.plot(pose[:, 0], pose[:, 1], color=BLUE, lw=1.6)
+        for there, style in zip(run.predicted, _EXPLAINED, strict=False):
+            axes.plot(there[:, 0], there[:, 1], **style)
+        axes.plot(pose[:, 0], pose[:, 1], **_ASKED)
         axes.add_patch(
             Circle((float(pose[0, 0]), float(pose[0, 1])), found.reach_m, fc=PALE, ec=INK, lw=0.8, alpha=0.6)
         )
@@ -55,4 +65,14 @@ def next_runs_figure(found: NextRuns) -> Figure:
             aspect="equal",
         )
         axes.margins(0.06)
+    marks = [
+        Line2D([], [], label="path to drive, arrows where the front looks", **_ASKED),
+        Line2D([], [], color=INK, marker="o", ms=4, ls="none", label="start, and the circle of the wheels"),
+        *(
+            Line2D([], [], label=f"where it goes if {name} is right", **style)
+            for name, style in zip(found.explanations, _EXPLAINED, strict=False)
+        ),
+        Line2D([], [], color=GREY, lw=1.2, label="floor"),
+    ]
+    figure.legend(handles=marks, loc="outside lower center", ncols=columns)
     return figure

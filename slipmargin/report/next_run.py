@@ -240,8 +240,6 @@ def page(found: NextRuns, images: Mapping[str, Image], warnings: Sequence[str] =
     ]
     if found.question is None:
         steps = [f"Pull next: {next_sentence(p)}." for p in found.pulls] or ["Nothing more to pull."]
-    several = any(len(run.predicted) > 1 for run in found.runs)
-    expected = "; dotted and dashed: where the first two explanations expect it to go" if several else ""
     return result_page(
         title=f"What to drive next: {found.robot} on {found.surface}, data set {found.data_set}",
         lead=answer(found),
@@ -252,8 +250,7 @@ def page(found: NextRuns, images: Mapping[str, Image], warnings: Sequence[str] =
                 name="floor",
                 image=image,
                 alt="The space from above with each proposed run's path and where the robot starts",
-                caption="The proposed runs on the floor. The circle is the robot at its start; arrows point "
-                "to its front" + expected + ".",
+                caption="The proposed runs on the floor.",
             )
             for image in images.values()
         ),

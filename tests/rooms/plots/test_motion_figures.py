@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from proposals import next_runs
 from strategies import four_wheels, kiwi
 
 import slipmargin as sm
@@ -15,6 +16,7 @@ from slipmargin.paths.path import through
 from slipmargin.paths.plan import Request, plan
 from slipmargin.paths.sample import trajectory
 from slipmargin.plots.bounds import bounds_figure
+from slipmargin.plots.next_run import next_runs_figure
 from slipmargin.plots.paths import check_figure, limiting, plan_figure, plan_panels
 from slipmargin.report.bounds import answer
 from slipmargin.report.paths import covered, top_speed_m_s
@@ -122,3 +124,15 @@ def test_a_plan_is_as_long_and_as_fast_whatever_the_tables_step() -> None:
     assert len(other.trajectory.t_s) < 10 and one.lines()[0] == other.lines()[0]
     speed = np.max(np.hypot(*one.trajectory.velocity[:, :2].T))
     assert top_speed_m_s(one.plan) == pytest.approx(speed, rel=1e-3)
+
+
+def test_the_lines_of_proposed_runs_are_named() -> None:
+    """Two of three lines, and the arrows, stood in the picture without a word."""
+    figure = next_runs_figure(next_runs())
+    (legend,) = figure.legends
+    said = [text.get_text() for text in legend.get_texts()]
+    assert [s for s in said if "wheel_radius[1]" in s] and [s for s in said if "wheel_toe[1]" in s]
+    assert any("arrows" in s for s in said)
+    drawn = {(line.get_color(), line.get_linestyle()) for line in figure.axes[0].get_lines()}
+    shown = {(h.get_color(), h.get_linestyle()) for h in legend.legend_handles}  # type: ignore[union-attr]
+    assert drawn <= shown
