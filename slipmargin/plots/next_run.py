@@ -33,7 +33,8 @@ def next_runs_figure(found: NextRuns) -> Figure:
     rows = -(-count // columns)
     (x, y), (a, b) = found.space.middle_m, found.space.size_m
     tall = min(6.0, 0.9 + _WIDE * b / a)  # title and axis, and the floor as it is
-    legend = _ROW * -(-(3 + min(2, len(found.explanations))) // columns)
+    drawn = max((len(run.predicted[: len(_EXPLAINED)]) for run in found.runs), default=0)
+    legend = _ROW * -(-(3 + drawn) // columns)
     figure = Figure(figsize=((_WIDE + 0.8) * columns, tall * rows + legend), layout="constrained")
     panels = np.atleast_1d(figure.subplots(rows, columns, squeeze=False)).ravel()
     for axes in panels[count:]:
@@ -70,7 +71,7 @@ def next_runs_figure(found: NextRuns) -> Figure:
         Line2D([], [], color=INK, marker="o", ms=4, ls="none", label="start, and the circle of the wheels"),
         *(
             Line2D([], [], label=f"where it goes if {name} is right", **style)
-            for name, style in zip(found.explanations, _EXPLAINED, strict=False)
+            for name, style in zip(found.explanations[:drawn], _EXPLAINED, strict=False)
         ),
         Line2D([], [], color=GREY, lw=1.2, label="floor"),
     ]
