@@ -66,7 +66,7 @@ def next_runs_figure(found: NextRuns) -> Figure:
             aspect="equal",
         )
         axes.margins(0.06)
-    marks = [
+    named = [
         Line2D([], [], label="path to drive, arrows where the front looks", **_ASKED),
         Line2D([], [], color=INK, marker="o", ms=4, ls="none", label="start, and the circle of the wheels"),
         *(
@@ -75,5 +75,5 @@ def next_runs_figure(found: NextRuns) -> Figure:
         ),
         Line2D([], [], color=GREY, lw=1.2, label="floor"),
     ]
-    figure.legend(handles=marks, loc="outside lower center", ncols=columns)
+    figure.legend(handles=named, loc="outside lower center", ncols=columns)
     return figure
