@@ -151,10 +151,11 @@ def _check_apart(
 
     read = [Path(f) for f in reads if f is not None and Path(f).is_file()]
     folders = [Path(f).resolve() for f in reads if f is not None and Path(f).is_dir()]
-    place = Path(folder).resolve() if folder is not None else None
-    runs = next((p for p in (place, *place.parents) if p.name == "trials"), None) if place else None
-    if place in folders or (runs is not None and any(f in runs.parents for f in folders)):
-        raise InputError("", "is read as well as written", "give the output another name", str(folder))
+    if folder is not None:
+        target = Path(folder).resolve()
+        runs = [p for p in (target, *target.parents) if p.name == "trials"]  # runs that are read stand there
+        if target in folders or any(f in p.parents for p in runs for f in folders):
+            raise InputError("", "is read as well as written", "give the output another name", str(folder))
     seen: set[Path] = set()
     for file in files:
         if file is None:

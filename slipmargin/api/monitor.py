@@ -242,6 +242,13 @@ class SlipMonitor:
         InputError
             Where a column is missing or a cell is no number, with the line.
         """
+        try:
+            yield from self._answered(lines, kept)
+        except InputError as fault:
+            raise fault if fault.source or not source else fault.in_file(source) from None
+
+    def _answered(self, lines: Iterable[str], kept: list[SlipEstimate] | Tally | None) -> Iterator[str]:
+        """:meth:`stream`, whose faults have no source yet."""
         from slipmargin.onboard.stream import HEADER, Columns, line
 
         number, at = 0, Columns(())
@@ -258,15 +265,15 @@ class SlipMonitor:
                 values = [float(cells[k]) for k in at.places]
             except (ValueError, IndexError):
                 raise InputError(
-                    f"line {number}", "has a cell that is no number", "give every column", source
+                    f"line {number}", "has a cell that is no number", "give every column"
                 ) from None
             if len(cells) != at.count:
                 problem = f"has {len(cells)} cells, the header {at.count}"
-                raise InputError(f"line {number}", problem, "give every row one cell a column", source)
+                raise InputError(f"line {number}", problem, "give every row one cell a column")
             try:
                 found = self.update(values[0], **at.split(values, self.table.count, self.channels))
             except InputError as fault:
-                raise InputError(f"line {number}: {fault.place}", fault.problem, fault.cure, source) from None
+                raise InputError(f"line {number}: {fault.place}", fault.problem, fault.cure) from None
             if kept is not None:
                 kept.append(found)
             yield line(
@@ -319,13 +326,11 @@ class SlipMonitor:
         return watch
 
     def _told(self, lines: Iterable[str], source: str, tally: Tally) -> Iterator[str]:
-        """:meth:`stream` of a whole log; faults name it, and one without samples is a fault."""
-        try:
-            yield from self.stream(lines, tally)
-            if not tally.samples:
-                raise InputError("line 2", "there is no sample", "give a log with rows below its header")
-        except InputError as fault:
-            raise fault if fault.source else fault.in_file(source) from None
+        """:meth:`stream` of a whole log; one without samples is a fault."""
+        yield from self.stream(lines, tally, source)
+        if not tally.samples:
+            cure = "give a log with rows below its header"
+            raise InputError("line 2", "there is no sample", cure, source)
 
     def log(self, lines: Iterable[str], source: str, out: Path | None = None) -> MonitoredLog:
         """What a log of any length holds: samples, alarms and events.

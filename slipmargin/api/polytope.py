@@ -146,12 +146,12 @@ def polytope(robot: RobotLike, surface: str, *, rigid: bool = False) -> Polytope
     <polytope of ohio-kiwi on paper, all wheels on rollers: 28 vertices, volume 85.26 N² N m>
     """
     from slipmargin.limits import wrench_set
-    from slipmargin.limits.friction import Extreme
+    from slipmargin.limits.friction import Extreme, coefficients
 
     model, warnings = model_of(read_robot(robot), surface)
     state = np.full(model.count, rigid)
-    wrenches, least = wrench_set(model, state), wrench_set(model, state, extreme=Extreme.LOW)
-    part = float(np.min(least.coefficients / np.maximum(wrenches.coefficients, 1e-300)))
+    wrenches, least = wrench_set(model, state), coefficients(model, state, np.zeros(1), Extreme.LOW)[0]
+    part = float(np.min(least / np.maximum(wrenches.coefficients, 1e-300)))
     if part < 1.0 - THIN:
         warnings = (
             *warnings,

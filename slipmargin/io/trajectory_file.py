@@ -98,20 +98,20 @@ def _from_text(text: str) -> Samples:
     others = tuple(name for name in (cell.strip() for cell in header.split(",")) if name not in NEEDED)
     columns = columns_from_text(text, required=NEEDED, known=None, empty=others, least=1)
     names = set(columns.names)
-    stated = [
-        Claim(name=name, unit=unit, values=columns.stack(of), rate=columns.stack(rate))
-        for name, unit, of, rate in RATES
-        if names >= {*of, *rate}
-    ]
-    whole = [np.isfinite(c.rate).all() and np.isfinite(c.values).all() for c in stated]
-    claims = tuple(c for c, complete in zip(stated, whole, strict=True) if complete)
-    compared = {name for what, _, _, rate in RATES for name in rate if what in {c.name for c in claims}}
+    claims: list[Claim] = []
+    compared: set[str] = set()
+    for name, unit, of, rate in RATES:
+        if names >= {*of, *rate}:
+            claim = Claim(name=name, unit=unit, values=columns.stack(of), rate=columns.stack(rate))
+            if np.isfinite(claim.rate).all() and np.isfinite(claim.values).all():
+                claims.append(claim)
+                compared |= {*rate}
     unread = [n for n in others if n not in compared and not _OF_PLANS.fullmatch(n)]
     return Samples(
         form=CSV,
         t_s=columns["t_s"],
         pose=columns.stack(NEEDED[1:]),
-        claims=claims,
+        claims=tuple(claims),
         notes=(f"columns not read: {', '.join(unread)}{_incomplete(unread)}",) if unread else (),
     )
 
