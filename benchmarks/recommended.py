@@ -43,7 +43,7 @@ from slipmargin.report.exports import export_text
 from slipmargin.robot import GripShape
 from slipmargin.sim.batch import Ending
 
-MARGIN, ALLOWED, BEYOND = 0.1, 0.002, 1.08
+MARGIN, ALLOWED, BEYOND = 0.1, 0.0015, 1.08
 #: A speed at which the drag of every wheel that slides at all is full [m/s], and how long a motion lasts [s].
 FLAT_OUT, BRIEF = 1e4, 1e-3
 #: Limits that lie within this share of each other end at once: either name is right [1].  Half way between a
@@ -66,7 +66,7 @@ def used(model: Model, velocity: np.ndarray, acceleration: np.ndarray) -> dict[s
     t = BRIEF * np.linspace(-0.5, 0.5, 7)
     pose = np.outer(t, velocity) + 0.5 * np.outer(t**2, acceleration)
     found = check(model, t, pose, share=1.0)
-    middle = slice(2, 5)  # the robot has not turned there
+    middle = len(t) // 2  # before and after it the robot is slower and faster than what was asked about
     return {
         "grip": float(np.max(found.use[middle])),
         "tipping": float(np.max(found.tipping[middle])),
