@@ -167,12 +167,17 @@ def _fits_as_well(one: State, best: State) -> bool:
     """Whether no more parameters leave, with their worth, no more in the runs to which both were fitted.
 
     It is asked where nothing but noise is left.  What such a fit gets wrong in a run left out is then what
-    the others do not say about its parameters, and says nothing against what they stand for.
+    the others do not say about its parameters, and says nothing against what they stand for.  So fewer
+    parameters are as good, too, that leave as little as noise and get most of the runs left out no less
+    right: in a sum, the one run that nothing predicts from the others would decide alone.
     """
     more = len(best.fit.x) - len(one.fit.x)
-    if more < 0 or best.chi > SETTINGS.noise_chi or len(one.fit.trials) != len(best.fit.trials):
+    if more < 0 or _left(best) > SETTINGS.noise_chi or len(one.fit.trials) != len(best.fit.trials):
         return False
-    return bool(one.fit.cost <= best.fit.cost + more * np.log(best.samples))
+    if best.chi <= SETTINGS.noise_chi and one.fit.cost <= best.fit.cost + more * np.log(best.samples):
+        return True
+    mostly = np.count_nonzero(one.scores <= best.scores) > len(best.scores) / 2
+    return bool(more > 0 and mostly and _left(one) <= SETTINGS.noise_chi)
 
 
 def _level(one: State, best: State, errors: float = SETTINGS.as_good_errors) -> bool:
