@@ -16,15 +16,19 @@ import numpy as np
 from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.near import Way
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import AnyEffect
 
 #: Forward-difference step in units of a parameter's scale: large against the integrator's error.
 STEP = 0.05
 #: At most so many steps: the edges of a patch of floor, which a run feels or not, took up to thirty.
 _ITERATIONS = 30
-_ENOUGH = 1e-4  #: relative decrease of the cost at which a fit has converged
+ENOUGH = 1e-4  #: relative decrease of the cost at which a fit has converged
 _FAIR = 2  #: steps that a fit is given before it may be given up …
 _USUAL = 12  #: … and within which most fits converge: by then it must be in reach of what it is to beat
+#: A Jacobian is carried along a step whose residual it foretold to this share of what the step changed [1];
+#: after a longer bend it is simulated anew.
+_FORETOLD = 0.3
 
 
 class Residuals(Protocol):
@@ -186,29 +190,77 @@ def fit(
     -------
     Fit
     """
-    low, high, _ = limits_of(structure)
-    x = np.clip(start, low, high)
-    residual, jacobian = _linearise(problem, structure, x, trials)
-    prior = GaussianPrior.of(structure, residual)
-    spent = 1 + len(x)
-    damping = 1e-3
-    for step in range(iterations if len(x) else 0):
-        cost = float(np.sum(residual**2))
-        better = _improve(problem, structure, x, residual, jacobian, damping, trials, prior)
-        if better is None:
-            break
-        x, new, damping, tried = better
-        spent += tried + len(x)
-        left = float(np.sum(new**2)) / cost
-        given_up = step >= _FAIR and cost * left ** max(1, _USUAL - step) > give_up_above
-        if given_up or 1.0 - left < _ENOUGH or expired():
-            iterations = step + 1  # one last Jacobian where it stands
-        residual, jacobian = _linearise(problem, structure, x, trials, new)
-        if step + 1 >= iterations:
-            break
+    x, residual, jacobian, spent = _descended(
+        problem, structure, start, trials, iterations, give_up_above, expired
+    )
+    if jacobian is None:
+        residual, jacobian = _linearise(problem, structure, x, trials, residual)
+        spent += len(x)
     return Fit(
         structure=structure, x=x, trials=trials, residual=residual, jacobian=jacobian, evaluations=spent
     )
+
+
+def few_steps(
+    problem: Residuals,
+    structure: tuple[Candidate, ...],
+    start: Array,
+    trials: Index,
+    expired: Callable[[], bool] = lambda: False,
+) -> tuple[Array, float]:
+    """Where the first steps of a fit lead (P,), and the cost there."""
+    x, residual, _, _ = _descended(problem, structure, start, trials, SETTINGS.first_steps, np.inf, expired)
+    return x, float(np.sum(residual**2))
+
+
+def _descended(
+    problem: Residuals,
+    structure: tuple[Candidate, ...],
+    start: Array,
+    trials: Index,
+    iterations: int,
+    give_up_above: float,
+    expired: Callable[[], bool],
+) -> tuple[Array, Array, Array | None, int]:
+    """Where steps lead: x (P,), residual, simulations; the Jacobian there, None where it is not known.
+
+    The Jacobian is carried along steps that it foretells (C. G. Broyden, Mathematics of Computation 19(92),
+    1965), for each simulation costs as much as the step itself; but the last step follows a simulated one.
+    """
+    low, high, scale = limits_of(structure)
+    x = np.clip(start, low, high)
+    residual, first = _linearise(problem, structure, x, trials)
+    prior = GaussianPrior.of(structure, residual)
+    jacobian: Array | None = first
+    spent, damping, simulated = 1 + len(x), 1e-3, True
+    for step in range(iterations if len(x) else 0):
+        if jacobian is None:
+            jacobian, simulated = _linearise(problem, structure, x, trials, residual)[1], True
+            spent += len(x)
+        better = _improve(problem, structure, x, residual, jacobian, damping, trials, prior, simulated)
+        if better is None and simulated:
+            return x, residual, jacobian, spent
+        if better is None:
+            jacobian = None
+            continue
+        there, new, damping, tried = better
+        cost, left = float(np.sum(residual**2)), float(np.sum(new**2))
+        carried, straight = _carried(jacobian, (there - x) / scale, scale, residual, new)
+        x, residual, spent = there, new, spent + tried
+        given_up = step >= _FAIR and cost * (left / cost) ** max(1, _USUAL - step) > give_up_above
+        converged = cost - left < ENOUGH * cost
+        if given_up or (converged and simulated) or expired():
+            return x, residual, carried, spent
+        jacobian, simulated = (carried if straight and not converged else None), False
+    return x, residual, None, spent
+
+
+def _carried(jacobian: Array, step: Array, scale: Array, residual: Array, new: Array) -> tuple[Array, bool]:
+    """The Jacobian after a ``step`` (P,) [scales] to a ``new`` residual, and whether it had foretold that."""
+    told = (jacobian * scale) @ step
+    missed = new - residual - told
+    straight = float(np.sum(missed**2)) <= _FORETOLD**2 * float(np.sum(told**2))
+    return jacobian + missed[..., None] * (step / (step @ step) / scale), straight
 
 
 def stepped(x: Array, limits: tuple[Array, Array, Array], normal: Array, gradient: Array) -> Array:
@@ -245,8 +297,12 @@ def _improve(
     damping: float,
     trials: Index,
     prior: GaussianPrior,
+    persist: bool,
 ) -> tuple[Array, Array, float, int] | None:
-    """A damped step downhill: new point, its residual, next damping, simulations; None where none is."""
+    """A damped step downhill: new point, its residual, next damping, simulations; None where none is.
+
+    Only those who ``persist`` try shorter steps where the first one goes uphill.
+    """
     limits = limits_of(structure)
     scale = limits[-1]
     flat = jacobian.reshape(-1, len(x)) * scale
@@ -264,6 +320,8 @@ def _improve(
     found = problem.residuals([build(structure, first)], [trials])[0]
     if float(np.sum(found**2)) + prior.cost(first, scale) < cost:
         return first, found, max(damping / 10.0, 1e-6), 1
+    if not persist:
+        return None
     points = [point(factor) for factor in _LADDER]
     ladder = problem.residuals([build(structure, p) for p in points], [trials] * len(points))
     costs = [float(np.sum(r**2)) + prior.cost(p, scale) for r, p in zip(ladder, points, strict=True)]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from slipmargin.checks import Array, Index
-from slipmargin.diagnosis.fit import Fit, GaussianPrior, Residuals, build, limits_of, stepped
+from slipmargin.diagnosis.fit import ENOUGH, Fit, GaussianPrior, Residuals, build, limits_of, stepped
 from slipmargin.diagnosis.settings import SETTINGS
 
 #: Share of a step that is tried where the whole of it goes uphill.
@@ -30,7 +30,7 @@ def refitted_without(problem: Residuals, found: Fit, parts: Sequence[Index]) -> 
 
     Gauss–Newton steps with the Jacobian of the fit to all trials, which the folds' optima are near to; the
     residual is simulated at every step, and a step that does not lower the others' cost is shortened, then
-    refused.
+    refused.  A fold whose cost hardly falls any more is done.
     """
     inside = np.asarray(np.sum(found.residual**2, axis=1))
     count = len(parts)
@@ -52,10 +52,11 @@ def refitted_without(problem: Residuals, found: Fit, parts: Sequence[Index]) -> 
 
     residuals = [found.residual] * count
     costs = [cost(r, rows, x) for r, rows, x in zip(residuals, kept, xs, strict=True)]
-    length = np.ones(count)
+    length, going = np.ones(count), np.ones(count, dtype=bool)
     for _ in range(SETTINGS.fold_steps):
         tried = xs.copy()
-        for i, rows in enumerate(kept):
+        for i in np.flatnonzero(going).tolist():
+            rows = kept[i]
             gradient = np.einsum("rkp,rk->p", scaled[rows], residuals[i][rows])
             gradient += prior.precision @ ((xs[i] - prior.null) / scale)
             whole = stepped(xs[i], limits, lifted[i], gradient)
@@ -69,6 +70,7 @@ def refitted_without(problem: Residuals, found: Fit, parts: Sequence[Index]) -> 
         for i, residual in zip(moved.tolist(), new, strict=True):
             after = cost(residual, kept[i], tried[i])
             if after < costs[i]:
+                going[i] = costs[i] - after >= ENOUGH * costs[i]
                 xs[i], residuals[i], costs[i] = tried[i], residual, after
             else:
                 length[i] *= _HALF

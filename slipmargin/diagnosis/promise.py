@@ -15,7 +15,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.fit import build, fit, misfit_of
+from slipmargin.diagnosis.fit import build, few_steps, misfit_of
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
@@ -81,13 +81,11 @@ def after_steps(
         if expired():
             break
         structure = (*base.structure, *entry.structure)
-        ends = [
-            fit(before.view, structure, np.concatenate([base.x, x]), base.trials, SETTINGS.first_steps)
-            for x in entry.starts
-        ]
-        ends = sorted(ends, key=lambda f: f.cost)[: SETTINGS.starts]
-        starts = tuple(end.x[len(base.x) :] for end in ends)
-        found.append(replace(entry, starts=starts, promise=base.cost - ends[0].cost))
+        begins = [np.concatenate([base.x, x]) for x in entry.starts]
+        ends = [few_steps(before.view, structure, x, base.trials) for x in begins]
+        ends = sorted(ends, key=lambda end: end[1])[: SETTINGS.starts]
+        starts = tuple(x[len(base.x) :] for x, _ in ends)
+        found.append(replace(entry, starts=starts, promise=base.cost - ends[0][1]))
     return sorted(found, key=lambda e: -e.promise)
 
 

@@ -30,15 +30,25 @@ def fitted(
     trials: Index,
     runs: Sequence[int],
     expired: Callable[[], bool] = lambda: False,
+    give_up_above: float = np.inf,
 ) -> State:
-    """A structure fitted to trials from ``x``, with its score; by one step where the time has ``expired``."""
-    found = fit(view, structure, x, trials, expired=expired)
+    """A structure fitted to trials from ``x``, with its score; by one step where the time has ``expired``.
+
+    It is not fitted to the end where its cost would stay above ``give_up_above``.
+    """
+    found = fit(view, structure, x, trials, give_up_above=give_up_above, expired=expired)
     return scored(view, found, view.samples(trials), runs)
 
 
-def refitted(state: State, structure: tuple[Candidate, ...], x: Array, runs: Sequence[int]) -> State:
+def refitted(
+    state: State,
+    structure: tuple[Candidate, ...],
+    x: Array,
+    runs: Sequence[int],
+    give_up_above: float = np.inf,
+) -> State:
     """Another structure in the view, and on the trials, of ``state``."""
-    return fitted(state.view, structure, x, state.fit.trials, runs)
+    return fitted(state.view, structure, x, state.fit.trials, runs, give_up_above=give_up_above)
 
 
 def evened(state: State, seen: Index, runs: Sequence[int]) -> State:

@@ -29,11 +29,14 @@ def restated(state: State, index: int, other: Candidate, runs: Sequence[int]) ->
 
 
 def exchanged(state: State, index: int, other: Candidate, x: Array, runs: Sequence[int]) -> State:
-    """The state with another candidate, which starts at ``x``, in the place of one."""
+    """The state with another candidate, which starts at ``x``, in the place of one.
+
+    It is not fitted to the end where it cannot come within reach of the state.
+    """
     kept = [state.fit.x[span] for span in spans(state.structure)]
     kept[index] = x
     structure = (*state.structure[:index], other, *state.structure[index + 1 :])
-    return refitted(state, structure, np.concatenate(kept), runs)
+    return refitted(state, structure, np.concatenate(kept), runs, SETTINGS.out_of_reach * state.fit.cost)
 
 
 def reformed(

@@ -22,7 +22,7 @@ from slipmargin.diagnosis.bends import bends
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.crossings import at_crossings
 from slipmargin.diagnosis.finalists import finalists, of_other_variables, other_names
-from slipmargin.diagnosis.fit import build, evaluate, fit
+from slipmargin.diagnosis.fit import build, evaluate, few_steps, fit
 from slipmargin.diagnosis.left_out import folds
 from slipmargin.diagnosis.patches import at_patches
 from slipmargin.diagnosis.probes import probes
@@ -326,10 +326,10 @@ def _added(
         # As simulated, a start that does nothing may beat all others: that by tangents is tried in any case.
         tried = [0, *(i for i in order.tolist() if i)][: SETTINGS.starts]
         short = [
-            fit(before.view, structure, starts[i], trials, SETTINGS.first_steps, expired=expired)
+            few_steps(before.view, structure, starts[i], trials, expired)
             for i in (tried[:1] if expired() else tried)
         ]
-        x = min(short, key=lambda f: f.cost).x
+        x = min(short, key=lambda end: end[1])[0]
     full = fit(before.view, structure, x, trials, give_up_above=SETTINGS.out_of_reach * best, expired=expired)
     return scored(before.view, full, before.samples, runs)
 

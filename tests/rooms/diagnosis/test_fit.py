@@ -15,7 +15,7 @@ from slipmargin.diagnosis import search
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.evidence import Intervals, intervals
 from slipmargin.diagnosis.findings import _origin, _quantities, _rivals
-from slipmargin.diagnosis.fit import Fit, evaluate, fit, free_slopes, score_test_gain, shifted_by
+from slipmargin.diagnosis.fit import Fit, evaluate, few_steps, fit, free_slopes, score_test_gain, shifted_by
 from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
 from slipmargin.diagnosis.near import Way
 from slipmargin.diagnosis.rounds import Round
@@ -112,6 +112,36 @@ def test_what_is_out_of_reach_after_the_usual_steps_is_given_up() -> None:
     start, known = np.array([0.6, 1.16]), (candidate(CameraScale),)
     done = fit(valley, known, start, EVERY)
     assert fit(valley, known, start, EVERY, give_up_above=1.0).evaluations < 0.6 * done.evaluations
+
+
+class Bend(Line):
+    """A line that bends a little with its first parameter; ``tangents`` counts how often they were taken."""
+
+    tangents = 0
+
+    def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
+        out = super().residuals(effects, trials)
+        for residual, (effect,), rows in zip(out, effects, trials, strict=True):
+            assert isinstance(effect, CameraScale)
+            residual -= 0.3 * (effect.scale_x - 1.0) ** 2 * self.v[rows]
+        return out
+
+    def near(self, effects: tuple[AnyEffect, ...], ways: Sequence[Way], trials: Index) -> list[Array]:
+        self.tangents += 1
+        return super().near(effects, ways, trials)
+
+
+def test_a_jacobian_that_foretells_a_step_is_carried_along_and_the_last_one_is_right() -> None:
+    problem = Bend((0.3, 0.2), 0.02, 5)
+    found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
+    assert problem.tangents == 2, "at the start, and where it ends"
+    there = evaluate(problem, found.structure, found.x, EVERY)
+    step = found.jacobian.reshape(-1, 2).T @ found.residual.ravel()
+    assert np.abs(step).max() < 1e-2 * np.sqrt(found.cost) * np.linalg.norm(there.jacobian)
+    np.testing.assert_allclose(found.jacobian, there.jacobian, atol=0.02)
+    ends, cost = few_steps(problem, found.structure, np.array([1.0, 1.0]), EVERY)
+    assert problem.tangents <= 5 and cost == pytest.approx(found.cost, rel=1e-4)
+    np.testing.assert_allclose(ends, found.x, atol=1e-3)
 
 
 def test_a_tangent_promises_what_a_linear_fit_gains() -> None:
