@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from slipmargin.checks import real
 from slipmargin.data.calibration import Calibration
 from slipmargin.errors import InputError
 from slipmargin.io.source import read_text
@@ -38,17 +39,24 @@ def read_calibration(path: Path) -> Calibration:
     """
     try:
         table = document(read_text(path), "`slipmargin import … --calibrate` writes one")
+
+        def deviation(key: str, unit: str) -> float:
+            found = table.number(key, unit, 0.0)
+            return real(table.at(key), found, low=0.0, cure=f"give 0 or a positive number [{unit}]")
+
         found = Calibration(
-            scale=table.number("scale", "1"),
-            scale_sd=table.number("scale_sd", "1", 0.0),
+            scale=real(
+                table.at("scale"), table.number("scale", "1"), above=0.0, cure="give a positive number"
+            ),
+            scale_sd=deviation("scale_sd", "1"),
             rotation_rad=table.number("rotation_rad", "rad"),
-            rotation_sd_rad=table.number("rotation_sd_rad", "rad", 0.0),
+            rotation_sd_rad=deviation("rotation_sd_rad", "rad"),
             delay_s=table.number("delay_s", "s"),
-            delay_sd_s=table.number("delay_sd_s", "s", 0.0),
+            delay_sd_s=deviation("delay_sd_s", "s"),
             tilt_per_m=np.array(table.numbers("tilt_per_m", 2, "1/m", (0.0, 0.0))),
             tilt_sd_per_m=np.array(table.numbers("tilt_sd_per_m", 2, "1/m", (0.0, 0.0))),
             middle_m=np.array(table.numbers("middle_m", 2, "m", (0.0, 0.0))),
-            spread=table.number("spread", "1", 0.0),
+            spread=deviation("spread", "1"),
             runs=table.whole("runs", 0),
         )
         table.done()

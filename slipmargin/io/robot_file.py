@@ -45,10 +45,10 @@ def robot_text(robot: Path | str) -> tuple[str, str]:
     try:
         return read_text(Path(robot)), name
     except InputError as fault:
+        if not isinstance(robot, str) or fault.problem != "there is no such file":
+            raise
         known = ", ".join(built_in_names())
         guess = nearest(name, built_in_names())
-        if fault.problem != "there is no such file":
-            raise
         raise InputError(
             "",
             "there is no such file and no built-in robot of that name",

@@ -23,7 +23,7 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.data.record import Record
 from slipmargin.errors import InputError
-from slipmargin.io.importers.csv_options import wheel_column
+from slipmargin.io.importers.csv_options import wheel_columns
 from slipmargin.io.importers.loose_table import increasing, runs_of
 from slipmargin.io.importers.mecanum import corner_columns, forward_signs
 from slipmargin.io.importers.plug import Dropped, Reading
@@ -224,8 +224,8 @@ def _single(channels: Mapping[str, Channel], wanted: Wanted) -> _Signals:
     if len(words) != len(robot.wheels):
         raise InputError("--wheel", f"are {len(words)}", f"give one for each of {len(robot.wheels)} wheels")
     out: _Signals = {}
-    for word in words:
-        ((field, column),) = wheel_column(word if not _plain(channels, word) else f"{word}:rad/s").items()
+    plain = [f"{word}:rad/s" if _plain(channels, word) else word for word in words]
+    for field, column in wheel_columns(plain):
         channel = channels.get(column.name)
         if channel is None or channel.kind is not Kind.NUMBER:
             numbers = [n for n, c in channels.items() if c.kind is Kind.NUMBER]

@@ -57,12 +57,29 @@ class Column:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CsvMap:
-    """Which column is what: time, x, y, heading, and per wheel the channels it has."""
+    """Which column is what: time, x, y, heading, and per wheel the channels it has.
+
+    Raises
+    ------
+    InputError
+        Where one column is two things.
+    """
 
     separator: str
     time: Column
     pose: tuple[Column, Column, Column]
     wheels: tuple[dict[str, Column], ...]
+
+    def __post_init__(self) -> None:
+        names = [column.name for column in self.columns]
+        for k, name in enumerate(names):
+            if name in names[:k]:
+                raise InputError(name, "is the column of two channels", "name the column of each")
+
+    @property
+    def columns(self) -> list[Column]:
+        """All that are read."""
+        return [self.time, *self.pose, *(c for wheel in self.wheels for c in wheel.values())]
 
 
 @final
@@ -81,8 +98,7 @@ class CsvImporter:
         InputError
             Where a mapped column is missing, or fewer than two rows can be used.
         """
-        mapped = [self.map.time, *self.map.pose, *(c for wheel in self.map.wheels for c in wheel.values())]
-        table = read_loose(path, list(dict.fromkeys(c.name for c in mapped)), self.map.separator)
+        table = read_loose(path, [c.name for c in self.map.columns], self.map.separator)
         if len(table.lines) < 2:
             raise InputError(f"{table.lines[0]}:1", "only one row can be used", "give a whole run")
         pose = np.stack([_si(table, column) for column in self.map.pose], axis=1)

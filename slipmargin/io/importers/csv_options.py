@@ -51,7 +51,7 @@ def csv_map(
         separator=separator,
         time=stamp,
         pose=(pose[0], pose[1], pose[2]),
-        wheels=tuple(wheel_column(word) for word in wheels),
+        wheels=tuple({field: column} for field, column in wheel_columns(wheels)),
     )
 
 
@@ -79,14 +79,23 @@ def _column(option: str, word: str, kind: str) -> Column:
     return Column(name=name, factor=sign * _factor(option, kind, unit or _SI[kind]))
 
 
-def wheel_column(word: str) -> dict[str, Column]:
-    """A wheel's field of a record and its column, from a word like ``-fl:rpm``.
+def wheel_columns(words: Sequence[str]) -> list[tuple[str, Column]]:
+    """Each wheel's field of a record and its column, from words like ``-fl:rpm``.
 
     Raises
     ------
     InputError
-        Placed at the option ``--wheel`` for another unit.
+        Placed at the option ``--wheel`` for another unit, or where two wheels have one column.
     """
+    found = [_wheel_column(word) for word in words]
+    names = [column.name for _, column in found]
+    twice = next((name for k, name in enumerate(names) if name in names[:k]), None)
+    if twice is not None:
+        raise _refusal("--wheel", f"names {twice} for two wheels", "name the column of each wheel")
+    return found
+
+
+def _wheel_column(word: str) -> tuple[str, Column]:
     name, unit, sign = _parts("--wheel", word)
     if unit.startswith("ticks="):
         try:
@@ -95,11 +104,11 @@ def wheel_column(word: str) -> dict[str, Column]:
             turn = math.nan
         if not 0.0 < abs(turn) < math.inf:
             raise _refusal("--wheel", f"is {word!r}", "write COLUMN:ticks=4096, ticks per turn of the wheel")
-        return {"theta": Column(name=name, factor=sign * 2.0 * math.pi / turn)}
+        return "theta", Column(name=name, factor=sign * 2.0 * math.pi / turn)
     unit = unit or "rad/s"
     for field, kind in (("theta", "angle"), ("omega", "speed")):
         if unit in UNITS[kind]:
-            return {field: Column(name=name, factor=sign * UNITS[kind][unit])}
+            return field, Column(name=name, factor=sign * UNITS[kind][unit])
     known = ", ".join([*UNITS["angle"], *UNITS["speed"], "ticks=4096"])
     raise _refusal("--wheel", f"has the unit {unit!r}", f"use one of: {known}")
 

@@ -26,7 +26,7 @@ from slipmargin.data.record import Record
 from slipmargin.errors import InputError
 from slipmargin.io.extra import need
 from slipmargin.io.importers.csv_map import Column
-from slipmargin.io.importers.csv_options import wheel_column
+from slipmargin.io.importers.csv_options import wheel_columns
 from slipmargin.io.importers.loose_table import increasing, read_loose
 from slipmargin.io.importers.plug import Dropped, Reading
 from slipmargin.io.json_read import parse_json
@@ -153,8 +153,7 @@ class LeRobotImporter:
             count = len(self.robot.wheels)
             raise InputError("--wheel", f"are {len(self.words)}", f"give one for each of {count} wheels")
         out = []
-        for word in self.words:
-            ((field, column),) = wheel_column(word).items()
+        for field, column in wheel_columns(self.words):
             if field != "omega" or column.name not in names:
                 problem = "is an angle" if field != "omega" else f"{column.name!r} is not in {_STATE}"
                 raise InputError("--wheel", problem, f"give speeds of: {', '.join(names)}")

@@ -13,6 +13,7 @@ from real_logs import EXCERPT
 from slipmargin.errors import InputError
 from slipmargin.io import extra
 from slipmargin.io.importers.csv_map import CsvImporter, read_map
+from slipmargin.io.importers.csv_options import wheel_columns
 from slipmargin.io.importers.robotino import RobotinoImporter
 from slipmargin.io.importers.ros2 import RosImporter, pose_of
 
@@ -56,6 +57,22 @@ def test_a_map_reads_what_the_special_importer_reads(tmp_path: Path) -> None:
     assert mine.omega is not None and np.isnan(mine.omega[:, :2]).all()
     assert mine.omega_cmd is not None and np.isnan(mine.omega_cmd[:, 2]).all()
     np.testing.assert_allclose(mine.current[:, 2] * 1000.0, special.current[:, 2])  # type: ignore[index]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right", "said"), [("m1pos", "m2pos", "m2pos"), ("xpos", "ypos", "ypos"), ("m3cur", "t", "t")]
+)
+def test_one_column_is_not_two_channels(tmp_path: Path, wrong: str, right: str, said: str) -> None:
+    """Two wheels of one column were read as wheels that always turn alike."""
+    with pytest.raises(InputError) as told:
+        mapped(tmp_path, MAP.replace(f'"{wrong}"', f'"{right}"'))
+    assert told.value.place == said and told.value.problem == "is the column of two channels"
+    assert told.value.source == str(tmp_path / "map.toml")
+
+
+def test_two_wheels_of_a_command_have_two_columns() -> None:
+    with pytest.raises(InputError, match="names fl for two wheels"):
+        wheel_columns(["fl:rpm", "fr:rpm", "-fl:rad/s"])
 
 
 def test_units_by_hand(tmp_path: Path) -> None:

@@ -433,3 +433,19 @@ def test_every_kind_of_file_says_its_schema(
         (tmp_path / name).write_text(text, encoding="utf-8")
         with pytest.raises(InputError, match=f"{name}: {told}"):
             read(tmp_path / name)
+
+
+@pytest.mark.parametrize("key", ["scale_sd", "rotation_sd_rad", "delay_sd_s", "spread"])
+def test_a_deviation_of_a_calibration_is_not_negative(tmp_path: Path, key: str) -> None:
+    """−0.01 was taken, and squared on the way to an interval."""
+    path = tmp_path / "calibration.toml"
+    path.write_text(f"schema = 1\nscale = 1.0\nrotation_rad = 0.0\ndelay_s = 0.0\n{key} = -0.01\n")
+    with pytest.raises(InputError, match="give 0 or a positive number") as told:
+        read_calibration(path)
+    assert told.value.place == key
+
+
+def test_a_path_is_a_file_and_no_name_of_a_built_in_robot(tmp_path: Path) -> None:
+    """A data set that named mecanum4 was asked whether it had meant mecanum4."""
+    with pytest.raises(InputError, match="there is no such file, check the path"):
+        read_recipe(tmp_path / "mecanum4")
