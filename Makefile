@@ -5,7 +5,7 @@
 # make kill  signal 9 at random moments over the long commands (KILLS=100)
 # make fuzz  mutated input for every command (CASES=20000; goes on where it was stopped)
 # make docs   the documentation site, in site/
-# make bench  the figures that the README and the site quote
+# make bench  the figures of speed that the README and the site quote, and the paper's
 # Versions are pinned in requirements.lock.  PYTHON=python3.12 make … uses another interpreter.
 
 PYTHON ?= python3
@@ -54,8 +54,14 @@ docs/notebooks/%.ipynb: notebooks/%.py .venv/installed-test
 	mkdir -p docs/notebooks
 	$(BIN)/jupytext --quiet --run-path notebooks --to ipynb --execute --output $@ $<
 
+# What needs neither somebody's logs nor a night; the first lines of the other scripts say how they are run.
+FILES := environment statics solvers design explore creep_bound limiter monitor_stream
+TABLES := simulation paths paper
+
 bench: .venv/installed-bench
-	for script in $$(grep -l __main__ benchmarks/*.py); do $(BIN)/python $$script || exit 1; done
+	for name in $(FILES); do $(BIN)/python benchmarks/$$name.py benchmarks/results/$$name.json || exit 1; done
+	for name in $(TABLES); do $(BIN)/python benchmarks/$$name.py --json benchmarks/results/$$name.json || exit 1; done
+	$(BIN)/python benchmarks/page.py --write
 
 .venv/installed: pyproject.toml requirements.lock
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, final
 from slipmargin.api.result import Result
 from slipmargin.api.robots import Drawing, RobotLike, checked_margin, contact_of, model_of, read_robot
 from slipmargin.errors import InputError
+from slipmargin.robot.warnings import EVERY_SPREAD
 
 if TYPE_CHECKING:
     from slipmargin.limits.bounds_summary import Bounds
@@ -178,7 +179,7 @@ def bounds(
     from slipmargin.report.motion import unsteady
 
     recipe = read_robot(robot)
-    model, warnings = model_of(recipe, surface, spread=True, band=True)
+    model, warnings = model_of(recipe, surface, spread=EVERY_SPREAD, band=True)
     drawing = Drawing.of(recipe, surface, chance, seed)
     if not (math.isfinite(step_deg) and 0.0 < step_deg <= 90.0):
         raise InputError("step_deg", f"is {step_deg:g}", "give a step up to 90 degrees")

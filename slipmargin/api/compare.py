@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, final
 from slipmargin.api.result import Result
 from slipmargin.api.robots import RobotLike, model_of, read_robot
 from slipmargin.errors import InputError
+from slipmargin.robot.warnings import FRICTION_SPREAD
 
 if TYPE_CHECKING:
     from slipmargin.plots.style import Figure
@@ -163,7 +164,7 @@ def compare(robots: Sequence[RobotLike], surface: str) -> CompareResult:
     warnings: list[str] = []
     for name, recipe in zip(names, recipes, strict=True):
         try:
-            said = model_of(recipe, surface, spread=True)[1]
+            said = model_of(recipe, surface, spread=FRICTION_SPREAD)[1]
         except InputError as fault:
             if fault.place == "surface" and not fault.source:
                 raise InputError("surface", f"{fault.problem}, which {name} has not", fault.cure) from None

@@ -32,10 +32,10 @@ class DiagnosisResult(Diagnosed):
     @property
     def warnings(self) -> tuple[str, ...]:
         """What the robot file says and a diagnosis does not use."""
-        from slipmargin.robot.warnings import unused
+        from slipmargin.robot.warnings import NO_SPREAD, unused
 
         d = self.diagnosis
-        return unused(d.recipe.robot, d.surface, spread=False, band=False)
+        return unused(d.recipe.robot, d.surface, spread=NO_SPREAD, band=False)
 
     def _sentence(self) -> str:
         from slipmargin.report.diagnosis_words import verdict_sentence

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, final
 
 from slipmargin.api.robots import RobotLike, model_of, read_robot
 from slipmargin.errors import InputError
+from slipmargin.robot.warnings import EVERY_SPREAD
 
 if TYPE_CHECKING:
     from slipmargin.limits.bounds_summary import Bounds, SafeSets
@@ -104,7 +105,7 @@ class Explorer:
 
         key = tuple(sorted(values.items()))
         if key not in self.kept:
-            model, _ = model_of(now.design.recipe, now.design.surface, spread=True, band=True)
+            model, _ = model_of(now.design.recipe, now.design.surface, spread=EVERY_SPREAD, band=True)
             found = safe_sets(model, margin=now.margin, yaw_share=now.yaw_share, ellipsoid=False)
             self.kept.clear()
             self.kept[key] = found

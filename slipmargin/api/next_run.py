@@ -147,7 +147,7 @@ def next_run(
     from slipmargin.experiment.motions import Space, checked_space, reach_m
     from slipmargin.experiment.next_runs import Request, next_runs
     from slipmargin.experiment.turned import next_runs_in
-    from slipmargin.robot.warnings import unused
+    from slipmargin.robot.warnings import NO_SPREAD, unused
 
     if isinstance(runs, bool) or not isinstance(runs, int) or not 1 <= runs <= _MOST_RUNS:
         raise InputError("runs", f"is {runs}", f"give a whole number from 1 to {_MOST_RUNS}")
@@ -195,7 +195,7 @@ def next_run(
         seed=seed,
     )
     found = next_runs(mended.data_set, request, mended.repairs, Watch.of(progress, budget_s))
-    warnings = unused(data.recipe.robot, data.surface, spread=False, band=False)
+    warnings = unused(data.recipe.robot, data.surface, spread=NO_SPREAD, band=False)
     return NextRunResult(next_runs=next_runs_in(found, FRAME, own), warnings=warnings)
 
 

@@ -96,12 +96,13 @@ def read_robot(
 
 
 def model_of(
-    robot: RobotLike, surface: str, *, spread: bool = False, band: bool = False
+    robot: RobotLike, surface: str, *, spread: tuple[str, ...] = (), band: bool = False
 ) -> tuple[Model, tuple[str, ...]]:
     """The model of a robot on a surface, and the warnings that it deserves.
 
-    ``spread`` and ``band`` say whether the caller uses uncertain numbers and the band of loads; what it does
-    not use is a warning too.
+    ``spread`` and ``band`` say which uncertain numbers the caller draws from, as begin their keys
+    (:mod:`slipmargin.robot.warnings`), and whether it uses the band of loads; what it does not use is a
+    warning too.
 
     Raises
     ------
@@ -126,7 +127,9 @@ def contact_of(model: Model, robust: bool) -> tuple[Contact, tuple[str, ...]]:
     return Contact.UNKNOWN, ("robust has no effect: no wheel has rigid material between its rollers",)
 
 
-def warnings_of(recipe: Recipe, surface: str, *, spread: bool = False, band: bool = False) -> tuple[str, ...]:
+def warnings_of(
+    recipe: Recipe, surface: str, *, spread: tuple[str, ...] = (), band: bool = False
+) -> tuple[str, ...]:
     """What a robot file contradicts, what of it has no effect, and what the caller does not use."""
     from slipmargin.robot.warnings import unused, warnings
 

@@ -14,6 +14,7 @@ from slipmargin.api.robots import Drawing, RobotLike, checked_margin, model_of, 
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.physics.constants import GRAVITY_M_S2
+from slipmargin.robot.warnings import EVERY_SPREAD
 
 if TYPE_CHECKING:
     from slipmargin.data.pulls import PullGroups
@@ -253,7 +254,7 @@ def sweep(
     from slipmargin.limits.uncertainty import lowest_pulls
 
     recipe = read_robot(robot)
-    model, warnings = model_of(recipe, surface, spread=True, band=True)
+    model, warnings = model_of(recipe, surface, spread=EVERY_SPREAD, band=True)
     drawing = Drawing.of(recipe, surface, chance, seed)
     if method not in METHODS:
         raise InputError("method", f"is {method!r}", f"use one of: {', '.join(METHODS)}")

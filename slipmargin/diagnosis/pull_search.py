@@ -23,12 +23,11 @@ from slipmargin.diagnosis.fit import (
     build,
     evaluate,
     fit,
-    free_slopes,
     limits_of,
-    score_test_gain,
 )
 from slipmargin.diagnosis.pull_problem import PullProblem
 from slipmargin.diagnosis.settings import PULLS
+from slipmargin.diagnosis.tangents import free_slopes, score_test_gain
 from slipmargin.diagnosis.watch import OutOfTime, Watch
 from slipmargin.effects import AnyEffect
 from slipmargin.errors import InputError

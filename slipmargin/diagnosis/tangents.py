@@ -11,7 +11,7 @@ import numpy as np
 
 from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.fit import STEP, Fit, Residuals, from_null, steps_inside
+from slipmargin.diagnosis.fit import STEP, Fit, Residuals, spans, steps_inside
 from slipmargin.diagnosis.near import Way
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import AnyEffect, Trace
@@ -204,3 +204,44 @@ def standpoints(candidate: Candidate) -> list[Array]:
         return [np.array(candidate.null)]
     rows = [np.where(candidate.idle, start, candidate.null) for start in candidate.starts]
     return [rows[i] for i in sorted(np.unique(np.array(rows), axis=0, return_index=True)[1])]
+
+
+def from_null(effects: tuple[AnyEffect, ...], candidate: Candidate, at: Array, step: Array) -> Way:
+    """The way on which a candidate that does nothing ``at`` parameters (P,) moves beside some effects."""
+    return lambda part: (*effects, candidate.build(at + part * step))
+
+
+def free_slopes(problem: Residuals, base: Fit, candidates: Sequence[Candidate]) -> list[Array]:
+    """Derivative (R, K, P) of the residual by each candidate's parameters at its null, beside ``base``.
+
+    The part that ``base``'s own parameters could take up is removed.
+    """
+    nulls = np.concatenate([np.zeros(0), *(c.null for c in candidates)])
+    steps = steps_inside(candidates, nulls, STEP)
+    ways = [
+        from_null(base.effects, candidate, candidate.null, along)
+        for candidate, span in zip(candidates, spans(candidates), strict=True)
+        for along in np.diag(steps[span])
+    ]
+    found = problem.near(base.effects, ways, base.trials)
+    columns = [(r - base.residual) / step for r, step in zip(found, steps, strict=True)]
+    keep = np.zeros((base.residual.size, 0))
+    if len(base.x):
+        keep = np.linalg.qr(base.jacobian.reshape(-1, len(base.x)))[0]
+    out = []
+    for span in spans(candidates):
+        flat = np.stack([c.ravel() for c in columns[span]], axis=1)
+        flat = flat - keep @ (keep.T @ flat)
+        out.append(flat.reshape(*base.residual.shape, -1))
+    return out
+
+
+def score_test_gain(residual: Array, slope: Array) -> float:
+    """Decrease of the sum of squares that a linear step along ``slope`` (R, K, P) promises."""
+    flat = slope.reshape(-1, slope.shape[-1])
+    size = np.linalg.norm(flat, axis=0)
+    flat = flat[:, size > 0.0] / size[size > 0.0]
+    if not flat.shape[1]:
+        return 0.0
+    step = np.linalg.lstsq(flat, residual.ravel(), rcond=1e-8)[0]
+    return float(np.sum((flat @ step) ** 2))

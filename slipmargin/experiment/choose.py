@@ -11,8 +11,9 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.fit import Fit, evaluate, free_slopes, limits_of
+from slipmargin.diagnosis.fit import Fit, evaluate, limits_of
 from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.tangents import free_slopes
 from slipmargin.experiment.gain import Contrast, information, known
 from slipmargin.experiment.remaining import Remaining, can_be
 from slipmargin.experiment.result import Narrowing

@@ -32,6 +32,7 @@ def effect_lines(effect: type[Effect]) -> list[str]:
         f"{effect.name}: {' '.join((effect.__doc__ or '').split())}",
         f"source: {effect.source}",
         f"traced to: {effect.traced_to.value}; rewrites: {effect.part.value}",
+        *(f"counts in: {where}" for where in _counts_in(effect)),
         f"to confirm it: {effect.confirm}",
         "",
         *columns(
@@ -77,10 +78,17 @@ def _section(effect: type[Effect]) -> list[str]:
         "",
         f"Traced to `{effect.traced_to.value}`; rewrites `{effect.part.value}`; {_wheels(effect)}.",
         "",
+        *(line for where in _counts_in(effect) for line in (f"It counts in {where}.", "")),
         f"Source: {effect.source}.",
         "",
         f"To confirm it: {effect.confirm}.",
     ]
+
+
+def _counts_in(effect: type[Effect]) -> list[str]:
+    """Where an effect counts, where that is not in every command."""
+    where = effect.counts_in or effect.part.counts_in
+    return [where] if where else []
 
 
 def _wheels(effect: type[Effect]) -> str:

@@ -10,13 +10,16 @@ _HEAD = """# Robot file
 A robot file is TOML. Every value is in SI units and a key's name ends in its unit; keys that end in
 `_deg` are in degrees. Angles are counter-clockwise. Which body
 axis is the front, and which way a positive wheel speed drives, says `convention`; every number, column,
-picture and export of a command is in the convention of its robot file, so nothing is converted by hand.
-Masses, centre of mass, load fractions and friction coefficients may be uncertain: `"0.26 ± 0.02"` (normal,
-one standard deviation) or the interval `[0.24, 0.28]` (uniform), as marked below. `bounds`, `sweep` and
-`plan` draw from the spreads and print the chance of slip; every other command uses the middle and says so.
+and picture of a command is in the convention of its robot file, so nothing is converted by hand.  Files for
+other tools and simulators have those tools' axes: x forward, y left.
+Masses, centre of mass, load fractions and friction coefficients may be uncertain: `"0.26 ± 0.02"`
+(normal, one standard deviation) or the interval `[0.24, 0.28]` (uniform), as marked below. `bounds`,
+`sweep` and `plan` draw from the spreads and print the chance of slip; `design` of several robots counts
+those of friction; every other command uses the middle and says so.
 A key that is not marked refuses a spread. Published coefficients can be used by name (`library`, see
 `slipmargin surfaces list`); [measure yours in ten minutes](how-to/measure-friction.md).
-A key that is not named here is an error, and so is a key that can have no effect beside the others. Ranges
+A key that is not named here is an error. A key that can have no effect beside the others is an error too or,
+where it may yet be meant, answered with a warning. Ranges
 are wide: they are there to catch slips of unit and sign. The file starts with `schema = 1`.
 `slipmargin robots show ohio-kiwi` prints a whole file.
 

@@ -19,6 +19,12 @@ def warnings(robot: Robot) -> tuple[str, ...]:
     return tuple(sentence for sentence in found if sentence is not None)
 
 
+#: Of which keys a command draws the spread, as beginnings of their names: of none, of friction alone, of all.
+NO_SPREAD: tuple[str, ...] = ()
+FRICTION_SPREAD = ("surface.",)
+EVERY_SPREAD = ("",)
+
+
 def uncertain_keys(robot: Robot, surface: str) -> tuple[str, ...]:
     """The keys of the robot file that have a spread, on one of its surfaces."""
     body, floor = robot.body, robot.surface(surface)
@@ -34,20 +40,22 @@ def uncertain_keys(robot: Robot, surface: str) -> tuple[str, ...]:
     return tuple(key for key, value in found.items() if spread(value))
 
 
-def unused(robot: Robot, surface: str, *, spread: bool, band: bool) -> tuple[str, ...]:
+def unused(robot: Robot, surface: str, *, spread: tuple[str, ...], band: bool) -> tuple[str, ...]:
     """A sentence for what the file says of its own uncertainty and a command does not use.
 
     Parameters
     ----------
-    spread, band : bool
-        Whether the command draws from the spreads, and whether it counts the band of loads.
+    spread : tuple of str
+        How the keys begin whose spreads the command draws from, such as :data:`FRICTION_SPREAD`.
+    band : bool
+        Whether it counts the band of loads.
     """
     found = []
-    names = uncertain_keys(robot, surface)
-    if names and not spread:
+    names = [key for key in uncertain_keys(robot, surface) if not key.startswith(spread)]
+    if names:
         found.append(
-            f"{', '.join(names)}: taken at the middle; the spread counts in bounds, sweep, plan and "
-            "a design of several robots only"
+            f"{', '.join(names)}: taken at the middle; the spread counts in bounds, sweep and plan, that of "
+            "friction in a design of several robots too"
         )
     if robot.unevenness_mm is not None and not band:
         found.append(

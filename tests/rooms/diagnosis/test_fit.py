@@ -15,13 +15,14 @@ from slipmargin.diagnosis import search
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.evidence import Intervals, intervals
 from slipmargin.diagnosis.findings import _origin, _quantities, _rivals
-from slipmargin.diagnosis.fit import Fit, evaluate, few_steps, fit, free_slopes, score_test_gain, shifted_by
+from slipmargin.diagnosis.fit import Fit, evaluate, few_steps, fit, shifted_by
 from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
 from slipmargin.diagnosis.near import Way
 from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State, choose
+from slipmargin.diagnosis.tangents import free_slopes, score_test_gain
 from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect, Effect, Trace
 from slipmargin.effects.camera_delay import CameraDelay

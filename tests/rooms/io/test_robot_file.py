@@ -439,7 +439,9 @@ def test_every_kind_of_file_says_its_schema(
 def test_a_deviation_of_a_calibration_is_not_negative(tmp_path: Path, key: str) -> None:
     """−0.01 was taken, and squared on the way to an interval."""
     path = tmp_path / "calibration.toml"
-    path.write_text(f"schema = 1\nscale = 1.0\nrotation_rad = 0.0\ndelay_s = 0.0\n{key} = -0.01\n")
+    path.write_text(
+        f"schema = 1\nscale = 1.0\nrotation_rad = 0.0\ndelay_s = 0.0\n{key} = -0.01\n", encoding="utf-8"
+    )
     with pytest.raises(InputError, match="give 0 or a positive number") as told:
         read_calibration(path)
     assert told.value.place == key
