@@ -10,7 +10,7 @@ from typing import Annotated, TextIO
 import typer
 
 from .options import JsonOpt, PlotOpt, ReportOpt, RobotArg, SeedOpt, SurfaceOpt, check_outputs, deliver
-from .render import at_options, read_with_progress, refuse, say, warn
+from .render import at_options, read_with_progress, refuse, say, say_at_once
 
 
 def monitor(
@@ -71,7 +71,7 @@ def monitor(
     if found is not None:
         deliver(found, plot=plot, json=json, report=report, written=[out] if out else [])
         return
-    warn(*watch.warnings)
+    say_at_once(*(f"warning: {line}" for line in watch.warnings))
     for line in watch.stream(lines, source=lines.source):
         if not say(line):
             return  # nobody reads any more

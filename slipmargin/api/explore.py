@@ -104,12 +104,13 @@ class Explorer:
         from slipmargin.limits.bounds_summary import safe_sets
 
         key = tuple(sorted(values.items()))
-        if key not in self.kept:
+        found = self.kept.get(key)
+        if found is None:
             model, _ = model_of(now.design.recipe, now.design.surface, spread=EVERY_SPREAD, band=True)
             found = safe_sets(model, margin=now.margin, yaw_share=now.yaw_share, ellipsoid=False)
-            self.kept.clear()
+            self.kept.clear()  # another request may do the same at once
             self.kept[key] = found
-        return self.kept[key]
+        return found
 
     def _bounds(self, now: Settings, yaw_rad_s2: float | None) -> Bounds:
         """All that the command would compute."""
@@ -212,7 +213,7 @@ def explore(robot: RobotLike, surface: str | None = None, *, report: Path | str 
 
     recipe = read_robot(robot)
     floor = recipe.robot.surfaces[0].name if surface is None else surface
-    _, warnings = model_of(recipe, floor)
+    _, warnings = model_of(recipe, floor, band=True)
     return Explorer(
         design=RobotOnSurface(recipe=recipe, surface=floor),
         name=str(robot) if isinstance(robot, str | Path) else f"{recipe.robot.name}.toml",

@@ -12,7 +12,7 @@ import numpy as np
 
 from slipmargin.api.monitor_log import MonitoredLog, SlipEstimate, Tally
 from slipmargin.api.robots import RobotLike, model_of, read_robot
-from slipmargin.checks import Array, measurable, real
+from slipmargin.checks import Array, frozen, measurable, real
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
@@ -131,8 +131,29 @@ class SlipMonitor:
             Times [s] and wheel speeds [rad/s].
         twist, slips : (T, 3), (T,)
             What the body did [m/s, m/s, rad/s], and the label; a sample with NaN in its twist is left out.
+
+        Raises
+        ------
+        InputError
+            Where a channel that was announced is missing or another one given, or one holds what is no
+            finite number for every sample.
         """
         from slipmargin.onboard.likelihood import labelled
+
+        given = {
+            "commanded": (commanded, self.channels.commanded, (len(t_s), self.table.count)),
+            "gyro_rad_s": (gyro_rad_s, self.channels.gyro, (len(t_s),)),
+            "current_A": (current_A, self.channels.current, (len(t_s), self.table.count)),
+        }
+        frozen("omega", omega, (len(t_s), self.table.count))
+        frozen("twist", np.nan_to_num(twist), (len(t_s), 3))
+        for place, (values, announced, shape) in given.items():
+            if announced and values is None:
+                raise InputError(place, "is missing", "give it for every sample")
+            if values is not None and not announced:
+                raise InputError(place, "has no effect: the monitor was made without it", "leave it out")
+            if values is not None:
+                frozen(place, values, shape)
 
         return labelled(
             self.table,

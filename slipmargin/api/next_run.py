@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 #: More runs than this are no choice but a list.
 _MOST_RUNS, _RUNS = 20, 3
+#: Slip margin that proposed motions keep by default [1].
+_MARGIN = 0.1
 
 
 @final
@@ -88,7 +90,7 @@ def next_run(
     *,
     space_m: tuple[float, float] | None = None,
     runs: int = _RUNS,
-    margin: float = 0.1,
+    margin: float = _MARGIN,
     longest_s: float | None = None,
     max_speed_m_s: float | None = None,
     max_yaw_rate_rad_s: float | None = None,
@@ -172,6 +174,7 @@ def next_run(
         check_sense(data, source)
         given = {
             "runs": runs != _RUNS,
+            "margin": margin != _MARGIN,
             "space_m": space_m is not None,
             "longest_s": longest_s is not None,
             "max_speed_m_s": max_speed_m_s is not None,

@@ -151,7 +151,8 @@ def polytope(robot: RobotLike, surface: str, *, rigid: bool = False) -> Polytope
     model, warnings = model_of(read_robot(robot), surface)
     state = np.full(model.count, rigid)
     wrenches, least = wrench_set(model, state), coefficients(model, state, np.zeros(1), Extreme.LOW)[0]
-    part = float(np.min(least / np.maximum(wrenches.coefficients, 1e-300)))
+    rubs = wrenches.coefficients > 0.0
+    part = float(np.min(least[rubs] / wrenches.coefficients[rubs], initial=1.0))
     if part < 1.0 - THIN:
         warnings = (
             *warnings,

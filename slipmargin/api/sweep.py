@@ -124,19 +124,17 @@ class SweepResult(Result):
 
     def plot(self) -> Figure:
         """Fig. 8's axes beside the polar plot."""
-        from slipmargin.limits import sweep as limit_sweep
+        from slipmargin.limits.sweep import all_round
         from slipmargin.plots.sweep import sweep_figure
 
-        circle = limit_sweep(self.sweep.model, np.linspace(0.0, 2.0 * np.pi, 721))
-        return sweep_figure(self.sweep, circle, self.pulls, self.recommended_N)
+        return sweep_figure(self.sweep, all_round(self.sweep.model), self.pulls, self.recommended_N)
 
     def panels(self) -> dict[str, Figure]:
         """Each panel of :meth:`plot` as a figure of its own, by name: what a page shows."""
-        from slipmargin.limits import sweep as limit_sweep
+        from slipmargin.limits.sweep import all_round
         from slipmargin.plots.sweep import sweep_panels
 
-        circle = limit_sweep(self.sweep.model, np.linspace(0.0, 2.0 * np.pi, 721))
-        return sweep_panels(self.sweep, circle, self.pulls, self.recommended_N)
+        return sweep_panels(self.sweep, all_round(self.sweep.model), self.pulls, self.recommended_N)
 
     def page(self) -> Page:
         """The report: verdict, numbers, picture, table, what to do next."""
@@ -249,9 +247,10 @@ def sweep(
     <sweep of ohio-kiwi on paper: weakest 4.92 N at φ = 0°, recommended 4.42 N>
     """
     from slipmargin.data.settings import SETTINGS
-    from slipmargin.limits import isotropic, sweep as limit_sweep, wrench_set
+    from slipmargin.limits import isotropic, sweep as limit_sweep
     from slipmargin.limits.self_check import difference, self_check
     from slipmargin.limits.uncertainty import lowest_pulls
+    from slipmargin.physics.grips import polyhedral
 
     recipe = read_robot(robot)
     model, warnings = model_of(recipe, surface, spread=EVERY_SPREAD, band=True)
@@ -267,7 +266,7 @@ def sweep(
         on = [float(p) for p in pulls.phi_rad if np.min(np.abs(phi - p)) > SETTINGS.same_rad]
         phi = np.sort(np.append(phi, on))
     by_facets = limit_sweep(model, phi)
-    if not wrench_set(model).polyhedral:
+    if not polyhedral(model.grip.shape, model.grip.coupling):
         method = "cones" if method == "facets" else method
     found = by_facets
     if method not in ("facets", "cones"):
@@ -302,11 +301,11 @@ def sweep(
 def _beyond(model: Model, phi: Array, least_N: float) -> tuple[str, ...]:
     """What to say where an orientation that was not asked for holds less than all that were."""
     from slipmargin.limits import Pull
-    from slipmargin.limits.sweep import limit
+    from slipmargin.limits.sweep import limit_or_zero
     from slipmargin.report.text import degrees
 
     every = np.deg2rad(np.arange(0.0, 360.0, 2.0))
-    force = limit(model, every, Pull())
+    force = limit_or_zero(model, every, Pull())
     at = int(np.argmin(force))
     if not force[at] < least_N * (1.0 - _WEAKER):
         return ()
@@ -369,7 +368,7 @@ def _pulls_between(phi: Array, file: Path, wheels: int) -> tuple[PullGroups, int
 def _solved(model: Model, phi: Array, method: str) -> Array:
     """F_emax by a solver: Clarabel directly, or cvxpy (all orientations as one block where it can)."""
     from slipmargin.limits import Pull, wrench_set
-    from slipmargin.limits.bias import bias_wrench
+    from slipmargin.limits.bias import bias_wrench, shifts_load
     from slipmargin.limits.cones import cone_limit, limit_family
 
     if method == "clarabel":
@@ -378,7 +377,7 @@ def _solved(model: Model, phi: Array, method: str) -> Array:
     from slipmargin.solve import cvxpy_
 
     wrenches = wrench_set(model)
-    if wrenches.polyhedral and not model.grip.multipliers:
+    if wrenches.polyhedral and not model.grip.multipliers and not shifts_load(model):
         limits = (wrenches.coefficients[..., 1] * wrenches.load_N[:, None]).ravel()
         maps, rays = wrenches.maps.reshape(3, -1), Pull().rays(model, phi)
         return cvxpy_.block_box(maps, limits, rays, bias_wrench(model, phi))

@@ -14,6 +14,8 @@ from slipmargin.errors import InputError
 
 #: Between the name of a data set and that of a run of it.
 _OF = "/"
+#: What of a wheel is the machine's, beside its place: the same in all data sets.
+_OF_THE_MACHINE = ("radius_m", "drive_direction_deg", "roller_angle_deg", "rollers", "rigid_fraction")
 
 
 @final
@@ -84,7 +86,8 @@ def _check_same(place: str, first: DataSet, other: DataSet) -> None:
         )
     one, two = first.recipe.robot.wheels, other.recipe.robot.wheels
     same = len(one) == len(two) and all(
-        np.allclose(a.position_m, b.position_m) and a.radius_m == b.radius_m
+        np.allclose(a.position_m, b.position_m)
+        and all(getattr(a, key) == getattr(b, key) for key in _OF_THE_MACHINE)
         for a, b in zip(one, two, strict=True)
     )
     if not same:

@@ -111,12 +111,12 @@ def proposed(
     space = _space(data_set, request, reach)
     able = _able(left, space, request, progress, kinds)
     if not able:
-        raise _no_motion(space)
+        raise _no_motion()
     progress("simulating every motion", 0.6)
     new = problem_of_drives(left.problem, able, request.seed)
     keep = _inside(left, able, new, space, reach)
     if not keep:
-        raise _no_motion(space)
+        raise _no_motion()
     able, new = [able[k] for k in keep], only(new, keep)
     on_new = evaluated(new, left.fits)
     progress("choosing", 0.7)
@@ -153,11 +153,10 @@ def proposed(
     )
 
 
-def _no_motion(space: Space) -> InputError:
+def _no_motion() -> InputError:
     return InputError(
         "space",
-        f"is {space.size_m[0]:.3g} m x {space.size_m[1]:.3g} m, in which no motion of the list keeps the "
-        "limits of every explanation that is left",
+        "is too small: in it no motion of the list keeps the limits of every explanation that is left",
         "give more space or longer runs, or drive what slipmargin diagnose proposes in words",
     )
 

@@ -223,13 +223,13 @@ def top_speed(model: Model, heading_rad: Array) -> Array:
     return np.asarray(top / rate)
 
 
-def starting_by_motor(model: Model, heading_rad: Array) -> Array:
+def starting_by_motor(model: Model, heading_rad: Array, *, contact: Contact = Contact.ROLLERS) -> Array:
     """Acceleration (H,) [m/s²] at which the first motor reaches its stall torque; infinite without one.
 
     0 where drag alone takes more than that.
     """
     motion = _moving(ahead_of(heading_rad), None)
-    rows = acceleration_rows(model, motion, motor=True)
+    rows = acceleration_rows(model, motion, contact=contact, motor=True)
     keep = rows.cause == MOTOR
     if not np.any(keep):
         return np.full(len(heading_rad), np.inf)

@@ -114,7 +114,7 @@ class States:
             demands=demands,
             limit_N_m=limit,
             sign=sign,
-            normals=_normals(rows.A @ _shift(model), run)[:, first_kinds],
+            normals=_normals(rows.A @ _shift(model), run)[:, first[first_kinds]],
             rows=_safe_rows(model, rows, sign),
             least=np.stack([need, still.motors[0]]),
             steady=np.stack([still.use[0], still.motors[0]]),

@@ -293,7 +293,7 @@ def bounds(
             "full": directions(model, heading, contact=contact, motor=False),
             "safe": directions(model, heading, share=share, contact=contact, pace=PACE),
             "rigid_use": _rigid_use(model, heading),
-            "motor_m_s2": starting_by_motor(model, heading),
+            "motor_m_s2": starting_by_motor(model, heading, contact=contact),
             "top_m_s": top_speed(model, heading),
             "even": even,
             "cornering": cornering(model, CURVATURES, heading, share=share, contact=contact),

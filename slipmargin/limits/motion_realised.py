@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import islice, product
+from itertools import cycle, islice, product
 from typing import final
 
 import numpy as np
@@ -191,8 +191,14 @@ def growth_per_s(
     """
     if not model.loads.follow_acceleration:
         return np.zeros(motion.count)
-    balance = next(iter(_balances(model, motion, contact, share, False)))
     load = external_in_motion(model, motion).middle(_at_com(model, motion))[1]
+    shifts = cycle(model.loads.shifts())  # which vary faster than the materials
+    states = zip(shifts, _balances(model, motion, contact, share, False), strict=False)
+    return np.asarray(np.max([_growth_per_s(model, load + shift, asked) for shift, asked in states], axis=0))
+
+
+def _growth_per_s(model: Model, load: Array, balance: Balance) -> Array:
+    """:func:`growth_per_s` of wheels under one ``load`` (M, N), on known material."""
     load = np.maximum(load, LIGHTEST * model.inertia.weight_N / model.count)
     twist, _ = balance.rest()
     law, along, across = balance.law, balance.along, balance.across

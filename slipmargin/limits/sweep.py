@@ -101,6 +101,14 @@ def sweep(model: Model, phi_rad: Array, pull: Pull | None = None, *, with_band: 
     return Sweep(model=model, pull=pull, phi_rad=phi, f_max_N=nominal, f_low_N=low, f_high_N=high)
 
 
+def all_round(model: Model) -> Sweep:
+    """The paper's pull at every half degree, 0 where the robot slips without any: what pictures draw."""
+    phi, pull = np.linspace(0.0, 2.0 * np.pi, 721), Pull()
+    low, high = band(model, phi, pull)
+    nominal = limit_or_zero(model, phi, pull)
+    return Sweep(model=model, pull=pull, phi_rad=phi, f_max_N=nominal, f_low_N=low, f_high_N=high)
+
+
 def limit(model: Model, phi_rad: Array, pull: Pull, rigid: Array | None = None) -> Array:
     """(M,) F_emax [N] of one contact state (all on rollers by default)."""
     state = np.zeros(model.count, dtype=bool) if rigid is None else np.asarray(rigid, dtype=bool)

@@ -82,7 +82,8 @@ class _Sampled:
                 np.where(pick, both[1], both[0])[:, None]
                 for both in (f.drive, f.drag_low, f.drag_high, f.transverse)
             )
-            ways = np.where(pick[:, None, :, None], drawn.rigid[:, None], drawn.roller[:, None])
+            rigid = pick | (self.model.grip.rigid_fraction >= 1.0)  # all round: its coefficients are those
+            ways = np.where(rigid[:, None, :, None], drawn.rigid[:, None], drawn.roller[:, None])
             drive, worst = drive * ways[..., 0], np.maximum(np.abs(low), np.abs(high))
             if self.model.grip.shape is not GripShape.BOX:
                 with np.errstate(divide="ignore", invalid="ignore"):

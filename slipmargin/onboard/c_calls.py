@@ -121,7 +121,7 @@ static inline int sm_cleaned_heading(sm_real *heading) {
    which only a slope needs. */
 static inline sm_code sm_limit_twist(sm_twist now, sm_twist wanted, sm_real dt_s, sm_real heading_rad,
                                      sm_twist *next) {
-  sm_real v[3] = {now.vx_m_s, now.vy_m_s, now.wz_rad_s}, w[3];
+  sm_real v[3] = {now.vx_m_s, now.vy_m_s, now.wz_rad_s}, w[3], asked_for[3];
   sm_real out[3] = {SM_C(0), SM_C(0), SM_C(0)};
   const int faces = sm_cleaned_heading(&heading_rad), known = sm_cleaned(v);
   const int time_passes = sm_is_number(dt_s) && dt_s >= SM_C(1e-6);
@@ -132,6 +132,7 @@ static inline sm_code sm_limit_twist(sm_twist now, sm_twist wanted, sm_real dt_s
   w[2] = wanted.wz_rad_s;
   asked = sm_cleaned(w);
   if (!(asked && faces && known)) for (j = 0; j < 3; ++j) w[j] = SM_C(0);
+  for (j = 0; j < 3; ++j) asked_for[j] = w[j];
 #if SM_TOP_SPEED
   {
     sm_real fastest = SM_FASTEST;
@@ -149,7 +150,7 @@ static inline sm_code sm_limit_twist(sm_twist now, sm_twist wanted, sm_real dt_s
     sm_real low[SM_WHEELS], high[SM_WHEELS];
     sm_drag(v, low, high);
     if (sm_toward(v, low, high, w, dt, heading_rad, out))
-      code = out[0] == w[0] && out[1] == w[1] && out[2] == w[2] ? SM_REACHED : SM_CUT;
+      code = out[0] == asked_for[0] && out[1] == asked_for[1] && out[2] == asked_for[2] ? SM_REACHED : SM_CUT;
     else
       code = sm_toward(v, low, high, rest, dt, heading_rad, out) ? SM_BRAKED : SM_OVER;
     if (!(asked && faces)) code = SM_NO_INPUT;

@@ -266,10 +266,11 @@ def limit_twist(
     seconds = np.where(time_passes, np.minimum(np.where(np.isfinite(dt), dt, 1.0), LARGEST), 1.0)
     bad = bad_now | bad_wanted | (bad_heading if table.turned else False)
     wanted = np.where(bad[:, None], 0.0, wanted)
+    fastest = wanted
     if table.top_speed_rad_s is not None:
-        fastest = np.max(np.abs(wanted @ table.rolling.T), axis=1)
-        wanted = wanted * (table.top_speed_rad_s / np.maximum(fastest, table.top_speed_rad_s))[:, None]
-    next_, holds = _toward(table, now, wanted, seconds, heading)
+        speed = np.max(np.abs(wanted @ table.rolling.T), axis=1)
+        fastest = wanted * (table.top_speed_rad_s / np.maximum(speed, table.top_speed_rad_s))[:, None]
+    next_, holds = _toward(table, now, fastest, seconds, heading)
     braked, brakes = _toward(table, now, np.zeros_like(now), seconds, heading)
     out = np.where(holds[:, None], next_, braked)
     reached = np.all(out == wanted, axis=1)

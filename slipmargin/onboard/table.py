@@ -20,7 +20,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from slipmargin.checks import Array, frozen
+from slipmargin.checks import Array, frozen, rounded_down
 from slipmargin.errors import InputError
 from slipmargin.limits.bias import height_m, lift_N
 from slipmargin.limits.creep_states import Balance
@@ -206,6 +206,11 @@ def limit_table(model: Model, margin: float) -> LimitTable:
     """
     uneven = max(0.0, _uneven(model, 1.0 - margin))
     share = 1.0 - margin - (CREEPS + uneven)
+    if share <= 0.0:
+        most = rounded_down(1.0 - CREEPS - uneven)
+        raise InputError(
+            "margin", f"is {margin:g}: creep takes the rest of the grip", f"give less than {most:g}"
+        )
     motion = _states(model)
     own = model.grip
     roller, rigid = (

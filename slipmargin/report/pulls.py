@@ -119,6 +119,7 @@ def report(d: PullDiagnosis, change: LimitsChange) -> dict[str, Any]:
                 "name": x.label if x.named else None,
                 "label": x.label,
                 "chi": x.chi,
+                "evidence": {"chi_before": d.before.chi, "chi_after": x.chi},
             }
             for x in d.leads
         ],

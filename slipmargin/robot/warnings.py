@@ -59,8 +59,8 @@ def unused(robot: Robot, surface: str, *, spread: tuple[str, ...], band: bool) -
         )
     if robot.unevenness_mm is not None and not band:
         found.append(
-            "loads.unevenness_mm: taken as an even floor; the band of loads counts in bounds, sweep, plan "
-            "and check only"
+            "loads.unevenness_mm: taken as an even floor; the band of loads counts in bounds, sweep, plan, "
+            "check, design and explore only"
         )
     return tuple(found)
 

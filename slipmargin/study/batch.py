@@ -37,7 +37,7 @@ class Batch:
     ``index`` (D,) places of these designs in the study; ``maps`` (D, 3, N, 2) wrench per unit force along ĝ
     and f̂ about the centre of mass; ``roller``, ``rigid`` (D, N, 2) coefficients; ``rigid_fraction`` (D, N);
     ``rest`` the design's own loads, ``static`` those of statics, (D, N) [shares of m g]; ``weight_N`` (D,);
-    ``plain`` (D,): a zonotope describes the design (box grip, no bias, friction known at rest);
+    ``plain`` (D,): a zonotope describes the design (box grip, no bias, friction and loads known at rest);
     ``level`` (D,): the centre of mass is above the wheels' polygon.
     """
 
@@ -132,7 +132,7 @@ def _from_robots(designs: list[RobotOnSurface]) -> dict[str, Any]:
         "rest": np.array([_shares(r, row) for r, row in zip(robots, static, strict=True)]),
         "static": static,
         "weight_N": np.array([r.body.mass_kg for r in robots]) * GRAVITY_M_S2,
-        "plain": np.array([r.friction.grip is GripShape.BOX for r in robots]),
+        "plain": np.array([r.friction.grip is GripShape.BOX and r.unevenness_mm is None for r in robots]),
     }
 
 
@@ -153,7 +153,8 @@ def _overwrite(data: dict[str, Any], d: int, model: Model) -> None:
         data[name][d] = value
     data["static"][d] = sharing_matrix(model.geometry.position_m) @ np.array([1.0, *model.inertia.com_m])
     varies = any(t.target is not Target.STIFFNESS for t in grip.multipliers)
-    data["plain"][d] = polyhedral(grip.shape, grip.coupling) and not varies and not model.external.terms
+    known = polyhedral(grip.shape, grip.coupling) and not varies and not len(model.loads.uneven_N)
+    data["plain"][d] = known and not model.external.terms
 
 
 def _static(place: Array, com: Array) -> Array:

@@ -50,10 +50,16 @@ def test_what_does_not_belong_together_is_refused_by_name() -> None:
     with pytest.raises(InputError, match="there is none"):
         joined("x", [])
     robot: Robot = one.data_set.recipe.robot
-    wheels = tuple(replace(w, radius_m=0.05) for w in robot.wheels)
-    other = replace(one.data_set.recipe, robot=replace(robot, wheels=wheels))
-    with pytest.raises(InputError, match="other wheels"):
-        joined("x", [one, replace(one, data_set=replace(one.data_set, name="two", recipe=other))])
+    for key, value in (
+        ("radius_m", 0.05),
+        ("roller_angle_deg", 45.0),
+        ("rigid_fraction", 0.3),
+        ("rollers", 5),
+    ):
+        wheels = tuple(replace(w, **{key: value}) for w in robot.wheels)
+        other = replace(one.data_set.recipe, robot=replace(robot, wheels=wheels))
+        with pytest.raises(InputError, match="other wheels"):
+            joined("x", [one, replace(one, data_set=replace(one.data_set, name="two", recipe=other))])
     commands = tuple(replace(t, omega_cmd=t.omega, omega=None, theta=None) for t in one.data_set.trials)
     said = replace(one.data_set, name="two", trials=commands, wheel_signal=WheelSignal.COMMANDED)
     with pytest.raises(InputError, match="commanded"):

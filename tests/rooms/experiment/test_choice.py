@@ -120,7 +120,7 @@ def test_one_explanation_has_its_widest_interval_narrowed() -> None:
 def test_a_model_that_cannot_drive_at_all_is_said_so() -> None:
     """A tilt fitted to what a wheel's radius does is steeper than the grip holds."""
     left = left_by(("floor_tilt",), Question.HOW_MUCH)
-    with pytest.raises(InputError, match=r"space: is 1\.2 m x 1 m, in which no motion of the list keeps"):
+    with pytest.raises(InputError, match=r"space: is too small: in it no motion of the list keeps"):
         proposed(left, ask(1), Watch(report=quiet), KINDS)
 
 

@@ -24,7 +24,7 @@ from slipmargin.limits.motion import acceleration_limit
 from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_state import Motion
 from slipmargin.model import nominal_model
-from slipmargin.onboard.limiter import _wrench as external_wrench, utilisation
+from slipmargin.onboard.limiter import _wrench as external_wrench, limit_twist, utilisation
 from slipmargin.onboard.table import limit_table
 from slipmargin.physics.friction_laws import LAWS
 from slipmargin.physics.grips import GripShape
@@ -476,3 +476,22 @@ def test_a_slope_and_a_force_at_another_height_shift_the_loads_as_they_do_at_res
             want = bias(pushed, np.array([phi])).load_N - bias(model, np.array([phi])).load_N
             np.testing.assert_allclose(shift, want, atol=1e-12 * model.inertia.weight_N)
             assert np.ptp(want) > 0.1 and table.turned
+
+
+def test_a_command_cut_by_the_top_speed_is_not_reached() -> None:
+    """A wish of 5 m/s ended at 0.59 m/s with the code of all that was wanted."""
+    limiter = sm.Limiter("ohio-kiwi", "paper", margin=0.1)
+    table = replace(limiter.table, top_speed_rad_s=20.0)
+    wanted, now = np.array([[0.0, 5.0, 0.0]]), np.zeros((1, 3))
+    for _ in range(4000):
+        now, code = limit_twist(table, now, wanted, np.array([0.01]), np.zeros(1))
+    assert np.max(np.abs(now @ table.rolling.T)) == pytest.approx(20.0) and code[0] == 1
+    assert limit_twist(table, now, now * (1.0 - 1e-9), np.array([0.01]), np.zeros(1))[1][0] == 0
+
+
+@pytest.mark.parametrize("margin", [0.986, 0.99])
+def test_a_margin_that_leaves_nothing_beside_creep_is_refused(margin: float) -> None:
+    """The share was negative, every command from rest refused, and the C file divided by it."""
+    with pytest.raises(InputError, match="creep takes the rest") as told:
+        sm.Limiter("ohio-kiwi", "paper", margin=margin)
+    assert told.value.place == "margin"

@@ -355,3 +355,20 @@ def test_training_on_a_data_set_with_poses() -> None:
         pytest.skip("no trials in tests/data/rig: only its pulls are kept in the repository")
     watch = sm.SlipMonitor(rig / "robot.toml", "floor", gyro=True, commanded=True, training=rig)
     assert watch.ratio.grips.gain[0] > watch.ratio.slips.gain[0]
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({}, "gyro_rad_s: is missing"),
+        ({"gyro_rad_s": np.array([0.1, np.nan, 0.1])}, "gyro_rad_s: holds a value that is not finite"),
+        ({"gyro_rad_s": np.zeros(2)}, "gyro_rad_s"),
+        ({"gyro_rad_s": np.zeros(3), "current_A": np.zeros((3, 4))}, "current_A: has no effect"),
+        ({"gyro_rad_s": np.zeros(3), "omega": np.full((3, 4), np.nan)}, "omega: holds a value that is not"),
+    ],
+)
+def test_a_run_for_training_is_whole(watch: sm.SlipMonitor, more: dict[str, np.ndarray], said: str) -> None:
+    """One NaN made every later sample one, and of them a threshold that no value is above."""
+    run = {"omega": np.ones((3, 4)), "twist": np.full((3, 3), np.nan), "slips": np.zeros(3, dtype=bool)}
+    with pytest.raises(InputError, match=said):
+        watch.labelled(np.array([0.0, 0.1, 0.2]), **(run | more))
