@@ -365,8 +365,11 @@ def effect_of(row: dict[str, Any] | None) -> str:
 
 def development_sets() -> list[str]:
     """Which sets the constants were changed on."""
-    found = results("constants.json")["collections"]
-    return [", ".join(f"{len(one['names'])} {one['what']} (seed {one['seed']})" for one in found)]
+    found: dict[tuple[str, int], set[str]] = {}
+    for one in results("constants.json")["collections"]:
+        found.setdefault((one["what"], one["seed"]), set()).update(one["names"])
+    said = (f"{len(names)} of the {what} of seed {seed}" for (what, seed), names in found.items())
+    return [", ".join(said)]
 
 
 def page(name: str) -> str:
