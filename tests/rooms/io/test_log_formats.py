@@ -211,7 +211,8 @@ def test_a_csv_without_a_header_by_numbers(tmp_path: Path, capsys: pytest.Captur
     file.write_text("\n".join(rows), encoding="utf-8")
     robot.write_text(sm.new_robot("rover", "mecanum").text, encoding="utf-8")
     words = ["import", "csv", str(file), "--robot", str(robot), "--out", str(out)]
-    named = [*words, "--time", "t", "--x", "x", "--y", "y", "--heading", "h", *(["--wheel", "a:rad"] * 4)]
+    wheels = [w for name in "abcd" for w in ("--wheel", f"{name}:rad")]
+    named = [*words, "--time", "t", "--x", "x", "--y", "y", "--heading", "h", *wheels]
     assert status(named) == 2
     assert "the first line is 8 numbers, so there is no header" in capsys.readouterr().err
     numbers = ["--time", "#1", "--x", "#2", "--y", "#3", "--heading", "#4"]
