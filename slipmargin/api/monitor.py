@@ -148,10 +148,7 @@ class SlipMonitor:
         frozen("omega", omega, (len(t_s), self.table.count))
         frozen("twist", np.nan_to_num(twist), (len(t_s), 3))
         for place, (values, announced, shape) in given.items():
-            if announced and values is None:
-                raise InputError(place, "is missing", "give it for every sample")
-            if values is not None and not announced:
-                raise InputError(place, "has no effect: the monitor was made without it", "leave it out")
+            _check_announced(place, values, announced, "give it for every sample")
             if values is not None:
                 frozen(place, values, shape)
 
@@ -238,14 +235,13 @@ class SlipMonitor:
         )
 
     def _channel(self, place: str, value: Sequence[float] | Array | None, wanted: bool) -> Array | None:
-        if not wanted:
-            if value is not None:
-                raise InputError(place, "has no effect: the monitor was made without it", "leave it out")
+        cure = f"give {self.table.count} finite numbers, one a wheel"
+        _check_announced(place, value, wanted, cure)
+        if value is None:
             return None
-        array = np.asarray(value if value is not None else np.nan, dtype=float)
+        array = np.asarray(value, dtype=float)
         if array.shape != (self.table.count,) or not np.isfinite(array).all():
-            problem = "is missing" if value is None else f"is {np.array2string(array, threshold=6)}"
-            raise InputError(place, problem, f"give {self.table.count} finite numbers, one a wheel")
+            raise InputError(place, f"is {np.array2string(array, threshold=6)}", cure)
         return measurable(place, array)
 
     def stream(
@@ -388,3 +384,11 @@ class SlipMonitor:
             probability=probability,
             warnings=self.warnings,
         )
+
+
+def _check_announced(place: str, value: object, announced: bool, cure: str) -> None:
+    """Refuse a channel that was announced and is missing, or is given and was not announced."""
+    if announced and value is None:
+        raise InputError(place, "is missing", cure)
+    if value is not None and not announced:
+        raise InputError(place, "has no effect: the monitor was made without it", "leave it out")

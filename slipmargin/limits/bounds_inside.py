@@ -166,33 +166,42 @@ def _safe(
     the rows of its motion leave open, the rows of all motions are drawn in together, and the set keeps its
     shape.  Also the greatest torques (2, M, N) of the ends.
     """
-    model, share, least, steady = states.model, states.share, states.least, states.steady
-    aim = share - 0.5 * CLOSE
     for together in (False, True):
-        part, rows = np.full(steady.shape, share), states.rows
-        again, creep = np.zeros(steady.shape), ends.unknown(states)
-        for _ in range(ROUNDS):
-            found = largest(*rows)
-            seen = ends.driven(found, states, creep)
-            used = np.concatenate([seen.use, seen.motors])
-            if share == 1.0 or model.count == 3:  # the rows are exact for the grip
-                used[0] = 0.0
-            if np.max(used) <= share + CLOSE:
-                return found, seen.torque_N_m
-            over = used > share
-            drawn = np.where(over, (aim - steady) / np.where(over, used - steady, 1.0), 1.0)
-            again = np.where(over, again + 1.0, 0.0)
-            late = np.max(again, axis=0) > PATIENCE
-            drawn, again = np.where(late, drawn.min(axis=0), drawn), np.where(late, again.max(axis=0), again)
-            if together:
-                drawn, again = np.full_like(drawn, drawn.min()), np.full_like(again, again.max())
-            part = least + (part - least) * np.clip(drawn ** np.maximum(1.0, again - PATIENCE), 0.1, 1.0)
-            rows = states.rows_of(*part)
+        found = _drawn_in(states, largest, ends, together)
+        if found is not None:
+            return found
     raise NoSolution(
         "safe accelerations",
         "no set was found in which the creep of the wheels keeps the margin",
         "use a larger margin or a smaller yaw reserve",
     )
+
+
+def _drawn_in(
+    states: States, largest: Callable[..., tuple[Array, ...]], ends: Ends, together: bool
+) -> tuple[tuple[Array, ...], Array] | None:
+    """:func:`_safe`, rows drawn in for each motion or for all ``together``; None where that ends nowhere."""
+    model, share, least, steady = states.model, states.share, states.least, states.steady
+    part, aim, rows = np.full(steady.shape, share), share - 0.5 * CLOSE, states.rows
+    again, creep = np.zeros(steady.shape), ends.unknown(states)
+    for _ in range(ROUNDS):
+        found = largest(*rows)
+        seen = ends.driven(found, states, creep)
+        used = np.concatenate([seen.use, seen.motors])
+        if share == 1.0 or model.count == 3:  # the rows are exact for the grip
+            used[0] = 0.0
+        if np.max(used) <= share + CLOSE:
+            return found, seen.torque_N_m
+        over = used > share
+        drawn = np.where(over, (aim - steady) / np.where(over, used - steady, 1.0), 1.0)
+        again = np.where(over, again + 1.0, 0.0)
+        late = np.max(again, axis=0) > PATIENCE
+        drawn, again = np.where(late, drawn.min(axis=0), drawn), np.where(late, again.max(axis=0), again)
+        if together:
+            drawn, again = np.full_like(drawn, drawn.min()), np.full_like(again, again.max())
+        part = least + (part - least) * np.clip(drawn ** np.maximum(1.0, again - PATIENCE), 0.1, 1.0)
+        rows = states.rows_of(*part)
+    return None
 
 
 def _modules(model: Model) -> Array:
