@@ -71,8 +71,8 @@ def test_schemas_are_schemas_and_linked(name: str) -> None:
         "robots check mecanum4",
         "surfaces list",
         "surfaces show carpet-omni-williams2002",
-        "import csv log.csv --robot ohio-kiwi --time t:s --x x --y y --heading h --wheel w:rpm --wheel w:rpm "
-        "--wheel w:rpm --out set",
+        "import csv log.csv --robot ohio-kiwi --time t:s --x x --y y --heading h --wheel a:rpm --wheel b:rpm "
+        "--wheel c:rpm --out set",
     ],
 )
 def test_what_commands_write_is_what_the_schema_says(
@@ -84,8 +84,8 @@ def test_what_commands_write_is_what_the_schema_says(
         "phi_rad,force_N\n" + "".join(f"{0.26 * k:.2f},{5 + 0.3 * k % 2:.2f}\n" for k in range(7)),
         encoding="utf-8",
     )
-    rows = [f"{0.1 * k:.1f},{0.01 * k:.2f},0,0.1,10" for k in range(30)]
-    Path("log.csv").write_text("\n".join(["t,x,y,h,w", *rows]) + "\n", encoding="utf-8")
+    rows = [f"{0.1 * k:.1f},{0.01 * k:.2f},0,0.1,10,-10,5" for k in range(30)]
+    Path("log.csv").write_text("\n".join(["t,x,y,h,a,b,c", *rows]) + "\n", encoding="utf-8")
     speeds = [f"{0.01 * k:.2f},{9 * k},{-9 * k},0" for k in range(30)]
     Path("wheels.csv").write_text(
         "\n".join(["t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s", *speeds]) + "\n", encoding="utf-8"

@@ -183,12 +183,14 @@ def test_the_wheel_columns_may_be_commands(
 
 def test_a_map_of_commands_alone_needs_the_word(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     log, mapped = tmp_path / "r.csv", tmp_path / "m.toml"
-    log.write_text("t,x,y,h,a\n" + "".join(f"{0.01 * i},0,0,0,1\n" for i in range(9)), encoding="utf-8")
+    log.write_text(
+        "t,x,y,h,a,b,c\n" + "".join(f"{0.01 * i},0,0,0,1,1,1\n" for i in range(9)), encoding="utf-8"
+    )
     named = (("x", "x", "m"), ("y", "y", "m"), ("heading", "h", "rad"))
     pose = "\n".join(f'{k} = {{ column = "{c}", unit = "{u}" }}' for k, c, u in named)
-    wheel = '\n[[wheel]]\ncommand = { column = "a", unit = "rad/s" }'
+    wheels = "".join(f'\n[[wheel]]\ncommand = {{ column = "{c}", unit = "rad/s" }}' for c in "abc")
     mapped.write_text(
-        f'schema = 1\n[time]\ncolumn = "t"\nunit = "s"\n[pose]\n{pose}{3 * wheel}\n', encoding="utf-8"
+        f'schema = 1\n[time]\ncolumn = "t"\nunit = "s"\n[pose]\n{pose}{wheels}\n', encoding="utf-8"
     )
     words = [
         "import",
