@@ -176,6 +176,7 @@ def bounds(
     <bounds of ohio-kiwi on paper: recommended 0.3947 m/s² in any direction, 0.5017 m/s² at the limit>
     """
     from slipmargin.limits.bounds_summary import bounds as limit_bounds
+    from slipmargin.report.bounds import slower_at_speed
     from slipmargin.report.motion import unsteady
 
     recipe = read_robot(robot)
@@ -209,6 +210,7 @@ def bounds(
         warnings = (*warnings, *more)
     warnings = (
         *warnings,
+        *slower_at_speed(found),
         *unsteady(model, found.extremes(), contact, looked_at="starts and stops at the limit"),
     )
     return BoundsResult(bounds=found, warnings=warnings, slip_chance=likely)

@@ -13,6 +13,10 @@ from slipmargin.model.parts import ExternalWrench
 from slipmargin.physics.terms import ForceTerm
 from slipmargin.physics.variables import Basis, Frame, Variable
 
+#: Constants of a basis in SI units; coefficients of a force along the motion, and of a yaw moment.
+_ONE = np.array([1.0, 0.0])
+_AHEAD, _TURN = np.array([[1.0], [0.0], [0.0]]), np.array([[0.0], [0.0], [1.0]])
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,20 +63,23 @@ class RollingResistance(Effect):
         inertia = nominal.inertia
         arm = float(np.mean(np.hypot(*(nominal.geometry.position_m - inertia.com_m).T)))
         coulomb, viscous = self.coefficient * inertia.weight_N, self.viscous_N_s_per_m
-        none = [0.0, 0.0]
-        push = ForceTerm(
-            variable=Variable.SPEED,
-            basis=Basis.ODD,
+        height = float(np.mean(nominal.geometry.radius_m))
+        steady = ForceTerm(
+            variable=Variable.UNITY,
+            basis=Basis.CONSTANT,
             frame=Frame.AGAINST_MOTION,
-            shape=np.array([1e-3, 0.0]),
-            coefficients=np.array([[coulomb, viscous], none, none]),
-            height_m=float(np.mean(nominal.geometry.radius_m)),
+            shape=_ONE,
+            coefficients=np.array([[coulomb], [0.0], [self.yaw_share * coulomb * arm]]),
+            height_m=height,
         )
-        turn = ForceTerm(
+        rising = replace(
+            steady, variable=Variable.SPEED, basis=Basis.POLYNOMIAL, coefficients=viscous * _AHEAD
+        )
+        turning = ForceTerm(
             variable=Variable.YAW_RATE,
-            basis=Basis.ODD,
+            basis=Basis.POLYNOMIAL,
             frame=Frame.BODY,
-            shape=np.array([1e-3 / arm, 0.0]),
-            coefficients=self.yaw_share * np.array([none, none, [-coulomb * arm, -viscous * arm**2]]),
+            shape=_ONE,
+            coefficients=-self.yaw_share * viscous * arm**2 * _TURN,
         )
-        return replace(part, terms=(*part.terms, push, turn))
+        return replace(part, terms=(*part.terms, steady, rising, turning))

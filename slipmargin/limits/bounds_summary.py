@@ -18,18 +18,17 @@ from slipmargin.limits.bounds import (
     directions,
     headings,
     spin,
-    starting,
     starting_by_motor,
     top_speed,
 )
 from slipmargin.limits.bounds_inside import YAW_SHARE, Inside, inside
 from slipmargin.limits.bounds_pace import held_speed
 from slipmargin.limits.bounds_states import PACE
-from slipmargin.limits.every_motion import turning_points
 from slipmargin.limits.motion import steady_share
 from slipmargin.limits.motion_rows import CAUSES, MOTOR
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.limits.still_rollers import StillRollers, still_rollers
+from slipmargin.limits.weakest_start import BRISK_M_S, WeakestStart, weakest_start
 from slipmargin.model import Model
 from slipmargin.physics.constants import GRAVITY_M_S2
 from slipmargin.physics.grips import GripShape
@@ -103,8 +102,7 @@ class Bounds:
     it, and of the motors' torque at half their top speed.
     ``rigid`` is the share of the grip that constant speed needs in the worst roller/rigid state; above 1 even
     constant speed must slip.  ``motor_m_s2`` and ``top_m_s`` (H,) are the motors' limits (infinite: none).
-    ``weakest_m_s2`` is the least safe speeding up over directions every degree and on both sides of those in
-    which a wheel's drag turns round, ``weakest_cause`` what sets it: grip, tips or motor torque.
+    ``weakest`` is the least safe speeding up over all directions.
     On an uneven floor all of them are the worst of the loads' band, and ``even`` says what an even floor
     allows with all of the grip.  ``rolling_m_s2`` is the traction limit of rollers that turn freely
     (disc-strip), where the grip is the box.  ``still_rollers`` is there where no roller turns in the
@@ -122,8 +120,7 @@ class Bounds:
     rigid_use: Array
     motor_m_s2: Array
     top_m_s: Array
-    weakest_m_s2: float
-    weakest_cause: str
+    weakest: WeakestStart
     even: Directions | None = None
     rolling_m_s2: float | None = None
     still_rollers: StillRollers | None = None
@@ -136,7 +133,7 @@ class Bounds:
         fast = np.concatenate([every.safe.starting_m_s2, -every.safe.braking_m_s2])
         can = np.isfinite(fast)
         ahead = np.tile(ahead_of(every.safe.heading_rad), (2, 1))[can]
-        speed = np.minimum(1.0, np.tile(every.top_m_s, 2)[can])
+        speed = np.minimum(BRISK_M_S, np.tile(every.top_m_s, 2)[can])
         return Motion(velocity=speed[:, None] * ahead, acceleration=fast[can, None] * ahead)
 
     @property
@@ -183,16 +180,17 @@ class Bounds:
     def recommended_m_s2(self) -> float:
         """Speeding up that is safe in every direction of motion with the margin [m/s²].
 
-        Up to half of the motors' top speed.
+        Up to half of the motors' top speed; what resists motion is taken up to 1 m/s.
         """
-        return max(0.0, min(self.weakest_m_s2, float(np.min(self.safe.starting_m_s2))))
+        return max(0.0, min(self.weakest.lowest_m_s2, float(np.min(self.safe.starting_m_s2))))
 
     @property
     def recommended_cause(self) -> str:
         """What allows no more than the recommended acceleration: grip, tips, motor torque or drag."""
         safe = self.safe.starting
         least = int(np.argmin(safe.value))
-        return self.weakest_cause if self.weakest_m_s2 <= safe.value[least] else safe.cause[least]
+        weak = self.weakest
+        return weak.cause if weak.lowest_m_s2 <= safe.value[least] else safe.cause[least]
 
     @property
     def motors_decide(self) -> bool:
@@ -301,16 +299,12 @@ def bounds(
 
     finer = heading if step_deg <= 1.0 else headings(step_deg / np.ceil(step_deg))
     found = towards(finer)
-    fine = np.concatenate([headings(1.0), turning_points(model, 0.0) % (2.0 * np.pi)])
-    weakest = starting(model, np.sort(fine), share=share, contact=contact, pace=PACE)
-    least = int(np.argmin(weakest.value))
     everywhere = Bounds(
         **found,
         model=model,
         margin=margin,
         sets=safe_sets(model, margin=margin, contact=contact, yaw_rad_s2=yaw_rad_s2),
-        weakest_m_s2=float(weakest.value[least]),
-        weakest_cause=weakest.cause[least],
+        weakest=weakest_start(model, share=share, contact=contact),
         rolling_m_s2=_rolling(model, finer, contact),
         still_rollers=still_rollers(model, found["full"], contact),
         contact=contact,

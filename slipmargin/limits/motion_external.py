@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import final
 
@@ -18,7 +18,7 @@ from slipmargin.physics.constants import SLOW_M_S, SLOW_RAD_S
 from slipmargin.physics.frames import moment, rotate_rows
 from slipmargin.physics.loads import Loads
 from slipmargin.physics.terms import ForceTerm
-from slipmargin.physics.variables import Frame
+from slipmargin.physics.variables import Basis, Frame
 
 #: No acceleration of the centre of mass [m/s²].
 NO_ACCELERATION = read_only(np.zeros(2))
@@ -163,6 +163,8 @@ def external_in_motion(model: Model, motion: Motion) -> External:
 def _term(model: Model, motion: Motion, term: ForceTerm) -> Array:
     nothing = np.zeros((motion.count, model.count))
     v = probes(model, motion, nothing, nothing, term)[..., 0]
+    if term.basis is Basis.ODD:
+        term = replace(term, shape=term.shape * [motion.fade, 1.0])
     wrench = np.broadcast_to(term.wrench(v), (len(v), motion.count, 3))
     if term.frame is Frame.BODY:
         return np.asarray(wrench)
@@ -172,11 +174,11 @@ def _term(model: Model, motion: Motion, term: ForceTerm) -> Array:
     x, y = term.place_m
     if term.frame is Frame.AT_PLACE:
         v = v + spin[:, None] * np.array([-y, x])
-    ahead = v / np.sqrt(np.sum(v**2, axis=1, keepdims=True) + SLOW_M_S**2)
+    ahead = v / np.sqrt(np.sum(v**2, axis=1, keepdims=True) + (motion.fade * SLOW_M_S) ** 2)
     left = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)
     out = np.empty(wrench.shape)
     out[..., :2] = -wrench[..., :1] * ahead + wrench[..., 1:2] * left
-    out[..., 2] = -wrench[..., 2] * spin / np.sqrt(spin**2 + SLOW_RAD_S**2)
+    out[..., 2] = -wrench[..., 2] * spin / np.sqrt(spin**2 + (motion.fade * SLOW_RAD_S) ** 2)
     if term.frame is Frame.AT_PLACE:
         arm = term.place_m - model.inertia.com_m
         out[..., 2] += moment(arm[0], arm[1], out[..., 0], out[..., 1])

@@ -126,7 +126,7 @@ def _slip(
         reach = np.linalg.norm(arm, axis=1)
         out = arm / np.where(reach > 0.0, reach, 1.0)[:, None]
         along = np.einsum("idj,mj,id->mi", hub_rows, motion.velocity, out)
-        return np.asarray((along / (hub + CRAWL_M_S))[None])
+        return np.asarray((along / (hub + motion.fade * CRAWL_M_S))[None])
     rolling = np.maximum(hub, np.abs(motion.velocity @ model.geometry.rolling_rows().T))[None]
     if variable is Variable.SLIP_RATIO:
         return np.asarray(slip / (rolling + CRAWL_M_S))

@@ -10,6 +10,9 @@ import numpy as np
 
 from slipmargin.checks import Array, Index, frozen
 
+#: Speed at which a force against the motion is full, over that below which it really fades out [1].
+_NO_FADE = 1e-9
+
 
 class Contact(Enum):
     """What material each wheel stands on (eq. 5)."""
@@ -44,6 +47,7 @@ class Motion:
     saturated : bool
         Take the drag at its full value with the sign of the transverse slip (zero where a wheel does
         not slide sideways), as if k were infinite: the published limit, independent of the speed.
+        So are forces against the motion, which fade out only where the robot comes to rest.
     """
 
     velocity: Array
@@ -75,6 +79,11 @@ class Motion:
     def full_drag(velocity: Array) -> Motion:
         """States (M, 3) along ``velocity``, so slow that nothing but the drag depends on it, at full drag."""
         return Motion(velocity=1e-3 * velocity, saturated=True)
+
+    @property
+    def fade(self) -> float:
+        """Of the speed below which a force against the motion fades out [1]: none of it at full drag."""
+        return _NO_FADE if self.saturated else 1.0
 
     @property
     def count(self) -> int:

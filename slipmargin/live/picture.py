@@ -10,10 +10,9 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.errors import NoSolution
 from slipmargin.limits import sweep, wrench_set
-from slipmargin.limits.bounds import directions, headings, spin, starting
-from slipmargin.limits.bounds_states import PACE
-from slipmargin.limits.every_motion import turning_points
+from slipmargin.limits.bounds import directions, headings, spin
 from slipmargin.limits.motion_rows import CAUSES, TIPS
+from slipmargin.limits.weakest_start import weakest_start
 from slipmargin.live.settings import Settings
 from slipmargin.model import Model
 from slipmargin.report.text import degrees, towards
@@ -38,13 +37,9 @@ def picture(now: Settings) -> dict[str, Any]:
     model = now.design.build()
     heading = headings(STEP_DEG)
     full = directions(model, heading, motor=False)
-    # The directions that ``bounds`` looks at; those of the picture are among them.
-    fine = np.concatenate([headings(1.0), turning_points(model, 0.0) % (2.0 * np.pi)])
-    order = np.argsort(fine, kind="stable")
-    safe = np.empty(len(fine))
-    safe[order] = starting(model, fine[order], share=1.0 - now.margin, pace=PACE).value
+    safe = weakest_start(model, share=1.0 - now.margin)  # as ``bounds`` has it
     weak = full.weakest
-    recommended = max(0.0, float(np.min(safe)))
+    recommended = max(0.0, safe.lowest_m_s2)
     turn = spin(model, share=1.0 - now.margin)
     ring = section(wrench_set(model).body())
     right, forward = model.convention.right_forward(ring[:, 0], ring[:, 1])
@@ -55,7 +50,7 @@ def picture(now: Settings) -> dict[str, Any]:
         "starting": _plain(np.maximum(full.starting_m_s2, 0.0)),
         "turning": _plain(np.maximum(full.turning_m_s2, 0.0)),
         "braking": _plain(np.maximum(full.braking_m_s2, 0.0)),
-        "safe": _plain(np.maximum(safe[: 360 : round(STEP_DEG)], 0.0)),
+        "safe": _plain(np.maximum(safe.by_degree_m_s2[:: round(STEP_DEG)], 0.0)),
         "tips": tips,
         "weakest": {
             "value": _plain(full.starting_m_s2[weak]),

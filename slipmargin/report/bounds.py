@@ -12,6 +12,7 @@ from slipmargin.limits.bounds_summary import Bounds
 from slipmargin.limits.motion_realised import SLOW_CREEP, settles_slowly
 from slipmargin.limits.motion_rows import CAUSES, TIPS
 from slipmargin.limits.uncertainty import SlipChance
+from slipmargin.limits.weakest_start import BRISK_M_S
 from slipmargin.report.sweep import chance_line
 from slipmargin.report.text import ROWS, columns, degrees, left_out, thinned
 
@@ -19,6 +20,19 @@ from slipmargin.report.text import ROWS, columns, degrees, left_out, thinned
 WORTH_SAYING = 0.005
 #: A strongest direction whose neighbours hold less than this part of it is called narrow [1].
 NEEDLE = 0.9
+
+
+def slower_at_speed(b: Bounds) -> tuple[str, ...]:
+    """A sentence where something that follows the speed leaves less than at a start; else none."""
+    weak = b.weakest
+    if weak.lowest_m_s2 >= (1.0 - WORTH_SAYING) * weak.start_m_s2:
+        return ()
+    return (
+        f"speed: what resists or holds follows the speed: the weakest direction allows {weak.start_m_s2:.4g} "
+        f"m/s² at a start and {weak.lowest_m_s2:.4g} m/s² at {BRISK_M_S:g} m/s or half of the motors' top "
+        "speed; the recommended acceleration is the lower, limits by direction and safe sets are those of a "
+        "start",
+    )
 
 
 def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:

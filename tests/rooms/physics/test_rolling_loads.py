@@ -35,7 +35,8 @@ def test_loads_are_those_of_a_floor_force_ahead_of_each_wheel(heading_deg: float
 def test_larger_wheels_shift_more_load_and_standing_still_none() -> None:
     robot = kiwi(20.0)
     model = Recipe(robot=robot, effects=(RollingResistance(coefficient=SHARE),)).build("paper")
-    (push, turn) = model.external.terms
-    assert push.height_m == pytest.approx(robot.wheels[0].radius_m) and turn.height_m == 0.0
+    steady, rising, turning = model.external.terms
+    assert steady.height_m == rising.height_m == pytest.approx(robot.wheels[0].radius_m)
+    assert turning.height_m == 0.0
     standing = external_in_motion(model, Motion(velocity=np.zeros((1, 3)))).middle(np.zeros(2))[1]
     np.testing.assert_allclose(standing[0], model.loads.rest_N, rtol=1e-9)
