@@ -92,7 +92,8 @@ def measure(pulls: Path | str, robot: RobotLike, surface: str, *, seed: int = 0)
     ----------
     pulls : str or Path
         A CSV of pulls (``phi_rad,force_N`` and, where known, ``theta{i}_rad``), one row a pull: the force at
-        which the robot began to slide [N] and its orientation under a pull along the floor's +x [rad].
+        which the robot began to slide [N] and its orientation under a pull along the floor's +x [rad], or
+        along ``direction_rad``, at ``point_x_m,point_y_m`` and ``height_m`` where these are given.
     robot : str, Path, Recipe or Robot
         Its mass, geometry, loads and grip are taken as they are; its coefficients on rollers are not used.
     surface : str

@@ -12,7 +12,7 @@ import numpy as np
 
 from slipmargin.api.monitor_log import MonitoredLog, SlipEstimate, Tally
 from slipmargin.api.robots import RobotLike, model_of, read_robot
-from slipmargin.checks import Array, frozen, measurable, real
+from slipmargin.checks import Array, frozen, measurable, real, shaped
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
@@ -145,8 +145,13 @@ class SlipMonitor:
             "gyro_rad_s": (gyro_rad_s, self.channels.gyro, (len(t_s),)),
             "current_A": (current_A, self.channels.current, (len(t_s), self.table.count)),
         }
+        frozen("t_s", t_s, (None,))
+        if np.any(np.diff(t_s) <= 0.0):
+            raise InputError("t_s", "does not increase from sample to sample", "give the samples in order")
         frozen("omega", omega, (len(t_s), self.table.count))
         frozen("twist", np.nan_to_num(twist), (len(t_s), 3))
+        known = np.isfinite(twist).all(axis=1)
+        frozen("slips", shaped("slips", slips, (len(t_s),))[known], (None,))
         for place, (values, announced, shape) in given.items():
             _check_announced(place, values, announced, "give it for every sample")
             if values is not None:

@@ -348,13 +348,7 @@ def _pulls_between(phi: Array, file: Path, wheels: int) -> tuple[PullGroups, int
     from slipmargin.io.trial_file import read_pulls
 
     read = read_pulls(file, wheels)
-    if read.direction_rad is not None or read.point_m is not None or read.height_m is not None:
-        raise InputError(
-            "1:1",
-            "pulls have a direction, a point or a height of their own, a sweep has one for all",
-            "remove these columns, or use slipmargin diagnose",
-            str(file),
-        )
+    read.refuse_settings(str(file))
     turned = phi[0] - SETTINGS.same_rad + np.mod(read.phi_rad - phi[0] + SETTINGS.same_rad, 2.0 * np.pi)
     inside = turned <= phi[-1] + SETTINGS.same_rad
     if not np.any(inside):

@@ -41,7 +41,10 @@ def without_zeros(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
         if not zero.any() or not others.any():
             return record, 0.0
         at = np.flatnonzero(others)
-        near = at[np.abs(np.arange(len(zero))[:, None] - at).argmin(axis=1)]
+        row = np.arange(len(zero))
+        after = np.searchsorted(at, row)
+        before, after = at[np.maximum(after - 1, 0)], at[np.minimum(after, len(at) - 1)]
+        near = np.where(np.abs(row - before) <= np.abs(after - row), before, after)
         step = np.abs(np.diff(record.pose[at], axis=0))
         usual = np.quantile(step, 0.9, axis=0) if len(step) else np.zeros(3)
         far = np.any(np.abs(record.pose[near]) > SETTINGS.zero_steps * usual, axis=1)

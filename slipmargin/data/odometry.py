@@ -26,9 +26,7 @@ def body_path(pose: Array) -> Array:
     whole = bridged(np.arange(len(pose), dtype=float), pose)
     step = np.diff(whole, axis=0)
     middle = whole[:-1, 2] + 0.5 * step[:, 2]
-    c, s = np.cos(middle), np.sin(middle)
-    body = np.column_stack([c * step[:, 0] + s * step[:, 1], -s * step[:, 0] + c * step[:, 1], step[:, 2]])
-    return np.vstack([np.zeros(3), np.cumsum(body, axis=0)])
+    return np.vstack([np.zeros(3), np.cumsum(rotate_rows(middle, step, inverse=True), axis=0)])
 
 
 def bridged(t: Array, values: Array) -> Array:
@@ -47,12 +45,18 @@ def body_velocity(t_s: Array, pose: Array, half: int) -> Array:
     return rotate_rows(pose[half:-half, 2], rate, inverse=True)
 
 
+def integrated(t: Array, rate: Array) -> Array:
+    """What rates (T,) or (T, C) have added up to since the first sample, by the trapezoidal rule."""
+    step = np.diff(t).reshape(-1, *[1] * (rate.ndim - 1))
+    return np.concatenate(
+        [np.zeros((1, *rate.shape[1:])), np.cumsum(0.5 * (rate[1:] + rate[:-1]) * step, axis=0)]
+    )
+
+
 def wheel_angles(t: Array, theta: Array | None, omega: Array | None) -> Array | None:
     """(T, N) wheel angles: as measured, or by the trapezoidal rule from measured speeds, or None."""
     if theta is not None and np.isfinite(theta).any(axis=0).all():
         return bridged(t, theta)
     if omega is None or not np.isfinite(omega).any(axis=0).all():
         return None
-    rate = bridged(t, omega)
-    step = 0.5 * (rate[1:] + rate[:-1]) * np.diff(t)[:, None]
-    return np.vstack([np.zeros(rate.shape[1]), np.cumsum(step, axis=0)])
+    return integrated(t, bridged(t, omega))

@@ -10,6 +10,7 @@ import numpy as np
 from slipmargin.checks import Array, Index, frozen, real
 from slipmargin.data.settings import SETTINGS
 from slipmargin.errors import InputError
+from slipmargin.physics.frames import wrapped
 
 
 @final
@@ -60,6 +61,22 @@ class Pulls:
         if self.sigma_N is not None:
             put(self, "sigma_N", real("sigma_N", self.sigma_N, above=0.0, cure="noise is positive"))
 
+    def refuse_settings(self, file: str) -> None:
+        """Refuse pulls with a direction, a point or a height of their own, beside limits of one for all.
+
+        Raises
+        ------
+        InputError
+            Placed at the header of ``file``.
+        """
+        if self.direction_rad is not None or self.point_m is not None or self.height_m is not None:
+            raise InputError(
+                "1:1",
+                "pulls have a direction, a point or a height of their own, a sweep has one for all",
+                "remove these columns, or use slipmargin diagnose",
+                file,
+            )
+
     def settings(self) -> tuple[Array, Index]:
         """What was pulled how: settings (G, 5), and which of them each pull (P,) is.
 
@@ -81,7 +98,7 @@ class Pulls:
 
 
 def _same(one: Array, other: Array) -> bool:
-    turned = np.abs(np.mod(one[:2] - other[:2] + np.pi, 2.0 * np.pi) - np.pi)
+    turned = np.abs(wrapped(one[:2] - other[:2]))
     return bool(np.all(turned <= SETTINGS.same_rad)) and bool(
         np.all(np.nan_to_num(np.abs(one[2:] - other[2:])) <= SETTINGS.same_m)
     )
@@ -109,21 +126,23 @@ class PullGroups:
 
     def nearest(self, phi_rad: float) -> int | None:
         """The group at an orientation, or None where nothing was measured."""
-        gap = np.abs(self.phi_rad - phi_rad)
+        gap = np.abs(wrapped(self.phi_rad - phi_rad))
         at = int(np.argmin(gap))
         return at if gap[at] <= SETTINGS.same_rad else None
 
 
 def gather_pulls(phi_rad: Array, force_N: Array) -> PullGroups:
-    """Group pulls whose orientations agree to :attr:`DataSettings.same_rad`."""
-    order = np.argsort(phi_rad, kind="stable")
-    phi, force = np.asarray(phi_rad)[order], np.asarray(force_N)[order]
-    groups = np.split(np.arange(len(phi)), np.flatnonzero(np.diff(phi) > SETTINGS.same_rad) + 1)
+    """Group pulls by orientation, as :meth:`Pulls.settings` does."""
+    settings, which = Pulls(phi_rad=phi_rad, force_N=force_N).settings()
+    of = [np.flatnonzero(which == g) for g in range(len(settings))]
+    at = [one[0] + np.mean(wrapped(phi_rad[g] - one[0])) for one, g in zip(settings, of, strict=True)]
+    order = np.argsort(at, kind="stable")
+    force = [force_N[of[g]] for g in order]
     return PullGroups(
-        phi_rad=np.array([phi[g].mean() for g in groups]),
-        mean_N=np.array([force[g].mean() for g in groups]),
-        low_N=np.array([force[g].min() for g in groups]),
-        high_N=np.array([force[g].max() for g in groups]),
-        sd_N=np.array([force[g].std(ddof=1) if len(g) > 1 else np.nan for g in groups]),
-        count=np.array([float(len(g)) for g in groups]),
+        phi_rad=np.array(at)[order],
+        mean_N=np.array([f.mean() for f in force]),
+        low_N=np.array([f.min() for f in force]),
+        high_N=np.array([f.max() for f in force]),
+        sd_N=np.array([f.std(ddof=1) if len(f) > 1 else np.nan for f in force]),
+        count=np.array([float(len(f)) for f in force]),
     )

@@ -48,6 +48,7 @@ def segments(record: Record, length_s: float, lead_s: float = SETTINGS.lead_s) -
 def _moves(record: Record, rows: np.ndarray[tuple[int], np.dtype[np.int64]]) -> bool:
     """Whether a wheel turns by a degree at least."""
     if record.theta is not None:
-        return bool(np.nanmax(np.ptp(record.theta[rows], axis=0)) > np.pi / 180.0)
+        known = record.theta[rows][:, np.isfinite(record.theta[rows]).any(axis=0)]
+        return known.size > 0 and bool(np.max(np.nanmax(known, 0) - np.nanmin(known, 0)) > np.pi / 180.0)
     speeds = record.omega if record.omega is not None else record.omega_cmd
-    return speeds is not None and bool(np.nanmax(np.abs(speeds[rows])) > 0.0)
+    return speeds is not None and bool(np.any(np.abs(speeds[rows]) > 0.0))

@@ -8,7 +8,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.data.data_set import DataSet
-from slipmargin.data.odometry import bridged
+from slipmargin.data.odometry import bridged, integrated
 from slipmargin.data.record import Record
 from slipmargin.data.repair import Repair, run_by_run
 from slipmargin.data.settings import SETTINGS
@@ -55,9 +55,7 @@ def _unwrapped_wheels(record: Record) -> tuple[Record, float]:
     )
     way = np.zeros(record.theta.shape)
     if speed is not None:
-        rate = bridged(record.t_s, speed)
-        mean = 0.5 * (rate[1:] + rate[:-1]) * np.diff(record.t_s)[:, None]
-        way[1:] = np.cumsum(mean, axis=0)
+        way = integrated(record.t_s, bridged(record.t_s, speed))
     columns, counts = zip(*(_unwrap(a, w) for a, w in zip(record.theta.T, way.T, strict=True)), strict=True)
     if not sum(counts):
         return record, 0
@@ -259,7 +257,7 @@ def _smoothed(t: Array, angle: Array, speed: Array | None, step: float) -> tuple
     known = np.isfinite(angle)
     if speed is not None and np.isfinite(speed).any():
         rate = bridged(t, speed[:, None])[:, 0]
-        way = np.append(0.0, np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(t)))
+        way = integrated(t, rate)
         offset = angle[known] - way[known]
         moving = np.abs(rate[3:]) > 0.1 * np.abs(rate).max()
         rough = np.abs(np.diff(way, n=3))[moving]

@@ -13,7 +13,7 @@ from collections.abc import Callable
 import numpy as np
 
 from slipmargin.checks import Array
-from slipmargin.data.odometry import bridged, wheel_angles
+from slipmargin.data.odometry import bridged, integrated, wheel_angles
 from slipmargin.diagnosis.fit import Fit
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.settings import SETTINGS
@@ -74,10 +74,15 @@ class _Motion:
     def added_up(self, velocity: Array) -> Array:
         """How far (T, 3, P) a body-frame velocity (T, 3, P) moves the robot from its predicted path."""
         x, y = to_floor(self.pose[:, 2, None], velocity[:, 0], velocity[:, 1])
-        turn = self._sum(velocity[:, 2])
+        turn = integrated(self.t_s, velocity[:, 2])
         rate = np.gradient(self.pose, self.t_s, axis=0)
         return np.stack(
-            [self._sum(x - turn * rate[:, 1:2]), self._sum(y + turn * rate[:, 0:1]), turn], axis=1
+            [
+                integrated(self.t_s, x - turn * rate[:, 1:2]),
+                integrated(self.t_s, y + turn * rate[:, 0:1]),
+                turn,
+            ],
+            axis=1,
         )
 
     def seen_through_a_lens(self) -> Array:
@@ -87,10 +92,6 @@ class _Motion:
         nothing = np.zeros_like(powers)
         along = [(powers, nothing), (nothing, powers)]
         return np.concatenate([np.stack([*pair, nothing], axis=1) for pair in along], axis=2)
-
-    def _sum(self, rate: Array) -> Array:
-        steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(self.t_s)[:, None]
-        return np.vstack([np.zeros((1, rate.shape[1])), np.cumsum(steps, axis=0)])
 
 
 def probes(problem: Problem, base: Fit) -> list[Columns]:
@@ -184,7 +185,7 @@ def _velocities(motions: list[_Motion], model: Model, commanded: bool) -> list[t
         """Each wheel stands still while its play is taken up, after it has changed its direction."""
         parts = []
         for i, speed in enumerate(m.speed.T):
-            angle = m._sum(speed[:, None])[:, 0]
+            angle = integrated(m.t_s, speed)
             behind = np.zeros(len(angle))
             at = angle[0]
             for k, now in enumerate(angle):

@@ -13,7 +13,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.data.pulls import Pulls
-from slipmargin.diagnosis.pull_problem import setting_bands, setting_limits
+from slipmargin.limits.pull_settings import setting_bands, setting_limits
 from slipmargin.model import Model
 from slipmargin.physics.sectors import on_rigid, pitch
 

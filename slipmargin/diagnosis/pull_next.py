@@ -10,8 +10,10 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.diagnosis.fit import Fit, build, limits_of, steps_inside
-from slipmargin.diagnosis.pull_problem import PullProblem, setting_limits
+from slipmargin.diagnosis.pull_problem import PullProblem
 from slipmargin.errors import InputError, NoSolution
+from slipmargin.limits.pull_settings import setting_limits
+from slipmargin.physics.frames import wrapped
 
 #: Orientations and directions of the pull that are compared [rad].
 _ORIENTATIONS = np.deg2rad(np.arange(0.0, 360.0, 5.0))
@@ -72,7 +74,7 @@ def _spread(grid: Array, worth: Array) -> list[int]:
     """The best few, their orientations apart."""
     chosen: list[int] = []
     for g in np.argsort(-worth, kind="stable"):
-        turned = [np.abs(np.mod(grid[g, 0] - grid[k, 0] + np.pi, 2.0 * np.pi) - np.pi) for k in chosen]
+        turned = [np.abs(wrapped(grid[g, 0] - grid[k, 0])) for k in chosen]
         if all(t >= _APART_RAD for t in turned):
             chosen.append(int(g))
         if len(chosen) == _MANY:

@@ -24,9 +24,7 @@ from slipmargin.diagnosis.watch import Watch
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.effects.recipe import with_effects
 from slipmargin.errors import InputError, NoSolution
-from slipmargin.limits.band import band
-from slipmargin.limits.pull import Pull
-from slipmargin.limits.sweep import limit_or_zero
+from slipmargin.limits.pull_settings import setting_limits
 from slipmargin.model import Model, nominal_model
 from slipmargin.physics.sectors import pitch
 
@@ -66,34 +64,6 @@ def expectation(model: Model, settings: Array, which: Index, theta_rad: Array | 
     kept = np.flatnonzero(share.max(axis=0) > PULLS.rare)
     forces = np.stack([setting_limits(model, settings, state)[which] for state in states[kept]])
     return Expectation(force_N=forces, share=share[:, kept] / share[:, kept].sum(axis=1, keepdims=True))
-
-
-def setting_limits(model: Model, settings: Array, rigid: Array | None = None) -> Array:
-    """F_emax (G,) [N] of settings (:meth:`~slipmargin.data.pulls.Pulls.settings`) in one contact state."""
-    found = np.empty(len(settings))
-    for pull, rows in _alike(settings):
-        found[rows] = limit_or_zero(model, settings[rows, 0], pull, rigid)
-    return found
-
-
-def setting_bands(model: Model, settings: Array) -> tuple[Array, Array]:
-    """Lowest and highest F_emax (G,) [N] of settings over contact states."""
-    found = np.empty((2, len(settings)))
-    for pull, rows in _alike(settings):
-        found[:, rows] = band(model, settings[rows, 0], pull)
-    return found[0], found[1]
-
-
-def _alike(settings: Array) -> list[tuple[Pull, Index]]:
-    """Settings that differ in orientation alone, gathered: the pull and its rows."""
-    rest = np.nan_to_num(settings[:, 1:], nan=np.inf)
-    kinds, kind = np.unique(rest, axis=0, return_inverse=True)
-    found = []
-    for number, (direction, x, y, height) in enumerate(kinds):
-        point = None if np.isinf(x) else np.array([x, y])
-        pull = Pull(direction_rad=float(direction), point_m=point, height_m=float(height))
-        found.append((pull, np.flatnonzero(kind.ravel() == number)))
-    return found
 
 
 def _states(rigid: Array) -> list[tuple[bool, ...]]:

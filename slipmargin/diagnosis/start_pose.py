@@ -9,7 +9,7 @@ from slipmargin.checks import Array
 from slipmargin.data.noise import LastingNoise
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.whitening import whitened
-from slipmargin.physics.frames import rotated
+from slipmargin.physics.frames import to_floor
 
 
 def aligned(pose: Array, measured: Array, seen: NDArray[np.bool_]) -> Array:
@@ -18,7 +18,7 @@ def aligned(pose: Array, measured: Array, seen: NDArray[np.bool_]) -> Array:
     off = np.sum(np.where(known, measured[..., 2] - pose[..., 2], 0.0), axis=1)
     off = off / np.maximum(1, known.sum(axis=1))
     arm = pose[..., :2] - pose[:, :1, :2]
-    place = np.stack(rotated(off[:, None], arm[..., 0], arm[..., 1]), axis=-1)
+    place = np.stack(to_floor(off[:, None], arm[..., 0], arm[..., 1]), axis=-1)
     middle = np.sum(np.where(seen[..., :2], measured[..., :2] - place, 0.0), axis=1) / np.maximum(
         1, seen[..., :2].sum(axis=1)
     )

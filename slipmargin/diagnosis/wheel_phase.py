@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from slipmargin.checks import Array, Index
-from slipmargin.data.odometry import bridged, wheel_angles
+from slipmargin.data.odometry import bridged, integrated, wheel_angles
 from slipmargin.data.record import WHEEL_SIGNALS, Record
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit, build, fit
@@ -168,7 +168,7 @@ def turned_before(run: Record, t_s: float, commanded: bool) -> Array:
 
 def _end_of_first_part(run: Record) -> float:
     rate = np.mean(np.abs(_speeds(run, run.omega is None)), axis=1)
-    turned = np.append(0.0, np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(run.t_s)))
+    turned = integrated(run.t_s, rate)
     last = int(np.searchsorted(turned, SETTINGS.phase_part * turned[-1], side="right")) - 1
     return float(run.t_s[min(max(last, SETTINGS.phase_samples - 1), len(run.t_s) - 1)])
 

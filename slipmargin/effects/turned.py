@@ -135,6 +135,8 @@ def _mirrored(basis: Basis, shape: Array, coefficients: Array) -> tuple[Array, A
 def _shifted(basis: Basis, shape: Array, coefficients: Array, by: float) -> tuple[Array, Array]:
     """The same function of an angle v that is larger by ``by``."""
     if basis is Basis.FOURIER:
+        if coefficients.shape[-1] % 2:  # a cosine alone: its sine is none
+            coefficients = np.concatenate([coefficients, np.zeros((*coefficients.shape[:-1], 1))], axis=-1)
         turned = np.array(coefficients)
         for j in range(coefficients.shape[-1] // 2):
             phase = 2.0 * math.pi * (j + 1) * by / float(shape[0])

@@ -21,6 +21,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.data.odometry import integrated
 from slipmargin.data.record import Record
 from slipmargin.diagnosis.fit import Fit, GaussianPrior, evaluate, limits_of
 from slipmargin.diagnosis.prepare import Trial, clean
@@ -89,8 +90,7 @@ def problem_of_drives(problem: Problem, drives: Sequence[Drive], seed: int) -> P
     trials = []
     for k, drive in enumerate(drives):
         t, omega = drive.trajectory.t_s, drive.trajectory.omega
-        turned = np.cumsum(0.5 * (omega[1:] + omega[:-1]) * np.diff(t)[:, None], axis=0)
-        theta = rng.uniform(0.0, 2.0 * np.pi, omega.shape[1]) + np.vstack([np.zeros(omega.shape[1]), turned])
+        theta = rng.uniform(0.0, 2.0 * np.pi, omega.shape[1]) + integrated(t, omega)
         record = Record(
             name=f"next-{k:03d}",
             t_s=t,

@@ -17,6 +17,7 @@ from slipmargin.checks import Array
 from slipmargin.limits.bias import load_extremes, loads_at_rest, turns_with_floor
 from slipmargin.limits.ranges import span
 from slipmargin.model import Model
+from slipmargin.physics.frames import wrapped
 from slipmargin.physics.terms import OF_PLACE, Multiplier, basis_values, place_variable
 from slipmargin.physics.variables import Target, Variable
 
@@ -88,7 +89,7 @@ def _known(term: Multiplier, model: Model, phi_rad: Array, extreme: Extreme) -> 
         axes = np.stack([model.geometry.grip, model.geometry.free], axis=1)
         arg = np.arctan2(axes[..., 1], axes[..., 0])
         v = phi_rad[:, None, None, None] + arg[None, :, :, None] + np.array([0.0, np.pi])
-        v = np.mod(v + np.pi, 2.0 * np.pi) - np.pi
+        v = wrapped(v)
     elif term.variable is Variable.HEADING:
         v = np.broadcast_to(phi_rad[:, None, None, None], (len(phi_rad), n, 1, 1))
     else:

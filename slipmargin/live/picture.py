@@ -148,6 +148,7 @@ def pulls(now: Settings, measured: Path | None = None) -> dict[str, Any]:
     points: list[dict[str, Any]] = []
     if measured is not None:
         read = read_pulls(measured, model.count)
+        read.refuse_settings(str(measured))
         groups = gather_pulls(read.phi_rad % (2.0 * np.pi), read.force_N)
         limit = sweep(model, groups.phi_rad).f_max_N
         points = [

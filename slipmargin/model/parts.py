@@ -53,6 +53,11 @@ class Inertia:
         return np.array([self.mass_kg, self.mass_kg, self.inertia_kg_m2])
 
 
+def on_rollers(roller: Array, rigid: Array, rigid_fraction: Array) -> Array:
+    """Coefficients (..., N, 2) of wheels on their rollers: those on rigid where a wheel has no rollers."""
+    return np.where(np.asarray(rigid_fraction)[..., None] >= 1.0, rigid, roller)
+
+
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Grip:
@@ -81,8 +86,7 @@ class Grip:
 
     def __post_init__(self) -> None:
         n = len(np.asarray(self.roller))
-        no_rollers = np.asarray(self.rigid_fraction)[:, None] >= 1.0
-        object.__setattr__(self, "roller", np.where(no_rollers, self.rigid, self.roller))
+        object.__setattr__(self, "roller", on_rollers(self.roller, self.rigid, self.rigid_fraction))
         _freeze(self, roller=(n, 2), rigid=(n, 2), rollers=(n,), rigid_fraction=(n,), viscous_N_s_per_m=(2,))
 
 

@@ -13,17 +13,16 @@ import numpy as np
 from slipmargin.checks import Array
 
 
-def rotated(angle: Any, x: Any, y: Any) -> tuple[Any, Any]:
-    """Components of the vector (x, y) turned counter-clockwise by ``angle`` [rad].
-
-    With ``angle`` = φ it takes body components to floor components (eq. 1's R(φ)).
-    """
-    c, s = np.cos(angle), np.sin(angle)
-    return c * x - s * y, s * x + c * y
+def wrapped(angle: Any) -> Any:
+    """The same direction within −π to below π [rad]."""
+    return np.mod(angle + np.pi, 2.0 * np.pi) - np.pi
 
 
 def to_floor(phi: Any, x: Any, y: Any) -> tuple[Any, Any]:
-    """Floor components of a vector given in the body frame of a robot at heading ``phi`` [rad]."""
+    """Floor components of a vector in the body frame of a robot at heading ``phi`` [rad] (eq. 1's R(φ)).
+
+    It is the vector turned counter-clockwise by ``phi``.
+    """
     c, s = np.cos(phi), np.sin(phi)
     return c * x - s * y, s * x + c * y
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.model import Model
+from slipmargin.model.parts import on_rollers
 from slipmargin.physics.constants import GRAVITY_M_S2
 from slipmargin.physics.frames import directions, moment
 from slipmargin.physics.grips import polyhedral
@@ -121,14 +122,17 @@ def _from_robots(designs: list[RobotOnSurface]) -> dict[str, Any]:
     com = np.array([r.body.com_m for r in robots])
     floor = [r.surface(m.surface) for r, m in zip(robots, designs, strict=True)]
     static = _static(place, com)
+    roller = np.array([[(s.roller.drive, s.roller.transverse)] * n for s in floor])
+    rigid = np.array([[(s.rigid.drive, s.rigid.transverse)] * n for s in floor])
+    fraction = np.array([[w.rigid_fraction for w in r.wheels] for r in robots])
     return {
         "place": place,
         "com": com,
         "grip": directions(turn),
         "free": directions(turn - np.pi / 2.0),
-        "roller": np.array([[(s.roller.drive, s.roller.transverse)] * n for s in floor]),
-        "rigid": np.array([[(s.rigid.drive, s.rigid.transverse)] * n for s in floor]),
-        "rigid_fraction": np.array([[w.rigid_fraction for w in r.wheels] for r in robots]),
+        "roller": on_rollers(roller, rigid, fraction),
+        "rigid": rigid,
+        "rigid_fraction": fraction,
         "rest": np.array([_shares(r, row) for r, row in zip(robots, static, strict=True)]),
         "static": static,
         "weight_N": np.array([r.body.mass_kg for r in robots]) * GRAVITY_M_S2,

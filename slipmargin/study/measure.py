@@ -1,6 +1,7 @@
 """Friction coefficients from pulls with a scale: least squares on the limits, bootstrap over the pulls.
 
-A pull at orientation φ measures F_emax(φ; μ_W, μ_T); pulls at several orientations decide both coefficients
+A pull at orientation φ measures F_emax(φ; μ_W, μ_T), along +x through the centre of mass at the floor or as
+its own direction, point and height say; pulls at several orientations decide both coefficients
 of each type of wheel.  Only pulls with all wheels on rollers count.
 """
 
@@ -15,8 +16,7 @@ import numpy as np
 from slipmargin.checks import Array, Index, frozen
 from slipmargin.data.pulls import Pulls
 from slipmargin.errors import InputError
-from slipmargin.limits.pull import Pull
-from slipmargin.limits.sweep import limit_or_zero
+from slipmargin.limits.pull_settings import setting_limits
 from slipmargin.model import Model
 from slipmargin.physics.grips import polyhedral
 from slipmargin.physics.sectors import on_rigid, pitch
@@ -84,11 +84,13 @@ def measure(model: Model, roller_angle_deg: Array, pulls: Pulls, *, seed: int = 
     if pulls.theta_rad is not None:
         rigid = on_rigid(pulls.theta_rad, pitch(model.grip.rollers), model.grip.rigid_fraction)
         keep = ~np.any(rigid, axis=1)
-    phi, force, unknown = pulls.phi_rad[keep], pulls.force_N[keep], 2 * len(names)
-    if len(phi) <= unknown:
+    settings, which = pulls.settings()
+    used, back = np.unique(which[keep], return_inverse=True)
+    settings, force, unknown = settings[used], pulls.force_N[keep], 2 * len(names)
+    if len(force) <= unknown:
         raise InputError(
             "pulls",
-            f"{len(phi)} with all wheels on rollers are too few for {unknown} coefficients",
+            f"{len(force)} with all wheels on rollers are too few for {unknown} coefficients",
             f"pull at least {unknown + 1} times, in several directions",
         )
 
@@ -100,17 +102,14 @@ def measure(model: Model, roller_angle_deg: Array, pulls: Pulls, *, seed: int = 
             "give newtons, and the mass of the robot as it was pulled",
         )
 
-    def predicted(mu: Array, where: Array) -> Array:
+    def predicted(mu: Array) -> Array:
         roller = mu.reshape(-1, 2)[kind]
-        return limit_or_zero(replace(model, grip=replace(model.grip, roller=roller)), where, Pull())
-
-    places, back = np.unique(phi, return_inverse=True)
-    back = back.ravel()
+        return setting_limits(replace(model, grip=replace(model.grip, roller=roller)), settings)
 
     def fitted(weight: Array, start: Array, enough: float) -> Array:
         root = np.sqrt(weight)
         found = least_squares(
-            lambda mu: root * (predicted(mu, places)[back] - force),
+            lambda mu: root * (predicted(mu)[back] - force),
             start,
             bounds=RANGE,
             x_scale=0.1,
@@ -121,14 +120,14 @@ def measure(model: Model, roller_angle_deg: Array, pulls: Pulls, *, seed: int = 
 
     grips = float(np.mean(force)) / model.inertia.weight_N
     start = np.clip(np.tile([1.3 * grips, 0.4 * grips], len(names)), 2.0 * RANGE[0], 0.5 * RANGE[1])
-    best = fitted(np.ones(len(phi)), start, 1e-8)
-    middle = predicted(best, places)
-    _refuse_undecided(names, best, middle, lambda mu: predicted(mu, places))
+    best = fitted(np.ones(len(force)), start, 1e-8)
+    middle = predicted(best)
+    _refuse_undecided(names, best, middle, predicted)
     rng = np.random.default_rng(seed)
     draws = DRAWS if polyhedral(model.grip.shape, model.grip.coupling) else DRAWS_CONES
     redrawn = []
     for _ in range(draws):
-        weight = np.bincount(rng.integers(0, len(phi), len(phi)), minlength=len(phi)).astype(float)
+        weight = np.bincount(rng.integers(0, len(force), len(force)), minlength=len(force)).astype(float)
         redrawn.append(fitted(weight, best, ENOUGH))
     low, high = np.quantile(redrawn, [LOW, HIGH], axis=0)
     shape = (len(names), 2)

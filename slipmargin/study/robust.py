@@ -100,8 +100,9 @@ def robust(
         If an interval is given twice or no design is possible at every corner.
     """
     keys = [i.quantity.key for i in intervals]
-    if len(set(keys)) < len(keys):
-        raise InputError(keys[0], "is given twice", "give one interval for each quantity")
+    twice = next((key for k, key in enumerate(keys) if key in keys[:k]), None)
+    if twice is not None:
+        raise InputError(twice, "is given twice", "give one interval for each quantity")
     goal = BY_NAME[UNKNOWN.get(goal.name, goal.name)]
     corners = list(itertools.product(*({i.low, i.high} for i in intervals)))
     everyone = [_moved(m, intervals, corner) for corner in corners for m in designs]

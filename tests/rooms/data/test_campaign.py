@@ -92,3 +92,10 @@ def test_parts_of_a_recording_in_which_nothing_moves_are_no_runs() -> None:
     assert {r.start_s for r in segments(cut, 2.5)} == {0.0}, "each is a run of its own"
     with pytest.raises(InputError, match="segment_s"):
         segments(recording(), 0.2)
+
+
+def test_a_missing_encoder_row_leaves_a_run_in() -> None:
+    record = recording()
+    theta = np.array(record.theta)
+    theta[60::125] = np.nan
+    assert len(segments(replace(record, theta=theta), 2.5)) == 4

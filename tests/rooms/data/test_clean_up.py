@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -26,6 +27,7 @@ from spoilt import (
 )
 
 from slipmargin.checks import Array
+from slipmargin.data.camera_frames import without_zeros
 from slipmargin.data.checks import check_data_set
 from slipmargin.data.clean_up import Repaired, repaired
 from slipmargin.data.data_set import DataSet
@@ -110,6 +112,21 @@ def test_a_camera_slower_than_the_log(absent: bool) -> None:
     )
     assert data.sigma is not None
     assert np.all(error.std(axis=0) < 1.12 * np.sqrt(2.0) * data.sigma)
+
+
+def test_a_zero_pose_in_a_long_log_takes_memory_of_its_length_only() -> None:
+    data_set = good(count=1, duration_s=30.0)
+
+    def blank(pose: Array) -> Array:
+        pose[1500] = 0.0
+        return pose
+
+    tracemalloc.start()
+    found, _ = without_zeros(posed(data_set, blank))
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert np.isnan(found.trials[0].pose[1500]).all()
+    assert most < 8 * len(found.trials[0].t_s) * 300  # bytes; one number for each pair of rows would be more
 
 
 @pytest.mark.parametrize(("zero", "kind"), [(True, "zero_frames"), (False, "repeated_frames")])

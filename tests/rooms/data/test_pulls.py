@@ -25,6 +25,15 @@ def test_one_pull_has_no_scatter() -> None:
     assert np.isnan(gather_pulls(np.array([0.1]), np.array([5.0])).sd_N[0])
 
 
+def test_a_full_turn_apart_is_one_orientation_and_neighbours_do_not_chain() -> None:
+    part = 0.9 * SETTINGS.same_rad
+    groups = gather_pulls(np.array([0.3 * part, 2.0 * np.pi - 0.3 * part, 1.0]), np.array([5.0, 7.0, 6.0]))
+    assert groups.count.tolist() == [1.0, 2.0] and groups.mean_N.tolist() == [6.0, 6.0]
+    assert groups.nearest(0.0) == groups.nearest(2.0 * np.pi) == 1
+    row = 1.0 + part * np.arange(40)
+    assert len(gather_pulls(row, np.ones(40)).count) == 20
+
+
 def test_groups_are_checked() -> None:
     one = np.array([1.0])
     with pytest.raises(InputError, match="mean_N"):

@@ -31,7 +31,7 @@ from slipmargin.effects import AnyEffect
 from slipmargin.effects.camera_delay import CameraDelay
 from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
 from slipmargin.effects.wheel_loads import WheelLoads
-from slipmargin.physics.frames import rotated
+from slipmargin.physics.frames import to_floor
 
 SIGMA = np.array([5e-4, 5e-4, 2e-3])
 COUNT = 8
@@ -263,7 +263,7 @@ def knocked(problem: Problem, effects: tuple[WheelLoads, ...], runs: tuple[int, 
             turned = measured[row].copy()
             arm = measured[row, first:, :2] - measured[row, first, :2]
             turned[first:, :2] = measured[row, first, :2] + np.column_stack(
-                rotated(angle, arm[:, 0], arm[:, 1])
+                to_floor(angle, arm[:, 0], arm[:, 1])
             )
             turned[first:, 2] += angle
             one = replace(

@@ -115,6 +115,23 @@ def test_general_forms_do_the_same_in_both_conventions(data: st.DataObject) -> N
         assert value == (pytest.approx(table[key], abs=1e-12) if isinstance(value, list) else table[key])
 
 
+def test_a_cosine_alone_over_a_slip_direction_turns_with_the_axes() -> None:
+    term = Multiplier(
+        variable=Variable.SLIP_DIRECTION,
+        basis=Basis.FOURIER,
+        coefficients=np.array([0.3]),
+        shape=np.array([2.0 * math.pi, 0.0]),
+        wheels=np.ones(4),
+    )
+    effect = GeneralEffect(traced_to=Trace.HEADING, part=Part.GRIP, terms=(term,))
+    one = Recipe(robot=four_wheels(), effects=(effect,))
+    speeds = [[0.0, 3.0, 4.0, 5.0, 2.0], [0.3, 6.0, 1.0, 2.0, 4.0]]
+    runs = [
+        sm.simulate(r, "paper", speeds, step_s=0.1, relative_error=1e-10) for r in (one, recipe_in(one, ROS))
+    ]
+    np.testing.assert_allclose(runs[1].run.pose, ros(runs[0].run.pose), rtol=1e-7, atol=1e-9)
+
+
 def test_limits_over_orientation_and_direction_are_counted_from_the_other_axes() -> None:
     recipe = Recipe(robot=kiwi())
     ours = change_in(limits_change(recipe, recipe, "paper"), ROS)

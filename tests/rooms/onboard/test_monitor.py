@@ -365,10 +365,17 @@ def test_training_on_a_data_set_with_poses() -> None:
         ({"gyro_rad_s": np.zeros(2)}, "gyro_rad_s"),
         ({"gyro_rad_s": np.zeros(3), "current_A": np.zeros((3, 4))}, "current_A: has no effect"),
         ({"gyro_rad_s": np.zeros(3), "omega": np.full((3, 4), np.nan)}, "omega: holds a value that is not"),
+        ({"gyro_rad_s": np.zeros(3), "t_s": np.array([0.0, 0.2, 0.1])}, "t_s: does not increase"),
+        ({"gyro_rad_s": np.zeros(3), "t_s": np.array([0.0, np.nan, 0.1])}, "t_s: holds a value that is not"),
+        ({"gyro_rad_s": np.zeros(3), "slips": np.zeros(2)}, "slips: has shape"),
+        (
+            {"gyro_rad_s": np.zeros(3), "twist": np.zeros((3, 3)), "slips": np.full(3, np.nan)},
+            "slips: holds a value that is not",
+        ),
     ],
 )
 def test_a_run_for_training_is_whole(watch: sm.SlipMonitor, more: dict[str, np.ndarray], said: str) -> None:
     """One NaN made every later sample one, and of them a threshold that no value is above."""
     run = {"omega": np.ones((3, 4)), "twist": np.full((3, 3), np.nan), "slips": np.zeros(3, dtype=bool)}
     with pytest.raises(InputError, match=said):
-        watch.labelled(np.array([0.0, 0.1, 0.2]), **(run | more))
+        watch.labelled(**({"t_s": np.array([0.0, 0.1, 0.2])} | run | more))

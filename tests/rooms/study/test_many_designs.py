@@ -89,6 +89,17 @@ def test_a_batch_equals_its_models(drawn: list[Robot]) -> None:
             np.testing.assert_allclose(low[d] * model.inertia.weight_N, alone.f_low_N, rtol=1e-9)
 
 
+def test_a_wheel_without_rollers_stands_on_rigid_in_a_batch_as_in_a_model() -> None:
+    robot = kiwi(15.0)
+    wheels = (replace(robot.wheels[0], rigid_fraction=1.0), *robot.wheels[1:])
+    designs = [on(replace(robot, wheels=wheels))]
+    (batch,), _ = batches(designs)
+    model = designs[0].build()
+    np.testing.assert_allclose(batch.roller[0], model.grip.roller)
+    found = statics.on_rollers(batch, HEADINGS, designs)[0] * model.inertia.weight_N
+    np.testing.assert_allclose(found, sweep(model, HEADINGS).f_max_N, rtol=1e-9)
+
+
 @pytest.mark.parametrize(
     "effect",
     [RigidSector(rigid_fraction=0.4), FloorTilt(tilt_x_rad=0.01, tilt_y_rad=0.02)],

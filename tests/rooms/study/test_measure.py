@@ -46,6 +46,20 @@ def test_exact_pulls_give_the_coefficients_back(robot: Robot, shape: GripShape) 
     np.testing.assert_allclose(found.high - found.low, 0.0, atol=1e-3)
 
 
+def test_pulls_count_with_their_direction_point_and_height(tmp_path: Path) -> None:
+    model = sm.read_robot("ohio-kiwi").build("paper")
+    roller = np.tile([0.42, 0.11], (3, 1))
+    pull = Pull(direction_rad=np.pi / 2, point_m=np.array([0.1, 0.0]), height_m=0.03)
+    force = limit(replace(model, grip=replace(model.grip, roller=roller)), PHI, pull)
+    rows = [f"{p:.9f},{f:.9f},{np.pi / 2:.9f},0.1,0,0.03" for p, f in zip(PHI, force, strict=True)]
+    file = tmp_path / "pulls.csv"
+    header = "phi_rad,force_N,direction_rad,point_x_m,point_y_m,height_m"
+    file.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
+    np.testing.assert_allclose(
+        sm.measure(file, "ohio-kiwi", "paper").measured.value, [[0.42, 0.11]], rtol=1e-3
+    )
+
+
 def test_intervals_hold_the_truth_about_as_often_as_they_say() -> None:
     model = nominal_model(kiwi(15.0), "paper")
     held = np.zeros(2)

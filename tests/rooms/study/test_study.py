@@ -157,6 +157,12 @@ def test_designs_that_differ_by_rounding_are_on_the_front_together() -> None:
     assert np.all(found.front(names))
 
 
+def test_an_interval_given_twice_is_named() -> None:
+    one, two = parse_interval("mu_drive=0.2:0.3"), parse_interval("mass_kg=1:2")
+    with pytest.raises(InputError, match="mass_kg: is given twice"):
+        robust([], BY_NAME["f_worst"], [one, two, two])
+
+
 def test_the_robust_design_is_the_best_of_the_worst() -> None:
     """Against brute force over a fine grid of coefficients and all 2^N contact states, model by model."""
     found = ask(["delta_deg=10,25,30,45"])
