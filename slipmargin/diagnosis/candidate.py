@@ -291,3 +291,10 @@ def _stamped(clock: Candidate) -> Candidate:
     low, high = (np.clip(b, clock.null - most, clock.null + most) for b in (clock.low, clock.high))
     least = np.full(clock.size, SETTINGS.stamped_clock_least)
     return replace(clock, low=low, high=high, starts=np.clip(clock.starts, low, high), least=least)
+
+
+def equation_of(candidate: Candidate, effect: object) -> str:
+    """What an effect of a candidate says, in a sentence: a named one's own, or what is free."""
+    if isinstance(effect, Effect):
+        return " ".join((type(effect).__doc__ or "").split())
+    return f"free coefficients over {candidate.trace.value} ({candidate.label.split(': ')[-1]})"

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from slipmargin.checks import Array
-from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.candidate import Candidate, equation_of
 from slipmargin.diagnosis.evidence import Intervals, intervals
 from slipmargin.diagnosis.fit import (
     Fit,
@@ -18,7 +18,6 @@ from slipmargin.diagnosis.fit import (
     misfit_of,
     shifted_by,
     spans,
-    steps_inside,
 )
 from slipmargin.diagnosis.left_out import leave_one_out
 from slipmargin.diagnosis.map_entry import MapEntry
@@ -106,7 +105,7 @@ def findings(
                 candidates_tried=tried,
                 confused_with=_rivals(origin, own_state, candidate),
                 confirm=kind.confirm if isinstance(kind, Effect) else _GENERAL_CONFIRM,
-                equation=_equation(candidate, kind),
+                equation=equation_of(candidate, kind),
                 doubts=doubts,
                 mapped=_mapped(candidate.trace, entries),
             )
@@ -209,12 +208,6 @@ def _mapped(trace: Trace, entries: Sequence[MapEntry]) -> bool | None:
     return next((e.supported for e in entries if e.traced_to is trace), None)
 
 
-def _equation(candidate: Candidate, effect: object) -> str:
-    if isinstance(effect, Effect):
-        return " ".join((type(effect).__doc__ or "").split())
-    return f"free coefficients over {candidate.trace.value} ({candidate.label.split(': ')[-1]})"
-
-
 def _rivals(origin: Round, own: State | None, candidate: Candidate) -> tuple[str, ...]:
     """Names in states that are as good as the one with this effect and do not hold it."""
     if own is None:
@@ -275,11 +268,10 @@ def _quantities(problem: Problem, final: Fit, spread: Intervals, index: int) -> 
     def values(x: Array) -> Array:
         return np.array([q.value for q in derived(x)])
 
-    quantities, value = derived(final.x), values(final.x)
+    quantities = derived(final.x)
     if not quantities:
         return []
-    steps = steps_inside(final.structure, final.x, 1e-3)
-    slope = np.array([(values(final.x + d) - value) / d.sum() for d in np.diag(steps)])
+    slope = final.slope(values)
     reach = spread.quantile * np.sqrt(np.einsum("pq,pr,rq->q", slope, spread.covariance, slope))
     ends = np.sort([slope * (end - final.x)[:, None] for end in (spread.low, spread.high)], axis=0)
     low, high = np.maximum(-reach, ends[0].sum(axis=0)), np.minimum(reach, ends[1].sum(axis=0))

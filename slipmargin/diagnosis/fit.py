@@ -47,6 +47,10 @@ class Residuals(Protocol):
         ...
 
 
+#: Step of a derivative of what follows from parameters, in their scales [1].
+_SMALL = 1e-3
+
+
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Fit:
@@ -72,6 +76,16 @@ class Fit:
     def effects(self) -> tuple[AnyEffect, ...]:
         """The fitted effects."""
         return build(self.structure, self.x)
+
+    @property
+    def said(self) -> str:
+        """What it explains the data by, as a reader calls it."""
+        return " + ".join(c.label for c in self.structure) or "the model as believed"
+
+    def slope(self, values: Callable[[Array], Array]) -> Array:
+        """(P, Q) derivative of ``values(x)`` (Q,) by its parameters, from small steps inside their range."""
+        steps, here = steps_inside(self.structure, self.x, _SMALL), values(self.x)
+        return np.array([(values(self.x + d) - here) / d.sum() for d in np.diag(steps)])
 
     def at_bound(self) -> list[str]:
         """Parameters that ended on the edge of what makes sense, where that is not their ordinary value.

@@ -14,8 +14,8 @@ import numpy as np
 
 from slipmargin.checks import Array, Index
 from slipmargin.data.data_set import DataSet
-from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.fit import Fit, build, limits_of, spans, steps_inside
+from slipmargin.diagnosis.candidate import equation_of
+from slipmargin.diagnosis.fit import Fit, build, limits_of, spans
 from slipmargin.diagnosis.pull_candidates import pull_candidates
 from slipmargin.diagnosis.pull_next import NextPull, next_pulls
 from slipmargin.diagnosis.pull_problem import PullProblem
@@ -314,7 +314,7 @@ def _findings(
                 candidates_tried=tried,
                 confused_with=rivals,
                 confirm=effect.confirm if isinstance(effect, Effect) else _GENERAL_CONFIRM,
-                equation=_equation(candidate, effect),
+                equation=equation_of(candidate, effect),
             )
         )
     return tuple(out)
@@ -334,12 +334,6 @@ def _without(problem: PullProblem, state: PullState, index: int, unseen: Unseen)
     return _chi(state_of(problem, rest).score, problem.count(state.fit.trials))
 
 
-def _equation(candidate: Candidate, effect: object) -> str:
-    if isinstance(effect, Effect):
-        return " ".join((type(effect).__doc__ or "").split())
-    return f"free coefficients over {candidate.trace.value} ({candidate.label.split(': ')[-1]})"
-
-
 def _derived(problem: PullProblem, found: Fit, half: Array, index: int) -> tuple[Estimate, ...]:
     """What follows from an effect and can be checked by hand, with the intervals carried over linearly."""
 
@@ -351,12 +345,10 @@ def _derived(problem: PullProblem, found: Fit, half: Array, index: int) -> tuple
     def values(x: Array) -> Array:
         return np.array([q.value for q in quantities(x)])
 
-    named, value = quantities(found.x), values(found.x)
+    named = quantities(found.x)
     if not named:
         return ()
-    steps = steps_inside(found.structure, found.x, 1e-3)
-    slope = np.array([(values(found.x + d) - value) / d.sum() for d in np.diag(steps)])
-    reach = np.sqrt((slope**2).T @ half**2)
+    reach = np.sqrt((found.slope(values) ** 2).T @ half**2)
     return tuple(
         Estimate(name=q.name, value=q.value, low=q.value - float(r), high=q.value + float(r), unit=q.unit)
         for q, r in zip(named, reach, strict=True)

@@ -58,16 +58,12 @@ def next_pulls(problem: PullProblem, standing: Fit, others: Sequence[Fit]) -> tu
                 NextPull(
                     phi_rad=float(grid[g, 0]),
                     direction_rad=float(grid[g, 1]),
-                    separates=(_name(fits[pair[g] // len(fits)]), _name(fits[pair[g] % len(fits)])),
+                    separates=(fits[pair[g] // len(fits)].said, fits[pair[g] % len(fits)].said),
                     apart_N=float(worth[g]),
                 )
                 for g in _spread(grid, worth)
             )
     return _narrowing(problem, standing, grid, forces[0]) if len(standing.x) else ()
-
-
-def _name(found: Fit) -> str:
-    return " + ".join(c.label for c in found.structure) or "the model as believed"
 
 
 def _spread(grid: Array, worth: Array) -> list[int]:

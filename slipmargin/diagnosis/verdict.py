@@ -254,10 +254,10 @@ def share_as_low(before: RunErrors, after: RunErrors, some: Index, channels: tup
     return float(np.mean(np.array(chosen) <= float(gain[some].sum()) + 1e-12))
 
 
-def beyond_noise(chi: Array, counts: Array, settings: SearchSettings = SETTINGS) -> NDArray[np.bool_]:
+def beyond_noise(chi: Array, counts: Array) -> NDArray[np.bool_]:
     """Whether the chi of runs with ``counts`` values is above that of noise whose size is known to 3 %."""
-    chance = settings.quiet_deviations / np.sqrt(2.0 * np.maximum(1.0, counts))
-    return np.asarray(chi > settings.quiet_chi + chance)
+    chance = SETTINGS.quiet_deviations / np.sqrt(2.0 * np.maximum(1.0, counts))
+    return np.asarray(chi > SETTINGS.quiet_chi + chance)
 
 
 def clearly_worse(before: float, after: float, settings: SearchSettings = SETTINGS) -> bool:

@@ -11,13 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from slipmargin.checks import Array, Index
 from slipmargin.data.odometry import bridged, integrated, wheel_angles
-from slipmargin.data.record import WHEEL_SIGNALS, Record
+from slipmargin.data.record import Record
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit, build, fit
 from slipmargin.diagnosis.prepare import clean
@@ -25,7 +24,7 @@ from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import AnyEffect
 from slipmargin.model import Model
-from slipmargin.physics.sectors import pitch
+from slipmargin.physics.sectors import pitch, switching
 from slipmargin.physics.variables import Variable
 
 #: Phases tried, in pitches: over the whole pitch; then ever closer around the best one.
@@ -44,8 +43,8 @@ def is_unknown(problem: Problem) -> bool:
 def matters_to(model: Model) -> bool:
     """Whether friction or rolling of a model depends on where its wheels stand."""
     grip = model.grip
-    sectors = (grip.rigid_fraction > 0.0) & np.any(grip.rigid != grip.roller, axis=1)
-    if sectors.any() or model.geometry.runout.any():
+    sectors = switching(grip.rigid_fraction, *grip.roller.T, *grip.rigid.T)
+    if np.any(sectors) or model.geometry.runout.any():
         return True
     return any(m.variable is Variable.WHEEL_ANGLE for m in grip.multipliers)
 
@@ -100,11 +99,7 @@ def _in_turn(
 
 def first_part(record: Record) -> Record:
     """A trial until its wheels have turned :attr:`SearchSettings.phase_part` of all their way."""
-    count = int(np.count_nonzero(record.t_s <= _end_of_first_part(record)))
-    signals: dict[str, Any] = {
-        f: None if (v := getattr(record, f)) is None else v[:count] for f in WHEEL_SIGNALS
-    }
-    return replace(record, t_s=record.t_s[:count], pose=record.pose[:count], **signals)
+    return record.part(record.t_s <= _end_of_first_part(record))
 
 
 def from_first_parts(

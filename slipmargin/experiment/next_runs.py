@@ -28,7 +28,7 @@ from slipmargin.experiment.choose import (
 from slipmargin.experiment.gain import evaluated, only, problem_of_drives
 from slipmargin.experiment.motions import Space, library, reach_m
 from slipmargin.experiment.refit import expected_rise
-from slipmargin.experiment.remaining import Question, Remaining, name_of, remaining
+from slipmargin.experiment.remaining import Question, Remaining, remaining
 from slipmargin.experiment.result import NextRuns, ProposedRun, Separation
 from slipmargin.experiment.timing import Drive, Pace, drives
 from slipmargin.paths.along import Caps
@@ -139,7 +139,7 @@ def proposed(
         surface=data_set.surface,
         verdict=left.verdict,
         question=left.question,
-        explanations=tuple(name_of(f) for f in left.fits),
+        explanations=tuple(f.said for f in left.fits),
         runs=_written([able[k] for k in chosen], driven, left.fits),
         separations=_separations(left, driven, every, chosen, progress),
         narrowings=narrowings,
@@ -224,8 +224,8 @@ def _separations(
         apart = np.where(driven.seen, poses[pair.right] - poses[pair.rival], 0.0)
         made.append(
             Separation(
-                right=name_of(right),
-                rival=name_of(rival),
+                right=right.said,
+                rival=rival.said,
                 today=today,
                 expected=after,
                 simulated=simulated,

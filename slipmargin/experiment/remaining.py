@@ -75,11 +75,6 @@ class Remaining:
         return float(np.sqrt(max(1.0, best.cost / max(1, int(np.count_nonzero(best.residual))))))
 
 
-def name_of(found: Fit) -> str:
-    """An explanation as a reader calls it."""
-    return " + ".join(c.label for c in found.structure) or "the model as believed"
-
-
 def remaining(data_set: DataSet, repairs: tuple[Repair, ...] | None, seed: int, progress: Watch) -> Remaining:
     """Diagnose the runs, and fit to all of them every explanation that is as good as the best.
 

@@ -151,8 +151,8 @@ def length_of(unit: str) -> float:
     return LENGTHS[unit]
 
 
-def log_text(name: str, t_s: Array, pose: Array, length_m: float = LENGTHS["in"]) -> str:
-    """A motion as such a log: the pose to follow and the pose reached are both the given one.
+def log_text(name: str, t_s: Array, pose: Array) -> str:
+    """A motion as such a log, in inches: the pose to follow and the pose reached are both the given one.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def log_text(name: str, t_s: Array, pose: Array, length_m: float = LENGTHS["in"]
     from slipmargin.io.json_text import json_text
 
     stamps = [round(1e9 * float(t)) for t in t_s - t_s[0]]
-    columns = [(pose[:, k] / (length_m if k < 2 else 1.0)).tolist() for k in range(3)]
+    columns = [(pose[:, k] / (LENGTHS["in"] if k < 2 else 1.0)).tolist() for k in range(3)]
     return json_text(
         {
             "version": VERSION,

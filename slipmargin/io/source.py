@@ -14,6 +14,8 @@ from slipmargin.errors import InputError
 from slipmargin.notice import reading
 from slipmargin.work import FACTOR, FILE_B, LINE, fits
 
+#: What other people's readers stumble over in a damaged file, each beside what is its own.
+DAMAGE = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, AssertionError)
 #: Lines after which the progress of reading is told.
 EACH = 20_000
 #: Bytes that are read at once of a file that is held whole.

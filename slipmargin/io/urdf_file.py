@@ -23,11 +23,11 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
-from slipmargin.io.source import read_text
+from slipmargin.io.source import DAMAGE, read_text
 from slipmargin.physics.frames import moment
 
-#: What the libraries stumble over in a damaged file.
-DAMAGE = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, AssertionError, NameError)
+#: What the libraries stumble over in a damaged file: xacro evaluates names that nobody gave.
+_DAMAGE = (*DAMAGE, NameError)
 #: An axis this far from level belongs to no wheel that stands on the floor [1].
 _LEVEL = 0.1
 #: Links that stand on the floor by ROS's custom (REP 105 and REP 120).
@@ -93,7 +93,7 @@ def _expanded(path: Path, arguments: Mapping[str, str] | None) -> str:
 
     try:
         return str(XacroDoc.from_file(str(path), subargs=dict(arguments or {})).to_urdf_string())
-    except (XacroException, ExpatError, OSError, *DAMAGE) as fault:
+    except (XacroException, ExpatError, OSError, *_DAMAGE) as fault:
         raise InputError(
             "",
             f"xacro cannot expand it ({' '.join(str(fault).split())[:200]})",
@@ -122,7 +122,7 @@ def _parsed(text: str) -> Any:
                 build_scene_graph=False,
                 load_meshes=False,
             )
-    except DAMAGE as fault:
+    except _DAMAGE as fault:
         raise InputError(
             "",
             f"is no URDF that can be read ({type(fault).__name__}: {' '.join(str(fault).split())[:120]})",

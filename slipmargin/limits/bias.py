@@ -21,6 +21,8 @@ from slipmargin.physics.variables import Frame, Variable
 
 #: A load below minus this share of m g is a wheel off the floor [1].
 LIFTED = 1e-9
+#: Of a smooth curve so many values are taken, those that reach farthest.
+_MOST = 12
 _UNKNOWN = (Variable.POSITION_X, Variable.POSITION_Y, Variable.TIME)
 
 
@@ -123,7 +125,7 @@ def load_extremes(model: Model, phi_rad: Array) -> tuple[Array, Array]:
     return bias_extremes(model, phi_rad, np.zeros((n, 3)), np.eye(n)[None])
 
 
-def bias_samples(model: Model, phi_rad: Array, most: int = 12) -> list[Bias]:
+def bias_samples(model: Model, phi_rad: Array) -> list[Bias]:
     """The different biases at the ends of what cannot be known; the one at v = 0 comes first.
 
     The largest pull is a concave function of the bias, so it is least at an end.  A force along one line has
@@ -133,7 +135,7 @@ def bias_samples(model: Model, phi_rad: Array, most: int = 12) -> list[Bias]:
     for variable in _UNKNOWN:
         terms = _unknown_terms(model, variable)
         if terms:
-            values = _farthest(terms, _corners(terms, variable), most)
+            values = _farthest(terms, _corners(terms, variable), _MOST)
             rest = _total(model, terms, 0.0, phi_rad)
             change = [_total(model, terms, float(v), phi_rad) - rest for v in (0.0, *values)]
             out = [w + step for w in out for step in change]

@@ -313,8 +313,8 @@ class SlipChance:
         }
 
 
-def checked_chance(chance: float, count: int = DRAWS) -> float:
-    """The chance, from 10 draws of ``count`` to 0.5.
+def checked_chance(chance: float) -> float:
+    """The chance, from that of ten draws to 0.5.
 
     Raises
     ------
@@ -322,7 +322,7 @@ def checked_chance(chance: float, count: int = DRAWS) -> float:
         Placed at ``chance``.
     """
     return real(
-        "chance", chance, low=10.0 / count, high=0.5, cure=f"give a chance from {10 / count:g} to 0.5"
+        "chance", chance, low=10.0 / DRAWS, high=0.5, cure=f"give a chance from {10 / DRAWS:g} to 0.5"
     )
 
 

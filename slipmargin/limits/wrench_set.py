@@ -179,9 +179,7 @@ def moved_normals(normals: Array, shift_m: Array) -> Array:
     return out
 
 
-def wrench_set(
-    model: Model, rigid: Array | None = None, phi_rad: float = 0.0, extreme: Extreme = Extreme.NEUTRAL
-) -> WrenchSet:
+def wrench_set(model: Model, rigid: Array | None = None, phi_rad: float = 0.0) -> WrenchSet:
     """The wrench set of a model at rest.
 
     Parameters
@@ -197,7 +195,7 @@ def wrench_set(
     return WrenchSet(
         names=model.geometry.names,
         maps=maps,
-        coefficients=coefficients(model, state, np.array([phi_rad]), extreme)[0],
+        coefficients=coefficients(model, state, np.array([phi_rad]), Extreme.NEUTRAL)[0],
         load_N=np.maximum(load, 0.0),  # rounding
         shape=model.grip.shape,
         coupling=model.grip.coupling,

@@ -37,9 +37,9 @@ def polyhedral(shape: GripShape, coupling: float) -> bool:
 def drive_left(shape: GripShape, coupling: float, by_limit: Array, by_radius: Array) -> Array:
     """Share of the drive grip that is left beside a transverse force [1].
 
-    (1 − c)·box ⊕ c·shape at a transverse force f_T: (1 − c) + c·√(1 − t²), with t = f_T/(μ_T N) for the
-    ellipse (``by_limit``) and f_T/(μ_W N) for the disc cut by the strip
-    (``by_radius``).
+    (1 − c) + c·√(1 − t²), with t = f_T/(μ_T N) for the ellipse (``by_limit``) and f_T/(μ_W N) for the disc
+    cut by the strip (``by_radius``).  Box and shape slip alike, so both take the share t; in their Minkowski
+    sum the box might take more of it, and the shape would have more left: this is at most that.
     """
     if polyhedral(shape, coupling):
         return np.ones(np.broadcast_shapes(np.shape(by_limit), np.shape(by_radius)))

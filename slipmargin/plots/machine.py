@@ -63,7 +63,7 @@ def machine_figure(model: Model) -> Figure:
     return figure
 
 
-def draw_machine(axes: Axes, model: Model, *, numbers: bool = False, forwards_up: bool = False) -> Axes:
+def draw_machine(axes: Axes, model: Model, *, forwards_up: bool = False) -> Axes:
     """Body, wheels (mecanum: with their rollers' axles) and a wedge at the front, in metres.
 
     In the axes of the robot's own convention, or turned so that forwards is up.
@@ -81,7 +81,7 @@ def draw_machine(axes: Axes, model: Model, *, numbers: bool = False, forwards_up
     corners = [model.convention.from_right_forward(*p) for p in ((-0.13, 0.22), (0.13, 0.22), (0.0, 0.48))]
     wedge = mid + reach * np.stack(to_floor(turn, *np.array(corners).T), axis=1)
     axes.add_patch(Polygon(wedge, closed=True, fc=ORANGE, ec="none"))
-    for number, (place, drive, grip) in enumerate(zip(places, drives, grips, strict=True), 1):
+    for place, drive, grip in zip(places, drives, grips, strict=True):
         across = np.array([-drive[1], drive[0]])
         long, wide = 0.25 * reach * drive, 0.09 * reach * across
         axes.add_patch(
@@ -96,9 +96,6 @@ def draw_machine(axes: Axes, model: Model, *, numbers: bool = False, forwards_up
         if abs(grip @ across) > 1e-6:  # a mecanum wheel: the roller axle that touches the floor
             along = 0.12 * reach * grip
             axes.plot(*np.stack([place - along, place + along]).T, color="white", lw=1.4, zorder=4)
-        if numbers:
-            out = _outwards(place, places)
-            axes.annotate(str(number), place + 0.36 * reach * out, ha="center", va="center", fontsize=8)
     return axes
 
 

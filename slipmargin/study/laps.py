@@ -44,13 +44,13 @@ def benchmark_paths(convention: Convention = Convention.PAPER) -> dict[str, Path
 
 
 def lap_times(model: Model, paths: dict[str, Path] | None = None) -> dict[str, float]:
-    """Time for each path [s]; infinite where no admissible motion exists."""
+    """Time for each path [s], those of the benchmark by default; infinite where none is admissible."""
     return {name: _time(model, path) for name, path in (paths or benchmark_paths(model.convention)).items()}
 
 
-def lap_time(model: Model, paths: dict[str, Path] | None = None) -> float:
-    """Time for all paths together [s]."""
-    return float(sum(lap_times(model, paths).values()))
+def lap_time(model: Model) -> float:
+    """Time for all paths of the benchmark together [s]."""
+    return float(sum(lap_times(model).values()))
 
 
 def _time(model: Model, path: Path) -> float:

@@ -39,7 +39,7 @@ class Optimum:
     """The best design found between and on the grid's points.
 
     ``values`` of the varied quantities; ``value`` of the objective there, ``grid_value`` at the grid's
-    best row ``grid_row``; ``gain`` ≥ 0 the improvement in the sense of the objective; ``check`` relative
+    best row; ``gain`` ≥ 0 the improvement in the sense of the objective; ``check`` relative
     difference of ``value`` to an independent computation (NaN where there is none); ``evaluations``.
     """
 
@@ -48,7 +48,6 @@ class Optimum:
     design: RobotOnSurface
     value: float
     grid_value: float
-    grid_row: int
     check: float
     evaluations: int
 
@@ -85,7 +84,6 @@ def optimum(study: Study, goal: Objective | None = None) -> Optimum:
         design=design,
         value=goal.sign * best,
         grid_value=float(study.columns[goal.name][row]),
-        grid_row=row,
         evaluations=spent,
         check=checked_again(design, goal, goal.sign * best),
     )

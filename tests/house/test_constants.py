@@ -22,7 +22,7 @@ NUMERICS = {
     "diagnosis/evidence.py": {"_UNKNOWN"},
     "diagnosis/patches.py": {"_SAMPLES", "_WIDER", "_WITHIN"},
     "diagnosis/other_floor.py": {"_FRICTIONS", "_NEAREST"},
-    "diagnosis/fit.py": {"STEP", "ENOUGH", "_ITERATIONS", "_FAIR", "_FORETOLD", "_LADDER", "_USUAL"},
+    "diagnosis/fit.py": {"STEP", "ENOUGH", "_SMALL", "_ITERATIONS", "_FAIR", "_FORETOLD", "_LADDER", "_USUAL"},
     "diagnosis/forms.py": {"_NEIGHBOURS", "_LARGEST"},
     "diagnosis/left_out.py": {"_HALF"},
     "diagnosis/limits_change.py": {"_FLOORS", "_ORIENTATIONS", "_DIRECTIONS"},

@@ -28,6 +28,7 @@ from slipmargin.io.extra import need
 from slipmargin.io.importers.loose_table import increasing, runs_of
 from slipmargin.io.importers.plug import Dropped, Reading
 from slipmargin.io.importers.ros_names import guessed_topic, joints_of_wheels
+from slipmargin.io.source import DAMAGE
 from slipmargin.physics.convention import Convention
 
 #: A topic and its messages, each with the bag's time [ns].
@@ -37,7 +38,7 @@ BASES = ("base_link", "base_footprint")
 #: A quaternion whose length is off by more is no rotation [1]: rounding leaves 1e-7, a wrong field anything.
 _UNIT = 0.1
 #: What readers of YAML and CDR stumble over in a damaged bag.
-DAMAGE = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, AssertionError, StructError)
+_DAMAGE = (*DAMAGE, StructError)
 
 
 def bag_messages(path: Path, pick: Callable[[dict[str, str]], list[str]]) -> dict[str, list[tuple[int, Any]]]:
@@ -56,7 +57,7 @@ def bag_messages(path: Path, pick: Callable[[dict[str, str]], list[str]]) -> dic
     from rosbags.typesys import Stores, get_typestore
 
     told: tuple[type[Exception], ...] = (AnyReaderError, Ros1Error, Ros2Error, SerdeError, OSError)
-    told += (*_database_errors(), *DAMAGE)
+    told += (*_database_errors(), *_DAMAGE)
     if not path.exists():
         raise InputError("", "there is no such bag", "give a bag's folder or file", str(path))
     try:
