@@ -350,7 +350,7 @@ def _coarse(found: Plan, rows: Trajectory, step_s: float) -> tuple[str, ...]:
     from slipmargin.paths.sample import rolled
 
     end, goal = rolled(rows), rows.pose[-1]
-    if distance(end, goal, _arm(found.model)) <= FAR * found.path.length:
+    if distance(end, goal, found.model.reach_m) <= FAR * found.path.length:
         return ()
     return (
         f"step: the table's wheel speeds, a row every {step_s:g} s, lead "
@@ -359,16 +359,10 @@ def _coarse(found: Plan, rows: Trajectory, step_s: float) -> tuple[str, ...]:
     )
 
 
-def _arm(model: Model) -> float:
-    """The length that makes a heading comparable with a distance [m]: how far the wheels stand out."""
-    offset = model.geometry.position_m - model.inertia.com_m
-    return float(np.mean(np.hypot(offset[:, 0], offset[:, 1])))
-
-
 def _way(model: Model, places: Array, closed: bool, blend_m: float | None) -> Way:
     """The path through the waypoints."""
     from slipmargin.paths.path import corners, through
 
     if blend_m is None:
-        return through(places, arm=_arm(model), closed=closed)
-    return corners(places, arm=_arm(model), blend_m=blend_m)
+        return through(places, arm=model.reach_m, closed=closed)
+    return corners(places, arm=model.reach_m, blend_m=blend_m)

@@ -111,7 +111,7 @@ def mismatch(part: Pieces, arrangement: Arrangement | None, geometry: WheelGeome
     """
     turned = part.turned if arrangement is None else arrangement.wheels(part.turned)
     seen = part.seen[0 if arrangement is None else arrangement.view]
-    weigh = np.array([1.0, 1.0, float(np.mean(np.hypot(*geometry.position_m.T)))])
+    weigh = np.array([1.0, 1.0, geometry.reach_m])
     by, seen = turned @ geometry.no_slip_map().T * weigh, seen * weigh
     went = np.sqrt(np.maximum(np.sum(by**2, axis=1), np.sum(seen**2, axis=1)))
     moving = went > SETTINGS.piece_moves * np.quantile(went, 0.95)
@@ -130,7 +130,7 @@ def ratios(part: Pieces, geometry: WheelGeometry) -> tuple[float, float]:
 
     NaN where the wheels say that it does not move, or turn.
     """
-    reach = float(np.mean(np.hypot(*geometry.position_m.T)))
+    reach = geometry.reach_m
     by, seen = part.turned @ geometry.no_slip_map().T, part.seen[0]
     went = float(np.quantile(np.sqrt(np.sum((by * np.array([1.0, 1.0, reach])) ** 2, axis=1)), 0.95))
     out = []

@@ -20,7 +20,6 @@ from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import AnyEffect, Effect, Scope, Trace, Variant, WheelEffect
 from slipmargin.effects.catalogue import CATALOGUE
 from slipmargin.effects.places import LINE, PATCH
-from slipmargin.model import Model
 from slipmargin.physics.relief import beyond
 
 
@@ -231,11 +230,6 @@ def _definitions(effect: type[Effect], variant: Variant) -> list[tuple[dict[str,
         if name not in variant.free and name not in variant.fixed
         for value in values
     ]
-
-
-def body_reach(model: Model) -> float:
-    """How far from the middle of the body the wheels are [m]."""
-    return float(np.mean(np.hypot(*model.geometry.position_m.T)))
 
 
 def named_candidates(

@@ -131,7 +131,7 @@ def forces(
 ) -> Candidate:
     """Force terms: rows of (variable, basis, shape, count, axes, size of the variable)."""
     weight = model.inertia.weight_N
-    arm = float(np.mean(np.hypot(*(model.geometry.position_m - model.inertia.com_m).T)))
+    arm = model.reach_m
     unit = np.array([weight, weight, weight * arm]) * 0.02
     scale: list[float] = []
     for _, _, _, count, axes, reach in rows:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from slipmargin.checks import Array
-from slipmargin.diagnosis.candidate import Candidate, body_reach, named_candidates
+from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.forms import Ranges
 from slipmargin.diagnosis.general_forms import general_candidates
 from slipmargin.diagnosis.pull_problem import PullProblem, expectation
@@ -47,7 +47,7 @@ def pull_candidates(problem: PullProblem) -> list[Candidate]:
     found: list[Candidate] = []
     shown: list[tuple[str, Array]] = []
     for candidate in [
-        *named_candidates(model.geometry.names, False, known, {"body": body_reach(model)}),
+        *named_candidates(model.geometry.names, False, known, {"body": model.geometry.reach_m}),
         *general_candidates(model, still, False),
     ]:
         moves = _moves(problem, candidate)

@@ -11,7 +11,7 @@ from slipmargin.checks import Index
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.noise import white_noise
 from slipmargin.diagnosis import wheel_phase
-from slipmargin.diagnosis.candidate import Candidate, body_reach, named_candidates
+from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.conditions import held_runs_of
 from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.events import cut_apart, find_events
@@ -159,7 +159,7 @@ def _searched(
     known = tuple(effect.name for effect in data_set.recipe.effects)
     model, commanded = problem.model(()), problem.commanded
     covered = ranges(tuple(problem.trials[i] for i in seen))
-    reach = covered.covered | {"body": body_reach(model)}
+    reach = covered.covered | {"body": model.geometry.reach_m}
     timed = data_set.nominal_rate_Hz is None
     angles = not commanded and not wheel_phase.is_unknown(problem)
     candidates = in_groups(

@@ -61,7 +61,7 @@ class RollingResistance(Effect):
     def rewrite(self, part: ExternalWrench, nominal: Model) -> ExternalWrench:
         """ExternalWrench with a force against the motion."""
         inertia = nominal.inertia
-        arm = float(np.mean(np.hypot(*(nominal.geometry.position_m - inertia.com_m).T)))
+        arm = nominal.reach_m
         coulomb, viscous = self.coefficient * inertia.weight_N, self.viscous_N_s_per_m
         height = float(np.mean(nominal.geometry.radius_m))
         steady = ForceTerm(

@@ -97,10 +97,8 @@ def drives(motion: Motion, models: Sequence[Model], pace: Pace) -> list[Drive]:
 
 
 def _planned(motion: Motion, model: Model, pace: Pace) -> list[Plan]:
-    offset = model.geometry.position_m - model.inertia.com_m
-    arm = float(np.mean(np.hypot(offset[:, 0], offset[:, 1])))
     request = Request(share=max(0.01, pace.share - _SAMPLING), points=_POINTS, caps=pace.caps)
-    return [plan(model, through(leg, arm=arm), request) for leg in motion.legs]
+    return [plan(model, through(leg, arm=model.reach_m), request) for leg in motion.legs]
 
 
 def _slowed(plans: Sequence[Plan], models: Sequence[Model], pace: Pace, factor: float) -> Trajectory | float:

@@ -20,7 +20,7 @@ def all_motions(model: Model) -> Motion:
 
     Directions go round in order, so that neighbours are alike in all but the wheels' speeds.
     """
-    arm = float(np.mean(np.hypot(*(model.geometry.position_m - model.inertia.com_m).T)))
+    arm = model.reach_m
     even = 2.0 * np.pi * np.arange(HEADINGS) / HEADINGS
     moves = []
     for yaw in YAW:

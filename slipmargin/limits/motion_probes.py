@@ -167,7 +167,7 @@ def _acceleration(model: Model, motion: Motion, column: int) -> Array:
     if motion.acceleration is not None:
         return np.asarray(motion.acceleration[None, :, column, None])
     best = ACCELERATION_RANGE * GRAVITY_M_S2 * float(np.max(model.grip.roller[:, 0]))
-    arm = float(np.mean(np.hypot(*(model.geometry.position_m - model.inertia.com_m).T)))
+    arm = model.reach_m
     top = best if column < 2 else best * model.inertia.mass_kg * arm / model.inertia.inertia_kg_m2
     return np.linspace(-top, top, 9)[:, None, None]
 

@@ -48,6 +48,11 @@ class Model:
         """Number of wheels N."""
         return self.geometry.count
 
+    @property
+    def reach_m(self) -> float:
+        """Mean distance of the wheels from the centre of mass [m], at which a yaw moment is a force."""
+        return float(np.mean(np.hypot(*(self.geometry.position_m - self.inertia.com_m).T)))
+
     def wrench_maps(self) -> tuple[Array, Array]:
         """B_W and B_T of eqs (14)–(15), each (3, N), about the centre of mass, body frame.
 

@@ -275,7 +275,7 @@ def _states(model: Model) -> Motion:
     """Twists up to the motors' top speed, evenly over directions and speeds; everything else unknown."""
     draw = np.random.default_rng(0)
     way = draw.normal(size=(_STATES, 3))
-    arm = float(np.mean(np.hypot(*model.geometry.position_m.T)))
+    arm = model.geometry.reach_m
     way /= np.linalg.norm(way, axis=1, keepdims=True) * np.array([1.0, 1.0, arm])
     top = model.drives.max_speed_rad_s
     speed = np.full(_STATES, FASTEST_M_S)

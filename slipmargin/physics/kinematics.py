@@ -66,6 +66,11 @@ class WheelGeometry:
         """Number of wheels N."""
         return len(self.names)
 
+    @property
+    def reach_m(self) -> float:
+        """Mean distance of the wheels from the body's origin [m]."""
+        return float(np.mean(np.hypot(*self.position_m.T)))
+
     def hub_rows(self) -> Array:
         """(N, 2, 3): velocity of the wheel centres from the body twist of the origin."""
         rows = np.zeros((self.count, 2, 3))

@@ -131,7 +131,7 @@ def _lightness(model: Model, k: Array, force: Array) -> Array:
     The limit is one of statics: m ω v must stay small beside the pull at the speed of the creep, which a
     soft contact reaches late.
     """
-    reach = float(np.mean(np.hypot(*(model.geometry.position_m - model.inertia.com_m).T)))
+    reach = model.reach_m
     coasting = model.inertia.mass_kg * (CREEP / k) ** 2 / reach
     return np.asarray(np.minimum(1.0, 0.02 * force / coasting))
 
