@@ -242,7 +242,7 @@ def plan(
     from slipmargin.report.paths import not_proved
 
     recipe = read_robot(robot)
-    model, warnings = model_of(recipe, surface, spread=EVERY_SPREAD, band=True)
+    model, warnings = model_of(recipe, surface, spread=EVERY_SPREAD, band=True, motors=True)
     drawing = Drawing.of(recipe, surface, chance, seed)
     for name, cap in (("max_speed_m_s", max_speed_m_s), ("max_yaw_rate_rad_s", max_yaw_rate_rad_s)):
         if cap is not None and not 0.0 < cap < np.inf:
@@ -295,9 +295,20 @@ def plan(
         *unsteady(model, found.states(), request.contact),
         *_long_turns(places),
         *_coarse(found, rows, step_s),
+        *_below(found),
         *(f"simulated {name}: {not_proved(run.stopped)}" for name, run in proofs.items() if run.stopped),
     )
     return PlanResult(plan=found, trajectory=rows, simulated=proofs, warnings=warnings, plan_chance=likely)
+
+
+def _below(found: Plan) -> tuple[str, ...]:
+    """That a profile was found below a lower speed only, so that a faster one may be there."""
+    if found.below_m_s is None:
+        return ()
+    return (
+        f"a profile was found below a lower speed only, {found.below_m_s:.3g} m/s along the path; there "
+        "may be a faster one: try another number of points",
+    )
 
 
 def _ended(stopped: MotionStopped) -> dict[str, Any]:

@@ -96,13 +96,18 @@ def read_robot(
 
 
 def model_of(
-    robot: RobotLike, surface: str, *, spread: tuple[str, ...] = (), band: bool = False
+    robot: RobotLike,
+    surface: str,
+    *,
+    spread: tuple[str, ...] = (),
+    band: bool = False,
+    motors: bool = False,
 ) -> tuple[Model, tuple[str, ...]]:
     """The model of a robot on a surface, and the warnings that it deserves.
 
     ``spread`` and ``band`` say which uncertain numbers the caller draws from, as begin their keys
-    (:mod:`slipmargin.robot.warnings`), and whether it uses the band of loads; what it does not use is a
-    warning too.
+    (:mod:`slipmargin.robot.warnings`), and whether it uses the band of loads; ``motors`` whether it limits
+    what motors give.  What it does not use is a warning too.
 
     Raises
     ------
@@ -113,7 +118,7 @@ def model_of(
 
     recipe = read_robot(robot)
     one_of("surface", surface, [s.name for s in recipe.robot.surfaces])
-    return recipe.build(surface), warnings_of(recipe, surface, spread=spread, band=band)
+    return recipe.build(surface), warnings_of(recipe, surface, spread=spread, band=band, motors=motors)
 
 
 def contact_of(model: Model, robust: bool) -> tuple[Contact, tuple[str, ...]]:
@@ -128,13 +133,25 @@ def contact_of(model: Model, robust: bool) -> tuple[Contact, tuple[str, ...]]:
 
 
 def warnings_of(
-    recipe: Recipe, surface: str, *, spread: tuple[str, ...] = (), band: bool = False
+    recipe: Recipe,
+    surface: str,
+    *,
+    spread: tuple[str, ...] = (),
+    band: bool = False,
+    motors: bool = False,
 ) -> tuple[str, ...]:
     """What a robot file contradicts, what of it has no effect, and what the caller does not use."""
-    from slipmargin.robot.warnings import unused, warnings
+    from slipmargin.robot.warnings import cut_off, turned_inertia, unused, warnings
 
     ignored = unused(recipe.robot, surface, spread=spread, band=band)
-    return (*warnings(recipe.robot), *ignored, *_partly_used(recipe))
+    left_out = turned_inertia(recipe.robot) if motors else ()
+    return (
+        *warnings(recipe.robot),
+        *cut_off(recipe.robot, surface),
+        *ignored,
+        *left_out,
+        *_partly_used(recipe),
+    )
 
 
 def _partly_used(recipe: Recipe) -> tuple[str, ...]:

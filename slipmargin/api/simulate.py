@@ -28,22 +28,29 @@ if TYPE_CHECKING:
 _POSE, _VELOCITY = ("x_m", "y_m", "phi_rad"), ("vx_m_s", "vy_m_s", "wz_rad_s")
 _ACCELERATION = ("ax_m_s2", "ay_m_s2", "alpha_rad_s2")
 _MOST = 1_000_000
+#: Instants that the largest slip and the energy are taken from: so far apart [s], and no more than so many.
+_FINE_S, _FINE_ROWS = 1e-3, 20_000
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class SimulationResult(Result):
-    """A run, and where the plan it followed wanted to end (None for bare commands)."""
+    """A run, and where the plan it followed wanted to end (None for bare commands).
+
+    ``run`` has the rows that were asked for; ``fine`` is the same motion at instants close enough that the
+    largest slip, the least load and the energy do not depend on these rows.
+    """
 
     model: Model
     run: Run
+    fine: Run
     planned_end: Array | None
     warnings: tuple[str, ...]
 
     @property
     def peak_slip_m_s(self) -> float:
         """Largest drive slip of any wheel [m/s]."""
-        return float(np.max(np.abs(self.run.slip[..., 0])))
+        return float(np.max(np.abs(self.fine.slip[..., 0])))
 
     def summary(self) -> str:
         """Where it ends and how much it slips."""
@@ -57,19 +64,19 @@ class SimulationResult(Result):
         """End pose, largest slip, and how far it misses the plan."""
         from slipmargin.report.motion import run_lines
 
-        return run_lines(self.run, self.model, self._work(), self.planned_end)
+        return run_lines(self.fine, self.model, self._work(), self.planned_end)
 
     def plot(self) -> Figure:
         """Path, slip and forces over time."""
         from slipmargin.plots.motion import run_figure
 
-        return run_figure(self.run, f"{self.model.robot}, surface “{self.model.surface}”")
+        return run_figure(self.fine, f"{self.model.robot}, surface “{self.model.surface}”")
 
     def panels(self) -> dict[str, Figure]:
         """Each panel of :meth:`plot` as a figure of its own, by name: what a page shows."""
         from slipmargin.plots.motion import run_panels
 
-        return run_panels(self.run)
+        return run_panels(self.fine)
 
     def page(self) -> Page:
         """The report: verdict, numbers, picture, table, what to do next."""
@@ -77,7 +84,7 @@ class SimulationResult(Result):
         from slipmargin.report.motion_pages import simulate_page
 
         return simulate_page(
-            self.run,
+            self.fine,
             self.model,
             self._work(),
             self.planned_end,
@@ -101,15 +108,15 @@ class SimulationResult(Result):
             "end_pose": self.run.pose[-1],
             "planned_end_pose": self.planned_end,
             "friction_work_J": self._work(),
-            "peak_drive_slip_m_s": np.abs(self.run.slip[..., 0]).max(axis=0),
-            "least_load_N": self.run.load.min(axis=0),
+            "peak_drive_slip_m_s": np.abs(self.fine.slip[..., 0]).max(axis=0),
+            "least_load_N": self.fine.load.min(axis=0),
             "lifts_s": self.run.lifts_s,
             "in_air_s": self.run.in_air_s,
             **self.run.columns(),
         }
 
     def _work(self) -> float:
-        power, t = self.run.friction_power_W, self.run.t_s
+        power, t = self.fine.friction_power_W, self.fine.t_s
         return float(np.sum(0.5 * (power[1:] + power[:-1]) * np.diff(t)))
 
 
@@ -204,17 +211,26 @@ def simulate(
         else np.append(np.arange(first, last, step_s), last)
     )
     outside = None if push is None else Push(t_s=np.array([first, last]), wrench=np.stack([wrench, wrench]))
+    close = max(_FINE_S, (last - first) / _FINE_ROWS)
+    fine = np.linspace(first, last, max(2, math.ceil((last - first) / close) + 1))
+    every = np.union1d(times, fine)
     run = run_simulation(
         model,
         signal,
-        times,
+        every,
         commanded=True,
         start_pose=start,
         start_twist=twist,
         push=outside,
         rtol=relative_error,
     )
-    return SimulationResult(model=model, run=run, planned_end=goal, warnings=warnings)
+    return SimulationResult(
+        model=model,
+        run=run.take(np.searchsorted(every, times)),
+        fine=run.take(np.searchsorted(every, fine)),
+        planned_end=goal,
+        warnings=warnings,
+    )
 
 
 _Course = tuple["WheelSignal", "Array | None", "Array | None", "Array | None"]

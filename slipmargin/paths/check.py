@@ -30,6 +30,8 @@ LONGEST = 0.1
 MOST_UNEVEN = 1e7
 #: Slowest time scaling tried [1].
 SLOWEST = 1e4
+#: A share this far above the limit is at it [1]: the four digits that are printed are the limit's.
+AT_LIMIT = 5e-5
 
 
 @final
@@ -253,16 +255,18 @@ def _time_scale(model: Model, course: _Course, share: float, contact: Contact) -
     before drag fades: infinite.
     """
 
-    def fits(stretch: float) -> bool:
+    def fits(stretch: float, within: float = 1e-6) -> bool:
         use, torque, speed, load, lost = _shares(model, course, contact, stretch)
         return bool(
-            np.max(use) <= share * (1.0 + 1e-6)
-            and np.max(torque) <= share * (1.0 + 1e-6)
-            and np.max(lost) <= share * (1.0 + 1e-6)
-            and np.max(speed) <= 1.0 + 1e-6
+            np.max(use) <= share + within
+            and np.max(torque) <= share + within
+            and np.max(lost) <= share + within
+            and np.max(speed) <= 1.0 + within
             and np.min(load) >= 0.0
         )
 
+    if fits(1.0, AT_LIMIT):
+        return 1.0
     low = high = 1.0
     while not fits(high):
         low, high = high, 1.25 * high

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple, final
 
@@ -38,6 +39,9 @@ HASTE, COARSEST = 1.25, 3e-3
 #: An interval that was lowered more often than this is lowered by HASTE times more each time: its row may
 #: stand far from what it really uses, and answer to nothing until it binds.
 PATIENCE = 6
+#: Where no profile is found, one is sought below these parts of the speed that was reached [1], or of this
+#: speed where none was [m/s].
+_SLOWER, _BRISK_M_S = (0.93, 0.8, 0.5, 0.2), 1.0
 
 
 @final
@@ -74,6 +78,7 @@ class Plan:
 
     ``highest`` (n + 1,) is the largest ṡ² from which the rest of the path can be driven; ``limited_by``
     (n,) indexes ``rows.names`` (−1: a speed cap, or the motors' top speed); ``audit`` holds the dense check.
+    ``below_m_s`` is a bound on ṡ without which the search found no profile, None where it needed none.
     """
 
     model: Model
@@ -87,6 +92,7 @@ class Plan:
     rows: Rows
     audit: Audit
     passes: int
+    below_m_s: float | None = None
 
     @property
     def duration_s(self) -> float:
@@ -126,36 +132,36 @@ def plan(model: Model, path: Path, request: Request | None = None, *, grid: Grid
     """
     request = request or Request()
     grid = grid or grid_of(path, request.points)
-    coarse = Geometry.of(model, path, grid, np.array([0.0, 0.5, 1.0]))
-    fine = Geometry.of(model, path, grid, np.linspace(0.0, 1.0, FINER + 1))
-    work = _Work(model, request, grid, coarse, fine)
-    work.settle()
-    for k in range(ROUNDS):
-        aim = min(AIM * HASTE**k, COARSEST)
-        over = work.tighten(work.check(), aim) or work.tighten(seen := work.check(whole=True), aim)
-        if not over:
-            return Plan(
-                model=model,
-                path=path,
-                request=request,
-                grid=grid,
-                x=work.x,
-                u=work.u,
-                highest=work.ceiling(),
-                limited_by=work.named(),
-                rows=work.rows,
-                audit=seen,
-                passes=work.passes,
-            )
-        work.drive(request.start_m_s**2, request.end_m_s**2)
-    raise work.not_settled()
+    work = _Work(
+        model,
+        request,
+        grid,
+        Geometry.of(model, path, grid, np.array([0.0, 0.5, 1.0])),
+        Geometry.of(model, path, grid, np.linspace(0.0, 1.0, FINER + 1)),
+    )
+    try:
+        return work.plan(path)
+    except NoSolution as fault:
+        for work_below in work.slower():
+            with contextlib.suppress(NoSolution):
+                return work_below.plan(path)
+        raise fault from None
 
 
 class _Work:
     """The state of the iteration; private to :func:`plan`."""
 
-    def __init__(self, model: Model, request: Request, grid: Grid, coarse: Geometry, fine: Geometry) -> None:
+    def __init__(
+        self,
+        model: Model,
+        request: Request,
+        grid: Grid,
+        coarse: Geometry,
+        fine: Geometry,
+        below: float | None = None,
+    ) -> None:
         self.model, self.request, self.grid, self.coarse, self.fine = model, request, grid, coarse, fine
+        self.below = below  # a bound on ṡ, and the speed of the first guess; None where none is needed
         n = len(grid.step)
         self.grip, self.torque, self.speed, self.load = np.ones((4, n))
         self.times = np.zeros((4, n), dtype=np.int64)  # that each interval was lowered, in order of `limited`
@@ -170,12 +176,49 @@ class _Work:
             start = np.zeros(model.count) if request.theta_rad is None else request.theta_rad
             self.turned = [wheel_angles(model, g, start) for g in (coarse, fine)]
 
+    def plan(self, path: Path) -> Plan:
+        """Settle, then tighten what uses too much until nothing does."""
+        self.settle()
+        for k in range(ROUNDS):
+            aim = min(AIM * HASTE**k, COARSEST)
+            over = self.tighten(self.check(), aim) or self.tighten(seen := self.check(whole=True), aim)
+            if not over:
+                return Plan(
+                    model=self.model,
+                    path=path,
+                    request=self.request,
+                    grid=self.grid,
+                    x=self.x,
+                    u=self.u,
+                    highest=self.ceiling(),
+                    limited_by=self.named(),
+                    rows=self.rows,
+                    audit=seen,
+                    passes=self.passes,
+                    below_m_s=self.below,
+                )
+            self.drive(self.request.start_m_s**2, self.request.end_m_s**2)
+        raise self.not_settled()
+
+    def slower(self) -> Iterator[_Work]:
+        """The same work below ever lower speeds: a profile may be there although this search found none.
+
+        The full drag that is assumed at first may be more than any speed brings, and near the motors' top
+        speed little torque is left of which a share is asked.
+        """
+        fastest = min(float(np.sqrt(np.max(self.x))) or _BRISK_M_S, self.request.caps.speed_m_s)
+        for part in _SLOWER:
+            below = part * fastest
+            if below > max(self.request.start_m_s, self.request.end_m_s):
+                yield _Work(self.model, self.request, self.grid, self.coarse, self.fine, below)
+
     def states(self) -> list[Motion]:
-        """States to be safe for: full drag at first, then the speeds of the last profile."""
-        if self.passes == 0:
+        """States to be safe for: full drag or the speed bound at first, then speeds of the last profile."""
+        if self.passes == 0 and self.below is None:
             return [self._angled(self.coarse.saturated())]
-        time = self.coarse.times(self.x, self.u)
-        return [self._angled(self.coarse.motion(self.x, None, time, scale)) for scale in (SLOWER, FASTER)]
+        x, u = (self.x, self.u) if self.passes else (np.full_like(self.x, (self.below or 0.0) ** 2), self.u)
+        time = self.coarse.times(x, u)
+        return [self._angled(self.coarse.motion(x, None, time, scale)) for scale in (SLOWER, FASTER)]
 
     def _angled(self, motion: Motion) -> Motion:
         if self.turned is None:
@@ -225,7 +268,7 @@ class _Work:
     def along(self, assumed: Assumed, guess: Array) -> Rows:
         """The rows of every interval, the torque–speed line being touched at a profile ṡ² (n + 1,)."""
         r = self.request
-        return rows_along(
+        rows = rows_along(
             self.model,
             self.coarse,
             assumed,
@@ -236,6 +279,7 @@ class _Work:
             cap_share=self.speed,
             guess=guess,
         )
+        return rows if self.below is None else replace(rows, cap=np.minimum(rows.cap, self.below**2))
 
     def drive(self, start: float, end: float) -> None:
         """One backward and forward pass between these ṡ²; what was found last is where it is linearised."""

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from statistics import NormalDist
+from typing import Any
+
 import numpy as np
 
 from slipmargin.physics.constants import GRAVITY_M_S2
@@ -19,6 +22,8 @@ def warnings(robot: Robot) -> tuple[str, ...]:
     return tuple(sentence for sentence in found if sentence is not None)
 
 
+#: Share of draws outside their key's range above which a spread is spoken of [1].
+CUT_OFF = 0.01
 #: Of which keys a command draws the spread, as beginnings of their names: of none, of friction alone, of all.
 NO_SPREAD: tuple[str, ...] = ()
 FRICTION_SPREAD = ("surface.",)
@@ -27,6 +32,10 @@ EVERY_SPREAD = ("",)
 
 def uncertain_keys(robot: Robot, surface: str) -> tuple[str, ...]:
     """The keys of the robot file that have a spread, on one of its surfaces."""
+    return tuple(_uncertain(robot, surface))
+
+
+def _uncertain(robot: Robot, surface: str) -> dict[str, Any]:
     body, floor = robot.body, robot.surface(surface)
     found = {
         **{f"body.{k}": getattr(body, k) for k in ("mass_kg", "inertia_kg_m2", "com_m", "com_height_m")},
@@ -37,7 +46,26 @@ def uncertain_keys(robot: Robot, surface: str) -> tuple[str, ...]:
             for k in ("drive", "transverse")
         },
     }
-    return tuple(key for key, value in found.items() if spread(value))
+    return {key: value for key, value in found.items() if spread(value)}
+
+
+def cut_off(robot: Robot, surface: str) -> tuple[str, ...]:
+    """A sentence for each spread of which a share of draws that counts would be no robot."""
+    found = []
+    for key, value in _uncertain(robot, surface).items():
+        for one in getattr(value, "each", (value,)):
+            sd = getattr(one, "sd", None)
+            if sd is None:
+                continue
+            outside = sum(
+                NormalDist().cdf(sign * (end - one) / sd) for sign, end in zip((1, -1), one.span, strict=True)
+            )
+            if outside > CUT_OFF:
+                found.append(
+                    f"{key}: {100.0 * outside:.2g} % of what {one.written()} may be lies outside the range "
+                    "of the key, and is taken at its edge; give a smaller spread, or an interval"
+                )
+    return tuple(found)
 
 
 def unused(robot: Robot, surface: str, *, spread: tuple[str, ...], band: bool) -> tuple[str, ...]:
@@ -63,6 +91,21 @@ def unused(robot: Robot, surface: str, *, spread: tuple[str, ...], band: bool) -
             "check, design and explore only"
         )
     return tuple(found)
+
+
+def turned_inertia(robot: Robot) -> tuple[str, ...]:
+    """A sentence where wheels and rotors take torque that limits of motion leave to the floor."""
+    if robot.motor is None:
+        return ()
+    _, stall, inertia = robot.motor.at_the_wheel()
+    if stall is None or inertia is None:
+        return ()
+    like = sum(inertia / w.radius_m**2 for w in robot.wheels)
+    return (
+        "motor: the inertia of wheels and rotors is left out of the motors' limits: it is like up to "
+        f"{like:.3g} kg to them, beside the robot's {robot.body.mass_kg:.3g} kg; it counts in simulate and "
+        "in plan --verify",
+    )
 
 
 def contradiction(robot: Robot) -> str | None:

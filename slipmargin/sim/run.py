@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array, frozen
+from slipmargin.checks import Array, Index, frozen
 from slipmargin.errors import InputError
 
 
@@ -73,6 +73,11 @@ class Run:
             put(self, name, frozen(name, getattr(self, name), shape))
         if t == 0 or (t > 1 and float(np.min(np.diff(self.t_s))) < 0.0):
             raise InputError("t_s", "is empty or goes back in time", "give ascending times")
+
+    def take(self, rows: Index) -> Run:
+        """The same motion at some of its samples."""
+        sampled = ("t_s", "pose", "velocity", "theta", "slip", "force", "load", "utilisation")
+        return replace(self, **{name: getattr(self, name)[rows] for name in sampled})
 
     @property
     def duration_s(self) -> float:

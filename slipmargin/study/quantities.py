@@ -86,6 +86,12 @@ def _pair(s: Surface, **change: float) -> Surface:
 
 
 def _roller_angles(robot: Robot, size: float) -> Robot:
+    if size < 0.0:
+        raise InputError(
+            "roller_angle_deg",
+            f"is {size:g}, and each wheel keeps the sign that the file gives it",
+            "give sizes from 0",
+        )
     signs = (-1.0 if w.roller_angle_deg < 0.0 else 1.0 for w in robot.wheels)
     pairs = zip(robot.wheels, signs, strict=True)
     return replace(robot, wheels=tuple(replace(w, roller_angle_deg=sign * size) for w, sign in pairs))

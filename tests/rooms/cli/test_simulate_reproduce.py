@@ -142,3 +142,15 @@ def test_reproduce_refuses_a_file_as_folder(tmp_path, capsys):
     file.write_text("kept", encoding="utf-8")
     assert status(["reproduce", "--out", str(file)]) == 2
     assert "give a folder" in capsys.readouterr().err and file.read_text(encoding="utf-8") == "kept"
+
+
+def test_slip_and_energy_do_not_depend_on_the_rows_that_are_written(tmp_path):
+    found = []
+    for step in ("0.001", "0.01", "0.5"):
+        told = tmp_path / "o.json"
+        words = ["simulate", "ohio-kiwi", commands(tmp_path), "--surface", "paper", "--step", step]
+        assert status([*words, "--json", str(told)]) == 0
+        result = json.loads(told.read_text(encoding="utf-8"))
+        assert len(result["t_s"]) == round(4.5 / float(step)) + 1
+        found.append([*result["peak_drive_slip_m_s"], result["friction_work_J"], *result["least_load_N"]])
+    np.testing.assert_allclose(found[1:], [found[0]] * 2, rtol=1e-3)

@@ -32,6 +32,8 @@ from slipmargin.robot import (
     Uncertain,
     UncertainArray,
 )
+from slipmargin.robot.uncertain import read
+from slipmargin.robot.warnings import cut_off
 
 PHI = np.deg2rad(np.arange(0.0, 360.0, 5.0))
 ROLLER = Coefficients(drive=Uncertain((0.26, 0.26), 0.02), transverse=Uncertain((0.06, 0.12)))
@@ -256,6 +258,15 @@ def test_a_chance_that_is_not_computed_is_said(monkeypatch: pytest.MonkeyPatch) 
     )
     heavy = Recipe(robot=unsure(kiwi(30.0)), effects=(FloorTilt.of(np.array([0.02, 0.01])),))
     assert "uncertain mass" in sm.bounds(heavy, "paper", step_deg=45.0).warnings[-1]
+
+
+def test_a_spread_that_reaches_beyond_its_key_is_spoken_of() -> None:
+    robot = kiwi()
+    said = []
+    for text in ("3 ± 2", "3 ± 0.3"):
+        body = replace(robot.body, mass_kg=read("mass_kg", text, lambda _, v: float(v), "", (0.0, np.inf)))
+        said.append(cut_off(replace(robot, body=body), "paper"))
+    assert len(said[0]) == 1 and "body.mass_kg: 6.7 %" in said[0][0] and said[1] == ()
 
 
 def test_commands_that_use_no_spread_say_so() -> None:

@@ -85,6 +85,14 @@ def test_the_verdict_turns_at_the_limit() -> None:
     assert cured.max_use <= 1.0 + 2e-4
 
 
+def test_what_four_digits_show_at_the_limit_is_at_it() -> None:
+    t = np.linspace(0.0, 3.0, 301)
+    pose = bang(0.2, t)
+    most = check(KIWI, t, pose).max_use
+    at, above = (check(KIWI, t, pose, share=most - off) for off in (4e-5, 2e-4))
+    assert at.admissible and not above.admissible
+
+
 def test_a_plan_driven_faster_is_cured_by_the_same_factor() -> None:
     way = through(np.array([[0, 0, 0], [0.6, 0.4, 0.4], [1.2, 0.0, 0.0]]))
     rows = trajectory(plan(KIWI, way, Request(share=0.9, points=100)), step_s=0.01)

@@ -198,13 +198,13 @@ def test_it_tips_where_no_three_wheels_carry_it_and_three_wheels_have_none_to_sp
 def test_the_answer_says_which_wheel_hangs_in_the_air():
     model = tall()
     run = simulate(model, STILL, TIMES, push=gust(model))
-    result = SimulationResult(model=model, run=run, planned_end=None, warnings=())
+    result = SimulationResult(model=model, run=run, fine=run, planned_end=None, warnings=())
     wheel = model.geometry.names[int(np.argmax(run.in_air_s))]
     assert any(f"wheels hang in the air: wheel {wheel} for " in line for line in result.lines())
     told = json.loads(result.to_json())
     assert told["lifts_s"] == pytest.approx(run.lifts_s) and max(told["in_air_s"]) > 0.0
     calm = simulate(model, STILL, TIMES)
-    quiet = SimulationResult(model=model, run=calm, planned_end=None, warnings=())
+    quiet = SimulationResult(model=model, run=calm, fine=calm, planned_end=None, warnings=())
     assert calm.lifts_s is None and not any("air" in line for line in quiet.lines())
     assert json.loads(quiet.to_json())["not_given"]["lifts_s"] == "no wheel lifted off the floor"
 

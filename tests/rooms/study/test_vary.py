@@ -230,3 +230,9 @@ def test_layouts_refuse_stated_fractions() -> None:
 def test_an_interval_that_is_none_is_refused(text: str, says: str) -> None:
     with pytest.raises(InputError, match=says):
         parse_interval(text)
+
+
+def test_a_roller_angle_below_zero_would_turn_every_roller_round() -> None:
+    design = RobotOnSurface(recipe=Recipe(robot=four_wheels()), surface="paper")
+    with pytest.raises(InputError, match="each wheel keeps the sign"):
+        applied(design, [quantity_of("roller_angle_deg")], [-45.0])
