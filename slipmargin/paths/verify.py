@@ -3,7 +3,9 @@
 Limits say what share of the grip a motion uses; the simulator knows nothing of limits.  They meet in
 force, not in slip, since near the limit a force error of 2 % changes the creep by half: the share a
 simulated wheel used is its drive force over what its coefficient and its transverse force left it, with
-every multiplier of friction in force at that instant.
+every multiplier of friction in force at that instant.  A contact that slides sideways as a whole (rigid
+material, where the grip is coupled) has nothing left however little it drives: its share is what the
+friction law gives at its drive slip.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from slipmargin.checks import Array
 from slipmargin.errors import MotionStopped
 from slipmargin.model import Model
 from slipmargin.paths.trajectory import Trajectory
+from slipmargin.physics.friction_laws import law_share
 from slipmargin.sim.batch import Batch, Ending
 from slipmargin.sim.pack import pack
 from slipmargin.sim.signal import linear
@@ -97,15 +100,17 @@ def verify(
     run = Batch([signal], [fine], commanded=motors).run(
         pack(model), planned.pose[0], start_twist=planned.velocity[0] / stretch, tell=True
     )
-    assert run.slip is not None and run.utilisation is not None
+    assert run.slip is not None and run.utilisation is not None and run.steepness is not None
+    slip = np.abs(run.slip[0, :, :, 0])
+    at_slip = law_share(model.grip.law, run.steepness[0, :, :, 0] * slip)
     ending, stopped = Ending(int(run.ending[0])), None
     off = run.pose[0, -1] - planned.pose[-1]
     if ending is not Ending.DONE:
         stopped, off = MotionStopped(float(t[0] + run.stopped_s[0]), *REASONS[ending]), np.full(3, np.nan)
     return Verified(
         t_s=fine,
-        share=run.utilisation[0],
-        slip_m_s=np.abs(run.slip[0, :, :, 0]),
+        share=np.minimum(run.utilisation[0], at_slip),
+        slip_m_s=slip,
         pose=run.pose[0],
         drift_m=float(np.hypot(off[0], off[1])),
         drift_rad=float(abs(off[2])),

@@ -562,7 +562,15 @@ def test_what_follows_from_parameters_is_as_sure_as_they_are_together() -> None:
     """Of two that vary against each other the sum is known; no end lies beyond the ends of all of them."""
     own = candidate(FloorGrain)
     x = np.array([0.3, 0.4])
-    final = SimpleNamespace(structure=(own,), x=x)
+    none = np.zeros((0, 0))
+    final = Fit(
+        structure=(own,),
+        x=x,
+        trials=np.zeros(0, dtype=np.int64),
+        residual=none,
+        jacobian=none[..., None],
+        evaluations=0,
+    )
     stand_in = SimpleNamespace(model=lambda *_: None)
     across = 0.05 * np.array([0.8, -0.6])  # of the same amplitude, to first order
     spread = replace(_known(np.outer(across, across)), low=x - 0.1, high=x + 0.1)
