@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
-from typing import NamedTuple, final
+from dataclasses import dataclass, replace
+from typing import final
 
 import numpy as np
 
-from slipmargin.checks import FASTEST_M_S, Array, real
+from slipmargin.checks import Array
 from slipmargin.errors import NoSolution
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.paths import core
-from slipmargin.paths.along import FASTER, SLOWER, Assumed, Caps, Rows, assume, rows_along
+from slipmargin.paths.along import FASTER, SLOWER, Assumed, Rows, assume, rows_along
 from slipmargin.paths.audit import FINER, Audit, audit
 from slipmargin.paths.geometry import Geometry, wheel_angles
-from slipmargin.paths.grid import Grid, check_points, grid_of
+from slipmargin.paths.grid import Grid, grid_of
 from slipmargin.paths.infeasibility import stuck, too_fast
+from slipmargin.paths.passes import held, passes
 from slipmargin.paths.path import Path
+from slipmargin.paths.request import Request as Request
 
 #: Passes with fixed shares before the dense check begins: at least so many, for the drag to settle, and until
 #: the duration changes by no more than this share, for the torque–speed line to be touched where it is used.
@@ -42,33 +44,6 @@ PATIENCE = 6
 #: Where no profile is found, one is sought below these parts of the speed that was reached [1], or of this
 #: speed where none was [m/s].
 _SLOWER, _BRISK_M_S = (0.93, 0.8, 0.5, 0.2), 1.0
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Request:
-    """What a plan has to obey.
-
-    ``share`` λ = 1 − margin of every wheel's grip, of every motor's torque and of what lifts a wheel;
-    ``start_m_s`` and ``end_m_s`` are ṡ at the ends;
-    ``contact`` what the wheels stand on (UNKNOWN: robust), ``theta_rad`` (N,) the wheel angles at the start
-    where the contact follows from them (ANGLE).
-    """
-
-    share: float = 0.9
-    points: int = 400
-    start_m_s: float = 0.0
-    end_m_s: float = 0.0
-    caps: Caps = field(default_factory=Caps)
-    contact: Contact = Contact.ROLLERS
-    theta_rad: Array | None = None
-
-    def __post_init__(self) -> None:
-        check_points(self.points)
-        real("margin", 1.0 - self.share, low=0.0, high=0.99, cure="give a slip margin from 0 to 0.99")
-        for place, speed in (("start_speed_m_s", self.start_m_s), ("end_speed_m_s", self.end_m_s)):
-            cure = f"give a speed along the path from 0 to {FASTEST_M_S:g} m/s"
-            real(place, speed, low=0.0, high=FASTEST_M_S, cure=cure)
 
 
 @final
@@ -234,12 +209,12 @@ class _Work:
                 self._settle(0.0, 0.0)
             self.from_rest = self.x
             self.x, self.highest = self._ending(end), np.maximum(self.highest, self._ending(end))
-            self.x = np.maximum(self.x, np.minimum(_held(self.from_rest, start), self.ceiling()))
+            self.x = np.maximum(self.x, np.minimum(held(self.from_rest, start), self.ceiling()))
         self._settle(start, end)
 
     def _ending(self, end: float) -> Array:
         """The profile from rest to rest, but no slower than ``end`` (ṡ²) from where it comes down to it."""
-        return np.maximum(self.from_rest, _held(self.from_rest[::-1], end)[::-1])
+        return np.maximum(self.from_rest, held(self.from_rest[::-1], end)[::-1])
 
     def _fastest_end(self, start: float) -> float:
         """Largest ṡ² at the end that can be reached from ``start``, below the one asked for."""
@@ -247,7 +222,7 @@ class _Work:
         for _ in range(HALVINGS):
             speed = 0.5 * (low + high)
             end = speed**2
-            found = _passes(self.grid, self.along(assumed, self._ending(end)), start, end)
+            found = passes(self.grid, self.along(assumed, self._ending(end)), start, end)
             low, high = (speed, high) if found.status == core.OK else (low, speed)
         return low**2
 
@@ -285,7 +260,7 @@ class _Work:
         """One backward and forward pass between these ṡ²; what was found last is where it is linearised."""
         r = self.request
         self.rows = w = self.along(self.assumed(), self.x)
-        found = _passes(self.grid, w, start, end)
+        found = passes(self.grid, w, start, end)
         if found.status == core.START:
             self.highest = found.highest
             raise too_fast(r.start_m_s, True, float(self.ceiling()[0]), self.coarse)
@@ -304,7 +279,7 @@ class _Work:
             return highest
         assumed, end = self.assumed(), self.request.end_m_s**2
         for _ in range(MOST_SETTLING):
-            found = _passes(self.grid, self.along(assumed, highest), 0.0, end)
+            found = passes(self.grid, self.along(assumed, highest), 0.0, end)
             if found.status != core.OK or np.all(found.highest <= highest * (1.0 + SETTLED)):
                 break
             highest = np.maximum(highest, found.highest)
@@ -414,27 +389,3 @@ def _lowered(used: Array, limit: float, aim: float) -> Array:
     """Factors (n,) on the shares of intervals: to ``aim`` below the limit where more is used, else 1."""
     over = used > limit * (1.0 + 2.0 * AIM)
     return np.where(over, np.maximum((1.0 - aim) * limit / np.where(over, used, limit), LEAST_LEFT), 1.0)
-
-
-def _held(x: Array, most: float) -> Array:
-    """``most`` from the start of a profile for as long as it stays below it, then 0."""
-    return np.logical_and.accumulate(x < most) * most
-
-
-class _Profile(NamedTuple):
-    """A pass: x = ṡ² (n + 1,), s̈ (n,), the highest controllable x, and the interval and rows in conflict."""
-
-    status: int
-    conflict: tuple[int, int, int]
-    x: Array
-    u: Array
-    highest: Array
-
-
-def _passes(grid: Grid, w: Rows, start: float, end: float) -> _Profile:
-    """The compiled backward and forward pass over rows; ``start`` and ``end`` are ṡ² there."""
-    n = len(grid.step)
-    x, u, highest = np.zeros(n + 1), np.zeros(n), np.zeros(n + 1)
-    sides = w.a[0], w.b[0], w.c[0], w.a[1], w.b[1], w.c[1]
-    status, j, one, two = core.profile(grid.step, *sides, w.cap, start, end, x, u, highest)
-    return _Profile(status=status, conflict=(j, one, two), x=x, u=u, highest=highest)

@@ -421,7 +421,10 @@ def test_inertia_that_motors_turn_is_said_to_be_left_out(
     text = write_recipe(read_recipe("mecanum4"))
     heavy = re.sub(r"(?m)^stall_torque_N_m = .*$", r"\g<0>\nreflected_inertia_kg_m2 = 0.004", text)
     robot.write_text(heavy, encoding="utf-8")
-    speeds.write_text("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,omega4_rad_s\n0,1,-1,1,-1\n0.2,0,0,0,0\n")
+    speeds.write_text(
+        "t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,omega4_rad_s\n0,1,-1,1,-1\n0.2,0,0,0,0\n",
+        encoding="utf-8",
+    )
     more = [str(speeds)] if command == "simulate" else ["--step", "90"]
     assert status([command, str(robot), *more, "--surface", "floor"]) == 0
     assert ("inertia of wheels and rotors" in capsys.readouterr().err) == (command != "simulate")
