@@ -160,9 +160,14 @@ def derivatives(t_s: Array, pose: Array, smooth_s: float = 0.0) -> tuple[Array, 
     The window holds the two neighbours and everything within ``smooth_s``/2 (at least 5 ms).  The
     acceleration is then an average of the true one with weights that are never negative, so a jump in
     acceleration is blurred but not overshot, as an interpolating spline would.
+
+    A velocity that turns round between an end and the sample beside it is none: a parabola to one side of a
+    robot at rest overshoots a little, and the drag of its rollers would turn round with it.
     """
     velocity, acceleration = np.empty_like(pose), np.empty_like(pose)
     _parabolas(t_s, pose, max(0.5 * smooth_s, SHORTEST), velocity, acceleration)
+    for end, beside in ((0, 1), (-1, -2)):
+        velocity[end, velocity[end] * velocity[beside] < 0.0] = 0.0
     return velocity, acceleration
 
 
