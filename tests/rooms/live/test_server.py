@@ -17,8 +17,12 @@ import pytest
 from robot_files import GOOD
 
 import slipmargin as sm
+from slipmargin.api.robots import read_robot
 from slipmargin.errors import InputError
+from slipmargin.live.picture import pulls
 from slipmargin.live.server import HOST, LARGEST, Server
+from slipmargin.live.settings import settings
+from slipmargin.study.robot_on_surface import RobotOnSurface
 
 
 @pytest.fixture(scope="module")
@@ -248,3 +252,14 @@ def test_a_robot_without_height_never_tips() -> None:
     page = sm.explore("mecanum4", "floor")
     assert page.picture(com_height_m=1e-12)["tipping"] is None
     assert page.picture(com_height_m=0.1)["tipping"]["m_s2"] < 50.0
+
+
+def test_pulls_of_their_own_direction_are_refused_beside_one_sweep(tmp_path: Path) -> None:
+    now = settings(RobotOnSurface(recipe=read_robot("ohio-kiwi"), surface="paper"), {})
+    file = tmp_path / "pulls.csv"
+    file.write_text("phi_rad,force_N\n0.001,5\n6.2822,7\n", encoding="utf-8")
+    (point,) = pulls(now, file)["points"]
+    assert point["mean"] == 6.0
+    file.write_text("phi_rad,force_N,direction_rad\n0.001,5,1.57\n", encoding="utf-8")
+    with pytest.raises(InputError, match="direction, a point or a height"):
+        pulls(now, file)
