@@ -116,8 +116,9 @@ class SimulationResult(Result):
         }
 
     def _work(self) -> float:
-        power, t = self.fine.friction_power_W, self.fine.t_s
-        return float(np.sum(0.5 * (power[1:] + power[:-1]) * np.diff(t)))
+        from slipmargin.physics.kinematics import integrated
+
+        return float(integrated(self.fine.t_s, self.fine.friction_power_W)[-1])
 
 
 def simulate(

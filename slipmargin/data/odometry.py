@@ -10,7 +10,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.physics.frames import rotate_rows
-from slipmargin.physics.kinematics import WheelGeometry
+from slipmargin.physics.kinematics import WheelGeometry, integrated
 
 
 def wheel_path(contacts: WheelGeometry, theta: Array) -> Array:
@@ -43,14 +43,6 @@ def body_velocity(t_s: Array, pose: Array, half: int) -> Array:
     """Velocity (T − 2 half, 3) in the body's axes by a pose (T, 3), over ``half`` samples to either side."""
     rate = (pose[2 * half :] - pose[: -2 * half]) / (t_s[2 * half :] - t_s[: -2 * half])[:, None]
     return rotate_rows(pose[half:-half, 2], rate, inverse=True)
-
-
-def integrated(t: Array, rate: Array) -> Array:
-    """What rates (T,) or (T, C) have added up to since the first sample, by the trapezoidal rule."""
-    step = np.diff(t).reshape(-1, *[1] * (rate.ndim - 1))
-    return np.concatenate(
-        [np.zeros((1, *rate.shape[1:])), np.cumsum(0.5 * (rate[1:] + rate[:-1]) * step, axis=0)]
-    )
 
 
 def wheel_angles(t: Array, theta: Array | None, omega: Array | None) -> Array | None:

@@ -8,10 +8,11 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.data.data_set import DataSet
-from slipmargin.data.odometry import bridged, integrated
+from slipmargin.data.odometry import bridged
 from slipmargin.data.record import Record
 from slipmargin.data.repair import Repair, run_by_run
 from slipmargin.data.settings import SETTINGS
+from slipmargin.physics.kinematics import integrated
 
 _TURN = 2.0 * np.pi
 #: What wheel speeds may be given in instead of rad/s: the factor that makes them rad/s.

@@ -13,7 +13,7 @@ from collections.abc import Callable
 import numpy as np
 
 from slipmargin.checks import Array
-from slipmargin.data.odometry import bridged, integrated, wheel_angles
+from slipmargin.data.odometry import bridged, wheel_angles
 from slipmargin.diagnosis.fit import Fit
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.settings import SETTINGS
@@ -21,6 +21,7 @@ from slipmargin.diagnosis.tangents import Columns
 from slipmargin.effects import Trace
 from slipmargin.model import Model
 from slipmargin.physics.frames import to_body, to_floor
+from slipmargin.physics.kinematics import integrated
 from slipmargin.physics.sectors import pitch
 from slipmargin.physics.terms import basis_values
 from slipmargin.physics.variables import Basis
@@ -76,14 +77,8 @@ class _Motion:
         x, y = to_floor(self.pose[:, 2, None], velocity[:, 0], velocity[:, 1])
         turn = integrated(self.t_s, velocity[:, 2])
         rate = np.gradient(self.pose, self.t_s, axis=0)
-        return np.stack(
-            [
-                integrated(self.t_s, x - turn * rate[:, 1:2]),
-                integrated(self.t_s, y + turn * rate[:, 0:1]),
-                turn,
-            ],
-            axis=1,
-        )
+        along = x - turn * rate[:, 1:2], y + turn * rate[:, 0:1]
+        return np.stack([*(integrated(self.t_s, r) for r in along), turn], axis=1)
 
     def seen_through_a_lens(self) -> Array:
         """Shifts (T, 3, 18) along x and y by every product x^i y^j, 1 ≤ i + j ≤ 3, of the place [m]."""

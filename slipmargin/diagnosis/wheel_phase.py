@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from slipmargin.checks import Array, Index
-from slipmargin.data.odometry import bridged, integrated, wheel_angles
+from slipmargin.data.odometry import bridged, wheel_angles
 from slipmargin.data.record import Record
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit, build, fit
@@ -24,6 +24,7 @@ from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import AnyEffect
 from slipmargin.model import Model
+from slipmargin.physics.kinematics import integrated
 from slipmargin.physics.sectors import pitch, switching
 from slipmargin.physics.variables import Variable
 

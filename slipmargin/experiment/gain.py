@@ -21,12 +21,12 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array
-from slipmargin.data.odometry import integrated
 from slipmargin.data.record import Record
 from slipmargin.diagnosis.fit import Fit, GaussianPrior, evaluate, limits_of
 from slipmargin.diagnosis.prepare import Trial, clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.experiment.timing import Drive
+from slipmargin.physics.kinematics import integrated
 
 
 def information(slopes: Array, scale: Array, misfit: float) -> Array:

@@ -67,15 +67,14 @@ def starting(
     share: float = 1.0,
     contact: Contact = Contact.ROLLERS,
     pace: float = 0.0,
-    at_m_s: Array | None = None,
+    speed_m_s: Array | None = None,
 ) -> AccelerationLimit:
     """Speeding up (H,) [m/s²] alone, as :func:`directions` has it, in a quarter of the time.
 
-    ``at_m_s`` (H,) are speeds at which losses and friction are taken, with full drag.
+    ``speed_m_s`` (H,) are speeds at which losses and friction are taken, with full drag.
     """
-    ahead, motion = ahead_of(heading_rad), Motion.full_drag(ahead_of(heading_rad))
-    if at_m_s is not None:
-        motion = Motion(velocity=at_m_s[:, None] * ahead, saturated=True)
+    ahead = ahead_of(heading_rad)
+    motion = Motion.full_drag(ahead) if speed_m_s is None else Motion.full_drag(ahead, speed_m_s)
     rows = acceleration_rows(model, motion, share=share, contact=contact, pace=pace)
     return along(model, rows, np.zeros_like(ahead), ahead)  # straight ahead nothing is centripetal
 

@@ -76,9 +76,9 @@ class Motion:
                 put(self, name, frozen(name, getattr(self, name), shape))
 
     @staticmethod
-    def full_drag(velocity: Array) -> Motion:
-        """States (M, 3) along ``velocity``, so slow that nothing but the drag depends on it, at full drag."""
-        return Motion(velocity=1e-3 * velocity, saturated=True)
+    def full_drag(ahead: Array, speed_m_s: Array | float = 1e-3) -> Motion:
+        """States along ``ahead`` (M, 3) at full drag, by default so slow that nothing else depends on it."""
+        return Motion(velocity=np.reshape(speed_m_s, (-1, 1)) * ahead, saturated=True)
 
     @property
     def fade(self) -> float:

@@ -57,7 +57,7 @@ def weakest_start(model: Model, *, share: float = 1.0, contact: Contact = Contac
     if np.any(model.grip.viscous_N_s_per_m) or variables & _BY_SPEED:
         speeds.append(np.minimum(BRISK_M_S, PACE * top_speed(model, fine[order])))
     found = [
-        starting(model, fine[order], share=share, contact=contact, pace=PACE, at_m_s=speed)
+        starting(model, fine[order], share=share, contact=contact, pace=PACE, speed_m_s=speed)
         for speed in speeds
     ]
     least = [float(np.min(f.value)) for f in found]

@@ -41,9 +41,10 @@ HASTE, COARSEST = 1.25, 3e-3
 #: An interval that was lowered more often than this is lowered by HASTE times more each time: its row may
 #: stand far from what it really uses, and answer to nothing until it binds.
 PATIENCE = 6
-#: Where no profile is found, one is sought below these parts of the speed that was reached [1], or of this
-#: speed where none was [m/s].
-_SLOWER, _BRISK_M_S = (0.93, 0.8, 0.5, 0.2), 1.0
+#: Where no profile is found, one is sought below these parts [1] of the speed that was reached.
+_BELOW = (0.93, 0.8, 0.5, 0.2)
+#: … or, where none was, of this speed [m/s].
+_UNKNOWN_M_S = 1.0
 
 
 @final
@@ -117,9 +118,9 @@ def plan(model: Model, path: Path, request: Request | None = None, *, grid: Grid
     try:
         return work.plan(path)
     except NoSolution as fault:
-        for work_below in work.slower():
+        for slower in work.slower():
             with contextlib.suppress(NoSolution):
-                return work_below.plan(path)
+                return slower.plan(path)
         raise fault from None
 
 
@@ -181,8 +182,8 @@ class _Work:
         The full drag that is assumed at first may be more than any speed brings, and near the motors' top
         speed little torque is left of which a share is asked.
         """
-        fastest = min(float(np.sqrt(np.max(self.x))) or _BRISK_M_S, self.request.caps.speed_m_s)
-        for part in _SLOWER:
+        fastest = min(float(np.sqrt(np.max(self.x))) or _UNKNOWN_M_S, self.request.caps.speed_m_s)
+        for part in _BELOW:
             below = part * fastest
             if below > max(self.request.start_m_s, self.request.end_m_s):
                 yield _Work(self.model, self.request, self.grid, self.coarse, self.fine, below)
@@ -191,8 +192,8 @@ class _Work:
         """States to be safe for: full drag or the speed bound at first, then speeds of the last profile."""
         if self.passes == 0 and self.below is None:
             return [self._angled(self.coarse.saturated())]
-        x, u = (self.x, self.u) if self.passes else (np.full_like(self.x, (self.below or 0.0) ** 2), self.u)
-        time = self.coarse.times(x, u)
+        x = self.x if self.passes or self.below is None else np.full_like(self.x, self.below**2)
+        time = self.coarse.times(x, self.u)
         return [self._angled(self.coarse.motion(x, None, time, scale)) for scale in (SLOWER, FASTER)]
 
     def _angled(self, motion: Motion) -> Motion:

@@ -14,6 +14,7 @@ from slipmargin.model import Model
 from slipmargin.paths.plan import Plan
 from slipmargin.paths.trajectory import LEAST_SAMPLES, Trajectory
 from slipmargin.physics.frames import rotate_rows
+from slipmargin.physics.kinematics import integrated
 from slipmargin.work import TABLE_NUMBERS, allow
 
 #: Columns of a trajectory: time, pose, velocity, acceleration; speed and use of each wheel.
@@ -132,8 +133,7 @@ def use_along(
 def _turned(plan: Plan, t_s: Array, omega: Array) -> Array:
     start = plan.request.theta_rad
     first = np.zeros(plan.model.count) if start is None else start
-    gain = 0.5 * (omega[1:] + omega[:-1]) * np.diff(t_s)[:, None]
-    return np.asarray(first + np.vstack([np.zeros(len(first)), np.cumsum(gain, axis=0)]))
+    return np.asarray(first + integrated(t_s, omega))
 
 
 def stretched(

@@ -138,3 +138,11 @@ def com_acceleration(com_m: Array, twist: Array, acceleration: Array) -> Array:
 def at_centre(cx: Any, cy: Any, wz: Any, ax: Any, ay: Any, alpha: Any) -> tuple[Any, Any]:
     """Both parts of the centre of mass's acceleration by :func:`com_acceleration`, numbers or arrays."""
     return ax + (-alpha * cy - wz * wz * cx), ay + (alpha * cx - wz * wz * cy)
+
+
+def integrated(t: Array, rate: Array) -> Array:
+    """What rates (T,) or (T, C) have added up to since the first sample, by the trapezoidal rule."""
+    step = np.diff(t).reshape(-1, *[1] * (rate.ndim - 1))
+    return np.concatenate(
+        [np.zeros((1, *rate.shape[1:])), np.cumsum(0.5 * (rate[1:] + rate[:-1]) * step, axis=0)]
+    )

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, final
 
 import numpy as np
@@ -197,6 +197,6 @@ def checked_again(design: RobotOnSurface, goal: Objective, value: float) -> floa
         way = headings(STEP_DEG)
         at = int(np.argmin(directions(model, way).starting_m_s2))
         ahead = np.round(np.array([[math.cos(way[at]), math.sin(way[at]), 0.0]]), 15)
-        motion = Motion(velocity=1e-3 * ahead, acceleration=value * ahead, saturated=True)
+        motion = replace(Motion.full_drag(ahead), acceleration=value * ahead)
         return abs(float(needed_share(model, motion)[0]) - 1.0)
     return math.nan

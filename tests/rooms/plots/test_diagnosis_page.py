@@ -296,7 +296,8 @@ def test_odd_data_is_drawn() -> None:
     lost = replace(one[0], measured=np.full((3, 3), np.nan))
     for runs in ((lost,), trials(25)):
         held = tuple(replace(t, held_out=False) for t in runs)
-        read(text_of(diagnosis(trials=held, cross_validated=True, held_out=())))
+        page = read(text_of(diagnosis(trials=held, cross_validated=True, held_out=())))
+        assert any(runs[0].name in part for part in page.text)
 
 
 def test_long_labels_leave_room_for_the_dots() -> None:
