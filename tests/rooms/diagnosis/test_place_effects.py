@@ -9,7 +9,7 @@ import pytest
 
 from slipmargin.data.record import Record
 from slipmargin.diagnosis.candidate import named_candidates
-from slipmargin.diagnosis.fit import Fit, build, fit
+from slipmargin.diagnosis.fit import Fit, build, few_steps, fit
 from slipmargin.diagnosis.general_forms import general_candidates
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
@@ -74,7 +74,9 @@ def fitted(believed: Recipe, records: tuple[Record, ...], name: str) -> tuple[An
             [build((candidate,), s) for s in candidate.starts], [everyone] * len(candidate.starts)
         )
     ]
-    starts = [candidate.starts[k] for k in np.argsort(costs)[:3]]
+    starts = [candidate.starts[k] for k in np.argsort(costs)[:6]]
+    steps = [few_steps(problem, (candidate,), s, everyone) for s in starts]  # some starts lead nowhere
+    starts = [x for x, _ in sorted(steps, key=lambda end: end[1])[:3]]
     best = min((fit(problem, (candidate,), s, everyone) for s in starts), key=lambda f: f.cost)
     before = problem.residuals([()], [everyone])[0]
     samples = problem.samples(everyone)
