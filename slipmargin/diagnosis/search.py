@@ -153,6 +153,7 @@ def search(
     """
     problem = problem.with_rough()
     trials = enough(seen, problem.knots, telling(problem, seen))
+    problem = problem.eased(trials)
     sought = Sought(
         seen=seen,
         trials=trials,

@@ -114,7 +114,7 @@ def _cut(found: Searched, data_set: DataSet, events: tuple[Event, ...]) -> Searc
     if wheel_phase.is_unknown(problem):  # a log of speeds counts from the angle at which it begins
         starts = [(data_set.trials[r], float(t.t_s[0])) for r, t in zip(runs, problem.trials, strict=True)]
         phases = phases + [wheel_phase.turned_before(*start, problem.commanded) for start in starts]
-    problem = problem.with_wheel_phases(phases).with_rough()
+    problem = replace(problem, rtol=found.problem.rtol).with_wheel_phases(phases).with_rough()
     held, seen = (np.flatnonzero(np.isin(runs, part)) for part in (found.held, found.seen))
     last, own = found.state, [runs[i] for i in seen]
     if _spared(found, found.seen, events) and len(last.fit.trials) == len(seen):

@@ -118,3 +118,17 @@ def test_a_run_starts_where_all_of_its_frames_put_it() -> None:
     cost = [float(np.sum(p.residuals([(tilt,)], [runs])[0] ** 2)) for p in (turned, again)]
     assert cost[1] < 0.98 * cost[0]
     assert turned.in_pieces(0.5).restarted((tilt,), runs).starts is turned.starts
+
+
+def test_a_search_simulates_as_finely_as_its_noise_asks(problem: Problem) -> None:
+    """Friction at the edge of slipping made one tolerance wrong by a quarter of the noise on some robots."""
+    everyone = np.arange(len(problem.trials))
+    chosen = []
+    for times in (100.0, 1.0, 0.01):
+        case = replace(problem, sigma=times * problem.sigma)
+        eased = case.eased(everyone)
+        chosen.append(eased.rtol)
+        near, exact = (p.residuals([()], [everyone])[0] for p in (eased, replace(case, rtol=1e-8)))
+        if times >= 1.0:
+            assert np.sqrt(np.mean((near - exact) ** 2)) < 0.05
+    assert chosen == sorted(chosen, reverse=True) and chosen[0] > chosen[2]
