@@ -65,6 +65,9 @@ class Simulated(Protocol):
 _SEVERAL = 3
 #: The part of a step [1] that is followed, and then stretched: friction that sticks answers a whole one less.
 _PART = 1e-3
+#: A step that is told to move a run farther than this is no small one [m, rad]: where runs are unstable first
+#: orders grow without bound.
+_FARTHEST = 1e3
 
 
 def near(
@@ -84,7 +87,8 @@ def _followed(
 ) -> dict[int, Array]:
     """Measured pose (R, T, 3) a step on, by number of the way, where it can be told to first order.
 
-    There are none where that saves nothing, or a wheel lifts.  Sensors are those a whole step on.
+    There are none where that saves nothing, or a wheel lifts, and not that of a step which is not small.
+    Sensors are those a whole step on.
     """
     members, which = np.unique(problem.member_of[trials], return_inverse=True)
 
@@ -106,6 +110,7 @@ def _followed(
     if len(parts) < _SEVERAL:
         return {}
     pose = np.empty((len(parts), len(trials), problem.measured.shape[1], 3))
+    small = set(parts)
     for number, model in enumerate(ours):
         own = np.flatnonzero(which == number)
         table = stack([rows[number], *(moved[number] for moved in parts.values())])
@@ -114,8 +119,15 @@ def _followed(
         assert found.change is not None
         if np.any(found.ending != Ending.DONE) or np.isfinite(found.lifts_s).any():
             return {}
-        pose[:, own] = found.pose + found.change.swapaxes(0, 1) / _PART
+        change = found.change.swapaxes(0, 1) / _PART
+        small -= {k for k, own_change in zip(parts, change, strict=True) if not _is_small(own_change)}
+        pose[:, own] = found.pose + change
     for told, whole in zip(pose, wholes.values(), strict=True):
         for number, model in enumerate(whole):
             problem.sense(model, np.flatnonzero(which == number), trials, told)
-    return dict(zip(parts, pose, strict=True))
+    return {k: told for k, told in zip(parts, pose, strict=True) if k in small}
+
+
+def _is_small(change: Array) -> bool:
+    """Whether a run is told to move no farther than a small step moves it; what is no number is not."""
+    return bool(np.max(np.abs(change), initial=0.0) <= _FARTHEST)

@@ -36,7 +36,7 @@ NUMERICS = {
     "diagnosis/left_out.py": {"_HALF"},
     "diagnosis/limits_change.py": {"_FLOORS", "_ORIENTATIONS", "_DIRECTIONS"},
     "diagnosis/loop.py": {"_FINAL_STEPS", "_FINE_STEPS"},
-    "diagnosis/near.py": {"_SEVERAL", "_PART"},
+    "diagnosis/near.py": {"_SEVERAL", "_PART", "_FARTHEST"},
     "diagnosis/order_analysis.py": {"_DRAWS", "_HALVES"},
     "diagnosis/plan_change.py": {"MOVE", "MARGIN", "_POINTS"},
     "diagnosis/probes.py": {"_STEP", "_PRIOR"},

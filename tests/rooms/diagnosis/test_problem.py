@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from planting import Plant, planted, smooth_kiwi
 
-from slipmargin.checks import Array
+from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import Trace
 from slipmargin.effects.floor_tilt import FloorTilt
 from slipmargin.io.robot_file import read_recipe
+from slipmargin.sim.batch import Outcome
 
 PIECE_S = 0.4
 
@@ -132,3 +134,30 @@ def test_a_search_simulates_as_finely_as_its_noise_asks(problem: Problem) -> Non
         if times >= 1.0:
             assert np.sqrt(np.mean((near - exact) ** 2)) < 0.05
     assert chosen == sorted(chosen, reverse=True) and chosen[0] > chosen[2]
+
+
+def test_first_orders_that_grow_without_bound_are_simulated(
+    problem: Problem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Seen on a real robot's loaded runs: steep friction made them overflow, and a fit ended in an error."""
+    everyone = np.arange(len(problem.trials))
+    ways = [
+        lambda part, x=x, y=y: (FloorTilt(tilt_x_rad=x * part, tilt_y_rad=y * part),)
+        for x, y in ((0.01, 0.0), (0.0, 0.01), (-0.01, 0.0), (0.01, 0.01))
+    ]
+    simulated = Problem.simulated
+    growing = iter((np.inf, 1e305, np.nan))
+
+    def unstable(self: Problem, clock: float, rows: Array, runs: Index, **more: Any) -> Outcome:
+        found = simulated(self, clock, rows, runs, **more)
+        if found.change is not None:
+            for other, factor in enumerate(growing):
+                found.change[:, other] = factor
+        return found
+
+    monkeypatch.setattr(Problem, "simulated", unstable)
+    told = problem.near((), ways, everyone)
+    exact = problem.residuals([way(1.0) for way in ways], [everyone] * len(ways))
+    for one, other in zip(told[:3], exact, strict=False):
+        np.testing.assert_array_equal(one, other)
+    assert np.isfinite(told[3]).all() and not np.array_equal(told[3], exact[3])
