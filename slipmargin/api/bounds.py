@@ -180,7 +180,7 @@ def bounds(
     from slipmargin.report.motion import unsteady
 
     recipe = read_robot(robot)
-    model, warnings = model_of(recipe, surface, spread=EVERY_SPREAD, band=True, motors=True)
+    model, warnings = model_of(recipe, surface, spread=EVERY_SPREAD, band=True)
     drawing = Drawing.of(recipe, surface, chance, seed)
     if not (math.isfinite(step_deg) and 0.0 < step_deg <= 90.0):
         raise InputError("step_deg", f"is {step_deg:g}", "give a step up to 90 degrees")

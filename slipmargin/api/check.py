@@ -198,7 +198,7 @@ def check(
     from slipmargin.paths.check import check as path_check
     from slipmargin.report.motion import unsteady
 
-    model, warnings = model_of(robot, surface, band=True, motors=True)
+    model, warnings = model_of(robot, surface, band=True)
     share = 1.0 - checked_margin(margin)
     source, form = "", "array"
     if topic is not None and not isinstance(trajectory, Path | str):

@@ -164,7 +164,7 @@ def compare(robots: Sequence[RobotLike], surface: str) -> CompareResult:
     warnings: list[str] = []
     for name, recipe in zip(names, recipes, strict=True):
         try:
-            said = model_of(recipe, surface, spread=FRICTION_SPREAD, band=True, motors=True)[1]
+            said = model_of(recipe, surface, spread=FRICTION_SPREAD, band=True)[1]
         except InputError as fault:
             if fault.place == "surface" and not fault.source:
                 raise InputError("surface", f"{fault.problem}, which {name} has not", fault.cure) from None

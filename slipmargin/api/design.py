@@ -49,7 +49,7 @@ class DesignResult(Result):
     def warnings(self) -> tuple[str, ...]:
         """What the robot file says, or was asked for, and a study of designs does not use."""
         base = self.study.problem.base
-        return (*warnings_of(base.recipe, base.surface, band=True, motors=True), *self.dropped)
+        return (*warnings_of(base.recipe, base.surface, band=True), *self.dropped)
 
     @property
     def best(self) -> dict[str, Any]:

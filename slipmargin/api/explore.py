@@ -213,7 +213,7 @@ def explore(robot: RobotLike, surface: str | None = None, *, report: Path | str 
 
     recipe = read_robot(robot)
     floor = recipe.robot.surfaces[0].name if surface is None else surface
-    _, warnings = model_of(recipe, floor, band=True, motors=True)
+    _, warnings = model_of(recipe, floor, band=True)
     return Explorer(
         design=RobotOnSurface(recipe=recipe, surface=floor),
         name=str(robot) if isinstance(robot, str | Path) else f"{recipe.robot.name}.toml",

@@ -73,7 +73,7 @@ class Limiter(Result):
         from slipmargin.onboard.table import limit_table, steady_warnings
 
         recipe = read_robot(robot)
-        model, warnings = model_of(recipe, surface, band=True, motors=True)
+        model, warnings = model_of(recipe, surface, band=True)
         self._margin = checked_margin(margin)
         self._hash = sha256(write_recipe(recipe).encode()).hexdigest()
         self.table = limit_table(model, self._margin)

@@ -242,7 +242,7 @@ def plan(
     from slipmargin.report.paths import not_proved
 
     recipe = read_robot(robot)
-    model, warnings = model_of(recipe, surface, spread=EVERY_SPREAD, band=True, motors=True)
+    model, warnings = model_of(recipe, surface, spread=EVERY_SPREAD, band=True)
     drawing = Drawing.of(recipe, surface, chance, seed)
     for name, cap in (("max_speed_m_s", max_speed_m_s), ("max_yaw_rate_rad_s", max_yaw_rate_rad_s)):
         if cap is not None and not 0.0 < cap < np.inf:

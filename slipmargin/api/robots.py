@@ -101,13 +101,12 @@ def model_of(
     *,
     spread: tuple[str, ...] = (),
     band: bool = False,
-    motors: bool = False,
 ) -> tuple[Model, tuple[str, ...]]:
     """The model of a robot on a surface, and the warnings that it deserves.
 
     ``spread`` and ``band`` say which uncertain numbers the caller draws from, as begin their keys
-    (:mod:`slipmargin.robot.warnings`), and whether it uses the band of loads; ``motors`` whether it limits
-    what motors give.  What it does not use is a warning too.
+    (:mod:`slipmargin.robot.warnings`), and whether it uses the band of loads.  What it does not use is a
+    warning too.
 
     Raises
     ------
@@ -118,7 +117,7 @@ def model_of(
 
     recipe = read_robot(robot)
     one_of("surface", surface, [s.name for s in recipe.robot.surfaces])
-    return recipe.build(surface), warnings_of(recipe, surface, spread=spread, band=band, motors=motors)
+    return recipe.build(surface), warnings_of(recipe, surface, spread=spread, band=band)
 
 
 def contact_of(model: Model, robust: bool) -> tuple[Contact, tuple[str, ...]]:
@@ -138,18 +137,15 @@ def warnings_of(
     *,
     spread: tuple[str, ...] = (),
     band: bool = False,
-    motors: bool = False,
 ) -> tuple[str, ...]:
     """What a robot file contradicts, what of it has no effect, and what the caller does not use."""
-    from slipmargin.robot.warnings import cut_off, turned_inertia, unused, warnings
+    from slipmargin.robot.warnings import cut_off, unused, warnings
 
     ignored = unused(recipe.robot, surface, spread=spread, band=band)
-    left_out = turned_inertia(recipe.robot) if motors else ()
     return (
         *warnings(recipe.robot),
         *cut_off(recipe.robot, surface),
         *ignored,
-        *left_out,
         *_partly_used(recipe),
     )
 

@@ -237,7 +237,7 @@ def stop(
     from slipmargin.onboard.braking import braking
     from slipmargin.report.motion import ended as why
 
-    model, warnings = model_of(robot, surface, band=True, motors=True)
+    model, warnings = model_of(robot, surface, band=True)
     margin = checked_margin(margin)
     step = real("step_deg", step_deg, above=0.0, high=90.0, cure="give a step up to 90 degrees")
     allow("step_deg", 360.0 / step, STOPPED_DIRECTIONS, "directions", "take a longer step")

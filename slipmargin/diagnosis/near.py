@@ -110,7 +110,7 @@ def _followed(
     if len(parts) < _SEVERAL:
         return {}
     pose = np.empty((len(parts), len(trials), problem.measured.shape[1], 3))
-    small = set(parts)
+    small = np.ones(len(parts), dtype=bool)
     for number, model in enumerate(ours):
         own = np.flatnonzero(which == number)
         table = stack([rows[number], *(moved[number] for moved in parts.values())])
@@ -119,15 +119,10 @@ def _followed(
         assert found.change is not None
         if np.any(found.ending != Ending.DONE) or np.isfinite(found.lifts_s).any():
             return {}
-        change = found.change.swapaxes(0, 1) / _PART
-        small -= {k for k, own_change in zip(parts, change, strict=True) if not _is_small(own_change)}
-        pose[:, own] = found.pose + change
+        change = found.change.swapaxes(0, 1)
+        small &= np.max(np.abs(change), axis=(1, 2, 3)) <= _FARTHEST * _PART  # what is no number is not
+        pose[:, own] = found.pose + np.where(small[:, None, None, None], change, 0.0) / _PART
     for told, whole in zip(pose, wholes.values(), strict=True):
         for number, model in enumerate(whole):
             problem.sense(model, np.flatnonzero(which == number), trials, told)
-    return {k: told for k, told in zip(parts, pose, strict=True) if k in small}
-
-
-def _is_small(change: Array) -> bool:
-    """Whether a run is told to move no farther than a small step moves it; what is no number is not."""
-    return bool(np.max(np.abs(change), initial=0.0) <= _FARTHEST)
+    return {k: told for k, told, right in zip(parts, pose, small, strict=True) if right}

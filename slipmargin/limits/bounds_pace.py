@@ -11,6 +11,7 @@ from slipmargin.limits.motion import along
 from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_rows import acceleration_rows, at_pace, prepare, torque_limit
 from slipmargin.limits.motion_state import Contact, Motion
+from slipmargin.limits.spin_up import spin_at_constant
 from slipmargin.model import Model
 from slipmargin.physics.frames import directions
 from slipmargin.physics.kinematics import com_acceleration
@@ -46,7 +47,7 @@ def held_speed(model: Model, heading_rad: Array, contact: Contact) -> float:
     left = np.ones_like(speed)
     if stall is not None:
         friction, external = prepare(model, Motion.full_drag(ahead), 1.0, contact)[1:]
-        torque = efforts(model, friction, external, np.zeros((1, *ahead.shape))).torque_N_m[:, 0]
+        torque = efforts(model, friction, external, ahead, np.zeros((1, *ahead.shape))).torque_N_m[:, 0]
         left = 1.0 - np.maximum(np.where(speed > 0.0, torque[0], torque[1]), 0.0) / stall
     return float(max(0.0, np.min(top * left / np.maximum(np.abs(speed), 1e-9))))
 
@@ -64,7 +65,7 @@ def yaw_rate(model: Model, yaw_rad_s2: float, share: float, contact: Contact) ->
     squared = min(float(np.min(along(model, rows, start, inward).value)) for start in starts)
     high = np.sqrt(max(0.0, squared))
 
-    demands = Demands.of(model, rows.friction, rows.external)
+    demands = Demands.of(model, rows.friction, rows.external, still)
 
     def there(rates: Array) -> NDArray[np.bool_]:
         # At such a rate a wheel may slide so slowly that its drag, which helped, is not full.
@@ -78,8 +79,9 @@ def yaw_rate(model: Model, yaw_rad_s2: float, share: float, contact: Contact) ->
         if model.drives.stall_torque_N_m is None:
             return np.asarray(holds)
         asked = (starts[:, None] + rates[:, None, None] ** 2 * inward).reshape(-1, 2, 3)
-        speed = model.geometry.wheel_speeds(np.tile(rates[:, None, None] * turn, (2, 1, 1)))
-        may = share * torque_limit(model, speed)
+        twist = np.tile(rates[:, None, None] * turn, (2, 1, 1))
+        gained = spin_at_constant(model, twist)
+        may = share * torque_limit(model, model.geometry.wheel_speeds(twist)) - np.stack([gained, -gained])
         motors = demands.each(asked).of_motors(may)
         return np.asarray(holds & (motors.reshape(2, each, 2).max(axis=(0, 2)) <= 1.0))
 

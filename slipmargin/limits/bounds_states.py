@@ -88,7 +88,7 @@ class States:
         motion, kind, run = _in_runs(model, all_motions(model), share, contact)
         first = np.flatnonzero(np.diff(run, prepend=-1))
         _, friction, external = prepare(model, motion, share, contact)
-        demands = Demands.of(model, friction, external, kind)
+        demands = Demands.of(model, friction, external, motion.velocity, kind)
         limit = torque_limit(model, at_pace(model, motion.velocity, PACE))
         still = demands.most(np.zeros((1, 1, 3)), np.zeros_like(kind), limit)
         need = needed_share(model, motion, contact=contact)
@@ -96,7 +96,9 @@ class States:
         _refuse_steady(motion, use, share)
         parts = prepare(model, motion.take(first), share, contact)
         whole = np.full((2, motion.count), share)
-        torque = None if model.drives.stall_torque_N_m is None else torque_rows(model, *parts[1:])
+        torque = None
+        if model.drives.stall_torque_N_m is not None:
+            torque = torque_rows(model, *parts[1:], motion.velocity[first])
         rows = _acceleration_rows(model, motion, contact, first, parts, torque, limit, whole)
         _refuse_weak(model, motion, contact, rows, share)
         sign = np.sign(motion.velocity[first])

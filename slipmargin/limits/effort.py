@@ -29,6 +29,7 @@ from slipmargin.limits.creep import (
 from slipmargin.limits.motion_external import External
 from slipmargin.limits.motion_friction import Friction, material_states
 from slipmargin.limits.motion_realised import LIGHTEST, comparable
+from slipmargin.limits.spin_up import spin_at_constant, spin_by_acceleration
 from slipmargin.model import Model
 from slipmargin.physics.compiled import kernel
 
@@ -71,7 +72,8 @@ class Most:
 class Effort:
     """Largest realised share ``use`` (R, M) of any wheel's grip, and its torques.
 
-    ``torque_N_m`` (2, R, M, N): the greatest motor torque T = −ρ F·ŝ of each wheel and the greatest −T.
+    ``torque_N_m`` (2, R, M, N): the greatest motor torque T = −ρ F·ŝ + J θ̈ of each wheel and the
+    greatest −T.
     """
 
     use: Array
@@ -85,20 +87,25 @@ class Effort:
         return np.asarray(np.where(self.torque_N_m > 0.0, share, 0.0).max(axis=(0, 3)))
 
 
-def efforts(model: Model, friction: Friction, external: External, acceleration: Array) -> Effort:
-    """What accelerations (R, M, 3) of the centre of mass and in yaw ask for in each of M states.
+def efforts(
+    model: Model, friction: Friction, external: External, velocity: Array, acceleration: Array
+) -> Effort:
+    """What accelerations (R, M, 3) of the centre of mass and in yaw ask for in states ``velocity`` (M, 3).
 
     The worst over the materials that the wheels may stand on and over external wrenches that are not known.
     """
-    return Demands.of(model, friction, external).each(acceleration)
+    return Demands.of(model, friction, external, velocity).each(acceleration)
 
 
 def coasting_use(model: Model, friction: Friction, external: External, count: int) -> Array:
     """Largest realised share (M,) of any wheel's grip at constant speed in each of ``count`` states M."""
-    return np.asarray(efforts(model, friction, external, np.zeros((1, count, 3))).use[0])
+    still = np.zeros((1, count, 3))
+    return np.asarray(efforts(model, friction, external, still[0], still).use[0])
 
 
-def greatest_torque(model: Model, friction: Friction, external: External, acceleration: Array) -> Array:
+def greatest_torque(
+    model: Model, friction: Friction, external: External, velocity: Array, acceleration: Array
+) -> Array:
     """Torques (R, M, N) [N m] no motor exceeds at accelerations (R, M, 3), with each wheel's whole grip."""
     c = model.geometry
     on_drive, on_side = (np.abs(c.radius_m * np.sum(c.drive * axis, axis=1)) for axis in (c.grip, c.free))
@@ -108,7 +115,8 @@ def greatest_torque(model: Model, friction: Friction, external: External, accele
     load = np.max([load for *_, load in external.cases()], axis=0)
     moved = acceleration[..., :2] @ model.loads.per_acceleration_kg.T
     lightest = LIGHTEST * model.inertia.weight_N / model.count
-    return np.asarray(worst * np.maximum(load + moved, lightest))
+    spin = acceleration @ spin_by_acceleration(model).T + spin_at_constant(model, velocity)
+    return np.asarray(worst * np.maximum(load + moved, lightest) + np.abs(spin))
 
 
 @final
@@ -128,8 +136,10 @@ class Demands:
     cases: tuple[tuple[Array, ...], ...]
 
     @staticmethod
-    def of(model: Model, friction: Friction, external: External, kind: Index | None = None) -> Demands:
-        """The states of ``friction`` and ``external``; without ``kind`` each is one of its own."""
+    def of(
+        model: Model, friction: Friction, external: External, velocity: Array, kind: Index | None = None
+    ) -> Demands:
+        """States of ``friction``, ``external``, ``velocity`` (M, 3); each its own ``kind`` by default."""
         c, states = model.geometry, friction.drive.shape[1]
         along, across = model.wrench_maps()
         middle = 0.5 * (friction.drag_low + friction.drag_high)
@@ -149,6 +159,8 @@ class Demands:
             comparable(model),
             LIGHTEST * model.inertia.weight_N / model.count,
             _full(friction.drive_stiffness, states, model.count),
+            spin_by_acceleration(model),
+            _full(spin_at_constant(model, velocity), states, model.count),
         )
         alone = np.arange(states) if kind is None else kind
         return Demands(states=states, count=model.count, kind=alone, fixed=fixed, cases=tuple(cases))
@@ -224,6 +236,8 @@ def _raise(
     scale: Array,
     lightest: float,
     steep: Array,
+    spin: Array,
+    steady: Array,
     mu: Array,
     drag: Array,
     load: Array,
@@ -246,7 +260,8 @@ def _raise(
     """Raise ``use``, ``motors`` (M, R) and ``torque`` (2, R or 1, M, N) to what one combination asks for.
 
     M a = w + Σ b_i f_i − Σ t_i D_i N_i with one creep of all wheels (:mod:`slipmargin.limits.creep`).
-    ``forces`` (6, N) are the wrenches of unit forces along ĝ and f̂, ``on_wheel`` (2, N) their torques T.
+    ``forces`` (6, N) are the wrenches of unit forces along ĝ and f̂, ``on_wheel`` (2, N) their torques T;
+    ``spin`` (N, 3) and ``steady`` (M, N) the torque of the wheels' own inertia, by acceleration and without.
     The k-th acceleration of state m is that of column ``which[m]``.  What is asked again of a state's
     neighbour of its ``kind`` (M,) has the same answer.  ``creep`` (R, G, 3) is where to start, from the
     neighbour's where it is not a number, and becomes what is found.  Where the accelerations are ``near`` the
@@ -283,8 +298,11 @@ def _raise(
             row = min(k, torque.shape[1] - 1)
             for i in range(len(wheels)):
                 use[m, k] = max(use[m, k], share[i])
-                side = 0 if turn[i] > 0.0 else 1
-                if turn[i] != 0.0:
-                    motors[m, k] = max(motors[m, k], abs(turn[i]) / max(limit[side, m, i], 0.0))
+                given = turn[i] + steady[m, i]
+                for r in range(3):
+                    given += spin[i, r] * a[r]
+                side = 0 if given > 0.0 else 1
+                if given != 0.0:
+                    motors[m, k] = max(motors[m, k], abs(given) / max(limit[side, m, i], 0.0))
                 if k == 0 or not near:
-                    torque[side, row, m, i] = max(torque[side, row, m, i], abs(turn[i]))
+                    torque[side, row, m, i] = max(torque[side, row, m, i], abs(given))

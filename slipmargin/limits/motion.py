@@ -197,12 +197,12 @@ def _within_torque(
     assert limit is not None
     none = ~np.isfinite(value)
     at = start + np.where(none, 0.0, value)[..., None] * direction
-    if np.all(greatest_torque(model, rows.friction, rows.external, at) <= limit.min(axis=0)):
+    if np.all(greatest_torque(model, rows.friction, rows.external, rows.velocity, at) <= limit.min(axis=0)):
         return value, rows
 
     def asked(t: Array) -> Array:
         at = start + np.where(none, 0.0, t)[..., None] * direction
-        return efforts(model, rows.friction, rows.external, at).of_motors(limit)
+        return efforts(model, rows.friction, rows.external, rows.velocity, at).of_motors(limit)
 
     too_much = asked(value) - 1.0
     over = ~none & (too_much > TORQUE_CLOSE)
@@ -213,7 +213,7 @@ def _within_torque(
     fits = at_least <= 0.0
     below = _where_it_turns(lambda t: asked(t) - 1.0, least, at_least, value, too_much, over & fits)
     at = start + np.where(none, 0.0, below)[..., None] * direction
-    torque = efforts(model, rows.friction, rows.external, at).torque_N_m
+    torque = efforts(model, rows.friction, rows.external, rows.velocity, at).torque_N_m
     used = (torque / np.maximum(limit[:, None], 1e-300)).max(axis=0)
     wheels = used >= (1.0 - TIED) * np.max(used, axis=2, keepdims=True)
     found = np.where(fits, below, -np.inf)

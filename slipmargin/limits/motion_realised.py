@@ -21,6 +21,7 @@ from slipmargin.limits.creep_states import Balance
 from slipmargin.limits.motion_external import external_in_motion
 from slipmargin.limits.motion_friction import friction_in_motion, material_states
 from slipmargin.limits.motion_state import Contact, Motion
+from slipmargin.limits.spin_up import spin_at_constant, spin_by_acceleration
 from slipmargin.model import Model
 from slipmargin.physics.frames import velocity_at
 from slipmargin.physics.friction_laws import law_inverse, law_share, law_slope
@@ -46,7 +47,7 @@ class Realised:
     """Creeping equilibrium of M states.
 
     ``use`` (M, N): share of each wheel's drive grip; ``twist`` (M, 3): creep of the body [m/s, m/s, rad/s];
-    ``torque_N_m`` (M, N): motor torque T = −ρ F·ŝ; ``load_N`` (M, N).  Where the contact is unknown,
+    ``torque_N_m`` (M, N): motor torque T = −ρ F·ŝ + J θ̈; ``load_N`` (M, N).  Where the contact is unknown,
     the worst over its states.
     """
 
@@ -83,11 +84,12 @@ def realised(
         torque_N_m=np.zeros(shape),
         load_N=external_in_motion(model, motion).middle(_at_com(model, motion))[1],
     )
+    spin = _at_com(model, motion) @ spin_by_acceleration(model).T + spin_at_constant(model, motion.velocity)
     for balance in _balances(model, motion, contact, share, open_loop):
         twist, use = balance.rest()
         worse = use.max(axis=1) > out.use.max(axis=1)
         out.twist[worse] = twist[worse]
-        torque = _torque(model, balance, twist)
+        torque = _torque(model, balance, twist) + spin
         np.maximum(out.use, use, out=out.use)
         np.copyto(out.torque_N_m, torque, where=np.abs(torque) > np.abs(out.torque_N_m))
     return out

@@ -5,7 +5,7 @@ zonotope of B_W's columns b_i (with t_i the columns of B_T):
 
     n·M a − n·w ≤ Σ_i κ_i N_i(a),   κ_i = λ μ_W |n·b_i| − max_D (n·t_i) D_i,
     N_i(a) = rest_i + P_i·a + S_i·Σ h F ≥ (1 − λ) N_i(0)          (tipping: λ of what lifts the wheel)
-    ±T_i(a) ≤ λ of what the motor gives at its speed              (torque–speed line)
+    ±(T_i(a) + J θ̈_i(a)) ≤ λ of what the motor gives at its speed (torque–speed line)
 
 a = (a_x, a_y, α): body-frame acceleration of the centre of mass and yaw acceleration; w: the external
 wrench, the worst of what is unknown, with the loads that the same forces make by their heights h.
@@ -26,6 +26,7 @@ from slipmargin.limits.motion_compiled import facet_worth, fill_rows, own, torqu
 from slipmargin.limits.motion_external import External, external_in_motion
 from slipmargin.limits.motion_friction import Friction, friction_in_motion
 from slipmargin.limits.motion_state import Contact, Motion
+from slipmargin.limits.spin_up import spin_at_constant, spin_by_acceleration
 from slipmargin.model import Model
 from slipmargin.physics.kinematics import KEPT, WheelGeometry
 from slipmargin.sets.facets import facet_normals
@@ -78,7 +79,8 @@ class AccelerationRows:
     :data:`CAUSES`.  ``spent`` (M, N): wheels whose drag uses the whole of a coupled grip, so that none is
     left to drive; ``coasting`` (M, 3): the acceleration without any drive force (zero where none is spent).
     ``share`` is λ, ``facets``, ``friction`` and ``external`` what the rows are made of, ``torque_N_m``
-    (2, M, N) the torque that may be used along and against each wheel's axle, None where motors do not count.
+    (2, M, N) the torque that may be used along and against each wheel's axle, None where motors do not count,
+    ``velocity`` (M, 3) how the body moves.
     """
 
     A: Array
@@ -92,6 +94,7 @@ class AccelerationRows:
     friction: Friction = field(repr=False)
     external: External = field(repr=False)
     torque_N_m: Array | None = field(repr=False)
+    velocity: Array = field(repr=False)
 
 
 #: What a row stands for, and what is said where there is no grip left to drive.
@@ -149,7 +152,7 @@ def acceleration_rows(
         causes += [1] * n
         wheels.append(np.eye(n, dtype=bool))
     if motor and model.drives.stall_torque_N_m is not None:
-        torque = torque or torque_rows(model, friction, external)
+        torque = torque or torque_rows(model, friction, external, motion.velocity)
         may = torque_N_m
         if may is None:
             may = np.reshape(share, (-1, 1)) * torque_limit(model, at_pace(model, motion.velocity, pace))
@@ -170,6 +173,7 @@ def acceleration_rows(
         friction=friction,
         external=external,
         torque_N_m=may,
+        velocity=motion.velocity,
     )
 
 
@@ -235,11 +239,12 @@ class TorqueRows:
     b: Array
 
 
-def torque_rows(model: Model, friction: Friction, external: External) -> TorqueRows:
+def torque_rows(model: Model, friction: Friction, external: External, velocity: Array) -> TorqueRows:
     """±T as affine functions of the acceleration, worst over what is unknown.
 
-    T = −ρ F·ŝ is the motor's torque against the floor's force F on the wheel.  For more than three
-    wheels the drive forces are the even distribution (a first estimate of the realised one).
+    T = −ρ F·ŝ + J θ̈ is the motor's torque against the floor's force F on the wheel and its own inertia, in
+    motions ``velocity`` (M, 3).  For more than three wheels the drive forces are the even distribution (a
+    first estimate of the realised one).
     """
     c, across = model.geometry, model.wrench_maps()[1]
     along_grip, along_free = np.sum(c.drive * c.grip, axis=1), np.sum(c.drive * c.free, axis=1)
@@ -255,6 +260,9 @@ def torque_rows(model: Model, friction: Friction, external: External) -> TorqueR
     for s, (wrench, per_load) in enumerate(((on_wrench, -most), (-on_wrench, least))):
         fill_rows(wrench * model.inertia.diagonal, per_load, per, A[s])
         b[s] = external.least(wrench, per_load)
+    sign = np.array([1.0, -1.0])[:, None, None]
+    A += sign[..., None] * spin_by_acceleration(model)
+    b -= sign * spin_at_constant(model, velocity)
     return TorqueRows(A=A, b=b)
 
 

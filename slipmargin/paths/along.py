@@ -21,6 +21,7 @@ from slipmargin.limits.motion_external import External, external_in_motion
 from slipmargin.limits.motion_friction import Friction, friction_in_motion
 from slipmargin.limits.motion_rows import Facets, facet_coefficients, facet_rows, torque_rows
 from slipmargin.limits.motion_state import Contact, Motion
+from slipmargin.limits.spin_up import spin_at_constant
 from slipmargin.model import Model
 from slipmargin.paths.geometry import Geometry
 
@@ -171,7 +172,9 @@ def _motor(
 ) -> tuple[list[Array], list[Array], list[Array]]:
     stall, top = model.drives.stall_torque_N_m, model.drives.max_speed_rad_s
     assert stall is not None
-    torque = torque_rows(model, assumed.friction, assumed.external)
+    standing = np.zeros((geometry.twist.shape[0], 3))  # what grows with ṡ² is added
+    torque = torque_rows(model, assumed.friction, assumed.external, standing)
+    gained = spin_at_constant(model, geometry.twist)  # per ṡ² (n, F, N)
     spin = model.geometry.wheel_speeds(geometry.twist)  # θ̇ per ṡ (n, F, N)
     a, b, c = [], [], []
     for e, node in ((0, slice(None, -1)), (-1, slice(1, None))):
@@ -183,7 +186,9 @@ def _motor(
             limit = stall * torque_share[:, None]
             left.append(np.einsum("nic,nc->ni", torque.A[k], geometry.push[:, e]))
             right.append(
-                np.einsum("nic,nc->ni", torque.A[k], geometry.bend[:, e]) + limit * slope / (2.0 * root)
+                np.einsum("nic,nc->ni", torque.A[k], geometry.bend[:, e])
+                + sign * gained[:, e]
+                + limit * slope / (2.0 * root)
             )
             bound.append(torque.b[k] + limit * (1.0 - 0.5 * slope * root))
         a.append(np.concatenate(left, axis=1))

@@ -39,8 +39,7 @@ class Motor:
         default=None,
         metadata=number(
             "kg m²",
-            "inertia that a motor turns, at the wheel: wheel plus rotor times gear ratio squared; it counts "
-            "in `simulate` and `plan --verify`, not in the motors' limits",
+            "inertia that a motor turns, at the wheel: wheel plus rotor times gear ratio squared",
             0.0,
             1e6,
             above=True,

@@ -93,21 +93,6 @@ def unused(robot: Robot, surface: str, *, spread: tuple[str, ...], band: bool) -
     return tuple(found)
 
 
-def turned_inertia(robot: Robot) -> tuple[str, ...]:
-    """A sentence where wheels and rotors take torque that limits of motion leave to the floor."""
-    if robot.motor is None:
-        return ()
-    _, stall, inertia = robot.motor.at_the_wheel()
-    if stall is None or inertia is None:
-        return ()
-    like = sum(inertia / w.radius_m**2 for w in robot.wheels)
-    return (
-        "motor: the inertia of wheels and rotors is left out of the motors' limits: it is like up to "
-        f"{like:.3g} kg to them, beside the robot's {robot.body.mass_kg:.3g} kg; it counts in simulate and "
-        "in plan --verify",
-    )
-
-
 def contradiction(robot: Robot) -> str | None:
     """The sentence for a robot whose stated wheel loads contradict its centre of mass.
 

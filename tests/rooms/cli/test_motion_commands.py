@@ -411,20 +411,3 @@ def test_a_path_on_a_slope_is_planned_below_a_lower_speed_where_the_search_fails
     assert status([*words, "--json", str(tmp_path / "p.json")]) == 0
     found = json.loads((tmp_path / "p.json").read_text(encoding="utf-8"))
     assert found["duration_s"] < 3.2 and "a lower speed" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("command", ["bounds", "stop", "simulate"])
-def test_inertia_that_motors_turn_is_said_to_be_left_out(
-    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    robot, speeds = tmp_path / "r.toml", tmp_path / "c.csv"
-    text = write_recipe(read_recipe("mecanum4"))
-    heavy = re.sub(r"(?m)^stall_torque_N_m = .*$", r"\g<0>\nreflected_inertia_kg_m2 = 0.004", text)
-    robot.write_text(heavy, encoding="utf-8")
-    speeds.write_text(
-        "t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s,omega4_rad_s\n0,1,-1,1,-1\n0.2,0,0,0,0\n",
-        encoding="utf-8",
-    )
-    more = [str(speeds)] if command == "simulate" else ["--step", "90"]
-    assert status([command, str(robot), *more, "--surface", "floor"]) == 0
-    assert ("inertia of wheels and rotors" in capsys.readouterr().err) == (command != "simulate")
