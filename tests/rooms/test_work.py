@@ -124,7 +124,7 @@ def test_the_most_that_ends_ask_for_is_that_of_each() -> None:
     """The torques of 24 wheels at every end took half a gigabyte, and bounds 45 s of processor time."""
     model = sm.read_robot("omni4").build("floor")
     motion = all_motions(model)
-    asked = Demands.of(model, *prepare(model, motion, 0.9, Contact.ROLLERS)[1:])
+    asked = Demands.of(model, *prepare(model, motion, 0.9, Contact.ROLLERS)[1:], motion.velocity)
     at = np.random.default_rng(3).normal(0.0, 2.0, (7, motion.count, 3))
     limit = np.full((2, motion.count, model.count), 0.5)
     whole, most = asked.each(at), asked.most(at, np.arange(motion.count), limit)
