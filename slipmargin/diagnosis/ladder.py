@@ -249,13 +249,16 @@ def _in_turn(court: Court, proposed: State, rounds: list[Round], progress: Watch
         state = fewer
     if not rounds or (not proposed.structure and rounds[0].before.chi <= SETTINGS.noise_chi):
         return
-    # A name that fails does not speak against free coefficients over its variable, nor the reverse.
-    asked = {(c.trace, c.named) for c in proposed.structure}
-    left = SETTINGS.others
+    # A name that fails does not speak against free coefficients over its variable, nor the reverse, nor
+    # against a name that left less and was passed over for something simpler.
+    asked: set[object] = {(c.trace, c.named) for c in proposed.structure}
+    asked |= {c.thing for c in proposed.structure}
+    left, taken = SETTINGS.others, rounds[0].best
     for other in rounds[0].tried:
         if not left or progress.expired:
             return
-        kind = (other.last.trace, other.last.named)
+        passed_over = taken is not None and other.named and other.chi < taken.chi
+        kind = other.last.thing if passed_over else (other.last.trace, other.last.named)
         if len(other.structure) == 1 and kind not in asked and other.chi < rounds[0].before.chi:
             asked.add(kind)
             left -= 1
