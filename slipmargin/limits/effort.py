@@ -29,7 +29,7 @@ from slipmargin.limits.creep import (
 from slipmargin.limits.motion_external import External
 from slipmargin.limits.motion_friction import Friction, material_states
 from slipmargin.limits.motion_realised import LIGHTEST, comparable
-from slipmargin.limits.spin_up import spin_at_constant, spin_by_acceleration
+from slipmargin.limits.spin_up import spin_at_constant, spin_by_acceleration, spin_torque
 from slipmargin.model import Model
 from slipmargin.physics.compiled import kernel
 
@@ -115,7 +115,7 @@ def greatest_torque(
     load = np.max([load for *_, load in external.cases()], axis=0)
     moved = acceleration[..., :2] @ model.loads.per_acceleration_kg.T
     lightest = LIGHTEST * model.inertia.weight_N / model.count
-    spin = acceleration @ spin_by_acceleration(model).T + spin_at_constant(model, velocity)
+    spin = spin_torque(model, velocity, acceleration)
     return np.asarray(worst * np.maximum(load + moved, lightest) + np.abs(spin))
 
 

@@ -21,7 +21,7 @@ from slipmargin.limits.creep_states import Balance
 from slipmargin.limits.motion_external import external_in_motion
 from slipmargin.limits.motion_friction import friction_in_motion, material_states
 from slipmargin.limits.motion_state import Contact, Motion
-from slipmargin.limits.spin_up import spin_at_constant, spin_by_acceleration
+from slipmargin.limits.spin_up import spin_torque
 from slipmargin.model import Model
 from slipmargin.physics.frames import velocity_at
 from slipmargin.physics.friction_laws import law_inverse, law_share, law_slope
@@ -84,7 +84,7 @@ def realised(
         torque_N_m=np.zeros(shape),
         load_N=external_in_motion(model, motion).middle(_at_com(model, motion))[1],
     )
-    spin = _at_com(model, motion) @ spin_by_acceleration(model).T + spin_at_constant(model, motion.velocity)
+    spin = spin_torque(model, motion.velocity, _at_com(model, motion))
     for balance in _balances(model, motion, contact, share, open_loop):
         twist, use = balance.rest()
         worse = use.max(axis=1) > out.use.max(axis=1)

@@ -14,13 +14,20 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.model import Model
+from slipmargin.physics.kinematics import at_centre, com_acceleration
+
+
+def spin_torque(model: Model, velocity: Array, acceleration: Array) -> Array:
+    """(..., M, N) torque J θ̈ [N m] of motions ``velocity`` (M, 3), by ``acceleration`` (..., M, 3) of the
+    centre of mass [m/s²] and in yaw [rad/s²].
+    """
+    return np.asarray(acceleration @ spin_by_acceleration(model).T + spin_at_constant(model, velocity))
 
 
 def spin_by_acceleration(model: Model) -> Array:
     """(N, 3) torque J θ̈ [N m] per acceleration of the centre of mass [m/s²] and in yaw [rad/s²]."""
-    x, y = model.inertia.com_m
-    of_origin = np.array([[1.0, 0.0, y], [0.0, 1.0, -x], [0.0, 0.0, 1.0]])
-    return np.asarray(_inertia(model) * model.geometry.wheel_speeds(np.eye(3)).T @ of_origin)
+    of_origin = com_acceleration(-np.asarray(model.inertia.com_m), np.zeros((3, 3)), np.eye(3))
+    return np.asarray(_inertia(model) * model.geometry.wheel_speeds(of_origin).T)
 
 
 def spin_at_constant(model: Model, velocity: Array) -> Array:
@@ -30,7 +37,7 @@ def spin_at_constant(model: Model, velocity: Array) -> Array:
     """
     vx, vy, turn = np.moveaxis(np.asarray(velocity, dtype=float), -1, 0)
     x, y = model.inertia.com_m
-    rate = np.stack([turn**2 * x + turn * vy, turn**2 * y - turn * vx, np.zeros_like(turn)], axis=-1)
+    rate = np.stack([*at_centre(-x, -y, turn, turn * vy, -turn * vx, 0.0), np.zeros_like(turn)], axis=-1)
     return np.asarray(_inertia(model) * model.geometry.wheel_speeds(rate))
 
 
