@@ -13,6 +13,7 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array, real
+from slipmargin.limits.bounds_pace import held_in_curves
 from slipmargin.limits.motion import (
     AccelerationLimit,
     along,
@@ -187,7 +188,7 @@ def cornering(
     """Fastest steady cornering by curvature (K,) [1/m] and direction of motion (H,).
 
     At speed v the origin needs the acceleration κ v² across the motion, linear in v²; the drag is full.
-    The motor's top speed caps it; its torque at that speed is not asked for.
+    The motors' top speed caps it, and their torque at the speed that is reached.
     """
     curvature, heading = np.asarray(curvature_per_m, dtype=float), np.asarray(heading_rad, dtype=float)
     k, h = (a.ravel() for a in np.meshgrid(curvature, heading, indexing="ij"))
@@ -216,7 +217,7 @@ def _corner(
     if top is not None:
         rate = np.max(np.abs(model.geometry.wheel_speeds(twist)), axis=1)
         speed = np.minimum(speed, top / rate)
-    return np.asarray(speed)
+    return held_in_curves(model, rows, per_square, speed)
 
 
 def top_speed(model: Model, heading_rad: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Speeds up to which safe sets of accelerations hold: the motors' share of their top speed, and turning."""
+"""Speeds up to which limits hold: the motors' share of their top speed, curves, and turning."""
 
 from __future__ import annotations
 
@@ -9,7 +9,13 @@ from slipmargin.checks import Array
 from slipmargin.limits.effort import Demands, efforts
 from slipmargin.limits.motion import along
 from slipmargin.limits.motion_realised import realised
-from slipmargin.limits.motion_rows import acceleration_rows, at_pace, prepare, torque_limit
+from slipmargin.limits.motion_rows import (
+    AccelerationRows,
+    acceleration_rows,
+    at_pace,
+    prepare,
+    torque_limit,
+)
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.limits.spin_up import spin_at_constant
 from slipmargin.model import Model
@@ -18,6 +24,8 @@ from slipmargin.physics.kinematics import com_acceleration
 
 #: Rates between two that are tried at once, and rounds: the rate is found to 1e-8 of what grip alone allows.
 RATES, RATE_ROUNDS = 40, 5
+#: Halvings in which the speed is found that motors hold in a curve: to 1e-6 of what grip alone allows.
+CURVE_ROUNDS = 20
 
 
 def pace(model: Model, velocity: Array, torque_N_m: Array, share: float) -> float | None:
@@ -50,6 +58,33 @@ def held_speed(model: Model, heading_rad: Array, contact: Contact) -> float:
         torque = efforts(model, friction, external, ahead, np.zeros((1, *ahead.shape))).torque_N_m[:, 0]
         left = 1.0 - np.maximum(np.where(speed > 0.0, torque[0], torque[1]), 0.0) / stall
     return float(max(0.0, np.min(top * left / np.maximum(np.abs(speed), 1e-9))))
+
+
+def held_in_curves(model: Model, rows: AccelerationRows, per_square: Array, speed: Array) -> Array:
+    """The part of ``speed`` (M,) [m/s] up to which motors hold steady curves (the unit twists of ``rows``).
+
+    At the speed v a curve needs the acceleration v² ``per_square`` (M, 3) of the centre of mass and in yaw,
+    and motors have λ of what they give at v times the wheel speeds.  0 where drag alone takes more.
+    """
+    if model.drives.stall_torque_N_m is None:
+        return speed
+    demands = Demands.of(model, rows.friction, rows.external, np.zeros_like(rows.velocity))
+
+    def holds(tried: Array) -> NDArray[np.bool_]:
+        velocity = tried[:, None] * rows.velocity
+        gained = spin_at_constant(model, velocity)
+        may = rows.share * torque_limit(model, model.geometry.wheel_speeds(velocity))
+        asked = demands.each(tried[None, :, None] ** 2 * per_square)
+        return np.asarray(asked.of_motors(may - np.stack([gained, -gained]))[0] <= 1.0)
+
+    finite = np.where(np.isfinite(speed), speed, 1.0)  # where no speed is too fast, none changes anything
+    done = holds(finite)
+    low, high = np.zeros_like(finite), finite
+    for _ in range(0 if np.all(done) else CURVE_ROUNDS):
+        middle = 0.5 * (low + high)
+        held = holds(middle)
+        low, high = np.where(held, middle, low), np.where(held, high, middle)
+    return np.asarray(np.where(done, speed, low))
 
 
 def yaw_rate(model: Model, yaw_rad_s2: float, share: float, contact: Contact) -> float:

@@ -19,6 +19,7 @@ from slipmargin.limits.every_motion import all_motions
 from slipmargin.limits.motion import acceleration_limit
 from slipmargin.limits.motion_friction import friction_in_motion
 from slipmargin.limits.motion_realised import realised
+from slipmargin.limits.motion_rows import torque_use
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model, nominal_model
 from slipmargin.physics.terms import Multiplier
@@ -74,6 +75,29 @@ def test_cornering_speed_is_where_the_grip_ends(model: Model) -> None:
         assert use >= 0.7 - 2e-3  # equal for three wheels; more wheels may use more than they need
         if model.count == 3:
             assert use == pytest.approx(0.7, abs=2e-3)
+
+
+@pytest.mark.parametrize("name", ["ohio-kiwi", "mecanum4"])
+@pytest.mark.parametrize("turning", [False, True])
+def test_cornering_speed_is_where_the_motors_end(name: str, turning: bool) -> None:
+    """At the cornering speed of weak motors one of them has just the share of its torque that it may use."""
+    model = read_recipe(name).build({"ohio-kiwi": "paper", "mecanum4": "floor"}[name])
+    stall = {"ohio-kiwi": 0.06, "mecanum4": 0.6}[name]
+    drives = replace(model.drives, max_speed_rad_s=40.0, stall_torque_N_m=stall)
+    slow = replace(model, drives=drives)
+    fast = replace(model, drives=replace(drives, max_speed_rad_s=None, stall_torque_N_m=None))
+    around, curvature = np.array([0.3, 2.0]), 0.7
+    found, unlimited = (cornering(m, np.array([curvature]), around, share=0.8) for m in (slow, fast))
+    for k, (held, tangent) in enumerate(zip(found.held_m_s[0], found.tangent_m_s[0], strict=True)):
+        v, free = (tangent, unlimited.tangent_m_s) if turning else (held, unlimited.held_m_s)
+        assert 0.0 < v < free[0, k]
+        sides = np.array([1.0, -1.0])
+        twist = np.array([[np.cos(around[k]), np.sin(around[k]), s * turning * curvature] for s in sides])
+        inward = np.array([[-np.sin(around[k]), np.cos(around[k]), 0.0]]) * sides[:, None] * curvature * v**2
+        # So fast that rollers which slide a ten-thousandth of the way have their full drag as well.
+        torque = realised(slow, Motion(velocity=1e8 * twist, acceleration=inward)).torque_N_m
+        use = torque_use(slow, torque, slow.geometry.wheel_speeds(v * twist))
+        assert np.max(use) == pytest.approx(0.8, rel=1e-3)
 
 
 def test_spinning_and_motors() -> None:
