@@ -125,7 +125,7 @@ def logged(case: Case, runs: list[Driven], seed: int) -> tuple[Record, ...]:
     poses = pose.run(pack(model), start, rtol=1e-8).pose
     made = []
     for run, theta, one in zip(runs, thetas, poses, strict=True):
-        seen = measure(model.measurement, run.t_s, one[: len(run.t_s)])
+        seen = measure(model.measurement, [run.t_s], one[None, : len(run.t_s)])[0]
         seen = seen + SIGMA * rng.standard_normal(seen.shape)
         made.append(Record(name=run.name, t_s=run.t_s, pose=seen, omega=run.omega, theta=theta))
     return tuple(made)

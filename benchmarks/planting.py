@@ -136,7 +136,7 @@ def _data_set(
     pose = batch.at_clock(model.measurement.clock).run(pack(model), start, rtol=1e-8).pose
     records = []
     for k, (run, log) in enumerate(zip(pose, logs, strict=True)):
-        seen = measure(model.measurement, t, run) + SIGMA * random.standard_normal((len(t), 3))
+        seen = measure(model.measurement, [t], run[None])[0] + SIGMA * random.standard_normal((len(t), 3))
         records.append(Record(name=f"trial{k:02d}", t_s=t, pose=seen, **log))
     return DataSet(
         name="planted",

@@ -76,7 +76,8 @@ class Runs:
         found = np.empty((len(run), 3))
         for row, r in enumerate(run):
             clock = self.trials[r].t_s
-            pose = measure(models[row // len(own)].measurement, clock, outcome.pose[row, : len(clock)])
+            sensor = models[row // len(own)].measurement
+            pose = measure(sensor, [clock], outcome.pose[row : row + 1, : len(clock)])[0]
             found[row] = body_path(pose)[-1] - self.went[r]
             found[row, :2] /= self.distance[r]
         return found.reshape(len(models), len(own), 3)

@@ -26,6 +26,8 @@ _ITERATIONS = 30
 ENOUGH = 1e-4  #: relative decrease of the cost at which a fit has converged
 _FAIR = 2  #: steps that a fit is given before it may be given up …
 _USUAL = 12  #: … and within which most fits converge: by then it must be in reach of what it is to beat
+#: Damping from which on a step is less than about half of what its Jacobian asks for [1].
+_SHORTENED = 0.1
 #: A Jacobian is carried along a step whose residual it foretold to this share of what the step changed [1];
 #: after a longer bend it is simulated anew.
 _FORETOLD = 0.3
@@ -261,7 +263,8 @@ def _descended(
         cost, left = float(np.sum(residual**2)), float(np.sum(new**2))
         carried, straight = _carried(jacobian, (there - x) / scale, scale, residual, new)
         x, residual, spent = there, new, spent + tried
-        given_up = step >= _FAIR and cost * (left / cost) ** max(1, _USUAL - step) > give_up_above
+        told = step >= _FAIR and damping < _SHORTENED  # a shortened step says little about what others bring
+        given_up = told and cost * (left / cost) ** max(1, _USUAL - step) > give_up_above
         converged = cost - left < ENOUGH * cost
         if given_up or (converged and simulated) or expired():
             return x, residual, carried, spent
@@ -299,7 +302,7 @@ def stepped(x: Array, limits: tuple[Array, Array, Array], normal: Array, gradien
 
 
 #: Dampings tried when the first step goes uphill, as multiples of the current one.
-_LADDER = (1e1, 1e2, 1e4, 1e6)
+_LADDER = (1e1, 1e2, 1e3, 1e4, 1e6)
 
 
 def _improve(

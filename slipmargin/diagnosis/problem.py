@@ -25,7 +25,7 @@ from slipmargin.diagnosis.residual_diagnostics import residual_rate
 from slipmargin.diagnosis.sense import is_ideal, measure
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme, start_twist, wheel_signal, with_phases
-from slipmargin.diagnosis.start_pose import aligned, fitted_start, fitted_to_lasting
+from slipmargin.diagnosis.start_pose import aligned, fitted_start
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.effects.confined import acting
 from slipmargin.effects.recipe import with_effects
@@ -231,17 +231,13 @@ class Problem:
 
     def sense(self, model: Model, rows: Index, runs: Index, pose: Array) -> None:
         """In place: what a model's sensor reports of some rows of ``pose`` (M, T, 3), of trials ``runs``."""
-        if is_ideal(model.measurement):
-            return
-        for row in rows:
-            since_s = self.trials[runs[row]].record.since_s
-            pose[row, : len(since_s)] = measure(model.measurement, since_s, pose[row, : len(since_s)])
+        if not is_ideal(model.measurement):
+            times_s = [self.trials[run].record.since_s for run in runs[rows]]
+            pose[rows] = measure(model.measurement, times_s, pose[rows])
 
     def _fitted(self, pose: Array, measured: Array, seen: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Predicted poses (M, T, 3) moved to where the start fits best, and the whitened gap left."""
-        if self.lasting is None:
-            return fitted_start(pose, measured, seen, self.sigma)
-        return fitted_to_lasting(pose, measured, seen, self.sigma, self.lasting, self.step_s)
+        return fitted_start(pose, measured, seen, self.sigma, self.lasting, self.step_s)
 
     def possible(self, effects: Sequence[AnyEffect], member: int = 0) -> Model | None:
         """The model, or None where no machine is like that (a wheel would lift)."""

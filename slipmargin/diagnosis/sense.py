@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from slipmargin.checks import Array
@@ -23,40 +25,40 @@ def is_ideal(sensing: MeasurementModel) -> bool:
     )
 
 
-def measure(sensing: MeasurementModel, t_s: Array, pose: Array) -> Array:
-    """What the sensor reports of a motion.
+def measure(sensing: MeasurementModel, times_s: Sequence[Array], pose: Array) -> Array:
+    """What the sensor reports of motions.
 
     Parameters
     ----------
     sensing : MeasurementModel
         Faults of the measurement.
-    t_s : array (T,)
-        Instants since the run began [s], increasing.
-    pose : array (T, 3)
-        True x [m], y [m], φ [rad] of the body frame's origin.
+    times_s : sequence of M arrays
+        Instants of each motion since its run began [s], increasing; none after T.
+    pose : array (M, T, 3)
+        True x [m], y [m], φ [rad] of the body frame's origin, at these instants and anything after them.
 
     Returns
     -------
-    array (T, 3)
-        Measured pose at those instants; both scale and rotation act about the start position.
+    array (M, T, 3)
+        Measured poses at those instants; both scale and rotation act about the start position.
     """
     if is_ideal(sensing):
         return pose
-    true = pose
-    t_s = t_s * sensing.clock
-    if sensing.delay_s:
-        late = t_s - sensing.delay_s
-        true = np.stack([np.interp(late, t_s, column) for column in pose.T], axis=1)
-    start, phi = true[0], true[:, 2]
-    seen = np.stack(to_floor(phi, *sensing.marker_m), axis=1)
-    moved = true[:, :2] - start[:2] + seen - seen[0]
-    out = np.empty_like(pose)
-    out[:, :2] = start[:2] + sensing.scale * rotate_rows(sensing.rotation_rad, moved)
-    out[:, 2] = start[2] + sensing.heading_gain * (phi - start[2])
+    true, own = np.array(pose, dtype=np.float64), [t_s * sensing.clock for t_s in times_s]
+    for row, t_s in zip(true if sensing.delay_s else (), own, strict=False):
+        late = [np.interp(t_s - sensing.delay_s, t_s, column) for column in row[: len(t_s)].T]
+        row[: len(t_s)] = np.stack(late, axis=1)
+    start, phi = true[:, :1], true[..., 2]
+    seen = np.stack(to_floor(phi, *sensing.marker_m), axis=-1)
+    moved = true[..., :2] - start[..., :2] + seen - seen[:, :1]
+    out = np.empty_like(true)
+    out[..., :2] = start[..., :2] + sensing.scale * rotate_rows(sensing.rotation_rad, moved)
+    out[..., 2] = start[..., 2] + sensing.heading_gain * (phi - start[..., 2])
     for warp in sensing.warps:
-        shift = warp.shift(_variable(warp.variable, t_s, true))
-        out += shift - shift[0]
-    return np.asarray(out, dtype=np.float64)
+        for measured, row, t_s in zip(out, true, own, strict=True):
+            shift = warp.shift(_variable(warp.variable, t_s, row[: len(t_s)]))
+            measured[: len(t_s)] += shift - shift[0]
+    return out
 
 
 def _variable(variable: Variable, t_s: Array, pose: Array) -> Array:

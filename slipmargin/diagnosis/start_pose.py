@@ -1,6 +1,15 @@
-"""Where a run may start: predictions moved to where their start fits best, and the whitened gap left."""
+"""Where a run may start: predictions moved to where their start fits best, and the whitened gap left.
+
+The noise of a channel is white noise plus noise of first order (Ornstein-Uhlenbeck: it fades by 1/e in its
+time).  A Kalman filter predicts the lasting part from the samples before; what a sample adds to that, over
+its standard deviation, is independent of all others (the innovations form; Harvey, Forecasting, Structural
+Time Series Models and the Kalman Filter, 1989, section 3.4).  The filter is linear: the gap and the
+directions in which a start may move, which are projected off it, pass through the same one.
+"""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,8 +17,11 @@ from numpy.typing import NDArray
 from slipmargin.checks import Array
 from slipmargin.data.noise import LastingNoise
 from slipmargin.diagnosis.settings import SETTINGS
-from slipmargin.diagnosis.whitening import whitened
+from slipmargin.physics.compiled import fast
 from slipmargin.physics.frames import to_floor
+
+#: What a direction that nothing was seen of is held by, as a share of the others, and beside nothing [1].
+_HELD, _LEAST = 1e-12, 1e-30
 
 
 def aligned(pose: Array, measured: Array, seen: NDArray[np.bool_]) -> Array:
@@ -25,71 +37,101 @@ def aligned(pose: Array, measured: Array, seen: NDArray[np.bool_]) -> Array:
     return np.concatenate([place + middle[:, None], pose[..., 2:] + off[:, None, None]], axis=-1)
 
 
-def fitted_start(pose: Array, measured: Array, seen: NDArray[np.bool_], sigma: Array) -> tuple[Array, Array]:
-    """Predicted poses (M, T, 3) moved to where the start fits best, and the whitened gap left."""
-    gap = np.where(seen, measured - pose, 0.0)
-    gap = np.where(np.isfinite(gap), gap, SETTINGS.wild * sigma)
-    shift = _start_shift(pose, gap, seen, sigma)
-    return pose + shift, np.where(seen, (gap - shift) / sigma, 0.0).clip(-SETTINGS.wild, SETTINGS.wild)
-
-
-def fitted_to_lasting(
+def fitted_start(
     pose: Array,
     measured: Array,
     seen: NDArray[np.bool_],
     sigma: Array,
-    lasting: LastingNoise,
-    step_s: float,
+    lasting: LastingNoise | None = None,
+    step_s: float = 0.0,
 ) -> tuple[Array, Array]:
-    """As :func:`fitted_start` where part of the noise lasts: gap and tangents pass through one filter."""
-    gap = np.where(seen, measured - pose, 0.0)
-    gap = np.where(np.isfinite(gap), gap, SETTINGS.wild * sigma)
-    first = np.where(np.isfinite(pose[:, :1, :2]), pose[:, :1, :2], 0.0)
-    arm = np.where(np.isfinite(pose[..., :2]), pose[..., :2], 0.0) - first
-    one = np.ones(seen.shape[:2])
-    turning = (-arm[..., 1], arm[..., 0], one)
+    """Predicted poses moved to where their start fits best, and the whitened gap left.
 
-    def white(values: Array, axis: int) -> Array:
-        return whitened(values, seen[..., axis], float(sigma[axis]), lasting, axis, step_s)
+    Parameters
+    ----------
+    pose, measured : array (M, T, 3)
+        x [m], y [m], φ [rad] of M runs, a sample every ``step_s``.
+    seen : array (M, T, 3) of bool
+        Which samples exist.
+    sigma : array (3,)
+        Standard deviation of the whole noise.
+    lasting : LastingNoise, optional
+        The part of it that lasts; none by default.
 
-    left = np.stack([white(gap[..., axis], axis) for axis in range(3)], axis=-1)
-    tangents = np.zeros((*left.shape, 3))
-    for axis in range(3):
-        tangents[..., axis, 2] = white(turning[axis], axis)
-        if axis < 2:
-            tangents[..., axis, axis] = white(one, axis)
-    rows = tangents.reshape(len(pose), -1, 3)
-    across = rows.transpose(0, 2, 1)
-    normal = across @ rows
-    normal += (1e-12 * np.trace(normal, axis1=1, axis2=2) + 1e-30)[:, None, None] * np.eye(3)
-    found = np.linalg.solve(normal, across @ left.reshape(len(pose), -1, 1))
-    x, y, turn = found[..., 0].T[..., None]
-    shift = np.stack([x + turn * turning[0], y + turn * turning[1], turn * one], axis=-1)
-    left = left - (rows @ found).reshape(left.shape)
-    return pose + shift, np.where(seen, left, 0.0).clip(-SETTINGS.wild, SETTINGS.wild)
-
-
-def _start_shift(pose: Array, gap: Array, seen: NDArray[np.bool_], sigma: Array) -> Array:
-    """The change (M, T, 3) of each prediction by the start shift and turn that fit it best.
-
-    The tangents of a shift are (1, 0, 0) and (0, 1, 0), that of a turn is (−b, a, 1) at (a, b) from
-    the start; the 3 × 3 normal equations are written out.
+    Returns
+    -------
+    array (M, T, 3), array (M, T, 3)
+        Poses, and measured − pose in noises: 0 where nothing was seen, at most ``SETTINGS.wild`` large.
     """
-    first = np.where(np.isfinite(pose[:, :1, :2]), pose[:, :1, :2], 0.0)
-    arm = np.where(np.isfinite(pose[..., :2]), pose[..., :2], 0.0) - first
-    a, b = arm[..., 0], arm[..., 1]
-    wx, wy, wt = (seen[..., i] / sigma[i] ** 2 for i in range(3))
-    xb, ya = wx * b, wy * a
-    normal = np.zeros((len(pose), 3, 3))
-    normal[:, 0, 0], normal[:, 1, 1] = wx.sum(axis=1), wy.sum(axis=1)
-    normal[:, 0, 2] = normal[:, 2, 0] = -xb.sum(axis=1)
-    normal[:, 1, 2] = normal[:, 2, 1] = ya.sum(axis=1)
-    normal[:, 2, 2] = (xb * b + ya * a + wt).sum(axis=1)
-    gx, gy, gt = gap[..., 0], gap[..., 1], gap[..., 2]
-    right = np.stack(
-        [(wx * gx).sum(axis=1), (wy * gy).sum(axis=1), (ya * gy - xb * gx + wt * gt).sum(axis=1)], axis=1
-    )
-    normal += (1e-12 * np.trace(normal, axis1=1, axis2=2) + 1e-30)[:, None, None] * np.eye(3)
-    shift = np.linalg.solve(normal, right[..., None])
-    turn = shift[:, 2]
-    return np.stack([shift[:, 0] - turn * b, shift[:, 1] + turn * a, np.broadcast_to(turn, a.shape)], axis=-1)
+    share = np.zeros(3) if lasting is None else lasting.share
+    keep = np.zeros(3) if lasting is None else np.exp(-step_s / lasting.time_s)
+    moved, left = np.empty((2, *pose.shape))
+    row = np.ascontiguousarray  # other layouts would be compiled once more
+    _fit_starts(row(pose), row(measured), row(seen), sigma, share, keep, float(SETTINGS.wild), moved, left)
+    return moved, left
+
+
+@fast
+def _fit_starts(
+    pose: Array,
+    measured: Array,
+    seen: NDArray[np.bool_],
+    sigma: Array,
+    share: Array,
+    keep: Array,
+    wild: float,
+    moved: Array,
+    left: Array,
+) -> None:
+    """Fill ``moved`` and ``left`` (M, T, 3).
+
+    To first order a start moves a run by (1, 0, 0), (0, 1, 0) and, turned by 1 rad, (−b, a, 1) at (a, b)
+    from it.  Shifts along x and y do not meet, so that the normal equations are solved by hand.
+    """
+    ways = np.empty((pose.shape[1], 3, 2))  # whitened: along the axis, turned
+    for m in range(len(pose)):
+        x, y = pose[m, 0, 0], pose[m, 0, 1]
+        x, y = x if math.isfinite(x) else 0.0, y if math.isfinite(y) else 0.0
+        own, both, right = np.zeros(3), np.zeros(2), np.zeros(3)
+        for axis in range(3):
+            lasting = share[axis] * sigma[axis] ** 2
+            white = sigma[axis] ** 2 - lasting
+            spread, of_gap, of_one, of_turn = lasting, 0.0, 0.0, 0.0  # of the lasting part, as predicted
+            for k in range(pose.shape[1]):
+                left[m, k, axis], ways[k, axis, 0], ways[k, axis, 1] = 0.0, 0.0, 0.0
+                if seen[m, k, axis]:
+                    gap = measured[m, k, axis] - pose[m, k, axis]
+                    gap = gap if math.isfinite(gap) else wild * sigma[axis]
+                    arm = (y - pose[m, k, 1], pose[m, k, 0] - x, 1.0)[axis]
+                    new, one = gap - of_gap, 1.0 - of_one
+                    turn = (arm if math.isfinite(arm) else 0.0) - of_turn
+                    root, gain = math.sqrt(spread + white), spread / (spread + white)
+                    of_gap, of_one, of_turn = of_gap + gain * new, of_one + gain * one, of_turn + gain * turn
+                    spread *= 1.0 - gain
+                    new, one, turn = new / root, one / root, turn / root
+                    left[m, k, axis], ways[k, axis, 0], ways[k, axis, 1] = new, one, turn
+                    if axis < 2:
+                        own[axis] += one * one
+                        both[axis] += one * turn
+                        right[axis] += one * new
+                    own[2] += turn * turn
+                    right[2] += turn * new
+                of_gap, of_one, of_turn = keep[axis] * of_gap, keep[axis] * of_one, keep[axis] * of_turn
+                spread = keep[axis] ** 2 * spread + (1.0 - keep[axis] ** 2) * lasting
+        own += _HELD * (own[0] + own[1] + own[2]) + _LEAST
+        by = both / own[:2]
+        turned = (right[2] - by[0] * right[0] - by[1] * right[1]) / (
+            own[2] - by[0] * both[0] - by[1] * both[1]
+        )
+        shift = (right[:2] - both * turned) / own[:2]
+        for k in range(pose.shape[1]):
+            a, b = pose[m, k, 0] - x, pose[m, k, 1] - y
+            a, b = a if math.isfinite(a) else 0.0, b if math.isfinite(b) else 0.0
+            moved[m, k, 0] = pose[m, k, 0] + shift[0] - turned * b
+            moved[m, k, 1] = pose[m, k, 1] + shift[1] + turned * a
+            moved[m, k, 2] = pose[m, k, 2] + turned
+            for axis in range(3):
+                way = ways[k, axis, 1] * turned
+                if axis < 2:
+                    way += ways[k, axis, 0] * shift[axis]
+                left[m, k, axis] = min(max(left[m, k, axis] - way, -wild), wild)

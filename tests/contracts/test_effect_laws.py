@@ -102,7 +102,7 @@ def ran(model: Model, *, commanded: bool) -> np.ndarray:
     start = np.array([0.1, -0.2, 0.4])
     batch = Batch([linear(t, omega)], [clock], commanded=commanded).at_clock(model.measurement.clock)
     pose = batch.run(pack(model), start, rtol=1e-8).pose[0]
-    return measure(model.measurement, clock, pose)
+    return measure(model.measurement, [clock], pose[None])[0]
 
 
 def everything(model: Model) -> list[np.ndarray]:

@@ -30,6 +30,7 @@ NUMERICS = {
         "_FAIR",
         "_FORETOLD",
         "_LADDER",
+        "_SHORTENED",
         "_USUAL",
     },
     "diagnosis/forms.py": {"_NEIGHBOURS", "_LARGEST"},
@@ -40,6 +41,7 @@ NUMERICS = {
     "diagnosis/order_analysis.py": {"_DRAWS", "_HALVES"},
     "diagnosis/plan_change.py": {"MOVE", "MARGIN", "_POINTS"},
     "diagnosis/probes.py": {"_STEP", "_PRIOR"},
+    "diagnosis/start_pose.py": {"_HELD", "_LEAST"},
     "diagnosis/problem.py": {
         "_RTOL_PER_M",
         "_RTOL",

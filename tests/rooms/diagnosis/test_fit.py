@@ -115,6 +115,31 @@ def test_what_is_out_of_reach_after_the_usual_steps_is_given_up() -> None:
     assert fit(valley, known, start, EVERY, give_up_above=1.0).evaluations < 0.6 * done.evaluations
 
 
+class Saturated(Line):
+    """Far from the truth little changes: first steps are too long, and those that are damped are short."""
+
+    def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
+        out = []
+        for made, rows in zip(effects, trials, strict=True):
+            (effect,) = made
+            assert isinstance(effect, CameraScale)
+            off = np.array([effect.scale_x - 1.4, effect.scale_y - 1.16])
+            out.append(np.tile(1e2 * np.tanh(6.0 * off), (len(rows), 1)))
+        return out
+
+
+def test_a_step_that_is_cut_short_says_not_that_a_fit_is_out_of_reach() -> None:
+    """A woven floor, the truth, was given up after three short steps; full ones led to the noise."""
+    found = fit(
+        Saturated((0.0, 0.0), 0.0, 0),
+        (candidate(CameraScale),),
+        np.array([0.7, 0.7]),
+        EVERY,
+        give_up_above=1.0,
+    )
+    np.testing.assert_allclose(found.x - 1.0, [0.4, 0.16], atol=1e-3)
+
+
 class Bend(Line):
     """A line that bends a little with its first parameter; ``tangents`` counts how often they were taken."""
 

@@ -58,7 +58,8 @@ def test_the_start_pose_is_the_mean_while_it_stands() -> None:
 def test_an_ideal_sensor_changes_nothing() -> None:
     pose = smooth()
     assert is_ideal(MeasurementModel.ideal())
-    assert measure(MeasurementModel.ideal(), T, pose) is pose
+    several = np.stack([pose, pose])
+    assert measure(MeasurementModel.ideal(), [T, T], several) is several
 
 
 def test_a_faulty_sensor_by_hand() -> None:
@@ -75,14 +76,19 @@ def test_a_faulty_sensor_by_hand() -> None:
         }
         return MeasurementModel(**(values | changed))  # type: ignore[arg-type]
 
-    np.testing.assert_allclose(measure(sensing(scale=np.array([1.1, 1.0])), t, pose)[1], [2.1, 2.0, 1.5])
-    np.testing.assert_allclose(
-        measure(sensing(rotation_rad=np.pi / 2), t, pose)[1], [1.0, 3.0, 1.5], atol=1e-15
-    )
-    np.testing.assert_allclose(measure(sensing(heading_gain=2.0), t, pose)[1], [2.0, 2.0, 2.5])
-    late = measure(sensing(delay_s=0.5), t, pose)
+    def seen(faulty: MeasurementModel) -> np.ndarray:
+        longer = np.concatenate([pose, np.full((1, 3), np.nan)])  # nothing is known after the last instant
+        shifted, own = measure(faulty, [t[:1], t], np.stack([longer, longer]))
+        np.testing.assert_allclose(shifted[0], own[0])
+        assert np.isnan(own[2]).all()
+        return own[:2]
+
+    np.testing.assert_allclose(seen(sensing(scale=np.array([1.1, 1.0])))[1], [2.1, 2.0, 1.5])
+    np.testing.assert_allclose(seen(sensing(rotation_rad=np.pi / 2))[1], [1.0, 3.0, 1.5], atol=1e-15)
+    np.testing.assert_allclose(seen(sensing(heading_gain=2.0))[1], [2.0, 2.0, 2.5])
+    late = seen(sensing(delay_s=0.5))
     np.testing.assert_allclose(late, [[1.0, 2.0, 0.5], [1.5, 2.0, 1.0]])
-    turned = measure(sensing(marker_m=np.array([0.1, 0.0])), t, pose)
+    turned = seen(sensing(marker_m=np.array([0.1, 0.0])))
     want = 1.0 + 1.0 + 0.1 * (np.cos(1.5) - np.cos(0.5))
     assert turned[1, 0] == pytest.approx(want)
     warp = PoseShift(
@@ -91,7 +97,7 @@ def test_a_faulty_sensor_by_hand() -> None:
         coefficients=np.array([[0.0], [0.0], [0.2]]),
         shape=np.array([1.0, 0.0]),
     )
-    np.testing.assert_allclose(measure(sensing(warps=(warp,)), t, pose)[1], [2.0, 2.0, 1.7])
+    np.testing.assert_allclose(seen(sensing(warps=(warp,)))[1], [2.0, 2.0, 1.7])
 
 
 def test_a_sensor_knows_no_wheel_speed() -> None:
@@ -102,7 +108,7 @@ def test_a_sensor_knows_no_wheel_speed() -> None:
         scale=np.ones(2), rotation_rad=0.0, heading_gain=1.0, delay_s=0.0, marker_m=np.zeros(2), warps=(warp,)
     )
     with pytest.raises(InputError, match="cannot depend on slip_speed"):
-        measure(faulty, T, smooth())
+        measure(faulty, [T], smooth()[None])
 
 
 def test_a_dependence_is_seen_and_a_bystander_is_not() -> None:

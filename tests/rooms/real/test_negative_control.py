@@ -34,7 +34,7 @@ def obedient(data: RealSet) -> DataSet:
     random = np.random.default_rng(0)
     trials = []
     for record, pose in zip(real.trials, poses, strict=True):
-        seen = measure(model.measurement, record.t_s, pose[: len(record.t_s)])
+        seen = measure(model.measurement, [record.t_s], pose[None, : len(record.t_s)])[0]
         moved = seen + problem.sigma * random.normal(size=record.pose.shape)
         trials.append(replace(record, pose=np.where(np.isfinite(record.pose), moved, np.nan)))
     return replace(real, trials=tuple(trials), sigma=None, lasting=None)
