@@ -61,6 +61,23 @@ def other_names(screening: Screening, fitted: Sequence[Screened], many: int) -> 
     return [replace(e, starts=e.starts[:2][-1:]) for e in others]
 
 
+def pointed_at(screening: Screening, sought: Sequence[Screened]) -> list[Screened]:
+    """Names of the variable of a probe that stands above them, with all of their places or times as starts;
+    but those whose places were ``sought`` already.
+
+    What no fit can vary says that something happens there, and tangents may have led a name elsewhere: where
+    friction holds the robot a small push moves it hardly at all, and by nothing that a larger one does.
+    """
+    probe = max((e for e in screening.entries if not e.structure), key=lambda e: e.gain, default=None)
+    if probe is None:
+        return []
+    known = {e.label for e in sought}
+    named = [e for e in _alone(screening) if e.named and e.label not in known]
+    own = [e for e in named if e.parts[0].trace == probe.parts[0].trace]
+    astray = [e for e in own if e.structure[0].idle.any() and e.promise < probe.gain]
+    return [replace(e, starts=tuple(e.structure[0].starts)) for e in astray]
+
+
 def _alone(screening: Screening) -> list[Screened]:
     """Single candidates, the one that promises most first."""
     return sorted((e for e in screening.entries if e.stands_alone), key=_first_promised)

@@ -21,7 +21,7 @@ from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.bends import bends
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.crossings import at_crossings
-from slipmargin.diagnosis.finalists import finalists, of_other_variables, other_names
+from slipmargin.diagnosis.finalists import finalists, of_other_variables, other_names, pointed_at
 from slipmargin.diagnosis.fit import build, evaluate, few_steps, fit
 from slipmargin.diagnosis.left_out import folds
 from slipmargin.diagnosis.patches import at_patches
@@ -272,7 +272,8 @@ def take_step(
     # explains part of what is left is followed by a round of its own.
     if not before.structure and (not best.named or worthwhile(best, SETTINGS.floor_chi)):
         progress("a few steps of other names", 0.2)
-        others = other_names(screening, [*chosen, *spots], SETTINGS.contenders)
+        pointed = pointed_at(screening, spots)
+        others = [*pointed, *other_names(screening, [*chosen, *spots, *pointed], SETTINGS.contenders)]
         names = after_steps(before, [*spots, *others], lambda: progress.expired)[:many]
         forms = of_other_variables(screening, chosen, many)
         tried = _fitted_in_turn(before, [*names, *forms], tried, runs, progress)

@@ -31,6 +31,7 @@ from slipmargin.diagnosis.watch import Watch, no_progress
 from slipmargin.effects import Trace
 from slipmargin.effects.friction_coefficients import FrictionCoefficients
 from slipmargin.effects.load_transfer import LoadTransfer
+from slipmargin.effects.push import Push
 from slipmargin.effects.stiff_roller import StiffRoller
 from slipmargin.effects.wheel_loads import WheelLoads
 from slipmargin.effects.wheel_radius import WheelRadius
@@ -61,6 +62,20 @@ def begun(data: DataSet) -> tuple[State, list[Candidate], Index]:
     if before.chi > SETTINGS.far_chi:
         before = fitted(problem.in_pieces(SETTINGS.piece_s), (), np.zeros(0), everyone, everyone)
     return before, candidates, everyone
+
+
+@pytest.mark.parametrize("force_N", [15.0, 30.0, 60.0])
+def test_a_push_whose_tangents_lead_astray_is_sought_at_every_time(force_N: float) -> None:
+    """Friction holds the robot against a small push: at 30 N tangents put the time a second too late."""
+    push = Push(force_x_N=-0.5 * force_N, force_y_N=-force_N, time_s=0.4, duration_s=0.05)
+    data = planted(smooth_kiwi(), Plant(name="push", traces=(Trace.TIME,), effects=(push,)), seed=3, **SMALL)
+    before, candidates, everyone = begun(data)
+    best = take_step(before, everyone, candidates, 3, Watch(report=no_progress)).best
+    assert best is not None and best.last.name == "push"
+    found = dict(zip(best.last.keys, best.fit.x, strict=True))
+    assert abs(found["time_s"] - 0.4) < 0.05
+    # A candidate's push lasts twice as long as this one, with about the same impulse.
+    assert found["force_y_N"] == pytest.approx(-0.5 * force_N, rel=0.1)
 
 
 def test_where_nothing_is_missing_no_variable_is_supported() -> None:
