@@ -24,7 +24,7 @@ from slipmargin.checks import real
 from slipmargin.data.campaign import Part, joined
 from slipmargin.data.data_set import DataSet
 from slipmargin.errors import InputError
-from slipmargin.io.data_set import read_data_set
+from slipmargin.io.data_set import FILE as DATA_SET, read_data_set
 from slipmargin.io.source import read_text
 from slipmargin.io.toml_table import Table, document
 
@@ -35,11 +35,21 @@ FILE = "campaign.toml"
 
 
 def campaign_file(path: Path) -> Path | None:
-    """The campaign file that a path means, itself or inside a folder; None where it is a data set."""
-    if path.is_dir():
-        inside = path / FILE
-        return inside if inside.is_file() and not (path / "dataset.toml").is_file() else None
-    return path if path.suffix.lower() == ".toml" else None
+    """The campaign file that a path means, itself or inside a folder; None where it is a data set.
+
+    Raises
+    ------
+    InputError
+        For a folder that holds both.
+    """
+    if not path.is_dir():
+        return path if path.suffix.lower() == ".toml" and path.name != DATA_SET else None
+    inside, own = path / FILE, path / DATA_SET
+    if not inside.is_file():
+        return None
+    if own.is_file():
+        raise InputError("", "holds a data set and a campaign", f"name one: {own} or {inside}", str(path))
+    return inside
 
 
 def read_joined(path: Path | str) -> DataSet:

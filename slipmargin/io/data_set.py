@@ -18,12 +18,14 @@ from slipmargin.io.source import read_text
 from slipmargin.io.toml_table import Table, document
 from slipmargin.io.trial_file import read_pulls, read_trial
 
+#: The file of a data set in its folder.
+FILE = "dataset.toml"
 #: Endings of files that a run may have been written to, and columns of which it has one in its first line.
 _LIKE_RUNS, _COLUMNS = (".txt", ".tsv", ".dat"), ("t_s", "x_m", "phi_rad", "omega1_rad_s", "theta1_rad")
 
 
 def read_data_set(folder: Path | str) -> DataSet:
-    """Read a data set strictly: unknown keys and columns are errors.
+    """Read a data set, by its folder or its ``dataset.toml``, strictly: unknown keys and columns are errors.
 
     Raises
     ------
@@ -31,10 +33,11 @@ def read_data_set(folder: Path | str) -> DataSet:
         With file, key or line:column, what is wrong and what to do.
     """
     folder = Path(folder)
-    path = folder / "dataset.toml"
+    folder = folder.parent if folder.name == FILE and folder.is_file() else folder
+    path = folder / FILE
     if not path.is_file():
         raise InputError(
-            "dataset.toml",
+            FILE,
             "is not there" if folder.is_dir() else "there is no such folder",
             "give a data set: a folder with robot.toml, dataset.toml and trials/",
             str(folder),

@@ -109,6 +109,17 @@ def test_another_candidate_is_asked_where_the_proposal_fails(court: Court) -> No
     assert labels_of(found) == ["wheel_loads"] and found.rejected[0].labels == ("camera_scale",)
 
 
+def test_a_name_that_was_passed_over_is_asked_where_a_simpler_one_fails() -> None:
+    """A ramp that left less than a seam, with a parameter more, was never asked: both are of the position."""
+    late = court_of(CameraDelay(delay_s=0.03))
+    before, right, wrong = proposed(late), proposed(late, "camera_delay"), proposed(late, "camera_scale")
+    assert right.last.trace == wrong.last.trace and right.chi < wrong.chi
+    nothing = Screening(entries=(), total=1.0, chance=np.zeros(0))
+    done = Round(before=before, screening=nothing, tried=(right, wrong), best=wrong, taken=True)
+    found = check(late, wrong, [done], Watch(report=no_progress))
+    assert labels_of(found) == ["camera_delay"] and found.rejected[0].labels == ("camera_scale",)
+
+
 def test_names_that_their_round_cannot_tell_apart_are_asked_before_an_effect_is_dropped() -> None:
     late = court_of(WheelLoads(shift_x_m=0.012, shift_y_m=-0.008, com_share=1.0), CameraDelay(delay_s=0.02))
     loads, right = proposed(late, "wheel_loads"), proposed(late, "wheel_loads", "camera_delay")

@@ -56,6 +56,18 @@ def test_a_folder_or_a_file_may_be_a_campaign(folder: Path) -> None:
     assert campaign_file(folder / "gray") is None and campaign_file(folder / "nothing") is None
 
 
+def test_a_folder_that_is_a_data_set_as_well_is_not_guessed(folder: Path) -> None:
+    """The campaign was ignored in silence."""
+    beside = folder / "gray" / "campaign.toml"
+    beside.write_text('schema = 1\n[[data_set]]\npath = "."\n', encoding="utf-8")
+    own = folder / "gray" / "dataset.toml"
+    with pytest.raises(InputError, match="holds a data set and a campaign") as fault:
+        campaign_file(folder / "gray")
+    assert str(own) in str(fault.value) and str(beside) in str(fault.value)
+    assert campaign_file(beside) == beside and campaign_file(own) is None
+    assert read_data_set(own).name == read_data_set(folder / "gray").name == "gray"
+
+
 @pytest.mark.parametrize(
     ("text", "place"),
     [
