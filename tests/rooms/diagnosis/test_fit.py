@@ -98,8 +98,11 @@ class Valley(Line):
             (effect,) = made
             assert isinstance(effect, CameraScale)
             a, b = effect.scale_x - 1.0, effect.scale_y - 1.0
-            out.append(np.tile([3e3 * (b - a * a), 1e2 * (a - 0.4)], (len(rows), 1)))
+            out.append(np.tile(self.at(a, b), (len(rows), 1)))
         return out
+
+    def at(self, a: float, b: float) -> Array:
+        return np.array([3e3 * (b - a * a), 1e2 * (a - 0.4)])
 
 
 def test_a_fit_follows_a_narrow_valley_to_its_end() -> None:
@@ -115,17 +118,11 @@ def test_what_is_out_of_reach_after_the_usual_steps_is_given_up() -> None:
     assert fit(valley, known, start, EVERY, give_up_above=1.0).evaluations < 0.6 * done.evaluations
 
 
-class Saturated(Line):
+class Saturated(Valley):
     """Far from the truth little changes: first steps are too long, and those that are damped are short."""
 
-    def residuals(self, effects: Sequence[tuple[AnyEffect, ...]], trials: Sequence[Index]) -> list[Array]:
-        out = []
-        for made, rows in zip(effects, trials, strict=True):
-            (effect,) = made
-            assert isinstance(effect, CameraScale)
-            off = np.array([effect.scale_x - 1.4, effect.scale_y - 1.16])
-            out.append(np.tile(1e2 * np.tanh(6.0 * off), (len(rows), 1)))
-        return out
+    def at(self, a: float, b: float) -> Array:
+        return 1e2 * np.tanh(6.0 * np.array([a - 0.4, b - 0.16]))
 
 
 def test_a_step_that_is_cut_short_says_not_that_a_fit_is_out_of_reach() -> None:
