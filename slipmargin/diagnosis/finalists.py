@@ -56,9 +56,7 @@ def other_names(screening: Screening, fitted: Sequence[Screened], many: int) -> 
 
     Each has one start, its second: what tangents put first has led nowhere, or there is no other.
     """
-    known = {e.label for e in fitted}
-    others = [e for e in _alone(screening) if e.named and e.label not in known][:many]
-    return [replace(e, starts=e.starts[:2][-1:]) for e in others]
+    return [replace(e, starts=e.starts[:2][-1:]) for e in _names_but(screening, fitted)[:many]]
 
 
 def pointed_at(screening: Screening, sought: Sequence[Screened]) -> list[Screened]:
@@ -71,9 +69,7 @@ def pointed_at(screening: Screening, sought: Sequence[Screened]) -> list[Screene
     probe = max((e for e in screening.entries if not e.structure), key=lambda e: e.gain, default=None)
     if probe is None:
         return []
-    known = {e.label for e in sought}
-    named = [e for e in _alone(screening) if e.named and e.label not in known]
-    own = [e for e in named if e.parts[0].trace == probe.parts[0].trace]
+    own = [e for e in _names_but(screening, sought) if e.parts[0].trace == probe.parts[0].trace]
     astray = [e for e in own if e.structure[0].idle.any() and e.promise < probe.gain]
     return [replace(e, starts=tuple(e.structure[0].starts)) for e in astray]
 
@@ -81,6 +77,12 @@ def pointed_at(screening: Screening, sought: Sequence[Screened]) -> list[Screene
 def _alone(screening: Screening) -> list[Screened]:
     """Single candidates, the one that promises most first."""
     return sorted((e for e in screening.entries if e.stands_alone), key=_first_promised)
+
+
+def _names_but(screening: Screening, known: Sequence[Screened]) -> list[Screened]:
+    """Single names that are not ``known``, the one that promises most first."""
+    labels = {e.label for e in known}
+    return [e for e in _alone(screening) if e.named and e.label not in labels]
 
 
 def _pairs(screening: Screening) -> list[Screened]:

@@ -26,7 +26,8 @@ _ITERATIONS = 30
 ENOUGH = 1e-4  #: relative decrease of the cost at which a fit has converged
 _FAIR = 2  #: steps that a fit is given before it may be given up …
 _USUAL = 12  #: … and within which most fits converge: by then it must be in reach of what it is to beat
-#: Damping from which on a step is less than about half of what its Jacobian asks for [1].
+#: Damping of the next step [1] from which on the last one counts as cut short: it had as much, or ten times
+#: as much where it went downhill at once, and 1 halves a step.
 _SHORTENED = 0.1
 #: A Jacobian is carried along a step whose residual it foretold to this share of what the step changed [1];
 #: after a longer bend it is simulated anew.

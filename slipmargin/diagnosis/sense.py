@@ -45,9 +45,10 @@ def measure(sensing: MeasurementModel, times_s: Sequence[Array], pose: Array) ->
     if is_ideal(sensing):
         return pose
     true, own = np.array(pose, dtype=np.float64), [t_s * sensing.clock for t_s in times_s]
-    for row, t_s in zip(true if sensing.delay_s else (), own, strict=False):
-        late = [np.interp(t_s - sensing.delay_s, t_s, column) for column in row[: len(t_s)].T]
-        row[: len(t_s)] = np.stack(late, axis=1)
+    if sensing.delay_s:
+        for row, t_s in zip(true, own, strict=True):
+            late_s = t_s - sensing.delay_s
+            row[: len(t_s)] = np.stack([np.interp(late_s, t_s, c) for c in row[: len(t_s)].T], axis=1)
     start, phi = true[:, :1], true[..., 2]
     seen = np.stack(to_floor(phi, *sensing.marker_m), axis=-1)
     moved = true[..., :2] - start[..., :2] + seen - seen[:, :1]

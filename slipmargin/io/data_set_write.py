@@ -8,6 +8,7 @@ from pathlib import Path
 
 from slipmargin.data.data_set import DataSet
 from slipmargin.errors import InputError
+from slipmargin.io.data_set import FILE
 from slipmargin.io.robot_text import quoted, write_recipe
 from slipmargin.io.stage import NEW, OLD, check_possible, staged, sweep
 from slipmargin.io.trial_file import pulls_text, trial_parts
@@ -33,14 +34,14 @@ def _small_files(data_set: DataSet, comment: str) -> dict[str, str]:
         head += [f"{n} = {v!r}" for n, v in zip(names, data_set.sigma.tolist(), strict=True)]
     if pulls is not None and pulls.sigma_N is not None:
         head.append(f"force_N = {pulls.sigma_N!r}")
-    files = {"robot.toml": write_recipe(data_set.recipe), "dataset.toml": "\n".join(head) + "\n"}
+    files = {"robot.toml": write_recipe(data_set.recipe), FILE: "\n".join(head) + "\n"}
     if pulls is not None:
         files["pulls.csv"] = pulls_text(pulls)
     return files
 
 
 #: What importing a log writes, and may replace.
-_IMPORTED = ("dataset.toml", "robot.toml", "import.json", "calibration.toml", "trials")
+_IMPORTED = (FILE, "robot.toml", "import.json", "calibration.toml", "trials")
 
 
 def check_data_set_place(folder: Path, written: Iterable[str] = _IMPORTED) -> None:
@@ -56,7 +57,7 @@ def check_data_set_place(folder: Path, written: Iterable[str] = _IMPORTED) -> No
     check_possible(folder)
     sweep(folder.resolve())  # what a killed run took away comes back
     if folder.is_dir():
-        if any(folder.iterdir()) and not (folder / "dataset.toml").is_file():
+        if any(folder.iterdir()) and not (folder / FILE).is_file():
             raise InputError("--out", "is a folder that holds something else", "give a new one", str(folder))
         known = {*_IMPORTED, *written}
         lost = sorted(path.name for path in folder.iterdir() if path.name not in known)
@@ -78,7 +79,7 @@ def check_new(folder: Path) -> None:
         Placed at ``--out``, with the cure.
     """
     check_data_set_place(folder)
-    if (folder / "dataset.toml").is_file():
+    if (folder / FILE).is_file():
         raise InputError(
             "--out", "holds a data set already", "give a new folder, or replace it with --force", str(folder)
         )

@@ -71,11 +71,8 @@ def held_in_curves(model: Model, rows: AccelerationRows, per_square: Array, spee
     demands = Demands.of(model, rows.friction, rows.external, np.zeros_like(rows.velocity))
 
     def holds(tried: Array) -> NDArray[np.bool_]:
-        velocity = tried[:, None] * rows.velocity
-        gained = spin_at_constant(model, velocity)
-        may = rows.share * torque_limit(model, model.geometry.wheel_speeds(velocity))
-        asked = demands.each(tried[None, :, None] ** 2 * per_square)
-        return np.asarray(asked.of_motors(may - np.stack([gained, -gained]))[0] <= 1.0)
+        velocity, asked = tried[None, :, None] * rows.velocity, tried[None, :, None] ** 2 * per_square
+        return np.asarray(_motors_use(model, demands, velocity, asked, rows.share)[0] <= 1.0)
 
     finite = np.where(np.isfinite(speed), speed, 1.0)  # where no speed is too fast, none changes anything
     done = holds(finite)
@@ -115,9 +112,7 @@ def yaw_rate(model: Model, yaw_rad_s2: float, share: float, contact: Contact) ->
             return np.asarray(holds)
         asked = (starts[:, None] + rates[:, None, None] ** 2 * inward).reshape(-1, 2, 3)
         twist = np.tile(rates[:, None, None] * turn, (2, 1, 1))
-        gained = spin_at_constant(model, twist)
-        may = share * torque_limit(model, model.geometry.wheel_speeds(twist)) - np.stack([gained, -gained])
-        motors = demands.each(asked).of_motors(may)
+        motors = _motors_use(model, demands, twist, asked, share)
         return np.asarray(holds & (motors.reshape(2, each, 2).max(axis=(0, 2)) <= 1.0))
 
     low = 0.0
@@ -129,3 +124,16 @@ def yaw_rate(model: Model, yaw_rad_s2: float, share: float, contact: Contact) ->
         first = int(np.argmin(holds))
         low, high = tried[first], tried[first + 1]
     return float(high if low == 0.0 else low)
+
+
+def _motors_use(
+    model: Model, demands: Demands, velocity: Array, acceleration: Array, share: Array | float
+) -> Array:
+    """Largest part (R, M) of what motors may give, in motions and at accelerations (R, M, 3).
+
+    They may give λ of their torque.  ``demands`` are those of states at rest, so that the torque by which
+    wheels gain speed in such a motion is taken off it.
+    """
+    gained = spin_at_constant(model, velocity)
+    may = np.reshape(share, (-1, 1)) * torque_limit(model, model.geometry.wheel_speeds(velocity))
+    return demands.each(acceleration).of_motors(may - np.stack([gained, -gained]))
