@@ -698,6 +698,7 @@ FAMILIES = CATALOGUE_FAMILIES + INVENTIONS
 #: Inventions that the catalogue has an equation of by now.
 SINCE = (
     "backlash",
+    "bent_axle",
     "dragging_castor",
     "floor_ramp",
     "floor_seam",

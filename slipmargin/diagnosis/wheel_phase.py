@@ -45,7 +45,7 @@ def matters_to(model: Model) -> bool:
     """Whether friction or rolling of a model depends on where its wheels stand."""
     grip = model.grip
     sectors = switching(grip.rigid_fraction, *grip.roller.T, *grip.rigid.T)
-    if np.any(sectors) or model.geometry.runout.any():
+    if np.any(sectors) or model.geometry.changes_in_a_turn:
         return True
     return any(m.variable is Variable.WHEEL_ANGLE for m in grip.multipliers)
 
@@ -178,7 +178,9 @@ def _swept(
     """
     models = [problem.model(own) for own in effects]
     turn = pitch(problem.nominal.grip.rollers)
-    if any(model.geometry.runout.any() for model in models):  # that repeats once a turn, not once a roller
+    if any(
+        model.geometry.changes_in_a_turn for model in models
+    ):  # that repeats once a turn, not once a roller
         turn = np.full_like(turn, 2.0 * np.pi)
     best = problem.wheel_phases.copy()
     view = problem.in_pieces(SETTINGS.phase_piece_s)

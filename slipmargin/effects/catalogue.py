@@ -42,6 +42,7 @@ from slipmargin.effects.wheel_play import WheelPlay
 from slipmargin.effects.wheel_radius import WheelRadius
 from slipmargin.effects.wheel_runout import WheelRunout
 from slipmargin.effects.wheel_toe import WheelToe
+from slipmargin.effects.wheel_wobble import WheelWobble
 from slipmargin.errors import InputError
 
 
@@ -119,6 +120,7 @@ CATALOGUE = Catalogue(
         WheelRadius,
         WheelRunout,
         WheelToe,
+        WheelWobble,
         MotorLag,
         SpeedDroop,
         WheelPlay,

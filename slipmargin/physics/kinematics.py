@@ -43,6 +43,9 @@ class WheelGeometry:
         ρ [m].
     runout : (N, 2), optional
         a and b [1], how far each wheel is out of round; zero by default.
+    wobble : (N, 2), optional
+        a and b [rad]: with the wheel at angle θ all three vectors are turned by a cos θ + b sin θ, positive
+        counter-clockwise from above; zero by default.
     """
 
     names: tuple[str, ...]
@@ -52,12 +55,14 @@ class WheelGeometry:
     free: Array
     radius_m: Array
     runout: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    wobble: Array = field(default_factory=lambda: np.zeros((0, 2)))
 
     def __post_init__(self) -> None:
         n, put = len(self.names), object.__setattr__
-        if not len(self.runout):
-            put(self, "runout", np.zeros((n, 2)))
-        for name in ("position_m", "drive", "grip", "free", "runout"):
+        for name in ("runout", "wobble"):
+            if not len(getattr(self, name)):
+                put(self, name, np.zeros((n, 2)))
+        for name in ("position_m", "drive", "grip", "free", "runout", "wobble"):
             put(self, name, frozen(name, getattr(self, name), (n, 2)))
         put(self, "radius_m", frozen("radius_m", self.radius_m, (n,)))
 
@@ -65,6 +70,11 @@ class WheelGeometry:
     def count(self) -> int:
         """Number of wheels N."""
         return len(self.names)
+
+    @property
+    def changes_in_a_turn(self) -> bool:
+        """Whether how a wheel rolls depends on its angle."""
+        return bool(np.any(self.runout) or np.any(self.wobble))
 
     @property
     def reach_m(self) -> float:

@@ -256,11 +256,11 @@ class Batch:
         rows, most = self._acting(models), 0
         if others is not None:
             others, most = self._acting(others), int(steps)
-            theirs = wheels_of(others).copy()
+            theirs = wheels_of(others)
             change = np.zeros((runs, len(others), longest, 3))
 
         def work(r: int) -> None:
-            row, (knots, coef, spin, push, times) = rows[which[r]], self._given[signal[r]]
+            row, (knots, coef, spin, push, times) = rows[which[r]].copy(), self._given[signal[r]]
             count = self.lengths[signal[r]]
             tasks[r, TASK:] = spin
             if row[at.LAGGED] > 0.0:
@@ -278,7 +278,7 @@ class Batch:
             if others is not None and tasks[r, 0] == Ending.DONE:
                 taken = trace[: int(tasks[r, 2])]
                 more = growing(len(others))
-                grow(*own, columns, others, theirs, taken, times, tables, more, change[r, :, :count])
+                grow(*own, columns, others, theirs.copy(), taken, times, tables, more, change[r, :, :count])
                 change[r, :, count:] = change[r, :, count - 1 : count]
 
         spread(work, runs)

@@ -68,15 +68,25 @@ _GY, _GM, _GR, _FX, _FY = at.GRIP_Y, at.GRIP_MOMENT, at.GRIP_ROLLS, at.FREE_X, a
 _FM, _FR, _REST, _LX, _LY = at.FREE_MOMENT, at.FREE_ROLLS, at.REST, at.LOAD_X, at.LOAD_Y
 _BY_HUB, _AX, _AY = at.BY_HUB, at.ARM_X, at.ARM_Y
 _MU, _TX, _TY, _OUT_COS, _OUT_SIN = at.ROLLER_W, at.TILT_X, at.TILT_Y, at.RUNOUT_COS, at.RUNOUT_SIN
+_TOE_COS, _TOE_SIN, _MEAN_GX, _MEAN_FX = at.WOBBLE_COS, at.WOBBLE_SIN, at.MEAN_GRIP_X, at.MEAN_FREE_X
 
 _contact = twin(contacts.contact)
+
+
+@inner
+def turn_wheel(w: Any, toe: float) -> None:
+    """Turn ĝ and f̂ of a wheel by ``toe`` [rad] from where they stand without wobble, about the vertical."""
+    c, s = math.cos(toe), math.sin(toe)
+    for first, mean in ((_GX, _MEAN_GX), (_FX, _MEAN_FX)):
+        x, y = c * w[mean] - s * w[mean + 1], s * w[mean] + c * w[mean + 1]
+        w[first], w[first + 1], w[first + 2] = x, y, w[_AX] * y - w[_AY] * x
 
 
 @spliced
 def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None:
     """Acceleration acc (3) = (a, ω̇) in body axes; fills the rest of C and B.
 
-    Reads ω, θ, ω̇ and the sector of each wheel from C and the push from B.
+    Reads ω, θ, ω̇ and the sector of each wheel from C and the push from B; turns the wheels in W that wobble.
     """
     external(P, W, t, y, C, B)
     if P[_RELIEFS] > 0.0:
@@ -92,6 +102,8 @@ def evaluate(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, acc: Any) -> None
                 c[ROUND] = 1.0
                 if w[_OUT_COS] != 0.0 or w[_OUT_SIN] != 0.0:
                     c[ROUND] += w[_OUT_COS] * math.cos(c[THETA]) + w[_OUT_SIN] * math.sin(c[THETA])
+                if w[_TOE_COS] != 0.0 or w[_TOE_SIN] != 0.0:
+                    turn_wheel(w, w[_TOE_COS] * math.cos(c[THETA]) + w[_TOE_SIN] * math.sin(c[THETA]))
             rolls = c[OMEGA] * c[ROUND]
             uw = w[_GX] * vx + w[_GY] * vy + w[_GM] * vw + w[_GR] * rolls
             ut = w[_FX] * vx + w[_FY] * vy + w[_FM] * vw + w[_FR] * rolls

@@ -81,7 +81,13 @@ INERTIA_OF_WHEEL = 28  #: of the wheel with its motor, at the wheel [kg m²]
 RUNOUT_COS = 29  #: the radius is ρ (1 + a cos θ + b sin θ): a [1]
 RUNOUT_SIN = 30  #: b [1]
 PLAY = 31  #: whole play between motor and wheel [rad]
-WHEEL = 32
+WOBBLE_COS = 32  #: ĝ and f̂ are those below, turned by a cos θ + b sin θ: a [rad]
+WOBBLE_SIN = 33  #: b [rad]
+MEAN_GRIP_X = 34  #: ĝ of a wheel that does not wobble
+MEAN_GRIP_Y = 35
+MEAN_FREE_X = 36
+MEAN_FREE_Y = 37
+WHEEL = 38
 
 # --- a term -----------------------------------------------------------------------------------
 #: A modulation: variable, basis, target, count, shape a, shape b, place (3), N weights, count coefficients.

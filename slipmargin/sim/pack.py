@@ -144,14 +144,14 @@ def _fill(head: Array, model: Model) -> None:
     uneven = bool(model.external.reliefs)
     head[at.BY_HEADING] = bool((variables | terms) & _HEADING) or floor or uneven
     head[at.BY_POSITION] = bool((variables | terms) & _PLACE) or uneven
-    out_of_round = bool(np.any(model.geometry.runout))
-    head[at.BY_TIME] = bool((variables | terms) & _TIME) or out_of_round
+    by_angle = model.geometry.changes_in_a_turn
+    head[at.BY_TIME] = bool((variables | terms) & _TIME) or by_angle
     against = any(f.frame in AGAINST for f in model.external.terms)
     head[at.BY_HUB] = bool(variables & _HUB)
     head[at.BY_VELOCITY] = (
         bool(terms - _CALM) or against or not all(_analytic(m, grip) for m in grip.multipliers)
     )
-    head[at.BY_ANGLE] = Variable.WHEEL_ANGLE in variables or out_of_round
+    head[at.BY_ANGLE] = Variable.WHEEL_ANGLE in variables or by_angle
     head[at.SHARE], head[at.LIFTED] = model.inertia.weight_N / model.count, float(np.sum(loads.rest_N))
     head[at.LAW] = grip.law
     head[at.DELAY] = transients.delay_s
@@ -190,6 +190,9 @@ def _wheels(model: Model) -> Array:
     rows[:, at.DROOP] = model.actuators.droop_rad_s_per_N_m
     rows[:, at.PLAY] = model.actuators.play_rad
     rows[:, [at.RUNOUT_COS, at.RUNOUT_SIN]] = c.runout
+    rows[:, [at.WOBBLE_COS, at.WOBBLE_SIN]] = c.wobble
+    rows[:, [at.MEAN_GRIP_X, at.MEAN_GRIP_Y]] = c.grip
+    rows[:, [at.MEAN_FREE_X, at.MEAN_FREE_Y]] = c.free
     rows[:, [at.NO_SLIP_X, at.NO_SLIP_Y, at.NO_SLIP_W]] = model.geometry.no_slip_map().T
     return rows
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -27,18 +28,28 @@ WheelMotion = Callable[[float], tuple[Array, Array, Array]]
 PushOf = Callable[[float], Array]
 
 
+def _turned(model: Model, toe: Array) -> Model:
+    """The model with each wheel turned by ``toe`` (N,) about the vertical."""
+    c, s = np.cos(toe), np.sin(toe)
+    turn = np.moveaxis(np.array([[c, -s], [s, c]]), 2, 0)
+    g = model.geometry
+    drive, grip, free = (np.einsum("nij,nj->ni", turn, v) for v in (g.drive, g.grip, g.free))
+    return replace(model, geometry=replace(g, drive=drive, grip=grip, free=free))
+
+
 class _Instant:
     """Everything a variable may be read from, at one instant."""
 
     def __init__(self, model: Model, t: float, state: Array, wheels: tuple[Array, Array, Array]) -> None:
-        self.model, self.t = model, t
+        self.t, self.straight = t, model.geometry
         self.theta, self.omega, self.alpha = wheels
+        waves = np.column_stack([np.cos(self.theta), np.sin(self.theta)])
+        self.model = model = _turned(model, np.sum(model.geometry.wobble * waves, axis=1))
         self.com, self.phi, self.twist = state[:2], state[2], state[3:]
         v, w = self.twist[:2], self.twist[2]
         c, com = model.geometry, model.inertia.com_m
         arm = c.position_m - com
         self.hub = v + w * np.column_stack([-arm[:, 1], arm[:, 0]])
-        waves = np.column_stack([np.cos(self.theta), np.sin(self.theta)])
         radius = c.radius_m * (1.0 + np.sum(c.runout * waves, axis=1))
         u = self.hub + (radius * self.omega)[:, None] * c.drive
         self.slip = np.stack([np.sum(u * c.grip, axis=1), np.sum(u * c.free, axis=1)])  # (2, N)
@@ -48,7 +59,7 @@ class _Instant:
         self.contact = self.com + arm @ self.turn.T  # (N, 2), floor frame
 
     def of_body(self, variable: Variable) -> float:
-        c = self.model.geometry
+        c = self.straight  # what the wheels ask for is told from where they should point
         rows = np.column_stack(
             [c.grip, c.position_m[:, 0] * c.grip[:, 1] - c.position_m[:, 1] * c.grip[:, 0]]
         )
@@ -254,6 +265,7 @@ def acceleration(
     Where a wheel would be pulled down, :func:`pressing` says what each carries.
     """
     at = _Instant(model, t, state, wheels)
+    model = at.model
     arm = model.geometry.position_m - model.inertia.com_m
     outside, tilting, lift = _push_of_terms(at)
     pushed = at.turn.T @ push[:2]

@@ -170,6 +170,7 @@ def test_a_robot_can_be_changed_while_it_is_read() -> None:
     [
         ({"name": "camera_rotation", "rotation_rad": 0.01}, "diagnose only"),
         ({"name": "wheel_runout", "cosine": 0.02, "sine": 0.0, "wheels": ["rear"]}, "those of round wheels"),
+        ({"name": "wheel_wobble", "cosine_rad": 0.05, "wheels": ["rear"]}, "that run true"),
         ({"name": "wheel_play", "play_rad": 0.02}, "those of wheels without play"),
         ({"name": "floor_ramp", "slope_rad": 0.02}, "those of a level floor"),
         ({"name": "floor_seam", "height_m": 0.002}, "those of a level floor"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from planting import Plant, planted
 from strategies import four_wheels, kiwi
 
@@ -22,6 +23,7 @@ from slipmargin.effects.load_transfer import LoadTransfer
 from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
 from slipmargin.effects.wheel_loads import WheelLoads
 from slipmargin.effects.wheel_runout import WheelRunout
+from slipmargin.effects.wheel_wobble import WheelWobble
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.model import nominal_model
 from slipmargin.physics.loads import load_centre, out_of_plane, uneven_shifts
@@ -144,18 +146,22 @@ def test_what_is_lost_while_accelerating_is_hardly_told_from_a_late_camera() -> 
     assert mimics(problem, radius, [known["camera_delay"]]) == ()
 
 
-def test_a_wheel_far_out_of_round_is_seen_though_three_others_hold_the_robot() -> None:
+@pytest.mark.parametrize(
+    "off", [WheelRunout(cosine=0.14, sine=0.05), WheelWobble(cosine_rad=0.2, sine_rad=0.1)]
+)
+def test_a_wheel_far_from_true_is_seen_though_three_others_hold_the_robot(
+    off: WheelRunout | WheelWobble,
+) -> None:
     """Its first per mille, which the slip takes up, shows another direction than 15 %."""
     recipe = Recipe(robot=four_wheels())
     names = nominal_model(recipe.robot, recipe.robot.surfaces[0].name).geometry.names
-    off = WheelRunout(cosine=0.14, sine=0.05, wheels=names[:1])
-    plant = Plant(name="runout", traces=(Trace.WHEEL_ANGLE,), effects=(off,))
+    plant = Plant(name=off.name, traces=(Trace.WHEEL_ANGLE,), effects=(replace(off, wheels=names[:1]),))
     data = planted(recipe, plant, seed=4, count=6, duration_s=2.0, rate_hz=60.0)
     trials = tuple(clean(record, SIGMA) for record in data.trials)
     problem = Problem.of(data.recipe, data.surface, trials, SIGMA, False)
     everyone = np.arange(len(trials))
     base = fit(problem, (), np.zeros(0), everyone)
-    runouts = [c for c in named_candidates(names, False, ()) if c.name == "wheel_runout"]
-    found = screen(problem, base, runouts, (), tuple(everyone[k::3] for k in range(3)), 30, 0)
+    turning = [c for c in named_candidates(names, False, ()) if c.name in ("wheel_runout", "wheel_wobble")]
+    found = screen(problem, base, turning, (), tuple(everyone[k::3] for k in range(3)), 30, 0)
     best = next(entry for entry in found.entries if len(entry.parts) == 1)
-    assert best.label == f"wheel_runout[{names[0]}]" and found.share(best) > 0.5
+    assert best.label == f"{off.name}[{names[0]}]" and found.share(best) > 0.5

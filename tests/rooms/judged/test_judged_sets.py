@@ -20,6 +20,7 @@ from slipmargin.effects.dragging_point import DraggingPoint
 from slipmargin.effects.floor_weave import FloorWeave
 from slipmargin.effects.stiff_roller import StiffRoller
 from slipmargin.effects.wheel_runout import WheelRunout
+from slipmargin.effects.wheel_wobble import WheelWobble
 from slipmargin.io.data_set import read_data_set
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.sim.signal import held, hermite
@@ -154,6 +155,13 @@ def _runout(planted: Planted) -> WheelRunout:
     return WheelRunout(cosine=size * np.cos(phase), sine=size * np.sin(phase), wheels=_wheels(planted))
 
 
+def _wobble(planted: Planted) -> WheelWobble:
+    size, phase = (planted.parameters[key] for key in ("toe_amplitude_rad", "phase_rad"))
+    return WheelWobble(
+        cosine_rad=-size * np.sin(phase), sine_rad=size * np.cos(phase), wheels=_wheels(planted)
+    )
+
+
 def _weave(planted: Planted) -> FloorWeave:
     size, towards = (planted.parameters[key] for key in ("relative_amplitude", "direction_rad"))
     return FloorWeave(cosine=size * np.cos(4.0 * towards), sine=size * np.sin(4.0 * towards))
@@ -178,6 +186,7 @@ def _wheels(planted: Planted) -> tuple[str, ...]:
     ("name", "size", "effect", "share"),
     [
         ("out_of_round_wheel", 0.1, _runout, 0.01),
+        ("bent_axle", 0.8, _wobble, 0.01),
         ("fourfold_floor", 0.4, _weave, 0.01),
         ("sticking_roller", 0.8, _roller, 0.05),  # its edges are sharp there
         ("dragging_castor", 0.4, _drag, 0.01),

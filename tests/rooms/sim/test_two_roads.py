@@ -62,9 +62,22 @@ def test_wheels_that_are_out_of_round_agree(model, seed):
     assert np.abs(slip - round_slip).max() > 1e-6
 
 
-def test_a_run_on_a_wheel_that_is_out_of_round_agrees():
+@given(models(shapes=SHAPES), st.integers(0, 2**31))
+@settings(max_examples=40, deadline=None)
+def test_wheels_that_wobble_agree(model, seed):
+    wobble = np.random.default_rng(seed).uniform(-0.3, 0.3, (model.count, 2))
+    bent = replace(model, geometry=replace(model.geometry, wobble=wobble))
+    y, wheels, rigid, push = somewhere(model.count, seed)
+    agrees(bent, seed)
+    slip, straight_slip = (compiled(m, 0.1, y, wheels, rigid, push)[1] for m in (bent, model))
+    assert np.abs(slip - straight_slip).max() > 1e-6
+
+
+@pytest.mark.parametrize("field", ["runout", "wobble"])
+def test_a_run_on_a_wheel_that_changes_in_a_turn_agrees(field):
     model = nominal_model(kiwi(), "paper")
-    bent = replace(model, geometry=replace(model.geometry, runout=[[0.04, -0.02], [0.0, 0.0], [0.0, 0.03]]))
+    waves = np.array([[0.04, -0.02], [0.0, 0.0], [0.0, 0.03]])
+    bent = replace(model, geometry=replace(model.geometry, **{field: waves}))
     rates = np.array([[0.0, 0.0, 0.0], [9.0, -4.0, -6.0], [9.0, -4.0, -6.0]])
     signal = linear(np.array([0.0, 0.1, 0.8]), rates)
     times = np.linspace(0.0, 0.8, 5)
