@@ -178,9 +178,7 @@ def _swept(
     """
     models = [problem.model(own) for own in effects]
     turn = pitch(problem.nominal.grip.rollers)
-    if any(
-        model.geometry.changes_in_a_turn for model in models
-    ):  # that repeats once a turn, not once a roller
+    if any(m.geometry.changes_in_a_turn for m in models):  # that repeats once a turn, not once a roller
         turn = np.full_like(turn, 2.0 * np.pi)
     best = problem.wheel_phases.copy()
     view = problem.in_pieces(SETTINGS.phase_piece_s)

@@ -260,6 +260,7 @@ class Batch:
             change = np.zeros((runs, len(others), longest, 3))
 
         def work(r: int) -> None:
+            # Its own copy of the wheels: those that wobble are turned where they stand.
             row, (knots, coef, spin, push, times) = rows[which[r]].copy(), self._given[signal[r]]
             count = self.lengths[signal[r]]
             tasks[r, TASK:] = spin
