@@ -36,7 +36,6 @@ SIZE = {
     Variable.SLIP_HEADING: 2.0 * np.pi,
     Variable.SLIP_DIRECTION: 2.0 * np.pi,
     Variable.HUB_SPEED: 0.2,
-    Variable.LEAD: 1.0,
     Variable.FROM_PLACE: 0.3,
     Variable.BEFORE_LINE: 0.3,
     Variable.PASSING_SPEED: 0.2,

@@ -9,24 +9,24 @@ import numpy as np
 
 from slipmargin.effects.effect import Part, Scope, Trace, WheelEffect, parameter
 from slipmargin.model import Model
-from slipmargin.model.parts import Grip
-from slipmargin.physics.terms import Multiplier
-from slipmargin.physics.variables import Basis, Target, Variable
+from slipmargin.model.parts import ExternalWrench
+from slipmargin.physics.terms import ForceTerm
+from slipmargin.physics.variables import Basis, Frame, Variable
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrailingLoad(WheelEffect):
-    """N_i ← N_i (1 − (2 e/|p_i|) v̂·p̂_i): the floor carries each wheel a lever e ahead of its axle.
+    """Σ N_i (p_i − com) = −e W v̂: the floor carries each wheel a lever e ahead of its axle.
 
-    From Σ N_i (p_i + e v̂) = W p_com for wheels spread evenly on a circle with nearly equal loads.
-    It acts through both friction coefficients of a wheel, which is the same as its load.
+    It is a couple of two forces W, one against the motion at the height e and one along it at the
+    floor.  So it shifts the loads and does not brake.  Some of the wheels count by their share of W.
     """
 
     name = "trailing_load"
     summary = "A driving robot rests on its trailing wheels: the contact pressure runs ahead of the axles."
     traced_to = Trace.VELOCITY
-    part = Part.GRIP
+    part = Part.LOSSES
     scope = Scope.FLOOR
     parameters = (
         parameter(
@@ -48,15 +48,17 @@ class TrailingLoad(WheelEffect):
 
     lever_m: float
 
-    def rewrite(self, part: Grip, nominal: Model) -> Grip:
-        """Grip whose friction falls with how much a wheel leads."""
-        reach = np.hypot(*(nominal.geometry.position_m - nominal.inertia.com_m).T)
-        lead = Multiplier(
-            variable=Variable.LEAD,
-            basis=Basis.POLYNOMIAL,
-            target=Target.BOTH,
+    def rewrite(self, part: ExternalWrench, nominal: Model) -> ExternalWrench:
+        """ExternalWrench with a couple that tips the robot back."""
+        rest = nominal.loads.rest_N
+        carried = nominal.inertia.weight_N * float(self.mask(nominal) @ rest / np.sum(rest))
+        against = ForceTerm(
+            variable=Variable.UNITY,
+            basis=Basis.CONSTANT,
+            frame=Frame.AGAINST_MOTION,
             shape=np.array([1.0, 0.0]),
-            coefficients=np.array([-2.0 * self.lever_m]),
-            wheels=self.mask(nominal) / np.where(reach > 0.0, reach, np.inf),
+            coefficients=np.array([[carried], [0.0], [0.0]]),
+            height_m=self.lever_m,
         )
-        return replace(part, multipliers=(*part.multipliers, lead))
+        along = replace(against, coefficients=-against.coefficients, height_m=0.0)
+        return replace(part, terms=(*part.terms, against, along))

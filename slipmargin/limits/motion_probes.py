@@ -121,12 +121,6 @@ def _slip(
     hub = np.linalg.norm(np.einsum("idj,mj->mid", hub_rows, motion.velocity), axis=2)
     if variable is Variable.HUB_SPEED:
         return np.asarray(hub[None])
-    if variable is Variable.LEAD:
-        arm = model.geometry.position_m - model.inertia.com_m
-        reach = np.linalg.norm(arm, axis=1)
-        out = arm / np.where(reach > 0.0, reach, 1.0)[:, None]
-        along = np.einsum("idj,mj,id->mi", hub_rows, motion.velocity, out)
-        return np.asarray((along / (hub + motion.fade * CRAWL_M_S))[None])
     rolling = np.maximum(hub, np.abs(motion.velocity @ model.geometry.rolling_rows().T))[None]
     if variable is Variable.SLIP_RATIO:
         return np.asarray(slip / (rolling + CRAWL_M_S))

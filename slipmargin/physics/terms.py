@@ -30,7 +30,6 @@ PER_WHEEL = frozenset(
         Variable.SLIP_HEADING,
         Variable.COMMAND_SPEED,
         Variable.HUB_SPEED,
-        Variable.LEAD,
         Variable.FROM_PLACE,
         Variable.BEFORE_LINE,
         Variable.SLIP_DIRECTION,

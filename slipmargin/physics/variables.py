@@ -34,13 +34,12 @@ class Variable(IntEnum):
     #: (or f̂_i), plus π where the component is negative
     COMMAND_SPEED = 19  #: |ω_cmd,i| [rad/s], per wheel; only for transients
     HUB_SPEED = 20  #: |hub velocity| [m/s], per wheel: how fast the floor passes under it
-    LEAD = 21  #: hub velocity · outward direction / (HUB_SPEED + 1 mm/s) [1], per wheel: 1 leads, −1 trails
+    PASSING_SPEED = 21  #: |hub velocity − w u_W ĝ| [m/s], per wheel: how fast floor and tread pass the
+    #: contact, w the tread's share (``place[0]`` of its term): 0 the floor alone, ½ the mean of both
     FROM_PLACE = 22  #: distance of the contact from the term's place on the floor [m], per wheel
     BEFORE_LINE = 23  #: how far the contact lies before the line through the term's place, whose normal
     #: points ``place[2]`` [rad] [m], per wheel; negative beyond it
     SLIP_DIRECTION = 24  #: floor-frame direction of the whole slip [rad], per wheel: φ + arg(u_W ĝ + u_T f̂)
-    PASSING_SPEED = 25  #: |hub velocity − w u_W ĝ| [m/s], per wheel: how fast floor and tread pass the
-    #: contact, w the tread's share (``place[0]`` of its term): 0 the floor alone, ½ the mean of both
 
 
 class Basis(IntEnum):

@@ -37,7 +37,7 @@ _TIME = frozenset(
 #: Variables that leave the velocity derivative analytic.
 _CALM = (_TIME | _HEADING | _PLACE | {Variable.UNITY}) - {Variable.SLIP_DIRECTION}
 #: Variables of the hub's velocity and of u_W whose derivatives are analytic.
-_HUB = frozenset({Variable.HUB_SPEED, Variable.LEAD, Variable.PASSING_SPEED})
+_HUB = frozenset({Variable.HUB_SPEED, Variable.PASSING_SPEED})
 #: The bases whose coefficients all stand for one and the same function.
 _SINGLE = frozenset({Basis.CONSTANT, Basis.DECAY, Basis.RECIPROCAL, Basis.WINDOW, Basis.STEP, Basis.LOBE})
 

@@ -110,20 +110,13 @@ def _modulation(P: Any, q: int, n: int) -> tuple[int, int, int, int, float, floa
 @spliced
 def _of_hub(code: int, w: Any, vx: float, vy: float, slip: float) -> tuple[float, float, float, float]:
     """A variable of a hub's velocity, what it changes by with that, and with the ``slip`` along ĝ."""
-    if code == 25:  # the tread passes with the floor but for the slip: rollers turn with the floor
+    if code == 21:  # the tread passes with the floor but for the slip: rollers turn with the floor
         vx, vy = vx - slip * w[_GX], vy - slip * w[_GY]
     v = math.sqrt(vx * vx + vy * vy)
     if v == 0.0:
         return 0.0, 0.0, 0.0, 0.0
     by_x, by_y = vx / v, vy / v
-    if code != 21:
-        return v, by_x, by_y, -(by_x * w[_GX] + by_y * w[_GY]) if code == 25 else 0.0
-    reach = math.sqrt(w[_AX] * w[_AX] + w[_AY] * w[_AY])
-    if reach == 0.0:
-        return 0.0, 0.0, 0.0, 0.0
-    out_x, out_y, far = w[_AX] / reach, w[_AY] / reach, v + CRAWL_M_S
-    lead = (vx * out_x + vy * out_y) / far
-    return lead, (out_x - lead * by_x) / far, (out_y - lead * by_y) / far, 0.0
+    return v, by_x, by_y, -(by_x * w[_GX] + by_y * w[_GY]) if code == 21 else 0.0
 
 
 @spliced
@@ -148,7 +141,7 @@ def _wheel_variable(P: Any, w: Any, c: Any, code: int, direction: int, m: int, y
         uw, ut = c[SLIP_W], c[SLIP_T]
         return float(y[2] + math.atan2(uw * w[_GY] + ut * w[_FY], uw * w[_GX] + ut * w[_FX]))
     vx, vy = _velocity_at(y[3], y[4], y[5], w[_AX], w[_AY])
-    if code == 20 or code == 21 or code == 25:
+    if code == 20 or code == 21:
         return float(_of_hub(code, w, vx, vy, P[m + _PLACE] * c[SLIP_W])[0])
     hub = math.sqrt(vx * vx + vy * vy)
     roll = max(hub, abs(w[_RHO] * c[OMEGA]))
@@ -212,7 +205,7 @@ def passing(P: Any, W: Any, i: int, y: Any, C: Any) -> None:
         m, weight = q, P[q + _TERM + i]
         code, basis, target, count, a, b, place = _modulation(P, q, n)
         q = place + count
-        if weight == 0.0 or not (code == 20 or code == 21 or code == 25):
+        if weight == 0.0 or not (code == 20 or code == 21):
             continue
         v, by_x, by_y, by_slip = _of_hub(code, w, vx, vy, P[m + _PLACE] * uw)
         first = 1.0 + weight * series(P, place, count, basis, a, b, v)

@@ -101,11 +101,6 @@ class _Instant:
         if variable is Variable.PASSING_SPEED:
             tread = self.hub - self.slip[0][:, None] * c.grip
             return np.asarray(np.hypot(*((1.0 - place[0]) * self.hub + place[0] * tread).T))
-        if variable is Variable.LEAD:
-            arm = c.position_m - self.model.inertia.com_m
-            reach = np.hypot(*arm.T)
-            out = arm / np.where(reach > 0.0, reach, 1.0)[:, None]
-            return np.asarray(np.sum(self.hub * out, axis=1) / (np.hypot(*self.hub.T) + 1e-3))
         if variable is Variable.SLIP_HEADING:
             axis = (c.grip, c.free)[side]
             return np.asarray(self.phi + np.arctan2(axis[:, 1], axis[:, 0]) + np.where(u < 0.0, np.pi, 0.0))

@@ -15,7 +15,6 @@ from strategies import four_wheels, kiwi, models, reals
 
 from slipmargin.effects.recipe import with_effects
 from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
-from slipmargin.effects.trailing_load import TrailingLoad
 from slipmargin.errors import InputError, MotionStopped
 from slipmargin.model import nominal_model
 from slipmargin.model.parts import ActuatorDynamics, Drives
@@ -112,7 +111,7 @@ def test_every_force_term_agrees(variable, basis):
 
 
 #: Variables that come from the hub's velocity, and bases that have a slope everywhere.
-HUB = (Variable.HUB_SPEED, Variable.LEAD, Variable.PASSING_SPEED)
+HUB = (Variable.HUB_SPEED, Variable.PASSING_SPEED)
 SMOOTH = (Basis.DECAY, Basis.POLYNOMIAL, Basis.STEP, Basis.FOURIER)
 SPEEDS = (Variable.HUB_SPEED, Variable.PASSING_SPEED)
 
@@ -207,7 +206,6 @@ def test_motions_agree_to_a_millionth(case):
         Variable.ROLLING_SPEED,
         Variable.ACCELERATION_X,
         Variable.HUB_SPEED,
-        Variable.LEAD,
         Variable.FROM_PLACE,
         Variable.BEFORE_LINE,
         Variable.SLIP_DIRECTION,
@@ -235,7 +233,6 @@ def test_motions_with_terms_agree(variable):
     [
         SlipRatioFriction(share=0.9, steepness=4.0, transverse_factor=2.0),
         SlipRatioFriction(share=1.0, steepness=4.0, tread_share=0.5),
-        TrailingLoad(lever_m=0.004),
     ],
 )
 def test_a_wheel_that_creeps_has_analytic_slopes(effect):
