@@ -19,7 +19,7 @@ def instant(P, t, y, C, B, acc, J, driven, rate):
     evaluate(P, W, t, y, C, B, acc)
     for i in range(driven):
         rate[i] = wheel_rate(P, W[i], C[i], 3.0, 0.0)
-    slopes(P, W, y, C, B, J, driven)
+    slopes(P, W, t, y, C, B, J, driven)
 
 
 def compiled(model, t, y, wheels, rigid, push):

@@ -19,7 +19,7 @@ from slipmargin.data.record import Record
 from slipmargin.diagnosis.loop import diagnose
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
-from slipmargin.effects import Recipe
+from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.effects.confined import acting
 
 #: Wheels' past that a learnt model sees [s], and how many samples of it.
@@ -262,14 +262,16 @@ class Simulated:
     """slipmargin's simulator with the robot as its file describes it (camera as calibrated)."""
 
     said: tuple[str, ...] = ()
+    effects: tuple[AnyEffect, ...] = ()
 
     def fit(self, data: RealSet) -> None:
         """Nothing to learn."""
-        self.data, self.recipe = data, data.recipe
+        self.data = data
 
     def path(self, record: Record) -> Array:
-        """The simulated pose's path."""
-        return simulated(self.recipe, self.data, record)
+        """The simulated pose's path, with the effects that act in the run's recording."""
+        effects = acting(self.effects, self.data.member(record))
+        return simulated(self.data.recipe.with_effects(*effects), self.data, record)
 
 
 def simulated(recipe: Recipe, data: RealSet, record: Record) -> Array:
@@ -287,8 +289,7 @@ class Diagnosed(Simulated):
         """What the loop finds."""
         self.data = data
         found = diagnose(data.fitted)
-        effects = tuple(f.effect for f in found.findings)
-        self.recipe = data.recipe.with_effects(*acting(effects, data.member))
+        self.effects = tuple(f.effect for f in found.findings)
         self.said = tuple(
             (f"{f.name} (fitted: {f.label}, a name that is not claimed): " if f.doubts else f"{f.label}: ")
             + ", ".join(f"{e.name} {e.value:.4g} ({e.low:.4g} … {e.high:.4g})" for e in f.parameters)

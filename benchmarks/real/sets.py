@@ -6,7 +6,8 @@ A split is by whole runs and fixed by their names, so that a figure can be compa
   of ``table_0.1``, ``gray_0.1`` and ``load_0.1`` (all of the table for the camera's calibration);
   judged: the other headings of ``load_0.1``.
 - ``robotino-gray``: a carpet. Fitted: every second heading of ``gray_0.1`` and ``gray_0.2``; judged: the
-  other headings at both speeds. Camera as calibrated on the table.
+  other headings at both speeds. Camera as calibrated on the table; each speed is a recording of its own,
+  between which camera or marker may have been touched.
 - ``robotino-green``: the same on a thick carpet.
 - ``robojackets``: a RoboCup SSL robot, cut into runs of 2.5 s. Fitted: the blocks of 5 s with even
   numbers, counted from the first row; judged: those with odd numbers.
@@ -39,8 +40,9 @@ RUN_S, BLOCK_S = 2.5, 5.0
 class RealSet:
     """A data set with its split: ``fitted`` (a campaign's runs joined) and ``judged`` with their recipe.
 
-    ``member`` is the number of the fitted campaign's member whose robot is judged.  Where the robot drove the
-    same run in every direction, ``beside`` gives for a run's name the two fitted runs to its left and right.
+    A run of a campaign is called after its recording and itself, ``slow/heading_005``.  Where the robot
+    drove the same run in every direction, ``beside`` gives for a run's name the two fitted runs to its left
+    and right.
     """
 
     name: str
@@ -48,16 +50,30 @@ class RealSet:
     judged: tuple[Record, ...]
     recipe: Recipe
     surface: str
-    member: int = 0
     beside: dict[str, tuple[Record, Record]] = field(default_factory=dict)
 
     @property
     def own(self) -> tuple[Record, ...]:
-        """The fitted runs of the judged robot: what a model without groups is fitted to."""
+        """The fitted runs of the judged recordings: what a model without groups is fitted to."""
         if not self.fitted.members:
             return self.fitted.trials
-        pairs = zip(self.fitted.trials, self.fitted.member_of, strict=True)
-        return tuple(t for t, m in pairs if m == self.member)
+        judged = {self.member(run) for run in self.judged}
+        return tuple(run for run in self.fitted.trials if self.member(run) in judged)
+
+    def member(self, run: Record) -> int:
+        """The number of a run's recording in the fitted campaign; 0 where there is no campaign."""
+        names = [member.name for member in self.fitted.members]
+        return names.index(run.name.partition("/")[0]) if names else 0
+
+
+def all_around(recording: Part) -> tuple[Record, ...]:
+    """The runs of a recording in every direction, called as they are in a campaign."""
+    return joined("", [recording]).trials
+
+
+def every_second(recording: Part) -> Part:
+    """The recording with the runs that may be fitted."""
+    return replace(recording, data_set=replace(recording.data_set, trials=recording.data_set.trials[::2]))
 
 
 def neighbours(runs: Sequence[Record]) -> dict[str, tuple[Record, Record]]:
@@ -80,56 +96,48 @@ def robotino(folder: Path) -> list[RealSet]:
     camera = calibrate(table, recipe.build("table").geometry)
     believed = replace(recipe, effects=camera.effects())
 
-    def part(name: str, records: Sequence[Record], recipe: Recipe, surface: str, loading: str) -> Part:
+    def part(name: str, records: Sequence[Record], recipe: Recipe, surface: str) -> Part:
         runs = tuple(camera.rectified(r) for r in records)
         data = DataSet(
             name=name, recipe=recipe, surface=surface, wheel_signal=WheelSignal.MEASURED, trials=runs
         )
-        return Part(data_set=data, floor=surface, loading=loading, instrument="camera")
+        return Part(data_set=data, floor=surface, loading="as stated", instrument="camera")
 
     found = []
     if (folder / "load_0.1").is_dir() and (folder / "gray_0.1").is_dir():
         body = replace(believed.robot.body, mass_kg=PAYLOAD_KG)
         heavy = replace(believed, robot=replace(believed.robot, body=body))
-        load = logs("load_0.1")
-        parts = [
-            part("gray", logs("gray_0.1")[::2], believed, "gray", "as stated"),
-            part("load", load[::2], heavy, "gray", "payload"),
-            part("table", table[::2], believed, "table", "as stated"),
-        ]
-        around = part("load", load, heavy, "gray", "payload").data_set.trials
-        fitted, beside = joined("robotino-load", parts), neighbours(around)
+        gray, load = (
+            part("gray", logs("gray_0.1"), believed, "gray"),
+            part("load", logs("load_0.1"), heavy, "gray"),
+        )
+        load, level = replace(load, loading="payload"), part("table", table, believed, "table")
         found.append(
             RealSet(
                 name="robotino-load",
-                fitted=fitted,
-                judged=around[1::2],
+                fitted=joined("robotino-load", [every_second(r) for r in (gray, load, level)]),
+                judged=all_around(load)[1::2],
                 recipe=heavy,
                 surface="gray",
-                member=1,
-                beside=beside | {f"load/{name}": pair for name, pair in beside.items()},
+                beside=neighbours(all_around(load)),
             )
         )
     for carpet in ("gray", "green"):
-        slow, fast = (
-            logs(f"{carpet}_{speed}") if (folder / f"{carpet}_{speed}").is_dir() else ()
-            for speed in (0.1, 0.2)
-        )
-        if not (slow and fast):
+        if not ((folder / f"{carpet}_0.1").is_dir() and (folder / f"{carpet}_0.2").is_dir()):
             continue
-        runs = [part("slow", slow, believed, "gray", ""), part("fast", fast, believed, "gray", "")]
-        one, two = (
-            tuple(replace(t, name=f"{p.data_set.name}_{t.name}") for t in p.data_set.trials) for p in runs
+        slow, fast = (
+            replace(part(word, logs(f"{carpet}_{speed}"), believed, "gray"), instrument=word)
+            for word, speed in (("slow", "0.1"), ("fast", "0.2"))
         )
         name = f"robotino-{carpet}"
         found.append(
             RealSet(
                 name=name,
-                fitted=replace(runs[0].data_set, name=name, trials=(*one[::2], *two[::2])),
-                judged=(*one[1::2], *two[1::2]),
+                fitted=joined(name, [every_second(r) for r in (slow, fast)]),
+                judged=(*all_around(slow)[1::2], *all_around(fast)[1::2]),
                 recipe=believed,
                 surface="gray",
-                beside=neighbours(one) | neighbours(two),
+                beside=neighbours(all_around(slow)) | neighbours(all_around(fast)),
             )
         )
     return found

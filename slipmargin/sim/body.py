@@ -24,6 +24,7 @@ from slipmargin.sim.columns import (
     ALPHA,
     BY_SPEED,
     BY_TORQUE,
+    DRAGS,
     FACTORS,
     FORCE_T,
     FORCE_W,
@@ -58,7 +59,7 @@ from slipmargin.sim.columns import (
     WW,
 )
 from slipmargin.sim.lifting import hang, lifts
-from slipmargin.sim.varying import climb, external, factors, passing
+from slipmargin.sim.varying import climb, dragging, external, factors, passing
 
 _MASS, _INERTIA, _LAG, _DROOP, _STALL = at.MASS, at.INERTIA, at.LAG, at.DROOP, at.STALL_TORQUE
 _SLOWING, _WHEEL_INERTIA, _LAW, _K = at.SLOWING, at.INERTIA_OF_WHEEL, at.LAW, at.STEEPNESS
@@ -66,7 +67,7 @@ _SHAPE, _COUPLING, _CW, _CT, _LIFTED = at.SHAPE, at.COUPLING, at.VISCOUS_W, at.V
 _MODS, _RELIEFS, _FOLLOWS, _BY_LOAD, _GX = at.MODULATIONS, at.RELIEFS, at.LOAD_FOLLOWS, at.BY_LOAD, at.GRIP_X
 _GY, _GM, _GR, _FX, _FY = at.GRIP_Y, at.GRIP_MOMENT, at.GRIP_ROLLS, at.FREE_X, at.FREE_Y
 _FM, _FR, _REST, _LX, _LY = at.FREE_MOMENT, at.FREE_ROLLS, at.REST, at.LOAD_X, at.LOAD_Y
-_BY_HUB, _AX, _AY = at.BY_HUB, at.ARM_X, at.ARM_Y
+_BY_HUB, _BY_MOTION, _AX, _AY = at.BY_HUB, at.BY_MOTION, at.ARM_X, at.ARM_Y
 _MU, _TX, _TY, _OUT_COS, _OUT_SIN = at.ROLLER_W, at.TILT_X, at.TILT_Y, at.RUNOUT_COS, at.RUNOUT_SIN
 _TOE_COS, _TOE_SIN, _MEAN_GX, _MEAN_FX = at.WOBBLE_COS, at.WOBBLE_SIN, at.MEAN_GRIP_X, at.MEAN_FREE_X
 
@@ -171,18 +172,24 @@ LEAST_LAG_S = 1e-4
 
 
 @inner
-def slopes(P: Any, W: Any, y: Any, C: Any, B: Any, J: Any, speeds: int) -> None:
+def slopes(P: Any, W: Any, t: float, y: Any, C: Any, B: Any, J: Any, speeds: int) -> None:
     """Analytic derivatives of the body's (and driven wheels') accelerations, after :func:`evaluate`.
 
     Into J (3 or 3 + N rows): column 3 + k over velocity k (v_x, v_y, ω and, where there are ``speeds`` = N,
     the wheel speeds); without speeds the last column over time, through prescribed wheel speeds.
     """
-    by_hub = P[_BY_HUB] > 0.0
+    by_hub, by_motion = P[_BY_HUB] > 0.0, P[_BY_MOTION] > 0.0
+    if by_motion:
+        dragging(P, W, t, y, C, B)
     if by_hub:
         for i in range(len(W)):
             passing(P, W, i, y, C)
     for k in range(3 + max(speeds, 1)):
-        fx, fy, mz = 0.0, 0.0, 0.0
+        fx, fy, mz, hx, hy = 0.0, 0.0, 0.0, 0.0, 0.0
+        pulled = by_motion and k < 3
+        if pulled:
+            q = DRAGS + 5 * k
+            fx, fy, mz, hx, hy = B[q], B[q + 1], B[q + 2], B[q + 3], B[q + 4]
         for i in range(len(W)):
             row, c = W[i], C[i]
             w, v = row[_GX + min(k, 3)], row[_FX + min(k, 3)]
@@ -199,6 +206,10 @@ def slopes(P: Any, W: Any, y: Any, C: Any, B: Any, J: Any, speeds: int) -> None:
                 z = 1.0 if k == 1 else (row[_AX] if k == 2 else 0.0)
                 a += load * (c[PASS_W] * x + c[PASS_W + 1] * z + c[PASS_W + 2] * w)
                 b += load * (c[PASS_T] * x + c[PASS_T + 1] * z + c[PASS_T + 2] * w)
+            if pulled:  # what tips the robot presses the wheel
+                more = row[_TX] * hx + row[_TY] * hy
+                a += more * c[FORCE_W]
+                b += more * c[FORCE_T]
             c[GROW_W], c[GROW_T] = a, b
             fx -= a * row[_GX] + b * row[_FX]
             fy -= a * row[_GY] + b * row[_FY]

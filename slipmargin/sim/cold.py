@@ -34,7 +34,7 @@ _APART: tuple[tuple[Any, tuple[Any, ...]], ...] = (
     (rodas.factor, (_TABLE, _ROW, _N, _TABLE, _ROW)),
     (rodas.end, (_ROW, _TABLE, _ROW, _N, _N, _N, _ROW)),
     (rodas.begin, (_ROW, _TABLE, _INT, _N, _ROW, _ROW)),
-    (body.slopes, (_ROW, _TABLE, _ROW, _TABLE, _ROW, _TABLE, _INT)),
+    (body.slopes, (_ROW, _TABLE, _N, _ROW, _TABLE, _ROW, _TABLE, _INT)),
     (body.wheel_rate, (_ROW, _ROW, _ROW, _N, _N)),
     (stops.next_stop, (_TABLE, _ROW, _CUBE, _TABLE, _ROW, _N, _COUNTS)),
     (motion.tell, (_ROW, _ROW, _TABLE, _ROW)),

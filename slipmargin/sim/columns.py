@@ -28,7 +28,8 @@ CONTACT = 36
 #: matrix of a (2 × 2 row by row), yaw moment per acceleration that loads bring about, factors of a
 #: wheel (6), external wrench in the body frame (3), its moment h F (2), lift, wheels in the air and the pull
 #: on one that would keep the robot upright [N], 1 where no acceleration agrees with its own loads, 1 while
-#: loads stay as they are at rest.
+#: loads stay as they are at rest; while slopes are taken, what wrench and h F change by with each of v_x,
+#: v_y and ω (5 each).
 PUSH, INVERSE, LEVER, FACTORS, WRENCH, TILTING, LIFT, UP, PULLED = 0, 4, 8, 10, 16, 19, 21, 22, 23
-JAMMED, RESTING = 24, 25
-BODY = 26
+JAMMED, RESTING, DRAGS = 24, 25, 26
+BODY = 41

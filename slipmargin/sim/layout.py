@@ -45,7 +45,8 @@ PLAYS = 33  #: 1 where a wheel has play
 RELIEFS = 34  #: how many ramps and ridges the floor has
 RELIEFS_AT = 35
 BY_HUB = 36  #: 1 where friction depends on the hub's velocity in a way whose derivative is analytic
-HEAD = 37
+BY_MOTION = 37  #: 1 where a force on the body depends on its velocity
+HEAD = 38
 
 # --- a wheel ----------------------------------------------------------------------------------
 #: Sliding velocity along ĝ = the next four · (v_x, v_y, ω, wheel speed), of the centre of mass; likewise f̂.

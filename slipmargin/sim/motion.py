@@ -127,7 +127,7 @@ def jacobian(
 ) -> None:
     """Derivatives of the accelerations into J, after :func:`rates` left f; overwrites z, rate, acc."""
     speeds, m = len(J) - 3, J.shape[1] - 1
-    slopes(P, W, y, C, B, J, speeds)
+    slopes(P, W, t, y, C, B, J, speeds)
     for k in columns:
         for r in range(m):
             z[r] = y[r]

@@ -38,6 +38,8 @@ _TIME = frozenset(
 _CALM = (_TIME | _HEADING | _PLACE | {Variable.UNITY}) - {Variable.SLIP_DIRECTION}
 #: Variables of the hub's velocity and of u_W whose derivatives are analytic.
 _HUB = frozenset({Variable.HUB_SPEED, Variable.PASSING_SPEED})
+#: Variables of the body's velocity; forces over them have analytic derivatives.
+_MOTION = frozenset({Variable.VELOCITY_X, Variable.VELOCITY_Y, Variable.YAW_RATE, Variable.SPEED})
 #: The bases whose coefficients all stand for one and the same function.
 _SINGLE = frozenset({Basis.CONSTANT, Basis.DECAY, Basis.RECIPROCAL, Basis.WINDOW, Basis.STEP, Basis.LOBE})
 
@@ -147,9 +149,9 @@ def _fill(head: Array, model: Model) -> None:
     by_angle = model.geometry.changes_in_a_turn
     head[at.BY_TIME] = bool((variables | terms) & _TIME) or by_angle
     against = any(f.frame in AGAINST for f in model.external.terms)
-    head[at.BY_HUB] = bool(variables & _HUB)
-    head[at.BY_VELOCITY] = (
-        bool(terms - _CALM) or against or not all(_analytic(m, grip) for m in grip.multipliers)
+    head[at.BY_HUB], head[at.BY_MOTION] = bool(variables & _HUB), bool(terms & _MOTION) or against
+    head[at.BY_VELOCITY] = bool(terms - _CALM - _MOTION) or not all(
+        _analytic(m, grip) for m in grip.multipliers
     )
     head[at.BY_ANGLE] = Variable.WHEEL_ANGLE in variables or by_angle
     head[at.SHARE], head[at.LIFTED] = model.inertia.weight_N / model.count, float(np.sum(loads.rest_N))

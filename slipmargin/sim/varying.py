@@ -15,6 +15,7 @@ from slipmargin.physics.constants import CRAWL_M_S, SLOW_M_S, SLOW_RAD_S
 from slipmargin.sim import layout as at
 from slipmargin.sim.columns import (
     ALPHA,
+    DRAGS,
     FACTORS,
     FORCE_T,
     FORCE_W,
@@ -246,6 +247,19 @@ def climb(P: Any, W: Any, y: Any, C: Any) -> None:
 
 
 @inner
+def _own_wrench(P: Any, q: int, v: float, rises: bool) -> tuple[float, float, float]:
+    """The wrench of the force term at q in its own frame; with ``rises`` its slope over v."""
+    basis, count, a, b, place = int(P[q + 1]), int(P[q + 3]), P[q + 4], P[q + 5], q + _FORCE
+    x, z, m = 0.0, 0.0, 0.0
+    for j in range(count):
+        part = _basis_slope(basis, j, count, a, b, v) if rises else _basis(basis, j, count, a, b, v)
+        x += P[place + j] * part
+        z += P[place + count + j] * part
+        m += P[place + 2 * count + j] * part
+    return x, z, m
+
+
+@inner
 def external(P: Any, W: Any, t: float, y: Any, C: Any, B: Any) -> None:
     """Push and force terms as one wrench in the body frame, its moment h F and lift."""
     fx, fy = B[PUSH], B[PUSH + 1]
@@ -255,16 +269,9 @@ def external(P: Any, W: Any, t: float, y: Any, C: Any, B: Any) -> None:
     hx, hy = B[PUSH + 3] * fx, B[PUSH + 3] * fy
     q = int(P[_FORCES_AT])
     for _ in range(int(P[_FORCES])):
-        code, basis = int(P[q]), int(P[q + 1])
         frame, count = int(P[q + 2]), int(P[q + 3])
-        a, b, place = P[q + 4], P[q + 5], q + _FORCE
-        v = _body_variable(P, W, code, t, y, C)
-        x, z, m = 0.0, 0.0, 0.0
-        for j in range(count):
-            part = _basis(basis, j, count, a, b, v)
-            x += P[place + j] * part
-            z += P[place + count + j] * part
-            m += P[place + 2 * count + j] * part
+        v = _body_variable(P, W, int(P[q]), t, y, C)
+        x, z, m = _own_wrench(P, q, v, False)
         if frame == 1:
             x, z = _to_body(y[2], x, z)
         elif frame >= 2:
@@ -282,6 +289,58 @@ def external(P: Any, W: Any, t: float, y: Any, C: Any, B: Any) -> None:
         hx += P[q + 6] * x
         hy += P[q + 6] * z
         lift += P[q + 7]
-        q = place + 3 * count
+        q += _FORCE + 3 * count
     B[WRENCH], B[WRENCH + 1], B[WRENCH + 2] = fx, fy, mz
     B[TILTING], B[TILTING + 1], B[LIFT] = hx, hy, lift
+
+
+@inner
+def dragging(P: Any, W: Any, t: float, y: Any, C: Any, B: Any) -> None:
+    """What external forces change by with the body's velocity, into B[DRAGS:]; with :func:`external`."""
+    for r in range(15):
+        B[DRAGS + r] = 0.0
+    left, ahead = -P[_COM_X], -P[_COM_Y]
+    ox, oy = _velocity_at(y[3], y[4], y[5], left, ahead)
+    q = int(P[_FORCES_AT])
+    for _ in range(int(P[_FORCES])):
+        at_term, code, frame = q, int(P[q]), int(P[q + 2])
+        q += _FORCE + 3 * int(P[q + 3])
+        moves = code >= 7 and code <= 10
+        if not moves and frame < 2:
+            continue
+        v = _body_variable(P, W, code, t, y, C)
+        x, z, m = _own_wrench(P, at_term, v, False)
+        dx, dz, dm = _own_wrench(P, at_term, v, True) if moves else (0.0, 0.0, 0.0)
+        px, py = (P[at_term + 8], P[at_term + 9]) if frame == 3 else (left, ahead)
+        vx, vy = _velocity_at(y[3], y[4], y[5], px, py)
+        size = math.sqrt(vx * vx + vy * vy + SLOW_M_S * SLOW_M_S)
+        spin = math.sqrt(y[5] * y[5] + SLOW_RAD_S * SLOW_RAD_S)
+        c, s = vx / size, vy / size
+        for k in range(3):
+            gx, gy = _velocity_at(1.0 * (k == 0), 1.0 * (k == 1), 1.0 * (k == 2), left, ahead)
+            by = 1.0 * (k == 2)  # what v changes by
+            if code == 7:
+                by = gx
+            elif code == 8:
+                by = gy
+            elif code == 10:
+                by = (ox * gx + oy * gy) / v if v > 0.0 else 0.0
+            fx, fz, fm = dx * by, dz * by, dm * by
+            if frame == 1:
+                fx, fz = _to_body(y[2], fx, fz)
+            elif frame >= 2:
+                gx, gy = _velocity_at(1.0 * (k == 0), 1.0 * (k == 1), 1.0 * (k == 2), px, py)
+                along = c * gx + s * gy
+                dc, ds = (gx - c * along) / size, (gy - s * along) / size
+                fx, fz = -c * fx - s * fz - dc * x - ds * z, -s * fx + c * fz - ds * x + dc * z
+                fm *= -y[5] / spin
+                if k == 2:
+                    fm -= m * SLOW_RAD_S * SLOW_RAD_S / (spin * spin * spin)
+                if frame == 3:
+                    fm += px * fz - py * fx
+            place, height = DRAGS + 5 * k, P[at_term + 6]
+            B[place] += fx
+            B[place + 1] += fz
+            B[place + 2] += fm
+            B[place + 3] += height * fx
+            B[place + 4] += height * fz

@@ -13,8 +13,11 @@ from manoeuvres import driven, force, modulation, wheel_motion, with_terms
 from oracles.plain_simulator import acceleration, reference_motion
 from strategies import four_wheels, kiwi, models, reals
 
+from slipmargin.effects.dragging_point import DraggingPoint
 from slipmargin.effects.recipe import with_effects
+from slipmargin.effects.rolling_resistance import RollingResistance
 from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
+from slipmargin.effects.trailing_load import TrailingLoad
 from slipmargin.errors import InputError, MotionStopped
 from slipmargin.model import nominal_model
 from slipmargin.model.parts import ActuatorDynamics, Drives
@@ -114,6 +117,8 @@ def test_every_force_term_agrees(variable, basis):
 HUB = (Variable.HUB_SPEED, Variable.PASSING_SPEED)
 SMOOTH = (Basis.DECAY, Basis.POLYNOMIAL, Basis.STEP, Basis.FOURIER)
 SPEEDS = (Variable.HUB_SPEED, Variable.PASSING_SPEED)
+#: Variables by which a force on the body may change with its velocity; the first leaves that to its frame.
+MOVING = (Variable.UNITY, Variable.VELOCITY_X, Variable.VELOCITY_Y, Variable.YAW_RATE, Variable.SPEED)
 
 
 @given(
@@ -129,14 +134,18 @@ SPEEDS = (Variable.HUB_SPEED, Variable.PASSING_SPEED)
     ),
     reals(0.0, 1.0) | st.just(1.0),
     st.booleans(),
+    st.sampled_from((None, *product(MOVING, SMOOTH, Frame))),
 )
 @settings(max_examples=100, deadline=None)
-def test_slopes_are_those_of_the_acceleration(model, seed, term, coupling, limited):
+def test_slopes_are_those_of_the_acceleration(model, seed, term, coupling, limited, drag):
     """Analytic derivatives over velocities, wheel speeds and time, of the body and of driven wheels."""
     n = model.count
     model = replace(model, grip=replace(model.grip, coupling=coupling))
     if term is not None:
         model = with_terms(model, (modulation(*term, n, seed % 1000),))
+    if drag is not None:
+        pull = force(*drag, seed % 1000, 0.02 * model.inertia.weight_N)
+        model = with_terms(model, forces=(pull, replace(pull, height_m=0.05)))
     stall = 1e-3 * model.inertia.weight_N if limited else None
     dynamics = replace(ActuatorDynamics.none(n), lag_s=np.full(n, 0.02), droop_rad_s_per_N_m=np.full(n, 2.0))
     drives = Drives(stall_torque_N_m=stall, max_speed_rad_s=30.0)
@@ -233,9 +242,12 @@ def test_motions_with_terms_agree(variable):
     [
         SlipRatioFriction(share=0.9, steepness=4.0, transverse_factor=2.0),
         SlipRatioFriction(share=1.0, steepness=4.0, tread_share=0.5),
+        TrailingLoad(lever_m=0.004),
+        RollingResistance(coefficient=0.02, viscous_N_s_per_m=1.0),
+        DraggingPoint(force_N=1.0, place_x_m=0.1),
     ],
 )
-def test_a_wheel_that_creeps_has_analytic_slopes(effect):
+def test_what_follows_the_velocity_has_analytic_slopes(effect):
     """Differences take as long as half of a step."""
     bare = nominal_model(kiwi(), "paper")
     assert not len(probed(np.array(pack(with_effects(bare, (effect,)))), pushed=False))
