@@ -5,133 +5,27 @@ there is put to the runs that nothing has seen.  Where a proposal fails, the oth
 and the names that its round cannot tell from it, are asked before it is dropped.  If nothing is left, the
 best single candidates of other kinds are asked, and if these fail too, nothing is found.  From a structure
 that holds and that the search has not stood at, the search goes on.
-
-Far above the noise runs are judged in pieces, as the search compares them; what is reported are the errors of
-whole runs.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from typing import final
+from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
-from slipmargin.checks import Index
-from slipmargin.data.record import Record
 from slipmargin.diagnosis import wheel_phase
-from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.finalists import other_names
-from slipmargin.diagnosis.findings import doubted
+from slipmargin.diagnosis.all_runs import in_all_runs
+from slipmargin.diagnosis.court import Checked, Court, better, put
 from slipmargin.diagnosis.fit import evaluate, spans
-from slipmargin.diagnosis.held_out import (
-    Prediction,
-    by_run,
-    phases_matter,
-    predicted,
-    score,
-    sets_of_effects,
-)
-from slipmargin.diagnosis.problem import Problem
-from slipmargin.diagnosis.refits import fitted, longer, needed, nothing_sure, without
-from slipmargin.diagnosis.restated import exchanged, redefined, reformed, restated, simplified, unstuck
-from slipmargin.diagnosis.result import Rejected, Score, Verdict
-from slipmargin.diagnosis.rounds import Round
+from slipmargin.diagnosis.held_out import by_run
+from slipmargin.diagnosis.refits import fitted, longer, needed, without
+from slipmargin.diagnosis.restated import exchanged, reformed, restated, unstuck
+from slipmargin.diagnosis.result import Rejected
+from slipmargin.diagnosis.rounds import Round, candidates_of
 from slipmargin.diagnosis.search import take_step
 from slipmargin.diagnosis.settings import SETTINGS
-from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.state import State, worthwhile
-from slipmargin.diagnosis.verdict import Judgement, RunErrors, explained_share, judge, judged, near_noise
+from slipmargin.diagnosis.verdict import near_noise
 from slipmargin.diagnosis.watch import Watch
-from slipmargin.effects import AnyEffect
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Checked:
-    """The structure that holds (None: none does), errors (a row each run) before and after, and the rest.
-
-    ``problem`` has the wheel phases with which the runs were judged; ``judgement`` is that of ``state``;
-    ``near_noise``: the model as it is leaves no more than noise.
-    """
-
-    state: State | None
-    before: RunErrors
-    after: RunErrors
-    judgement: Judgement | None
-    problem: Problem
-    phased: bool
-    rejected: tuple[Rejected, ...]
-    near_noise: bool = False
-
-    @property
-    def verdict(self) -> Verdict:
-        """Found, nothing missing (errors near the noise), or unexplained."""
-        if self.state is not None:
-            return Verdict.EFFECT_FOUND
-        return Verdict.NO_MISSING_EFFECT if self.near_noise else Verdict.UNEXPLAINED
-
-
-@final
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Court:
-    """The runs before which structures are judged.
-
-    ``runs`` (R,) is the run each trial is, or is cut from; ``held`` are the trials that the search has not
-    seen, ``seen`` the others; ``records`` are the uncut runs.
-    """
-
-    problem: Problem
-    runs: tuple[int, ...]
-    held: Index
-    seen: Index
-    records: tuple[Record, ...]
-    seed: int
-
-    @property
-    def unseen(self) -> NDArray[np.bool_]:
-        """Which runs (in order) the search has not seen."""
-        return np.isin(np.unique(self.runs), [self.runs[i] for i in self.held])
-
-    @property
-    def seen_runs(self) -> list[int]:
-        """The run of each trial that the search has seen."""
-        return [self.runs[i] for i in self.seen]
-
-    def errors(
-        self, state: State | None, *, in_pieces: bool = False, like: State | None = None
-    ) -> Prediction:
-        """Errors of every trial, predicted with parameters that were fitted to others; whole or in pieces.
-
-        Without a state no effect acts.  They are scored as those of ``like`` are, by default as their own.
-        """
-        count = len(self.problem.trials)
-        effects: list[tuple[AnyEffect, ...]] = [() if state is None else state.fit.effects] * count
-        if state is not None:
-            for part, own in zip(state.parts, sets_of_effects(state.structure, state.xs), strict=True):
-                for i in state.fit.trials[part]:
-                    effects[i] = own
-        like = like or state
-        phased = phases_matter(self.problem, () if like is None else like.fit.effects)
-        full = self.problem.rebuilt(InterpolationScheme.FULL)
-        if in_pieces and like is not None:
-            full = full.as_seen_in(like.view)
-        records = [self.records[run] for run in self.runs]
-        return predicted(full, np.arange(count, dtype=np.int64), records, effects, phased)
-
-    def verdict(self, before: RunErrors, after: RunErrors) -> Judgement:
-        """The judgement by the searched runs if these already speak against it, else by all."""
-        unseen, sigma = self.unseen, self.problem.sigma
-        if unseen.any() and not unseen.all():
-            rows = np.flatnonzero(~unseen)
-            none = np.zeros(len(rows), dtype=bool)
-            some = before.of(rows), after.of(rows)
-            early = judge(*some, none, self.seed, by_chance=False, numbers=rows, sigma=sigma)
-            if not early.holds:
-                return early
-        return judge(before, after, unseen, self.seed, sigma=sigma)
 
 
 def check(court: Court, proposed: State, rounds: list[Round], progress: Watch) -> Checked:
@@ -139,7 +33,7 @@ def check(court: Court, proposed: State, rounds: list[Round], progress: Watch) -
     rejected: list[Rejected] = []
     for number, state in enumerate(_in_turn(court, proposed, rounds, progress)):
         progress("predicting runs with parameters fitted to others", min(0.9, 0.2 * number))
-        found = _put(court, state, rejected)
+        found = put(court, state, rejected)
         if found is not None and not _needless(court, found, rejected):
             return _further(court, found, rounds, rejected, progress)
     plain = court.errors(None)
@@ -153,47 +47,6 @@ def check(court: Court, proposed: State, rounds: list[Round], progress: Watch) -
         phased=plain.phased,
         rejected=tuple(rejected),
         near_noise=near_noise(errors, court.unseen, plain.problem.sigma),
-    )
-
-
-def _put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None:
-    labels = tuple(c.label for c in state.structure)
-    after = court.errors(state)
-    before = court.errors(None, like=state)
-    one, two = by_run(before.errors, court.runs), by_run(after.errors, court.runs)
-    fresh = judged(court.unseen)
-    astray = larger(score(one, fresh), score(two, fresh))
-    if state.view.piece is None:
-        judgement = court.verdict(one, two)
-    else:  # a wrong heading early in a whole run outweighs all that is right after it
-        pieces = [court.errors(s, like=state, in_pieces=True) for s in (None, state)]
-        judgement = court.verdict(*(by_run(p.errors, court.runs) for p in pieces))
-    idle = [c.label for c, none in zip(state.structure, nothing_sure(state), strict=True) if none]
-    failures = judgement.failures + astray
-    failures += tuple(f"the runs leave it open that {label} does nothing" for label in idle)
-    if one.chi() <= SETTINGS.noise_chi and doubted(state.view, state.fit):
-        failures += ("so near the noise only a name that its own evidence carries is claimed",)
-    if failures:
-        rejected.append(
-            Rejected(
-                labels=labels,
-                failures=failures,
-                chi_before=one.chi(),
-                chi_after=two.chi(),
-                borne_out=not judgement.failures + astray,
-                traced_to=tuple(c.trace for c in state.structure),
-                lowers=not astray and explained_share(one.chi(), two.chi()) >= SETTINGS.explained_share,
-            )
-        )
-        return None
-    return Checked(
-        state=state,
-        before=one,
-        after=two,
-        judgement=judgement,
-        problem=after.problem,
-        phased=after.phased,
-        rejected=tuple(rejected),
     )
 
 
@@ -216,24 +69,6 @@ def _needless(court: Court, held: Checked, rejected: list[Rejected]) -> bool:
         )
     )
     return True
-
-
-def larger(before: Score, after: Score) -> tuple[str, ...]:
-    """Which errors of whole runs that nothing has seen are larger after, in words.
-
-    A correction with which one of them grows by more than the simulation is accurate is not claimed: what is
-    called found makes every error that is reported smaller, or leaves it as it is.
-    """
-    rows = (
-        ("chi", before.chi, after.chi, ""),
-        ("the position error", 1e3 * before.rmse_position_m, 1e3 * after.rmse_position_m, " mm"),
-        ("the heading error", 1e3 * before.rmse_heading_rad, 1e3 * after.rmse_heading_rad, " mrad"),
-    )
-    return tuple(
-        f"on whole runs that nothing has seen {what} grows from {was:.4g} to {now:.4g}{unit}"
-        for what, was, now, unit in rows
-        if not now <= (1.0 + SETTINGS.same_error) * was
-    )
 
 
 def _in_turn(court: Court, proposed: State, rounds: list[Round], progress: Watch) -> Iterator[State]:
@@ -274,17 +109,12 @@ def _fitted_to_seen(court: Court, found: State) -> State:
     return fitted(view, found.structure, x, court.seen, court.seen_runs)
 
 
-def _candidates(rounds: list[Round]) -> list[Candidate]:
-    """Everything that was screened."""
-    return list({c.label: c for r in rounds for e in r.screening.entries for c in e.structure}.values())
-
-
 def _other_forms(court: Court, state: State, fewer: State, rounds: list[Round]) -> Iterator[State]:
     """The state with its last effect in other forms, where these are worth having at all, best first.
 
     ``fewer`` is the state without this effect.
     """
-    forms = [c for c in _candidates(rounds) if c.is_other_form_of(state.last)]
+    forms = [c for c in candidates_of(rounds) if c.is_other_form_of(state.last)]
     found = [restated(state, len(state.structure) - 1, other, court.seen_runs) for other in forms]
     worth = [s for s in found if worthwhile(fewer, s.chi, s.last.named)]
     yield from sorted(worth, key=lambda s: s.chi)
@@ -337,58 +167,23 @@ def _further(
         if _place(start) in begun:
             break
         begun.add(_place(start))
-        best = start = reformed(start, own, _candidates(rounds), rounds, progress, simpler=True)
+        best = start = reformed(start, own, candidates_of(rounds), rounds, progress, simpler=True)
         is_new = _place(start) not in stood and worthwhile(start, SETTINGS.floor_chi)
         if is_new:
-            step = take_step(start, own, _candidates(rounds), court.seed, progress.staged("going on"))
+            step = take_step(start, own, candidates_of(rounds), court.seed, progress.staged("going on"))
             rounds.append(step)
             best = step.best if step.taken and step.best is not None else start
         found = None
         if best.structure != state.structure:
             best = longer(court.problem, best, own)
-            more = unstuck(_fitted_to_seen(court, best), court.seen_runs, _candidates(rounds), progress)
+            more = unstuck(_fitted_to_seen(court, best), court.seen_runs, candidates_of(rounds), progress)
             fresh = more.last if more.last.named else None
             more = needed(more, court.seen_runs, fresh=fresh)
-            found = _better(court, held, more, rejected)
+            found = better(court, held, more, rejected)
         if found is not None:
             held = found
         elif not is_new or start.view.piece is None:
             break
         else:
             least_s = 2.0 * start.view.piece_s
-    return replace(_in_all_runs(court, held, rounds, rejected, progress), rejected=tuple(rejected))
-
-
-def _in_all_runs(
-    court: Court, held: Checked, rounds: list[Round], rejected: list[Rejected], progress: Watch
-) -> Checked:
-    """What holds, with names that show in all runs and not in the few that were searched.
-
-    It is asked where much is left.  Simulating all runs takes long: beside each effect in its simplest form
-    that is as good, every name is put on a list, whose first is fitted, and those that stand next on another.
-    """
-    runs, candidates = court.seen_runs, _candidates(rounds)
-    names = [c for c in candidates if c.named]
-    in_few = bool(rounds) and len(rounds[0].before.fit.trials) < len(court.seen)
-    while in_few and held.state is not None and held.after.chi() > SETTINGS.noise_chi:
-        if progress.expired or len(held.state.structure) >= SETTINGS.most_effects:
-            break
-        start = simplified(longer(court.problem, held.state, runs, np.inf), runs, candidates, progress)
-        start = redefined(start, runs, progress)
-        step = take_step(start, runs, names, court.seed, progress.staged("in all runs"), 1)
-        rounds.append(replace(step, names_only=True))
-        best = step.best if step.taken and step.best is not None else start
-        if best.structure == held.state.structure:
-            break
-        found = _better(court, held, unstuck(best, runs, candidates, progress), rejected)
-        held = found or held
-        if found is None or not step.taken:
-            break
-        names = [e.structure[0] for e in other_names(step.screening, (), SETTINGS.contenders)]
-    return held
-
-
-def _better(court: Court, held: Checked, proposed: State, rejected: list[Rejected]) -> Checked | None:
-    """A proposal that the runs bear out, if it predicts them better than what holds."""
-    found = _put(court, proposed, rejected)
-    return found if found is not None and found.after.chi() < held.after.chi() else None
+    return replace(in_all_runs(court, held, rounds, rejected, progress), rejected=tuple(rejected))

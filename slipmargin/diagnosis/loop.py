@@ -9,10 +9,11 @@ from slipmargin.data.noise import lasting_noise
 from slipmargin.data.repair import Repair
 from slipmargin.diagnosis.campaign import shown_in
 from slipmargin.diagnosis.conditions import Ready, ready
+from slipmargin.diagnosis.court import Checked
 from slipmargin.diagnosis.findings import findings
 from slipmargin.diagnosis.fit import Fit, fit
 from slipmargin.diagnosis.held_out import score
-from slipmargin.diagnosis.ladder import Checked, check
+from slipmargin.diagnosis.ladder import check
 from slipmargin.diagnosis.leads import leads
 from slipmargin.diagnosis.left_over import left_over, like
 from slipmargin.diagnosis.map_entry import MapEntry

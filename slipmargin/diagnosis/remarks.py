@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from slipmargin.data.data_set import DataSet, Member
 from slipmargin.data.jitter import jitter
 from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.court import Checked
 from slipmargin.diagnosis.fit import Fit
-from slipmargin.diagnosis.ladder import Checked
 from slipmargin.diagnosis.mimics import mimics
 from slipmargin.diagnosis.order_analysis import Periodicity
 from slipmargin.diagnosis.result import Event

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -117,3 +118,8 @@ class Round:
         before, least = self.before, SETTINGS.followed_share * (self.before.chi - one.chi)
         others = (s for s in self.tried if s.named and s is not one and worthwhile(before, s.chi))
         return [s for s in others if before.chi - s.chi >= least]
+
+
+def candidates_of(rounds: Sequence[Round]) -> list[Candidate]:
+    """Everything that was screened."""
+    return list({c.label: c for r in rounds for e in r.screening.entries for c in e.structure}.values())

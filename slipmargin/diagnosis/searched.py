@@ -13,12 +13,12 @@ from slipmargin.data.noise import white_noise
 from slipmargin.diagnosis import wheel_phase
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.conditions import held_runs_of
+from slipmargin.diagnosis.court import Court
 from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.events import cut_apart, find_events
 from slipmargin.diagnosis.general_forms import general_candidates
 from slipmargin.diagnosis.groups import in_groups
 from slipmargin.diagnosis.held_out import searched_runs
-from slipmargin.diagnosis.ladder import Court
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.ranges import ranges
 from slipmargin.diagnosis.refits import fitted, needed

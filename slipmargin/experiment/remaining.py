@@ -14,8 +14,9 @@ from slipmargin.data.data_set import DataSet
 from slipmargin.data.repair import Repair
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.conditions import ready
+from slipmargin.diagnosis.court import Checked
 from slipmargin.diagnosis.fit import Fit, build, fit, spans
-from slipmargin.diagnosis.ladder import Checked, check
+from slipmargin.diagnosis.ladder import check
 from slipmargin.diagnosis.left_over import like
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Verdict

@@ -11,10 +11,11 @@ import pytest
 from planting import Plant, planted, smooth_kiwi
 
 from slipmargin.checks import Index
-from slipmargin.diagnosis import ladder
+from slipmargin.diagnosis import all_runs, court as bench, ladder
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
+from slipmargin.diagnosis.court import Checked, Court, larger
 from slipmargin.diagnosis.held_out import Prediction
-from slipmargin.diagnosis.ladder import Checked, Court, check, larger
+from slipmargin.diagnosis.ladder import check
 from slipmargin.diagnosis.left_out import folds
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
@@ -188,10 +189,10 @@ def test_what_a_law_acts_over_is_asked_again_in_all_runs(monkeypatch: pytest.Mon
     few = fitted(late.problem, (), np.zeros(0), SEEN[:3], late.seen_runs[:3])
     nothing = Screening(entries=(), total=1.0, chance=np.zeros(0))
     stood = Round(before=few, screening=nothing, tried=(), best=None, taken=False)
-    monkeypatch.setattr(ladder, "take_step", lambda before, *_: replace(stood, before=before))
-    held = ladder._put(late, proposed(late, "slip_ratio_friction"), [])
+    monkeypatch.setattr(all_runs, "take_step", lambda before, *_: replace(stood, before=before))
+    held = bench.put(late, proposed(late, "slip_ratio_friction"), [])
     assert held is not None and held.after.chi() > SETTINGS.noise_chi
-    found = ladder._in_all_runs(late, held, [stood], [], Watch(report=no_progress))
+    found = all_runs.in_all_runs(late, held, [stood], [], Watch(report=no_progress))
     assert labels_of(found) == ["slip_ratio_friction tread_share 0.5"]
     assert found.after.chi() < 1.15 < held.after.chi()
 
@@ -245,7 +246,7 @@ def test_no_list_begins_twice_at_one_place(court: Court, monkeypatch: pytest.Mon
     """Pieces that were as long as a run allows were asked for again, twice as long: the forms with them."""
     view, watch = court.problem.in_pieces(SETTINGS.piece_s), Watch(report=no_progress)
     right = proposed(court, "wheel_loads")
-    held = ladder._put(court, right, [])
+    held = bench.put(court, right, [])
     assert held is not None
     held = replace(held, state=replace(right, view=view))
     nothing = Screening(entries=(), total=1.0, chance=np.zeros(0))
@@ -326,7 +327,7 @@ def test_an_error_that_grows_beyond_rounding_is_not_called_found(
     (said,) = larger(one, Score(rmse_position_m=2.826e-3, rmse_heading_rad=8.8e-3, chi=1.03))
     assert said.endswith("the position error grows from 2.823 to 2.826 mm")
     assert checked(court, "wheel_loads").state is not None
-    real, scores = ladder.score, []
+    real, scores = bench.score, []
 
     def grown(errors: RunErrors, runs: Index) -> Score:
         scores.append(real(errors, runs))
@@ -334,7 +335,7 @@ def test_an_error_that_grows_beyond_rounding_is_not_called_found(
             scores[-1], rmse_position_m=scores[0].rmse_position_m * (1.0 + 1e-3 * (len(scores) - 1))
         )
 
-    monkeypatch.setattr(ladder, "score", grown)
+    monkeypatch.setattr(bench, "score", grown)
     found = checked(court, "wheel_loads")
     assert found.state is None and "the position error grows" in found.rejected[0].failures[-1]
 
@@ -354,7 +355,7 @@ def test_a_last_effect_has_to_make_unseen_runs_better(
         return replace(found, errors=RunErrors(squares=squares, counts=found.errors.counts))
 
     monkeypatch.setattr(Court, "errors", errors)
-    monkeypatch.setattr(ladder, "nothing_sure", lambda state: [False] * len(state.structure))
+    monkeypatch.setattr(bench, "nothing_sure", lambda state: [False] * len(state.structure))
     found = checked(court, "wheel_loads", "camera_delay")
     assert labels_of(found) == ["wheel_loads", "camera_delay"][:kept]
     assert [r.labels for r in found.rejected] == [("wheel_loads", "camera_delay")] * (2 - kept)

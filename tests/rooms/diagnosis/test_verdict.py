@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from slipmargin.diagnosis.ladder import Checked
+from slipmargin.diagnosis.court import Checked
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.verdict import (
     Judgement,
