@@ -1,8 +1,4 @@
-"""What holds, asked again in all runs: the search itself looks at few of them.
-
-Where much is left, names that show in all runs only, and forms of what is known that few runs do not tell
-apart, are put before the runs.
-"""
+"""What holds, asked again in all runs: the search itself looks at few of them."""
 
 from __future__ import annotations
 
@@ -13,7 +9,7 @@ import numpy as np
 from slipmargin.diagnosis.court import Checked, Court, better
 from slipmargin.diagnosis.finalists import other_names
 from slipmargin.diagnosis.refits import longer
-from slipmargin.diagnosis.restated import in_best_forms, redefined, simplified, unstuck
+from slipmargin.diagnosis.restated import redefined, simplified, unstuck
 from slipmargin.diagnosis.result import Rejected
 from slipmargin.diagnosis.rounds import Round, candidates_of
 from slipmargin.diagnosis.search import take_step
@@ -24,31 +20,15 @@ from slipmargin.diagnosis.watch import Watch
 def in_all_runs(
     court: Court, held: Checked, rounds: list[Round], rejected: list[Rejected], progress: Watch
 ) -> Checked:
-    """What holds, with what shows in all runs and not in the few that were searched.
+    """What holds, with names that show in all runs and not in the few that were searched.
 
-    It is asked where much is left.
-    """
-    if not rounds or len(rounds[0].before.fit.trials) >= len(court.seen):
-        return held
-    held = _with_names(court, held, rounds, rejected, progress)
-    if held.state is None or held.after.chi() <= SETTINGS.noise_chi or progress.expired:
-        return held
-    start = longer(court.problem, held.state, court.seen_runs, np.inf)
-    found = in_best_forms(start, court.seen_runs, candidates_of(rounds), progress)
-    return held if found is start else better(court, held, found, rejected) or held
-
-
-def _with_names(
-    court: Court, held: Checked, rounds: list[Round], rejected: list[Rejected], progress: Watch
-) -> Checked:
-    """What holds, with more names.
-
-    Simulating all runs takes long: beside each effect in its simplest form that is as good, every name is put
-    on a list, whose first is fitted, and those that stand next on another.
+    It is asked where much is left.  Simulating all runs takes long: beside each effect in its simplest form
+    that is as good, every name is put on a list, whose first is fitted, and those that stand next on another.
     """
     runs, candidates = court.seen_runs, candidates_of(rounds)
     names = [c for c in candidates if c.named]
-    while held.state is not None and held.after.chi() > SETTINGS.noise_chi:
+    in_few = bool(rounds) and len(rounds[0].before.fit.trials) < len(court.seen)
+    while in_few and held.state is not None and held.after.chi() > SETTINGS.noise_chi:
         if progress.expired or len(held.state.structure) >= SETTINGS.most_effects:
             break
         start = simplified(longer(court.problem, held.state, runs, np.inf), runs, candidates, progress)

@@ -72,15 +72,6 @@ def simplified(state: State, runs: Sequence[int], candidates: Sequence[Candidate
     return state
 
 
-def in_best_forms(
-    state: State, runs: Sequence[int], candidates: Sequence[Candidate], progress: Watch
-) -> State:
-    """The state with each effect in the form that is to be preferred, whatever it holds."""
-    for index in range(len(state.structure)):
-        state = _in_best_form(state, index, candidates, runs, progress)
-    return state
-
-
 def unstuck(state: State, runs: Sequence[int], candidates: Sequence[Candidate], progress: Watch) -> State:
     """The state with each effect of which a parameter is stuck at a bound in another form that is as good.
 

@@ -197,25 +197,6 @@ def test_what_a_law_acts_over_is_asked_again_in_all_runs(monkeypatch: pytest.Mon
     assert found.after.chi() < 1.15 < held.after.chi()
 
 
-def test_forms_that_few_runs_do_not_tell_apart_are_asked_again_in_all(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """On a thick carpet 58 runs prefer another form of a law to the one that eight had given it."""
-    late = court_of(SlipRatioFriction(share=1.0, steepness=2.0, transverse_factor=3.0))
-    few = fitted(late.problem, (), np.zeros(0), SEEN[:3], late.seen_runs[:3])
-    nothing = Screening(entries=(), total=1.0, chance=np.zeros(0))
-    stood = Round(before=few, screening=nothing, tried=(), best=None, taken=False)
-    known = named_candidates(late.problem.nominal.geometry.names, False, ())
-    forms = [c for c in known if c.name == "slip_ratio_friction"]
-    monkeypatch.setattr(all_runs, "candidates_of", lambda rounds: forms)
-    monkeypatch.setattr(all_runs, "take_step", lambda before, *_: replace(stood, before=before))
-    held = bench.put(late, proposed(late, "slip_ratio_friction"), [])
-    assert held is not None and held.after.chi() > SETTINGS.noise_chi
-    found = all_runs.in_all_runs(late, held, [stood], [], Watch(report=no_progress))
-    assert labels_of(found) == ["slip_ratio_friction with its own constants across"]
-    assert found.after.chi() < 1.15
-
-
 def test_the_search_goes_on_from_what_holds() -> None:
     late = court_of(WheelLoads(shift_x_m=0.012, shift_y_m=-0.008, com_share=1.0), CameraDelay(delay_s=0.02))
     watch = Watch(report=no_progress)
