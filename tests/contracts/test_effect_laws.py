@@ -339,6 +339,13 @@ def test_an_effect_acts_on_the_named_wheel_only_or_has_no_wheels(kind: type[Effe
         return
     robot, field = replace(machine(), load_rule=LoadRule.STATIC), kind.part.field
     nominal = nominal_model(robot, "paper")
+    if kind.part is Part.LOSSES:  # a force on the body: what each wheel contributes adds up to that of all
+        models = [build(robot, kind.of(values, of)) for of in (*((w,) for w in nominal.geometry.names), ())]
+        *single, every = ([t.coefficients for t in m.external.terms] for m in models)
+        assert all(np.any(np.abs(c) > 0.0) for one in single for c in one)
+        for parts, whole in zip(zip(*single, strict=True), every, strict=True):
+            np.testing.assert_allclose(sum(parts), whole, rtol=1e-12)
+        return
     part, changed = (getattr(m, field) for m in (nominal, build(robot, kind.of(values, ("rear",)))))
     everywhere = getattr(build(robot, kind.of(values)), field)
     rear, others = nominal.geometry.names.index("rear"), [0, 1]
