@@ -96,48 +96,55 @@ def robotino(folder: Path) -> list[RealSet]:
     camera = calibrate(table, recipe.build("table").geometry)
     believed = replace(recipe, effects=camera.effects())
 
-    def part(name: str, records: Sequence[Record], recipe: Recipe, surface: str) -> Part:
+    def part(
+        name: str,
+        records: Sequence[Record],
+        recipe: Recipe,
+        surface: str,
+        loading: str = "as stated",
+        instrument: str = "camera",
+    ) -> Part:
         runs = tuple(camera.rectified(r) for r in records)
         data = DataSet(
             name=name, recipe=recipe, surface=surface, wheel_signal=WheelSignal.MEASURED, trials=runs
         )
-        return Part(data_set=data, floor=surface, loading="as stated", instrument="camera")
+        return Part(data_set=data, floor=surface, loading=loading, instrument=instrument)
 
     found = []
     if (folder / "load_0.1").is_dir() and (folder / "gray_0.1").is_dir():
         body = replace(believed.robot.body, mass_kg=PAYLOAD_KG)
         heavy = replace(believed, robot=replace(believed.robot, body=body))
-        gray, load = (
-            part("gray", logs("gray_0.1"), believed, "gray"),
-            part("load", logs("load_0.1"), heavy, "gray"),
-        )
-        load, level = replace(load, loading="payload"), part("table", table, believed, "table")
+        gray = part("gray", logs("gray_0.1"), believed, "gray")
+        load = part("load", logs("load_0.1"), heavy, "gray", loading="payload")
+        level = part("table", table, believed, "table")
+        around = all_around(load)
         found.append(
             RealSet(
                 name="robotino-load",
                 fitted=joined("robotino-load", [every_second(r) for r in (gray, load, level)]),
-                judged=all_around(load)[1::2],
+                judged=around[1::2],
                 recipe=heavy,
                 surface="gray",
-                beside=neighbours(all_around(load)),
+                beside=neighbours(around),
             )
         )
     for carpet in ("gray", "green"):
         if not ((folder / f"{carpet}_0.1").is_dir() and (folder / f"{carpet}_0.2").is_dir()):
             continue
         slow, fast = (
-            replace(part(word, logs(f"{carpet}_{speed}"), believed, "gray"), instrument=word)
+            part(word, logs(f"{carpet}_{speed}"), believed, "gray", instrument=word)
             for word, speed in (("slow", "0.1"), ("fast", "0.2"))
         )
+        one, two = all_around(slow), all_around(fast)
         name = f"robotino-{carpet}"
         found.append(
             RealSet(
                 name=name,
                 fitted=joined(name, [every_second(r) for r in (slow, fast)]),
-                judged=(*all_around(slow)[1::2], *all_around(fast)[1::2]),
+                judged=(*one[1::2], *two[1::2]),
                 recipe=believed,
                 surface="gray",
-                beside=neighbours(all_around(slow)) | neighbours(all_around(fast)),
+                beside=neighbours(one) | neighbours(two),
             )
         )
     return found

@@ -296,11 +296,14 @@ def external(P: Any, W: Any, t: float, y: Any, C: Any, B: Any) -> None:
 
 @inner
 def dragging(P: Any, W: Any, t: float, y: Any, C: Any, B: Any) -> None:
-    """What external forces change by with the body's velocity, into B[DRAGS:]; with :func:`external`."""
+    """What external forces and their moment h F change by with the body's velocity, into B[DRAGS:].
+
+    Only where variable or frame is one of that velocity; frames are those of :func:`external`.
+    """
     for r in range(15):
         B[DRAGS + r] = 0.0
-    left, ahead = -P[_COM_X], -P[_COM_Y]
-    ox, oy = _velocity_at(y[3], y[4], y[5], left, ahead)
+    origin_x, origin_y = -P[_COM_X], -P[_COM_Y]
+    ox, oy = _velocity_at(y[3], y[4], y[5], origin_x, origin_y)
     q = int(P[_FORCES_AT])
     for _ in range(int(P[_FORCES])):
         at_term, code, frame = q, int(P[q]), int(P[q + 2])
@@ -311,13 +314,13 @@ def dragging(P: Any, W: Any, t: float, y: Any, C: Any, B: Any) -> None:
         v = _body_variable(P, W, code, t, y, C)
         x, z, m = _own_wrench(P, at_term, v, False)
         dx, dz, dm = _own_wrench(P, at_term, v, True) if moves else (0.0, 0.0, 0.0)
-        px, py = (P[at_term + 8], P[at_term + 9]) if frame == 3 else (left, ahead)
+        px, py = (P[at_term + 8], P[at_term + 9]) if frame == 3 else (origin_x, origin_y)
         vx, vy = _velocity_at(y[3], y[4], y[5], px, py)
         size = math.sqrt(vx * vx + vy * vy + SLOW_M_S * SLOW_M_S)
         spin = math.sqrt(y[5] * y[5] + SLOW_RAD_S * SLOW_RAD_S)
         c, s = vx / size, vy / size
         for k in range(3):
-            gx, gy = _velocity_at(1.0 * (k == 0), 1.0 * (k == 1), 1.0 * (k == 2), left, ahead)
+            gx, gy = _velocity_at(1.0 * (k == 0), 1.0 * (k == 1), 1.0 * (k == 2), origin_x, origin_y)
             by = 1.0 * (k == 2)  # what v changes by
             if code == 7:
                 by = gx

@@ -116,7 +116,6 @@ def test_every_force_term_agrees(variable, basis):
 #: Variables that come from the hub's velocity, and bases that have a slope everywhere.
 HUB = (Variable.HUB_SPEED, Variable.PASSING_SPEED)
 SMOOTH = (Basis.DECAY, Basis.POLYNOMIAL, Basis.STEP, Basis.FOURIER)
-SPEEDS = (Variable.HUB_SPEED, Variable.PASSING_SPEED)
 #: Variables by which a force on the body may change with its velocity; the first leaves that to its frame.
 MOVING = (Variable.UNITY, Variable.VELOCITY_X, Variable.VELOCITY_Y, Variable.YAW_RATE, Variable.SPEED)
 
@@ -129,7 +128,7 @@ MOVING = (Variable.UNITY, Variable.VELOCITY_X, Variable.VELOCITY_Y, Variable.YAW
             None,
             (Variable.HEADING, Basis.DECAY, Target.BOTH),
             *product(HUB, SMOOTH, Target),
-            *product(SPEEDS, (Basis.RECIPROCAL,), Target),
+            *product(HUB, (Basis.RECIPROCAL,), Target),
         )
     ),
     reals(0.0, 1.0) | st.just(1.0),
