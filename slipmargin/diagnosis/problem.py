@@ -39,10 +39,7 @@ from slipmargin.sim.signal import WheelSignal, angles_at
 #: Relative tolerance of a simulation per noise of the position [1/m] while its error was not looked at, and
 #: its range [1]: friction on the edge of slipping makes errors grow to about a tenth of the noise at worst.
 _RTOL_PER_M, _RTOL = 0.1, (1e-5, 1e-4)
-#: Tolerances that may do in a search [1], and the error that one may make in any run [noise, root mean
-#: square]: it adds half a thousandth to a chi of one.
-_RTOLS, _ERROR = (1e-4, 3e-5), 0.03
-_FINE_RTOL = 1e-6
+FINE_RTOL = 1e-6  #: that for the final numbers [1]
 #: The wheels' motion by few samples is used where it has less than this share of the others' samples: the
 #: run that differences are taken from must be simulated once more.
 _MUCH_FEWER = 0.5
@@ -272,7 +269,7 @@ class Problem:
         """The same problem with the wheels' motion interpolated differently, and integrated finely."""
         signals = tuple(wheel_signal(t, self.commanded, scheme) for t in self.trials)
         batch = self._batch(signals, self.wheel_phases)
-        return replace(self, batch=batch, signals=signals, rough_signals=(), scheme=scheme, rtol=_FINE_RTOL)
+        return replace(self, batch=batch, signals=signals, rough_signals=(), scheme=scheme, rtol=FINE_RTOL)
 
     def with_rough(self) -> Problem:
         """The same problem, which knows the wheels' motion by few samples where these are much fewer."""
@@ -281,17 +278,6 @@ class Problem:
         made = tuple(wheel_signal(t, self.commanded, InterpolationScheme.ROUGH) for t in self.trials)
         fewer = sum(len(s.knots_s) for s in made) < _MUCH_FEWER * sum(len(s.knots_s) for s in self.signals)
         return replace(self, rough_signals=made) if fewer else self
-
-    def eased(self, trials: Index) -> Problem:
-        """The same problem, simulated only as finely as these trials need by the model as it is.
-
-        How far errors of the steps grow differs a hundredfold from robot to robot at one tolerance.
-        """
-        coarser = [replace(self, rtol=rtol) for rtol in (*_RTOLS, _RTOL[0])]
-        *gaps, known = (p.residuals([()], [trials])[0] for p in coarser)
-        counts = np.maximum(1, np.count_nonzero(known, axis=1))
-        errors = [np.sum((gap - known) ** 2, axis=1) / counts for gap in gaps]
-        return next((p for p, e in zip(coarser, errors, strict=False) if max(e) <= _ERROR**2), coarser[-1])
 
     def rough(self) -> Problem:
         """For differences of runs: the same problem with the wheels' motion by few samples, where known."""
@@ -336,14 +322,14 @@ class Problem:
         return np.inf if self.piece is None else self.piece * self.step_s
 
     def as_seen_in(self, view: Problem, runs: Sequence[int] | None = None) -> Problem:
-        """The same problem, compared as a view does: in pieces as long, trials weighted alike.
+        """The same problem, compared as a view does: in pieces as long, trials weighted alike, as finely.
 
         ``runs`` are the numbers in the view of the trials that those of this problem are cut from.
         """
         weights = view.weights
         if runs is not None and len(weights):
             weights = weights[list(runs)]
-        return replace(self, piece=view.piece, weights=weights)
+        return replace(self, piece=view.piece, weights=weights, rtol=min(self.rtol, view.rtol))
 
     def evened(self, effects: tuple[AnyEffect, ...], trials: Index) -> Problem:
         """The same problem, in which none of these trials far outweighs the middle one of those missed.

@@ -9,11 +9,12 @@ import numpy as np
 from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.evidence import intervals
-from slipmargin.diagnosis.fit import Fit, fit, spans
+from slipmargin.diagnosis.fit import Fit, spans
 from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State, as_good, worthwhile
+from slipmargin.diagnosis.tolerance import fitted_finely
 
 
 def scored(view: Problem, found: Fit, samples: float, runs: Sequence[int]) -> State:
@@ -36,7 +37,7 @@ def fitted(
 
     It is not fitted to the end where its cost would stay above ``give_up_above``.
     """
-    found = fit(view, structure, x, trials, give_up_above=give_up_above, expired=expired)
+    view, found = fitted_finely(view, structure, x, trials, expired, give_up_above)
     return scored(view, found, view.samples(trials), runs)
 
 

@@ -22,7 +22,7 @@ from slipmargin.diagnosis.bends import bends
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.crossings import at_crossings
 from slipmargin.diagnosis.finalists import finalists, of_other_variables, other_names, pointed_at
-from slipmargin.diagnosis.fit import build, evaluate, few_steps, fit
+from slipmargin.diagnosis.fit import build, evaluate, few_steps
 from slipmargin.diagnosis.left_out import folds
 from slipmargin.diagnosis.patches import at_patches
 from slipmargin.diagnosis.probes import probes
@@ -35,6 +35,7 @@ from slipmargin.diagnosis.screen import Screened, Screening, screen
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State, as_good, choose, explained, quiet, worthwhile
 from slipmargin.diagnosis.telling import enough, telling
+from slipmargin.diagnosis.tolerance import eased, fitted_finely
 from slipmargin.diagnosis.watch import Watch
 
 
@@ -153,7 +154,7 @@ def search(
     """
     problem = problem.with_rough()
     trials = enough(seen, problem.knots, telling(problem, seen))
-    problem = problem.eased(trials)
+    problem = eased(problem, trials)
     sought = Sought(
         seen=seen,
         trials=trials,
@@ -332,8 +333,8 @@ def _added(
             for i in (tried[:1] if expired() else tried)
         ]
         x = min(short, key=lambda end: end[1])[0]
-    full = fit(before.view, structure, x, trials, give_up_above=SETTINGS.out_of_reach * best, expired=expired)
-    return scored(before.view, full, before.samples, runs)
+    view, full = fitted_finely(before.view, structure, x, trials, expired, SETTINGS.out_of_reach * best)
+    return scored(view, full, before.samples, runs)
 
 
 def _in_pieces(problem: Problem, trials: Index, runs: Sequence[int]) -> State:

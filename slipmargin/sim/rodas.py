@@ -129,9 +129,10 @@ def end(y: Any, K: Any, start: Any, rtol: float, atol: float, radius: float, z: 
     error, m = 0.0, K.shape[1]
     for r in range(m):
         z[r] += K[5, r]
-        loose = 1.0 if r < 3 else (LOOSER if r < 6 else LOOSER / radius)
+        loose = 1.0 if r < 3 else LOOSER
         zero = start[r] if r < 3 else 0.0
-        miss = K[5, r] / (loose * (atol + rtol * max(abs(y[r] - zero), abs(z[r] - zero))))
+        least = atol if r < 6 else atol / radius
+        miss = K[5, r] / (loose * (least + rtol * max(abs(y[r] - zero), abs(z[r] - zero))))
         error += miss * miss
     return math.sqrt(error / m)
 

@@ -122,20 +122,6 @@ def test_a_run_starts_where_all_of_its_frames_put_it() -> None:
     assert turned.in_pieces(0.5).restarted((tilt,), runs).starts is turned.starts
 
 
-def test_a_search_simulates_as_finely_as_its_noise_asks(problem: Problem) -> None:
-    """Friction at the edge of slipping made one tolerance wrong by a quarter of the noise on some robots."""
-    everyone = np.arange(len(problem.trials))
-    chosen = []
-    for times in (100.0, 1.0, 0.01):
-        case = replace(problem, sigma=times * problem.sigma)
-        eased = case.eased(everyone)
-        chosen.append(eased.rtol)
-        near, exact = (p.residuals([()], [everyone])[0] for p in (eased, replace(case, rtol=1e-8)))
-        if times >= 1.0:
-            assert np.sqrt(np.mean((near - exact) ** 2)) < 0.05
-    assert chosen == sorted(chosen, reverse=True) and chosen[0] > chosen[2]
-
-
 def test_first_orders_that_grow_without_bound_are_simulated(
     problem: Problem, monkeypatch: pytest.MonkeyPatch
 ) -> None:

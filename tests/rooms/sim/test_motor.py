@@ -107,16 +107,21 @@ def test_an_exact_lag_is_the_exponential():
         np.testing.assert_allclose(theta[0, k], want, atol=1e-12)
 
 
-def test_a_lag_much_shorter_than_the_commands_is_not_stepped_over():
-    """Commands at 30 Hz that are held, wheels that follow in 4 ms: a tolerance of 1e-4 keeps to 0.3 mm."""
+@pytest.mark.parametrize(
+    ("wheels", "rtol"),
+    [({"lag_s": np.full(3, 0.004)}, 1e-4), ({"droop_rad_s_per_N_m": np.full(3, 8.0)}, 1e-5)],
+    ids=["lag", "droop"],
+)
+def test_what_follows_a_step_of_the_commands_is_not_stepped_over(wheels, rtol):
+    """Commands at 30 Hz that are held, wheels that follow at once: poses keep to three tolerances [m]."""
     t = np.arange(60) / 30.0
     speed = 40.0 * np.sin(2.0 * np.pi * t / t[-1])
     signal = held(t, speed[:, None] * np.array([1.0, -0.4, -0.6]))
-    model = model_with(lag_s=np.full(3, 0.004))
+    model = model_with(**wheels)
     model = replace(model, grip=replace(model.grip, k_s_per_m=3000.0))
     batch = Batch([signal], [t], commanded=True)
-    coarse, fine = (batch.run(pack(model), np.zeros(3), rtol=rtol).pose[0] for rtol in (1e-4, 1e-9))
-    assert np.abs(coarse - fine)[:, :2].max() < 3e-4  # 2.2 mm where the lag is stepped over
+    coarse, fine = (batch.run(pack(model), np.zeros(3), rtol=r).pose[0] for r in (rtol, 1e-9))
+    assert np.abs(coarse - fine)[:, :2].max() < 3.0 * rtol
     assert np.abs(fine[:, :2]).max() > 0.2
 
 
