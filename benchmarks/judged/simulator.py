@@ -169,14 +169,30 @@ def _unit_force(
 
 
 @_compiled
-def _coefficients(
-    m: Machine, p: Physics, i: int, t: float, theta: float, wx: float, wy: float, slid: float
-) -> tuple[float, float]:
-    """Both coefficients of wheel i at floor place (wx, wy), all but what depends on the sliding itself."""
+def _rigid(m: Machine, i: int, begin: float, end: float) -> float:
+    """Share of the way of wheel i from one angle to another on which a rigid part touches the floor.
+
+    A fast wheel passes one within a step: taken at its ends, friction would depend on where these fall.
+    """
     pitch = 2.0 * np.pi / m.rollers[i]
-    rigid = theta - np.floor(theta / pitch) * pitch >= (1.0 - m.rigid_fraction[i]) * pitch
-    mw = m.mu_rigid[i, 0] if rigid else m.mu_drive[i]
-    mt = m.mu_rigid[i, 1] if rigid else m.mu_transverse[i]
+    wide = m.rigid_fraction[i] * pitch
+    turns, after = np.floor(begin / pitch), np.floor(end / pitch)
+    one, two = begin - turns * pitch - (pitch - wide), end - after * pitch - (pitch - wide)
+    if abs(end - begin) < 1e-9:
+        return 1.0 if one >= 0.0 else 0.0
+    return ((after - turns) * wide + max(two, 0.0) - max(one, 0.0)) / (end - begin)
+
+
+@_compiled
+def _coefficients(
+    m: Machine, p: Physics, i: int, t: float, theta: float, rigid: float, wx: float, wy: float, slid: float
+) -> tuple[float, float]:
+    """Both coefficients of wheel i at floor place (wx, wy), all but what depends on the sliding itself.
+
+    ``rigid`` is the share of the step that it stands on its rigid parts (:func:`_rigid`).
+    """
+    mw = m.mu_drive[i] + rigid * (m.mu_rigid[i, 0] - m.mu_drive[i])
+    mt = m.mu_transverse[i] + rigid * (m.mu_rigid[i, 1] - m.mu_transverse[i])
     if p.stick_wheel == i:
         turn = theta - p.stick_from
         turn -= np.floor(turn / (2.0 * np.pi)) * 2.0 * np.pi
@@ -241,9 +257,17 @@ def _slope(p: Physics, x: float, y: float) -> float:
 
 @_compiled
 def _rates(
-    m: Machine, p: Physics, t: float, y: Array, theta: Array, omega: Array, dy: Array, out: Array
+    m: Machine,
+    p: Physics,
+    t: float,
+    y: Array,
+    theta: Array,
+    omega: Array,
+    rigid: Array,
+    dy: Array,
+    out: Array,
 ) -> None:
-    """Time derivative of the state.
+    """Time derivative of the state; the wheels stand on their rigid parts for these shares of the step.
 
     State: centre of mass x, y, φ, their velocities, bend of the chassis (2) and its rate (2), sag of
     the battery, then the way that each wheel has slid.  ``out`` gets the smallest load.
@@ -322,7 +346,7 @@ def _rates(
         load = m.rest[i] * (1.0 - lift / weight) + m.per_moment[i, 0] * hx + m.per_moment[i, 1] * hy
         if flex:
             load += m.per_acceleration[i, 0] * y[6] + m.per_acceleration[i, 1] * y[7]
-        mw, mt = _coefficients(m, p, i, t, theta[i], wx, wy, y[11 + i])
+        mw, mt = _coefficients(m, p, i, t, theta[i], rigid[i], wx, wy, y[11 + i])
         hub_x, hub_y = vx - w * ry, vy + w * rx
         spin = omega[i] * (1.0 - p.sag * y[10])
         if p.droop > 0.0:  # ω = ω_asked − droop · torque(ω); the torque grows with ω: one root
@@ -399,20 +423,22 @@ def _march(
     y[2] = start[2]
     poses = np.empty((steps // every + 1, 3))
     poses[0] = start
-    least, out = 1e9, np.zeros(1)
+    least, out, rigid = 1e9, np.zeros(1), np.zeros(n)
     for j in range(steps):
         t = j * h
-        _rates(m, p, t, y, theta[j, 0], omega[j, 0], k1, out)
+        for i in range(n):
+            rigid[i] = _rigid(m, i, theta[j, 0, i], theta[j, 2, i])
+        _rates(m, p, t, y, theta[j, 0], omega[j, 0], rigid, k1, out)
         least = min(least, out[0])
         for d in range(size):
             z[d] = y[d] + 0.5 * h * k1[d]
-        _rates(m, p, t + 0.5 * h, z, theta[j, 1], omega[j, 1], k2, out)
+        _rates(m, p, t + 0.5 * h, z, theta[j, 1], omega[j, 1], rigid, k2, out)
         for d in range(size):
             z[d] = y[d] + 0.5 * h * k2[d]
-        _rates(m, p, t + 0.5 * h, z, theta[j, 1], omega[j, 1], k3, out)
+        _rates(m, p, t + 0.5 * h, z, theta[j, 1], omega[j, 1], rigid, k3, out)
         for d in range(size):
             z[d] = y[d] + h * k3[d]
-        _rates(m, p, t + h, z, theta[j, 2], omega[j, 2], k4, out)
+        _rates(m, p, t + h, z, theta[j, 2], omega[j, 2], rigid, k4, out)
         for d in range(size):
             y[d] += h / 6.0 * (k1[d] + 2.0 * k2[d] + 2.0 * k3[d] + k4[d])
         if (j + 1) % every == 0:
