@@ -169,30 +169,53 @@ def _unit_force(
 
 
 @_compiled
-def _rigid(m: Machine, i: int, begin: float, end: float) -> float:
-    """Share of the way of wheel i from one angle to another on which a rigid part touches the floor.
-
-    A fast wheel passes one within a step: taken at its ends, friction would depend on where these fall.
-    """
+def _rigid(m: Machine, i: int, theta: float) -> bool:
+    """Whether wheel i at an angle stands on one of its rigid parts."""
     pitch = 2.0 * np.pi / m.rollers[i]
-    wide = m.rigid_fraction[i] * pitch
-    turns, after = np.floor(begin / pitch), np.floor(end / pitch)
-    one, two = begin - turns * pitch - (pitch - wide), end - after * pitch - (pitch - wide)
-    if abs(end - begin) < 1e-9:
-        return 1.0 if one >= 0.0 else 0.0
-    return ((after - turns) * wide + max(two, 0.0) - max(one, 0.0)) / (end - begin)
+    return bool(theta - np.floor(theta / pitch) * pitch >= (1.0 - m.rigid_fraction[i]) * pitch)
+
+
+@_compiled
+def _switches(m: Machine, begin: Array, end: Array, cuts: Array) -> int:
+    """How many parts a step has, in each of which no wheel gets on or off a rigid part.
+
+    Into ``cuts`` go the shares of the step at which they begin and end, from 0 to 1.  Within a step wheels
+    turn evenly but for 1e-6 rad.
+    """
+    count = 1
+    cuts[0] = 0.0
+    for i in range(len(begin)):
+        pitch, way = 2.0 * np.pi / m.rollers[i], end[i] - begin[i]
+        if m.rigid_fraction[i] <= 0.0 or way == 0.0:
+            continue
+        for offset in (0.0, (1.0 - m.rigid_fraction[i]) * pitch):
+            low, high = min(begin[i], end[i]), max(begin[i], end[i])
+            edge = np.ceil((low - offset) / pitch) * pitch + offset
+            while edge < high and count < len(cuts) - 1:
+                cuts[count] = (edge - begin[i]) / way
+                count += 1
+                edge += pitch
+    cuts[count] = 1.0
+    cuts[: count + 1].sort()
+    return count
+
+
+@_compiled
+def _between(values: Array, x: float, out: Array) -> None:
+    """Values (3, N) of a step's begin, middle and end at a share x of it, into out (N,)."""
+    for i in range(values.shape[1]):
+        out[i] = values[0, i] * (1.0 - x) * (1.0 - 2.0 * x) + x * (
+            4.0 * values[1, i] * (1.0 - x) + values[2, i] * (2.0 * x - 1.0)
+        )
 
 
 @_compiled
 def _coefficients(
-    m: Machine, p: Physics, i: int, t: float, theta: float, rigid: float, wx: float, wy: float, slid: float
+    m: Machine, p: Physics, i: int, t: float, theta: float, rigid: bool, wx: float, wy: float, slid: float
 ) -> tuple[float, float]:
-    """Both coefficients of wheel i at floor place (wx, wy), all but what depends on the sliding itself.
-
-    ``rigid`` is the share of the step that it stands on its rigid parts (:func:`_rigid`).
-    """
-    mw = m.mu_drive[i] + rigid * (m.mu_rigid[i, 0] - m.mu_drive[i])
-    mt = m.mu_transverse[i] + rigid * (m.mu_rigid[i, 1] - m.mu_transverse[i])
+    """Both coefficients of wheel i at floor place (wx, wy), all but what depends on the sliding itself."""
+    mw = m.mu_rigid[i, 0] if rigid else m.mu_drive[i]
+    mt = m.mu_rigid[i, 1] if rigid else m.mu_transverse[i]
     if p.stick_wheel == i:
         turn = theta - p.stick_from
         turn -= np.floor(turn / (2.0 * np.pi)) * 2.0 * np.pi
@@ -267,7 +290,7 @@ def _rates(
     dy: Array,
     out: Array,
 ) -> None:
-    """Time derivative of the state; the wheels stand on their rigid parts for these shares of the step.
+    """Time derivative of the state; ``rigid`` (N,) says which wheels stand on their rigid parts.
 
     State: centre of mass x, y, φ, their velocities, bend of the chassis (2) and its rate (2), sag of
     the battery, then the way that each wheel has slid.  ``out`` gets the smallest load.
@@ -404,43 +427,61 @@ def _rates(
 
 
 @_compiled
+def _step(
+    m: Machine,
+    p: Physics,
+    t: float,
+    h: float,
+    y: Array,
+    theta: Array,
+    omega: Array,
+    rigid: Array,
+    k: Array,
+    out: Array,
+) -> float:
+    """In place: the state ``y`` a step later; returns the smallest load at the begin.
+
+    ``theta`` and ``omega`` (3, N) are those at its begin, middle and end; ``k`` (5, S) is room to work in.
+    """
+    z = k[4]
+    _rates(m, p, t, y, theta[0], omega[0], rigid, k[0], out)
+    least = out[0]
+    for stage, share in ((1, 0.5), (2, 0.5), (3, 1.0)):
+        for d in range(len(y)):
+            z[d] = y[d] + share * h * k[stage - 1, d]
+        at = 2 if stage == 3 else 1
+        _rates(m, p, t + share * h, z, theta[at], omega[at], rigid, k[stage], out)
+    for d in range(len(y)):
+        y[d] += h / 6.0 * (k[0, d] + 2.0 * k[1, d] + 2.0 * k[2, d] + k[3, d])
+    return float(least)
+
+
+@_compiled
 def _march(
     m: Machine, p: Physics, start: Array, theta: Array, omega: Array, h: float, every: int
 ) -> tuple[Array, float]:
     """Poses of the origin after each ``every`` steps, and the smallest load met."""
     steps, n = theta.shape[0], theta.shape[2]
-    size = 11 + n
-    y, k1, k2, k3, k4, z = (
-        np.zeros(size),
-        np.zeros(size),
-        np.zeros(size),
-        np.zeros(size),
-        np.zeros(size),
-        np.zeros(size),
-    )
+    y, k, out = np.zeros(11 + n), np.zeros((5, 11 + n)), np.zeros(1)
     y[0] = start[0] + np.cos(start[2]) * m.com[0] - np.sin(start[2]) * m.com[1]
     y[1] = start[1] + np.sin(start[2]) * m.com[0] + np.cos(start[2]) * m.com[1]
     y[2] = start[2]
     poses = np.empty((steps // every + 1, 3))
     poses[0] = start
-    least, out, rigid = 1e9, np.zeros(1), np.zeros(n)
+    least, cuts, rigid = 1e9, np.zeros(8 * n), np.zeros(n, dtype=np.bool_)
+    part_theta, part_omega = np.zeros((3, n)), np.zeros((3, n))
     for j in range(steps):
-        t = j * h
-        for i in range(n):
-            rigid[i] = _rigid(m, i, theta[j, 0, i], theta[j, 2, i])
-        _rates(m, p, t, y, theta[j, 0], omega[j, 0], rigid, k1, out)
-        least = min(least, out[0])
-        for d in range(size):
-            z[d] = y[d] + 0.5 * h * k1[d]
-        _rates(m, p, t + 0.5 * h, z, theta[j, 1], omega[j, 1], rigid, k2, out)
-        for d in range(size):
-            z[d] = y[d] + 0.5 * h * k2[d]
-        _rates(m, p, t + 0.5 * h, z, theta[j, 1], omega[j, 1], rigid, k3, out)
-        for d in range(size):
-            z[d] = y[d] + h * k3[d]
-        _rates(m, p, t + h, z, theta[j, 2], omega[j, 2], rigid, k4, out)
-        for d in range(size):
-            y[d] += h / 6.0 * (k1[d] + 2.0 * k2[d] + 2.0 * k3[d] + k4[d])
+        parts = _switches(m, theta[j, 0], theta[j, 2], cuts)
+        for part in range(parts):
+            x, long = cuts[part], cuts[part + 1] - cuts[part]
+            if parts > 1 and long < 1e-9:
+                continue
+            for at in range(3):
+                _between(theta[j], x + 0.5 * at * long, part_theta[at])
+                _between(omega[j], x + 0.5 * at * long, part_omega[at])
+            for i in range(n):
+                rigid[i] = _rigid(m, i, part_theta[1, i])
+            least = min(least, _step(m, p, (j + x) * h, long * h, y, part_theta, part_omega, rigid, k, out))
         if (j + 1) % every == 0:
             c, s = np.cos(y[2]), np.sin(y[2])
             row = (j + 1) // every
