@@ -29,7 +29,7 @@ def in_all_runs(
     names = [c for c in candidates if c.named]
     in_few = bool(rounds) and len(rounds[0].before.fit.trials) < len(court.seen)
     while in_few and held.state is not None and held.after.chi() > SETTINGS.noise_chi:
-        if progress.expired or len(held.state.structure) >= SETTINGS.most_effects:
+        if progress.expired:
             break
         start = simplified(longer(court.problem, held.state, runs, np.inf), runs, candidates, progress)
         start = redefined(start, runs, progress)

@@ -68,6 +68,8 @@ class Candidate:
         Which parameters have no influence at null: tangents are taken at each of their starts.
     scope : Scope, optional
         What it belongs to, which data sets of a campaign may share; None: what its variable says.
+    turns_all_ways : bool
+        Whether it turns tracks to one side whichever way the robot drives.
     subject : str, optional
         What it is one form of, as others may be: an effect on its wheels, in its group; empty: it has no
         other forms.
@@ -98,6 +100,7 @@ class Candidate:
     least: Array | None = None
     idle: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     scope: Scope | None = None
+    turns_all_ways: bool = False
     subject: str = ""
     other_half: str = ""
     definitions: tuple[Candidate, ...] = ()
@@ -213,6 +216,7 @@ def named_candidate(
         wheels=wheels,
         wheel_phase=effect.needs_wheel_phase,
         scope=effect.scope,
+        turns_all_ways=effect.turns_all_ways,
         subject=subject,
         other_half=effect.other_half,
         definitions=tuple(

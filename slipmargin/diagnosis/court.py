@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Index
 from slipmargin.data.record import Record
+from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.findings import doubted
 from slipmargin.diagnosis.held_out import (
     Prediction,
@@ -65,7 +66,7 @@ class Court:
     """The runs before which structures are judged.
 
     ``runs`` (R,) is the run each trial is, or is cut from; ``held`` are the trials that the search has not
-    seen, ``seen`` the others; ``records`` are the uncut runs.
+    seen, ``seen`` the others; ``records`` are the uncut runs.  ``rotations`` are candidates, one a camera.
     """
 
     problem: Problem
@@ -74,6 +75,7 @@ class Court:
     seen: Index
     records: tuple[Record, ...]
     seed: int
+    rotations: tuple[Candidate, ...] = ()
 
     @property
     def unseen(self) -> NDArray[np.bool_]:

@@ -17,6 +17,7 @@ from slipmargin.diagnosis.all_runs import in_all_runs
 from slipmargin.diagnosis.court import Checked, Court, better, put
 from slipmargin.diagnosis.fit import evaluate, spans
 from slipmargin.diagnosis.held_out import by_run
+from slipmargin.diagnosis.mounted import turned_cameras
 from slipmargin.diagnosis.refits import fitted, longer, needed, without
 from slipmargin.diagnosis.restated import exchanged, reformed, restated, unstuck
 from slipmargin.diagnosis.result import Rejected
@@ -186,4 +187,5 @@ def _further(
             break
         else:
             least_s = 2.0 * start.view.piece_s
+    held = turned_cameras(court, held, rejected)
     return replace(in_all_runs(court, held, rounds, rejected, progress), rejected=tuple(rejected))

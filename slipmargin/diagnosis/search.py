@@ -262,7 +262,7 @@ def take_step(
     if not before.structure:
         spots = [*at_crossings(before, screening, overdue), *at_patches(before, screening, overdue)]
     screening = screening.with_better(spots)
-    room = SETTINGS.most_effects - len(before.structure)
+    room = max(1, SETTINGS.most_effects - len(before.structure))
     chosen = [e for e in finalists(screening, many) if len(e.structure) <= room]
     fewest = 1 if before.structure else SETTINGS.fewest_fitted
     tried = _fitted_in_turn(before, chosen, (), runs, progress, fewest)

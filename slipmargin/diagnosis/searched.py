@@ -19,6 +19,7 @@ from slipmargin.diagnosis.events import cut_apart, find_events
 from slipmargin.diagnosis.general_forms import general_candidates
 from slipmargin.diagnosis.groups import in_groups
 from slipmargin.diagnosis.held_out import searched_runs
+from slipmargin.diagnosis.mounted import rotations_of
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.ranges import ranges
 from slipmargin.diagnosis.refits import fitted, needed
@@ -59,6 +60,7 @@ class Searched:
             seen=self.seen,
             records=tuple(data_set.trials),
             seed=seed,
+            rotations=rotations_of(self.problem.nominal, data_set.members),
         )
 
 

@@ -121,8 +121,10 @@ class SearchSettings:
     #: [1] To this share a further effect must bring chi where one of the two has no name: a general form is
     #: only approximate, and what it leaves must not be given names.
     with_unnamed: float = 0.5
-    #: [effects] More than this many were never borne out by ten runs.
+    #: [effects] More than this many were never borne out by ten runs.  All of a larger set may bear more.
     most_effects: int = 4
+    #: [1] Two runs drive alike if their wheels turn in the same proportions: the cosine of 8°.
+    alike_runs: float = 0.99
     #: [chi] No model predicts better than this: the noise is known to 3 %.
     floor_chi: float = 0.97
     #: [s] Length of a piece while searching far above the noise, before the heading goes astray; doubled

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -16,7 +15,6 @@ from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit, fit, misfit_of
 from slipmargin.diagnosis.problem import FINE_RTOL, Problem
-from slipmargin.effects import AnyEffect
 
 #: Tolerances with which a search may begin [1], the coarsest first; a fit may need the final one.
 _RTOLS = (1e-4, 3e-5, 1e-5)
@@ -28,8 +26,15 @@ _SHARE = 0.1
 
 
 def eased(problem: Problem, trials: Index) -> Problem:
-    """The same problem, simulated only as finely as these trials need by the model as it is."""
-    return _fine_enough(replace(problem, rtol=_RTOLS[0]), (), trials, _ERROR, _RTOLS)
+    """The same problem, simulated only as finely as each of these trials needs by the model as it is."""
+    view = replace(problem, rtol=_RTOLS[0])
+    residual = view.residuals([()], [trials])[0]
+    while (finer := _finer(view, _RTOLS)) is not None:
+        known = finer.residuals([()], [trials])[0]
+        if np.max(_off(residual, known)) <= _ERROR**2:
+            break
+        view, residual = finer, known
+    return view
 
 
 def fitted_finely(
@@ -40,35 +45,23 @@ def fitted_finely(
     expired: Callable[[], bool] = lambda: False,
     give_up_above: float = np.inf,
 ) -> tuple[Problem, Fit]:
-    """A structure fitted to trials from ``x``, and the view, simulated finely enough for it."""
+    """A structure fitted to trials from ``x``, and the view, simulated finely enough for what it leaves."""
     found = fit(view, structure, x, trials, give_up_above=give_up_above, expired=expired)
-    while structure and not expired():
-        error = _SHARE * np.sqrt(misfit_of(found.residual))
-        finer = _fine_enough(view, found.effects, trials, error, (*_RTOLS, FINE_RTOL))
-        if finer.rtol == view.rtol:
+    while structure and not expired() and (finer := _finer(view, (*_RTOLS, FINE_RTOL))) is not None:
+        known = finer.residuals([found.effects], [trials])[0]
+        if np.mean(_off(found.residual, known)) <= _SHARE**2 * misfit_of(found.residual):
             break
         view = finer
         found = fit(view, structure, found.x, trials, give_up_above=give_up_above, expired=expired)
     return view, found
 
 
-def _fine_enough(
-    problem: Problem,
-    effects: tuple[AnyEffect, ...],
-    trials: Index,
-    error: float,
-    rtols: tuple[float, ...],
-) -> Problem:
-    """The problem, or at the first of ``rtols`` at which no run is off by more than ``error`` [noise].
+def _finer(problem: Problem, rtols: tuple[float, ...]) -> Problem | None:
+    """The same problem at the next finer tolerance, None where there is none."""
+    return next((replace(problem, rtol=rtol) for rtol in rtols if rtol < problem.rtol), None)
 
-    That is the difference to the next finer one; the last is taken as it is.
-    """
-    finer = [replace(problem, rtol=rtol) for rtol in rtols if rtol < problem.rtol]
-    mine = problem.residuals([effects], [trials])[0] if finer else np.zeros((0, 0))
-    for one, other in pairwise([problem, *finer]):
-        known = other.residuals([effects], [trials])[0]
-        counts = np.maximum(1, np.count_nonzero(known, axis=1))
-        if np.max(np.sum((mine - known) ** 2, axis=1) / counts) <= error**2:
-            return one
-        mine = known
-    return finer[-1] if finer else problem
+
+def _off(residual: Array, known: Array) -> Array:
+    """Mean square (R,) of the difference of two residuals (R, K) of each run."""
+    counts = np.maximum(1, np.count_nonzero(known, axis=1))
+    return np.asarray(np.sum((residual - known) ** 2, axis=1) / counts)

@@ -20,6 +20,7 @@ class CameraRotation(Effect):
     traced_to = Trace.MEASUREMENT
     part = Part.SENSING
     scope = Scope.INSTRUMENT
+    turns_all_ways = True
     parameters = (
         parameter(
             "rotation_rad",

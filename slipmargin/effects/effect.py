@@ -193,6 +193,8 @@ class Effect(ABC):
     needs_commands: ClassVar[bool] = False
     #: Whether it is the clock of a log's rows: a nominal rate may be far off, time stamps are nearly right.
     is_the_clock: ClassVar[bool] = False
+    #: Whether it turns tracks to one side whichever way the robot drives, as no force does.
+    turns_all_ways: ClassVar[bool] = False
     #: Whether it depends on where a wheel stands, so that wheel angles need a known zero.
     needs_wheel_phase: ClassVar[bool] = False
     #: Whether only logs that hold wheel angles show it: a whole turn's phase cannot be guessed.

@@ -1,0 +1,84 @@
+"""Cameras of one campaign that are turned against each other, told from runs that drive alike under both.
+
+What a model still lacks turns the tracks of runs by some degrees, more than a camera mounted anew, and
+by another angle in each direction of travel: one recording alone says little about its camera.  But two runs
+that drive alike lack the same.  What remains between them and is the same whichever way they drive is no
+force: robot and floor, mirrored, would turn tracks the other way.  So each run is compared with that under
+another camera in which the wheels turned most nearly in the same proportions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy.stats import wilcoxon
+
+from slipmargin.checks import Array, Index
+from slipmargin.data.data_set import Member
+from slipmargin.diagnosis.candidate import Candidate, named_candidates
+from slipmargin.diagnosis.court import Checked, Court, better
+from slipmargin.diagnosis.fit import evaluate
+from slipmargin.diagnosis.groups import in_groups
+from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.refits import refitted
+from slipmargin.diagnosis.result import Rejected
+from slipmargin.diagnosis.settings import SETTINGS
+from slipmargin.diagnosis.state import State
+from slipmargin.effects.confined import Confined
+from slipmargin.model import Model
+from slipmargin.sim.signal import angles_at
+
+
+def rotations_of(model: Model, members: Sequence[Member]) -> tuple[Candidate, ...]:
+    """A rotation of each camera of a campaign, beside any that is declared; none where there is one camera."""
+    named = named_candidates(model.geometry.names, False, ())
+    grouped = in_groups([c for c in named if c.turns_all_ways], members)
+    return tuple(c for c in grouped if _members(c))
+
+
+def turned_cameras(court: Court, held: Checked, rejected: list[Rejected]) -> Checked:
+    """What holds, with the camera that is most clearly turned against the others; as it is where none is."""
+    state, rotations = held.state, court.rotations
+    if state is None or not rotations or state.things & {c.thing for c in rotations}:
+        return held
+    found = [(turned(state, c, rotations, court.seen), c) for c in rotations]
+    (p_value, angle), rotation = min(found, key=lambda f: f[0][0])
+    if p_value > SETTINGS.significance / len(rotations):
+        return held
+    x = np.append(state.fit.x, angle)
+    more = refitted(state, (*state.structure, rotation), x, court.seen_runs)
+    return better(court, held, more, rejected) or held
+
+
+def turned(
+    state: State, own: Candidate, rotations: Sequence[Candidate], trials: Index
+) -> tuple[float, float]:
+    """Probability that luck turns its runs as much against those under other cameras, and the angle [rad]."""
+    structure = (*state.structure, *rotations)
+    x = np.concatenate([state.fit.x, *(c.null for c in rotations)])
+    at = evaluate(state.view, structure, x, trials)
+    slope = at.jacobian[..., len(state.fit.x) :].sum(axis=-1)
+    angle = -np.sum(slope * at.residual, axis=1) / np.maximum(np.sum(slope**2, axis=1), 1e-300)
+    inside = np.isin(state.view.member_of[trials], list(_members(own)))
+    mine, others = np.flatnonzero(inside), np.flatnonzero(~inside)
+    alike = _directions(state.view, trials) @ _directions(state.view, trials).T
+    pairs = [(i, others[np.argmax(alike[i, others])]) for i in mine]
+    apart = np.array([angle[i] - angle[j] for i, j in pairs if alike[i, j] >= SETTINGS.alike_runs])
+    if len(apart) < SETTINGS.few_unseen or not np.any(apart):
+        return 1.0, 0.0
+    return float(wilcoxon(apart).pvalue), float(np.mean(apart))
+
+
+def _members(candidate: Candidate) -> frozenset[int]:
+    """The data sets in which a candidate acts; none where it acts in all."""
+    effect: Any = candidate.build(candidate.starts[0])
+    return frozenset[int]().union(*effect.members) if isinstance(effect, Confined) else frozenset()
+
+
+def _directions(problem: Problem, trials: Index) -> Array:
+    """Which way each trial drives: how its wheels turned from begin to end (R, N), of length one."""
+    signals = [problem.signals[i] for i in trials]
+    way = np.array([np.diff(angles_at(s, s.knots_s[[0, -1]]), axis=0)[0] for s in signals])
+    return np.asarray(way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-300))
