@@ -32,7 +32,7 @@ from slipmargin.sim.signal import angles_at
 
 
 def rotations_of(model: Model, members: Sequence[Member]) -> tuple[Candidate, ...]:
-    """A rotation of each camera of a campaign, beside any that is declared; none where there is one camera."""
+    """A rotation of each camera of a campaign, beside any that is declared; none where there is one."""
     named = named_candidates(model.geometry.names, False, ())
     grouped = in_groups([c for c in named if c.turns_all_ways], members)
     return tuple(c for c in grouped if _members(c))
