@@ -134,7 +134,9 @@ def put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None:
     else:  # a wrong heading early in a whole run outweighs all that is right after it
         pieces = [court.errors(s, like=state, in_pieces=True) for s in (None, state)]
         judgement = court.verdict(*(by_run(p.errors, court.runs) for p in pieces))
-    idle = [c.label for c, none in zip(state.structure, nothing_sure(state), strict=True) if none]
+    paired = {c.label for c in court.rotations}  # shown by pairs of runs: by itself each run leaves it open
+    unsure = zip(state.structure, nothing_sure(state), strict=True)
+    idle = [c.label for c, none in unsure if none and c.label not in paired]
     failures = judgement.failures + astray
     failures += tuple(f"the runs leave it open that {label} does nothing" for label in idle)
     if one.chi() <= SETTINGS.noise_chi and doubted(state.view, state.fit):

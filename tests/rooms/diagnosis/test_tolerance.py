@@ -53,8 +53,8 @@ def test_a_fit_is_simulated_as_finely_as_what_it_leaves(problem: Problem) -> Non
     measured = replace(problem, rtol=1e-8).predict([(less,)], [EVERYONE])[0]
     sharp = replace(problem, measured=measured, sigma=0.05 * problem.sigma, rtol=1e-3)
     rough = fit(sharp, (factor,), factor.starts[0], EVERYONE)
-    assert error(sharp, rough.residual, rough.effects) > 0.2 * np.sqrt(misfit_of(rough.residual))
+    assert error(sharp, rough.residual, rough.effects) > 0.4 * np.sqrt(misfit_of(rough.residual))
     view, found = fitted_finely(sharp, (factor,), factor.starts[0], EVERYONE)
     assert FINE_RTOL <= view.rtol < sharp.rtol
-    assert error(view, found.residual, found.effects) < 0.15 * np.sqrt(misfit_of(found.residual))
+    assert error(view, found.residual, found.effects) < 0.35 * np.sqrt(misfit_of(found.residual))
     assert fitted_finely(view, (factor,), found.x, EVERYONE)[0] is view, "it is fine enough"
