@@ -21,8 +21,8 @@ _RTOLS = (1e-4, 3e-5, 1e-5)
 #: The error that one may make in any run by the model as it is [noise, root mean square]: it adds half a
 #: thousandth to a chi of one.
 _ERROR = 0.03
-#: … and by a fit, as a share of what this leaves [1]: its chi is then right to 4 %, and chis that differ by 6 %
-#: may be as good.  Finer ones cost a search on a real robot twice the time.
+#: … and by a fit, as a share of what this leaves [1]: its chi is then right to 4 %, where chis that differ by
+#: 6 % may be as good.  With a third of it a search on a real robot took twice as long.
 _SHARE = 0.3
 
 
