@@ -44,12 +44,15 @@ def turned_cameras(court: Court, held: Checked, rejected: list[Rejected]) -> Che
     if state is None or not rotations or state.things & {c.thing for c in rotations}:
         return held
     found = [(turned(state, c, rotations, court.seen), c) for c in rotations]
-    (p_value, angle), rotation = min(found, key=lambda f: f[0][0])
-    if p_value > SETTINGS.significance / len(rotations):
+    level = SETTINGS.significance / len(rotations)
+    tried = [  # pairs say how far two cameras are apart, and the fit which of them it is
+        refitted(state, (*state.structure, c), np.append(state.fit.x, angle), court.seen_runs)
+        for (p_value, angle), c in found
+        if p_value <= level
+    ]
+    if not tried:
         return held
-    x = np.append(state.fit.x, angle)
-    more = refitted(state, (*state.structure, rotation), x, court.seen_runs)
-    return better(court, held, more, rejected) or held
+    return better(court, held, min(tried, key=lambda s: s.chi), rejected) or held
 
 
 def turned(
