@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.stats import wilcoxon
+from scipy.stats import ttest_1samp
 
 from slipmargin.checks import Array, Index
 from slipmargin.data.data_set import Member
@@ -44,7 +44,7 @@ def turned_cameras(court: Court, held: Checked, rejected: list[Rejected]) -> Che
     if state is None or not rotations or state.things & {c.thing for c in rotations}:
         return held
     found = [(turned(state, c, rotations, court.seen), c) for c in rotations]
-    level = SETTINGS.significance / len(rotations)
+    level = SETTINGS.significance / (len(rotations) - 1)  # so many differences are there
     tried = [  # pairs say how far two cameras are apart, and the fit which of them it is
         refitted(state, (*state.structure, c), np.append(state.fit.x, angle), court.seen_runs)
         for (p_value, angle), c in found
@@ -71,7 +71,7 @@ def turned(
     apart = np.array([angle[i] - angle[j] for i, j in pairs if alike[i, j] >= SETTINGS.alike_runs])
     if len(apart) < SETTINGS.few_unseen or not np.any(apart):
         return 1.0, 0.0
-    return float(wilcoxon(apart).pvalue), float(np.mean(apart))
+    return float(ttest_1samp(apart, 0.0).pvalue), float(np.mean(apart))
 
 
 def _members(candidate: Candidate) -> frozenset[int]:

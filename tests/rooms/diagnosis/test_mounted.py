@@ -13,6 +13,7 @@ from slipmargin.data.data_set import DataSet
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.groups import in_groups
+from slipmargin.diagnosis.loop import diagnose
 from slipmargin.diagnosis.mounted import turned
 from slipmargin.diagnosis.refits import fitted
 from slipmargin.diagnosis.state import State
@@ -48,3 +49,18 @@ def test_a_camera_turned_against_another_shows_beside_whatever_the_model_lacks(a
         p_value, found = turned(state, camera, rotations, state.fit.trials)
         assert abs(found - sign * angle) < 0.004
         assert p_value < 0.005 if angle else p_value > 0.005
+
+
+def test_a_camera_that_moved_is_found_beside_the_rotation_that_is_declared() -> None:
+    """The first recording is as declared; the search itself asks nothing that the robot file declares."""
+    whole = joined("both", [recorded("one"), recorded("two", CameraRotation(rotation_rad=0.02))])
+    declared = CameraRotation(rotation_rad=1e-4)
+    whole = replace(
+        whole,
+        recipe=whole.recipe.with_effects(declared),
+        members=tuple(replace(m, recipe=m.recipe.with_effects(declared)) for m in whole.members),
+    )
+    found = {f.label: f for f in diagnose(whole).findings}
+    assert set(found) == {"friction_coefficients", "camera_rotation in instrument two"}
+    angle = found["camera_rotation in instrument two"].parameters[0]
+    assert angle.low < 0.02 < angle.high and angle.high - angle.low < 0.002
