@@ -188,8 +188,8 @@ def _switches(m: Machine, begin: Array, end: Array, cuts: Array) -> int:
         pitch, way = 2.0 * np.pi / m.rollers[i], end[i] - begin[i]
         if m.rigid_fraction[i] <= 0.0 or way == 0.0:
             continue
+        low, high = min(begin[i], end[i]), max(begin[i], end[i])
         for offset in (0.0, (1.0 - m.rigid_fraction[i]) * pitch):
-            low, high = min(begin[i], end[i]), max(begin[i], end[i])
             edge = np.ceil((low - offset) / pitch) * pitch + offset
             while edge < high and count < len(cuts) - 1:
                 cuts[count] = (edge - begin[i]) / way
@@ -474,7 +474,7 @@ def _march(
         parts = _switches(m, theta[j, 0], theta[j, 2], cuts)
         for part in range(parts):
             x, long = cuts[part], cuts[part + 1] - cuts[part]
-            if parts > 1 and long < 1e-9:
+            if long < 1e-9:
                 continue
             for at in range(3):
                 _between(theta[j], x + 0.5 * at * long, part_theta[at])

@@ -66,7 +66,8 @@ class Court:
     """The runs before which structures are judged.
 
     ``runs`` (R,) is the run each trial is, or is cut from; ``held`` are the trials that the search has not
-    seen, ``seen`` the others; ``records`` are the uncut runs.  ``rotations`` are candidates, one a camera.
+    seen, ``seen`` the others; ``records`` are the uncut runs.  ``rotations`` are candidates
+    of their own, one a camera, beside those that the search asks.
     """
 
     problem: Problem
@@ -134,9 +135,9 @@ def put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None:
     else:  # a wrong heading early in a whole run outweighs all that is right after it
         pieces = [court.errors(s, like=state, in_pieces=True) for s in (None, state)]
         judgement = court.verdict(*(by_run(p.errors, court.runs) for p in pieces))
-    paired = {c.label for c in court.rotations}  # shown by pairs of runs: by itself each run leaves it open
+    # A rotation of these is shown by pairs of runs: each run by itself leaves it open.
     unsure = zip(state.structure, nothing_sure(state), strict=True)
-    idle = [c.label for c, none in unsure if none and c.label not in paired]
+    idle = [c.label for c, none in unsure if none and c not in court.rotations]
     failures = judgement.failures + astray
     failures += tuple(f"the runs leave it open that {label} does nothing" for label in idle)
     if one.chi() <= SETTINGS.noise_chi and doubted(state.view, state.fit):

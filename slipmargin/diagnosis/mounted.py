@@ -10,9 +10,9 @@ another camera in which the wheels turned most nearly in the same proportions.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import ttest_1samp
 
 from slipmargin.checks import Array, Index
@@ -43,11 +43,10 @@ def turned_cameras(court: Court, held: Checked, rejected: list[Rejected]) -> Che
     state, rotations = held.state, court.rotations
     if state is None or not rotations or state.things & {c.thing for c in rotations}:
         return held
-    found = [(turned(state, c, rotations, court.seen), c) for c in rotations]
     level = SETTINGS.significance / (len(rotations) - 1)  # so many differences are there
     tried = [  # pairs say how far two cameras are apart, and the fit which of them it is
         refitted(state, (*state.structure, c), np.append(state.fit.x, angle), court.seen_runs)
-        for (p_value, angle), c in found
+        for (p_value, angle), c in zip(turned(state, rotations, court.seen), rotations, strict=True)
         if p_value <= level
     ]
     if not tried:
@@ -55,18 +54,21 @@ def turned_cameras(court: Court, held: Checked, rejected: list[Rejected]) -> Che
     return better(court, held, min(tried, key=lambda s: s.chi), rejected) or held
 
 
-def turned(
-    state: State, own: Candidate, rotations: Sequence[Candidate], trials: Index
-) -> tuple[float, float]:
-    """Probability that luck turns its runs as much against those under other cameras, and the angle [rad]."""
+def turned(state: State, rotations: Sequence[Candidate], trials: Index) -> list[tuple[float, float]]:
+    """For each camera, how likely luck turns its runs as much against the others', and the angle [rad]."""
     structure = (*state.structure, *rotations)
     x = np.concatenate([state.fit.x, *(c.null for c in rotations)])
     at = evaluate(state.view, structure, x, trials)
     slope = at.jacobian[..., len(state.fit.x) :].sum(axis=-1)
     angle = -np.sum(slope * at.residual, axis=1) / np.maximum(np.sum(slope**2, axis=1), 1e-300)
-    inside = np.isin(state.view.member_of[trials], list(_members(own)))
+    ways = _directions(state.view, trials)
+    own = state.view.member_of[trials]
+    return [_apart(angle, ways @ ways.T, np.isin(own, list(_members(c)))) for c in rotations]
+
+
+def _apart(angle: Array, alike: Array, inside: NDArray[np.bool_]) -> tuple[float, float]:
+    """Probability and mean of how angles (R,) differ in runs ``inside`` from those most ``alike``."""
     mine, others = np.flatnonzero(inside), np.flatnonzero(~inside)
-    alike = _directions(state.view, trials) @ _directions(state.view, trials).T
     pairs = [(i, others[np.argmax(alike[i, others])]) for i in mine]
     apart = np.array([angle[i] - angle[j] for i, j in pairs if alike[i, j] >= SETTINGS.alike_runs])
     if len(apart) < SETTINGS.few_unseen or not np.any(apart):
@@ -76,7 +78,7 @@ def turned(
 
 def _members(candidate: Candidate) -> frozenset[int]:
     """The data sets in which a candidate acts; none where it acts in all."""
-    effect: Any = candidate.build(candidate.starts[0])
+    effect = candidate.build(candidate.starts[0])
     return frozenset[int]().union(*effect.members) if isinstance(effect, Confined) else frozenset()
 
 

@@ -9,12 +9,11 @@ import pytest
 from planting import Plant, planted, smooth_kiwi
 
 from slipmargin.data.campaign import Part, joined
-from slipmargin.data.data_set import DataSet
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.groups import in_groups
 from slipmargin.diagnosis.loop import diagnose
-from slipmargin.diagnosis.mounted import turned
+from slipmargin.diagnosis.mounted import rotations_of, turned
 from slipmargin.diagnosis.refits import fitted
 from slipmargin.diagnosis.state import State
 from slipmargin.effects import AnyEffect, Trace
@@ -28,25 +27,25 @@ def recorded(name: str, *effects: AnyEffect) -> Part:
     """The same ten motions, of a robot whose grip is not what is believed."""
     grip = FrictionCoefficients(drive_factor=0.95, transverse_factor=1.1)
     plant = Plant(name="x", traces=(Trace.COEFFICIENT,), effects=(grip, *effects))
-    made: DataSet = planted(smooth_kiwi(), plant, seed=4, count=RUNS, duration_s=2.0, rate_hz=50.0)
+    made = planted(smooth_kiwi(), plant, seed=4, count=RUNS, duration_s=2.0, rate_hz=50.0)
     return Part(data_set=replace(made, name=name), floor="a", loading="bare", instrument=name)
 
 
-def compared(second: float) -> tuple[State, list[Candidate]]:
+def compared(second: float) -> tuple[State, tuple[Candidate, ...]]:
     whole = joined("both", [recorded("one"), recorded("two", CameraRotation(rotation_rad=second))])
     known = in_groups(named_candidates(("1", "2", "3"), False, ()), whole.members)
     loads = next(c for c in known if c.label == "wheel_loads")
-    trials = np.arange(2 * RUNS)
-    state = fitted(problem_of(whole), (loads,), loads.starts[0], trials, trials.tolist())
-    return state, [c for c in known if c.name == "camera_rotation"]
+    trials, problem = np.arange(2 * RUNS), problem_of(whole)
+    state = fitted(problem, (loads,), loads.starts[0], trials, trials.tolist())
+    return state, rotations_of(problem.nominal, whole.members)
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.02])
 def test_a_camera_turned_against_another_shows_beside_whatever_the_model_lacks(angle: float) -> None:
     state, rotations = compared(angle)
     assert state.chi > 3.0 and len(rotations) == 2, "much is left"
-    for camera, sign in zip(rotations, (-1.0, 1.0), strict=True):
-        p_value, found = turned(state, camera, rotations, state.fit.trials)
+    both = turned(state, rotations, state.fit.trials)
+    for (p_value, found), sign in zip(both, (-1.0, 1.0), strict=True):
         assert abs(found - sign * angle) < 0.004
         assert p_value < 0.005 if angle else p_value > 0.005
 
