@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from planting import Plant, planted, smooth_kiwi
 
-from slipmargin.diagnosis import search
+from slipmargin.diagnosis import tolerance
 from slipmargin.diagnosis.fit import _LADDER, Fit, fit
 from slipmargin.diagnosis.loop import diagnose
 from slipmargin.diagnosis.settings import SETTINGS
@@ -58,7 +58,7 @@ def test_a_search_out_of_time_gives_its_best_answer_and_says_so(monkeypatch: pyt
             fits.append(made)
         return made
 
-    monkeypatch.setattr(search, "fit", watched)
+    monkeypatch.setattr(tolerance, "fit", watched)
     found = diagnose(data, seed=1, budget_s=1e-6, progress=lambda text, share: tried.append(text))
     assert any("time budget" in remark for remark in found.remarks)
     assert len(found.steps) == 1, "one list"
