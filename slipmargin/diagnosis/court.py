@@ -136,7 +136,7 @@ def put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None:
         pieces = [court.errors(s, like=state, in_pieces=True) for s in (None, state)]
         judgement = court.verdict(*(by_run(p.errors, court.runs) for p in pieces))
     # A rotation of these is shown by pairs of runs: each run by itself leaves it open.
-    unsure = zip(state.structure, nothing_sure(state), strict=True)
+    unsure = zip(state.structure, nothing_sure(state, court.seen_runs), strict=True)
     idle = [c.label for c, none in unsure if none and c not in court.rotations]
     failures = judgement.failures + astray
     failures += tuple(f"the runs leave it open that {label} does nothing" for label in idle)

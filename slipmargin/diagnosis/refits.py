@@ -15,6 +15,7 @@ from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State, as_good, worthwhile
 from slipmargin.diagnosis.tolerance import fitted_finely
+from slipmargin.diagnosis.verdict import sign_flip_p_value
 
 
 def scored(view: Problem, found: Fit, samples: float, runs: Sequence[int]) -> State:
@@ -80,7 +81,7 @@ def needed(state: State, runs: Sequence[int], *, fresh: Candidate | None = None)
     """
     while len(state.structure) > 1:
         fewer = [without(state, index, runs) for index in range(len(state.structure))]
-        idle = nothing_sure(state)
+        idle = nothing_sure(state, runs)
         least = min(range(len(fewer)), key=lambda i: (not idle[i], fewer[i].chi))
         one, left = state.structure[least], fewer[least]
         superfluous = as_good(left, state) if one is fresh else not worthwhile(left, state.chi, one.named)
@@ -90,18 +91,28 @@ def needed(state: State, runs: Sequence[int], *, fresh: Candidate | None = None)
     return state
 
 
-def nothing_sure(state: State) -> list[bool]:
+def nothing_sure(state: State, runs: Sequence[int]) -> list[bool]:
     """For each effect, whether it is a named one and these trials leave it open that it does nothing.
 
-    Far above the noise, where runs are compared in pieces, none is: there the runs disagree over whatever is
-    still missing, which widens every interval, and the error of runs that are left out decides alone.
+    Far above the noise, where ``runs`` are compared in pieces, none is: there the runs disagree over whatever
+    is still missing, which widens every interval, and the error of runs that are left out decides alone.  So
+    it does where whole runs still leave much, if it is larger without the effect, beyond chance.
     """
     if state.view.piece is not None:
         return [False] * len(state.structure)
     scale = np.concatenate([c.scale for c in state.structure])
     spread = intervals(state.fit, leave_one_out(state.fit), scale, np.zeros(len(scale)))
     own = zip(state.structure, spans(state.structure), strict=True)
-    return [c.named and c.nested and spread.may_do_nothing(c, state.fit.x, span) for c, span in own]
+    left_open = [c.named and c.nested and spread.may_do_nothing(c, state.fit.x, span) for c, span in own]
+    return [idle and not _missed(state, index, runs) for index, idle in enumerate(left_open)]
+
+
+def _missed(state: State, index: int, runs: Sequence[int]) -> bool:
+    """Whether much is left, and runs left out are predicted worse without an effect than chance allows."""
+    if state.chi <= SETTINGS.noise_chi:
+        return False
+    grows = np.bincount(runs, weights=without(state, index, runs).scores - state.scores)
+    return sign_flip_p_value(np.asarray(grows, dtype=float)) <= SETTINGS.significance
 
 
 def whole(
