@@ -68,10 +68,10 @@ def findings(
     spread = _spread(problem, final)
     stuck = final.at_bound()
     found = []
-    own = zip(final.structure, final.effects, spans(final.structure), strict=True)
-    for index, (candidate, effect, span) in enumerate(own):
+    all_doubts = _doubts(problem, final, spread)
+    own = zip(final.structure, final.effects, spans(final.structure), all_doubts, strict=True)
+    for index, (candidate, effect, span, doubts) in enumerate(own):
         kind = bare(effect)
-        doubts = _doubts(problem, candidate, final.x, span, spread, stuck)
         origin, own_state = _origin(candidate, final.structure, rounds)
         found.append(
             Finding(
@@ -144,11 +144,7 @@ def _origin(
 
 def doubted(problem: Problem, final: Fit) -> bool:
     """Whether the evidence of some named effect of a fit does not carry its name."""
-    spread, stuck = _spread(problem, final), final.at_bound()
-    return any(
-        _doubts(problem, candidate, final.x, span, spread, stuck)
-        for candidate, span in zip(final.structure, spans(final.structure), strict=True)
-    )
+    return any(_doubts(problem, final, _spread(problem, final)))
 
 
 def _spread(problem: Problem, final: Fit) -> Intervals:
@@ -185,23 +181,23 @@ def moved_by(other: Residuals, final: Fit) -> Array:
     return np.asarray(np.sqrt(probable) * np.abs(shift))
 
 
-def _doubts(
-    problem: Problem, candidate: Candidate, x: Array, span: slice, spread: Intervals, stuck: Sequence[str]
-) -> tuple[str, ...]:
-    """Why the effect's own evidence does not carry its name; empty where it does."""
-    if not candidate.named:
-        return ()
-    found = [
-        f"{candidate.label}.{key} ended at {value:.3g}, the edge of what makes sense"
-        for key, value in zip(candidate.keys, x[span], strict=True)
-        if f"{candidate.label}.{key}" in stuck
-    ]
-    # On whole runs the judgement has asked this of effects with several parameters.  These intervals hold
-    # another reading of the log as well, which says nothing against the name.
-    asked = candidate.size == 1 or problem.piece is not None
-    if candidate.nested and asked and spread.may_do_nothing(candidate, x, span):
-        found.append("runs differ so much that it may do nothing")
-    return tuple(found)
+def _doubts(problem: Problem, final: Fit, spread: Intervals) -> list[tuple[str, ...]]:
+    """Why the own evidence of each effect does not carry its name; empty where it does."""
+    scale = limits_of(final.structure)[-1]
+    as_logged = intervals(final, leave_one_out(final), scale, np.zeros(len(scale)))
+    stuck, found = final.at_bound(), []
+    for candidate, span in zip(final.structure, spans(final.structure), strict=True):
+        doubts = [
+            f"{candidate.label}.{key} ended at {value:.3g}, the edge of what makes sense"
+            for key, value in zip(candidate.keys, final.x[span], strict=True)
+            if f"{candidate.label}.{key}" in stuck
+        ]
+        # Another reading of the log says nothing against an effect of several parameters in whole runs.
+        own = spread if candidate.size == 1 or problem.piece is not None else as_logged
+        if candidate.nested and own.may_do_nothing(candidate, final.x, span):
+            doubts.append("runs differ so much that it may do nothing")
+        found.append(tuple(doubts) if candidate.named else ())
+    return found
 
 
 def _mapped(trace: Trace, entries: Sequence[MapEntry]) -> bool | None:

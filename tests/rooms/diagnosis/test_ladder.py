@@ -14,6 +14,7 @@ from slipmargin.checks import Index
 from slipmargin.diagnosis import all_runs, court as bench, ladder
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.court import Checked, Court, larger
+from slipmargin.diagnosis.findings import doubted
 from slipmargin.diagnosis.held_out import Prediction
 from slipmargin.diagnosis.ladder import check
 from slipmargin.diagnosis.left_out import folds
@@ -317,6 +318,14 @@ def test_where_whole_runs_leave_much_runs_left_out_speak_for_an_effect(court: Co
         grown = np.resize(shares, len(left.scores)) * left.scores
         left.fewer[1, tuple(runs)] = replace(left, scores=grown)
         assert nothing_sure(left, runs) == [False, idle]
+
+
+def test_a_name_that_only_runs_left_out_speak_for_is_not_claimed(court: Court) -> None:
+    """The court no longer asks each effect's interval, so that what is reported does."""
+    assert not doubted(court.problem, proposed(court, "wheel_loads").fit)
+    idle = proposed(court, "wheel_loads", "floor_tilt")
+    assert nothing_sure(idle, court.seen_runs) == [False, True] and not idle.fit.at_bound()
+    assert doubted(court.problem, idle.fit)
 
 
 def test_folds_hold_whole_runs_and_every_trial_once() -> None:
