@@ -34,7 +34,6 @@ from slipmargin.data.noise import white_noise
 from slipmargin.diagnosis.candidate import named_candidates
 from slipmargin.diagnosis.evidence import intervals
 from slipmargin.diagnosis.fit import Fit, build, fit, limits_of
-from slipmargin.diagnosis.left_out import leave_one_out
 from slipmargin.diagnosis.loop import diagnose
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
@@ -103,8 +102,8 @@ def physical(recipe: Recipe, found: Fit) -> dict[str, tuple[float, float, float]
 
     95 % of each parameter; a load reaches to the farthest corner of these.
     """
-    low, high, scale = limits_of(found.structure)
-    sure = intervals(found, leave_one_out(found), scale, np.zeros(len(found.x)))
+    low, high, _ = limits_of(found.structure)
+    sure = intervals(found)
     low, high = np.maximum(low, sure.low), np.minimum(high, sure.high)
     rows = {k: (v, a, b) for (k, v), a, b in zip(values(found).items(), low, high, strict=True)}
 

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.diagnosis.candidate import Candidate
-from slipmargin.diagnosis.fit import Fit
+from slipmargin.diagnosis.fit import Fit, limits_of
+from slipmargin.diagnosis.left_out import leave_one_out
 from slipmargin.diagnosis.settings import SETTINGS
 
 #: What trials say of a direction, as a share of what they say most of, that is nothing but rounding.
@@ -68,7 +69,7 @@ class Intervals:
         return left < 1 or distance <= size * self.freedom / left * float(fdtri(size, left, level))
 
 
-def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) -> Intervals:
+def intervals(found: Fit, log_shift: Array | None = None) -> Intervals:
     """Intervals from whole trials, 95 % for each parameter.
 
     The inverse normal matrix (times the reduced χ² where that is above 1) is widened by what the trials
@@ -82,16 +83,15 @@ def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) 
     ----------
     found : Fit
         The fit on R trials.
-    leave_one_out : array (R, P)
-        Parameters fitted without each trial.
-    scale : array (P,)
-        Units of the parameters.
-    log_shift : array (P,)
-        How far they move when the wheels' motion between samples is rebuilt another way that may be right.
+    log_shift : array (P,), optional
+        How far the parameters move when the wheels' motion between samples is rebuilt another way that may be
+        right; by default not at all.
     """
     from scipy.special import ndtri, stdtrit
 
-    count, size = leave_one_out.shape
+    scale, alone = limits_of(found.structure)[-1], leave_one_out(found)
+    count, size = alone.shape
+    moved = np.zeros(size) if log_shift is None else log_shift
     flat = found.jacobian.reshape(-1, size) * scale
     sure = 0.5 * (1.0 + SETTINGS.interval_level)
     quantile, freedom = float(ndtri(sure)), np.inf
@@ -100,18 +100,18 @@ def intervals(found: Fit, leave_one_out: Array, scale: Array, log_shift: Array) 
     together = _deviations(covariance)
     wider = together
     if not agree and count > 1:
-        spread = leave_one_out - leave_one_out.mean(axis=0)
+        spread = alone - alone.mean(axis=0)
         jackknife = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0))
         wider, freedom = np.maximum(wider, jackknife), float(count - 1)
         quantile = float(stdtrit(count - 1, sure))
-    deviation = np.where(_unseen(flat), np.inf, np.sqrt(wider**2 + log_shift**2))
+    deviation = np.where(_unseen(flat), np.inf, np.sqrt(wider**2 + moved**2))
     widened = np.divide(wider, together, out=np.ones(size), where=together > 0.0)
     return Intervals(
         low=found.x - quantile * deviation,
         high=found.x + quantile * deviation,
         deviation=deviation,
         quantile=quantile,
-        covariance=covariance * np.outer(widened, widened) + np.diag(log_shift**2),
+        covariance=covariance * np.outer(widened, widened) + np.diag(moved**2),
         freedom=freedom,
         excitation=np.asarray(np.linalg.svd(flat, compute_uv=False)),
     )

@@ -19,7 +19,6 @@ from slipmargin.diagnosis.fit import (
     shifted_by,
     spans,
 )
-from slipmargin.diagnosis.left_out import leave_one_out
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Estimate, Finding
@@ -148,8 +147,8 @@ def doubted(problem: Problem, final: Fit) -> bool:
 
 
 def _spread(problem: Problem, final: Fit) -> Intervals:
-    low, high, scale = limits_of(final.structure)
-    spread = intervals(final, leave_one_out(final), scale, _other_log(problem, final))
+    low, high, _ = limits_of(final.structure)
+    spread = intervals(final, _other_log(problem, final))
     return replace(spread, low=np.maximum(spread.low, low), high=np.minimum(spread.high, high))
 
 
@@ -183,9 +182,7 @@ def moved_by(other: Residuals, final: Fit) -> Array:
 
 def _doubts(problem: Problem, final: Fit, spread: Intervals) -> list[tuple[str, ...]]:
     """Why the own evidence of each effect does not carry its name; empty where it does."""
-    scale = limits_of(final.structure)[-1]
-    as_logged = intervals(final, leave_one_out(final), scale, np.zeros(len(scale)))
-    stuck, found = final.at_bound(), []
+    as_logged, stuck, found = intervals(final), final.at_bound(), []
     for candidate, span in zip(final.structure, spans(final.structure), strict=True):
         doubts = [
             f"{candidate.label}.{key} ended at {value:.3g}, the edge of what makes sense"

@@ -10,7 +10,7 @@ from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.evidence import intervals
 from slipmargin.diagnosis.fit import Fit, spans
-from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
+from slipmargin.diagnosis.left_out import folds, refitted_without
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State, as_good, worthwhile
@@ -100,8 +100,7 @@ def nothing_sure(state: State, runs: Sequence[int]) -> list[bool]:
     """
     if state.view.piece is not None:
         return [False] * len(state.structure)
-    scale = np.concatenate([c.scale for c in state.structure])
-    spread = intervals(state.fit, leave_one_out(state.fit), scale, np.zeros(len(scale)))
+    spread = intervals(state.fit)
     own = zip(state.structure, spans(state.structure), strict=True)
     left_open = [c.named and c.nested and spread.may_do_nothing(c, state.fit.x, span) for c, span in own]
     return [idle and not _missed(state, index, runs) for index, idle in enumerate(left_open)]

@@ -188,7 +188,7 @@ def test_intervals_cover_the_truth_about_as_often_as_they_say() -> None:
     for seed in range(60):
         problem = Line((0.2, -0.1), 0.05, 100 + seed)
         found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
-        spread = intervals(found, leave_one_out(found), found.structure[0].scale, np.zeros(2))
+        spread = intervals(found)
         inside += int(np.all((spread.low <= [1.2, 0.9]) & (spread.high >= [1.2, 0.9])))
     assert inside >= 50  # both of two parameters, at 95 % each: 54 of 60 on average
 
@@ -198,7 +198,7 @@ def test_an_effect_that_does_nothing_is_left_open_as_often_as_said() -> None:
     for seed in range(60):
         problem = Line((0.0, 0.0), 1.0, 500 + seed)
         found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
-        spread = intervals(found, leave_one_out(found), found.structure[0].scale, np.zeros(2))
+        spread = intervals(found)
         left_open += spread.may_do_nothing(found.structure[0], found.x, slice(0, 2))
     assert 50 <= left_open < 60  # at 95 %: 57 of 60 on average
 
@@ -252,7 +252,7 @@ def test_trials_that_disagree_widen_the_interval() -> None:
         problem.u[0] *= 8.0
         problem.y = (0.2 + own) * problem.u - 0.1 * problem.v + noise
         found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
-        spread = intervals(found, leave_one_out(found), found.structure[0].scale, np.zeros(2))
+        spread = intervals(found)
         inside += int(spread.low[0] <= 1.2 <= spread.high[0])
         narrow += int(spread.high[0] - spread.low[0] < 0.2)
     assert inside >= 95
@@ -556,7 +556,7 @@ def test_what_no_trial_shows_is_not_sure() -> None:
     problem = Line((0.2, 0.0), 0.05, 3)
     problem.v[:] = 0.0
     found = fit(problem, (candidate(CameraScale),), np.array([1.0, 1.0]), EVERY)
-    spread = intervals(found, leave_one_out(found), found.structure[0].scale, np.zeros(2))
+    spread = intervals(found)
     assert spread.high[0] - spread.low[0] < 1.0 and spread.high[1] - spread.low[1] > 100.0
 
 

@@ -19,9 +19,8 @@ from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.events import cut_apart
 from slipmargin.diagnosis.evidence import intervals
-from slipmargin.diagnosis.fit import Fit, fit, limits_of
+from slipmargin.diagnosis.fit import Fit, fit
 from slipmargin.diagnosis.groups import groups_of, in_groups, scope_of
-from slipmargin.diagnosis.left_out import leave_one_out
 from slipmargin.diagnosis.result import Event, Verdict
 from slipmargin.diagnosis.search import screened
 from slipmargin.diagnosis.state import State
@@ -59,8 +58,7 @@ def fitted(found: DataSet, structure: tuple[Candidate, ...]) -> Fit:
 def within(made: Fit, key: str, truth: float) -> tuple[float, float]:
     """Low and high of a parameter (95 %); fails where the truth is twice as far off as they reach."""
     keys = [k for c in made.structure for k in c.keys]
-    scale = limits_of(made.structure)[2]
-    spread = intervals(made, leave_one_out(made), scale, np.zeros(len(made.x)))
+    spread = intervals(made)
     at = keys.index(key)
     middle, half = 0.5 * (spread.low[at] + spread.high[at]), 0.5 * (spread.high[at] - spread.low[at])
     assert abs(truth - middle) <= 2.0 * half, f"{key}: {spread.low[at]} … {spread.high[at]}"
@@ -177,7 +175,7 @@ def test_friction_and_an_unknown_clock_cannot_be_told_apart_and_the_intervals_sa
     alone = fitted(found, (known["friction_coefficients"],))
     low, high = within(alone, "drive_factor", 0.7)
     both = fitted(found, (known["friction_coefficients"], known["clock_rate"]))
-    spread = intervals(both, leave_one_out(both), limits_of(both.structure)[2], np.zeros(3))
+    spread = intervals(both)
     assert spread.high[0] - spread.low[0] > 20.0 * (high - low)
     drive, _, period = both.x
     assert drive * period**2 == pytest.approx(0.7, abs=0.005), "this much is known"
