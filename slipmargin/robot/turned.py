@@ -15,6 +15,7 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.physics.convention import Convention
 from slipmargin.robot.robot import Robot
+from slipmargin.robot.uncertain import UncertainArray, spread
 
 
 def vectors(values: Array, old: Convention, new: Convention) -> Array:
@@ -46,5 +47,9 @@ def robot_in(robot: Robot, new: Convention) -> Robot:
         )
         for w in robot.wheels
     )
-    body = replace(robot.body, com_m=vectors(robot.body.com_m, old, new))
+    com = robot.body.com_m
+    x, y = com.each if isinstance(com, UncertainArray) else com.tolist()
+    cells = new.from_right_forward(*old.right_forward(x, y))
+    turned = UncertainArray(tuple(v if spread(v) else v + 0.0 for v in cells))
+    body = replace(robot.body, com_m=turned)
     return replace(robot, convention=new, wheels=wheels, body=body)

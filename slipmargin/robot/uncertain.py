@@ -1,7 +1,8 @@
 """A number of the robot file that is not known exactly: ``"0.26 ± 0.02"`` or ``[0.24, 0.28]``.
 
 It is a float, the mean or the middle, so every command that does not ask for its spread uses that value;
-arithmetic with it gives plain numbers.  A list of numbers may hold such ones too (:class:`UncertainArray`).
+arithmetic with it gives plain numbers, but for a minus before it, which turns its spread too.  A list of
+numbers may hold such ones (:class:`UncertainArray`).
 """
 
 from __future__ import annotations
@@ -40,6 +41,10 @@ class Uncertain(float):
 
     def __reduce__(self) -> tuple[type[Uncertain], tuple[Any, ...]]:
         return type(self), (self.ends, self.sd, self.span)
+
+    def __neg__(self) -> Uncertain:
+        (low, high), (least, most) = self.ends, self.span
+        return Uncertain((-high, -low), self.sd, (-most, -least))
 
     def written(self) -> str | list[float]:
         """The number as the robot file spells it."""

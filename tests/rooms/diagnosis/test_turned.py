@@ -26,6 +26,7 @@ from slipmargin.physics.convention import Convention
 from slipmargin.physics.terms import ForceTerm, Multiplier, PoseShift
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
 from slipmargin.robot.turned import robot_in
+from slipmargin.robot.uncertain import Uncertain
 
 PAPER, ROS = Convention.PAPER, Convention.ROS
 
@@ -41,6 +42,27 @@ def test_a_robot_is_turned_as_its_other_user_writes_it_and_back(robot) -> None:
         assert ours.position_m.tolist() == first.position_m.tolist()
         assert ours.drive_direction_deg == pytest.approx(first.drive_direction_deg, abs=1e-12)
     assert back.body.com_m.tolist() == robot.body.com_m.tolist() and back.convention is PAPER
+
+
+@pytest.mark.parametrize(
+    ("com_m", "turned"),
+    [
+        (["0.02 ± 0.005", -0.01], [-0.01, "-0.02 ± 0.005"]),
+        (["0.0 ± 0.005", [-0.02, -0.01]], [[-0.02, -0.01], "-0.0 ± 0.005"]),
+        ([0.01, [0.02, 0.03]], [[0.02, 0.03], -0.01]),
+    ],
+)
+def test_a_spread_of_the_centre_of_mass_is_turned_too(com_m, turned) -> None:
+    # It was lost, so a corrected robot file in the axes of ROS bore plain numbers.
+    robot = replace(kiwi(), body=replace(kiwi().body, com_m=com_m))
+    there = robot_in(robot, ROS)
+    assert written(there) == turned
+    assert written(robot_in(there, PAPER)) == com_m
+
+
+def written(robot) -> list:
+    """The centre of mass as a robot file spells it."""
+    return [v.written() if isinstance(v, Uncertain) else v for v in robot.body.com_m.each]
 
 
 @settings(deadline=None, max_examples=60)
