@@ -205,6 +205,33 @@ def synthetic() -> list[str]:
     )
 
 
+def rig() -> list[str]:
+    """The rig with real rollers."""
+
+    def moved(pair: list[float]) -> str:
+        return f"{pair[0]:.3g} → {pair[1]:.3g}"
+
+    return table(
+        [
+            "set",
+            "found",
+            "loads, shares of the weight",
+            "χ before → after",
+            "pulls, measured − predicted (rms)",
+        ],
+        [
+            [
+                row["set"],
+                ", ".join(f"`{name}`" for name in row["found"]) or row["verdict"],
+                ", ".join(f"{share:.3f}" for share in row["load_shares"]),
+                moved(row["chi"]),
+                f"{moved(row['pulls_rms_N'])} N",
+            ]
+            for row in results("rig.json")
+        ],
+    )
+
+
 def drawn() -> list[str]:
     """Drawn sets: effects of the catalogue, inventions, nothing."""
     catalogue, plants = results("diagnosis-catalogue.json"), results("diagnosis-plants.json")
@@ -386,6 +413,7 @@ SECTIONS: dict[str, dict[str, Callable[[], list[str]]]] = {
         "weight": weight,
         "worth": worth,
         "synthetic": synthetic,
+        "rig": rig,
         "drawn": drawn,
         "nextrun": next_run,
         "judged": judged,
