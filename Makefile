@@ -3,7 +3,7 @@
 # make test-seeds  the tests with drawn examples under twenty random seeds (SEEDS=1-20)
 # make test-surroundings  cheap tests with warnings as errors, -O, one core, another locale
 # make kill  signal 9 at random moments over the long commands (KILLS=100)
-# make fuzz  mutated input for every command (CASES=20000; goes on where it was stopped)
+# make fuzz  mutated input, shared among the commands (CASES=20000; goes on where it was stopped)
 # make docs   the documentation site, in site/
 # make bench  the figures of speed that the README and the site quote, and the paper's
 # Versions are pinned in requirements.lock.  PYTHON=python3.12 make … uses another interpreter.

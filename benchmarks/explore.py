@@ -2,7 +2,7 @@
 
     python benchmarks/explore.py benchmarks/results/explore.json
 
-Every slider of five robots goes through its range, each position once, the mass in the middle and off it.
+Every slider of four robots goes through its range, each position once, the mass in the middle and off it.
 Measured is the processor time of one answer, the least of three tries, since other work on the machine slows
 some of them.  Beside it stands that of ``bounds`` (all that the command computes) in the same process:
 milliseconds mean something on one machine only, ratios on any.

@@ -134,7 +134,9 @@ def weight() -> list[str]:
 
 def worth() -> list[str]:
     """What the limits are worth, by two judges that share no code with them."""
-    rollers, proof = results("rollers.json"), results("path_proof.json")
+    rollers, proof, few_rollers = (results(f"{n}.json") for n in ("rollers", "path_proof", "few_rollers"))
+    worst = few_rollers["worst_creep_per_distance"]
+    few, creeps = ", ".join(worst), ", ".join(f"{100.0 * found['0.9']:.2g}" for found in worst.values())
     starts = [row["slips"] for row in rollers if "slips" in row]
     hold = sum(not s["0.95"] for s in starts)
     slip = sum(s["1.05"] for s in starts)
@@ -153,8 +155,14 @@ def worth() -> list[str]:
         [
             [
                 "a start from rest holds at 0.95 of our limit and slips at 1.05",
-                "rigid-body engine with real rollers (MuJoCo), three robots in 12 directions",
+                "rigid-body engine with real rollers (MuJoCo), three robots with 36 rollers a wheel and "
+                "disc-strip grip, in 12 directions",
                 f"{hold} of {len(starts)} hold, {slip} of {len(starts)} slip",
+            ],
+            [
+                f"how far mecanum wheels of {few} rollers creep at 0.9 of our limit",
+                "the same engine",
+                f"{creeps} % of the way; above {100.0 * few_rollers['slips_above']:g} % counts as slip",
             ],
             [
                 "mean wheel loads while accelerating, level and on a 4° slope",

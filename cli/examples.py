@@ -44,7 +44,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "import robotino": ("slipmargin import robotino *.csv --surface gray --out runs",),
     "import wpilog": ("slipmargin import wpilog match1.wpilog --robot mybot.toml --out runs",),
     "import advantagescope": ("slipmargin import advantagescope match1.csv --robot mybot.toml --out runs",),
-    "import roadrunner": ("slipmargin import roadrunner run1.log --robot mybot.toml --out runs",),
+    "import roadrunner": ("slipmargin import roadrunner run1.json --robot mybot.toml --out runs",),
     "import robojackets": ("slipmargin import robojackets run1.csv --out runs",),
     "import lerobot": (
         "slipmargin import lerobot episode.parquet --tracker tracker.csv --robot lekiwi.toml --out runs",

@@ -235,9 +235,10 @@ def roadrunner(
     force: ForceOpt = False,
     json: JsonOpt = None,
 ) -> None:
-    """Logs of Road Runner's quickstart (the JSON in /sdcard/RoadRunner/logs) of a mecanum robot.
+    """Logs of Road Runner 0.5's quickstart (the JSON in /sdcard/RoadRunner/logs) of a mecanum robot.
 
-    The robot file's wheels are named fl, fr, rl and rr.
+    The robot file's wheels are named fl, fr, rl and rr.  Road Runner 1.0 writes another, binary form: bring
+    its poses and encoders as CSV (`import csv`).
     """
     common = (files, out, robot, surface, calibrate, calibration, json, force)
     run_import("roadrunner", *common, length_unit=length_unit)

@@ -80,14 +80,14 @@ def diagnosis_picture():
         key=lambda t: np.max(np.hypot(*(t.measured - t.before).T[:2])),
     )
     figure = Figure(figsize=(9.0, 3.3), layout="constrained")
-    for axes, predicted, colour, score, title in zip(
+    for axes, predicted, colour, title in zip(
         figure.subplots(1, 2, sharex=True, sharey=True),
         (run.before, run.after),
         (RED, BLUE),
-        (found.before, found.after),
         ("Model without the effect", f"With what was found: {found.findings[0].effect.name}"),
         strict=True,
     ):
+        off_m = np.sqrt(np.mean(np.sum((run.measured - predicted)[:, :2] ** 2, axis=1)))
         axes.plot(
             1e3 * run.measured[::8, 0],
             1e3 * run.measured[::8, 1],
@@ -99,7 +99,7 @@ def diagnosis_picture():
         )
         axes.plot(1e3 * predicted[:, 0], 1e3 * predicted[:, 1], color=colour, label="predicted")
         axes.set(
-            title=f"{title}\n{1e3 * score.rmse_position_m:.2g} mm off",
+            title=f"{title}\n{1e3 * off_m:.2g} mm off (r.m.s.)",
             xlabel="x [mm]",
             aspect="equal",
         )
