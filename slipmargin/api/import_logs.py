@@ -160,7 +160,7 @@ def import_logs(
     floor = recipe.robot.surfaces[0].name if surface is None else recipe.robot.surface(surface).name
     held = None if calibration is None else read_calibration(Path(calibration))
     read = import_files(importer, [Path(file) for file in files])
-    records = read.records
+    records = tuple(_with_signal(record, commanded) for record in read.records)
     if segment_s is not None:
         records = tuple(part for record in records for part in segments(record, segment_s))
         if not records:
@@ -172,7 +172,6 @@ def import_logs(
     if held is not None:
         records = tuple(held.rectified(record) for record in records)
         recipe = replace(recipe, effects=(*recipe.effects, *held.effects()))
-    records = tuple(_with_signal(record, commanded) for record in records)
     signal = WheelSignal.COMMANDED if commanded else WheelSignal.MEASURED
     data_set = DataSet(
         name=name,

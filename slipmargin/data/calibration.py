@@ -136,6 +136,8 @@ def calibrate(records: tuple[Record, ...], contacts: WheelGeometry, tilt: bool =
     InputError
         Where fewer than two runs move, or wheel angles are missing.
     """
+    for record in records:
+        _measured(record)
     delay = estimate_delay(records, contacts)
     pieces = [_pieces(r, contacts, delay.value_s, SETTINGS.calibration_piece_s) for r in records]
     pieces = [p for p in pieces if len(p.wheel)]
@@ -176,16 +178,20 @@ class _Pieces:
     place: Array  # (K, 2) middle of each piece
 
 
-def _pieces(record: Record, contacts: WheelGeometry, delay_s: float, piece_s: float) -> _Pieces:
-    t = record.t_s
-    angle = wheel_angles(t, record.theta, record.omega)
+def _measured(record: Record) -> Array:
+    angle = wheel_angles(record.t_s, record.theta, record.omega)
     if angle is None:
         raise InputError(
             record.name,
             "has no measured wheel angles or speeds",
             'calibrate by a data set with wheel_signal = "measured"',
         )
-    path = wheel_path(contacts, angle)
+    return angle
+
+
+def _pieces(record: Record, contacts: WheelGeometry, delay_s: float, piece_s: float) -> _Pieces:
+    t = record.t_s
+    path = wheel_path(contacts, _measured(record))
     count = int((t[-1] - t[0]) // piece_s)
     edges = t[0] + 0.5 + np.arange(count) * piece_s if count else np.zeros(0)
     edges = edges[edges <= t[-1]]

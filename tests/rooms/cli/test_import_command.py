@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from real_logs import EXCERPT, logs
 from slipmargin_cli.main import status
@@ -94,6 +95,23 @@ def test_bad_usage_is_one_line_and_leaves_nothing(
     assert status(["import", "robotino", *arguments, "--out", str(tmp_path / "set")]) == 2
     err = capsys.readouterr().err
     assert err.startswith("error: ") and err.count("\n") == 1 and told in err
+    assert not (tmp_path / "set").exists()
+
+
+def test_a_camera_is_not_calibrated_on_commands(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # A motor that lags behind its command would have become the camera's delay, one that droops its scale.
+    t = np.arange(0.0, 8.0, 0.02)
+    speed = np.clip(t, 0.0, 1.0) * np.array([[1.0], [-0.5], [-0.5]])
+    rows = np.column_stack([t, 0.02 * t, 0.0 * t, 0.0 * t, *speed])
+    head = "t_s,x_m,y_m,phi_rad,a,b,c"
+    np.savetxt(tmp_path / "log.csv", rows, delimiter=",", header=head, comments="")
+    wheels = [word for name in "abc" for word in ("--wheel", f"{name}:rad/s")]
+    pose = ["--time", "t_s", "--x", "x_m", "--y", "y_m", "--heading", "phi_rad"]
+    words = ["import", "csv", str(tmp_path / "log.csv"), "--robot", "ohio-kiwi", *pose, *wheels]
+    assert status([*words, "--commanded", "--calibrate", "--out", str(tmp_path / "set")]) == 2
+    assert "has no measured wheel angles or speeds" in capsys.readouterr().err
     assert not (tmp_path / "set").exists()
 
 

@@ -115,7 +115,7 @@ def test_refuses_what_tells_nothing() -> None:
     with pytest.raises(InputError, match="no run starts from rest"):
         estimate_delay(still, CONTACTS)
     blind = (Record(name="s", t_s=still[0].t_s, pose=still[0].pose),)
-    with pytest.raises(InputError, match="no run starts"):
+    with pytest.raises(InputError, match="no measured wheel"):
         calibrate(blind, CONTACTS)
     with pytest.raises(InputError, match="has no measured wheel angles"):
         calibrate((*made_up(2), *blind), CONTACTS)
