@@ -21,13 +21,17 @@ from slipmargin.physics.sectors import on_rigid, pitch
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PullCheck:
-    """``count`` pulls; root mean square [N] and mean [N] of measured minus predicted, before and after."""
+    """``count`` pulls; root mean square [N] and mean [N] of measured minus predicted, before and after.
+
+    ``noise_N`` is what the data set states for one pull [N], if it does.
+    """
 
     count: int
     rms_before_N: float
     rms_after_N: float
     mean_before_N: float
     mean_after_N: float
+    noise_N: float | None = None
 
 
 def pull_check(believed: Model, corrected: Model, pulls: Pulls) -> PullCheck:
@@ -47,6 +51,7 @@ def pull_check(believed: Model, corrected: Model, pulls: Pulls) -> PullCheck:
         rms_after_N=float(np.sqrt(np.mean(after**2))),
         mean_before_N=float(np.mean(before)),
         mean_after_N=float(np.mean(after)),
+        noise_N=pulls.sigma_N,
     )
 
 

@@ -14,6 +14,7 @@ from slipmargin.report.page import Block, Bullets, Fold, Image, Picture, Table, 
 
 def limits(change: LimitsChange, images: Mapping[str, Image]) -> tuple[Block, ...]:
     """What the found effects change."""
+    pulls = () if change.pulls is None else (Text(text=words.pulls_sentence(change.pulls)),)
     if not change.moved:
         return (
             Text(
@@ -21,6 +22,7 @@ def limits(change: LimitsChange, images: Mapping[str, Image]) -> tuple[Block, ..
                 "not in what "
                 "the wheels can do."
             ),
+            *pulls,
         )
     b, a = change.before, change.after
     turned = change.floor_directions > 1
@@ -52,7 +54,6 @@ def limits(change: LimitsChange, images: Mapping[str, Image]) -> tuple[Block, ..
                 caption="Seen from above: red is slicker than elsewhere, blue grips more; black: the runs.",
             ),
         )
-    pulls = () if change.pulls is None else (Text(text=words.pulls_sentence(change.pulls)),)
     return (
         table,
         *(() if change.plan is None else (Text(text=words.plan_sentence(change.plan)),)),

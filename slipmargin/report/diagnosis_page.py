@@ -51,6 +51,10 @@ def page(diagnosis: Diagnosis, change: LimitsChange, images: Mapping[str, Image]
     if found:
         sections.append(Section(heading="What was found", blocks=parameters(d)))
         sections.append(Section(heading="What it changes", blocks=limits(change, images)))
+    elif change.pulls is not None:
+        sections.append(
+            Section(heading="Pull tests", blocks=(Text(text=words.pulls_sentence(change.pulls)),))
+        )
     sections.append(Section(heading="What to do next", blocks=next_steps(d)))
     sections.append(Section(heading="Details", blocks=details(d)))
     return Page(

@@ -216,14 +216,17 @@ def plan_sentence(change: PlanChange) -> str:
 
 
 def pulls_sentence(check: PullCheck) -> str:
-    """Whether pull tests, to which nothing was fitted, confirm the corrected robot."""
+    """Whether pull tests, to which nothing was fitted, confirm the corrected robot, or their gap."""
     one, two = check.rms_before_N, check.rms_after_N
+    noise = "" if check.noise_N is None else f"; the stated noise is {check.noise_N:.3g} N"
+    tests = f"{check.count} pull tests, which nothing was fitted to"
+    differ = f"measured and predicted force differ by {one:.3g} N (root mean square)"
+    if math.isclose(one, two, rel_tol=1e-6, abs_tol=1e-9):
+        mean, side = abs(check.mean_after_N), "less" if check.mean_after_N < 0.0 else "more"
+        return f"{tests}: {differ}, the measured one is {mean:.3g} N {side} in the mean{noise}."
     said = "confirm it" if two < 0.8 * one else "do not decide" if two <= 1.2 * one else "speak against it"
-    return (
-        f"{check.count} pull tests, which nothing was fitted to, {said}: measured and predicted force "
-        f"differ by {one:.3g} N (root mean square) with the model as believed, {two:.3g} N with the "
-        "corrected one."
-    )
+    after = f"with the model as believed, {two:.3g} N with the corrected one"
+    return f"{tests}, {said}: {differ} {after}{noise}."
 
 
 def arrow(before: float, after: float, unit: str) -> str:
@@ -285,7 +288,7 @@ def summary_lines(d: Diagnosis, change: LimitsChange) -> list[str]:
         high = arrow(float(b.f_high_N.max()), float(a.f_high_N.max()), "N")
         start = arrow(float(b.start_worst_m_s2.min()), float(a.start_worst_m_s2.min()), "m/s²")
         lines.append(f"         whatever the wheels stand on: strongest pull {high}, least start {start}")
-    if change.moved and change.pulls is not None:
+    if change.pulls is not None:
         lines.append(f"pulls    {pulls_sentence(change.pulls)}")
     if open_questions(d):
         lines.append(f"next     the runs that would decide: {next_run_command(d)}")

@@ -98,9 +98,7 @@ def test_bad_usage_is_one_line_and_leaves_nothing(
     assert not (tmp_path / "set").exists()
 
 
-def test_a_camera_is_not_calibrated_on_commands(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_camera_is_not_calibrated_on_commands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     # A motor that lags behind its command would have become the camera's delay, one that droops its scale.
     t = np.arange(0.0, 8.0, 0.02)
     speed = np.clip(t, 0.0, 1.0) * np.array([[1.0], [-0.5], [-0.5]])

@@ -6,17 +6,27 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from diagnoses import diagnosis
+from json_schemas import faults
+from matplotlib.figure import Figure
 
 from slipmargin.data.pulls import Pulls
 from slipmargin.diagnosis.limits_change import limits_change
 from slipmargin.diagnosis.pull_check import predicted, pull_check
-from slipmargin.effects import Recipe
+from slipmargin.diagnosis.result import Verdict
+from slipmargin.effects import Effect, Recipe
+from slipmargin.effects.camera_delay import CameraDelay
 from slipmargin.effects.wheel_loads import WheelLoads
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.sweep import limit
-from slipmargin.report.diagnosis_words import pulls_sentence
+from slipmargin.plots.style import image
+from slipmargin.report.diagnosis_json import report_text
+from slipmargin.report.diagnosis_page import page
+from slipmargin.report.diagnosis_words import pulls_sentence, summary_lines
+from slipmargin.report.page import html
 
+IMAGES = ("residual", "where", "candidates", "held-out", "limits")
 PHI = np.deg2rad(np.arange(0.0, 360.0, 15.0))
 
 
@@ -63,6 +73,25 @@ def test_pulls_of_the_corrected_robot_confirm_it_and_others_do_not(
     check = pull_check(believed.build("paper"), corrected.build("paper"), against)
     assert check.rms_before_N < 1e-9 and "speak against" in pulls_sentence(check)
     assert check.mean_after_N == pytest.approx(np.mean(against.force_N - real))
+
+
+@pytest.mark.parametrize("found", [(), (CameraDelay(delay_s=0.05),)])
+def test_pulls_are_told_of_where_no_limit_moves(believed: Recipe, found: tuple[Effect, ...]) -> None:
+    # They were read, and neither the lines nor the page said a word of them.
+    real = limit(believed.build("paper"), PHI, Pull())
+    pulls = Pulls(phi_rad=PHI, force_N=0.5 * real, theta_rad=np.zeros((len(PHI), 3)), sigma_N=0.1)
+    change = limits_change(believed, believed.with_effects(*found), "paper", pulls)
+    off = np.sqrt(np.mean((0.5 * real) ** 2))
+    said = f"differ by {off:.3g} N (root mean square), the measured one is {0.5 * real.mean():.3g} N less"
+    one = diagnosis(Verdict.EFFECT_FOUND if found else Verdict.NO_MISSING_EFFECT)
+    assert not change.moved
+    for text in (
+        " ".join(summary_lines(one, change)),
+        html(page(one, change, dict.fromkeys(IMAGES, image(Figure(), png=True)))),
+    ):
+        text = " ".join(text.replace("\u202f", " ").replace("\xa0", " ").split())
+        assert said in text and "the stated noise is 0.1 N" in text
+    assert faults("diagnose", report_text(one, change)) == []
 
 
 def test_a_pull_is_compared_with_the_limit_of_its_own_direction_and_height(believed: Recipe) -> None:
