@@ -114,7 +114,7 @@ class BoundsResult(Result):
         """
         from slipmargin.report.exports import export_text
 
-        return export_text(tool, self.bounds)
+        return export_text(tool, self.bounds, self.slip_chance)
 
 
 def bounds(

@@ -195,7 +195,7 @@ def check(
     ...     sm.check("ohio-kiwi", "paper", file)
     <check of ohio-kiwi on paper: admissible: uses at most 0.9045 of a wheel's grip, 1 allowed>
     """
-    from slipmargin.paths.check import check as path_check
+    from slipmargin.paths.check import check as path_check, widened
     from slipmargin.report.motion import unsteady
 
     model, warnings = model_of(robot, surface, band=True)
@@ -232,5 +232,8 @@ def check(
             "give seconds, metres and radians, and at most one pose for each time",
             source,
         )
+    if smooth_s > 0.0 and not widened(found.t_s, smooth_s):
+        least = f"smooth_s {smooth_s:g} has no effect: no window is wider than without it; give a longer one"
+        warnings = (*warnings, least)
     warnings = (*warnings, *unsteady(model, found.states(pose), contact))
     return CheckResult(model=model, check=found, pose=pose, warnings=warnings, source_format=form)

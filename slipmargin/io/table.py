@@ -140,8 +140,13 @@ def _quick(rows: list[str], columns: int) -> Array | None:
     return values if values.shape[1] == columns and np.all(np.isfinite(values)) else None
 
 
+def header_names(line: str) -> tuple[str, ...]:
+    """The names in a header, without blanks and quotes."""
+    return tuple(cell.strip().strip('"') for cell in line.split(","))
+
+
 def _header(line: str, required: Sequence[str], known: Sequence[str] | None) -> tuple[str, ...]:
-    names = tuple(cell.strip().strip('"') for cell in line.split(","))
+    names = header_names(line)
     if not any(names):
         raise InputError("1:1", "there is no header", f"begin with {','.join(required) or 'column names'}")
     for place, name in enumerate(names, 1):

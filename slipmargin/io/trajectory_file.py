@@ -19,7 +19,7 @@ import numpy as np
 from slipmargin.checks import LARGEST
 from slipmargin.errors import InputError
 from slipmargin.io.source import read_bytes, text_of
-from slipmargin.io.table import columns_from_text
+from slipmargin.io.table import columns_from_text, header_names
 from slipmargin.io.trajectory_json import (
     SAME_POSE,
     Claim,
@@ -95,7 +95,7 @@ def _from_text(text: str) -> Samples:
     header = text.lstrip("\r\n").partition("\n")[0]
     if text.strip() and not any(name in header for name in NEEDED):
         raise unknown_form()
-    others = tuple(name for name in (cell.strip() for cell in header.split(",")) if name not in NEEDED)
+    others = tuple(name for name in header_names(header) if name not in NEEDED)
     columns = columns_from_text(text, required=NEEDED, known=None, empty=others, least=1)
     names = set(columns.names)
     claims: list[Claim] = []

@@ -118,9 +118,11 @@ def pathplanner_text(name: str, t_s: Array, pose: Array, velocity: Array, accele
     speed = np.hypot(vx, vy)
     moving = speed > _STILL
     safe = np.where(moving, speed, 1.0)
-    along = np.where(moving, (vx * ax + vy * ay) / safe, np.hypot(ax, ay))
     curvature = np.where(moving, (vx * ay - vy * ax) / safe**3, 0.0)
-    way = np.where(moving, np.arctan2(vy, vx), np.arctan2(ay, ax))
+    # Where the robot stands it keeps its last direction; before the first it has that of its acceleration.
+    last = np.maximum.accumulate(np.where(moving, np.arange(len(t_s)), -1))
+    way = np.where(last < 0, np.arctan2(ay, ax), np.arctan2(vy, vx)[last])
+    along = ax * np.cos(way) + ay * np.sin(way)
     return json_text(
         [
             {

@@ -154,6 +154,12 @@ def _checked(model: Model, t_s: Array, pose: Array, share: float, contact: Conta
     )
 
 
+def widened(t_s: Array, smooth_s: float) -> bool:
+    """Whether smoothing over ``smooth_s`` takes more into any window than no smoothing does."""
+    half = 0.5 * smooth_s
+    return half > SHORTEST and bool(np.any(t_s[2:] - t_s[:-2] <= half))
+
+
 def derivatives(t_s: Array, pose: Array, smooth_s: float = 0.0) -> tuple[Array, Array]:
     """Velocity and acceleration (T, 3) by a parabola fitted round every sample.
 

@@ -32,8 +32,8 @@ _INCH = 0.0254
 _SAME = 1e-9  #: [1] directions that differ by less are one: the wheel's rollers stand across it
 
 
-def export_text(tool: str, found: Bounds) -> str:
-    """The limits as ``tool`` writes them.
+def export_text(tool: str, found: Bounds, likely: SlipChance | None = None) -> str:
+    """The limits as ``tool`` writes them; the chance of slip is in JSON alone.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def export_text(tool: str, found: Bounds) -> str:
     NoSolution
         If no acceleration is safe in every direction of motion, so that no number can be given.
     """
-    return plain_json(found) if tool == "json" else sets_text(tool, found.sets)
+    return plain_json(found, likely) if tool == "json" else sets_text(tool, found.sets)
 
 
 def sets_text(tool: str, found: SafeSets) -> str:
@@ -216,9 +216,9 @@ def _swerve(found: SafeSets) -> str:
     )
 
 
-def plain_json(found: Bounds) -> str:
+def plain_json(found: Bounds, likely: SlipChance | None = None) -> str:
     """The same as ``--json``."""
-    return json_text(with_reasons(bounds_table(found)))
+    return json_text(with_reasons(bounds_table(found, likely)))
 
 
 def _load_band(model: Model, even: Directions) -> dict[str, Any]:

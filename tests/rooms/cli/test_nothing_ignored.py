@@ -86,6 +86,27 @@ def test_columns_that_a_check_does_not_read(said, tmp_path: Path) -> None:
     assert "columns not read: vx_m_s, vy_m_s" in said("check", "ohio-kiwi", file, "--surface", "paper")[1]
 
 
+def test_quoted_columns_that_a_check_does_read(said, tmp_path: Path) -> None:
+    t = np.linspace(0.0, 2.0, 41)
+    file = tmp_path / "way.csv"
+    head = '"t_s","x_m","y_m","phi_rad","foo"'
+    np.savetxt(
+        file, np.column_stack([t, 0.02 * t**2, 0 * t, 0 * t, t]), delimiter=",", header=head, comments=""
+    )
+    code, told = said("check", "ohio-kiwi", file, "--surface", "paper")
+    assert code == 0 and "warning: columns not read: foo\n" in told
+
+
+def test_smoothing_that_smooths_nothing(said, tmp_path: Path) -> None:
+    t = np.linspace(0.0, 2.0, 101)
+    file = tmp_path / "way.csv"
+    head = "t_s,x_m,y_m,phi_rad"
+    np.savetxt(file, np.column_stack([t, 0.02 * t**2, 0 * t, 0 * t]), delimiter=",", header=head, comments="")
+    for least, idle in ((0.009, True), (0.05, True), (0.081, False)):
+        code, told = said("check", "ohio-kiwi", file, "--surface", "paper", "--smooth", least)
+        assert code == 0 and (f"smooth_s {least:g} has no effect" in told) is idle
+
+
 def test_friction_that_a_wrench_set_does_not_count(said, tmp_path: Path) -> None:
     edge = 'name = "floor_border"\noffset_m = 10.0\ndirection_rad = 0.0\nfactor = 0.5\nedge_m = 0.01'
     code, told = said("polytope", robot(tmp_path, edge), "--surface", "floor")

@@ -101,6 +101,18 @@ def test_plan_and_simulate_export_and_check_reads(tmp_path: Path, capsys: pytest
     )
 
 
+def test_a_pathplanner_state_at_rest_keeps_its_direction(tmp_path: Path) -> None:
+    # The last one turned round, and its acceleration had the sign of a start.
+    found = sm.plan("ohio-kiwi", "paper", [[0, 0, 0], [0.3, 0, 0]], points=40)
+    sm.export_trajectory(found, "pathplanner", tmp_path / "drive.json")
+    states = json.loads((tmp_path / "drive.json").read_text(encoding="utf-8"))
+    ways = np.array([s["pose"]["rotation"]["radians"] for s in states])
+    assert states[0]["velocity"] == states[-1]["velocity"] == 0.0
+    assert np.ptp(np.unwrap(ways)) < 0.01
+    assert states[0]["acceleration"] > 0.0 > states[-1]["acceleration"]
+    assert states[-1]["acceleration"] == pytest.approx(states[-2]["acceleration"], rel=0.2)
+
+
 def test_a_bag_is_not_written_over(tmp_path: Path) -> None:
     tool_or_skip("ros-path")
     found = sm.plan("ohio-kiwi", "paper", [[0, 0, 0], [0.3, 0, 0]], points=40)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from dataclasses import replace
 from statistics import NormalDist
@@ -209,6 +210,7 @@ def test_one_spread_is_the_normal_distribution() -> None:
     assert any("of 10000 draws of the uncertain numbers slip at" in line for line in start.lines())
     assert pull.to_dict()["slip_chance"]["force_N"] == pull.slip_chance.value  # type: ignore[union-attr]
     assert start.to_dict()["slip_chance"]["chance"] == 0.05
+    assert json.loads(start.export_text("json"))["slip_chance"]["chance"] == 0.05
 
 
 def test_a_plan_says_its_chance_and_the_margin_for_another() -> None:
