@@ -15,7 +15,6 @@ import logging
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, final
 
@@ -23,6 +22,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
+from slipmargin.io.extra import need
 from slipmargin.io.source import DAMAGE, read_text
 from slipmargin.physics.frames import moment
 
@@ -85,7 +85,7 @@ def _expanded(path: Path, arguments: Mapping[str, str] | None) -> str:
             raise InputError("--xacro-args", f"is for .xacro files, {path.name} is none", "leave it out")
         return read_text(path)
     read_text(path)  # whether it is there and is text
-    _need("xacrodoc")
+    need("URDF", "xacrodoc", "urdf")
     from xml.parsers.expat import ExpatError
 
     from xacro import XacroException
@@ -102,7 +102,7 @@ def _expanded(path: Path, arguments: Mapping[str, str] | None) -> str:
 
 
 def _parsed(text: str) -> Any:
-    _need("yourdfpy")
+    need("URDF", "yourdfpy", "urdf")
     from xml.etree import ElementTree
 
     try:
@@ -131,16 +131,6 @@ def _parsed(text: str) -> Any:
     if not model.robot.links:
         raise InputError("robot", "holds no link", "give the URDF of a whole robot")
     return model.robot
-
-
-def _need(package: str) -> None:
-    if find_spec(package) is None:
-        raise InputError(
-            "URDF",
-            f"the package {package} is not installed",
-            "install it: pip install 'slipmargin[urdf]'",
-            "command line",
-        )
 
 
 def _robot(model: Any) -> UrdfRobot:

@@ -114,11 +114,6 @@ def in_pieces(
     )
 
 
-def work_folder(out: Path | None) -> Path | None:
-    """Where the pieces of a study that ends in ``out`` are kept: ``<out>.work`` beside it."""
-    return None if out is None else out.with_name(out.name + ".work")
-
-
 def clear(folder: Path | None) -> None:
     """Remove the pieces of a finished study, and the folder if nothing else is in it."""
     if folder is not None:

@@ -244,7 +244,7 @@ def test_without_the_library_the_cure_is_said(tmp_path: Path, monkeypatch: pytes
     file.write_text(plain(), encoding="utf-8")
     found = importlib.util.find_spec
     monkeypatch.setattr(
-        "slipmargin.io.urdf_file.find_spec", lambda name: None if name == "yourdfpy" else found(name)
+        "slipmargin.io.extra.find_spec", lambda name: None if name == "yourdfpy" else found(name)
     )
     with pytest.raises(InputError, match=r"pip install 'slipmargin\[urdf\]'"):
         sm.robot_from_urdf(file)

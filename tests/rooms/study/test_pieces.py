@@ -30,7 +30,6 @@ from slipmargin.study.pieces import (
     clear,
     in_pieces,
     piece_name,
-    work_folder,
 )
 from slipmargin.study.robot_on_surface import RobotOnSurface
 from slipmargin.study.study import DesignProblem, study
@@ -109,7 +108,7 @@ def test_clearing_leaves_what_is_not_ours(tmp_path: Path) -> None:
     clear(folder)
     clear(folder)
     clear(None)
-    assert not folder.exists() and work_folder(None) is None
+    assert not folder.exists()
 
 
 def test_the_name_of_a_piece_is_its_problem() -> None:
