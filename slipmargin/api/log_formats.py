@@ -131,7 +131,8 @@ def wpilog(robot: Robot, files: _Files, pose: str | None = None, wheels: _Words 
     pose : str, optional
         Name of the entry with the pose, ``NAME:deg`` or ``NAME:rad`` for an array of three numbers.
     wheels : sequence of str, optional
-        One mecanum structure, or ``NAME:UNIT`` of a number for each wheel in the robot file's order.
+        One mecanum structure or array of four, in m or m/s along the floor or with a wheel's own unit
+        (``NAME:rad/s``), or ``NAME:UNIT`` of a number for each wheel in the robot file's order.
     """
     from slipmargin.io.importers.channels import Wanted
     from slipmargin.io.importers.wpilog import WpilogImporter

@@ -160,6 +160,8 @@ def _named_pose(channels: Mapping[str, Channel], word: str, poses: Sequence[str]
     if channel is None:
         raise InputError("--pose", f"{name!r} is not a channel of the log", f"use one of: {_some(poses)}")
     if channel.kind is Kind.POSE:
+        if unit == "deg":
+            raise InputError("--pose", f"{name!r} is a pose, whose heading is in rad", "leave :deg out")
         return name, channel
     if channel.kind is not Kind.NUMBERS or channel.values.shape[1] != 3:
         raise InputError("--pose", f"{name!r} is no pose", f"use one of: {_some(poses)}")
@@ -206,17 +208,23 @@ def _wheels(channels: Mapping[str, Channel], wanted: Wanted, notes: list[str]) -
 
 
 def _corners(name: str, channel: Channel, unit: str, robot: Robot) -> _Signals:
-    """Angles or speeds of four wheels from their way or speed along the floor."""
-    fields = {Kind.POSITIONS: "theta", Kind.SPEEDS: "omega"}
-    field = {"m": "theta", "m/s": "omega"}.get(unit) or fields.get(channel.kind)
-    if field is None:
+    """Angles or speeds of four wheels, of which a log may hold the way or the speed along the floor."""
+    unit = unit or {Kind.POSITIONS: "m", Kind.SPEEDS: "m/s"}.get(channel.kind, "")
+    if not unit:
         raise InputError(
             "--wheel", f"{name} may be speeds or positions", f"say which: {name}:m/s or {name}:m"
         )
-    radius = np.array([w.radius_m for w in robot.wheels])
     order, sign = corner_columns(robot, CORNERS), forward_signs(robot)
+    if unit in ("m", "m/s"):
+        field, factor = "theta" if unit == "m" else "omega", sign / [w.radius_m for w in robot.wheels]
+    else:
+        try:
+            ((field, column),) = wheel_columns([f"{name}:{unit}"])
+        except InputError as fault:
+            raise InputError(fault.place, fault.problem, f"{fault.cure}, or m, m/s", fault.source) from None
+        factor = sign * column.factor
     t, values = held(*_ordered(name, channel))
-    return {field: [(t, sign[i] * values[:, k] / radius[i]) for i, k in enumerate(order)]}
+    return {field: [(t, factor[i] * values[:, k]) for i, k in enumerate(order)]}
 
 
 def _single(channels: Mapping[str, Channel], wanted: Wanted) -> _Signals:
