@@ -46,7 +46,7 @@ def robotino(robot: Robot, files: _Files, ticks_per_turn: float = 2000.0, smooth
     """Logs of the Robotino 2: encoder ticks a motor turn, and the time over which angles are smoothed [s]."""
     from slipmargin.io.importers.robotino import RobotinoImporter
 
-    return RobotinoImporter(ticks_per_turn=ticks_per_turn, smooth_s=smooth_s)
+    return RobotinoImporter(robot=robot, ticks_per_turn=ticks_per_turn, smooth_s=smooth_s)
 
 
 def csv(
