@@ -120,7 +120,7 @@ def robojackets(
     """Recordings of the RoboJackets' SSL robots: nominal rate of rows [Hz], encoder ticks a wheel turn."""
     from slipmargin.io.importers.robojackets import RobojacketsImporter
 
-    return RobojacketsImporter(rate_Hz=rate_Hz, ticks_per_turn=ticks_per_turn, convention=robot.convention)
+    return RobojacketsImporter(robot=robot, rate_Hz=rate_Hz, ticks_per_turn=ticks_per_turn)
 
 
 def wpilog(robot: Robot, files: _Files, pose: str | None = None, wheels: _Words = None) -> Importer:

@@ -26,6 +26,7 @@ from slipmargin.errors import InputError
 from slipmargin.io.importers.loose_table import LooseTable, read_loose
 from slipmargin.io.importers.plug import Reading
 from slipmargin.io.importers.smooth import smooth_angles
+from slipmargin.io.importers.turning import turning_signs
 from slipmargin.io.importers.units import factor
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.robot import Robot
@@ -66,9 +67,6 @@ class RobotinoImporter:
     smooth_s: float = 0.2
 
     def __post_init__(self) -> None:
-        if len(self.robot.wheels) != len(_WHEELS):
-            problem = f"{self.robot.name} has {len(self.robot.wheels)} wheels, the log {len(_WHEELS)}"
-            raise InputError("wheel", problem, "give the file of a Robotino")
         for key in ("ticks_per_turn", "gear", "scale_x_m", "scale_y_m"):
             real(key, getattr(self, key), above=0.0, cure="give a positive number")
         real("smooth_s", self.smooth_s, low=0.0, high=2.0, cure="give a half width between 0 and 2 s")
@@ -84,7 +82,7 @@ class RobotinoImporter:
         table = read_loose(path, _NEEDED, ";", others=True, unit_line=True)
         t = table["t"] * _factor(table, "t", "time")
         ticks = np.stack([table[f"m{i}pos"] for i in _WHEELS], axis=1)
-        sign = self._signs()
+        sign = turning_signs(self.robot, len(_WHEELS))
         theta = sign * ticks * 2.0 * np.pi / (self.ticks_per_turn * self.gear)
         pose, lost = self._pose(table, theta)
         if len(t) < 2:
@@ -114,14 +112,6 @@ class RobotinoImporter:
             notes=table.notes,
             facts=facts,
         )
-
-    def _signs(self) -> Array:
-        """(3,) +1 where a positive wheel speed carries the robot counter-clockwise, as a motor's, else −1.
-
-        The robot goes the other way than the contact point.
-        """
-        (x, y), (s_x, s_y) = self.robot.geometry.position_m.T, self.robot.geometry.drive.T
-        return np.asarray(np.copysign(1.0, y * s_x - x * s_y))
 
     def _pose(self, table: LooseTable, theta: Array) -> tuple[Array, int]:
         """(T, 3) pose with NaN where the camera had nothing new, and how many rows that is."""

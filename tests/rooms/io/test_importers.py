@@ -12,8 +12,10 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from real_logs import EXCERPT, WHOLE, logs, needs_whole
 
+import slipmargin as sm
 from slipmargin.checks import Array
 from slipmargin.data.odometry import wheel_path
+from slipmargin.data.record import Record
 from slipmargin.errors import InputError
 from slipmargin.io.importers.loose_table import increasing, read_loose
 from slipmargin.io.importers.plug import import_files
@@ -26,6 +28,7 @@ from slipmargin.physics.frames import rotate_rows
 from slipmargin.robot import Robot
 from slipmargin.robot.turned import robot_in
 
+SSL = EXCERPT.parent / "robojackets_excerpt" / "enc_vis_excerpt.txt"
 LOG = EXCERPT / "gray_0.1" / "heading_155.csv"
 READ = RobotinoImporter().read
 
@@ -309,15 +312,15 @@ def reversed_drives(robot: Robot) -> Robot:
     )
 
 
-def floor_path(robot: Robot) -> Array:
-    """Where the wheels alone would say that the marker went, by a robot file of the same machine."""
-    record = RobotinoImporter(robot=robot).read(LOG).record
-    assert record.theta is not None and record.omega_cmd is not None
+def on_floor(robot: Robot, record: Record) -> Array:
+    """The front's heading, and how wheel angles and commands alone would move the robot on the floor."""
+    assert record.theta is not None
     kept = np.isfinite(record.pose).all(axis=1)
-    step = np.diff(wheel_path(robot.geometry, record.theta)[kept], axis=0)
-    commanded = record.omega_cmd[kept][1:] @ robot.geometry.no_slip_map().T
+    ways = [np.diff(wheel_path(robot.geometry, record.theta)[kept], axis=0)]
+    if record.omega_cmd is not None:
+        ways.append(record.omega_cmd[kept][1:] @ robot.geometry.no_slip_map().T)
     phi = record.pose[kept][1:, 2]
-    return np.column_stack([rotate_rows(phi, step), rotate_rows(phi, commanded)])
+    return np.column_stack([robot.convention.yaw_of_phi(phi), *(rotate_rows(phi, way) for way in ways)])
 
 
 @pytest.mark.parametrize(
@@ -334,14 +337,28 @@ def test_any_robot_file_of_the_same_robotino_tells_the_same_of_a_log(
     """In the paper's axes φ was 90° off, and wheels turned the wrong way where the file turns them round."""
     shipped = read_recipe("robotino").robot
     robot = same(shipped)
-    np.testing.assert_allclose(floor_path(robot), floor_path(shipped), atol=1e-9)
-    headings = [
-        r.convention.yaw_of_phi(RobotinoImporter(robot=r).read(LOG).record.pose[:, 2])
-        for r in (robot, shipped)
-    ]
-    np.testing.assert_allclose(*headings, atol=1e-12)
+    found, known = (on_floor(r, RobotinoImporter(robot=r).read(LOG).record) for r in (robot, shipped))
+    np.testing.assert_allclose(found, known, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "same",
+    [
+        lambda robot: robot_in(robot, Convention.ROS),
+        lambda robot: reversed_drives(robot_in(robot, Convention.ROS)),
+        reversed_drives,
+    ],
+)
+def test_any_robot_file_of_the_same_ssl_robot_tells_the_same_of_a_log(same: Callable[[Robot], Robot]) -> None:
+    """In ROS's axes every wheel turned the wrong way."""
+    shipped = read_recipe("robojackets-2018").robot
+    robot = same(shipped)
+    found, known = (
+        on_floor(r, sm.import_logs([SSL], "robojackets", r).read.records[0]) for r in (robot, shipped)
+    )
+    np.testing.assert_allclose(found, known, atol=1e-9)
 
 
 def test_a_robot_of_other_wheels_is_refused_by_its_count() -> None:
-    with pytest.raises(InputError, match="wheel: mecanum4 has 4 wheels, the log 3, give the file of a Robot"):
-        RobotinoImporter(robot=read_recipe("mecanum4").robot)
+    with pytest.raises(InputError, match="wheel: mecanum4 has 4 wheels, the log 3, give the file"):
+        RobotinoImporter(robot=read_recipe("mecanum4").robot).read(LOG)
