@@ -2,8 +2,8 @@
 
 One row a camera frame, cells separated by spaces: ``bot_id x y ang enc0 enc1 …``; x, y [mm], ang [rad] the
 direction of the front, enc ticks since the row before, which count up where a wheel carries the robot
-clockwise.  There are no time stamps: rows come at a nominal
-rate, and the camera is late by a delay that nobody recorded.
+clockwise.  There are no time stamps: rows come at a nominal rate, and the camera is late by a delay that
+nobody recorded.
 """
 
 from __future__ import annotations
