@@ -155,7 +155,7 @@ def robojackets(file: Path) -> list[RealSet]:
     if not file.is_file():
         return []
     importer = RobojacketsImporter()
-    runs = segments(importer.read(file).record, RUN_S)
+    runs, _ = segments(importer.read(file).record, RUN_S)
     block = [int(run.name.rsplit("_", 1)[1]) // round(BLOCK_S / RUN_S) for run in runs]
     recipe = read_recipe("robojackets-2018")
     data = DataSet(

@@ -162,11 +162,13 @@ def import_logs(
     read = import_files(importer, [Path(file) for file in files])
     records = tuple(_with_signal(record, commanded) for record in read.records)
     if segment_s is not None:
-        records = tuple(part for record in records for part in segments(record, segment_s))
+        cut = [segments(record, segment_s) for record in records]
+        records = tuple(run for runs, _ in cut for run in runs)
         if not records:
             raise InputError(
                 "segment_s", f"is {segment_s:g}: no run is so long and moves", "give a shorter time"
             )
+        read = read.noted([notes for _, notes in cut])
     if calibrate:
         held = calibrated(records, recipe.build(floor).geometry)
     if held is not None:

@@ -46,7 +46,7 @@ def robotino(robot: Robot, files: _Files, ticks_per_turn: float = 2000.0, smooth
     """Logs of the Robotino 2: encoder ticks a motor turn, and the time over which angles are smoothed [s]."""
     from slipmargin.io.importers.robotino import RobotinoImporter
 
-    return RobotinoImporter(ticks_per_turn=ticks_per_turn, smooth_s=smooth_s)
+    return RobotinoImporter(robot=robot, ticks_per_turn=ticks_per_turn, smooth_s=smooth_s)
 
 
 def csv(
@@ -120,7 +120,7 @@ def robojackets(
     """Recordings of the RoboJackets' SSL robots: nominal rate of rows [Hz], encoder ticks a wheel turn."""
     from slipmargin.io.importers.robojackets import RobojacketsImporter
 
-    return RobojacketsImporter(rate_Hz=rate_Hz, ticks_per_turn=ticks_per_turn, convention=robot.convention)
+    return RobojacketsImporter(robot=robot, rate_Hz=rate_Hz, ticks_per_turn=ticks_per_turn)
 
 
 def wpilog(robot: Robot, files: _Files, pose: str | None = None, wheels: _Words = None) -> Importer:
@@ -131,7 +131,8 @@ def wpilog(robot: Robot, files: _Files, pose: str | None = None, wheels: _Words 
     pose : str, optional
         Name of the entry with the pose, ``NAME:deg`` or ``NAME:rad`` for an array of three numbers.
     wheels : sequence of str, optional
-        One mecanum structure, or ``NAME:UNIT`` of a number for each wheel in the robot file's order.
+        One mecanum structure or array of four, in m or m/s along the floor or with a wheel's own unit
+        (``NAME:rad/s``), or ``NAME:UNIT`` of a number for each wheel in the robot file's order.
     """
     from slipmargin.io.importers.channels import Wanted
     from slipmargin.io.importers.wpilog import WpilogImporter

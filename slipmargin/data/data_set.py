@@ -127,14 +127,19 @@ class DataSet:
             known, wanted = [trial.omega_cmd], "omega{i}_cmd_rad_s"
         else:
             known, wanted = [trial.omega, trial.theta], "omega{i}_rad_s or theta{i}_rad"
-        has = np.zeros(count, dtype=bool)
-        for signal in known:
-            if signal is not None:
-                has |= np.isfinite(signal).any(axis=0)
-        if not has.all():
-            lacks = int(np.argmin(has)) + 1
+        has = [np.isfinite(signal).any(axis=0) for signal in known if signal is not None]
+        if any(each.all() for each in has):
+            return
+        some = np.any([np.zeros(count, dtype=bool), *has], axis=0)
+        if some.all():
             raise InputError(
                 trial.name,
-                f"wheel {lacks} has no {wanted.format(i=lacks)}",
-                f'add it, or change wheel_signal = "{self.wheel_signal.value}"',
+                "has angles of some wheels and speeds of others",
+                "give angles or speeds of every wheel",
             )
+        lacks = int(np.argmin(some)) + 1
+        raise InputError(
+            trial.name,
+            f"wheel {lacks} has no {wanted.format(i=lacks)}",
+            f'add it, or change wheel_signal = "{self.wheel_signal.value}"',
+        )

@@ -16,8 +16,12 @@ from slipmargin.data.record import Record
 from slipmargin.data.settings import SETTINGS
 
 
-def segments(record: Record, length_s: float, lead_s: float = SETTINGS.lead_s) -> tuple[Record, ...]:
+def segments(
+    record: Record, length_s: float, lead_s: float = SETTINGS.lead_s
+) -> tuple[tuple[Record, ...], tuple[str, ...]]:
     """Runs of ``length_s`` seconds [s], with a lead-in of at most ``lead_s``, in which the wheels move.
+
+    The second answer says which parts are left out, and why.
 
     Raises
     ------
@@ -28,21 +32,35 @@ def segments(record: Record, length_s: float, lead_s: float = SETTINGS.lead_s) -
     lead_s = real("lead_s", lead_s, low=0.0, cure="give the seconds of a lead-in, from 0")
     t = record.t_s
     found = []
+    left: dict[str, list[str]] = {}
     count = int(np.ceil((t[-1] - t[0]) / length_s))
     for k in range(count):
         begin, end = t[0] + k * length_s, t[0] + (k + 1) * length_s
         rows = np.flatnonzero((t >= begin - lead_s) & (t < end))
         own = t[rows] >= begin
-        short = end - t[-1] > (1.0 - SETTINGS.shortest_segment) * length_s
-        if own.sum() < 2 or short or not _moves(record, rows):
-            continue
         pose = np.array(record.pose[rows])
         pose[~own] = np.nan
-        if not np.isfinite(pose).all(axis=1).any():
+        if end - t[-1] > (1.0 - SETTINGS.shortest_segment) * length_s:
+            why = f"shorter than {SETTINGS.shortest_segment:g} of that"
+        elif own.sum() < 2:
+            why = "fewer than two rows"
+        elif not _moves(record, rows):
+            why = "no wheel moves"
+        elif not np.isfinite(pose).all(axis=1).any():
+            why = "no pose"
+        else:
+            why = ""
+        if why:
+            left.setdefault(why, []).append(f"{begin - t[0]:.6g}")
             continue
         run = replace(record.part(rows), name=f"{record.name}_{k:03d}", pose=pose, began_s=None)
         found.append(run.restamped(run.t_s - run.t_s[0]))
-    return tuple(found)
+    notes = (
+        f"{len(at)} part{'s' * (len(at) > 1)} of {length_s:g} s left out, {why}: "
+        f"from {', '.join(at[:8])}{' …' * (len(at) > 8)} s"
+        for why, at in left.items()
+    )
+    return tuple(found), tuple(notes)
 
 
 def _moves(record: Record, rows: np.ndarray[tuple[int], np.dtype[np.int64]]) -> bool:

@@ -8,7 +8,7 @@ Value``, one row a change.  Fields of structures are fields of their own: a Pose
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import final
 
@@ -47,11 +47,16 @@ class AdvantageScopeImporter:
         InputError
             Where it is no such export, or holds no pose or wheels.
         """
-        return reading(path, fields(read_text(path)), self.wanted)
+        channels, bad = fields(read_text(path))
+        found = reading(path, channels, self.wanted)
+        if not bad:
+            return found
+        lines = "1 line" if len(bad) == 1 else f"{len(bad)} lines"
+        return replace(found, notes=(*found.notes, f"{lines} cannot be read, the first is line {bad[0]}"))
 
 
-def fields(text: str) -> dict[str, Channel]:
-    """The fields of an export, those of a pose and of a mecanum drive's wheels together.
+def fields(text: str) -> tuple[dict[str, Channel], list[int]]:
+    """The fields of an export, a pose's and a mecanum drive's together, and the lines that cannot be read.
 
     Raises
     ------
@@ -83,7 +88,7 @@ def fields(text: str) -> dict[str, Channel]:
         first = f"{bad[0]}:1" if bad else "2:1"
         problem = f"has no {len(names)} cells, as the first line, or no time" if bad else "there is no row"
         raise InputError(first, problem, "export the log again")
-    return _together({name: _channel(*found) for name, found in rows.items()})
+    return _together({name: _channel(*found) for name, found in rows.items()}), bad
 
 
 def _put(rows: _Rows, name: str, time: float, cell: str) -> None:

@@ -24,9 +24,9 @@ from slipmargin.checks import Array
 from slipmargin.data.record import Record
 from slipmargin.errors import InputError
 from slipmargin.io.importers.csv_options import wheel_columns
-from slipmargin.io.importers.loose_table import increasing, runs_of
+from slipmargin.io.importers.loose_table import increasing, left_out
 from slipmargin.io.importers.mecanum import corner_columns, forward_signs
-from slipmargin.io.importers.plug import Dropped, Reading
+from slipmargin.io.importers.plug import Reading
 from slipmargin.robot import Robot
 
 #: The wheels of WPILib's mecanum structures, in their order.
@@ -85,9 +85,15 @@ def reading(path: Path, channels: Mapping[str, Channel], wanted: Wanted) -> Read
     found = _wheels(channels, wanted, notes)
     keep, order = increasing(pose.t_s)
     why = "its stamp does not come after the one before"
-    bad = runs_of(np.setdiff1d(np.arange(len(pose.t_s)), keep))
+    dropped = left_out(np.setdiff1d(np.arange(len(pose.t_s)), keep), why)
     finite = np.isfinite(pose.values[keep]).all(axis=1)
-    t, where = held(pose.t_s[keep][finite], pose.values[keep][finite])
+    dropped += left_out(np.sort(keep[~finite]), "its pose is not finite")
+    keep = keep[finite]
+    t, where = held(pose.t_s[keep], pose.values[keep])
+    if not np.array_equal(t, pose.t_s[keep]):
+        notes.append(
+            f"{name} holds from change to change: of {len(keep)} poses come {len(t)} rows of the run"
+        )
     if len(t) < 2:
         raise InputError(name, f"holds {len(t)} poses", "give the log of a whole run")
     heading = wanted.robot.convention.phi_of_yaw(np.unwrap(where[:, 2]))
@@ -104,7 +110,7 @@ def reading(path: Path, channels: Mapping[str, Channel], wanted: Wanted) -> Read
         source=str(path),
         record=record,
         rows=len(pose.t_s),
-        dropped=tuple(Dropped(line=int(i[0]) + 1, count=len(i), why=why) for i in bad),
+        dropped=tuple(sorted(dropped, key=lambda part: part.line)),
         notes=(*notes, *order),
     )
 
@@ -160,6 +166,8 @@ def _named_pose(channels: Mapping[str, Channel], word: str, poses: Sequence[str]
     if channel is None:
         raise InputError("--pose", f"{name!r} is not a channel of the log", f"use one of: {_some(poses)}")
     if channel.kind is Kind.POSE:
+        if unit == "deg":
+            raise InputError("--pose", f"{name!r} is a pose, whose heading is in rad", "leave :deg out")
         return name, channel
     if channel.kind is not Kind.NUMBERS or channel.values.shape[1] != 3:
         raise InputError("--pose", f"{name!r} is no pose", f"use one of: {_some(poses)}")
@@ -176,8 +184,8 @@ def _wheels(channels: Mapping[str, Channel], wanted: Wanted, notes: list[str]) -
     if words:
         name, unit = _key(channels, words[0])
         if len(words) == 1 and name in channels and channels[name].values.shape[1] == len(CORNERS):
-            return _corners(name, channels[name], unit, wanted.robot)
-        return _single(channels, wanted)
+            return _corners(name, channels[name], unit, wanted.robot, notes)
+        return _single(channels, wanted, notes)
     groups = (Kind.POSITIONS, Kind.SPEEDS, Kind.WHEELS)
     found = [n for kind in groups for n, c in channels.items() if c.kind is kind]
     measured = [n for n in found if not any(w in n.lower() for w in _NOT_MEASURED)]
@@ -202,24 +210,30 @@ def _wheels(channels: Mapping[str, Channel], wanted: Wanted, notes: list[str]) -
         )
     name = first[0]
     notes.append(f"{name} ({channels[name].kind.value}) is taken as the wheels by its type")
-    return _corners(name, channels[name], "", wanted.robot)
+    return _corners(name, channels[name], "", wanted.robot, notes)
 
 
-def _corners(name: str, channel: Channel, unit: str, robot: Robot) -> _Signals:
-    """Angles or speeds of four wheels from their way or speed along the floor."""
-    fields = {Kind.POSITIONS: "theta", Kind.SPEEDS: "omega"}
-    field = {"m": "theta", "m/s": "omega"}.get(unit) or fields.get(channel.kind)
-    if field is None:
+def _corners(name: str, channel: Channel, unit: str, robot: Robot, notes: list[str]) -> _Signals:
+    """Angles or speeds of four wheels, of which a log may hold the way or the speed along the floor."""
+    unit = unit or {Kind.POSITIONS: "m", Kind.SPEEDS: "m/s"}.get(channel.kind, "")
+    if not unit:
         raise InputError(
             "--wheel", f"{name} may be speeds or positions", f"say which: {name}:m/s or {name}:m"
         )
-    radius = np.array([w.radius_m for w in robot.wheels])
     order, sign = corner_columns(robot, CORNERS), forward_signs(robot)
-    t, values = held(*_ordered(name, channel))
-    return {field: [(t, sign[i] * values[:, k] / radius[i]) for i, k in enumerate(order)]}
+    if unit in ("m", "m/s"):
+        field, factor = "theta" if unit == "m" else "omega", sign / [w.radius_m for w in robot.wheels]
+    else:
+        try:
+            ((field, column),) = wheel_columns([f"{name}:{unit}"])
+        except InputError as fault:
+            raise InputError(fault.place, fault.problem, f"{fault.cure}, or m, m/s", fault.source) from None
+        factor = sign * column.factor
+    t, values = held(*_ordered(name, channel, notes))
+    return {field: [(t, factor[i] * values[:, k]) for i, k in enumerate(order)]}
 
 
-def _single(channels: Mapping[str, Channel], wanted: Wanted) -> _Signals:
+def _single(channels: Mapping[str, Channel], wanted: Wanted, notes: list[str]) -> _Signals:
     words, robot = wanted.wheels, wanted.robot
     if len(words) != len(robot.wheels):
         raise InputError("--wheel", f"are {len(words)}", f"give one for each of {len(robot.wheels)} wheels")
@@ -232,18 +246,21 @@ def _single(channels: Mapping[str, Channel], wanted: Wanted) -> _Signals:
             raise InputError(
                 "--wheel", f"{column.name!r} is not a channel of numbers", f"use one of: {_some(numbers)}"
             )
-        t, values = held(*_ordered(column.name, channel))
+        t, values = held(*_ordered(column.name, channel, notes))
         out.setdefault(field, []).append((t, column.factor * values[:, 0]))
     if len(out) != 1:
         raise InputError("--wheel", "mixes angles and speeds", "give the same of every wheel")
     return out
 
 
-def _ordered(name: str, channel: Channel) -> tuple[Array, Array]:
+def _ordered(name: str, channel: Channel, notes: list[str]) -> tuple[Array, Array]:
     keep, _ = increasing(channel.t_s)
     keep = keep[np.isfinite(channel.values[keep]).all(axis=1)] if len(keep) else keep
     if len(keep) < 2:
         raise InputError(name, f"holds {len(keep)} samples", "give the log of a whole run")
+    count = len(channel.t_s)
+    if len(keep) < count:
+        notes.append(f"{name}: {count - len(keep)} of {count} samples left out, out of order or not finite")
     return channel.t_s[keep], channel.values[keep]
 
 

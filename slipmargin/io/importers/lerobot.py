@@ -27,8 +27,8 @@ from slipmargin.errors import InputError
 from slipmargin.io.extra import need
 from slipmargin.io.importers.csv_map import Column
 from slipmargin.io.importers.csv_options import wheel_columns
-from slipmargin.io.importers.loose_table import increasing, read_loose
-from slipmargin.io.importers.plug import Dropped, Reading
+from slipmargin.io.importers.loose_table import LooseTable, increasing, left_out, read_loose
+from slipmargin.io.importers.plug import Reading
 from slipmargin.io.json_read import parse_json
 from slipmargin.io.source import read_bytes, read_text
 from slipmargin.robot import Robot
@@ -75,11 +75,13 @@ class LeRobotImporter:
         """
         t, names, state = frames(path, self.episode)
         omega = self._wheels(names, state)
-        keep, _ = increasing(t)
+        keep, order = increasing(t)
         if len(keep) < 2:
             raise InputError("timestamp", f"{len(keep)} frames follow each other", "give a whole episode")
+        if len(keep) < len(t):
+            order.append(f"{len(t) - len(keep)} of {len(t)} frames left out, their times do not increase")
         t, omega = t[keep], omega[keep]
-        stamp, pose, lost = self._pose(path)
+        table, stamp, pose = self._pose(path)
         inside = (stamp >= t[0]) & (stamp <= t[-1])
         if np.count_nonzero(inside) < 2:
             raise InputError(
@@ -90,18 +92,21 @@ class LeRobotImporter:
         stamp, pose = stamp[inside], pose[inside]
         speeds = np.stack([np.interp(stamp, t, column) for column in omega.T], axis=1)
         record = Record(name=_run_name(path, self.episode), t_s=stamp - stamp[0], pose=pose, omega=speeds)
-        left = int(np.count_nonzero(~inside))
-        why = "the tracker's rows outside the episode"
+        dropped = [*table.dropped, *left_out(np.flatnonzero(~inside), "outside the episode", table.lines)]
         return Reading(
             source=str(path),
             record=record,
-            rows=len(inside),
-            dropped=(Dropped(line=1, count=left, why=why),) if left else (),
-            lost_frames=lost,
-            notes=("the data set says what the wheels did; the pose is the tracker's",),
+            rows=table.rows,
+            dropped=tuple(sorted(dropped, key=lambda part: part.line)),
+            lost_frames=int(np.count_nonzero(np.isnan(pose[:, 2]))),
+            notes=(
+                "the data set says what the wheels did; pose and rows counted here are the tracker's",
+                *(f"the tracker's file: {note}" for note in table.notes),
+                *order,
+            ),
         )
 
-    def _pose(self, path: Path) -> tuple[Array, Array, int]:
+    def _pose(self, path: Path) -> tuple[LooseTable, Array, Array]:
         tracker = self.tracker
         source = tracker.files[self.logs.index(path)] if len(tracker.files) > 1 else tracker.files[0]
         try:
@@ -113,7 +118,7 @@ class LeRobotImporter:
         seen = np.isfinite(pose).all(axis=1)
         pose[seen, 2] = self.robot.convention.phi_of_yaw(np.unwrap(pose[seen, 2]))
         pose[~seen] = np.nan
-        return t - tracker.start_s, pose, int(np.count_nonzero(~seen))
+        return table, t - tracker.start_s, pose
 
     def _wheels(self, names: Sequence[str], state: Array) -> Array:
         if self.words:

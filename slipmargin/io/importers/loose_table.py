@@ -96,7 +96,7 @@ def read_loose(
     whole = len(keep) == len(values) and keep[0] == 0
     gone = keep[:0] if whole else np.setdiff1d(np.arange(len(values)), keep)
     why = "its time does not come after the row before"
-    dropped += [Dropped(line=int(lines[i[0]]), count=len(i), why=why) for i in runs_of(gone)]
+    dropped += left_out(gone, why, lines)
     return LooseTable(
         names=taken,
         units=units,
@@ -140,9 +140,13 @@ def increasing(t: Array) -> tuple[Index, list[str]]:
     return np.array(chain[::-1], dtype=np.int64), []
 
 
-def runs_of(index: Index) -> list[Index]:
-    """Consecutive indices gathered."""
-    return [part for part in np.split(index, np.flatnonzero(np.diff(index) > 1) + 1) if len(part)]
+def left_out(index: Index, why: str, lines: Index | None = None) -> list[Dropped]:
+    """Entries of the rows with these increasing indices; ``lines`` are the file's, else rows are counted."""
+    parts = [part for part in np.split(index, np.flatnonzero(np.diff(index) > 1) + 1) if len(part)]
+    return [
+        Dropped(line=int(i[0]) + 1 if lines is None else int(lines[i[0]]), count=len(i), why=why)
+        for i in parts
+    ]
 
 
 def _numbered(

@@ -7,7 +7,7 @@ the rest.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol, final
 
@@ -44,9 +44,10 @@ class Reading:
     record : Record
         What could be used.
     rows : int
-        Rows of data in the file; those used are ``len(record.t_s)``.
+        Rows of data in the file.
     dropped : tuple of Dropped
-        What was left out and why; the counts add up to ``rows − len(record.t_s)``.
+        What was left out and why; the other rows are kept.  The record has as many rows as are kept, but
+        where a note says that it holds a value from change to change.
     lost_frames : int
         Rows without a new camera frame (kept, with an empty pose).
     notes : tuple of str
@@ -62,6 +63,11 @@ class Reading:
     lost_frames: int = 0
     notes: tuple[str, ...] = ()
     facts: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def kept(self) -> int:
+        """Rows of the file that were not left out."""
+        return self.rows - sum(part.count for part in self.dropped)
 
 
 class Importer(Protocol):
@@ -100,10 +106,15 @@ class Summary:
                 found.setdefault(name, []).append(value)
         return {name: float(np.median(values)) for name, values in found.items()}
 
+    def noted(self, notes: Sequence[tuple[str, ...]]) -> Summary:
+        """The same with more notes of each file."""
+        told = (replace(r, notes=(*r.notes, *more)) for r, more in zip(self.readings, notes, strict=True))
+        return replace(self, readings=tuple(told))
+
     def lines(self) -> tuple[str, ...]:
         """The report: totals first, then every file that was not perfect."""
         rows = sum(r.rows for r in self.readings)
-        kept = sum(len(r.record.t_s) for r in self.readings)
+        kept = sum(r.kept for r in self.readings)
         lost = sum(r.lost_frames for r in self.readings)
         out = [
             f"read {len(self.readings)} runs ({self.format}): {rows} rows, {kept} kept, "
@@ -123,7 +134,7 @@ class Summary:
                     "source": r.source,
                     "name": r.record.name,
                     "rows": r.rows,
-                    "kept": len(r.record.t_s),
+                    "kept": r.kept,
                     "lost_frames": r.lost_frames,
                     "notes": list(r.notes),
                     "dropped": [{"line": d.line, "count": d.count, "why": d.why} for d in r.dropped],
@@ -181,8 +192,6 @@ def _same(one: Array | None, two: Array | None) -> bool:
 
 
 def _named_apart(readings: Sequence[Reading]) -> Iterable[Reading]:
-    from dataclasses import replace
-
     names = [r.record.name for r in readings]
     taken: dict[str, int] = {}
     for reading in readings:

@@ -11,9 +11,9 @@ import numpy as np
 
 from slipmargin.data.record import Record
 from slipmargin.errors import InputError
-from slipmargin.io.importers.loose_table import increasing, runs_of
+from slipmargin.io.importers.loose_table import increasing, left_out
 from slipmargin.io.importers.mecanum import corner_columns, forward_signs
-from slipmargin.io.importers.plug import Dropped, Reading
+from slipmargin.io.importers.plug import Reading
 from slipmargin.io.roadrunner_log import MOTORS, POSE, read_log
 from slipmargin.robot import Robot
 
@@ -52,7 +52,7 @@ class RoadRunnerImporter:
         signals: dict[str, Any] = {
             field: (log.wheels(key)[:, order] * turn * sign)[keep] for field, key in there.items()
         }
-        bad = runs_of(np.setdiff1d(np.arange(len(log.t_s)), keep))
+        bad = np.setdiff1d(np.arange(len(log.t_s)), keep)
         if len(keep) < 2:
             raise InputError("nsTimes", "do not increase", "give the log as the robot wrote it")
         if not log.has("trackingEncPositions"):
@@ -67,6 +67,6 @@ class RoadRunnerImporter:
             source=str(path),
             record=record,
             rows=len(log.t_s),
-            dropped=tuple(Dropped(line=int(i[0]) + 1, count=len(i), why=why) for i in bad),
+            dropped=tuple(left_out(bad, why)),
             notes=tuple(notes),
         )

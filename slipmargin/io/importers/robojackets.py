@@ -1,13 +1,14 @@
 """Recordings of encoders and overhead camera of the RoboJackets' RoboCup SSL robots (robocup-firmware-data).
 
 One row a camera frame, cells separated by spaces: ``bot_id x y ang enc0 enc1 …``; x, y [mm], ang [rad] the
-direction of the front, enc ticks since the row before.  There are no time stamps: rows come at a nominal
-rate, and the camera is late by a delay that nobody recorded.
+direction of the front, enc ticks since the row before, which count up where a wheel carries the robot
+clockwise.  There are no time stamps: rows come at a nominal rate, and the camera is late by a delay that
+nobody recorded.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import final
 
@@ -17,8 +18,10 @@ from slipmargin.checks import real
 from slipmargin.data.record import Record
 from slipmargin.errors import InputError
 from slipmargin.io.importers.plug import Reading
+from slipmargin.io.importers.turning import turning_signs
+from slipmargin.io.robot_file import read_recipe
 from slipmargin.io.source import read_text
-from slipmargin.physics.convention import Convention
+from slipmargin.robot import Robot
 
 _HEAD = ("bot_id", "x", "y", "ang")
 
@@ -34,18 +37,18 @@ class RobojacketsImporter:
         Nominal rows a second.
     ticks_per_turn : float
         Encoder ticks per wheel turn [1].
-    convention : Convention
-        That of the robot file: whether the body's x or y axis is the front.
+    robot : Robot
+        That of the file, its wheels in the order of the encoders; by default the built-in one.
     """
 
     name: str = "robojackets"
     rate_Hz: float = 60.0
     ticks_per_turn: float = 6144.0
-    convention: Convention = Convention.PAPER
+    robot: Robot = field(default_factory=lambda: read_recipe("robojackets-2018").robot)
 
     def __post_init__(self) -> None:
-        for field in ("rate_Hz", "ticks_per_turn"):
-            real(field, getattr(self, field), above=0.0, cure="give a positive number")
+        for key in ("rate_Hz", "ticks_per_turn"):
+            real(key, getattr(self, key), above=0.0, cure="give a positive number")
 
     def read(self, path: Path) -> Reading:
         """One recording.
@@ -77,10 +80,9 @@ class RobojacketsImporter:
         table = np.array(rows)
         if len(np.unique(table[:, 0])) > 1:
             raise InputError("2:1", "holds several robots", "split the recording by bot_id")
-        front = 0.5 * np.pi if self.convention is Convention.PAPER else 0.0
-        heading = np.unwrap(table[:, 3]) - front
+        heading = self.robot.convention.phi_of_yaw(np.unwrap(table[:, 3]))
         ticks = np.cumsum(table[:, 4:], axis=0)
-        sign = 1.0 if self.convention is Convention.PAPER else -1.0
+        sign = -turning_signs(self.robot, ticks.shape[1])
         record = Record(
             name=path.stem,
             t_s=np.arange(len(table)) / self.rate_Hz,

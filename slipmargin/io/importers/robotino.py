@@ -6,15 +6,15 @@ short names), irregular sampling of about 31 ms, every row closed by a separator
 
 Signs
 -----
-A motor's ticks and speed count up when its wheel carries the body along +ŝ_i.  The contact point
-then moves along −ŝ_i, so θ_i here (eq. 3: contact slip v·ŝ + ρ θ̇) has the opposite sign.
-Image y points down; with a = ``ang`` the body's x axis is (−sin a, −cos a) in the image, so the floor
-frame is (X, −Y) and φ = a + 90°.
+A motor's ticks and speed count up where its wheel carries the robot counter-clockwise; which way a wheel's
+angle counts is said by its drive direction in the robot file.
+Image y points down; with a = ``ang`` the robot's front is (−sin a, −cos a) in the image, so the floor frame
+is (X, −Y) and the front's heading a + 90°; φ is that of the file's convention.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import final
 
@@ -26,7 +26,10 @@ from slipmargin.errors import InputError
 from slipmargin.io.importers.loose_table import LooseTable, read_loose
 from slipmargin.io.importers.plug import Reading
 from slipmargin.io.importers.smooth import smooth_angles
+from slipmargin.io.importers.turning import turning_signs
 from slipmargin.io.importers.units import factor
+from slipmargin.io.robot_file import read_recipe
+from slipmargin.robot import Robot
 
 _WHEELS = (1, 2, 3)
 _NEEDED = ("t", "m1pos", "m2pos", "m3pos", "xpos", "ypos", "ang")
@@ -41,6 +44,8 @@ class RobotinoImporter:
 
     Parameters
     ----------
+    robot : Robot
+        That of the file, its wheels in the order of the motors; by default the built-in one.
     ticks_per_turn : float
         Encoder ticks per motor turn [1].
     gear : float
@@ -53,6 +58,7 @@ class RobotinoImporter:
         their speed from row to row, and a simulated robot slips on jerks that never happened.
     """
 
+    robot: Robot = field(default_factory=lambda: read_recipe("robotino").robot)
     name: str = "robotino"
     ticks_per_turn: float = 2000.0
     gear: float = 16.0
@@ -61,8 +67,8 @@ class RobotinoImporter:
     smooth_s: float = 0.2
 
     def __post_init__(self) -> None:
-        for field in ("ticks_per_turn", "gear", "scale_x_m", "scale_y_m"):
-            real(field, getattr(self, field), above=0.0, cure="give a positive number")
+        for key in ("ticks_per_turn", "gear", "scale_x_m", "scale_y_m"):
+            real(key, getattr(self, key), above=0.0, cure="give a positive number")
         real("smooth_s", self.smooth_s, low=0.0, high=2.0, cure="give a half width between 0 and 2 s")
 
     def read(self, path: Path) -> Reading:
@@ -76,7 +82,8 @@ class RobotinoImporter:
         table = read_loose(path, _NEEDED, ";", others=True, unit_line=True)
         t = table["t"] * _factor(table, "t", "time")
         ticks = np.stack([table[f"m{i}pos"] for i in _WHEELS], axis=1)
-        theta = -ticks * 2.0 * np.pi / (self.ticks_per_turn * self.gear)
+        sign = turning_signs(self.robot, len(_WHEELS))
+        theta = sign * ticks * 2.0 * np.pi / (self.ticks_per_turn * self.gear)
         pose, lost = self._pose(table, theta)
         if len(t) < 2:
             raise InputError(f"{table.lines[0]}:1", "only one row can be used", "give a whole run")
@@ -93,7 +100,7 @@ class RobotinoImporter:
             pose=pose,
             theta=theta,
             omega=omega,
-            omega_cmd=_all(table, "m{i}setvel", -1.0 / self.gear),
+            omega_cmd=_all(table, "m{i}setvel", sign / self.gear),
             current=_all(table, "m{i}cur", 1.0),
         )
         return Reading(
@@ -117,7 +124,8 @@ class RobotinoImporter:
         turning[1:] = np.abs(np.diff(theta, axis=0)).max(axis=1) > 1e-3
         seen &= ~(repeats & turning & moved)
         heading = np.full(len(x), np.nan)
-        heading[seen] = np.unwrap(angle[seen] * _factor(table, "ang", "angle")) + np.pi / 2.0
+        yaw = np.unwrap(angle[seen] * _factor(table, "ang", "angle")) + np.pi / 2.0
+        heading[seen] = self.robot.convention.phi_of_yaw(yaw)
         pose = np.stack([self.scale_x_m * x, -self.scale_y_m * y, heading], axis=1)
         pose[~seen] = np.nan
         return pose, int(np.count_nonzero(~seen))
@@ -141,7 +149,7 @@ def _factor(table: LooseTable, name: str, quantity: str) -> float:
     return factor(name, quantity, word)
 
 
-def _all(table: LooseTable, pattern: str, scale: float) -> Array | None:
+def _all(table: LooseTable, pattern: str, scale: float | Array) -> Array | None:
     names = [pattern.format(i=i) for i in _WHEELS]
     if not all(name in table.names for name in names):
         return None

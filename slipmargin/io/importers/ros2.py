@@ -25,8 +25,8 @@ from slipmargin.checks import Array
 from slipmargin.data.record import Record
 from slipmargin.errors import InputError
 from slipmargin.io.extra import need
-from slipmargin.io.importers.loose_table import increasing, runs_of
-from slipmargin.io.importers.plug import Dropped, Reading
+from slipmargin.io.importers.loose_table import increasing, left_out
+from slipmargin.io.importers.plug import Reading
 from slipmargin.io.importers.ros_names import guessed_topic, joints_of_wheels
 from slipmargin.io.source import DAMAGE
 from slipmargin.physics.convention import Convention
@@ -120,7 +120,6 @@ class RosImporter:
         t, pose = stamp[keep], pose[keep]
         bad = np.setdiff1d(np.arange(len(stamp)), keep)
         why = "its stamp does not come after the one before"
-        dropped = [Dropped(line=int(i[0]) + 1, count=len(i), why=why) for i in runs_of(bad)]
         seen = np.isfinite(pose).all(axis=1)
         if len(t) < 2 or not seen.any():
             raise InputError(pose_topic, f"holds {int(seen.sum())} poses", "record a whole run")
@@ -137,7 +136,7 @@ class RosImporter:
             source=str(path),
             record=record,
             rows=len(stamp),
-            dropped=tuple(dropped),
+            dropped=tuple(left_out(bad, why)),
             lost_frames=int(np.count_nonzero(~seen)),
             notes=tuple(notes),
         )

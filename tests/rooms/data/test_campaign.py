@@ -75,10 +75,10 @@ def recording(seconds: float = 10.0, rest_s: float = 0.0) -> Record:
 
 def test_a_recording_is_cut_into_runs_that_share_no_pose_and_keep_their_past() -> None:
     record = recording()
-    runs = segments(record, 2.5, 0.4)
+    runs, left = segments(record, 2.5, 0.4)
     assert [r.name for r in runs] == ["long_000", "long_001", "long_002", "long_003"]
     assert sum(int(r.seen.sum()) for r in runs) == len(record.t_s)
-    assert runs[0].seen.all()
+    assert runs[0].seen.all() and not left
     for run in runs[1:]:
         assert run.t_s[0] == 0.0
         assert 19 <= int(np.argmax(run.seen)) <= 21, "0.4 s at 50 Hz"
@@ -86,10 +86,10 @@ def test_a_recording_is_cut_into_runs_that_share_no_pose_and_keep_their_past() -
 
 
 def test_parts_of_a_recording_in_which_nothing_moves_are_no_runs() -> None:
-    assert [r.name for r in segments(recording(rest_s=5.2), 2.5)] == ["long_002", "long_003"]
-    assert len(segments(recording(11.0), 2.5)) == 4, "a last second is too short"
+    assert [r.name for r in segments(recording(rest_s=5.2), 2.5)[0]] == ["long_002", "long_003"]
+    assert len(segments(recording(11.0), 2.5)[0]) == 4, "a last second is too short"
     cut = replace(recording(), t_s=recording().t_s + 100.0, began_s=90.0)
-    assert {r.start_s for r in segments(cut, 2.5)} == {0.0}, "each is a run of its own"
+    assert {r.start_s for r in segments(cut, 2.5)[0]} == {0.0}, "each is a run of its own"
     with pytest.raises(InputError, match="segment_s"):
         segments(recording(), 0.2)
 
@@ -98,4 +98,4 @@ def test_a_missing_encoder_row_leaves_a_run_in() -> None:
     record = recording()
     theta = np.array(record.theta)
     theta[60::125] = np.nan
-    assert len(segments(replace(record, theta=theta), 2.5)) == 4
+    assert len(segments(replace(record, theta=theta), 2.5)[0]) == 4

@@ -13,7 +13,9 @@ import slipmargin as sm
 from slipmargin.io.data_set import read_data_set
 
 COLUMNS = ["--time", "ms:ms", "--x", "px:mm", "--y", "-py:mm", "--heading", "yaw:deg"]
-WHEELS = ["--wheel", "fl:rpm", "--wheel", "-fr:rpm", "--wheel", "rl:ticks=4096", "--wheel", "rr:rad"]
+WHEELS = ["--wheel", "fl:rpm", "--wheel", "-fr:rpm", "--wheel", "rl:deg/s", "--wheel", "rr"]
+ANGLES = ["--wheel", "fl:turn", "--wheel", "-fr:deg", "--wheel", "rl:ticks=4096", "--wheel", "rr:rad"]
+TURN = 2.0 * math.pi
 
 
 def log(folder: Path, mark: str = ",", head: str = "ms,px,py,yaw,fl,fr,rl,rr") -> Path:
@@ -30,19 +32,38 @@ def robot(tmp_path: Path) -> str:
     return str(file)
 
 
-@pytest.mark.parametrize("mark", [",", ";"])
-def test_columns_units_and_signs(mark: str, tmp_path: Path, robot: str) -> None:
+@pytest.mark.parametrize(
+    ("mark", "wheels", "field", "known"),
+    [
+        (",", WHEELS, "omega", [TURN, TURN, 4096 * TURN / 360.0, 0.1]),
+        (";", ANGLES, "theta", [60 * TURN, 60 * TURN / 360.0, TURN, 0.1]),
+    ],
+)
+def test_columns_units_and_signs(
+    mark: str, wheels: list[str], field: str, known: list[float], tmp_path: Path, robot: str
+) -> None:
     file, out = log(tmp_path, mark), tmp_path / "set"
-    words = ["import", "csv", str(file), "--robot", robot, "--out", str(out), *COLUMNS, *WHEELS]
-    assert status([*words, "--separator", mark]) == 0
+    words = ["import", "csv", str(file), "--robot", robot, "--out", str(out), *COLUMNS, "--separator", mark]
+    assert status([*words, *wheels]) == 0
     (trial,) = read_data_set(out).trials
     np.testing.assert_allclose(trial.t_s[:3], [0.0, 0.05, 0.1])
     np.testing.assert_allclose(
         trial.pose[1], [0.01, 0.005, math.radians(1.0)], atol=1e-9
     )  # as the file rounds
-    assert trial.omega is not None and trial.theta is not None
-    np.testing.assert_allclose(trial.omega[1, :2], [2 * math.pi, 2 * math.pi])
-    np.testing.assert_allclose(trial.theta[1, 2:], [2 * math.pi, 0.1])
+    assert (trial.omega is None) == (field == "theta") and (trial.theta is None) == (field == "omega")
+    np.testing.assert_allclose(getattr(trial, field)[1], known)
+
+
+def test_angles_of_some_wheels_and_speeds_of_others_are_refused(
+    tmp_path: Path, robot: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The set was written, and no command could use it."""
+    file, out = log(tmp_path), tmp_path / "set"
+    words = ["import", "csv", str(file), "--robot", robot, "--out", str(out), *COLUMNS]
+    assert status([*words, *WHEELS[:4], *ANGLES[4:]]) == 2
+    told = capsys.readouterr().err
+    assert "run: has angles of some wheels and speeds of others, give angles or speeds of every wheel" in told
+    assert not out.exists()
 
 
 @pytest.mark.parametrize(

@@ -44,6 +44,13 @@ def record(**more: object) -> Record:
     )
 
 
+def mixed() -> Record:
+    """The angle of one wheel and the speeds of the others."""
+    one, two = np.ones((4, 3)), np.ones((4, 3))
+    one[:, 1:], two[:, 0] = np.nan, np.nan
+    return record(theta=one, omega=two)
+
+
 def data_set(**more: object) -> DataSet:
     return DataSet(
         **{
@@ -126,6 +133,7 @@ def test_refuses_a_folder_that_is_none(tmp_path: Path) -> None:
         ({"sigma": np.array([1.0, 0.0, 1.0])}, "noise is positive"),
         ({"sigma": np.array([1.0, 1e-300, 1.0])}, "noise is positive: give it, from 1e-09 to 1000"),
         ({"trials": (record(omega=np.ones((4, 2)), theta=None),)}, "has 2 wheels"),
+        ({"trials": (mixed(),)}, "a: has angles of some wheels and speeds of others, give angles or speeds"),
     ],
 )
 def test_a_data_set_that_contradicts_itself(more: dict[str, object], told: str) -> None:
@@ -377,3 +385,9 @@ def test_a_run_is_read_or_refused_and_never_forgotten(tmp_path: Path) -> None:
     (place / "trials" / "b.csv").rename(place / "trials" / "more" / "b.csv")
     with pytest.raises(InputError, match="more: would not be read"):
         read_data_set(place)
+
+
+def test_a_wheel_s_missing_speed_is_no_loss_where_every_angle_is_known() -> None:
+    speeds = np.ones((4, 3))
+    speeds[:, 1] = np.nan
+    assert data_set(trials=(record(omega=speeds),)).trials

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,13 +12,23 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from real_logs import EXCERPT, WHOLE, logs, needs_whole
 
+import slipmargin as sm
+from slipmargin.checks import Array
+from slipmargin.data.odometry import wheel_path
+from slipmargin.data.record import Record
 from slipmargin.errors import InputError
 from slipmargin.io.importers.loose_table import increasing, read_loose
 from slipmargin.io.importers.plug import import_files
 from slipmargin.io.importers.robotino import RobotinoImporter
 from slipmargin.io.importers.smooth import smooth_angles
 from slipmargin.io.importers.units import factor
+from slipmargin.io.robot_file import read_recipe
+from slipmargin.physics.convention import Convention
+from slipmargin.physics.frames import rotate_rows
+from slipmargin.robot import Robot
+from slipmargin.robot.turned import robot_in
 
+SSL = EXCERPT.parent / "robojackets_excerpt" / "enc_vis_excerpt.txt"
 LOG = EXCERPT / "gray_0.1" / "heading_155.csv"
 READ = RobotinoImporter().read
 
@@ -49,11 +61,11 @@ def test_signs_and_units_by_hand(tmp_path: Path) -> None:
     record = READ(path).record
     np.testing.assert_allclose(record.t_s, [0.0, 0.5])
     assert record.theta is not None and record.omega_cmd is not None and record.current is not None
-    # A motor counts up where its wheel carries the body along +ŝ: θ of eq. (3) counts down.
+    # A motor counts up where its wheel carries the robot counter-clockwise, the built-in file's θ clockwise.
     np.testing.assert_allclose(record.theta[1], [-math.pi, 0.0, 2.0 * math.pi])
     np.testing.assert_allclose(record.omega_cmd[0], [-1.0, 0.0, 1.0])
     np.testing.assert_allclose(record.current[0], [1.0, 2.0, 3.0])
-    # Image y points down; φ = a + 90°, unwrapped.
+    # Image y points down; the front's heading, φ of this file, is a + 90°, unwrapped.
     np.testing.assert_allclose(record.pose[1, :2] - record.pose[0, :2], [10 * 1.8405e-3, 10 * 1.8372e-3])
     np.testing.assert_allclose(record.pose[:, 2], np.deg2rad([449.0, 451.0]))
 
@@ -290,3 +302,63 @@ def test_the_whole_campaign_is_read_without_loss() -> None:
     assert len(summary.records) == 216 and not summary.refused
     assert all(not r.dropped and not r.notes for r in summary.readings)
     assert summary.facts()["ticks_per_turn_by_logged_speed"] == pytest.approx(1978, abs=10)
+
+
+def reversed_drives(robot: Robot) -> Robot:
+    """The same machine by a user to whom every drive direction is the other end of the wheel."""
+    return replace(
+        robot,
+        wheels=tuple(replace(w, drive_direction_deg=w.drive_direction_deg + 180.0) for w in robot.wheels),
+    )
+
+
+def on_floor(robot: Robot, record: Record) -> Array:
+    """The front's heading, and how wheel angles and commands alone would move the robot on the floor."""
+    assert record.theta is not None
+    kept = np.isfinite(record.pose).all(axis=1)
+    ways = [np.diff(wheel_path(robot.geometry, record.theta)[kept], axis=0)]
+    if record.omega_cmd is not None:
+        ways.append(record.omega_cmd[kept][1:] @ robot.geometry.no_slip_map().T)
+    phi = record.pose[kept][1:, 2]
+    return np.column_stack([robot.convention.yaw_of_phi(phi), *(rotate_rows(phi, way) for way in ways)])
+
+
+@pytest.mark.parametrize(
+    "same",
+    [
+        lambda robot: robot_in(robot, Convention.PAPER),
+        lambda robot: reversed_drives(robot_in(robot, Convention.PAPER)),
+        reversed_drives,
+    ],
+)
+def test_any_robot_file_of_the_same_robotino_tells_the_same_of_a_log(
+    same: Callable[[Robot], Robot],
+) -> None:
+    """In the paper's axes φ was 90° off, and wheels turned the wrong way where the file turns them round."""
+    shipped = read_recipe("robotino").robot
+    robot = same(shipped)
+    found, known = (on_floor(r, RobotinoImporter(robot=r).read(LOG).record) for r in (robot, shipped))
+    np.testing.assert_allclose(found, known, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "same",
+    [
+        lambda robot: robot_in(robot, Convention.ROS),
+        lambda robot: reversed_drives(robot_in(robot, Convention.ROS)),
+        reversed_drives,
+    ],
+)
+def test_any_robot_file_of_the_same_ssl_robot_tells_the_same_of_a_log(same: Callable[[Robot], Robot]) -> None:
+    """In ROS's axes every wheel turned the wrong way."""
+    shipped = read_recipe("robojackets-2018").robot
+    robot = same(shipped)
+    found, known = (
+        on_floor(r, sm.import_logs([SSL], "robojackets", r).read.records[0]) for r in (robot, shipped)
+    )
+    np.testing.assert_allclose(found, known, atol=1e-9)
+
+
+def test_a_robot_of_other_wheels_is_refused_by_its_count() -> None:
+    with pytest.raises(InputError, match="wheel: mecanum4 has 4 wheels, the log 3, give the file"):
+        RobotinoImporter(robot=read_recipe("mecanum4").robot).read(LOG)

@@ -92,6 +92,25 @@ def test_an_export_of_advantagescope(table: bool, tmp_path: Path) -> None:
     same_run(one(logs.advantagescope(tmp_path / "run.csv", RUN, table=table), "advantagescope", rover()))
 
 
+@pytest.mark.parametrize(("unit", "per"), [("m/s", logs.RADIUS_M), ("rad/s", 1.0), ("rpm", 30.0 / math.pi)])
+def test_the_wheels_of_a_mecanum_drive_in_the_unit_that_is_said(
+    unit: str, per: float, tmp_path: Path
+) -> None:
+    """A channel that is speeds by its name was read in m/s whatever was said: in rad/s 20 times too fast."""
+    held = replace(RUN, omega=RUN.omega * per / logs.RADIUS_M)
+    file = logs.advantagescope(tmp_path / "run.csv", held)
+    same_run(one(file, "advantagescope", rover(), wheels=[f"/Drive/WheelSpeeds:{unit}"]))
+
+
+def test_a_unit_that_a_channel_cannot_have_is_refused(tmp_path: Path) -> None:
+    file = logs.advantagescope(tmp_path / "run.csv", RUN)
+    with pytest.raises(InputError, match=r"--wheel: has the unit 'furlong', use one of: rad, .*, or m, m/s"):
+        one(file, "advantagescope", rover(), wheels=["/Drive/WheelSpeeds:furlong"])
+    with pytest.raises(InputError, match="is a pose, whose heading is in rad, leave :deg out"):
+        one(file, "advantagescope", rover(), pose="/Vision/Pose:deg")
+    same_run(one(file, "advantagescope", rover(), pose="/Vision/Pose:rad"))
+
+
 def test_a_log_of_road_runner(tmp_path: Path) -> None:
     file = logs.roadrunner(tmp_path / "run.json", RUN)
     same_run(one(file, "roadrunner", rover()))
