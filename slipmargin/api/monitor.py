@@ -88,7 +88,7 @@ class SlipMonitor:
         elif isinstance(training, str | Path):
             from slipmargin.api.monitor_training import from_data_set
 
-            training = from_data_set(self.table, self.channels, training)
+            training = from_data_set(model, self.table, self.channels, training)
         self.ratio = learn(training)
         self.false_alarm_rate, self.threshold = rate, self.ratio.threshold(rate)
         self._square, self._line, self._constant = self.ratio.polynomial()
