@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from slipmargin.checks import Array, from_zero, real
+from slipmargin.checks import Array, real
 from slipmargin.data.odometry import body_velocity
 from slipmargin.errors import InputError
 from slipmargin.onboard.signals import TAU_S
@@ -77,7 +77,6 @@ def simulated(
         above=0.0,
         cure="give newton metres per ampere",
     )
-    from_zero("seed", seed)
     rng = np.random.default_rng(seed)
     ticks = round(_LENGTH_S / _STEP_S)
     t = np.asarray(_STEP_S * np.arange(ticks + 1), dtype=np.float64)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from planting import planted, smooth_kiwi
+from slipmargin_cli.main import status
 
 import slipmargin as sm
 from slipmargin.data.data_set import DataSet
@@ -62,3 +63,16 @@ def test_what_cannot_be_undone_is_refused(runs: DataSet, tmp_path: Path) -> None
         write_data_set(tmp_path / name, data)
         with pytest.raises(InputError, match=said):
             sm.SlipMonitor(runs.recipe, runs.surface, training=tmp_path / name)
+
+
+@pytest.mark.parametrize(("seed", "said"), [(5, "has no effect"), (-1, "is -1, give a whole number from 0")])
+def test_a_seed_beside_runs_to_train_on_is_refused(
+    seed: int, said: str, runs: DataSet, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It was ignored without a word, one below zero too."""
+    log = tmp_path / "log.csv"
+    log.write_text("t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n0,1,2,3\n", encoding="utf-8")
+    write_data_set(tmp_path / "runs", runs)
+    words = ["ohio-kiwi", str(log), "--surface", "paper", "--train", str(tmp_path / "runs")]
+    assert status(["monitor", *words, "--seed", str(seed)]) == 2
+    assert f"--seed: {said}" in capsys.readouterr().err
