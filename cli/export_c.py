@@ -23,12 +23,9 @@ def export_c(
     sm_limit_twist gives the next velocity command, sm_limit_acceleration cuts an acceleration back,
     sm_margin says which share of the grip is in use.  No allocation, no library but the square root.
     """
-    import shlex
-
     import slipmargin as sm
 
     check_outputs(out, json=json, reads=(robot,))
     with at_options(surface="--surface", margin="--margin"):
         limiter = sm.Limiter(robot, surface, margin=margin)
-    words = ["slipmargin", "export", "c", robot, "--surface", surface, "--margin", f"{margin:g}"]
-    deliver(limiter, json=json, texts={out: limiter.c_header(shlex.join(words))})
+    deliver(limiter, json=json, texts={out: limiter.c_header()})

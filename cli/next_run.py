@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from .options import JsonOpt, MarginOpt, PlotOpt, ReportOpt, SeedOpt, check_outputs, deliver
-from .render import at_options, refuse, stages
+from .render import at_options, refuse, stages, warn
 
 _Folder = typer.Argument(
     metavar="DATASET", help="Folder with dataset.toml, the robot file and trials/ (or pulls.csv alone)."
@@ -66,6 +66,7 @@ def next_run(
             max_yaw_rate_rad_s="--max-yaw-rate",
             seed="--seed",
             budget_s="--budget",
+            picture="--plot",
         ),
     ):
         found = sm.next_run(
@@ -79,8 +80,11 @@ def next_run(
             seed=seed,
             progress=progress,
             budget_s=budget,
+            picture=plot is not None,
         )
     written = [] if out is None else found.write_folder(out)
+    if out is not None and not written:
+        warn("--out has no effect: the data set holds pulls and no runs")
     deliver(found, plot=plot, json=json, report=report, written=[(out or Path()) / name for name in written])
 
 

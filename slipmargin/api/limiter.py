@@ -61,12 +61,13 @@ class Limiter(Result):
     ([0.008, 0.0, 0.0], 'cut back, direction kept')
     """
 
-    __slots__ = ("_hash", "_margin", "table", "warnings")
+    __slots__ = ("_command", "_hash", "_margin", "table", "warnings")
 
     table: LimitTable
     warnings: tuple[str, ...]
 
     def __init__(self, robot: RobotLike, surface: str, *, margin: float = 0.1) -> None:
+        import shlex
         from hashlib import sha256
 
         from slipmargin.io.robot_text import write_recipe
@@ -75,6 +76,9 @@ class Limiter(Result):
         recipe = read_robot(robot)
         model, warnings = model_of(recipe, surface, band=True)
         self._margin = checked_margin(margin)
+        name = str(robot) if isinstance(robot, str | Path) else "ROBOT"
+        words = ["slipmargin", "export", "c", name, "--surface", surface, "--margin", str(self._margin)]
+        self._command = shlex.join(words)
         self._hash = sha256(write_recipe(recipe).encode()).hexdigest()
         self.table = limit_table(model, self._margin)
         self.warnings = (*warnings, *steady_warnings(model, self._margin))
@@ -156,18 +160,20 @@ class Limiter(Result):
         """What a code says."""
         return CODES[code]
 
-    def c_header(self, source: str = "slipmargin.Limiter") -> str:
+    def c_header(self, source: str | None = None) -> str:
         """The limiter as one C99 and C++17 header.
 
         Parameters
         ----------
-        source : str
-            What made it, for the header's first lines.
+        source : str, optional
+            What made it, for the header's first lines; by default the command that makes the same header, in
+            which a robot without a file is ROBOT.
         """
         from slipmargin import __version__
         from slipmargin.onboard.c_header import c_header
 
-        return c_header(self.table, version=__version__, robot_hash=self._hash, source=source)
+        made = self._command if source is None else source
+        return c_header(self.table, version=__version__, robot_hash=self._hash, source=made)
 
     def summary(self) -> str:
         """Robot, surface and margin."""
@@ -251,6 +257,5 @@ def export_c(robot: RobotLike, surface: str, path: Path | str, *, margin: float 
     <limiter of ohio-kiwi on paper: 3 wheels, margin 0.1>
     """
     limiter = Limiter(robot, surface, margin=margin)
-    name = robot if isinstance(robot, str) else "ROBOT"
-    limiter.write_files(texts={path: limiter.c_header(f"slipmargin export c {name} --surface {surface}")})
+    limiter.write_files(texts={path: limiter.c_header()})
     return limiter

@@ -12,7 +12,7 @@ import numpy as np
 
 from slipmargin.api.monitor_log import MonitoredLog, SlipEstimate, Tally
 from slipmargin.api.robots import RobotLike, model_of, read_robot
-from slipmargin.checks import Array, frozen, measurable, real, shaped
+from slipmargin.checks import Array, from_zero, frozen, measurable, real, shaped
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ class SlipMonitor:
     torque_per_ampere_N_m : float, optional
         Torque at the wheel per ampere [N m/A]: simulated runs need it where currents are logged.
     seed : int
-        Seed of the simulated runs.
+        Seed of the simulated runs; for these alone.
 
     Notes
     -----
@@ -69,6 +69,7 @@ class SlipMonitor:
         torque_per_ampere_N_m: float | None = None,
         seed: int = 0,
     ) -> None:
+        from slipmargin.api.monitor_training import from_data_set, simulated
         from slipmargin.onboard.likelihood import learn
         from slipmargin.onboard.signals import Channels, Signals
         from slipmargin.onboard.table import limit_table
@@ -79,16 +80,15 @@ class SlipMonitor:
         if torque_per_ampere_N_m is not None and (training is not None or not current):
             why = "the runs to train on hold currents" if current else "the log has no currents"
             raise InputError("torque_per_ampere_N_m", f"has no effect: {why}", "leave it out")
+        from_zero("seed", seed)
+        if training is not None and seed:
+            raise InputError("seed", "has no effect: no run is simulated to train on", "leave it out")
         self.table = limit_table(model, 0.0)
         self.channels = Channels(commanded=commanded, gyro=gyro, current=current)
         if training is None:
-            from slipmargin.api.monitor_training import simulated
-
             training = simulated(model, self.table, self.channels, seed, torque_per_ampere_N_m, rate)
         elif isinstance(training, str | Path):
-            from slipmargin.api.monitor_training import from_data_set
-
-            training = from_data_set(self.table, self.channels, training)
+            training = from_data_set(model, self.table, self.channels, training)
         self.ratio = learn(training)
         self.false_alarm_rate, self.threshold = rate, self.ratio.threshold(rate)
         self._square, self._line, self._constant = self.ratio.polynomial()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from slipmargin.checks import Array, from_zero, real
+from slipmargin.checks import Array, real
 from slipmargin.data.odometry import body_velocity
 from slipmargin.errors import InputError
 from slipmargin.onboard.signals import TAU_S
@@ -77,7 +77,6 @@ def simulated(
         above=0.0,
         cure="give newton metres per ampere",
     )
-    from_zero("seed", seed)
     rng = np.random.default_rng(seed)
     ticks = round(_LENGTH_S / _STEP_S)
     t = np.asarray(_STEP_S * np.arange(ticks + 1), dtype=np.float64)
@@ -163,18 +162,28 @@ def _settled(used: Array) -> NDArray[np.bool_]:
     return clear & (slips | grips)
 
 
-def from_data_set(table: LimitTable, channels: Channels, folder: Path | str) -> list[LabelledRun]:
+def from_data_set(
+    model: Model, table: LimitTable, channels: Channels, folder: Path | str
+) -> list[LabelledRun]:
     """The runs of a data set; a wheel slips where the pose says other velocities than the wheels.
+
+    What the data set's robot file says of its camera is undone.
 
     Raises
     ------
     InputError
-        Where the data set is for another number of wheels, or lacks a channel that is announced.
+        Where the data set is in another convention or for another number of wheels, lacks a channel that is
+        announced, or has a camera that cannot be undone.
     """
+    from slipmargin.diagnosis.sense import true_pose
     from slipmargin.io.data_set import read_data_set
     from slipmargin.onboard.likelihood import labelled
 
     found, out = read_data_set(folder), []
+    axes, sensing = found.recipe.robot.convention, found.recipe.build(found.surface).measurement
+    if axes is not model.convention:
+        problem = f"is {axes.value}, the robot's is {model.convention.value}"
+        raise InputError("convention", problem, "give robot and runs in one convention", str(folder))
     for trial in found.trials:
         place = f"trials/{trial.name}.csv"
         for name, wanted, given in (
@@ -190,7 +199,11 @@ def from_data_set(table: LimitTable, channels: Channels, folder: Path | str) -> 
         if trial.omega.shape[1] != table.count:
             raise InputError(place, "is of a robot with other wheels", "give this robot's runs", str(folder))
         half = max(2, round(_WINDOW_S / float(np.median(np.diff(trial.t_s)))))
-        truth, wheels = _velocities(table, trial.t_s, trial.pose, trial.omega, half)
+        try:
+            pose = true_pose(sensing, trial.t_s, trial.pose)
+        except InputError as fault:
+            raise fault.in_file(str(folder)) from None
+        truth, wheels = _velocities(table, trial.t_s, pose, trial.omega, half)
         size = np.array([1.0, 1.0, float(np.mean(np.abs(table.along[2])))])
         apart = np.linalg.norm((truth - wheels) * size, axis=1)
         slips = apart > _APART_M_S + _APART * np.linalg.norm(wheels * size, axis=1)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 _MOST_RUNS, _RUNS = 20, 3
 #: Slip margin that proposed motions keep by default [1].
 _MARGIN = 0.1
+_PULLS_ALONE = "has no effect: the data set holds pulls and no runs"
 
 
 @final
@@ -97,6 +98,7 @@ def next_run(
     seed: int = 0,
     progress: Callable[[str, float], None] = lambda stage, share: None,
     budget_s: float | None = None,
+    picture: bool = False,
 ) -> NextRunResult:
     """The runs that would tell most of what a diagnosis of the data set leaves open.
 
@@ -125,6 +127,8 @@ def next_run(
         Called with the name of each stage and the share of it that is done (0 to 1).
     budget_s : float, optional
         Seconds after which the search for explanations stops with the best so far.
+    picture : bool
+        Whether the result is to be drawn: refused for pulls alone, which have no runs to draw.
 
     Returns
     -------
@@ -171,6 +175,8 @@ def next_run(
         raise InputError("", "is a campaign", "give one of the data sets that it names", source)
     own = data.recipe.robot.convention
     if not data.trials:
+        if picture:
+            raise InputError("picture", _PULLS_ALONE, "leave it out")
         check_sense(data, source)
         given = {
             "runs": runs != _RUNS,
@@ -180,9 +186,7 @@ def next_run(
             "max_speed_m_s": max_speed_m_s is not None,
             "max_yaw_rate_rad_s": max_yaw_rate_rad_s is not None,
         }
-        unused_here = tuple(
-            f"{name} has no effect: the data set holds pulls and no runs" for name, on in given.items() if on
-        )
+        unused_here = tuple(f"{name} {_PULLS_ALONE}" for name, on in given.items() if on)
         return _pulls(data, source, share, seed, progress, budget_s, unused_here)
     if size is not None:  # what is too small is refused before the work, in the file's axes
         Space(middle_m=(0.0, 0.0), size_m=size).room_m(reach_m(data.recipe.build(data.surface)))

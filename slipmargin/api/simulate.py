@@ -288,18 +288,17 @@ def _read(model: Model, file: Path, angles: Array, until_s: float | None) -> _Co
     _allowed(model, table, omega, speeds)
     if until_s is not None and not t[-1] < until_s < math.inf:
         raise InputError("until_s", f"is {until_s:g} s", f"give a time after the last row, {t[-1]:g} s")
-    if any(name in table.names for name in _POSE):
-        for name in _POSE:
-            if name not in table.names:
-                raise InputError(
-                    name, "this column is missing", "a planned trajectory needs x_m, y_m and phi_rad"
-                )
-        _filled(table, _POSE)
+    for group, needed_by in ((_POSE, plan), (_VELOCITY, _VELOCITY)):
+        there = [name for name in needed_by if name in table.names]
+        if there:
+            for name in group:
+                if name not in table.names:
+                    cure = f"give {', '.join(group)} together"
+                    raise InputError(name, f"this column is missing, and {there[0]} needs it", cure)
+            _filled(table, group)
+    if _POSE[0] in table.names:
         pose = table.stack(_POSE)
-        twist = None
-        if all(name in table.names for name in _VELOCITY):
-            _filled(table, _VELOCITY)
-            twist = table.stack(_VELOCITY)[0]
+        twist = table.stack(_VELOCITY)[0] if _VELOCITY[0] in table.names else None
         if until_s is not None:
             raise InputError("until_s", "is for bare commands", "leave it out, a plan ends where it ends")
         return linear(t, omega, theta0=angles, spin=omega[0]), pose[0], twist, pose[-1]

@@ -54,7 +54,17 @@ class StopResult(Result):
     @property
     def verified(self) -> bool:
         """Whether all were simulated, none used more than the margin leaves, by 0.02, and no wheel lifted."""
-        return bool(np.all((self.use <= 1.0 - self.margin + 0.02) & (self.in_air_s == 0.0)))
+        return bool(np.all(np.isfinite(self.use)) and not self.over and not self.lifted)
+
+    @property
+    def over(self) -> int:
+        """Simulated stops that use more grip than the margin leaves, by 0.02."""
+        return int(np.count_nonzero(self.use > 1.0 - self.margin + 0.02))
+
+    @property
+    def lifted(self) -> int:
+        """Simulated stops in which a wheel lifts."""
+        return int(np.count_nonzero(self.in_air_s > 0.0))
 
     @property
     def limited(self) -> tuple[str, ...]:
@@ -101,16 +111,16 @@ class StopResult(Result):
         out = [told("longest", self.longest), told("shortest", self.shortest)]
         if np.any(np.isfinite(self.use)):
             longer = 100.0 * (self.simulated_m / self.distance_m - 1.0)
-            verdict = "keeps the margin" if self.verified else "does NOT keep the margin"
+            kept = "keeps the margin, but wheels lift" if self.lifted else "keeps the margin"
+            verdict = "does NOT keep the margin" if self.over or self.ended else kept
             out.append(
                 f"simulated {self.use.size} stops: {verdict}, uses at most {np.nanmax(self.use):.3f} of a "
                 f"wheel's grip, {1.0 - self.margin:.3g} allowed; distances differ by "
                 f"{np.nanmin(longer):+.1f} to {np.nanmax(longer):+.1f} %"
             )
-            lifted = self.in_air_s > 0.0
-            if np.any(lifted):
+            if self.lifted:
                 out.append(
-                    f"in {np.count_nonzero(lifted)} of them a wheel hangs in the air, for "
+                    f"in {self.lifted} of them a wheel hangs in the air, for "
                     f"{np.nanmax(self.in_air_s):.3g} s at most; the others carry its share"
                 )
         if self.ended:
@@ -149,6 +159,8 @@ class StopResult(Result):
             worst=self.longest,
             use=self.use,
             verified=self.verified,
+            over=self.over,
+            lifted=self.lifted,
             ended=self.ended,
             image=image(self.plot()),
             lines=self.lines(),

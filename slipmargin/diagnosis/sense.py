@@ -1,4 +1,4 @@
-"""The measured pose as a function of the true one, by the measurement model."""
+"""The measured pose as a function of the true one, by the measurement model, and back."""
 
 from __future__ import annotations
 
@@ -59,6 +59,33 @@ def measure(sensing: MeasurementModel, times_s: Sequence[Array], pose: Array) ->
         for measured, row, t_s in zip(out, true, own, strict=True):
             shift = warp.shift(_variable(warp.variable, t_s, row[: len(t_s)]))
             measured[: len(t_s)] += shift - shift[0]
+    return out
+
+
+def true_pose(sensing: MeasurementModel, t_s: Array, pose: Array) -> Array:
+    """The motion (T, 3) of which a sensor reports ``pose`` (T, 3) at ``t_s`` (T,): :func:`measure` undone.
+
+    It begins where the report begins; NaN at instants of which the sensor reports before or after the run.
+
+    Raises
+    ------
+    InputError
+        For a clock that is off and for a general form, which depends on what is sought.
+    """
+    if sensing.warps or sensing.clock != 1.0:
+        problem = "a clock or a general form of the measurement cannot be undone"
+        raise InputError("effect", problem, "correct the runs by it and remove the effect")
+    if is_ideal(sensing):
+        return pose
+    out = np.array(pose, dtype=np.float64)
+    if sensing.delay_s:
+        columns = [np.interp(t_s + sensing.delay_s, t_s, c, left=np.nan, right=np.nan) for c in out.T]
+        out = np.column_stack(columns)
+    start = pose[np.argmax(np.isfinite(pose).all(axis=1))]
+    out[:, 2] = start[2] + (out[:, 2] - start[2]) / sensing.heading_gain
+    moved = rotate_rows(-sensing.rotation_rad, (out[:, :2] - start[:2]) / sensing.scale)
+    seen = np.stack(to_floor(out[:, 2], *sensing.marker_m), axis=-1)
+    out[:, :2] = start[:2] + moved - seen + np.stack(to_floor(start[2], *sensing.marker_m))
     return out
 
 

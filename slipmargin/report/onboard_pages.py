@@ -31,6 +31,8 @@ def stop_page(
     worst: int,
     use: Array,
     verified: bool,
+    over: int,
+    lifted: int,
     ended: Sequence[str],
     image: Image,
     lines: Sequence[str],
@@ -47,8 +49,12 @@ def stop_page(
     )
     if ended:
         lead += f" In simulation {len(ended)} stops do not reach their end: do not rely on these distances."
-    elif simulated and not verified:
+    elif over:
         lead += " In simulation a stop used more grip than that: do not rely on these distances."
+    elif lifted:
+        lead += (
+            f" In simulation a wheel lifts in {lifted} of {use.size} stops: do not rely on these distances."
+        )
     used = f"{np.max(use):.3f} of a wheel's grip" if simulated else "not simulated"
     if ended:
         used = f"{len(ended)} of {use.size} end early"

@@ -26,6 +26,20 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
+def pulled(tmp_path: Path) -> Path:
+    """A data set of pulls alone."""
+    folder = tmp_path / "pulled"
+    folder.mkdir()
+    (folder / "robot.toml").write_text(write_recipe(read_recipe("ohio-kiwi")), encoding="utf-8")
+    (folder / "dataset.toml").write_text(
+        'schema = 1\nrobot = "robot.toml"\nsurface = "paper"\nwheel_signal = "measured"\n', encoding="utf-8"
+    )
+    rows = [f"{0.3 * k:.2f},{4.5 + 0.1 * (k % 5):.2f}" for k in range(24)]
+    (folder / "pulls.csv").write_text("\n".join(["phi_rad,force_N", *rows]) + "\n", encoding="utf-8")
+    return folder
+
+
+@pytest.fixture
 def engine(monkeypatch: pytest.MonkeyPatch) -> list[room.Request]:
     """What is asked of the room, which answers at once."""
     asked: list[room.Request] = []
@@ -133,7 +147,7 @@ def test_an_interrupted_run_leaves_nothing(
 
 
 def test_pulls_take_the_budget_and_words_about_runs_are_spoken_of(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    pulled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     import slipmargin.diagnosis.pull_diagnosis as pulls_room
 
@@ -144,18 +158,25 @@ def test_pulls_take_the_budget_and_words_about_runs_are_spoken_of(
         return whole(data, budget_s=budget_s, **more)  # type: ignore[arg-type]
 
     monkeypatch.setattr(pulls_room, "diagnose_pulls", hurried)
-    folder = tmp_path / "pulled"
-    folder.mkdir()
-    (folder / "robot.toml").write_text(write_recipe(read_recipe("ohio-kiwi")), encoding="utf-8")
-    (folder / "dataset.toml").write_text(
-        'schema = 1\nrobot = "robot.toml"\nsurface = "paper"\nwheel_signal = "measured"\n', encoding="utf-8"
-    )
-    rows = [f"{0.3 * k:.2f},{4.5 + 0.1 * (k % 5):.2f}" for k in range(24)]
-    (folder / "pulls.csv").write_text("\n".join(["phi_rad,force_N", *rows]) + "\n", encoding="utf-8")
-    assert status(["next-run", str(folder), "--budget", "1", "--runs", "5", "--space", "3x2"]) == 0
+    words = ["--budget", "1", "--runs", "5", "--space", "3x2", "--out", str(tmp_path / "next")]
+    assert status(["next-run", str(pulled), *words]) == 0
     said = capsys.readouterr().err
-    assert budgets == [1.0]
-    assert "runs has no effect" in said and "space_m has no effect" in said
+    assert budgets == [1.0] and not (tmp_path / "next").exists()
+    for word in ("runs", "space_m", "--out"):
+        assert f"warning: {word} has no effect: the data set holds pulls and no runs" in said
+
+
+def test_a_picture_of_pulls_alone_is_refused_before_the_diagnosis(
+    pulled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It was refused after the whole search, and the page and the numbers were lost with it."""
+    monkeypatch.setattr(
+        "slipmargin.diagnosis.pull_diagnosis.diagnose_pulls", lambda *_, **__: pytest.fail("it searches")
+    )
+    assert status(["next-run", str(pulled), "--plot", str(tmp_path / "p.png")]) == 2
+    assert capsys.readouterr().err == (
+        "error: command line: --plot: has no effect: the data set holds pulls and no runs, leave it out\n"
+    )
 
 
 @pytest.mark.parametrize("inside", ["trials", "trials/proposed", "."])

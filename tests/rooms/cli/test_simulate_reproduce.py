@@ -77,6 +77,13 @@ def test_a_plan_is_followed_from_its_first_pose(tmp_path, capsys):
     assert found["friction_work_J"] < 0.0
 
 
+def beside(columns: str) -> str:
+    """Commands with columns of a plan: a part of its velocity was dropped, and those without a pose."""
+    more = columns.count(",") + 1
+    rows = [f"{t},{'0,' * more}1,1,1\n" for t in (0, 1)]
+    return HEAD.replace("t_s,", f"t_s,{columns},") + "".join(rows)
+
+
 @pytest.mark.parametrize(("text", "says"), [
     (STEP.replace("3.5,", "0,"), "time must increase"),
     (STEP.replace("-4.49944", "nan"), "2:4"),
@@ -86,6 +93,11 @@ def test_a_plan_is_followed_from_its_first_pose(tmp_path, capsys):
     (HEAD + "0,1,1,1\n", "one row"),
     ("t_s,x_m,omega1_rad_s,omega2_rad_s,omega3_rad_s\n0,0,1,1,1\n1,0,1,1,1\n",
      "y_m"),
+    (beside("x_m,y_m,phi_rad,vx_m_s,vy_m_s"), "wz_rad_s: this column is missing"),
+    (beside("x_m,y_m,phi_rad,wz_rad_s"), "vx_m_s: this column is missing"),
+    (beside("vx_m_s,vy_m_s,wz_rad_s"), "x_m: this column is missing"),
+    (beside("ax_m_s2"), "x_m: this column is missing"),
+    (beside("use1,use2,use3"), "x_m: this column is missing"),
 ])  # fmt: skip
 def test_bad_commands_are_one_line(tmp_path, capsys, text, says):
     out = tmp_path / "run.csv"

@@ -9,7 +9,7 @@ from slipmargin.checks import Array
 from slipmargin.data.record import Record
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.residual_diagnostics import dependences
-from slipmargin.diagnosis.sense import is_ideal, measure
+from slipmargin.diagnosis.sense import is_ideal, measure, true_pose
 from slipmargin.errors import InputError
 from slipmargin.model.parts import MeasurementModel
 from slipmargin.physics.terms import PoseShift
@@ -98,6 +98,23 @@ def test_a_faulty_sensor_by_hand() -> None:
         shape=np.array([1.0, 0.0]),
     )
     np.testing.assert_allclose(seen(sensing(warps=(warp,)))[1], [2.0, 2.0, 1.7])
+
+
+@pytest.mark.parametrize("delay_s", [0.0, 0.08, -0.08])
+def test_what_a_faulty_sensor_saw_is_found_again(delay_s: float) -> None:
+    faulty = MeasurementModel(
+        scale=np.array([0.93, 1.05]),
+        rotation_rad=0.2,
+        heading_gain=1.1,
+        delay_s=delay_s,
+        marker_m=np.array([0.05, -0.1]),
+    )
+    true = smooth() + np.array([0.3, -0.2, 0.7])
+    again = true_pose(faulty, T, measure(faulty, [T], true[None])[0])
+    known = np.isfinite(again).all(axis=1)
+    assert np.count_nonzero(~known) <= round(abs(delay_s) / 0.01) + 1
+    np.testing.assert_allclose(again[known], true[known], atol=1e-12)
+    assert true_pose(MeasurementModel.ideal(), T, true) is true
 
 
 def test_a_sensor_knows_no_wheel_speed() -> None:

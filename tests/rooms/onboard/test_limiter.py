@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+import shlex
 import shutil
 import subprocess
 from dataclasses import replace
@@ -14,11 +16,13 @@ import numpy as np
 import pytest
 from c_limiter import COMPILERS, STRICT, CompiledLimiter
 from hypothesis import given, settings, strategies as st
+from slipmargin_cli.main import status
 from strategies import four_wheels, robots
 
 import slipmargin as sm
 from slipmargin.effects.catalogue import CATALOGUE
 from slipmargin.errors import InputError
+from slipmargin.io.robot_text import write_recipe
 from slipmargin.limits.bias import bias
 from slipmargin.limits.motion import acceleration_limit
 from slipmargin.limits.motion_realised import realised
@@ -415,6 +419,21 @@ def test_what_the_header_says_of_itself() -> None:
         and "uneven creep" not in text
     )
     assert "malloc" not in text and text.count("#include") == 1 and STRICT
+
+
+@pytest.mark.parametrize("of", [str, Path])
+def test_the_command_in_a_header_makes_the_same_header(of: type, tmp_path: Path) -> None:
+    """Python left the margin out, and a path was ROBOT."""
+    robot, made, again = tmp_path / "my robot.toml", tmp_path / "made.h", tmp_path / "again.h"
+    robot.write_text(write_recipe(sm.read_robot("mecanum4")), encoding="utf-8")
+    margin = 0.1 + 0.2  # 0.30000000000000004
+    sm.export_c(of(robot), "floor", made, margin=margin)
+    said = re.search("with: slipmargin (.*)", made.read_text(encoding="utf-8"))
+    assert said is not None
+    words = shlex.split(said[1])
+    assert words == ["export", "c", str(robot), "--surface", "floor", "--margin", str(margin)]
+    assert status([*words, "--out", str(again)]) == 0
+    assert again.read_text(encoding="utf-8") == made.read_text(encoding="utf-8")
 
 
 def test_the_page_quotes_what_was_measured() -> None:

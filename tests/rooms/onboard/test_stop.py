@@ -101,6 +101,21 @@ def test_a_stop_that_tips_in_simulation_is_told_beside_the_others() -> None:
     assert f"{len(found.ended)} of 24 end early" in found.page_text()
 
 
+def test_a_wheel_that_lifts_is_not_told_as_grip_that_is_used_up() -> None:
+    """Every stop kept the margin, and the page said that one used more grip than that."""
+    found = sm.stop("mecanum4", "floor", speeds_m_s=[0.5], step_deg=90.0)
+    up = replace(found, in_air_s=np.where(np.arange(4) == 1, 0.05, 0.0)[:, None])
+    assert found.verified and not up.verified
+    line = next(line for line in up.lines() if line.startswith("simulated 4 stops: "))
+    assert line.startswith("simulated 4 stops: keeps the margin, but wheels lift, uses at most 0.9")
+    said = up.page().lead
+    assert said.endswith("In simulation a wheel lifts in 1 of 4 stops: do not rely on these distances.")
+    over = replace(up, use=found.use + 0.2)
+    assert any("does NOT keep the margin, uses at most 1.1" in line for line in over.lines())
+    assert "In simulation a stop used more grip than that" in over.page().lead
+    assert "simulation" not in found.page().lead and up.page().lead_kind == "attention"
+
+
 def test_the_speed_that_is_said_to_be_possible_is() -> None:
     """A start at 0.014 m/s was refused with the cure 'ask for a lower speed', which no one could tell."""
     bare = high_kiwi()
