@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -142,7 +143,8 @@ class Result(ABC):
         if type(self).plot is not Result.plot:
             from slipmargin.plots.style import image
 
-            drawn = image(self.plot())
+            with suppress(InputError):  # nothing to draw in this one: the lines say the rest
+                drawn = image(self.plot())
         return cell(self.summary(), self.lines(), drawn)
 
 

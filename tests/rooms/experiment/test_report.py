@@ -56,6 +56,7 @@ def test_one_explanation_has_its_interval_narrowed_and_none_what_could_hide() ->
 def test_pulls_alone_say_which_orientation_to_pull_next() -> None:
     pull = NextPull(phi_rad=0.5, direction_rad=0.0, separates=("stribeck", "floor_tilt"), apart_N=0.4)
     found = result(None, runs=(), space=None, narrowings=(), pulls=(pull,))
+    assert "pulled along" in found._repr_html_()  # a notebook shows what there is
     assert found.lines()[1] == (
         "next     robot at φ = 29°, pulled along 0° of the floor: stribeck and floor_tilt differ there by "
         "0.4 N"
