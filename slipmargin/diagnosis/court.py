@@ -167,7 +167,7 @@ def put(court: Court, state: State, rejected: list[Rejected]) -> Checked | None:
 
 
 def larger(before: Score, after: Score) -> tuple[str, ...]:
-    """Which errors of whole runs that nothing has seen are larger after, in words.
+    """Which errors of the whole runs that judge are larger after, in words.
 
     A correction with which one of them grows by more than the simulation is accurate is not claimed: what is
     called found makes every error that is reported smaller, or leaves it as it is.
@@ -178,7 +178,7 @@ def larger(before: Score, after: Score) -> tuple[str, ...]:
         ("the heading error", 1e3 * before.rmse_heading_rad, 1e3 * after.rmse_heading_rad, " mrad"),
     )
     return tuple(
-        f"on whole runs that nothing has seen {what} grows from {was:.4g} to {now:.4g}{unit}"
+        f"on whole runs {what} grows from {was:.4g} to {now:.4g}{unit}"
         for what, was, now, unit in rows
         if not now <= (1.0 + SETTINGS.same_error) * was
     )

@@ -69,8 +69,11 @@ def turned(state: State, rotations: Sequence[Candidate], trials: Index) -> list[
 def _apart(angle: Array, alike: Array, inside: NDArray[np.bool_]) -> tuple[float, float]:
     """Probability and mean of how angles (R,) differ in runs ``inside`` from those most ``alike``."""
     mine, others = np.flatnonzero(inside), np.flatnonzero(~inside)
-    pairs = [(i, others[np.argmax(alike[i, others])]) for i in mine]
-    apart = np.array([angle[i] - angle[j] for i, j in pairs if alike[i, j] >= SETTINGS.alike_runs])
+    nearest = others[np.argmax(alike[np.ix_(mine, others)], axis=1)]
+    near = alike[mine, nearest] >= SETTINGS.alike_runs
+    mine, nearest = mine[near], nearest[near]
+    # Runs beside one and the same share its accident: together they are one observation.
+    apart = np.array([np.mean(angle[mine[nearest == j]]) - angle[j] for j in np.unique(nearest)])
     if len(apart) < SETTINGS.few_unseen or not np.any(apart):
         return 1.0, 0.0
     return float(ttest_1samp(apart, 0.0).pvalue), float(np.mean(apart))

@@ -62,7 +62,7 @@ def residual_rate(
 def dependences(
     rates: Sequence[Array], variables: Sequence[Mapping[str, Array]], seed: int
 ) -> tuple[ResidualDependence, ...]:
-    """The correlation ratio of every variable with every channel, strongest first.
+    """The correlation ratio of every variable with every channel over the runs that have it, strongest first.
 
     Parameters
     ----------
@@ -75,14 +75,15 @@ def dependences(
     """
     random = np.random.default_rng(seed)
     found = []
-    for name in variables[0]:
-        values = [v[name] for v in variables]
+    for name in dict.fromkeys(name for v in variables for name in v):
+        which = [k for k, v in enumerate(variables) if name in v]
+        values = [variables[k][name] for k in which]
         edges = np.quantile(np.concatenate(values), np.linspace(0.0, 1.0, _BINS + 1)[1:-1])
         bins = [np.searchsorted(edges, v) for v in values]
         twice = [np.concatenate([b, b]) for b in bins]
         shifted = [[_turned(t, random) for t in twice] for _ in range(_SHIFTS)]
         for axis, channel in enumerate(CHANNELS):
-            rate = np.concatenate([r[:, axis] for r in rates])
+            rate = np.concatenate([rates[k][:, axis] for k in which])
             seen = np.isfinite(rate)
             if not seen.any():  # too many gaps to differentiate the pose anywhere
                 continue

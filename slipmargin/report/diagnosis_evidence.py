@@ -38,7 +38,7 @@ def evidence(d: Diagnosis) -> tuple[Block, ...]:
         )
     ]
     if d.judgement is not None:
-        blocks.append(Text(text=_judged(d.judgement)))
+        blocks.append(Text(text=_judged(d.judgement, bool(d.held_out))))
     tests = tuple(
         (
             f"`{f.name}`",
@@ -80,13 +80,16 @@ def evidence(d: Diagnosis) -> tuple[Block, ...]:
         blocks.append(Text(text="No other candidate explains these runs as well."))
     if d.after.chi > NOTICEABLE:
         sure = [e for e in d.map_after if e.supported]
-        rest = (
-            f"follows {words.VARIABLES[sure[0].traced_to]} ({sure[0].form}: "
-            f"{100 * sure[0].share:.2g} % of the squared residual of runs left out, "
-            f"p = {sure[0].p_value:.2g})"
-            if sure
-            else "follows none of the variables of the residual map significantly"
-        )
+        if not d.map_after:
+            rest = "was not compared with the variables again"
+        elif sure:
+            rest = (
+                f"follows {words.VARIABLES[sure[0].traced_to]} ({sure[0].form}: "
+                f"{100 * sure[0].share:.2g} % of the squared residual of runs left out, "
+                f"p = {sure[0].p_value:.2g})"
+            )
+        else:
+            rest = "follows none of the variables of the residual map significantly"
         blocks.append(Text(text=f"What remains (chi {d.after.chi:.3g}) {rest}."))
     return tuple(blocks)
 
@@ -116,12 +119,13 @@ def residual_map(d: Diagnosis) -> list[Block]:
     ]
 
 
-def _judged(j: Judgement) -> str:
+def _judged(j: Judgement, held_out: bool) -> str:
+    where = "On the runs that nothing has seen" if held_out else "On these runs, which chose the correction,"
     return (
         "Judged on every run, each predicted with parameters that were fitted to others: chi falls from "
         f"{j.chi_before:.3g} to {j.chi_after:.3g}; of {j.runs} runs whose error changes by more than noise "
         f"{j.better} get better (paired permutation over runs, {words.p_words(j.p_value)}), {j.worse} "
-        f"clearly worse. On the runs that nothing has seen {100 * j.explained:.0f} % of the mean square "
+        f"clearly worse. {where} {100 * j.explained:.0f} % of the mean square "
         "beyond the noise is explained."
     )
 

@@ -70,7 +70,11 @@ def page(diagnosis: Diagnosis, change: LimitsChange, images: Mapping[str, Image]
 
 def _unseen(d: Diagnosis) -> str:
     """What the errors are those of."""
-    return "one run, of which none was held out" if d.one_run else "runs that no fit has seen"
+    if d.one_run:
+        return "one run, of which none was held out"
+    return (
+        "runs that no fit has seen" if d.held_out or not d.findings else "each run predicted without itself"
+    )
 
 
 def _facts(d: Diagnosis, change: LimitsChange) -> Facts:
@@ -202,9 +206,10 @@ def _candidates(d: Diagnosis, images: Mapping[str, Image]) -> tuple[Block, ...]:
         else "Whether a proposal is claimed is decided below, by runs that it has not seen."
     )
     text = (
-        f"Candidates that were fitted in turn by simulation: {tried}. They are effects with a name, and for "
-        "every measured variable a general form with free coefficients. The search compares them by the "
-        f"error {compared}. The best is proposed if it makes that "
+        f"Candidates: {tried}. They are effects with a name, and for every measured variable a general form "
+        "with free coefficients. The search estimates by tangents what each could explain, and fits the most "
+        "promising by simulation; where none promises enough, the picture shows the estimates. It compares "
+        f"them by the error {compared}. The best is proposed if it makes that "
         f"error clearly smaller and its permutation p-value is at most {SETTINGS.significance:g}; "
         f"then the search starts again with it in the model. {decided}"
     )
@@ -222,8 +227,12 @@ def _candidates(d: Diagnosis, images: Mapping[str, Image]) -> tuple[Block, ...]:
 
 
 def _held_out(d: Diagnosis, images: Mapping[str, Image]) -> Picture:
-    if d.findings:
+    if d.findings and d.held_out:
         caption = "Runs that no fit has seen. Where blue runs through the dots, the correction predicts them."
+    elif d.findings:
+        caption = (
+            "Measured runs, before and after the correction. Its parameters were fitted to these runs too."
+        )
     else:
         caption = "Measured runs and the model's prediction of them."
     return Picture(

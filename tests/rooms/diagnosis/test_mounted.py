@@ -13,7 +13,7 @@ from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.groups import in_groups
 from slipmargin.diagnosis.loop import diagnose
-from slipmargin.diagnosis.mounted import rotations_of, turned
+from slipmargin.diagnosis.mounted import _apart, rotations_of, turned
 from slipmargin.diagnosis.refits import fitted
 from slipmargin.diagnosis.state import State
 from slipmargin.effects import AnyEffect, Trace
@@ -48,6 +48,13 @@ def test_a_camera_turned_against_another_shows_beside_whatever_the_model_lacks(a
     for (p_value, found), sign in zip(both, (-1.0, 1.0), strict=True):
         assert abs(found - sign * angle) < 0.004
         assert p_value < 0.005 if angle else p_value > 0.005
+
+
+def test_runs_beside_one_and_the_same_share_its_accident() -> None:
+    """Eight runs straight ahead under one camera, one under the other: its slip looked like a rotation."""
+    angle = np.append(np.random.default_rng(1).normal(scale=1e-3, size=8), 0.01)
+    inside = np.append(np.full(8, True), False)
+    assert _apart(angle, np.ones((9, 9)), inside) == (1.0, 0.0)
 
 
 def test_a_camera_that_moved_is_found_beside_the_rotation_that_is_declared() -> None:

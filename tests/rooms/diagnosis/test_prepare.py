@@ -141,3 +141,12 @@ def test_a_dependence_is_seen_and_a_bystander_is_not() -> None:
     assert (first.variable, first.channel) == ("wheel angle", "right")
     assert first.share > 0.4 and first.p_value <= 0.01
     assert all(d.share < 0.1 for d in others)
+    # Of another run the angle was not logged: the search ended in a fault, after all its work.
+    for order in (1, -1):
+        mixed = dependences(
+            [rates[0], *rates][::order],
+            [{"bystander": variables[0]["bystander"]}, *variables][::order],
+            seed=0,
+        )
+        found = {(d.variable, d.channel): d for d in mixed}
+        assert found["wheel angle", "right"].share > 0.4 and found["bystander", "right"].share < 0.1

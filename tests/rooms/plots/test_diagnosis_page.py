@@ -240,6 +240,8 @@ def test_what_remains_is_named_by_its_variable() -> None:
     assert "What remains (chi 1.6) follows the robot's acceleration" in said(strong)
     assert "follows none of the variables of the residual map significantly" in said(left)
     assert "What remains" not in said(diagnosis())
+    # A search whose time is up maps nothing: a negative answer had been given.
+    assert "What remains (chi 1.6) was not compared" in said(replace(left, map_after=()))
 
 
 def test_the_verdict_never_says_more_than_the_errors() -> None:
@@ -278,6 +280,16 @@ def test_of_one_run_nothing_is_said_to_be_held_out(verdict: Verdict, parts: int)
         assert wrong not in said, wrong
     assert "on the one run" in said and "none was held out" in said
     assert ("One run in 2 parts" if parts == 2 else "One run of 3 s") in said
+
+
+def test_runs_that_chose_the_correction_are_not_said_to_be_unseen() -> None:
+    """Few runs are each predicted without themselves; the picture shows a fit to all of them."""
+    own = tuple(replace(t, held_out=False) for t in trials())
+    said = " ".join(
+        " ".join(read(text_of(diagnosis(trials=own, held_out=(), cross_validated=True))).text).split()
+    )
+    assert "no fit has seen" not in said and "nothing has seen" not in said
+    assert "each run predicted without itself" in said and "fitted to these runs too" in said
 
 
 def test_limits_that_do_not_move_are_said_to_stay() -> None:
