@@ -44,7 +44,7 @@ def evidence(d: Diagnosis) -> tuple[Block, ...]:
             f"`{f.name}`",
             f"{f.chi_without:.3g}",
             f"{f.chi_with:.3g}",
-            words.p_words(f.p_value),
+            words.search_words(f),
             str(f.candidates_tried),
         )
         for f in d.findings

@@ -169,6 +169,11 @@ def p_words(p_value: float) -> str:
     return f"p ≤ {p_value:.1g}" if p_value <= 0.01 else f"p = {p_value:.2g}"
 
 
+def search_words(finding: Finding) -> str:
+    """The p-value of the round of the search that tried an effect, or that none did (its value is 1 then)."""
+    return p_words(finding.p_value) if finding.p_value < 1.0 else "no round compared it"
+
+
 def plain(label: str) -> str:
     """A candidate's label or a variable's name without underscores."""
     return label.removeprefix("unnamed_").replace("_", " ")
@@ -267,7 +272,7 @@ def summary_lines(d: Diagnosis, change: LimitsChange) -> list[str]:
         values = ", ".join(interval(e) for e in f.parameters[:4])
         more = f", and {len(f.parameters) - 4} more" if len(f.parameters) > 4 else ""
         lines.append(
-            f"found    {f.name} (traced to {f.traced_to.value}; {p_words(f.p_value)} among "
+            f"found    {f.name} (traced to {f.traced_to.value}; {search_words(f)} among "
             f"{f.candidates_tried} candidates): {values}{more}"
         )
         lines += [

@@ -292,6 +292,14 @@ def test_runs_that_chose_the_correction_are_not_said_to_be_unseen() -> None:
     assert "each run predicted without itself" in said and "fitted to these runs too" in said
 
 
+def test_an_effect_that_no_round_tried_has_no_p_value() -> None:
+    """A camera's rotation is told from pairs of runs: the page said p = 1."""
+    one = diagnosis(findings=(wheel_loads(p_value=1.0),))
+    change = limits_change(one.recipe, one.corrected, one.surface)
+    for said in (text_of(one), " ".join(words.summary_lines(one, change))):
+        assert "no round compared it" in said and "p = 1 " not in said
+
+
 def test_limits_that_do_not_move_are_said_to_stay() -> None:
     finding = wheel_loads(
         effect=CameraDelay(delay_s=0.02),
