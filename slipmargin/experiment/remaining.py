@@ -12,16 +12,16 @@ import numpy as np
 from slipmargin.checks import Array, Index
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.repair import Repair
+from slipmargin.diagnosis.attempt import Attempt
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.conditions import ready
 from slipmargin.diagnosis.court import Checked
 from slipmargin.diagnosis.fit import Fit, build, fit, spans
-from slipmargin.diagnosis.ladder import check
 from slipmargin.diagnosis.left_over import like
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Verdict
 from slipmargin.diagnosis.rounds import Round
-from slipmargin.diagnosis.searched import Searched, searched
+from slipmargin.diagnosis.searched import Searched
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.watch import Watch
@@ -91,10 +91,9 @@ def remaining(data_set: DataSet, repairs: tuple[Repair, ...] | None, seed: int, 
         Told what is being done.
     """
     progress("mending the data", 0.0)
-    conditions = ready(data_set, repairs, seed)
-    found = searched(conditions.data_set, seed, progress, conditions.held)
-    court = found.court(conditions.data_set, seed)
-    checked = check(court, found.state, found.rounds, progress)
+    first = Attempt.of(ready(data_set, repairs, seed), seed, progress)
+    best = first.with_white_noise() or first
+    found, checked = best.searched, best.checked
     progress("fitting what is left to all runs", 0.0)
     question, problem, fits = _left(found, checked)
     return Remaining(
@@ -103,7 +102,7 @@ def remaining(data_set: DataSet, repairs: tuple[Repair, ...] | None, seed: int, 
         question=question,
         verdict=checked.verdict,
         candidates=tuple(found.candidates),
-        data_set=conditions.data_set,
+        data_set=best.conditions.data_set,
     )
 
 
