@@ -36,7 +36,7 @@ class Calibration:
 
     ``scale`` [1], ``rotation_rad``, ``delay_s``; ``tilt_per_m`` (2,) and ``middle_m`` (2,) of the
     tilted camera, zero tilt where none was found.  ``spread`` is the rms of what is left, per
-    distance [1]; ``runs`` how many runs it rests on.
+    distance driven [1]; ``runs`` how many runs it rests on.
     """
 
     scale: float
@@ -152,7 +152,7 @@ def calibrate(records: tuple[Record, ...], contacts: WheelGeometry, tilt: bool =
     if tilt and not np.any(np.abs(found[2:]) > SETTINGS.tilt_sure * sd[2:]):
         found, sd, left = _fit(pieces, middle, False)
     whole = np.array([np.hypot(*r.sum(axis=0)) for r in left])
-    length = np.array([np.hypot(*p.wheel.sum(axis=0)) for p in pieces])
+    length = np.array([np.hypot(*p.wheel.T).sum() for p in pieces])
     return Calibration(
         scale=float(np.hypot(*found[:2])),
         rotation_rad=float(np.arctan2(found[1], found[0])),

@@ -29,6 +29,21 @@ def body_path(pose: Array) -> Array:
     return np.vstack([np.zeros(3), np.cumsum(rotate_rows(middle, step, inverse=True), axis=0)])
 
 
+def driven_m(path: Array, noise_m: float) -> float:
+    """Length [m] of the fewest chords that a path (T, 2) leaves by no more than the noise.
+
+    Noise adds nothing to it: a straight path is one chord, however long the robot stands on the way.
+    """
+    off, way = path - path[0], path[-1] - path[0]
+    length = float(np.hypot(*way))
+    along = np.clip(off @ way / max(length**2, 1e-300), 0.0, 1.0)
+    far = np.hypot(*(off - along[:, None] * way).T)
+    k = int(np.argmax(far))
+    if far[k] <= noise_m:
+        return length
+    return driven_m(path[: k + 1], noise_m) + driven_m(path[k:], noise_m)
+
+
 def bridged(t: Array, values: Array) -> Array:
     """``values`` (T, C) with missing samples on the line between their neighbours; all-NaN stays NaN."""
     out = np.array(values, dtype=float)

@@ -13,11 +13,12 @@ import numpy as np
 
 from slipmargin.checks import Array, Index
 from slipmargin.data.data_set import Member
-from slipmargin.data.odometry import body_path
+from slipmargin.data.odometry import body_path, driven_m
 from slipmargin.diagnosis.limits_change import tried
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.pull_check import PullCheck, pull_check
 from slipmargin.diagnosis.result import Diagnosis, Estimate, Finding, Score, ShownBy, TrialTrajectories
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.effects.confined import Confined, acting
 
@@ -25,7 +26,10 @@ from slipmargin.effects.confined import Confined, acting
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Drift:
-    """Errors over whole runs (root mean square): displacement over distance [1], change of heading [rad]."""
+    """Errors over whole runs (root mean square): displacement over distance driven [1], heading [rad].
+
+    A run that went no farther than noise, as one on the spot, has no share in the first.
+    """
 
     displacement: float
     heading_rad: float
@@ -140,8 +144,8 @@ def _member(
         judged=len({t.run for t in held}),
         before=_score(judged, [t.before for t in judged], diagnosis.noise),
         after=_score(judged, [t.after for t in judged], diagnosis.noise),
-        drift_before=_drift(judged, [t.before for t in judged]),
-        drift_after=_drift(judged, [t.after for t in judged]),
+        drift_before=_drift(judged, [t.before for t in judged], diagnosis.noise),
+        drift_after=_drift(judged, [t.after for t in judged], diagnosis.noise),
         corrected=corrected,
         pulls=pulls,
         missing=missing,
@@ -171,14 +175,16 @@ def _score(trials: list[TrialTrajectories], predicted: list[Array], sigma: Array
     )
 
 
-def _drift(trials: list[TrialTrajectories], predicted: list[Array]) -> Drift:
-    way, turn = [], []
+def _drift(trials: list[TrialTrajectories], predicted: list[Array], sigma: Array) -> Drift:
+    way, turn, noise = [], [], SETTINGS.outlier_sigma * float(np.max(sigma[:2]))
     for trial, pose in zip(trials, predicted, strict=True):
-        went, meant = body_path(trial.measured)[-1], body_path(pose)[-1]
-        distance = float(np.hypot(*went[:2]))
-        if distance > 0.0:
-            way.append(float(np.hypot(*(meant - went)[:2])) / distance)
-        turn.append(float((meant - went)[2]))
+        seen = np.isfinite(trial.measured).all(axis=1)
+        path = body_path(trial.measured[seen])
+        off = body_path(pose[seen])[-1] - path[-1]
+        distance = driven_m(path[:, :2], noise)
+        if distance > noise:
+            way.append(float(np.hypot(*off[:2])) / distance)
+        turn.append(float(off[2]))
     return Drift(
         displacement=float(np.sqrt(np.mean(np.square(way)))) if way else 0.0,
         heading_rad=float(np.sqrt(np.mean(np.square(turn)))) if turn else 0.0,

@@ -5,15 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from slipmargin.data.data_set import DataSet
-from slipmargin.data.noise import lasting_noise
 from slipmargin.data.repair import Repair
+from slipmargin.diagnosis.attempt import Attempt
 from slipmargin.diagnosis.campaign import shown_in
-from slipmargin.diagnosis.conditions import Ready, ready
+from slipmargin.diagnosis.conditions import ready
 from slipmargin.diagnosis.court import Checked
 from slipmargin.diagnosis.findings import findings
 from slipmargin.diagnosis.fit import Fit, fit
 from slipmargin.diagnosis.held_out import score
-from slipmargin.diagnosis.ladder import check
 from slipmargin.diagnosis.leads import leads
 from slipmargin.diagnosis.left_over import left_over, like
 from slipmargin.diagnosis.map_entry import MapEntry
@@ -24,7 +23,7 @@ from slipmargin.diagnosis.remarks import of_noise, of_one_run, of_pieces, of_the
 from slipmargin.diagnosis.residual_diagnostics import dependences
 from slipmargin.diagnosis.result import Diagnosis, Finding, Step, TrialTrajectories, Tried, Verdict
 from slipmargin.diagnosis.rounds import Round
-from slipmargin.diagnosis.searched import Searched, events_of, searched
+from slipmargin.diagnosis.searched import Searched, events_of
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.verdict import judged
@@ -67,32 +66,19 @@ def diagnose(
     watch = Watch.of(progress, budget_s)
     watch("mending the data", 0.0)
     conditions = ready(data_set, repairs, seed)
-    s = searched(conditions.data_set, seed, watch, conditions.held)
-    found = _diagnosed(conditions, s, seed, watch, budget_s)
-    lasting = conditions.data_set.lasting
-    if found.verdict is Verdict.EFFECT_FOUND or lasting is None or watch.expired:
-        return found
-    if np.max(lasting.time_s * (lasting.share > 0.0)) < SETTINGS.piece_s:
-        return found
-    # Noise that lasts as long as a manoeuvre looks like what an effect does: what leaves nothing but white
-    # noise on runs that it has not seen explains more.
-    white, watch = conditions.with_white_noise(), watch.staged("with white noise")
-    s = searched(white.data_set, seed, watch, white.held, SETTINGS.noise_chi)
-    if s.state.chi > SETTINGS.noise_chi:
-        return found
-    other = _diagnosed(white, s, seed, watch, budget_s)
-    left = [(t.t_s, t.measured - t.after) for t in other.trials]
-    return other if other.verdict is Verdict.EFFECT_FOUND and lasting_noise(left)[1] is None else found
+    first = Attempt.of(conditions, seed, watch)
+    found = _diagnosed(first, budget_s)
+    other = first.with_white_noise()
+    return found if other is None else _diagnosed(other, budget_s)
 
 
-def _diagnosed(conditions: Ready, s: Searched, seed: int, watch: Watch, budget_s: float | None) -> Diagnosis:
-    """What was searched, judged on the runs that it has not seen, and reported."""
-    data_set = conditions.data_set
-    was_cut = watch.expired
+def _diagnosed(attempt: Attempt, budget_s: float | None) -> Diagnosis:
+    """What an attempt found, reported."""
+    conditions, s, checked = attempt.conditions, attempt.searched, attempt.checked
+    data_set, seed, watch = conditions.data_set, attempt.seed, attempt.watch
     held, trials = s.held, s.problem.trials
     everyone = np.arange(len(trials), dtype=np.int64)
     court = s.court(data_set, seed)
-    checked = check(court, s.state, s.rounds, watch)
     problem, state = checked.problem, checked.state
     before, after = (score(e, judged(court.unseen)) for e in (checked.before, checked.after))
     watch("what is left", 0.0)
@@ -169,7 +155,7 @@ def _diagnosed(conditions: Ready, s: Searched, seed: int, watch: Watch, budget_s
         corrected=data_set.recipe.with_effects(*(() if final is None else acting(final.effects, 0))),
         repairs=conditions.repairs,
         remarks=(
-            *(cut_short(budget_s) if was_cut else ()),
+            *(cut_short(budget_s) if attempt.was_cut else ()),
             *of_the_clock(data_set, checked, final, s.candidates),
             *of_noise(data_set.members),
             *of_one_run(len(data_set.trials)),

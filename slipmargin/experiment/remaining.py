@@ -12,16 +12,16 @@ import numpy as np
 from slipmargin.checks import Array, Index
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.repair import Repair
+from slipmargin.diagnosis.attempt import Attempt
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.conditions import ready
 from slipmargin.diagnosis.court import Checked
 from slipmargin.diagnosis.fit import Fit, build, fit, spans
-from slipmargin.diagnosis.ladder import check
 from slipmargin.diagnosis.left_over import like
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Verdict
 from slipmargin.diagnosis.rounds import Round
-from slipmargin.diagnosis.searched import Searched, searched
+from slipmargin.diagnosis.searched import Searched
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 from slipmargin.diagnosis.watch import Watch
@@ -91,33 +91,30 @@ def remaining(data_set: DataSet, repairs: tuple[Repair, ...] | None, seed: int, 
         Told what is being done.
     """
     progress("mending the data", 0.0)
-    conditions = ready(data_set, repairs, seed)
-    found = searched(conditions.data_set, seed, progress, conditions.held)
-    court = found.court(conditions.data_set, seed)
-    checked = check(court, found.state, found.rounds, progress)
+    first = Attempt.of(ready(data_set, repairs, seed), seed, progress)
+    best = first.with_white_noise() or first
+    found, checked = best.searched, best.checked
     progress("fitting what is left to all runs", 0.0)
-    question, verdict, problem, fits = _left(found, checked)
+    question, problem, fits = _left(found, checked)
     return Remaining(
         problem=problem,
         fits=tuple(fits),
         question=question,
-        verdict=verdict,
+        verdict=checked.verdict,
         candidates=tuple(found.candidates),
-        data_set=conditions.data_set,
+        data_set=best.conditions.data_set,
     )
 
 
-def _left(found: Searched, checked: Checked) -> tuple[Question, Verdict, Problem, list[Fit]]:
+def _left(found: Searched, checked: Checked) -> tuple[Question, Problem, list[Fit]]:
     state, everyone = checked.state, np.arange(len(checked.problem.trials), dtype=np.int64)
     if state is None:
-        quiet = checked.before.chi() <= SETTINGS.noise_chi
-        verdict = Verdict.NO_MISSING_EFFECT if quiet else Verdict.UNEXPLAINED
-        rounds = [] if quiet else found.rounds
+        rounds = [] if checked.near_noise else found.rounds
         view = checked.problem if not rounds else checked.problem.as_seen_in(rounds[0].before.view)
         believed = _fitted(view, (), np.zeros(0), everyone)
         leads = [_fitted(view, s.structure, s.fit.x, everyone) for s in _leads(rounds[:1])]
         fits = sorted(leads, key=lambda f: f.cost) if len(leads) > 1 else [*leads, believed]
-        return (Question.WHICH if len(fits) > 1 else Question.ANYTHING), verdict, view, fits
+        return (Question.WHICH if len(fits) > 1 else Question.ANYTHING), view, fits
     view = checked.problem.as_seen_in(state.view)
     best = _fitted(view, state.structure, state.fit.x, everyone)
     rivals = [_fitted(view, c, x, everyone) for c, x in _rivals(view, state, found.rounds)]
@@ -127,7 +124,7 @@ def _left(found: Searched, checked: Checked) -> tuple[Question, Verdict, Problem
         rivals = [_fitted(view, s.structure, s.fit.x, everyone) for s in _leads([last] if last else [])]
     rivals.sort(key=lambda f: f.cost)
     question = Question.WHICH if rivals else Question.HOW_MUCH
-    return question, Verdict.EFFECT_FOUND, view, [best, *rivals[: MOST - 1]]
+    return question, view, [best, *rivals[: MOST - 1]]
 
 
 def _fitted(view: Problem, structure: tuple[Candidate, ...], x: Array, trials: Index) -> Fit:

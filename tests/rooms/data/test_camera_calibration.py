@@ -127,6 +127,18 @@ def test_refuses_what_tells_nothing() -> None:
         calibrate(short, CONTACTS)
 
 
+def test_what_is_left_over_is_a_share_of_the_distance_driven_out_and_back() -> None:
+    """What is left was divided by how far from its start a run ended, which is little here."""
+    out = made_up(6)
+    there_and_back = []
+    for run in out:
+        t = np.concatenate([run.t_s, run.t_s[-1] + np.cumsum(np.full(len(run.t_s), 0.031))])
+        assert run.theta is not None
+        theta, pose = (np.concatenate([rows, rows[::-1]]) for rows in (run.theta, run.pose))
+        there_and_back.append(Record(name=run.name, t_s=t, theta=theta, pose=pose))
+    assert calibrate(tuple(there_and_back), CONTACTS).spread < 0.01
+
+
 def test_the_excerpt_of_the_table() -> None:
     records = import_files(RobotinoImporter(), logs(EXCERPT / "table_0.1")).records
     found = calibrate(records, CONTACTS)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given, settings, strategies as st
 from strategies import models
 
-from slipmargin.data.odometry import body_path, bridged, wheel_angles, wheel_path
+from slipmargin.data.odometry import body_path, bridged, driven_m, wheel_angles, wheel_path
 from slipmargin.model import Model
 
 
@@ -30,6 +31,22 @@ def test_body_path_of_a_circle() -> None:
     np.testing.assert_allclose(path[-1], [1.0, 0.0, 2.0], atol=1e-6)  # arc length along the body's x
     pose[1000] = np.nan
     np.testing.assert_allclose(body_path(pose)[-1], path[-1], atol=1e-6)
+
+
+def test_the_distance_driven_counts_ways_back_and_circles_but_no_noise() -> None:
+    random, s = np.random.default_rng(4), np.linspace(0.0, 1.0, 2001)
+    ahead, zero = np.interp(s, [0.3, 0.7], [0.0, 1.0]), 0.0 * s  # it stands at both ends
+    circle = 0.3 * np.stack([np.sin(2.0 * np.pi * s), 1.0 - np.cos(2.0 * np.pi * s)], axis=1)
+    for path, length, rel in (
+        (np.stack([ahead, zero], axis=1), 1.0, 1e-3),
+        (np.stack([1.0 - np.abs(1.0 - 2.0 * ahead), zero], axis=1), 2.0, 0.01),
+        (circle, 0.6 * np.pi, 0.01),
+        (np.stack([zero, zero], axis=1), 0.0, 0.0),
+    ):
+        seen = path + random.normal(0.0, 5e-4, path.shape)
+        assert driven_m(seen, 4e-3) == pytest.approx(length, rel=rel, abs=4e-3)
+    straight = np.stack([ahead, zero], axis=1) + random.normal(0.0, 5e-4, (len(s), 2))
+    assert driven_m(straight, 4e-3) == float(np.hypot(*(straight[-1] - straight[0])))
 
 
 def test_missing_samples_lie_on_the_line_between() -> None:
