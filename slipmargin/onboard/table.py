@@ -83,6 +83,8 @@ class LimitTable:
         Change of the loads by that moment, seen in the body frame [1/m].
     viscous : (3, 3)
         Wrench per body twist of the viscous lateral friction.
+    spin : (N, 3)
+        Torque that wheels and rotors take per rate of the body twist.
     """
 
     robot: str
@@ -117,6 +119,7 @@ class LimitTable:
     viscous: Array
     torque_force: Array
     torque_drag: Array
+    spin: Array
     stall_torque_N_m: float | None
     top_speed_rad_s: float | None
 
@@ -129,7 +132,7 @@ class LimitTable:
             "slope_high": (n,), "rest_low_N": (c, n), "rest_high_N": (c, n),
             "per_acceleration_kg": (n, 2), "wrench_low": (3,), "wrench_high": (3,), "floor_wrench": (3,),
             "floor_moment_N_m": (2,), "floor_loads": (n, 2), "viscous": (3, 3),
-            "torque_force": (n,), "torque_drag": (n,),
+            "torque_force": (n,), "torque_drag": (n,), "spin": (n, 3),
         }  # fmt: skip
         for name, shape in shapes.items():
             object.__setattr__(self, name, frozen(name, getattr(self, name), shape))
@@ -229,6 +232,7 @@ def limit_table(model: Model, margin: float) -> LimitTable:
     rest = model.loads.at(np.zeros(2), lift_N=lift_N(model)) + model.loads.shifts()
     along_grip = np.sum(geometry.drive * geometry.grip, axis=1)
     along_free = np.sum(geometry.drive * geometry.free, axis=1)
+    rolling = geometry.rolling_rows() / geometry.radius_m[:, None]
     drives, drive = model.drives, friction.drive[0].min(axis=0)
     if np.min(drive) <= 0.0:
         wheel = geometry.names[int(np.argmin(drive))]
@@ -249,7 +253,7 @@ def limit_table(model: Model, margin: float) -> LimitTable:
         along=along,
         across=across,
         lateral=geometry.lateral_rows(),
-        rolling=geometry.rolling_rows() / geometry.radius_m[:, None],
+        rolling=rolling,
         drive=drive,
         drag_low=np.minimum(drag_low, drag_high),
         drag_high=drag_high,
@@ -266,6 +270,7 @@ def limit_table(model: Model, margin: float) -> LimitTable:
         viscous=-model.grip.viscous_N_s_per_m[1] * across @ geometry.lateral_rows(),
         torque_force=-geometry.radius_m * along_grip,
         torque_drag=geometry.radius_m * along_free,
+        spin=(drives.wheel_inertia_kg_m2 or 0.0) * rolling,
         stall_torque_N_m=drives.stall_torque_N_m,
         top_speed_rad_s=drives.max_speed_rad_s,
     )
