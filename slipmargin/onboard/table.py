@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from slipmargin.checks import Array, frozen, rounded_down
 from slipmargin.errors import InputError
 from slipmargin.limits.bias import height_m, lift_N
+from slipmargin.limits.bounds import ahead_of
 from slipmargin.limits.creep_states import Balance
 from slipmargin.limits.motion import steady_share
 from slipmargin.limits.motion_external import external_in_motion
@@ -31,6 +32,7 @@ from slipmargin.limits.motion_realised import SLOW_CREEP, comparable, settles_sl
 from slipmargin.limits.motion_rows import even_distribution
 from slipmargin.limits.motion_state import Motion
 from slipmargin.model import Model
+from slipmargin.physics.constants import CRAWL_M_S
 from slipmargin.physics.grips import GripShape, most_across, polyhedral
 from slipmargin.physics.terms import ForceTerm
 from slipmargin.physics.variables import Basis, Frame, Variable
@@ -277,16 +279,24 @@ def limit_table(model: Model, margin: float) -> LimitTable:
 
 
 def _states(model: Model) -> Motion:
-    """Twists up to the motors' top speed, evenly over directions and speeds; everything else unknown."""
+    """Twists up to the motors' top speed, evenly over directions and speeds; everything else unknown.
+
+    Translations and pure turns, where what grows with the speed is greatest, are taken exactly: at full speed
+    and at a crawl.
+    """
     draw = np.random.default_rng(0)
     way = draw.normal(size=(_STATES, 3))
     arm = model.geometry.reach_m
     way /= np.linalg.norm(way, axis=1, keepdims=True) * np.array([1.0, 1.0, arm])
+    course, turns = np.deg2rad(np.arange(0.0, 360.0, 5.0)), np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
+    exact = np.vstack([ahead_of(course), turns / arm])
+    part = np.append(draw.uniform(0.0, 1.0, _STATES) ** 2, np.ones(len(exact)))
+    way = np.vstack([way, exact])
     top = model.drives.max_speed_rad_s
-    speed = np.full(_STATES, FASTEST_M_S)
+    speed = np.full(len(way), FASTEST_M_S)
     if top is not None:
         speed = top / np.max(np.abs(model.geometry.wheel_speeds(way)), axis=1)
-    return Motion(velocity=way * (speed * draw.uniform(0.0, 1.0, _STATES) ** 2)[:, None])
+    return Motion(velocity=np.vstack([way * (speed * part)[:, None], CRAWL_M_S * exact]))
 
 
 def _uneven(model: Model, share: float) -> float:
@@ -349,7 +359,7 @@ def steady_warnings(model: Model, margin: float) -> tuple[str, ...]:
     """What to say where constant speed alone uses more than the margin leaves, or creep settles slowly."""
     slow = (f"creep: {SLOW_CREEP}",) if settles_slowly(model) else ()
     heading = np.deg2rad(np.arange(0.0, 360.0, 5.0))
-    way = np.column_stack([np.cos(heading), np.sin(heading), np.zeros_like(heading)])
+    way = ahead_of(heading)
     steady = steady_share(model, Motion.full_drag(way))
     worst = int(np.argmax(steady))
     if steady[worst] <= 1.0 - margin:

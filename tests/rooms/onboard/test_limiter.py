@@ -27,6 +27,7 @@ from slipmargin.errors import InputError
 from slipmargin.io.robot_text import write_recipe
 from slipmargin.limits.bias import bias
 from slipmargin.limits.motion import acceleration_limit
+from slipmargin.limits.motion_external import external_in_motion
 from slipmargin.limits.motion_realised import realised
 from slipmargin.limits.motion_rows import torque_use
 from slipmargin.limits.motion_state import Motion
@@ -555,3 +556,16 @@ def test_a_margin_that_leaves_nothing_beside_creep_is_refused(margin: float) -> 
     with pytest.raises(InputError, match="creep takes the rest") as told:
         sm.Limiter("ohio-kiwi", "paper", margin=margin)
     assert told.value.place == "margin"
+
+
+@pytest.mark.parametrize("name", ["ohio-kiwi", "mecanum4"])
+def test_what_grows_with_the_speed_counts_at_the_top_speed(name: str) -> None:
+    """No state that was tried moved straight along an axis: 130 N counted for 150 N."""
+    effect = OF["rolling_resistance"](coefficient=0.0, viscous_N_s_per_m=50.0)
+    model = sm.read_robot(name).with_effects(effect).build("paper" if name == "ohio-kiwi" else "floor")
+    table, arm, top = limit_table(model, 0.1), model.geometry.reach_m, model.drives.max_speed_rad_s
+    way = np.diag([1.0, 1.0, 1.0 / arm])
+    fastest = 3.0 if top is None else top / np.max(np.abs(way @ table.rolling.T), axis=1, keepdims=True)
+    seen = external_in_motion(model, Motion(velocity=way * fastest))
+    most = np.abs(np.diag(seen.low.sum(axis=0)))
+    np.testing.assert_array_less(most * (1.0 - 1e-9), np.minimum(table.wrench_high, -table.wrench_low))
