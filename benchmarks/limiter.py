@@ -40,7 +40,7 @@ class ModelLimiter(sm.Limiter):
     def __init__(self, model: Model, margin: float) -> None:
         from slipmargin.onboard.table import limit_table, steady_warnings
 
-        self._margin, self._hash = margin, "drawn"
+        self._margin, self._hash, self._command = margin, "drawn", "none makes it again"
         self.table, self.warnings = limit_table(model, margin), steady_warnings(model, margin)
 
 

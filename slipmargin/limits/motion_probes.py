@@ -158,8 +158,10 @@ def _of_place(model: Model, motion: Motion, term: Multiplier) -> Array:
 
 
 def _acceleration(model: Model, motion: Motion, column: int) -> Array:
+    """Rate of the body twist, which the wheels are asked for: a_o − ω ẑ×v_o."""
     if motion.acceleration is not None:
-        return np.asarray(motion.acceleration[None, :, column, None])
+        turning = np.cross(motion.velocity * [0.0, 0.0, 1.0], motion.velocity * [1.0, 1.0, 0.0])
+        return np.asarray((motion.acceleration - turning)[None, :, column, None])
     best = ACCELERATION_RANGE * GRAVITY_M_S2 * float(np.max(model.grip.roller[:, 0]))
     arm = model.reach_m
     top = best if column < 2 else best * model.inertia.mass_kg * arm / model.inertia.inertia_kg_m2

@@ -74,14 +74,18 @@ static inline void sm_to_centre(const sm_real *a, sm_real *out) {
 /* One step from now towards a target; 0 where no part of it keeps the margin. */
 static inline int sm_toward(const sm_real *now, const sm_real *drag_low, const sm_real *drag_high,
                             const sm_real *target, sm_real dt, sm_real heading, sm_real *next) {
-  sm_real step[3], per_s[3], near_by[3], end[3], far_, t = SM_C(0);
+  sm_real step[3], near_by[3], end[3], far_, t = SM_C(0);
   sm_course course;
   const sm_real *c = course.at, *rate = course.rate;
   sm_range range;
   int j, part, holds;
-  for (j = 0; j < 3; ++j) { step[j] = target[j] - now[j]; per_s[j] = step[j] / dt; }
+  for (j = 0; j < 3; ++j) {
+    step[j] = target[j] - now[j];
+    course.gain[j] = step[j] / dt;
+    course.gain0[j] = SM_C(0);
+  }
   sm_turning(now, step, &course);
-  sm_to_centre(per_s, course.rate);
+  sm_to_centre(course.gain, course.rate);
   far_ = SM_PULL / sm_most_of(SM_SQRT(rate[0] * rate[0] + rate[1] * rate[1]), SM_PULL);
   for (j = 0; j < 3; ++j) near_by[j] = c[j] + far_ * rate[j];
   range = sm_reach(now, now, drag_low, drag_high, heading, near_by, &course);
@@ -174,7 +178,10 @@ static inline sm_code sm_limit_acceleration(sm_twist now, sm_real heading_rad, s
   sm_to_centre(w, course.rate);
   sm_drag(v, low, high);
   course.turns = 0;
-  for (j = 0; j < 3; ++j) near_by[j] = course.at[j];
+  course.gain0[0] = v[2] * v[1];
+  course.gain0[1] = -v[2] * v[0];
+  course.gain0[2] = SM_C(0);
+  for (j = 0; j < 3; ++j) { near_by[j] = course.at[j]; course.gain[j] = w[j]; }
   for (round = 0; round < 1 + SM_SHARES_BY_LOAD; ++round) {
     const sm_range range = sm_reach(v, v, low, high, heading_rad, near_by, &course);
     holds = sm_pick(&range, &t);

@@ -8,8 +8,9 @@ ROWS = """
    at + t rate at its start, at + t (rate + turn) + t^2 curl at its end, at + t turn + t^2 curl in steady
    motion from there on. */
 typedef struct { sm_real at, rate, turn, curl; } sm_parts;
-/* The acceleration itself along the step; whether it turns: else turn and curl are not looked at. */
-typedef struct { sm_real at[3], rate[3], turn[3], curl[3]; int turns; } sm_course;
+/* The acceleration itself along the step, and gain0 + t gain, how fast the twist changes; whether it turns:
+   else turn and curl are not looked at. */
+typedef struct { sm_real at[3], rate[3], turn[3], curl[3], gain0[3], gain[3]; int turns; } sm_course;
 /* Which shares of a step are left: from least to most at its start, up to ends afterwards. */
 typedef struct { sm_real least, most, ends; } sm_range;
 
@@ -353,6 +354,10 @@ static inline sm_range sm_reach(const sm_real *start, const sm_real *end, const 
         force = sm_scaled(&force, arm);
         room = sm_scaled(&room, size);
         sm_add_load(&force, turns, direct * mid[i], load + i);
+#if SM_SPIN
+        force.at += sm_dot(sm_spin[i], course->gain0);
+        force.rate += sm_dot(sm_spin[i], course->gain);
+#endif
         if (wide)
           sm_add_load(&room, turns, (size * sm_size(own) - sm_size(arm * own + direct)) * half[i], load + i);
 #if !SM_EXACT_REST

@@ -59,7 +59,7 @@ def operations(table: LimitTable) -> dict[str, int]:
     sharing = (12 * n + 24 * len(threes(table.along)[0]) + 8) if table.shares_by_load else 0
     load = 2 + 6 * moving  # adding a part of a load
     wheel = 54 + n * (8 + load) + 2 * load + 24 * n * band
-    wheel += motor * (70 + 2 * load + 24 * n * band)
+    wheel += motor * (70 + 12 * int(np.any(table.spin)) + 2 * load + 24 * n * band)
     making = drag + external + sharing + 8 * n
     making += cases * (n * (1 + 18 * moving) + 3 * (5 + n * (1 + load)) + n * wheel)
     reading = 56 * count
@@ -135,6 +135,7 @@ def _switches(table: LimitTable) -> list[str]:
         ("SM_SHARES_BY_LOAD", str(int(table.shares_by_load)), "whether loads decide who gives what force"),
         ("SM_THREES", str(len(threes(table.along)[0])), "three wheels out of all"),
         ("SM_MOTOR", str(int(stall is not None)), "whether the motors' torque is known"),
+        ("SM_SPIN", str(int(np.any(table.spin))), "whether wheels and rotors have an inertia"),
         ("SM_TOP_SPEED", str(int(top is not None)), "whether the motors' top speed is known"),
         ("SM_FLOOR", str(int(table.turned)), "whether the floor slopes, so that the heading matters"),
         ("SM_SHARE", _number(table.share), "share of the grip that may be used"),
@@ -184,6 +185,7 @@ def _tables(table: LimitTable) -> list[str]:
     if table.stall_torque_N_m is not None:
         rows.append(("sm_torque_force", table.torque_force, "motor torque per drive force [m]"))
         rows.append(("sm_torque_drag", table.torque_drag, "and per drag [m]"))
+        rows.append(("sm_spin", table.spin, "and per rate of the twist, of wheels and rotors"))
     text = [_array(name, np.asarray(values), meaning) for name, values, meaning in rows]
     if table.shares_by_load:
         wheels, weight, spread = threes(table.along)

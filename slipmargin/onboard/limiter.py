@@ -7,7 +7,8 @@ dt the acceleration of the origin in body axes is
 
     a(t) = t Δ/dt + ω(t) ẑ × v(t),
 
-so the end of a step gives one quadratic a row.  Three of them count: the acceleration at the start of the
+so the end of a step gives one quadratic a row.  Motors also turn wheels and rotors faster, by the rate t Δ/dt
+of the twist itself.  Three of them count: the acceleration at the start of the
 step, at its end, and steady motion at its end, so that the next step can always keep the twist.  Drag takes
 its worst value between the twist now and the twist reached by the drag of now alone.
 """
@@ -46,7 +47,10 @@ ROUNDING, SHARING = 1e-6, 1e-2
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Rows:
-    """A (M, R, 3) a ≤ b (M, R) on the acceleration of the centre of mass; ``slack`` is the tolerance of b."""
+    """A (M, R, 6) a ≤ b (M, R); ``slack`` is the tolerance of b.
+
+    a is the acceleration of the centre of mass (3) and the rate of the body twist (3).
+    """
 
     A: Array
     b: Array
@@ -79,12 +83,12 @@ def rows(table: LimitTable, start: Array, end: Array, heading: Array, near: Arra
             turned[:, own, own] += table.torque_drag
             for sign in (1.0, -1.0):
                 H, by_wrench = _worst(sign * turned, low, high), sign * table.torque_force[:, None] * spread
-                A.append(_on_acceleration(by_wrench, table, H))
+                A.append(_on_acceleration(by_wrench, table, H, sign * table.spin))
                 offset = _offset(by_wrench, wrench_low, wrench_high, H, lightest + shift, heaviest + shift)
                 b.append(offset + table.share * _torque(table, sign, start, end))
                 slack.append(np.full(offset.shape, table.share * table.stall_torque_N_m))
     if table.transfers:
-        tip = np.zeros((len(start), table.count, 3))
+        tip = np.zeros((len(start), table.count, 6))
         tip[..., :2] = -table.per_acceleration_kg
         A.append(tip)
         b.append(table.share * (table.rest_low_N[0] + shift))
@@ -148,8 +152,9 @@ def _wrench(table: LimitTable, twist: Array, heading: Array) -> tuple[Array, Arr
     return table.wrench_low + both, table.wrench_high + both, shift
 
 
-def _on_acceleration(spread: Array, table: LimitTable, H: Array) -> Array:
-    A = np.broadcast_to(spread * table.mass, (len(H), table.count, 3)).copy()
+def _on_acceleration(spread: Array, table: LimitTable, H: Array, spin: Array | float = 0.0) -> Array:
+    A = np.empty((len(H), table.count, 6))
+    A[..., :3], A[..., 3:] = spread * table.mass, spin
     A[..., :2] += H @ table.per_acceleration_kg
     return A
 
@@ -211,8 +216,9 @@ def _reach(
     table: LimitTable, held: Rows, twist: Array, step: Array, dt: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Greatest share t (M,) of a step within the rows, or the middle of the miss; whether there is."""
-    constant, linear, square = _turning(table, twist, step)
-    rate = com_acceleration(table.com_m, np.zeros_like(step), step / dt[:, None])
+    none, gain = np.zeros_like(step), step / dt[:, None]
+    constant, linear, square = (np.hstack([part, none]) for part in _turning(table, twist, step))
+    rate = np.hstack([com_acceleration(table.com_m, none, gain), gain])
     least, most = _range(held, constant, rate)
     t, holds = _share(least, most)
     ends = np.minimum(_first(held, constant, rate + linear, square), _first(held, constant, linear, square))
@@ -291,11 +297,13 @@ def limit_acceleration(
     wanted, bad_wanted = cleaned(wanted)
     heading, bad_heading = cleaned(heading)
     bad = bad_twist | bad_wanted | (bad_heading if table.turned else False)
-    start = com_acceleration(table.com_m, twist, np.zeros_like(twist))
-    slope = com_acceleration(table.com_m, np.zeros_like(twist), wanted)
-    t, holds = _share(*_range(rows(table, twist, twist, heading, start), start, slope))
+    (vx, vy, w), none = twist.T, np.zeros_like(twist)
+    gain = np.stack([w * vy, -w * vx, none[:, 0]], axis=1)  # of the twist, as the body turns
+    start = np.hstack([com_acceleration(table.com_m, twist, none), gain])
+    slope = np.hstack([com_acceleration(table.com_m, none, wanted), wanted])
+    t, holds = _share(*_range(rows(table, twist, twist, heading, start[:, :3]), start, slope))
     if table.shares_by_load:
-        near = start + t[:, None] * slope
+        near = (start + t[:, None] * slope)[:, :3]
         t, holds = _share(*_range(rows(table, twist, twist, heading, near), start, slope))
     code = np.where(holds, np.where(t >= 1.0, 0, 1), 3)
     return np.where(bad, 0.0, t), np.where(bad, 4, code)

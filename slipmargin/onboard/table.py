@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from slipmargin.checks import Array, frozen, rounded_down
 from slipmargin.errors import InputError
 from slipmargin.limits.bias import height_m, lift_N
+from slipmargin.limits.bounds import ahead_of
 from slipmargin.limits.creep_states import Balance
 from slipmargin.limits.motion import steady_share
 from slipmargin.limits.motion_external import external_in_motion
@@ -31,6 +32,7 @@ from slipmargin.limits.motion_realised import SLOW_CREEP, comparable, settles_sl
 from slipmargin.limits.motion_rows import even_distribution
 from slipmargin.limits.motion_state import Motion
 from slipmargin.model import Model
+from slipmargin.physics.constants import CRAWL_M_S
 from slipmargin.physics.grips import GripShape, most_across, polyhedral
 from slipmargin.physics.terms import ForceTerm
 from slipmargin.physics.variables import Basis, Frame, Variable
@@ -83,6 +85,8 @@ class LimitTable:
         Change of the loads by that moment, seen in the body frame [1/m].
     viscous : (3, 3)
         Wrench per body twist of the viscous lateral friction.
+    spin : (N, 3)
+        Torque that wheels and rotors take per rate of the body twist.
     """
 
     robot: str
@@ -117,6 +121,7 @@ class LimitTable:
     viscous: Array
     torque_force: Array
     torque_drag: Array
+    spin: Array
     stall_torque_N_m: float | None
     top_speed_rad_s: float | None
 
@@ -129,7 +134,7 @@ class LimitTable:
             "slope_high": (n,), "rest_low_N": (c, n), "rest_high_N": (c, n),
             "per_acceleration_kg": (n, 2), "wrench_low": (3,), "wrench_high": (3,), "floor_wrench": (3,),
             "floor_moment_N_m": (2,), "floor_loads": (n, 2), "viscous": (3, 3),
-            "torque_force": (n,), "torque_drag": (n,),
+            "torque_force": (n,), "torque_drag": (n,), "spin": (n, 3),
         }  # fmt: skip
         for name, shape in shapes.items():
             object.__setattr__(self, name, frozen(name, getattr(self, name), shape))
@@ -229,6 +234,7 @@ def limit_table(model: Model, margin: float) -> LimitTable:
     rest = model.loads.at(np.zeros(2), lift_N=lift_N(model)) + model.loads.shifts()
     along_grip = np.sum(geometry.drive * geometry.grip, axis=1)
     along_free = np.sum(geometry.drive * geometry.free, axis=1)
+    rolling = geometry.rolling_rows() / geometry.radius_m[:, None]
     drives, drive = model.drives, friction.drive[0].min(axis=0)
     if np.min(drive) <= 0.0:
         wheel = geometry.names[int(np.argmin(drive))]
@@ -249,7 +255,7 @@ def limit_table(model: Model, margin: float) -> LimitTable:
         along=along,
         across=across,
         lateral=geometry.lateral_rows(),
-        rolling=geometry.rolling_rows() / geometry.radius_m[:, None],
+        rolling=rolling,
         drive=drive,
         drag_low=np.minimum(drag_low, drag_high),
         drag_high=drag_high,
@@ -266,22 +272,31 @@ def limit_table(model: Model, margin: float) -> LimitTable:
         viscous=-model.grip.viscous_N_s_per_m[1] * across @ geometry.lateral_rows(),
         torque_force=-geometry.radius_m * along_grip,
         torque_drag=geometry.radius_m * along_free,
+        spin=(drives.wheel_inertia_kg_m2 or 0.0) * rolling,
         stall_torque_N_m=drives.stall_torque_N_m,
         top_speed_rad_s=drives.max_speed_rad_s,
     )
 
 
 def _states(model: Model) -> Motion:
-    """Twists up to the motors' top speed, evenly over directions and speeds; everything else unknown."""
+    """Twists up to the motors' top speed, evenly over directions and speeds; everything else unknown.
+
+    Translations and pure turns, where what grows with the speed is greatest, are taken exactly: at full speed
+    and at a crawl.
+    """
     draw = np.random.default_rng(0)
     way = draw.normal(size=(_STATES, 3))
     arm = model.geometry.reach_m
     way /= np.linalg.norm(way, axis=1, keepdims=True) * np.array([1.0, 1.0, arm])
+    course, turns = np.deg2rad(np.arange(0.0, 360.0, 5.0)), np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
+    exact = np.vstack([ahead_of(course), turns / arm])
+    part = np.append(draw.uniform(0.0, 1.0, _STATES) ** 2, np.ones(len(exact)))
+    way = np.vstack([way, exact])
     top = model.drives.max_speed_rad_s
-    speed = np.full(_STATES, FASTEST_M_S)
+    speed = np.full(len(way), FASTEST_M_S)
     if top is not None:
         speed = top / np.max(np.abs(model.geometry.wheel_speeds(way)), axis=1)
-    return Motion(velocity=way * (speed * draw.uniform(0.0, 1.0, _STATES) ** 2)[:, None])
+    return Motion(velocity=np.vstack([way * (speed * part)[:, None], CRAWL_M_S * exact]))
 
 
 def _uneven(model: Model, share: float) -> float:
@@ -344,7 +359,7 @@ def steady_warnings(model: Model, margin: float) -> tuple[str, ...]:
     """What to say where constant speed alone uses more than the margin leaves, or creep settles slowly."""
     slow = (f"creep: {SLOW_CREEP}",) if settles_slowly(model) else ()
     heading = np.deg2rad(np.arange(0.0, 360.0, 5.0))
-    way = np.column_stack([np.cos(heading), np.sin(heading), np.zeros_like(heading)])
+    way = ahead_of(heading)
     steady = steady_share(model, Motion.full_drag(way))
     worst = int(np.argmax(steady))
     if steady[worst] <= 1.0 - margin:

@@ -16,16 +16,20 @@ import numpy as np
 import pytest
 from c_limiter import COMPILERS, STRICT, CompiledLimiter
 from hypothesis import given, settings, strategies as st
+from robot_files import GOOD
 from slipmargin_cli.main import status
 from strategies import four_wheels, robots
 
 import slipmargin as sm
+from slipmargin.effects import Recipe
 from slipmargin.effects.catalogue import CATALOGUE
 from slipmargin.errors import InputError
 from slipmargin.io.robot_text import write_recipe
 from slipmargin.limits.bias import bias
 from slipmargin.limits.motion import acceleration_limit
+from slipmargin.limits.motion_external import external_in_motion
 from slipmargin.limits.motion_realised import realised
+from slipmargin.limits.motion_rows import torque_use
 from slipmargin.limits.motion_state import Motion
 from slipmargin.model import nominal_model
 from slipmargin.onboard.limiter import _wrench as external_wrench, limit_twist, utilisation
@@ -37,6 +41,8 @@ from slipmargin.physics.variables import Basis, Frame, Variable
 from slipmargin.robot import Body, Coefficients, LoadRule, Robot, Surface, Wheel
 
 BUILT_IN = (("ohio-kiwi", "paper"), ("mecanum4", "floor"), ("omni4", "floor"), ("robotino", "gray"))
+#: Motors of a kiwi that limit it, most of all by what their own rotors take.
+WEAK = "stall_torque_N_m = 0.1\nreflected_inertia_kg_m2 = 0.0005\n"
 OF = {kind.name: kind for kind in CATALOGUE}
 
 
@@ -55,6 +61,14 @@ def drawn(limiter: sm.Limiter, count: int, seed: int) -> list[np.ndarray]:
     return [now, wanted, rng.choice([0.001, 0.01, 0.05], size=count), rng.uniform(-4.0, 4.0, count), pull]
 
 
+def with_rotors(inertia: float | None) -> Recipe:
+    """A mecanum robot whose weak motors turn wheels and rotors of an inertia [kg m²]."""
+    recipe = sm.read_robot("mecanum4")
+    assert recipe.robot.motor is not None
+    motor = replace(recipe.robot.motor, stall_torque_N_m=0.4, reflected_inertia_kg_m2=inertia)
+    return replace(recipe, robot=replace(recipe.robot, motor=motor))
+
+
 def special() -> list[tuple[str, Robot | object, str]]:
     """Robots that use every part of the algorithm: slopes, coupled grips, other laws, an uneven floor."""
     kiwi, mecanum = sm.read_robot("ohio-kiwi"), sm.read_robot("mecanum4")
@@ -64,6 +78,7 @@ def special() -> list[tuple[str, Robot | object, str]]:
         ("slope", mecanum.with_effects(slope), "floor"),
         ("uneven", replace(mecanum, robot=stiff), "floor"),
         ("disc-strip", sm.read_robot("mecanum4", grip="disc-strip"), "floor"),
+        ("rotors", with_rotors(0.004), "floor"),
     ]
     for law in LAWS:
         friction = replace(kiwi.robot.friction, name=law)
@@ -212,16 +227,11 @@ def used(limiter: sm.Limiter, now: np.ndarray, end: np.ndarray, dt: np.ndarray) 
     return utilisation(limiter.table, end, rate, np.zeros(len(end))).max(axis=1)
 
 
-@pytest.mark.parametrize("motor", [False, True])
+@pytest.mark.parametrize("motor", ["", "stall_torque_N_m = 0.9\n", WEAK], ids=["none", "motor", "rotors"])
 @pytest.mark.parametrize("speed", [0.05, 0.4])
-def test_three_wheels_accelerate_exactly_to_the_limit_in_motion(speed: float, motor: bool) -> None:
+def test_three_wheels_accelerate_exactly_to_the_limit_in_motion(speed: float, motor: str) -> None:
     """The limits' own road (facets of the zonotope, torque lines) ends where the limiter stops."""
-    from robot_files import GOOD
-
-    text = GOOD.split("[[effect]]")[0]
-    if not motor:
-        text = text.replace("stall_torque_N_m = 0.9\n", "")
-    recipe = read(text)
+    recipe = read(GOOD.split("[[effect]]")[0].replace("stall_torque_N_m = 0.9\n", motor))
     limiter, model = sm.Limiter(recipe, "paper", margin=0.2), recipe.build("paper")
     rng = np.random.default_rng(0)
     way = rng.normal(size=(200, 3)) * [1.0, 1.0, 8.0]
@@ -234,6 +244,38 @@ def test_three_wheels_accelerate_exactly_to_the_limit_in_motion(speed: float, mo
     share = np.linalg.norm(got, axis=1) / np.linalg.norm(ask, axis=1)
     np.testing.assert_allclose(share[inside], limit.value[inside], rtol=2e-4)
     assert set(code[inside]) == {1}
+
+
+def test_a_step_leaves_motors_what_heavy_rotors_take() -> None:
+    """Both ends of steps from every twist that can be kept: motors gave up to 2.3 times what they may."""
+    recipe = read(GOOD.split("[[effect]]")[0].replace("stall_torque_N_m = 0.9\n", WEAK))
+    limiter, model = sm.Limiter(recipe, "paper", margin=0.2), recipe.build("paper")
+    now, wanted, dt, heading, _ = drawn(limiter, 3000, 3)
+    fine = limiter.limit_twist(now, now, dt, heading)[1] == 0
+    now, wanted, dt, heading = (x[fine] for x in (now, wanted, dt, heading))
+    end, code = limiter.limit_twist(now, wanted, dt, heading)
+    some, share = code == 1, []
+    rate = ((end - now) / dt[:, None])[some]
+    for twist in (now[some], end[some]):
+        a = rate + np.cross(twist * [0.0, 0.0, 1.0], twist * [1.0, 1.0, 0.0])
+        torque = realised(model, Motion(velocity=twist, acceleration=a)).torque_N_m
+        share.append(torque_use(model, torque, model.geometry.wheel_speeds(twist)).max(axis=1))
+    over = np.max(share, axis=0) - limiter.table.share
+    # a row whose drag on the way leaves no room at the start says nothing of the end: one step
+    assert some.sum() > 300 and np.sum(over > 1e-3) <= 1 and np.max(over) < 0.02
+    assert np.mean(over > -0.02) > 0.3, "and it is no coward"
+
+
+def test_four_wheels_with_heavy_rotors_use_the_share_of_their_motors() -> None:
+    """What it allows, realised, takes the share of the motors: it took 1.5 times as much."""
+    recipe, ask = with_rotors(0.004), np.array([[0.0, 50.0, 0.0]])
+    limiter = sm.Limiter(recipe, "floor", margin=0.1)
+    model, still = recipe.build("floor"), np.zeros((1, 3))
+    step = limiter.limit_twist(still, ask, 0.001)[0] / 0.001  # shares wrenches as harder pulls do
+    for got, less in ((limiter.limit_acceleration(still, ask)[0], 0.01), (step, 0.06)):
+        torque = realised(model, Motion(velocity=still, acceleration=got)).torque_N_m
+        share = np.max(torque_use(model, torque, still @ limiter.table.rolling.T))
+        assert limiter.table.share - less < share < limiter.table.share + 0.01
 
 
 def read(text: str) -> object:
@@ -514,3 +556,16 @@ def test_a_margin_that_leaves_nothing_beside_creep_is_refused(margin: float) -> 
     with pytest.raises(InputError, match="creep takes the rest") as told:
         sm.Limiter("ohio-kiwi", "paper", margin=margin)
     assert told.value.place == "margin"
+
+
+@pytest.mark.parametrize("name", ["ohio-kiwi", "mecanum4"])
+def test_what_grows_with_the_speed_counts_at_the_top_speed(name: str) -> None:
+    """No state that was tried moved straight along an axis: 130 N counted for 150 N."""
+    effect = OF["rolling_resistance"](coefficient=0.0, viscous_N_s_per_m=50.0)
+    model = sm.read_robot(name).with_effects(effect).build("paper" if name == "ohio-kiwi" else "floor")
+    table, arm, top = limit_table(model, 0.1), model.geometry.reach_m, model.drives.max_speed_rad_s
+    way = np.diag([1.0, 1.0, 1.0 / arm])
+    fastest = 3.0 if top is None else top / np.max(np.abs(way @ table.rolling.T), axis=1, keepdims=True)
+    seen = external_in_motion(model, Motion(velocity=way * fastest))
+    most = np.abs(np.diag(seen.low.sum(axis=0)))
+    np.testing.assert_array_less(most * (1.0 - 1e-9), np.minimum(table.wrench_high, -table.wrench_low))

@@ -10,6 +10,7 @@ import pytest
 from strategies import four_wheels, kiwi
 
 import slipmargin as sm
+from slipmargin.effects import GeneralEffect, Part, Recipe, Trace
 from slipmargin.errors import InputError
 from slipmargin.limits.motion import acceleration_limit
 from slipmargin.limits.motion_rows import torque_use
@@ -19,6 +20,10 @@ from slipmargin.paths.check import check, derivatives
 from slipmargin.paths.path import through
 from slipmargin.paths.plan import Request, plan
 from slipmargin.paths.sample import trajectory
+from slipmargin.paths.trajectory import Trajectory
+from slipmargin.paths.verify import on_rollers, verify
+from slipmargin.physics.terms import ForceTerm
+from slipmargin.physics.variables import Basis, Frame, Variable
 from slipmargin.report.paths import check_lines
 from slipmargin.robot import Coefficients, LoadRule, Motor, Surface
 
@@ -296,3 +301,30 @@ def test_headings_that_turn_the_long_way_round_are_said(headings: list[float], t
     if told:
         mended = sm.plan("omni4", "floor", [[float(k), 0.0, p] for k, p in enumerate(short)], points=50)
         assert not any(line.startswith("waypoints") for line in mended.warnings)
+
+
+def test_a_circle_at_constant_speed_asks_the_wheels_for_no_acceleration() -> None:
+    """A force by the acceleration that the wheels ask for: check counted the one towards the middle."""
+    push = ForceTerm(
+        variable=Variable.ACCELERATION_X,
+        basis=Basis.POLYNOMIAL,
+        shape=np.array([1.0, 0.0]),
+        coefficients=np.array([[2.0], [0.0], [0.0]]),
+        frame=Frame.BODY,
+    )
+    effect = GeneralEffect(traced_to=Trace.ACCELERATION, part=Part.LOSSES, terms=(push,))
+    model = on_rollers(Recipe(robot=kiwi(), effects=(effect,)).build("paper"))
+    t, radius = np.linspace(0.0, 2.0, 401), 0.8
+    phi = 0.75 * t
+    pose = np.column_stack([radius * np.cos(phi), radius * np.sin(phi), phi])
+    found = check(model, t, pose)
+    rows = Trajectory(
+        t_s=t,
+        pose=pose,
+        velocity=found.velocity,
+        acceleration=found.acceleration,
+        omega=found.omega,
+        use=found.use,
+        wheels=model.geometry.names,
+    )
+    assert found.use[200] == pytest.approx(verify(model, rows).share[2000], abs=2e-3)
