@@ -19,6 +19,7 @@ from slipmargin.diagnosis.fit import Fit, build, limits_of, spans
 from slipmargin.diagnosis.pull_candidates import pull_candidates
 from slipmargin.diagnosis.pull_next import NextPull, next_pulls
 from slipmargin.diagnosis.pull_problem import PullProblem
+from slipmargin.diagnosis.pull_remarks import remarks
 from slipmargin.diagnosis.pull_search import (
     PullRound,
     PullState,
@@ -53,6 +54,8 @@ class PullLead:
 class PullDiagnosis:
     """Verdict, findings and evidence of a data set of pulls.
 
+    ``noise_from`` says what ``sigma_N`` is from: "stated", "repeats", "neighbours" (differences between
+    neighbouring orientations), or "residual" (what the model found leaves of all pulls).
     ``phi_rad``, ``force_N``, ``before_N`` and ``after_N`` (P,): each pull as measured, and as expected by the
     model as believed and by models found without its setting.  ``found_in`` of ``folds`` searches without a
     part of the settings found the same names.
@@ -114,6 +117,7 @@ def diagnose_pulls(
     watch = Watch.of(progress, budget_s)
     progress("reading the noise", 0.0)
     sigma, freedom, repeated = noise_N(pulls)
+    noise_from = "stated" if pulls.sigma_N is not None else "repeats" if repeated else "neighbours"
     problem = PullProblem.of(data_set.recipe, data_set.surface, pulls, sigma)
     candidates = pull_candidates(problem)
     progress("searching in all pulls", 0.0)
@@ -122,7 +126,8 @@ def diagnose_pulls(
     scatter = _scatter(problem, state.fit)
     if pulls.sigma_N is None and scatter < (1.0 - PULLS.least_share) * sigma:
         # What the wheels stood on is part of the scatter of repeats; the model found says how large a part.
-        sigma = scatter
+        sigma, noise_from = scatter, "residual"
+        freedom = max(1.0, problem.count(problem.everyone) - len(state.fit.x))
         problem = PullProblem.of(data_set.recipe, data_set.surface, pulls, sigma)
         state, rounds = search(problem, problem.everyone, candidates, seed, first)
     was_cut = first.expired
@@ -152,7 +157,7 @@ def diagnose_pulls(
         surface=data_set.surface,
         verdict=verdict,
         sigma_N=sigma,
-        noise_from="stated" if pulls.sigma_N is not None else "repeats" if repeated else "neighbours",
+        noise_from=noise_from,
         before=unseen.before,
         after=unseen.after if taken else unseen.before,
         p_value=unseen.p_value,
@@ -171,7 +176,7 @@ def diagnose_pulls(
         corrected=data_set.recipe.with_effects(*state.fit.effects) if taken else data_set.recipe,
         remarks=(
             *(cut_short(budget_s) if was_cut else ()),
-            *_remarks(problem, state, unseen, repeated, taken=taken),
+            *remarks(problem, state, unseen, noise_from, taken=taken),
             *of_unused(data_set),
         ),
     )
@@ -353,38 +358,3 @@ def _derived(problem: PullProblem, found: Fit, half: Array, index: int) -> tuple
         Estimate(name=q.name, value=q.value, low=q.value - float(r), high=q.value + float(r), unit=q.unit)
         for q, r in zip(named, reach, strict=True)
     )
-
-
-def _remarks(
-    problem: PullProblem, state: PullState, unseen: Unseen, repeated: bool, *, taken: bool
-) -> tuple[str, ...]:
-    said = []
-    if taken and unseen.misfit_after:
-        said.append(
-            f"What was found leaves a residual of {unseen.after.chi:.2f} times the noise on orientations "
-            "left out: something is still missing, or a form is only approximate."
-        )
-    if state.structure and not taken:
-        names = " + ".join(c.label for c in state.structure)
-        why = (
-            f"one orientation, left out, is then predicted worse by {unseen.worst:.1f} times the noise"
-            if unseen.worst > PULLS.worse
-            else f"orientations left out of the search gain too little (chi {unseen.before.chi:.3g} → "
-            f"{unseen.after.chi:.3g}, p = {unseen.p_value:.2g})"
-        )
-        said.append(f"Fitted to all pulls, {names} would be taken, but {why}.")
-    if problem.pulls.sigma_N is None and not repeated:
-        said.append(
-            "No orientation was pulled often enough to show the noise; differences between neighbouring "
-            "orientations stand in for it and may be too large. Pull each orientation twice, or state "
-            "force_N under [sigma]."
-        )
-    if problem.pulls.theta_rad is None and np.any(problem.model(state.fit.effects).grip.rigid_fraction > 0.0):
-        said.append(
-            "The wheel angles are not given: each wheel is taken to stand on rigid material as often as its "
-            "share of the circumference. With theta1_rad … every pull says much more."
-        )
-    stuck = state.fit.at_bound() if taken else []
-    if stuck:
-        said.append("At the edge of its range: " + ", ".join(stuck) + ".")
-    return tuple(said)

@@ -35,6 +35,7 @@ _NOISE = {
     "stated": "as stated with the data",
     "repeats": "from repeated pulls",
     "neighbours": "from differences between neighbouring orientations",
+    "residual": "from what the model found leaves of all pulls",
 }
 
 

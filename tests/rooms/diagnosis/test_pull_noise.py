@@ -1,0 +1,59 @@
+"""Pulls of unknown noise: whose noise it is, what time takes, and what evidence counts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from planted_pulls import FULL, data_set, planted, pulled, robot
+
+import slipmargin as sm
+import slipmargin.diagnosis.pull_diagnosis as room
+from slipmargin.data.data_set import DataSet
+from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.pull_candidates import pull_candidates
+from slipmargin.diagnosis.pull_problem import PullProblem
+
+NAMES = {"wheel_loads", "friction_coefficients", "floor_tilt"}
+
+
+@pytest.fixture(autouse=True)
+def few_candidates(monkeypatch: pytest.MonkeyPatch) -> None:
+    """So that a test takes seconds."""
+
+    def some(problem: PullProblem) -> list[Candidate]:
+        return [c for c in pull_candidates(problem) if c.name in NAMES]
+
+    monkeypatch.setattr(room, "pull_candidates", some)
+
+
+def shifted() -> DataSet:
+    """Orientations far apart, few of them pulled twice: the limit's own bends look like noise."""
+    loads = planted("wheel_loads", shift_x_m=0.004, shift_y_m=0.01, com_share=1.0)
+    phi = np.concatenate([FULL[::2], FULL[:6:2]])
+    return data_set(robot(), pulled(robot().with_effects(loads), phi_rad=phi, repeats=1))
+
+
+def test_noise_that_the_model_found_leaves_is_said_and_counted_as_such(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    freedoms = []
+    judged = room.Unseen.of
+
+    class Seen:
+        @staticmethod
+        def of(*args: object) -> object:
+            freedoms.append(args[3])
+            return judged(*args)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(room, "Unseen", Seen)
+    found = sm.diagnose(shifted())
+    assert found.to_dict()["noise_from"] == "residual"
+    assert freedoms == [15 - 2]  # fifteen pulls, two parameters
+    assert found.verdict == "effect-found"
+    said = " ".join(found.lines())
+    assert "neighbouring" not in said and "its chi is near 1, whatever it misses" in said
+    found.write_folder(tmp_path / "out")
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "from what the model found leaves of all pulls" in page
