@@ -26,6 +26,7 @@ from slipmargin.diagnosis.pull_search import (
     beside,
     left_out,
     noise_N,
+    restated,
     search,
 )
 from slipmargin.diagnosis.pull_unseen import PullScore, Unseen
@@ -123,14 +124,19 @@ def diagnose_pulls(
     progress("searching in all pulls", 0.0)
     first = watch.part(PULLS.first_share)
     state, rounds = search(problem, problem.everyone, candidates, seed, first)
+    was_cut = first.expired
     scatter = _scatter(problem, state.fit)
     if pulls.sigma_N is None and scatter < (1.0 - PULLS.least_share) * sigma:
         # What the wheels stood on is part of the scatter of repeats; the model found says how large a part.
         sigma, noise_from = scatter, "residual"
         freedom = max(1.0, problem.count(problem.everyone) - len(state.fit.x))
         problem = PullProblem.of(data_set.recipe, data_set.surface, pulls, sigma)
-        state, rounds = search(problem, problem.everyone, candidates, seed, first)
-    was_cut = first.expired
+        second, known = watch.part(PULLS.first_share), rounds
+        state, rounds = search(problem, problem.everyone, candidates, seed, second)
+        if second.expired:
+            was_cut, known = True, [restated(problem, r) for r in known]
+            if known[-1].after.score < state.score:
+                state, rounds = known[-1].after, known
     split = _parts(len(problem.rows), seed)
     without: list[PullState] = []
     for number, part in enumerate(split):

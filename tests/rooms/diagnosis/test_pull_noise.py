@@ -11,9 +11,12 @@ from planted_pulls import FULL, data_set, planted, pulled, robot
 import slipmargin as sm
 import slipmargin.diagnosis.pull_diagnosis as room
 from slipmargin.data.data_set import DataSet
+from slipmargin.diagnosis import watch as watches
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.pull_candidates import pull_candidates
 from slipmargin.diagnosis.pull_problem import PullProblem
+from slipmargin.diagnosis.result import Verdict
+from slipmargin.diagnosis.watch import Watch
 
 NAMES = {"wheel_loads", "friction_coefficients", "floor_tilt"}
 
@@ -57,3 +60,29 @@ def test_noise_that_the_model_found_leaves_is_said_and_counted_as_such(
     found.write_folder(tmp_path / "out")
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "from what the model found leaves of all pulls" in page
+
+
+@pytest.mark.parametrize("late", [False, True], ids=["time for a second search", "none"])
+def test_a_new_noise_does_not_cost_what_was_found(monkeypatch: pytest.MonkeyPatch, late: bool) -> None:
+    """The first search took its share; the second had nothing of it, and what was found was lost."""
+    now, calls = [0.0], [0]
+    monkeypatch.setattr(watches, "clock_s", lambda: now[0])
+    searched = room.search
+
+    def search(problem: PullProblem, groups: object, candidates: object, seed: int, watch: Watch) -> object:
+        calls[0] += 1
+        assert watch.until_s is not None
+        if late and calls[0] == 2:
+            now[0] = watch.until_s
+        out = searched(problem, groups, candidates, seed, watch)  # type: ignore[arg-type]
+        if calls[0] == 1:
+            now[0] = watch.until_s
+        return out
+
+    monkeypatch.setattr(room, "search", search)
+    found = room.diagnose_pulls(shifted(), budget_s=100.0)
+    assert found.verdict is Verdict.EFFECT_FOUND and [f.name for f in found.findings] == ["wheel_loads"]
+    assert found.sigma_N < 0.1 and found.after.chi < 1.5
+    assert found.found_in == found.folds
+    taken = next(t for t in found.steps[0].tried if t.label == "wheel_loads")
+    assert taken.chi < 2.0 < found.steps[0].chi_before  # both of the new noise
