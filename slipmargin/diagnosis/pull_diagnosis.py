@@ -42,7 +42,7 @@ _GENERAL_CONFIRM = "pull in further directions, at other points of the body, and
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PullLead:
-    """Something the pulls may follow: a variable, the best candidate over it and its evidence."""
+    """Something the pulls may follow: a variable, the best candidate over it, and chi as steps count it."""
 
     traced_to: Trace
     label: str
@@ -59,7 +59,8 @@ class PullDiagnosis:
     neighbouring orientations), or "residual" (what the model found leaves of all pulls).
     ``phi_rad``, ``force_N``, ``before_N`` and ``after_N`` (P,): each pull as measured, and as expected by the
     model as believed and by models found without its setting.  ``found_in`` of ``folds`` searches without a
-    part of the settings found the same names.
+    part of the settings found the same names.  chi of steps, leads and findings is the root of minus twice
+    the log likelihood of a pull in settings that a fit was not made to.
     """
 
     data_set: str
@@ -151,7 +152,7 @@ def diagnose_pulls(
     verdict = unseen.verdict(bool(state.structure))
     taken = verdict is Verdict.EFFECT_FOUND
     rivals = _rivals(state, rounds, names) if taken else ()
-    findings = _findings(problem, state, rounds, rivals, len(candidates), unseen) if taken else ()
+    findings = _findings(problem, state, rounds, rivals, len(candidates)) if taken else ()
     progress("choosing the next pulls", 0.5)
     confused = [s for r in rounds if r.taken for s in r.rivals()]
     leads = _leads(problem, rounds)
@@ -285,7 +286,6 @@ def _findings(
     rounds: list[PullRound],
     rivals: tuple[str, ...],
     tried: int,
-    unseen: Unseen,
 ) -> tuple[Finding, ...]:
     from scipy.special import stdtrit
 
@@ -319,8 +319,8 @@ def _findings(
                     for key, unit, i in zip(candidate.keys, candidate.units, span, strict=True)
                 ),
                 derived=_derived(problem, found, half, index),
-                chi_without=_without(problem, state, index, unseen),
-                chi_with=unseen.after.chi,
+                chi_without=_without(problem, state, index),
+                chi_with=_chi(state.score, problem.count(found.trials)),
                 p_value=p_value,
                 candidates_tried=tried,
                 confused_with=rivals,
@@ -331,16 +331,14 @@ def _findings(
     return tuple(out)
 
 
-def _without(problem: PullProblem, state: PullState, index: int, unseen: Unseen) -> float:
+def _without(problem: PullProblem, state: PullState, index: int) -> float:
     """chi on settings left out with the other effects alone, fitted again."""
     from slipmargin.diagnosis.fit import fit
     from slipmargin.diagnosis.pull_search import state_of
 
     kept = [i for i in range(len(state.structure)) if i != index]
-    if not kept:
-        return unseen.before.chi
     own = spans(state.structure)
-    x = np.concatenate([state.fit.x[own[i]] for i in kept])
+    x = np.concatenate([np.zeros(0), *(state.fit.x[own[i]] for i in kept)])
     rest = fit(problem, tuple(state.structure[i] for i in kept), x, state.fit.trials)
     return _chi(state_of(problem, rest).score, problem.count(state.fit.trials))
 

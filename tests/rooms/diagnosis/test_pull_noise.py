@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from planted_pulls import FULL, data_set, planted, pulled, robot
+from planted_pulls import FULL, QUARTER, data_set, planted, pulled, robot
 
 import slipmargin as sm
 import slipmargin.diagnosis.pull_diagnosis as room
@@ -17,6 +18,7 @@ from slipmargin.diagnosis.pull_candidates import pull_candidates
 from slipmargin.diagnosis.pull_problem import PullProblem
 from slipmargin.diagnosis.result import Verdict
 from slipmargin.diagnosis.watch import Watch
+from slipmargin.report.pulls import summary_lines
 
 NAMES = {"wheel_loads", "friction_coefficients", "floor_tilt"}
 
@@ -86,3 +88,23 @@ def test_a_new_noise_does_not_cost_what_was_found(monkeypatch: pytest.MonkeyPatc
     assert found.found_in == found.folds
     taken = next(t for t in found.steps[0].tried if t.label == "wheel_loads")
     assert taken.chi < 2.0 < found.steps[0].chi_before  # both of the new noise
+
+
+def test_evidence_counts_alike_with_and_without() -> None:
+    """Where wheels may stand on rigid material, what a state leaves is not all that a pull says."""
+    tilt = planted("floor_tilt", tilt_x_rad=0.03, tilt_y_rad=-0.02)
+    pulls = pulled(robot(0.1).with_effects(tilt), phi_rad=QUARTER, repeats=3, angles=False)
+    found = sm.diagnose(data_set(robot(0.1), replace(pulls, sigma_N=0.06)))
+    plain = found.to_dict()
+    (effect,) = plain["effects"]
+    step = plain["steps"][0]
+    assert effect["evidence"]["chi_without"] == pytest.approx(step["chi_before"])
+    own = next(t for t in step["tried"] if t["label"] == step["taken"])
+    assert effect["evidence"]["chi_with"] == pytest.approx(own["chi"])
+    assert step["chi_before"] != pytest.approx(plain["before"]["chi"])
+    assert plain["leads"] and all(
+        lead["evidence"]["chi_before"] == step["chi_before"] for lead in plain["leads"]
+    )
+    open_ = replace(found.diagnosis, verdict=Verdict.UNEXPLAINED)
+    (first, *_) = (line for line in summary_lines(open_, found.change) if line.startswith("lead"))
+    assert f"(chi {step['chi_before']:.3g} → " in first
