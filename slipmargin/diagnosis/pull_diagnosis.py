@@ -19,12 +19,14 @@ from slipmargin.diagnosis.fit import Fit, build, limits_of, spans
 from slipmargin.diagnosis.pull_candidates import pull_candidates
 from slipmargin.diagnosis.pull_next import NextPull, next_pulls
 from slipmargin.diagnosis.pull_problem import PullProblem
+from slipmargin.diagnosis.pull_remarks import remarks
 from slipmargin.diagnosis.pull_search import (
     PullRound,
     PullState,
     beside,
     left_out,
     noise_N,
+    restated,
     search,
 )
 from slipmargin.diagnosis.pull_unseen import PullScore, Unseen
@@ -40,7 +42,7 @@ _GENERAL_CONFIRM = "pull in further directions, at other points of the body, and
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PullLead:
-    """Something the pulls may follow: a variable, the best candidate over it and its evidence."""
+    """Something the pulls may follow: a variable, the best candidate over it, and chi as steps count it."""
 
     traced_to: Trace
     label: str
@@ -53,9 +55,12 @@ class PullLead:
 class PullDiagnosis:
     """Verdict, findings and evidence of a data set of pulls.
 
+    ``noise_from`` says what ``sigma_N`` is from: "stated", "repeats", "neighbours" (differences between
+    neighbouring orientations), or "residual" (what the model found leaves of all pulls).
     ``phi_rad``, ``force_N``, ``before_N`` and ``after_N`` (P,): each pull as measured, and as expected by the
     model as believed and by models found without its setting.  ``found_in`` of ``folds`` searches without a
-    part of the settings found the same names.
+    part of the settings found the same names.  chi of steps, leads and findings is the root of minus twice
+    the log likelihood of a pull in settings that a fit was not made to.
     """
 
     data_set: str
@@ -114,18 +119,25 @@ def diagnose_pulls(
     watch = Watch.of(progress, budget_s)
     progress("reading the noise", 0.0)
     sigma, freedom, repeated = noise_N(pulls)
+    noise_from = "stated" if pulls.sigma_N is not None else "repeats" if repeated else "neighbours"
     problem = PullProblem.of(data_set.recipe, data_set.surface, pulls, sigma)
     candidates = pull_candidates(problem)
     progress("searching in all pulls", 0.0)
     first = watch.part(PULLS.first_share)
     state, rounds = search(problem, problem.everyone, candidates, seed, first)
+    was_cut = first.expired
     scatter = _scatter(problem, state.fit)
     if pulls.sigma_N is None and scatter < (1.0 - PULLS.least_share) * sigma:
         # What the wheels stood on is part of the scatter of repeats; the model found says how large a part.
-        sigma = scatter
+        sigma, noise_from = scatter, "residual"
+        freedom = max(1.0, problem.count(problem.everyone) - len(state.fit.x))
         problem = PullProblem.of(data_set.recipe, data_set.surface, pulls, sigma)
-        state, rounds = search(problem, problem.everyone, candidates, seed, first)
-    was_cut = first.expired
+        second, known = watch.part(PULLS.first_share), rounds
+        state, rounds = search(problem, problem.everyone, candidates, seed, second)
+        if second.expired:
+            was_cut, known = True, [restated(problem, r) for r in known]
+            if known[-1].after.score < state.score:
+                state, rounds = known[-1].after, known
     split = _parts(len(problem.rows), seed)
     without: list[PullState] = []
     for number, part in enumerate(split):
@@ -140,7 +152,7 @@ def diagnose_pulls(
     verdict = unseen.verdict(bool(state.structure))
     taken = verdict is Verdict.EFFECT_FOUND
     rivals = _rivals(state, rounds, names) if taken else ()
-    findings = _findings(problem, state, rounds, rivals, len(candidates), unseen) if taken else ()
+    findings = _findings(problem, state, rounds, rivals, len(candidates)) if taken else ()
     progress("choosing the next pulls", 0.5)
     confused = [s for r in rounds if r.taken for s in r.rivals()]
     leads = _leads(problem, rounds)
@@ -152,7 +164,7 @@ def diagnose_pulls(
         surface=data_set.surface,
         verdict=verdict,
         sigma_N=sigma,
-        noise_from="stated" if pulls.sigma_N is not None else "repeats" if repeated else "neighbours",
+        noise_from=noise_from,
         before=unseen.before,
         after=unseen.after if taken else unseen.before,
         p_value=unseen.p_value,
@@ -171,7 +183,7 @@ def diagnose_pulls(
         corrected=data_set.recipe.with_effects(*state.fit.effects) if taken else data_set.recipe,
         remarks=(
             *(cut_short(budget_s) if was_cut else ()),
-            *_remarks(problem, state, unseen, repeated, taken=taken),
+            *remarks(problem, state, unseen, noise_from, taken=taken),
             *of_unused(data_set),
         ),
     )
@@ -274,7 +286,6 @@ def _findings(
     rounds: list[PullRound],
     rivals: tuple[str, ...],
     tried: int,
-    unseen: Unseen,
 ) -> tuple[Finding, ...]:
     from scipy.special import stdtrit
 
@@ -308,8 +319,8 @@ def _findings(
                     for key, unit, i in zip(candidate.keys, candidate.units, span, strict=True)
                 ),
                 derived=_derived(problem, found, half, index),
-                chi_without=_without(problem, state, index, unseen),
-                chi_with=unseen.after.chi,
+                chi_without=_without(problem, state, index),
+                chi_with=_chi(state.score, problem.count(found.trials)),
                 p_value=p_value,
                 candidates_tried=tried,
                 confused_with=rivals,
@@ -320,16 +331,14 @@ def _findings(
     return tuple(out)
 
 
-def _without(problem: PullProblem, state: PullState, index: int, unseen: Unseen) -> float:
+def _without(problem: PullProblem, state: PullState, index: int) -> float:
     """chi on settings left out with the other effects alone, fitted again."""
     from slipmargin.diagnosis.fit import fit
     from slipmargin.diagnosis.pull_search import state_of
 
     kept = [i for i in range(len(state.structure)) if i != index]
-    if not kept:
-        return unseen.before.chi
     own = spans(state.structure)
-    x = np.concatenate([state.fit.x[own[i]] for i in kept])
+    x = np.concatenate([np.zeros(0), *(state.fit.x[own[i]] for i in kept)])
     rest = fit(problem, tuple(state.structure[i] for i in kept), x, state.fit.trials)
     return _chi(state_of(problem, rest).score, problem.count(state.fit.trials))
 
@@ -353,38 +362,3 @@ def _derived(problem: PullProblem, found: Fit, half: Array, index: int) -> tuple
         Estimate(name=q.name, value=q.value, low=q.value - float(r), high=q.value + float(r), unit=q.unit)
         for q, r in zip(named, reach, strict=True)
     )
-
-
-def _remarks(
-    problem: PullProblem, state: PullState, unseen: Unseen, repeated: bool, *, taken: bool
-) -> tuple[str, ...]:
-    said = []
-    if taken and unseen.misfit_after:
-        said.append(
-            f"What was found leaves a residual of {unseen.after.chi:.2f} times the noise on orientations "
-            "left out: something is still missing, or a form is only approximate."
-        )
-    if state.structure and not taken:
-        names = " + ".join(c.label for c in state.structure)
-        why = (
-            f"one orientation, left out, is then predicted worse by {unseen.worst:.1f} times the noise"
-            if unseen.worst > PULLS.worse
-            else f"orientations left out of the search gain too little (chi {unseen.before.chi:.3g} → "
-            f"{unseen.after.chi:.3g}, p = {unseen.p_value:.2g})"
-        )
-        said.append(f"Fitted to all pulls, {names} would be taken, but {why}.")
-    if problem.pulls.sigma_N is None and not repeated:
-        said.append(
-            "No orientation was pulled often enough to show the noise; differences between neighbouring "
-            "orientations stand in for it and may be too large. Pull each orientation twice, or state "
-            "force_N under [sigma]."
-        )
-    if problem.pulls.theta_rad is None and np.any(problem.model(state.fit.effects).grip.rigid_fraction > 0.0):
-        said.append(
-            "The wheel angles are not given: each wheel is taken to stand on rigid material as often as its "
-            "share of the circumference. With theta1_rad … every pull says much more."
-        )
-    stuck = state.fit.at_bound() if taken else []
-    if stuck:
-        said.append("At the edge of its range: " + ", ".join(stuck) + ".")
-    return tuple(said)

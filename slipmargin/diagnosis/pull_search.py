@@ -70,6 +70,11 @@ class PullRound:
     p_value: float
     taken: bool
 
+    @property
+    def after(self) -> PullState:
+        """What stands after it."""
+        return self.best if self.taken and self.best is not None else self.before
+
     def rivals(self) -> list[PullState]:
         """States that these pulls cannot tell from the best one."""
         if self.best is None:
@@ -128,6 +133,18 @@ def state_of(problem: PullProblem, found: Fit) -> PullState:
         for part, residual in zip(split, left, strict=True):
             scores[part] = np.sum(residual**2, axis=1)
     return PullState(fit=found, scores=scores)
+
+
+def restated(problem: PullProblem, done: PullRound) -> PullRound:
+    """A round of a problem with other noise: the same states, scored with this problem's."""
+
+    def scored(s: PullState) -> PullState:
+        return state_of(problem, evaluate(problem, s.structure, s.fit.x, s.fit.trials))
+
+    tried = [scored(s) for s in done.tried]
+    best = next((t for t, s in zip(tried, done.tried, strict=True) if s is done.best), None)
+    tried.sort(key=lambda s: s.score)
+    return replace(done, before=scored(done.before), tried=tuple(tried), best=best)
 
 
 def left_out(found: Fit, split: Sequence[Index]) -> list[Array]:

@@ -35,6 +35,7 @@ _NOISE = {
     "stated": "as stated with the data",
     "repeats": "from repeated pulls",
     "neighbours": "from differences between neighbouring orientations",
+    "residual": "from what the model found leaves of all pulls",
 }
 
 
@@ -84,7 +85,8 @@ def summary_lines(d: PullDiagnosis, change: LimitsChange) -> list[str]:
     lines.append(f"error    {_error(d.before)}{arrow} on orientations left out")
     lines += words.pull_lines(change)
     if d.verdict is not Verdict.EFFECT_FOUND:
-        lines += [f"lead     {lead.label} (chi {lead.chi:.3g})" for lead in d.leads[:3]]
+        without = d.steps[0].chi_before  # counted as that of a lead, unlike the error's chi
+        lines += [f"lead     {x.label} (chi {without:.3g} → {x.chi:.3g})" for x in d.leads[:3]]
     if d.verdict is not Verdict.NO_MISSING_EFFECT:
         lines += [f"next     {next_sentence(p)}" for p in d.next_pulls]
     lines += [f"note     {remark}" for remark in d.remarks]
@@ -119,7 +121,7 @@ def report(d: PullDiagnosis, change: LimitsChange) -> dict[str, Any]:
                 "name": x.label if x.named else None,
                 "label": x.label,
                 "chi": x.chi,
-                "evidence": {"chi_before": d.before.chi, "chi_after": x.chi},
+                "evidence": {"chi_before": d.steps[0].chi_before, "chi_after": x.chi},
             }
             for x in d.leads
         ],
