@@ -34,14 +34,19 @@ def driven_m(path: Array, noise_m: float) -> float:
 
     Noise adds nothing to it: a straight path is one chord, however long the robot stands on the way.
     """
-    off, way = path - path[0], path[-1] - path[0]
-    length = float(np.hypot(*way))
-    along = np.clip(off @ way / max(length**2, 1e-300), 0.0, 1.0)
-    far = np.hypot(*(off - along[:, None] * way).T)
-    k = int(np.argmax(far))
-    if far[k] <= noise_m:
-        return length
-    return driven_m(path[: k + 1], noise_m) + driven_m(path[k:], noise_m)
+    total, parts = 0.0, [path]
+    while parts:
+        part = parts.pop()
+        off, way = part - part[0], part[-1] - part[0]
+        length = float(np.hypot(*way))
+        along = np.clip(off @ way / max(length**2, 1e-300), 0.0, 1.0)
+        far = np.hypot(*(off - along[:, None] * way).T)
+        k = int(np.argmax(far))
+        if far[k] <= noise_m:
+            total += length
+        else:
+            parts += [part[: k + 1], part[k:]]
+    return total
 
 
 def bridged(t: Array, values: Array) -> Array:
