@@ -121,7 +121,7 @@ for name, value in witness.items():
 # ## What it means for the robot: slip limits on this floor, before and after
 #
 # The unit is the weight times the drive coefficient: steady runs tell only ratios of coefficients. The
-# currents of the whole campaign say that the coefficient is about 1.4 times the gear's efficiency. And the
+# currents of the whole campaign say that the coefficient is about 2.1 times the gear's efficiency. And the
 # limit is no cliff. With the steepness found, the share λ of the grip costs tan(π λ / 2) / κ of the way.
 
 # %%
