@@ -142,8 +142,10 @@ def test_rotated_world_same_motion(case):
     turn, shift = 0.7, np.array([2.0, -1.0])
     c, s = np.cos(turn), np.sin(turn)
     try:
-        here = simulate(model, signal, times).pose
-        there = simulate(model, signal, times, start_pose=np.array([*shift, turn])).pose
+        # A step over a corner of the friction law may be off by more than its tolerance (4e-6 of the
+        # motion at 1e-7): the same motion is asked of accurate runs.
+        here = simulate(model, signal, times, rtol=1e-9).pose
+        there = simulate(model, signal, times, rtol=1e-9, start_pose=np.array([*shift, turn])).pose
     except MotionStopped:
         assume(False)
     rotated = here[:, :2] @ np.array([[c, s], [-s, c]]) + shift
