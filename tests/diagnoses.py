@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 from strategies import kiwi
 
+from slipmargin.data.noise import LastingNoise
+from slipmargin.diagnosis.conditions import Ready
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.residual_diagnostics import ResidualDependence
 from slipmargin.diagnosis.result import (
@@ -27,6 +33,19 @@ from slipmargin.physics.terms import Multiplier
 from slipmargin.physics.variables import Basis, Target, Variable
 
 NOISE = np.array([5e-4, 5e-4, 2e-3])
+
+
+def taken_for_noise(plain: Callable[..., Ready]) -> Callable[..., Ready]:
+    """``ready`` that takes most of what the model misses for noise that lasts two seconds."""
+
+    def ready(*given: Any) -> Ready:
+        made = plain(*given)
+        sigma = made.data_set.sigma
+        assert sigma is not None
+        lasting = LastingNoise(share=np.full(3, 0.99), time_s=np.full(3, 2.0))
+        return replace(made, data_set=replace(made.data_set, sigma=10.0 * sigma, lasting=lasting))
+
+    return ready
 
 
 def trials(count: int = 6, *, wrong: float = 1.0, samples: int = 120) -> tuple[TrialTrajectories, ...]:

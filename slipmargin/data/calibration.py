@@ -136,10 +136,12 @@ def calibrate(records: tuple[Record, ...], contacts: WheelGeometry, tilt: bool =
     InputError
         Where fewer than two runs move, or wheel angles are missing.
     """
-    for record in records:
-        _measured(record)
+    paths = [wheel_path(contacts, _measured(record)) for record in records]
     delay = estimate_delay(records, contacts)
-    pieces = [_pieces(r, contacts, delay.value_s, SETTINGS.calibration_piece_s) for r in records]
+    pieces = [
+        _pieces(r, path, delay.value_s, SETTINGS.calibration_piece_s)
+        for r, path in zip(records, paths, strict=True)
+    ]
     pieces = [p for p in pieces if len(p.wheel)]
     if len(pieces) < 2:
         raise InputError(
@@ -189,9 +191,9 @@ def _measured(record: Record) -> Array:
     return angle
 
 
-def _pieces(record: Record, contacts: WheelGeometry, delay_s: float, piece_s: float) -> _Pieces:
+def _pieces(record: Record, path: Array, delay_s: float, piece_s: float) -> _Pieces:
+    """The pieces of a run; ``path`` (T, 3) is that of its wheels."""
     t = record.t_s
-    path = wheel_path(contacts, _measured(record))
     count = int((t[-1] - t[0]) // piece_s)
     edges = t[0] + 0.5 + np.arange(count) * piece_s if count else np.zeros(0)
     edges = edges[edges <= t[-1]]

@@ -138,14 +138,15 @@ def _member(
     judged = held or own
     corrected = member.recipe.with_effects(*acting(effects, number))
     pulls, missing = _pulls(member, corrected)
+    drift_before, drift_after = _drifts(judged, diagnosis.noise)
     return MemberResult(
         member=member,
         runs=len({t.run for t in own}),
         judged=len({t.run for t in held}),
         before=_score(judged, [t.before for t in judged], diagnosis.noise),
         after=_score(judged, [t.after for t in judged], diagnosis.noise),
-        drift_before=_drift(judged, [t.before for t in judged], diagnosis.noise),
-        drift_after=_drift(judged, [t.after for t in judged], diagnosis.noise),
+        drift_before=drift_before,
+        drift_after=drift_after,
         corrected=corrected,
         pulls=pulls,
         missing=missing,
@@ -175,17 +176,19 @@ def _score(trials: list[TrialTrajectories], predicted: list[Array], sigma: Array
     )
 
 
-def _drift(trials: list[TrialTrajectories], predicted: list[Array], sigma: Array) -> Drift:
-    way, turn, noise = [], [], SETTINGS.outlier_sigma * float(np.max(sigma[:2]))
-    for trial, pose in zip(trials, predicted, strict=True):
+def _drifts(trials: list[TrialTrajectories], sigma: Array) -> list[Drift]:
+    """Those of the model as it is and of the corrected one."""
+    noise, offs, driven = SETTINGS.outlier_sigma * float(np.max(sigma[:2])), [], []
+    for trial in trials:
         seen = np.isfinite(trial.measured).all(axis=1)
         path = body_path(trial.measured[seen])
-        off = body_path(pose[seen])[-1] - path[-1]
-        distance = driven_m(path[:, :2], noise)
-        if distance > noise:
-            way.append(float(np.hypot(*off[:2])) / distance)
-        turn.append(float(off[2]))
-    return Drift(
-        displacement=float(np.sqrt(np.mean(np.square(way)))) if way else 0.0,
-        heading_rad=float(np.sqrt(np.mean(np.square(turn)))) if turn else 0.0,
-    )
+        offs.append([body_path(pose[seen])[-1] - path[-1] for pose in (trial.before, trial.after)])
+        driven.append(driven_m(path[:, :2], noise))
+    off, distance = np.reshape(offs, (-1, 2, 3)), np.array(driven)
+    far = distance > noise
+    share = np.hypot(off[far, :, 0], off[far, :, 1]) / distance[far, None]
+    return [Drift(displacement=_rms(share[:, k]), heading_rad=_rms(off[:, k, 2])) for k in (0, 1)]
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(np.square(values)))) if len(values) else 0.0

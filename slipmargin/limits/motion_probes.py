@@ -10,6 +10,7 @@ from slipmargin.limits.ranges import span
 from slipmargin.model import Model
 from slipmargin.physics.constants import CRAWL_M_S, GRAVITY_M_S2
 from slipmargin.physics.frames import to_floor
+from slipmargin.physics.kinematics import rate_as_axes_turn
 from slipmargin.physics.terms import OF_PLACE, ForceTerm, Multiplier, place_variable
 from slipmargin.physics.variables import Basis, Variable
 
@@ -160,8 +161,8 @@ def _of_place(model: Model, motion: Motion, term: Multiplier) -> Array:
 def _acceleration(model: Model, motion: Motion, column: int) -> Array:
     """Rate of the body twist, which the wheels are asked for: a_o − ω ẑ×v_o."""
     if motion.acceleration is not None:
-        turning = np.cross(motion.velocity * [0.0, 0.0, 1.0], motion.velocity * [1.0, 1.0, 0.0])
-        return np.asarray((motion.acceleration - turning)[None, :, column, None])
+        rate = motion.acceleration + rate_as_axes_turn(motion.velocity)
+        return np.asarray(rate[None, :, column, None])
     best = ACCELERATION_RANGE * GRAVITY_M_S2 * float(np.max(model.grip.roller[:, 0]))
     arm = model.reach_m
     top = best if column < 2 else best * model.inertia.mass_kg * arm / model.inertia.inertia_kg_m2

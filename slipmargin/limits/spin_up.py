@@ -14,7 +14,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.model import Model
-from slipmargin.physics.kinematics import at_centre, com_acceleration
+from slipmargin.physics.kinematics import at_centre, com_acceleration, rate_as_axes_turn
 
 
 def spin_torque(model: Model, velocity: Array, acceleration: Array) -> Array:
@@ -35,9 +35,9 @@ def spin_at_constant(model: Model, velocity: Array) -> Array:
 
     Who turns while driving on in one direction drives wheels faster and slower in turn.
     """
-    vx, vy, turn = np.moveaxis(np.asarray(velocity, dtype=float), -1, 0)
     x, y = model.inertia.com_m
-    rate = np.stack([*at_centre(-x, -y, turn, turn * vy, -turn * vx, 0.0), np.zeros_like(turn)], axis=-1)
+    ax, ay, none = np.moveaxis(rate_as_axes_turn(velocity), -1, 0)
+    rate = np.stack([*at_centre(-x, -y, np.asarray(velocity)[..., 2], ax, ay, 0.0), none], axis=-1)
     return np.asarray(_inertia(model) * model.geometry.wheel_speeds(rate))
 
 

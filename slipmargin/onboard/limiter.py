@@ -27,7 +27,7 @@ from slipmargin.onboard.table import LimitTable, threes
 from slipmargin.physics.frames import to_body
 from slipmargin.physics.friction_laws import law_share
 from slipmargin.physics.grips import drive_left
-from slipmargin.physics.kinematics import com_acceleration
+from slipmargin.physics.kinematics import com_acceleration, rate_as_axes_turn
 
 #: Twists and accelerations are cut to this size, so that single precision does not overflow.
 LARGEST = 1e4
@@ -297,9 +297,8 @@ def limit_acceleration(
     wanted, bad_wanted = cleaned(wanted)
     heading, bad_heading = cleaned(heading)
     bad = bad_twist | bad_wanted | (bad_heading if table.turned else False)
-    (vx, vy, w), none = twist.T, np.zeros_like(twist)
-    gain = np.stack([w * vy, -w * vx, none[:, 0]], axis=1)  # of the twist, as the body turns
-    start = np.hstack([com_acceleration(table.com_m, twist, none), gain])
+    none = np.zeros_like(twist)
+    start = np.hstack([com_acceleration(table.com_m, twist, none), rate_as_axes_turn(twist)])
     slope = np.hstack([com_acceleration(table.com_m, none, wanted), wanted])
     t, holds = _share(*_range(rows(table, twist, twist, heading, start[:, :3]), start, slope))
     if table.shares_by_load:

@@ -145,6 +145,12 @@ def com_acceleration(com_m: Array, twist: Array, acceleration: Array) -> Array:
     return out
 
 
+def rate_as_axes_turn(twist: Array) -> Array:
+    """Rate (..., 3) of the body twist (..., 3) of a motion whose origin does not accelerate: −ω ẑ×v."""
+    vx, vy, turn = np.moveaxis(np.asarray(twist, dtype=float), -1, 0)
+    return np.stack([turn * vy, -turn * vx, np.zeros_like(turn)], axis=-1)
+
+
 def at_centre(cx: Any, cy: Any, wz: Any, ax: Any, ay: Any, alpha: Any) -> tuple[Any, Any]:
     """Both parts of the centre of mass's acceleration by :func:`com_acceleration`, numbers or arrays."""
     return ax + (-alpha * cy - wz * wz * cx), ay + (alpha * cx - wz * wz * cy)

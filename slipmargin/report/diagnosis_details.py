@@ -12,9 +12,13 @@ from slipmargin.report.diagnosis_json import trial_chi
 from slipmargin.report.page import Block, Bullets, Fold, Image, Picture, Table, Text
 
 
+def pulls(change: LimitsChange) -> tuple[Block, ...]:
+    """What pull tests beside the runs say; nothing where there are none."""
+    return () if change.pulls is None else (Text(text=words.pulls_sentence(change.pulls)),)
+
+
 def limits(change: LimitsChange, images: Mapping[str, Image]) -> tuple[Block, ...]:
     """What the found effects change."""
-    pulls = () if change.pulls is None else (Text(text=words.pulls_sentence(change.pulls)),)
     if not change.moved:
         return (
             Text(
@@ -22,7 +26,7 @@ def limits(change: LimitsChange, images: Mapping[str, Image]) -> tuple[Block, ..
                 "not in what "
                 "the wheels can do."
             ),
-            *pulls,
+            *pulls(change),
         )
     b, a = change.before, change.after
     turned = change.floor_directions > 1
@@ -57,7 +61,7 @@ def limits(change: LimitsChange, images: Mapping[str, Image]) -> tuple[Block, ..
     return (
         table,
         *(() if change.plan is None else (Text(text=words.plan_sentence(change.plan)),)),
-        *pulls,
+        *pulls(change),
         *floor,
         *(Text(text=sentence) for sentence in change.missing),
         Picture(

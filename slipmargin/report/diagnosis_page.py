@@ -10,7 +10,7 @@ from slipmargin.diagnosis.limits_change import LimitsChange
 from slipmargin.diagnosis.result import Diagnosis, Verdict
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.report import diagnosis_words as words
-from slipmargin.report.diagnosis_details import details, limits
+from slipmargin.report.diagnosis_details import details, limits, pulls
 from slipmargin.report.diagnosis_evidence import evidence, next_steps, parameters, residual_map
 from slipmargin.report.diagnosis_json import trial_chi
 from slipmargin.report.page import (
@@ -52,9 +52,7 @@ def page(diagnosis: Diagnosis, change: LimitsChange, images: Mapping[str, Image]
         sections.append(Section(heading="What was found", blocks=parameters(d)))
         sections.append(Section(heading="What it changes", blocks=limits(change, images)))
     elif change.pulls is not None:
-        sections.append(
-            Section(heading="Pull tests", blocks=(Text(text=words.pulls_sentence(change.pulls)),))
-        )
+        sections.append(Section(heading="Pull tests", blocks=pulls(change)))
     sections.append(Section(heading="What to do next", blocks=next_steps(d)))
     sections.append(Section(heading="Details", blocks=details(d)))
     return Page(

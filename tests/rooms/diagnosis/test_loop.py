@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
-import numpy as np
 import pytest
+from diagnoses import taken_for_noise
 from inventions import force
 from planting import Plant, planted
 
-from slipmargin.data.noise import LastingNoise
 from slipmargin.diagnosis import loop
 from slipmargin.diagnosis.loop import diagnose
 from slipmargin.diagnosis.result import Verdict
@@ -66,15 +64,7 @@ def test_an_effect_that_leaves_white_noise_explains_more_than_noise_that_lasts(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """What a model lacks may look like noise that lasts for seconds: seen in a judged set."""
-    plain = loop.ready
-
-    def taken_for_noise(*given: Any) -> Any:
-        made = plain(*given)
-        lasting = LastingNoise(share=np.full(3, 0.99), time_s=np.full(3, 2.0))
-        data_set = replace(made.data_set, sigma=10.0 * made.data_set.sigma, lasting=lasting)
-        return replace(made, data_set=data_set)
-
-    monkeypatch.setattr(loop, "ready", taken_for_noise)
+    monkeypatch.setattr(loop, "ready", taken_for_noise(loop.ready))
     worn = FrictionCoefficients(drive_factor=0.8, transverse_factor=0.9)
     plant = Plant(name="worn", traces=(Trace.COEFFICIENT,), effects=(worn,))
     found = diagnose(planted(initial_model(), plant, seed=3, **SMALL), seed=1)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
+from diagnoses import taken_for_noise
 from planting import Plant, planted, smooth_kiwi
 
-from slipmargin.data.noise import LastingNoise
 from slipmargin.diagnosis.candidate import named_candidates
 from slipmargin.diagnosis.court import Checked
 from slipmargin.diagnosis.data_problem import problem_of
@@ -79,15 +77,7 @@ def test_runs_that_are_unexplained_keep_their_leads_however_small_chi_is(near: b
 
 def test_what_noise_that_lasts_had_hidden_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """``diagnose`` looked once more with white noise and found it; ``next-run`` did not."""
-    plain = left.ready
-
-    def taken_for_noise(*given: Any) -> Any:
-        made = plain(*given)
-        lasting = LastingNoise(share=np.full(3, 0.99), time_s=np.full(3, 2.0))
-        data_set = replace(made.data_set, sigma=10.0 * made.data_set.sigma, lasting=lasting)
-        return replace(made, data_set=data_set)
-
-    monkeypatch.setattr(left, "ready", taken_for_noise)
+    monkeypatch.setattr(left, "ready", taken_for_noise(left.ready))
     worn = FrictionCoefficients(drive_factor=0.8, transverse_factor=0.9)
     plant = Plant(name="worn", traces=(Trace.COEFFICIENT,), effects=(worn,))
     data = planted(smooth_kiwi(), plant, seed=3, count=7, duration_s=2.5, rate_hz=100.0)
