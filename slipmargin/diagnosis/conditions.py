@@ -23,7 +23,7 @@ from slipmargin.data.run_arrangement import alike, arranged
 from slipmargin.diagnosis.camera_clock import one_clock
 from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.held_out import held_out_runs, searched_runs
-from slipmargin.diagnosis.noise_reading import measured_noise
+from slipmargin.diagnosis.noise_reading import measured_noise, without_outliers
 from slipmargin.diagnosis.other_floor import one_floor
 from slipmargin.diagnosis.settings import SETTINGS
 
@@ -91,9 +91,13 @@ def ready(
 
 
 def held_runs_of(data_set: DataSet, seed: int) -> Index:
-    """Numbers of the runs of a data set to hold out, drawn by what the model as it is misses each by."""
-    problem = problem_of(data_set)
-    return held_out_runs(problem.misses((), np.arange(len(problem.trials), dtype=np.int64)), seed)
+    """Numbers of the runs of a data set to hold out, drawn by what the model as it is misses each by.
+
+    Outliers do not count: two wrong frames would make a quiet run a loud one.
+    """
+    everyone = np.arange(len(data_set.trials), dtype=np.int64)
+    problem = problem_of(without_outliers(data_set, everyone)[0])
+    return held_out_runs(problem.misses((), everyone), seed)
 
 
 def _alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:

@@ -13,8 +13,10 @@ from slipmargin.data.repair import Repair, in_runs
 from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.settings import SETTINGS
 
+_Residual = tuple[Array, Array]
 
-def tails(residuals: list[tuple[Array, Array]], sigma: Array) -> Array:
+
+def tails(residuals: list[_Residual], sigma: Array) -> Array:
     """What the noise's root mean square is over its size by the middle half (3,): 1 but for heavy tails."""
     out = np.ones(3)
     for axis in range(3):
@@ -62,14 +64,23 @@ def lasts(lasting: LastingNoise, every: tuple[str, ...]) -> Repair:
     )
 
 
-def measured_noise(data_set: DataSet, runs: Index) -> tuple[DataSet, tuple[Repair, ...]]:
-    """With the noise of these runs: its size where none or a wrong one is stated, and the part that lasts."""
+def without_outliers(data_set: DataSet, runs: Index) -> tuple[DataSet, list[_Residual], list[Repair]]:
+    """Without poses far from what the model as it is misses around them, by the noise of these runs.
+
+    Also each run's times (T,) and what the model as it is misses it by (T, 3), NaN where nothing is known.
+    """
     white = white_noise(tuple(data_set.trials[i] for i in runs))
     problem = problem_of(data_set if data_set.sigma is not None else replace(data_set, sigma=white))
     everyone = np.arange(len(problem.trials), dtype=np.int64)
     predicted = problem.predict([()], [everyone])[0]
     residuals = [(t.t_s, t.pose - p[: len(t.t_s)]) for t, p in zip(problem.trials, predicted, strict=True)]
     data_set, said = _without_lone(data_set, residuals, white)
+    return data_set, residuals, said
+
+
+def measured_noise(data_set: DataSet, runs: Index) -> tuple[DataSet, tuple[Repair, ...]]:
+    """With the noise of these runs: its size where none or a wrong one is stated, and the part that lasts."""
+    data_set, residuals, said = without_outliers(data_set, runs)
     residuals = [residuals[i] for i in runs]
     whole, lasting = lasting_noise(residuals, data_set.sigma)
     white = white_noise(tuple(data_set.trials[i] for i in runs))
@@ -105,7 +116,7 @@ def measured_noise(data_set: DataSet, runs: Index) -> tuple[DataSet, tuple[Repai
 
 
 def _without_lone(
-    data_set: DataSet, residuals: list[tuple[Array, Array]], sigma: Array
+    data_set: DataSet, residuals: list[_Residual], sigma: Array
 ) -> tuple[DataSet, list[Repair]]:
     """Without poses far from the residuals around them; these are also taken out of ``residuals``.
 

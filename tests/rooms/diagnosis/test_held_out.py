@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from spoilt import coloured, good
 
-from slipmargin.diagnosis.conditions import ready
+from slipmargin.diagnosis.conditions import held_runs_of, ready
 from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.held_out import held_out_runs, predicted, score, searched_runs
 
@@ -54,3 +54,24 @@ def test_few_runs_that_show_it_are_on_both_sides(seed: int) -> None:
     assert len(held_out_runs(misses[:5], seed)) == 0
     near = np.array([1.0, 3.7, 1.01, 0.93, 0.96, 1.33, 1.11])
     assert 5 in held_out_runs(near, seed) and 1 not in held_out_runs(near, seed)
+
+
+def test_outliers_make_no_quiet_run_a_loud_one() -> None:
+    data = good(4)
+    assert data.sigma is not None
+    drifts = [
+        replace(t, pose=t.pose + 0.3 * k * data.sigma * (t.t_s / t.t_s[-1])[:, None])
+        for k, t in enumerate(data.trials)
+    ]
+    wrong = drifts[0].pose.copy()
+    speed = np.hypot(*np.gradient(wrong[:, :2], axis=0).T)
+    # The robot is fast there: by its own motion such a frame is not too far from those around it.
+    wrong[np.flatnonzero(speed > 5.0 * data.sigma[0])[::12], 0] += 18.0 * data.sigma[0]
+    quiet, loud = (
+        replace(data, trials=(replace(drifts[0], pose=pose), *drifts[1:]))
+        for pose in (drifts[0].pose, wrong)
+    )
+    first = np.zeros(1, dtype=np.int64)
+    assert problem_of(loud).misses((), first)[0] > 1.4  # more than any other run
+    for seed in range(5):
+        np.testing.assert_array_equal(held_runs_of(loud, seed), held_runs_of(quiet, seed))
