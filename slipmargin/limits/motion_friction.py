@@ -1,14 +1,16 @@
 """Friction that a moving wheel has: its drive grip and its drag, each per unit of load.
 
 In motion the force across the rollers is not free: it is −μ_T N σ(k u·f̂) with the model's friction law
-σ (docs/theory.md, section 4).  Multipliers are evaluated where their variable is known; where it is not
-they give an interval, of which a limit takes the worst.
+σ (docs/theory.md, section 4); of a coupled grip it is that of a wheel that slips across alone.
+Multipliers are evaluated where their variable is known; where it is not they give an interval, of which
+a limit takes the worst.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
+from itertools import product
 from typing import final
 
 import numpy as np
@@ -20,8 +22,8 @@ from slipmargin.limits.motion_probes import load_probes, probes
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
-from slipmargin.physics.friction_laws import law_inverse, law_share
-from slipmargin.physics.grips import drive_left, most_across, polyhedral
+from slipmargin.physics.friction_laws import law_inverse
+from slipmargin.physics.grips import across_alone, drive_left, most_across, polyhedral, rise_across
 from slipmargin.physics.sectors import on_rigid, pitch
 from slipmargin.physics.terms import Multiplier
 from slipmargin.physics.variables import Target, Variable
@@ -36,6 +38,9 @@ MOST = 0.98
 #: By how much a share may be exceeded while a robot nobody corrects is turned by its own creep [1]: simulated
 #: ramps exceeded the share they were asked for by 0.006 at most (benchmarks/creep_bound.py).
 ROOM = 0.01
+#: Slips are taken as no slower than this over k, and shares as no larger than this, where a slope follows
+#: from both [1]: rounding is far smaller, and the law is straight or full there.
+SLOWEST, WHOLLY = 1e-4, 1.0 - 1e-9
 #: Rounds after which a slope that falls with the slip is taken as found, and the least k over the file's.
 _ROUNDS, _SLACKEST = 30, 1e6
 
@@ -47,8 +52,9 @@ class Friction:
 
     ``drive`` (2, M, N): |f·ĝ| ≤ drive · N_i.  The force along f̂ is −D N_i with D anywhere in
     [``drag_low``, ``drag_high``].  ``possible`` (2, M, N) says on which material a wheel may stand.
-    ``slide`` (M, N) is the transverse slip [m/s], ``stiffness`` (M, N) k in the transverse direction and
-    ``drive_stiffness`` in the drive direction [s/m]; ``transverse`` (2, M, N) the coefficient itself.
+    ``slide`` (M, N) is the transverse slip [m/s] and ``transverse`` (2, M, N) the coefficient itself, which a
+    wheel has as drag by the share σ(k u) with its ``stiffness`` k (2, M, N); ``drive_stiffness`` (M, N) is
+    that in the drive direction [s/m].
     """
 
     drive: Array
@@ -82,6 +88,74 @@ def creep_bound(model: Model, motion: Motion, share: float) -> Array:
     return creep
 
 
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Coefficients:
+    """Least and greatest friction of M samples and N wheels, each (2, ...) with the multipliers' intervals.
+
+    ``drive`` and ``transverse`` (2, 2, M, N): coefficients, the second axis the materials (roller, rigid);
+    ``drive_stiffness`` and ``stiffness`` (2, M, N): slopes k of the friction law along and across [s/m].
+    ``slide`` (M, N) is the transverse slip [m/s], or its sign where the drag is taken in full.
+    """
+
+    slide: Array
+    full: bool
+    drive: Array
+    transverse: Array
+    drive_stiffness: Array
+    stiffness: Array
+
+    def drag(self, grip: Grip) -> tuple[Array, Array, Array]:
+        """Least and greatest drag per load, with its sign, and the middle of the largest it can be."""
+        most, ends = [], []
+        for drive, across in product(self.drive, self.transverse):
+            most.append(most_across(grip.shape, grip.coupling, drive, across))
+            if self.full:
+                ends.append(most[-1] * self.slide)
+                continue
+            for steep, steep_across in zip(self.drive_stiffness, self.stiffness, strict=True):
+                coupled = rise_across(grip.shape, drive, across, steep)
+                box = across, steep_across
+                ends.append(across_alone(grip.law, coupled_part(grip), self.slide, box, coupled))
+        return (
+            reduce(np.minimum, ends),
+            reduce(np.maximum, ends),
+            0.5 * (reduce(np.minimum, most) + reduce(np.maximum, most)),
+        )
+
+    def left(self, grip: Grip, low: Array, high: Array) -> Array:
+        """Share of the drive grip that a drag between two ends leaves [1]."""
+        worst = np.maximum(np.abs(low), np.abs(high))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            by_limit, by_radius = (
+                np.where(worst > 0.0, worst / most[0], 0.0) for most in (self.transverse, self.drive)
+            )
+        return drive_left(grip.shape, grip.coupling, by_limit, by_radius)
+
+
+def coupled_part(grip: Grip) -> float:
+    """Part of a grip in which drag and drive force take from one another [1]: 0 of a box."""
+    return 0.0 if polyhedral(grip.shape, grip.coupling) else grip.coupling
+
+
+def coefficients_in_motion(model: Model, motion: Motion, *, share: float = 1.0) -> Coefficients:
+    """Coefficients and slopes of every wheel; ``share`` bounds the creep that they may vary with."""
+    grip, shape = model.grip, (2, 2, motion.count, model.count)
+    slide = motion.velocity @ model.geometry.lateral_rows().T
+    creep = creep_bound(model, motion, share)
+    factor = {target: _factor(model, motion, slide, creep, target) for target in _BOTH}
+    alone = np.stack([grip.roller, grip.rigid])[:, None]  # (2, 1, N, 2)
+    still = STILL * np.max(np.abs(motion.velocity), axis=1, keepdims=True)
+    return Coefficients(
+        slide=np.where(np.abs(slide) <= still, 0.0, np.sign(slide)) if motion.saturated else slide,
+        full=motion.saturated,
+        drive=np.broadcast_to(alone[..., 0] * factor[Target.DRIVE][:, None], shape),
+        transverse=np.broadcast_to(alone[..., 1] * factor[Target.TRANSVERSE][:, None], shape),
+        drive_stiffness=np.broadcast_to(grip.k_s_per_m * factor[Target.STIFFNESS_DRIVE], shape[1:]),
+        stiffness=np.broadcast_to(grip.k_s_per_m * factor[Target.STIFFNESS_TRANSVERSE], shape[1:]),
+    )
+
+
 def friction_in_motion(
     model: Model, motion: Motion, *, share: float = 1.0, contact: Contact = Contact.ROLLERS
 ) -> Friction:
@@ -95,51 +169,32 @@ def friction_in_motion(
     contact : Contact
         What the wheels stand on.
     """
-    grip = model.grip
+    grip, known = model.grip, coefficients_in_motion(model, motion, share=share)
+    low, high, transverse = known.drag(grip)
     slide = motion.velocity @ model.geometry.lateral_rows().T
-    creep = creep_bound(model, motion, share)
-    drive = _factor(model, motion, slide, creep, Target.DRIVE)
-    across = _factor(model, motion, slide, creep, Target.TRANSVERSE)
-    steep = _factor(model, motion, slide, creep, Target.STIFFNESS_DRIVE)
-    stiffness = grip.k_s_per_m * _factor(model, motion, slide, creep, Target.STIFFNESS_TRANSVERSE)
-    bounds = _drag_shares(grip.law, motion, slide, stiffness)
-    coefficients = np.stack([grip.roller, grip.rigid])[:, None]  # (2, 1, N, 2)
-    full = [
-        most_across(grip.shape, grip.coupling, coefficients[..., 0] * d, coefficients[..., 1] * a)
-        for d in drive
-        for a in across
-    ]
-    ends = [f * s for f in full for s in bounds]
-    drag_low, drag_high = reduce(np.minimum, ends), reduce(np.maximum, ends)
-    available = coefficients[..., 0] * drive[0]
-    left: Array | float = 1.0
-    if not polyhedral(grip.shape, grip.coupling):
-        worst = np.maximum(np.abs(drag_low), np.abs(drag_high))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            used = np.where(worst > 0.0, worst / (coefficients[..., 1] * across[0]), 0.0)
-            by_radius = np.where(worst > 0.0, worst / available, 0.0)
-        left = drive_left(grip.shape, grip.coupling, used, by_radius)
+    coupled = coupled_part(grip) > 0.0
     return Friction(
-        drive=np.broadcast_to(available * left, drag_low.shape),
-        drag_low=drag_low,
-        drag_high=drag_high,
-        transverse=np.broadcast_to(
-            0.5 * (reduce(np.minimum, full) + reduce(np.maximum, full)), drag_low.shape
-        ),
+        drive=known.drive[0] * known.left(grip, low, high) if coupled else known.drive[0],
+        drag_low=low,
+        drag_high=high,
+        transverse=transverse,
         possible=_possible(grip, motion, contact),
         slide=slide,
-        stiffness=np.broadcast_to(0.5 * (stiffness[0] + stiffness[1]), slide.shape),
-        drive_stiffness=np.broadcast_to(0.5 * grip.k_s_per_m * (steep[0] + steep[1]), slide.shape),
+        stiffness=_through(grip, known, slide, transverse)
+        if coupled
+        else np.broadcast_to(np.mean(known.stiffness, axis=0), low.shape),
+        drive_stiffness=np.mean(known.drive_stiffness, axis=0),
     )
 
 
-def _drag_shares(law: int, motion: Motion, slide: Array, stiffness: Array) -> tuple[Array, Array]:
-    if motion.saturated:
-        still = STILL * np.max(np.abs(motion.velocity), axis=1, keepdims=True)
-        sign = np.where(np.abs(slide) <= still, 0.0, np.sign(slide))
-        return sign, sign
-    one, two = (np.asarray(law_share(law, k * slide)) for k in stiffness)
-    return np.minimum(one, two), np.maximum(one, two)
+def _through(grip: Grip, known: Coefficients, slide: Array, transverse: Array) -> Array:
+    """Slopes k (2, M, N) with which ``transverse`` · σ(k u) is the drag of a coupled grip at the slip u."""
+    steepest = np.maximum(known.drive_stiffness[1], known.stiffness[1])
+    slip = np.maximum(np.abs(slide), SLOWEST / steepest)
+    low, high, _ = replace(known, slide=slip, full=False).drag(grip)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(transverse > 0.0, 0.5 * (low + high) / transverse, 0.0)
+    return np.asarray(law_inverse(grip.law, np.minimum(share, WHOLLY)) / slip)
 
 
 #: The target that acts on both sides of what a target names.

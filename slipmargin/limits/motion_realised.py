@@ -253,7 +253,7 @@ def _balances(
             grip=np.where(on_rigid, friction.drive[1], friction.drive[0]) * pressed,
             drag=np.where(on_rigid, friction.transverse[1], friction.transverse[0]) * pressed,
             steep=friction.drive_stiffness,
-            steep_across=friction.stiffness,
+            steep_across=np.where(on_rigid, friction.stiffness[1], friction.stiffness[0]),
             slide=friction.slide,
             need=at_com * model.inertia.diagonal - wrench,
             carried=carried,

@@ -13,14 +13,19 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.limits.bounds import ahead_of
-from slipmargin.limits.motion_external import External, least_product
-from slipmargin.limits.motion_friction import Friction, material_states
+from slipmargin.limits.motion_external import least_product
+from slipmargin.limits.motion_friction import (
+    Coefficients,
+    coefficients_in_motion,
+    coupled_part,
+    material_states,
+)
 from slipmargin.limits.motion_rows import Facets, prepare
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.limits.uncertainty import Draws
 from slipmargin.model import Model
 from slipmargin.physics.frames import moment
-from slipmargin.physics.grips import GripShape, drive_left
+from slipmargin.physics.grips import GripShape
 from slipmargin.physics.kinematics import com_acceleration
 from slipmargin.work import DRAWN_FACETS, allow
 
@@ -67,32 +72,35 @@ class _Sampled:
     def __init__(self, model: Model, motion: Motion, contact: Contact) -> None:
         self.model = model
         loose = replace(model, grip=replace(model.grip, shape=GripShape.BOX))
-        parts: tuple[Facets, Friction, External] = prepare(loose, motion, 1.0, contact)
-        self.facets, self.friction, self.external = parts
-        self.materials = material_states(self.friction.possible)
+        self.facets, friction, self.external = prepare(loose, motion, 1.0, contact)
+        self.known = coefficients_in_motion(model, motion)
+        self.materials = material_states(friction.possible)
         size = len(self.materials) * len(self.facets.normals) * model.count
         cure = "leave out --robust, or the ± of the robot's numbers"
         allow("wheel", size, DRAWN_FACETS, "facets times wheels for each drawn robot", cure)
 
     def grips(self, drawn: Draws) -> Iterator[tuple[Array, Array, Array]]:
-        """Drive grip and drag factor (M, b, N), what facets lose by a drag (M, K, N), for each material."""
-        f, across = self.friction, self.facets.across
+        """Drive grip, middle and half the width of the drag per load, each (M, b, N), for each material."""
+        grip, known = self.model.grip, self.known
+        slopes = known.drive_stiffness[:, :, None], known.stiffness[:, :, None]
         for pick in self.materials:
-            drive, low, high, full = (
-                np.where(pick, both[1], both[0])[:, None]
-                for both in (f.drive, f.drag_low, f.drag_high, f.transverse)
-            )
-            rigid = pick | (self.model.grip.rigid_fraction >= 1.0)  # all round: its coefficients are those
+            rigid = pick | (grip.rigid_fraction >= 1.0)  # all round: its coefficients are those
             ways = np.where(rigid[:, None, :, None], drawn.rigid[:, None], drawn.roller[:, None])
-            drive, worst = drive * ways[..., 0], np.maximum(np.abs(low), np.abs(high))
-            if self.model.grip.shape is not GripShape.BOX:
-                with np.errstate(divide="ignore", invalid="ignore"):
-                    by_limit = np.where(worst > 0.0, worst / full, 0.0)
-                    by_radius = np.where(worst > 0.0, worst * ways[..., 1] / drive, 0.0)
-                drive = drive * drive_left(
-                    self.model.grip.shape, self.model.grip.coupling, by_limit, by_radius
-                )
-            yield drive, ways[..., 1], np.maximum(across * low, across * high)
+            drive, transverse = (
+                np.where(pick, both[:, 1], both[:, 0])[:, :, None] * ways[..., k]
+                for k, both in enumerate((known.drive, known.transverse))
+            )
+            own = Coefficients(
+                slide=known.slide[:, None],
+                full=known.full,
+                drive=drive,
+                transverse=transverse,
+                drive_stiffness=slopes[0],
+                stiffness=slopes[1],
+            )
+            low, high, _ = own.drag(grip)
+            left = own.left(grip, low, high) if coupled_part(grip) else 1.0
+            yield drive[0] * left, 0.5 * (low + high), 0.5 * (high - low)
 
     def cases(self, drawn: Draws) -> Iterator[tuple[Array, Array, Array]]:
         """Boxes of wrenches (M, 3), and the loads (M, b, N) without acceleration under them."""
@@ -128,8 +136,11 @@ class _Sampled:
 
 def _worth(facets: Facets, grip: tuple[Array, Array, Array], load: Array) -> tuple[Array, Array]:
     """What loads (M, b, N) are worth to each facet and what they lose to drag, both (M, b, K)."""
-    drive, drag, lost = grip
-    return (drive * load) @ facets.drive.T, (drag * load) @ np.swapaxes(lost, 1, 2)
+    drive, middle, half = grip
+    lost = (middle * load) @ facets.across.T
+    if np.any(half):
+        lost += (half * load) @ np.abs(facets.across).T
+    return (drive * load) @ facets.drive.T, lost
 
 
 def _starts(s: _Sampled, drawn: Draws, ahead: Array) -> Array:

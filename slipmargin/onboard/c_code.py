@@ -57,16 +57,31 @@ static inline sm_real sm_friction(sm_real z) {
 #endif
 }
 
+/* Drag per load of wheel i that slips across alone; which: the least or the greatest. */
+static inline sm_real sm_alone(int which, int i, sm_real slide) {
+#if SM_COUPLED
+  const sm_real most = sm_transverse[which][i];
+  const sm_real one = sm_coupled_drag[which][i] * sm_friction(sm_coupled_slope[which][i] * slide);
+#if SM_PARTLY
+  return (SM_C(1) - SM_COUPLING) * most * sm_friction(sm_slope[which][i] * slide)
+         + SM_COUPLING * sm_between(one, -most, most);
+#else
+  return sm_between(one, -most, most);
+#endif
+#else
+  return sm_transverse[which][i] * sm_friction(sm_slope[which][i] * slide);
+#endif
+}
+
 /* Least and greatest drag per load at a twist. */
 static inline void sm_drag(const sm_real *twist, sm_real *low, sm_real *high) {
   int i;
   for (i = 0; i < SM_WHEELS; ++i) {
     const sm_real slide = sm_dot(sm_lateral[i], twist);
 #if SM_EXACT_DRAG
-    low[i] = high[i] = sm_drag_high[i] * sm_friction(sm_slope_high[i] * slide);
+    low[i] = high[i] = sm_alone(1, i, slide);
 #else
-    const sm_real less = sm_drag_low[i] * sm_friction(sm_slope_low[i] * slide);
-    const sm_real more = sm_drag_high[i] * sm_friction(sm_slope_high[i] * slide);
+    const sm_real less = sm_alone(0, i, slide), more = sm_alone(1, i, slide);
     low[i] = sm_least_of(less, more);
     high[i] = sm_most_of(less, more);
 #endif
@@ -76,7 +91,7 @@ static inline void sm_drag(const sm_real *twist, sm_real *low, sm_real *high) {
 /* Drive coefficient of wheel i that a drag leaves. */
 static inline sm_real sm_drive_left(int i, sm_real drag) {
 #if SM_COUPLED
-  const sm_real whole = SM_COUPLED == 2 ? sm_most_of(sm_drag_high[i], SM_C(1e-30)) : sm_drive[i];
+  const sm_real whole = sm_most_beside[i];
   const sm_real t = sm_between(drag / whole, SM_C(0), SM_C(1));
   return sm_drive[i] * (SM_C(1) - SM_COUPLING * (SM_C(1) - SM_SQRT(SM_C(1) - t * t)));
 #else

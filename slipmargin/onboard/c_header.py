@@ -13,7 +13,6 @@ from slipmargin.onboard.c_calls import CALLS, DECLARATIONS
 from slipmargin.onboard.c_code import ROWS
 from slipmargin.onboard.limiter import LARGEST, LEAST_LEFT, SHORTER, tolerance
 from slipmargin.onboard.table import CREEPS, LimitTable, threes
-from slipmargin.physics.grips import GripShape
 
 
 def c_header(table: LimitTable, *, version: str, robot_hash: str, source: str) -> str:
@@ -121,13 +120,18 @@ def _plain(text: str) -> str:
 
 def _switches(table: LimitTable) -> list[str]:
     stall, top = table.stall_torque_N_m, table.top_speed_rad_s
-    exact = _same(table.drag_low, table.drag_high) and _same(table.slope_low, table.slope_high)
-    coupled = 0 if not table.coupled else 2 if table.shape is GripShape.ELLIPSE else 1
+    drags = (table.drag, table.slope, table.coupled_drag, table.coupled_slope)
+    exact = all(_same(*ends) for ends in (drags if table.coupled else drags[:2]))
     named: list[tuple[str, str, str]] = [
         ("SM_WHEELS", str(table.count), "wheels"),
         ("SM_CASES", str(len(table.rest_low_N)), "cases of the loads: more than one on an uneven floor"),
         ("SM_LAW", str(table.law), "friction law: 0 atan, 1 tanh, 2 rational"),
-        ("SM_COUPLED", str(coupled), "1 or 2: drag takes from the drive grip (disc-strip, ellipse)"),
+        (
+            "SM_COUPLED",
+            str(int(table.coupled)),
+            "whether drag takes from the drive grip",
+        ),
+        ("SM_PARTLY", str(int(table.coupled_part < 1.0)), "whether of a part of it only"),
         ("SM_EXACT_DRAG", str(int(exact)), "whether the drag is known, not a range"),
         ("SM_EXACT_REST", str(int(_same(table.rest_low_N, table.rest_high_N))), "whether the loads are"),
         ("SM_EXACT_WRENCH", str(int(_same(table.wrench_low, table.wrench_high))), "and the external wrench"),
@@ -139,7 +143,7 @@ def _switches(table: LimitTable) -> list[str]:
         ("SM_TOP_SPEED", str(int(top is not None)), "whether the motors' top speed is known"),
         ("SM_FLOOR", str(int(table.turned)), "whether the floor slopes, so that the heading matters"),
         ("SM_SHARE", _number(table.share), "share of the grip that may be used"),
-        ("SM_COUPLING", _number(table.coupling), "part of the grip that is coupled"),
+        ("SM_COUPLING", _number(table.coupled_part), "part of the grip that is coupled"),
         ("SM_STALL", _number(stall or 0.0), "stall torque at the wheel [N m]"),
         ("SM_FASTEST", _number(top or 0.0), "top speed of a wheel [rad/s]"),
         ("SM_LIGHTEST", _number(LIGHTEST * table.mean_load_N), "least load that counts [N]"),
@@ -163,15 +167,17 @@ def _tables(table: LimitTable) -> list[str]:
         ("sm_lateral", table.lateral, "lateral slip per twist [m/s]"),
         ("sm_rolling", table.rolling, "wheel speed per twist [rad/s]"),
         ("sm_drive", table.drive, "drive coefficient, the least"),
-        ("sm_drag_low", table.drag_low, "transverse coefficient, the least"),
-        ("sm_drag_high", table.drag_high, "and the greatest"),
-        ("sm_slope_low", table.slope_low, "slope of the friction law across the rollers [s/m]"),
-        ("sm_slope_high", table.slope_high, ""),
+        ("sm_transverse", table.drag, "transverse coefficient, the least and the greatest"),
+        ("sm_slope", table.slope, "slope of the friction law across the rollers [s/m]"),
         ("sm_rest", _middle(table.rest_low_N, table.rest_high_N), "loads without acceleration [N]"),
         ("sm_transfer", table.per_acceleration_kg, "change of the loads per acceleration [kg]"),
         ("sm_wrench", _middle(table.wrench_low, table.wrench_high), "external wrench [N, N, N m]"),
         ("sm_viscous", table.viscous, "external wrench per twist"),
     ]
+    if table.coupled:
+        rows.append(("sm_coupled_drag", table.coupled_drag, "the same of the coupled part"))
+        rows.append(("sm_coupled_slope", table.coupled_slope, "and its slope [s/m]"))
+        rows.append(("sm_most_beside", table.most_beside, "drag that leaves it nothing to drive"))
     if not _same(table.rest_low_N, table.rest_high_N):
         rows.append(
             ("sm_rest_half", 0.5 * (table.rest_high_N - table.rest_low_N), "and how far they may be off")

@@ -16,6 +16,7 @@ its worst value between the twist now and the twist reached by the drag of now a
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from typing import final
 
 import numpy as np
@@ -25,8 +26,7 @@ from slipmargin.checks import Array
 from slipmargin.limits.motion_realised import LIGHTEST
 from slipmargin.onboard.table import LimitTable, threes
 from slipmargin.physics.frames import to_body
-from slipmargin.physics.friction_laws import law_share
-from slipmargin.physics.grips import drive_left
+from slipmargin.physics.grips import across_alone, left_beside
 from slipmargin.physics.kinematics import com_acceleration, rate_as_axes_turn
 
 #: Twists and accelerations are cut to this size, so that single precision does not overflow.
@@ -125,20 +125,18 @@ def _spread(table: LimitTable, left: Array, shift: Array, near: Array) -> Array:
 
 def drag_between(table: LimitTable, start: Array, end: Array) -> tuple[Array, Array]:
     """Least and greatest drag per load (M, N) while the twist goes from ``start`` to ``end``."""
+    boxes = zip(table.drag, table.slope, strict=True)
+    coupled = zip(table.coupled_drag, table.coupled_slope, strict=True)
     ends = [
-        coefficient * law_share(table.law, slope * (twist @ table.lateral.T))
-        for twist in (start, end)
-        for coefficient, slope in ((table.drag_low, table.slope_low), (table.drag_high, table.slope_high))
+        across_alone(table.law, table.coupled_part, twist @ table.lateral.T, *laws)
+        for laws, twist in product(zip(boxes, coupled, strict=True), (start, end))
     ]
     return np.min(ends, axis=0), np.max(ends, axis=0)
 
 
 def _drive(table: LimitTable, drag: Array) -> Array:
     """Drive coefficient (M, N) that a drag (M, N) leaves."""
-    if not table.coupled:
-        return np.broadcast_to(table.drive, drag.shape)
-    by_limit = drag / np.maximum(table.drag_high, 1e-30)
-    return np.asarray(table.drive * drive_left(table.shape, table.coupling, by_limit, drag / table.drive))
+    return np.asarray(table.drive * left_beside(table.coupled_part, drag / table.most_beside))
 
 
 def _wrench(table: LimitTable, twist: Array, heading: Array) -> tuple[Array, Array, Array]:

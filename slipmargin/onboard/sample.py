@@ -9,10 +9,10 @@ import math
 
 from slipmargin.checks import Array
 from slipmargin.physics.compiled import inner, kernel, twin
-from slipmargin.physics.friction_laws import law_share
+from slipmargin.physics.grips import across_alone, left_beside
 from slipmargin.physics.kinematics import at_centre
 
-_law_share, _at_centre = twin(law_share), twin(at_centre)
+_across_alone, _left_beside, _at_centre = twin(across_alone), twin(left_beside), twin(at_centre)
 
 #: What is added before a logarithm, so that a robot at rest has finite numbers [m/s, m/s², rad/s, A].
 SLOW, CALM, STILL, FAINT = 2e-3, 0.05, 0.02, 0.02
@@ -29,6 +29,7 @@ def _dot(rows: Array, k: int, vector: Array) -> float:
 @kernel
 def shares(
     law: int,
+    coupling: float,
     twist: Array,
     rate: Array,
     wheel: Array,
@@ -40,9 +41,10 @@ def shares(
 ) -> float:
     """The largest share of its grip that the model gives a wheel; ``use`` (N,) gets that of each.
 
-    As :func:`~slipmargin.onboard.limiter.utilisation` on one level floor, for one state.  ``wheel`` (6, N):
-    load at rest, its change per acceleration along x and y, drag coefficient, slope of the friction law,
-    drive coefficient.  ``body`` (9,): centre of mass, mass twice, inertia, external wrench, lightest load.
+    As :func:`~slipmargin.onboard.limiter.utilisation` on one level floor, for one state.  ``wheel`` (9, N):
+    load at rest, its change per acceleration along x and y, coefficient and slope of the drag, the same of
+    the coupled part of the grip, drive coefficient, drag that leaves nothing to drive.  ``body`` (9,): centre
+    of mass, mass twice, inertia, external wrench, lightest load.
     """
     n = use.shape[0]
     wz = twist[2]
@@ -51,15 +53,17 @@ def shares(
     fx, fy, moment = ax * body[2] - body[5], ay * body[3] - body[6], rate[2] * body[4] - body[7]
     for i in range(n):
         load = max(wheel[0, i] + wheel[1, i] * ax + wheel[2, i] * ay, body[8])
-        drag = wheel[3, i] * _law_share(law, wheel[4, i] * _dot(lateral, i, twist)) * load
+        box, coupled = (wheel[3, i], wheel[4, i]), (wheel[5, i], wheel[6, i])
+        drag = _across_alone(law, coupling, _dot(lateral, i, twist), box, coupled)
+        use[i] = wheel[7, i] * load * _left_beside(coupling, abs(drag) / wheel[8, i])
+        drag *= load
         fx += across[0, i] * drag
         fy += across[1, i] * drag
         moment += across[2, i] * drag
-        use[i] = wheel[5, i] * load
     most = 0.0
     for i in range(n):
         force = abs(spread[i, 0] * fx + spread[i, 1] * fy + spread[i, 2] * moment)
-        use[i] = force / use[i]
+        use[i] = force / max(use[i], 1e-30)
         most = max(most, use[i])
     return most
 

@@ -57,8 +57,10 @@ class Signals:
         self._maps = np.array(to_twist), np.array(null)
         rest, (px, py) = table.rest_low_N[0], table.per_acceleration_kg.T
         wrench = 0.5 * (table.wrench_low + table.wrench_high)
+        self._law = table.law, table.coupled_part
+        laws = (table.drag[1], table.slope[1], table.coupled_drag[1], table.coupled_slope[1])
         self._machine = (
-            np.array([rest, px, py, table.drag_high, table.slope_high, table.drive]),
+            np.array([rest, px, py, *laws, table.drive, table.most_beside]),
             np.array([*table.com_m, *table.mass, *wrench, LIGHTEST * table.mean_load_N]),
             np.array(table.lateral),
             np.array(table.across),
@@ -119,7 +121,7 @@ class Signals:
             out,
         )
         twist, rate = self._motion[0], self._motion[1]
-        out[0] = math.log(UNUSED + self._shares(self.table.law, twist, rate, *self._machine, self._use))
+        out[0] = math.log(UNUSED + self._shares(*self._law, twist, rate, *self._machine, self._use))
         return out
 
     def shares(self) -> Array:

@@ -27,13 +27,13 @@ from slipmargin.limits.bounds import ahead_of
 from slipmargin.limits.creep_states import Balance
 from slipmargin.limits.motion import steady_share
 from slipmargin.limits.motion_external import external_in_motion
-from slipmargin.limits.motion_friction import friction_in_motion
+from slipmargin.limits.motion_friction import coefficients_in_motion
 from slipmargin.limits.motion_realised import SLOW_CREEP, comparable, settles_slowly
 from slipmargin.limits.motion_rows import even_distribution
 from slipmargin.limits.motion_state import Motion
 from slipmargin.model import Model
 from slipmargin.physics.constants import CRAWL_M_S
-from slipmargin.physics.grips import GripShape, most_across, polyhedral
+from slipmargin.physics.grips import GripShape, polyhedral, rise_across
 from slipmargin.physics.terms import ForceTerm
 from slipmargin.physics.variables import Basis, Frame, Variable
 
@@ -67,10 +67,11 @@ class LimitTable:
         Lateral slip [m/s] and wheel speed [rad/s] per body twist.
     drive : (N,)
         Drive coefficient μ_i, the least.
-    drag_low, drag_high : (N,)
-        Transverse coefficient, the least and the greatest.
-    slope_low, slope_high : (N,)
-        Slope k of the friction law across the rollers [s/m].
+    drag, slope : (2, N)
+        Transverse coefficient and slope k of the friction law across the rollers [s/m], the least and the
+        greatest.
+    coupled_drag, coupled_slope : (2, N)
+        The same of the coupled part of the grip (:func:`~slipmargin.physics.grips.rise_across`).
     rest_low_N, rest_high_N : (C, N)
         Loads without acceleration; one case for each corner of an uneven floor's band.
     per_acceleration_kg : (N, 2)
@@ -106,10 +107,10 @@ class LimitTable:
     lateral: Array
     rolling: Array
     drive: Array
-    drag_low: Array
-    drag_high: Array
-    slope_low: Array
-    slope_high: Array
+    drag: Array
+    slope: Array
+    coupled_drag: Array
+    coupled_slope: Array
     rest_low_N: Array
     rest_high_N: Array
     per_acceleration_kg: Array
@@ -130,8 +131,8 @@ class LimitTable:
         shapes: dict[str, tuple[int | None, ...]] = {
             "mass": (3,), "com_m": (2,), "spread": (n, 3), "along": (3, n), "across": (3, n),
             "lateral": (n, 3), "rolling": (n, 3), "drive": (n,),
-            "drag_low": (n,), "drag_high": (n,), "slope_low": (n,),
-            "slope_high": (n,), "rest_low_N": (c, n), "rest_high_N": (c, n),
+            "drag": (2, n), "slope": (2, n), "coupled_drag": (2, n), "coupled_slope": (2, n),
+            "rest_low_N": (c, n), "rest_high_N": (c, n),
             "per_acceleration_kg": (n, 2), "wrench_low": (3,), "wrench_high": (3,), "floor_wrench": (3,),
             "floor_moment_N_m": (2,), "floor_loads": (n, 2), "viscous": (3, 3),
             "torque_force": (n,), "torque_drag": (n,), "spin": (n, 3),
@@ -168,6 +169,16 @@ class LimitTable:
     def coupled(self) -> bool:
         """Whether a wheel's drag takes from its drive grip."""
         return not polyhedral(self.shape, self.coupling)
+
+    @property
+    def coupled_part(self) -> float:
+        """Part of the grip in which drag takes from the drive grip [1]: 0 for a box."""
+        return self.coupling if self.coupled else 0.0
+
+    @property
+    def most_beside(self) -> Array:
+        """Drag per load (N,) beside which the coupled part of the grip has nothing left to drive."""
+        return np.maximum(self.drag[1], 1e-30) if self.shape is GripShape.ELLIPSE else self.drive
 
     @property
     def turned(self) -> bool:
@@ -217,27 +228,21 @@ def limit_table(model: Model, margin: float) -> LimitTable:
             "margin", f"is {margin:g}: creep takes the rest of the grip", f"give less than {most:g}"
         )
     motion = _states(model)
-    own = model.grip
-    roller, rigid = (
-        np.column_stack([mu[:, 0], most_across(own.shape, own.coupling, mu[:, 0], mu[:, 1])])
-        for mu in (own.roller, own.rigid)
-    )
-    box = replace(model, grip=replace(own, shape=GripShape.BOX, roller=roller, rigid=rigid))
-    friction = friction_in_motion(box, motion, share=share)
-    full = friction_in_motion(box, replace(motion, saturated=True), share=share)
-    drag = np.stack([np.abs(full.drag_low[0]), np.abs(full.drag_high[0])])
-    moving = (drag.max(axis=0) > 0.0) & (drag.min(axis=0) > 0.0)
-    drag_high = drag.max(axis=(0, 1))
-    drag_low = np.where(moving.any(axis=0), np.where(moving, drag.min(axis=0), np.inf).min(axis=0), 0.0)
+    known = coefficients_in_motion(model, motion, share=share)
+    drive, transverse = _least_and_most(known.drive[:, 0]), _least_and_most(known.transverse[:, 0])
+    steep, slope = _least_and_most(known.drive_stiffness), _least_and_most(known.stiffness)
+    grip = model.grip  # an ellipse is the flatter the more it drives
+    opposite = drive[::-1] if grip.shape is GripShape.ELLIPSE else drive
+    size, rise = rise_across(grip.shape, opposite, transverse, steep)
     geometry, (along, across) = model.geometry, model.wrench_maps()
     low, high, floor, moment, change = _external(model, motion)
     rest = model.loads.at(np.zeros(2), lift_N=lift_N(model)) + model.loads.shifts()
     along_grip = np.sum(geometry.drive * geometry.grip, axis=1)
     along_free = np.sum(geometry.drive * geometry.free, axis=1)
     rolling = geometry.rolling_rows() / geometry.radius_m[:, None]
-    drives, drive = model.drives, friction.drive[0].min(axis=0)
-    if np.min(drive) <= 0.0:
-        wheel = geometry.names[int(np.argmin(drive))]
+    drives = model.drives
+    if np.min(drive[0]) <= 0.0:
+        wheel = geometry.names[int(np.argmin(drive[0]))]
         raise InputError("margin", f"wheel {wheel} may have no drive grip at all", "correct its coefficients")
     return LimitTable(
         robot=model.robot,
@@ -256,11 +261,11 @@ def limit_table(model: Model, margin: float) -> LimitTable:
         across=across,
         lateral=geometry.lateral_rows(),
         rolling=rolling,
-        drive=drive,
-        drag_low=np.minimum(drag_low, drag_high),
-        drag_high=drag_high,
-        slope_low=friction.stiffness.min(axis=0),
-        slope_high=friction.stiffness.max(axis=0),
+        drive=drive[0],
+        drag=transverse,
+        slope=slope,
+        coupled_drag=size,
+        coupled_slope=rise,
         rest_low_N=rest + change[0],
         rest_high_N=rest + change[1],
         per_acceleration_kg=model.loads.per_acceleration_kg,
@@ -276,6 +281,11 @@ def limit_table(model: Model, margin: float) -> LimitTable:
         stall_torque_N_m=drives.stall_torque_N_m,
         top_speed_rad_s=drives.max_speed_rad_s,
     )
+
+
+def _least_and_most(values: Array) -> Array:
+    """Least and greatest (2, N) over states of lower and upper ends (2, M, N)."""
+    return np.stack([values[0].min(axis=0), values[1].max(axis=0)])
 
 
 def _states(model: Model) -> Motion:

@@ -89,7 +89,7 @@ def assume(
         possible=hull([x.possible for x in frictions], np.logical_or, 1),
         transverse=first.transverse[:, ::f],
         slide=first.slide[::f],
-        stiffness=first.stiffness[::f],
+        stiffness=first.stiffness[:, ::f],
         drive_stiffness=first.drive_stiffness[::f],
     )
     change = [hull([x.load_change_N for x in external], pick, 1)[k] for k, pick in enumerate((low, high))]

@@ -15,10 +15,12 @@ with s = 0 limiting the force along −, s = 1 along +, and gives ``(..., N)``.
 from __future__ import annotations
 
 from enum import Enum
+from typing import Any
 
 import numpy as np
 
 from slipmargin.checks import Array
+from slipmargin.physics.friction_laws import law_share
 
 
 class GripShape(Enum):
@@ -43,8 +45,13 @@ def drive_left(shape: GripShape, coupling: float, by_limit: Array, by_radius: Ar
     """
     if polyhedral(shape, coupling):
         return np.ones(np.broadcast_shapes(np.shape(by_limit), np.shape(by_radius)))
-    t = np.clip(by_limit if shape is GripShape.ELLIPSE else by_radius, 0.0, 1.0)
-    return np.asarray(1.0 - coupling * (1.0 - np.sqrt(1.0 - t**2)))
+    return np.asarray(left_beside(coupling, by_limit if shape is GripShape.ELLIPSE else by_radius))
+
+
+def left_beside(coupling: float, used: Any) -> Any:
+    """:func:`drive_left` beside a transverse force that uses a share t ≥ 0 of what it is compared with."""
+    t = np.minimum(used, 1.0)
+    return 1.0 - coupling * (1.0 - np.sqrt(1.0 - t * t))
 
 
 def most_across(shape: GripShape, coupling: float, drive: Array, transverse: Array) -> Array:
@@ -52,6 +59,32 @@ def most_across(shape: GripShape, coupling: float, drive: Array, transverse: Arr
     if shape is not GripShape.DISC_STRIP:
         return transverse
     return np.asarray(transverse - coupling * np.maximum(transverse - drive, 0.0))
+
+
+def rise_across(shape: GripShape, drive: Any, transverse: Any, k_s_per_m: Any) -> tuple[Any, Any]:
+    """Size [1] and slope [s/m] of the coupled law's transverse force where a wheel slips across only.
+
+    With u_W = 0 the laws of :mod:`~slipmargin.physics.contact` are μ_T σ(k (μ_T/μ_W) u_T) for the ellipse and
+    μ_W σ(k u_T), up to μ_T, for the disc cut by the strip.
+    """
+    if shape is GripShape.ELLIPSE:
+        return transverse, k_s_per_m * transverse / np.maximum(drive, 1e-30)
+    return drive, k_s_per_m
+
+
+def across_alone(law: int, coupling: float, slip: Any, box: tuple[Any, Any], coupled: tuple[Any, Any]) -> Any:
+    """Transverse force per newton of load [1] of a wheel that slips across only, by ``slip`` [m/s].
+
+    ``box`` holds μ_T and its slope k_T [s/m], ``coupled`` what :func:`rise_across` says; ``coupling`` is 0
+    for a box.
+    """
+    most, steep = box
+    alone = most * law_share(law, steep * slip)
+    if coupling == 0.0:
+        return alone
+    size, rises = coupled
+    together = np.minimum(most, np.maximum(-most, size * law_share(law, rises * slip)))
+    return (1.0 - coupling) * alone + coupling * together
 
 
 def box_support(seen: Array, mu: Array) -> Array:

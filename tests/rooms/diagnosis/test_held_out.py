@@ -68,8 +68,7 @@ def test_outliers_make_no_quiet_run_a_loud_one() -> None:
     # The robot is fast there: by its own motion such a frame is not too far from those around it.
     wrong[np.flatnonzero(speed > 5.0 * data.sigma[0])[::12], 0] += 18.0 * data.sigma[0]
     quiet, loud = (
-        replace(data, trials=(replace(drifts[0], pose=pose), *drifts[1:]))
-        for pose in (drifts[0].pose, wrong)
+        replace(data, trials=(replace(drifts[0], pose=pose), *drifts[1:])) for pose in (drifts[0].pose, wrong)
     )
     first = np.zeros(1, dtype=np.int64)
     assert problem_of(loud).misses((), first)[0] > 1.4  # more than any other run

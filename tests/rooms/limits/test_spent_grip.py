@@ -83,16 +83,16 @@ def test_wheels_named_are_those_that_slide_sideways() -> None:
 
 @pytest.mark.parametrize("speed", [1e-3, 0.05])
 def test_at_a_speed_the_ellipse_leaves_what_the_law_says(speed: float) -> None:
-    model, way = robot(), np.array([0.3])
+    model = robot()
     ahead = np.array([[np.cos(0.3), np.sin(0.3), 0.0]])
     slide = speed * ahead @ model.geometry.lateral_rows().T
-    left = np.sqrt(1.0 - law_share(model.grip.law, 1000.0 * slide) ** 2)[0]
+    # the ellipse's law where nothing slips along the grip (physics/contact.py)
+    share = law_share(model.grip.law, 1000.0 * 0.09 / 0.26 * slide)[0]
+    left = np.sqrt(1.0 - share**2)
     rows = acceleration_limit(model, Motion(velocity=speed * ahead), ahead)
     assert not np.any(rows.rows.spent) and np.all(left > 0.0)
-    box = directions(robot(GripShape.BOX), way, speed_m_s=speed).starting_m_s2[0]
-    assert rows.value[0] < box
     # by the three balances: drive forces within what is left
-    drag = 0.09 * law_share(model.grip.law, 1000.0 * slide)[0] * model.loads.rest_N
+    drag = 0.09 * share * model.loads.rest_N
     drive, side = model.wrench_maps()
     asked = rows.value[0] * ahead[0] * model.inertia.diagonal + side @ drag
     use = np.abs(np.linalg.solve(drive, asked)) / (0.26 * left * model.loads.rest_N)

@@ -143,7 +143,8 @@ def test_single_precision_is_as_near_as_its_numbers_allow(
 ) -> None:
     """1e-5 of the inputs, or what half a digit of inputs and tables moves the exact answer by.
 
-    The inverse of a 3 × 3 matrix missed by 6e-5 where half a digit moves the answer by 1e-6 (robot 15).
+    As much again for the numbers in between, which are rounded too.  The inverse of a 3 × 3 matrix missed by
+    6e-5 where half a digit moves the answer by 1e-6 (robot 15).
     """
     name, model = machines[place]
     limiter = measured.ModelLimiter(model, 0.2)
@@ -154,7 +155,7 @@ def test_single_precision_is_as_near_as_its_numbers_allow(
     some = np.flatnonzero(off.max(axis=0) > measured.WORTH_SHAKING)
     moved = measured.conditioned(limiter, [x[some] for x in states])
     assert np.sum(off > 1e-5) <= 2, "of 15 000 answers"
-    assert np.all(off[:, some] <= np.maximum(moved, measured.WORTH_SHAKING)), name
+    assert np.all(off[:, some] <= np.maximum(2.0 * moved, measured.WORTH_SHAKING)), name
 
 
 def test_wheels_whose_drag_uses_the_whole_grip_still_share(tmp_path: Path) -> None:

@@ -23,6 +23,9 @@ from slipmargin.effects import GeneralEffect, Part, Trace
 from slipmargin.effects.load_transfer import LoadTransfer
 from slipmargin.errors import InputError
 from slipmargin.onboard.likelihood import LabelledRun, learn
+from slipmargin.onboard.limiter import utilisation
+from slipmargin.onboard.signals import Channels, Signals
+from slipmargin.physics.kinematics import rate_as_axes_turn
 from slipmargin.physics.terms import Multiplier
 from slipmargin.physics.variables import Basis, Target, Variable
 
@@ -129,6 +132,19 @@ def stretch(rng: np.random.Generator, count: int) -> LabelledRun:
     return LabelledRun(
         numbers=numbers + np.outer(1.5 * slips, [1.0, 0.0, 0.0]), slips=slips, wheels=none, truth=none
     )
+
+
+@pytest.mark.parametrize("grip", ["box", "disc-strip", "ellipse"])
+def test_its_shares_are_those_of_the_limiter(grip: str) -> None:
+    """Drag that takes from the drive grip was left out."""
+    limiter = sm.Limiter(sm.read_robot("ohio-kiwi", grip=grip), "paper", margin=0.1)
+    random = np.random.default_rng(3)
+    signals, use = Signals(limiter.table, Channels()), np.zeros(3)
+    for twist, rate in zip(random.normal(0.0, 0.3, (50, 3)), random.normal(0.0, 0.5, (50, 3)), strict=True):
+        signals._shares(*signals._law, twist, rate, *signals._machine, use)
+        pull = rate - rate_as_axes_turn(twist[None])[0]
+        expected = utilisation(limiter.table, twist[None], pull[None], np.zeros(1))[0]
+        np.testing.assert_allclose(use, expected, rtol=1e-9)
 
 
 def test_too_few_runs_are_told_and_give_no_alarm() -> None:

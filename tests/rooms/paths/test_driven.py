@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from strategies import kiwi
@@ -19,6 +21,7 @@ from slipmargin.paths.plan import Plan, Request, plan
 from slipmargin.paths.sample import trajectory
 from slipmargin.paths.verify import on_rollers, verify
 from slipmargin.physics.friction_laws import law_inverse, law_slope
+from slipmargin.physics.grips import GripShape
 from slipmargin.report.bounds import answer
 
 SHARE = 0.9
@@ -26,9 +29,11 @@ STRAIGHT = corners(np.array([[0, 0, 0], [1.0, 0, 0]]))
 BEND = through(np.array([[0, 0, 0], [0.5, 0.2, 0.4], [1.0, 0.0, 0.2]]))
 
 
-def creeping(robot: str, surface: str, steepness: float, tread: float = 0.0) -> Model:
+def creeping(robot: str, surface: str, steepness: float, tread: float = 0.0, grip: str = "box") -> Model:
     law = SlipRatioFriction(share=1.0, steepness=steepness, tread_share=tread)
-    return Recipe(robot=read_recipe(robot).robot, effects=(law,)).build(surface)
+    of = read_recipe(robot).robot
+    of = replace(of, friction=replace(of.friction, grip=GripShape(grip)))
+    return Recipe(robot=of, effects=(law,)).build(surface)
 
 
 CASES = [
@@ -51,6 +56,18 @@ def test_the_simulated_wheels_use_what_was_planned(found: Plan) -> None:
     assert found.max_use <= SHARE * (1.0 + 1e-6)
     assert ran.peak <= SHARE + 2e-3
     assert ran.peak >= SHARE - 5e-3  # and it is no coward
+
+
+@pytest.mark.parametrize("grip", ["disc-strip", "ellipse"])
+@pytest.mark.parametrize(
+    ("robot", "surface"), [("omni4", "floor"), ("mecanum4", "floor"), ("ohio-kiwi", "paper")]
+)
+def test_drag_of_coupled_grips_is_that_of_their_own_law(robot: str, surface: str, grip: str) -> None:
+    """Planned by the box's drag, wheels of elliptic grip used 0.42 of what they were to use 0.9 of."""
+    of = creeping(robot, surface, 10.0 if robot != "ohio-kiwi" else 6.0, grip=grip)
+    found = plan(of, STRAIGHT, Request(share=SHARE, points=100))
+    ran = verify(on_rollers(of), trajectory(found))
+    assert found.max_use - 0.02 <= ran.peak <= found.max_use + 2e-3
 
 
 def test_the_table_holds_what_was_used_at_most(found: Plan) -> None:

@@ -8,8 +8,9 @@ from hypothesis import example, given, strategies as st
 from scipy.optimize import brentq
 from strategies import reals
 
-from slipmargin.physics.contact import disc_strip, spun
+from slipmargin.physics.contact import BOX, contact, disc_strip, spun
 from slipmargin.physics.friction_laws import LAWS, law_inverse, law_share, law_slope, law_slopes
+from slipmargin.physics.grips import GripShape, across_alone, rise_across
 
 EVERY_LAW = st.sampled_from(range(len(LAWS)))
 
@@ -53,3 +54,27 @@ def test_slopes_of_the_laws_are_their_derivatives(law: int, z: float) -> None:
     assert first == pytest.approx((ahead - behind) / (2.0 * step), abs=1e-9)
     bend = (law_slope(law, z + step) - law_slope(law, z - step)) / (2.0 * step)
     assert second == pytest.approx(bend, abs=1e-9)
+
+
+@given(
+    EVERY_LAW,
+    st.sampled_from(list(enumerate(GripShape))),
+    reals(0.0, 1.0),
+    st.tuples(reals(0.05, 1.2), reals(0.0, 1.2)),
+    st.tuples(reals(0.5, 3.0), reals(0.5, 3.0)),
+    reals(-5.0, 0.5),
+)
+def test_a_wheel_that_slips_across_only_has_the_force_of_the_whole_law(
+    law: int,
+    named: tuple[int, GripShape],
+    coupling: float,
+    mu: tuple[float, float],
+    steep: tuple[float, float],
+    digits: float,
+) -> None:
+    (number, shape), slip, (kw, kt) = named, 10.0**digits, (10.0 ** steep[0], 10.0 ** steep[1])
+    part = 0.0 if number == BOX else coupling
+    for way in (slip, -slip):
+        whole = contact(law, number, part, 0.0, way, *mu, kw, kt)[1]
+        alone = across_alone(law, part, way, (mu[1], kt), rise_across(shape, *mu, kw))
+        assert alone == pytest.approx(whole, rel=1e-9, abs=1e-15)
