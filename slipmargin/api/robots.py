@@ -147,6 +147,7 @@ def warnings_of(
         *cut_off(recipe.robot, surface),
         *ignored,
         *_partly_used(recipe),
+        *_steepness_without_effect(recipe, surface),
     )
 
 
@@ -156,6 +157,22 @@ def _partly_used(recipe: Recipe) -> tuple[str, ...]:
 
     found = {e.name: (isinstance(e, Effect) and e.counts_in) or e.part.counts_in for e in recipe.effects}
     return tuple(f"effect {name}: counts in {where}" for name, where in found.items() if where)
+
+
+def _steepness_without_effect(recipe: Recipe, surface: str) -> tuple[str, ...]:
+    """A sentence for each effect that makes friction across the rollers steep where that is not read."""
+    from slipmargin.physics.variables import Target
+
+    grip = recipe.build(surface).grip
+    if not recipe.effects or grip.coupled_part < 1.0:
+        return ()
+    alone = ((e.name, replace(recipe, effects=(e,)).build(surface).grip.multipliers) for e in recipe.effects)
+    return tuple(
+        f"effect {name}: how steep friction is across the rollers has no effect, since the grip "
+        f'"{grip.shape.value}" has one law for all directions, as steep as along the grip'
+        for name, terms in alone
+        if any(term.target is Target.STIFFNESS_TRANSVERSE for term in terms)
+    )
 
 
 def checked_margin(margin: float) -> float:

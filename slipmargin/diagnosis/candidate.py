@@ -244,6 +244,7 @@ def named_candidates(
     *,
     timed: bool = True,
     angles: bool = True,
+    coupled: bool = False,
 ) -> list[Candidate]:
     """Every effect of the catalogue that these data could show.
 
@@ -262,6 +263,8 @@ def named_candidates(
         Whether the rows have time stamps, which limit how wrong the clock may be, not only a nominal rate.
     angles : bool
         Whether the logs hold wheel angles.
+    coupled : bool
+        Whether the grip has one law for all directions.
     """
     found: list[Candidate] = []
     for effect in CATALOGUE:
@@ -273,7 +276,11 @@ def named_candidates(
         single = issubclass(effect, WheelEffect) and effect.one_wheel
         for variant in effect.variants or (None,):
             if variant is not None:
-                able = {p.name for p in effect.parameters if p.least_wheels <= len(wheels)}
+                able = {
+                    p.name
+                    for p in effect.parameters
+                    if p.least_wheels <= len(wheels) and not (coupled and p.needs_own_law_across)
+                }
                 variant = replace(variant, free=tuple(name for name in variant.free if name in able))
             made = [
                 named_candidate(effect, variant, on, reach)

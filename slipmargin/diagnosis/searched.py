@@ -166,7 +166,15 @@ def _searched(
     angles = not commanded and not wheel_phase.is_unknown(problem)
     candidates = in_groups(
         [
-            *named_candidates(model.geometry.names, commanded, known, reach, timed=timed, angles=angles),
+            *named_candidates(
+                model.geometry.names,
+                commanded,
+                known,
+                reach,
+                timed=timed,
+                angles=angles,
+                coupled=model.grip.coupled_part == 1.0,
+            ),
             *general_candidates(model, covered, commanded),
         ],
         data_set.members,

@@ -106,6 +106,9 @@ class Parameter:
     coordinate: str = ""
     within: float = np.inf  #: … and looks no farther from there than this
     least_wheels: int = 0  #: with fewer wheels it has no influence
+    needs_own_law_across: bool = (
+        False  #: whether a grip with one law for all directions has none of it
+    )
     usual: float | None = None  #: an end of the range that is an ordinary value; the null by default
     near: tuple[float, ...] = ()  #: where fits start at a line or place that the data point to
 
@@ -121,6 +124,7 @@ def parameter(
     idle: bool = False,
     along: str = "",
     least_wheels: int = 0,
+    needs_own_law_across: bool = False,
     usual: float | None = None,
     near: tuple[float, ...] = (),
     coordinate: str = "",
@@ -140,6 +144,7 @@ def parameter(
         idle=idle,
         along=along,
         least_wheels=least_wheels,
+        needs_own_law_across=needs_own_law_across,
         usual=usual,
         near=near,
         coordinate=coordinate,

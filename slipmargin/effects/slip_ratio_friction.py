@@ -53,6 +53,7 @@ class SlipRatioFriction(WheelEffect):
             (0.5, 1.0, 20.0),
             0.5,
             "steepness across over steepness along the drive direction",
+            needs_own_law_across=True,
         ),
         parameter(
             "crawl_m_s",

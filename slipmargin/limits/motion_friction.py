@@ -23,7 +23,7 @@ from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.friction_laws import law_inverse
-from slipmargin.physics.grips import across_alone, drive_left, most_across, polyhedral, rise_across
+from slipmargin.physics.grips import across_alone, drive_left, most_across, rise_across
 from slipmargin.physics.sectors import on_rigid, pitch
 from slipmargin.physics.terms import Multiplier
 from slipmargin.physics.variables import Target, Variable
@@ -116,7 +116,7 @@ class Coefficients:
             for steep, steep_across in zip(self.drive_stiffness, self.stiffness, strict=True):
                 coupled = rise_across(grip.shape, drive, across, steep)
                 box = across, steep_across
-                ends.append(across_alone(grip.law, coupled_part(grip), self.slide, box, coupled))
+                ends.append(across_alone(grip.law, grip.coupled_part, self.slide, box, coupled))
         return (
             reduce(np.minimum, ends),
             reduce(np.maximum, ends),
@@ -131,11 +131,6 @@ class Coefficients:
                 np.where(worst > 0.0, worst / most[0], 0.0) for most in (self.transverse, self.drive)
             )
         return drive_left(grip.shape, grip.coupling, by_limit, by_radius)
-
-
-def coupled_part(grip: Grip) -> float:
-    """Part of a grip in which drag and drive force take from one another [1]: 0 of a box."""
-    return 0.0 if polyhedral(grip.shape, grip.coupling) else grip.coupling
 
 
 def coefficients_in_motion(model: Model, motion: Motion, *, share: float = 1.0) -> Coefficients:
@@ -172,7 +167,7 @@ def friction_in_motion(
     grip, known = model.grip, coefficients_in_motion(model, motion, share=share)
     low, high, transverse = known.drag(grip)
     slide = motion.velocity @ model.geometry.lateral_rows().T
-    coupled = coupled_part(grip) > 0.0
+    coupled = grip.coupled_part > 0.0
     return Friction(
         drive=known.drive[0] * known.left(grip, low, high) if coupled else known.drive[0],
         drag_low=low,

@@ -17,7 +17,6 @@ from slipmargin.limits.motion_external import least_product
 from slipmargin.limits.motion_friction import (
     Coefficients,
     coefficients_in_motion,
-    coupled_part,
     material_states,
 )
 from slipmargin.limits.motion_rows import Facets, prepare
@@ -99,7 +98,7 @@ class _Sampled:
                 stiffness=slopes[1],
             )
             low, high, _ = own.drag(grip)
-            left = own.left(grip, low, high) if coupled_part(grip) else 1.0
+            left = own.left(grip, low, high) if grip.coupled_part else 1.0
             yield drive[0] * left, 0.5 * (low + high), 0.5 * (high - low)
 
     def cases(self, drawn: Draws) -> Iterator[tuple[Array, Array, Array]]:

@@ -16,7 +16,7 @@ from slipmargin.checks import Array, frozen
 from slipmargin.errors import InputError
 from slipmargin.physics.constants import GRAVITY_M_S2
 from slipmargin.physics.friction_laws import ATAN
-from slipmargin.physics.grips import GripShape
+from slipmargin.physics.grips import GripShape, polyhedral
 from slipmargin.physics.relief import Relief
 from slipmargin.physics.terms import ForceTerm, Multiplier, PoseShift
 
@@ -88,6 +88,11 @@ class Grip:
         n = len(np.asarray(self.roller))
         object.__setattr__(self, "roller", on_rollers(self.roller, self.rigid, self.rigid_fraction))
         _freeze(self, roller=(n, 2), rigid=(n, 2), rollers=(n,), rigid_fraction=(n,), viscous_N_s_per_m=(2,))
+
+    @property
+    def coupled_part(self) -> float:
+        """Part in which the forces along and across take from one another and follow one law [1]."""
+        return 0.0 if polyhedral(self.shape, self.coupling) else self.coupling
 
 
 @final

@@ -43,6 +43,8 @@ A file is read, but the commands print a warning, where
 - `com_height_m` is given but the stated load model is not `"quasi-static"` (how much load a m/s² shifts);
 - `roller` and `rigid` of a surface are alike, so that `rigid_fraction` and `rollers` have no effect there;
 - with the grip `"disc-strip"` a transverse coefficient exceeds the drive one, which then limits both;
+- an effect makes friction steep across the rollers and the grip is coupled throughout, so that only the
+  steepness along the grip counts;
 - every mecanum wheel drives to the side: the file's axes are those of the other `convention`;
 - the grip line of a mecanum wheel passes nearer to the wheels' middle than it would with the other sign of
   `roller_angle_deg`: rollers mounted the wrong way round;

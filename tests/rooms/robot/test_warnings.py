@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from strategies import PAPER, four_wheels, kiwi
 
+import slipmargin as sm
+from slipmargin.api.robots import warnings_of
+from slipmargin.diagnosis.candidate import named_candidates
+from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
 from slipmargin.io.robot_file import built_in_names, read_recipe
 from slipmargin.model import nominal_model
 from slipmargin.robot import Coefficients, GripShape, LoadRule
@@ -46,6 +51,24 @@ def test_rigid_sectors_that_grip_as_rollers_do() -> None:
     (said,) = warnings(replace(kiwi(30.0, rigid_fraction=0.1), surfaces=(alike,)))
     assert "surface.paper" in said and "rigid_fraction" in said
     assert warnings(replace(kiwi(30.0, rigid_fraction=0.0), surfaces=(alike,))) == ()
+
+
+@pytest.mark.parametrize(("grip", "idle"), [("box", 0), ("disc-strip", 1), ("ellipse", 1)])
+def test_steepness_across_where_one_law_holds_for_all_directions(grip: str, idle: int) -> None:
+    law = SlipRatioFriction(share=1.0, steepness=5.0, transverse_factor=2.0)
+    plain, creeping = (sm.read_robot("omni4", grip=grip).with_effects(*e) for e in ((), (law,)))
+    assert not warnings_of(plain, "floor")
+    said = warnings_of(creeping, "floor")
+    assert len(said) == idle and all("slip_ratio_friction" in s and grip in s for s in said)
+    speeds = np.array([[0.0, 2.0, 1.0, 0.5, 1.0]])
+    ran = [
+        sm.simulate(plain.with_effects(replace(law, transverse_factor=f)), "floor", speeds, until_s=0.2)
+        for f in (2.0, 4.0)
+    ]
+    assert np.array_equal(ran[0].run.pose, ran[1].run.pose) == bool(idle)  # the sentence is true
+    listed = named_candidates(("1", "2", "3"), False, (), coupled=bool(idle))
+    own = [c for c in listed if c.name == law.name]
+    assert any("transverse_factor" in c.keys for c in own) != bool(idle)
 
 
 def test_a_strip_wider_than_its_disc() -> None:
