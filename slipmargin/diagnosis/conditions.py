@@ -93,11 +93,12 @@ def ready(
 def held_runs_of(data_set: DataSet, seed: int) -> Index:
     """Numbers of the runs of a data set to hold out, drawn by what the model as it is misses each by.
 
-    Outliers do not count: two wrong frames would make a quiet run a loud one.
+    A run of which nothing but noise is left without its outliers is a quiet one, however many it has.
     """
     everyone = np.arange(len(data_set.trials), dtype=np.int64)
-    problem = problem_of(without_outliers(data_set, everyone)[0])
-    return held_out_runs(problem.misses((), everyone), seed)
+    kept = without_outliers(data_set, everyone)[0]
+    misses, left = (problem_of(d).misses((), everyone) for d in (data_set, kept))
+    return held_out_runs(np.where(left <= SETTINGS.noise_chi, left, misses), seed)
 
 
 def _alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
