@@ -106,9 +106,7 @@ class Parameter:
     coordinate: str = ""
     within: float = np.inf  #: … and looks no farther from there than this
     least_wheels: int = 0  #: with fewer wheels it has no influence
-    needs_own_law_across: bool = (
-        False  #: whether a grip with one law for all directions has none of it
-    )
+    needs_own_law_across: bool = False  #: whether a grip with one law for all directions has none of it
     usual: float | None = None  #: an end of the range that is an ordinary value; the null by default
     near: tuple[float, ...] = ()  #: where fits start at a line or place that the data point to
 

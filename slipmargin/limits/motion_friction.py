@@ -24,7 +24,6 @@ from slipmargin.model import Model
 from slipmargin.model.parts import Grip
 from slipmargin.physics.friction_laws import law_inverse
 from slipmargin.physics.grips import across_alone, drive_left, most_across, rise_across
-from slipmargin.physics.sectors import on_rigid, pitch
 from slipmargin.physics.terms import Multiplier
 from slipmargin.physics.variables import Target, Variable
 from slipmargin.work import MOVING_STATES, allow_states
@@ -230,12 +229,9 @@ def _possible(grip: Grip, motion: Motion, contact: Contact) -> Mask:
     roller = np.ones(shape, dtype=bool)
     if contact is Contact.RIGID:
         rigid, roller = roller, rigid
-    elif contact is Contact.UNKNOWN or (contact is Contact.ANGLE and motion.theta is None):
+    elif contact is Contact.UNKNOWN:
         rigid |= grip.rigid_fraction > 0.0
         roller &= grip.rigid_fraction < 1.0
-    elif contact is Contact.ANGLE and motion.theta is not None:
-        rigid = on_rigid(motion.theta, pitch(grip.rollers), grip.rigid_fraction)
-        roller = ~rigid
     return np.stack([roller, rigid])
 
 

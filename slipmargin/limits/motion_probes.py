@@ -66,8 +66,6 @@ def probes(
     if variable is Variable.TIME:
         return _known_or_range(motion.time_s, term)
     if variable is Variable.WHEEL_ANGLE:
-        if motion.theta is not None:
-            return np.asarray(motion.theta[None])
         turn = float(shape[0]) if term.basis is Basis.FOURIER else 2.0 * np.pi
         return np.append(np.linspace(0.0, turn, PROBES), shape[0])[:, None, None]
     if variable is Variable.SLIP_HEADING:

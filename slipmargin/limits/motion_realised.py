@@ -242,7 +242,7 @@ def _balances(
         model.count * motion.count * len(cases),
         WHEEL_STATES,
         "wheels over all samples and contact states",
-        "give a shorter motion or fewer samples of it, or log the wheel angles and leave --robust away",
+        "give a shorter motion or fewer samples of it, or leave --robust away",
     )
     for on_rigid, shift in cases:
         pressed = np.maximum(load + shift, lightest)

@@ -20,7 +20,6 @@ class Contact(Enum):
     ROLLERS = "all wheels stand on rollers"
     RIGID = "all wheels stand on rigid material"
     UNKNOWN = "each wheel may stand on either: the worst counts"
-    ANGLE = "the wheel angles say"
 
 
 @final
@@ -40,8 +39,6 @@ class Motion:
         Time since the start of the run [s].
     acceleration : array (M, 3), optional
         Body-frame acceleration of the origin [m/s²] and yaw acceleration [rad/s²].
-    theta : array (M, N), optional
-        Wheel angles [rad].
     drive_slip : array (M, N), optional
         Slip of every wheel along its grip direction ĝ, of body and wheel as they move [m/s].
     saturated : bool
@@ -55,7 +52,6 @@ class Motion:
     position: Array | None = None
     time_s: Array | None = None
     acceleration: Array | None = None
-    theta: Array | None = None
     drive_slip: Array | None = None
     saturated: bool = False
 
@@ -68,7 +64,6 @@ class Motion:
             "position": (m, 2),
             "time_s": (m,),
             "acceleration": (m, 3),
-            "theta": (m, None),
             "drive_slip": (m, None),
         }
         for name, shape in shapes.items():

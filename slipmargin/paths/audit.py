@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import final
 
 import numpy as np
@@ -68,7 +68,6 @@ def audit(
     contact: Contact,
     share: float,
     caps: Caps,
-    theta: Array | None = None,
     known: Audit | None = None,
     changed: NDArray[np.bool_] | None = None,
 ) -> Audit:
@@ -85,8 +84,6 @@ def audit(
     n, samples = geometry.s.shape
     each, time = (-1, samples, model.count), geometry.times(x, u)
     motion = geometry.motion(x, u, time)
-    if theta is not None:
-        motion = replace(motion, theta=theta.reshape(-1, model.count))
     there = np.ones(n, dtype=bool) if known is None or changed is None else changed
     settles = there | np.concatenate([[False], there[:-1]])
     states = motion.take(np.flatnonzero(np.repeat(there, samples)))

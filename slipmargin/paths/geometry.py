@@ -8,7 +8,6 @@ from typing import final
 import numpy as np
 
 from slipmargin.checks import Array
-from slipmargin.errors import InputError
 from slipmargin.limits.motion_state import Motion
 from slipmargin.model import Model
 from slipmargin.paths.grid import Grid
@@ -89,17 +88,3 @@ class Geometry:
             start[:, None]
             + 2.0 * (self.fractions * step[:, None]) / np.maximum(here + root[:-1, None], 1e-12)
         )
-
-
-def wheel_angles(model: Model, geometry: Geometry, start: Array) -> Array:
-    """θ (n, F, N) [rad] along the path, by rolling without drive slip from ``start`` (N,): no time enters."""
-    if len(start) != model.count:
-        raise InputError(
-            "theta_rad", f"has {len(start)} angles", f"give one for each of {model.count} wheels"
-        )
-    rate = model.geometry.wheel_speeds(geometry.twist)
-    gap = np.diff(geometry.s, axis=1)[..., None]
-    grown = np.cumsum(0.5 * gap * (rate[:, 1:] + rate[:, :-1]), axis=1)
-    inner = np.concatenate([np.zeros_like(rate[:, :1]), grown], axis=1)
-    before = np.concatenate([np.zeros((1, model.count)), np.cumsum(inner[:, -1], axis=0)])[:-1]
-    return np.asarray(start + before[:, None] + inner)

@@ -11,12 +11,12 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.errors import NoSolution
-from slipmargin.limits.motion_state import Contact, Motion
+from slipmargin.limits.motion_state import Motion
 from slipmargin.model import Model
 from slipmargin.paths import core
 from slipmargin.paths.along import FASTER, SLOWER, Assumed, Rows, assume, rows_along
 from slipmargin.paths.audit import FINER, Audit, audit
-from slipmargin.paths.geometry import Geometry, wheel_angles
+from slipmargin.paths.geometry import Geometry
 from slipmargin.paths.grid import Grid, grid_of
 from slipmargin.paths.infeasibility import stuck, too_fast
 from slipmargin.paths.passes import held, passes
@@ -147,10 +147,6 @@ class _Work:
         self.rows: Rows
         self.seen: tuple[Array, Array, Audit] | None = None
         self.whole = False  # whether what was seen is a whole check
-        self.turned: list[Array] | None = None
-        if request.contact is Contact.ANGLE:
-            start = np.zeros(model.count) if request.theta_rad is None else request.theta_rad
-            self.turned = [wheel_angles(model, g, start) for g in (coarse, fine)]
 
     def plan(self, path: Path) -> Plan:
         """Settle, then tighten what uses too much until nothing does."""
@@ -191,15 +187,10 @@ class _Work:
     def states(self) -> list[Motion]:
         """States to be safe for: full drag or the speed bound at first, then speeds of the last profile."""
         if self.passes == 0 and self.below is None:
-            return [self._angled(self.coarse.saturated())]
+            return [self.coarse.saturated()]
         x = self.x if self.passes or self.below is None else np.full_like(self.x, self.below**2)
         time = self.coarse.times(x, self.u)
-        return [self._angled(self.coarse.motion(x, None, time, scale)) for scale in (SLOWER, FASTER)]
-
-    def _angled(self, motion: Motion) -> Motion:
-        if self.turned is None:
-            return motion
-        return replace(motion, theta=self.turned[0].reshape(-1, self.model.count))
+        return [self.coarse.motion(x, None, time, scale) for scale in (SLOWER, FASTER)]
 
     def settle(self) -> None:
         """Passes with fixed shares until neither drag nor torque–speed line moves the profile any more."""
@@ -306,7 +297,6 @@ class _Work:
             contact=self.request.contact,
             share=self.request.share,
             caps=self.request.caps,
-            theta=None if self.turned is None else self.turned[1],
             known=known,
             changed=changed,
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import final
 
-from slipmargin.checks import FASTEST_M_S, Array, real
+from slipmargin.checks import FASTEST_M_S, real
 from slipmargin.limits.motion_state import Contact
 from slipmargin.paths.along import Caps
 from slipmargin.paths.grid import check_points
@@ -18,8 +18,7 @@ class Request:
 
     ``share`` λ = 1 − margin of every wheel's grip, of every motor's torque and of what lifts a wheel;
     ``start_m_s`` and ``end_m_s`` are ṡ at the ends;
-    ``contact`` what the wheels stand on (UNKNOWN: robust), ``theta_rad`` (N,) the wheel angles at the start
-    where the contact follows from them (ANGLE).
+    ``contact`` what the wheels stand on (UNKNOWN: robust).
     """
 
     share: float = 0.9
@@ -28,7 +27,6 @@ class Request:
     end_m_s: float = 0.0
     caps: Caps = field(default_factory=Caps)
     contact: Contact = Contact.ROLLERS
-    theta_rad: Array | None = None
 
     def __post_init__(self) -> None:
         check_points(self.points)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from slipmargin.checks import Array, real
@@ -14,7 +12,6 @@ from slipmargin.model import Model
 from slipmargin.paths.plan import Plan
 from slipmargin.paths.trajectory import LEAST_SAMPLES, Trajectory
 from slipmargin.physics.frames import rotate_rows
-from slipmargin.physics.kinematics import integrated
 from slipmargin.work import TABLE_NUMBERS, allow
 
 #: Columns of a trajectory: time, pose, velocity, acceleration; speed and use of each wheel.
@@ -81,15 +78,12 @@ def at_times(plan: Plan, t_s: Array) -> Trajectory:
     q, first, second = plan.path.at(np.minimum(s, plan.grid.s[j + 1]), plan.grid.piece[j])
     velocity = first * rate[:, None]
     acceleration = first * plan.u[j, None] + second * rate[:, None] ** 2
-    contact, theta = plan.request.contact, None
     omega = plan.model.geometry.wheel_speeds(rotate_rows(q[:, 2], velocity, inverse=True))
-    if contact is Contact.ANGLE:
-        theta = _turned(plan, t_s, omega)
     if np.any(plan.audit.driven):  # followed in finer steps than these
         checked = plan.audit.use.reshape(-1, plan.model.count)
         use = np.column_stack([np.interp(t_s, plan.audit.time_s.ravel(), wheel) for wheel in checked.T])
     else:
-        use = use_along(plan.model, t_s, q, velocity, acceleration, contact=contact, theta=theta)
+        use = use_along(plan.model, t_s, q, velocity, acceleration, contact=plan.request.contact)
     return Trajectory(
         t_s=t_s,
         pose=q,
@@ -109,7 +103,6 @@ def use_along(
     acceleration: Array,
     *,
     contact: Contact = Contact.ROLLERS,
-    theta: Array | None = None,
     held: bool = False,
 ) -> Array:
     """Share (T, N) of each wheel's grip along floor-frame samples (T, 3).
@@ -124,16 +117,8 @@ def use_along(
         position=pose[:, :2],
         time_s=t_s,
     )
-    if theta is not None:
-        motion = replace(motion, theta=theta)
     use = realised(model, motion, contact=contact).use
     return use if held else np.maximum(use, open_loop_use(model, motion, contact=contact))
-
-
-def _turned(plan: Plan, t_s: Array, omega: Array) -> Array:
-    start = plan.request.theta_rad
-    first = np.zeros(plan.model.count) if start is None else start
-    return np.asarray(first + integrated(t_s, omega))
 
 
 def stretched(

@@ -76,9 +76,7 @@ def on_rollers(model: Model) -> Model:
     return replace(model, grip=replace(model.grip, rigid_fraction=np.zeros(model.count)))
 
 
-def verify(
-    model: Model, planned: Trajectory, *, theta_rad: Array | None = None, stretch: float = 1.0
-) -> Verified:
+def verify(model: Model, planned: Trajectory, *, stretch: float = 1.0) -> Verified:
     """Simulate the planned wheel speeds, open loop, from the planned start.
 
     Where the model has a stall torque they are commands that its motors follow as far as they can.
@@ -87,14 +85,12 @@ def verify(
     ----------
     model : Model
         The machine (:func:`on_rollers` of it where the plan was made for rollers).
-    theta_rad : (N,), optional
-        Wheel angles at the start [rad].
     stretch : float
         Drive the same motion slower (above 1) or faster (below 1).
     """
     t = planned.t_s * stretch
     omega = planned.omega / stretch
-    signal = linear(t, omega, theta0=theta_rad, spin=omega[0])
+    signal = linear(t, omega, spin=omega[0])
     motors = model.drives.stall_torque_N_m is not None
     fine = np.linspace(t[0], t[-1], max(2, int(np.ceil((t[-1] - t[0]) / FINE_S)) + 1))
     run = Batch([signal], [fine], commanded=motors).run(

@@ -99,16 +99,6 @@ def test_unknown_contact_is_the_worst_of_all_states(model: Model, velocity: np.n
         assert answer <= 1e-9
 
 
-def test_the_wheel_angles_choose_the_material() -> None:
-    model = nominal_model(kiwi(rigid_fraction=0.25), "paper")
-    theta = np.array([[0.0, 0.99 * 2.0 * np.pi / 8.0, 0.0]])  # the left wheel stands on its rigid sector
-    motion = Motion(velocity=X, saturated=True, theta=theta)
-    answer = acceleration_limit(model, motion, X, contact=Contact.ANGLE).value[0]
-    assert answer == pytest.approx(by_lp(model, X[0], X[0], np.array([False, True, False])), rel=1e-9)
-    rollers = acceleration_limit(model, motion, X).value[0]
-    assert answer != pytest.approx(rollers, rel=1e-3)
-
-
 @settings(max_examples=30, deadline=None)
 @given(models(min_wheels=3, max_wheels=3), twists())
 def test_three_wheels_share_exactly(model: Model, velocity: np.ndarray) -> None:
