@@ -7,6 +7,9 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from slipmargin.checks import Array
 from slipmargin.physics.compiled import inner, kernel, twin
 from slipmargin.physics.grips import across_alone, left_beside
@@ -30,41 +33,62 @@ def _dot(rows: Array, k: int, vector: Array) -> float:
 def shares(
     law: int,
     coupling: float,
-    twist: Array,
-    rate: Array,
     wheel: Array,
     body: Array,
     lateral: Array,
     across: Array,
+    viscous: Array,
     spread: Array,
+    three: NDArray[np.intp],
+    weight: Array,
+    alone: Array,
+    twist: Array,
+    rate: Array,
     use: Array,
 ) -> float:
-    """The largest share of its grip that the model gives a wheel; ``use`` (N,) gets that of each.
+    """The largest share of its grip that the model gives a wheel; ``use[0]`` (N,) gets that of each.
 
     As :func:`~slipmargin.onboard.limiter.utilisation` on one level floor, for one state.  ``wheel`` (9, N):
     load at rest, its change per acceleration along x and y, coefficient and slope of the drag, the same of
-    the coupled part of the grip, drive coefficient, drag that leaves nothing to drive.  ``body`` (9,): centre
-    of mass, mass twice, inertia, external wrench, lightest load.
+    the coupled part of the grip, drive coefficient, drag that leaves nothing to drive.  ``body`` (10,):
+    centre of mass, mass twice, inertia, external wrench, lightest load, least grip that is left.  Where the
+    loads decide how wheels share a wrench, ``three`` (T, 3), ``weight`` and ``alone`` say how any three would
+    (:func:`~slipmargin.onboard.table.threes`), else they are empty.  ``use`` (3, N) is worked in.
     """
-    n = use.shape[0]
+    n = use.shape[1]
     wz = twist[2]
     px, py = rate[0] - wz * twist[1], rate[1] + wz * twist[0]
     ax, ay = _at_centre(body[0], body[1], wz, px, py, rate[2])
-    fx, fy, moment = ax * body[2] - body[5], ay * body[3] - body[6], rate[2] * body[4] - body[7]
+    fx = ax * body[2] - body[5] - _dot(viscous, 0, twist)
+    fy = ay * body[3] - body[6] - _dot(viscous, 1, twist)
+    moment = rate[2] * body[4] - body[7] - _dot(viscous, 2, twist)
     for i in range(n):
         load = max(wheel[0, i] + wheel[1, i] * ax + wheel[2, i] * ay, body[8])
         box, coupled = (wheel[3, i], wheel[4, i]), (wheel[5, i], wheel[6, i])
         drag = _across_alone(law, coupling, _dot(lateral, i, twist), box, coupled)
-        use[i] = wheel[7, i] * load * _left_beside(coupling, abs(drag) / wheel[8, i])
+        left = _left_beside(coupling, abs(drag) / wheel[8, i])
+        use[0, i] = 0.0
+        use[1, i] = max(wheel[7, i] * load * left, 1e-30)
+        use[2, i] = load * max(left, body[9])
         drag *= load
         fx += across[0, i] * drag
         fy += across[1, i] * drag
         moment += across[2, i] * drag
+    total = 0.0
+    for t in range(three.shape[0]):
+        part = use[2, three[t, 0]] * use[2, three[t, 1]] * use[2, three[t, 2]]
+        total += part * weight[t]
+        for k in range(3):
+            own = alone[t, k]
+            use[0, three[t, k]] += part * (own[0] * fx + own[1] * fy + own[2] * moment)
     most = 0.0
     for i in range(n):
-        force = abs(spread[i, 0] * fx + spread[i, 1] * fy + spread[i, 2] * moment)
-        use[i] = force / max(use[i], 1e-30)
-        most = max(most, use[i])
+        if three.shape[0] > 0:
+            force = use[0, i] / total
+        else:
+            force = spread[i, 0] * fx + spread[i, 1] * fy + spread[i, 2] * moment
+        use[0, i] = abs(force) / use[1, i]
+        most = max(most, use[0, i])
     return most
 
 

@@ -14,14 +14,17 @@ the last 2 τ and the delay is bounded.  Which numbers there are depends on what
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import final
+from functools import partial
+from typing import Any, final
 
 import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.limits.motion_realised import LIGHTEST
-from slipmargin.onboard.table import LimitTable
+from slipmargin.onboard.limiter import LEAST_LEFT
+from slipmargin.onboard.table import LimitTable, threes
 
 #: Time constant of the filters [s].
 TAU_S = 0.06
@@ -47,7 +50,7 @@ class Signals:
         from slipmargin.onboard.sample import sample, shares
 
         self.table, self.channels, self._tau = table, channels, tau_s
-        self._sample, self._shares = sample, shares
+        self._sample = sample
         n = table.count
         to_twist = np.linalg.pinv(table.rolling)
         null = np.linalg.svd(np.eye(n) - table.rolling @ to_twist)[2][: n - 3]
@@ -57,18 +60,19 @@ class Signals:
         self._maps = np.array(to_twist), np.array(null)
         rest, (px, py) = table.rest_low_N[0], table.per_acceleration_kg.T
         wrench = 0.5 * (table.wrench_low + table.wrench_high)
-        self._law = table.law, table.coupled_part
         laws = (table.drag[1], table.slope[1], table.coupled_drag[1], table.coupled_slope[1])
-        self._machine = (
+        machine: tuple[Any, ...] = (
+            table.law,
+            table.coupled_part,
             np.array([rest, px, py, *laws, table.drive, table.most_beside]),
-            np.array([*table.com_m, *table.mass, *wrench, LIGHTEST * table.mean_load_N]),
-            np.array(table.lateral),
-            np.array(table.across),
-            np.array(table.spread),
+            np.array([*table.com_m, *table.mass, *wrench, LIGHTEST * table.mean_load_N, LEAST_LEFT]),
+            *(np.array(values) for values in (table.lateral, table.across, table.viscous, table.spread)),
+            *(part if table.shares_by_load else part[:0] for part in threes(table.along)),
         )
+        self._shares: Callable[[Array, Array, Array], float] = partial(shares, *machine)
         self._last: float | None = None
         self._wheels, self._slow, self._motion = np.zeros((3, n)), np.zeros(4), np.zeros((3, 3))
-        self._use = np.zeros(n)
+        self._use = np.zeros((3, n))
 
     def _names(self) -> tuple[str, ...]:
         names = ["utilisation", "acceleration", "yaw acceleration", "roughness", "speed", "yaw rate"]
@@ -121,12 +125,12 @@ class Signals:
             out,
         )
         twist, rate = self._motion[0], self._motion[1]
-        out[0] = math.log(UNUSED + self._shares(*self._law, twist, rate, *self._machine, self._use))
+        out[0] = math.log(UNUSED + self._shares(twist, rate, self._use))
         return out
 
     def shares(self) -> Array:
         """Share (N,) of its grip that the model gives each wheel at the filtered motion."""
-        return self._use.copy()
+        return np.array(self._use[0])
 
 
 _NONE = np.zeros(0)
