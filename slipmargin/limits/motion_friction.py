@@ -107,12 +107,13 @@ class Coefficients:
     def drag(self, grip: Grip) -> tuple[Array, Array, Array]:
         """Least and greatest drag per load, with its sign, and the middle of the largest it can be."""
         most, ends = [], []
-        for drive, across in product(self.drive, self.transverse):
+        slopes = _different(np.stack([self.drive_stiffness, self.stiffness], axis=1))
+        for drive, across in product(_different(self.drive), _different(self.transverse)):
             most.append(most_across(grip.shape, grip.coupling, drive, across))
             if self.full:
                 ends.append(most[-1] * self.slide)
                 continue
-            for steep, steep_across in zip(self.drive_stiffness, self.stiffness, strict=True):
+            for steep, steep_across in slopes:
                 coupled = rise_across(grip.shape, drive, across, steep)
                 box = across, steep_across
                 ends.append(across_alone(grip.law, grip.coupled_part, self.slide, box, coupled))
@@ -130,6 +131,11 @@ class Coefficients:
                 np.where(worst > 0.0, worst / most[0], 0.0) for most in (self.transverse, self.drive)
             )
         return drive_left(grip.shape, grip.coupling, by_limit, by_radius)
+
+
+def _different(ends: Array) -> Array:
+    """Both ends (2, ...) of intervals, or one where all are known."""
+    return ends[:1] if np.array_equal(ends[0], ends[1]) else ends
 
 
 def coefficients_in_motion(model: Model, motion: Motion, *, share: float = 1.0) -> Coefficients:
