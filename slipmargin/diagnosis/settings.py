@@ -19,7 +19,8 @@ class SearchSettings:
     least_chi: float = 0.02
     #: [1] A chi has grown clearly if it grows by more than this share of itself: five standard deviations
     #: of the chi of a run of 1000 samples in three channels (1 / √6000 each).  The mean square of
-    #: a single run must also grow by more than this share of what all runs' mean square falls by.
+    #: a single run must also grow by more than this share of what all runs' mean square falls by: parameters
+    #: from other runs are not exact.
     worse_factor: float = 0.065
     #: [standard deviations] By how much a run's sum of squares must change to count as changed at all, and
     #: that of all runs for the more usual of two names to give way.
@@ -29,8 +30,9 @@ class SearchSettings:
     #: [runs] With fewer changed runs than five no pattern is rarer than 5 %; then all must get better, and
     #: there must be so many (all runs of a smaller set).
     fewest_runs: int = 3
-    #: [runs] … or so many, where each of them, predicted by what was fitted to others, falls to the noise: an
-    #: accident of one run does not explain another one to the last sample.
+    #: [runs] … or so many, where each of them, predicted by what was fitted to others, falls to the noise, but
+    #: for as small a part of its gain as a run may pay: an accident of one run does not explain another one to
+    #: the last sample.
     fewest_explained: int = 2
     #: [runs] Fewer unseen runs than this cannot rule out chance by themselves.  Far above the noise runs
     #: differ by what the form of a model leaves: where they get better, but by less than is asked, all runs

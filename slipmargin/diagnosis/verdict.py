@@ -192,7 +192,9 @@ def judge(
     p_value = sign_flip_p_value(change[tell], seed)
     runs = int(np.count_nonzero(tell))
     fewest = s.fewest_runs
-    if np.all(twos[tell] <= s.noise_chi):  # explained to the noise, each by parameters from the others
+    # Explained to the noise, each by parameters from the others, which are not exact.
+    gains = np.maximum(0.0, ones**2 - twos**2)
+    if np.all((twos**2 - s.noise_chi**2 <= s.worse_factor * gains)[tell]):
         fewest = s.fewest_explained
     every_one = better == runs >= min(fewest, len(everyone))
     if by_chance and p_value > s.level and not every_one:

@@ -119,10 +119,20 @@ def test_an_effect_that_only_few_runs_show_is_found_if_the_others_stay() -> None
     assert found.holds and found.runs == 3 and found.p_value == pytest.approx(0.125)
     before[1] = 1.0
     assert judged(errors(before), errors(1.0)).holds  # two that fall to the noise are enough
-    after = np.where(before > 1.0, 2.0, 1.0)
+    after = np.where(before > 1.0, 3.0, 1.0)
     assert not judged(errors(before), errors(after)).holds  # two that fall a part of the way are not
     before[5] = 1.0
     assert not judged(errors(before), errors(1.0)).holds  # one run is too few
+
+
+def test_parameters_from_one_run_need_not_explain_another_to_the_last_sample() -> None:
+    """A load transfer that two runs of 14 show (one held out); a wrong effect took 91 % of the larger one."""
+    ones, held = np.full(14, 0.9), np.isin(np.arange(14), [0, 1, 7])
+    twos = ones.copy()
+    ones[[1, 5]], twos[[1, 5]] = (3.94, 16.73), (0.90, 2.74)
+    assert judged(errors(ones, runs=14), errors(twos, runs=14), held).holds
+    twos[[1, 5]] = 1.39, 5.06
+    assert not judged(errors(ones, runs=14), errors(twos, runs=14), held).holds
 
 
 def test_where_nothing_but_noise_is_left_a_run_a_little_above_it_speaks_too() -> None:
