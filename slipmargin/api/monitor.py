@@ -85,26 +85,27 @@ class SlipMonitor:
             raise InputError("seed", "has no effect: no run is simulated to train on", "leave it out")
         self.table = limit_table(model, 0.0)
         self.channels = Channels(commanded=commanded, gyro=gyro, current=current)
+        runs: Sequence[LabelledRun]
         if training is None:
-            training = simulated(model, self.table, self.channels, seed, torque_per_ampere_N_m, rate)
+            runs = simulated(model, self.table, self.channels, seed, torque_per_ampere_N_m, rate)
         elif isinstance(training, str | Path):
-            training = from_data_set(model, self.table, self.channels, training)
-        self.ratio = learn(training)
+            runs, said = from_data_set(model, self.table, self.channels, training)
+            self.warnings += said
+        else:
+            runs = training
+        self.ratio = learn(runs)
         self.false_alarm_rate, self.threshold = rate, self.ratio.threshold(rate)
         self._square, self._line, self._constant = self.ratio.polynomial()
         if not math.isfinite(self.threshold):
-            self.warnings = (
-                *self.warnings,
+            self.warnings += (
                 f"{len(self.ratio.gripping)} training runs with grip are too few for a false-alarm rate of "
                 f"{rate:g}: about {self.ratio.runs_needed(rate)} like them are needed; there "
                 "will be no alarm, the slip probability is given all the same",
             )
         self._signals, self._now = Signals(self.table, self.channels), -math.inf
         if model.count == 3 and not (gyro or current):
-            self.warnings = (
-                *self.warnings,
-                "three wheels without gyro or current have no redundancy: only the model tells slip",
-            )
+            blind = "three wheels without gyro or current have no redundancy: only the model tells slip"
+            self.warnings += (blind,)
 
     def restart(self) -> None:
         """Forget the samples so far: a new run begins."""

@@ -164,8 +164,10 @@ def _settled(used: Array) -> NDArray[np.bool_]:
 
 def from_data_set(
     model: Model, table: LimitTable, channels: Channels, folder: Path | str
-) -> list[LabelledRun]:
-    """The runs of a data set; a wheel slips where the pose says other velocities than the wheels.
+) -> tuple[list[LabelledRun], tuple[str, ...]]:
+    """The runs of a data set, and a warning where they are of another floor than the model.
+
+    A wheel slips where the pose says other velocities than the wheels.
 
     What the data set's robot file says of its camera is undone.
 
@@ -220,7 +222,12 @@ def from_data_set(
                 current_A=trial.current if channels.current else None,
             )
         )
-    return out
+    if found.surface == model.surface:
+        return out, ()
+    return out, (
+        f"the runs to train on are of surface {found.surface!r}; the shares of the grip that they are "
+        f"learned by are those of {model.surface!r}",
+    )
 
 
 def _velocities(table: LimitTable, t: Array, pose: Array, omega: Array, half: int) -> tuple[Array, Array]:

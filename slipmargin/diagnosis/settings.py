@@ -30,9 +30,9 @@ class SearchSettings:
     #: [runs] With fewer changed runs than five no pattern is rarer than 5 %; then all must get better, and
     #: there must be so many (all runs of a smaller set).
     fewest_runs: int = 3
-    #: [runs] … or so many, where each of them, predicted by what was fitted to others, falls to the noise, but
-    #: for as small a part of its gain as a run may pay: an accident of one run does not explain another one to
-    #: the last sample.
+    #: [runs] … or so many, where each of them, predicted by what was fitted to others, falls to the noise,
+    #: but for as small a part of its gain as a run may pay: an accident of one run does not explain another
+    #: one to the last sample.
     fewest_explained: int = 2
     #: [runs] Fewer unseen runs than this cannot rule out chance by themselves.  Far above the noise runs
     #: differ by what the form of a model leaves: where they get better, but by less than is asked, all runs

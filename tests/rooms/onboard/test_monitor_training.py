@@ -54,6 +54,15 @@ def test_a_camera_that_the_data_set_knows_of_is_no_slip(runs: DataSet, tmp_path:
         np.testing.assert_allclose(other.gain, one.gain, atol=0.01)
 
 
+def test_runs_of_another_floor_are_said(runs: DataSet, tmp_path: Path) -> None:
+    write_data_set(tmp_path / "runs", runs)
+    other = replace(runs.recipe.robot.surface(runs.surface), name="other")
+    robot = replace(runs.recipe.robot, surfaces=(*runs.recipe.robot.surfaces, other))
+    for surface in (runs.surface, "other"):
+        said = sm.SlipMonitor(robot, surface, training=tmp_path / "runs").warnings
+        assert any("are of surface" in s for s in said) == (surface == "other")
+
+
 def test_what_cannot_be_undone_is_refused(runs: DataSet, tmp_path: Path) -> None:
     slow = replace(runs, recipe=runs.recipe.with_effects(ClockRate(period_factor=1.02)))
     for name, data, said in (
