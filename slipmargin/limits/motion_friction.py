@@ -51,9 +51,9 @@ class Friction:
 
     ``drive`` (2, M, N): |f·ĝ| ≤ drive · N_i.  The force along f̂ is −D N_i with D anywhere in
     [``drag_low``, ``drag_high``].  ``possible`` (2, M, N) says on which material a wheel may stand.
-    ``slide`` (M, N) is the transverse slip [m/s] and ``transverse`` (2, M, N) the coefficient itself, which a
-    wheel has as drag by the share σ(k u) with its ``stiffness`` k (2, M, N); ``drive_stiffness`` (M, N) is
-    that in the drive direction [s/m].
+    ``slide`` (M, N) is the transverse slip u [m/s], ``transverse`` (2, M, N) the most that the drag can be,
+    of which it is the share σ(k u) with ``stiffness`` k (2, M, N): the law's slope of a box, and of a coupled
+    grip the one that gives its drag at this slip.  ``drive_stiffness`` (M, N) is k in the drive direction.
     """
 
     drive: Array
@@ -89,12 +89,12 @@ def creep_bound(model: Model, motion: Motion, share: float) -> Array:
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Coefficients:
+class FrictionRange:
     """Least and greatest friction of M samples and N wheels, each (2, ...) with the multipliers' intervals.
 
     ``drive`` and ``transverse`` (2, 2, M, N): coefficients, the second axis the materials (roller, rigid);
     ``drive_stiffness`` and ``stiffness`` (2, M, N): slopes k of the friction law along and across [s/m].
-    ``slide`` (M, N) is the transverse slip [m/s], or its sign where the drag is taken in full.
+    ``slide`` (M, N) is the transverse slip [m/s], or its sign where the drag is taken in ``full``.
     """
 
     slide: Array
@@ -104,33 +104,35 @@ class Coefficients:
     drive_stiffness: Array
     stiffness: Array
 
-    def drag(self, grip: Grip) -> tuple[Array, Array, Array]:
-        """Least and greatest drag per load, with its sign, and the middle of the largest it can be."""
-        most, ends = [], []
+    def beside_drag(self, grip: Grip) -> tuple[Array, Array, Array, Array]:
+        """Least and greatest drag per load, with its sign, the middle of the most it can be, and the drive
+        grip that it leaves: each of the last for the combination of ends that leaves least."""
+        coupling = grip.coupled_part
+        most, drags, left = [], [], []
         slopes = _different(np.stack([self.drive_stiffness, self.stiffness], axis=1))
         for drive, across in product(_different(self.drive), _different(self.transverse)):
             most.append(most_across(grip.shape, grip.coupling, drive, across))
-            if self.full:
-                ends.append(most[-1] * self.slide)
-                continue
-            for steep, steep_across in slopes:
-                coupled = rise_across(grip.shape, drive, across, steep)
-                box = across, steep_across
-                ends.append(across_alone(grip.law, grip.coupled_part, self.slide, box, coupled))
+            for steep, steep_across in slopes[:1] if self.full else slopes:
+                if self.full:
+                    drag = most[-1] * self.slide
+                else:
+                    coupled = rise_across(grip.shape, drive, across, steep)
+                    drag = across_alone(grip.law, coupling, self.slide, (across, steep_across), coupled)
+                drags.append(drag)
+                left.append(drive * _share_left(grip, np.abs(drag), drive, across) if coupling else drive)
         return (
-            reduce(np.minimum, ends),
-            reduce(np.maximum, ends),
+            reduce(np.minimum, drags),
+            reduce(np.maximum, drags),
             0.5 * (reduce(np.minimum, most) + reduce(np.maximum, most)),
+            reduce(np.minimum, left),
         )
 
-    def left(self, grip: Grip, low: Array, high: Array) -> Array:
-        """Share of the drive grip that a drag between two ends leaves [1]."""
-        worst = np.maximum(np.abs(low), np.abs(high))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            by_limit, by_radius = (
-                np.where(worst > 0.0, worst / most[0], 0.0) for most in (self.transverse, self.drive)
-            )
-        return drive_left(grip.shape, grip.coupling, by_limit, by_radius)
+
+def _share_left(grip: Grip, drag: Array, drive: Array, across: Array) -> Array:
+    """Share of the drive grip that a drag leaves [1]."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        by_limit, by_radius = (np.where(drag > 0.0, drag / most, 0.0) for most in (across, drive))
+    return drive_left(grip.shape, grip.coupling, by_limit, by_radius)
 
 
 def _different(ends: Array) -> Array:
@@ -138,7 +140,7 @@ def _different(ends: Array) -> Array:
     return ends[:1] if np.array_equal(ends[0], ends[1]) else ends
 
 
-def coefficients_in_motion(model: Model, motion: Motion, *, share: float = 1.0) -> Coefficients:
+def friction_range(model: Model, motion: Motion, *, share: float = 1.0) -> FrictionRange:
     """Coefficients and slopes of every wheel; ``share`` bounds the creep that they may vary with."""
     grip, shape = model.grip, (2, 2, motion.count, model.count)
     slide = motion.velocity @ model.geometry.lateral_rows().T
@@ -146,7 +148,7 @@ def coefficients_in_motion(model: Model, motion: Motion, *, share: float = 1.0) 
     factor = {target: _factor(model, motion, slide, creep, target) for target in _BOTH}
     alone = np.stack([grip.roller, grip.rigid])[:, None]  # (2, 1, N, 2)
     still = STILL * np.max(np.abs(motion.velocity), axis=1, keepdims=True)
-    return Coefficients(
+    return FrictionRange(
         slide=np.where(np.abs(slide) <= still, 0.0, np.sign(slide)) if motion.saturated else slide,
         full=motion.saturated,
         drive=np.broadcast_to(alone[..., 0] * factor[Target.DRIVE][:, None], shape),
@@ -169,29 +171,28 @@ def friction_in_motion(
     contact : Contact
         What the wheels stand on.
     """
-    grip, known = model.grip, coefficients_in_motion(model, motion, share=share)
-    low, high, transverse = known.drag(grip)
+    grip, known = model.grip, friction_range(model, motion, share=share)
+    low, high, transverse, drive = known.beside_drag(grip)
     slide = motion.velocity @ model.geometry.lateral_rows().T
-    coupled = grip.coupled_part > 0.0
     return Friction(
-        drive=known.drive[0] * known.left(grip, low, high) if coupled else known.drive[0],
+        drive=np.broadcast_to(drive, low.shape),
         drag_low=low,
         drag_high=high,
         transverse=transverse,
-        possible=_possible(grip, motion, contact),
+        possible=possible_materials(grip, motion.count, contact),
         slide=slide,
         stiffness=_through(grip, known, slide, transverse)
-        if coupled
+        if grip.coupled_part
         else np.broadcast_to(np.mean(known.stiffness, axis=0), low.shape),
         drive_stiffness=np.mean(known.drive_stiffness, axis=0),
     )
 
 
-def _through(grip: Grip, known: Coefficients, slide: Array, transverse: Array) -> Array:
+def _through(grip: Grip, known: FrictionRange, slide: Array, transverse: Array) -> Array:
     """Slopes k (2, M, N) with which ``transverse`` · σ(k u) is the drag of a coupled grip at the slip u."""
     steepest = np.maximum(known.drive_stiffness[1], known.stiffness[1])
     slip = np.maximum(np.abs(slide), SLOWEST / steepest)
-    low, high, _ = replace(known, slide=slip, full=False).drag(grip)
+    low, high, _, _ = replace(known, slide=slip, full=False).beside_drag(grip)
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(transverse > 0.0, 0.5 * (low + high) / transverse, 0.0)
     return np.asarray(law_inverse(grip.law, np.minimum(share, WHOLLY)) / slip)
@@ -229,8 +230,9 @@ def _values(
     return probes(model, motion, slide, creep, term, transverse=across)
 
 
-def _possible(grip: Grip, motion: Motion, contact: Contact) -> Mask:
-    shape = (motion.count, len(grip.rollers))
+def possible_materials(grip: Grip, count: int, contact: Contact) -> Mask:
+    """On which material (2, M, N) each wheel may stand, for a ``count`` M of samples."""
+    shape = (count, len(grip.rollers))
     rigid = np.zeros(shape, dtype=bool)
     roller = np.ones(shape, dtype=bool)
     if contact is Contact.RIGID:

@@ -7,24 +7,23 @@ decided by the facets of the drive zonotope alone, for any number of wheels: n·
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.limits.bounds import ahead_of
-from slipmargin.limits.motion_external import least_product
+from slipmargin.limits.motion_external import external_in_motion, least_product
 from slipmargin.limits.motion_friction import (
-    Coefficients,
-    coefficients_in_motion,
+    FrictionRange,
+    friction_range,
     material_states,
+    possible_materials,
 )
-from slipmargin.limits.motion_rows import Facets, prepare
+from slipmargin.limits.motion_rows import Facets
 from slipmargin.limits.motion_state import Contact, Motion
 from slipmargin.limits.uncertainty import Draws
 from slipmargin.model import Model
 from slipmargin.physics.frames import moment
-from slipmargin.physics.grips import GripShape
 from slipmargin.physics.kinematics import com_acceleration
 from slipmargin.work import DRAWN_FACETS, allow
 
@@ -70,10 +69,9 @@ class _Sampled:
 
     def __init__(self, model: Model, motion: Motion, contact: Contact) -> None:
         self.model = model
-        loose = replace(model, grip=replace(model.grip, shape=GripShape.BOX))
-        self.facets, friction, self.external = prepare(loose, motion, 1.0, contact)
-        self.known = coefficients_in_motion(model, motion)
-        self.materials = material_states(friction.possible)
+        self.facets, self.external = Facets.of(model), external_in_motion(model, motion)
+        self.known = friction_range(model, motion)
+        self.materials = material_states(possible_materials(model.grip, motion.count, contact))
         size = len(self.materials) * len(self.facets.normals) * model.count
         cure = "leave out --robust, or the ± of the robot's numbers"
         allow("wheel", size, DRAWN_FACETS, "facets times wheels for each drawn robot", cure)
@@ -89,7 +87,7 @@ class _Sampled:
                 np.where(pick, both[:, 1], both[:, 0])[:, :, None] * ways[..., k]
                 for k, both in enumerate((known.drive, known.transverse))
             )
-            own = Coefficients(
+            own = FrictionRange(
                 slide=known.slide[:, None],
                 full=known.full,
                 drive=drive,
@@ -97,9 +95,8 @@ class _Sampled:
                 drive_stiffness=slopes[0],
                 stiffness=slopes[1],
             )
-            low, high, _ = own.drag(grip)
-            left = own.left(grip, low, high) if grip.coupled_part else 1.0
-            yield drive[0] * left, 0.5 * (low + high), 0.5 * (high - low)
+            low, high, _, left = own.beside_drag(grip)
+            yield left, 0.5 * (low + high), 0.5 * (high - low)
 
     def cases(self, drawn: Draws) -> Iterator[tuple[Array, Array, Array]]:
         """Boxes of wrenches (M, 3), and the loads (M, b, N) without acceleration under them."""

@@ -52,8 +52,8 @@ def operations(table: LimitTable) -> dict[str, int]:
     n, cases, count = table.count, len(table.rest_low_N), row_count(table)
     moving, motor = int(table.transfers), int(table.stall_torque_N_m is not None)
     band = int(not _same(table.rest_low_N, table.rest_high_N))
-    friction = 60
-    drag = n * (12 + 2 * (friction + 4))
+    friction, partly = 60, 0.0 < table.coupled_part < 1.0
+    drag = n * (12 + (1 if _exact_drag(table) else 2) * (2 if partly else 1) * (friction + 10))
     external = 20 + (2 * n + 116) * int(table.turned)
     sharing = (12 * n + 24 * len(threes(table.along)[0]) + 8) if table.shares_by_load else 0
     load = 2 + 6 * moving  # adding a part of a load
@@ -120,8 +120,6 @@ def _plain(text: str) -> str:
 
 def _switches(table: LimitTable) -> list[str]:
     stall, top = table.stall_torque_N_m, table.top_speed_rad_s
-    drags = (table.drag, table.slope, table.coupled_drag, table.coupled_slope)
-    exact = all(_same(*ends) for ends in (drags if table.coupled else drags[:2]))
     named: list[tuple[str, str, str]] = [
         ("SM_WHEELS", str(table.count), "wheels"),
         ("SM_CASES", str(len(table.rest_low_N)), "cases of the loads: more than one on an uneven floor"),
@@ -131,8 +129,8 @@ def _switches(table: LimitTable) -> list[str]:
             str(int(table.coupled)),
             "whether drag takes from the drive grip",
         ),
-        ("SM_PARTLY", str(int(table.coupled_part < 1.0)), "whether of a part of it only"),
-        ("SM_EXACT_DRAG", str(int(exact)), "whether the drag is known, not a range"),
+        ("SM_PARTLY", str(int(0.0 < table.coupled_part < 1.0)), "whether of a part of it only"),
+        ("SM_EXACT_DRAG", str(int(_exact_drag(table))), "whether the drag is known, not a range"),
         ("SM_EXACT_REST", str(int(_same(table.rest_low_N, table.rest_high_N))), "whether the loads are"),
         ("SM_EXACT_WRENCH", str(int(_same(table.wrench_low, table.wrench_high))), "and the external wrench"),
         ("SM_TRANSFERS", str(int(table.transfers)), "whether accelerating shifts load"),
@@ -155,6 +153,12 @@ def _switches(table: LimitTable) -> list[str]:
     ]
     assert SHORTER == (1.0, 0.25), "sm_toward tries these parts"
     return [f"#define {name} {value} /* {meaning} */" for name, value, meaning in named]
+
+
+def _exact_drag(table: LimitTable) -> bool:
+    """Whether the drag is known, not a range."""
+    drags = (table.drag, table.slope, table.coupled_drag, table.coupled_slope)
+    return all(_same(*ends) for ends in (drags if table.coupled else drags[:2]))
 
 
 def _tables(table: LimitTable) -> list[str]:

@@ -48,11 +48,12 @@ def shares(
 ) -> float:
     """The largest share of its grip that the model gives a wheel; ``use[0]`` (N,) gets that of each.
 
-    As :func:`~slipmargin.onboard.limiter.utilisation` on one level floor, for one state.  ``wheel`` (9, N):
-    load at rest, its change per acceleration along x and y, coefficient and slope of the drag, the same of
-    the coupled part of the grip, drive coefficient, drag that leaves nothing to drive.  ``body`` (10,):
-    centre of mass, mass twice, inertia, external wrench, lightest load, least grip that is left.  Where the
-    loads decide how wheels share a wrench, ``three`` (T, 3), ``weight`` and ``alone`` say how any three would
+    As :func:`~slipmargin.onboard.limiter.utilisation` on one level floor, for one state.  ``wheel`` (14, N):
+    load at rest, its least, its change per acceleration along x and y, coefficient and slope of the least
+    drag and the same of the coupled part of the grip, these four of the greatest drag, drive coefficient,
+    drag that leaves nothing to drive.  ``body`` (10,): centre of mass, mass twice, inertia, external
+    wrench, lightest load, least grip that is left.  Where the loads decide how wheels share a
+    wrench, ``three`` (T, 3), ``weight`` and ``alone`` say how any three would
     (:func:`~slipmargin.onboard.table.threes`), else they are empty.  ``use`` (3, N) is worked in.
     """
     n = use.shape[1]
@@ -63,13 +64,16 @@ def shares(
     fy = ay * body[3] - body[6] - _dot(viscous, 1, twist)
     moment = rate[2] * body[4] - body[7] - _dot(viscous, 2, twist)
     for i in range(n):
-        load = max(wheel[0, i] + wheel[1, i] * ax + wheel[2, i] * ay, body[8])
-        box, coupled = (wheel[3, i], wheel[4, i]), (wheel[5, i], wheel[6, i])
-        drag = _across_alone(law, coupling, _dot(lateral, i, twist), box, coupled)
-        left = _left_beside(coupling, abs(drag) / wheel[8, i])
+        moved = wheel[2, i] * ax + wheel[3, i] * ay
+        load = max(wheel[0, i] + moved, body[8])
+        slip, drag = _dot(lateral, i, twist), 0.0
+        for k in (4, 8):
+            box, coupled = (wheel[k, i], wheel[k + 1, i]), (wheel[k + 2, i], wheel[k + 3, i])
+            drag += 0.5 * _across_alone(law, coupling, slip, box, coupled)
+        left = _left_beside(coupling, abs(drag) / wheel[13, i])
         use[0, i] = 0.0
-        use[1, i] = max(wheel[7, i] * load * left, 1e-30)
-        use[2, i] = load * max(left, body[9])
+        use[1, i] = max(wheel[12, i] * load * left, 1e-30)
+        use[2, i] = max(wheel[1, i] + moved, body[8]) * max(left, body[9])
         drag *= load
         fx += across[0, i] * drag
         fy += across[1, i] * drag

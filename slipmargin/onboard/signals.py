@@ -58,13 +58,14 @@ class Signals:
         self._rim = 1.0 / float(np.mean(np.linalg.norm(table.rolling[:, :2], axis=1)))
         self.names = self._names()
         self._maps = np.array(to_twist), np.array(null)
-        rest, (px, py) = table.rest_low_N[0], table.per_acceleration_kg.T
+        rest = 0.5 * (table.rest_low_N[0] + table.rest_high_N[0])
         wrench = 0.5 * (table.wrench_low + table.wrench_high)
-        laws = (table.drag[1], table.slope[1], table.coupled_drag[1], table.coupled_slope[1])
+        laws = np.stack([table.drag, table.slope, table.coupled_drag, table.coupled_slope], axis=1)
+        loads = (rest, table.rest_low_N[0], *table.per_acceleration_kg.T)
         machine: tuple[Any, ...] = (
             table.law,
             table.coupled_part,
-            np.array([rest, px, py, *laws, table.drive, table.most_beside]),
+            np.array([*loads, *laws[0], *laws[1], table.drive, table.most_beside]),
             np.array([*table.com_m, *table.mass, *wrench, LIGHTEST * table.mean_load_N, LEAST_LEFT]),
             *(np.array(values) for values in (table.lateral, table.across, table.viscous, table.spread)),
             *(part if table.shares_by_load else part[:0] for part in threes(table.along)),

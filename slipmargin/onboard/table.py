@@ -27,7 +27,7 @@ from slipmargin.limits.bounds import ahead_of
 from slipmargin.limits.creep_states import Balance
 from slipmargin.limits.motion import steady_share
 from slipmargin.limits.motion_external import external_in_motion
-from slipmargin.limits.motion_friction import coefficients_in_motion
+from slipmargin.limits.motion_friction import friction_range
 from slipmargin.limits.motion_realised import SLOW_CREEP, comparable, settles_slowly
 from slipmargin.limits.motion_rows import even_distribution
 from slipmargin.limits.motion_state import Motion
@@ -228,7 +228,7 @@ def limit_table(model: Model, margin: float) -> LimitTable:
             "margin", f"is {margin:g}: creep takes the rest of the grip", f"give less than {most:g}"
         )
     motion = _states(model)
-    known = coefficients_in_motion(model, motion, share=share)
+    known = friction_range(model, motion, share=share)
     drive, transverse = _least_and_most(known.drive[:, 0]), _least_and_most(known.transverse[:, 0])
     steep, slope = _least_and_most(known.drive_stiffness), _least_and_most(known.stiffness)
     grip = model.grip  # an ellipse is the flatter the more it drives

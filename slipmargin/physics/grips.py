@@ -40,8 +40,8 @@ def drive_left(shape: GripShape, coupling: float, by_limit: Array, by_radius: Ar
     """Share of the drive grip that is left beside a transverse force [1].
 
     (1 − c) + c·√(1 − t²), with t = f_T/(μ_T N) for the ellipse (``by_limit``) and f_T/(μ_W N) for the disc
-    cut by the strip (``by_radius``).  Box and shape slip alike, so both take the share t; in their Minkowski
-    sum the box might take more of it, and the shape would have more left: this is at most that.
+    cut by the strip (``by_radius``).  Box and shape are taken to use the same share t of a force across; in
+    their Minkowski sum the box might take more of it, and the shape would have more left.
     """
     if polyhedral(shape, coupling):
         return np.ones(np.broadcast_shapes(np.shape(by_limit), np.shape(by_radius)))
@@ -65,7 +65,7 @@ def rise_across(shape: GripShape, drive: Any, transverse: Any, k_s_per_m: Any) -
     """Size [1] and slope [s/m] of the coupled law's transverse force where a wheel slips across only.
 
     With u_W = 0 the laws of :mod:`~slipmargin.physics.contact` are μ_T σ(k (μ_T/μ_W) u_T) for the ellipse and
-    μ_W σ(k u_T), up to μ_T, for the disc cut by the strip.
+    μ_W σ(k u_T), up to μ_T, for the disc cut by the strip.  μ_W is positive.
     """
     if shape is GripShape.ELLIPSE:
         return transverse, k_s_per_m * transverse / np.maximum(drive, 1e-30)

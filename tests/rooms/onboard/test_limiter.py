@@ -73,12 +73,15 @@ def special() -> list[tuple[str, Robot | object, str]]:
     """Robots that use every part of the algorithm: slopes, coupled grips, other laws, an uneven floor."""
     kiwi, mecanum = sm.read_robot("ohio-kiwi"), sm.read_robot("mecanum4")
     slope = OF["floor_tilt"](tilt_x_rad=0.03, tilt_y_rad=-0.02)
+    partly = OF["roller_coupling"](strength=0.5), OF["slip_ratio_friction"](share=1.0, steepness=10.0)
     stiff = replace(mecanum.robot, suspension_N_per_mm=20.0, unevenness_mm=0.5)
     out = [
         ("slope", mecanum.with_effects(slope), "floor"),
         ("uneven", replace(mecanum, robot=stiff), "floor"),
         ("disc-strip", sm.read_robot("mecanum4", grip="disc-strip"), "floor"),
         ("rotors", with_rotors(0.004), "floor"),
+        ("partly coupled", mecanum.with_effects(*partly), "floor"),
+        ("ellipse", sm.read_robot("omni4", grip="ellipse"), "floor"),
     ]
     for law in LAWS:
         friction = replace(kiwi.robot.friction, name=law)

@@ -24,6 +24,7 @@ from strategies import models
 import slipmargin as sm
 from slipmargin.effects import GeneralEffect, Part, Trace
 from slipmargin.effects.load_transfer import LoadTransfer
+from slipmargin.effects.slip_ratio_friction import SlipRatioFriction
 from slipmargin.errors import InputError
 from slipmargin.model import Model
 from slipmargin.onboard.likelihood import LabelledRun, learn
@@ -140,10 +141,16 @@ def stretch(rng: np.random.Generator, count: int) -> LabelledRun:
 
 
 @settings(max_examples=20)
-@given(models(shapes=tuple(GripShape)), st.integers(0, 1000))
-def test_its_shares_are_those_of_the_limiter(model: Model, seed: int) -> None:
-    """What drag takes from the drive grip, how loads share a wrench and viscous drag were left out."""
+@given(models(shapes=tuple(GripShape)), st.booleans(), st.integers(0, 1000))
+def test_its_shares_are_those_of_the_limiter(model: Model, creeps: bool, seed: int) -> None:
+    """What drag takes from the drive grip, how loads share a wrench and viscous drag were left out.
+
+    So was the least of a drag that is not known exactly.
+    """
     model = replace(model, grip=replace(model.grip, viscous_N_s_per_m=np.array([0.0, 2.0])))
+    if creeps:
+        law = SlipRatioFriction(share=1.0, steepness=6.0)
+        model = replace(model, grip=law.rewrite(model.grip, model))
     limiter, random = ModelLimiter(model, 0.1), np.random.default_rng(seed)
     signals, use = Signals(limiter.table, Channels()), np.zeros((3, model.count))
     for twist, rate in zip(random.normal(0.0, 0.3, (50, 3)), random.normal(0.0, 0.5, (50, 3)), strict=True):
