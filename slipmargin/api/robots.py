@@ -163,8 +163,7 @@ def _steepness_without_effect(recipe: Recipe, surface: str) -> tuple[str, ...]:
     """A sentence for each effect that makes friction across the rollers steep where that is not read."""
     from slipmargin.physics.variables import Target
 
-    grip = recipe.build(surface).grip
-    if not recipe.effects or grip.coupled_part < 1.0:
+    if not recipe.effects or (grip := recipe.build(surface).grip).coupled_part < 1.0:
         return ()
     alone = ((e.name, replace(recipe, effects=(e,)).build(surface).grip.multipliers) for e in recipe.effects)
     return tuple(

@@ -96,9 +96,12 @@ def held_runs_of(data_set: DataSet, seed: int) -> Index:
     A run of which nothing but noise is left without its outliers is a quiet one, however many it has.
     """
     everyone = np.arange(len(data_set.trials), dtype=np.int64)
-    kept = without_outliers(data_set, everyone)[0]
-    misses, left = (problem_of(d).misses((), everyone) for d in (data_set, kept))
-    return held_out_runs(np.where(left <= SETTINGS.noise_chi, left, misses), seed)
+    kept, _, said = without_outliers(data_set, everyone)
+    misses = problem_of(data_set).misses((), everyone)
+    if said:
+        left = problem_of(kept).misses((), everyone)
+        misses = np.where(left <= SETTINGS.noise_chi, left, misses)
+    return held_out_runs(misses, seed)
 
 
 def _alike(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:

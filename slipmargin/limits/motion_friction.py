@@ -94,7 +94,7 @@ class FrictionRange:
 
     ``drive`` and ``transverse`` (2, 2, M, N): coefficients, the second axis the materials (roller, rigid);
     ``drive_stiffness`` and ``stiffness`` (2, M, N): slopes k of the friction law along and across [s/m].
-    ``slide`` (M, N) is the transverse slip [m/s], or its sign where the drag is taken in ``full``.
+    ``slide`` (M, N) is the transverse slip [m/s]; where the drag is taken in ``full`` only its sign counts.
     """
 
     slide: Array
@@ -105,8 +105,10 @@ class FrictionRange:
     stiffness: Array
 
     def beside_drag(self, grip: Grip) -> tuple[Array, Array, Array, Array]:
-        """Least and greatest drag per load, with its sign, the middle of the most it can be, and the drive
-        grip that it leaves: each of the last for the combination of ends that leaves least."""
+        """Least and greatest drag per load, the middle of the most it can be, and what it leaves to drive.
+
+        Drags have the sign of the slip.  What is left is that of the combination of ends that leaves least.
+        """
         coupling = grip.coupled_part
         most, drags, left = [], [], []
         slopes = _different(np.stack([self.drive_stiffness, self.stiffness], axis=1))
@@ -114,7 +116,7 @@ class FrictionRange:
             most.append(most_across(grip.shape, grip.coupling, drive, across))
             for steep, steep_across in slopes[:1] if self.full else slopes:
                 if self.full:
-                    drag = most[-1] * self.slide
+                    drag = most[-1] * np.sign(self.slide)
                 else:
                     coupled = rise_across(grip.shape, drive, across, steep)
                     drag = across_alone(grip.law, coupling, self.slide, (across, steep_across), coupled)
@@ -149,7 +151,7 @@ def friction_range(model: Model, motion: Motion, *, share: float = 1.0) -> Frict
     alone = np.stack([grip.roller, grip.rigid])[:, None]  # (2, 1, N, 2)
     still = STILL * np.max(np.abs(motion.velocity), axis=1, keepdims=True)
     return FrictionRange(
-        slide=np.where(np.abs(slide) <= still, 0.0, np.sign(slide)) if motion.saturated else slide,
+        slide=np.where(np.abs(slide) <= still, 0.0, slide) if motion.saturated else slide,
         full=motion.saturated,
         drive=np.broadcast_to(alone[..., 0] * factor[Target.DRIVE][:, None], shape),
         transverse=np.broadcast_to(alone[..., 1] * factor[Target.TRANSVERSE][:, None], shape),
@@ -173,25 +175,24 @@ def friction_in_motion(
     """
     grip, known = model.grip, friction_range(model, motion, share=share)
     low, high, transverse, drive = known.beside_drag(grip)
-    slide = motion.velocity @ model.geometry.lateral_rows().T
     return Friction(
         drive=np.broadcast_to(drive, low.shape),
         drag_low=low,
         drag_high=high,
         transverse=transverse,
         possible=possible_materials(grip, motion.count, contact),
-        slide=slide,
-        stiffness=_through(grip, known, slide, transverse)
+        slide=known.slide,
+        stiffness=_through(grip, known, transverse)
         if grip.coupled_part
         else np.broadcast_to(np.mean(known.stiffness, axis=0), low.shape),
         drive_stiffness=np.mean(known.drive_stiffness, axis=0),
     )
 
 
-def _through(grip: Grip, known: FrictionRange, slide: Array, transverse: Array) -> Array:
+def _through(grip: Grip, known: FrictionRange, transverse: Array) -> Array:
     """Slopes k (2, M, N) with which ``transverse`` · σ(k u) is the drag of a coupled grip at the slip u."""
     steepest = np.maximum(known.drive_stiffness[1], known.stiffness[1])
-    slip = np.maximum(np.abs(slide), SLOWEST / steepest)
+    slip = np.maximum(np.abs(known.slide), SLOWEST / steepest)
     low, high, _, _ = replace(known, slide=slip, full=False).beside_drag(grip)
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(transverse > 0.0, 0.5 * (low + high) / transverse, 0.0)

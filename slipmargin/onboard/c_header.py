@@ -52,7 +52,7 @@ def operations(table: LimitTable) -> dict[str, int]:
     n, cases, count = table.count, len(table.rest_low_N), row_count(table)
     moving, motor = int(table.transfers), int(table.stall_torque_N_m is not None)
     band = int(not _same(table.rest_low_N, table.rest_high_N))
-    friction, partly = 60, 0.0 < table.coupled_part < 1.0
+    friction, partly = 60, 0.0 < table.coupling < 1.0
     drag = n * (12 + (1 if _exact_drag(table) else 2) * (2 if partly else 1) * (friction + 10))
     external = 20 + (2 * n + 116) * int(table.turned)
     sharing = (12 * n + 24 * len(threes(table.along)[0]) + 8) if table.shares_by_load else 0
@@ -129,7 +129,7 @@ def _switches(table: LimitTable) -> list[str]:
             str(int(table.coupled)),
             "whether drag takes from the drive grip",
         ),
-        ("SM_PARTLY", str(int(0.0 < table.coupled_part < 1.0)), "whether of a part of it only"),
+        ("SM_PARTLY", str(int(0.0 < table.coupling < 1.0)), "whether of a part of it only"),
         ("SM_EXACT_DRAG", str(int(_exact_drag(table))), "whether the drag is known, not a range"),
         ("SM_EXACT_REST", str(int(_same(table.rest_low_N, table.rest_high_N))), "whether the loads are"),
         ("SM_EXACT_WRENCH", str(int(_same(table.wrench_low, table.wrench_high))), "and the external wrench"),
@@ -141,7 +141,7 @@ def _switches(table: LimitTable) -> list[str]:
         ("SM_TOP_SPEED", str(int(top is not None)), "whether the motors' top speed is known"),
         ("SM_FLOOR", str(int(table.turned)), "whether the floor slopes, so that the heading matters"),
         ("SM_SHARE", _number(table.share), "share of the grip that may be used"),
-        ("SM_COUPLING", _number(table.coupled_part), "part of the grip that is coupled"),
+        ("SM_COUPLING", _number(table.coupling), "part of the grip that is coupled"),
         ("SM_STALL", _number(stall or 0.0), "stall torque at the wheel [N m]"),
         ("SM_FASTEST", _number(top or 0.0), "top speed of a wheel [rad/s]"),
         ("SM_LIGHTEST", _number(LIGHTEST * table.mean_load_N), "least load that counts [N]"),

@@ -128,7 +128,7 @@ def drag_between(table: LimitTable, start: Array, end: Array) -> tuple[Array, Ar
     boxes = zip(table.drag, table.slope, strict=True)
     coupled = zip(table.coupled_drag, table.coupled_slope, strict=True)
     ends = [
-        across_alone(table.law, table.coupled_part, twist @ table.lateral.T, *laws)
+        across_alone(table.law, table.coupling, twist @ table.lateral.T, *laws)
         for laws, twist in product(zip(boxes, coupled, strict=True), (start, end))
     ]
     return np.min(ends, axis=0), np.max(ends, axis=0)
@@ -136,7 +136,7 @@ def drag_between(table: LimitTable, start: Array, end: Array) -> tuple[Array, Ar
 
 def _drive(table: LimitTable, drag: Array) -> Array:
     """Drive coefficient (M, N) that a drag (M, N) leaves."""
-    return np.asarray(table.drive * left_beside(table.coupled_part, drag / table.most_beside))
+    return np.asarray(table.drive * left_beside(table.coupling, drag / table.most_beside))
 
 
 def _wrench(table: LimitTable, twist: Array, heading: Array) -> tuple[Array, Array, Array]:

@@ -64,7 +64,7 @@ class Signals:
         loads = (rest, table.rest_low_N[0], *table.per_acceleration_kg.T)
         machine: tuple[Any, ...] = (
             table.law,
-            table.coupled_part,
+            table.coupling,
             np.array([*loads, *laws[0], *laws[1], table.drive, table.most_beside]),
             np.array([*table.com_m, *table.mass, *wrench, LIGHTEST * table.mean_load_N, LEAST_LEFT]),
             *(np.array(values) for values in (table.lateral, table.across, table.viscous, table.spread)),

@@ -33,7 +33,7 @@ from slipmargin.limits.motion_rows import even_distribution
 from slipmargin.limits.motion_state import Motion
 from slipmargin.model import Model
 from slipmargin.physics.constants import CRAWL_M_S
-from slipmargin.physics.grips import GripShape, polyhedral, rise_across
+from slipmargin.physics.grips import GripShape, rise_across
 from slipmargin.physics.terms import ForceTerm
 from slipmargin.physics.variables import Basis, Frame, Variable
 
@@ -53,6 +53,8 @@ class LimitTable:
 
     Parameters
     ----------
+    coupling : float
+        Part of the grip in which drag takes from the drive grip: 0 for a box.
     margin, uneven : float
         Shares of the grip kept back: the margin, and what creeping wheels use more than the tables take.
     mass : (3,)
@@ -168,12 +170,7 @@ class LimitTable:
     @property
     def coupled(self) -> bool:
         """Whether a wheel's drag takes from its drive grip."""
-        return not polyhedral(self.shape, self.coupling)
-
-    @property
-    def coupled_part(self) -> float:
-        """Part of the grip in which drag takes from the drive grip [1]: 0 for a box."""
-        return self.coupling if self.coupled else 0.0
+        return self.coupling > 0.0
 
     @property
     def most_beside(self) -> Array:
@@ -253,7 +250,7 @@ def limit_table(model: Model, margin: float) -> LimitTable:
         uneven=uneven,
         law=model.grip.law,
         shape=model.grip.shape,
-        coupling=model.grip.coupling,
+        coupling=model.grip.coupled_part,
         mass=model.inertia.diagonal,
         com_m=model.inertia.com_m,
         spread=even_distribution(model),
