@@ -21,8 +21,6 @@ if __package__ in (None, ""):
 from judged.constants import CONSTANTS, FACTORS
 from judged.families import SINCE
 
-from slipmargin.effects.catalogue import CATALOGUE
-
 HERE = Path(__file__).resolve().parent
 DOCS = HERE.parent / "docs"
 
@@ -240,44 +238,6 @@ def rig() -> list[str]:
     )
 
 
-def drawn() -> list[str]:
-    """Drawn sets: effects of the catalogue, inventions, nothing."""
-    catalogue, plants = results("diagnosis-catalogue.json"), results("diagnosis-plants.json")
-    nulls = results("diagnosis-nulls.json")
-
-    def traced(rows: list[dict[str, Any]]) -> int:
-        return sum(bool(set(row["traced_to"]) & set(row["wanted_traces"])) for row in rows)
-
-    def halved(rows: list[dict[str, Any]]) -> int:
-        return sum(row["rmse_after_m"] <= 0.5 * row["rmse_before_m"] for row in rows)
-
-    named = sum(row["wanted"] in row["found"] for row in catalogue)
-    kinds = len({row["wanted"] for row in catalogue})
-    alarms = sum(row["verdict"] == "effect-found" for row in nulls)
-    return table(
-        ["planted", "sets", "variable right", "name right", "held-out position error halved", "false alarms"],
-        [
-            [
-                f"effects of the catalogue, {kinds} of its {len(CATALOGUE)} kinds",
-                f"{len(catalogue)}",
-                f"{traced(catalogue)}",
-                f"{named}",
-                f"{halved(catalogue)}",
-                "",
-            ],
-            [
-                "inventions in no catalogue",
-                f"{len(plants)}",
-                f"{traced(plants)}",
-                "",
-                f"{halved(plants)}",
-                "",
-            ],
-            ["nothing", f"{len(nulls)}", "", "", "", f"{alarms}"],
-        ],
-    )
-
-
 def answered(answer: dict[str, Any]) -> str:
     """What a diagnosis names, and what it cannot tell from that."""
     names = " + ".join(f"`{label}`" for label in answer["found"]) or answer["verdict"]
@@ -422,7 +382,6 @@ SECTIONS: dict[str, dict[str, Callable[[], list[str]]]] = {
         "worth": worth,
         "synthetic": synthetic,
         "rig": rig,
-        "drawn": drawn,
         "nextrun": next_run,
         "judged": judged,
         "robotino": robotino,

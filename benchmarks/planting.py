@@ -11,16 +11,20 @@ from slipmargin.checks import Array
 from slipmargin.data.data_set import DataSet, WheelSignal
 from slipmargin.data.record import Record
 from slipmargin.diagnosis.sense import measure
-from slipmargin.effects import AnyEffect, Recipe, Trace
+from slipmargin.effects import AnyEffect, GeneralEffect, Part, Recipe, Trace
 from slipmargin.effects.recipe import with_effects
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.model import nominal_model
+from slipmargin.physics.terms import ForceTerm
+from slipmargin.physics.variables import Basis, Frame, Variable
 from slipmargin.robot import LoadRule, Robot
 from slipmargin.sim.batch import Batch
 from slipmargin.sim.pack import pack
 from slipmargin.sim.signal import hermite, linear
 
 SIGMA = np.array([0.0005, 0.0005, 0.002])
+#: Knots of a drawn curve: more than a general form of the diagnosis has, which cannot write it exactly.
+_KNOTS = 41
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -35,6 +39,28 @@ class Plant:
     effects: tuple[AnyEffect, ...] = ()
     commands: Callable[[Array, Array], Array] | None = None
     load_rule: LoadRule = LoadRule.EQUAL
+
+
+def force(
+    trace: Trace,
+    variable: Variable,
+    axis: int,
+    f: Callable[[Array], Array],
+    low: float,
+    high: float,
+    frame: Frame,
+) -> GeneralEffect:
+    """A force (axis 0, 1) or moment (axis 2) f(variable) on top [N, N m], a polygon from low to high."""
+    coefficients = np.zeros((3, _KNOTS))
+    coefficients[axis] = f(np.linspace(low, high, _KNOTS))
+    term = ForceTerm(
+        variable=variable,
+        basis=Basis.HATS,
+        shape=np.array([low, high]),
+        coefficients=coefficients,
+        frame=frame,
+    )
+    return GeneralEffect(traced_to=trace, part=Part.LOSSES, terms=(term,))
 
 
 def smooth_kiwi() -> Recipe:

@@ -181,7 +181,7 @@ def bounds(
 
     recipe = read_robot(robot)
     model, warnings = model_of(recipe, surface, spread=EVERY_SPREAD, band=True)
-    drawing = Drawing.of(recipe, surface, chance, seed)
+    drawing, unseeded = Drawing.of(recipe, surface, chance, seed)
     if not (math.isfinite(step_deg) and 0.0 < step_deg <= 90.0):
         raise InputError("step_deg", f"is {step_deg:g}", "give a step up to 90 degrees")
     if export is not None:
@@ -192,7 +192,7 @@ def bounds(
     if yaw_rad_s2 is not None and not (math.isfinite(yaw_rad_s2) and yaw_rad_s2 >= 0.0):
         raise InputError("yaw_rad_s2", f"is {yaw_rad_s2:g}", "give a yaw acceleration [rad/s²], 0 for none")
     contact, idle = contact_of(model, robust)
-    warnings = (*warnings, *idle)
+    warnings = (*warnings, *unseeded, *idle)
     found = limit_bounds(
         model,
         margin=checked_margin(margin),

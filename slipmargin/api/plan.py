@@ -243,7 +243,7 @@ def plan(
 
     recipe = read_robot(robot)
     model, warnings = model_of(recipe, surface, spread=EVERY_SPREAD, band=True)
-    drawing = Drawing.of(recipe, surface, chance, seed)
+    drawing, unseeded = Drawing.of(recipe, surface, chance, seed)
     for name, cap in (("max_speed_m_s", max_speed_m_s), ("max_yaw_rate_rad_s", max_yaw_rate_rad_s)):
         if cap is not None and not 0.0 < cap < np.inf:
             raise InputError(name, f"is {cap:g}", "give a positive number, or leave it out")
@@ -254,7 +254,7 @@ def plan(
             "close the path with a spline, or repeat the first waypoint",
         )
     contact, idle = contact_of(model, robust)
-    warnings = (*warnings, *idle)
+    warnings = (*warnings, *unseeded, *idle)
     request = Request(
         share=1.0 - checked_margin(margin),
         points=points,

@@ -197,8 +197,10 @@ class Drawing:
     seed: int
 
     @staticmethod
-    def of(recipe: Recipe, surface: str, chance: float | None, seed: int) -> Drawing | None:
-        """None where no number of the robot on this surface has a spread.
+    def of(
+        recipe: Recipe, surface: str, chance: float | None, seed: int
+    ) -> tuple[Drawing | None, tuple[str, ...]]:
+        """None where no number of the robot on this surface has a spread; and what has no effect, in words.
 
         Raises
         ------
@@ -211,14 +213,16 @@ class Drawing:
 
         from_zero("seed", seed)
         if not uncertain_keys(recipe.robot, surface):
+            exact = f"every number of the robot on surface {surface!r} is exact"
             if chance is None:
-                return None
+                return None, (f"seed has no effect: {exact}",) if seed else ()
             raise InputError(
                 "chance",
-                f"has no effect: every number of the robot on surface {surface!r} is exact",
+                f"has no effect: {exact}",
                 'write a spread in the robot file, drive = "0.26 ± 0.02" or drive = [0.24, 0.28]',
             )
-        return Drawing(recipe=recipe, chance=None if chance is None else checked_chance(chance), seed=seed)
+        chance = None if chance is None else checked_chance(chance)
+        return Drawing(recipe=recipe, chance=chance, seed=seed), ()
 
     def drawn(self, model: Model) -> Draws:
         """The draws, around a model of the recipe."""

@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 _POSE, _VELOCITY = ("x_m", "y_m", "phi_rad"), ("vx_m_s", "vy_m_s", "wz_rad_s")
 _ACCELERATION = ("ax_m_s2", "ay_m_s2", "alpha_rad_s2")
 _MOST = 1_000_000
+_AT_REST = (
+    f"the plan's wheels turn at its first row and it has no {', '.join(_VELOCITY)}: the robot starts at rest"
+)
 #: Instants that the largest slip and the energy are taken from: so far apart [s], and no more than so many.
 _FINE_S, _FINE_ROWS = 1e-3, 20_000
 
@@ -202,6 +205,8 @@ def simulate(
             "give newtons and newton metres",
         )
     signal, start, twist, goal = _commands(model, commands, angles, until_s, linear)
+    if goal is not None and twist is None and np.any(signal.spin_rad_s):
+        warnings = (*warnings, _AT_REST)
     first, last = float(signal.knots_s[0]), float(signal.knots_s[-1])
     if not 0.0 < step_s < math.inf or (last - first) / step_s > _MOST:
         raise InputError("step_s", f"is {step_s:g} s over {last - first:g} s", f"give 1 to {_MOST} rows")

@@ -254,7 +254,7 @@ def sweep(
 
     recipe = read_robot(robot)
     model, warnings = model_of(recipe, surface, spread=EVERY_SPREAD, band=True)
-    drawing = Drawing.of(recipe, surface, chance, seed)
+    drawing, unseeded = Drawing.of(recipe, surface, chance, seed)
     if method not in METHODS:
         raise InputError("method", f"is {method!r}", f"use one of: {', '.join(METHODS)}")
     phi = orientations(from_deg, to_deg, step_deg)
@@ -278,7 +278,7 @@ def sweep(
         if method in ("facets", "cones")
         else difference(model, found.f_max_N, by_facets.f_max_N)
     )
-    warnings = (*warnings, *_beyond(model, phi, found.weakest[1]))
+    warnings = (*warnings, *unseeded, *_beyond(model, phi, found.weakest[1]))
     recommended, likely = found.recommended_N(margin), None
     if drawing is not None:
         likely, more = drawing.counted(model, lambda drawn: lowest_pulls(model, phi, drawn), recommended)

@@ -260,7 +260,8 @@ def _ordered(name: str, channel: Channel, notes: list[str]) -> tuple[Array, Arra
         raise InputError(name, f"holds {len(keep)} samples", "give the log of a whole run")
     count = len(channel.t_s)
     if len(keep) < count:
-        notes.append(f"{name}: {count - len(keep)} of {count} samples left out, out of order or not finite")
+        why = "out of order, not finite or of another length"
+        notes.append(f"{name}: {count - len(keep)} of {count} samples left out, {why}")
     return channel.t_s[keep], channel.values[keep]
 
 

@@ -13,6 +13,7 @@ import struct
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import mode
 from typing import Any, final
 
 import numpy as np
@@ -140,8 +141,8 @@ def _damaged(path: Path, number: int, fault: Exception) -> InputError:
 
 
 def _channel(kind: Kind, found: list[tuple[float, tuple[float, ...]]]) -> Channel:
-    width = len(found[0][1])
-    usable = [row for row in found if len(row[1]) == width]
-    values: Array = np.array([row[1] for row in usable]).reshape(len(usable), width)
+    """Records of an entry; an array that is not as long as most holds no numbers."""
+    width = mode(len(row) for _, row in found)
+    values: Array = np.array([row if len(row) == width else (np.nan,) * width for _, row in found])
     values = np.where(np.abs(values) < 1e12, values, np.nan)
-    return Channel(kind=kind, t_s=np.array([row[0] for row in usable]), values=values)
+    return Channel(kind=kind, t_s=np.array([t for t, _ in found]), values=values)

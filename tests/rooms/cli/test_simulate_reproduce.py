@@ -77,6 +77,20 @@ def test_a_plan_is_followed_from_its_first_pose(tmp_path, capsys):
     assert found["friction_work_J"] < 0.0
 
 
+def test_a_plan_in_motion_without_its_velocity_is_said_to_start_at_rest(tmp_path, capsys):
+    """Its robot began at rest under wheels that turned, in silence."""
+
+    def said(columns: str, cells: str, turning: str) -> str:
+        head = f"t_s,x_m,y_m,phi_rad,{columns}omega1_rad_s,omega2_rad_s,omega3_rad_s\n"
+        file = commands(tmp_path, head + "".join(f"{t},0,0,0,{cells}{turning}\n" for t in (0, 0.1)))
+        assert status(["simulate", "ohio-kiwi", file, "--surface", "paper"]) == 0
+        return capsys.readouterr().err
+
+    twist = "vx_m_s,vy_m_s,wz_rad_s,"
+    assert "wz_rad_s: the robot starts at rest" in said("", "", "1,1,1")
+    assert "starts at rest" not in said("", "", "0,0,0") + said(twist, "0,0,0,", "1,1,1")
+
+
 def beside(columns: str) -> str:
     """Commands with columns of a plan: a part of its velocity was dropped, and those without a pose."""
     more = columns.count(",") + 1

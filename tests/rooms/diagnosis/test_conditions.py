@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from inventions import force
-from planting import Plant, commanded, planted, smooth_kiwi
+from planting import Plant, commanded, force, planted, smooth_kiwi
 from real_logs import EXCERPT, logs
 from spoilt import (
     camera_clock,

@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import pytest
 from diagnoses import taken_for_noise
-from inventions import force
-from planting import Plant, planted
+from planting import Plant, force, planted
 
 from slipmargin.diagnosis import loop
 from slipmargin.diagnosis.loop import diagnose

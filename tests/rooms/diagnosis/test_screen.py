@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from inventions import force
-from planting import Plant, planted, smooth_kiwi
+from planting import Plant, force, planted, smooth_kiwi
 
 from slipmargin.checks import Index
 from slipmargin.data.data_set import DataSet

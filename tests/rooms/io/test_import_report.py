@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from dataclasses import replace
 from pathlib import Path
 
@@ -55,13 +56,30 @@ def test_poses_that_repeat_or_are_none_are_told_apart() -> None:
     ]
     assert "50 rows, 47 kept, 3 dropped" in head(read)
     assert any(note.startswith("/Pose holds from change to change: of 47 poses") for note in read.notes)
-    assert "/Wheels: 2 of 50 samples left out, out of order or not finite" in read.notes
+    assert "/Wheels: 2 of 50 samples left out, out of order, not finite or of another length" in read.notes
 
 
 def test_a_reading_without_a_change_says_none() -> None:
     t = 0.02 * np.arange(50)
     read = of_channels(t, np.outer(t, [0.1, 0.0, 0.1]), np.ones((50, 4)))
     assert len(read.notes) == 2 and all("by its type" in note for note in read.notes)
+
+
+def test_an_array_of_another_length_is_told(tmp_path: Path) -> None:
+    """It was left out in silence; where it came first, all others were."""
+    from wpiutil import DataLogWriter
+
+    log = DataLogWriter(str(tmp_path / "run.wpilog"))
+    pose, wheels = log.start("/Pose", "struct:Pose2d", "", 0), log.start("/Wheels", "double[]", "", 0)
+    for k in range(50):
+        log.appendRaw(pose, struct.pack("<3d", 0.01 * k, 0.0, 0.0), 20_000 * (k + 1))
+        row = [float(k)] * (3 if k in (0, 7) else 4)
+        log.appendRaw(wheels, struct.pack(f"<{len(row)}d", *row), 20_000 * (k + 1))
+    log.flush()
+    log.stop()
+    found = sm.import_logs([tmp_path / "run.wpilog"], "wpilog", ROVER, wheels=["/Wheels:rad/s"])
+    (read,) = found.read.readings
+    assert "/Wheels: 2 of 50 samples left out, out of order, not finite or of another length" in read.notes
 
 
 def test_lines_of_an_export_that_cannot_be_read_are_told(tmp_path: Path) -> None:

@@ -244,6 +244,19 @@ def test_a_chance_without_a_spread_is_refused() -> None:
     assert sm.sweep(kiwi(30.0), "paper", step_deg=30.0).slip_chance is None
 
 
+def test_a_seed_without_a_spread_is_said_to_be_idle() -> None:
+    idle = "seed has no effect: every number of the robot on surface 'paper' is exact"
+    track = [(0.0, 0.0, 0.0), (0.2, 0.0, 0.0)]
+    for found in (
+        sm.sweep(kiwi(30.0), "paper", step_deg=30.0, seed=3),
+        sm.bounds(kiwi(30.0), "paper", step_deg=90.0, seed=3),
+        sm.plan(kiwi(30.0), "paper", track, seed=3),
+    ):
+        assert idle in found.warnings
+    for seed, robot in ((0, kiwi(30.0)), (3, on(kiwi(30.0)))):
+        assert not any("seed" in w for w in sm.sweep(robot, "paper", step_deg=30.0, seed=seed).warnings)
+
+
 def test_a_chance_that_is_not_computed_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     robot = on(replace(kiwi(30.0), friction=replace(kiwi().friction, grip=GripShape.ELLIPSE)))
     recipe = Recipe(robot=robot, effects=(FloorTilt.of(np.array([0.02, 0.01])),))
