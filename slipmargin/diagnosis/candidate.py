@@ -64,6 +64,8 @@ class Candidate:
         They differ where an idle parameter's first start, which its tangent needs, stands in for its null.
     least : array (P,), optional
         What is nearer to its ordinary value than this makes as little sense as what is beyond a bound.
+    meant : array (P,), optional
+        The side of null that the name means: −1, 1, or 0 for both.
     idle : array (P,) of bool, optional
         Which parameters have no influence at null: tangents are taken at each of their starts.
     scope : Scope, optional
@@ -98,6 +100,7 @@ class Candidate:
     prior: Array = field(default_factory=lambda: np.zeros((0, 0)))
     usual: Array | None = None
     least: Array | None = None
+    meant: Array | None = None
     idle: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     scope: Scope | None = None
     turns_all_ways: bool = False
@@ -110,8 +113,9 @@ class Candidate:
         count = len(self.keys)
         usual = self.null if self.usual is None else self.usual
         object.__setattr__(self, "usual", frozen("usual", usual, (count,)))
-        least = np.zeros(count) if self.least is None else self.least
-        object.__setattr__(self, "least", frozen("least", least, (count,)))
+        for key in ("least", "meant"):
+            value = getattr(self, key)
+            object.__setattr__(self, key, frozen(key, np.zeros(count) if value is None else value, (count,)))
         prior = self.prior if self.prior.size else np.zeros((0, count))
         object.__setattr__(self, "prior", frozen("prior", prior, (None, count)))
         near = self.near if self.near.size else np.zeros((0, count))
@@ -206,6 +210,7 @@ def named_candidate(
         null=np.array([s if p.idle and p.starts else p.null for p, s in zip(rows, starts[0], strict=True)]),
         scale=np.array([p.scale for p in rows]),
         usual=np.array([p.null if p.usual is None else p.usual for p in rows]),
+        meant=np.array([float(p.meant) for p in rows]),
         idle=np.array([p.idle for p in rows]),
         low=low,
         high=high,

@@ -193,8 +193,23 @@ def _doubts(problem: Problem, final: Fit, spread: Intervals) -> list[tuple[str, 
         own = spread if candidate.size == 1 or problem.piece is not None else as_logged
         if candidate.nested and own.may_do_nothing(candidate, final.x, span):
             doubts.append("runs differ so much that it may do nothing")
+        doubts += _against_name(candidate, final.x[span], spread.low[span], spread.high[span])
         found.append(tuple(doubts) if candidate.named else ())
     return found
+
+
+def _against_name(candidate: Candidate, x: Array, low: Array, high: Array) -> list[str]:
+    """Which parameters, intervals from ``low`` to ``high`` and all, lie where the name means the contrary."""
+    assert candidate.meant is not None
+    against = np.where(candidate.meant < 0, low > candidate.null, high < candidate.null)
+    return [
+        f"{candidate.label}.{key} is {value:.3g}, and the name means {'less' if meant < 0 else 'more'} "
+        f"than {null:g}"
+        for key, value, null, meant, wrong in zip(
+            candidate.keys, x, candidate.null, candidate.meant, against, strict=True
+        )
+        if meant and wrong
+    ]
 
 
 def _mapped(trace: Trace, entries: Sequence[MapEntry]) -> bool | None:

@@ -89,6 +89,7 @@ def _confined(candidate: Candidate, scope: Scope, groups: dict[str, frozenset[in
         low=tiled(candidate.low),
         high=tiled(candidate.high),
         usual=tiled(candidate.usual),
+        meant=tiled(candidate.meant),
         least=tiled(candidate.least),
         starts=np.tile(candidate.starts, (1, many)),
         idle=np.tile(candidate.idle, many),

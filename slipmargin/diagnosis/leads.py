@@ -97,9 +97,11 @@ def leads(
 
     First what runs bear out to which it was not fitted, and what is not claimed for another reason; then what
     the map supports, of that first what lowers the error of runs that it was not fitted to, if not as surely
-    as a claim must, and what leaves nothing but noise; then what repeats with a wheel's angle, and what fits
-    the searched runs best beside what was ``found``, in the round that began with it (``last``).  Where there
-    is nothing of all that, the best there is, said to be weak.  What was found is no lead.
+    as a claim must (but for what takes more off runs left out, and hurts none), and what leaves nothing but
+    noise; then what repeats with a wheel's angle, and what fits the searched runs best beside what was
+    ``found``, in the round that began with it (``last``); then what the map supports though it makes more
+    runs worse than better.  Where there is nothing of all that, the best there is, said to be weak.  What
+    was found is no lead.
     """
     rows = [] if last is None else followed(last)
     # one run is a fold of its own: nothing is left out of any fit
@@ -115,7 +117,8 @@ def leads(
     # of several together, or beside what was found, none has shown anything by itself
     alone = [r for r in rejected if len(r.labels) == 1 and not found]
     borne_out = {r.labels[0]: r for r in alone if r.borne_out}
-    in_turn = [t for r in sorted(alone, key=lambda r: r.chi_after) if r.lowers for t in r.traced_to]
+    lower = [r for r in sorted(alone, key=lambda r: r.chi_after) if r.lowers]
+    in_turn = [t for r in lower for t in r.traced_to]
     made: list[Lead] = []
 
     def add(lead: Lead) -> None:
@@ -124,8 +127,11 @@ def leads(
 
     def place(entry: MapEntry) -> tuple[int, float, bool, float]:
         trace = entry.traced_to
-        unseen = in_turn.index(trace) if trace in in_turn else len(in_turn)
         row, before = best.get(trace), 0.0 if last is None else last.before.chi
+        unseen = in_turn.index(trace) if trace in in_turn else len(in_turn)
+        if row is not None and not row.worse:  # what takes off more, and hurts no run, comes before
+            less = (i for i, r in enumerate(lower) if 1.0 - (r.chi_after / r.chi_before) ** 2 < entry.share)
+            unseen = min(unseen, next(less, unseen))
         noise_alone = before * np.sqrt(max(0.0, 1.0 - entry.share)) <= SETTINGS.noise_chi < before
         all_of_it = -entry.share if noise_alone else 0.0
         of_runs = (False, 0.0) if row is None else (row.hurts, -row.gain)
@@ -147,26 +153,32 @@ def leads(
             candidate=row.label,
         )
 
+    def of_map(entry: MapEntry) -> Lead:
+        return Lead(
+            traced_to=entry.traced_to,
+            source=LeadSource.MAP,
+            why=f"{entry.form} takes {100.0 * entry.share:.2g} % off the squared residual of "
+            f"{'the one run, which it was fitted to' if one_run else 'runs left out'} "
+            f"(p = {entry.p_value:.2g} among all candidates)"
+            + _of_runs(best.get(entry.traced_to), entry.form, one_run),
+            next_run=TRIALS[entry.traced_to],
+            share=entry.share,
+            p_value=entry.p_value,
+            candidate=fits.get(entry.traced_to),
+        )
+
     for row in rows:
         if row.label in borne_out:
             add(of_fit(row))
+    hurting: list[MapEntry] = []
     for entry in sorted(entries, key=place):
-        no = refused.get(entry.form)
-        if entry.supported and not (no is not None and no.chi_after >= no.chi_before):
-            add(
-                Lead(
-                    traced_to=entry.traced_to,
-                    source=LeadSource.MAP,
-                    why=f"{entry.form} takes {100.0 * entry.share:.2g} % off the squared residual of "
-                    f"{'the one run, which it was fitted to' if one_run else 'runs left out'} "
-                    f"(p = {entry.p_value:.2g} among all candidates)"
-                    + _of_runs(best.get(entry.traced_to), entry.form, one_run),
-                    next_run=TRIALS[entry.traced_to],
-                    share=entry.share,
-                    p_value=entry.p_value,
-                    candidate=fits.get(entry.traced_to),
-                )
-            )
+        no, own = refused.get(entry.form), best.get(entry.traced_to)
+        if not entry.supported or (no is not None and no.chi_after >= no.chi_before):
+            continue
+        if own is not None and own.hurts:
+            hurting.append(entry)
+        else:
+            add(of_map(entry))
     for turn in turns:
         add(
             Lead(
@@ -182,6 +194,8 @@ def leads(
         if not row.fitted or row.hurts or row.share < _least_share():
             continue
         add(of_fit(row))
+    for entry in hurting:
+        add(of_map(entry))
     if not made and entries:
         entry = max(entries, key=lambda e: e.share)
         add(

@@ -19,7 +19,14 @@ from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import order_analysis
 from slipmargin.diagnosis.ranges import variables_of
 from slipmargin.diagnosis.refits import without
-from slipmargin.diagnosis.remarks import of_noise, of_one_run, of_pieces, of_the_clock, of_the_fit
+from slipmargin.diagnosis.remarks import (
+    of_noise,
+    of_one_run,
+    of_pieces,
+    of_the_clock,
+    of_the_draw,
+    of_the_fit,
+)
 from slipmargin.diagnosis.residual_diagnostics import dependences
 from slipmargin.diagnosis.result import Diagnosis, Finding, Step, TrialTrajectories, Tried, Verdict
 from slipmargin.diagnosis.rounds import Round
@@ -159,6 +166,7 @@ def _diagnosed(attempt: Attempt, budget_s: float | None) -> Diagnosis:
             *of_the_clock(data_set, checked, final, s.candidates),
             *of_noise(data_set.members),
             *of_one_run(len(data_set.trials)),
+            *of_the_draw(checked, before.chi),
             *of_pieces(state),
             *of_the_fit(final, events, turns, phased=checked.phased, held=len(held) > 0),
         ),

@@ -12,6 +12,7 @@ from slipmargin.diagnosis.fit import Fit
 from slipmargin.diagnosis.mimics import mimics
 from slipmargin.diagnosis.order_analysis import Periodicity
 from slipmargin.diagnosis.result import Event
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 
 
@@ -65,6 +66,23 @@ def of_one_run(runs: int) -> tuple[str, ...]:
     return (
         "There is one run, and none could be left out: shares and probabilities are those of the run itself. "
         "They may lead somewhere and bear out nothing; drive another run.",
+    )
+
+
+def of_the_draw(checked: Checked, held_chi: float) -> tuple[str, ...]:
+    """That the runs held out, whose ``held_chi`` is reported, show little of what all show together.
+
+    Little is a smaller share of the mean square than a correction must explain.
+    """
+    before = checked.before.chi()
+    if held_chi**2 >= SETTINGS.explained_share * before**2:
+        return ()
+    after = ""
+    if checked.state is not None:
+        after = f", and {checked.after.chi():.3g} with what was found, each run predicted by fits to others"
+    return (
+        "The runs held out show little of what is missing: "
+        f"over all runs chi is {before:.3g} with the model as it is{after}.",
     )
 
 

@@ -43,6 +43,7 @@ from slipmargin.effects.wheel_radius import WheelRadius
 from slipmargin.effects.wheel_runout import WheelRunout
 from slipmargin.effects.wheel_toe import WheelToe
 from slipmargin.effects.wheel_wobble import WheelWobble
+from slipmargin.effects.yaw_inertia import YawInertia
 from slipmargin.errors import InputError
 
 
@@ -101,6 +102,7 @@ CATALOGUE = Catalogue(
         WheelLoads,
         LoadTransfer,
         TrailingLoad,
+        YawInertia,
         Stribeck,
         SlipRatioFriction,
         RollerCoupling,

@@ -48,6 +48,7 @@ class Part(Enum):
     """The part of the model an effect rewrites, by its word in robot files."""
 
     CONTACTS = "contacts"
+    INERTIA = "inertia"
     LOADS = "loads"
     GRIP = "grip"
     LOSSES = "losses"
@@ -109,6 +110,7 @@ class Parameter:
     needs_own_law_across: bool = False  #: whether a grip with one law for all directions has none of it
     usual: float | None = None  #: an end of the range that is an ordinary value; the null by default
     near: tuple[float, ...] = ()  #: where fits start at a line or place that the data point to
+    meant: int = 0  #: the side of null that the effect's name means, −1 or 1; 0: both
 
 
 def parameter(
@@ -127,6 +129,7 @@ def parameter(
     near: tuple[float, ...] = (),
     coordinate: str = "",
     within: float = np.inf,
+    meant: int = 0,
 ) -> Parameter:
     """A :class:`Parameter` in one line; ``span`` is (lowest, null, highest) value."""
     low, null, high = span
@@ -147,6 +150,7 @@ def parameter(
         near=near,
         coordinate=coordinate,
         within=within,
+        meant=meant,
     )
 
 

@@ -29,7 +29,13 @@ class Stribeck(WheelEffect):
     scope = Scope.FLOOR
     parameters = (
         parameter(
-            "dynamic_ratio", "1", (0.05, 1.0, 3.0), 0.1, "dynamic over static coefficient", starts=(0.8,)
+            "dynamic_ratio",
+            "1",
+            (0.05, 1.0, 3.0),
+            0.1,
+            "dynamic over static coefficient",
+            starts=(0.8,),
+            meant=-1,
         ),
         parameter(
             "stribeck_speed_m_s",
@@ -46,6 +52,7 @@ class Stribeck(WheelEffect):
             (0.05, 1.0, 3.0),
             0.1,
             "dynamic over static transverse coefficient (1: bearing drag, which does not drop)",
+            meant=-1,
         ),
     )
     variants = (

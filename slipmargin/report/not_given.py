@@ -59,7 +59,8 @@ REASONS = {
     "lifts_s": FLOOR,
     "end_position_m": ENDED,
     "end_heading_rad": ENDED,
-    "pulls": "nothing was measured at this orientation",
+    "pulls": "no pull was measured, or none at this orientation",
+    "evidence": "no correction holds on runs that it has not seen: see rejected",
 } | {
     f"{safe}{way}_{unit}": SLIPS
     for safe in ("", "safe_", "even_floor_")

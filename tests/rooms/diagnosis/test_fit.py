@@ -14,7 +14,7 @@ from slipmargin.checks import Array, Index
 from slipmargin.diagnosis import search
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.evidence import Intervals, intervals
-from slipmargin.diagnosis.findings import _origin, _quantities, _rivals
+from slipmargin.diagnosis.findings import _against_name, _origin, _quantities, _rivals
 from slipmargin.diagnosis.fit import Fit, evaluate, few_steps, fit, shifted_by
 from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
 from slipmargin.diagnosis.near import Way
@@ -231,6 +231,18 @@ def test_a_place_does_not_carry_an_uncertain_force() -> None:
     x = np.array([2.0, 0.5, 0.5])
     assert _known(np.diag([4.0, 1e-6, 1e-6])).may_do_nothing(drag, x, slice(0, 3))
     assert not _known(np.diag([0.04, 1e-6, 1e-6])).may_do_nothing(drag, x, slice(0, 3))
+
+
+def test_a_value_that_is_the_contrary_of_the_name_does_not_carry_it() -> None:
+    """Rollers in grease dragged more the faster they slid, and it was called a drop of friction."""
+    [both] = [
+        c for c in named_candidates(("1", "2", "3"), False, ()) if c.label == "stribeck in both directions"
+    ]
+    x, half = np.array([1.001, 0.28, 1.27]), np.array([0.015, 0.15, 0.12])
+    said = _against_name(both, x, x - half, x + half)
+    assert said == ["stribeck in both directions.transverse_ratio is 1.27, and the name means less than 1"]
+    assert not _against_name(both, x, x - 0.3, x + 0.3), "it may be either"
+    assert not _against_name(both, 1.9 - x, 1.9 - x - half, 1.9 - x + half)
 
 
 def test_few_runs_that_disagree_leave_more_open() -> None:

@@ -219,3 +219,47 @@ def test_of_what_the_map_supports_what_lowers_the_error_of_unseen_runs_comes_fir
     assert [m.traced_to for m in leads(entries, (), last, (no,), ())] == [Trace.POSITION, Trace.HEADING]
     for other in (replace(no, lowers=False), replace(no, labels=("floor_ramp", "push"))):
         assert leads(entries, (), last, (other,), ())[0].traced_to is Trace.HEADING
+
+
+def test_what_takes_off_more_and_hurts_no_run_comes_before_what_lowers_the_error(state: State) -> None:
+    """A tilted camera: a patch of floor that took off 24 % stood before a form that took off 65 %."""
+    listed = {c.label: c for c in named_candidates(("1", "2", "3"), False, ())}
+    nothing = Screening(entries=(), total=1.0, chance=np.zeros(199))
+    before = replace(state, scores=np.full(len(state.scores), 10.0))
+    entries = [
+        MapEntry(traced_to=Trace.MEASUREMENT, form="camera_scale", share=0.65, p_value=0.005),
+        MapEntry(traced_to=Trace.POSITION, form="floor_patch", share=0.24, p_value=0.035),
+    ]
+    no = Rejected(
+        labels=("floor_patch",),
+        failures=("25 %",),
+        chi_before=6.8,
+        chi_after=5.4,
+        lowers=True,
+        traced_to=(Trace.POSITION,),
+    )
+    for worst, first in ((3.0, Trace.MEASUREMENT), (12.0, Trace.POSITION)):
+        fits = tuple(
+            replace(state, fit=replace(state.fit, structure=(listed[label],)), scores=np.array(scores))
+            for label, scores in (
+                ("camera_scale", [3.0, 3.0, 3.0, worst]),
+                ("floor_patch", [7.0, 9.0, 9.0, 9.0]),
+            )
+        )
+        last = Round(before=before, screening=nothing, tried=fits, best=None, taken=False)
+        assert leads(entries, (), last, (no,), ())[0].traced_to is first
+
+
+def test_what_makes_more_runs_worse_comes_last(state: State) -> None:
+    """A push that made three runs of ten worse and none better was the first place to look."""
+    listed = {c.label: c for c in named_candidates(("1", "2", "3"), False, ())}
+    nothing = Screening(entries=(), total=1.0, chance=np.zeros(199))
+    before = replace(state, scores=np.array([90.0, 10.0, 10.0, 10.0]))
+    scores = {"push": [40.0, 13.0, 13.0, 13.0], "floor_tilt": [70.0, 8.0, 8.0, 8.0]}
+    fits = tuple(
+        replace(state, fit=replace(state.fit, structure=(listed[label],)), scores=np.array(own))
+        for label, own in scores.items()
+    )
+    last = Round(before=before, screening=nothing, tried=fits, best=None, taken=False)
+    push = MapEntry(traced_to=Trace.TIME, form="push", share=0.3, p_value=0.005)
+    assert [x.candidate for x in leads([push], (), last, (), ())] == ["floor_tilt", "push"]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from slipmargin.diagnosis.court import Checked
+from slipmargin.diagnosis.remarks import of_the_draw
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.verdict import (
     Judgement,
@@ -190,6 +191,27 @@ def test_errors_larger_than_the_noise_are_no_noise_however_slow(size: float, sai
         near_noise=near_noise(slow, NONE, sigma),
     )
     assert checked.verdict.name == said
+
+
+def test_where_the_runs_held_out_show_little_that_of_all_is_said() -> None:
+    """One drawn run had a chi of 4 and all runs together 40, of which the page said nothing."""
+
+    def checked(after: float | None) -> Checked:
+        return Checked(
+            state=None if after is None else SimpleNamespace(),  # type: ignore[arg-type]
+            before=errors(40.1),
+            after=errors(after or 40.1),
+            judgement=None,
+            problem=SimpleNamespace(),  # type: ignore[arg-type]
+            phased=False,
+            rejected=(),
+        )
+
+    (said,) = of_the_draw(checked(None), 4.07)
+    assert said.endswith("over all runs chi is 40.1 with the model as it is.")
+    (found,) = of_the_draw(checked(1.02), 4.07)
+    assert "40.1 with the model as it is, and 1.02 with what was found" in found
+    assert not of_the_draw(checked(None), 30.0)
 
 
 def test_unseen_runs_that_are_off_are_no_noise_where_all_together_look_like_it() -> None:
