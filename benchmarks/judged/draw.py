@@ -325,15 +325,22 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--kind", choices=KINDS, default="test")
-    parser.add_argument("--effects", type=int, default=100)
-    parser.add_argument("--nulls", type=int, default=100)
-    parser.add_argument("--count", type=int, default=200, help="sets of a coverage collection")
+    parser.add_argument("--effects", type=int, help="sets with an effect, 100 by default")
+    parser.add_argument("--nulls", type=int, help="sets without one, 100 by default")
+    parser.add_argument("--count", type=int, help="sets of a coverage collection, 200 by default")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     given = parser.parse_args(words)
     if given.out.exists() and any(given.out.iterdir()):
         print(f"error: {given.out}: is not empty; name a new folder", file=sys.stderr)
         return 2
-    effects, nulls = (given.count, 0) if given.kind == "coverage" else (given.effects, given.nulls)
+    idle = ("effects", "nulls") if given.kind == "coverage" else ("count",)
+    for name in idle:
+        if getattr(given, name) is not None:
+            print(f"error: --{name}: has no effect on --kind {given.kind}; leave it out", file=sys.stderr)
+            return 2
+    effects, nulls = (200 if given.count is None else given.count, 0)
+    if given.kind != "coverage":
+        effects, nulls = (100 if n is None else n for n in (given.effects, given.nulls))
     jobs = jobs_of(given.kind, given.seed, effects, nulls)
     truth: dict[str, Any] = {}
     task = partial(make, kind=given.kind, out=given.out)

@@ -98,6 +98,16 @@ def test_the_truth_is_not_in_the_folder(tmp_path: Path) -> None:
     assert draw.main(words) == 2  # never over what is there
 
 
+@pytest.mark.parametrize(("kind", "idle"), [("test", "--count"), ("coverage", "--effects")])
+def test_a_size_that_a_kind_does_not_have_is_refused(
+    kind: str, idle: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A smaller test was asked for by --count, and all 200 sets were drawn."""
+    out = tmp_path / "drawn"
+    assert draw.main(["--seed", "1", "--out", str(out), "--kind", kind, idle, "4"]) == 2
+    assert f"{idle}: has no effect on --kind {kind}" in capsys.readouterr().err and not out.exists()
+
+
 def _off(files: dict[str, str], folder: Path, planted: Planted, run: Any, effects: tuple[Any, ...]) -> float:
     """The largest distance [m] between this simulator's track and the package's."""
     written(files, folder)
