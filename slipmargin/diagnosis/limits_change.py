@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TypeVar, final
 
 import numpy as np
@@ -15,7 +16,7 @@ from slipmargin.diagnosis.pull_check import PullCheck, pull_check
 from slipmargin.effects import Recipe
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.limits.band import band
-from slipmargin.limits.bounds import directions
+from slipmargin.limits.bounds import directions, spin
 from slipmargin.limits.friction import floor_has_directions
 from slipmargin.limits.motion_state import Contact
 from slipmargin.limits.pull import Pull
@@ -26,8 +27,10 @@ from slipmargin.physics.convention import Convention
 _T = TypeVar("_T")
 #: How computing a limit fails: no solution, a division by zero, a singular matrix, a number out of range.
 _FAILURES = (InputError, NoSolution, ArithmeticError, LookupError, ValueError, RuntimeError)
-_PULLS = ("f_max_N", "f_low_N", "f_high_N")
-_ACCELERATIONS = ("start_m_s2", "brake_m_s2", "start_worst_m_s2", "brake_worst_m_s2")
+#: Limits over the orientation of a pull and over the direction of a motion, and those that are one number.
+PULL_CURVES = ("f_max_N", "f_low_N", "f_high_N")
+MOTION_CURVES = ("start_m_s2", "brake_m_s2", "start_worst_m_s2", "brake_worst_m_s2")
+NUMBERS = ("spin_rad_s2", "spin_worst_rad_s2")
 #: Orientations of the pull and directions of motion, one degree and five degrees apart.
 _ORIENTATIONS, _DIRECTIONS = 360, 72
 #: Directions in which a floor that has some lies under the robot, ten degrees apart: a cosine misses its
@@ -51,6 +54,9 @@ class Limits:
         Greatest acceleration, and deceleration, along a direction of motion every five degrees
         (counted from the body's +x) without turning, all wheels on rollers, and in the worst
         state of what they may stand on; 0 where even steady motion slips [m/s²].
+    spin_rad_s2, spin_worst_rad_s2 : float
+        Greatest yaw acceleration of turning on the spot, about the body's origin, either way, on rollers and
+        in the worst state [rad/s²]; not a number where it could not be computed.
     """
 
     f_max_N: Array
@@ -60,11 +66,13 @@ class Limits:
     brake_m_s2: Array
     start_worst_m_s2: Array
     brake_worst_m_s2: Array
+    spin_rad_s2: float
+    spin_worst_rad_s2: float
 
     def __post_init__(self) -> None:
-        for name in _PULLS:
+        for name in PULL_CURVES:
             object.__setattr__(self, name, _gapped(name, getattr(self, name), _ORIENTATIONS))
-        for name in _ACCELERATIONS:
+        for name in MOTION_CURVES:
             object.__setattr__(self, name, _gapped(name, getattr(self, name), _DIRECTIONS))
 
     @property
@@ -101,7 +109,10 @@ class LimitsChange:
     @property
     def moved(self) -> bool:
         """Whether anything differs by more than a part in a million."""
-        pairs = [(getattr(self.before, n), getattr(self.after, n)) for n in Limits.__slots__]
+        pairs = [
+            (getattr(self.before, n), getattr(self.after, n))
+            for n in (*PULL_CURVES, *MOTION_CURVES, *NUMBERS)
+        ]
         return not all(np.allclose(one, two, rtol=1e-6, atol=1e-9, equal_nan=True) for one, two in pairs)
 
 
@@ -178,6 +189,10 @@ def _limits(model: Model, phi: Array, direction: Array, whose: str, missing: lis
     start_worst, brake_worst = asked(
         "the worst acceleration limits", _DIRECTIONS, lambda: _along(model, direction, Contact.UNKNOWN), 2
     )
+    on_rollers, at_worst = (
+        tried(f"turning on the spot of {whose}", missing, partial(_spin, model, contact))
+        for contact in (Contact.ROLLERS, Contact.UNKNOWN)
+    )
     return Limits(
         f_max_N=highest,
         f_low_N=low,
@@ -186,6 +201,8 @@ def _limits(model: Model, phi: Array, direction: Array, whose: str, missing: lis
         brake_m_s2=brake,
         start_worst_m_s2=start_worst,
         brake_worst_m_s2=brake_worst,
+        spin_rad_s2=np.nan if on_rollers is None else on_rollers,
+        spin_worst_rad_s2=np.nan if at_worst is None else at_worst,
     )
 
 
@@ -194,6 +211,11 @@ def _gapped(name: str, values: Array, size: int) -> Array:
     if np.isnan(values).all():
         return read_only(np.full(size, np.nan))
     return frozen(name, values, (size,))
+
+
+def _spin(model: Model, contact: Contact) -> float:
+    """Greatest yaw acceleration on the spot; 0 where turning must slip."""
+    return max(spin(model, contact=contact).starting_rad_s2, 0.0)
 
 
 def _along(model: Model, direction: Array, contact: Contact) -> tuple[Array, Array]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from slipmargin.checks import Array
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.pulls import Pulls
 from slipmargin.data.repair import Repair
-from slipmargin.diagnosis.limits_change import Limits, LimitsChange
+from slipmargin.diagnosis.limits_change import MOTION_CURVES, PULL_CURVES, Limits, LimitsChange
 from slipmargin.diagnosis.residual_diagnostics import ResidualDependence
 from slipmargin.diagnosis.result import Diagnosis, Estimate, Finding, TrialTrajectories
 from slipmargin.effects import Effect, Recipe
@@ -160,6 +161,6 @@ def _limits(limits: Limits, turn: float) -> Limits:
         values: Array = getattr(limits, name)
         return np.roll(values, round(way / (2.0 * np.pi) * len(values)))
 
-    pulls = {name: rolled(name, -turn) for name in ("f_max_N", "f_low_N", "f_high_N")}
-    motion = {name: rolled(name, turn) for name in Limits.__slots__ if name not in pulls}
-    return Limits(**pulls, **motion)
+    curves: dict[str, Any] = {name: rolled(name, -turn) for name in PULL_CURVES}
+    curves |= {name: rolled(name, turn) for name in MOTION_CURVES}
+    return replace(limits, **curves)

@@ -39,6 +39,7 @@ def limits(change: LimitsChange, images: Mapping[str, Image]) -> tuple[Block, ..
         ("Speeding up, mean", float(b.start_m_s2.mean()), float(a.start_m_s2.mean()), "m/s²"),
         ("Braking, worst direction", float(b.brake_m_s2.min()), float(a.brake_m_s2.min()), "m/s²"),
         ("Braking, mean", float(b.brake_m_s2.mean()), float(a.brake_m_s2.mean()), "m/s²"),
+        ("Starting to turn on the spot", b.spin_rad_s2, a.spin_rad_s2, "rad/s²"),
     )
     table = Table(
         caption="Limits of the machine as believed and as corrected",

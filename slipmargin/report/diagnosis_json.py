@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from slipmargin.checks import exact_mean
-from slipmargin.diagnosis.limits_change import Limits, LimitsChange
+from slipmargin.diagnosis.limits_change import MOTION_CURVES, PULL_CURVES, Limits, LimitsChange
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.residual_diagnostics import ResidualDependence
 from slipmargin.diagnosis.result import Diagnosis, Estimate, Finding, Lead, Score, Step, TrialTrajectories
@@ -159,6 +159,8 @@ def limits_row(limits: Limits) -> dict[str, float]:
         "start_mean_m_s2": exact_mean(limits.start_m_s2),
         "brake_min_m_s2": float(limits.brake_m_s2.min()),
         "brake_mean_m_s2": exact_mean(limits.brake_m_s2),
+        "spin_rad_s2": limits.spin_rad_s2,
+        "spin_worst_rad_s2": limits.spin_worst_rad_s2,
     }
 
 
@@ -168,7 +170,7 @@ def curves_of(change: LimitsChange) -> dict[str, Any]:
     if change.floor_directions > 1:
         curves["floor_directions"] = change.floor_directions
     for name, limits in (("before", change.before), ("after", change.after)):
-        curves[name] = {key: getattr(limits, key) for key in Limits.__slots__}
+        curves[name] = {key: getattr(limits, key) for key in (*PULL_CURVES, *MOTION_CURVES)}
     return curves
 
 

@@ -292,7 +292,11 @@ def summary_lines(d: Diagnosis, change: LimitsChange) -> list[str]:
     if change.moved:
         high = arrow(float(b.f_high_N.max()), float(a.f_high_N.max()), "N")
         start = arrow(float(b.start_worst_m_s2.min()), float(a.start_worst_m_s2.min()), "m/s²")
-        lines.append(f"         whatever the wheels stand on: strongest pull {high}, least start {start}")
+        turn = arrow(b.spin_worst_rad_s2, a.spin_worst_rad_s2, "rad/s²")
+        lines += [
+            f"         whatever the wheels stand on: strongest pull {high}, least start {start}",
+            f"         turning on the spot {turn}",
+        ]
     if change.pulls is not None:
         lines.append(f"pulls    {pulls_sentence(change.pulls)}")
     if open_questions(d):

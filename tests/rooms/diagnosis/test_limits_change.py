@@ -12,12 +12,13 @@ from json_schemas import faults
 from matplotlib.figure import Figure
 
 from slipmargin.diagnosis import limits_change as module
-from slipmargin.diagnosis.limits_change import Limits, limits_change
+from slipmargin.diagnosis.limits_change import MOTION_CURVES, NUMBERS, PULL_CURVES, limits_change
 from slipmargin.effects import Effect, Recipe
 from slipmargin.effects.floor_grain import FloorGrain
 from slipmargin.effects.floor_nap import FloorNap
 from slipmargin.effects.floor_tilt import FloorTilt
 from slipmargin.effects.wheel_loads import WheelLoads
+from slipmargin.effects.yaw_inertia import YawInertia
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.sweep import limit_or_zero
@@ -82,7 +83,7 @@ def test_the_weakest_pull_is_that_of_every_direction_of_the_floor(lies: Callable
     """The same floor, its frame rotated by 1 rad: −3.8 % or −7.0 %."""
     believed = read_recipe("ohio-kiwi")
     one, other = (limits_change(believed, believed.with_effects(lies(a)), "paper") for a in (0.0, 1.0))
-    for name in Limits.__slots__:
+    for name in (*PULL_CURVES, *MOTION_CURVES, *NUMBERS):
         np.testing.assert_allclose(getattr(one.after, name), getattr(other.after, name), rtol=5e-3, atol=5e-4)
     assert one.after.f_max_min_N == pytest.approx(other.after.f_max_min_N, rel=1e-3)
     assert one.before.f_max_min_N == recipes_limit() and one.after.f_max_min_N < one.before.f_max_min_N
@@ -112,3 +113,20 @@ def recipes_limit() -> float:
 def images() -> dict[str, Image]:
     drawn = image(Figure(), png=True)
     return dict.fromkeys(("residual", "where", "candidates", "held-out", "limits"), drawn)
+
+
+def test_a_robot_that_is_harder_to_turn_turns_more_slowly_and_pulls_as_before() -> None:
+    """It was said that no limit changes, and that what was found is in how the motion is measured."""
+    believed = read_recipe("ohio-kiwi")
+    change = limits_change(believed, believed.with_effects(YawInertia(inertia_factor=2.0)), "paper")
+    assert change.moved
+    np.testing.assert_array_equal(change.after.f_max_N, change.before.f_max_N)
+    for name in NUMBERS:
+        assert getattr(change.after, name) == pytest.approx(0.5 * getattr(change.before, name), rel=1e-9)
+    assert any(
+        "turning on the spot" in line and "−50 %" in line for line in summary_lines(diagnosis(), change)
+    )
+    text = report_text(diagnosis(), change)
+    assert faults("diagnose", text) == []
+    rows = json.loads(text)["limits"]
+    assert rows["after"]["spin_rad_s2"] == pytest.approx(0.5 * rows["before"]["spin_rad_s2"])
