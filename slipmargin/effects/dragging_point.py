@@ -32,7 +32,7 @@ class DraggingPoint(Effect):
     part = Part.LOSSES
     scope = Scope.LOADING
     parameters = (
-        parameter("force_N", "N", (-10.0, 0.0, 1000.0), 0.3, "drag against the motion of the place"),
+        parameter("force_N", "N", (-10.0, 0.0, 1000.0), 0.3, "drag against the motion of the place", meant=1),
         parameter(
             "place_x_m",
             "m",

@@ -40,6 +40,7 @@ class StiffRoller(WheelEffect):
             0.2,
             "transverse friction while this roller stands on the floor over that of the others",
             starts=(3.0,),
+            meant=1,
         ),
         parameter(
             "angle_rad",

@@ -35,6 +35,7 @@ class TrailingLoad(WheelEffect):
             (-0.02, 0.0, 0.02),
             0.001,
             "how far ahead of its axle the floor carries a wheel (the lever of rolling resistance)",
+            meant=1,
         ),
     )
     source = (

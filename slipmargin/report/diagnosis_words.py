@@ -129,6 +129,8 @@ def _first_lead(d: Diagnosis) -> str:
 
 def meaning(finding: Finding) -> str:
     """What an effect is, in one plain sentence."""
+    if finding.doubts:
+        return f"An effect that is written as {plain(finding.label)}; its evidence does not carry the name."
     if isinstance(finding.effect, Effect):
         return finding.effect.summary
     return "An effect that no entry of the catalogue explains, added in a general form."

@@ -256,6 +256,10 @@ def test_the_verdict_never_says_more_than_the_errors() -> None:
     assert not words.certain(rival)
     doubtful = wheel_loads(name="unnamed_wheel_load", doubts=("shift_x_m ended at its edge",))
     assert not words.certain(diagnosis(findings=(doubtful,)))
+    # "Sliding friction is lower than sticking friction" stood beside a drag that grew.
+    assert words.meaning(doubtful).endswith(
+        "is written as wheel loads; its evidence does not carry the name."
+    )
     assert "The name `wheel_loads` is not claimed" in " ".join(
         block.text for block in evidence(diagnosis(findings=(doubtful,))) if isinstance(block, Text)
     )
