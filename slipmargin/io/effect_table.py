@@ -29,14 +29,10 @@ def read_effect(table: Table, wheels: tuple[str, ...]) -> AnyEffect:
             raise fault.within(table.place) from None
     kind = effect_class(name)
     if kind is None:
-        known = [e.name for e in CATALOGUE]
-        guess = nearest(name, known)
-        hint = f"did you mean {guess!r}? Known: " if guess else "known: "
-        raise InputError(
-            table.at("name"),
-            f"{name!r} is not a known effect",
-            f"{hint}{', '.join(known)}, {general.PREFIX}…",
-        )
+        guess = nearest(name, [e.name for e in CATALOGUE])
+        hint = f"did you mean {guess!r}? " if guess else ""
+        every = f"`slipmargin effects list` shows all; {general.PREFIX}<variable> are general forms"
+        raise InputError(table.at("name"), f"{name!r} is not a known effect", hint + every)
     return _named(kind, table, wheels)
 
 
