@@ -27,10 +27,9 @@ from slipmargin.physics.convention import Convention
 _T = TypeVar("_T")
 #: How computing a limit fails: no solution, a division by zero, a singular matrix, a number out of range.
 _FAILURES = (InputError, NoSolution, ArithmeticError, LookupError, ValueError, RuntimeError)
-#: Limits over the orientation of a pull and over the direction of a motion, and those that are one number.
+#: Limits over the orientation of a pull and over the direction of a motion; the others are one number each.
 PULL_CURVES = ("f_max_N", "f_low_N", "f_high_N")
 MOTION_CURVES = ("start_m_s2", "brake_m_s2", "start_worst_m_s2", "brake_worst_m_s2")
-NUMBERS = ("spin_rad_s2", "spin_worst_rad_s2")
 #: Orientations of the pull and directions of motion, one degree and five degrees apart.
 _ORIENTATIONS, _DIRECTIONS = 360, 72
 #: Directions in which a floor that has some lies under the robot, ten degrees apart: a cosine misses its
@@ -109,10 +108,7 @@ class LimitsChange:
     @property
     def moved(self) -> bool:
         """Whether anything differs by more than a part in a million."""
-        pairs = [
-            (getattr(self.before, n), getattr(self.after, n))
-            for n in (*PULL_CURVES, *MOTION_CURVES, *NUMBERS)
-        ]
+        pairs = [(getattr(self.before, n), getattr(self.after, n)) for n in Limits.__slots__]
         return not all(np.allclose(one, two, rtol=1e-6, atol=1e-9, equal_nan=True) for one, two in pairs)
 
 

@@ -36,6 +36,21 @@ def state() -> State:
     return fitted(problem, (), np.zeros(0), every, every.tolist())
 
 
+def round_of(state: State, before: list[float], tried: dict[str, list[float]]) -> Round:
+    """A round from ``before`` whose candidates, by label, left these sums of squares of each of four runs."""
+    listed = {c.label: c for c in named_candidates(("1", "2", "3"), False, ())}
+    return Round(
+        before=replace(state, scores=np.array(before)),
+        screening=Screening(entries=(), total=1.0, chance=np.zeros(199)),
+        tried=tuple(
+            replace(state, fit=replace(state.fit, structure=(listed[label],)), scores=np.array(scores))
+            for label, scores in tried.items()
+        ),
+        best=None,
+        taken=False,
+    )
+
+
 def test_the_map_leads_and_what_it_does_not_support_does_not() -> None:
     made = leads(residual_map(), [TURN], None, [], [])
     assert [x.traced_to for x in made] == [Trace.ACCELERATION, Trace.WHEEL_ANGLE]
@@ -198,16 +213,9 @@ def test_what_unseen_runs_bear_out_comes_first(state: State) -> None:
 
 def test_of_what_the_map_supports_what_lowers_the_error_of_unseen_runs_comes_first(state: State) -> None:
     """Seen on a slope of the floor: it lowered chi from 4.3 to 1.7, narrowly missed, and came second."""
-    listed = {c.label: c for c in named_candidates(("1", "2", "3"), False, ())}
     forms = {Trace.HEADING: "floor_nap", Trace.POSITION: "floor_ramp"}
-    fits = tuple(
-        replace(state, fit=replace(state.fit, structure=(listed[f],)), scores=np.full(len(state.scores), s))
-        for f, s in zip(forms.values(), (3.0, 5.0), strict=True)
-    )
     entries = [MapEntry(traced_to=t, form=f, share=0.5, p_value=0.005) for t, f in forms.items()]
-    nothing = Screening(entries=(), total=1.0, chance=np.zeros(199))
-    before = replace(state, scores=np.full(len(state.scores), 10.0))
-    last = Round(before=before, screening=nothing, tried=fits, best=None, taken=False)
+    last = round_of(state, [10.0] * 4, {"floor_nap": [3.0] * 4, "floor_ramp": [5.0] * 4})
     no = Rejected(
         labels=("floor_ramp",),
         failures=("20 %",),
@@ -223,9 +231,6 @@ def test_of_what_the_map_supports_what_lowers_the_error_of_unseen_runs_comes_fir
 
 def test_what_takes_off_more_and_hurts_no_run_comes_before_what_lowers_the_error(state: State) -> None:
     """A tilted camera: a patch of floor that took off 24 % stood before a form that took off 65 %."""
-    listed = {c.label: c for c in named_candidates(("1", "2", "3"), False, ())}
-    nothing = Screening(entries=(), total=1.0, chance=np.zeros(199))
-    before = replace(state, scores=np.full(len(state.scores), 10.0))
     entries = [
         MapEntry(traced_to=Trace.MEASUREMENT, form="camera_scale", share=0.65, p_value=0.005),
         MapEntry(traced_to=Trace.POSITION, form="floor_patch", share=0.24, p_value=0.035),
@@ -239,27 +244,14 @@ def test_what_takes_off_more_and_hurts_no_run_comes_before_what_lowers_the_error
         traced_to=(Trace.POSITION,),
     )
     for worst, first in ((3.0, Trace.MEASUREMENT), (12.0, Trace.POSITION)):
-        fits = tuple(
-            replace(state, fit=replace(state.fit, structure=(listed[label],)), scores=np.array(scores))
-            for label, scores in (
-                ("camera_scale", [3.0, 3.0, 3.0, worst]),
-                ("floor_patch", [7.0, 9.0, 9.0, 9.0]),
-            )
-        )
-        last = Round(before=before, screening=nothing, tried=fits, best=None, taken=False)
+        scores = {"camera_scale": [3.0, 3.0, 3.0, worst], "floor_patch": [7.0, 9.0, 9.0, 9.0]}
+        last = round_of(state, [10.0] * 4, scores)
         assert leads(entries, (), last, (no,), ())[0].traced_to is first
 
 
 def test_what_makes_more_runs_worse_comes_last(state: State) -> None:
     """A push that made three runs of ten worse and none better was the first place to look."""
-    listed = {c.label: c for c in named_candidates(("1", "2", "3"), False, ())}
-    nothing = Screening(entries=(), total=1.0, chance=np.zeros(199))
-    before = replace(state, scores=np.array([90.0, 10.0, 10.0, 10.0]))
     scores = {"push": [40.0, 13.0, 13.0, 13.0], "floor_tilt": [70.0, 8.0, 8.0, 8.0]}
-    fits = tuple(
-        replace(state, fit=replace(state.fit, structure=(listed[label],)), scores=np.array(own))
-        for label, own in scores.items()
-    )
-    last = Round(before=before, screening=nothing, tried=fits, best=None, taken=False)
+    last = round_of(state, [90.0, 10.0, 10.0, 10.0], scores)
     push = MapEntry(traced_to=Trace.TIME, form="push", share=0.3, p_value=0.005)
     assert [x.candidate for x in leads([push], (), last, (), ())] == ["floor_tilt", "push"]

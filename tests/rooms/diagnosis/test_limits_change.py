@@ -12,7 +12,7 @@ from json_schemas import faults
 from matplotlib.figure import Figure
 
 from slipmargin.diagnosis import limits_change as module
-from slipmargin.diagnosis.limits_change import MOTION_CURVES, NUMBERS, PULL_CURVES, limits_change
+from slipmargin.diagnosis.limits_change import Limits, limits_change
 from slipmargin.effects import Effect, Recipe
 from slipmargin.effects.floor_grain import FloorGrain
 from slipmargin.effects.floor_nap import FloorNap
@@ -83,7 +83,7 @@ def test_the_weakest_pull_is_that_of_every_direction_of_the_floor(lies: Callable
     """The same floor, its frame rotated by 1 rad: −3.8 % or −7.0 %."""
     believed = read_recipe("ohio-kiwi")
     one, other = (limits_change(believed, believed.with_effects(lies(a)), "paper") for a in (0.0, 1.0))
-    for name in (*PULL_CURVES, *MOTION_CURVES, *NUMBERS):
+    for name in Limits.__slots__:
         np.testing.assert_allclose(getattr(one.after, name), getattr(other.after, name), rtol=5e-3, atol=5e-4)
     assert one.after.f_max_min_N == pytest.approx(other.after.f_max_min_N, rel=1e-3)
     assert one.before.f_max_min_N == recipes_limit() and one.after.f_max_min_N < one.before.f_max_min_N
@@ -121,7 +121,7 @@ def test_a_robot_that_is_harder_to_turn_turns_more_slowly_and_pulls_as_before() 
     change = limits_change(believed, believed.with_effects(YawInertia(inertia_factor=2.0)), "paper")
     assert change.moved
     np.testing.assert_array_equal(change.after.f_max_N, change.before.f_max_N)
-    for name in NUMBERS:
+    for name in ("spin_rad_s2", "spin_worst_rad_s2"):
         assert getattr(change.after, name) == pytest.approx(0.5 * getattr(change.before, name), rel=1e-9)
     assert any(
         "turning on the spot" in line and "−50 %" in line for line in summary_lines(diagnosis(), change)
