@@ -10,6 +10,7 @@ from slipmargin.effects.camera_delay import CameraDelay
 from slipmargin.effects.camera_rotation import CameraRotation
 from slipmargin.effects.camera_scale import CameraScale
 from slipmargin.effects.clock_rate import ClockRate
+from slipmargin.effects.command_ramp import CommandRamp
 from slipmargin.effects.dragging_point import DraggingPoint
 from slipmargin.effects.effect import Effect
 from slipmargin.effects.elliptic_grip import EllipticGrip
@@ -27,6 +28,7 @@ from slipmargin.effects.heading_gain import HeadingGain
 from slipmargin.effects.load_transfer import LoadTransfer
 from slipmargin.effects.marker_offset import MarkerOffset
 from slipmargin.effects.motor_lag import MotorLag
+from slipmargin.effects.motor_torque import MotorTorque
 from slipmargin.effects.push import Push
 from slipmargin.effects.rigid_sector import RigidSector
 from slipmargin.effects.roller_coupling import RollerCoupling
@@ -124,6 +126,8 @@ CATALOGUE = Catalogue(
         WheelToe,
         WheelWobble,
         MotorLag,
+        CommandRamp,
+        MotorTorque,
         SpeedDroop,
         WheelPlay,
         CameraScale,

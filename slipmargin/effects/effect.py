@@ -52,6 +52,7 @@ class Part(Enum):
     LOADS = "loads"
     GRIP = "grip"
     LOSSES = "losses"
+    DRIVES = "drives"
     TRANSIENTS = "transients"
     SENSING = "sensing"
 

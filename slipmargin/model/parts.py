@@ -136,7 +136,8 @@ class ActuatorDynamics:
     """From commanded to real wheel speed: τ ω̇_i = gain_i ω_cmd,i(t − delay) − droop_i T_i − ω_i.
 
     ``lag_s`` (N,) τ [s], ``gain`` (N,) [1], ``droop_rad_s_per_N_m`` (N,) speed lost per torque T_i
-    that the wheel delivers [rad/(s N m)], ``delay_s`` [s].  ``multipliers`` multiply ω_cmd,i over
+    that the wheel delivers [rad/(s N m)], ``delay_s`` [s].  ``ramp_s2_per_rad`` is the time that ω_cmd,i
+    takes for a change of 1 rad/s, whatever is asked [s²/rad].  ``multipliers`` multiply it over
     COMMAND_SPEED or TIME.  They act only where wheel speeds are commanded, not where measured.  Where a
     droop or a motor's torque line makes a wheel answer to its load, one without lag follows ω̇_cmd too.
 
@@ -149,6 +150,7 @@ class ActuatorDynamics:
     gain: Array
     droop_rad_s_per_N_m: Array
     delay_s: float = 0.0
+    ramp_s2_per_rad: float = 0.0
     multipliers: tuple[Multiplier, ...] = ()
     play_rad: Array = field(default_factory=lambda: np.zeros(0))
 

@@ -77,9 +77,9 @@ def urdf_text(robot: SimRobot) -> str:
         SubElement(joint, "child", link=name)
         SubElement(joint, "origin", xyz=numbers(*wheel.place_m))
         SubElement(joint, "axis", xyz=numbers(*wheel.axle, 0))
-        if robot.max_speed_rad_s is not None:
-            torque = number(robot.stall_torque_N_m or _NO_LIMIT)
-            SubElement(joint, "limit", effort=torque, velocity=number(robot.max_speed_rad_s))
+        torque, top = robot.stall_torque_N_m, robot.max_speed_rad_s
+        if torque is not None or top is not None:  # a limit has both
+            SubElement(joint, "limit", effort=number(torque or _NO_LIMIT), velocity=number(top or _NO_LIMIT))
         gazebo = SubElement(root, "gazebo", reference=name)
         _surface(SubElement(gazebo, "collision", name=f"{name}_collision"), wheel)
     return _text(root)

@@ -21,6 +21,7 @@ from slipmargin.sim.lifting import LIFTED
 from slipmargin.sim.motion import TASK, TOLD, TRACE, probed, run, workspace
 from slipmargin.sim.pack import edges_of, wheels_of
 from slipmargin.sim.play import taken_up
+from slipmargin.sim.ramp import ramped
 from slipmargin.sim.sensitivity import beside, grow, growing
 from slipmargin.sim.signal import WheelSignal
 from slipmargin.sim.threads import spread
@@ -264,6 +265,8 @@ class Batch:
             row, (knots, coef, spin, push, times) = rows[which[r]].copy(), self._given[signal[r]]
             count = self.lengths[signal[r]]
             tasks[r, TASK:] = spin
+            if row[at.LAGGED] > 0.0 and row[at.RAMP] > 0.0:
+                knots, coef = ramped(row, knots, coef, spin)
             if row[at.LAGGED] > 0.0:
                 knots, coef = follow(row, knots, coef, spin)
             if row[at.PLAYS] > 0.0:

@@ -36,7 +36,7 @@ COMMANDS = 24  #: how many modulations of the commanded speed
 COMMANDS_AT = 25
 SLOWING = 26  #: 1 / no-load speed of the motor [s/rad], 0 where unknown
 STALL_TORQUE = 27  #: [N m], 0 where unknown
-LAGGED = 28  #: 1 where a command is not followed at once (lag, gain, delay, modulations)
+LAGGED = 28  #: 1 where a command is not followed at once (lag, gain, delay, ramp, modulations)
 LAW = 29  #: the friction law's number (physics/friction_laws.py)
 LIFTED = 30  #: Σ of the loads at rest [N]
 EDGES = 31  #: how many instants at which a term over time jumps or kinks
@@ -46,7 +46,8 @@ RELIEFS = 34  #: how many ramps and ridges the floor has
 RELIEFS_AT = 35
 BY_HUB = 36  #: 1 where friction depends on the hub's velocity in a way whose derivative is analytic
 BY_MOTION = 37  #: 1 where a force on the body depends on its velocity
-HEAD = 38
+RAMP = 38  #: time that a drive's command takes for a change of a radian per second [s²/rad], 0 without
+HEAD = 39
 
 # --- a wheel ----------------------------------------------------------------------------------
 #: Sliding velocity along ĝ = the next four · (v_x, v_y, ω, wheel speed), of the centre of mass; likewise f̂.

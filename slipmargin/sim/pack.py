@@ -156,7 +156,7 @@ def _fill(head: Array, model: Model) -> None:
     head[at.BY_ANGLE] = Variable.WHEEL_ANGLE in variables or by_angle
     head[at.SHARE], head[at.LIFTED] = model.inertia.weight_N / model.count, float(np.sum(loads.rest_N))
     head[at.LAW] = grip.law
-    head[at.DELAY] = transients.delay_s
+    head[at.DELAY], head[at.RAMP] = transients.delay_s, transients.ramp_s2_per_rad
     stall, top = drives.stall_torque_N_m, drives.max_speed_rad_s
     head[at.STALL_TORQUE], head[at.SLOWING] = stall or 0.0, 0.0 if top is None else 1.0 / top
     head[at.DRIVEN] = stall is not None or bool(np.any(transients.droop_rad_s_per_N_m))
@@ -165,6 +165,7 @@ def _fill(head: Array, model: Model) -> None:
         np.any(transients.lag_s)
         or np.any(transients.gain != 1.0)
         or transients.delay_s
+        or transients.ramp_s2_per_rad
         or transients.multipliers
     )
 

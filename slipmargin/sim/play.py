@@ -17,7 +17,7 @@ import numpy as np
 from slipmargin.physics.compiled import fast, spliced
 from slipmargin.physics.constants import SLOW_RAD_S
 from slipmargin.sim import layout as at
-from slipmargin.sim.stops import SAME_S
+from slipmargin.sim.stops import merged
 from slipmargin.sim.wheels import turn
 
 _H, _W, _COUNT, _LAG, _PLAY = at.HEAD, at.WHEEL, at.COUNT, at.LAG, at.PLAY
@@ -123,17 +123,9 @@ def taken_up(P: Any, knots: Any, coef: Any) -> tuple[Any, Any]:
     """Knots and pieces of the wheels for those of their motors: more of them, as each wheel's changes ask."""
     n = int(P[_COUNT])
     rows, first = _changes(P, knots, coef)
-    every = np.sort(np.concatenate((knots, rows[:, 0])))
-    times, kept = np.empty(len(every)), 1
-    times[0] = every[0]
-    for t in every:
-        if t > times[kept - 1] + SAME_S:
-            times[kept] = t
-            kept += 1
-    times = times[:kept]
-    times[kept - 1] = knots[len(knots) - 1]
-    out, now, j = np.zeros((kept - 1, n, 5)), first[:n].copy(), 0
-    for m in range(kept - 1):
+    times = merged(knots, rows[:, 0])
+    out, now, j = np.zeros((len(times) - 1, n, 5)), first[:n].copy(), 0
+    for m in range(len(times) - 1):
         mid = 0.5 * (times[m] + times[m + 1])
         while j < len(knots) - 2 and knots[j + 1] <= mid:
             j += 1

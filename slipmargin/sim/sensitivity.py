@@ -57,6 +57,7 @@ _HEAD = [
     at.DELAY,
     at.DRIVEN,
     at.LAGGED,
+    at.RAMP,
     at.PLAYS,
     at.COMMANDS,
     at.EDGES,

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 from slipmargin.physics import sectors
-from slipmargin.physics.compiled import inner, spliced, twin
+from slipmargin.physics.compiled import fast, inner, spliced, twin
 from slipmargin.sim import layout as at
 from slipmargin.sim.rodas import dense
 from slipmargin.sim.wheels import turn
@@ -34,6 +36,20 @@ def sector(w: Any, theta: float, omega: float, nudge: float) -> float:
     angle = theta + (nudge if omega >= 0.0 else -nudge)
     number = 2.0 * math.floor(angle / w[_PITCH])
     return float(number + (1.0 if _on_rigid(angle, w[_PITCH], w[_SHARE]) else 0.0))
+
+
+@fast
+def merged(knots: Any, more: Any) -> Any:
+    """The instants of both, in order, those that are one only once; the last is that of ``knots``."""
+    every = np.sort(np.concatenate((knots, more)))
+    times, kept = np.empty(len(every)), 1
+    times[0] = every[0]
+    for t in every:
+        if t > times[kept - 1] + SAME_S:
+            times[kept] = t
+            kept += 1
+    times[kept - 1] = knots[len(knots) - 1]
+    return times[:kept]
 
 
 @inner

@@ -28,9 +28,11 @@ from slipmargin.diagnosis.sense import measure
 from slipmargin.diagnosis.wheel_phase import matters_to
 from slipmargin.effects import Effect, GeneralEffect, Part, Recipe, Scope, WheelEffect
 from slipmargin.effects.catalogue import CATALOGUE, effect_class
+from slipmargin.effects.command_ramp import CommandRamp
 from slipmargin.effects.effect import Trace
 from slipmargin.effects.floor_tilt import FloorTilt
 from slipmargin.effects.motor_lag import MotorLag
+from slipmargin.effects.motor_torque import MotorTorque
 from slipmargin.effects.recipe import with_effects
 from slipmargin.effects.tether import Tether
 from slipmargin.errors import InputError, NoSolution
@@ -58,12 +60,15 @@ PHI = np.deg2rad(np.arange(3.0, 360.0, 60.0))
 #: How a unit is spelled in a key's ending where it is not plain (contract: `m_s2`, `s_per_m`).
 UNIT_WORDS = {
     "m/s": "m_s",
+    "s²/rad": "s2_per_rad",
     "rad/s": "rad_s",
     "rad/(s N m)": "rad_s_per_N_m",
     "N s/m": "N_s_per_m",
     "N m": "N_m",
 }
 UNSEEN = (Part.SENSING, Part.TRANSIENTS)
+#: Effects that bound what is asked for: nothing feels a small one.
+BOUNDS = (CommandRamp, MotorTorque)
 SLOW = settings(deadline=None, max_examples=4, suppress_health_check=[HealthCheck.too_slow])
 
 
@@ -232,7 +237,8 @@ def test_sensing_and_transients_move_no_static_limit(kind: type[Effect], data: s
 @given(data=st.data())
 def test_every_effect_moves_something(kind: type[Effect], data: st.DataObject) -> None:
     robot = data.draw(st.sampled_from((machine(), four_wheels())))
-    effect = data.draw(effects((kind,), least=0.5))
+    least, reach = (25.0, 60.0) if kind in BOUNDS else (0.5, 2.0)
+    effect = data.draw(effects((kind,), least=least, reach=reach))
     changed = possible(robot, effect)
     if changed is None:
         return

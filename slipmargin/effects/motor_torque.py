@@ -1,0 +1,62 @@
+"""The effect ``motor_torque``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from slipmargin.effects.effect import Effect, Part, Quantity, Scope, Trace, parameter
+from slipmargin.model import Model
+from slipmargin.model.parts import Drives
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MotorTorque(Effect):
+    """1/T ← 1/T + shortfall/T_g: T what a motor gives at standstill, T_g what a wheel's grip bears.
+
+    T is ∞ where the robot file states no ``stall_torque_N_m``; T_g is the mean of μ_W N ρ over the wheels at
+    rest.  A motor that is asked for more gives what it has, and its wheel falls behind its command.
+    """
+
+    name = "motor_torque"
+    summary = "The motors give less torque than is asked for: a current limit, a weak battery, a worn motor."
+    traced_to = Trace.ACTUATION
+    part = Part.DRIVES
+    scope = Scope.MACHINE
+    parameters = (
+        parameter(
+            "shortfall",
+            "1",
+            (0.0, 0.0, 20.0),
+            0.1,
+            "0: no less than the robot file says; where that states no torque, above 1 a motor gives way "
+            "before its wheel slips",
+            starts=(1.1, 1.3, 1.8, 3.0, 6.0),
+        ),
+    )
+    needs_commands = True
+    source = "the drives' straight torque–speed line, docs/theory.md; positive = less torque"
+    confirm = "pull at the robot while its wheels are commanded to turn, and read when they stop"
+
+    shortfall: float
+
+    def rewrite(self, part: Drives, nominal: Model) -> Drives:
+        """Drives with less torque."""
+        if self.shortfall == 0.0:
+            return part
+        stated = 0.0 if part.stall_torque_N_m is None else 1.0 / part.stall_torque_N_m
+        return replace(part, stall_torque_N_m=1.0 / (stated + self.shortfall / _grip_torque_N_m(nominal)))
+
+    def derived(self, model: Model) -> tuple[Quantity, ...]:
+        """The torque that a motor gives at standstill."""
+        torque = model.drives.stall_torque_N_m
+        return () if torque is None else (Quantity(name="stall_torque_N_m", value=torque, unit="N m"),)
+
+
+def _grip_torque_N_m(model: Model) -> float:
+    """What the grip of a wheel bears, at rest and in the mean of all [N m]."""
+    each = model.grip.roller[:, 0] * model.loads.rest_N * model.geometry.radius_m
+    return float(np.mean(each))
