@@ -10,6 +10,7 @@ from slipmargin.effects.camera_delay import CameraDelay
 from slipmargin.effects.camera_rotation import CameraRotation
 from slipmargin.effects.camera_scale import CameraScale
 from slipmargin.effects.clock_rate import ClockRate
+from slipmargin.effects.command_dead_band import CommandDeadBand
 from slipmargin.effects.command_ramp import CommandRamp
 from slipmargin.effects.dragging_point import DraggingPoint
 from slipmargin.effects.effect import Effect
@@ -127,6 +128,7 @@ CATALOGUE = Catalogue(
         WheelWobble,
         MotorLag,
         CommandRamp,
+        CommandDeadBand,
         MotorTorque,
         SpeedDroop,
         WheelPlay,

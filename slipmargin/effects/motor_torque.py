@@ -34,7 +34,7 @@ class MotorTorque(Effect):
             0.1,
             "0: no less than the robot file says; where that states no torque, above 1 a motor gives way "
             "before its wheel slips",
-            starts=(1.1, 1.3, 1.8, 3.0, 6.0),
+            starts=(1.05, 1.3, 2.0, 4.0, 1.12, 1.6),
         ),
     )
     needs_commands = True

@@ -25,7 +25,7 @@ from slipmargin.sim.ramp import ramped
 from slipmargin.sim.sensitivity import beside, grow, growing
 from slipmargin.sim.signal import WheelSignal
 from slipmargin.sim.threads import spread
-from slipmargin.sim.wheels import follow
+from slipmargin.sim.wheels import follow, in_straight_parts
 from slipmargin.work import WHEEL_STEPS, raised
 
 RTOL = 1e-6
@@ -267,6 +267,8 @@ class Batch:
             tasks[r, TASK:] = spin
             if row[at.LAGGED] > 0.0 and row[at.RAMP] > 0.0:
                 knots, coef = ramped(row, knots, coef, spin)
+            if row[at.LAGGED] > 0.0 and row[at.COMMANDS] > 0.0:
+                knots, coef = in_straight_parts(row, knots, coef)
             if row[at.LAGGED] > 0.0:
                 knots, coef = follow(row, knots, coef, spin)
             if row[at.PLAYS] > 0.0:

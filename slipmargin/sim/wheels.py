@@ -51,12 +51,70 @@ def _command_factor(P: Any, i: int, t: float, speed: float) -> float:
     return factor
 
 
+#: A piece of a modulated command is halved until its middle is this near to the line between its ends, in
+#: angle [rad], or it is this short [s]; each is looked at in so many parts first.
+_NEAR_RAD, _SHORT_S, _LOOKS = 1e-5, 2e-4, 4
+
+
+@inner
+def _asked(P: Any, i: int, t: float, c: Any, x: float) -> float:
+    """What a wheel's modulated command asks at time x into a piece that begins at t [rad/s]."""
+    speed = c[1] + x * (2.0 * c[2] + 3.0 * c[3] * x)
+    return float(speed * _command_factor(P, i, t + x, speed))
+
+
+@inner
+def _straight(P: Any, t: float, c: Any, low: float, high: float) -> bool:
+    """Whether modulated commands of all wheels, coefficients c (N, 5), run straight between two times."""
+    mid = 0.5 * (low + high)
+    for i in range(len(c)):
+        if c[i, 2] == 0.0 and c[i, 3] == 0.0:
+            continue
+        ends = _asked(P, i, t, c[i], low) + _asked(P, i, t, c[i], high)
+        if abs(_asked(P, i, t, c[i], mid) - 0.5 * ends) * (high - low) > _NEAR_RAD:
+            return False
+    return True
+
+
+@fast
+def in_straight_parts(P: Any, knots: Any, coef: Any) -> tuple[Any, Any]:
+    """The same commanded pieces cut where what modulates them bends: each part is then nearly straight."""
+    times, piece, kept = np.empty(2 * len(knots)), np.empty(2 * len(knots), dtype=np.int64), 0
+    stack = np.empty(64)
+    for j in range(len(knots) - 1):
+        h = knots[j + 1] - knots[j]
+        low, many = 0.0, _LOOKS
+        for k in range(_LOOKS):
+            stack[k] = h * (_LOOKS - k) / _LOOKS
+        while many > 0:
+            high = stack[many - 1]
+            if high - low > _SHORT_S and many < len(stack) and not _straight(P, knots[j], coef[j], low, high):
+                stack[many] = 0.5 * (low + high)
+                many += 1
+                continue
+            if kept == len(times):
+                times, piece = np.concatenate((times, times)), np.concatenate((piece, piece))
+            times[kept], piece[kept] = knots[j] + low, j
+            kept += 1
+            low, many = high, many - 1
+    out = np.empty((kept, coef.shape[1], 5))
+    for m in range(kept):
+        j = piece[m]
+        x = times[m] - knots[j]
+        for i in range(coef.shape[1]):
+            c, p = coef[j, i], out[m, i]
+            p[0] = c[0] + x * (c[1] + x * (c[2] + x * c[3]))
+            p[1] = c[1] + x * (2.0 * c[2] + 3.0 * c[3] * x)
+            p[2], p[3], p[4] = c[2] + 3.0 * c[3] * x, c[3], 0.0
+    return np.append(times[:kept], knots[len(knots) - 1]), out
+
+
 @fast
 def follow(P: Any, knots: Any, coef: Any, start: Any) -> tuple[Any, Any]:
     """Pieces of the wheels' real motion for commanded pieces: modulations, gain, delay, lag in turn.
 
     ``start`` (N,): wheel speed before the first command acts [rad/s].  Modulations of the command are
-    taken at both ends of a piece and linear between.  Driven wheels are states, which lag by themselves:
+    taken at both ends of a piece and linear between (:func:`in_straight_parts`).  Driven wheels are states, which lag by themselves:
     for them the pieces are what their loops are asked for.
     """
     n, k = int(P[_COUNT]), len(knots) - 1

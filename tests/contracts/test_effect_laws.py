@@ -28,6 +28,7 @@ from slipmargin.diagnosis.sense import measure
 from slipmargin.diagnosis.wheel_phase import matters_to
 from slipmargin.effects import Effect, GeneralEffect, Part, Recipe, Scope, WheelEffect
 from slipmargin.effects.catalogue import CATALOGUE, effect_class
+from slipmargin.effects.command_dead_band import CommandDeadBand
 from slipmargin.effects.command_ramp import CommandRamp
 from slipmargin.effects.effect import Trace
 from slipmargin.effects.floor_tilt import FloorTilt
@@ -67,8 +68,8 @@ UNIT_WORDS = {
     "N m": "N_m",
 }
 UNSEEN = (Part.SENSING, Part.TRANSIENTS)
-#: Effects that bound what is asked for: nothing feels a small one.
-BOUNDS = (CommandRamp, MotorTorque)
+#: Effects that bound what is asked for, or cut it off: nothing feels a small one.
+BOUNDS = (CommandDeadBand, CommandRamp, MotorTorque)
 SLOW = settings(deadline=None, max_examples=4, suppress_health_check=[HealthCheck.too_slow])
 
 
