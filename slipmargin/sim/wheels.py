@@ -114,8 +114,8 @@ def follow(P: Any, knots: Any, coef: Any, start: Any) -> tuple[Any, Any]:
     """Pieces of the wheels' real motion for commanded pieces: modulations, gain, delay, lag in turn.
 
     ``start`` (N,): wheel speed before the first command acts [rad/s].  Modulations of the command are
-    taken at both ends of a piece and linear between (:func:`in_straight_parts`).  Driven wheels are states, which lag by themselves:
-    for them the pieces are what their loops are asked for.
+    taken at both ends of a piece and linear between (:func:`in_straight_parts`).  Driven wheels are states,
+    which lag by themselves: for them the pieces are what their loops are asked for.
     """
     n, k = int(P[_COUNT]), len(knots) - 1
     late = 1 if P[_DELAY] > 0.0 else 0
