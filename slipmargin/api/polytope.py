@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from slipmargin.api.result import Result
-from slipmargin.api.robots import RobotLike, model_of, read_robot
+from slipmargin.api.robots import RobotLike, held_wheels, model_of, read_robot
 from slipmargin.checks import Array
 
 if TYPE_CHECKING:
@@ -149,6 +149,7 @@ def polytope(robot: RobotLike, surface: str, *, rigid: bool = False) -> Polytope
     from slipmargin.limits.friction import Extreme, coefficients
 
     model, warnings = model_of(read_robot(robot), surface)
+    warnings = (*warnings, *held_wheels(model))
     state = np.full(model.count, rigid)
     wrenches, least = wrench_set(model, state), coefficients(model, state, np.zeros(1), Extreme.LOW)[0]
     rubs = wrenches.coefficients > 0.0

@@ -131,6 +131,25 @@ def contact_of(model: Model, robust: bool) -> tuple[Contact, tuple[str, ...]]:
     return Contact.UNKNOWN, ("robust has no effect: no wheel has rigid material between its rollers",)
 
 
+def held_wheels(model: Model) -> tuple[str, ...]:
+    """A warning where grip bears more than the motors hold: limits of wheels that are held are no pushes."""
+    stall = model.drives.stall_torque_N_m
+    if stall is None:
+        return ()
+    g, grip = model.geometry, model.grip.roller
+    along = (abs((d * g.drive).sum(axis=1)) for d in (g.grip, g.free))
+    share = sum(mu * part for mu, part in zip(grip.T, along, strict=True))
+    bears = share * model.loads.rest_N
+    first = int((bears * g.radius_m).argmax())
+    if stall >= bears[first] * g.radius_m[first]:
+        return ()
+    return (
+        f"motors: these are limits of wheels that are held; the grip of wheel {g.names[first]} bears "
+        f"{bears[first]:.3g} N along its drive direction, and a motor of {stall:.3g} N m pushes with "
+        f"{stall / g.radius_m[first]:.3g} N there, so that the robot may push less: see bounds",
+    )
+
+
 def warnings_of(
     recipe: Recipe,
     surface: str,

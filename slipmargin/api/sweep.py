@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from slipmargin.api.result import Result
-from slipmargin.api.robots import Drawing, RobotLike, checked_margin, model_of, read_robot
+from slipmargin.api.robots import Drawing, RobotLike, checked_margin, held_wheels, model_of, read_robot
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.physics.constants import GRAVITY_M_S2
@@ -278,7 +278,7 @@ def sweep(
         if method in ("facets", "cones")
         else difference(model, found.f_max_N, by_facets.f_max_N)
     )
-    warnings = (*warnings, *unseeded, *_beyond(model, phi, found.weakest[1]))
+    warnings = (*warnings, *held_wheels(model), *unseeded, *_beyond(model, phi, found.weakest[1]))
     recommended, likely = found.recommended_N(margin), None
     if drawing is not None:
         likely, more = drawing.counted(model, lambda drawn: lowest_pulls(model, phi, drawn), recommended)
