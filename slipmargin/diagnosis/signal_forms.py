@@ -17,20 +17,24 @@ from slipmargin.physics.variables import Basis, Variable
 
 
 def actuation_forms(model: Model, r: Ranges) -> list[Candidate]:
-    """Speed over command, all wheels alike or each by itself."""
-    shape = np.array([0.0, r.command_rad_s])
+    """Speed over command or time, all wheels alike, or each by itself."""
     everyone = np.ones(model.count)
 
-    def terms(values: Array) -> list[Term]:
-        return [
-            Multiplier(
-                variable=Variable.COMMAND_SPEED,
-                basis=Basis.HATS,
-                shape=shape,
-                wheels=everyone,
-                coefficients=values,
-            )
-        ]
+    def over(variable: Variable, most: float) -> Callable[[Array], list[Term]]:
+        shape = np.array([0.0, most])
+
+        def terms(values: Array) -> list[Term]:
+            return [
+                Multiplier(
+                    variable=variable,
+                    basis=Basis.HATS,
+                    shape=shape,
+                    wheels=everyone,
+                    coefficients=values,
+                )
+            ]
+
+        return terms
 
     def by_wheel(values: Array) -> list[Term]:
         return [
@@ -44,7 +48,11 @@ def actuation_forms(model: Model, r: Ranges) -> list[Candidate]:
             for i, row in enumerate(np.eye(model.count))
         ]
 
-    forms = (("speed over command", 5, terms), ("speed of each wheel", model.count, by_wheel))
+    forms = (
+        ("speed over command", 5, over(Variable.COMMAND_SPEED, r.command_rad_s)),
+        ("speed over time", 4, over(Variable.TIME, r.duration_s)),
+        ("speed of each wheel", model.count, by_wheel),
+    )
     return [
         spread(Trace.ACTUATION, label, Part.TRANSIENTS, np.full(size, 0.05), np.full(size, 0.95), made)
         for label, size, made in forms
