@@ -105,11 +105,17 @@ def next_run_command(diagnosis: Diagnosis) -> str:
     return f"slipmargin next-run {shlex.quote(worst.data_set)}"
 
 
+#: So many names that cannot be told apart are still read; the rest are counted, and listed with the finding.
+_FEW = 4
+
+
 def _named(finding: Finding) -> str:
-    names = [finding.name, *(_short(label) for label in finding.confused_with)]
-    either = " or ".join(dict.fromkeys(names))
-    if len(set(names)) > 1:
-        return f"{either} (these runs cannot tell them apart)"
+    names = list(dict.fromkeys([finding.name, *(_short(label) for label in finding.confused_with)]))
+    if len(names) > _FEW:
+        few, more = " or ".join(names[: _FEW - 1]), len(names) - _FEW + 1
+        return f"{few} or one of {more} others (these runs cannot tell them apart)"
+    if len(names) > 1:
+        return f"{' or '.join(names)} (these runs cannot tell them apart)"
     return f"{finding.name} (depends on {VARIABLES[finding.traced_to]})"
 
 

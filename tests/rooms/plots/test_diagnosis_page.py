@@ -254,6 +254,9 @@ def test_the_verdict_never_says_more_than_the_errors() -> None:
     rival = diagnosis(findings=(wheel_loads(confused_with=("load_transfer",)),))
     assert "wheel_loads or load_transfer (these runs cannot tell them apart)" in words.verdict_sentence(rival)
     assert not words.certain(rival)
+    many = diagnosis(findings=(wheel_loads(confused_with=("load_transfer", "push", *"abcde")),))
+    said = words.verdict_sentence(many)  # eleven names stood in one sentence
+    assert "wheel_loads or load_transfer or push or one of 5 others (these runs cannot tell" in said
     doubtful = wheel_loads(name="unnamed_wheel_load", doubts=("shift_x_m ended at its edge",))
     assert not words.certain(diagnosis(findings=(doubtful,)))
     # "Sliding friction is lower than sticking friction" stood beside a drag that grew.
