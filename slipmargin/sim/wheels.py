@@ -51,9 +51,11 @@ def _command_factor(P: Any, i: int, t: float, speed: float) -> float:
     return factor
 
 
-#: A piece of a modulated command is halved until its middle is this near to the line between its ends, in
-#: angle [rad], or it is this short [s]; each is looked at in so many parts first.
-_NEAR_RAD, _SHORT_S, _LOOKS = 1e-5, 2e-4, 4
+#: A piece of a modulated command is halved until it is this near to the line between its ends, in angle
+#: [rad], or it is this short [s].
+_NEAR_RAD, _SHORT_S = 1e-5, 2e-4
+#: It is looked at inside so often at least, and once for each such change of the command [rad/s].
+_LOOKS, _LOOK_RAD_S = 3, 0.1
 
 
 @inner
@@ -66,13 +68,18 @@ def _asked(P: Any, i: int, t: float, c: Any, x: float) -> float:
 @inner
 def _straight(P: Any, t: float, c: Any, low: float, high: float) -> bool:
     """Whether modulated commands of all wheels, coefficients c (N, 5), run straight between two times."""
-    mid = 0.5 * (low + high)
+    span = high - low
     for i in range(len(c)):
         if c[i, 2] == 0.0 and c[i, 3] == 0.0:
             continue
-        ends = _asked(P, i, t, c[i], low) + _asked(P, i, t, c[i], high)
-        if abs(_asked(P, i, t, c[i], mid) - 0.5 * ends) * (high - low) > _NEAR_RAD:
-            return False
+        first, last = _asked(P, i, t, c[i], low), _asked(P, i, t, c[i], high)
+        change = span * (2.0 * c[i, 2] + 3.0 * c[i, 3] * (low + high))
+        looks = max(_LOOKS, int(abs(change) / _LOOK_RAD_S))
+        for k in range(looks):
+            part = (k + 1.0) / (looks + 1.0)
+            line = first + part * (last - first)
+            if abs(_asked(P, i, t, c[i], low + part * span) - line) * span > _NEAR_RAD:
+                return False
     return True
 
 
@@ -82,10 +89,7 @@ def in_straight_parts(P: Any, knots: Any, coef: Any) -> tuple[Any, Any]:
     times, piece, kept = np.empty(2 * len(knots)), np.empty(2 * len(knots), dtype=np.int64), 0
     stack = np.empty(64)
     for j in range(len(knots) - 1):
-        h = knots[j + 1] - knots[j]
-        low, many = 0.0, _LOOKS
-        for k in range(_LOOKS):
-            stack[k] = h * (_LOOKS - k) / _LOOKS
+        low, many, stack[0] = 0.0, 1, knots[j + 1] - knots[j]
         while many > 0:
             high = stack[many - 1]
             if high - low > _SHORT_S and many < len(stack) and not _straight(P, knots[j], coef[j], low, high):
