@@ -118,7 +118,6 @@ def leads(
     alone = [r for r in rejected if len(r.labels) == 1 and not found]
     borne_out = {r.labels[0]: r for r in alone if r.borne_out}
     lower = [r for r in sorted(alone, key=lambda r: r.chi_after) if r.lowers]
-    in_turn = [t for r in lower for t in r.traced_to]
     made: list[Lead] = []
 
     def add(lead: Lead) -> None:
@@ -128,7 +127,7 @@ def leads(
     def place(entry: MapEntry) -> tuple[int, float, bool, float]:
         trace = entry.traced_to
         row, before = best.get(trace), 0.0 if last is None else last.before.chi
-        unseen = in_turn.index(trace) if trace in in_turn else len(in_turn)
+        unseen = next((i for i, r in enumerate(lower) if trace in r.traced_to), len(lower))
         if row is not None and not row.worse:  # what takes off more, and hurts no run, comes before
             less = (i for i, r in enumerate(lower) if 1.0 - (r.chi_after / r.chi_before) ** 2 < entry.share)
             unseen = min(unseen, next(less, unseen))

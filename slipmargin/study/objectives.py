@@ -6,12 +6,11 @@ frame.  "Must slip": constant speed in that direction needs more drive force tha
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import dataclass
 from enum import Enum
 from typing import final
 
-from slipmargin.errors import InputError
+from slipmargin.io.toml_table import one_of
 
 
 @final
@@ -95,11 +94,7 @@ def objective(name: str) -> Objective:
     InputError
         Listing every known one.
     """
-    if name in BY_NAME:
-        return BY_NAME[name]
-    near = difflib.get_close_matches(name, BY_NAME, n=1)
-    hint = f"did you mean {near[0]!r}? Known: " if near else "known: "
-    raise InputError("objective", f"{name!r} is not known", hint + ", ".join(BY_NAME))
+    return BY_NAME[one_of("objective", name, BY_NAME)]
 
 
 def names_of(kind: Kind) -> tuple[str, ...]:

@@ -6,7 +6,6 @@ Besides the named quantities a key may be a place in the file, counted from 1 or
 
 from __future__ import annotations
 
-import difflib
 import itertools
 import math
 import re
@@ -15,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Any, final
 
 from slipmargin.errors import InputError
+from slipmargin.io.toml_table import nearest
 from slipmargin.robot import Wheel
 from slipmargin.robot.fields import Kind, keys
 from slipmargin.study.quantities import QUANTITIES, Quantity, Value
@@ -81,8 +81,8 @@ def quantity_of(key: str) -> Quantity:
     place = _PLACE.fullmatch(key)
     if place:
         return _placed(key, place[1], place[2], place[3])
-    near = difflib.get_close_matches(key, known, n=1)
-    hint = f"did you mean {near[0]!r}? Known: " if near else "known: "
+    guess = nearest(key, known)
+    hint = f"did you mean {guess!r}? Known: " if guess else "known: "
     raise InputError(
         key, "is not a quantity that can be varied", f"{hint}{', '.join(known)}, wheel[N].KEY, effect[N].KEY"
     )
