@@ -199,16 +199,22 @@ def _doubts(problem: Problem, final: Fit, spread: Intervals) -> list[tuple[str, 
 
 
 def _against_name(candidate: Candidate, x: Array, low: Array, high: Array) -> list[str]:
-    """Which parameters, intervals from ``low`` to ``high`` and all, lie where the name means the contrary."""
+    """Why values, intervals from ``low`` to ``high``, do not carry the name, where it means one side of null.
+
+    One lies surely on the other side, or none lies surely on the side that is meant.
+    """
     assert candidate.meant is not None
-    against = np.where(candidate.meant < 0, low > candidate.null, high < candidate.null)
+    means, less = candidate.meant != 0.0, candidate.meant < 0.0
+    wrong = means & np.where(less, low > candidate.null, high < candidate.null)
+    right = means & np.where(less, high < candidate.null, low > candidate.null)
+    told = wrong if wrong.any() or right.any() else means
     return [
-        f"{candidate.label}.{key} is {value:.3g}, and the name means {'less' if meant < 0 else 'more'} "
-        f"than {null:g}"
-        for key, value, null, meant, wrong in zip(
-            candidate.keys, x, candidate.null, candidate.meant, against, strict=True
+        f"{candidate.label}.{key} {'is' if sure else 'may as well be'} {value:.3g}, and the name means "
+        f"{'less' if below else 'more'} than {null:g}"
+        for key, value, null, below, sure, said in zip(
+            candidate.keys, np.where(wrong, x, candidate.null), candidate.null, less, wrong, told, strict=True
         )
-        if meant and wrong
+        if said
     ]
 
 

@@ -241,8 +241,22 @@ def test_a_value_that_is_the_contrary_of_the_name_does_not_carry_it() -> None:
     x, half = np.array([1.001, 0.28, 1.27]), np.array([0.015, 0.15, 0.12])
     said = _against_name(both, x, x - half, x + half)
     assert said == ["stribeck in both directions.transverse_ratio is 1.27, and the name means less than 1"]
-    assert not _against_name(both, x, x - 0.3, x + 0.3), "it may be either"
     assert not _against_name(both, 1.9 - x, 1.9 - x - half, 1.9 - x + half)
+
+
+def test_a_name_needs_a_value_on_the_side_that_it_means() -> None:
+    """A dragging castor was called a drop of friction: to 0.83 … 1.06 along the wheels, 0.96 … 1.14 across."""
+    [both] = [
+        c for c in named_candidates(("1", "2", "3"), False, ()) if c.label == "stribeck in both directions"
+    ]
+    x, half = np.array([0.947, 0.4, 1.051]), np.array([0.113, 0.6, 0.092])
+    said = _against_name(both, x, x - half, x + half)
+    assert said == [
+        f"stribeck in both directions.{key} may as well be 1, and the name means less than 1"
+        for key in ("dynamic_ratio", "transverse_ratio")
+    ]
+    half[0] = 0.04
+    assert not _against_name(both, x, x - half, x + half), "one of the two is enough"
 
 
 def test_few_runs_that_disagree_leave_more_open() -> None:
