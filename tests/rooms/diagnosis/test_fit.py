@@ -245,7 +245,7 @@ def test_a_value_that_is_the_contrary_of_the_name_does_not_carry_it() -> None:
 
 
 def test_a_name_needs_a_value_on_the_side_that_it_means() -> None:
-    """A dragging castor was called a drop of friction: to 0.83 … 1.06 along the wheels, 0.96 … 1.14 across."""
+    """A dragging castor was a drop of friction: to 0.83 … 1.06 along the wheels, 0.96 … 1.14 across."""
     [both] = [
         c for c in named_candidates(("1", "2", "3"), False, ()) if c.label == "stribeck in both directions"
     ]
