@@ -7,7 +7,6 @@ from typing import Any, final
 
 from slipmargin.api.result import Result
 from slipmargin.effects import Effect
-from slipmargin.errors import InputError
 
 
 @final
@@ -105,7 +104,9 @@ def describe_effect(name: str) -> EffectDescription:
     >>> sm.describe_effect("motor_lag").to_dict()["traced_to"]
     'actuation'
     """
-    for effect in (known := known_effects()).effects:
+    from slipmargin.io.effect_table import unknown_effect
+
+    for effect in known_effects().effects:
         if effect.name == name:
             return EffectDescription(effect=effect)
-    raise InputError("name", f"{name!r} is not a known effect", f"use one of: {', '.join(known.names)}")
+    raise unknown_effect("name", name)

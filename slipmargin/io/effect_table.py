@@ -29,11 +29,17 @@ def read_effect(table: Table, wheels: tuple[str, ...]) -> AnyEffect:
             raise fault.within(table.place) from None
     kind = effect_class(name)
     if kind is None:
-        guess = nearest(name, [e.name for e in CATALOGUE])
-        hint = f"did you mean {guess!r}? " if guess else ""
-        every = f"`slipmargin effects list` shows all; {general.PREFIX}<variable> are general forms"
-        raise InputError(table.at("name"), f"{name!r} is not a known effect", hint + every)
+        raise unknown_effect(table.at("name"), name, f"; {general.PREFIX}<variable> are general forms")
     return _named(kind, table, wheels)
+
+
+def unknown_effect(place: str, name: str, more: str = "") -> InputError:
+    """The fault that no effect is called ``name``: with the nearest one, and how all are listed."""
+    guess = nearest(name, [e.name for e in CATALOGUE])
+    hint = f"did you mean {guess!r}? " if guess else ""
+    return InputError(
+        place, f"{name!r} is not a known effect", f"{hint}`slipmargin effects list` shows all{more}"
+    )
 
 
 def _named(kind: type[Effect], table: Table, names: tuple[str, ...]) -> Effect:

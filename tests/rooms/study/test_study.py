@@ -120,7 +120,7 @@ def test_the_file_s_own_design_may_be_impossible() -> None:
 def test_an_objective_that_is_none_lists_the_known() -> None:
     with pytest.raises(InputError, match="did you mean 'f_worst'"):
         objective("f_wurst")
-    with pytest.raises(InputError, match="known: f_worst, f_mean"):
+    with pytest.raises(InputError, match="use one of: f_worst, f_mean"):
         objective("beauty")
 
 
