@@ -136,17 +136,16 @@ def held_wheels(model: Model) -> tuple[str, ...]:
     stall = model.drives.stall_torque_N_m
     if stall is None:
         return ()
-    g, grip = model.geometry, model.grip.roller
-    along = (abs((d * g.drive).sum(axis=1)) for d in (g.grip, g.free))
-    share = sum(mu * part for mu, part in zip(grip.T, along, strict=True))
-    bears = share * model.loads.rest_N
-    first = int((bears * g.radius_m).argmax())
-    if stall >= bears[first] * g.radius_m[first]:
+    g = model.geometry
+    bears = (model.grip.roller * abs(g.torque_arms()).T).sum(axis=1) * model.loads.rest_N
+    first = int(bears.argmax())
+    radius = g.radius_m[first]
+    if stall >= bears[first]:
         return ()
     return (
         f"motors: these are limits of wheels that are held; the grip of wheel {g.names[first]} bears "
-        f"{bears[first]:.3g} N along its drive direction, and a motor of {stall:.3g} N m pushes with "
-        f"{stall / g.radius_m[first]:.3g} N there, so that the robot may push less: see bounds",
+        f"{bears[first] / radius:.3g} N along its drive direction, and a motor of {stall:.3g} N m pushes "
+        f"with {stall / radius:.3g} N there, so that the robot may push less: see bounds",
     )
 
 

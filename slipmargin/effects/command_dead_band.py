@@ -11,7 +11,7 @@ from slipmargin.effects.effect import Part, Scope, Trace, WheelEffect, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import ActuatorDynamics
 from slipmargin.physics.terms import Multiplier
-from slipmargin.physics.variables import Basis, Target, Variable
+from slipmargin.physics.variables import Basis, Variable
 
 #: Width of the edge, as a share of the band [1]: narrow beside it, and wide enough that a fit sees its slope.
 _EDGE = 0.05
@@ -52,7 +52,6 @@ class CommandDeadBand(WheelEffect):
             variable=Variable.COMMAND_SPEED,
             basis=Basis.STEP,
             shape=np.array([band, _EDGE * band]),
-            target=Target.BOTH,
             coefficients=np.array([-1.0]),
             wheels=self.mask(nominal),
         )

@@ -107,8 +107,7 @@ def greatest_torque(
     model: Model, friction: Friction, external: External, velocity: Array, acceleration: Array
 ) -> Array:
     """Torques (R, M, N) [N m] no motor exceeds at accelerations (R, M, 3), with each wheel's whole grip."""
-    c = model.geometry
-    on_drive, on_side = (np.abs(c.radius_m * np.sum(c.drive * axis, axis=1)) for axis in (c.grip, c.free))
+    on_drive, on_side = np.abs(model.geometry.torque_arms())
     drag = np.maximum(np.abs(friction.drag_low), np.abs(friction.drag_high))
     each = on_drive * WHOLE * friction.drive + on_side * drag
     worst = np.where(friction.possible, each, 0.0).max(axis=0)
@@ -140,7 +139,7 @@ class Demands:
         model: Model, friction: Friction, external: External, velocity: Array, kind: Index | None = None
     ) -> Demands:
         """States of ``friction``, ``external``, ``velocity`` (M, 3); each its own ``kind`` by default."""
-        c, states = model.geometry, friction.drive.shape[1]
+        states = friction.drive.shape[1]
         along, across = model.wrench_maps()
         middle = 0.5 * (friction.drag_low + friction.drag_high)
         cases = []
@@ -155,7 +154,7 @@ class Demands:
             np.concatenate([along, across]),
             np.array(model.loads.per_acceleration_kg, dtype=float),
             np.array(model.inertia.diagonal, dtype=float),
-            np.stack([-c.radius_m * np.sum(c.drive * axis, axis=1) for axis in (c.grip, c.free)]),
+            -model.geometry.torque_arms(),
             comparable(model),
             LIGHTEST * model.inertia.weight_N / model.count,
             _full(friction.drive_stiffness, states, model.count),

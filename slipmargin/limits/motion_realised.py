@@ -269,11 +269,9 @@ def comparable(model: Model) -> Array:
 
 
 def _torque(model: Model, balance: Balance, twist: Array) -> Array:
-    c = model.geometry
     drive = -balance.grip * continued_share(balance.law, balance.steep * (twist @ balance.along))
     side = -balance.drag * law_share(
         balance.law, balance.steep_across * (balance.slide + twist @ balance.across)
     )
-    return np.asarray(
-        -c.radius_m * (drive * np.sum(c.drive * c.grip, axis=1) + side * np.sum(c.drive * c.free, axis=1))
-    )
+    on_grip, on_free = model.geometry.torque_arms()
+    return np.asarray(-(drive * on_grip + side * on_free))

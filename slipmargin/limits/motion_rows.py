@@ -246,11 +246,10 @@ def torque_rows(model: Model, friction: Friction, external: External, velocity: 
     motions ``velocity`` (M, 3).  For more than three wheels the drive forces are the even distribution (a
     first estimate of the realised one).
     """
-    c, across = model.geometry, model.wrench_maps()[1]
-    along_grip, along_free = np.sum(c.drive * c.grip, axis=1), np.sum(c.drive * c.free, axis=1)
+    across, (on_grip, on_free) = model.wrench_maps()[1], model.geometry.torque_arms()
     # f = L (M a − w + B_T N D), T = −ρ (ŝ·ĝ) f + ρ (ŝ·f̂) N D
-    on_wrench = (-c.radius_m * along_grip)[:, None] * even_distribution(model)
-    on_drag = on_wrench @ across + np.diag(c.radius_m * along_free)
+    on_wrench = -on_grip[:, None] * even_distribution(model)
+    on_drag = on_wrench @ across + np.diag(on_free)
     shape = friction.drive.shape[1:]
     most, least = np.empty((*shape, model.count)), np.empty((*shape, model.count))
     low, high = own(friction.drag_low), own(friction.drag_high)

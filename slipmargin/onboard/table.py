@@ -234,8 +234,7 @@ def limit_table(model: Model, margin: float) -> LimitTable:
     geometry, (along, across) = model.geometry, model.wrench_maps()
     low, high, floor, moment, change = _external(model, motion)
     rest = model.loads.at(np.zeros(2), lift_N=lift_N(model)) + model.loads.shifts()
-    along_grip = np.sum(geometry.drive * geometry.grip, axis=1)
-    along_free = np.sum(geometry.drive * geometry.free, axis=1)
+    on_grip, on_free = geometry.torque_arms()
     rolling = geometry.rolling_rows() / geometry.radius_m[:, None]
     drives = model.drives
     if np.min(drive[0]) <= 0.0:
@@ -272,8 +271,8 @@ def limit_table(model: Model, margin: float) -> LimitTable:
         floor_moment_N_m=moment,
         floor_loads=model.loads.per_moment_1_per_m,
         viscous=-model.grip.viscous_N_s_per_m[1] * across @ geometry.lateral_rows(),
-        torque_force=-geometry.radius_m * along_grip,
-        torque_drag=geometry.radius_m * along_free,
+        torque_force=-on_grip,
+        torque_drag=on_free,
         spin=(drives.wheel_inertia_kg_m2 or 0.0) * rolling,
         stall_torque_N_m=drives.stall_torque_N_m,
         top_speed_rad_s=drives.max_speed_rad_s,

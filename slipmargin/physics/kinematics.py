@@ -92,7 +92,7 @@ class WheelGeometry:
     def rolling_rows(self) -> Array:
         """(N, 3): rolling speed ρ θ̇ [m/s] without slip along the grip, −(v + ω×p)·ĝ / ŝ·ĝ; read-only."""
         grip = np.einsum("id,idj->ij", self.grip, self.hub_rows())
-        return read_only(-grip / self._drive_along_grip()[:, None])
+        return read_only(-grip / np.sum(self.drive * self.grip, axis=1, keepdims=True))
 
     @lru_cache(maxsize=KEPT)  # noqa: B019
     def lateral_rows(self) -> Array:
@@ -112,7 +112,16 @@ class WheelGeometry:
         """
         lever = moment(self.position_m[:, 0], self.position_m[:, 1], self.grip[:, 0], self.grip[:, 1])
         rows = np.column_stack([self.grip, lever])
-        return np.asarray(-np.linalg.pinv(rows) * (self.radius_m * self._drive_along_grip()))
+        return np.asarray(-np.linalg.pinv(rows) * self.torque_arms()[0])
+
+    @lru_cache(maxsize=KEPT)  # noqa: B019
+    def torque_arms(self) -> Array:
+        """(2, N): torque on a wheel per unit force along ĝ and along f̂, ρ ŝ·ĝ and ρ ŝ·f̂ [m]; read-only.
+
+        A radian of the wheel slides its contact by as much along them.
+        """
+        along = [np.sum(self.drive * axis, axis=1) for axis in (self.grip, self.free)]
+        return read_only(self.radius_m * np.stack(along))
 
     def wrench_maps(self, com_m: Array) -> tuple[Array, Array]:
         """B_W and B_T of eqs (14)–(15), each (3, N), about the centre of mass ``com_m``, body frame.
@@ -130,9 +139,6 @@ class WheelGeometry:
             return read_only(np.vstack([direction.T, lever]))
 
         return columns(self.grip), columns(self.free)
-
-    def _drive_along_grip(self) -> Array:
-        return np.asarray(np.sum(self.drive * self.grip, axis=1))
 
 
 def com_acceleration(com_m: Array, twist: Array, acceleration: Array) -> Array:

@@ -265,11 +265,11 @@ class Batch:
             row, (knots, coef, spin, push, times) = rows[which[r]].copy(), self._given[signal[r]]
             count = self.lengths[signal[r]]
             tasks[r, TASK:] = spin
-            if row[at.LAGGED] > 0.0 and row[at.RAMP] > 0.0:
-                knots, coef = ramped(row, knots, coef, spin)
-            if row[at.LAGGED] > 0.0 and row[at.COMMANDS] > 0.0:
-                knots, coef = in_straight_parts(row, knots, coef)
             if row[at.LAGGED] > 0.0:
+                if row[at.RAMP] > 0.0:
+                    knots, coef = ramped(row, knots, coef, spin)
+                if row[at.COMMANDS] > 0.0:
+                    knots, coef = in_straight_parts(row, knots, coef)
                 knots, coef = follow(row, knots, coef, spin)
             if row[at.PLAYS] > 0.0:
                 knots, coef = taken_up(row, knots, coef)

@@ -174,10 +174,10 @@ def _wheels(model: Model) -> Array:
     c, grip, n = model.geometry, model.grip, model.count
     rows = np.zeros((n, at.WHEEL))
     arm = c.position_m - model.inertia.com_m
-    for first, along in ((at.GRIP_X, c.grip), (at.FREE_X, c.free)):
+    for first, along, rolls in zip((at.GRIP_X, at.FREE_X), (c.grip, c.free), c.torque_arms(), strict=True):
         rows[:, [first, first + 1]] = along
         rows[:, first + 2] = moment(arm[:, 0], arm[:, 1], along[:, 0], along[:, 1])
-        rows[:, first + 3] = c.radius_m * np.sum(c.drive * along, axis=1)
+        rows[:, first + 3] = rolls
     rows[:, [at.ARM_X, at.ARM_Y]] = arm
     rows[:, at.RADIUS] = c.radius_m
     rows[:, at.REST] = model.loads.rest_N

@@ -18,7 +18,7 @@ from slipmargin.physics.compiled import fast, spliced
 from slipmargin.physics.constants import SLOW_RAD_S
 from slipmargin.sim import layout as at
 from slipmargin.sim.stops import merged
-from slipmargin.sim.wheels import turn
+from slipmargin.sim.wheels import moved_on, turn
 
 _H, _W, _COUNT, _LAG, _PLAY = at.HEAD, at.WHEEL, at.COUNT, at.LAG, at.PLAY
 
@@ -123,24 +123,20 @@ def taken_up(P: Any, knots: Any, coef: Any) -> tuple[Any, Any]:
     """Knots and pieces of the wheels for those of their motors: more of them, as each wheel's changes ask."""
     n = int(P[_COUNT])
     rows, first = _changes(P, knots, coef)
-    times = merged(knots, rows[:, 0])
-    out, now, j = np.zeros((len(times) - 1, n, 5)), first[:n].copy(), 0
+    times, piece, current = merged(knots, rows, first)
+    out = np.zeros((len(times) - 1, n, 5))
     for m in range(len(times) - 1):
-        mid = 0.5 * (times[m] + times[m + 1])
-        while j < len(knots) - 2 and knots[j + 1] <= mid:
-            j += 1
+        j = piece[m]
         x = times[m] - knots[j]
         for i in range(n):
-            while now[i] + 1 < first[i + 1] and rows[now[i] + 1, 0] <= mid:
-                now[i] += 1
-            way, p = rows[now[i], 1], out[m, i]
+            row, p = rows[current[m, i]], out[m, i]
+            way = row[1]
             if way == 0.0:
-                p[0] = rows[now[i], 2]
+                p[0] = row[2]
                 continue
             c, lag, half = coef[j, i], P[_H + i * _W + _LAG], 0.5 * P[_H + i * _W + _PLAY]
+            moved_on(c, x, p)
             p[0] = turn(c, lag, x)[0] - way * half
-            p[1] = c[1] + x * (2.0 * c[2] + 3.0 * c[3] * x)
-            p[2], p[3] = c[2] + 3.0 * c[3] * x, c[3]
             if c[4] != 0.0:
                 p[4] = c[4] * np.exp(-x / lag)
     return times, out

@@ -16,6 +16,7 @@ import numpy as np
 from slipmargin.physics.compiled import fast, spliced
 from slipmargin.sim import layout as at
 from slipmargin.sim.stops import SAME_S, merged
+from slipmargin.sim.wheels import moved_on
 
 _COUNT, _RAMP = at.COUNT, at.RAMP
 
@@ -95,25 +96,18 @@ def ramped(P: Any, knots: Any, coef: Any, start: Any) -> tuple[Any, Any]:
     """
     n, rate = int(P[_COUNT]), 1.0 / P[_RAMP]
     rows, first = _changes(P, knots, coef, start)
-    times = merged(knots, rows[:, 0])
-    out, now, j = np.zeros((len(times) - 1, n, 5)), first[:n].copy(), 0
+    times, piece, current = merged(knots, rows, first)
+    out = np.zeros((len(times) - 1, n, 5))
     angle = coef[0, :, 0].copy()
     for m in range(len(times) - 1):
-        h = times[m + 1] - times[m]
-        mid = times[m] + 0.5 * h
-        while j < len(knots) - 2 and knots[j + 1] <= mid:
-            j += 1
-        x = times[m] - knots[j]
+        j, h = piece[m], times[m + 1] - times[m]
         for i in range(n):
-            while now[i] + 1 < first[i + 1] and rows[now[i] + 1, 0] <= mid:
-                now[i] += 1
-            row, c, p = rows[now[i]], coef[j, i], out[m, i]
+            row, p = rows[current[m, i]], out[m, i]
             way = row[1]
-            p[0] = angle[i]
             if way == 0.0:
-                p[1] = c[1] + x * (2.0 * c[2] + 3.0 * c[3] * x)
-                p[2], p[3] = c[2] + 3.0 * c[3] * x, c[3]
+                moved_on(coef[j, i], times[m] - knots[j], p)
             else:
                 p[1], p[2] = row[2] + way * rate * (times[m] - row[0]), 0.5 * way * rate
+            p[0] = angle[i]
             angle[i] += h * (p[1] + h * (p[2] + h * p[3]))
     return times, out

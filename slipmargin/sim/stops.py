@@ -39,9 +39,13 @@ def sector(w: Any, theta: float, omega: float, nudge: float) -> float:
 
 
 @fast
-def merged(knots: Any, more: Any) -> Any:
-    """The instants of both, in order, those that are one only once; the last is that of ``knots``."""
-    every = np.sort(np.concatenate((knots, more)))
+def merged(knots: Any, rows: Any, first: Any) -> tuple[Any, Any, Any]:
+    """Knots of wheels each of which changes what it does at times of its own.
+
+    The times, those that are one only once, and of each part between two of them its old piece and (M, N) the
+    row of each wheel.  Of ``rows`` the first column is the time; those of wheel i begin at ``first[i]``.
+    """
+    every = np.sort(np.concatenate((knots, rows[:, 0])))
     times, kept = np.empty(len(every)), 1
     times[0] = every[0]
     for t in every:
@@ -49,7 +53,18 @@ def merged(knots: Any, more: Any) -> Any:
             times[kept] = t
             kept += 1
     times[kept - 1] = knots[len(knots) - 1]
-    return times[:kept]
+    n, j, now = len(first) - 1, 0, first[:-1].copy()
+    piece, current = np.empty(kept - 1, dtype=np.int64), np.empty((kept - 1, n), dtype=np.int64)
+    for m in range(kept - 1):
+        mid = 0.5 * (times[m] + times[m + 1])
+        while j < len(knots) - 2 and knots[j + 1] <= mid:
+            j += 1
+        piece[m] = j
+        for i in range(n):
+            while now[i] + 1 < first[i + 1] and rows[now[i] + 1, 0] <= mid:
+                now[i] += 1
+            current[m, i] = now[i]
+    return times[:kept], piece, current
 
 
 @inner

@@ -39,6 +39,14 @@ def turn(c: Any, lag: float, x: float) -> tuple[float, float, float]:
     return th, om, al
 
 
+@spliced
+def moved_on(c: Any, x: float, p: Any) -> None:
+    """Fill p with the cubic of coefficients c, counted from time x into its piece."""
+    p[0] = c[0] + x * (c[1] + x * (c[2] + x * c[3]))
+    p[1] = c[1] + x * (2.0 * c[2] + 3.0 * c[3] * x)
+    p[2], p[3] = c[2] + 3.0 * c[3] * x, c[3]
+
+
 @inner
 def _command_factor(P: Any, i: int, t: float, speed: float) -> float:
     factor, q, n = 1.0, int(P[_CMDS_AT]), int(P[_COUNT])
@@ -61,7 +69,7 @@ _LOOKS, _LOOK_RAD_S = 3, 0.1
 @inner
 def _asked(P: Any, i: int, t: float, c: Any, x: float) -> float:
     """What a wheel's modulated command asks at time x into a piece that begins at t [rad/s]."""
-    speed = c[1] + x * (2.0 * c[2] + 3.0 * c[3] * x)
+    speed = turn(c, 0.0, x)[1]
     return float(speed * _command_factor(P, i, t + x, speed))
 
 
@@ -101,15 +109,11 @@ def in_straight_parts(P: Any, knots: Any, coef: Any) -> tuple[Any, Any]:
             times[kept], piece[kept] = knots[j] + low, j
             kept += 1
             low, many = high, many - 1
-    out = np.empty((kept, coef.shape[1], 5))
+    out = np.zeros((kept, coef.shape[1], 5))
     for m in range(kept):
         j = piece[m]
-        x = times[m] - knots[j]
         for i in range(coef.shape[1]):
-            c, p = coef[j, i], out[m, i]
-            p[0] = c[0] + x * (c[1] + x * (c[2] + x * c[3]))
-            p[1] = c[1] + x * (2.0 * c[2] + 3.0 * c[3] * x)
-            p[2], p[3], p[4] = c[2] + 3.0 * c[3] * x, c[3], 0.0
+            moved_on(coef[j, i], times[m] - knots[j], out[m, i])
     return np.append(times[:kept], knots[len(knots) - 1]), out
 
 

@@ -22,6 +22,12 @@ def with_motor(stall_N_m: float) -> Recipe:
     return Recipe(robot=replace(robot, motor=Motor(max_speed_rad_s=40.0, stall_torque_N_m=stall_N_m)))
 
 
+def grip_torque_N_m() -> float:
+    """What the grip of the wheel with most of it bears."""
+    model = with_motor(1.0).build("paper")
+    return float(np.max(model.grip.roller[:, 0] * model.loads.rest_N * model.geometry.radius_m))
+
+
 def said(result: sm.Result) -> list[str]:
     return [w for w in result.warnings if w.startswith("motors: ")]
 
@@ -29,9 +35,7 @@ def said(result: sm.Result) -> list[str]:
 @pytest.mark.parametrize("share", [0.5, 0.99, 1.01])
 def test_a_weak_motor_is_said(share: float) -> None:
     """The recommended pull was one at which motors are turned back, without a word."""
-    model = with_motor(1.0).build("paper")
-    grip = float(np.max(model.grip.roller[:, 0] * model.loads.rest_N * model.geometry.radius_m))
-    recipe = with_motor(share * grip)
+    recipe = with_motor(share * grip_torque_N_m())
     for result in (sm.sweep(recipe, "paper", step_deg=30.0), sm.polytope(recipe, "paper")):
         assert len(said(result)) == (share < 1.0)
         assert all("pushes with" in s and "see bounds" in s for s in said(result))
@@ -39,10 +43,8 @@ def test_a_weak_motor_is_said(share: float) -> None:
 
 def test_it_is_so() -> None:
     """A pull turns wheels against motors of half of what grip bears, well before the limit of held wheels."""
-    model = with_motor(1.0).build("paper")
-    grip = float(np.max(model.grip.roller[:, 0] * model.loads.rest_N * model.geometry.radius_m))
     for share, motor in ((0.5, True), (1.01, False)):
-        weak = with_motor(share * grip).build("paper")
+        weak = with_motor(share * grip_torque_N_m()).build("paper")
         held, most = pull_test(weak, np.zeros(1)), limit(weak, np.zeros(1), Pull())
         assert (held.limit == ("motor",)) == motor
         assert (held.force_N[0] < 0.9 * most[0]) == motor
